@@ -1,0 +1,31 @@
+# impedraw_library(NAME SOURCES … LINKS …): a folder of src as the target impedraw::NAME.
+# Headers are included by their path from src: #include "control/impedance.h".
+function(impedraw_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(impedraw_${name} STATIC ${ARG_SOURCES})
+    set(scope PUBLIC)
+    impedraw_warnings(impedraw_${name})
+    target_link_libraries(impedraw_${name} PRIVATE ${ARG_PRIVATE_LINKS})
+  else()
+    add_library(impedraw_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(impedraw::${name} ALIAS impedraw_${name})
+  target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include/impedraw>)
+  target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
+endfunction()
+
+# impedraw_test(NAME SOURCES … LINKS …): one GoogleTest program, run by ctest from the root of the tree.
+function(impedraw_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  find_package(GTest REQUIRED)
+  add_executable(${name} ${ARG_SOURCES})
+  impedraw_warnings(${name})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock)
+  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+endfunction()
+
+function(impedraw_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+endfunction()
