@@ -11,6 +11,7 @@ list(PREPEND CMAKE_PREFIX_PATH ${CMEEL_PREFIX})
 set(BOOST_ROOT ${CMEEL_PREFIX})
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Threads REQUIRED)
+find_package(fmt REQUIRED)  # g++ 12 has no std::format
 
 # MuJoCo's wheel has headers and a versioned library, but no CMake package.
 file(GLOB MUJOCO_LIBRARY ${IMPEDRAW_SITE_PACKAGES}/mujoco/libmujoco.so.*)

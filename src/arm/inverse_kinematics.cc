@@ -1,0 +1,55 @@
+#include "arm/inverse_kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace impedraw {
+
+IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed, const IkSettings& settings) {
+  const int n = arm.joints();
+  const JointVector lower = arm.limits().lower, upper = arm.limits().upper;
+  const JointVector rest = JointVector::Zero(n);
+  ArmTerms terms(n);
+  IkResult result;
+  result.q = seed.cwiseMax(lower).cwiseMin(upper);
+  JointVector q = result.q;
+  double best = std::numeric_limits<double>::infinity();
+
+  for (int step = 0; step < settings.max_steps; ++step) {
+    arm.compute(q, rest, &terms);
+    const Eigen::Vector3d z = terms.X_WE.R.col(2);
+    const Eigen::Vector3d cross = z.cross(wanted.z_WE);
+    const double angle = std::atan2(cross.norm(), z.dot(wanted.z_WE));
+    // At exactly opposite axes any normal of z serves as the axis to turn about.
+    const Eigen::Vector3d axis = cross.norm() > 1e-12 ? Eigen::Vector3d(cross.normalized()) : terms.X_WE.R.col(0);
+    Vector6 e;
+    e << wanted.p_WE - terms.X_WE.p, angle * axis;
+    const double position_error = e.head<3>().norm();
+    if (position_error + angle < best) {
+      best = position_error + angle;
+      result.q = q;
+      result.position_error = position_error;
+      result.axis_error = angle;
+    }
+    if (position_error < settings.position_tolerance && angle < settings.axis_tolerance) {
+      result.reached = true;
+      break;
+    }
+    // The turn about the pen carries no error: take it out of the Jacobian, so that it costs no motion either.
+    TipJacobian J = terms.J;
+    J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
+    const double damping = 1e-12 + 1e-2 * std::min(1.0, best * best);
+    Matrix6 A = J * J.transpose() + damping * Matrix6::Identity();
+    A.bottomRightCorner<3, 3>() += z * z.transpose();  // there A is singular and e is zero
+    const Eigen::LLT<Matrix6> factor(A);
+    const JointVector home = settings.posture_gain * (seed - q);
+    JointVector dq = J.transpose() * factor.solve(e - J * home) + home;
+    dq *= std::min(1.0, 0.3 / std::max(dq.cwiseAbs().maxCoeff(), 1e-12));  // no leaps across the workspace
+    q = (q + dq).cwiseMax(lower).cwiseMin(upper);
+  }
+  return result;
+}
+
+}  // namespace impedraw

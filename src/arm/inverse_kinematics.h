@@ -1,0 +1,32 @@
+// Joint posture for a pen that stands on a point along a given axis: five of the six degrees of freedom, the turn about the pen is free.
+#pragma once
+
+#include <string>
+
+#include "arm/arm_model.h"
+
+namespace impedraw {
+
+struct PenPlacement {
+  Eigen::Vector3d p_WE;  // wanted tip [m]
+  Eigen::Vector3d z_WE;  // wanted pen axis, unit, out of the tip
+};
+
+struct IkSettings {
+  double position_tolerance = 1e-7;  // [m]
+  double axis_tolerance = 1e-7;      // [rad]
+  int max_steps = 200;
+  double posture_gain = 0.2;  // pull of the spare joints to the seed, a step
+};
+
+struct IkResult {
+  JointVector q;                // best posture, within the joint limits
+  bool reached = false;
+  double position_error = 0.0;  // [m]
+  double axis_error = 0.0;      // [rad]
+};
+
+// Damped least squares from `seed`, clamped to the joint limits at each step; the spare joints stay near the seed.
+IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed, const IkSettings& settings = {});
+
+}  // namespace impedraw

@@ -1,0 +1,27 @@
+// Gains of the surface frame S (z = n) that are equal along both tangents, turned to W:  R_WS diag(t, t, n) R_WSᵀ = t (I − n nᵀ) + n n nᵀ.
+// The heading of S about n then drops out, so no frame has to be carried across the surface.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace impedraw {
+
+struct AxialGain {
+  double tangent = 0.0;  // along both tangents, or about them
+  double normal = 0.0;   // along n, or about it
+
+  Eigen::Vector3d apply(const Eigen::Vector3d& n_W, const Eigen::Vector3d& x_W) const {
+    return tangent * x_W + ((normal - tangent) * n_W.dot(x_W)) * n_W;
+  }
+  Eigen::Matrix3d matrix(const Eigen::Vector3d& n_W) const {
+    return tangent * Eigen::Matrix3d::Identity() + (normal - tangent) * n_W * n_W.transpose();
+  }
+};
+
+// A 6×6 gain that is block-diagonal in linear and angular part.
+struct TipGain {
+  AxialGain linear;   // N/m, N s/m or kg
+  AxialGain angular;  // Nm/rad, Nm s/rad or kg m²
+};
+
+}  // namespace impedraw

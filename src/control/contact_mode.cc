@@ -1,0 +1,74 @@
+#include "control/contact_mode.h"
+
+#include <cmath>
+
+#include "common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+using Mode = ContactMode;
+
+// What the evidence amounts to, one bit an event.
+enum Event : unsigned { kPenUp = 1, kApproachable = 2, kTouch = 4, kTouchLost = 8, kSurfaceLost = 16, kClear = 32 };
+
+struct Transition {
+  Mode from;
+  unsigned event;
+  Mode to;
+};
+
+constexpr Transition kTable[] = {  // the first match from the top counts
+    {Mode::free, kApproachable, Mode::approach},
+    {Mode::approach, kPenUp, Mode::lift},
+    {Mode::approach, kSurfaceLost, Mode::retreat},
+    {Mode::approach, kTouch, Mode::contact},
+    {Mode::contact, kPenUp, Mode::lift},
+    {Mode::contact, kSurfaceLost, Mode::retreat},
+    {Mode::contact, kTouchLost, Mode::approach},
+    {Mode::lift, kClear, Mode::free},
+    {Mode::lift, kApproachable, Mode::approach},
+    {Mode::retreat, kPenUp, Mode::free},
+};
+
+}  // namespace
+
+ContactStates::ContactStates(const ContactSettings& settings, double dt) : settings_(settings), dt_(dt) {
+  if (!(settings.leave_distance > settings.enter_distance))
+    throw InputError("contact.leave_distance must lie above contact.enter_distance: without hysteresis the contact chatters");
+}
+
+void ContactStates::reset() noexcept {
+  mode_ = Mode::free;
+  time_without_force_ = time_without_surface_ = 0.0;
+}
+
+ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
+  time_without_surface_ = e.surface_known ? 0.0 : time_without_surface_ + dt_;
+  const bool no_force = e.wrench_known && e.normal_force < settings_.loss_force;
+  time_without_force_ = mode_ == Mode::contact && no_force ? time_without_force_ + dt_ : 0.0;
+
+  const bool near = e.surface_known && e.distance < settings_.enter_distance;
+  const bool held = e.wrench_known ? e.normal_force > settings_.touch_force : e.approach_gap > settings_.touch_gap;
+  const bool far = e.surface_known && e.distance > settings_.leave_distance;
+  const bool lost_for_long = time_without_surface_ > settings_.lost_surface_time;
+
+  unsigned events = 0;
+  if (!e.pen_down) events |= kPenUp;
+  if (e.pen_down && e.surface_known) events |= kApproachable;
+  if (near && held) events |= kTouch;
+  if (far || time_without_force_ > settings_.loss_time) events |= kTouchLost;
+  if (lost_for_long) events |= kSurfaceLost;
+  if (!e.pen_down && (far || lost_for_long)) events |= kClear;
+
+  for (const Transition& t : kTable) {
+    if (t.from != mode_ || !(events & t.event)) continue;
+    mode_ = t.to;
+    time_without_force_ = 0.0;
+    break;
+  }
+  return mode_;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,54 @@
+// The states of a pen that comes down, draws and leaves, as a table.
+//
+//   free ──pen down wanted, surface known──> approach ──touch──> contact ──pen up wanted──> lift ──clear of the surface──> free
+//   contact ──touch lost──> approach              approach ──pen up wanted──> lift
+//   approach, contact ──surface lost──> retreat ──pen up wanted──> free
+//
+// Touch is known when the tip is within `enter_distance` of the estimated surface *and* something holds it: the measured force along the normal,
+// or, without a wrench, the tip that no longer follows the approach. Distance alone would push before touch: a peak of twice the push.
+// It is lost beyond `leave_distance` (hysteresis), or after `loss_time` without measured force.
+#pragma once
+
+#include <string_view>
+
+namespace impedraw {
+
+enum class ContactMode { free, approach, contact, lift, retreat };
+inline constexpr std::string_view kContactModeNames[] = {"free", "approach", "contact", "lift", "retreat"};
+
+struct ContactSettings {
+  double enter_distance = 1.0e-3;    // tip to estimated surface [m]
+  double leave_distance = 2.5e-3;    // [m], > enter_distance
+  double touch_force = 0.3;          // measured, along n [N]
+  double touch_gap = 0.8e-3;         // without a wrench: how far the tip stays behind the approach [m]
+  double loss_force = 0.05;          // measured, along n [N]
+  double loss_time = 0.03;           // below loss_force for so long: lost [s]
+  double lost_surface_time = 0.25;   // how long the last normal is trusted when perception has none [s]
+};
+
+// What one step knows of the contact.
+struct ContactEvidence {
+  bool pen_down = false;        // wanted by the plan
+  bool surface_known = false;
+  double distance = 0.0;        // to the estimated surface [m]
+  bool wrench_known = false;
+  double normal_force = 0.0;    // measured [N]
+  double approach_gap = 0.0;    // distance minus the distance wanted in the approach [m]
+};
+
+class ContactStates {
+ public:
+  ContactStates(const ContactSettings& settings, double dt);  // throws InputError
+  ContactMode next(const ContactEvidence& evidence) noexcept;
+  ContactMode mode() const { return mode_; }
+  void reset() noexcept;
+
+ private:
+  ContactSettings settings_;
+  double dt_;
+  ContactMode mode_ = ContactMode::free;
+  double time_without_force_ = 0.0;
+  double time_without_surface_ = 0.0;
+};
+
+}  // namespace impedraw

@@ -1,0 +1,67 @@
+#include "control/damping.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace impedraw {
+
+namespace {
+
+double off_diagonal_share(const Matrix6& C) {
+  double off = 0.0;
+  for (int j = 1; j < 6; ++j)
+    for (int i = 0; i < j; ++i) off = std::max(off, C(i, j) * C(i, j) / std::abs(C(i, i) * C(j, j)));
+  return std::sqrt(off);
+}
+
+// One sweep of cyclic Jacobi: C ← Gᵀ C G, Z ← Z G for each pair, C towards diagonal.
+void jacobi_sweep(Matrix6& C, Matrix6& Z) {
+  for (int p = 0; p < 5; ++p) {
+    for (int q = p + 1; q < 6; ++q) {
+      const double off = C(p, q);
+      if (off * off <= 1e-24 * std::abs(C(p, p) * C(q, q))) continue;
+      const double theta = (C(q, q) - C(p, p)) / (2.0 * off);
+      const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
+      const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
+      const Vector6 row_p = C.col(p), row_q = C.col(q);  // C is symmetric: its rows are its columns
+      Vector6 new_p = c * row_p - s * row_q, new_q = s * row_p + c * row_q;
+      new_p[p] = row_p[p] - t * off;
+      new_q[q] = row_q[q] + t * off;
+      new_p[q] = new_q[p] = 0.0;
+      C.col(p) = new_p;
+      C.col(q) = new_q;
+      C.row(p) = new_p.transpose();
+      C.row(q) = new_q.transpose();
+      const Vector6 z_p = Z.col(p), z_q = Z.col(q);
+      Z.col(p) = c * z_p - s * z_q;
+      Z.col(q) = s * z_p + c * z_q;
+    }
+  }
+}
+
+}  // namespace
+
+Matrix6 ModalDamping::design(const Matrix6& U, const Matrix6& K, double damping_ratio) noexcept {
+  const Matrix6 T = U.triangularView<Eigen::Lower>() * Z_;
+  Matrix6 C;
+  C.noalias() = T.transpose().lazyProduct(K * T);
+  constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7, a warm one 1
+  for (int sweep = 0; sweep < kMaxSweeps && off_diagonal_share(C) > 1e-6; ++sweep) jacobi_sweep(C, Z_);
+
+  const Vector6 rate = 2.0 * damping_ratio * C.diagonal().cwiseMax(0.0).cwiseSqrt();
+  largest_rate_ = rate.maxCoeff();
+  Matrix6 W = Z_;  // U⁻ᵀ Z
+  U.triangularView<Eigen::Lower>().transpose().solveInPlace(W);
+  Matrix6 B;
+  B.noalias() = (W * rate.asDiagonal()).lazyProduct(W.transpose());
+  return B;
+}
+
+TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio) {
+  const auto pair = [&](const AxialGain& k, const AxialGain& m) {
+    return AxialGain{2.0 * damping_ratio * std::sqrt(k.tangent * m.tangent), 2.0 * damping_ratio * std::sqrt(k.normal * m.normal)};
+  };
+  return {pair(stiffness.linear, inertia.linear), pair(stiffness.angular, inertia.angular)};
+}
+
+}  // namespace impedraw

@@ -1,0 +1,34 @@
+// Damping from stiffness and inertia, mode by mode.
+//
+// Law      K' Q = M_d Q diag(k),  Qᵀ M_d Q = I,  B = M_d Q diag(2 ζ √k) Qᵀ M_d            (control.md, Damping)
+// Gives    every mode of M_d ẍ + B ẋ + K' x = 0 the same damping ratio ζ
+// With     M_d = A⁻¹, A = U Uᵀ, this is B = 2 ζ U⁻ᵀ C^½ U⁻¹, C = Uᵀ K' U.
+//
+// K' must be positive definite: axes without stiffness take a stated reference stiffness.
+// A discrete loop needs max eig(M_d⁻¹ B) (Δt + delay) < 0.5; max eig = 2 ζ √k_max.
+#pragma once
+
+#include "common/pose.h"
+#include "control/axial_gain.h"
+
+namespace impedraw {
+
+inline constexpr double kDampingLimit = 0.5;  // of max eig(M_d⁻¹ B) (Δt + delay)
+
+// For a wanted inertia that turns with the posture (M_d = Λ): one call a step. Jacobi rotations start from the last call's modes, so that
+// a posture which moves by a step costs one sweep; off-diagonal terms that are left are below 1e-6 of the diagonal's scale.
+class ModalDamping {
+ public:
+  // U: lower factor of A = M_d⁻¹. K: K'. Returns B.
+  Matrix6 design(const Matrix6& U, const Matrix6& K, double damping_ratio) noexcept;
+  double largest_rate() const { return largest_rate_; }  // max eig(M_d⁻¹ B) of the last call [1/s]
+
+ private:
+  Matrix6 Z_ = Matrix6::Identity();  // eigenvectors of C
+  double largest_rate_ = 0.0;
+};
+
+// For a wanted inertia that is constant in S and diagonal there, the modes are the axes themselves: b = 2 ζ √(k m).
+TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio);
+
+}  // namespace impedraw

@@ -1,0 +1,66 @@
+// Every setting of the impedance controller, with its unit. Gains stand in the surface frame S (z = n); "tangent" holds for both tangents.
+#pragma once
+
+#include "control/axial_gain.h"
+#include "control/contact_mode.h"
+#include "control/operational_space.h"
+
+namespace impedraw {
+
+enum class InertiaShaping {
+  natural,  // M_d = Λ: the arm keeps the inertia it has. The only choice without a measured wrench.
+  shaped,   // M_d = diag(mass, inertia) in S, constant
+};
+
+enum class WrenchFeedback {
+  none,      // F_ext is not known
+  measured,  // F_ext is given at each step, taken at E, in W
+};
+
+// How the position error of (13) comes onto the tangent plane, seen along the drawing axis z.
+enum class ErrorProjection {
+  lifted,  // e − z (n·e)/(n·z): same fixed point, full stiffness on any slope
+  paper,   // (z × e) × z, then K in S: cos²θ of the stiffness up and down a slope θ
+};
+
+struct ImpedanceSettings {
+  double dt = 1e-3;     // step [s]
+  double delay = 1e-3;  // age of F_ext and of the state when the torque acts [s]
+
+  InertiaShaping inertia = InertiaShaping::shaped;
+  WrenchFeedback wrench = WrenchFeedback::measured;
+  ErrorProjection projection = ErrorProjection::lifted;
+
+  TipGain stiffness{{3000.0, 1500.0}, {100.0, 0.0}};           // K: [N/m], [Nm/rad]. The normal one holds in free motion and approach only
+  TipGain reference_stiffness{{0.0, 1500.0}, {0.0, 10.0}};     // K' where K is zero: sizes the damping
+  TipGain shaped_inertia{{4.0, 3.0}, {0.05, 0.02}};            // M_d if shaped: [kg], [kg m²]
+  double damping_ratio = 0.8;                                  // ζ
+
+  double push_force = 5.0;                // F_n [N]
+  double switch_time = 0.04;              // time constant in which a switch of mode hands over force [s]
+  double approach_speed = 0.01;           // along −n [m/s]
+  double approach_overtravel = 4.0e-3;    // how far beneath the estimated surface the approach goes on [m]
+  double retreat_height = 0.02;           // above the plan, after the surface was lost [m]
+  double normal_bandwidth = 40.0;         // of the tracker of the surface normal [rad/s]
+  double min_axis_cosine = 0.2;           // least |n·z| at which an error is lifted along z
+
+  double tip_radius = 1.0e-3;             // of the pen's tip sphere [m]
+  double tip_stiffness = 20.0e3;          // believed, along the normal [N/m]; 0: rigid. Takes out the ink's shift by the tip's give
+  double friction = 0.3;                  // μ̂: what of the measured wrench tip friction may explain; 0: nothing
+  double friction_feedforward = 0.0;      // μ̂ for use without a measured wrench: friction foreseen along the stroke; 0: none
+  double friction_speed = 2.0e-3;         // below it the friction's direction fades [m/s]
+
+  // What the normal loop is checked against at set-up.
+  double contact_stiffness_max = 50.0e3;  // [N/m]
+  double natural_mass_max = 10.0;         // Λ along the normal [kg]
+
+  ContactSettings contact;
+  OperationalSpaceSettings operational_space;
+
+  Eigen::VectorXd null_stiffness = Eigen::VectorXd::Constant(7, 10.0);  // K_q [Nm/rad]
+  double null_damping_ratio = 0.7;                                      // D_q = 2 ζ √(K_q diag(M))
+  Eigen::VectorXd q_0 = Eigen::VectorXd::Zero(7);                       // rest posture (14) [rad]
+  Eigen::VectorXd torque_limit = Eigen::VectorXd::Constant(7, 1e3);     // ± [Nm]
+};
+
+}  // namespace impedraw

@@ -1,0 +1,33 @@
+// Wanted pen axis from the sampled surface normal: a unit vector and its angular velocity, without lag while the normal turns steadily.
+//
+// Law   ω ← ω + ω̇_plan Δt,  n ← exp([ω Δt + α ε]×) n,  ω ← ω + (β/Δt) ε,  ε = the smallest rotation that takes n to the sample
+//       α = 1 − r², β = (1 − r)², r = exp(−bandwidth Δt): critically damped α–β filter
+// A lagging filter of the same bandwidth would tilt the pen by 2 ω/bandwidth (0.5° at 50 mm/s in the bowl). The error left is (ω̇ − ω̇_plan)/bandwidth²: the plan need only know how the normal's turning changes.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace impedraw {
+
+class NormalTracker {
+ public:
+  NormalTracker(double bandwidth, double dt);  // [rad/s], [s]
+
+  void reset(const Eigen::Vector3d& n_W, const Eigen::Vector3d& w_W) noexcept;
+  void update(const Eigen::Vector3d& sample_W, const Eigen::Vector3d& alpha_plan_W) noexcept;  // [rad/s²]
+  void coast() noexcept;  // no sample: ω fades with the bandwidth, n goes with it
+
+  const Eigen::Vector3d& n() const { return n_W_; }  // unit
+  const Eigen::Vector3d& w() const { return w_W_; }  // [rad/s], perpendicular to n
+
+ private:
+  void turn(const Eigen::Vector3d& rotation) noexcept;
+
+  double dt_, alpha_, beta_;
+  Eigen::Vector3d n_W_ = Eigen::Vector3d::UnitZ(), w_W_ = Eigen::Vector3d::Zero();
+};
+
+// The smallest rotation vector that takes unit a to unit b [rad]; at exactly opposite vectors the axis is any perpendicular one.
+Eigen::Vector3d smallest_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept;
+
+}  // namespace impedraw

@@ -1,0 +1,51 @@
+// The arm seen from its tip: operational-space inertia and the dynamically consistent inverse.
+//
+// Definition  Λ = (J M⁻¹ Jᵀ)⁻¹ (8),   J̄ᵀ = Λ J M⁻¹ (16)
+// Identities  J̄ᵀ Jᵀ = I;  J M⁻¹ (I − Jᵀ J̄ᵀ) τ = 0 for every τ: the null space leaks no acceleration into the task (17)
+//
+// Computed from Cholesky factors, M = L Lᵀ, Y = L⁻¹ Jᵀ, A = Yᵀ Y = Λ⁻¹ = U Uᵀ; no inverse is ever formed and both triangles of A exist.
+// Near a singular posture the tip's effective mass grows without bound along a direction. Above `max_effective_mass` that direction is
+// released smoothly: Λ⁻¹ is replaced there by (λ² + ε²)/λ, ε from 0 up, so that torque stays bounded. Elsewhere nothing is damped.
+#pragma once
+
+#include <Eigen/Cholesky>
+
+#include "control/arm_terms.h"
+
+namespace impedraw {
+
+struct OperationalSpaceSettings {
+  double max_effective_mass = 400.0;     // [kg]; beyond it a direction counts as lost
+  double characteristic_length = 0.3;    // [m]; makes an inertia I about an axis comparable with a mass, I / length²
+};
+
+class OperationalSpace {
+ public:
+  explicit OperationalSpace(const OperationalSpaceSettings& settings = {}) : settings_(settings) {}
+
+  // Refactors for this posture. Returns false near a singularity (the products below then are the released ones).
+  bool update(const ArmTerms& arm) noexcept;
+
+  const Matrix6& inverse_inertia() const { return A_; }              // Λ⁻¹, symmetric
+  auto inverse_inertia_factor() const { return factor_A_.matrixL(); }  // U
+  Matrix6 inertia() const { return apply_inertia(Matrix6::Identity()); }  // Λ
+
+  // Λ a for a 6-vector, or the columns of a 6×k matrix.
+  template <typename Derived>
+  Eigen::Matrix<double, 6, Derived::ColsAtCompileTime> apply_inertia(const Eigen::MatrixBase<Derived>& a) const {
+    return factor_A_.solve(a);
+  }
+
+  Vector6 project_to_tip(const JointVector& tau) const noexcept;  // J̄ᵀ τ: the wrench at the tip that τ amounts to
+
+ private:
+  bool release_lost_directions() noexcept;
+
+  OperationalSpaceSettings settings_;
+  Eigen::LLT<JointMatrix> factor_M_;
+  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::ColMajor, kMaxJoints, 6> Y_;
+  Matrix6 A_ = Matrix6::Identity();
+  Eigen::LLT<Matrix6> factor_A_;
+};
+
+}  // namespace impedraw

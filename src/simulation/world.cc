@@ -1,0 +1,245 @@
+#include "simulation/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+using RowMatrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, kMaxJoints>;
+using ImpulseColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
+
+// MuJoCo prints its warnings by default, at every step. They are kept for the run that stops instead.
+thread_local char last_warning[256] = "";
+void keep_warning(const char* text) { std::snprintf(last_warning, sizeof last_warning, "%s", text); }
+
+Eigen::Matrix3d contact_frame(const Eigen::Vector3d& n) {
+  Eigen::Matrix3d R;
+  R.col(2) = n;
+  R.col(0) = n.unitOrthogonal();
+  R.col(1) = n.cross(R.col(0));
+  return R;
+}
+
+}  // namespace
+
+struct World::Mujoco {
+  mjModel* model = nullptr;
+  mjData* data = nullptr;
+  int tip_body = -1;
+
+  // Of the solve, kept so that a step allocates nothing.
+  RowMatrix3X J_tip, J_push;
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
+  ImpulseColumns M_inverse;
+  JointVector v, joint_impulse;
+
+  ~Mujoco() {
+    mj_deleteData(data);
+    mj_deleteModel(model);
+  }
+};
+
+World::World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings)
+    : settings_(settings), canvas_(canvas), mujoco_(std::make_unique<Mujoco>()) {
+  mju_user_warning = keep_warning;
+  char error[512] = "";
+  mjSpec* spec = mj_parseXML(urdf.c_str(), nullptr, error, sizeof error);
+  if (!spec) throw InputError(fmt::format("arm description {}: {}", urdf.string(), error));
+  spec->compiler.fusestatic = 0;  // keep the frame of the tip
+  spec->option.timestep = settings.dt;
+  spec->option.integrator = mjINT_EULER;
+  spec->option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_EULERDAMP;
+  mju_copy3(spec->option.gravity, Eigen::Vector3d(0, 0, -settings.gravity).eval().data());
+  mujoco_->model = mj_compile(spec, nullptr);
+  if (!mujoco_->model) {
+    const std::string cause = mjs_getError(spec);
+    mj_deleteSpec(spec);
+    throw InputError(fmt::format("arm description {}: {}", urdf.string(), cause));
+  }
+  mj_deleteSpec(spec);
+  mujoco_->data = mj_makeData(mujoco_->model);
+  mujoco_->tip_body = mj_name2id(mujoco_->model, mjOBJ_BODY, "tip");
+  if (mujoco_->tip_body < 0) throw InputError(fmt::format("arm description {}: no link named 'tip'", urdf.string()));
+  const int n = mujoco_->model->nv;
+  if (n > kMaxJoints || mujoco_->model->nq != n) throw InputError(fmt::format("arm description {}: at most {} single-axis joints", urdf.string(), kMaxJoints));
+  mujoco_->J_tip.setZero(3, n);
+  mujoco_->J_push.setZero(3, n);
+  mujoco_->M_inverse_Jt.setZero(n, 3);
+  mujoco_->M_inverse.setZero(n, n);
+  mujoco_->joint_impulse = JointVector::Zero(n);
+  state_.q = state_.v = JointVector::Zero(n);
+  set_state(state_.q, state_.v);
+}
+
+World::~World() = default;
+
+int World::joints() const { return mujoco_->model->nv; }
+
+void World::set_state(const JointVector& q, const JointVector& v) {
+  mj_resetData(mujoco_->model, mujoco_->data);
+  std::copy_n(q.data(), q.size(), mujoco_->data->qpos);
+  std::copy_n(v.data(), v.size(), mujoco_->data->qvel);
+  failure_.reset();
+  last_warning[0] = '\0';
+  mujoco_->joint_impulse.setZero();
+  observe();
+}
+
+// Everything that depends on position and velocity alone, at the start of a step.
+void World::observe() noexcept {
+  const mjModel* m = mujoco_->model;
+  mjData* d = mujoco_->data;
+  mj_step1(m, d);
+  const int n = m->nv;
+  state_.time = d->time;
+  state_.q = Eigen::Map<const Eigen::VectorXd>(d->qpos, n);
+  state_.v = Eigen::Map<const Eigen::VectorXd>(d->qvel, n);
+  state_.X_WE.p = Eigen::Map<const Eigen::Vector3d>(d->xpos + 3 * mujoco_->tip_body);
+  state_.X_WE.R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->xmat + 9 * mujoco_->tip_body);
+  double velocity[6];  // angular part first
+  mj_objectVelocity(m, d, mjOBJ_XBODY, mujoco_->tip_body, velocity, 0);
+  state_.V_WE << Eigen::Map<const Eigen::Vector3d>(velocity + 3), Eigen::Map<const Eigen::Vector3d>(velocity);
+}
+
+const TipContact& World::step(const JointVector& tau, const Eigen::Vector3d& f_push_W) noexcept {
+  const mjModel* m = mujoco_->model;
+  mjData* d = mujoco_->data;
+  const int n = m->nv;
+
+  JointVector generalised = tau;
+  if (!f_push_W.isZero(0.0)) {
+    mj_jac(m, d, mujoco_->J_push.data(), nullptr, state_.X_WE.p.data(), mujoco_->tip_body);
+    generalised += mujoco_->J_push.transpose().lazyProduct(f_push_W);
+  }
+  const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
+  JointVector acceleration(n);
+  const JointVector force = generalised - bias;
+  mj_solveM(m, d, acceleration.data(), force.data(), 1);
+  solve_impulses(state_.v + settings_.dt * acceleration);
+
+  Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
+  applied = generalised + mujoco_->joint_impulse / settings_.dt;
+  if (contact_.touching) applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
+  mj_step2(m, d);
+  observe();
+
+  const double size = state_.q.cwiseAbs().sum() + state_.v.cwiseAbs().sum();
+  if (!(size < 1e4) || last_warning[0] != '\0')
+    failure_ = fmt::format("the motion went unstable at t = {:.3f} s: {}", state_.time,
+                           last_warning[0] ? last_warning : fmt::format("joint speeds reached {:.3g} rad/s", state_.v.cwiseAbs().maxCoeff()).c_str());
+  return contact_;
+}
+
+// Finds the impulses of the tip and of the joints that fit each other, given the velocity that the step would end with without them.
+void World::solve_impulses(const JointVector& v_free) noexcept {
+  Mujoco& w = *mujoco_;
+  const int n = w.model->nv;
+  const double h = settings_.dt;
+  w.v = v_free;
+  contact_ = {};
+  w.joint_impulse.setZero();
+
+  TipContactStep tip{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), 0.0, h};
+  Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
+  if (canvas_) {
+    const double radius = settings_.tip.radius;
+    const Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
+    // A tip that has been pressed through by more than this is no longer on the paper.
+    if (const auto closest = canvas_->closest(centre, 10.0 * radius); closest && !(closest->on_edge && closest->distance <= 0.0)) {
+      tip.penetration = radius - closest->distance;
+      contact_.touching = tip.penetration > 0.0;
+      contact_.p_WC = closest->p_W;
+      contact_.n_W = closest->n_W;
+    }
+  }
+  if (contact_.touching) {
+    R_WC = contact_frame(contact_.n_W);
+    mj_jac(w.model, w.data, w.J_tip.data(), nullptr, contact_.p_WC.data(), w.tip_body);
+    const RowMatrix3X J_C = R_WC.transpose().lazyProduct(w.J_tip);
+    for (int i = 0; i < 3; ++i) {
+      const JointVector row = J_C.row(i).transpose();
+      mj_solveM(w.model, w.data, w.M_inverse_Jt.col(i).data(), row.data(), 1);
+    }
+    tip.G.noalias() = J_C.lazyProduct(w.M_inverse_Jt);
+    tip.v_free = J_C.lazyProduct(w.v);
+    tip_impulse = solve_tip_contact(tip, settings_.tip);
+    w.v += w.M_inverse_Jt.lazyProduct(tip_impulse);
+  }
+
+  // Joints that have something to say: dry friction, or a limit that this step would cross.
+  const auto limit_gap = [&](int j, double* sign) {
+    const double* range = w.model->jnt_range + 2 * j;
+    if (!w.model->jnt_limited[j]) return std::numeric_limits<double>::infinity();
+    const double below = state_.q[j] - range[0], above = range[1] - state_.q[j];
+    *sign = below < above ? 1.0 : -1.0;
+    return std::min(below, above);
+  };
+  bool joints_act = settings_.joint_friction > 0.0;
+  for (int j = 0; j < n && !joints_act; ++j) {
+    double sign = 1.0;
+    const double gap = limit_gap(j, &sign);
+    joints_act = gap + h * sign * w.v[j] < 0.0;
+  }
+  if (joints_act) {
+    for (int j = 0; j < n; ++j) {
+      const JointVector unit = JointVector::Unit(n, j);
+      mj_solveM(w.model, w.data, w.M_inverse.col(j).data(), unit.data(), 1);
+    }
+    JointVector friction = JointVector::Zero(n), limit = JointVector::Zero(n);
+    for (int sweep = 0; sweep < 200; ++sweep) {
+      double change = 0.0;
+      const auto add = [&](int j, double* impulse, double value) {
+        const double delta = value - *impulse;
+        *impulse = value;
+        w.v += w.M_inverse.col(j) * delta;
+        change = std::max(change, std::abs(delta));
+      };
+      for (int j = 0; j < n; ++j) {
+        const double bound = h * settings_.joint_friction, mobility = w.M_inverse(j, j);
+        if (bound > 0.0) add(j, &friction[j], std::clamp(friction[j] - w.v[j] / mobility, -bound, bound));
+        double sign = 1.0;
+        const double gap = limit_gap(j, &sign);
+        if (std::isfinite(gap)) add(j, &limit[j], sign * std::max(0.0, sign * limit[j] - (sign * w.v[j] + gap / h) / mobility));
+      }
+      if (contact_.touching) {
+        const RowMatrix3X J_C = R_WC.transpose().lazyProduct(w.J_tip);
+        tip.v_free = J_C.lazyProduct(w.v) - tip.G * tip_impulse;
+        const Eigen::Vector3d next = solve_tip_contact(tip, settings_.tip);
+        w.v += w.M_inverse_Jt.lazyProduct(next - tip_impulse);
+        change = std::max(change, (next - tip_impulse).cwiseAbs().maxCoeff());
+        tip_impulse = next;
+      }
+      if (change < 1e-12) break;
+    }
+    w.joint_impulse = friction + limit;
+  }
+  if (!contact_.touching) return;
+  contact_.f_W = R_WC * tip_impulse / h;
+}
+
+double World::ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const {
+  int geom = -1;
+  const double distance = mj_ray(mujoco_->model, mujoco_->data, origin_W.data(), direction_W.data(), nullptr, 1, -1, &geom, nullptr);
+  return distance < 0.0 ? std::numeric_limits<double>::infinity() : distance;
+}
+
+World::Terms World::terms() const {
+  const mjModel* m = mujoco_->model;
+  const mjData* d = mujoco_->data;
+  const int n = m->nv;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(n, n), J(6, n);
+  mj_fullM(m, d, M.data());
+  mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
+  return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
+}
+
+}  // namespace impedraw

@@ -1,0 +1,81 @@
+// The simulated world: an arm under torque, its pen on a canvas that nobody measured. MuJoCo has the arm; the contact is ours (tip_contact.h).
+//
+// One step of h from t_i:  v⁺ = v + h M⁻¹ (τ + Jᵀ F_push − C v − g) + M⁻¹ (J_cᵀ p + p_joint),  q⁺ = q + h v⁺
+// The tip's impulse p and those of the joints, dry friction |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel):
+// one after the other, the second would change the velocity that the first was found for.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "canvas/canvas.h"
+#include "common/pose.h"
+#include "control/arm_terms.h"
+#include "simulation/tip_contact.h"
+
+namespace impedraw {
+
+struct WorldSettings {
+  double dt = 1e-3;           // [s]
+  TipMaterial tip;
+  double joint_friction = 0.0;  // dry, the same on every joint: ± [Nm]
+  double gravity = 9.81;        // along −z [m/s²]
+};
+
+// The contact over the step that begins at this state: known once the step is made.
+struct TipContact {
+  bool touching = false;
+  Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // of the canvas on the tip [N]
+  Eigen::Vector3d p_WC = Eigen::Vector3d::Zero(); // on the canvas, closest to the centre of the tip sphere [m]
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ(); // outward normal there
+};
+
+struct WorldState {
+  double time = 0.0;  // [s]
+  JointVector q, v;   // [rad], [rad/s]
+  Pose X_WE;          // pen tip, true
+  Vector6 V_WE = Vector6::Zero();
+};
+
+class World {
+ public:
+  // The URDF's frame `tip` is E. The canvas must outlive the world; nullptr: none. Throws InputError.
+  World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings);
+  ~World();
+
+  int joints() const;
+  void set_state(const JointVector& q, const JointVector& v);
+  const WorldState& state() const { return state_; }
+
+  // Advances by dt under the joint torque τ and a push on the pen at E. Returns the contact that acted. Allocates nothing.
+  const TipContact& step(const JointVector& tau, const Eigen::Vector3d& f_push_W) noexcept;
+
+  // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of no more use.
+  const std::optional<std::string>& failure() const { return failure_; }
+
+  // Distance along a unit ray to the arm's body, infinite where it is not met. For the cameras; safe to call from several threads.
+  double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
+
+  // M, C v + g and J by MuJoCo at a state: the second implementation that the controller's terms are checked against.
+  struct Terms {
+    Eigen::MatrixXd M, J;
+    Eigen::VectorXd bias;
+  };
+  Terms terms() const;
+
+ private:
+  struct Mujoco;
+  void observe() noexcept;
+  void solve_impulses(const JointVector& v_free) noexcept;
+
+  WorldSettings settings_;
+  const Canvas* canvas_;
+  std::unique_ptr<Mujoco> mujoco_;
+  WorldState state_;
+  TipContact contact_;
+  std::optional<std::string> failure_;
+};
+
+}  // namespace impedraw
