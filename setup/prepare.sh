@@ -1,0 +1,209 @@
+# Sourced by ./impedraw and ./check: `prepare TARGET` installs what is missing and builds TARGET where anything is newer than it.
+# Expects $root (the repository) and `set -euo pipefail`. Speaks on stderr; details go to build/install.log and build/build.log.
+# Nothing here needs the network once everything is installed, and a call with nothing to do starts no compiler, pip or apt.
+
+venv=$root/.venv
+out=$root/build/release
+log=$root/build/install.log
+[[ -t 2 ]] && terminal=1 || terminal=
+
+count() { echo "$1 $2$( (( $1 == 1 )) || echo s)"; }  # 3 wheels, 1 wheel
+
+say() { printf '%s%s\n' "${terminal:+$'\r\e[K'}" "impedraw: $*" >&2; }
+
+# On a terminal the line is redrawn; elsewhere one line at the start and then one every half minute.
+step_shown=
+step() {
+  if [[ $terminal ]]; then printf '\r\e[K%s' "impedraw: $*" >&2
+  elif [[ -z $step_shown ]] || (( SECONDS - step_shown >= 30 )); then step_shown=$SECONDS; printf '%s\n' "impedraw: $*" >&2
+  fi
+}
+
+# fail MESSAGE ADVICE: 20 lines of the log, from the first error that it names or else the last ones, and what to do about it.
+fail() {
+  say "$1"
+  if [[ ${3-} != nolog && -s $log ]]; then
+    local first
+    first=$(grep -m1 -nE '^(CMake Error|FAILED:|E: |ERROR:|error:)' "$log" | cut -d: -f1) || true
+    echo "--- from $log" >&2
+    if [[ $first ]]; then sed -n "$first,$((first + 19))p" "$log" >&2; else tail -n 20 "$log" >&2; fi
+    echo "---" >&2
+  fi
+  [[ -z ${2-} ]] || printf '%s\n' "impedraw: $2" >&2
+  exit 1
+}
+
+prepare() {
+  is_ready "$1" && return
+  mkdir -p "$root/build"
+  trap 'say "interrupted; the same command goes on from here"; exit 130' INT
+  exec 9>"$root/build/.lock"
+  flock -n 9 || { say "waiting for another impedraw that is installing or building"; flock 9; }
+  # 9>&-: what is started below is given no hold on the lock, or a compiler wrapper's daemon would keep it for ever.
+  if ! is_ready "$1"; then
+    { has_packages || install_packages
+      has_wheels || install_wheels
+      is_built "$1" || build "$1"; } 9>&-
+  fi
+  exec 9>&-
+  trap - INT
+}
+
+is_ready() { has_packages && has_wheels && is_built "$1"; }
+
+# --- Debian's packages ---------------------------------------------------------------------------------------------
+
+# Stamped with the state of dpkg's own list, so that a removed package or another machine under the same tree is noticed.
+packages_stamp() { stat -c '%Y %s' /var/lib/dpkg/status 2>/dev/null || echo no dpkg; cat "$root/apt-packages.txt"; }
+has_packages() { [[ -r $root/build/.packages && $(<"$root/build/.packages") == "$(packages_stamp)" ]]; }
+
+# Prints what of apt-packages.txt is missing or too old, one name a line.
+missing_packages() {
+  local name least why have cargo
+  declare -A version=()
+  while read -r name have; do version[$name]=$have; done < <(
+    dpkg-query -W -f='${db:Status-Abbrev}\t${Package}\t${Version}\n' 2>/dev/null | awk -F'\t' '$1 ~ /^.i/ {print $2, $3}')
+  cargo=$(cargo --version 2>/dev/null | awk '{print $2}') || true
+  while read -r name least why; do
+    [[ -z $name || $name == '#'* ]] && continue
+    [[ $name == rustc-web || $name == cargo-web ]] && [[ $cargo ]] && dpkg --compare-versions "$cargo" ge "$least" && continue
+    [[ ${version[$name]-} ]] && dpkg --compare-versions "${version[$name]}" ge "$least" && continue
+    echo "$name"
+  done <"$root/apt-packages.txt"
+}
+
+install_packages() {
+  rm -f "$out"/.built-*  # dpkg did something since: ninja is to see whether it matters
+  if ! command -v dpkg-query apt-get >/dev/null; then
+    say "this is no Debian: install what apt-packages.txt lists by this system's own means; going on without"
+    packages_stamp >"$root/build/.packages"
+    return
+  fi
+  local missing
+  mapfile -t missing < <(missing_packages)
+  if (( ${#missing[@]} )); then
+    local as_root=() rust='' by_hand="apt-get install --no-install-recommends ${missing[*]}" all
+    all="$(count ${#missing[@]} 'Debian package')"
+    [[ " ${missing[*]} " == *-web\ * ]] && rust="; rustc-web and cargo-web stand in bookworm-security, any Rust from 1.85 on PATH does as well"
+    if (( EUID != 0 )); then
+      command -v sudo >/dev/null || fail "missing Debian packages, and neither root nor sudo to install them" "ask an administrator to run: $by_hand" nolog
+      [[ -t 0 ]] || sudo -n true 2>/dev/null ||
+        fail "missing Debian packages, and sudo would ask for a password" "run first: sudo $by_hand" nolog
+      as_root=(sudo)
+    fi
+    local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
+               apt-get -y -o Acquire::Retries=3 -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0)
+    : >"$log"
+    step "installing $all (${missing[*]:0:4}${missing[4]:+ …})"
+    "${as_root[@]}" dpkg --configure -a >>"$log" 2>&1 || true  # an earlier try may have been interrupted
+    "${apt[@]}" update >>"$log" 2>&1 || say "apt-get update failed (see $log); trying with the lists at hand"
+    # --no-remove: a Rust of Debian's that rustc-web would push out is the user's to give up.
+    "${apt[@]}" install --no-install-recommends --no-remove -o APT::Status-Fd=1 "${missing[@]}" 2>&1 |
+      follow_apt "installing $all" || fail "$all could not be installed" "by hand: ${as_root[*]:+sudo }$by_hand$rust"
+    mapfile -t missing < <(missing_packages)
+    (( ${#missing[@]} == 0 )) || fail "still missing or too old for impedraw: ${missing[*]}" "apt-packages.txt tells the least versions; impedraw is made for Debian 12"
+    say "installed $all ($SECONDS s so far)"
+  fi
+  packages_stamp >"$root/build/.packages"
+}
+
+follow_apt() {
+  local line kind
+  while IFS= read -r line; do
+    IFS=: read -r kind _ share _ <<<"$line"
+    case $kind in
+      dlstatus) step "$1: fetching, ${share%%.*} %" ;;
+      pmstatus) step "$1: unpacking, ${share%%.*} %" ;;
+      *) printf '%s\n' "$line" >>"$log" ;;
+    esac
+  done
+}
+
+# --- Wheels --------------------------------------------------------------------------------------------------------
+
+# A venv knows its own path, so the stamp does too.
+wheels_stamp() { echo "$venv"; cat "$root/requirements.txt"; }
+has_wheels() { [[ -x $venv/bin/python && -r $venv/.requirements && $(<"$venv/.requirements") == "$(wheels_stamp)" ]]; }
+
+install_wheels() {
+  local python=/usr/bin/python3 wheels
+  [[ -x $python ]] || python=python3
+  wheels=$(grep -c '^[^#]' "$root/requirements.txt")
+  : >"$log"
+  step "installing $wheels Python wheels"
+  local stamped=
+  [[ -r $venv/.requirements ]] && stamped=$(head -n 1 "$venv/.requirements")
+  if [[ -n $stamped && $stamped != "$venv" ]] || ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
+    rm -rf "$venv"
+    "$python" -m venv "$venv" >>"$log" 2>&1 || fail "no Python environment could be made in $venv" "is python3-venv installed?"
+  fi
+  rm -f "$venv/.requirements"
+  # Every wheel is listed with its version, so pip resolves nothing (--no-deps): what is installed is what the list says.
+  "$venv/bin/python" -m pip install --no-deps --only-binary :all: --no-compile --no-input --disable-pip-version-check -r "$root/requirements.txt" 2>&1 |
+    follow_pip "$wheels" || fail "the Python wheels could not be installed" "pip follows PIP_* of the environment, and needs the network this once"
+  rm -f "$out/CMakeCache.txt" "$out"/.built-*
+  wheels_stamp >"$venv/.requirements"
+  say "installed $wheels Python wheels ($SECONDS s so far)"
+}
+
+follow_pip() {
+  local line n=0
+  while IFS= read -r line; do
+    printf '%s\n' "$line" >>"$log"
+    case $line in
+      Collecting*|'Requirement already satisfied'*) step "installing Python wheels [$(( ++n ))/$1]" ;;
+      Installing*) step "unpacking $1 Python wheels" ;;
+    esac
+  done
+}
+
+# --- Build ---------------------------------------------------------------------------------------------------------
+
+sources=("$root"/{CMakeLists.txt,cmake,src,bench,examples})
+
+# A marker of the last good build is compared with every file and folder that goes into one: 3 ms, where asking ninja takes 100.
+is_built() {
+  local marker=$out/.built-$1 more=()
+  [[ $1 == all ]] && more=("$root/tests")
+  [[ -e $marker ]] || return
+  [[ -z $(find "${sources[@]}" "${more[@]}" -newer "$marker" -print -quit 2>/dev/null) ]]
+}
+
+# As many as the cores and the memory carry: a unit that includes Pinocchio takes about 1.5 GB.
+jobs() {
+  [[ ${CMAKE_BUILD_PARALLEL_LEVEL-} =~ ^[1-9][0-9]*$ ]] && { echo "$CMAKE_BUILD_PARALLEL_LEVEL"; return; }
+  local cores fit limit
+  cores=$(nproc)
+  fit=$(awk '/^MemAvailable:/ {print int($2 / 1600000)}' /proc/meminfo)
+  limit=$(cat /sys/fs/cgroup/memory.max 2>/dev/null || true)
+  [[ $limit =~ ^[0-9]+$ ]] && (( limit / 1600000000 < fit )) && fit=$(( limit / 1600000000 ))
+  (( fit < 1 )) && fit=1
+  echo $(( cores < fit ? cores : fit ))
+}
+
+build() {
+  log=$root/build/build.log
+  local marker=$out/.built-$1
+  mkdir -p "$out"
+  : >"$log"
+  touch "$marker.new"  # before the build: what is edited meanwhile counts as newer
+  step_shown=
+  if [[ ! -e $out/build.ninja || ! -e $out/CMakeCache.txt ]] || ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$out/CMakeCache.txt"; then
+    step "configuring"
+    rm -rf "$out/CMakeCache.txt" "$out/CMakeFiles"
+    cmake -S "$root" -B "$out" -G Ninja -DCMAKE_BUILD_TYPE=Release >>"$log" 2>&1 || fail "the build could not be configured" "the whole log: $log"
+  fi
+  local start=$SECONDS
+  NINJA_STATUS='[%f/%t] ' ninja -C "$out" -j "$(jobs)" "$1" 2>&1 | follow_ninja || fail "the build failed" "the whole log: $log"
+  mv "$marker.new" "$marker"
+  if grep -q '^\[' "$log"; then say "built ($(( SECONDS - start )) s)"; fi
+  [[ -z $terminal ]] || printf '\r\e[K' >&2
+}
+
+follow_ninja() {
+  local line
+  while IFS= read -r line; do
+    printf '%s\n' "$line" >>"$log"
+    if [[ $line =~ ^\[[0-9]+/[0-9]+\] ]]; then step "building ${BASH_REMATCH[0]}"; fi
+  done
+}

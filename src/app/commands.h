@@ -1,0 +1,31 @@
+// What the command line does, each as a function that returns the program's exit code.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/scenario.h"
+
+namespace impedraw {
+
+enum ExitCode { kFinished = 0, kMissed = 1, kBadInput = 2, kStopped = 3, kInterrupted = 130 };
+
+struct DrawOptions {
+  std::filesystem::path scenario;        // empty: the standard sine on the bowl
+  std::string shape;
+  std::filesystem::path svg;
+  bool no_perception = false;
+  std::filesystem::path out;             // empty: runs/<name> in the working directory
+  std::vector<std::string> assignments;  // --set
+};
+
+// The scenario with everything from the command line in it. Throws InputError.
+Scenario resolve(const DrawOptions& options);
+
+int draw(const DrawOptions& options);
+int compare(const DrawOptions& options);               // with and without perception, side by side
+int report(const std::filesystem::path& folder);       // metrics, pictures and report of a run again, from its log
+int print_settings();
+
+}  // namespace impedraw

@@ -1,0 +1,170 @@
+#include "app/experiment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/perceived_surface.h"
+#include "arm/inverse_kinematics.h"
+#include "common/errors.h"
+#include "drawing/svg.h"
+#include "planning/reach.h"
+#include "planning/tip_planner.h"
+
+namespace impedraw {
+
+namespace {
+
+TriangleMesh make_mesh(const CanvasSettings& s) {
+  switch (s.kind) {
+    case CanvasKind::dome: return make_dome(s.cap);
+    case CanvasKind::plane: return make_plane(s.plane);
+    case CanvasKind::bowl: break;
+  }
+  return make_bowl(s.cap);
+}
+
+std::filesystem::path urdf_of(const ArmSettings& s) {
+  return s.urdf.empty() ? std::filesystem::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
+}
+
+std::string joint_text(const JointVector& q) {
+  std::string text;
+  for (double x : q) text += fmt::format("{}{:.2f}", text.empty() ? "" : ", ", x);
+  return text;
+}
+
+// What the depth cameras see of canvas and arm, before drawing.
+SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world, ArmModel& arm, const JointVector& q) {
+  const PerceptionSettings& p = s.perception;
+  if (p.cameras.empty()) throw InputError("perception.cameras is empty: at least one camera, or perception.enabled: false");
+  const Eigen::AlignedBox3d box = canvas.bounds();
+  const CastRay cast = [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+    double distance = world.ray_to_arm(origin, direction);
+    if (const auto hit = canvas.ray(origin, direction)) distance = std::min(distance, hit->t);
+    return distance;
+  };
+  std::vector<DepthCamera> cameras;
+  std::vector<DepthImage> images;
+  for (std::size_t i = 0; i < p.cameras.size(); ++i) {
+    const CameraSettings& c = p.cameras[i];
+    cameras.push_back({c.width, c.height, c.fov_y_deg, look_at(c.p_WC, c.target_W)});
+    images.push_back(render_depth(cameras.back(), cast, p.noise, static_cast<std::uint64_t>(s.seed) * 1000 + i));
+  }
+  std::vector<Capsule> body;
+  for (const BodyCapsule& c : arm.body_capsules(q)) body.push_back({c.a_W, c.b_W, c.radius});
+  CloudSettings settings;
+  settings.voxel = p.voxel;
+  settings.self_padding = p.self_padding;
+  settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
+  PointCloud cloud = fuse(images, cameras, settings, body);
+  if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
+    throw InputError(fmt::format("the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m); "
+                                 "at least {} are needed; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)",
+                                 cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(), p.region_upper.y(),
+                                 p.region_lower.z(), p.region_upper.z(), p.normals.k, box.min().x(), box.max().x(), box.min().y(), box.max().y(),
+                                 box.min().z(), box.max().z()));
+  return SurfaceEstimator(std::move(cloud), p.normals);
+}
+
+// The true canvas, looking along −z.
+SurfaceHeight canvas_height(const Canvas& canvas) {
+  const double above = canvas.bounds().max().z() + 1.0;
+  return [&canvas, above](double x, double y) -> std::optional<SurfaceSample> {
+    const auto hit = canvas.ray({x, y, above}, -Eigen::Vector3d::UnitZ());
+    if (!hit) return std::nullopt;
+    return SurfaceSample{hit->p_W, hit->n_W};
+  };
+}
+
+// Walks the arm along the path by inverse kinematics, each posture from the last.
+ReachProblem arm_reach(ArmModel& arm, const JointVector& start) {
+  return [&arm, q = start](const Eigen::Vector3d& p_WD, const Eigen::Vector3d& n_WD) mutable -> std::string {
+    IkSettings settings;
+    settings.position_tolerance = settings.axis_tolerance = 1e-5;
+    const IkResult result = find_posture(arm, {p_WD, -n_WD}, q, settings);
+    if (!result.reached)
+      return fmt::format("out of the arm's reach by {:.0f} mm and {:.0f}°", 1e3 * result.position_error, result.axis_error * 180.0 / M_PI);
+    q = result.q;
+    return {};
+  };
+}
+
+}  // namespace
+
+Experiment prepare(const Scenario& given) {
+  Scenario s = given;
+  const bool seen = s.perception.enabled;
+
+  Shape artwork;
+  if (s.drawing.svg.empty()) {
+    artwork = make_shape(s.drawing.shape);
+    PlacementSettings at_scale = shape_placement(s.drawing.placement.centre_m);
+    at_scale.rotate_deg = s.drawing.placement.rotate_deg;
+    at_scale.mirror = s.drawing.placement.mirror;
+    s.drawing.placement = at_scale;
+  } else {
+    artwork.drawn = artwork.target = read_svg(s.drawing.svg);
+  }
+  const Placement placement = place(artwork.drawn, s.drawing.placement);
+  const auto drawn = placed_strokes(artwork.drawn, placement), wanted = placed_strokes(artwork.target, placement);
+
+  auto owned_canvas = std::make_unique<Canvas>(make_mesh(s.canvas));
+  const Canvas& canvas = *owned_canvas;
+  const SurfaceHeight truth = canvas_height(canvas);
+  TargetLine target = project_target(wanted, truth);
+
+  ArmModel arm(urdf_of(s.arm));
+  const int n = arm.joints();
+  if (s.arm.posture_seed.size() != n) throw InputError(fmt::format("arm.posture_seed has {} entries, the arm {} joints", s.arm.posture_seed.size(), n));
+  const IkResult start = find_posture(arm, {s.arm.start_p_WE, -Eigen::Vector3d::UnitZ()}, JointVector(s.arm.posture_seed));
+  if (!start.reached)
+    throw InputError(fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm", s.arm.start_p_WE.x(),
+                                 s.arm.start_p_WE.y(), s.arm.start_p_WE.z(), 1e3 * start.position_error));
+  auto world = std::make_unique<World>(urdf_of(s.arm), &canvas, s.world);
+  world->set_state(start.q, JointVector::Zero(n));
+
+  std::optional<SurfaceEstimator> perception;
+  if (seen) perception.emplace(take_snapshot(s, canvas, *world, arm, start.q));
+
+  // Blind, the wanted point lies beneath the surface: the stiffness makes the push.
+  SurfaceHeight surface = truth;
+  PathSettings path_settings = s.path;
+  path_settings.start_p_WE = s.arm.start_p_WE;
+  path_settings.start_n_W = Eigen::Vector3d::UnitZ();
+  if (seen) {
+    surface = perceived_height(*perception);
+  } else {
+    path_settings.vertical_pen = true;
+    if (!(s.control.stiffness.linear.normal > 0.0)) throw InputError("control.stiffness_normal is 0 N/m: blind, it makes the push; more than 0 N/m is valid");
+    if (s.blind.height == BlindHeight::canvas) path_settings.sink = s.control.push_force / s.control.stiffness.linear.normal;
+    else surface = [z = s.blind.plane_z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
+    path_settings.highest_z = canvas.bounds().max().z();
+  }
+  TipPath path = plan_tip_path(drawn, surface, path_settings);
+  require_reach(path, 0.01, arm_reach(arm, start.q));
+
+  ImpedanceSettings control = s.control;
+  control.dt = s.world.dt;
+  control.torque_limit = arm.limits().torque;
+  if (s.arm.q_0.empty()) {
+    const Eigen::Vector2d c = s.drawing.placement.centre_m;
+    const auto middle = surface(c.x(), c.y());
+    const Eigen::Vector3d p_WE = middle ? middle->p_W : target.points[target.points.size() / 2];
+    const IkResult rest = find_posture(arm, {p_WE, -Eigen::Vector3d::UnitZ()}, start.q);
+    control.q_0 = rest.q;
+  } else if (static_cast<int>(s.arm.q_0.size()) != n) {
+    throw InputError(fmt::format("arm.q_0 has {} entries, the arm {} joints", s.arm.q_0.size(), n));
+  } else {
+    control.q_0 = Eigen::Map<const Eigen::VectorXd>(s.arm.q_0.data(), n);
+  }
+  if (const JointVector q_0 = control.q_0; ((q_0 - JointVector(arm.limits().lower)).array() < 0.0).any() || ((JointVector(arm.limits().upper) - q_0).array() < 0.0).any())
+    throw InputError(fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges", joint_text(q_0)));
+  ImpedanceController(control, n);  // its checks, before anything is written
+
+  return Experiment{std::move(s), std::move(artwork), placement, std::move(owned_canvas), std::move(arm), std::move(perception), std::move(path),
+                    std::move(target), control, start.q, std::move(world)};
+}
+
+}  // namespace impedraw

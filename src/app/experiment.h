@@ -1,0 +1,35 @@
+// A scenario made ready to run: everything that can be wrong with it is found here, before any file is written.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "app/scenario.h"
+#include "arm/arm_model.h"
+#include "canvas/canvas.h"
+#include "control/impedance.h"
+#include "drawing/shapes.h"
+#include "perception/normals.h"
+#include "planning/target.h"
+#include "simulation/world.h"
+
+namespace impedraw {
+
+struct Experiment {
+  Scenario scenario;
+  Shape artwork;                 // as drawn and as wanted, on the page
+  Placement placement;
+  std::unique_ptr<Canvas> canvas;  // the truth
+  ArmModel arm;
+  std::optional<SurfaceEstimator> perception;  // absent: blind
+  TipPath path;
+  TargetLine target;
+  ImpedanceSettings control;     // completed: rest posture, limits
+  JointVector start_q;
+  std::unique_ptr<World> world;  // at the start posture
+};
+
+// Throws InputError: one line that names what, where, and what would be valid. The same scenario gives the same experiment.
+Experiment prepare(const Scenario& scenario);
+
+}  // namespace impedraw

@@ -1,0 +1,80 @@
+// The command line: reads arguments, names errors, returns exit codes. What it does is in commands.h.
+#include <unistd.h>
+
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "app/commands.h"
+#include "common/errors.h"
+
+namespace {
+
+void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
+  command->add_option("scenario", options->scenario, "YAML file; without one the sine on the standard bowl");
+  command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10");
+  command->add_option("--svg", options->svg, "an SVG of your own")->excludes("--shape");
+  command->add_option("--out", options->out, "folder of the run, made if missing (default: runs/NAME)");
+  command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")->take_all()->allow_extra_args(false);
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App app("impedraw: an iiwa draws with a pen on surfaces that nobody measured, held there by operational-space impedance control.");
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::simple);
+  impedraw::DrawOptions options;
+  int code = 0;
+
+  CLI::App* draw = app.add_subcommand("draw", "draw artwork on a canvas; leaves the drawing, its numbers and a report");
+  add_scenario_options(draw, &options);
+  draw->add_flag("--no-perception", options.no_perception, "blind: stiffness control with the set-point beneath the surface");
+  draw->footer("Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.12\n"
+               "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind");
+  draw->callback([&] { code = impedraw::draw(options); });
+
+  CLI::App* compare = app.add_subcommand("compare", "the same drawing with and without perception, side by side");
+  add_scenario_options(compare, &options);
+  compare->footer("Example:\n  ./impedraw compare scenarios/bowl-m.yaml");
+  compare->callback([&] { code = impedraw::compare(options); });
+
+  std::filesystem::path folder;
+  CLI::App* report = app.add_subcommand("report", "make metrics, pictures and report of a run again, from its log");
+  report->add_option("folder", folder, "of a run")->required();
+  report->callback([&] { code = impedraw::report(folder); });
+
+  CLI::App* settings = app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
+  settings->callback([&] { code = impedraw::print_settings(); });
+
+  CLI::App* bench = app.add_subcommand("bench", "speed as ratios against floors measured in the same run; exit code 1 when a limit is missed");
+  bench->prefix_command();
+  bench->callback([&] {
+    const std::filesystem::path program = std::filesystem::canonical("/proc/self/exe").parent_path() / "../../bench/impedraw_bench";
+    std::vector<char*> arguments{const_cast<char*>("impedraw bench")};
+    for (int i = 2; i < argc; ++i) arguments.push_back(argv[i]);
+    arguments.push_back(nullptr);
+    execv(program.c_str(), arguments.data());
+    throw impedraw::InputError("the benchmark is not built: call it as ./impedraw bench, or build the target impedraw_bench");
+  });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? impedraw::kFinished : impedraw::kBadInput;
+  }
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_program(argc, argv);
+  } catch (const impedraw::InputError& error) {
+    std::fprintf(stderr, "impedraw: %s\n", error.what());
+    return impedraw::kBadInput;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "impedraw: %s\n", error.what());
+    return impedraw::kStopped;
+  }
+}

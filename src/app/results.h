@@ -1,0 +1,22 @@
+// What a run's folder holds beside the log: metrics, pictures, report. All of it made from run.h5 and scenario.yaml.
+#pragma once
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "app/scenario.h"
+#include "drawing/placement.h"
+
+namespace impedraw {
+
+// Where a folder may be written: it is missing, empty, or holds a run already. Throws InputError otherwise. Touches nothing.
+void require_run_folder(const std::filesystem::path& folder);
+
+// Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5; returns the metrics.
+nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Artwork& artwork, const Placement& placement);
+
+// The numbers as a table for the terminal.
+std::string metrics_table(const nlohmann::ordered_json& metrics);
+
+}  // namespace impedraw

@@ -1,0 +1,201 @@
+#include "app/scenario.h"
+
+#include <cmath>
+
+namespace impedraw {
+
+namespace {
+constexpr double kReach = 2.0;  // [m], generous bounds of any coordinate
+}
+
+PerceptionSettings::PerceptionSettings() {
+  for (const double azimuth : {0.0, 2.0 * M_PI / 3.0, 4.0 * M_PI / 3.0}) {
+    CameraSettings camera;
+    camera.p_WC = {0.6 + 0.5 * std::cos(azimuth), 0.5 * std::sin(azimuth), 0.9};
+    cameras.push_back(camera);
+  }
+}
+
+void describe(Fields& f, PlacementSettings& s) {
+  f.field("centre", s.centre_m, Range{-kReach, kReach}, "m", "where the middle of the drawing goes (x, y)");
+  f.field("scale", s.scale, Range::positive(), "", "world mm per page mm; null: by the sizes below");
+  f.field("width", s.width_mm, Range::positive(), "mm", "size of the drawing across the page; null: by the others");
+  f.field("height", s.height_mm, Range::positive(), "mm", "size of the drawing down the page; null: by the others");
+  f.field("fit_radius", s.fit_radius_m, Range{0.0, kReach, true}, "m", "with no size given: the farthest stroke point lies on this circle");
+  f.field("about_page_origin", s.about_page_origin, "the page's (0, 0) goes to the centre, not the middle of the strokes");
+  f.field("rotate", s.rotate_deg, Range{-360.0, 360.0}, "deg", "counter-clockwise, seen from above");
+  f.field("mirror", s.mirror, "left to right");
+}
+
+void describe(Fields& f, DrawingSettings& s) {
+  f.field("shape", s.shape, "built-in drawing: sine, M, sine10; used where svg is empty");
+  f.field("svg", s.svg, "SVG file to draw; empty: the shape");
+  f.field("placement", s.placement, "of an SVG's page on the canvas; built-in shapes lie at scale 1 about the centre");
+}
+
+void describe(Fields& f, CapSettings& s) {
+  f.field("radius", s.radius, Range{0.01, 10.0}, "m", "of the sphere");
+  f.field("centre", s.centre, Range{-10.0, 10.0}, "m", "of the sphere");
+  f.field("opening_radius", s.opening_radius, Range{0.005, 10.0}, "m", "of the circle at which the cap ends");
+  f.field("edge", s.edge, Range{2e-4, 0.1}, "m", "of a triangle");
+}
+
+void describe(Fields& f, PlaneSettings& s) {
+  f.field("centre", s.centre, Range{-kReach, kReach}, "m", "of the rectangle");
+  f.field("normal", s.normal, Range{-1.0, 1.0}, "", "of the side drawn on");
+  f.field("width", s.width, Range{0.01, 10.0}, "m", "along x");
+  f.field("height", s.height, Range{0.01, 10.0}, "m", "across");
+  f.field("edge", s.edge, Range{2e-4, 1.0}, "m", "of a cell");
+}
+
+void describe(Fields& f, CanvasSettings& s) {
+  f.choice("kind", s.kind, {{"bowl", CanvasKind::bowl}, {"dome", CanvasKind::dome}, {"plane", CanvasKind::plane}}, "what is drawn on");
+  f.field("cap", s.cap, "of a bowl or dome");
+  f.field("plane", s.plane, "of a plane");
+}
+
+void describe(Fields& f, ArmSettings& s) {
+  f.field("urdf", s.urdf, "arm and pen; empty: the iiwa 14 of models/");
+  f.field("posture_seed", s.posture_seed, Range{-M_PI, M_PI}, "rad", "inverse kinematics start here and stay near");
+  f.field("q_0", s.q_0, Range{-M_PI, M_PI}, "rad", "rest posture of the null space; empty: over the middle of the drawing");
+  f.field("start", s.start_p_WE, Range{-kReach, kReach}, "m", "pen tip at the snapshot and at the start");
+}
+
+void describe(Fields& f, CameraSettings& s) {
+  f.field("position", s.p_WC, Range{-10.0, 10.0}, "m", "of the pinhole");
+  f.field("target", s.target_W, Range{-10.0, 10.0}, "m", "in the middle of the image");
+  f.field("width", s.width, Range{1, 8192}, "px", "of the image");
+  f.field("height", s.height, Range{1, 8192}, "px", "of the image");
+  f.field("fov_y", s.fov_y_deg, Range{1.0, 170.0}, "deg", "vertical field of view");
+}
+
+void describe(Fields& f, DepthNoise& s) {
+  f.field("sigma_at_1m", s.sigma_at_1m, Range{0.0, 0.1}, "m", "standard deviation at 1 m, growing as depth²; realistic: 0.001");
+  f.field("quantum_at_1m", s.quantum_at_1m, Range{0.0, 0.1}, "m", "step of the depth at 1 m, growing as depth²");
+}
+
+void describe(Fields& f, NormalSettings& s) {
+  f.choice("mode", s.mode, {{"fresh", NormalMode::fresh}, {"interpolated", NormalMode::interpolated}}, "anew at every step, or from normals computed once");
+  f.field("k", s.k, Range{8, kMostNeighbours}, "", "nearest neighbours (18)");
+  f.field("max_radius", s.max_radius, Range{0.001, 1.0}, "m", "how far they may lie");
+  f.choice("weighting", s.weighting, {{"uniform", NeighbourWeighting::uniform}, {"smooth", NeighbourWeighting::smooth}}, "of the neighbours: the paper's, or fading out");
+  f.choice("fit", s.fit, {{"plane", SurfaceFit::plane}, {"quadric", SurfaceFit::quadric}}, "through them: the paper's, or with its curvature");
+  f.field("max_one_sidedness", s.max_one_sidedness, Range{0.0, 1.0, true}, "", "beyond it the tip is off the cloud's edge");
+}
+
+void describe(Fields& f, PerceptionSettings& s) {
+  f.field("enabled", s.enabled, "off: blind stiffness control");
+  f.field("cameras", s.cameras, "depth cameras; one snapshot before drawing");
+  f.field("noise", s.noise, "of the depth");
+  f.field("voxel", s.voxel, Range{0.0, 0.1}, "m", "cube in which points are averaged; 0: none");
+  f.field("self_padding", s.self_padding, Range{0.0, 0.2}, "m", "points nearer to the arm go with it");
+  f.field("region_lower", s.region_lower, Range{-10.0, 10.0}, "m", "corner of the box that is looked at");
+  f.field("region_upper", s.region_upper, Range{-10.0, 10.0}, "m", "the opposite corner");
+  f.field("normals", s.normals, "of the cloud (18)-(19)");
+}
+
+void describe(Fields& f, BlindSettings& s) {
+  f.choice("height", s.height, {{"canvas", BlindHeight::canvas}, {"plane", BlindHeight::plane}}, "of the set-point without perception: the target's, or one plane beneath it all");
+  f.field("plane_z", s.plane_z, Range{-kReach, kReach}, "m", "of that plane");
+}
+
+void describe(Fields& f, PathSettings& s) {
+  f.field("hover_height", s.hover_height, Range{0.0, 0.1}, "m", "above the first point: the approach begins there");
+  f.field("approach_speed", s.approach_speed, Range{1e-4, 0.2}, "m/s", "down to the first point");
+  f.field("settle_time", s.settle_time, Range{0.0, 10.0}, "s", "at the first point before drawing");
+  f.field("draw_speed", s.draw_speed, Range{1e-4, 1.0}, "m/s", "along the stroke, on the surface");
+  f.field("draw_acceleration", s.draw_acceleration, Range{0.01, 20.0}, "m/s²", "of the wanted tip along a stroke");
+  f.field("end_hold", s.end_hold, Range{0.0, 10.0}, "s", "at the last point before the lift");
+  f.field("dot_time", s.dot_time, Range{0.0, 10.0}, "s", "that a dot is held");
+  f.field("travel_speed", s.travel_speed, Range{1e-3, 2.0}, "m/s", "between strokes");
+  f.field("travel_acceleration", s.travel_acceleration, Range{0.01, 20.0}, "m/s²", "between strokes");
+  f.field("turn_speed", s.turn_speed, Range{0.01, 10.0}, "rad/s", "of the pen axis between strokes");
+  f.field("turn_acceleration", s.turn_acceleration, Range{0.01, 100.0}, "rad/s²", "of the pen axis between strokes");
+  f.field("safe_height", s.safe_height, Range{0.0, 1.0}, "m", "above the highest point of the drawing, for travel");
+  f.field("smoothing_time", s.smoothing_time, Range{0.0, 1.0}, "s", "over which an acceleration builds up");
+  f.field("corner_angle", s.corner_angle_deg, Range{1.0, 180.0}, "deg", "a sharper turn is a corner: full stop");
+  f.field("tolerance", s.tolerance, Range{1e-7, 1e-2}, "m", "of the wanted line to the artwork");
+}
+
+namespace {
+
+void describe_axial(Fields& f, const std::string& what, AxialGain& tangent_and_normal, const std::string& unit, Range range, const std::string& help) {
+  f.field(what + "_tangent", tangent_and_normal.tangent, range, unit, help + " along (about) both tangents of the surface");
+  f.field(what + "_normal", tangent_and_normal.normal, range, unit, help + " along (about) its normal");
+}
+
+}  // namespace
+
+void describe(Fields& f, ContactSettings& s) {
+  f.field("enter_distance", s.enter_distance, Range{0.0, 0.05}, "m", "contact can begin so near to the estimated surface");
+  f.field("leave_distance", s.leave_distance, Range{0.0, 0.1}, "m", "and is lost beyond this");
+  f.field("touch_force", s.touch_force, Range{0.0, 50.0}, "N", "measured along the normal: touch");
+  f.field("touch_gap", s.touch_gap, Range{1e-5, 0.02}, "m", "without a wrench: the tip stays so far behind the approach: touch");
+  f.field("loss_force", s.loss_force, Range{0.0, 50.0}, "N", "measured: below it ...");
+  f.field("loss_time", s.loss_time, Range{0.0, 5.0}, "s", "... for so long the contact is lost");
+  f.field("lost_surface_time", s.lost_surface_time, Range{0.0, 5.0}, "s", "how long the last normal is trusted when the cloud has none");
+}
+
+void describe(Fields& f, ImpedanceSettings& s) {
+  f.choice("inertia", s.inertia, {{"natural", InertiaShaping::natural}, {"shaped", InertiaShaping::shaped}}, "M_d: the arm's own, or the one below");
+  f.choice("wrench", s.wrench, {{"none", WrenchFeedback::none}, {"true", WrenchFeedback::measured}}, "F_ext that the controller is given");
+  f.choice("projection", s.projection, {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}}, "of the error in contact (13)");
+  describe_axial(f, "stiffness", s.stiffness.linear, "N/m", Range{0.0, 20000.0}, "K;");
+  describe_axial(f, "rotational_stiffness", s.stiffness.angular, "Nm/rad", Range{0.0, 1000.0}, "K;");
+  describe_axial(f, "reference_stiffness", s.reference_stiffness.linear, "N/m", Range{0.0, 20000.0}, "K' that sizes damping where K is zero;");
+  describe_axial(f, "reference_rotational_stiffness", s.reference_stiffness.angular, "Nm/rad", Range{0.0, 1000.0}, "K' that sizes damping where K is zero;");
+  describe_axial(f, "mass", s.shaped_inertia.linear, "kg", Range{0.0, 1000.0, true}, "M_d if shaped;");
+  describe_axial(f, "rotational_inertia", s.shaped_inertia.angular, "kg m²", Range{0.0, 100.0, true}, "M_d if shaped;");
+  f.field("damping_ratio", s.damping_ratio, Range{0.05, 3.0}, "", "of every mode");
+  f.field("push", s.push_force, Range{0.0, 50.0}, "N", "along the normal, in contact");
+  f.field("switch_time", s.switch_time, Range{0.001, 5.0}, "s", "time constant in which a switch of mode hands over force");
+  f.field("approach_speed", s.approach_speed, Range{1e-4, 0.2}, "m/s", "along the normal, until touch");
+  f.field("approach_overtravel", s.approach_overtravel, Range{0.0, 0.1}, "m", "beneath the estimated surface, then the approach waits");
+  f.field("retreat_height", s.retreat_height, Range{0.0, 0.5}, "m", "above the plan once the surface was lost");
+  f.field("normal_bandwidth", s.normal_bandwidth, Range{1.0, 500.0}, "rad/s", "of the tracker of the surface normal");
+  f.field("tip_radius", s.tip_radius, Range{0.0, 0.05}, "m", "believed");
+  f.field("tip_stiffness", s.tip_stiffness, Range{0.0, 1e7}, "N/m", "believed, along the normal; 0: rigid");
+  f.field("friction", s.friction, Range{0.0, 3.0}, "", "believed: what of a measured wrench tip friction may explain");
+  f.field("friction_feedforward", s.friction_feedforward, Range{0.0, 3.0}, "", "believed: foreseen along the stroke without a wrench");
+  f.field("contact_stiffness_max", s.contact_stiffness_max, Range{1.0, 1e7}, "N/m", "stiffest tip and canvas that the set-up is checked against");
+  f.field("natural_mass_max", s.natural_mass_max, Range{0.1, 1000.0}, "kg", "largest natural mass along the normal in that check");
+  f.field("null_stiffness", s.null_stiffness, Range{0.0, 500.0}, "Nm/rad", "K_q of the null space (15)");
+  f.field("null_damping_ratio", s.null_damping_ratio, Range{0.0, 3.0}, "", "of the null space");
+  f.field("contact", s.contact, "when contact begins and ends");
+}
+
+void describe(Fields& f, TipMaterial& s) {
+  f.field("radius", s.radius, Range{1e-5, 0.05}, "m", "of the tip sphere");
+  f.field("stiffness", s.stiffness, Range{10.0, 1e7}, "N/m", "along the normal");
+  f.field("damping", s.damping, Range{0.0, 1e5}, "N s/m", "along the normal");
+  f.field("friction", s.friction, Range{0.0, 3.0}, "", "Coulomb's, tip on canvas");
+}
+
+void describe(Fields& f, WorldSettings& s) {
+  f.field("tip", s.tip, "the pen's tip as it is");
+  f.field("joint_friction", s.joint_friction, Range{0.0, 50.0}, "Nm", "dry, on every joint");
+  f.field("gravity", s.gravity, Range{0.0, 100.0}, "m/s²", "along -z");
+}
+
+void describe(Fields& f, PushSettings& s) {
+  f.field("force", s.force, Range{0.0, 200.0}, "N", "on the pen tip");
+  f.field("direction", s.direction_W, Range{-1.0, 1.0}, "", "world; its part along the canvas's tangent plane counts");
+  f.field("middle", s.middle, Range{0.0, 1.0}, "", "when: share of the time from the first stroke's start to the last one's end");
+  f.field("duration", s.duration, Range{0.0, 1000.0}, "s", "how long");
+}
+
+void describe(Fields& f, Scenario& s) {
+  f.field("name", s.name, "of the run");
+  f.field("seed", s.seed, Range{0, 1e9}, "", "of everything random");
+  f.field("drawing", s.drawing, "what is drawn");
+  f.field("canvas", s.canvas, "on what");
+  f.field("arm", s.arm, "with what");
+  f.field("perception", s.perception, "what is seen of the canvas");
+  f.field("blind", s.blind, "what is done without");
+  f.field("path", s.path, "how the tip moves");
+  f.field("control", s.control, "the law");
+  f.field("world", s.world, "the simulated truth");
+  f.field("pushes", s.pushes, "disturbances");
+}
+
+}  // namespace impedraw

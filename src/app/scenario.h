@@ -1,0 +1,94 @@
+// One experiment, all of it: what is drawn, on what, seen how, by which law, in which world. The struct is its YAML file (settings.h);
+// its initialisers are the standard bowl, drawings and arm.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/settings.h"
+#include "canvas/built_in.h"
+#include "control/impedance_settings.h"
+#include "drawing/placement.h"
+#include "perception/cloud.h"
+#include "perception/normals.h"
+#include "planning/tip_planner.h"
+#include "simulation/world.h"
+
+namespace impedraw {
+
+struct DrawingSettings {
+  std::string shape = "sine";      // built in; used where svg is empty
+  std::filesystem::path svg;
+  PlacementSettings placement;
+};
+
+enum class CanvasKind { bowl, dome, plane };
+
+struct CanvasSettings {
+  CanvasKind kind = CanvasKind::bowl;
+  CapSettings cap;      // bowl and dome
+  PlaneSettings plane;
+};
+
+struct ArmSettings {
+  std::filesystem::path urdf;      // empty: models/iiwa14_pen.urdf
+  Eigen::VectorXd posture_seed;    // inverse kinematics start here and stay near [rad]
+  std::vector<double> q_0;         // rest posture of the null space (14) [rad]; empty: over the middle of the drawing
+  Eigen::Vector3d start_p_WE{0.45, 0.0, 0.50};  // where the tip is at the snapshot and at the start [m]
+
+  ArmSettings() : posture_seed(7) { posture_seed << 0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0; }
+};
+
+struct CameraSettings {
+  Eigen::Vector3d p_WC{1.1, 0.0, 0.9};
+  Eigen::Vector3d target_W{0.6, 0.0, 0.1};
+  int width = 640, height = 480;
+  double fov_y_deg = 60.0;
+};
+
+struct PerceptionSettings {
+  bool enabled = true;
+  std::vector<CameraSettings> cameras;  // the standard three
+  DepthNoise noise;
+  double voxel = 0.004;
+  double self_padding = 0.01;
+  Eigen::Vector3d region_lower{0.30, -0.30, 0.03}, region_upper{0.90, 0.30, 0.35};
+  NormalSettings normals;
+
+  PerceptionSettings();
+};
+
+enum class BlindHeight { canvas, plane };  // what is known of the height when nothing is seen
+
+struct BlindSettings {
+  BlindHeight height = BlindHeight::canvas;
+  double plane_z = 0.09;         // [m]
+};
+
+// A push on the pen, as a hand would.
+struct PushSettings {
+  double force = 10.0;                             // [N]
+  Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  // taken along the canvas's tangent plane under the pen
+  double middle = 0.5;                             // when: this share of the way from the first stroke's start to the last one's end
+  double duration = 1.0;                           // [s]
+};
+
+struct Scenario {
+  std::string name = "run";
+  int seed = 1;
+  DrawingSettings drawing;
+  CanvasSettings canvas;
+  ArmSettings arm;
+  PerceptionSettings perception;
+  BlindSettings blind;
+  PathSettings path;
+  ImpedanceSettings control;
+  WorldSettings world;
+  std::vector<PushSettings> pushes;
+};
+
+void describe(Fields& f, Scenario& s);
+
+}  // namespace impedraw

@@ -1,0 +1,224 @@
+#include "canvas/canvas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include "canvas/mesh_topology.h"
+#include "common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+
+enum Feature { kCorner0, kCorner1, kCorner2, kSide0, kSide1, kSide2, kInside };  // side i runs from corner i to corner i + 1
+
+struct OnTriangle {
+  Vector3d p;
+  Vector3d weight;  // barycentric
+  Feature feature;
+};
+
+// The region of the triangle's plane that p projects to decides (corner, side or inside).
+OnTriangle closest_on_triangle(const std::array<Vector3d, 3>& corner, const Vector3d& p) {
+  const Vector3d& a = corner[0];
+  const Vector3d& b = corner[1];
+  const Vector3d& c = corner[2];
+  const Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double ab_ap = ab.dot(ap), ac_ap = ac.dot(ap);
+  if (ab_ap <= 0.0 && ac_ap <= 0.0) return {a, {1, 0, 0}, kCorner0};
+  const Vector3d bp = p - b;
+  const double ab_bp = ab.dot(bp), ac_bp = ac.dot(bp);
+  if (ab_bp >= 0.0 && ac_bp <= ab_bp) return {b, {0, 1, 0}, kCorner1};
+  const Vector3d cp = p - c;
+  const double ab_cp = ab.dot(cp), ac_cp = ac.dot(cp);
+  if (ac_cp >= 0.0 && ab_cp <= ac_cp) return {c, {0, 0, 1}, kCorner2};
+  const double w_c = ab_ap * ac_bp - ab_bp * ac_ap;  // the barycentric weights, times the squared area
+  if (w_c <= 0.0 && ab_ap >= 0.0 && ab_bp <= 0.0) {
+    const double s = ab_ap / (ab_ap - ab_bp);
+    return {a + s * ab, {1 - s, s, 0}, kSide0};
+  }
+  const double w_b = ab_cp * ac_ap - ab_ap * ac_cp;
+  if (w_b <= 0.0 && ac_ap >= 0.0 && ac_cp <= 0.0) {
+    const double s = ac_ap / (ac_ap - ac_cp);
+    return {a + s * ac, {1 - s, 0, s}, kSide2};
+  }
+  const double w_a = ab_bp * ac_cp - ab_cp * ac_bp;
+  const double to_c = ac_bp - ab_bp, to_b = ab_cp - ac_cp;
+  if (w_a <= 0.0 && to_c >= 0.0 && to_b >= 0.0) {
+    const double s = to_c / (to_c + to_b);
+    return {b + s * (c - b), {0, 1 - s, s}, kSide1};
+  }
+  const double sum = w_a + w_b + w_c;
+  const double v = w_b / sum, w = w_c / sum;
+  return {a + v * ab + w * ac, {1 - v - w, v, w}, kInside};
+}
+
+Vector3d smooth_normal(const MeshTopology& topology, const MeshTopology::Face& face, const Vector3d& weight) {
+  Vector3d n = Vector3d::Zero();
+  for (int i = 0; i < 3; ++i) n += weight[i] * topology.smooth_normal[face.vertex[i]];
+  const double length = n.norm();
+  return length > 1e-6 ? Vector3d(n / length) : face.normal;  // opposite vertex normals: a fold, where only the face has a normal
+}
+
+// Normal that tells the side of a point whose closest point is the given feature.
+Vector3d side_normal(const MeshTopology& topology, const MeshTopology::Face& face, Feature feature) {
+  if (feature == kInside) return face.normal;
+  if (feature <= kCorner2) return topology.side_normal[face.vertex[feature]];
+  const int neighbour = face.neighbour[feature - kSide0];
+  return neighbour < 0 ? face.normal : Vector3d(face.normal + topology.faces[neighbour].normal);
+}
+
+bool on_boundary(const MeshTopology& topology, const MeshTopology::Face& face, Feature feature) {
+  if (feature == kInside) return false;
+  if (feature <= kCorner2) return topology.on_boundary[face.vertex[feature]];
+  return face.neighbour[feature - kSide0] < 0;
+}
+
+struct Nearest {
+  const MeshTopology* topology;
+  Vector3d p;
+  double slack;  // how far single precision may misjudge a distance [m]
+  double squared;
+  int triangle = -1;
+  OnTriangle at;
+};
+
+bool visit_triangle(RTCPointQueryFunctionArguments* args) {
+  Nearest& nearest = *static_cast<Nearest*>(args->userPtr);
+  const int triangle = static_cast<int>(args->primID);
+  const auto& face = nearest.topology->faces[triangle];
+  if (face.normal.isZero(0.0)) return false;
+  const OnTriangle at = closest_on_triangle(face.corner, nearest.p);
+  const double squared = (at.p - nearest.p).squaredNorm();
+  if (squared > nearest.squared || (squared == nearest.squared && nearest.triangle >= 0 && triangle > nearest.triangle)) return false;
+  const bool nearer = squared < nearest.squared;
+  nearest.squared = squared;
+  nearest.triangle = triangle;
+  nearest.at = at;
+  if (nearer) args->query->radius = static_cast<float>(std::sqrt(squared) + nearest.slack);
+  return nearer;
+}
+
+}  // namespace
+
+struct Canvas::Search {
+  TriangleMesh mesh;
+  MeshTopology topology;
+  Eigen::AlignedBox3d bounds;
+  Vector3d origin = Vector3d::Zero();  // Embree's floats count from the middle of the canvas, where they are finest
+  double extent = 0.0;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  explicit Search(TriangleMesh given) : mesh(std::move(given)), topology(make_topology(mesh)) {
+    for (const auto& p : mesh.vertices) bounds.extend(p);
+    origin = bounds.center();
+    extent = bounds.diagonal().norm();
+    device = rtcNewDevice("threads=1");  // one builder: the same tree every time
+    if (!device) throw InputError(fmt::format("canvas: Embree does not start (error {})", int(rtcGetDeviceError(nullptr))));
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
+    auto* triangles = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      Eigen::Map<Eigen::Vector3f>(vertices + 3 * i) = (mesh.vertices[i] - origin).cast<float>();
+    }
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (int k = 0; k < 3; ++k) triangles[3 * i + k] = static_cast<unsigned>(mesh.triangles[i][k]);
+    }
+    rtcCommitGeometry(geometry);
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // no ray slips between neighbouring triangles
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+  }
+
+  ~Search() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
+
+  SurfacePoint closest(const Vector3d& p, double max_distance) const {
+    SurfacePoint result{p, Vector3d::UnitZ(), std::numeric_limits<double>::quiet_NaN(), -1, false};
+    if (!p.allFinite() || !(max_distance >= 0.0)) return result;
+    const Vector3d p_O = p - origin;
+    Nearest nearest{&topology, p, 1e-6 * (extent + p_O.norm()), max_distance * max_distance, -1, {}};
+    const Eigen::Vector3f q = p_O.cast<float>();
+    RTCPointQuery query{};
+    query.x = q.x();
+    query.y = q.y();
+    query.z = q.z();
+    query.radius = static_cast<float>(max_distance + nearest.slack);
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene, &query, &context, visit_triangle, &nearest);
+    if (nearest.triangle < 0) return result;
+    const auto& face = topology.faces[nearest.triangle];
+    result.p_W = nearest.at.p;
+    result.n_W = smooth_normal(topology, face, nearest.at.weight);
+    result.distance = std::copysign(std::sqrt(nearest.squared), (p - nearest.at.p).dot(side_normal(topology, face, nearest.at.feature)));
+    result.triangle = nearest.triangle;
+    result.on_edge = on_boundary(topology, face, nearest.at.feature);
+    return result;
+  }
+
+  std::optional<RayHit> ray(const Vector3d& origin_W, const Vector3d& direction) const {
+    const double length = direction.norm();
+    if (!origin_W.allFinite() || !direction.allFinite() || length == 0.0) return std::nullopt;
+    const Eigen::Vector3f o = (origin_W - origin).cast<float>();
+    const Eigen::Vector3f d = (direction / length).cast<float>();
+    RTCRayHit ray{};
+    ray.ray.org_x = o.x();
+    ray.ray.org_y = o.y();
+    ray.ray.org_z = o.z();
+    ray.ray.dir_x = d.x();
+    ray.ray.dir_y = d.y();
+    ray.ray.dir_z = d.z();
+    ray.ray.tfar = std::numeric_limits<float>::infinity();
+    ray.ray.mask = ~0u;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    // The plane of the triangle that was hit, in double precision; a ray along that very plane keeps Embree's figure.
+    const int triangle = static_cast<int>(ray.hit.primID);
+    const auto& face = topology.faces[triangle];
+    const double along = direction.dot(face.normal);
+    double t = ray.ray.tfar / length;
+    if (std::abs(along) > 1e-9 * length) t = std::max(0.0, (face.corner[0] - origin_W).dot(face.normal) / along);
+    const Vector3d p = origin_W + t * direction;
+    return RayHit{t, p, smooth_normal(topology, face, closest_on_triangle(face.corner, p).weight), triangle};
+  }
+};
+
+Canvas::Canvas(TriangleMesh mesh) : search_(std::make_unique<Search>(std::move(mesh))) {}
+Canvas::~Canvas() = default;
+Canvas::Canvas(Canvas&&) noexcept = default;
+Canvas& Canvas::operator=(Canvas&&) noexcept = default;
+
+SurfacePoint Canvas::closest(const Vector3d& p_W) const noexcept { return search_->closest(p_W, std::numeric_limits<double>::infinity()); }
+
+std::optional<SurfacePoint> Canvas::closest(const Vector3d& p_W, double max_distance) const noexcept {
+  const SurfacePoint point = search_->closest(p_W, max_distance);
+  if (point.triangle < 0) return std::nullopt;
+  return point;
+}
+
+std::optional<RayHit> Canvas::ray(const Vector3d& origin_W, const Vector3d& direction_W) const noexcept {
+  return search_->ray(origin_W, direction_W);
+}
+
+const TriangleMesh& Canvas::mesh() const noexcept { return search_->mesh; }
+const Eigen::AlignedBox3d& Canvas::bounds() const noexcept { return search_->bounds; }
+
+}  // namespace impedraw

@@ -1,0 +1,143 @@
+#include "canvas/mesh_topology.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "common/errors.h"
+
+namespace impedraw {
+namespace {
+
+void validate(const TriangleMesh& mesh) {
+  if (mesh.vertices.empty() || mesh.triangles.empty()) {
+    throw InputError(fmt::format("canvas mesh: {} vertices and {} triangles, must have at least one triangle", mesh.vertices.size(),
+                                 mesh.triangles.size()));
+  }
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto& p = mesh.vertices[i];
+    if (!p.allFinite()) {
+      throw InputError(fmt::format("canvas mesh: vertex {} is ({}, {}, {}), must be finite", i, p.x(), p.y(), p.z()));
+    }
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const int v : mesh.triangles[i]) {
+      if (v < 0 || v >= static_cast<int>(mesh.vertices.size())) {
+        throw InputError(fmt::format("canvas mesh: triangle {} names vertex {}, must be in 0 … {}", i, v, mesh.vertices.size() - 1));
+      }
+    }
+  }
+}
+
+// For each vertex the first one at the same place.
+std::vector<int> weld(const std::vector<Eigen::Vector3d>& vertices) {
+  const auto before = [&](int a, int b) {
+    const auto& p = vertices[a];
+    const auto& q = vertices[b];
+    for (int i = 0; i < 3; ++i) {
+      if (p[i] != q[i]) return p[i] < q[i];
+    }
+    return a < b;
+  };
+  std::vector<int> order(vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), before);
+  std::vector<int> first(vertices.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool same = i > 0 && vertices[order[i]] == vertices[order[i - 1]];
+    first[order[i]] = same ? first[order[i - 1]] : order[i];
+  }
+  return first;
+}
+
+struct HalfEdge {
+  int low, high;  // vertices
+  bool forward;   // the triangle runs from low to high
+  int face, side;
+};
+
+void join_neighbours(MeshTopology& topology) {
+  std::vector<HalfEdge> edges;
+  edges.reserve(3 * topology.faces.size());
+  for (int f = 0; f < static_cast<int>(topology.faces.size()); ++f) {
+    const auto& face = topology.faces[f];
+    if (face.normal.isZero(0.0)) continue;
+    for (int side = 0; side < 3; ++side) {
+      const int a = face.vertex[side];
+      const int b = face.vertex[(side + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), a < b, f, side});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
+  });
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+    const auto& a = edges[i];
+    if (end - i > 2) {
+      throw InputError(fmt::format("canvas mesh: {} triangles ({}, {}, {}, …) share the edge between vertices {} and {}, at most two may",
+                                   end - i, a.face, edges[i + 1].face, edges[i + 2].face, a.low, a.high));
+    }
+    if (end - i == 2) {
+      const auto& b = edges[i + 1];
+      if (a.forward == b.forward) {
+        throw InputError(fmt::format(
+            "canvas mesh: triangles {} and {} are wound against each other, all must have the drawn-on side outward", a.face, b.face));
+      }
+      topology.faces[a.face].neighbour[a.side] = b.face;
+      topology.faces[b.face].neighbour[b.side] = a.face;
+    } else {
+      topology.on_boundary[a.low] = true;
+      topology.on_boundary[a.high] = true;
+    }
+    i = end;
+  }
+}
+
+}  // namespace
+
+MeshTopology make_topology(const TriangleMesh& mesh) {
+  validate(mesh);
+  const std::vector<int> first = weld(mesh.vertices);
+  MeshTopology topology;
+  topology.faces.resize(mesh.triangles.size());
+  topology.smooth_normal.assign(mesh.vertices.size(), Eigen::Vector3d::Zero());
+  topology.side_normal = topology.smooth_normal;
+  topology.on_boundary.assign(mesh.vertices.size(), false);
+  bool any_area = false;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    auto& face = topology.faces[f];
+    face.neighbour = {-1, -1, -1};
+    double longest = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      face.vertex[i] = first[mesh.triangles[f][i]];
+      face.corner[i] = mesh.vertices[mesh.triangles[f][i]];
+    }
+    for (int i = 0; i < 3; ++i) longest = std::max(longest, (face.corner[(i + 1) % 3] - face.corner[i]).norm());
+    const Eigen::Vector3d cross = (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]);
+    const double twice_area = cross.norm();
+    const bool has_area = twice_area > 1e-12 * longest * longest && twice_area > 0.0;
+    face.normal = has_area ? Eigen::Vector3d(cross / twice_area) : Eigen::Vector3d::Zero();
+    if (!has_area) continue;
+    any_area = true;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];
+      const Eigen::Vector3d v = face.corner[(i + 2) % 3] - face.corner[i];
+      topology.smooth_normal[face.vertex[i]] += cross / (u.squaredNorm() * v.squaredNorm());
+      topology.side_normal[face.vertex[i]] += std::atan2(twice_area, u.dot(v)) * face.normal;
+    }
+  }
+  if (!any_area) throw InputError(fmt::format("canvas mesh: none of its {} triangles has an area", mesh.triangles.size()));
+  // A normal that cancels out (a fold) stays zero.
+  for (auto& n : topology.smooth_normal) n.stableNormalize();
+  for (auto& n : topology.side_normal) n.stableNormalize();
+  join_neighbours(topology);
+  return topology;
+}
+
+}  // namespace impedraw

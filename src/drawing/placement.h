@@ -1,0 +1,55 @@
+// Where a page lies in the world, seen along −z.
+//
+//   p_W = centre + s R(rotate) (−Y', −X') / 1000,  (X', Y') = page point − page origin [mm], X' → −X' first where mirrored
+//
+// Seen from above with world +x up and −y to the right, the page reads as on a screen: X to the right, Y down. `rotate_deg` turns it
+// counter-clockwise in that view. `s` is the scale (1: a page's millimetre is a millimetre in the drawing plane).
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "drawing/stroke.h"
+
+namespace impedraw {
+
+// How large, and which point of the page goes to the centre. At most one of the sizes may be given; with none the artwork is fitted.
+struct PlacementSettings {
+  Eigen::Vector2d centre_m{0.60, 0.0};
+  std::optional<double> scale;        // size: given outright
+  std::optional<double> width_mm;     // size: of the strokes' bounding box on the page's X
+  std::optional<double> height_mm;    // size: on its Y
+  double fit_radius_m = 0.15;         // else: the farthest point of a stroke lies on this circle about the centre
+  bool about_page_origin = false;     // the page's (0, 0) goes to the centre, else the middle of the strokes' bounding box
+  double rotate_deg = 0;
+  bool mirror = false;
+};
+
+// The built-in shapes': scale 1 about the page's origin.
+PlacementSettings shape_placement(const Eigen::Vector2d& centre_m = {0.60, 0.0});
+
+struct Placement {
+  Eigen::Vector2d centre_m{0.60, 0.0};
+  Eigen::Vector2d origin_mm = Eigen::Vector2d::Zero();   // the page point that goes there
+  Eigen::Matrix2d A = (Eigen::Matrix2d() << 0, -1e-3, -1e-3, 0).finished();  // [m/mm]
+
+  Eigen::Vector2d to_world(const Eigen::Vector2d& page_mm) const { return centre_m + A * (page_mm - origin_mm); }
+  Eigen::Vector2d to_page(const Eigen::Vector2d& world_m) const { return origin_mm + A.inverse() * (world_m - centre_m); }
+  double scale() const { return 1e3 * std::sqrt(std::abs(A.determinant())); }
+};
+
+// InputError: a size that is not positive and finite, two sizes at once, nothing to fit.
+Placement place(const Artwork& artwork, const PlacementSettings& settings);
+
+// A stroke where it will be drawn, as the planner takes it: the same points in the world's xy [m] and on the page [mm].
+struct PlacedStroke {
+  std::vector<Eigen::Vector2d> world;
+  std::vector<Eigen::Vector2d> page;
+};
+std::vector<PlacedStroke> placed_strokes(const Artwork& artwork, const Placement& placement);
+
+}  // namespace impedraw

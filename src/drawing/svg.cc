@@ -1,0 +1,211 @@
+#include "drawing/svg.h"
+
+#include <cmath>
+#include <fstream>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "common/errors.h"
+#include "drawing/flatten.h"
+#include "drawing/usvg/impedraw_usvg.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double kFarthest = 1e6;        // [mm]; usvg's single precision has lost 0.1 mm there
+constexpr double kSameArc = 1e-5;        // by how much two pieces of one arc may disagree on their ellipse, as a part of its size
+constexpr double kSamePoint = 1e-6;      // [mm]
+
+struct Segment {
+  ImpedrawSvgVerb verb;
+  Vector2d p[3];
+  const Vector2d& end() const { return p[verb == IMPEDRAW_SVG_CUBIC ? 2 : verb == IMPEDRAW_SVG_QUAD ? 1 : 0]; }
+};
+
+struct Subpath {
+  Vector2d start;
+  std::vector<Segment> segments;
+  bool closed = false;
+  const ImpedrawSvgPath* path = nullptr;
+};
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+std::vector<Subpath> subpaths_of(const ImpedrawSvg& svg, const std::string& name) {
+  std::vector<Subpath> all;
+  const std::uint8_t* verb = svg.verbs;
+  const double* xy = svg.points;
+  const auto point = [&]() {
+    const Vector2d p(xy[0], xy[1]);
+    if (!(p.cwiseAbs().maxCoeff() <= kFarthest)) {
+      throw InputError(fmt::format("{}: a point at ({:.3g}, {:.3g}) mm lies beyond ± {:.0e} mm", name, p.x(), p.y(), kFarthest));
+    }
+    xy += 2;
+    return p;
+  };
+  for (std::size_t i = 0; i < svg.path_count; ++i) {
+    bool open = false;
+    for (const std::uint8_t* end = verb + svg.paths[i].verbs; verb != end; ++verb) {
+      const auto v = static_cast<ImpedrawSvgVerb>(*verb);
+      if (v == IMPEDRAW_SVG_MOVE || !open) {
+        // After a close, drawing goes on from where that subpath began.
+        const Vector2d start = v == IMPEDRAW_SVG_MOVE ? point() : all.back().start;
+        all.push_back({start, {}, false, &svg.paths[i]});
+        open = true;
+        if (v == IMPEDRAW_SVG_MOVE) continue;
+      }
+      if (v == IMPEDRAW_SVG_CLOSE) {
+        all.back().closed = true;
+        open = false;
+        continue;
+      }
+      Segment segment{v, {}};
+      for (int k = 0; k < v; ++k) segment.p[k] = point();  // line 1, quadratic 2, cubic 3 points
+      all.back().segments.push_back(segment);
+    }
+  }
+  return all;
+}
+
+Eigen::AlignedBox2d box_of(const std::vector<Subpath>& subpaths) {
+  Eigen::AlignedBox2d box;
+  for (const Subpath& s : subpaths) {
+    box.extend(s.start);
+    for (const Segment& segment : s.segments) box.extend(segment.end());
+  }
+  return box;
+}
+
+// Does `next` go on along the ellipse on which `arc` ends?
+bool continues(const EllipseArc& arc, const EllipseArc& next) {
+  if (next.angle == 0) return false;
+  const double size = std::max(arc.u.norm(), arc.v.norm());
+  const Vector2d u = std::cos(arc.angle) * arc.u + std::sin(arc.angle) * arc.v;
+  const Vector2d v = -std::sin(arc.angle) * arc.u + std::cos(arc.angle) * arc.v;
+  return (arc.centre - next.centre).norm() + (u - next.u).norm() + (v - next.v).norm() < 30 * kSameArc * size &&
+         std::abs(arc.angle - next.angle) < 100 * kSameArc;
+}
+
+// usvg hands circles, ellipses, rounded corners and arcs over as cubics, which are off by up to 2.7e-4 of the radius. Two or more in a row
+// on one ellipse are taken for the arc that they stand for. A lone one is drawn as it is: it may be a cubic of the author's own.
+std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& settings) {
+  std::vector<Vector2d> line{subpath.start};
+  const auto& segments = subpath.segments;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Segment& s = segments[i];
+    const Vector2d from = i == 0 ? subpath.start : segments[i - 1].end();
+    if (s.verb == IMPEDRAW_SVG_LINE) line.push_back(s.p[0]);
+    if (s.verb == IMPEDRAW_SVG_QUAD) flatten_quadratic(from, s.p[0], s.p[1], settings, line);
+    if (s.verb != IMPEDRAW_SVG_CUBIC) continue;
+    const auto arc_at = [&](std::size_t k) {
+      const Vector2d a = k == 0 ? subpath.start : segments[k - 1].end();
+      return segments[k].verb == IMPEDRAW_SVG_CUBIC ? arc_of_cubic(a, segments[k].p[0], segments[k].p[1], segments[k].p[2]) : EllipseArc{};
+    };
+    std::size_t last = i;
+    for (EllipseArc arc = arc_at(i); arc.angle > 0 && last + 1 < segments.size(); ++last) {
+      const EllipseArc next = arc_at(last + 1);
+      if (!continues(arc, next)) break;
+      arc = next;
+    }
+    if (last == i) {
+      flatten_cubic(from, s.p[0], s.p[1], s.p[2], settings, line);
+      continue;
+    }
+    for (; i <= last; ++i) {
+      flatten_arc(arc_at(i), settings, line);
+      line.back() = segments[i].end();
+    }
+    --i;
+  }
+  return line;
+}
+
+bool has_area(const std::vector<Vector2d>& line) {
+  const Vector2d& origin = line.front();
+  double longest = 0, widest = 0;
+  Vector2d far = origin;
+  for (const Vector2d& p : line) {
+    if ((p - origin).norm() > longest) longest = (p - origin).norm(), far = p;
+  }
+  for (const Vector2d& p : line) widest = std::max(widest, std::abs(cross(far - origin, p - origin)));
+  return widest > 1e-6 * longest * longest;
+}
+
+// The subpath as a stroke; without points if it leaves nothing to see.
+Stroke stroke_of(const Subpath& subpath, const FlattenSettings& settings) {
+  Stroke stroke;
+  stroke.layer = static_cast<int>(subpath.path->layer);
+  std::vector<Vector2d> line = flatten(subpath, settings);
+  const bool stroked = subpath.path->stroked;
+  if (!stroked && !has_area(line)) return stroke;
+  const bool closed = subpath.closed || !stroked;
+  if (closed) line.push_back(line.front());
+  for (const Vector2d& p : line) {
+    if (stroke.points.empty() || (p - stroke.points.back()).norm() > kSamePoint) stroke.points.push_back(p);
+  }
+  if (stroke.points.size() == 1) {  // no length: a dot, if the line's caps make one
+    if (!subpath.path->caps || (subpath.segments.empty() && !subpath.closed)) stroke.points.clear();
+    return stroke;
+  }
+  // Exactly closed, though rounding may have left its two ends a hair apart.
+  stroke.closed = closed || stroke.points.front() == stroke.points.back();
+  if (closed) stroke.points.back() = stroke.points.front();
+  return stroke;
+}
+
+}  // namespace
+
+Artwork parse_svg(std::string_view document, const std::string& name, const SvgSettings& settings) {
+  if (!(settings.tolerance_mm > 0) || !(settings.relative_tolerance > 0)) {
+    throw InputError(fmt::format("svg tolerance: {} mm and {} of the diagonal; both must be > 0", settings.tolerance_mm,
+                                 settings.relative_tolerance));
+  }
+  const auto free_svg = [](const ImpedrawSvg* svg) { impedraw_svg_free(svg); };
+  const std::unique_ptr<const ImpedrawSvg, decltype(free_svg)> svg(
+      impedraw_svg_read(reinterpret_cast<const std::uint8_t*>(document.data()), document.size()), free_svg);
+  if (svg->error) throw InputError(fmt::format("{}: not an SVG that can be read: {}", name, svg->error));
+
+  Artwork artwork;
+  artwork.name = name;
+  artwork.page = Eigen::AlignedBox2d(Vector2d::Zero(), Vector2d(svg->width_mm, svg->height_mm));
+  artwork.layers.assign(svg->layers, svg->layers + svg->layer_count);
+  artwork.warnings.assign(svg->warnings, svg->warnings + svg->warning_count);
+
+  const std::vector<Subpath> subpaths = subpaths_of(*svg, name);
+  FlattenSettings flatten_settings;
+  if (!subpaths.empty()) {
+    const double diagonal = box_of(subpaths).diagonal().norm();
+    flatten_settings.tolerance = std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
+  }
+  for (const Subpath& subpath : subpaths) {
+    Stroke stroke = stroke_of(subpath, flatten_settings);
+    if (!stroke.points.empty()) artwork.strokes.push_back(std::move(stroke));
+  }
+  if (artwork.strokes.empty()) {
+    std::string why;
+    for (const std::string& warning : artwork.warnings) why += (why.empty() ? " (" : "; ") + warning;
+    if (!why.empty()) why += ")";
+    throw InputError(fmt::format("{}: nothing in it draws a line: no visible path or shape{}", name, why));
+  }
+  return artwork;
+}
+
+Artwork read_svg(const std::filesystem::path& file, const SvgSettings& settings) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw InputError(fmt::format("{}: {}", file.string(), std::filesystem::exists(file, error) ? "not a file" : "no such file"));
+  }
+  const double megabytes = static_cast<double>(std::filesystem::file_size(file, error)) / 1e6;
+  if (megabytes > settings.largest_file_mb) {
+    throw InputError(fmt::format("{}: {:.0f} MB; an SVG may have up to {:.0f} MB", file.string(), megabytes, settings.largest_file_mb));
+  }
+  std::ifstream in(file, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  if (text.starts_with("\x1f\x8b")) throw InputError(fmt::format("{}: a compressed SVG; unpack it first (gunzip)", file.string()));
+  return parse_svg(text, file.string(), settings);
+}
+
+}  // namespace impedraw

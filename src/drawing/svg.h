@@ -1,0 +1,33 @@
+// SVG documents as strokes.
+//
+// resvg's usvg interprets the document (styles, units, viewBox, transforms, use, markers, arcs); what is left is flattened here.
+// 1 px is 1/96 inch, and a document without width and height takes its viewBox's units for px.
+//
+// A path draws if it is painted: filled, stroked or both, in whatever colour, white too. Each subpath then is one stroke along its
+// geometry, once, whatever the stroke's width. A subpath that is only filled is drawn closed, for so it looks. Opacity 0, display none,
+// visibility hidden and elements outside of what is rendered draw nothing. Layers are the groups at the top of the document, by Inkscape
+// label, id or place.
+//
+// Not drawn, and told in Artwork::warnings: text, pictures, the effect of clip paths, masks and dashes. Nothing but the file itself is
+// read.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "drawing/stroke.h"
+
+namespace impedraw {
+
+struct SvgSettings {
+  double tolerance_mm = 0.01;         // of a chord to its curve, on the page
+  double relative_tolerance = 1e-5;   // of the artwork's diagonal; the smaller holds, since a small page is drawn enlarged
+  double largest_file_mb = 64;
+};
+
+// InputError: the file is missing or no SVG, has no valid size, nothing in it draws, or a coordinate is beyond ± 1e6 mm.
+Artwork read_svg(const std::filesystem::path& file, const SvgSettings& settings = {});
+Artwork parse_svg(std::string_view document, const std::string& name, const SvgSettings& settings = {});
+
+}  // namespace impedraw

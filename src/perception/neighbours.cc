@@ -1,0 +1,111 @@
+#include "perception/neighbours.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <nanoflann.hpp>
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kLeaf = 12;                         // points in a leaf; on 50,000 points anything from 6 to 12 is as fast
+constexpr int kMostGathered = 3 * kMostNeighbours;  // room for what the guessed reach lets in
+constexpr double kGuessMargin = 1.2;              // on the squared reach: too little falls back, too much gathers in vain
+
+// Looks at the first leaf that the search comes to, the query's own, and ends there.
+struct FirstLeaf {
+  int seen = 0;
+  int closest = -1;
+  double squared = std::numeric_limits<double>::max();
+
+  bool addPoint(double d2, int i) {
+    if (d2 < squared) {
+      squared = d2;
+      closest = i;
+    }
+    return ++seen < kLeaf / 2;
+  }
+  double worstDist() const { return std::numeric_limits<double>::max(); }
+  bool full() const { return true; }
+};
+
+struct WithinReach {
+  double limit2;
+  int n = 0;
+  struct Item {
+    double squared;
+    int index;
+  } items[kMostGathered];
+
+  bool addPoint(double d2, int i) {
+    items[n++] = {d2, i};
+    return n < kMostGathered;
+  }
+  double worstDist() const { return limit2; }
+  bool full() const { return true; }
+};
+
+struct Points {
+  const std::vector<Vector3d>* points;
+  std::size_t kdtree_get_point_count() const { return points->size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return (*points)[i][axis]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, int>;
+
+}  // namespace
+
+struct NeighbourTree::Tree {
+  Points points;
+  KdTree kd;
+  explicit Tree(const std::vector<Vector3d>& given) : points{&given}, kd(3, points, {kLeaf}) {}
+};
+
+std::vector<int> tree_order(const std::vector<Vector3d>& points) {
+  const NeighbourTree tree(points);
+  return {tree.tree_->kd.vAcc.begin(), tree.tree_->kd.vAcc.end()};
+}
+
+NeighbourTree::NeighbourTree(const std::vector<Vector3d>& points) : tree_(std::make_unique<const Tree>(points)) {}
+NeighbourTree::~NeighbourTree() = default;
+
+int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* index, double* squared) const noexcept {
+  nanoflann::KNNResultSet<double, int, int> found(k);
+  found.init(index, squared);
+  squared[k - 1] = max_radius * max_radius;  // the set's worst so far: nothing beyond it is looked at
+  tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
+  return found.size();
+}
+
+int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius, const std::vector<double>& reach2, int* index,
+                                     double* squared, int* closest) const noexcept {
+  FirstLeaf leaf;
+  tree_->kd.findNeighbors(leaf, p.data(), nanoflann::SearchParams());
+  WithinReach found;
+  // A query h above the surface has all its neighbours h² further off, the closest included.
+  found.limit2 = leaf.closest < 0 ? 0.0 : std::min(max_radius * max_radius, leaf.squared + kGuessMargin * reach2[leaf.closest]);
+  if (leaf.closest >= 0) tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
+  if (found.n < k || found.n == kMostGathered) {
+    const int n = nearest(p, k, max_radius, index, squared);
+    *closest = n > 0 ? index[0] : -1;
+    return n;
+  }
+  std::nth_element(found.items, found.items + k - 1, found.items + found.n,
+                   [](const WithinReach::Item& a, const WithinReach::Item& b) { return a.squared < b.squared; });
+  int first = 0;
+  for (int i = 0; i < k; ++i) {
+    index[i] = found.items[i].index;
+    squared[i] = found.items[i].squared;
+    if (squared[i] < squared[first]) first = i;
+  }
+  *closest = index[first];
+  return k;
+}
+
+}  // namespace impedraw

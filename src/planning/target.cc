@@ -1,0 +1,74 @@
+#include "planning/target.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+constexpr int kDeepest = 12;          // halvings below the spacing, at a fold of the canvas
+constexpr double kClosest = 1e-8;     // [m] seen along z; a gap that remains is a step of the canvas
+
+struct Point {
+  Vector2d world, page;
+  Vector3d on_canvas;
+};
+
+class Projection {
+ public:
+  Projection(const SurfaceHeight& canvas, const TargetSettings& settings, TargetLine& line)
+      : canvas_(canvas), settings_(settings), line_(line) {}
+
+  void add(const PlacedStroke& stroke, int number) {
+    number_ = number;
+    Point last = projected(stroke.world.front(), stroke.page.front());
+    push(last);
+    for (std::size_t i = 1; i < stroke.world.size(); ++i) {
+      const Point next = projected(stroke.world[i], stroke.page[i]);
+      join(last, next, 0);
+      last = next;
+    }
+  }
+
+ private:
+  Point projected(const Vector2d& world, const Vector2d& page) const {
+    return {world, page, sample_or_throw(canvas_, world, page, number_).p_W};
+  }
+  void push(const Point& p) {
+    line_.points.push_back(p.on_canvas);
+    line_.stroke.push_back(number_);
+  }
+
+  // Appends what lies after a up to b.
+  void join(const Point& a, const Point& b, int depth) {
+    const double gap = (b.on_canvas - a.on_canvas).norm();
+    if (gap == 0) return;
+    const bool wide = gap > settings_.spacing && (b.world - a.world).norm() > kClosest;
+    if (wide || depth < kDeepest) {
+      const Point middle = projected((a.world + b.world) / 2, (a.page + b.page) / 2);
+      if (wide || (middle.on_canvas - (a.on_canvas + b.on_canvas) / 2).norm() > settings_.tolerance) {
+        join(a, middle, wide ? 0 : depth + 1);
+        join(middle, b, wide ? 0 : depth + 1);
+        return;
+      }
+    }
+    push(b);
+  }
+
+  const SurfaceHeight& canvas_;
+  const TargetSettings& settings_;
+  TargetLine& line_;
+  int number_ = 0;
+};
+
+}  // namespace
+
+TargetLine project_target(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas, const TargetSettings& settings) {
+  TargetLine line;
+  Projection projection(canvas, settings, line);
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    if (!strokes[i].world.empty()) projection.add(strokes[i], static_cast<int>(i));
+  }
+  return line;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,60 @@
+// The few HDF5 calls that this folder needs, with errors as exceptions. Private to src/report.
+#pragma once
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <hdf5.h>
+
+namespace impedraw::h5 {
+
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Owns one HDF5 identifier.
+class Id {
+ public:
+  Id() = default;
+  Id(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  Id(Id&& other) noexcept { *this = std::move(other); }
+  Id& operator=(Id&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Id() { reset(); }
+  operator hid_t() const { return id_; }
+  void reset() {
+    if (id_ >= 0) close_(id_);
+    id_ = -1;
+  }
+  void release() { id_ = -1; }  // leaves it open
+
+ private:
+  hid_t id_ = -1;
+  herr_t (*close_)(hid_t) = nullptr;
+};
+
+// HDF5 prints its errors by default and tidies up at exit; both are ours to do. To be called once in each thread.
+void quiet_errors();
+
+// Throws Error "<doing>: <cause>" when `result` is negative; the cause is the operating system's message where there is one.
+void check(hid_t result, const std::string& doing);
+Id own(hid_t id, herr_t (*close)(hid_t), const std::string& doing);
+
+void write_attribute(hid_t object, const std::string& name, const std::string& text);
+void write_attribute(hid_t object, const std::string& name, double value);
+void write_attribute(hid_t object, const std::string& name, const std::vector<double>& values);
+void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& texts);
+
+// Each throws Error where the attribute is missing.
+std::string read_text(hid_t object, const std::string& name);
+std::vector<std::string> read_texts(hid_t object, const std::string& name);
+std::vector<double> read_numbers(hid_t object, const std::string& name);
+
+}  // namespace impedraw::h5

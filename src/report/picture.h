@@ -1,0 +1,37 @@
+// Pictures of what was drawn, each as SVG in true millimetres and as PNG of the same look.
+//
+//   ink_top   seen along the drawing axis (world −z): up is +x, right is −y; the canvas with shading, height contours and outline beneath
+//   ink_page  on the page, as the artwork had it: X to the right, Y down
+//
+// The target is a pale band, the ink a narrow line over it. Ink further than `highlight` from its target, and ink where the pen had to be
+// up, have colours of their own and then a place in the legend.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "report/drawn.h"
+#include "report/run_data.h"
+
+namespace impedraw {
+
+struct PictureSettings {
+  std::string title{};          // upper left; empty: the log's attribute `scenario`
+  double ink_width = 1.0;       // [mm]
+  double target_width = 2.6;    // [mm]
+  double highlight = 0.5;       // [mm]
+  int png_width = 1600;         // [px]
+};
+
+// Write `stem`.svg and `stem`.png. Throw std::runtime_error naming the file when it cannot be written.
+void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem::path& stem, const PictureSettings& settings = {});
+
+// `to_page` takes a point on the canvas [m, W] to the page [mm]; `page` is what to show, the drawing's own extent where it is empty.
+void write_ink_page(const RunData& run, const Drawn& drawn, const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
+                    const Eigen::AlignedBox2d& page, const std::filesystem::path& stem, const PictureSettings& settings = {});
+
+}  // namespace impedraw

@@ -1,0 +1,26 @@
+// What the plots of a report show, thinned to what a page can show and no peak lost: each bin of rows leaves its least and largest value.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "report/drawn.h"
+#include "report/run_data.h"
+
+namespace impedraw {
+
+struct Envelope {
+  std::vector<double> t, v;  // in order of time; NaN where a whole bin had no value
+};
+
+// At most about `points` points: of each bin the least and the largest value, each at its own time. Short series stay whole.
+Envelope envelope(std::span<const double> t, std::span<const double> v, std::size_t points);
+
+// force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of each joint's limit, the largest joint], mode:
+// {t, v};
+// mode_names; strokes: [[begin, end] in s]; step_time: {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
+nlohmann::json plot_series(const RunData& run, const Drawn& drawn, std::size_t points = 3000);
+
+}  // namespace impedraw

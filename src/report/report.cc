@@ -1,0 +1,96 @@
+#include "report/report.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "report/metrics.h"
+#include "report/plot_series.h"
+
+extern char** environ;
+
+namespace impedraw {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string title_of(const RunData& run, const std::string& given) {
+  if (!given.empty()) return given;
+  const auto scenario = run.attributes.find("scenario");
+  return scenario == run.attributes.end() ? "impedraw" : scenario->second;
+}
+
+Json definitions() {
+  Json out = Json::array();
+  for (const MetricDefinition& d : metric_definitions()) out.push_back({{"name", d.name}, {"unit", d.unit}, {"meaning", d.meaning}});
+  return out;
+}
+
+std::string existing(const std::filesystem::path& path) { return std::filesystem::exists(path) ? path.string() : ""; }
+
+// Gives report.py its page as JSON in a file, which is removed afterwards.
+void make_page(const Json& page, const std::filesystem::path& out, const ReportSettings& settings) {
+  std::string name = (std::filesystem::temp_directory_path() / "impedraw_page_XXXXXX").string();
+  const int descriptor = mkstemp(name.data());
+  if (descriptor < 0) throw std::runtime_error("cannot write " + out.string() + ": no temporary file can be made in " + name);
+  close(descriptor);
+  std::ofstream(name) << page;
+  const std::string python = settings.python.empty() ? IMPEDRAW_PYTHON : settings.python.string();
+  const char* const arguments[] = {python.c_str(), "-I", IMPEDRAW_REPORT_SCRIPT, name.c_str(), nullptr};
+  pid_t child = 0;
+  const int spawned = posix_spawnp(&child, python.c_str(), nullptr, nullptr, const_cast<char* const*>(arguments), environ);
+  int status = 0;
+  if (spawned == 0) waitpid(child, &status, 0);
+  std::filesystem::remove(name);
+  if (spawned != 0) throw std::runtime_error(fmt::format("cannot write {}: {} does not start", out.string(), python));
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw std::runtime_error(fmt::format("cannot write {}: {} failed (its message is above)", out.string(), IMPEDRAW_REPORT_SCRIPT));
+  }
+}
+
+}  // namespace
+
+void write_report(const std::filesystem::path& folder, const RunData& run, const Drawn& drawn, const Json& metrics,
+                  const ReportSettings& settings) {
+  Json page;
+  page["kind"] = "run";
+  page["out"] = (folder / "report.html").string();
+  page["title"] = title_of(run, settings.title);
+  page["attributes"] = run.attributes;
+  page["definitions"] = definitions();
+  page["metrics"] = metrics;
+  page["limits"] = settings.limits.is_object() ? settings.limits : Json::object();
+  page["series"] = plot_series(run, drawn);
+  page["pictures"] = {existing(folder / "ink_top.svg"), existing(folder / "ink_page.svg")};
+  page["scenario"] = existing(folder / "scenario.yaml");
+  make_page(page, folder / "report.html", settings);
+}
+
+void write_comparison(const ComparedRun& left, const ComparedRun& right, const std::filesystem::path& out, const ReportSettings& settings) {
+  Json page;
+  page["kind"] = "comparison";
+  page["out"] = (out / "compare.html").string();
+  page["picture"] = (out / "compare.png").string();
+  page["definitions"] = definitions();
+  page["limits"] = settings.limits.is_object() ? settings.limits : Json::object();
+  page["runs"] = Json::array();
+  for (const ComparedRun* compared : {&left, &right}) {
+    const RunData run = read_run(compared->folder / "run.h5");
+    const Drawn drawn = match_ink(run);
+    if (page["runs"].empty()) page["title"] = title_of(run, settings.title);
+    Json one;
+    one["name"] = compared->name;
+    one["metrics"] = compute_metrics(run, drawn);
+    one["series"] = plot_series(run, drawn);
+    one["scenario"] = existing(compared->folder / "scenario.yaml");
+    page["runs"].push_back(one);
+  }
+  make_page(page, out / "compare.html", settings);
+}
+
+}  // namespace impedraw

@@ -1,0 +1,176 @@
+#include "report/sheet.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <cairo-svg.h>
+#include <fmt/format.h>
+
+namespace impedraw {
+namespace {
+
+constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75};
+
+// Sizes follow the picture's width, so that its text reads the same on the first screen of a README whatever was drawn.
+struct Layout {
+  double width, height;  // of the whole [mm]
+  double font;           // size [mm]
+  Eigen::Vector2d origin;  // of the frame's upper left corner
+  std::vector<Eigen::Vector2d> legend;  // where each entry begins (its text's baseline)
+};
+
+double text_width(cairo_t* cr, const std::string& text) {
+  cairo_text_extents_t extents;
+  cairo_text_extents(cr, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+void set_font(cairo_t* cr, double size, bool bold = false) {
+  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cr, size);
+}
+
+Layout lay_out(const Sheet& sheet, cairo_t* cr) {
+  Layout l;
+  const double frame = sheet.area.sizes().x();
+  l.font = 0.026 * std::max(frame, 0.7 * sheet.area.sizes().y());
+  l.origin = {5.2 * l.font, sheet.subtitle.empty() ? 2.6 * l.font : 4.1 * l.font};
+  l.width = l.origin.x() + frame + 1.6 * l.font;
+  double x = l.origin.x(), y = l.origin.y() + sheet.area.sizes().y() + 5.0 * l.font;
+  set_font(cr, 0.92 * l.font);
+  for (const LegendEntry& entry : sheet.legend) {
+    const double needed = 3.0 * l.font + text_width(cr, entry.text);
+    if (x > l.origin.x() && x + needed > l.width - l.font) {
+      x = l.origin.x();
+      y += 1.6 * l.font;
+    }
+    l.legend.push_back({x, y});
+    x += needed + 1.6 * l.font;
+  }
+  l.height = y + (sheet.legend.empty() ? -1.0 : 1.2) * l.font;
+  return l;
+}
+
+void say(cairo_t* cr, double x, double y, const std::string& text, double align = 0.0) {
+  cairo_move_to(cr, x - align * text_width(cr, text), y);
+  cairo_show_text(cr, text.c_str());
+}
+
+double tick_step(double range) {
+  for (const double step : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0}) {
+    if (range / step <= 8.0) return step;
+  }
+  return 1000.0;
+}
+
+void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
+  const Eigen::Vector2d size = sheet.area.sizes(), low = sheet.area.min(), high = sheet.area.max();
+  const double left = l.origin.x(), top = l.origin.y(), bottom = top + size.y(), tick = 0.4 * l.font;
+  const double step = tick_step(size.maxCoeff());
+  cairo_set_line_width(cr, 0.06 * l.font);
+  set_colour(cr, kFrame);
+  cairo_rectangle(cr, left, top, size.x(), size.y());
+  cairo_stroke(cr);
+  set_font(cr, 0.85 * l.font);
+  const auto label = [](double value) { return fmt::format("{}{:.0f}", value < -0.5 ? "−" : "", std::abs(value)); };
+  for (double c = std::ceil(low.x() / step) * step; c <= high.x() + 1e-9; c += step) {
+    const double x = left + c - low.x();
+    set_colour(cr, kFrame);
+    cairo_move_to(cr, x, bottom);
+    cairo_line_to(cr, x, bottom + tick);
+    cairo_stroke(cr);
+    set_colour(cr, kFaint);
+    say(cr, x, bottom + 1.45 * l.font, label(sheet.u_sign * c), 0.5);
+  }
+  for (double c = std::ceil(low.y() / step) * step; c <= high.y() + 1e-9; c += step) {
+    const double y = top + c - low.y();
+    set_colour(cr, kFrame);
+    cairo_move_to(cr, left, y);
+    cairo_line_to(cr, left - tick, y);
+    cairo_stroke(cr);
+    set_colour(cr, kFaint);
+    say(cr, left - 0.7 * l.font, y + 0.3 * l.font, label(sheet.v_sign * c), 1.0);
+  }
+  set_colour(cr, kText);
+  set_font(cr, 0.92 * l.font);
+  say(cr, left + 0.5 * size.x(), bottom + 2.9 * l.font, sheet.u_name, 0.5);
+  cairo_save(cr);
+  cairo_translate(cr, 1.3 * l.font, top + 0.5 * size.y());
+  cairo_rotate(cr, -0.5 * M_PI);
+  say(cr, 0.0, 0.0, sheet.v_name, 0.5);
+  cairo_restore(cr);
+}
+
+void draw(const Sheet& sheet, const Layout& l, cairo_t* cr) {
+  set_colour(cr, {1, 1, 1});
+  cairo_paint(cr);
+  set_colour(cr, kText);
+  set_font(cr, 1.25 * l.font, true);
+  say(cr, l.origin.x(), 1.8 * l.font, sheet.title);
+  if (!sheet.subtitle.empty()) {
+    set_colour(cr, kFaint);
+    set_font(cr, 0.92 * l.font);
+    say(cr, l.origin.x(), 3.3 * l.font, sheet.subtitle);
+  }
+  cairo_save(cr);
+  cairo_rectangle(cr, l.origin.x(), l.origin.y(), sheet.area.sizes().x(), sheet.area.sizes().y());
+  cairo_clip(cr);
+  cairo_translate(cr, l.origin.x() - sheet.area.min().x(), l.origin.y() - sheet.area.min().y());
+  sheet.content(cr);
+  cairo_restore(cr);
+  draw_axes(sheet, l, cr);
+  set_font(cr, 0.92 * l.font);
+  for (std::size_t k = 0; k < sheet.legend.size(); ++k) {
+    const Eigen::Vector2d at = l.legend[k];
+    set_colour(cr, sheet.legend[k].colour);
+    cairo_set_line_cap(cr, CAIRO_LINE_CAP_BUTT);
+    cairo_set_line_width(cr, sheet.legend[k].width);
+    cairo_move_to(cr, at.x(), at.y() - 0.33 * l.font);
+    cairo_line_to(cr, at.x() + 2.2 * l.font, at.y() - 0.33 * l.font);
+    cairo_stroke(cr);
+    set_colour(cr, kText);
+    say(cr, at.x() + 2.8 * l.font, at.y(), sheet.legend[k].text);
+  }
+}
+
+void require(cairo_status_t status, const std::filesystem::path& path) {
+  if (status != CAIRO_STATUS_SUCCESS) throw std::runtime_error("cannot write " + path.string() + ": " + cairo_status_to_string(status));
+}
+
+}  // namespace
+
+void set_colour(cairo_t* cr, const Colour& colour, double alpha) { cairo_set_source_rgba(cr, colour.r, colour.g, colour.b, alpha); }
+
+void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width) {
+  cairo_surface_t* measure = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 1, 1);
+  cairo_t* cr = cairo_create(measure);
+  const Layout layout = lay_out(sheet, cr);
+  cairo_destroy(cr);
+  cairo_surface_destroy(measure);
+
+  std::filesystem::path path = stem;
+  path += ".svg";
+  cairo_surface_t* svg = cairo_svg_surface_create(path.c_str(), layout.width, layout.height);
+  cairo_svg_surface_set_document_unit(svg, CAIRO_SVG_UNIT_MM);
+  cr = cairo_create(svg);
+  draw(sheet, layout, cr);
+  cairo_destroy(cr);
+  cairo_surface_finish(svg);
+  const cairo_status_t svg_status = cairo_surface_status(svg);
+  cairo_surface_destroy(svg);
+  require(svg_status, path);
+
+  path = stem;
+  path += ".png";
+  const double scale = png_width / layout.width;
+  cairo_surface_t* png = cairo_image_surface_create(CAIRO_FORMAT_RGB24, png_width, static_cast<int>(std::lround(scale * layout.height)));
+  cr = cairo_create(png);
+  cairo_scale(cr, scale, scale);
+  draw(sheet, layout, cr);
+  cairo_destroy(cr);
+  const cairo_status_t png_status = cairo_surface_write_to_png(png, path.c_str());
+  cairo_surface_destroy(png);
+  require(png_status, path);
+}
+
+}  // namespace impedraw

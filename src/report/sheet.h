@@ -1,0 +1,40 @@
+// A Cairo drawing that is the same on SVG and PNG: a titled frame with millimetre axes and a legend. Private to src/report.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cairo.h>
+
+namespace impedraw {
+
+struct Colour {
+  double r, g, b;
+};
+
+struct LegendEntry {
+  Colour colour;
+  double width;  // of the line [mm]
+  std::string text;
+};
+
+struct Sheet {
+  std::string title, subtitle;
+  Eigen::AlignedBox2d area;          // shown inside the frame, view coordinates (u right, v down) [mm]
+  std::string u_name, v_name;        // axis titles
+  double u_sign = 1.0, v_sign = 1.0; // a tick at view coordinate c is labelled sign · c
+  std::vector<LegendEntry> legend;
+  std::function<void(cairo_t*)> content;  // draws in view coordinates, clipped to the frame
+};
+
+// `stem`.svg, one unit a millimetre, and `stem`.png, png_width wide. Throws std::runtime_error naming the file when it cannot be written.
+void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width);
+
+void set_colour(cairo_t* cr, const Colour& colour, double alpha = 1.0);
+
+}  // namespace impedraw

@@ -1,0 +1,231 @@
+// The closed loop that the controller promises, on the simulated arm: the wanted mass-spring-damper, gravity counted once, safe answers.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "arm_fixture.h"
+#include "common/errors.h"
+#include "simulation/world.h"
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+
+const SurfaceEstimate kBlind{};
+
+// The arm in free space under the controller, from `q`; the goal is where the tip starts unless the test moves it.
+struct FreeArm {
+  ArmModel arm{kArm};
+  World world{kArm, nullptr, {}};
+  ArmTerms terms{7};
+  ImpedanceController controller;
+  TipGoal goal;
+  Wrench F_ext = Wrench::Zero();
+
+  explicit FreeArm(const ImpedanceSettings& settings, const JointVector& q = working_posture()) : controller(settings, 7) {
+    world.set_state(q, JointVector::Zero(7));
+    arm.compute(q, JointVector::Zero(7), &terms);
+    goal.p_WD = terms.X_WE.p;
+    goal.n_WD = -terms.X_WE.R.col(2);
+  }
+
+  const ImpedanceTorque& step(const Eigen::Vector3d& push = Eigen::Vector3d::Zero()) {
+    arm.compute(world.state().q, world.state().v, &terms);
+    const ImpedanceTorque& out = controller.step(terms, goal, kBlind, F_ext);
+    world.step(out.tau, push);
+    F_ext << push, Eigen::Vector3d::Zero();
+    return out;
+  }
+};
+
+ImpedanceSettings soft(ImpedanceSettings s) {
+  s.stiffness = {{300.0, 200.0}, {20.0, 0.0}};
+  s.reference_stiffness = {{300.0, 200.0}, {20.0, 2.0}};
+  return s;
+}
+
+// x of m ẍ + b ẋ + k (x − x_0) = 0 from rest, under-damped.
+double response(double t, double m, double k, double zeta, double x_0) {
+  const double w = std::sqrt(k / m), wd = w * std::sqrt(1.0 - zeta * zeta);
+  return x_0 * (1.0 - std::exp(-zeta * w * t) * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t)));
+}
+
+TEST(ClosedLoop, AShapedTipIsTheWantedMassOnASpring) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = soft(shaped_settings(arm));
+  for (const bool along_normal : {false, true}) {
+    FreeArm free(s);
+    const Eigen::Vector3d direction = along_normal ? free.goal.n_WD : free.goal.n_WD.unitOrthogonal();
+    const Eigen::Vector3d start = free.goal.p_WD;
+    const double x_0 = 0.01, m = along_normal ? s.shaped_inertia.linear.normal : s.shaped_inertia.linear.tangent;
+    const double k = along_normal ? s.stiffness.linear.normal : s.stiffness.linear.tangent;
+    free.goal.p_WD += x_0 * direction;
+    for (int i = 0; i < 1000; ++i) {
+      const Eigen::Vector3d moved = free.world.state().X_WE.p - start;
+      ASSERT_NEAR(moved.dot(direction), response(i * 1e-3, m, k, s.damping_ratio, x_0), 0.01 * x_0) << "at " << i << " ms";
+      ASSERT_LT((moved - direction * direction.dot(moved)).norm(), 0.01 * x_0) << "the axes are decoupled";
+      free.step();
+    }
+  }
+}
+
+TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = soft(shaped_settings(arm));
+  s.contact_stiffness_max = 5e3;
+  s.stiffness.linear = {100.0, 100.0};  // slow enough that a wrench one step old costs under 1 %
+  FreeArm free(s);
+  const Eigen::Vector3d direction = free.goal.n_WD.unitOrthogonal(), start = free.goal.p_WD;
+  const double F = 1.0, x_0 = F / s.stiffness.linear.tangent;
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_NEAR(direction.dot(free.world.state().X_WE.p - start), response(i * 1e-3, s.shaped_inertia.linear.tangent, s.stiffness.linear.tangent, s.damping_ratio, x_0), 0.01 * x_0);
+    free.step(F * direction);
+  }
+}
+
+TEST(ClosedLoop, ANaturalTipIsTheArmsOwnInertiaOnASpring) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = soft(natural_settings(arm));
+  s.stiffness.angular.tangent = 5.0;  // about the pen the arm's own inertia is small: keep its modes slow against the step
+  s.reference_stiffness.angular = {5.0, 0.3};
+  FreeArm free(s);
+  const Eigen::Vector3d start = free.goal.p_WD;
+  const Eigen::Matrix3d R_start = free.terms.X_WE.R;
+  OperationalSpace space;
+  space.update(free.terms);
+  const Matrix6 A = space.inverse_inertia();
+  Matrix6 K = Matrix6::Zero(), K_damping = Matrix6::Zero();
+  K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(free.goal.n_WD);
+  K.bottomRightCorner<3, 3>() = s.stiffness.angular.matrix(free.goal.n_WD);
+  K_damping = K;
+  K_damping.bottomRightCorner<3, 3>() = s.reference_stiffness.angular.matrix(free.goal.n_WD);
+  ModalDamping modal;
+  const Matrix6 B = modal.design(space.inverse_inertia_factor(), K_damping, s.damping_ratio);
+  // Small motion, so that Λ stays: the reference is the linear 6-D oscillator, integrated finely.
+  Vector6 x = Vector6::Zero(), x_dot = Vector6::Zero(), x_D = Vector6::Zero();
+  x_D.head<3>() = Eigen::Vector3d(1e-3, -5e-4, 8e-4);
+  free.goal.p_WD += x_D.head<3>();
+  for (int i = 0; i < 600; ++i) {
+    const Pose& X = free.world.state().X_WE;
+    ASSERT_LT((X.p - start - x.head<3>()).norm(), 0.01 * x_D.norm()) << "at " << i << " ms";
+    const Eigen::AngleAxisd turned(X.R * R_start.transpose());
+    ASSERT_LT((turned.angle() * turned.axis() - x.tail<3>()).norm(), 0.03 * x_D.norm()) << "at " << i << " ms";
+    free.step();
+    for (int k = 0; k < 100; ++k) {
+      x_dot += 1e-5 * A * (K * (x_D - x) - B * x_dot);
+      x += 1e-5 * x_dot;
+    }
+  }
+}
+
+TEST(ClosedLoop, HoldsStillUnderGravityWithoutDrift) {
+  ArmModel arm(kArm);
+  for (const ImpedanceSettings& s : {shaped_settings(arm), natural_settings(arm)}) {
+    FreeArm free(s);
+    const Eigen::Vector3d start = free.goal.p_WD;
+    for (int i = 0; i < 2000; ++i) free.step();
+    EXPECT_LT((free.world.state().X_WE.p - start).norm(), 1e-9);
+  }
+}
+
+TEST(ClosedLoop, GravityIsCountedOnce) {
+  ArmModel arm(kArm);
+  FreeArm free(shaped_settings(arm));
+  const ImpedanceTorque& out = free.step();
+  // At rest, on the goal, in the rest posture, nothing but gravity is left; and it is all of it.
+  EXPECT_LT((out.tau - free.terms.g).norm(), 1e-9);
+  EXPECT_LT((out.terms.col(kGravity) - free.terms.g).norm(), 1e-12);
+  EXPECT_LT((out.terms.rowwise().sum() - out.tau).norm(), 1e-12);
+}
+
+TEST(ClosedLoop, TheNullSpaceMovesTheElbowAndNotTheTip) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.q_0[2] += 0.6;
+  FreeArm free(s);
+  const Eigen::Vector3d start = free.goal.p_WD;
+  double away = 0.0;
+  const double before = free.world.state().q[2];
+  for (int i = 0; i < 2000; ++i) {
+    free.step();
+    away = std::max(away, (free.world.state().X_WE.p - start).norm());
+  }
+  EXPECT_GT(std::abs(free.world.state().q[2] - before), 0.02);
+  EXPECT_LT(away, 2e-5);
+}
+
+TEST(ClosedLoop, TurnsThroughHalfATurnOfThePen) {
+  ArmModel arm(kArm);
+  FreeArm free(soft(shaped_settings(arm)));
+  // The pen is asked to point up to 3.1 rad away from where it points: finite, bounded, and on the short way.
+  for (const double angle : {1.0, 3.1, M_PI, -3.1}) {
+    FreeArm turned(soft(shaped_settings(arm)));
+    const Eigen::Vector3d axis = turned.goal.n_WD.unitOrthogonal();
+    turned.goal.n_WD = Eigen::AngleAxisd(angle, axis) * turned.goal.n_WD;
+    const ImpedanceTorque& out = turned.step();
+    EXPECT_TRUE(out.tau.allFinite());
+    EXPECT_FALSE(out.status.bad_input);
+    const double asked = Vector6(turned.F_ext).norm() + std::min(std::abs(angle), 2 * M_PI - std::abs(angle));
+    EXPECT_LE(asked, M_PI + 1e-9);
+  }
+}
+
+TEST(ClosedLoop, PassesASingularPostureWithBoundedTorque) {
+  ArmModel arm(kArm);
+  JointVector q(7);
+  q << 0.0, 0.9, 0.0, -0.6, 0.0, 0.5, 0.0;
+  ImpedanceSettings s = shaped_settings(arm);
+  s.q_0 = q;
+  FreeArm free(s, q);
+  const Eigen::Vector3d outward = Eigen::Vector3d(free.goal.p_WD.x(), 0.0, free.goal.p_WD.z() - 0.36).normalized(), start = free.goal.p_WD;
+  bool told = false;
+  for (int i = 0; i < 4000; ++i) {  // out to beyond the arm's reach, and back
+    const double way = i < 2000 ? 0.1e-3 * i : 0.1e-3 * (4000 - i);
+    free.goal.p_WD = start + way * outward;
+    free.goal.v_WD = (i < 2000 ? 0.1 : -0.1) * outward;
+    const ImpedanceTorque& out = free.step();
+    told |= out.status.near_singular;
+    ASSERT_TRUE(out.tau.allFinite());
+    ASSERT_FALSE(free.world.failure()) << *free.world.failure();
+    ASSERT_LT(free.world.state().v.cwiseAbs().maxCoeff(), 6.0) << "at " << i << " ms";
+  }
+  EXPECT_TRUE(told);
+}
+
+TEST(ClosedLoop, BadInputGivesASafeTorqueAndAStatus) {
+  ArmModel arm(kArm);
+  FreeArm free(shaped_settings(arm));
+  const JointVector good = free.step().terms.col(kGravity);
+  const double nan = std::nan("");
+  SurfaceEstimate surface;
+  for (int what = 0; what < 4; ++what) {
+    ArmTerms terms = free.terms;
+    TipGoal goal = free.goal;
+    Wrench F = Wrench::Zero();
+    if (what == 0) terms.v[3] = nan;
+    if (what == 1) goal.p_WD.y() = nan;
+    if (what == 2) F[2] = nan;
+    if (what == 3) terms.g[0] = INFINITY;
+    const ImpedanceTorque& out = free.controller.step(terms, goal, surface, F);
+    EXPECT_TRUE(out.status.bad_input) << what;
+    EXPECT_LT((out.tau - good).norm(), 1e-12) << what;
+  }
+  EXPECT_FALSE(free.step().status.bad_input) << "and it goes on when the input is good again";
+}
+
+TEST(ClosedLoop, RefusesSettingsThatCannotWork) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.wrench = WrenchFeedback::none;
+  EXPECT_THROW(ImpedanceController(s, 7), InputError);
+  s = shaped_settings(arm);
+  s.q_0 = Eigen::VectorXd::Zero(6);
+  EXPECT_THROW(ImpedanceController(s, 7), InputError);
+  s = shaped_settings(arm);
+  s.shaped_inertia.angular.normal = 1e-4;
+  EXPECT_THROW(ImpedanceController(s, 7), InputError);
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,88 @@
+// A step allocates nothing: malloc itself is hooked, so that any way to the heap counts, new, Eigen's aligned blocks or a library's.
+#include <atomic>
+#include <cstdlib>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "arm_fixture.h"
+
+extern "C" void* __libc_malloc(std::size_t);
+extern "C" void* __libc_calloc(std::size_t, std::size_t);
+extern "C" void* __libc_realloc(void*, std::size_t);
+extern "C" void* __libc_memalign(std::size_t, std::size_t);
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<int> allocations{0};
+void count() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+void* malloc(std::size_t size) { count(); return __libc_malloc(size); }
+void* calloc(std::size_t n, std::size_t size) { count(); return __libc_calloc(n, size); }
+void* realloc(void* p, std::size_t size) { count(); return __libc_realloc(p, size); }
+void* memalign(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
+void* aligned_alloc(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  count();
+  *out = __libc_memalign(alignment, size);
+  return *out ? 0 : 12;
+}
+}
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+
+template <typename F>
+int allocations_in(F&& f) {
+  allocations = 0;
+  counting = true;
+  f();
+  counting = false;
+  return allocations;
+}
+
+TEST(NoAllocation, TheHookCatchesOne) {
+  EXPECT_GT(allocations_in([] { free(std::malloc(10)); }), 0);
+  EXPECT_GT(allocations_in([] { std::vector<double> v(10); asm volatile("" : : "r"(v.data()) : "memory"); }), 0);
+  EXPECT_GT(allocations_in([] { Eigen::MatrixXd m(3, 3); asm volatile("" : : "r"(m.data()) : "memory"); }), 0);
+  EXPECT_EQ(allocations_in([] {}), 0);
+}
+
+TEST(NoAllocation, AStepMakesNone) {
+  ArmModel arm(kArm);
+  std::mt19937 rng(2);
+  for (const bool natural : {false, true}) {
+    ImpedanceController controller(natural ? natural_settings(arm) : shaped_settings(arm), 7);
+    ArmTerms terms = random_terms(arm, rng);
+    const JointVector q = terms.q, v = terms.v;
+    TipGoal goal;
+    goal.p_WD = terms.X_WE.p;
+    SurfaceEstimate surface;
+    surface.status = SurfaceStatus::ok;
+    surface.distance = 0.0;
+    Wrench F = Wrench::Zero();
+    const int made = allocations_in([&] {
+      for (int i = 0; i < 600; ++i) {
+        goal.pen_down = i > 100 && i < 500;          // through every mode
+        surface.distance = i > 520 ? 0.01 : 0.0;
+        surface.status = i > 300 && i < 310 ? SurfaceStatus::too_few : SurfaceStatus::ok;
+        F[2] = i > 110 ? 5.0 : 0.0;
+        arm.compute(q, v, &terms);
+        controller.step(terms, goal, surface, F);
+      }
+      JointVector stretched = JointVector::Zero(7);  // and through the release of a singular posture
+      arm.compute(stretched, v, &terms);
+      controller.step(terms, goal, surface, F);
+    });
+    EXPECT_EQ(made, 0) << (natural ? "natural" : "shaped");
+  }
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,113 @@
+// Identities of the operational space, damping against a generalised eigensolver, and what happens near a singular posture.
+#include "control/operational_space.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "arm_fixture.h"
+#include "control/damping.h"
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+
+TEST(OperationalSpace, IdentitiesHoldOverRandomStates) {
+  ArmModel arm(kArm);
+  const unsigned seed = 1;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 rng(seed);
+  OperationalSpace space;
+  for (int i = 0; i < 200; ++i) {
+    const ArmTerms t = random_terms(arm, rng);
+    ASSERT_TRUE(space.update(t));
+    // The textbook way, by full inverses.
+    const Eigen::MatrixXd M_inverse = Eigen::MatrixXd(t.M).inverse();
+    const Matrix6 lambda_inverse = t.J * M_inverse * t.J.transpose();
+    EXPECT_LT((space.inverse_inertia() - lambda_inverse).norm(), 1e-9 * lambda_inverse.norm());
+    const Matrix6 lambda = space.inertia();
+    EXPECT_LT((lambda * lambda_inverse - Matrix6::Identity()).norm(), 1e-8);
+    EXPECT_LT((lambda - lambda.transpose()).norm(), 1e-9 * lambda.norm());
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(lambda).eigenvalues().minCoeff(), 0.0);
+    for (int k = 0; k < 6; ++k) {  // J̄ᵀ Jᵀ = I
+      const Vector6 unit = Vector6::Unit(k);
+      EXPECT_LT((space.project_to_tip(t.J.transpose() * unit) - unit).norm(), 1e-9);
+    }
+    const JointVector tau = 10.0 * JointVector::Random(7);
+    const JointVector tau_null = tau - t.J.transpose() * space.project_to_tip(tau);
+    EXPECT_LT((t.J * M_inverse * tau_null).norm(), 1e-9 * (t.J * M_inverse * tau).norm());
+  }
+}
+
+TEST(OperationalSpace, ReleasesALostDirectionAndSaysSo) {
+  ArmModel arm(kArm);
+  OperationalSpace space;
+  ArmTerms t(7);
+  double largest = 0.0;
+  int released = 0;
+  for (double bend = -0.05; bend <= 0.05; bend += 1e-4) {  // through the stretched elbow
+    JointVector q = JointVector::Zero(7);
+    q << 0.2, 0.5, 0.0, bend, 0.0, 0.4, 0.0;
+    arm.compute(q, JointVector::Zero(7), &t);
+    released += !space.update(t);
+    const Vector6 force = space.apply_inertia(Vector6(Vector6::Ones()));
+    ASSERT_TRUE(force.allFinite());
+    largest = std::max(largest, (t.J.transpose() * force).norm());
+  }
+  EXPECT_GT(released, 10);
+  EXPECT_LT(largest, 400.0);  // 1 m/s² along every axis, at most max_effective_mass of it
+  EXPECT_LT(released, 1001);
+}
+
+TEST(ModalDamping, AgreesWithTheGeneralisedEigenproblem) {
+  ArmModel arm(kArm);
+  std::mt19937 rng(5);
+  OperationalSpace space;
+  ModalDamping modal;
+  Matrix6 K = Matrix6::Zero();
+  K.diagonal() << 3000, 3000, 1500, 100, 100, 10;
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(space.update(random_terms(arm, rng)));
+    const Matrix6 M_d = space.inertia();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> solver(K, 0.5 * (M_d + M_d.transpose()));
+    const Matrix6 Q = solver.eigenvectors();
+    const Matrix6 expected = M_d * Q * (2.0 * 0.7 * solver.eigenvalues().cwiseSqrt()).asDiagonal() * Q.transpose() * M_d;
+    const Matrix6 B = modal.design(space.inverse_inertia_factor(), K, 0.7);
+    EXPECT_LT((B - expected).norm(), 1e-5 * expected.norm());
+    EXPECT_NEAR(modal.largest_rate(), 1.4 * std::sqrt(solver.eigenvalues().maxCoeff()), 1e-6 * modal.largest_rate());
+  }
+}
+
+TEST(ModalDamping, OfADiagonalInertiaIsTheAxesOwn) {
+  const TipGain K{{3000.0, 1500.0}, {100.0, 10.0}}, M{{4.0, 3.0}, {0.05, 0.02}};
+  const TipGain b = diagonal_damping(K, M, 0.8);
+  Matrix6 K6 = Matrix6::Zero(), U = Matrix6::Zero();
+  K6.diagonal() << 3000, 3000, 1500, 100, 100, 10;
+  Vector6 m;
+  m << 4, 4, 3, 0.05, 0.05, 0.02;
+  U.diagonal() = m.cwiseInverse().cwiseSqrt();
+  ModalDamping modal;
+  Vector6 expected;
+  expected << b.linear.tangent, b.linear.tangent, b.linear.normal, b.angular.tangent, b.angular.tangent, b.angular.normal;
+  EXPECT_LT((modal.design(U, K6, 0.8) - Matrix6(expected.asDiagonal())).norm(), 1e-9);
+}
+
+TEST(AxialGain, IsTheTurnedDiagonal) {
+  std::mt19937 rng(9);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d n = Eigen::Vector3d(normal(rng), normal(rng), normal(rng)).normalized(), x(normal(rng), normal(rng), normal(rng));
+    Eigen::Matrix3d R;
+    R.col(2) = n;
+    R.col(0) = n.unitOrthogonal();
+    R.col(1) = n.cross(R.col(0));
+    const AxialGain g{7.0, 3.0};
+    const Eigen::Matrix3d expected = R * Eigen::Vector3d(7, 7, 3).asDiagonal() * R.transpose();
+    EXPECT_LT((g.matrix(n) - expected).norm(), 1e-12);
+    EXPECT_LT((g.apply(n, x) - expected * x).norm(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace impedraw

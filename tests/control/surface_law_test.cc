@@ -1,0 +1,157 @@
+// The law on the surface, one step at a time: error projections, the push, tip friction, hand-over at a switch.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "arm_fixture.h"
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+
+// A tip on a plane of slope θ about y, held by the arm's model alone: what wrench does the controller put out?
+struct OnSlope {
+  ArmModel arm{kArm};
+  ArmTerms terms{7};
+  ImpedanceController controller;
+  TipGoal goal;
+  SurfaceEstimate surface;
+  Wrench F_ext = Wrench::Zero();
+
+  OnSlope(double slope, const ImpedanceSettings& s) : controller(s, 7) {
+    const Eigen::Vector3d n(-std::sin(slope), 0.0, std::cos(slope));
+    const IkResult ik = find_posture(arm, {{0.6, 0.0, 0.2}, -n}, working_posture());
+    EXPECT_TRUE(ik.reached);
+    arm.compute(ik.q, JointVector::Zero(7), &terms);
+    goal.p_WD = terms.X_WE.p;
+    goal.n_WD = n;
+    goal.pen_down = true;
+    surface.status = SurfaceStatus::ok;
+    surface.n_W = n;
+    surface.distance = 0.0;
+  }
+
+  const ImpedanceTorque& settle() {  // in contact, at rest, nothing left to fade
+    F_ext.head<3>() = 5.0 * surface.n_W;
+    const ImpedanceTorque* out = nullptr;
+    for (int i = 0; i < 2000; ++i) out = &controller.step(terms, goal, surface, F_ext);
+    return *out;
+  }
+
+  // The wrench at the tip that a term amounts to.
+  Vector6 wrench(const ImpedanceTorque& out, TorqueTerm term) {
+    OperationalSpace space;
+    space.update(terms);
+    return space.project_to_tip(out.terms.col(term));
+  }
+};
+
+ImpedanceSettings natural_measured(const ArmModel& arm) {
+  ImpedanceSettings s = shaped_settings(arm);
+  s.inertia = InertiaShaping::natural;  // M_d = Λ: F_act is the wanted force itself
+  return s;
+}
+
+TEST(SurfaceLaw, PushesAlongTheNormalAndNowhereElse) {
+  ArmModel arm(kArm);
+  OnSlope on(0.5, natural_measured(arm));
+  const ImpedanceTorque& out = on.settle();
+  ASSERT_EQ(out.mode, ContactMode::contact);
+  EXPECT_EQ(out.push, 5.0);
+  Vector6 expected = Vector6::Zero();
+  expected.head<3>() = -5.0 * on.surface.n_W;
+  EXPECT_LT((on.wrench(out, kPush) - expected).norm(), 1e-9);
+}
+
+TEST(SurfaceLaw, LiftsTheErrorToFullStiffnessOnASlope) {
+  ArmModel arm(kArm);
+  const double slope = 0.7, shift = 1e-3;
+  for (const ErrorProjection projection : {ErrorProjection::lifted, ErrorProjection::paper}) {
+    ImpedanceSettings s = natural_measured(arm);
+    s.projection = projection;
+    OnSlope on(slope, s);
+    const Vector6 before = on.wrench(on.settle(), kImpedance);
+    on.goal.p_WD.x() += shift;  // up the slope as seen along z; the way along the slope is shift/cos θ
+    const Vector6 force = on.wrench(on.settle(), kImpedance) - before;
+    const Eigen::Vector3d uphill(std::cos(slope), 0.0, std::sin(slope));
+    const double expected = s.stiffness.linear.tangent * shift * (projection == ErrorProjection::lifted ? 1.0 / std::cos(slope) : std::cos(slope));
+    EXPECT_NEAR(force.head<3>().dot(uphill), expected, 1e-6);
+    EXPECT_NEAR(force.head<3>().dot(on.surface.n_W), 0.0, 1e-9) << "no stiffness along the normal";
+  }
+}
+
+TEST(SurfaceLaw, TheHeightOfThePlanDoesNotMatterInContact) {
+  ArmModel arm(kArm);
+  OnSlope on(0.5, natural_measured(arm));
+  const Vector6 before = on.wrench(on.settle(), kImpedance);
+  on.goal.p_WD.z() += 0.01;
+  EXPECT_LT((on.wrench(on.settle(), kImpedance) - before).norm(), 1e-9);
+}
+
+TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
+  ArmModel arm(kArm);
+  const ImpedanceSettings s = natural_measured(arm);
+  OnSlope on(0.3, s);
+  on.settle();
+  // Slide along y; the measured wrench holds friction along −y, and a hand that pushes along the other tangent.
+  JointVector v = on.terms.J.transpose() * (on.terms.J * on.terms.J.transpose()).inverse() * Vector6(0.05 * Vector6::Unit(1));
+  on.arm.compute(on.terms.q, v, &on.terms);
+  const Eigen::Vector3d n = on.surface.n_W, across = Eigen::Vector3d::UnitY().cross(n);
+  const auto friction_term = [&](double along, double hand) {
+    Wrench F = Wrench::Zero();
+    F.head<3>() = 5.0 * n - along * Eigen::Vector3d::UnitY() + hand * across;
+    return Vector6(on.wrench(on.controller.step(on.terms, on.goal, on.surface, F), kWrench));
+  };
+  // With M_d = Λ the wrench term is minus the friction that is left out: it cancels it.
+  const double limit = s.friction * 5.0, smooth = 0.05 / std::hypot(0.05, s.friction_speed);
+  EXPECT_NEAR(friction_term(1.2, 0.0)[1], 1.2 * smooth * smooth, 1e-6);
+  EXPECT_NEAR(friction_term(4.0, 0.0)[1], limit * smooth, 1e-6) << "no more than μ̂ f_n";
+  EXPECT_NEAR(friction_term(-4.0, 0.0).norm(), 0.0, 1e-9) << "a force along the motion is no friction";
+  EXPECT_NEAR(friction_term(0.0, 10.0).norm(), 0.0, 1e-9) << "a hand from the side is not friction: the pen gives way to it";
+}
+
+TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {
+  ArmModel arm(kArm);
+  for (const bool natural : {false, true}) {
+    OnSlope on(0.4, natural ? natural_measured(arm) : shaped_settings(arm));
+    on.goal.pen_down = false;
+    on.goal.p_WD += 2e-4 * Eigen::Vector3d(1, 1, 1);
+    on.surface.distance = 2e-4;
+    JointVector last = on.controller.step(on.terms, on.goal, on.surface, on.F_ext).tau;
+    ContactMode mode = ContactMode::free;
+    int switches = 0;
+    double largest = 0.0;
+    for (int i = 0; i < 1200; ++i) {
+      on.goal.pen_down = i > 100 && i < 900;
+      on.F_ext.head<3>() = (on.goal.pen_down ? std::min(5.0, 0.02 * (i - 100)) : 0.0) * on.surface.n_W;
+      if (i >= 900) on.surface.distance = 1e-5 * (i - 900);
+      const ImpedanceTorque& out = on.controller.step(on.terms, on.goal, on.surface, on.F_ext);
+      const double jump = (out.tau - last).cwiseAbs().maxCoeff();
+      switches += out.mode != mode;
+      largest = std::max(largest, i == 900 ? 0.0 : jump);  // there the made-up wrench itself steps
+      mode = out.mode;
+      last = out.tau;
+    }
+    EXPECT_EQ(switches, 4);
+    EXPECT_LT(largest, 0.35) << "0.35 Nm a step: 5 N handed over in 40 ms at up to 0.8 m, and no more";
+  }
+}
+
+TEST(SurfaceLaw, ALostSurfaceKeepsTheLastNormalAndThenRetreats) {
+  ArmModel arm(kArm);
+  OnSlope on(0.4, shaped_settings(arm));
+  on.settle();
+  on.surface.status = SurfaceStatus::too_few;
+  on.surface.n_W = Eigen::Vector3d::UnitX();  // wild, and must not be used
+  const ImpedanceTorque* out = &on.controller.step(on.terms, on.goal, on.surface, on.F_ext);
+  EXPECT_TRUE(out->status.surface_lost);
+  EXPECT_EQ(out->mode, ContactMode::contact);
+  EXPECT_LT((out->n_WD - on.goal.n_WD).norm(), 1e-6);
+  for (int i = 0; i < 400; ++i) out = &on.controller.step(on.terms, on.goal, on.surface, on.F_ext);
+  EXPECT_EQ(out->mode, ContactMode::retreat);
+  EXPECT_EQ(out->push, 0.0);
+}
+
+}  // namespace
+}  // namespace impedraw

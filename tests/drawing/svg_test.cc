@@ -1,0 +1,197 @@
+#include "drawing/svg.h"
+
+#include <random>
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include "lines.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double kPx = 25.4 / 96;
+
+// A page whose unit is 1 mm: 200 mm wide and high.
+Artwork on_mm_page(const std::string& body) {
+  return parse_svg(R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
+    xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="200mm" height="200mm" viewBox="0 0 200 200">)" +
+                   body + "</svg>", "test");
+}
+Artwork stroked(const std::string& body) { return on_mm_page("<g fill='none' stroke='black'>" + body + "</g>"); }
+std::vector<Vector2d> only(const Artwork& artwork) {
+  EXPECT_EQ(artwork.strokes.size(), 1u);
+  return artwork.strokes.at(0).points;
+}
+
+void expect_points(const std::vector<Vector2d>& points, const std::vector<Vector2d>& expected, double tolerance = 1e-4) {
+  ASSERT_EQ(points.size(), expected.size());
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT((points[i] - expected[i]).norm(), tolerance) << i;
+}
+
+TEST(Svg, LinesPolylinesPolygonsAndRectangles) {
+  expect_points(only(stroked("<line x1='10' y1='20' x2='30' y2='40'/>")), {{10, 20}, {30, 40}});
+  expect_points(only(stroked("<polyline points='0,0 10,0 10,10'/>")), {{0, 0}, {10, 0}, {10, 10}});
+  const Artwork polygon = stroked("<polygon points='0,0 10,0 10,10'/>");
+  expect_points(only(polygon), {{0, 0}, {10, 0}, {10, 10}, {0, 0}});
+  EXPECT_TRUE(polygon.strokes[0].closed);
+  EXPECT_EQ(polygon.strokes[0].points.front(), polygon.strokes[0].points.back());
+  expect_points(only(stroked("<rect x='5' y='6' width='20' height='10'/>")), {{5, 6}, {25, 6}, {25, 16}, {5, 16}, {5, 6}});
+  expect_points(only(stroked("<path d='M10 10 h20 v20 H5 l-2 -3 z'/>")), {{10, 10}, {30, 10}, {30, 30}, {5, 30}, {3, 27}, {10, 10}});
+}
+
+TEST(Svg, CircleIsTheCircle) {
+  // usvg's own cubics are off by 0.022 mm here; the smallest unit makes no difference.
+  for (const std::string& body : {std::string("<circle cx='100' cy='90' r='80'/>"),
+                                  std::string("<g transform='scale(100)'><circle cx='1' cy='.9' r='.8'/></g>"),
+                                  std::string("<path d='M180 90 A80 80 0 0 1 20 90 A80 80 0 0 1 180 90'/>")}) {
+    SCOPED_TRACE(body);
+    const auto& line = only(stroked(body));
+    for (const Vector2d& p : line) EXPECT_NEAR((p - Vector2d(100, 90)).norm(), 80, 1e-3);
+    EXPECT_NEAR(lines::length(line), 2 * M_PI * 80, 0.02);
+    const auto circle = [](double s) { return Vector2d(100 + 80 * std::cos(2 * M_PI * s), 90 + 80 * std::sin(2 * M_PI * s)); };
+    EXPECT_LT(lines::worst(circle, line), 4e-3);
+  }
+}
+
+TEST(Svg, TransformedEllipse) {
+  const auto& line = only(stroked("<ellipse rx='60' ry='20' transform='translate(100 80) rotate(30) skewX(20) scale(1 -1.5)'/>"));
+  const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6), t = std::tan(M_PI / 9);
+  const auto curve = [&](double f) {
+    const Vector2d e(60 * std::cos(2 * M_PI * f), -30 * std::sin(2 * M_PI * f));
+    const Vector2d skewed(e.x() + t * e.y(), e.y());
+    return Vector2d(100 + c * skewed.x() - s * skewed.y(), 80 + s * skewed.x() + c * skewed.y());
+  };
+  EXPECT_LT(lines::worst(curve, line), 4e-3);
+}
+
+TEST(Svg, ArcsOfThePathCommand) {
+  // A 120° arc of radius 50 (two cubics) and the rest of it (large-arc).
+  const double h = 50 * std::sqrt(3.0);
+  for (int large : {0, 1}) {
+    SCOPED_TRACE(large);
+    const auto& line = only(stroked(fmt::format("<path d='M{} 100 A50 50 0 {} 1 {} 100'/>", 100 - h / 2, large, 100 + h / 2)));
+    const Vector2d centre(100, 100 + (large ? -25 : 25));
+    for (const Vector2d& p : line) EXPECT_NEAR((p - centre).norm(), 50, 1e-3);
+    EXPECT_NEAR(lines::length(line), 50 * 2 * M_PI * (large ? 2 : 1) / 3, 0.01);
+  }
+}
+
+TEST(Svg, BezierCurvesKeepTheirShape) {
+  const auto& cubic = only(stroked("<path d='M20 20 C 180 20 20 180 180 180'/>"));
+  const Vector2d p[4] = {{20, 20}, {180, 20}, {20, 180}, {180, 180}};
+  EXPECT_LT(lines::worst([&](double s) {
+    const double r = 1 - s;
+    return Vector2d(r * r * r * p[0] + 3 * r * r * s * p[1] + 3 * r * s * s * p[2] + s * s * s * p[3]);
+  }, cubic), 4e-3);
+  const auto& quad = only(stroked("<path d='M0 0 Q 50 100 100 0'/>"));
+  EXPECT_LT(lines::worst([](double s) { return Vector2d(100 * s, 200 * s * (1 - s)); }, quad), 4e-3);
+}
+
+TEST(Svg, RoundedRectangle) {
+  const auto& line = only(stroked("<rect x='20' y='30' width='100' height='60' rx='10'/>"));
+  EXPECT_NEAR(lines::length(line), 2 * (80 + 40) + 2 * M_PI * 10, 0.02);
+  for (const Vector2d& p : line) {
+    const Vector2d d = ((p - Vector2d(70, 60)).cwiseAbs() - Vector2d(40, 20)).cwiseMax(0);  // beyond the straight sides' span
+    EXPECT_NEAR(d.norm(), 10, 0.004);
+  }
+}
+
+TEST(Svg, NestedTransformsCompose) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> any(-1, 1);
+    Eigen::Affine2d expected = Eigen::Affine2d::Identity();
+    std::string open, close;
+    for (int level = 0; level < 4; ++level) {
+      const double a = 90 * any(random), tx = 20 * any(random), ty = 20 * any(random), s = 1 + 0.3 * any(random);
+      open += fmt::format("<g transform='translate({},{}) rotate({}) scale({})'>", tx, ty, a, s);
+      close += "</g>";
+      expected = expected * Eigen::Translation2d(tx, ty) * Eigen::Rotation2Dd(a * M_PI / 180) * Eigen::Scaling(s);
+    }
+    const auto& line = only(stroked(open + "<line x1='3' y1='-4' x2='50' y2='7'/>" + close));
+    expect_points(line, {expected * Vector2d(3, -4), expected * Vector2d(50, 7)}, 2e-4);
+  }
+}
+
+TEST(Svg, UnitsAndViewBox) {
+  const std::string body = "<line x1='0' y1='0' x2='96' y2='48' stroke='black'/></svg>";
+  const std::string xmlns = "<svg xmlns='http://www.w3.org/2000/svg' ";
+  // No size: the viewBox's units are px.
+  Artwork a = parse_svg(xmlns + "viewBox='0 0 192 96'>" + body, "a");
+  expect_points(only(a), {{0, 0}, {25.4, 12.7}});
+  EXPECT_LT((a.page.max() - Vector2d(50.8, 25.4)).norm(), 1e-4);
+  // A size in inches over a viewBox with an origin of its own.
+  a = parse_svg(xmlns + "width='2in' height='1in' viewBox='-96 0 192 96'>" + body, "b");
+  expect_points(only(a), {{25.4, 0}, {50.8, 12.7}});
+  // Of another shape than its viewBox: kept in proportion and centred.
+  a = parse_svg(xmlns + "width='100mm' height='100mm' viewBox='0 0 96 48'>" + body, "c");
+  expect_points(only(a), {{0, 25}, {100, 75}}, 1e-3);
+  // Neither size nor viewBox.
+  expect_points(only(parse_svg(xmlns + ">" + body, "d")), {{0, 0}, {96 * kPx, 48 * kPx}});
+}
+
+TEST(Svg, FillAndStrokeDrawOneOutline) {
+  const std::string d = "d='M10 10 H50 V50 Z'";
+  for (const std::string style : {"fill='red'", "fill='none' stroke='black'", "fill='red' stroke='black'",
+                                   "fill='red' stroke='black' paint-order='stroke'", "fill='white'", "style='fill:none;stroke:#fff'"}) {
+    SCOPED_TRACE(style);
+    EXPECT_NEAR(lines::length(only(on_mm_page("<path " + d + " " + style + "/>"))), 80 + 40 * std::sqrt(2.0), 1e-3);
+  }
+  // Filled alone, an open path looks closed; stroked, it stays open.
+  EXPECT_EQ(only(on_mm_page("<path d='M10 10 H50 V50'/>")).size(), 4u);
+  EXPECT_EQ(only(on_mm_page("<path d='M10 10 H50 V50' stroke='black'/>")).size(), 3u);
+}
+
+TEST(Svg, WhatIsNotPaintedIsNotDrawn) {
+  const std::string seen = "<line x1='0' y1='0' x2='7' y2='0' stroke='black'/>";
+  for (const std::string unseen :
+       {"<path d='M0 0 H10 V10 Z' fill='none'/>", "<path d='M0 0 H10 V10 Z' opacity='0'/>",
+        "<g opacity='0'><rect width='9' height='9'/></g>",
+        "<g display='none'><rect width='9' height='9'/></g>", "<rect width='9' height='9' visibility='hidden'/>",
+        "<rect width='9' height='9' fill-opacity='0'/>", "<line x1='0' y1='0' x2='9' y2='9' fill='black'/>",
+        "<defs><rect width='9' height='9'/></defs>",
+        "<clipPath id='c'><rect width='9' height='9'/></clipPath>", "<path d='M5 5 Z' stroke='black'/>", "<rect width='0' height='9'/>",
+        "<path d='M0 0 H10' stroke='black' stroke-width='0'/>", "<style>.h{display:none}</style><rect class='h' width='9' height='9'/>"}) {
+    SCOPED_TRACE(unseen);
+    EXPECT_NEAR(lines::length(only(on_mm_page(unseen + seen))), 7, 1e-4);
+  }
+}
+
+TEST(Svg, SubpathsUsesAndDots) {
+  EXPECT_EQ(stroked("<path d='M0 0 H10 M0 5 H10 M0 9 H3 V3 z l 5 5'/>").strokes.size(), 4u);
+  const Artwork used = stroked("<defs><line id='a' x1='0' y1='0' x2='5' y2='0'/></defs>"
+                               "<use xlink:href='#a' x='10'/><use href='#a' y='20'/>");
+  ASSERT_EQ(used.strokes.size(), 2u);
+  EXPECT_LT((used.strokes[0].points[0] - Vector2d(10, 0)).norm(), 1e-4);
+  EXPECT_LT((used.strokes[1].points[0] - Vector2d(0, 20)).norm(), 1e-4);
+  const Artwork dot = stroked("<path d='M0 0 H10 M5 5 h0' stroke-linecap='round'/>");
+  ASSERT_EQ(dot.strokes.size(), 2u);
+  EXPECT_EQ(dot.strokes[1].points.size(), 1u);
+}
+
+TEST(Svg, LayersAreTheTopGroups) {
+  const Artwork a = on_mm_page(
+      "<g id='g1' inkscape:label='outline'><g id='inner'><line x2='5' y2='1' stroke='red'/></g></g>"
+      "<line x2='6' y2='1' stroke='red'/><g id='dots'><line x2='7' y2='1' stroke='red'/></g>"
+      "<g><line x2='8' y2='1' stroke='red'/><line x2='9' y2='1' stroke='red'/></g>");
+  EXPECT_EQ(a.layers, (std::vector<std::string>{"outline", "page", "dots", "4"}));
+  ASSERT_EQ(a.strokes.size(), 5u);
+  const int expected[] = {0, 1, 2, 3, 3};
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(a.strokes[i].layer, expected[i]);
+}
+
+TEST(Svg, WhatIsLeftOutIsTold) {
+  const Artwork a = on_mm_page("<text x='9' y='9'>Hi</text><image href='/etc/passwd' width='9' height='9'/>"
+                               "<clipPath id='c'><rect width='1' height='1'/></clipPath><g clip-path='url(#c)'>"
+                               "<line x2='5' y2='5' stroke='red' stroke-dasharray='1 2'/></g>");
+  ASSERT_EQ(a.warnings.size(), 4u);
+  EXPECT_EQ(a.warnings[0], "1 × <text>: text is left out: convert it to paths first");
+  EXPECT_EQ(a.strokes.size(), 1u);
+  EXPECT_TRUE(stroked("<line x2='5' y2='5'/>").warnings.empty());
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,104 @@
+#include "perception/neighbours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+
+// A wavy sheet whose density varies by a factor of 30, with a hole.
+std::vector<Vector3d> sheet(unsigned seed, int n) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vector3d> points;
+  while (int(points.size()) < n) {
+    const double x = 0.2 * std::pow(uniform(random), 2), y = 0.2 * uniform(random);
+    if (std::hypot(x - 0.1, y - 0.1) < 0.02) continue;
+    points.emplace_back(x, y, 0.01 * std::sin(40 * x));
+  }
+  return points;
+}
+
+TEST(Neighbours, AreThoseOfBruteForce) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    const auto points = sheet(seed, 3000);
+    const NeighbourTree tree(points);
+    std::mt19937 random(seed + 100);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (const int k : {1, 8, 40, kMostNeighbours}) {
+      std::vector<double> reach2(points.size());
+      std::vector<int> index(k);
+      std::vector<double> squared(k);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        tree.nearest(points[i], k, 1, index.data(), squared.data());
+        reach2[i] = squared[k - 1];
+      }
+      for (int q = 0; q < 300; ++q) {
+        // In the sheet, above it, beyond its edge, in the hole.
+        const Vector3d p(0.25 * uniform(random), 0.25 * uniform(random), 0.03 * uniform(random) * (q % 3));
+        const double max_radius = q % 2 ? 1.0 : 0.02;
+        std::vector<double> brute;
+        for (const auto& point : points) {
+          const double d2 = (point - p).squaredNorm();
+          if (d2 < max_radius * max_radius) brute.push_back(d2);
+        }
+        std::sort(brute.begin(), brute.end());
+        brute.resize(std::min<std::size_t>(brute.size(), k));
+
+        const auto expect_same = [&](int n) {
+          ASSERT_EQ(n, int(brute.size()));
+          for (int i = 0; i < n; ++i) EXPECT_EQ((points[index[i]] - p).squaredNorm(), squared[i]);
+          if (n == k) {
+            EXPECT_DOUBLE_EQ(squared[k - 1], brute[k - 1]);  // the furthest comes last
+          }
+          std::vector<double> sorted(squared.begin(), squared.begin() + n);
+          std::sort(sorted.begin(), sorted.end());
+          for (int i = 0; i < n; ++i) EXPECT_DOUBLE_EQ(sorted[i], brute[i]);
+        };
+        const int n = tree.nearest(p, k, max_radius, index.data(), squared.data());
+        expect_same(n);
+        EXPECT_TRUE(std::is_sorted(squared.begin(), squared.begin() + n));
+        int closest = -2;
+        const int m = tree.nearest_unordered(p, k, max_radius, reach2, index.data(), squared.data(), &closest);
+        expect_same(m);
+        if (m == k) {
+          ASSERT_GE(closest, 0);
+          EXPECT_EQ((points[closest] - p).squaredNorm(), brute.front());
+        }
+      }
+    }
+  }
+}
+
+TEST(Neighbours, GuessOfAnySizeGivesTheSamePoints) {
+  const auto points = sheet(9, 2000);
+  const NeighbourTree tree(points);
+  int index[40], closest;
+  double right[40], squared[40];
+  for (const double guess : {0.0, 1e-6, 1e-4, 1.0}) {  // too small: falls back; too large: more than there is room for
+    const std::vector<double> reach2(points.size(), guess);
+    for (double x = 0; x < 0.2; x += 0.01) {
+      tree.nearest({x, 0.1, 0}, 40, 1, index, right);
+      ASSERT_EQ(tree.nearest_unordered({x, 0.1, 0}, 40, 1, reach2, index, squared, &closest), 40);
+      std::sort(squared, squared + 40);
+      EXPECT_TRUE(std::equal(squared, squared + 40, right));
+    }
+  }
+}
+
+TEST(Neighbours, TreeOrderIsAPermutation) {
+  const auto points = sheet(4, 777);
+  std::vector<int> order = tree_order(points);
+  std::sort(order.begin(), order.end());
+  for (int i = 0; i < 777; ++i) EXPECT_EQ(order[i], i);
+}
+
+}  // namespace
+}  // namespace impedraw

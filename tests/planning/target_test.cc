@@ -1,0 +1,57 @@
+#include "planning/target.h"
+
+#include <gtest/gtest.h>
+
+#include "common/errors.h"
+#include "surfaces.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
+  for (const std::string& name : shape_names()) {
+    SCOPED_TRACE(name);
+    const Artwork artwork = make_shape(name).target;
+    const TargetLine line = project_target(placed_strokes(artwork, place(artwork, shape_placement())), surfaces::bowl);
+    ASSERT_EQ(line.points.size(), line.stroke.size());
+    double gap = 0, off = 0;
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
+      const Vector3d& p = line.points[i];
+      EXPECT_NEAR((p - surfaces::kBowlCentre).norm(), surfaces::kBowlRadius, 1e-12);
+      if (name != "M") {
+        EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 1e-6);
+      }
+      if (i == 0) continue;
+      gap = std::max(gap, (p - line.points[i - 1]).norm());
+      off = std::max(off, surfaces::kBowlRadius - ((p + line.points[i - 1]) / 2 - surfaces::kBowlCentre).norm());
+    }
+    EXPECT_LE(gap, 5e-4);
+    EXPECT_LE(off, 1e-5);
+  }
+}
+
+TEST(Target, FollowsWavesBetweenFarPoints) {
+  const TargetLine line = project_target({surfaces::line({{0.5, -0.1}, {0.7, 0.1}}), surfaces::line({{0.6, 0}})}, surfaces::waves);
+  EXPECT_EQ(line.stroke.front(), 0);
+  EXPECT_EQ(line.stroke.back(), 1);
+  for (std::size_t i = 1; i + 1 < line.points.size(); ++i) {
+    const Vector3d middle = (line.points[i] + line.points[i - 1]) / 2;
+    EXPECT_LE((line.points[i] - line.points[i - 1]).norm(), 5e-4);
+    EXPECT_NEAR(middle.z(), surfaces::waves(middle.x(), middle.y())->p_W.z(), 1e-5);
+  }
+}
+
+TEST(Target, AStepOfTheCanvasEnds) {
+  const auto step = [](double x, double y) { return std::optional(SurfaceSample{{x, y, x < 0.6 ? 0.1 : 0.2}, Vector3d::UnitZ()}); };
+  EXPECT_LT(project_target({surfaces::line({{0.5, 0}, {0.7, 0}})}, step).points.size(), 1000u);
+}
+
+TEST(Target, LeavingTheCanvasIsAnError) {
+  EXPECT_THROW(project_target({surfaces::line({{0.6, 0}, {0.6, 0.2}})}, surfaces::bowl), InputError);
+}
+
+}  // namespace
+}  // namespace impedraw

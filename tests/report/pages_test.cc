@@ -1,0 +1,69 @@
+// report.html and compare.html: they stand alone, and hold what they must.
+#include <chrono>
+#include <fstream>
+#include <regex>
+
+#include <gtest/gtest.h>
+
+#include "made_up_folder.h"
+#include "report/metrics.h"
+#include "report/picture.h"
+#include "report/report.h"
+
+namespace impedraw {
+namespace {
+
+using testing::text_of;
+using PagesTest = testing::MadeUpFolder;
+
+// No page may reach for anything outside itself.
+void expect_stands_alone(const std::string& page) {
+  const std::regex reference(R"re((?:src|href|xlink:href)="(?!data:|#)[^"]*"|<script|<link|@import|url\((?!#))re");
+  std::smatch found;
+  EXPECT_FALSE(std::regex_search(page, found, reference)) << found[0];
+}
+
+TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
+  const RunData run = made_up({}, folder_);
+  const Drawn drawn = match_ink(run);
+  write_ink_top(run, drawn, folder_ / "ink_top");
+  std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
+  const auto start = std::chrono::steady_clock::now();
+  write_report(folder_, run, drawn, compute_metrics(run, drawn), {.title = "A <title>", .limits = {{"ink_error_rms", {{"max", 0.001}}}}});
+  std::printf("report: %.2f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  const std::string page = text_of(folder_ / "report.html");
+  EXPECT_LT(page.size(), 10u << 20);
+  expect_stands_alone(page);
+  for (const MetricDefinition& d : metric_definitions()) EXPECT_NE(page.find(std::string("<code>") + d.name), std::string::npos) << d.name;
+  EXPECT_NE(page.find("A &lt;title&gt;"), std::string::npos);
+  EXPECT_NE(page.find("speed: 50 # &lt;mm/s&gt; &amp; more"), std::string::npos);
+  EXPECT_NE(page.find("class=\"n bad\""), std::string::npos) << "the missed limit must show";
+  EXPECT_THROW(write_report(folder_, run, drawn, compute_metrics(run, drawn), {.python = "/no/such/python"}), std::runtime_error);
+}
+
+TEST_F(PagesTest, ComparisonShowsBothRuns) {
+  made_up({}, folder_ / "a");
+  made_up({.perception = false}, folder_ / "b");
+  write_comparison({"with perception", folder_ / "a"}, {"without", folder_ / "b"}, folder_);
+  const std::string page = text_of(folder_ / "compare.html");
+  expect_stands_alone(page);
+  EXPECT_LT(page.size(), 10u << 20);
+  for (const char* text : {"with perception", "without", "tilt_mean", "no cloud"}) EXPECT_NE(page.find(text), std::string::npos) << text;
+  EXPECT_GT(std::filesystem::file_size(folder_ / "compare.png"), 20000u);
+}
+
+TEST_F(PagesTest, ARunWithoutAnythingStillGetsItsPage) {
+  RunLogHeader header = testing::small_header();
+  RunLog log(folder_ / "run.h5", header);
+  log.append(testing::numbered_row(0));
+  log.close();
+  RunData run = read_run(folder_ / "run.h5");
+  run.stroke[0] = -1;
+  const Drawn drawn = match_ink(run);
+  write_ink_top(run, drawn, folder_ / "ink_top");
+  write_report(folder_, run, drawn, compute_metrics(run, drawn));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "report.html"));
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,154 @@
+// Pictures: geometry in closed form, and that what must be seen is there.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <regex>
+#include <sstream>
+
+#include <cairo.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canvas/built_in.h"
+#include "made_up_folder.h"
+#include "report/picture.h"
+#include "report/plot_series.h"
+#include "report/relief.h"
+
+namespace impedraw {
+namespace {
+
+using testing::text_of;
+
+using PicturesTest = testing::MadeUpFolder;
+
+Eigen::Vector3d from_above(const Eigen::Vector3d& p) { return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()}; }
+
+TEST(Relief, OfTheBowlIsTheSphere) {
+  const TriangleMesh bowl = make_bowl({.edge = 0.003});
+  const Relief r = make_relief(bowl.vertices, bowl.triangles, from_above, 200);
+  ASSERT_EQ(r.columns, 200);
+  int inside = 0;
+  for (int i = 0; i < r.rows; ++i) {
+    for (int j = 0; j < r.columns; ++j) {
+      const double u = r.area.min().x() + (j + 0.5) * r.area.sizes().x() / r.columns;
+      const double v = r.area.min().y() + (i + 0.5) * r.area.sizes().y() / r.rows;
+      const double radius = std::hypot(u, v + 600.0);
+      if (radius > 180.1) {
+        EXPECT_TRUE(std::isnan(r.height(i, j)));
+      } else if (radius < 179.0) {
+        ++inside;
+        ASSERT_NEAR(r.height(i, j), 400.0 - std::sqrt(90000.0 - radius * radius), 0.02) << u << " " << v;
+        EXPECT_GE(r.shade(i, j), 0.0);
+        EXPECT_LE(r.shade(i, j), 1.0);
+      }
+    }
+  }
+  EXPECT_NEAR(inside, std::numbers::pi / 4 * 200 * 200, 700);
+  EXPECT_EQ(r.contour_step, 10.0);
+  ASSERT_EQ(r.contours.size(), 5u);  // 110 … 150 mm; the pole is at 100, the rim at 160
+  for (const Relief::Line& line : r.contours) {
+    EXPECT_NEAR((line.front() - line.back()).norm(), 0.0, 1e-12) << "a closed ring";
+    const double radius = (line[0] - Eigen::Vector2d(0, -600)).norm();
+    const double height = 400.0 - std::sqrt(90000.0 - radius * radius);
+    EXPECT_NEAR(height, 10.0 * std::round(height / 10.0), 0.1);
+    for (const Eigen::Vector2d& p : line) EXPECT_NEAR((p - Eigen::Vector2d(0, -600)).norm(), radius, 0.3);
+  }
+  ASSERT_EQ(r.outline.size(), 1u);
+  for (const Eigen::Vector2d& p : r.outline[0]) EXPECT_NEAR((p - Eigen::Vector2d(0, -600)).norm(), 180.0, 1e-6);
+}
+
+TEST(Envelope, KeepsEveryPeak) {
+  std::vector<double> t, v;
+  for (int i = 0; i < 100000; ++i) {
+    t.push_back(1e-3 * i);
+    v.push_back(i == 31234 ? 50.0 : i == 77777 ? -40.0 : std::sin(0.001 * i));
+  }
+  std::fill(v.begin() + 50000, v.begin() + 60000, LogRow::kNone);
+  const Envelope e = envelope(t, v, 2000);
+  EXPECT_LE(e.t.size(), 2000u);
+  EXPECT_TRUE(std::is_sorted(e.t.begin(), e.t.end()));
+  const auto high = std::find(e.v.begin(), e.v.end(), 50.0), low = std::find(e.v.begin(), e.v.end(), -40.0);
+  ASSERT_NE(high, e.v.end());
+  ASSERT_NE(low, e.v.end());
+  EXPECT_EQ(e.t[high - e.v.begin()], t[31234]);
+  EXPECT_EQ(e.t[low - e.v.begin()], t[77777]);
+  for (std::size_t i = 0; i < e.t.size(); ++i) EXPECT_EQ(std::isnan(e.v[i]), e.t[i] >= 50.0 && e.t[i] < 60.0) << e.t[i];
+  EXPECT_EQ(envelope(std::span(t).first(1000), std::span(v).first(1000), 2000).v.size(), 1000u);
+}
+
+// Pixels near a colour.
+int count(const std::filesystem::path& png, int red, int green, int blue) {
+  cairo_surface_t* image = cairo_image_surface_create_from_png(png.c_str());
+  EXPECT_EQ(cairo_surface_status(image), CAIRO_STATUS_SUCCESS);
+  int found = 0;
+  for (int i = 0; i < cairo_image_surface_get_height(image); ++i) {
+    const unsigned char* p = cairo_image_surface_get_data(image) + i * cairo_image_surface_get_stride(image);
+    for (int j = 0; j < cairo_image_surface_get_width(image); ++j, p += 4) {
+      found += std::abs(p[2] - red) < 6 && std::abs(p[1] - green) < 6 && std::abs(p[0] - blue) < 6;
+    }
+  }
+  cairo_surface_destroy(image);
+  return found;
+}
+
+TEST_F(PicturesTest, InkFarOffAndInkInTheAirHaveTheirOwnColours) {
+  RunData run = made_up({.time_step = 5e-3}, folder_);
+  const auto colours = [&] {
+    write_ink_top(run, match_ink(run), folder_ / "ink_top");
+    const auto png = folder_ / "ink_top.png";
+    return std::array{count(png, 250, 184, 97), count(png, 23, 61, 133), count(png, 214, 26, 31), count(png, 158, 33, 168)};
+  };
+  const auto [target, ink, none_far, none_stray] = colours();
+  EXPECT_GT(target, 500);
+  EXPECT_GT(ink, 500);
+  EXPECT_EQ(none_far, 0);
+  EXPECT_EQ(none_stray, 0);
+  // 50 rows 2 mm off, and a line drawn long before the stroke begins.
+  std::size_t first = 0;
+  while (run.stroke[first] < 0) ++first;
+  for (std::size_t i = first + 500; i < first + 550; ++i) run.contact_point[i].x() += 2e-3;
+  for (std::size_t i = 0; i < 100; ++i) {
+    run.contact_point[i] = {0.60 + 4e-4 * static_cast<double>(i), 0.0, 0.1};
+    run.contact_normal[i] = Eigen::Vector3d::UnitZ();
+    run.contact_force[i] = 5.0 * Eigen::Vector3d::UnitZ();
+  }
+  const auto [target_now, ink_now, far, stray] = colours();
+  EXPECT_GT(far, 50);
+  EXPECT_GT(stray, 50);
+}
+
+TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
+  const RunData run = made_up({.time_step = 5e-3}, folder_);
+  const auto to_page = [](const Eigen::Vector3d& p) { return Eigen::Vector2d(-1e3 * p.y(), 1e3 * (0.6 - p.x())); };
+  write_ink_page(run, match_ink(run), to_page, {}, folder_ / "ink_page");
+  const std::string svg = text_of(folder_ / "ink_page.svg");
+  std::smatch size;
+  ASSERT_TRUE(std::regex_search(svg, size, std::regex(R"re(width="([0-9.]+)mm" height="([0-9.]+)mm" viewBox="0 0 ([0-9.]+) ([0-9.]+)")re")));
+  EXPECT_EQ(size[1], size[3]);
+  EXPECT_EQ(size[2], size[4]);
+  // The target's band, from the sine's first point (X 150) to its last (X −150).
+  const auto style = svg.find("stroke-width:2.6;"), begin = svg.find("d=\"M ", style), end = svg.find('"', begin + 3);
+  ASSERT_NE(style, std::string::npos);
+  std::istringstream path(svg.substr(begin + 3, end - begin - 3));
+  std::vector<Eigen::Vector2d> points;
+  for (std::string letter; path >> letter;) path >> points.emplace_back().x() >> points.back().y();
+  ASSERT_GT(points.size(), 1000u);
+  EXPECT_NEAR(points.front().x() - points.back().x(), 300.0, 0.01);
+  EXPECT_NEAR(points.front().y() - points.back().y(), 0.0, 0.01);
+  const auto [low, high] = std::minmax_element(points.begin(), points.end(), [](const auto& p, const auto& q) { return p.y() < q.y(); });
+  EXPECT_NEAR(high->y() - low->y(), 100.0, 0.02);
+}
+
+TEST_F(PicturesTest, AFolderThatIsNotThereIsNamed) {
+  const RunData run = made_up({.time_step = 0.02}, folder_);
+  try {
+    write_ink_top(run, match_ink(run), folder_ / "none" / "ink_top");
+    FAIL();
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("none/ink_top.svg"));
+  }
+}
+
+}  // namespace
+}  // namespace impedraw
