@@ -1,8 +1,8 @@
 #include "app/commands.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -34,15 +34,13 @@ struct Drawing {
   nlohmann::ordered_json metrics;
 };
 
-// One run into `folder`, with its results. `start`: when this run's start-up began.
-Drawing draw_into(const fs::path& folder, const Scenario& scenario, Clock::time_point start) {
-  require_run_folder(folder);
-  Experiment experiment = prepare(scenario);
-  const double start_up = std::chrono::duration<double>(Clock::now() - start).count();
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-  fs::create_directories(folder);
-  for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg", "ink_page.png"}) fs::remove(folder / stale);
-  std::ofstream(folder / "scenario.yaml") << settings_yaml(experiment.scenario);
+// One run into `folder`, with its results. start_up: seconds it took to prepare.
+Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up) {
+  make_folder(folder);
+  for (const char* stale : {"run.h5", "metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg", "ink_page.png"})
+    fs::remove(folder / stale);
 
   Drawing drawing;
   {
@@ -51,6 +49,7 @@ Drawing draw_into(const fs::path& folder, const Scenario& scenario, Clock::time_
     RunHooks hooks;
     hooks.interrupted = [&] { return interrupt.requested(); };
     hooks.progress = [&](const RunProgress& p) { line.update({p.time, p.stroke, p.strokes, p.share}); };
+    write_file(folder / "scenario.yaml", settings_yaml(experiment.scenario));
     drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks);
   }
   drawing.metrics = write_results(folder, experiment.artwork.target, experiment.placement);
@@ -65,56 +64,99 @@ int exit_code(const RunOutcome& outcome) {
 
 }  // namespace
 
-Scenario resolve(const DrawOptions& options) {
+Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
   const fs::path file = options.scenario.empty() ? fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine.yaml" : options.scenario;
   scenario.name = file.stem();
-  std::vector<std::string> assignments;
-  if (!options.shape.empty()) assignments.push_back("drawing.shape=" + options.shape);
-  assignments.insert(assignments.end(), options.assignments.begin(), options.assignments.end());
-  read_settings(scenario, file, assignments);
+  Places places = read_settings(scenario, file, options.assignments);
   if (!options.shape.empty()) {
+    scenario.drawing.shape = options.shape;
     scenario.drawing.svg.clear();
     scenario.name += "-" + options.shape;
+    places.put("drawing.shape", "--shape " + options.shape);
   }
   if (!options.svg.empty()) {
     scenario.drawing.svg = fs::absolute(options.svg);
     scenario.name += "-" + options.svg.stem().string();
+    places.put("drawing.svg", "--svg " + options.svg.string());
   }
   if (options.no_perception) {
     scenario.perception.enabled = false;
     scenario.name += "-blind";
   }
+  if (scenario.drawing.svg.empty()) {
+    const std::string& shape = scenario.drawing.shape;
+    const std::vector<std::string> shapes = shape_names();
+    if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end())
+      throw InputError(fmt::format("{}: drawing.shape {}", places.of("drawing.shape"), not_among(shape, shapes)));
+  }
+  // It names the run's folder.
+  if (scenario.name.empty() || scenario.name.find('/') != std::string::npos || scenario.name.starts_with('.'))
+    throw InputError(fmt::format("{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty", places.of("name"), shown(scenario.name)));
+  if (given) *given = places;
   return scenario;
 }
 
 int draw(const DrawOptions& options) {
   const auto start = Clock::now();
-  const Scenario scenario = resolve(options);
+  Places places;
+  const Scenario scenario = resolve(options, &places);
   const fs::path folder = folder_for(options, scenario);
-  const Drawing drawing = draw_into(folder, scenario, start);
+  require_run_folder(folder);
+  Experiment experiment = prepare(scenario, places);
+  const Drawing drawing = draw_into(folder, experiment, seconds_since(start));
   fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}report  {}\n", scenario.name, drawing.outcome.simulated, drawing.outcome.wall.loop,
              metrics_table(drawing.metrics), fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing.outcome);
 }
 
 int compare(const DrawOptions& options) {
-  Scenario seen = resolve(options);
+  Places places;
+  Scenario seen = resolve(options, &places);
   seen.perception.enabled = true;
   Scenario blind = seen;
   blind.perception.enabled = false;
   blind.name += "-blind";
   const fs::path folder = options.out.empty() ? fs::path("runs") / (seen.name + "-compare") : options.out;
-  for (const fs::path& f : {folder / "perception", folder / "blind"}) require_run_folder(f);
-  for (const auto& [name, scenario] : {std::pair{"perception", seen}, std::pair{"blind", blind}}) {
-    const Drawing drawing = draw_into(folder / name, scenario, Clock::now());
-    if (const int code = exit_code(drawing.outcome); code == kInterrupted) return code;
-    fmt::print("{}\n{}", name, metrics_table(drawing.metrics));
+  require_comparison_folder(folder);
+
+  // Both are prepared before either is drawn: what is wrong with the second must not leave the first behind.
+  struct Side {
+    std::string name;
+    Experiment experiment;
+    double start_up;
+  };
+  std::vector<Side> sides;
+  for (const auto& [name, scenario] : {std::pair{"perception", &seen}, std::pair{"blind", &blind}}) {
+    const auto start = Clock::now();
+    Experiment experiment = prepare(*scenario, places);
+    sides.push_back({name, std::move(experiment), seconds_since(start)});
+  }
+  int worst = kFinished;
+  for (Side& side : sides) {
+    const Drawing drawing = draw_into(folder / side.name, side.experiment, side.start_up);
+    const int code = exit_code(drawing.outcome);
+    if (code == kInterrupted) return code;
+    worst = std::max(worst, code);
+    fmt::print("{}\n{}", side.name, metrics_table(drawing.metrics));
   }
   write_comparison({"with perception", folder / "perception"}, {"without perception", folder / "blind"}, folder);
   fmt::print("comparison  {}\n", fs::absolute(folder / "compare.html").lexically_normal().string());
-  return kFinished;
+  return worst;
 }
+
+namespace {
+
+// docs/settings.md, which is this program's own output.
+std::string settings_page() {
+  return "# Settings\n\n"
+         "Every setting of a scenario, as `./impedraw settings --markdown` prints them. A YAML file names those that differ from the default "
+         "(`control: {push: 3}`), the command line any one of them (`--set control.push=3`, `--set perception.cameras.0.width=320`). "
+         "`extends: other.yaml` takes everything from another file first. Where a name has an N, a list of them is given, counted from 0.\n\n" +
+         settings_markdown<Scenario>();
+}
+
+}  // namespace
 
 int report(const fs::path& folder) {
   if (!fs::exists(folder / "run.h5")) throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
@@ -126,8 +168,8 @@ int report(const fs::path& folder) {
   return kFinished;
 }
 
-int print_settings() {
-  fmt::print("{}", settings_help<Scenario>());
+int print_settings(bool markdown) {
+  fmt::print("{}", markdown ? settings_page() : settings_help<Scenario>());
   return kFinished;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/scenario.h"
+#include "app/yaml_read.h"
 
 namespace impedraw {
 
@@ -20,12 +21,12 @@ struct DrawOptions {
   std::vector<std::string> assignments;  // --set
 };
 
-// The scenario with everything from the command line in it. Throws InputError.
-Scenario resolve(const DrawOptions& options);
+// The scenario with everything from the command line in it, and in `places` who gave what. Throws InputError.
+Scenario resolve(const DrawOptions& options, Places* places = nullptr);
 
 int draw(const DrawOptions& options);
 int compare(const DrawOptions& options);               // with and without perception, side by side
 int report(const std::filesystem::path& folder);       // metrics, pictures and report of a run again, from its log
-int print_settings();
+int print_settings(bool markdown);                      // every setting; markdown: as docs/settings.md has them
 
 }  // namespace impedraw

@@ -18,9 +18,8 @@ struct Envelope {
 // At most about `points` points: of each bin the least and the largest value, each at its own time. Short series stay whole.
 Envelope envelope(std::span<const double> t, std::span<const double> v, std::size_t points);
 
-// force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of each joint's limit, the largest joint], mode:
-// {t, v};
-// mode_names; strokes: [[begin, end] in s]; step_time: {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
+// force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of its limit, the joint where that is most], mode:
+// {t, v}; mode_names; strokes: [[begin, end] in s]; step_time: {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
 nlohmann::json plot_series(const RunData& run, const Drawn& drawn, std::size_t points = 3000);
 
 }  // namespace impedraw

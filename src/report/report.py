@@ -60,6 +60,8 @@ def number(value, unit="", significant=4):
     else:
         digits = max(0, min(6, significant - 1 - math.floor(math.log10(abs(value)))))
         text = f"{value:.{digits}f}"
+        if value < 1 and float(text) == 1:  # not quite all must not read as all
+            text = f"{value:.6f}"
         if "." in text and abs(value) < 1e-6:
             text = f"{value:.1e}"
     text = text.replace("-", "−")

@@ -124,7 +124,8 @@ TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
   write_ink_page(run, match_ink(run), to_page, {}, folder_ / "ink_page");
   const std::string svg = text_of(folder_ / "ink_page.svg");
   std::smatch size;
-  ASSERT_TRUE(std::regex_search(svg, size, std::regex(R"re(width="([0-9.]+)mm" height="([0-9.]+)mm" viewBox="0 0 ([0-9.]+) ([0-9.]+)")re")));
+  const std::regex head(R"re(width="([0-9.]+)mm" height="([0-9.]+)mm" viewBox="0 0 ([0-9.]+) ([0-9.]+)")re");
+  ASSERT_TRUE(std::regex_search(svg, size, head));
   EXPECT_EQ(size[1], size[3]);
   EXPECT_EQ(size[2], size[4]);
   // The target's band, from the sine's first point (X 150) to its last (X −150).
