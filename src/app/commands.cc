@@ -49,8 +49,14 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     RunHooks hooks;
     hooks.interrupted = [&] { return interrupt.requested(); };
     hooks.progress = [&](const RunProgress& p) { line.update({p.time, p.stroke, p.strokes, p.share}); };
-    write_file(folder / "scenario.yaml", settings_yaml(experiment.scenario));
-    drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks);
+    try {
+      write_file(folder / "scenario.yaml", settings_yaml(experiment.scenario));
+      drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks);
+    } catch (...) {
+      // Without a log it is no run, and the next one would be refused the folder.
+      if (!fs::exists(folder / "run.h5")) fs::remove(folder / "scenario.yaml");
+      throw;
+    }
   }
   drawing.metrics = write_results(folder, experiment.artwork.target, experiment.placement);
   return drawing;
@@ -72,13 +78,13 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   if (!options.shape.empty()) {
     scenario.drawing.shape = options.shape;
     scenario.drawing.svg.clear();
-    scenario.name += "-" + options.shape;
-    places.put("drawing.shape", "--shape " + options.shape);
+    scenario.name.append("-").append(options.shape);
+    places.put("drawing.shape", fmt::format("--shape {}", options.shape));
   }
   if (!options.svg.empty()) {
     scenario.drawing.svg = fs::absolute(options.svg);
-    scenario.name += "-" + options.svg.stem().string();
-    places.put("drawing.svg", "--svg " + options.svg.string());
+    scenario.name.append("-").append(options.svg.stem().string());
+    places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
   }
   if (options.no_perception) {
     scenario.perception.enabled = false;
@@ -92,7 +98,8 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   }
   // It names the run's folder.
   if (scenario.name.empty() || scenario.name.find('/') != std::string::npos || scenario.name.starts_with('.'))
-    throw InputError(fmt::format("{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty", places.of("name"), shown(scenario.name)));
+    throw InputError(fmt::format("{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty",
+                                 places.of("name"), shown(scenario.name)));
   if (given) *given = places;
   return scenario;
 }

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "app/blame.h"
+#include "app/on_canvas.h"
 #include "app/perceived_surface.h"
 #include "arm/inverse_kinematics.h"
 #include "common/errors.h"
@@ -38,7 +40,7 @@ std::string joint_text(const JointVector& q) {
 // What the depth cameras see of canvas and arm, before drawing.
 SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world, ArmModel& arm, const JointVector& q) {
   const PerceptionSettings& p = s.perception;
-  if (p.cameras.empty()) throw InputError("perception.cameras is empty: at least one camera, or perception.enabled: false");
+  if (p.cameras.empty()) throw InputError("perception.cameras is empty; valid are at least one camera, or perception.enabled: false");
   const Eigen::AlignedBox3d box = canvas.bounds();
   const CastRay cast = [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
     double distance = world.ray_to_arm(origin, direction);
@@ -85,15 +87,39 @@ ReachProblem arm_reach(ArmModel& arm, const JointVector& start) {
     settings.position_tolerance = settings.axis_tolerance = 1e-5;
     const IkResult result = find_posture(arm, {p_WD, -n_WD}, q, settings);
     if (!result.reached)
-      return fmt::format("out of the arm's reach by {:.0f} mm and {:.0f}°", 1e3 * result.position_error, result.axis_error * 180.0 / M_PI);
+      return fmt::format("the pen gets no nearer than {:.0f} mm and {:.0f}°", 1e3 * result.position_error, result.axis_error * 180.0 / M_PI);
     q = result.q;
     return {};
   };
 }
 
+// How far the tip stays short of a point, each posture from the last that got there.
+ShortOf tip_shortfall(ArmModel& arm, const JointVector& start) {
+  return [&arm, q = start](const Eigen::Vector3d& p_WD, const Eigen::Vector3d& n_W) mutable {
+    IkSettings settings;
+    settings.position_tolerance = settings.axis_tolerance = 1e-5;
+    const IkResult result = find_posture(arm, {p_WD, -n_W}, q, settings);
+    if (!result.reached) return std::max(result.position_error, 1e-9);
+    q = result.q;
+    return 0.0;
+  };
+}
+
+// What the controller's checks look at, the likeliest culprit first.
+std::vector<std::string> control_settings() {
+  std::vector<std::string> names;
+  for (const char* name : {"wrench", "inertia", "mass_normal", "mass_tangent", "rotational_inertia_tangent", "rotational_inertia_normal",
+                           "contact.leave_distance", "contact.enter_distance", "contact_stiffness_max", "natural_mass_max", "damping_ratio",
+                           "stiffness_normal", "stiffness_tangent"})
+    names.push_back(std::string("control.") + name);
+  names.push_back("control");
+  return names;
+}
+
 }  // namespace
 
-Experiment prepare(const Scenario& given) {
+Experiment prepare(const Scenario& given, const Places& places) {
+  const Blame blame(places);
   Scenario s = given;
   const bool seen = s.perception.enabled;
 
@@ -105,28 +131,39 @@ Experiment prepare(const Scenario& given) {
     at_scale.mirror = s.drawing.placement.mirror;
     s.drawing.placement = at_scale;
   } else {
-    artwork.drawn = artwork.target = read_svg(s.drawing.svg);
+    blame.on({"drawing.svg"}, [&] { artwork.drawn = artwork.target = read_svg(s.drawing.svg); });
   }
-  const Placement placement = place(artwork.drawn, s.drawing.placement);
+  const std::vector<std::string> where_drawn = {"drawing.placement.scale", "drawing.placement.width", "drawing.placement.height",
+                                                "drawing.placement.fit_radius", "drawing.placement.centre", "drawing.placement", "canvas",
+                                                "drawing"};
+  const Placement placement = blame.on(where_drawn, [&] { return place(artwork.drawn, s.drawing.placement); });
   const auto drawn = placed_strokes(artwork.drawn, placement), wanted = placed_strokes(artwork.target, placement);
 
-  auto owned_canvas = std::make_unique<Canvas>(make_mesh(s.canvas));
+  auto owned_canvas = blame.on({"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas)); });
   const Canvas& canvas = *owned_canvas;
   const SurfaceHeight truth = canvas_height(canvas);
-  TargetLine target = project_target(wanted, truth);
+  blame.on(where_drawn, [&] { require_on_canvas(drawn, canvas.mesh(), truth); });
+  TargetLine target = blame.on(where_drawn, [&] { return project_target(wanted, truth); });
 
-  ArmModel arm(urdf_of(s.arm));
+  // The world first: its reader of URDF says what is wrong, the arm model's prints lines of its own.
+  auto world = blame.on({"arm.urdf"}, [&] { return std::make_unique<World>(urdf_of(s.arm), &canvas, s.world); });
+  ArmModel arm = blame.on({"arm.urdf"}, [&] { return ArmModel(urdf_of(s.arm)); });
   const int n = arm.joints();
-  if (s.arm.posture_seed.size() != n) throw InputError(fmt::format("arm.posture_seed has {} entries, the arm {} joints", s.arm.posture_seed.size(), n));
+  if (s.arm.posture_seed.size() != n)
+    blame.wrong({"arm.posture_seed", "arm.urdf"},
+                fmt::format("arm.posture_seed has {} entries, the arm {} joints", s.arm.posture_seed.size(), n));
   const IkResult start = find_posture(arm, {s.arm.start_p_WE, -Eigen::Vector3d::UnitZ()}, JointVector(s.arm.posture_seed));
   if (!start.reached)
-    throw InputError(fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm", s.arm.start_p_WE.x(),
+    blame.wrong({"arm.start", "arm"},
+                fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm", s.arm.start_p_WE.x(),
                                  s.arm.start_p_WE.y(), s.arm.start_p_WE.z(), 1e3 * start.position_error));
-  auto world = std::make_unique<World>(urdf_of(s.arm), &canvas, s.world);
+  blame.on(where_drawn, [&] { require_strokes_in_reach(drawn, truth, !seen, tip_shortfall(arm, start.q)); });
   world->set_state(start.q, JointVector::Zero(n));
 
   std::optional<SurfaceEstimator> perception;
-  if (seen) perception.emplace(take_snapshot(s, canvas, *world, arm, start.q));
+  const std::vector<std::string> how_seen = {"perception.region_lower", "perception.region_upper", "perception.cameras", "perception.voxel",
+                                             "perception.noise", "perception", "canvas"};
+  if (seen) blame.on(how_seen, [&] { perception.emplace(take_snapshot(s, canvas, *world, arm, start.q)); });
 
   // Blind, the wanted point lies beneath the surface: the stiffness makes the push.
   SurfaceHeight surface = truth;
@@ -137,13 +174,22 @@ Experiment prepare(const Scenario& given) {
     surface = perceived_height(*perception);
   } else {
     path_settings.vertical_pen = true;
-    if (!(s.control.stiffness.linear.normal > 0.0)) throw InputError("control.stiffness_normal is 0 N/m: blind, it makes the push; more than 0 N/m is valid");
+    if (!(s.control.stiffness.linear.normal > 0.0))
+      blame.wrong({"control.stiffness_normal"}, "control.stiffness_normal is 0 N/m: blind, it makes the push; valid is more than 0 N/m");
     if (s.blind.height == BlindHeight::canvas) path_settings.sink = s.control.push_force / s.control.stiffness.linear.normal;
     else surface = [z = s.blind.plane_z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
     path_settings.highest_z = canvas.bounds().max().z();
   }
-  TipPath path = plan_tip_path(drawn, surface, path_settings);
-  require_reach(path, 0.01, arm_reach(arm, start.q));
+  TipPath path = blame.on({"path"}, [&] {
+    try {
+      return plan_tip_path(drawn, surface, path_settings);
+    } catch (const InputError& error) {
+      // The canvas is there: require_on_canvas has looked.
+      if (!seen || !std::string_view(error.what()).starts_with("stroke")) throw;
+      throw InputError(fmt::format("{}, as the cameras see it: perception.cameras, noise, region or normals must let them see more", error.what()));
+    }
+  });
+  blame.on({"drawing.placement.centre", "canvas", "path", "arm"}, [&] { require_reach(path, 0.01, arm_reach(arm, start.q)); });
 
   ImpedanceSettings control = s.control;
   control.dt = s.world.dt;
@@ -155,13 +201,15 @@ Experiment prepare(const Scenario& given) {
     const IkResult rest = find_posture(arm, {p_WE, -Eigen::Vector3d::UnitZ()}, start.q);
     control.q_0 = rest.q;
   } else if (static_cast<int>(s.arm.q_0.size()) != n) {
-    throw InputError(fmt::format("arm.q_0 has {} entries, the arm {} joints", s.arm.q_0.size(), n));
+    blame.wrong({"arm.q_0"}, fmt::format("arm.q_0 has {} entries, the arm {} joints", s.arm.q_0.size(), n));
   } else {
     control.q_0 = Eigen::Map<const Eigen::VectorXd>(s.arm.q_0.data(), n);
   }
-  if (const JointVector q_0 = control.q_0; ((q_0 - JointVector(arm.limits().lower)).array() < 0.0).any() || ((JointVector(arm.limits().upper) - q_0).array() < 0.0).any())
-    throw InputError(fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges", joint_text(q_0)));
-  ImpedanceController(control, n);  // its checks, before anything is written
+  if (const JointVector q_0 = control.q_0; ((q_0 - JointVector(arm.limits().lower)).array() < 0.0).any() ||
+                                                ((JointVector(arm.limits().upper) - q_0).array() < 0.0).any())
+    blame.wrong({"arm.q_0"}, fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges, ({}) to ({}) rad", joint_text(q_0),
+                                            joint_text(arm.limits().lower), joint_text(arm.limits().upper)));
+  blame.on(control_settings(), [&] { ImpedanceController(control, n); });  // its checks, before anything is written
 
   return Experiment{std::move(s), std::move(artwork), placement, std::move(owned_canvas), std::move(arm), std::move(perception), std::move(path),
                     std::move(target), control, start.q, std::move(world)};

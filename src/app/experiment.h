@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/scenario.h"
+#include "app/yaml_read.h"
 #include "arm/arm_model.h"
 #include "canvas/canvas.h"
 #include "control/impedance.h"
@@ -29,7 +30,8 @@ struct Experiment {
   std::unique_ptr<World> world;  // at the start posture
 };
 
-// Throws InputError: one line that names what, where, and what would be valid. The same scenario gives the same experiment.
-Experiment prepare(const Scenario& scenario);
+// Throws InputError: one line that names what, where, and what would be valid; `places` say where in the YAML or on the command line the
+// settings to blame were given. The same scenario gives the same experiment.
+Experiment prepare(const Scenario& scenario, const Places& places = {});
 
 }  // namespace impedraw

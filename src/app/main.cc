@@ -1,12 +1,16 @@
 // The command line: reads arguments, names errors, returns exit codes. What it does is in commands.h.
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
 #include <CLI/CLI.hpp>
 
 #include "app/commands.h"
+#include "app/settings_text.h"
 #include "common/errors.h"
 
 namespace {
@@ -19,9 +23,18 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")->take_all()->allow_extra_args(false);
 }
 
+// Some libraries' messages are longer.
+std::string one_line(std::string text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app("impedraw: an iiwa draws with a pen on surfaces that nobody measured, held there by operational-space impedance control.");
+  app.name("./impedraw");
   app.require_subcommand(1);
+  app.footer("Each has examples: ./impedraw draw --help");
   app.failure_message(CLI::FailureMessage::simple);
   impedraw::DrawOptions options;
   int code = 0;
@@ -35,19 +48,26 @@ int run_program(int argc, char** argv) {
 
   CLI::App* compare = app.add_subcommand("compare", "the same drawing with and without perception, side by side");
   add_scenario_options(compare, &options);
-  compare->footer("Example:\n  ./impedraw compare scenarios/bowl-m.yaml");
+  compare->footer("Examples:\n  ./impedraw compare\n  ./impedraw compare scenarios/bowl-m.yaml --out /tmp/m\n"
+                  "  ./impedraw compare --svg flower.svg");
   compare->callback([&] { code = impedraw::compare(options); });
 
   std::filesystem::path folder;
   CLI::App* report = app.add_subcommand("report", "make metrics, pictures and report of a run again, from its log");
   report->add_option("folder", folder, "of a run")->required();
+  report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
   report->callback([&] { code = impedraw::report(folder); });
 
   CLI::App* settings = app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
-  settings->callback([&] { code = impedraw::print_settings(); });
+  bool markdown = false;
+  settings->add_flag("--markdown", markdown, "as docs/settings.md has them");
+  settings->footer("Examples:\n  ./impedraw settings | less\n  ./impedraw settings | grep control\n"
+                   "  ./impedraw settings --markdown > docs/settings.md");
+  settings->callback([&] { code = impedraw::print_settings(markdown); });
 
   CLI::App* bench = app.add_subcommand("bench", "speed as ratios against floors measured in the same run; exit code 1 when a limit is missed");
   bench->prefix_command();
+  bench->footer("Examples:\n  ./impedraw bench\n  ./impedraw bench --benchmark_filter=normal");
   bench->callback([&] {
     const std::filesystem::path program = std::filesystem::canonical("/proc/self/exe").parent_path() / "../../bench/impedraw_bench";
     std::vector<char*> arguments{const_cast<char*>("impedraw bench")};
@@ -57,10 +77,26 @@ int run_program(int argc, char** argv) {
     throw impedraw::InputError("the benchmark is not built: call it as ./impedraw bench, or build the target impedraw_bench");
   });
 
+  for (CLI::App* command : {draw, compare, report})
+    for (CLI::Option* option : command->get_options())
+      if (option->get_items_expected_max() > 0)
+        option->check([](const std::string& text) { return text.empty() ? std::string("nothing is given") : std::string(); }, "", "");
+
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stderr);
+    return impedraw::kBadInput;
+  }
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
+  const std::string first = argv[1];
+  const bool known = std::find(commands.begin(), commands.end(), first) != commands.end();
+  if (!known && !first.starts_with('-')) throw impedraw::InputError("command " + impedraw::not_among(first, commands));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? impedraw::kFinished : impedraw::kBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error);  // help was asked for
+    std::fprintf(stderr, "impedraw: %s; see ./impedraw %s--help\n", one_line(error.what()).c_str(), known ? (first + " ").c_str() : "");
+    return impedraw::kBadInput;
   }
   return code;
 }
@@ -68,13 +104,14 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond its limit is an error like a full disk
   try {
     return run_program(argc, argv);
   } catch (const impedraw::InputError& error) {
-    std::fprintf(stderr, "impedraw: %s\n", error.what());
+    std::fprintf(stderr, "impedraw: %s\n", one_line(error.what()).c_str());
     return impedraw::kBadInput;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "impedraw: %s\n", error.what());
+    std::fprintf(stderr, "impedraw: %s\n", one_line(error.what()).c_str());
     return impedraw::kStopped;
   }
 }

@@ -28,8 +28,10 @@ void require_folder(const fs::path& folder, std::initializer_list<const char*> m
   fs::path there = fs::absolute(folder);
   while (!fs::exists(there, error) && there.has_parent_path() && there != there.parent_path()) there = there.parent_path();
   const bool made = fs::equivalent(there, folder, error);
-  if (!fs::is_directory(there, error)) refuse(made ? "is a file; a folder is needed" : fmt::format("{} is a file; a folder cannot be made in it", there.string()));
-  if (access(there.c_str(), W_OK | X_OK) != 0) refuse(fmt::format("nothing can be written in {}: {}", there.string(), std::strerror(errno)));
+  if (!fs::is_directory(there, error))
+    refuse(made ? "is a file; a folder is needed" : fmt::format("{} is a file; a folder cannot be made in it", there.string()));
+  if (access(there.c_str(), W_OK | X_OK) != 0)
+    refuse(fmt::format("nothing can be written in {}: {}", there.string(), std::strerror(errno)));
   if (!made) return;
   const fs::directory_iterator entries(folder, error);
   if (error) refuse(fmt::format("cannot be read: {}", error.message()));

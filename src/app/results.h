@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -10,8 +11,12 @@
 
 namespace impedraw {
 
-// Where a folder may be written: it is missing, empty, or holds a run already. Throws InputError otherwise. Touches nothing.
+// Where a folder may be written: it can be made, is empty, or holds a run (a comparison) already. Throws InputError otherwise. Touches nothing.
 void require_run_folder(const std::filesystem::path& folder);
+void require_comparison_folder(const std::filesystem::path& folder);
+
+void make_folder(const std::filesystem::path& folder);  // InputError where it cannot be made
+void write_file(const std::filesystem::path& file, const std::string& text);  // std::runtime_error that says why where it cannot be written
 
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5; returns the metrics.
 nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Artwork& artwork, const Placement& placement);

@@ -11,6 +11,8 @@ namespace impedraw {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr double kRunaway = 20.0;  // joint speed [rad/s], near ten times what such an arm can
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 RunLogHeader make_header(const Experiment& e) {
@@ -116,9 +118,18 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
     log.append(row);
 
     F_ext << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
+    Eigen::Index fastest = 0;
+    const double speed = world.state().v.cwiseAbs().maxCoeff(&fastest);
     if (world.failure()) {
-      outcome.end = RunEnd::stopped;
       outcome.cause = *world.failure();
+    } else if (!(speed < kRunaway)) {
+      outcome.cause = fmt::format("the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} rad/s", world.state().time,
+                                  e.arm.joint_names()[static_cast<std::size_t>(fastest)], speed, kRunaway);
+    } else if (out.status.bad_input) {
+      outcome.cause = fmt::format("the controller was given a number that is not finite at t = {:.3f} s", t);
+    }
+    if (!outcome.cause.empty()) {
+      outcome.end = RunEnd::stopped;
       break;
     }
     if (i % 10 == 0) {

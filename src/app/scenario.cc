@@ -56,8 +56,8 @@ void describe(Fields& f, CanvasSettings& s) {
 
 void describe(Fields& f, ArmSettings& s) {
   f.field("urdf", s.urdf, "arm and pen; empty: the iiwa 14 of models/");
-  f.field("posture_seed", s.posture_seed, Range{-M_PI, M_PI}, "rad", "inverse kinematics start here and stay near");
-  f.field("q_0", s.q_0, Range{-M_PI, M_PI}, "rad", "rest posture of the null space; empty: over the middle of the drawing");
+  f.field("posture_seed", s.posture_seed, Range{-3.2, 3.2}, "rad", "inverse kinematics start here and stay near");
+  f.field("q_0", s.q_0, Range{-3.2, 3.2}, "rad", "rest posture of the null space; empty: over the middle of the drawing");
   f.field("start", s.start_p_WE, Range{-kReach, kReach}, "m", "pen tip at the snapshot and at the start");
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 namespace impedraw {
@@ -119,6 +120,9 @@ std::optional<std::string> nearest_word(std::string_view word, const std::vector
   std::optional<std::string> nearest;
   int best = 0;
   if (word.size() > 100) return nearest;  // nobody's slip of the finger
+  const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  for (const std::string& candidate : valid)
+    if (std::equal(word.begin(), word.end(), candidate.begin(), candidate.end(), same_letter)) return candidate;
   for (const std::string& candidate : valid) {
     int distance = edit_distance(word, candidate);
     // A word cut short or with a tail is as near as a slip: frict for friction, force_n for force.

@@ -205,7 +205,7 @@ void read_yaml_text(const std::string& text, const std::string& name, const fs::
 void read_assignment(const std::string& assignment, const Group& settings, Places& places) {
   const std::string source = "--set " + shown(assignment);
   const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos || equals == 0) wrong(source, "expected NAME=VALUE, as in push.force=3");
+  if (equals == std::string::npos || equals == 0) wrong(source, "expected NAME=VALUE, as in control.push=3");
   const std::string path = assignment.substr(0, equals), text = assignment.substr(equals + 1);
   Reader reader(source, false, ".", places);
 

@@ -6,7 +6,6 @@
 
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
-#include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody/data.hpp>
@@ -60,8 +59,7 @@ struct ArmModel::Workspace {
   std::vector<std::string> joint_names;
   ArmLimits limits;
   std::vector<LinkCapsule> capsules;
-  Eigen::VectorXd q, v, zero;  // Pinocchio's prebuilt algorithms take plain VectorXd
-  Eigen::Matrix<double, 6, Eigen::Dynamic> J;
+  Eigen::VectorXd q, v;  // Pinocchio's prebuilt algorithms take plain VectorXd
 };
 
 ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame) : workspace_(std::make_unique<Workspace>()) {
@@ -86,8 +84,7 @@ ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_fra
   w.tip = w.model.getFrameId(tip_frame);
   for (int i = 1; i <= n; ++i) w.joint_names.push_back(w.model.names[i]);
   w.limits = {w.model.lowerPositionLimit, w.model.upperPositionLimit, w.model.upperEffortLimit, w.model.upperVelocityLimit};
-  w.q = w.v = w.zero = Eigen::VectorXd::Zero(n);
-  w.J.setZero(6, n);
+  w.q = w.v = Eigen::VectorXd::Zero(n);
 }
 
 ArmModel::~ArmModel() = default;
@@ -105,22 +102,32 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   t.q = q;
   t.v = v;
 
+  // Two passes over the arm give everything; each algorithm for itself would make five.
+  // The mass matrix by composite inertias in the world leaves placements, joint Jacobians and those inertias behind …
   pinocchio::crba(w.model, w.data, w.q, pinocchio::Convention::WORLD);
   t.M = w.data.M.selfadjointView<Eigen::Upper>();  // crba fills the upper triangle only
+  for (int i = 0; i < t.g.size(); ++i) {           // … of which gravity's torque is  g_i = −J_iᵀ Y_i a_g
+    const pinocchio::Force weight = w.data.oYcrb[i + 1] * w.model.gravity;
+    t.g[i] = -w.data.J.col(i).dot(weight.toVector());
+  }
 
-  // The world-frame mass matrix leaves the joint Jacobians behind.
-  t.g = pinocchio::computeGeneralizedGravity(w.model, w.data, w.q);
+  // The bias leaves velocities behind, and accelerations for v̇ = 0 in a frame that falls upwards: less gravity they are the tip's drift J̇ v.
   t.Cv = pinocchio::nonLinearEffects(w.model, w.data, w.q, w.v) - t.g;
+  const pinocchio::Frame& tip = w.model.frames[w.tip];
+  const pinocchio::JointIndex link = tip.parentJoint;
+  const pinocchio::SE3 X_WE = w.data.oMi[link] * tip.placement;
+  const Eigen::Matrix3d& R_WE = X_WE.rotation();
+  t.X_WE = {X_WE.translation(), R_WE};
+  const pinocchio::Motion V_E = tip.placement.actInv(w.data.v[link]);
+  const pinocchio::Motion A_E = tip.placement.actInv(w.data.a_gf[link]);
+  t.V_WE << R_WE * V_E.linear(), R_WE * V_E.angular();
+  const Eigen::Vector3d falling = A_E.linear() + V_E.angular().cross(V_E.linear());  // classical, of E's origin
+  t.Jdot_v << R_WE * falling + w.model.gravity.linear(), R_WE * A_E.angular();
 
-  // With zero joint acceleration the tip's classical acceleration is the drift J̇ v.
-  pinocchio::forwardKinematics(w.model, w.data, w.q, w.v, w.zero);
-  const auto frame = pinocchio::LOCAL_WORLD_ALIGNED;
-  t.Jdot_v = pinocchio::getFrameClassicalAcceleration(w.model, w.data, w.tip, frame).toVector();
-  t.V_WE = pinocchio::getFrameVelocity(w.model, w.data, w.tip, frame).toVector();
-  const pinocchio::SE3& X_WE = pinocchio::updateFramePlacement(w.model, w.data, w.tip);
-  t.X_WE = {X_WE.translation(), X_WE.rotation()};
-  pinocchio::getFrameJacobian(w.model, w.data, w.tip, frame, w.J);
-  t.J = w.J;
+  // Columns of the world-frame Jacobian, moved to E's origin.
+  const auto J_linear = w.data.J.topRows<3>(), J_angular = w.data.J.bottomRows<3>();
+  t.J.bottomRows<3>() = J_angular;
+  for (int i = 0; i < t.g.size(); ++i) t.J.col(i).head<3>() = J_linear.col(i) + J_angular.col(i).cross(X_WE.translation());
 }
 
 Pose ArmModel::tip_pose(const JointVector& q) {

@@ -41,20 +41,16 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
 
 }  // namespace
 
-Matrix6 ModalDamping::design(const Matrix6& U, const Matrix6& K, double damping_ratio) noexcept {
-  const Matrix6 T = U.triangularView<Eigen::Lower>() * Z_;
-  Matrix6 C;
-  C.noalias() = T.transpose().lazyProduct(K * T);
-  constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7, a warm one 1
-  for (int sweep = 0; sweep < kMaxSweeps && off_diagonal_share(C) > 1e-6; ++sweep) jacobi_sweep(C, Z_);
+Matrix6 ModalDamping::design(const Matrix6& U, const Matrix6& U_inverse, const Matrix6& K, double damping_ratio) noexcept {
+  const Matrix6 T = U * Z_;
+  Matrix6 C = T.transpose() * (K * T);
+  constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7, a warm one at most 1
+  for (int sweep = 0; sweep < kMaxSweeps && off_diagonal_share(C) > 1e-4; ++sweep) jacobi_sweep(C, Z_);
 
   const Vector6 rate = 2.0 * damping_ratio * C.diagonal().cwiseMax(0.0).cwiseSqrt();
   largest_rate_ = rate.maxCoeff();
-  Matrix6 W = Z_;  // U⁻ᵀ Z
-  U.triangularView<Eigen::Lower>().transpose().solveInPlace(W);
-  Matrix6 B;
-  B.noalias() = (W * rate.asDiagonal()).lazyProduct(W.transpose());
-  return B;
+  const Matrix6 W = U_inverse.transpose() * Z_;
+  return W * rate.asDiagonal() * W.transpose();
 }
 
 TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio) {

@@ -19,8 +19,8 @@ inline constexpr double kDampingLimit = 0.5;  // of max eig(M_d⁻¹ B) (Δt + d
 // a posture which moves by a step costs one sweep; off-diagonal terms that are left are below 1e-6 of the diagonal's scale.
 class ModalDamping {
  public:
-  // U: lower factor of A = M_d⁻¹. K: K'. Returns B.
-  Matrix6 design(const Matrix6& U, const Matrix6& K, double damping_ratio) noexcept;
+  // U: lower factor of A = M_d⁻¹, and its inverse. K: K'. Returns B.
+  Matrix6 design(const Matrix6& U, const Matrix6& U_inverse, const Matrix6& K, double damping_ratio) noexcept;
   double largest_rate() const { return largest_rate_; }  // max eig(M_d⁻¹ B) of the last call [1/s]
 
  private:

@@ -93,7 +93,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   const bool natural = settings_.inertia == InertiaShaping::natural;
   const Eigen::Vector3d& n = out_.n_WD;
   if (natural) {
-    B_ = modal_damping_.design(space_.inverse_inertia_factor(), design_stiffness(), settings_.damping_ratio);
+    B_ = modal_damping_.design(space_.inverse_inertia_factor(), space_.inertia_factor(), design_stiffness(), settings_.damping_ratio);
     out_.status.damping_limit = modal_damping_.largest_rate() * (settings_.dt + settings_.delay) >= kDampingLimit;
   }
   Wanted wanted = on_surface_ ? want_on_surface(arm, goal, surface) : want_on_plan(arm, goal);
@@ -109,10 +109,8 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   Eigen::Matrix<double, 6, kVelocityProduct + 1> F;
   const bool measured = settings_.wrench == WrenchFeedback::measured;
   if (natural) {
-    F.col(kFeedforward) = wanted.Vdot_d;
-    F.col(kVelocityProduct) = -arm.Jdot_v;
-    F.leftCols<1>() = space_.apply_inertia(F.leftCols<1>());
-    F.rightCols<1>() = space_.apply_inertia(F.rightCols<1>());
+    F.col(kFeedforward) = space_.inertia() * wanted.Vdot_d;
+    F.col(kVelocityProduct) = -(space_.inertia() * arm.Jdot_v);
     F.col(kImpedance) = wanted.force;
     F.col(kPush) = wanted.push;
     F.col(kWrench).setZero();
@@ -124,7 +122,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
     F.col(kPush) = apply(mobility, n, wanted.push);
     F.col(kWrench) = apply(mobility, n, F_ext - tip_friction(arm, F_ext));
     F.col(kVelocityProduct) = -arm.Jdot_v;
-    F = space_.apply_inertia(F);
+    F = (space_.inertia() * F).eval();
     F.col(kWrench) -= F_ext;
   }
   if (!measured && settings_.friction_feedforward > 0.0 && out_.mode == ContactMode::contact) {

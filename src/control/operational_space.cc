@@ -9,18 +9,35 @@ namespace impedraw {
 
 bool OperationalSpace::update(const ArmTerms& arm) noexcept {
   factor_M_.compute(arm.M);
-  Y_ = arm.J.transpose();
-  factor_M_.matrixL().solveInPlace(Y_);
-  A_.noalias() = Y_.transpose().lazyProduct(Y_);
-  factor_A_.compute(A_);
-  // The last pivots' reciprocals bound Λ's diagonal from below; the trace of the scaled Λ bounds its largest eigenvalue from above.
-  if (factor_A_.info() != Eigen::Success) return release_lost_directions();
-  Matrix6 U_inverse = Matrix6::Identity();
-  factor_A_.matrixL().solveInPlace(U_inverse);
+  const auto& L = factor_M_.matrixLLT();
+  const int n = static_cast<int>(arm.J.cols());
+  Y_.resize(n, 6);
+  A_.setZero();
+  for (int i = 0; i < n; ++i) {  // forward substitution by rows
+    Eigen::Matrix<double, 1, 6> row = arm.J.col(i).transpose();
+    for (int k = 0; k < i; ++k) row -= L(i, k) * Y_.row(k);
+    row /= L(i, i);
+    Y_.row(i) = row;
+    A_ += row.transpose() * row;
+  }
+  factor_inertia();
+  // The trace of the scaled Λ bounds its largest eigenvalue from above; a factor that failed is NaN and fails the comparison.
   const double per_length2 = 1.0 / (settings_.characteristic_length * settings_.characteristic_length);
-  const double mass_bound = U_inverse.leftCols<3>().squaredNorm() + per_length2 * U_inverse.rightCols<3>().squaredNorm();
+  const double mass_bound = Lambda_.diagonal().head<3>().sum() + per_length2 * Lambda_.diagonal().tail<3>().sum();
   if (mass_bound < settings_.max_effective_mass) return true;
   return release_lost_directions();
+}
+
+void OperationalSpace::factor_inertia() noexcept {
+  const Eigen::LLT<Matrix6> factor(A_);
+  U_ = factor.matrixL();
+  if (factor.info() != Eigen::Success) U_.setConstant(std::nan(""));
+  for (int i = 0; i < 6; ++i) {
+    Vector6 row = Vector6::Unit(i);
+    for (int k = 0; k < i; ++k) row -= U_(i, k) * U_inverse_.row(k).transpose();
+    U_inverse_.row(i) = row.transpose() / U_(i, i);
+  }
+  Lambda_.noalias() = U_inverse_.transpose().lazyProduct(U_inverse_);
 }
 
 bool OperationalSpace::release_lost_directions() noexcept {
@@ -38,19 +55,24 @@ bool OperationalSpace::release_lost_directions() noexcept {
     const double epsilon = limit - lambda;
     released[i] = (lambda * lambda + epsilon * epsilon) / lambda;
   }
-  if (regular && factor_A_.info() == Eigen::Success) return true;
+  if (regular && Lambda_.allFinite()) return true;
   const Vector6 unscale = scale.cwiseInverse();
   A_ = unscale.asDiagonal() * eigen.eigenvectors() * released.asDiagonal() * eigen.eigenvectors().transpose() * unscale.asDiagonal();
   A_ = 0.5 * (A_ + A_.transpose()).eval();
-  factor_A_.compute(A_);
+  factor_inertia();
   return false;
 }
 
 Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept {
+  const auto& L = factor_M_.matrixLLT();
   JointVector x = tau;
-  factor_M_.matrixL().solveInPlace(x);
-  const Vector6 task = Y_.transpose().lazyProduct(x);
-  return factor_A_.solve(task);
+  Vector6 task = Vector6::Zero();
+  for (int i = 0; i < x.size(); ++i) {
+    for (int k = 0; k < i; ++k) x[i] -= L(i, k) * x[k];
+    x[i] /= L(i, i);
+    task += x[i] * Y_.row(i).transpose();
+  }
+  return Lambda_ * task;
 }
 
 }  // namespace impedraw

@@ -3,7 +3,7 @@
 // Definition  Λ = (J M⁻¹ Jᵀ)⁻¹ (8),   J̄ᵀ = Λ J M⁻¹ (16)
 // Identities  J̄ᵀ Jᵀ = I;  J M⁻¹ (I − Jᵀ J̄ᵀ) τ = 0 for every τ: the null space leaks no acceleration into the task (17)
 //
-// Computed from Cholesky factors, M = L Lᵀ, Y = L⁻¹ Jᵀ, A = Yᵀ Y = Λ⁻¹ = U Uᵀ; no inverse is ever formed and both triangles of A exist.
+// Computed from Cholesky factors, M = L Lᵀ, Y = L⁻¹ Jᵀ, A = Yᵀ Y = Λ⁻¹ = U Uᵀ, Λ = U⁻ᵀ U⁻¹; both triangles of A and Λ exist, M⁻¹ is never formed.
 // Near a singular posture the tip's effective mass grows without bound along a direction. Above `max_effective_mass` that direction is
 // released smoothly: Λ⁻¹ is replaced there by (λ² + ε²)/λ, ε from 0 up, so that torque stays bounded. Elsewhere nothing is damped.
 #pragma once
@@ -26,26 +26,21 @@ class OperationalSpace {
   // Refactors for this posture. Returns false near a singularity (the products below then are the released ones).
   bool update(const ArmTerms& arm) noexcept;
 
-  const Matrix6& inverse_inertia() const { return A_; }              // Λ⁻¹, symmetric
-  auto inverse_inertia_factor() const { return factor_A_.matrixL(); }  // U
-  Matrix6 inertia() const { return apply_inertia(Matrix6::Identity()); }  // Λ
-
-  // Λ a for a 6-vector, or the columns of a 6×k matrix.
-  template <typename Derived>
-  Eigen::Matrix<double, 6, Derived::ColsAtCompileTime> apply_inertia(const Eigen::MatrixBase<Derived>& a) const {
-    return factor_A_.solve(a);
-  }
+  const Matrix6& inertia() const { return Lambda_; }            // Λ
+  const Matrix6& inverse_inertia() const { return A_; }         // Λ⁻¹ = U Uᵀ
+  const Matrix6& inverse_inertia_factor() const { return U_; }  // U, lower triangular
+  const Matrix6& inertia_factor() const { return U_inverse_; }  // U⁻¹: Λ = U⁻ᵀ U⁻¹
 
   Vector6 project_to_tip(const JointVector& tau) const noexcept;  // J̄ᵀ τ: the wrench at the tip that τ amounts to
 
  private:
+  void factor_inertia() noexcept;
   bool release_lost_directions() noexcept;
 
   OperationalSpaceSettings settings_;
   Eigen::LLT<JointMatrix> factor_M_;
-  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::ColMajor, kMaxJoints, 6> Y_;
-  Matrix6 A_ = Matrix6::Identity();
-  Eigen::LLT<Matrix6> factor_A_;
+  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kMaxJoints, 6> Y_;  // rows of fixed length: what a small solve vectorises over
+  Matrix6 A_ = Matrix6::Identity(), U_ = A_, U_inverse_ = A_, Lambda_ = A_;
 };
 
 }  // namespace impedraw

@@ -285,7 +285,7 @@ def comparison_figure(page):
         if column == 0:
             line.set_ylabel("x [mm]")
     for a in axes[1:, 0]:  # shared axes: only once both runs are drawn do they fit both
-        a.set_ylim(bottom=0)
+        a.set_ylim(bottom=-0.03 * a.get_ylim()[1])  # a line at zero stays in sight
     axes[1, 0].set_xlim(0, max(max(r["series"]["force"]["t"], default=0) for r in runs) or 1)
     axes[2, 0].set_xlim(axes[1, 0].get_xlim())
     return figure

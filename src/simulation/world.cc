@@ -31,8 +31,10 @@ Eigen::Matrix3d contact_frame(const Eigen::Vector3d& n) {
 }  // namespace
 
 struct World::Mujoco {
-  mjModel* model = nullptr;
+  mjModel* model = nullptr;  // dynamics alone: no body shapes, whose places would cost every step
   mjData* data = nullptr;
+  mjModel* shape = nullptr;  // with them, for the cameras
+  mjData* shape_data = nullptr;
   int tip_body = -1;
 
   // Of the solve, kept so that a step allocates nothing.
@@ -44,6 +46,8 @@ struct World::Mujoco {
   ~Mujoco() {
     mj_deleteData(data);
     mj_deleteModel(model);
+    mj_deleteData(shape_data);
+    mj_deleteModel(shape);
   }
 };
 
@@ -58,7 +62,11 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   spec->option.integrator = mjINT_EULER;
   spec->option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_EULERDAMP;
   mju_copy3(spec->option.gravity, Eigen::Vector3d(0, 0, -settings.gravity).eval().data());
-  mujoco_->model = mj_compile(spec, nullptr);
+  mujoco_->shape = mj_compile(spec, nullptr);
+  if (mujoco_->shape) {
+    while (mjsElement* geom = mjs_firstElement(spec, mjOBJ_GEOM)) mjs_delete(spec, geom);
+    mujoco_->model = mj_compile(spec, nullptr);
+  }
   if (!mujoco_->model) {
     const std::string cause = mjs_getError(spec);
     mj_deleteSpec(spec);
@@ -66,6 +74,7 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   }
   mj_deleteSpec(spec);
   mujoco_->data = mj_makeData(mujoco_->model);
+  mujoco_->shape_data = mj_makeData(mujoco_->shape);
   mujoco_->tip_body = mj_name2id(mujoco_->model, mjOBJ_BODY, "tip");
   if (mujoco_->tip_body < 0) throw InputError(fmt::format("arm description {}: no link named 'tip'", urdf.string()));
   const int n = mujoco_->model->nv;
@@ -87,6 +96,8 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   mj_resetData(mujoco_->model, mujoco_->data);
   std::copy_n(q.data(), q.size(), mujoco_->data->qpos);
   std::copy_n(v.data(), v.size(), mujoco_->data->qvel);
+  std::copy_n(q.data(), q.size(), mujoco_->shape_data->qpos);
+  mj_kinematics(mujoco_->shape, mujoco_->shape_data);
   failure_.reset();
   last_warning[0] = '\0';
   mujoco_->joint_impulse.setZero();
@@ -228,7 +239,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
 
 double World::ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const {
   int geom = -1;
-  const double distance = mj_ray(mujoco_->model, mujoco_->data, origin_W.data(), direction_W.data(), nullptr, 1, -1, &geom, nullptr);
+  const double distance = mj_ray(mujoco_->shape, mujoco_->shape_data, origin_W.data(), direction_W.data(), nullptr, 1, -1, &geom, nullptr);
   return distance < 0.0 ? std::numeric_limits<double>::infinity() : distance;
 }
 

@@ -55,7 +55,7 @@ class World {
   // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of no more use.
   const std::optional<std::string>& failure() const { return failure_; }
 
-  // Distance along a unit ray to the arm's body, infinite where it is not met. For the cameras; safe to call from several threads.
+  // Distance along a unit ray to the arm's body as set_state() put it, infinite where it is not met. For the cameras; safe to call from several threads.
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
 
   // M, C v + g and J by MuJoCo at a state: the second implementation that the controller's terms are checked against.

@@ -1,0 +1,334 @@
+// The program as its user meets it at the terminal: what is wrong with the input, what it leaves behind, how it ends.
+#include <pty.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <regex>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "process.h"
+#include "report/run_data.h"
+#include "scratch_folder.h"
+
+namespace impedraw {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using Words = std::vector<std::string>;
+using Clock = std::chrono::steady_clock;
+
+const Words kShort = {"--set", "path.draw_speed=0.3", "--set", "path.draw_acceleration=5"};
+const Words kLong = {"--set", "path.draw_speed=0.0015"};  // 200 s of simulated time and more
+const char* const kLine = R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><path d="M5 5H15M5 35H35" fill="none" stroke="black"/></svg>)";
+
+Words operator+(Words a, const Words& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+nlohmann::json json_of(const fs::path& file) { return nlohmann::json::parse(content_of(file)); }
+
+class CommandLine : public ScratchFolder {
+ protected:
+  Ended call(const Words& arguments) const { return Process(folder_, arguments).wait(); }
+  Ended python(const std::string& script) const {
+    const fs::path file = write("script.py", script);
+    const int status = std::system((std::string(IMPEDRAW_PYTHON) + " " + file.string() + " > " + (folder_ / "said").string() + " 2>&1").c_str());
+    return {WEXITSTATUS(status), content_of(folder_ / "said"), ""};
+  }
+  // Names of what is in the test's folder, but for the output of the program.
+  std::vector<std::string> left_behind() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      const std::string name = entry.path().lexically_relative(folder_);
+      if (name != ".stdout" && name != ".stderr") names.push_back(name);
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  void refused(const Words& arguments, const std::vector<std::string>& said) const {
+    SCOPED_TRACE(::testing::PrintToString(arguments));
+    const auto before = left_behind();
+    const Ended ended = call(arguments);
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.out, IsEmpty());
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+    EXPECT_THAT(ended.err, ::testing::StartsWith("impedraw: "));
+    for (const std::string& words : said) EXPECT_THAT(ended.err, HasSubstr(words));
+    EXPECT_EQ(left_behind(), before);
+  }
+  // Until the run has its log.
+  void until_running(const Process& process) const {
+    for (int i = 0; i < 2000 && process.running() && !fs::exists(folder_ / "run/run.h5"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+};
+
+TEST_F(CommandLine, WrongSettings) {
+  write("a.yaml", "drawing: {shape: sine}\npath:\n  draw_sped: 0.3\n");
+  write("push.yaml", "name: x\ncontrol:\n  push: 70\n");
+  write("nan.yaml", "control: {push: .nan}\n");
+  refused({"draw", "a.yaml"}, {"a.yaml:3: unknown key 'draw_sped' in path", "'draw_speed'"});
+  refused({"draw", "push.yaml"}, {"push.yaml:3: control.push is 70 N", "0 to 50 N"});
+  refused({"draw", "nan.yaml"}, {"nan.yaml:1: control.push is .nan", "finite", "0 to 50 N"});
+  refused({"draw", "--set", "control.push=nan"}, {"--set control.push=nan: control.push is nan", "finite"});
+  refused({"draw", "--set", "arm.start=[0.4, .inf, 0.5]"}, {"arm.start.1 is .inf"});
+  refused({"draw", "--set", "control.psh=3"}, {"--set control.psh=3: unknown key 'psh' in control", "'push'"});
+  refused({"draw", "--set", "control.push"}, {"NAME=VALUE", "control.push=3"});
+  refused({"draw", "--set", "name=a/b"}, {"name is 'a/b'"});
+}
+
+TEST_F(CommandLine, WrongFiles) {
+  write("broken.yaml", "drawing: {shape: sine\n  foo: [");
+  write("empty.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"/>)");
+  write("broken.svg", "<svg><path d=\"M 1");
+  write("text", "x");
+  write("svg.yaml", "drawing:\n  svg: gone.svg\n");
+  refused({"draw", "gone.yaml"}, {"gone.yaml: no such file"});
+  refused({"draw", "."}, {"is a folder"});
+  refused({"draw", "broken.yaml"}, {"broken.yaml:2: is not valid YAML"});
+  refused({"draw", "--svg", "gone.svg"}, {"gone.svg: no such file"});
+  refused({"draw", "svg.yaml"}, {"svg.yaml:2: ", "gone.svg: no such file"});
+  refused({"draw", "--svg", "broken.svg"}, {"broken.svg: not an SVG that can be read"});
+  refused({"draw", "--svg", "empty.svg"}, {"empty.svg: nothing in it draws a line"});
+  refused({"draw", "--set", "arm.urdf=text"}, {"--set arm.urdf=text", "text"});
+  refused({"report", "."}, {"holds no run.h5"});
+}
+
+TEST_F(CommandLine, DrawingWhereItCannotBe) {
+  write("two.svg", kLine);
+  refused({"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"}, {"stroke 0 leaves the canvas by up to 89.", "world (0.7000, 0.2500) m"});
+  // x = 0.72 m − 10 Y: its first stroke lies at 0.67 m, its second at 0.37 m, outside the rim.
+  refused({"draw", "--svg", "two.svg", "--set", "drawing.placement.scale=10", "--set", "drawing.placement.centre=[0.72, 0.05]", "--set",
+           "drawing.placement.about_page_origin=true"},
+          {"stroke 1 leaves the canvas by up to ", "world (0.3700, "});
+  refused({"draw", "--shape", "m"}, {"--shape m: ", "did you mean 'M'?", "sine, sine10"});
+  refused({"draw", "--set", "drawing.shape=cosine"}, {"drawing.shape is 'cosine'", "M, sine, sine10"});
+  // The iiwa 14 with its pen reaches about 1 m from its shoulder.
+  for (const char* blind : {"true", "false"})
+    refused({"draw", "--set", "canvas.cap.centre=[1.8, 0, 0.4]", "--set", "drawing.placement.centre=[1.8, 0]", "--set",
+             "perception.region_upper=[2.5, 0.3, 0.35]", "--set", std::string("perception.enabled=") + blind},
+            {"stroke 0 leaves the arm's reach by up to ", "world (1.", "mm"});
+}
+
+TEST_F(CommandLine, SettingsThatDoNotGoTogether) {
+  write("none.yaml", "name: none\ncontrol:\n  wrench: none\n");
+  refused({"draw", "none.yaml"}, {"none.yaml:3: ", "'shaped' needs a measured wrench", "'natural'"});
+  refused({"draw", "--set", "control.mass_normal=0.05"}, {"--set control.mass_normal=0.05: inertia along the normal", "limit"});
+  refused({"draw", "--set", "control.contact.leave_distance=0"}, {"control.contact.leave_distance=0: ", "enter_distance"});
+  refused({"draw", "--set", "arm.q_0=[0, 0]"}, {"arm.q_0 has 2 entries, the arm 7"});
+  refused({"draw", "--set", "perception.region_lower=[0.95, -0.3, 0]"}, {"region"});
+  refused({"draw", "--set", "perception.region_lower=[0.6, -0.3, 0]"}, {"as the cameras see it"});
+  refused({"draw", "--no-perception", "--set", "control.stiffness_normal=0"}, {"control.stiffness_normal is 0 N/m", "more than 0"});
+  // Only the second run of the two is wrong, and neither is made.
+  refused({"compare", "--out", "both", "--set", "control.stiffness_normal=0"}, {"control.stiffness_normal is 0 N/m"});
+}
+
+TEST_F(CommandLine, WrongOut) {
+  write("file", "mine");
+  write("foreign/mine.txt", "mine");
+  write("own/scenario.yaml", "name: mine\n");  // a user's scenario is no run
+  refused({"draw", "--out", "file"}, {"--out file: is a file"});
+  refused({"draw", "--out", "file/x"}, {"--out file/x: ", "file is a file"});
+  refused({"draw", "--out", "foreign"}, {"--out foreign: holds files but no run"});
+  refused({"draw", "own/scenario.yaml", "--out", "own"}, {"--out own: holds files but no run"});
+  refused({"draw", "--out", "/proc/x"}, {"--out /proc/x: "});
+  refused({"compare", "--out", "foreign"}, {"--out foreign: holds files but no comparison"});
+  EXPECT_EQ(content_of(folder_ / "own/scenario.yaml"), "name: mine\n");
+}
+
+TEST_F(CommandLine, WrongArguments) {
+  refused({"drw"}, {"'drw'; did you mean 'draw'?"});
+  refused({"draw", "--bogus"}, {"--bogus", "draw --help"});
+  refused({"draw", "a.yaml", "b.yaml"}, {"b.yaml", "draw --help"});
+  refused({"draw", "--shape", "M", "--svg", "x.svg"}, {"--shape excludes --svg"});
+  refused({"draw", "--shape", ""}, {"--shape: nothing is given"});
+  refused({"report"}, {"folder is required"});
+  const Ended none = call({});
+  EXPECT_EQ(none.code, 2);
+  for (const char* command : {"draw", "compare", "report", "settings", "bench"}) EXPECT_THAT(none.err, HasSubstr(command));
+}
+
+TEST_F(CommandLine, HelpHasExamples) {
+  EXPECT_EQ(call({"--help"}).code, 0);
+  for (const std::string command : {"draw", "compare", "report", "settings", "bench"}) {
+    const Ended help = call({command, "--help"});
+    EXPECT_EQ(help.code, 0) << command;
+    EXPECT_THAT(help.out, AllOf(HasSubstr("Examples:"), HasSubstr("\n  ./impedraw " + command))) << command;
+  }
+}
+
+TEST_F(CommandLine, SettingsPageIsTheProgramsOwn) {
+  const Ended page = call({"settings", "--markdown"});
+  EXPECT_EQ(page.code, 0);
+  EXPECT_EQ(content_of(fs::path(IMPEDRAW_SOURCE) / "docs/settings.md"), page.out) << "write it anew: ./impedraw settings --markdown > docs/settings.md";
+  EXPECT_THAT(call({"settings"}).out, HasSubstr("control.push "));
+}
+
+TEST_F(CommandLine, DrawsIntoRunsBesideTheUserAndReportsAgain) {
+  const Ended first = call(Words{"draw"} + kShort);
+  EXPECT_EQ(first.code, 0);
+  EXPECT_THAT(first.err, IsEmpty()) << "progress is for terminals";
+  const fs::path run = folder_ / "runs/bowl-sine";
+  EXPECT_THAT(first.out, HasSubstr((run / "report.html").string()));
+  const std::string metrics = content_of(run / "metrics.json"), log = content_of(run / "run.h5");
+  EXPECT_EQ(json_of(run / "metrics.json").at("strokes_missed"), 0);
+
+  fs::remove(run / "metrics.json");
+  fs::remove(run / "report.html");
+  EXPECT_EQ(call({"report", "runs/bowl-sine"}).code, 0);
+  EXPECT_EQ(content_of(run / "metrics.json"), metrics);
+  EXPECT_TRUE(fs::exists(run / "report.html"));
+  EXPECT_EQ(content_of(run / "run.h5"), log);
+
+  // Its own resolved scenario draws the same again, over the run that is there.
+  EXPECT_EQ(call({"draw", "runs/bowl-sine/scenario.yaml", "--out", "runs/bowl-sine"}).code, 0);
+  const auto was = nlohmann::json::parse(metrics), is = json_of(run / "metrics.json");
+  EXPECT_EQ(is.at("ink_error_rms"), was.at("ink_error_rms"));
+}
+
+TEST_F(CommandLine, ComparesBothWays) {
+  const Ended ended = call(Words{"compare", "--out", "both"} + kShort);
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  for (const char* file : {"compare.html", "compare.png", "perception/run.h5", "perception/metrics.json", "blind/run.h5", "blind/metrics.json"})
+    EXPECT_GT(fs::file_size(folder_ / "both" / file), 100u) << file;
+  EXPECT_LT(json_of(folder_ / "both/perception/metrics.json").at("tilt_mean").get<double>(), 2.0);
+  EXPECT_GT(json_of(folder_ / "both/blind/metrics.json").at("tilt_mean").get<double>(), 5.0);
+}
+
+TEST_F(CommandLine, TheSameSeedGivesTheSameNumbers) {
+  const Words noise = kShort + Words{"--set", "perception.noise.sigma_at_1m=0.001"};
+  const auto draw = [&](const std::string& out, const Words& more) { EXPECT_EQ(call(Words{"draw", "--out", out} + more).code, 0) << out; };
+  draw("a", kShort);
+  draw("b", kShort);
+  draw("noisy_a", noise);
+  draw("noisy_b", noise);
+  draw("other", noise + Words{"--set", "seed=2"});
+  const Ended compared = python(R"(
+import h5py, os
+def datasets(name):
+    found = {}
+    with h5py.File(os.path.join(os.path.dirname(__file__), name, 'run.h5')) as f:
+        f.visititems(lambda key, item: found.update({key: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None)
+    return found
+def different(a, b):
+    a, b = datasets(a), datasets(b)
+    assert len(a) > 25 and a.keys() == b.keys()
+    return sorted(key for key in a if a[key] != b[key])
+print(set(different('a', 'b')) - {'controller/step_time'} or 'same', set(different('noisy_a', 'noisy_b')) - {'controller/step_time'} or 'same')
+print('cloud/points' in different('noisy_a', 'other'), 'tip/position' in different('noisy_a', 'other'), 'tip/position' in different('a', 'noisy_a'))
+)");
+  EXPECT_EQ(compared.out, "same same\nTrue True True\n");
+}
+
+// 200 N on the pen, and gravity ten times what the controller knows: both beyond what the arm can hold.
+TEST_F(CommandLine, AnUnstableRunStopsAndKeepsItsLog) {
+  for (const char* cause : {"pushes=[{force: 200, direction: [0, 0, 1], middle: 0.5, duration: 3}]", "world.gravity=100"}) {
+    SCOPED_TRACE(cause);
+    const Ended ended = call(Words{"draw", "--out", "run", "--set", cause} + kShort);
+    EXPECT_EQ(ended.code, 3);
+    std::smatch when;
+    ASSERT_TRUE(std::regex_search(ended.err, when, std::regex("went unstable at t = ([0-9.]+) s: "))) << ended.err;
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1);
+    const RunData run = read_run(folder_ / "run/run.h5");
+    EXPECT_NEAR(run.time.back(), std::stod(when[1]), 2e-3);
+    EXPECT_TRUE(json_of(folder_ / "run/metrics.json").contains("contact_fraction"));
+    EXPECT_TRUE(fs::exists(folder_ / "run/report.html"));
+  }
+}
+
+TEST_F(CommandLine, InterruptKeepsWhatIsDrawn) {
+  for (const int wait_ms : {0, 700}) {
+    SCOPED_TRACE(wait_ms);
+    fs::remove_all(folder_ / "run");
+    Process process(folder_, Words{"draw", "--out", "run"} + kLong);
+    until_running(process);
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+    process.signal(SIGINT);
+    const Ended ended = process.wait();
+    EXPECT_EQ(ended.code, 130);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("interrupted at t = "), HasSubstr("log is kept")));
+    const RunData run = read_run(folder_ / "run/run.h5");
+    ASSERT_GT(run.rows(), 0u);
+    EXPECT_LT(run.time.back(), 150.0);
+    const auto metrics = json_of(folder_ / "run/metrics.json");
+    if (wait_ms > 0) EXPECT_EQ(metrics.at("contact_fraction").get<double>(), 1.0);
+    else EXPECT_TRUE(metrics.at("contact_fraction").is_null() || metrics.at("contact_fraction") == 1.0);
+    EXPECT_TRUE(fs::exists(folder_ / "run/report.html"));
+  }
+}
+
+// A program at a pseudo-terminal, and what it shows there.
+struct Terminal {
+  pid_t pid = -1;
+  int end = -1;
+  std::string shown;
+
+  Terminal(const fs::path& folder, const Words& arguments) {
+    winsize size{24, 100, 0, 0};
+    pid = forkpty(&end, nullptr, nullptr, &size);
+    if (pid == 0) Process::start(folder, arguments);
+  }
+  ~Terminal() { close(end); }
+  bool read() {
+    char text[4096];
+    const ssize_t n = ::read(end, text, sizeof text);
+    if (n > 0) shown.append(text, static_cast<std::size_t>(n));
+    return n > 0;
+  }
+  int wait() {
+    int status = 0;
+    waitpid(pid, &status, 0);
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  }
+};
+
+TEST_F(CommandLine, ATerminalShowsProgress) {
+  Terminal terminal(folder_, Words{"draw", "--out", "run", "--set", "path.draw_speed=0.02"});
+  while (terminal.read()) {}
+  EXPECT_EQ(terminal.wait(), 0);
+  EXPECT_TRUE(std::regex_search(terminal.shown, std::regex(R"(drawing +[0-9.]+ s  stroke 1/1 +[0-9]+ %  [0-9]+:[0-9]+ left)"))) << terminal.shown;
+  EXPECT_THAT(terminal.shown, HasSubstr("\r\x1b[K")) << "the line goes when the run is over";
+}
+
+TEST_F(CommandLine, AKilledRunLosesAboutASecond) {
+  Terminal terminal(folder_, Words{"draw", "--out", "run"} + kLong);
+  const auto begun = [&] { return terminal.shown.find("real time") != std::string::npos; };
+  while (!begun() && terminal.read()) {}
+  const auto start = Clock::now();
+  while (Clock::now() - start < std::chrono::milliseconds(2500) && terminal.read()) {}
+  kill(terminal.pid, SIGKILL);
+  ASSERT_EQ(terminal.wait(), 137) << terminal.shown;
+  const std::regex line(R"(drawing +([0-9.]+) s [^\r]* ([0-9]+)x real time)");
+  std::smatch last;
+  for (std::sregex_iterator at(terminal.shown.begin(), terminal.shown.end(), line), none; at != none; ++at) last = *at;
+  ASSERT_FALSE(last.empty()) << terminal.shown;
+  const RunData run = read_run(folder_ / "run/run.h5");
+  ASSERT_GT(run.rows(), 1000u);
+  const double kept = run.time.back(), shown = std::stod(last[1]), per_wall_second = std::stod(last[2]);
+  EXPECT_GT(kept, shown - 1.5 * per_wall_second) << "of " << shown << " s simulated, at " << per_wall_second << " times real time";
+  EXPECT_EQ(call({"report", "run"}).code, 0);
+  EXPECT_TRUE(json_of(folder_ / "run/metrics.json").at("ink_error_rms").is_number());
+}
+
+// As on a full disk: the file that reaches its limit cannot grow.
+TEST_F(CommandLine, ALogThatCannotBeWrittenIsSaid) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{1 << 20, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  const Ended ended = call(Words{"draw", "--out", "run"} + kShort);
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(ended.code, 3);
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("cannot write run/run.h5"), HasSubstr("File too large")));
+  EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+}
+
+}  // namespace
+}  // namespace impedraw
