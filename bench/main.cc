@@ -129,7 +129,7 @@ class Best : public benchmark::ConsoleReporter {
     ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
-      const double time = run.GetAdjustedRealTime();
+      const double time = run.GetAdjustedCPUTime();  // what others take of a shared core does not count; whole runs are judged by wall time
       auto [it, first] = time_.try_emplace(run.run_name.function_name, time);
       if (!first) it->second = std::min(it->second, time);
       if (const auto c = run.counters.find("real_time_factor"); c != run.counters.end()) {
@@ -157,7 +157,7 @@ int judge(const Best& best) {
       {"floor of a controller step [µs]; above 6.5 it is no floor", best.time("BM_floor") / 1e3, 6.5, true},
       {"controller step, shaped inertia / floor", best.time("BM_step_shaped") / best.time("BM_floor"), 2.0, true},
       {"controller step, natural inertia / floor", best.time("BM_step_natural") / best.time("BM_floor"), 2.0, true},
-      {"fresh normal / bare k-nearest-neighbour query (k = 40)", best.time("BM_normal_fresh/40") / best.time("BM_knn_bare/40"), 1.5, true},
+      {"fresh normal / bare k-nearest-neighbour query (k = 60)", best.time("BM_normal_fresh/60") / best.time("BM_knn_bare/60"), 1.5, true},
       {"real_time_factor, perception, wrench true", best.factor("BM_draw"), 30.0, false},
       {"real_time_factor, perception, wrench none", best.factor("BM_draw_natural"), 30.0, false},
       {"real_time_factor, blind", best.factor("BM_draw_blind"), 40.0, false},

@@ -126,10 +126,10 @@ Experiment prepare(const Scenario& given, const Places& places) {
   Shape artwork;
   if (s.drawing.svg.empty()) {
     artwork = make_shape(s.drawing.shape);
-    PlacementSettings at_scale = shape_placement(s.drawing.placement.centre_m);
-    at_scale.rotate_deg = s.drawing.placement.rotate_deg;
-    at_scale.mirror = s.drawing.placement.mirror;
-    s.drawing.placement = at_scale;
+    // Built-in shapes have a size of their own, which only a size that is given outright changes.
+    PlacementSettings& placing = s.drawing.placement;
+    placing.about_page_origin = true;
+    if (!placing.scale && !placing.width_mm && !placing.height_mm) placing.scale = 1.0;
   } else {
     blame.on({"drawing.svg"}, [&] { artwork.drawn = artwork.target = read_svg(s.drawing.svg); });
   }

@@ -18,15 +18,19 @@ double height_of_nearest_column(const PointCloud& cloud, double x, double y) {
   return z;
 }
 
+// The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to nothing: what they settle within is taken.
 std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, Eigen::Vector3d p) {
-  for (int i = 0; i < 12; ++i) {
-    const SurfaceEstimate estimate = estimator.estimate(p);
+  constexpr double kConverged = 1e-7, kSettled = 5e-4;  // [m]
+  double step = std::numeric_limits<double>::infinity();
+  SurfaceEstimate estimate;
+  for (int i = 0; i < 12 && std::abs(step) > kConverged; ++i) {
+    estimate = estimator.estimate(p);
     if (estimate.status != SurfaceStatus::ok || estimate.n_W.z() < 0.05) return std::nullopt;
-    const double step = estimate.distance / estimate.n_W.z();
+    step = estimate.distance / estimate.n_W.z();
     p.z() -= step;
-    if (std::abs(step) < 1e-7) return SurfaceSample{p, estimate.n_W};
   }
-  return std::nullopt;
+  if (std::abs(step) > kSettled) return std::nullopt;
+  return SurfaceSample{p, estimate.n_W};
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ void describe(Fields& f, PlacementSettings& s) {
 void describe(Fields& f, DrawingSettings& s) {
   f.field("shape", s.shape, "built-in drawing: sine, M, sine10; used where svg is empty");
   f.field("svg", s.svg, "SVG file to draw; empty: the shape");
-  f.field("placement", s.placement, "of an SVG's page on the canvas; built-in shapes lie at scale 1 about the centre");
+  f.field("placement", s.placement, "of the page on the canvas; built-in shapes are not fitted: scale 1 unless a size is given");
 }
 
 void describe(Fields& f, CapSettings& s) {

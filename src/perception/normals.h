@@ -29,7 +29,7 @@ enum class NeighbourWeighting {
 //   realistic noise, voxel 8 mm:    k = 60: 0.17 | 0.6, 0.05        k = 90: 0.10 | 0.3, 0.04
 // Wider patches average more noise and follow fine shape less; only on a sphere is that free.
 struct NormalSettings {
-  int k = 40;                // neighbours N(p) of the query, in 8 … 128                                                             (18)
+  int k = 60;                // neighbours N(p) of the query, in 8 … 128                                                             (18)
   double max_radius = 0.06;  // how far from the query they may lie [m]; > 0. Fewer than k within it: too_few
   NormalMode mode = NormalMode::fresh;
   NeighbourWeighting weighting = NeighbourWeighting::smooth;
