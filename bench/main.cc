@@ -1,6 +1,7 @@
 // ./impedraw bench: speed as ratios against floors of the same run, each beside its limit. Exit code 1 when a limit is missed.
 //
-// A shared machine slows floor and subject alike, but not at the same instant: each is repeated, interleaved, and the best times are compared.
+// A shared machine slows floor and subject alike, but not at the same instant: each is repeated often and briefly, in mixed order, and the
+// medians are compared. The best times would not do: one lucky moment of a faster clock for one of the two is a third of the ratio.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -117,33 +118,36 @@ BENCHMARK(BM_floor);
 BENCHMARK(BM_arm_terms);
 BENCHMARK(BM_step_shaped);
 BENCHMARK(BM_step_natural);
-BENCHMARK(BM_draw)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1);
-BENCHMARK(BM_draw_natural)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1);
-BENCHMARK(BM_draw_blind)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK(BM_draw)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(5);
+BENCHMARK(BM_draw_natural)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(5);
+BENCHMARK(BM_draw_blind)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(5);
 
-// Keeps the best repetition of each benchmark beside the usual output.
-class Best : public benchmark::ConsoleReporter {
+// Collects every repetition beside the usual output.
+class Repetitions : public benchmark::ConsoleReporter {
  public:
   using benchmark::ConsoleReporter::ConsoleReporter;
   void ReportRuns(const std::vector<Run>& runs) override {
     ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
-      const double time = run.GetAdjustedCPUTime();  // what others take of a shared core does not count; whole runs are judged by wall time
-      auto [it, first] = time_.try_emplace(run.run_name.function_name, time);
-      if (!first) it->second = std::min(it->second, time);
-      if (const auto c = run.counters.find("real_time_factor"); c != run.counters.end()) {
-        auto [f, first_factor] = factor_.try_emplace(run.run_name.function_name, c->second.value);
-        if (!first_factor) f->second = std::max(f->second, c->second.value);
-      }
-      if (!run.run_name.args.empty()) time_[run.run_name.function_name + "/" + run.run_name.args] = it->second;
+      const std::string name = run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
+      time_[name].push_back(run.GetAdjustedCPUTime());  // what others take of a shared core does not count; whole runs are judged by wall time
+      if (const auto c = run.counters.find("real_time_factor"); c != run.counters.end()) factor_[name].push_back(c->second.value);
     }
   }
-  double time(const std::string& name) const { return time_.count(name) ? time_.at(name) : std::nan(""); }
-  double factor(const std::string& name) const { return factor_.count(name) ? factor_.at(name) : std::nan(""); }
+  double time(const std::string& name) const { return median(time_, name); }  // [ns]
+  double factor(const std::string& name) const { return median(factor_, name); }
 
  private:
-  std::map<std::string, double> time_, factor_;
+  using Values = std::map<std::string, std::vector<double>>;
+  static double median(const Values& values, const std::string& name) {
+    const auto it = values.find(name);
+    if (it == values.end()) return std::nan("");
+    std::vector<double> sorted = it->second;
+    std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+    return sorted[sorted.size() / 2];
+  }
+  Values time_, factor_;
 };
 
 struct Line {
@@ -152,18 +156,18 @@ struct Line {
   bool at_most;
 };
 
-int judge(const Best& best) {
+int judge(const Repetitions& median) {
   const std::vector<Line> lines = {
-      {"floor of a controller step [µs]; above 6.5 it is no floor", best.time("BM_floor") / 1e3, 6.5, true},
-      {"controller step, shaped inertia / floor", best.time("BM_step_shaped") / best.time("BM_floor"), 2.0, true},
-      {"controller step, natural inertia / floor", best.time("BM_step_natural") / best.time("BM_floor"), 2.0, true},
-      {"fresh normal / bare k-nearest-neighbour query (k = 60)", best.time("BM_normal_fresh/60") / best.time("BM_knn_bare/60"), 1.5, true},
-      {"real_time_factor, perception, wrench true", best.factor("BM_draw"), 30.0, false},
-      {"real_time_factor, perception, wrench none", best.factor("BM_draw_natural"), 30.0, false},
-      {"real_time_factor, blind", best.factor("BM_draw_blind"), 40.0, false},
+      {"floor of a controller step [µs]; above 6.5 it is no floor", median.time("BM_floor") / 1e3, 6.5, true},
+      {"controller step, shaped inertia / floor", median.time("BM_step_shaped") / median.time("BM_floor"), 2.0, true},
+      {"controller step, natural inertia / floor", median.time("BM_step_natural") / median.time("BM_floor"), 2.0, true},
+      {"fresh normal / bare k-nearest-neighbour query (k = 60)", median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5, true},
+      {"real_time_factor, perception, wrench true", median.factor("BM_draw"), 30.0, false},
+      {"real_time_factor, perception, wrench none", median.factor("BM_draw_natural"), 30.0, false},
+      {"real_time_factor, blind", median.factor("BM_draw_blind"), 40.0, false},
   };
   int missed = 0, judged = 0;
-  std::printf("\n%-60s %9s %10s\n", "ratio (best of the repetitions)", "value", "limit");
+  std::printf("\n%-60s %9s %10s\n", "ratio (medians of the repetitions)", "value", "limit");
   for (const Line& line : lines) {
     if (std::isnan(line.value)) continue;  // filtered out
     const bool holds = line.at_most ? line.value <= line.limit : line.value >= line.limit;
@@ -180,15 +184,15 @@ int judge(const Best& best) {
 
 int main(int argc, char** argv) {
   std::vector<char*> arguments(argv, argv + argc);
-  std::string repetitions = "--benchmark_repetitions=5", interleaving = "--benchmark_enable_random_interleaving=true", min_time = "--benchmark_min_time=0.1";
+  std::string repetitions = "--benchmark_repetitions=25", interleaving = "--benchmark_enable_random_interleaving=true", min_time = "--benchmark_min_time=0.02";
   arguments.insert(arguments.begin() + 1, {repetitions.data(), interleaving.data(), min_time.data()});
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return impedraw::kBadInput;
   try {
-    impedraw::Best best(benchmark::ConsoleReporter::OO_None);
-    benchmark::RunSpecifiedBenchmarks(&best);
-    return impedraw::judge(best);
+    impedraw::Repetitions repetitions_done(benchmark::ConsoleReporter::OO_None);
+    benchmark::RunSpecifiedBenchmarks(&repetitions_done);
+    return impedraw::judge(repetitions_done);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "impedraw bench: %s\n", error.what());
     return impedraw::kStopped;

@@ -7,11 +7,11 @@ namespace impedraw {
 
 namespace {
 
-double off_diagonal_share(const Matrix6& C) {
-  double off = 0.0;
+bool is_diagonal(const Matrix6& C, double tolerance) {
   for (int j = 1; j < 6; ++j)
-    for (int i = 0; i < j; ++i) off = std::max(off, C(i, j) * C(i, j) / std::abs(C(i, i) * C(j, j)));
-  return std::sqrt(off);
+    for (int i = 0; i < j; ++i)
+      if (C(i, j) * C(i, j) > tolerance * tolerance * std::abs(C(i, i) * C(j, j))) return false;
+  return true;
 }
 
 // One sweep of cyclic Jacobi: C ← Gᵀ C G, Z ← Z G for each pair, C towards diagonal.
@@ -41,16 +41,21 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
 
 }  // namespace
 
-Matrix6 ModalDamping::design(const Matrix6& U, const Matrix6& U_inverse, const Matrix6& K, double damping_ratio) noexcept {
+void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear, const Eigen::Matrix3d& K_angular, double damping_ratio) noexcept {
   const Matrix6 T = U * Z_;
-  Matrix6 C = T.transpose() * (K * T);
+  Matrix6 KT;
+  KT.topRows<3>().noalias() = K_linear.lazyProduct(T.topRows<3>());
+  KT.bottomRows<3>().noalias() = K_angular.lazyProduct(T.bottomRows<3>());
+  Matrix6 C = T.transpose() * KT;
   constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7, a warm one at most 1
-  for (int sweep = 0; sweep < kMaxSweeps && off_diagonal_share(C) > 1e-4; ++sweep) jacobi_sweep(C, Z_);
+  for (int sweep = 0; sweep < kMaxSweeps && !is_diagonal(C, 1e-4); ++sweep) jacobi_sweep(C, Z_);
+  rate_ = 2.0 * damping_ratio * C.diagonal().cwiseMax(0.0).cwiseSqrt();
+  largest_rate_ = rate_.maxCoeff();
+}
 
-  const Vector6 rate = 2.0 * damping_ratio * C.diagonal().cwiseMax(0.0).cwiseSqrt();
-  largest_rate_ = rate.maxCoeff();
-  const Matrix6 W = U_inverse.transpose() * Z_;
-  return W * rate.asDiagonal() * W.transpose();
+Vector6 ModalDamping::apply(const Matrix6& U_inverse, const Vector6& V) const noexcept {
+  const Vector6 modal = Z_.transpose() * (U_inverse * V);
+  return U_inverse.transpose() * (Z_ * rate_.cwiseProduct(modal));
 }
 
 TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio) {

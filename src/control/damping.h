@@ -19,12 +19,16 @@ inline constexpr double kDampingLimit = 0.5;  // of max eig(M_d⁻¹ B) (Δt + d
 // a posture which moves by a step costs one sweep; off-diagonal terms that are left are below 1e-6 of the diagonal's scale.
 class ModalDamping {
  public:
-  // U: lower factor of A = M_d⁻¹, and its inverse. K: K'. Returns B.
-  Matrix6 design(const Matrix6& U, const Matrix6& U_inverse, const Matrix6& K, double damping_ratio) noexcept;
-  double largest_rate() const { return largest_rate_; }  // max eig(M_d⁻¹ B) of the last call [1/s]
+  // U: lower factor of A = M_d⁻¹. K': block-diagonal, linear and angular part.
+  void design(const Matrix6& U, const Eigen::Matrix3d& K_linear, const Eigen::Matrix3d& K_angular, double damping_ratio) noexcept;
+
+  // B V, for the inverse of the same factor. B itself is never formed.
+  Vector6 apply(const Matrix6& U_inverse, const Vector6& V) const noexcept;
+  double largest_rate() const { return largest_rate_; }  // max eig(M_d⁻¹ B) of the last design [1/s]
 
  private:
-  Matrix6 Z_ = Matrix6::Identity();  // eigenvectors of C
+  Matrix6 Z_ = Matrix6::Identity();        // eigenvectors of C
+  Vector6 rate_ = Vector6::Zero();         // 2 ζ √k of each mode [1/s]
   double largest_rate_ = 0.0;
 };
 

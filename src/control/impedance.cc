@@ -93,7 +93,8 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   const bool natural = settings_.inertia == InertiaShaping::natural;
   const Eigen::Vector3d& n = out_.n_WD;
   if (natural) {
-    B_ = modal_damping_.design(space_.inverse_inertia_factor(), space_.inertia_factor(), design_stiffness(), settings_.damping_ratio);
+    const TipGain& K = settings_.reference_stiffness;
+    modal_damping_.design(space_.inverse_inertia_factor(), K.linear.matrix(n), K.angular.matrix(n), settings_.damping_ratio);
     out_.status.damping_limit = modal_damping_.largest_rate() * (settings_.dt + settings_.delay) >= kDampingLimit;
   }
   Wanted wanted = on_surface_ ? want_on_surface(arm, goal, surface) : want_on_plan(arm, goal);
@@ -235,7 +236,7 @@ ImpedanceController::Wanted ImpedanceController::want_on_surface(const ArmTerms&
 }
 
 Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
-  if (settings_.inertia == InertiaShaping::natural) return B_ * V;
+  if (settings_.inertia == InertiaShaping::natural) return modal_damping_.apply(space_.inertia_factor(), V);
   return apply(shaped_damping_, out_.n_WD, V);
 }
 
@@ -251,13 +252,6 @@ Vector6 ImpedanceController::tip_friction(const ArmTerms& arm, const Wrench& F_e
   const double against_slip = -F_ext.head<3>().dot(slip);
   friction.head<3>() = -std::clamp(against_slip, 0.0, settings_.friction * f_n) * slip;
   return friction;
-}
-
-Matrix6 ImpedanceController::design_stiffness() const noexcept {
-  Matrix6 K = Matrix6::Zero();
-  K.topLeftCorner<3, 3>() = settings_.reference_stiffness.linear.matrix(out_.n_WD);
-  K.bottomRightCorner<3, 3>() = settings_.reference_stiffness.angular.matrix(out_.n_WD);
-  return K;
 }
 
 void ImpedanceController::limit_torque() noexcept {

@@ -73,7 +73,6 @@ class ImpedanceController {
   Wanted want_on_surface(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface) noexcept;
   Vector6 damp(const Vector6& V) const noexcept;
   Vector6 tip_friction(const ArmTerms& arm, const Wrench& F_ext) const noexcept;
-  Matrix6 design_stiffness() const noexcept;
   void limit_torque() noexcept;
 
   ImpedanceSettings settings_;
@@ -81,7 +80,6 @@ class ImpedanceController {
   OperationalSpace space_;
   ModalDamping modal_damping_;
   TipGain shaped_damping_;
-  Matrix6 B_ = Matrix6::Zero();
   NormalTracker tracker_;
   ContactStates contact_;
   bool on_surface_ = false;           // the last step's law was the one for approach and contact

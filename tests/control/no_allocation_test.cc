@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "arm_fixture.h"
+#include "perception/normals.h"
 
 extern "C" void* __libc_malloc(std::size_t);
 extern "C" void* __libc_calloc(std::size_t, std::size_t);
@@ -52,6 +53,28 @@ TEST(NoAllocation, TheHookCatchesOne) {
   EXPECT_GT(allocations_in([] { std::vector<double> v(10); asm volatile("" : : "r"(v.data()) : "memory"); }), 0);
   EXPECT_GT(allocations_in([] { Eigen::MatrixXd m(3, 3); asm volatile("" : : "r"(m.data()) : "memory"); }), 0);
   EXPECT_EQ(allocations_in([] {}), 0);
+}
+
+TEST(NoAllocation, AFreshNormalMakesNone) {
+  PointCloud cloud;
+  cloud.eyes.push_back({0.0, 0.0, 1.0});
+  for (int i = 0; i < 60; ++i) {
+    for (int k = 0; k < 60; ++k) {
+      cloud.points.push_back({0.003 * i, 0.003 * k, 0.0001 * ((i * 7 + k * 13) % 10)});
+      cloud.camera.push_back(0);
+    }
+  }
+  for (const NormalMode mode : {NormalMode::fresh, NormalMode::interpolated}) {
+    NormalSettings settings;
+    settings.mode = mode;
+    const SurfaceEstimator estimator(cloud, settings);
+    int known = 0;
+    const int made = allocations_in([&] {
+      for (int i = 0; i < 500; ++i) known += estimator.estimate({0.0005 * i, 0.09, 0.002}).status == SurfaceStatus::ok;
+    });
+    EXPECT_EQ(made, 0);
+    EXPECT_GT(known, 100);
+  }
 }
 
 TEST(NoAllocation, AStepMakesNone) {
