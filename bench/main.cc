@@ -131,7 +131,7 @@ class Repetitions : public benchmark::ConsoleReporter {
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
       const std::string name = run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
-      time_[name].push_back(run.GetAdjustedCPUTime());  // what others take of a shared core does not count; whole runs are judged by wall time
+      time_[name].push_back(run.GetAdjustedCPUTime());  // what others take of a core does not count; whole runs go by wall time
       if (const auto c = run.counters.find("real_time_factor"); c != run.counters.end()) factor_[name].push_back(c->second.value);
     }
   }
@@ -161,7 +161,8 @@ int judge(const Repetitions& median) {
       {"floor of a controller step [µs]; above 6.5 it is no floor", median.time("BM_floor") / 1e3, 6.5, true},
       {"controller step, shaped inertia / floor", median.time("BM_step_shaped") / median.time("BM_floor"), 2.0, true},
       {"controller step, natural inertia / floor", median.time("BM_step_natural") / median.time("BM_floor"), 2.0, true},
-      {"fresh normal / bare k-nearest-neighbour query (k = 60)", median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5, true},
+      {"fresh normal / bare k-nearest-neighbour query (k = 60)", median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5,
+       true},
       {"real_time_factor, perception, wrench true", median.factor("BM_draw"), 30.0, false},
       {"real_time_factor, perception, wrench none", median.factor("BM_draw_natural"), 30.0, false},
       {"real_time_factor, blind", median.factor("BM_draw_blind"), 40.0, false},
@@ -184,7 +185,8 @@ int judge(const Repetitions& median) {
 
 int main(int argc, char** argv) {
   std::vector<char*> arguments(argv, argv + argc);
-  std::string repetitions = "--benchmark_repetitions=25", interleaving = "--benchmark_enable_random_interleaving=true", min_time = "--benchmark_min_time=0.02";
+  std::string repetitions = "--benchmark_repetitions=25", interleaving = "--benchmark_enable_random_interleaving=true",
+              min_time = "--benchmark_min_time=0.02";
   arguments.insert(arguments.begin() + 1, {repetitions.data(), interleaving.data(), min_time.data()});
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());

@@ -74,16 +74,20 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
   const fs::path file = options.scenario.empty() ? fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine.yaml" : options.scenario;
   scenario.name = file.stem();
+  // Artwork from the command line names the run, with the scenario in front where one was given.
+  const auto name_after = [&](const std::string& artwork) {
+    scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
+  };
   Places places = read_settings(scenario, file, options.assignments);
   if (!options.shape.empty()) {
     scenario.drawing.shape = options.shape;
     scenario.drawing.svg.clear();
-    scenario.name.append("-").append(options.shape);
+    name_after(options.shape);
     places.put("drawing.shape", fmt::format("--shape {}", options.shape));
   }
   if (!options.svg.empty()) {
     scenario.drawing.svg = fs::absolute(options.svg);
-    scenario.name.append("-").append(options.svg.stem().string());
+    name_after(options.svg.stem().string());
     places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
   }
   if (options.no_perception) {
@@ -157,9 +161,11 @@ namespace {
 // docs/settings.md, which is this program's own output.
 std::string settings_page() {
   return "# Settings\n\n"
-         "Every setting of a scenario, as `./impedraw settings --markdown` prints them. A YAML file names those that differ from the default "
+         "Every setting of a scenario, as `./impedraw settings --markdown` prints them. A YAML file names those that differ from the "
+         "default "
          "(`control: {push: 3}`), the command line any one of them (`--set control.push=3`, `--set perception.cameras.0.width=320`). "
-         "`extends: other.yaml` takes everything from another file first. Where a name has an N, a list of them is given, counted from 0.\n\n" +
+         "`extends: other.yaml` takes everything from another file first. Where a name has an N, a list of them is given, counted from "
+         "0.\n\n" +
          settings_markdown<Scenario>();
 }
 

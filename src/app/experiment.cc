@@ -62,11 +62,11 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
   PointCloud cloud = fuse(images, cameras, settings, body);
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
-    throw InputError(fmt::format("the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m); "
-                                 "at least {} are needed; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)",
-                                 cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(), p.region_upper.y(),
-                                 p.region_lower.z(), p.region_upper.z(), p.normals.k, box.min().x(), box.max().x(), box.min().y(), box.max().y(),
-                                 box.min().z(), box.max().z()));
+    throw InputError(fmt::format(
+        "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m); "
+        "at least {} are needed; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)",
+        cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(), p.region_upper.y(), p.region_lower.z(),
+        p.region_upper.z(), p.normals.k, box.min().x(), box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z()));
   return SurfaceEstimator(std::move(cloud), p.normals);
 }
 
@@ -87,7 +87,8 @@ ReachProblem arm_reach(ArmModel& arm, const JointVector& start) {
     settings.position_tolerance = settings.axis_tolerance = 1e-5;
     const IkResult result = find_posture(arm, {p_WD, -n_WD}, q, settings);
     if (!result.reached)
-      return fmt::format("the pen gets no nearer than {:.0f} mm and {:.0f}°", 1e3 * result.position_error, result.axis_error * 180.0 / M_PI);
+      return fmt::format("the pen gets no nearer than {:.0f} mm and {:.0f}°", 1e3 * result.position_error,
+                         result.axis_error * 180.0 / M_PI);
     q = result.q;
     return {};
   };
@@ -186,7 +187,8 @@ Experiment prepare(const Scenario& given, const Places& places) {
     } catch (const InputError& error) {
       // The canvas is there: require_on_canvas has looked.
       if (!seen || !std::string_view(error.what()).starts_with("stroke")) throw;
-      throw InputError(fmt::format("{}, as the cameras see it: perception.cameras, noise, region or normals must let them see more", error.what()));
+      throw InputError(
+          fmt::format("{}, as the cameras see it: perception.cameras, noise, region or normals must let them see more", error.what()));
     }
   });
   blame.on({"drawing.placement.centre", "canvas", "path", "arm"}, [&] { require_reach(path, 0.01, arm_reach(arm, start.q)); });
@@ -211,8 +213,12 @@ Experiment prepare(const Scenario& given, const Places& places) {
                                             joint_text(arm.limits().lower), joint_text(arm.limits().upper)));
   blame.on(control_settings(), [&] { ImpedanceController(control, n); });  // its checks, before anything is written
 
-  return Experiment{std::move(s), std::move(artwork), placement, std::move(owned_canvas), std::move(arm), std::move(perception), std::move(path),
-                    std::move(target), control, start.q, std::move(world)};
+  return Experiment{std::move(s),    std::move(artwork),
+                    placement,       std::move(owned_canvas),
+                    std::move(arm),  std::move(perception),
+                    std::move(path), std::move(target),
+                    control,         start.q,
+                    std::move(world)};
 }
 
 }  // namespace impedraw

@@ -20,7 +20,9 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10");
   command->add_option("--svg", options->svg, "an SVG of your own")->excludes("--shape");
   command->add_option("--out", options->out, "folder of the run, made if missing (default: runs/NAME)");
-  command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")->take_all()->allow_extra_args(false);
+  command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")
+      ->take_all()
+      ->allow_extra_args(false);
 }
 
 // Some libraries' messages are longer.
@@ -42,8 +44,10 @@ int run_program(int argc, char** argv) {
   CLI::App* draw = app.add_subcommand("draw", "draw artwork on a canvas; leaves the drawing, its numbers and a report");
   add_scenario_options(draw, &options);
   draw->add_flag("--no-perception", options.no_perception, "blind: stiffness control with the set-point beneath the surface");
-  draw->footer("Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.12\n"
-               "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind");
+  draw->footer(
+      "Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw draw --svg flower.svg --set "
+      "drawing.placement.fit_radius=0.12\n"
+      "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind");
   draw->callback([&] { code = impedraw::draw(options); });
 
   CLI::App* compare = app.add_subcommand("compare", "the same drawing with and without perception, side by side");
@@ -65,7 +69,8 @@ int run_program(int argc, char** argv) {
                    "  ./impedraw settings --markdown > docs/settings.md");
   settings->callback([&] { code = impedraw::print_settings(markdown); });
 
-  CLI::App* bench = app.add_subcommand("bench", "speed as ratios against floors measured in the same run; exit code 1 when a limit is missed");
+  CLI::App* bench =
+      app.add_subcommand("bench", "speed as ratios against floors measured in the same run; exit code 1 when a limit is missed");
   bench->prefix_command();
   bench->footer("Examples:\n  ./impedraw bench\n  ./impedraw bench --benchmark_filter=normal");
   bench->callback([&] {

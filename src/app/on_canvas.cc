@@ -63,10 +63,12 @@ void require_on_canvas(const std::vector<PlacedStroke>& strokes, const TriangleM
     if (worst.by <= 0.0) continue;
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& v : mesh.vertices) box.extend(v);
-    throw InputError(fmt::format("stroke {} leaves the canvas by up to {:.1f} mm, farthest at page ({:.1f}, {:.1f}) mm, "
-                                 "world ({:.4f}, {:.4f}) m; the canvas fills x {:.2f} to {:.2f} m, y {:.2f} to {:.2f} m: draw smaller, or move drawing.placement.centre",
-                                 s, 1e3 * worst.by, worst.page.x(), worst.page.y(), worst.world.x(), worst.world.y(), box.min().x(), box.max().x(),
-                                 box.min().y(), box.max().y()));
+    throw InputError(
+        fmt::format("stroke {} leaves the canvas by up to {:.1f} mm, farthest at page ({:.1f}, {:.1f}) mm, "
+                    "world ({:.4f}, {:.4f}) m; the canvas fills x {:.2f} to {:.2f} m, y {:.2f} to {:.2f} m: draw smaller, or move "
+                    "drawing.placement.centre",
+                    s, 1e3 * worst.by, worst.page.x(), worst.page.y(), worst.world.x(), worst.world.y(), box.min().x(), box.max().x(),
+                    box.min().y(), box.max().y()));
   }
 }
 

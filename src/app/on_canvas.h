@@ -18,6 +18,7 @@ void require_on_canvas(const std::vector<PlacedStroke>& strokes, const TriangleM
 // stroke that the arm cannot reach: which one, where it is farthest, and by how much. The strokes lie on the canvas.
 // `short_of`: how far short of a point the tip stays [m]; 0 where it gets there. The ways in between are planning/reach.h's to check.
 using ShortOf = std::function<double(const Eigen::Vector3d& p_WD, const Eigen::Vector3d& n_W)>;
-void require_strokes_in_reach(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas, bool vertical_pen, const ShortOf& short_of);
+void require_strokes_in_reach(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas, bool vertical_pen,
+                              const ShortOf& short_of);
 
 }  // namespace impedraw

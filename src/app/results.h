@@ -11,7 +11,7 @@
 
 namespace impedraw {
 
-// Where a folder may be written: it can be made, is empty, or holds a run (a comparison) already. Throws InputError otherwise. Touches nothing.
+// A folder may be written where it can be made, is empty, or holds a run (a comparison) already. Else throws InputError. Touches nothing.
 void require_run_folder(const std::filesystem::path& folder);
 void require_comparison_folder(const std::filesystem::path& folder);
 

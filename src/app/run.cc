@@ -103,7 +103,8 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
     const bool known = surface.status == SurfaceStatus::ok;
     row.surface_normal = known ? surface.n_W : LogRow::no_vector();
     row.surface_distance = known ? surface.distance : LogRow::kNone;
-    row.push = out.push;
+    // Blind, the stiffness is to make the push that the set-point's depth was chosen for.
+    row.push = e.perception ? out.push : (wanted.goal.pen_down ? e.control.push_force : 0.0);
     row.mode = static_cast<int>(out.mode);
     row.stroke = wanted.stroke;
 
@@ -123,8 +124,8 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
     if (world.failure()) {
       outcome.cause = *world.failure();
     } else if (!(speed < kRunaway)) {
-      outcome.cause = fmt::format("the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} rad/s", world.state().time,
-                                  e.arm.joint_names()[static_cast<std::size_t>(fastest)], speed, kRunaway);
+      outcome.cause = fmt::format("the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} rad/s",
+                                  world.state().time, e.arm.joint_names()[static_cast<std::size_t>(fastest)], speed, kRunaway);
     } else if (out.status.bad_input) {
       outcome.cause = fmt::format("the controller was given a number that is not finite at t = {:.3f} s", t);
     }

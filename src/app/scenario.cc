@@ -75,11 +75,14 @@ void describe(Fields& f, DepthNoise& s) {
 }
 
 void describe(Fields& f, NormalSettings& s) {
-  f.choice("mode", s.mode, {{"fresh", NormalMode::fresh}, {"interpolated", NormalMode::interpolated}}, "anew at every step, or from normals computed once");
+  f.choice("mode", s.mode, {{"fresh", NormalMode::fresh}, {"interpolated", NormalMode::interpolated}},
+           "anew at every step, or from normals computed once");
   f.field("k", s.k, Range{8, kMostNeighbours}, "", "nearest neighbours (18)");
   f.field("max_radius", s.max_radius, Range{0.001, 1.0}, "m", "how far they may lie");
-  f.choice("weighting", s.weighting, {{"uniform", NeighbourWeighting::uniform}, {"smooth", NeighbourWeighting::smooth}}, "of the neighbours: the paper's, or fading out");
-  f.choice("fit", s.fit, {{"plane", SurfaceFit::plane}, {"quadric", SurfaceFit::quadric}}, "through them: the paper's, or with its curvature");
+  f.choice("weighting", s.weighting, {{"uniform", NeighbourWeighting::uniform}, {"smooth", NeighbourWeighting::smooth}},
+           "of the neighbours: the paper's, or fading out");
+  f.choice("fit", s.fit, {{"plane", SurfaceFit::plane}, {"quadric", SurfaceFit::quadric}},
+           "through them: the paper's, or with its curvature");
   f.field("max_one_sidedness", s.max_one_sidedness, Range{0.0, 1.0, true}, "", "beyond it the tip is off the cloud's edge");
 }
 
@@ -95,7 +98,8 @@ void describe(Fields& f, PerceptionSettings& s) {
 }
 
 void describe(Fields& f, BlindSettings& s) {
-  f.choice("height", s.height, {{"canvas", BlindHeight::canvas}, {"plane", BlindHeight::plane}}, "of the set-point without perception: the target's, or one plane beneath it all");
+  f.choice("height", s.height, {{"canvas", BlindHeight::canvas}, {"plane", BlindHeight::plane}},
+           "of the set-point without perception: the target's, or one plane beneath it all");
   f.field("plane_z", s.plane_z, Range{-kReach, kReach}, "m", "of that plane");
 }
 
@@ -119,7 +123,8 @@ void describe(Fields& f, PathSettings& s) {
 
 namespace {
 
-void describe_axial(Fields& f, const std::string& what, AxialGain& tangent_and_normal, const std::string& unit, Range range, const std::string& help) {
+void describe_axial(Fields& f, const std::string& what, AxialGain& tangent_and_normal, const std::string& unit, Range range,
+                    const std::string& help) {
   f.field(what + "_tangent", tangent_and_normal.tangent, range, unit, help + " along (about) both tangents of the surface");
   f.field(what + "_normal", tangent_and_normal.normal, range, unit, help + " along (about) its normal");
 }
@@ -137,13 +142,17 @@ void describe(Fields& f, ContactSettings& s) {
 }
 
 void describe(Fields& f, ImpedanceSettings& s) {
-  f.choice("inertia", s.inertia, {{"natural", InertiaShaping::natural}, {"shaped", InertiaShaping::shaped}}, "M_d: the arm's own, or the one below");
+  f.choice("inertia", s.inertia, {{"natural", InertiaShaping::natural}, {"shaped", InertiaShaping::shaped}},
+           "M_d: the arm's own, or the one below");
   f.choice("wrench", s.wrench, {{"none", WrenchFeedback::none}, {"true", WrenchFeedback::measured}}, "F_ext that the controller is given");
-  f.choice("projection", s.projection, {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}}, "of the error in contact (13)");
+  f.choice("projection", s.projection, {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}},
+           "of the error in contact (13)");
   describe_axial(f, "stiffness", s.stiffness.linear, "N/m", Range{0.0, 20000.0}, "K;");
   describe_axial(f, "rotational_stiffness", s.stiffness.angular, "Nm/rad", Range{0.0, 1000.0}, "K;");
-  describe_axial(f, "reference_stiffness", s.reference_stiffness.linear, "N/m", Range{0.0, 20000.0}, "K' that sizes damping where K is zero;");
-  describe_axial(f, "reference_rotational_stiffness", s.reference_stiffness.angular, "Nm/rad", Range{0.0, 1000.0}, "K' that sizes damping where K is zero;");
+  describe_axial(f, "reference_stiffness", s.reference_stiffness.linear, "N/m", Range{0.0, 20000.0},
+                 "K' that sizes damping where K is zero;");
+  describe_axial(f, "reference_rotational_stiffness", s.reference_stiffness.angular, "Nm/rad", Range{0.0, 1000.0},
+                 "K' that sizes damping where K is zero;");
   describe_axial(f, "mass", s.shaped_inertia.linear, "kg", Range{0.0, 1000.0, true}, "M_d if shaped;");
   describe_axial(f, "rotational_inertia", s.shaped_inertia.angular, "kg m²", Range{0.0, 100.0, true}, "M_d if shaped;");
   f.field("damping_ratio", s.damping_ratio, Range{0.05, 3.0}, "", "of every mode");
@@ -157,7 +166,8 @@ void describe(Fields& f, ImpedanceSettings& s) {
   f.field("tip_stiffness", s.tip_stiffness, Range{0.0, 1e7}, "N/m", "believed, along the normal; 0: rigid");
   f.field("friction", s.friction, Range{0.0, 3.0}, "", "believed: what of a measured wrench tip friction may explain");
   f.field("friction_feedforward", s.friction_feedforward, Range{0.0, 3.0}, "", "believed: foreseen along the stroke without a wrench");
-  f.field("contact_stiffness_max", s.contact_stiffness_max, Range{1.0, 1e7}, "N/m", "stiffest tip and canvas that the set-up is checked against");
+  f.field("contact_stiffness_max", s.contact_stiffness_max, Range{1.0, 1e7}, "N/m",
+          "stiffest tip and canvas that the set-up is checked against");
   f.field("natural_mass_max", s.natural_mass_max, Range{0.1, 1000.0}, "kg", "largest natural mass along the normal in that check");
   f.field("null_stiffness", s.null_stiffness, Range{0.0, 500.0}, "Nm/rad", "K_q of the null space (15)");
   f.field("null_damping_ratio", s.null_damping_ratio, Range{0.0, 3.0}, "", "of the null space");

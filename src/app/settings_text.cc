@@ -155,7 +155,8 @@ std::string joined(const std::vector<std::string>& words) { return fmt::format("
 
 std::string not_among(std::string_view word, const std::vector<std::string>& valid) {
   const auto nearest = nearest_word(word, valid);
-  return fmt::format("is '{}'; {}{}", shown(word), nearest ? fmt::format("did you mean '{}'? Valid: ", *nearest) : "valid: ", joined(valid));
+  return fmt::format("is '{}'; {}{}", shown(word),
+                     nearest ? fmt::format("did you mean '{}'? Valid: ", *nearest) : "valid: ", joined(valid));
 }
 
 std::string yaml_string(std::string_view text) {

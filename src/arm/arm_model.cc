@@ -111,7 +111,7 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
     t.g[i] = -w.data.J.col(i).dot(weight.toVector());
   }
 
-  // The bias leaves velocities behind, and accelerations for v̇ = 0 in a frame that falls upwards: less gravity they are the tip's drift J̇ v.
+  // The bias leaves velocities behind, and accelerations for v̇ = 0 in a frame that rises at g: less gravity, the tip's drift J̇ v.
   t.Cv = pinocchio::nonLinearEffects(w.model, w.data, w.q, w.v) - t.g;
   const pinocchio::Frame& tip = w.model.frames[w.tip];
   const pinocchio::JointIndex link = tip.parentJoint;

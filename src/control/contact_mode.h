@@ -4,8 +4,8 @@
 //   contact ──touch lost──> approach              approach ──pen up wanted──> lift
 //   approach, contact ──surface lost──> retreat ──pen up wanted──> free
 //
-// Touch is known when the tip is within `enter_distance` of the estimated surface *and* something holds it: the measured force along the normal,
-// or, without a wrench, the tip that no longer follows the approach. Distance alone would push before touch: a peak of twice the push.
+// Touch is known when the tip is within `enter_distance` of the estimated surface *and* something holds it: the measured force along the
+// normal, or, without a wrench, the tip that no longer follows the approach. Distance alone would push before touch: a peak of twice the push.
 // It is lost beyond `leave_distance` (hysteresis), or after `loss_time` without measured force.
 #pragma once
 

@@ -41,7 +41,8 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
 
 }  // namespace
 
-void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear, const Eigen::Matrix3d& K_angular, double damping_ratio) noexcept {
+void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear, const Eigen::Matrix3d& K_angular,
+                          double damping_ratio) noexcept {
   const Matrix6 T = U * Z_;
   Matrix6 KT;
   KT.topRows<3>().noalias() = K_linear.lazyProduct(T.topRows<3>());

@@ -40,7 +40,8 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
     : settings_(settings), q_0_(settings.q_0), null_stiffness_(settings.null_stiffness), torque_limit_(settings.torque_limit),
       space_(settings.operational_space), tracker_(settings.normal_bandwidth, settings.dt), contact_(settings.contact, settings.dt) {
   const auto check_size = [&](const char* name, const Eigen::VectorXd& x) {
-    if (x.size() != joints) throw InputError(std::string(name) + " has " + std::to_string(x.size()) + " entries, the arm " + std::to_string(joints) + " joints");
+    if (x.size() != joints)
+      throw InputError(std::string(name) + " has " + std::to_string(x.size()) + " entries, the arm " + std::to_string(joints) + " joints");
   };
   check_size("q_0", settings.q_0);
   check_size("null_stiffness", settings.null_stiffness);
@@ -49,7 +50,8 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
   settings_.reference_stiffness = with_reference(settings.stiffness, settings.reference_stiffness);
   if (settings.inertia == InertiaShaping::shaped) {
     if (settings.wrench == WrenchFeedback::none)
-      throw InputError("inertia 'shaped' needs a measured wrench; without one the wanted inertia must be 'natural' or the force is not the push");
+      throw InputError(
+          "inertia 'shaped' needs a measured wrench; without one the wanted inertia must be 'natural' or the force is not the push");
     shaped_damping_ = diagonal_damping(settings_.reference_stiffness, settings.shaped_inertia, settings.damping_ratio);
     check_damping_rates(shaped_damping_, settings.shaped_inertia, settings.dt + settings.delay);
     check_normal_loop(settings.shaped_inertia.linear.normal, shaped_damping_.linear.normal, settings);
@@ -66,7 +68,8 @@ void ImpedanceController::reset() noexcept {
   last_force_.setZero();
 }
 
-bool ImpedanceController::finite(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) const noexcept {
+bool ImpedanceController::finite(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface,
+                                 const Wrench& F_ext) const noexcept {
   double sum = arm.q.sum() + arm.v.sum() + arm.M.sum() + arm.Cv.sum() + arm.g.sum() + arm.J.sum() + arm.Jdot_v.sum() + arm.X_WE.p.sum() +
                arm.X_WE.R.sum() + arm.V_WE.sum() + goal.p_WD.sum() + goal.v_WD.sum() + goal.a_WD.sum() + goal.n_WD.sum() + goal.w_WD.sum() +
                goal.alpha_WD.sum();
@@ -144,7 +147,8 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   return out_;
 }
 
-void ImpedanceController::update_mode(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) noexcept {
+void ImpedanceController::update_mode(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface,
+                                      const Wrench& F_ext) noexcept {
   const bool known = surface.status == SurfaceStatus::ok;
   ContactEvidence evidence;
   evidence.pen_down = goal.pen_down;
@@ -183,7 +187,8 @@ ImpedanceController::Wanted ImpedanceController::want_on_plan(const ArmTerms& ar
 }
 
 // Approach and contact: along the tangents the plan as seen along the drawing axis, along the normal the estimated surface.
-ImpedanceController::Wanted ImpedanceController::want_on_surface(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface) noexcept {
+ImpedanceController::Wanted ImpedanceController::want_on_surface(const ArmTerms& arm, const TipGoal& goal,
+                                                                 const SurfaceEstimate& surface) noexcept {
   const Eigen::Vector3d& n = tracker_.n();
   const Eigen::Vector3d& z = kDrawingAxis;
   const Eigen::Vector3d n_dot = tracker_.w().cross(n);

@@ -27,7 +27,8 @@ namespace impedraw {
 using Wrench = Vector6;  // [force; torque] at the origin of E, in W [N, Nm]
 
 enum TorqueTerm { kFeedforward, kImpedance, kPush, kWrench, kVelocityProduct, kNullSpace, kGravity, kTorqueTerms };
-inline constexpr std::string_view kTorqueTermNames[] = {"feedforward", "impedance", "push", "wrench", "velocity_product", "null_space", "gravity"};
+inline constexpr std::string_view kTorqueTermNames[] = {"feedforward",      "impedance",  "push",   "wrench",
+                                                        "velocity_product", "null_space", "gravity"};
 
 struct ControlStatus {
   bool bad_input = false;       // something was not finite; the torque is the last gravity torque
@@ -54,7 +55,7 @@ class ImpedanceController {
   // sizes that differ, a shaped inertia without a wrench.
   ImpedanceController(const ImpedanceSettings& settings, int joints);
 
-  // One step. `goal`: the plan at this instant. `surface`: perception at the tip, status `none` to be blind. `F_ext`: ignored without feedback.
+  // One step. `goal`: the plan at this instant. `surface`: perception at the tip, status `none` to be blind. `F_ext` needs feedback to count.
   const ImpedanceTorque& step(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) noexcept;
 
   void reset() noexcept;  // as new: mode free, nothing carried over

@@ -57,7 +57,8 @@ void check_damping_rates(const TipGain& damping, const TipGain& inertia, double 
     if (b / m * dt_and_delay < kDampingLimit) return;
     char message[256];
     std::snprintf(message, sizeof message,
-                  "inertia %s: damping rate %.3g 1/s times step and delay %.3g s reaches %.2f, the limit is %.1f; valid is %.3g times the inertia, or less stiffness",
+                  "inertia %s: damping rate %.3g 1/s times step and delay %.3g s reaches %.2f, the limit is %.1f; valid is %.3g times the "
+                  "inertia, or less stiffness",
                   axis, b / m, dt_and_delay, b / m * dt_and_delay, kDampingLimit, std::pow(b / m * dt_and_delay / kDampingLimit, 2));
     throw InputError(message);
   };

@@ -2,7 +2,7 @@
 //
 // Plant     m v̇ = u + f,  f = k x' + …: tip spring k with damper b, x the penetration
 // Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier           (11)
-// To first order in the delay T: the late force takes (1 − m_d/m) k T of damping away from B + b, so stable while  B + b m_d/m > (1 − m_d/m) k T.
+// To first order in the delay T the late force takes (1 − m_d/m) k T of damping away: stable while  B + b m_d/m > (1 − m_d/m) k T.
 // The check here is exact instead: the spectral radius of the sampled loop (semi-implicit Euler, whole steps of delay) lies below 1.
 #pragma once
 

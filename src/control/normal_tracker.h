@@ -2,7 +2,8 @@
 //
 // Law   ω ← ω + ω̇_plan Δt,  n ← exp([ω Δt + α ε]×) n,  ω ← ω + (β/Δt) ε,  ε = the smallest rotation that takes n to the sample
 //       α = 1 − r², β = (1 − r)², r = exp(−bandwidth Δt): critically damped α–β filter
-// A lagging filter of the same bandwidth would tilt the pen by 2 ω/bandwidth (0.5° at 50 mm/s in the bowl). The error left is (ω̇ − ω̇_plan)/bandwidth²: the plan need only know how the normal's turning changes.
+// A lagging filter of the same bandwidth would tilt the pen by 2 ω/bandwidth (0.5° at 50 mm/s in the bowl). The error left is
+// (ω̇ − ω̇_plan)/bandwidth²: the plan need only know how the normal's turning changes.
 #pragma once
 
 #include <Eigen/Core>

@@ -16,7 +16,7 @@ enum class SurfaceStatus {
 
 struct SurfaceEstimate {
   SurfaceStatus status = SurfaceStatus::none;
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();                   // unit normal, outward (towards the camera that saw it); meaningful if ok
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit normal, outward (towards the camera that saw it); meaningful if ok
   double distance = std::numeric_limits<double>::quiet_NaN();       // of the query point to the fitted surface [m], > 0 outside
 };
 

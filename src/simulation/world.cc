@@ -78,7 +78,8 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   mujoco_->tip_body = mj_name2id(mujoco_->model, mjOBJ_BODY, "tip");
   if (mujoco_->tip_body < 0) throw InputError(fmt::format("arm description {}: no link named 'tip'", urdf.string()));
   const int n = mujoco_->model->nv;
-  if (n > kMaxJoints || mujoco_->model->nq != n) throw InputError(fmt::format("arm description {}: at most {} single-axis joints", urdf.string(), kMaxJoints));
+  if (n > kMaxJoints || mujoco_->model->nq != n)
+    throw InputError(fmt::format("arm description {}: at most {} single-axis joints", urdf.string(), kMaxJoints));
   mujoco_->J_tip.setZero(3, n);
   mujoco_->J_push.setZero(3, n);
   mujoco_->M_inverse_Jt.setZero(n, 3);
@@ -144,8 +145,9 @@ const TipContact& World::step(const JointVector& tau, const Eigen::Vector3d& f_p
 
   const double size = state_.q.cwiseAbs().sum() + state_.v.cwiseAbs().sum();
   if (!(size < 1e4) || last_warning[0] != '\0')
-    failure_ = fmt::format("the motion went unstable at t = {:.3f} s: {}", state_.time,
-                           last_warning[0] ? last_warning : fmt::format("joint speeds reached {:.3g} rad/s", state_.v.cwiseAbs().maxCoeff()).c_str());
+    failure_ = fmt::format(
+        "the motion went unstable at t = {:.3f} s: {}", state_.time,
+        last_warning[0] ? last_warning : fmt::format("joint speeds reached {:.3g} rad/s", state_.v.cwiseAbs().maxCoeff()).c_str());
   return contact_;
 }
 

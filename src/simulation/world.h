@@ -1,4 +1,4 @@
-// The simulated world: an arm under torque, its pen on a canvas that nobody measured. MuJoCo has the arm; the contact is ours (tip_contact.h).
+// The simulated world: an arm under torque, its pen on a canvas that nobody measured. MuJoCo has the arm, tip_contact.h the contact.
 //
 // One step of h from t_i:  v⁺ = v + h M⁻¹ (τ + Jᵀ F_push − C v − g) + M⁻¹ (J_cᵀ p + p_joint),  q⁺ = q + h v⁺
 // The tip's impulse p and those of the joints, dry friction |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel):
@@ -55,7 +55,7 @@ class World {
   // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of no more use.
   const std::optional<std::string>& failure() const { return failure_; }
 
-  // Distance along a unit ray to the arm's body as set_state() put it, infinite where it is not met. For the cameras; safe to call from several threads.
+  // Distance along a unit ray to the arm's body as set_state() put it, infinite where it is not met. For the cameras; from any thread.
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
 
   // M, C v + g and J by MuJoCo at a state: the second implementation that the controller's terms are checked against.

@@ -40,7 +40,8 @@ class CommandLine : public ScratchFolder {
   Ended call(const Words& arguments) const { return Process(folder_, arguments).wait(); }
   Ended python(const std::string& script) const {
     const fs::path file = write("script.py", script);
-    const int status = std::system((std::string(IMPEDRAW_PYTHON) + " " + file.string() + " > " + (folder_ / "said").string() + " 2>&1").c_str());
+    const int status =
+        std::system((std::string(IMPEDRAW_PYTHON) + " " + file.string() + " > " + (folder_ / "said").string() + " 2>&1").c_str());
     return {WEXITSTATUS(status), content_of(folder_ / "said"), ""};
   }
   // Names of what is in the test's folder, but for the output of the program.
@@ -66,7 +67,8 @@ class CommandLine : public ScratchFolder {
   }
   // Until the run has its log.
   void until_running(const Process& process) const {
-    for (int i = 0; i < 2000 && process.running() && !fs::exists(folder_ / "run/run.h5"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    for (int i = 0; i < 2000 && process.running() && !fs::exists(folder_ / "run/run.h5"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 };
 
@@ -103,7 +105,8 @@ TEST_F(CommandLine, WrongFiles) {
 
 TEST_F(CommandLine, DrawingWhereItCannotBe) {
   write("two.svg", kLine);
-  refused({"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"}, {"stroke 0 leaves the canvas by up to 89.", "world (0.7000, 0.2500) m"});
+  refused({"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"},
+          {"stroke 0 leaves the canvas by up to 89.", "world (0.7000, 0.2500) m"});
   // x = 0.72 m − 10 Y: its first stroke lies at 0.67 m, its second at 0.37 m, outside the rim.
   refused({"draw", "--svg", "two.svg", "--set", "drawing.placement.scale=10", "--set", "drawing.placement.centre=[0.72, 0.05]", "--set",
            "drawing.placement.about_page_origin=true"},
@@ -167,7 +170,8 @@ TEST_F(CommandLine, HelpHasExamples) {
 TEST_F(CommandLine, SettingsPageIsTheProgramsOwn) {
   const Ended page = call({"settings", "--markdown"});
   EXPECT_EQ(page.code, 0);
-  EXPECT_EQ(content_of(fs::path(IMPEDRAW_SOURCE) / "docs/settings.md"), page.out) << "write it anew: ./impedraw settings --markdown > docs/settings.md";
+  EXPECT_EQ(content_of(fs::path(IMPEDRAW_SOURCE) / "docs/settings.md"), page.out)
+      << "write it anew: ./impedraw settings --markdown > docs/settings.md";
   EXPECT_THAT(call({"settings"}).out, HasSubstr("control.push "));
 }
 
@@ -196,7 +200,8 @@ TEST_F(CommandLine, DrawsIntoRunsBesideTheUserAndReportsAgain) {
 TEST_F(CommandLine, ComparesBothWays) {
   const Ended ended = call(Words{"compare", "--out", "both"} + kShort);
   EXPECT_EQ(ended.code, 0) << ended.err;
-  for (const char* file : {"compare.html", "compare.png", "perception/run.h5", "perception/metrics.json", "blind/run.h5", "blind/metrics.json"})
+  for (const char* file :
+       {"compare.html", "compare.png", "perception/run.h5", "perception/metrics.json", "blind/run.h5", "blind/metrics.json"})
     EXPECT_GT(fs::file_size(folder_ / "both" / file), 100u) << file;
   EXPECT_LT(json_of(folder_ / "both/perception/metrics.json").at("tilt_mean").get<double>(), 2.0);
   EXPECT_GT(json_of(folder_ / "both/blind/metrics.json").at("tilt_mean").get<double>(), 5.0);

@@ -117,14 +117,16 @@ TEST(Figures, ThePenGivesWayAndComesBack) {
   ASSERT_GT(first, 0);
   EXPECT_NEAR(last - first + 1, 1000, 2);
   const auto yielded = [&](int i) {
-    return (pushed.run.tip_position[i] - left_alone.run.tip_position[i]).dot(pushed.run.disturbance_force[std::clamp(i, first, last)].normalized());
+    return (pushed.run.tip_position[i] - left_alone.run.tip_position[i])
+        .dot(pushed.run.disturbance_force[std::clamp(i, first, last)].normalized());
   };
   double settled = 0.0;
   for (int i = first + 300; i <= last; ++i) settled += yielded(i) / (last - first - 299);
   EXPECT_NEAR(settled, expected, 0.15 * expected);
   EXPECT_NEAR(yielded(last), expected, 0.15 * expected);
   double back = 0.0;
-  for (int i = last + 300; i < last + 1300; ++i) back = std::max(back, (pushed.run.tip_position[i] - left_alone.run.tip_position[i]).norm());
+  for (int i = last + 300; i < last + 1300; ++i)
+    back = std::max(back, (pushed.run.tip_position[i] - left_alone.run.tip_position[i]).norm());
   EXPECT_LT(back, 5e-5);
   EXPECT_EQ(pushed["contact_fraction"], 1.0);
 }

@@ -25,7 +25,8 @@ std::string complaint(std::string_view text, Range range = Range::any(), std::st
 }
 
 TEST(ParseNumber, TakesWhatIsANumber) {
-  const std::pair<const char*, double> cases[] = {{"3", 3}, {"-0.5", -0.5}, {"+2", 2}, {"1e-3", 1e-3}, {".5", 0.5}, {"5.", 5}, {"1E3", 1000}};
+  const std::pair<const char*, double> cases[] = {{"3", 3},    {"-0.5", -0.5}, {"+2", 2},    {"1e-3", 1e-3},
+                                                  {".5", 0.5}, {"5.", 5},      {"1E3", 1000}};
   for (const auto& [text, expected] : cases) {
     double value = 0;
     EXPECT_EQ(parse_number(text, Range::any(), "", value), std::nullopt) << text;
@@ -40,7 +41,8 @@ TEST(ParseNumber, TakesWhatIsANumber) {
 }
 
 TEST(ParseNumber, RefusesEverythingThatIsNotFinite) {
-  for (const char* text : {"nan", ".nan", "NaN", ".NaN", "-nan", "inf", ".inf", "-.inf", "+.inf", "Infinity", "-infinity", ".Inf", "1e999", "-1e999"}) {
+  for (const char* text :
+       {"nan", ".nan", "NaN", ".NaN", "-nan", "inf", ".inf", "-.inf", "+.inf", "Infinity", "-infinity", ".Inf", "1e999", "-1e999"}) {
     EXPECT_NE(complaint<double>(text), "") << text;
     EXPECT_NE(complaint<int>(text), "") << text;
   }
@@ -86,7 +88,8 @@ TEST(NumberText, ReadsBackAsTheSameBits) {
 // The definition, without a table: exponential, but plainly right.
 int slow_distance(std::string_view a, std::string_view b) {
   if (a.empty() || b.empty()) return static_cast<int>(a.size() + b.size());
-  int best = std::min({slow_distance(a.substr(1), b) + 1, slow_distance(a, b.substr(1)) + 1, slow_distance(a.substr(1), b.substr(1)) + (a[0] != b[0])});
+  int best = std::min(
+      {slow_distance(a.substr(1), b) + 1, slow_distance(a, b.substr(1)) + 1, slow_distance(a.substr(1), b.substr(1)) + (a[0] != b[0])});
   if (a.size() > 1 && b.size() > 1 && a[0] == b[1] && a[1] == b[0]) best = std::min(best, slow_distance(a.substr(2), b.substr(2)) + 1);
   return best;
 }

@@ -198,8 +198,9 @@ TEST_F(YamlFiles, MissingOrBrokenFile) {
 }
 
 TEST(Assignments, TakeEveryKindOfSetting) {
-  const Scenario s = with({"seed=5", "text=Hello: [world]", "svg=art/a.svg", "home=[1, 0, 0, 0, 0, 0, 0]", "home.6=0.5", "speeds=[0.1]",
-                           "push.sensor=true", "push.stop_at=4", "cameras=[{width: 1}, {width: 2}]", "cameras.1.noisy=true", "plane.height=0.3"});
+  const Scenario s =
+      with({"seed=5", "text=Hello: [world]", "svg=art/a.svg", "home=[1, 0, 0, 0, 0, 0, 0]", "home.6=0.5", "speeds=[0.1]",
+            "push.sensor=true", "push.stop_at=4", "cameras=[{width: 1}, {width: 2}]", "cameras.1.noisy=true", "plane.height=0.3"});
   EXPECT_EQ(s.seed, 5u);
   EXPECT_EQ(s.text, "Hello: [world]");
   EXPECT_EQ(s.svg, std::filesystem::current_path() / "art/a.svg");
@@ -232,7 +233,8 @@ TEST(Assignments, SaySoWhenTheyCannotBe) {
   EXPECT_EQ(set_error("home=[1"), "--set home=[1: is not valid YAML: end of sequence flow not found");
   EXPECT_EQ(set_error("push=3"), "--set push=3: push must hold settings of its own: force, sensor, stop_at");
   EXPECT_EQ(set_error("push..force=3"), "--set push..force=3: unknown key '' in push; valid here: force, sensor, stop_at");
-  EXPECT_EQ(set_error("extends=a.yaml"), "--set extends=a.yaml: unknown key 'extends'; valid here: seed, text, svg, home, speeds, push, cameras, plane");
+  EXPECT_EQ(set_error("extends=a.yaml"),
+            "--set extends=a.yaml: unknown key 'extends'; valid here: seed, text, svg, home, speeds, push, cameras, plane");
   EXPECT_EQ(set_error("push.stop_at=soon"), "--set push.stop_at=soon: push.stop_at is 'soon', which is not a number (of s)");
   EXPECT_THAT(set_error("text.a=" + std::string(10000, 'x')), ::testing::SizeIs(::testing::Lt(200u)));
 }

@@ -129,7 +129,8 @@ TEST(ClosedLoop, ANaturalTipIsTheArmsOwnInertiaOnASpring) {
     const Pose& X = free.world.state().X_WE;
     ASSERT_LT((X.p - start - x.head<3>()).norm(), 0.01 * x_D.norm()) << "at " << i << " ms";
     const Eigen::AngleAxisd turned(X.R * R_start.transpose());
-    ASSERT_LT((turned.angle() * turned.axis() - x.tail<3>()).norm(), 6e-5) << "[rad] at " << i << " ms; the sampled loop lags the continuous one by a step";
+    ASSERT_LT((turned.angle() * turned.axis() - x.tail<3>()).norm(), 6e-5)
+        << "[rad] at " << i << " ms; the sampled loop lags the continuous one by a step";
     free.step();
     for (int k = 0; k < 100; ++k) {
       x_dot += 1e-5 * A * (K * (x_D - x) - B * x_dot);

@@ -75,7 +75,8 @@ TEST(SurfaceLaw, LiftsTheErrorToFullStiffnessOnASlope) {
     on.goal.p_WD.x() += shift;  // up the slope as seen along z; the way along the slope is shift/cos θ
     const Vector6 force = on.wrench(on.settle(), kImpedance) - before;
     const Eigen::Vector3d uphill(std::cos(slope), 0.0, std::sin(slope));
-    const double expected = s.stiffness.linear.tangent * shift * (projection == ErrorProjection::lifted ? 1.0 / std::cos(slope) : std::cos(slope));
+    const double expected =
+        s.stiffness.linear.tangent * shift * (projection == ErrorProjection::lifted ? 1.0 / std::cos(slope) : std::cos(slope));
     EXPECT_NEAR(force.head<3>().dot(uphill), expected, 1e-6);
     EXPECT_NEAR(force.head<3>().dot(on.surface.n_W), 0.0, 1e-9) << "no stiffness along the normal";
   }

@@ -181,7 +181,8 @@ TEST(TipContact, ADroppedMassPeaksAsTheDampedOscillator) {
   const TipMaterial tip;
   for (const double speed : {0.01, 0.05, 0.2}) {
     // x = v/ω_d e^{−ζω t} sin ω_d t;  the largest k x + b ẋ, by a fine search
-    const double w = std::sqrt(tip.stiffness / m), zeta = tip.damping / (2.0 * std::sqrt(tip.stiffness * m)), wd = w * std::sqrt(1 - zeta * zeta);
+    const double w = std::sqrt(tip.stiffness / m), zeta = tip.damping / (2.0 * std::sqrt(tip.stiffness * m)),
+                 wd = w * std::sqrt(1 - zeta * zeta);
     double expected = 0.0;
     for (double t = 0.0; t < M_PI / wd; t += 1e-6) {
       const double decay = std::exp(-zeta * w * t);
