@@ -91,7 +91,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
     return out_;
   }
   out_.status.near_singular = !space_.update(arm);
-  update_mode(arm, goal, surface, F_ext);
+  update_mode(goal, surface, F_ext);
 
   const bool natural = settings_.inertia == InertiaShaping::natural;
   const Eigen::Vector3d& n = out_.n_WD;
@@ -147,8 +147,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   return out_;
 }
 
-void ImpedanceController::update_mode(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface,
-                                      const Wrench& F_ext) noexcept {
+void ImpedanceController::update_mode(const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) noexcept {
   const bool known = surface.status == SurfaceStatus::ok;
   ContactEvidence evidence;
   evidence.pen_down = goal.pen_down;
@@ -168,7 +167,6 @@ void ImpedanceController::update_mode(const ArmTerms& arm, const TipGoal& goal, 
   out_.mode = mode;
   out_.n_WD = on_surface ? tracker_.n() : goal.n_WD;
   out_.status.surface_lost = goal.pen_down && !known && surface.status != SurfaceStatus::none;
-  (void)arm;
 }
 
 // Away from the surface: the pose of the plan, in full stiffness.

@@ -69,7 +69,7 @@ class ImpedanceController {
   };
 
   bool finite(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) const noexcept;
-  void update_mode(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) noexcept;
+  void update_mode(const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) noexcept;
   Wanted want_on_plan(const ArmTerms& arm, const TipGoal& goal) noexcept;
   Wanted want_on_surface(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface) noexcept;
   Vector6 damp(const Vector6& V) const noexcept;

@@ -162,6 +162,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
 
   TipContactStep tip{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), 0.0, h};
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
+  RowMatrix3X J_C(3, n);  // of the contact point, in C
   Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
   if (canvas_) {
     const double radius = settings_.tip.radius;
@@ -177,7 +178,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   if (contact_.touching) {
     R_WC = contact_frame(contact_.n_W);
     mj_jac(w.model, w.data, w.J_tip.data(), nullptr, contact_.p_WC.data(), w.tip_body);
-    const RowMatrix3X J_C = R_WC.transpose().lazyProduct(w.J_tip);
+    J_C = R_WC.transpose().lazyProduct(w.J_tip);
     for (int i = 0; i < 3; ++i) {
       const JointVector row = J_C.row(i).transpose();
       mj_solveM(w.model, w.data, w.M_inverse_Jt.col(i).data(), row.data(), 1);
@@ -224,7 +225,6 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
         if (std::isfinite(gap)) add(j, &limit[j], sign * std::max(0.0, sign * limit[j] - (sign * w.v[j] + gap / h) / mobility));
       }
       if (contact_.touching) {
-        const RowMatrix3X J_C = R_WC.transpose().lazyProduct(w.J_tip);
         tip.v_free = J_C.lazyProduct(w.v) - tip.G * tip_impulse;
         const Eigen::Vector3d next = solve_tip_contact(tip, settings_.tip);
         w.v += w.M_inverse_Jt.lazyProduct(next - tip_impulse);

@@ -177,7 +177,6 @@ TEST(ClosedLoop, TheNullSpaceMovesTheElbowAndNotTheTip) {
 
 TEST(ClosedLoop, TurnsThroughHalfATurnOfThePen) {
   ArmModel arm(kArm);
-  FreeArm free(soft(shaped_settings(arm)));
   // The pen is asked to point up to 3.1 rad away from where it points: finite, bounded, and on the short way.
   for (const double angle : {1.0, 3.1, M_PI, -3.1}) {
     FreeArm turned(soft(shaped_settings(arm)));
