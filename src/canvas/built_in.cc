@@ -2,91 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 
+#include "canvas/mesh_patterns.h"
+#include "canvas/shape_checks.h"
 #include "common/errors.h"
 
 namespace impedraw {
 namespace {
-
-constexpr double kMostTriangles = 2e7;  // beyond it, a slip of units rather than a wish
-
-void require_positive(std::string_view shape, std::string_view name, double value) {
-  if (!(value > 0.0) || !std::isfinite(value)) {
-    throw InputError(fmt::format("{}: {} = {} m, must be a finite length above 0", shape, name, value));
-  }
-}
-
-void require_finite(std::string_view shape, std::string_view name, const Eigen::Vector3d& value) {
-  if (!value.allFinite()) {
-    throw InputError(fmt::format("{}: {} = ({}, {}, {}), must be finite", shape, name, value.x(), value.y(), value.z()));
-  }
-}
-
-void require_fair_size(std::string_view shape, double edge, double triangles) {
-  if (triangles > kMostTriangles) {
-    throw InputError(fmt::format("{}: edge = {} m makes {:.0e} triangles, at most {:.0e} are made: take a longer edge", shape, edge,
-                                 triangles, kMostTriangles));
-  }
-}
 
 void validate(std::string_view shape, const CapSettings& s) {
   require_positive(shape, "radius", s.radius);
   require_positive(shape, "opening_radius", s.opening_radius);
   require_positive(shape, "edge", s.edge);
   require_finite(shape, "centre", s.centre);
-  if (s.opening_radius > s.radius) {
-    throw InputError(fmt::format("{}: opening_radius = {} m, must be at most the radius, {} m", shape, s.opening_radius, s.radius));
-  }
-  if (s.edge > s.opening_radius) {
-    throw InputError(fmt::format("{}: edge = {} m, must be at most the opening_radius, {} m", shape, s.edge, s.opening_radius));
-  }
+  require_at_most(shape, "opening_radius", s.opening_radius, "the radius", s.radius);
+  require_at_most(shape, "edge", s.edge, "the opening_radius", s.opening_radius);
 }
 
-// The cap about +z of the sphere, wound outward. Ring k holds as many vertices as its circumference has edges; neighbouring rings are
-// stitched by always taking the shorter diagonal.
+// The cap about +z of the sphere, wound outward. A ring holds as many vertices as its circumference has edges.
 TriangleMesh cap_about_z(const CapSettings& s) {
   const double half_angle = std::asin(s.opening_radius / s.radius);
-  const int rings = std::max(1, static_cast<int>(std::ceil(s.radius * half_angle / (s.edge * std::sqrt(0.75)))));
-  TriangleMesh mesh;
-  mesh.vertices.emplace_back(0.0, 0.0, s.radius);
-  int inner_first = 0;
-  int inner_count = 1;
-  for (int ring = 1; ring <= rings; ++ring) {
-    const double theta = half_angle * ring / rings;
+  const int count = std::max(1, static_cast<int>(std::ceil(s.radius * half_angle / (s.edge * std::sqrt(0.75)))));
+  std::vector<Ring> rings;
+  for (int k = 1; k <= count; ++k) {
+    const double theta = half_angle * k / count;
     const double rho = s.radius * std::sin(theta);
-    const int outer_first = static_cast<int>(mesh.vertices.size());
-    const int outer_count = std::max(6, static_cast<int>(std::lround(2.0 * std::numbers::pi * rho / s.edge)));
-    for (int i = 0; i < outer_count; ++i) {
-      const double phi = 2.0 * std::numbers::pi * i / outer_count;
-      mesh.vertices.emplace_back(rho * std::cos(phi), rho * std::sin(phi), s.radius * std::cos(theta));
-    }
-    const int inner_steps = inner_count == 1 ? 0 : inner_count;  // the pole is no ring: a fan about it
-    int i = 0;
-    int j = 0;
-    while (i < inner_steps || j < outer_count) {
-      const int inner = inner_first + i % inner_count;
-      const int outer = outer_first + j % outer_count;
-      // The shorter of the two diagonals, compared as angles in whole numbers: (2 j + 1)/outer_count ≤ (2 i + 1)/inner_count.
-      const bool shorter = std::int64_t{2 * j + 1} * inner_count <= std::int64_t{2 * i + 1} * outer_count;
-      const bool take_outer = j < outer_count && (i >= inner_steps || shorter);
-      if (take_outer) {
-        mesh.triangles.emplace_back(inner, outer, outer_first + (j + 1) % outer_count);
-        ++j;
-      } else {
-        mesh.triangles.emplace_back(inner, outer, inner_first + (i + 1) % inner_count);
-        ++i;
-      }
-    }
-    inner_first = outer_first;
-    inner_count = outer_count;
+    const int vertices = std::max(6, static_cast<int>(std::lround(2.0 * std::numbers::pi * rho / s.edge)));
+    rings.push_back({rho, s.radius * std::cos(theta), vertices});
   }
-  return mesh;
+  return ring_mesh(s.radius, rings);
 }
 
 TriangleMesh cap(std::string_view shape, const CapSettings& s, double up) {
@@ -120,21 +69,9 @@ TriangleMesh make_plane(const PlaneSettings& s) {
   const Eigen::Vector3d y = z.cross(x);
   const int columns = std::max(1, static_cast<int>(std::lround(s.width / s.edge)));
   const int rows = std::max(1, static_cast<int>(std::lround(s.height / s.edge)));
-  TriangleMesh mesh;
-  for (int row = 0; row <= rows; ++row) {
-    for (int column = 0; column <= columns; ++column) {
-      mesh.vertices.push_back(s.centre + x * (s.width * (double(column) / columns - 0.5)) + y * (s.height * (double(row) / rows - 0.5)));
-    }
-  }
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      const int a = row * (columns + 1) + column;
-      const int b = a + columns + 1;
-      mesh.triangles.emplace_back(a, a + 1, b + 1);
-      mesh.triangles.emplace_back(a, b + 1, b);
-    }
-  }
-  return mesh;
+  return grid_mesh(columns, rows, [&](double u, double v) -> Eigen::Vector3d {
+    return s.centre + x * (s.width * (u - 0.5)) + y * (s.height * (v - 0.5));
+  });
 }
 
 }  // namespace impedraw

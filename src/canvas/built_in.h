@@ -1,4 +1,5 @@
-// Canvases that need no file. Each throws InputError, naming the setting, its value and what would be valid.
+// Canvases that need no file: sphere and plane. The others: built_in_graphs.h and built_in_ruled.h. Each throws InputError, naming the
+// setting, its value and what would be valid.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +13,7 @@ namespace impedraw {
 struct CapSettings {
   double radius = 0.30;                                // of the sphere [m], > 0
   Eigen::Vector3d centre = {0.60, 0.0, 0.40};          // of the sphere, p_WC [m]
-  double opening_radius = 0.18;                        // of the circle at which the cap ends [m], in (0, radius]
+  double opening_radius = 0.18;                        // of the circle at which the cap ends, radius sin(slope there) [m], in (0, radius]
   double edge = 0.0015;                                // wanted length of a triangle's edge [m], > 0, at most opening_radius
 };
 using BowlSettings = CapSettings;
