@@ -16,7 +16,7 @@ Eigen::Vector2d within_cone(const Eigen::Vector2d& p_t, double limit) {
 
 }  // namespace
 
-Eigen::Vector3d solve_tip_contact(const TipContactStep& s, const TipMaterial& tip) noexcept {
+Eigen::Vector3d solve_tip_contact(const TipContactStep& s, const TipMaterial& tip, const Eigen::Vector3d& guess) noexcept {
   if (s.penetration <= 0.0) return Eigen::Vector3d::Zero();
   const double hb = s.dt * tip.damping, spring = s.dt * tip.stiffness * s.penetration;
   const Eigen::Matrix2d G_tt = s.G.topLeftCorner<2, 2>();
@@ -39,7 +39,7 @@ Eigen::Vector3d solve_tip_contact(const TipContactStep& s, const TipMaterial& ti
   // Sliding: projected Gauss-Seidel between the normal and the disc of friction.
   const double trace = G_tt.trace(), det = G_tt.determinant();
   const double largest = 0.5 * trace + std::sqrt(std::max(0.0, 0.25 * trace * trace - det));
-  Eigen::Vector2d p_t = Eigen::Vector2d::Zero();
+  Eigen::Vector2d p_t = guess.head<2>();
   double p_n = normal_impulse(p_t);
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector2d v_t = s.v_free.head<2>() + G_tt * p_t + G_tn * p_n;

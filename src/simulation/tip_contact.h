@@ -28,7 +28,8 @@ struct TipContactStep {
   double dt;                // h [s]
 };
 
-// The impulse h f on the tip [N s]. Zero where the tip is out of contact or leaves.
-Eigen::Vector3d solve_tip_contact(const TipContactStep& step, const TipMaterial& tip) noexcept;
+// The impulse h f on the tip [N s]. Zero where the tip is out of contact or leaves. The search for a sliding one starts from `guess`.
+Eigen::Vector3d solve_tip_contact(const TipContactStep& step, const TipMaterial& tip,
+                                  const Eigen::Vector3d& guess = Eigen::Vector3d::Zero()) noexcept;
 
 }  // namespace impedraw

@@ -8,12 +8,15 @@
 #include <mujoco/mujoco.h>
 
 #include "common/errors.h"
+#include "simulation/compiled_arm.h"
+#include "simulation/flange_balance.h"
 
 namespace impedraw {
 
 namespace {
 
 using RowMatrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, kMaxJoints>;
+using RowMatrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor, 6, kMaxJoints>;
 using ImpulseColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 
 // MuJoCo prints its warnings by default, at every step. They are kept for the run that stops instead.
@@ -36,12 +39,15 @@ struct World::Mujoco {
   mjModel* shape = nullptr;  // with them, for the cameras
   mjData* shape_data = nullptr;
   int tip_body = -1;
+  std::optional<FlangeBalance> flange;
+  CarriedMomentum carried;  // at the present state, where the flange's wrench is asked for
 
   // Of the solve, kept so that a step allocates nothing.
-  RowMatrix3X J_tip, J_push;
+  RowMatrix3X J_tip;
+  RowMatrix6X J_push;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
   ImpulseColumns M_inverse;
-  JointVector v, joint_impulse;
+  JointVector v, joint_impulse, friction;  // friction: its impulses, from which the next step starts its search
 
   ~Mujoco() {
     mj_deleteData(data);
@@ -52,27 +58,11 @@ struct World::Mujoco {
 };
 
 World::World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings)
-    : settings_(settings), canvas_(canvas), mujoco_(std::make_unique<Mujoco>()) {
+    : settings_(settings), canvas_(canvas), mujoco_(std::make_unique<Mujoco>()), drive_(settings.errors, settings.dt) {
   mju_user_warning = keep_warning;
-  char error[512] = "";
-  mjSpec* spec = mj_parseXML(urdf.c_str(), nullptr, error, sizeof error);
-  if (!spec) throw InputError(fmt::format("arm description {}: {}", urdf.string(), error));
-  spec->compiler.fusestatic = 0;  // keep the frame of the tip
-  spec->option.timestep = settings.dt;
-  spec->option.integrator = mjINT_EULER;
-  spec->option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_EULERDAMP;
-  mju_copy3(spec->option.gravity, Eigen::Vector3d(0, 0, -settings.gravity).eval().data());
-  mujoco_->shape = mj_compile(spec, nullptr);
-  if (mujoco_->shape) {
-    while (mjsElement* geom = mjs_firstElement(spec, mjOBJ_GEOM)) mjs_delete(spec, geom);
-    mujoco_->model = mj_compile(spec, nullptr);
-  }
-  if (!mujoco_->model) {
-    const std::string cause = mjs_getError(spec);
-    mj_deleteSpec(spec);
-    throw InputError(fmt::format("arm description {}: {}", urdf.string(), cause));
-  }
-  mj_deleteSpec(spec);
+  const CompiledArm arm = compile_arm(urdf, settings.dt, settings.gravity, settings.errors);
+  mujoco_->model = arm.dynamics;
+  mujoco_->shape = arm.shape;
   mujoco_->data = mj_makeData(mujoco_->model);
   mujoco_->shape_data = mj_makeData(mujoco_->shape);
   mujoco_->tip_body = mj_name2id(mujoco_->model, mjOBJ_BODY, "tip");
@@ -81,10 +71,11 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   if (n > kMaxJoints || mujoco_->model->nq != n)
     throw InputError(fmt::format("arm description {}: at most {} single-axis joints", urdf.string(), kMaxJoints));
   mujoco_->J_tip.setZero(3, n);
-  mujoco_->J_push.setZero(3, n);
+  mujoco_->J_push.setZero(6, n);
   mujoco_->M_inverse_Jt.setZero(n, 3);
   mujoco_->M_inverse.setZero(n, n);
-  mujoco_->joint_impulse = JointVector::Zero(n);
+  mujoco_->joint_impulse = mujoco_->friction = JointVector::Zero(n);
+  mujoco_->flange.emplace(mujoco_->model);
   state_.q = state_.v = JointVector::Zero(n);
   set_state(state_.q, state_.v);
 }
@@ -92,6 +83,7 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
 World::~World() = default;
 
 int World::joints() const { return mujoco_->model->nv; }
+bool World::has_flange() const { return mujoco_->flange->has_flange(); }
 
 void World::set_state(const JointVector& q, const JointVector& v) {
   mj_resetData(mujoco_->model, mujoco_->data);
@@ -102,7 +94,12 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   failure_.reset();
   last_warning[0] = '\0';
   mujoco_->joint_impulse.setZero();
+  mujoco_->friction.setZero();
+  drive_.reset();
+  applied_torque_ = JointVector::Zero(joints());
   observe();
+  if (settings_.flange_sensor && has_flange())
+    flange_wrench_ = mujoco_->flange->wrench(mujoco_->carried, mujoco_->carried, Vector6::Zero(), settings_.dt);
 }
 
 // Everything that depends on position and velocity alone, at the start of a step.
@@ -119,18 +116,27 @@ void World::observe() noexcept {
   double velocity[6];  // angular part first
   mj_objectVelocity(m, d, mjOBJ_XBODY, mujoco_->tip_body, velocity, 0);
   state_.V_WE << Eigen::Map<const Eigen::Vector3d>(velocity + 3), Eigen::Map<const Eigen::Vector3d>(velocity);
+  if (settings_.flange_sensor && has_flange()) mujoco_->carried = mujoco_->flange->momentum(m, d);
 }
 
 const TipContact& World::step(const JointVector& tau, const Eigen::Vector3d& f_push_W) noexcept {
+  Vector6 F_push_W;
+  F_push_W << f_push_W, Eigen::Vector3d::Zero();
+  return advance(tau, F_push_W);
+}
+
+const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W) noexcept {
   const mjModel* m = mujoco_->model;
   mjData* d = mujoco_->data;
   const int n = m->nv;
 
-  JointVector generalised = tau;
-  if (!f_push_W.isZero(0.0)) {
-    mj_jac(m, d, mujoco_->J_push.data(), nullptr, state_.X_WE.p.data(), mujoco_->tip_body);
-    generalised += mujoco_->J_push.transpose().lazyProduct(f_push_W);
+  applied_torque_ = drive_.act(tau, state_.q);
+  JointVector generalised = applied_torque_;
+  if (!F_push_W.isZero(0.0)) {
+    mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
+    generalised += mujoco_->J_push.transpose().lazyProduct(F_push_W);
   }
+  if (settings_.errors.viscous_friction > 0.0) generalised -= settings_.errors.viscous_friction * state_.v;  // compiled_arm.h has the rest
   const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
@@ -141,7 +147,15 @@ const TipContact& World::step(const JointVector& tau, const Eigen::Vector3d& f_p
   applied = generalised + mujoco_->joint_impulse / settings_.dt;
   if (contact_.touching) applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
   mj_step2(m, d);
+  const CarriedMomentum start = mujoco_->carried;
+  const Eigen::Vector3d p_WE = state_.X_WE.p;
   observe();
+  if (settings_.flange_sensor && has_flange()) {
+    Vector6 F_env;  // moment about the c.o.m. of what the flange carries
+    F_env << contact_.f_W + F_push_W.head<3>(),
+        (contact_.p_WC - start.c_W).cross(contact_.f_W) + (p_WE - start.c_W).cross(F_push_W.head<3>()) + F_push_W.tail<3>();
+    flange_wrench_ = mujoco_->flange->wrench(start, mujoco_->carried, F_env, settings_.dt);
+  }
 
   const double size = state_.q.cwiseAbs().sum() + state_.v.cwiseAbs().sum();
   if (!(size < 1e4) || last_warning[0] != '\0')
@@ -159,6 +173,17 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   w.v = v_free;
   contact_ = {};
   w.joint_impulse.setZero();
+  const auto invert_inertia = [&] {
+    for (int j = 0; j < n; ++j) {
+      const JointVector unit = JointVector::Unit(n, j);
+      mj_solveM(w.model, w.data, w.M_inverse.col(j).data(), unit.data(), 1);
+    }
+  };
+  const bool dry = settings_.joint_friction > 0.0;
+  if (dry) {
+    invert_inertia();
+    w.v += w.M_inverse.lazyProduct(w.friction);
+  }
 
   TipContactStep tip{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), 0.0, h};
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
@@ -197,18 +222,15 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
     *sign = below < above ? 1.0 : -1.0;
     return std::min(below, above);
   };
-  bool joints_act = settings_.joint_friction > 0.0;
+  bool joints_act = dry;
   for (int j = 0; j < n && !joints_act; ++j) {
     double sign = 1.0;
     const double gap = limit_gap(j, &sign);
     joints_act = gap + h * sign * w.v[j] < 0.0;
   }
   if (joints_act) {
-    for (int j = 0; j < n; ++j) {
-      const JointVector unit = JointVector::Unit(n, j);
-      mj_solveM(w.model, w.data, w.M_inverse.col(j).data(), unit.data(), 1);
-    }
-    JointVector friction = JointVector::Zero(n), limit = JointVector::Zero(n);
+    if (!dry) invert_inertia();
+    JointVector limit = JointVector::Zero(n);
     for (int sweep = 0; sweep < 200; ++sweep) {
       double change = 0.0;
       const auto add = [&](int j, double* impulse, double value) {
@@ -219,21 +241,21 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       };
       for (int j = 0; j < n; ++j) {
         const double bound = h * settings_.joint_friction, mobility = w.M_inverse(j, j);
-        if (bound > 0.0) add(j, &friction[j], std::clamp(friction[j] - w.v[j] / mobility, -bound, bound));
+        if (dry) add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -bound, bound));
         double sign = 1.0;
         const double gap = limit_gap(j, &sign);
         if (std::isfinite(gap)) add(j, &limit[j], sign * std::max(0.0, sign * limit[j] - (sign * w.v[j] + gap / h) / mobility));
       }
       if (contact_.touching) {
         tip.v_free = J_C.lazyProduct(w.v) - tip.G * tip_impulse;
-        const Eigen::Vector3d next = solve_tip_contact(tip, settings_.tip);
+        const Eigen::Vector3d next = solve_tip_contact(tip, settings_.tip, tip_impulse);
         w.v += w.M_inverse_Jt.lazyProduct(next - tip_impulse);
         change = std::max(change, (next - tip_impulse).cwiseAbs().maxCoeff());
         tip_impulse = next;
       }
       if (change < 1e-12) break;
     }
-    w.joint_impulse = friction + limit;
+    w.joint_impulse = w.friction + limit;
   }
   if (!contact_.touching) return;
   contact_.f_W = R_WC * tip_impulse / h;
@@ -251,6 +273,7 @@ World::Terms World::terms() const {
   const int n = m->nv;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(n, n), J(6, n);
   mj_fullM(m, d, M.data());
+  M.diagonal().array() -= settings_.dt * settings_.errors.viscous_friction;  // that much is the integrator's (compiled_arm.h)
   mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
   return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
 }

@@ -1,6 +1,7 @@
 // The simulated world: an arm under torque, its pen on a canvas that nobody measured. MuJoCo has the arm, tip_contact.h the contact.
 //
-// One step of h from t_i:  v⁺ = v + h M⁻¹ (τ + Jᵀ F_push − C v − g) + M⁻¹ (J_cᵀ p + p_joint),  q⁺ = q + h v⁺
+// One step of h from t_i:  v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p + p_joint),  q⁺ = q + h v⁺
+// The arm that moves need not be the URDF's, nor τ_a the torque asked for: model_errors.h. Viscous friction b v⁺ is implicit.
 // The tip's impulse p and those of the joints, dry friction |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel):
 // one after the other, the second would change the velocity that the first was found for.
 #pragma once
@@ -13,6 +14,8 @@
 #include "canvas/canvas.h"
 #include "common/pose.h"
 #include "control/arm_terms.h"
+#include "simulation/joint_drive.h"
+#include "simulation/model_errors.h"
 #include "simulation/tip_contact.h"
 
 namespace impedraw {
@@ -22,6 +25,8 @@ struct WorldSettings {
   TipMaterial tip;
   double joint_friction = 0.0;  // dry, the same on every joint: ± [Nm]
   double gravity = 9.81;        // along −z [m/s²]
+  ModelErrors errors;           // of the URDF against this arm
+  bool flange_sensor = false;   // flange_wrench() is worked out only then
 };
 
 // The contact over the step that begins at this state: known once the step is made.
@@ -49,8 +54,23 @@ class World {
   void set_state(const JointVector& q, const JointVector& v);
   const WorldState& state() const { return state_; }
 
-  // Advances by dt under the joint torque τ and a push on the pen at E. Returns the contact that acted. Allocates nothing.
+  // Advances by dt under the commanded joint torque τ and a push on the pen at E: a force, or a wrench [force; moment], in W.
+  // Returns the contact that acted. Allocates nothing.
   const TipContact& step(const JointVector& tau, const Eigen::Vector3d& f_push_W) noexcept;
+  template <typename Push>
+    requires(Push::RowsAtCompileTime == 6)
+  const TipContact& step(const JointVector& tau, const Eigen::MatrixBase<Push>& F_push_W) noexcept {
+    return advance(tau, F_push_W);
+  }
+
+  // τ_a over the last step: what the commands became (late, in steps, with ripple), friction not yet taken off. Zero after set_state().
+  const JointVector& applied_torque() const { return applied_torque_; }
+
+  // [f; m] that pen and environment do to link `flange`, at its origin S in its axes at the start of the last step, mean over the step:
+  // contact + push + weight of all below the flange − rate of its momentum (flange_balance.h). After set_state(): the weight.
+  // Zero without WorldSettings::flange_sensor or without such a link.
+  const Vector6& flange_wrench() const { return flange_wrench_; }
+  bool has_flange() const;  // a link `flange` with `tip` below it, sensor or not
 
   // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of no more use.
   const std::optional<std::string>& failure() const { return failure_; }
@@ -58,7 +78,7 @@ class World {
   // Distance along a unit ray to the arm's body as set_state() put it, infinite where it is not met. For the cameras; from any thread.
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
 
-  // M, C v + g and J by MuJoCo at a state: the second implementation that the controller's terms are checked against.
+  // M, C v + g and J of the true arm by MuJoCo at a state: the second implementation that the controller's terms are checked against.
   struct Terms {
     Eigen::MatrixXd M, J;
     Eigen::VectorXd bias;
@@ -67,6 +87,7 @@ class World {
 
  private:
   struct Mujoco;
+  const TipContact& advance(const JointVector& tau, const Vector6& F_push_W) noexcept;
   void observe() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
 
@@ -75,6 +96,9 @@ class World {
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;
   TipContact contact_;
+  JointDrive drive_;
+  JointVector applied_torque_;
+  Vector6 flange_wrench_ = Vector6::Zero();
   std::optional<std::string> failure_;
 };
 

@@ -1,0 +1,112 @@
+#include "simulation/wrench_sensor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kLongestDelay = 1.0;  // [s]
+
+Vector6 both(double force, double torque) {
+  Vector6 v;
+  v << force, force, force, torque, torque, torque;
+  return v;
+}
+
+void check(const WrenchSensorSettings& s, double dt) {
+  const auto need = [](const char* name, double value, double most) {
+    if (!(value >= 0.0 && value <= most)) throw InputError(fmt::format("wrench sensor: {} is {}, allowed is 0 to {}", name, value, most));
+  };
+  constexpr double kAny = 1e6;
+  need("noise_force", s.noise_force, kAny);
+  need("noise_torque", s.noise_torque, kAny);
+  need("bias_force", s.bias_force, kAny);
+  need("bias_torque", s.bias_torque, kAny);
+  need("drift_force", s.drift_force, kAny);
+  need("drift_torque", s.drift_torque, kAny);
+  need("quantum_force", s.quantum_force, kAny);
+  need("quantum_torque", s.quantum_torque, kAny);
+  need("range_force", s.range_force, kAny);
+  need("range_torque", s.range_torque, kAny);
+  need("delay", s.delay, kLongestDelay);
+  if (!(dt >= 1e-6 && std::isfinite(dt))) throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));
+}
+
+}  // namespace
+
+WrenchSensorSettings WrenchSensorSettings::realistic() {
+  WrenchSensorSettings s;
+  s.noise_force = 0.1;
+  s.noise_torque = 0.005;
+  s.bias_force = 1.5;
+  s.bias_torque = 0.05;
+  s.drift_force = 0.02;
+  s.drift_torque = 0.001;
+  s.quantum_force = 0.02;
+  s.quantum_torque = 0.001;
+  s.range_force = 100.0;
+  s.range_torque = 10.0;
+  s.delay = 2e-3;
+  return s;
+}
+
+WrenchSensor::WrenchSensor(const WrenchSensorSettings& s, double dt, std::uint64_t seed) : bits_(seed) {
+  check(s, dt);
+  noise_ = both(s.noise_force, s.noise_torque) * std::sqrt(1e-3 / dt);
+  noisy_ = !noise_.isZero(0.0);
+  quantum_ = both(s.quantum_force, s.quantum_torque);
+  range_ = both(s.range_force, s.range_torque);
+  const auto directions = [&] {
+    Vector6 d = normals();
+    d.head<3>().normalize();
+    d.tail<3>().normalize();
+    return d;
+  };
+  bias_ = both(s.bias_force, s.bias_torque).cwiseProduct(directions());
+  drift_ = both(s.drift_force, s.drift_torque).cwiseProduct(directions()) * (dt / 60.0);
+  under_way_.resize(static_cast<std::size_t>(std::lround(s.delay / dt)));
+}
+
+Vector6 WrenchSensor::sample(const Vector6& F) noexcept {
+  Reading now{F + bias_ + samples_ * drift_, false};
+  if (noisy_) now.F += noise_.cwiseProduct(normals());
+  for (int i = 0; i < 6; ++i) {
+    if (range_[i] > 0.0 && std::abs(now.F[i]) >= range_[i]) {
+      now.F[i] = std::copysign(range_[i], now.F[i]);
+      now.saturated = true;
+    }
+    if (quantum_[i] > 0.0) now.F[i] = quantum_[i] * std::round(now.F[i] / quantum_[i]);
+  }
+  if (!under_way_.empty()) {
+    if (samples_ == 0.0) std::fill(under_way_.begin(), under_way_.end(), now);
+    std::swap(now, under_way_[oldest_]);
+    oldest_ = (oldest_ + 1) % under_way_.size();
+  }
+  samples_ += 1.0;
+  last_ = now;
+  return last_.F;
+}
+
+// In (0, 1): the middle of one of 2⁵³ equal parts, so that its logarithm is finite.
+double WrenchSensor::uniform() noexcept { return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53; }
+
+// Box and Muller (1958).
+Eigen::Vector2d WrenchSensor::normal_pair() noexcept {
+  const double radius = std::sqrt(-2.0 * std::log(uniform())), angle = 2.0 * M_PI * uniform();
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+Vector6 WrenchSensor::normals() noexcept {
+  Vector6 z;
+  for (int i = 0; i < 6; i += 2) z.segment<2>(i) = normal_pair();
+  return z;
+}
+
+}  // namespace impedraw

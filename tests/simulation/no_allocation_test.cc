@@ -1,0 +1,75 @@
+// A step of the world and a sample of the sensor allocate nothing, with every error on: malloc itself is hooked.
+#include <atomic>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "simulation/wrench_sensor.h"
+#include "worlds.h"
+
+extern "C" void* __libc_malloc(std::size_t);
+extern "C" void* __libc_calloc(std::size_t, std::size_t);
+extern "C" void* __libc_realloc(void*, std::size_t);
+extern "C" void* __libc_memalign(std::size_t, std::size_t);
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<int> allocations{0};
+void count() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+void* malloc(std::size_t size) { count(); return __libc_malloc(size); }
+void* calloc(std::size_t n, std::size_t size) { count(); return __libc_calloc(n, size); }
+void* realloc(void* p, std::size_t size) { count(); return __libc_realloc(p, size); }
+void* memalign(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
+void* aligned_alloc(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
+}
+
+namespace impedraw {
+namespace {
+
+using namespace testing_worlds;
+
+template <typename F>
+int allocations_in(F&& f) {
+  allocations = 0;
+  counting = true;
+  f();
+  counting = false;
+  return allocations;
+}
+
+TEST(NoAllocation, TheHookCatchesOne) {
+  EXPECT_GT(allocations_in([] { free(std::malloc(10)); }), 0);
+  EXPECT_GT(allocations_in([] { Eigen::MatrixXd m(3, 3); asm volatile("" : : "r"(m.data()) : "memory"); }), 0);
+}
+
+TEST(NoAllocation, AStepWithEveryErrorAndTheSensorMakesNone) {
+  WorldSettings settings = with({.mass_scale = 1.05, .centre_shift = 0.003, .viscous_friction = 0.5, .rotor_inertia = 0.1,
+                                 .torque_ripple = 0.1, .torque_quantum = 0.01, .loop_delay = 2e-3, .pen_longer = 1e-3});
+  settings.joint_friction = 0.5;
+  settings.flange_sensor = true;
+  World probe(kArm, nullptr, settings);
+  probe.set_state(working_posture(), JointVector::Zero(7));
+  const Canvas canvas = plane_under(probe.state().X_WE.p, 0.3e-3);
+  World world(kArm, &canvas, settings);
+  world.set_state(working_posture(), JointVector::Zero(7));
+  WrenchSensor sensor(WrenchSensorSettings::realistic(), settings.dt, 1);
+  const JointVector tau = world.terms().bias;
+  const Vector6 push = Vector6::Ones();
+  int touching = 0;
+  EXPECT_EQ(allocations_in([&] {
+              for (int i = 0; i < 20; ++i) {
+                touching += world.step(tau, push).touching;
+                sensor.sample(world.flange_wrench());
+              }
+            }),
+            0);
+  EXPECT_GT(touching, 0);
+}
+
+}  // namespace
+}  // namespace impedraw
