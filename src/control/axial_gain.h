@@ -2,7 +2,7 @@
 // The heading of S about n then drops out, so no frame has to be carried across the surface.
 #pragma once
 
-#include <Eigen/Core>
+#include "common/pose.h"
 
 namespace impedraw {
 
@@ -22,6 +22,15 @@ struct AxialGain {
 struct TipGain {
   AxialGain linear;   // N/m, N s/m or kg
   AxialGain angular;  // Nm/rad, Nm s/rad or kg m²
+
+  Vector6 apply(const Eigen::Vector3d& n_W, const Vector6& x) const {
+    Vector6 y;
+    y << linear.apply(n_W, x.head<3>()), angular.apply(n_W, x.tail<3>());
+    return y;
+  }
+  TipGain inverse() const {  // every gain must differ from 0
+    return {{1.0 / linear.tangent, 1.0 / linear.normal}, {1.0 / angular.tangent, 1.0 / angular.normal}};
+  }
 };
 
 }  // namespace impedraw

@@ -56,10 +56,10 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
 
   unsigned events = 0;
   if (!e.pen_down) events |= kPenUp;
-  if (e.pen_down && e.surface_known) events |= kApproachable;
+  if (e.pen_down && e.surface_known && !e.wrench_lost) events |= kApproachable;
   if (near && held) events |= kTouch;
   if (far || time_without_force_ > settings_.loss_time) events |= kTouchLost;
-  if (lost_for_long) events |= kSurfaceLost;
+  if (lost_for_long || e.wrench_lost) events |= kSurfaceLost;
   if (!e.pen_down && (far || lost_for_long)) events |= kClear;
 
   for (const Transition& t : kTable) {

@@ -2,7 +2,7 @@
 //
 //   free ──pen down wanted, surface known──> approach ──touch──> contact ──pen up wanted──> lift ──clear of the surface──> free
 //   contact ──touch lost──> approach              approach ──pen up wanted──> lift
-//   approach, contact ──surface lost──> retreat ──pen up wanted──> free
+//   approach, contact ──surface or wrench lost──> retreat ──pen up wanted──> free
 //
 // Touch is known when the tip is within `enter_distance` of the estimated surface *and* something holds it: the measured force along the
 // normal, or, without a wrench, the tip that no longer follows the approach. Distance alone would push before touch: a peak of twice the push.
@@ -32,6 +32,7 @@ struct ContactEvidence {
   bool surface_known = false;
   double distance = 0.0;        // to the estimated surface [m]
   bool wrench_known = false;
+  bool wrench_lost = false;     // it should be there, and is stale
   double normal_force = 0.0;    // measured [N]
   double approach_gap = 0.0;    // distance minus the distance wanted in the approach [m]
 };

@@ -59,6 +59,11 @@ Vector6 ModalDamping::apply(const Matrix6& U_inverse, const Vector6& V) const no
   return U_inverse.transpose() * (Z_ * rate_.cwiseProduct(modal));
 }
 
+Vector6 ModalDamping::solve(const Matrix6& U, const Vector6& F) const noexcept {
+  const Vector6 modal = Z_.transpose() * (U.transpose() * F);
+  return U * (Z_ * modal.cwiseQuotient(rate_));
+}
+
 TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio) {
   const auto pair = [&](const AxialGain& k, const AxialGain& m) {
     return AxialGain{2.0 * damping_ratio * std::sqrt(k.tangent * m.tangent), 2.0 * damping_ratio * std::sqrt(k.normal * m.normal)};

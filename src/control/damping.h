@@ -24,6 +24,8 @@ class ModalDamping {
 
   // B V, for the inverse of the same factor. B itself is never formed.
   Vector6 apply(const Matrix6& U_inverse, const Vector6& V) const noexcept;
+  // B⁻¹ F, for the factor of design().
+  Vector6 solve(const Matrix6& U, const Vector6& F) const noexcept;
   double largest_rate() const { return largest_rate_; }  // max eig(M_d⁻¹ B) of the last design [1/s]
 
  private:

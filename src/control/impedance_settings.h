@@ -3,12 +3,14 @@
 
 #include "control/axial_gain.h"
 #include "control/contact_mode.h"
+#include "control/momentum_observer.h"
 #include "control/operational_space.h"
 
 namespace impedraw {
 
 enum class InertiaShaping {
   natural,  // M_d = Λ: the arm keeps the inertia it has. The only choice without a measured wrench.
+  scaled,   // M_d = c Λ
   shaped,   // M_d = diag(mass, inertia) in S, constant
 };
 
@@ -23,9 +25,17 @@ enum class ErrorProjection {
   paper,   // (z × e) × z, then K in S: cos²θ of the stiffness up and down a slope θ
 };
 
+// An integral of the force error, for what stays of it: slow, bounded, held while a torque is limited, gone out of contact.
+struct ForceIntegralSettings {
+  bool enabled = false;
+  double rate = 2.0;    // of push per force error [1/s]
+  double limit = 2.0;   // of what it adds to the push, ± [N]
+};
+
 struct ImpedanceSettings {
-  double dt = 1e-3;     // step [s]
-  double delay = 1e-3;  // age of F_ext and of the state when the torque acts [s]
+  double dt = 1e-3;           // step [s]
+  double loop_delay = 1e-3;   // age of the state when the torque acts [s]
+  double wrench_delay = 1e-3; // and of F_ext, which is at least the mean over the step before [s]
 
   InertiaShaping inertia = InertiaShaping::shaped;
   WrenchFeedback wrench = WrenchFeedback::measured;
@@ -34,12 +44,14 @@ struct ImpedanceSettings {
   TipGain stiffness{{3000.0, 1500.0}, {100.0, 0.0}};           // K: [N/m], [Nm/rad]. The normal one holds in free motion and approach only
   TipGain reference_stiffness{{0.0, 1500.0}, {0.0, 10.0}};     // K' where K is zero: sizes the damping
   TipGain shaped_inertia{{4.0, 3.0}, {0.05, 0.02}};            // M_d if shaped: [kg], [kg m²]
+  double inertia_scale = 1.0;                                  // c, M_d if scaled
   double damping_ratio = 0.8;                                  // ζ
 
   double push_force = 5.0;                // F_n [N]
   double switch_time = 0.04;              // time constant in which a switch of mode hands over force [s]
   double approach_speed = 0.01;           // along −n [m/s]
   double approach_overtravel = 4.0e-3;    // how far beneath the estimated surface the approach goes on [m]
+  double approach_lag = 2.0e-3;           // the approach waits for a tip that is held back by more [m]
   double retreat_height = 0.02;           // above the plan, after the surface was lost [m]
   double normal_bandwidth = 40.0;         // of the tracker of the surface normal [rad/s]
   double min_axis_cosine = 0.2;           // least |n·z| at which an error is lifted along z
@@ -49,6 +61,10 @@ struct ImpedanceSettings {
   double friction = 0.3;                  // μ̂: what of the measured wrench tip friction may explain; 0: nothing
   double friction_feedforward = 0.0;      // μ̂ for use without a measured wrench: friction foreseen along the stroke; 0: none
   double friction_speed = 2.0e-3;         // below it the friction's direction fades [m/s]
+
+  ObserverSettings observer;              // of what the model misses
+  double torque_delay = 0.0;              // of the arm's drives, as the observer believes: a command acts that much later [s]
+  ForceIntegralSettings force_integral;
 
   // What the normal loop is checked against at set-up.
   double contact_stiffness_max = 50.0e3;  // [N/m]
@@ -61,6 +77,14 @@ struct ImpedanceSettings {
   double null_damping_ratio = 0.7;                                      // D_q = 2 ζ √(K_q diag(M))
   Eigen::VectorXd q_0 = Eigen::VectorXd::Zero(7);                       // rest posture (14) [rad]
   Eigen::VectorXd torque_limit = Eigen::VectorXd::Constant(7, 1e3);     // ± [Nm]
+  Eigen::VectorXd torque_rate_limit;                                    // ± [Nm/s]; empty: none
+  Eigen::VectorXd joint_lower, joint_upper;                             // joint range [rad]; empty: none
+  double limit_margin = 0.15;                                           // so near to a joint's limit the null space pushes back [rad] ...
+  double limit_torque = 30.0;                                           // ... with this at the limit, growing on beyond it [Nm]
+
+  double tip_speed_limit = 0.6;           // of the speed that the law asks for [m/s]
+  double max_state_age = 5e-3;            // older input is stale [s]
+  double max_wrench_age = 2e-2;
 };
 
 }  // namespace impedraw

@@ -24,6 +24,7 @@ double spectral_radius(const NormalLoop& loop);  // < 1: stable
 
 // Throw InputError naming the axis, its value and the least that would be valid.
 void check_normal_loop(double wanted_mass, double damping, const ImpedanceSettings& settings);
+void check_scaled_normal_loop(double scale, double stiffness, const ImpedanceSettings& settings);  // M_d = scale Λ; stiffness: K' along n
 void check_damping_rates(const TipGain& damping, const TipGain& inertia, double dt_and_delay);
 
 }  // namespace impedraw

@@ -3,48 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "arm_fixture.h"
 #include "common/errors.h"
-#include "simulation/world.h"
+#include "free_arm.h"
 
 namespace impedraw {
 namespace {
 
 using namespace testing_arm;
-
-const SurfaceEstimate kBlind{};
-
-// The arm in free space under the controller, from `q`; the goal is where the tip starts unless the test moves it.
-struct FreeArm {
-  ArmModel arm{kArm};
-  World world;
-  ArmTerms terms{7};
-  ImpedanceController controller;
-  TipGoal goal;
-  Wrench F_ext = Wrench::Zero();
-
-  static WorldSettings at_step(double dt) {
-    WorldSettings settings;
-    settings.dt = dt;
-    return settings;
-  }
-
-  explicit FreeArm(const ImpedanceSettings& settings, const JointVector& q = working_posture())
-      : world(kArm, nullptr, at_step(settings.dt)), controller(settings, 7) {
-    world.set_state(q, JointVector::Zero(7));
-    arm.compute(q, JointVector::Zero(7), &terms);
-    goal.p_WD = terms.X_WE.p;
-    goal.n_WD = -terms.X_WE.R.col(2);
-  }
-
-  const ImpedanceTorque& step(const Eigen::Vector3d& push = Eigen::Vector3d::Zero()) {
-    arm.compute(world.state().q, world.state().v, &terms);
-    const ImpedanceTorque& out = controller.step(terms, goal, kBlind, F_ext);
-    world.step(out.tau, push);
-    F_ext << push, Eigen::Vector3d::Zero();
-    return out;
-  }
-};
 
 ImpedanceSettings soft(ImpedanceSettings s) {
   s.stiffness = {{300.0, 200.0}, {20.0, 0.0}};
@@ -82,7 +47,7 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
   double worst[2];
   for (const bool fine : {false, true}) {
     ImpedanceSettings s = soft(shaped_settings(arm));
-    s.dt = s.delay = fine ? 0.25e-3 : 1e-3;
+    s.dt = s.wrench_delay = s.loop_delay = fine ? 0.25e-3 : 1e-3;
     s.contact_stiffness_max = 5e3;  // soft as this arm is, a stiffer tip would be refused
     s.stiffness.linear = {50.0, 50.0};
     FreeArm free(s);

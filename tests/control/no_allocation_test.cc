@@ -1,5 +1,6 @@
 // A step allocates nothing: malloc itself is hooked, so that any way to the heap counts, new, Eigen's aligned blocks or a library's.
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
@@ -104,6 +105,63 @@ TEST(NoAllocation, AStepMakesNone) {
       controller.step(terms, goal, surface, F);
     });
     EXPECT_EQ(made, 0) << (natural ? "natural" : "shaped");
+  }
+}
+
+// Whatever else a step may have to do: observe, scale the inertia, keep within limits, bear input that is bad or old.
+TEST(NoAllocation, AStepInTroubleMakesNone) {
+  ArmModel arm(kArm);
+  std::mt19937 rng(3);
+  for (const InertiaShaping inertia : {InertiaShaping::natural, InertiaShaping::scaled, InertiaShaping::shaped}) {
+    ImpedanceSettings s = shaped_settings(arm);
+    s.inertia = inertia;
+    s.inertia_scale = 2.0;
+    s.wrench_delay = 4e-3;
+    s.contact_stiffness_max = 1e3;
+    s.torque_delay = 2e-3;
+    s.force_integral.enabled = true;
+    s.torque_limit = 0.4 * s.torque_limit;
+    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 500.0);
+    s.joint_lower = working_posture() - JointVector::Constant(7, 0.2);
+    s.joint_upper = working_posture() + JointVector::Constant(7, 0.2);
+    ASSERT_TRUE(s.observer.enabled);
+    ImpedanceController controller(s, 7);
+    ArmTerms terms = random_terms(arm, rng);
+    const JointVector q = terms.q;
+    JointVector v = terms.v;
+    TipGoal goal;
+    SurfaceEstimate surface;
+    surface.status = SurfaceStatus::ok;
+    surface.distance = 0.0;
+    Wrench F = 3.0 * Wrench::Ones();
+    int limited = 0, observed = 0, bad = 0, stale_state = 0, stale_wrench = 0, retreats = 0, fast = 0;
+    const int made = allocations_in([&] {
+      for (int i = 0; i < 1000; ++i) {
+        v[1] = 0.01 * (i % 3);  // the momentum changes, and nothing explains it
+        arm.compute(q, v, &terms);
+        goal.p_WD = terms.X_WE.p;
+        if (i % 50 > 40) goal.p_WD.y() += 0.2;
+        if (i % 50 > 45) goal.a_WD.x() = 1e3;
+        else goal.a_WD.x() = 0.0;
+        goal.pen_down = i % 200 > 20;
+        if (i % 97 == 0) terms.v[3] = std::nan("");
+        InputAges ages;
+        if (i % 89 == 0) ages.state = 1.0;
+        if (i % 200 > 150) ages.wrench = 1.0;
+        const ImpedanceTorque& out = controller.step(terms, goal, surface, F, ages);
+        limited += out.status.torque_limited;
+        observed += out.terms.col(kDisturbance).norm() > 0.1;
+        bad += out.status.bad_input;
+        stale_state += out.status.stale_state;
+        stale_wrench += out.status.stale_wrench;
+        retreats += out.mode == ContactMode::retreat;
+        fast += out.status.speed_limited;
+      }
+      controller.reset();
+    });
+    EXPECT_EQ(made, 0) << static_cast<int>(inertia);
+    for (const int count : {limited, observed, bad, stale_state, stale_wrench, retreats, fast})
+      EXPECT_GT(count, 5) << "not all of it was met";
   }
 }
 

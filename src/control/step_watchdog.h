@@ -1,0 +1,35 @@
+// Watches how long the steps of a control loop take. Knows no clock: it is told.
+#pragma once
+
+namespace impedraw {
+
+struct WatchdogSettings {
+  double limit = 1e-3;  // a step that takes longer is late [s]
+  int late_in_row = 5;  // so many one after the other trip it
+  double stall = 0.02;  // and so does a single one of this length [s]
+};
+
+class StepWatchdog {
+ public:
+  explicit StepWatchdog(const WatchdogSettings& settings = {}) : settings_(settings) {}
+
+  // After each step. True from the step on that trips it; it stays so until reset().
+  bool update(double step_time) noexcept {
+    const bool late = !(step_time <= settings_.limit);
+    in_row_ = late ? in_row_ + 1 : 0;
+    late_ += late;
+    tripped_ |= in_row_ >= settings_.late_in_row || !(step_time < settings_.stall);
+    return tripped_;
+  }
+  bool tripped() const noexcept { return tripped_; }
+  long late() const noexcept { return late_; }  // steps so far
+  void reset() noexcept { *this = StepWatchdog(settings_); }
+
+ private:
+  WatchdogSettings settings_;
+  int in_row_ = 0;
+  long late_ = 0;
+  bool tripped_ = false;
+};
+
+}  // namespace impedraw

@@ -1,0 +1,109 @@
+#include "control/torque_limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace impedraw {
+
+namespace {
+
+struct Share {
+  double s, alpha;
+};
+
+// The largest s in [0, 1] for which an α exists with lower ≤ τ + s u + α d ≤ upper, and the least such |α|. None: s is NaN.
+// Each joint bounds α from both sides by lines in s; every lower bound must lie below every upper one.
+Share largest_share(const JointVector& tau, const JointVector& u, const JointVector& d, const JointVector& lower, const JointVector& upper) {
+  constexpr double kNone = 1e-9;
+  double from = 0.0, to = 1.0;
+  // a + b s ≤ 0
+  const auto require = [&](double a, double b) {
+    if (b > 0.0) to = std::min(to, -a / b);
+    else if (b < 0.0) from = std::max(from, -a / b);
+    else if (a > 0.0) to = -1.0;
+  };
+  const auto n = tau.size();
+  const auto bound = [&](Eigen::Index i, bool least) {  // of α, as {a, b} of a + b s
+    const double edge = (least == (d[i] > 0.0)) ? lower[i] : upper[i];
+    return std::pair{(edge - tau[i]) / d[i], -u[i] / d[i]};
+  };
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (std::abs(d[i]) < kNone) {
+      require(tau[i] - upper[i] - kNone, u[i]);
+      require(lower[i] - tau[i] - kNone, -u[i]);
+      continue;
+    }
+    for (Eigen::Index j = 0; j < n; ++j) {
+      if (std::abs(d[j]) < kNone) continue;
+      const auto [a_low, b_low] = bound(i, true);
+      const auto [a_high, b_high] = bound(j, false);
+      require(a_low - a_high - kNone, b_low - b_high);
+    }
+  }
+  if (!(from <= to)) return {std::nan(""), 0.0};
+  double least = -std::numeric_limits<double>::infinity(), most = -least;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (std::abs(d[i]) < kNone) continue;
+    least = std::max(least, bound(i, true).first + to * bound(i, true).second);
+    most = std::min(most, bound(i, false).first + to * bound(i, false).second);
+  }
+  return {to, std::max(least, std::min(most, 0.0))};
+}
+
+}  // namespace
+
+TorqueLimits::TorqueLimits(const Eigen::VectorXd& limit, const Eigen::VectorXd& rate, double dt) : limit_(limit), step_(rate * dt) {}
+
+void TorqueLimits::find_box(int n) noexcept {
+  lower_ = -limit_;
+  upper_ = limit_;
+  if (!started_ || step_.size() == 0) return;
+  for (int i = 0; i < n; ++i) {
+    // A last torque outside of the limits cannot be: the two boxes always meet.
+    lower_[i] = std::max(lower_[i], last_[i] - step_[i]);
+    upper_[i] = std::min(upper_[i], last_[i] + step_[i]);
+  }
+}
+
+bool TorqueLimits::inside(const JointVector& tau) const noexcept {
+  for (int i = 0; i < tau.size(); ++i)
+    if (tau[i] < lower_[i] || tau[i] > upper_[i]) return false;
+  return true;
+}
+
+LimitedTorque TorqueLimits::clip(const JointVector& tau) noexcept {
+  find_box(static_cast<int>(tau.size()));
+  LimitedTorque out{tau, !inside(tau)};
+  if (out.limited) out.tau = tau.cwiseMax(lower_).cwiseMin(upper_);
+  last_ = out.tau;
+  started_ = true;
+  return out;
+}
+
+LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task, const JointVector& null, const ArmTerms& arm,
+                                  const OperationalSpace& space) noexcept {
+  const int n = static_cast<int>(hold.size());
+  find_box(n);
+  LimitedTorque out{hold + task + null};
+  if (inside(out.tau)) {
+    last_ = out.tau;
+    started_ = true;
+    return out;
+  }
+  out.limited = true;
+  Eigen::Index worst = 0;
+  (out.tau - upper_).cwiseMax(lower_ - out.tau).maxCoeff(&worst);
+  const JointVector unit = JointVector::Unit(n, worst);
+  const JointVector d = unit - arm.J.transpose().lazyProduct(space.project_to_tip(unit));
+  const Share share = largest_share(hold + null, task, d, lower_, upper_);
+  out.task_share = std::isnan(share.s) ? 0.0 : share.s;
+  if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
+  out.tau = out.tau.cwiseMax(lower_).cwiseMin(upper_);  // rounding, and case 3
+  last_ = out.tau;
+  started_ = true;
+  return out;
+}
+
+}  // namespace impedraw

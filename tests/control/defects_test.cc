@@ -1,0 +1,312 @@
+// Defects that well-known controllers of this kind have shipped: one test each, which fails if the defect is there. Where it is cheap, the
+// defect is made by hand beside it, to show that the test would see it. Accelerations are MuJoCo's: M⁻¹ and J of the true arm.
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "free_arm.h"
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+
+// The arm at a random posture at rest, or at one that is given; the goal is where the tip is.
+struct Still {
+  FreeArm free;
+
+  Still(const ImpedanceSettings& s, const JointVector& q) : free(s, q) {}
+
+  JointVector random_rest(std::mt19937& rng) {
+    const JointVector q = random_terms(free.arm, rng).q;
+    rest_at(q);
+    return q;
+  }
+  void rest_at(const JointVector& q) {
+    free.world.set_state(q, JointVector::Zero(7));
+    free.measure();
+    free.goal.p_WD = free.terms.X_WE.p;
+    free.goal.n_WD = -free.terms.X_WE.R.col(2);
+    free.controller.reset();
+  }
+  // Of the tip, at rest.
+  Vector6 acceleration(const JointVector& tau) const {
+    const World::Terms t = free.world.terms();
+    return t.J * t.M.llt().solve(Eigen::VectorXd(tau) - t.bias);
+  }
+};
+
+TEST(Defects, OneTriangleOfTheInverseInertia) {  // Pinocchio's computeMinverse fills the upper one only
+  ArmModel arm(kArm);
+  const unsigned seed = 41;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 rng(seed);
+  ImpedanceSettings s = shaped_settings(arm);
+  Still still(s, working_posture());
+  for (int i = 0; i < 20; ++i) {
+    still.random_rest(rng);
+    still.free.goal.a_WD = Eigen::Vector3d(1.0, -2.0, 1.5);
+    still.free.goal.alpha_WD = Eigen::Vector3d(3.0, 2.0, -1.0);
+    Vector6 asked;
+    asked << still.free.goal.a_WD, still.free.goal.alpha_WD;
+    EXPECT_LT((still.acceleration(still.free.control().tau) - asked).norm(), 1e-6 * asked.norm());
+    const Eigen::MatrixXd J = still.free.terms.J, whole = Eigen::MatrixXd(still.free.terms.M).inverse();
+    const Eigen::MatrixXd half = whole.triangularView<Eigen::Upper>();
+    const Eigen::VectorXd tau = J.transpose() * (J * half * J.transpose()).inverse() * asked + still.free.terms.g;
+    EXPECT_GT((still.acceleration(tau) - asked).norm(), 0.01 * asked.norm()) << "the defect would show";
+  }
+}
+
+TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
+  ArmModel arm(kArm);
+  const unsigned seed = 42;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 rng(seed);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.stiffness = {{500.0, 500.0}, {30.0, 0.0}};  // the same along all axes: the tip goes straight to where it should
+  s.shaped_inertia = {{3.0, 3.0}, {0.05, 0.05}};
+  s.contact_stiffness_max = 1e4;
+  Still still(s, working_posture());
+  for (int i = 0; i < 20; ++i) {
+    JointVector q = still.random_rest(rng);
+    for (const double turn : {0.0, 2.0, -2.5}) {  // of the whole arm on its base
+      q[0] = turn;
+      for (int axis = 0; axis < 3; ++axis) {
+        still.rest_at(q);
+        const Eigen::Vector3d shift = 1e-3 * Eigen::Vector3d::Unit(axis);
+        still.free.goal.p_WD += shift;
+        Vector6 expected = Vector6::Zero();
+        expected.head<3>() = 500.0 / 3.0 * shift;
+        EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(), 1e-6 * expected.norm()) << "along W's axis " << axis;
+        const Eigen::Matrix3d R_EW = still.free.terms.X_WE.R.transpose();
+        Eigen::MatrixXd J_local = still.free.terms.J;
+        J_local.topRows(3) = R_EW * J_local.topRows(3);
+        J_local.bottomRows(3) = R_EW * J_local.bottomRows(3);
+        const Eigen::MatrixXd M = still.free.terms.M;
+        const Eigen::VectorXd force = (J_local * M.inverse() * J_local.transpose()).inverse() * expected;
+        const Eigen::VectorXd tau = J_local.transpose() * force + still.free.terms.g;
+        EXPECT_GT((still.acceleration(tau) - expected).norm(), 0.02 * expected.norm()) << "the defect would show";
+      }
+      still.rest_at(q);
+      const Eigen::Vector3d about = still.free.goal.n_WD.unitOrthogonal();
+      still.free.goal.n_WD = Eigen::AngleAxisd(1e-3, about) * still.free.goal.n_WD;
+      Vector6 expected = Vector6::Zero();
+      expected.tail<3>() = 30.0 / 0.05 * 1e-3 * about;
+      EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(), 1e-5 * expected.norm()) << "a turn in W turns it in W";
+    }
+  }
+}
+
+TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.null_stiffness.setConstant(60.0);
+  s.q_0[2] += 1.0;
+  Still free_of_limits(s, working_posture());
+  free_of_limits.free.goal.a_WD = Eigen::Vector3d(1.0, 0.0, 1.0);
+  Vector6 asked = Vector6::Zero();
+  asked.head<3>() = free_of_limits.free.goal.a_WD;
+  const ImpedanceTorque wanted = free_of_limits.free.control();
+  int limited = 0;
+  for (int j = 0; j < 7; ++j) {
+    // So much that the joint cannot have all of its null-space torque, but all that the task needs.
+    const double with = wanted.tau[j], without = with - wanted.terms(j, kNullSpace);
+    if (std::abs(with) < std::abs(without) + 0.5 || with * without < 0.0) continue;
+    ++limited;
+    ImpedanceSettings tight = s;
+    tight.torque_limit[j] = 0.5 * std::abs(with + without);
+    Still still(tight, working_posture());
+    still.free.goal.a_WD = asked.head<3>();
+    const ImpedanceTorque& out = still.free.control();
+    EXPECT_TRUE(out.status.torque_limited);
+    EXPECT_EQ(out.task_share, 1.0);
+    EXPECT_LT((still.acceleration(out.tau) - asked).norm(), 1e-6 * asked.norm()) << "joint " << j + 1;
+    JointVector clipped = wanted.tau;
+    clipped[j] = std::copysign(tight.torque_limit[j], clipped[j]);
+    EXPECT_GT((still.acceleration(clipped) - asked).norm(), 0.01 * asked.norm()) << "the defect would show";
+  }
+  EXPECT_GE(limited, 2);
+}
+
+TEST(Defects, ADampedInverseThatLeaksTheNullSpaceIntoTheTask) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.null_stiffness.setConstant(60.0);
+  JointVector q(7);
+  for (const double bend : {-0.5, -0.35, -0.25}) {  // towards the stretched elbow, short of the release
+    q << 0.3, 0.5, 0.4, bend, 0.2, 0.7, 0.1;
+    s.q_0 = q;
+    s.q_0[2] += 0.8;
+    s.q_0[5] -= 0.5;
+    Still still(s, q);
+    const ImpedanceTorque& out = still.free.control();
+    ASSERT_FALSE(out.status.near_singular) << bend;
+    const World::Terms t = still.free.world.terms();
+    const Eigen::VectorXd null = out.terms.col(kNullSpace);
+    ASSERT_GT(null.norm(), 1.0);
+    const Eigen::MatrixXd M_inverse = t.M.inverse(), A = t.J * M_inverse * t.J.transpose();
+    EXPECT_LT((t.J * M_inverse * null).norm(), 1e-9 * (M_inverse * null).norm()) << "bend " << bend;
+    // λ²/(σ² + λ²) of the torque comes through a damped inverse.
+    const Eigen::VectorXd asked = s.null_stiffness.cwiseProduct(s.q_0 - Eigen::VectorXd(q));
+    const double lambda = 0.05;
+    const Eigen::MatrixXd damped = (A + lambda * lambda * Eigen::MatrixXd::Identity(6, 6)).inverse();
+    const Eigen::VectorXd leaking = asked - t.J.transpose() * damped * t.J * M_inverse * asked;
+    EXPECT_GT((t.J * M_inverse * leaking).norm(), 0.1) << "the defect would show";
+  }
+}
+
+TEST(Defects, GainsTurnedAndNeverUsed) {
+  ArmModel arm(kArm);
+  const unsigned seed = 43;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 rng(seed);
+  const ImpedanceSettings s = natural_settings(arm);
+  ASSERT_NE(s.stiffness.linear.tangent, s.stiffness.linear.normal);
+  Still still(s, working_posture());
+  for (int i = 0; i < 20; ++i) {
+    still.random_rest(rng);
+    const Eigen::Vector3d e(1e-3, -0.6e-3, 0.4e-3);
+    still.free.goal.p_WD += e;
+    OperationalSpace space;
+    space.update(still.free.terms);
+    for (const Eigen::Vector3d& n : {still.free.goal.n_WD, Eigen::Vector3d(Eigen::Vector3d::UnitX()), Eigen::Vector3d(0.6, 0.0, 0.8)}) {
+      still.free.goal.n_WD = n;
+      still.free.controller.reset();
+      const Eigen::Vector3d force = space.project_to_tip(still.free.control().terms.col(kImpedance)).head<3>();
+      const Eigen::Vector3d along = n.dot(e) * n, expected = 3000.0 * (e - along) + 1500.0 * along;
+      EXPECT_LT((force - expected).norm(), 1e-8) << "n = " << n.transpose();
+      const Eigen::Vector3d unturned(3000.0 * e.x(), 3000.0 * e.y(), 1500.0 * e.z());
+      if (i > 0) {
+        EXPECT_GT((unturned - expected).norm(), 0.05) << "the defect would show";
+      }
+    }
+  }
+}
+
+TEST(Defects, LimitRepulsionThatWeakensTowardsTheLimit) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.null_stiffness.setZero();
+  s.joint_lower = Eigen::VectorXd::Constant(7, -3.0);
+  s.joint_upper = Eigen::VectorXd::Constant(7, 3.0);
+  double last = -1.0;
+  for (double distance = 0.16; distance > -0.1; distance -= 0.01) {
+    s.joint_upper[2] = working_posture()[2] + distance;
+    Still still(s, working_posture());
+    // The projected torque may well have the other sign on the joint itself: what counts is where it accelerates the joint.
+    const Eigen::VectorXd tau = still.free.control().terms.col(kNullSpace);
+    const double push = -still.free.world.terms().M.llt().solve(tau)[2];
+    if (distance < s.limit_margin) {
+      EXPECT_GT(push, last) << "at " << distance << " rad";
+    }
+    last = push;
+  }
+  EXPECT_GT(last, 1.0) << "[rad/s²]";
+}
+
+TEST(Defects, ATorqueCheckThatNothingCalls) {
+  ArmModel arm(kArm);
+  for (const bool natural : {false, true}) {
+    ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
+    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 2000.0);
+    Still still(s, working_posture());
+    JointVector last = still.free.control().tau;
+    for (int i = 0; i < 400; ++i) {
+      still.free.goal.a_WD = 1e4 * Eigen::Vector3d(i % 100 < 50 ? 1.0 : -1.0, 0.5, -1.0);
+      const ImpedanceTorque& out = still.free.control();
+      ASSERT_LE((out.tau.cwiseAbs() - s.torque_limit).maxCoeff(), 0.0);
+      ASSERT_LE((out.tau - last).cwiseAbs().maxCoeff(), 2.0 + 1e-9);
+      ASSERT_TRUE(out.status.torque_limited);
+      ASSERT_GT((out.terms.rowwise().sum().cwiseAbs() - s.torque_limit).maxCoeff(), 0.0) << "or it was not asked for too much";
+      last = out.tau;
+    }
+  }
+}
+
+// The poles of M_d s² + B s + K', M_d by MuJoCo, B as the controller itself answers velocities.
+TEST(Defects, DampingThatForgetsTheEffectiveMass) {
+  ArmModel arm(kArm);
+  const unsigned seed = 44;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 rng(seed);
+  for (const double scale : {0.0, 1.0, 2.5}) {  // 0: shaped
+    ImpedanceSettings s = shaped_settings(arm);
+    s.inertia = scale > 0.0 ? InertiaShaping::scaled : InertiaShaping::shaped;
+    if (scale > 0.0) s.inertia_scale = scale;
+    Still still(s, working_posture());
+    for (int i = 0; i < 10; ++i) {
+      const JointVector q = still.random_rest(rng);
+      const World::Terms t = still.free.world.terms();
+      const Matrix6 Lambda = (t.J * t.M.inverse() * t.J.transpose()).inverse();
+      const Eigen::Vector3d n = still.free.goal.n_WD;
+      Matrix6 M_d = scale * Lambda, K = Matrix6::Zero(), B;
+      if (scale == 0.0) {
+        M_d.topLeftCorner<3, 3>() = s.shaped_inertia.linear.matrix(n);
+        M_d.bottomRightCorner<3, 3>() = s.shaped_inertia.angular.matrix(n);
+      }
+      K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(n);
+      K.bottomRightCorner<3, 3>() = AxialGain{s.stiffness.angular.tangent, s.reference_stiffness.angular.normal}.matrix(n);
+      const Eigen::MatrixXd J_inverse = t.J.transpose() * (t.J * t.J.transpose()).inverse();
+      for (int axis = 0; axis < 6; ++axis) {
+        const JointVector v = J_inverse * Vector6(1e-2 * Vector6::Unit(axis));
+        still.free.arm.compute(q, v, &still.free.terms);
+        still.free.controller.reset();
+        const Eigen::VectorXd tau = still.free.control().terms.col(kImpedance);
+        const Vector6 F = Lambda * t.J * t.M.llt().solve(tau);  // F = −Λ M_d⁻¹ B V
+        B.col(axis) = -M_d * Lambda.inverse() * F / 1e-2;
+      }
+      EXPECT_LT((B - B.transpose()).norm(), 1e-3 * B.norm());
+      Eigen::Matrix<double, 12, 12> A = Eigen::Matrix<double, 12, 12>::Zero();
+      A.topRightCorner<6, 6>().setIdentity();
+      A.bottomLeftCorner<6, 6>() = -M_d.inverse() * K;
+      A.bottomRightCorner<6, 6>() = -M_d.inverse() * B;
+      const auto poles = A.eigenvalues().eval();
+      for (int k = 0; k < 12; ++k)
+        EXPECT_NEAR(-poles[k].real() / std::abs(poles[k]), s.damping_ratio, 2e-3) << "mode of " << std::abs(poles[k]) << " rad/s";
+    }
+  }
+}
+
+TEST(Defects, GravityTwiceOrNotAtAll) {  // against MuJoCo's own; ClosedLoop.GravityIsCountedOnce has the controller's terms
+  ArmModel arm(kArm);
+  const unsigned seed = 45;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 rng(seed);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.null_stiffness.setZero();
+  for (const bool natural : {false, true}) {
+    if (natural) s.inertia = InertiaShaping::natural;
+    Still still(s, working_posture());
+    for (int i = 0; i < 20; ++i) {
+      still.random_rest(rng);
+      const Eigen::VectorXd gravity = still.free.world.terms().bias;
+      ASSERT_GT(gravity.norm(), 5.0);
+      EXPECT_LT((Eigen::VectorXd(still.free.control().tau) - gravity).norm(), 1e-8 * gravity.norm());
+    }
+  }
+}
+
+// The arm is a tenth heavier than its model. The push is the same all the same, if something observes what the model misses.
+TEST(Defects, AForceThatIsOffByAWrongPayload) {
+  ArmModel arm(kArm);
+  ModelErrors heavy;
+  heavy.mass_scale = 1.1;
+  for (const bool observed : {false, true}) {
+    ImpedanceSettings s = shaped_settings(arm);
+    s.observer.enabled = observed;
+    PlaneArm on(s, 0.2, heavy);
+    on.draw(3000);
+    double mean = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      ASSERT_EQ(on.step().mode, ContactMode::contact);
+      mean += on.n_W.dot(on.free.F_ext.head<3>()) / 500.0;
+    }
+    if (observed) EXPECT_NEAR(mean, s.push_force, 0.01 * s.push_force);
+    else EXPECT_GT(std::abs(mean - s.push_force), 0.1 * s.push_force) << "or there was nothing to observe";
+  }
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,118 @@
+// The simulated arm under the controller, in free space or over a plane, one step at a time.
+#pragma once
+
+#include "arm_fixture.h"
+#include "canvas/built_in.h"
+#include "canvas/canvas.h"
+#include "simulation/world.h"
+
+namespace impedraw::testing_arm {
+
+// From `q` at rest; the goal is where the tip starts unless the test moves it. The controller is told the wrench of the step before.
+struct FreeArm {
+  ArmModel arm;
+  World world;
+  ArmTerms terms;
+  ImpedanceController controller;
+  TipGoal goal;
+  SurfaceEstimate surface;  // blind
+  Wrench F_ext = Wrench::Zero();
+  InputAges ages;
+
+  static WorldSettings at_step(double dt) {
+    WorldSettings settings;
+    settings.dt = dt;
+    return settings;
+  }
+
+  FreeArm(const ImpedanceSettings& settings, const JointVector& q, const WorldSettings& world_settings, const Canvas* canvas = nullptr,
+          const std::filesystem::path& urdf = kArm)
+      : arm(urdf), world(urdf, canvas, world_settings), terms(arm.joints()), controller(settings, arm.joints()) {
+    const JointVector rest = JointVector::Zero(arm.joints());
+    world.set_state(q, rest);
+    arm.compute(q, rest, &terms);
+    goal.p_WD = terms.X_WE.p;
+    goal.n_WD = -terms.X_WE.R.col(2);
+  }
+  explicit FreeArm(const ImpedanceSettings& settings, const JointVector& q = working_posture())
+      : FreeArm(settings, q, at_step(settings.dt)) {}
+
+  void measure() { arm.compute(world.state().q, world.state().v, &terms); }
+
+  // The controller alone, at the state just measured; the test may spoil its inputs in between.
+  const ImpedanceTorque& control() { return controller.step(terms, goal, surface, F_ext, ages); }
+
+  const ImpedanceTorque& step_under(const Wrench& push) {
+    measure();
+    const ImpedanceTorque& out = control();
+    move(out.tau, push);
+    return out;
+  }
+  const ImpedanceTorque& step(const Eigen::Vector3d& push = Eigen::Vector3d::Zero()) {
+    Wrench F;
+    F << push, Eigen::Vector3d::Zero();
+    return step_under(F);
+  }
+
+  void move(const JointVector& tau, const Wrench& push) {
+    const Eigen::Vector3d p_WE = world.state().X_WE.p;
+    const TipContact& contact = world.step(tau, push);
+    F_ext = push;
+    if (!contact.touching) return;
+    F_ext.head<3>() += contact.f_W;
+    F_ext.tail<3>() += (contact.p_WC - p_WE).cross(contact.f_W);
+  }
+};
+
+// A pen over a plane through p_WS with normal n, known exactly; the tip starts `height` above it, at rest, the pen along −n.
+struct PlaneArm {
+  Eigen::Vector3d p_WS, n_W;
+  Canvas canvas;
+  FreeArm free;
+
+  static TriangleMesh plane(const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
+    PlaneSettings s;
+    s.centre = p;
+    s.normal = n;
+    s.edge = 0.06;
+    return make_plane(s);
+  }
+  static JointVector over(const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
+    ArmModel arm(kArm);
+    const IkResult ik = find_posture(arm, {p, -n}, working_posture());
+    if (!ik.reached) throw std::logic_error("the test's plane is out of reach");
+    return ik.q;
+  }
+
+  explicit PlaneArm(const ImpedanceSettings& settings, double slope = 0.3, const ModelErrors& errors = {}, double height = 4e-3)
+      : p_WS(0.6, 0.0, 0.2), n_W(-std::sin(slope), 0.0, std::cos(slope)), canvas(plane(p_WS, n_W)),
+        free(settings, over(p_WS + height * n_W, n_W), world_settings(settings.dt, errors), &canvas) {
+    free.goal.n_WD = n_W;
+    look();
+  }
+  static WorldSettings world_settings(double dt, const ModelErrors& errors) {
+    WorldSettings s = FreeArm::at_step(dt);
+    s.errors = errors;
+    return s;
+  }
+
+  double height() const { return n_W.dot(free.world.state().X_WE.p - p_WS); }
+
+  // What perfect perception says of the tip, unless the test has taken it away.
+  void look() {
+    free.surface.status = SurfaceStatus::ok;
+    free.surface.n_W = n_W;
+    free.surface.distance = height();
+  }
+  const ImpedanceTorque& step() {
+    if (free.surface.status == SurfaceStatus::ok) look();
+    return free.step();
+  }
+  // Pen down until the push has built up.
+  void draw(int steps = 1500) {
+    free.goal.pen_down = true;
+    for (int i = 0; i < steps; ++i) step();
+  }
+};
+
+}  // namespace impedraw::testing_arm

@@ -1,0 +1,100 @@
+// Repulsion from joint limits: never less the nearer, smooth, nothing the tip would feel.
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "free_arm.h"
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+
+// The null-space torque of joint j at distance d from its upper (or lower) limit: all else in the null space is zero.
+JointVector repulsion(ArmModel& arm, int joint, double distance, bool upper, const ArmTerms& terms, ControlStatus* status = nullptr) {
+  ImpedanceSettings s = shaped_settings(arm);
+  s.null_stiffness.setZero();
+  s.q_0 = terms.q;
+  s.joint_lower = Eigen::VectorXd::Constant(7, -10.0);
+  s.joint_upper = Eigen::VectorXd::Constant(7, 10.0);
+  if (upper) s.joint_upper[joint] = terms.q[joint] + distance;
+  else s.joint_lower[joint] = terms.q[joint] - distance;
+  ImpedanceController controller(s, 7);
+  TipGoal goal;
+  goal.p_WD = terms.X_WE.p;
+  goal.n_WD = -terms.X_WE.R.col(2);
+  const ImpedanceTorque& out = controller.step(terms, goal, {}, Wrench::Zero());
+  if (status) *status = out.status;
+  return out.terms.col(kNullSpace);
+}
+
+TEST(JointLimits, RepelAsTheFormulaSaysUpToTheLimitAndBeyond) {
+  ArmModel arm(kArm);
+  ArmTerms terms(7);
+  arm.compute(working_posture(), JointVector::Zero(7), &terms);
+  const ImpedanceSettings s;
+  const Eigen::MatrixXd J = terms.J, M_inverse = Eigen::MatrixXd(terms.M).inverse();
+  const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(7, 7) - J.transpose() * (J * M_inverse * J.transpose()).inverse() * J * M_inverse;
+  for (const int joint : {0, 2, 4}) {
+    for (const bool upper : {false, true}) {
+      double last = 0.0;
+      for (double d = 1.2 * s.limit_margin; d > -s.limit_margin; d -= 0.01 * s.limit_margin) {
+        ControlStatus status;
+        const JointVector tau = repulsion(arm, joint, d, upper, terms, &status);
+        const double into = std::max(0.0, (s.limit_margin - d) / s.limit_margin), size = s.limit_torque * into * into;
+        ASSERT_LT((tau - (upper ? -size : size) * N.col(joint)).norm(), 1e-9) << "joint " << joint + 1 << " at " << d << " rad";
+        ASSERT_EQ(status.joint_limit, d < s.limit_margin);
+        ASSERT_GE(tau.norm(), last - 1e-12) << "it must not weaken towards the limit, nor beyond";
+        last = tau.norm();
+        ASSERT_LT((J * M_inverse * tau).norm(), 1e-9) << "and the tip does not feel it";
+      }
+      EXPECT_GT(last, 0.1);
+    }
+  }
+}
+
+TEST(JointLimits, RepelSmoothly) {
+  ArmModel arm(kArm);
+  ArmTerms terms(7);
+  arm.compute(working_posture(), JointVector::Zero(7), &terms);
+  const ImpedanceSettings s;
+  const double h = 1e-3, unit = repulsion(arm, 2, 0.0, true, terms).norm() / s.limit_torque;
+  for (double d = 1.2 * s.limit_margin; d > -0.5 * s.limit_margin; d -= 0.7e-3) {
+    const JointVector bend = (repulsion(arm, 2, d + h, true, terms) - 2.0 * repulsion(arm, 2, d, true, terms) +
+                              repulsion(arm, 2, d - h, true, terms)) / (h * h);
+    // No kink: the second difference stays that of the parabola. A kink of slope T/margin would show as T/(margin h), 75 times as much.
+    ASSERT_LE(bend.norm() / unit, 2.0 * s.limit_torque / (s.limit_margin * s.limit_margin) * 1.001) << "at " << d << " rad";
+  }
+}
+
+TEST(JointLimits, KeepAJointOffThatItsRestPostureLiesBeyond) {
+  ArmModel arm(kArm);
+  for (const bool guarded : {false, true}) {
+    ImpedanceSettings s = shaped_settings(arm);
+    const double limit = working_posture()[2] + 0.25;
+    s.q_0[2] = limit + 0.5;
+    if (guarded) {
+      s.joint_lower = Eigen::VectorXd::Constant(7, -2.9);
+      s.joint_upper = Eigen::VectorXd::Constant(7, 2.9);
+      s.joint_upper[2] = limit;
+    }
+    FreeArm free(s);
+    double furthest = -10.0, away = 0.0;
+    bool told = false;
+    for (int i = 0; i < 4000; ++i) {
+      told |= free.step().status.joint_limit;
+      furthest = std::max(furthest, free.world.state().q[2]);
+      away = std::max(away, (free.world.state().X_WE.p - free.goal.p_WD).norm());
+    }
+    EXPECT_EQ(told, guarded);
+    EXPECT_LT(away, 1e-4) << "the pen stays where it is";
+    if (guarded) {
+      EXPECT_LT(furthest, limit);
+      EXPECT_GT(furthest, limit - s.limit_margin) << "or it was never near";
+    } else {
+      EXPECT_GT(furthest, limit) << "or the limit was not needed";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,250 @@
+// What the controller does where it must not simply follow: speed, torque rate, singular postures, bad and stale input.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "free_arm.h"
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+
+const double kNaN = std::nan("");
+
+// Drives a rate-limited arm through a story and looks at every step of torque.
+struct RateWatch {
+  double allowed;
+  JointVector last;
+  double largest = 0.0;
+  int step = 0;
+
+  void look(const JointVector& tau, const char* where) {
+    ASSERT_TRUE(tau.allFinite()) << where;
+    if (last.size() > 0) largest = std::max(largest, (tau - last).cwiseAbs().maxCoeff());
+    ASSERT_LE(largest, allowed + 1e-9) << where << ", step " << step;
+    last = tau;
+    ++step;
+  }
+};
+
+TEST(TorqueRate, HoldsAcrossEverySwitchOfState) {
+  ArmModel arm(kArm);
+  for (const bool natural : {false, true}) {
+    SCOPED_TRACE(natural ? "natural" : "shaped");
+    ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
+    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 1000.0);
+    PlaneArm on(s);
+    RateWatch watch{1.0, {}};
+    bool seen[5] = {};
+    bool limited = false;
+    const auto go = [&](int steps, const char* where) {
+      for (int i = 0; i < steps; ++i) {
+        const ImpedanceTorque& out = on.step();
+        seen[static_cast<int>(out.mode)] = true;
+        limited |= out.status.torque_limited;
+        watch.look(out.tau, where);
+        if (testing::Test::HasFatalFailure()) return;
+      }
+    };
+    const auto spoilt = [&](int steps, const char* where, auto&& spoil) {
+      for (int i = 0; i < steps; ++i) {
+        on.look();
+        on.free.measure();
+        const Wrench F = on.free.F_ext;
+        const TipGoal goal = on.free.goal;
+        spoil();
+        const ImpedanceTorque out = on.free.control();
+        on.free.goal = goal;
+        on.free.F_ext = F;
+        on.free.ages = {};
+        watch.look(out.tau, where);
+        if (testing::Test::HasFatalFailure()) return;
+        on.free.move(out.tau, Wrench::Zero());
+      }
+    };
+    go(200, "free");
+    on.free.goal.pen_down = true;
+    go(1500, "approach and contact");
+    on.free.goal.p_WD += Eigen::Vector3d(0.0, 0.03, 0.0);
+    go(500, "a jump of the goal in contact");
+    spoilt(1, "one NaN", [&] { on.free.terms.v[2] = kNaN; });
+    go(1000, "after one NaN");
+    spoilt(20, "NaN for 20 ms", [&] { on.free.goal.p_WD.x() = kNaN; });
+    go(1000, "after NaN");
+    spoilt(20, "stale state", [&] { on.free.ages.state = 1.0; });
+    go(1000, "after a stale state");
+    on.free.goal.pen_down = false;
+    go(600, "lift");
+    on.free.goal.pen_down = true;
+    go(1500, "down again");
+    spoilt(50, "stale wrench", [&] { on.free.ages.wrench = 1.0; });
+    go(1000, "after a stale wrench");
+    on.free.goal.pen_down = false;
+    go(600, "up after a stale wrench");
+    on.free.goal.pen_down = true;
+    go(1500, "and down");
+    on.free.surface.status = SurfaceStatus::too_few;
+    go(600, "no surface: retreat");
+    on.look();
+    on.free.goal.pen_down = false;
+    on.free.goal.p_WD += 0.05 * on.n_W;
+    go(300, "free again");
+    on.free.goal.p_WD += Eigen::Vector3d(-0.1, 0.1, 0.1);
+    go(2000, "a jump of the goal");
+    for (const bool mode : seen) EXPECT_TRUE(mode) << "the story misses a mode";
+    EXPECT_TRUE(limited);
+    EXPECT_GT(watch.largest, 0.99) << "or the limit was not needed";
+    EXPECT_LT((on.free.world.state().X_WE.p - on.free.goal.p_WD).norm(), 1e-3) << "and the pen still is where it should be";
+  }
+}
+
+TEST(TipSpeed, StaysWithinItsLimitAndTheTipArrives) {
+  ArmModel arm(kArm);
+  for (const bool natural : {false, true}) {
+    for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.0, 0.3, 0.0), Eigen::Vector3d(-0.15, -0.2, 0.16), Eigen::Vector3d(0.0, 0.0, 0.3)}) {
+      SCOPED_TRACE(testing::Message() << (natural ? "natural" : "shaped") << ", by " << way.transpose());
+      ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
+      s.tip_speed_limit = 0.3;
+      FreeArm free(s);
+      free.goal.p_WD += way;
+      double fastest = 0.0;
+      bool told = false;
+      for (int i = 0; i < 4000; ++i) {
+        told |= free.step().status.speed_limited;
+        fastest = std::max(fastest, free.world.state().V_WE.head<3>().norm());
+      }
+      EXPECT_TRUE(told);
+      EXPECT_LE(fastest, 1.05 * s.tip_speed_limit);
+      EXPECT_GT(fastest, 0.8 * s.tip_speed_limit) << "it need not creep either";
+      EXPECT_LT((free.world.state().X_WE.p - free.goal.p_WD).norm(), 1e-3);
+    }
+  }
+}
+
+TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
+  ArmModel arm(kArm);
+  JointVector q(7);
+  q << 0.0, 0.9, 0.0, -0.6, 0.0, 0.5, 0.0;
+  for (const bool natural : {false, true}) {
+    ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
+    s.q_0 = q;
+    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 10000.0);  // 5000 will do, 3000 will not: Λ changes fast here
+    FreeArm free(s, q);
+    const Eigen::Vector3d start = free.goal.p_WD, outward = (start - Eigen::Vector3d(0.0, 0.0, 0.36)).normalized();
+    bool told = false;
+    RateWatch watch{10.0, {}};
+    for (int i = 0; i < 4000; ++i) {  // out to beyond the arm's reach, and back
+      const double way = 0.1e-3 * (i < 2000 ? i : 4000 - i);
+      free.goal.p_WD = start + way * outward;
+      free.goal.v_WD = (i < 2000 ? 0.1 : -0.1) * outward;
+      const ImpedanceTorque& out = free.step();
+      told |= out.status.near_singular;
+      watch.look(out.tau, "stretched");
+      if (HasFatalFailure()) return;
+      ASSERT_LE((out.tau.cwiseAbs() - s.torque_limit).maxCoeff(), 0.0);
+      ASSERT_FALSE(free.world.failure()) << *free.world.failure();
+    }
+    EXPECT_TRUE(told);
+    free.goal.v_WD.setZero();
+    for (int i = 0; i < 1000; ++i) free.step();
+    EXPECT_LT((free.world.state().X_WE.p - start).norm(), 1e-3) << "and it comes back";
+  }
+}
+
+TEST(BadInput, GoesToTheLastGravityTorqueAsFastAsTheRateLets) {
+  ArmModel arm(kArm);
+  for (const bool stale : {false, true}) {
+    ImpedanceSettings s = shaped_settings(arm);
+    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 500.0);
+    FreeArm free(s);
+    free.goal.p_WD += Eigen::Vector3d(0.05, -0.05, 0.05);
+    for (int i = 0; i < 60; ++i) free.step();
+    JointVector left = free.control().tau - free.terms.g;
+    const JointVector gravity = free.terms.g;
+    ASSERT_GT(left.cwiseAbs().maxCoeff(), 3.0);
+    for (int i = 0; i < 200; ++i) {
+      if (stale) free.ages.state = 0.1;
+      else free.terms.q[1] = free.terms.g[1] = kNaN;
+      const ImpedanceTorque& out = free.control();
+      ASSERT_EQ(out.status.stale_state, stale);
+      ASSERT_EQ(out.status.bad_input, !stale);
+      ASSERT_FALSE(out.status.ok());
+      left = left.unaryExpr([](double x) { return std::copysign(std::max(0.0, std::abs(x) - 0.5), x); });
+      ASSERT_LT((out.tau - gravity - left).norm(), 1e-9) << "after " << i << " steps";
+    }
+    EXPECT_EQ(left.norm(), 0.0);
+  }
+}
+
+TEST(BadInput, AnAgeThatIsNotANumberIsTooOld) {
+  ArmModel arm(kArm);
+  FreeArm free(shaped_settings(arm));
+  free.ages.state = kNaN;
+  EXPECT_TRUE(free.control().status.stale_state);
+  free.ages = {0.0, kNaN};
+  EXPECT_TRUE(free.control().status.stale_wrench);
+  free.ages = {ImpedanceSettings().max_state_age, ImpedanceSettings().max_wrench_age};
+  EXPECT_TRUE(free.control().status.ok()) << "old, but not too old";
+}
+
+TEST(StaleWrench, EndsTheContactUntilThePenWasUp) {
+  ArmModel arm(kArm);
+  PlaneArm on(shaped_settings(arm));
+  on.draw();
+  ASSERT_EQ(on.step().mode, ContactMode::contact);
+  on.free.ages.wrench = 0.05;
+  for (int i = 0; i < 400; ++i) {
+    const ImpedanceTorque& out = on.step();
+    ASSERT_EQ(out.mode, ContactMode::retreat);
+    ASSERT_EQ(out.push, 0.0);
+    ASSERT_TRUE(out.status.stale_wrench);
+  }
+  EXPECT_GT(on.height(), 0.015) << "it is off the surface, by nearly retreat_height";
+  on.free.ages.wrench = 0.0;
+  for (int i = 0; i < 300; ++i) ASSERT_EQ(on.step().mode, ContactMode::retreat) << "the wrench is back, the pen was not lifted";
+  on.free.goal.pen_down = false;
+  for (int i = 0; i < 300; ++i) ASSERT_EQ(on.step().mode, ContactMode::free);
+  on.draw();
+  EXPECT_EQ(on.step().mode, ContactMode::contact);
+}
+
+// What moved while no wrench was known must not be laid to a disturbance once it is known again.
+TEST(StaleWrench, LeavesTheObserverInPeace) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  FreeArm free(s);
+  ASSERT_TRUE(s.observer.enabled);
+  double largest = 0.0;
+  for (int i = 0; i < 600; ++i) {
+    if (i == 100) free.goal.p_WD += Eigen::Vector3d(0.05, -0.05, 0.05);  // it moves off while the wrench is away
+    free.ages.wrench = i > 100 && i < 160 ? 1.0 : 0.0;
+    largest = std::max(largest, free.step().terms.col(kDisturbance).cwiseAbs().maxCoeff());
+  }
+  EXPECT_LT(largest, 0.2) << "[Nm] on an arm that is as the model says";
+}
+
+TEST(LostCloud, EndsInRetreat) {
+  ArmModel arm(kArm);
+  const ImpedanceSettings s = shaped_settings(arm);
+  PlaneArm on(s);
+  on.draw();
+  ASSERT_EQ(on.step().mode, ContactMode::contact);
+  on.free.surface.status = SurfaceStatus::off_edge;
+  on.free.surface.n_W = Eigen::Vector3d::UnitX();
+  on.free.surface.distance = kNaN;
+  const int trusted = static_cast<int>(s.contact.lost_surface_time / s.dt);
+  for (int i = 0; i < trusted - 2; ++i) {
+    const ImpedanceTorque& out = on.step();
+    ASSERT_TRUE(out.status.surface_lost);
+    ASSERT_EQ(out.mode, ContactMode::contact);
+    ASSERT_NEAR(on.n_W.dot(on.free.F_ext.head<3>()), s.push_force, 0.25) << "on the last normal the push goes on";
+  }
+  for (int i = 0; i < 500; ++i) on.step();
+  EXPECT_EQ(on.step().mode, ContactMode::retreat);
+  EXPECT_GT(on.height(), 0.015);
+  EXPECT_EQ(on.free.F_ext.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace impedraw
