@@ -37,7 +37,8 @@ class Fit {
     }
   }
 
-  PathSpline run() {
+  // Knots enough for the spline to keep the line. The normals have no part in that.
+  void find_knots() {
     // Vertices at least half a spacing apart to begin with; where that is too coarse, the rounds below find out.
     const double total = line_.along.back();
     double last = -1;
@@ -55,7 +56,22 @@ class Fit {
       spline = through_knots();
       while (refine(spline)) spline = through_knots();
     }
-    return spline;
+  }
+
+  void smooth_normals() {
+    std::vector<Eigen::Vector3d> normals;
+    for (std::size_t i = 0; i < knots_.size(); ++i) normals.push_back(smoothed_normal(i));
+    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i].sample.n_W = normals[i];
+  }
+
+  Eigen::Vector3d& first_normal() { return knots_.front().sample.n_W; }
+  Eigen::Vector3d& last_normal() { return knots_.back().sample.n_W; }
+
+  PathSpline through_knots() const {
+    std::vector<SurfaceSample> samples;
+    samples.reserve(knots_.size());
+    for (const Knot& k : knots_) samples.push_back(k.sample);
+    return PathSpline(samples);
   }
 
  private:
@@ -72,11 +88,31 @@ class Fit {
     return k;
   }
 
-  PathSpline through_knots() const {
-    std::vector<SurfaceSample> samples;
-    samples.reserve(knots_.size());
-    for (const Knot& k : knots_) samples.push_back(k.sample);
-    return PathSpline(samples);
+  // The straight line through the normals about here, Gaussian weights: nothing is lost of a normal that turns evenly, ends included.
+  Eigen::Vector3d smoothed_normal(std::size_t i) const {
+    const double sigma = settings_.normal_smoothing, s = knots_[i].along;
+    double w0 = 0, w1 = 0, w2 = 0;
+    Eigen::Vector3d n0 = Eigen::Vector3d::Zero(), n1 = n0;
+    const auto add = [&](std::size_t k) {
+      const double x = knots_[k].along - s;
+      if (std::abs(x) > 4.5 * sigma) return false;  // where a weight of 4e-5 is cut off nobody notices
+      // Weighed by the way to both neighbours too, so that knots close together do not count for more.
+      const double before = k > 0 ? knots_[k].along - knots_[k - 1].along : 0.0;
+      const double after = k + 1 < knots_.size() ? knots_[k + 1].along - knots_[k].along : 0.0;
+      const double w = (before + after) * std::exp(-0.5 * x * x / (sigma * sigma));
+      w0 += w;
+      w1 += w * x;
+      w2 += w * x * x;
+      n0 += w * knots_[k].sample.n_W;
+      n1 += w * x * knots_[k].sample.n_W;
+      return true;
+    };
+    if (!(sigma > 0.0)) return knots_[i].sample.n_W;
+    for (std::size_t k = i; k < knots_.size() && add(k); ++k) {}
+    for (std::size_t k = i; k-- > 0 && add(k);) {}
+    const double determinant = w0 * w2 - w1 * w1;
+    if (!(determinant > 1e-6 * w0 * w0 * sigma * sigma)) return knots_[i].sample.n_W;  // no neighbours to speak of
+    return ((w2 * n0 - w1 * n1) / determinant).normalized();
   }
 
   // The polyline's vertices from the one before s0 to the one after s1.
@@ -179,14 +215,25 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, int number, const SurfaceHei
   std::vector<std::size_t> cuts = corners(line.world, settings.corner_angle);
   cuts.push_back(line.world.size() - 1);
   std::size_t from = 0;
+  std::vector<Fit> fits;
   for (std::size_t to : cuts) {
     Line part;
     part.world.assign(line.world.begin() + from, line.world.begin() + to + 1);
     part.page.assign(line.page.begin() + from, line.page.begin() + to + 1);
-    fitted.parts.push_back(Fit(std::move(part), number, surface, settings).run());
+    Fit& fit = fits.emplace_back(std::move(part), number, surface, settings);
+    fit.find_knots();
+    fit.smooth_normals();
     from = to;
   }
+  // At a corner both parts have the same normal.
+  for (std::size_t i = 1; i < fits.size(); ++i) {
+    const Eigen::Vector3d n = (fits[i - 1].last_normal() + fits[i].first_normal()).normalized();
+    fits[i - 1].last_normal() = fits[i].first_normal() = n;
+  }
+  for (const Fit& fit : fits) fitted.parts.push_back(fit.through_knots());
   fitted.last = sample_or_throw(surface, whole.world.back(), whole.page.back(), number);
+  fitted.first.n_W = fits.front().first_normal();
+  fitted.last.n_W = fits.back().last_normal();
   return fitted;
 }
 

@@ -37,6 +37,8 @@ void validate(const PathSettings& s) {
   positive("safe_height", s.safe_height);
   positive("tolerance", s.tolerance);
   positive("knot_spacing", s.knot_spacing);
+  not_negative("start_hold", s.start_hold);
+  not_negative("normal_smoothing", s.normal_smoothing);
   not_negative("settle_time", s.settle_time);
   not_negative("end_hold", s.end_hold);
   not_negative("dot_time", s.dot_time);
@@ -57,6 +59,7 @@ class Planner {
 
   TipPath plan(const std::vector<FittedStroke>& strokes) {
     safe_z_ = s_.highest_z.value_or(highest(strokes)) + s_.safe_height;
+    hold(s_.start_hold, Phase::travel, -1, false);
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_W, hover = first + s_.hover_height * n;
@@ -197,7 +200,8 @@ class Planner {
 TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, const PathSettings& settings) {
   validate(settings);
   if (strokes.empty()) throw InputError("path: there are no strokes to plan");
-  const FitSettings fit{settings.tolerance, settings.knot_spacing, settings.corner_angle_deg * M_PI / 180};
+  const FitSettings fit{settings.tolerance, settings.knot_spacing, settings.corner_angle_deg * M_PI / 180,
+                        settings.normal_smoothing};
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
   for (std::size_t i = 0; i < strokes.size(); ++i) fitted.push_back(fit_stroke(strokes[i], static_cast<int>(i), surface, fit));

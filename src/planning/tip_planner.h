@@ -15,6 +15,7 @@ namespace impedraw {
 struct PathSettings {
   Eigen::Vector3d start_p_WE{0.5, 0.0, 0.5};                 // where the tip is when time begins [m]
   Eigen::Vector3d start_n_W = Eigen::Vector3d::UnitZ();      // and −z_E there; unit
+  double start_hold = 0.0;            // at rest at the start: a wrench sensor is tared then [s]
   double hover_height = 0.003;        // above the first point, along n: the approach begins there [m]
   double approach_speed = 0.010;      // [m/s]
   double settle_time = 0.4;           // at the first point, before drawing [s]
@@ -32,6 +33,7 @@ struct PathSettings {
   double corner_angle_deg = 25;       // a turn above this is a corner: full stop
   double tolerance = 1e-5;            // largest distance of the wanted line to the artwork, seen along z [m]
   double knot_spacing = 1e-3;         // the surface is asked at least this often along a stroke [m]
+  double normal_smoothing = 4e-3;     // normals are averaged over so much of the stroke (stroke_fit.h) [m]
   bool vertical_pen = false;          // n = +z always (blind)
   double sink = 0;                    // the wanted point lies this far beneath the surface while the pen is down (blind) [m]
 };

@@ -1,0 +1,42 @@
+// The controller alone: the state of an arm in, its torque and what that is made of out. The arm is made up, and stands still.
+#include <cstdio>
+
+#include "control/impedance.h"
+
+int main() {
+  using namespace impedraw;
+  ArmTerms arm(7);  // of seven joints; yours come from the dynamics of your arm, at each step
+  arm.M.diagonal() << 4.0, 4.0, 1.5, 1.5, 0.3, 0.2, 0.05;
+  arm.g << 0.0, -60.0, 0.0, 25.0, 0.5, -1.0, 0.0;
+  arm.J << 0.0, 0.1, 0.0, 0.3, 0.0, -0.2, 0.0,  //
+      0.6, 0.0, 0.4, 0.0, 0.1, 0.0, 0.0,        //
+      0.0, -0.6, 0.0, 0.5, 0.0, 0.1, 0.0,       //
+      0.0, 0.0, -0.5, 0.0, 0.8, 0.0, 0.1,       //
+      0.0, 1.0, 0.0, -1.0, 0.0, -1.0, 0.0,      //
+      1.0, 0.0, 0.8, 0.0, -0.5, 0.0, -1.0;
+  arm.X_WE.p = {0.6, 0.0, 0.1};
+  arm.X_WE.R.diagonal() << 1.0, -1.0, -1.0;  // the pen points down
+
+  ImpedanceSettings settings;  // each has a unit and a default
+  settings.push_force = 5.0;
+  settings.q_0[2] = 0.2;              // the third joint would rather stand there
+  settings.observer.enabled = false;  // it would wonder at an arm that no torque moves
+  ImpedanceController controller(settings, 7);
+
+  TipGoal goal;
+  goal.p_WD = arm.X_WE.p + Eigen::Vector3d(1e-3, 0.0, 0.0);  // 1 mm further on
+  goal.pen_down = true;
+  const SurfaceEstimate surface{SurfaceStatus::ok, Eigen::Vector3d::UnitZ(), 0.0};  // under the tip, facing up
+  const Wrench F_ext = 5.0 * Wrench::Unit(2);                                       // and it holds the pen
+
+  const ImpedanceTorque* out = nullptr;
+  for (int i = 0; i < 500; ++i) out = &controller.step(arm, goal, surface, F_ext);  // one a millisecond: the push builds up
+  std::printf("%s, all well: %s\n", kContactModeNames[static_cast<int>(out->mode)].data(), out->status.ok() ? "yes" : "no");
+  std::printf("%-18s", "torque [Nm]");
+  for (const double tau : out->tau) std::printf("%9.3f", tau);
+  for (int term = 0; term < kTorqueTerms; ++term) {
+    std::printf("\n  %-16s", kTorqueTermNames[term].data());
+    for (const double tau : out->terms.col(term)) std::printf("%9.3f", tau);
+  }
+  std::printf("\n");
+}

@@ -1,0 +1,149 @@
+// The library as its users meet it: installed, moved elsewhere, found by CMake, and the examples built on it outside of the tree.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+namespace impedraw {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+struct Ended {
+  int code;
+  std::string out;  // and err
+};
+
+Ended run(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (!pipe) return {127, "popen failed"};
+  std::string out;
+  std::array<char, 4096> buffer;
+  while (const std::size_t read = fread(buffer.data(), 1, buffer.size(), pipe)) out.append(buffer.data(), read);
+  const int status = pclose(pipe);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128, out};
+}
+
+std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+class InstalledLibrary : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::temp_directory_path() / ("impedraw-examples-" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    installed_ = run(std::string("'" CMAKE "' --install '" BUILD "' --component library --prefix ") + quoted(folder_ / "first"));
+    if (installed_.code != 0) return;
+    fs::rename(folder_ / "first", folder_ / "prefix");
+    fs::copy(SOURCE "/examples", folder_ / "examples", fs::copy_options::recursive);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  void SetUp() override { ASSERT_EQ(installed_.code, 0) << installed_.out; }
+
+  static std::string configure(const fs::path& source, const fs::path& build) {
+    return "'" CMAKE "' -G '" GENERATOR "' -DCMAKE_MAKE_PROGRAM='" MAKE_PROGRAM "' -DCMAKE_CXX_COMPILER='" CXX "' -DEigen3_DIR='" EIGEN_DIR
+           "' -S " + quoted(source) + " -B " + quoted(build);
+  }
+  // -O1: the examples need not be fast. One after the other: ctest has more to run.
+  static Ended build(const std::string& example, const std::string& flags = "") {
+    const fs::path out = folder_ / ("build" + flags) / example;
+    return run(configure(folder_ / "examples" / example, out) + " -DCMAKE_PREFIX_PATH=" + quoted(folder_ / "prefix") +
+               " -DCMAKE_CXX_FLAGS='" + flags + "' -DCMAKE_CXX_FLAGS_RELEASE='-O1 -DNDEBUG' && '" CMAKE "' --build " +
+               quoted(out) + " --parallel 1");
+  }
+
+  static fs::path folder_;
+  static Ended installed_;
+};
+
+fs::path InstalledLibrary::folder_;
+Ended InstalledLibrary::installed_{};
+
+TEST_F(InstalledLibrary, ItsHeadersIncludeEachOtherEigenAndTheStandardLibrary) {
+  const fs::path include = folder_ / "prefix/include/impedraw";
+  const std::regex own("#include \"(.*)\""), eigen("#include <Eigen/\\w+>"), standard("#include <[a-z_]+>");
+  int headers = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(include)) {
+    if (!entry.is_regular_file()) continue;
+    ++headers;
+    std::ifstream in(entry.path());
+    std::smatch match;
+    for (std::string line; std::getline(in, line);) {
+      if (!line.starts_with("#include")) continue;
+      const bool known = std::regex_match(line, match, own) ? fs::exists(include / match[1].str())
+                                                            : std::regex_match(line, eigen) || std::regex_match(line, standard);
+      EXPECT_TRUE(known) << entry.path() << ": " << line;
+    }
+  }
+  EXPECT_GE(headers, 15);
+}
+
+TEST_F(InstalledLibrary, TheControllerAloneNamesWhatItsTorqueIsMadeOf) {
+  const Ended built = build("01_controller");
+  ASSERT_EQ(built.code, 0) << built.out;
+  EXPECT_THAT(built.out, Not(HasSubstr("warning")));
+  const Ended ended = run(quoted(folder_ / "build/01_controller/controller"));
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.out, StartsWith("contact, all well: yes\n"));
+
+  // One row the torque, one each term: they add up. The surface carries the push, so push and wrench leave −Jᵀ F_ext: 0.6 m · 5 N.
+  std::istringstream out(ended.out);
+  std::vector<std::array<double, 7>> rows;
+  std::vector<std::string> names;
+  for (std::string line; std::getline(out, line);) {
+    if (names.empty() && !line.starts_with("torque [Nm]")) continue;
+    names.push_back(line.substr(0, 18));
+    std::istringstream numbers(line.substr(18));
+    rows.emplace_back();
+    for (double& x : rows.back()) ASSERT_TRUE(numbers >> x) << line;
+  }
+  ASSERT_EQ(rows.size(), 9u) << ended.out;
+  for (int j = 0; j < 7; ++j) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < rows.size(); ++i) sum += rows[i][j];
+    EXPECT_NEAR(sum, rows[0][j], 0.005);
+  }
+  EXPECT_THAT(names[3], HasSubstr("push"));
+  EXPECT_THAT(names[4], HasSubstr("wrench"));
+  EXPECT_NEAR(rows[3][1] + rows[4][1], 0.6 * 5.0, 0.002);
+}
+
+TEST_F(InstalledLibrary, ASimulatorOfOnesOwnKeepsForceAndLine) {
+  const Ended built = build("02_own_simulator");
+  ASSERT_EQ(built.code, 0) << built.out;
+  EXPECT_THAT(built.out, Not(HasSubstr("warning")));
+  const std::string program = quoted(folder_ / "build/02_own_simulator/own_simulator");
+  const Ended good = run(program), rough = run(program + " 0.9");
+  EXPECT_EQ(good.code, 0) << good.out;
+  EXPECT_EQ(rough.code, 1) << "three times the friction believed takes the line out of its tolerance\n" << rough.out;
+  EXPECT_THAT(rough.out, HasSubstr("out of tolerance"));
+}
+
+TEST_F(InstalledLibrary, ItIsNotLinkedWhereEigenWouldLayOutItsTypesOtherwise) {
+#if !defined(__x86_64__) || defined(__AVX__)
+  GTEST_SKIP() << "needs a library for x86-64 without AVX";
+#endif
+  const Ended built = build("01_controller", "-mavx");
+  EXPECT_NE(built.code, 0);
+  EXPECT_THAT(built.out, HasSubstr("libimpedraw was built for Eigen's alignment of 16 bytes"));
+}
+
+TEST_F(InstalledLibrary, OnItsOwnItNeedsEigenAlone) {
+  const Ended configured = run(configure(SOURCE, folder_ / "library") + " -DIMPEDRAW_LIBRARY_ONLY=ON -DIMPEDRAW_VENV=/nowhere");
+  EXPECT_EQ(configured.code, 0) << configured.out;
+  const Ended steps = run("'" CMAKE "' --build " + quoted(folder_ / "library") + " -- -n");
+  EXPECT_THAT(steps.out, HasSubstr("libimpedraw_sensing.a"));
+  EXPECT_THAT(steps.out, Not(HasSubstr("arm_model")));
+}
+
+}  // namespace
+}  // namespace impedraw
