@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/calibrate_tool.h"
 #include "app/experiment.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
@@ -62,6 +63,13 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
   return drawing;
 }
 
+// What the controller said of itself while it drew, where that was not all well.
+std::string met_line(const RunOutcome& outcome) {
+  std::string text;
+  for (const auto& [name, seconds] : outcome.met) text += fmt::format("{}{} {:.3g} s", text.empty() ? "status  " : ", ", name, seconds);
+  return text.empty() ? text : text + "\n";
+}
+
 int exit_code(const RunOutcome& outcome) {
   if (outcome.end == RunEnd::finished) return kFinished;
   fmt::print(stderr, "impedraw: {}; the log is kept up to there\n", outcome.cause);
@@ -116,8 +124,8 @@ int draw(const DrawOptions& options) {
   require_run_folder(folder);
   Experiment experiment = prepare(scenario, places);
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start));
-  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}report  {}\n", scenario.name, drawing.outcome.simulated, drawing.outcome.wall.loop,
-             metrics_table(drawing.metrics), fs::absolute(folder / "report.html").lexically_normal().string());
+  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}report  {}\n", scenario.name, drawing.outcome.simulated, drawing.outcome.wall.loop,
+             metrics_table(drawing.metrics), met_line(drawing.outcome), fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing.outcome);
 }
 
@@ -170,6 +178,29 @@ std::string settings_page() {
 }
 
 }  // namespace
+
+int calibrate_tool(const DrawOptions& options, int poses) {
+  DrawOptions with_sensor = options;
+  if (with_sensor.scenario.empty()) with_sensor.scenario = fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine-realistic.yaml";
+  Places places;
+  const Scenario scenario = resolve(with_sensor, &places);
+  if (!has_sensor(scenario.control.source))
+    throw InputError(fmt::format("{}: control.wrench has no sensor to read; valid are sensor, realistic", places.of("control.wrench")));
+  Experiment experiment = prepare(scenario, places);
+  const ToolIdentification found = calibrate_tool(experiment, poses).found;
+  fmt::print("{} poses\n"
+             "  mass      {:.4f} ± {:.4f} kg\n"
+             "  centre    ({:.4f}, {:.4f}, {:.4f}) ± ({:.4f}, {:.4f}, {:.4f}) m, in the sensor's frame\n"
+             "  bias      ({:.3f}, {:.3f}, {:.3f}) N, ({:.4f}, {:.4f}, {:.4f}) Nm\n"
+             "  residual  {:.4f} N, {:.5f} Nm RMS an axis\n\n"
+             "As a setting of a scenario:\n"
+             "control: {{sensing: {{tool: {{mass: {:.4f}, centre: [{:.4f}, {:.4f}, {:.4f}]}}}}}}\n",
+             poses, found.mass, found.mass_error, found.p_SC.x(), found.p_SC.y(), found.p_SC.z(), found.p_SC_error.x(),
+             found.p_SC_error.y(), found.p_SC_error.z(), found.bias_S[0], found.bias_S[1], found.bias_S[2], found.bias_S[3],
+             found.bias_S[4], found.bias_S[5], found.residual_force, found.residual_torque, found.mass, found.p_SC.x(), found.p_SC.y(),
+             found.p_SC.z());
+  return kFinished;
+}
 
 int report(const fs::path& folder) {
   if (!fs::exists(folder / "run.h5")) throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));

@@ -27,6 +27,7 @@ Scenario resolve(const DrawOptions& options, Places* places = nullptr);
 int draw(const DrawOptions& options);
 int compare(const DrawOptions& options);               // with and without perception, side by side
 int report(const std::filesystem::path& folder);       // metrics, pictures and report of a run again, from its log
+int calibrate_tool(const DrawOptions& options, int poses);  // mass and centre of mass of the tool, on the simulated arm
 int print_settings(bool markdown);                      // every setting; markdown: as docs/settings.md has them
 
 }  // namespace impedraw

@@ -18,15 +18,6 @@ namespace impedraw {
 
 namespace {
 
-TriangleMesh make_mesh(const CanvasSettings& s) {
-  switch (s.kind) {
-    case CanvasKind::dome: return make_dome(s.cap);
-    case CanvasKind::plane: return make_plane(s.plane);
-    case CanvasKind::bowl: break;
-  }
-  return make_bowl(s.cap);
-}
-
 std::filesystem::path urdf_of(const ArmSettings& s) {
   return s.urdf.empty() ? std::filesystem::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
 }
@@ -146,6 +137,17 @@ Experiment prepare(const Scenario& given, const Places& places) {
   blame.on(where_drawn, [&] { require_on_canvas(drawn, canvas.mesh(), truth); });
   TargetLine target = blame.on(where_drawn, [&] { return project_target(wanted, truth); });
 
+  // A sensor is tared at rest before anything moves.
+  const bool sensed = has_sensor(s.control.source);
+  s.world.flange_sensor = sensed;
+  const WrenchSensorSettings sensor = s.control.source == WrenchSource::realistic ? WrenchSensorSettings::realistic() : s.wrench_sensor;
+  const WrenchEstimatorSettings estimator = estimator_settings(s.control.sensing, sensor, s.world.dt, s.world.gravity);
+  double wrench_delay = s.world.dt;
+  blame.on({"control.sensing", "wrench_sensor", "control.wrench"}, [&] {
+    WrenchInput(s.control.source, estimator, sensor, s.world.dt, 0);
+    if (sensed) wrench_delay += WrenchEstimator(estimator).group_delay();
+  });
+
   // The world first: its reader of URDF says what is wrong, the arm model's prints lines of its own.
   auto world = blame.on({"arm.urdf"}, [&] { return std::make_unique<World>(urdf_of(s.arm), &canvas, s.world); });
   ArmModel arm = blame.on({"arm.urdf"}, [&] { return ArmModel(urdf_of(s.arm)); });
@@ -171,6 +173,7 @@ Experiment prepare(const Scenario& given, const Places& places) {
   PathSettings path_settings = s.path;
   path_settings.start_p_WE = s.arm.start_p_WE;
   path_settings.start_n_W = Eigen::Vector3d::UnitZ();
+  if (sensed) path_settings.start_hold = std::max(path_settings.start_hold, s.control.sensing.tare_time + 1.0);
   if (seen) {
     surface = perceived_height(*perception);
   } else {
@@ -181,6 +184,7 @@ Experiment prepare(const Scenario& given, const Places& places) {
     else surface = [z = s.blind.plane_z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
     path_settings.highest_z = canvas.bounds().max().z();
   }
+  const double start_hold = path_settings.start_hold;
   TipPath path = blame.on({"path"}, [&] {
     try {
       return plan_tip_path(drawn, surface, path_settings);
@@ -195,7 +199,12 @@ Experiment prepare(const Scenario& given, const Places& places) {
 
   ImpedanceSettings control = s.control;
   control.dt = s.world.dt;
-  control.torque_limit = arm.limits().torque;
+  control.wrench = s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;
+  control.wrench_delay = wrench_delay;
+  control.torque_limit = s.control.torque_share * arm.limits().torque;
+  control.torque_rate_limit = Eigen::VectorXd::Constant(n, s.control.torque_rate);
+  control.joint_lower = arm.limits().lower;
+  control.joint_upper = arm.limits().upper;
   if (s.arm.q_0.empty()) {
     const Eigen::Vector2d c = s.drawing.placement.centre_m;
     const auto middle = surface(c.x(), c.y());
@@ -217,8 +226,9 @@ Experiment prepare(const Scenario& given, const Places& places) {
                     placement,       std::move(owned_canvas),
                     std::move(arm),  std::move(perception),
                     std::move(path), std::move(target),
-                    control,         start.q,
-                    std::move(world)};
+                    control,         sensor,
+                    estimator,       start.q,
+                    start_hold,      std::move(world)};
 }
 
 }  // namespace impedraw

@@ -25,8 +25,11 @@ struct Experiment {
   std::optional<SurfaceEstimator> perception;  // absent: blind
   TipPath path;
   TargetLine target;
-  ImpedanceSettings control;     // completed: rest posture, limits
+  ImpedanceSettings control;     // completed: rest posture, limits, where the wrench comes from
+  WrenchSensorSettings sensor;   // as it is, and
+  WrenchEstimatorSettings estimator;  // as it is read; for a WrenchInput
   JointVector start_q;
+  double start_hold = 0.0;       // at rest before the first travel; a sensor must be tared by then [s]
   std::unique_ptr<World> world;  // at the start posture
 };
 

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/commands.h"
+#include "app/robustness.h"
 #include "app/settings_text.h"
 #include "common/errors.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("scenario", options->scenario, "YAML file; without one the sine on the standard bowl");
-  command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10");
+  command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10, circle");
   command->add_option("--svg", options->svg, "an SVG of your own")->excludes("--shape");
   command->add_option("--out", options->out, "folder of the run, made if missing (default: runs/NAME)");
   command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")
@@ -62,6 +63,31 @@ int run_program(int argc, char** argv) {
   report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
   report->callback([&] { code = impedraw::report(folder); });
 
+  int poses = 8;
+  CLI::App* calibrate = app.add_subcommand("calibrate-tool", "find mass and centre of mass of the tool on the wrench sensor, on the simulated arm");
+  calibrate->add_option("scenario", options.scenario, "YAML file with control.wrench sensor or realistic (default: bowl-sine-realistic)");
+  calibrate->add_option("--poses", poses, "how many orientations it holds the tool in")->check(CLI::Range(3, 100));
+  calibrate->add_option("--set", options.assignments, "override one setting, as in --set wrench_sensor.noise_force=0.2")
+      ->take_all()
+      ->allow_extra_args(false);
+  calibrate->footer("Examples:\n  ./impedraw calibrate-tool\n  ./impedraw calibrate-tool scenarios/bowl-m-sensor.yaml --poses 12\n"
+                    "  ./impedraw calibrate-tool --set world.errors.mass_scale=1.2");
+  calibrate->callback([&] { code = impedraw::calibrate_tool(options, poses); });
+
+  impedraw::RobustnessOptions matrix;
+  CLI::App* robustness =
+      app.add_subcommand("robustness", "speeds, slopes, pushes, canvases and model errors, cell by cell; leaves a table and a plot");
+  robustness->add_option("--out", matrix.out, "folder of the table and the plot, made if missing (default: runs/robustness)");
+  robustness->add_option("--jobs", matrix.jobs, "cells at a time (default: the number of cores)")->check(CLI::Range(1, 1024));
+  robustness->add_option("--only", matrix.only, "only cells whose name matches this regular expression");
+  robustness->add_flag("--again", matrix.again, "run anew what an earlier run in that folder has done; without it that is kept");
+  robustness->add_flag("--list", matrix.list, "print each cell's name and the command that runs it alone");
+  robustness->footer(
+      "Stopped by ctrl-C it goes on where it was when started again. Cells that fail are findings: the exit code is 0 once all were run.\n"
+      "Examples:\n  ./impedraw robustness\n  ./impedraw robustness --only '^matrix-nominal-200mm_s' --out /tmp/fast\n"
+      "  ./impedraw robustness --list | grep -A1 wave");
+  robustness->callback([&] { code = impedraw::robustness(matrix); });
+
   CLI::App* settings = app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
   bool markdown = false;
   settings->add_flag("--markdown", markdown, "as docs/settings.md has them");
@@ -82,7 +108,7 @@ int run_program(int argc, char** argv) {
     throw impedraw::InputError("the benchmark is not built: call it as ./impedraw bench, or build the target impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, compare, report})
+  for (CLI::App* command : {draw, compare, report, calibrate, robustness})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check([](const std::string& text) { return text.empty() ? std::string("nothing is given") : std::string(); }, "", "");

@@ -50,6 +50,8 @@ void require_comparison_folder(const fs::path& folder) {
   for (const char* side : {"perception", "blind"}) require_run_folder(folder / side);
 }
 
+void require_robustness_folder(const fs::path& folder) { require_folder(folder, {"robustness.csv"}, "robustness.csv"); }
+
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

@@ -11,9 +11,11 @@
 
 namespace impedraw {
 
-// A folder may be written where it can be made, is empty, or holds a run (a comparison) already. Else throws InputError. Touches nothing.
+// A folder may be written where it can be made, is empty, or holds a run (a comparison, a robustness.csv) already. Else throws InputError.
+// Touches nothing.
 void require_run_folder(const std::filesystem::path& folder);
 void require_comparison_folder(const std::filesystem::path& folder);
+void require_robustness_folder(const std::filesystem::path& folder);
 
 void make_folder(const std::filesystem::path& folder);  // InputError where it cannot be made
 void write_file(const std::filesystem::path& file, const std::string& text);  // std::runtime_error that says why where it cannot be written

@@ -1,8 +1,12 @@
 // Runs an experiment at 1 kHz of simulated time and logs every step.
+//
+// A run that cannot go on lifts the pen before it ends: interrupted, or with a controller whose steps come too late. It ends at once where
+// there is no control left: the motion went unstable, or the joints' state has been bad for longer than kBadStateTime.
 #pragma once
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "app/experiment.h"
@@ -25,10 +29,13 @@ struct RunHooks {
   std::function<bool()> interrupted;                 // looked at as often
 };
 
+inline constexpr double kBadStateTime = 0.2;  // [s]
+
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
   std::string cause;       // of a stop
   double simulated = 0.0;  // [s]
+  std::map<std::string, double> met;  // how long the controller said what of itself: a limit met, an input that was bad [s]
   WallTimes wall;
 };
 

@@ -33,27 +33,6 @@ void describe(Fields& f, DrawingSettings& s) {
   f.field("placement", s.placement, "of the page on the canvas; built-in shapes are not fitted: scale 1 unless a size is given");
 }
 
-void describe(Fields& f, CapSettings& s) {
-  f.field("radius", s.radius, Range{0.01, 10.0}, "m", "of the sphere");
-  f.field("centre", s.centre, Range{-10.0, 10.0}, "m", "of the sphere");
-  f.field("opening_radius", s.opening_radius, Range{0.005, 10.0}, "m", "of the circle at which the cap ends");
-  f.field("edge", s.edge, Range{2e-4, 0.1}, "m", "of a triangle");
-}
-
-void describe(Fields& f, PlaneSettings& s) {
-  f.field("centre", s.centre, Range{-kReach, kReach}, "m", "of the rectangle");
-  f.field("normal", s.normal, Range{-1.0, 1.0}, "", "of the side drawn on");
-  f.field("width", s.width, Range{0.01, 10.0}, "m", "along x");
-  f.field("height", s.height, Range{0.01, 10.0}, "m", "across");
-  f.field("edge", s.edge, Range{2e-4, 1.0}, "m", "of a cell");
-}
-
-void describe(Fields& f, CanvasSettings& s) {
-  f.choice("kind", s.kind, {{"bowl", CanvasKind::bowl}, {"dome", CanvasKind::dome}, {"plane", CanvasKind::plane}}, "what is drawn on");
-  f.field("cap", s.cap, "of a bowl or dome");
-  f.field("plane", s.plane, "of a plane");
-}
-
 void describe(Fields& f, ArmSettings& s) {
   f.field("urdf", s.urdf, "arm and pen; empty: the iiwa 14 of models/");
   f.field("posture_seed", s.posture_seed, Range{-3.2, 3.2}, "rad", "inverse kinematics start here and stay near");
@@ -104,6 +83,7 @@ void describe(Fields& f, BlindSettings& s) {
 }
 
 void describe(Fields& f, PathSettings& s) {
+  f.field("start_hold", s.start_hold, Range{0.0, 60.0}, "s", "at rest before anything moves");
   f.field("hover_height", s.hover_height, Range{0.0, 0.1}, "m", "above the first point: the approach begins there");
   f.field("approach_speed", s.approach_speed, Range{1e-4, 0.2}, "m/s", "down to the first point");
   f.field("settle_time", s.settle_time, Range{0.0, 10.0}, "s", "at the first point before drawing");
@@ -118,6 +98,7 @@ void describe(Fields& f, PathSettings& s) {
   f.field("safe_height", s.safe_height, Range{0.0, 1.0}, "m", "above the highest point of the drawing, for travel");
   f.field("smoothing_time", s.smoothing_time, Range{0.0, 1.0}, "s", "over which an acceleration builds up");
   f.field("corner_angle", s.corner_angle_deg, Range{1.0, 180.0}, "deg", "a sharper turn is a corner: full stop");
+  f.field("normal_smoothing", s.normal_smoothing, Range{0.0, 0.1}, "m", "over which the normals along a stroke are averaged");
   f.field("tolerance", s.tolerance, Range{1e-7, 1e-2}, "m", "of the wanted line to the artwork");
 }
 
@@ -141,10 +122,41 @@ void describe(Fields& f, ContactSettings& s) {
   f.field("lost_surface_time", s.lost_surface_time, Range{0.0, 5.0}, "s", "how long the last normal is trusted when the cloud has none");
 }
 
-void describe(Fields& f, ImpedanceSettings& s) {
-  f.choice("inertia", s.inertia, {{"natural", InertiaShaping::natural}, {"shaped", InertiaShaping::shaped}},
-           "M_d: the arm's own, or the one below");
-  f.choice("wrench", s.wrench, {{"none", WrenchFeedback::none}, {"true", WrenchFeedback::measured}}, "F_ext that the controller is given");
+void describe(Fields& f, ObserverSettings& s) {
+  f.field("enabled", s.enabled, "works with a measured wrench only");
+  f.field("bandwidth", s.bandwidth, Range{1.0, 900.0}, "rad/s", "of the low-pass through which what the model misses is seen");
+  f.field("limit", s.limit, Range{0.0, 1000.0}, "Nm", "of what it may take off each joint");
+}
+
+void describe(Fields& f, ForceIntegralSettings& s) {
+  f.field("enabled", s.enabled, "works with a measured wrench only");
+  f.field("rate", s.rate, Range{0.01, 50.0}, "1/s", "of push per force error");
+  f.field("limit", s.limit, Range{0.0, 50.0}, "N", "of what it may add to the push");
+}
+
+void describe(Fields& f, Tool& s) {
+  f.field("mass", s.mass, Range{0.0, 20.0}, "kg", "./impedraw calibrate-tool finds it");
+  f.field("centre", s.p_SC, Range{-1.0, 1.0}, "m", "of mass, in the sensor's frame");
+}
+
+void describe(Fields& f, SensingSettings& s) {
+  f.field("tool", s.tool, "what hangs on the sensor, as believed");
+  f.field("remove_weight", s.removal.weight, "the tool's weight is taken out of the reading");
+  f.field("remove_inertia", s.removal.inertia, "and what its acceleration takes");
+  f.field("remove_coriolis", s.removal.coriolis, "and what its turning takes");
+  f.field("tip_distance", s.tip_distance, Range{0.0, 2.0}, "m", "of the tip from the sensor, along the pen, as believed");
+  f.field("sensor_delay", s.sensor_delay, Range{0.0, 0.03}, "s", "as believed; null: what it is");
+  f.field("filter_bandwidth", s.filter_bandwidth, Range{0.0, 1900.0}, "rad/s", "of the wrench's low-pass; 0: none");
+  f.field("tare_time", s.tare_time, Range{0.01, 60.0}, "s", "of rest in the air before the first stroke");
+}
+
+void describe(Fields& f, ControlSettings& s) {
+  f.choice("inertia", s.inertia,
+           {{"natural", InertiaShaping::natural}, {"scaled", InertiaShaping::scaled}, {"shaped", InertiaShaping::shaped}},
+           "M_d: the arm's own, a multiple of it, or the one below");
+  f.choice("wrench", s.source,
+           {{"none", WrenchSource::none}, {"true", WrenchSource::truth}, {"sensor", WrenchSource::sensor}, {"realistic", WrenchSource::realistic}},
+           "F_ext that the controller is given: none, the simulator's, a sensor's (wrench_sensor), a real sensor's");
   f.choice("projection", s.projection, {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}},
            "of the error in contact (13)");
   describe_axial(f, "stiffness", s.stiffness.linear, "N/m", Range{0.0, 20000.0}, "K;");
@@ -155,11 +167,13 @@ void describe(Fields& f, ImpedanceSettings& s) {
                  "K' that sizes damping where K is zero;");
   describe_axial(f, "mass", s.shaped_inertia.linear, "kg", Range{0.0, 1000.0, true}, "M_d if shaped;");
   describe_axial(f, "rotational_inertia", s.shaped_inertia.angular, "kg m²", Range{0.0, 100.0, true}, "M_d if shaped;");
+  f.field("inertia_scale", s.inertia_scale, Range{0.01, 100.0}, "", "M_d over the arm's own, if scaled");
   f.field("damping_ratio", s.damping_ratio, Range{0.05, 3.0}, "", "of every mode");
   f.field("push", s.push_force, Range{0.0, 50.0}, "N", "along the normal, in contact");
   f.field("switch_time", s.switch_time, Range{0.001, 5.0}, "s", "time constant in which a switch of mode hands over force");
   f.field("approach_speed", s.approach_speed, Range{1e-4, 0.2}, "m/s", "along the normal, until touch");
   f.field("approach_overtravel", s.approach_overtravel, Range{0.0, 0.1}, "m", "beneath the estimated surface, then the approach waits");
+  f.field("approach_lag", s.approach_lag, Range{1e-4, 0.05}, "m", "the approach waits for a tip that is held back by more");
   f.field("retreat_height", s.retreat_height, Range{0.0, 0.5}, "m", "above the plan once the surface was lost");
   f.field("normal_bandwidth", s.normal_bandwidth, Range{1.0, 500.0}, "rad/s", "of the tracker of the surface normal");
   f.field("tip_radius", s.tip_radius, Range{0.0, 0.05}, "m", "believed");
@@ -171,6 +185,18 @@ void describe(Fields& f, ImpedanceSettings& s) {
   f.field("natural_mass_max", s.natural_mass_max, Range{0.1, 1000.0}, "kg", "largest natural mass along the normal in that check");
   f.field("null_stiffness", s.null_stiffness, Range{0.0, 500.0}, "Nm/rad", "K_q of the null space (15)");
   f.field("null_damping_ratio", s.null_damping_ratio, Range{0.0, 3.0}, "", "of the null space");
+  f.field("observer", s.observer, "of what the model of the arm misses");
+  f.field("torque_delay", s.torque_delay, Range{0.0, 0.02}, "s", "of the drives, as the observer believes");
+  f.field("loop_delay", s.loop_delay, Range{0.0, 0.02}, "s", "age of the state when a torque acts, that damping is checked against");
+  f.field("force_integral", s.force_integral, "of the force error, along the normal");
+  f.field("sensing", s.sensing, "from the sensor's readings to the wrench at the tip");
+  f.field("torque_share", s.torque_share, Range{0.01, 1.0}, "", "of the arm's torque limits that is used");
+  f.field("torque_rate", s.torque_rate, Range{1.0, 1e6}, "Nm/s", "that no joint's torque exceeds");
+  f.field("limit_margin", s.limit_margin, Range{0.001, 1.0}, "rad", "so near to its limit a joint is pushed back, in the null space");
+  f.field("limit_torque", s.limit_torque, Range{0.0, 300.0}, "Nm", "by this at the limit");
+  f.field("tip_speed_limit", s.tip_speed_limit, Range{0.001, 5.0}, "m/s", "of the speed that the law asks for");
+  f.field("max_state_age", s.max_state_age, Range{0.0, 1.0}, "s", "joints read longer ago are stale");
+  f.field("max_wrench_age", s.max_wrench_age, Range{0.0, 1.0}, "s", "and so is a wrench");
   f.field("contact", s.contact, "when contact begins and ends");
 }
 
@@ -181,7 +207,33 @@ void describe(Fields& f, TipMaterial& s) {
   f.field("friction", s.friction, Range{0.0, 3.0}, "", "Coulomb's, tip on canvas");
 }
 
+void describe(Fields& f, ModelErrors& s) {
+  f.field("mass_scale", s.mass_scale, Range{0.1, 10.0}, "", "mass and inertia of every link and the pen over what is believed");
+  f.field("centre_shift", s.centre_shift, Range{-0.2, 0.2}, "m", "of every link's centre of mass");
+  f.field("viscous_friction", s.viscous_friction, Range{0.0, 100.0}, "Nm s/rad", "on every joint");
+  f.field("rotor_inertia", s.rotor_inertia, Range{0.0, 10.0}, "kg m²", "on every joint");
+  f.field("torque_ripple", s.torque_ripple, Range{0.0, 20.0}, "Nm", "amplitude, on every joint");
+  f.field("torque_quantum", s.torque_quantum, Range{0.0, 10.0}, "Nm", "to which torque is rounded");
+  f.field("loop_delay", s.loop_delay, Range{0.0, 0.015}, "s", "until a torque acts");
+  f.field("pen_longer", s.pen_longer, Range{-0.02, 0.02}, "m", "than believed");
+}
+
+void describe(Fields& f, WrenchSensorSettings& s) {
+  f.field("noise_force", s.noise_force, Range{0.0, 100.0}, "N", "standard deviation of a sample at 1 kHz");
+  f.field("noise_torque", s.noise_torque, Range{0.0, 10.0}, "Nm", "standard deviation of a sample at 1 kHz");
+  f.field("bias_force", s.bias_force, Range{0.0, 1000.0}, "N", "its direction comes from the seed");
+  f.field("bias_torque", s.bias_torque, Range{0.0, 100.0}, "Nm", "its direction comes from the seed");
+  f.field("drift_force", s.drift_force, Range{0.0, 100.0}, "N/min", "of the bias");
+  f.field("drift_torque", s.drift_torque, Range{0.0, 10.0}, "Nm/min", "of the bias");
+  f.field("quantum_force", s.quantum_force, Range{0.0, 10.0}, "N", "to which it is rounded");
+  f.field("quantum_torque", s.quantum_torque, Range{0.0, 1.0}, "Nm", "to which it is rounded");
+  f.field("range_force", s.range_force, Range{0.0, 1e5}, "N", "beyond which it saturates; 0: none");
+  f.field("range_torque", s.range_torque, Range{0.0, 1e4}, "Nm", "beyond which it saturates; 0: none");
+  f.field("delay", s.delay, Range{0.0, 0.03}, "s", "of its readings");
+}
+
 void describe(Fields& f, WorldSettings& s) {
+  f.field("errors", s.errors, "what the arm is beyond what is believed");
   f.field("tip", s.tip, "the pen's tip as it is");
   f.field("joint_friction", s.joint_friction, Range{0.0, 50.0}, "Nm", "dry, on every joint");
   f.field("gravity", s.gravity, Range{0.0, 100.0}, "m/s²", "along -z");
@@ -190,7 +242,21 @@ void describe(Fields& f, WorldSettings& s) {
 void describe(Fields& f, PushSettings& s) {
   f.field("force", s.force, Range{0.0, 200.0}, "N", "on the pen tip");
   f.field("direction", s.direction_W, Range{-1.0, 1.0}, "", "world; its part along the canvas's tangent plane counts");
+  f.field("lift", s.lift, Range{-200.0, 200.0}, "N", "and this along the canvas's outward normal");
   f.field("middle", s.middle, Range{0.0, 1.0}, "", "when: share of the time from the first stroke's start to the last one's end");
+  f.field("duration", s.duration, Range{0.0, 1000.0}, "s", "how long");
+}
+
+void describe(Fields& f, FaultSettings& s) {
+  f.choice("kind", s.kind,
+           {{"nan_state", FaultKind::nan_state},
+            {"stale_state", FaultKind::stale_state},
+            {"nan_wrench", FaultKind::nan_wrench},
+            {"stale_wrench", FaultKind::stale_wrench},
+            {"no_cloud", FaultKind::no_cloud},
+            {"slow_step", FaultKind::slow_step}},
+           "what goes wrong around the controller");
+  f.field("middle", s.middle, Range{0.0, 1.0}, "", "when it begins: share of the time from the first stroke's start to the last one's end");
   f.field("duration", s.duration, Range{0.0, 1000.0}, "s", "how long");
 }
 
@@ -205,7 +271,9 @@ void describe(Fields& f, Scenario& s) {
   f.field("path", s.path, "how the tip moves");
   f.field("control", s.control, "the law");
   f.field("world", s.world, "the simulated truth");
+  f.field("wrench_sensor", s.wrench_sensor, "between flange and pen, where control.wrench is sensor");
   f.field("pushes", s.pushes, "disturbances");
+  f.field("faults", s.faults, "put on purpose");
 }
 
 }  // namespace impedraw

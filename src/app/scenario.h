@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "app/canvas_settings.h"
+#include "app/faults.h"
 #include "app/settings.h"
-#include "canvas/built_in.h"
+#include "app/wrench_input.h"
 #include "control/impedance_settings.h"
 #include "drawing/placement.h"
 #include "perception/cloud.h"
@@ -22,14 +24,6 @@ struct DrawingSettings {
   std::string shape = "sine";      // built in; used where svg is empty
   std::filesystem::path svg;
   PlacementSettings placement;
-};
-
-enum class CanvasKind { bowl, dome, plane };
-
-struct CanvasSettings {
-  CanvasKind kind = CanvasKind::bowl;
-  CapSettings cap;      // bowl and dome
-  PlaneSettings plane;
 };
 
 struct ArmSettings {
@@ -54,7 +48,7 @@ struct PerceptionSettings {
   DepthNoise noise;
   double voxel = 0.004;
   double self_padding = 0.01;
-  Eigen::Vector3d region_lower{0.30, -0.30, 0.03}, region_upper{0.90, 0.30, 0.35};
+  Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;
 
   PerceptionSettings();
@@ -67,10 +61,19 @@ struct BlindSettings {
   double plane_z = 0.09;         // [m]
 };
 
+// The law, and where its wrench comes from. control.wrench, dt and what the arm sets (torque limits, joint ranges) follow from the rest.
+struct ControlSettings : ImpedanceSettings {
+  WrenchSource source = WrenchSource::truth;
+  SensingSettings sensing;
+  double torque_share = 1.0;    // of the arm's torque limits
+  double torque_rate = 4000.0;  // of every joint [Nm/s]
+};
+
 // A push on the pen, as a hand would.
 struct PushSettings {
   double force = 10.0;                             // [N]
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  // taken along the canvas's tangent plane under the pen
+  double lift = 0.0;                               // and this along the canvas's outward normal [N]
   double middle = 0.5;                             // when: this share of the way from the first stroke's start to the last one's end
   double duration = 1.0;                           // [s]
 };
@@ -84,9 +87,11 @@ struct Scenario {
   PerceptionSettings perception;
   BlindSettings blind;
   PathSettings path;
-  ImpedanceSettings control;
+  ControlSettings control;
   WorldSettings world;
+  WrenchSensorSettings wrench_sensor;
   std::vector<PushSettings> pushes;
+  std::vector<FaultSettings> faults;
 };
 
 void describe(Fields& f, Scenario& s);

@@ -14,16 +14,17 @@ constexpr double kSpacing = 0.1;       // [mm]
 constexpr double kHalfWidth = 150;     // of the sine [mm]
 constexpr double kPeriod = 150;        // [mm]
 constexpr double kAmplitude = 50;      // [mm]
+constexpr double kCircleRadius = 60;   // [mm]
 
 // The sine's point at world y [mm from the centre]; the page's X is −y and its Y is −(x − 600).
 Vector2d sine_at(double y) { return {-y, -kAmplitude * std::sin(2 * M_PI * (y + kHalfWidth) / kPeriod)}; }
 
-Artwork one_stroke(const std::string& name, std::vector<Vector2d> points) {
+Artwork one_stroke(const std::string& name, std::vector<Vector2d> points, bool closed = false) {
   Artwork artwork;
   artwork.name = name;
   artwork.layers = {name};
   for (const Vector2d& p : points) artwork.page.extend(p);
-  artwork.strokes.push_back({std::move(points), false, 0});
+  artwork.strokes.push_back({std::move(points), closed, 0});
   return artwork;
 }
 
@@ -45,9 +46,20 @@ std::vector<Vector2d> smooth_sine() {
   return points;
 }
 
+std::vector<Vector2d> whole_circle() {
+  const int pieces = static_cast<int>(std::ceil(2 * M_PI * kCircleRadius / kSpacing));
+  std::vector<Vector2d> points;
+  for (int i = 0; i < pieces; ++i) {
+    const double angle = 2 * M_PI * i / pieces;
+    points.push_back(kCircleRadius * Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  points.push_back(points.front());
+  return points;
+}
+
 }  // namespace
 
-std::vector<std::string> shape_names() { return {"M", "sine", "sine10"}; }
+std::vector<std::string> shape_names() { return {"M", "sine", "sine10", "circle"}; }
 
 Shape make_shape(const std::string& name) {
   if (name == "sine") return {one_stroke(name, smooth_sine()), one_stroke(name, smooth_sine())};
@@ -56,6 +68,7 @@ Shape make_shape(const std::string& name) {
     for (int i = 0; i < 10; ++i) set_points.push_back(sine_at(-kHalfWidth + i * 100.0 / 3.0));
     return {one_stroke(name, set_points), one_stroke(name, smooth_sine())};
   }
+  if (name == "circle") return {one_stroke(name, whole_circle(), true), one_stroke(name, whole_circle(), true)};
   if (name == "M") {
     const std::vector<Vector2d> corners{{-80, 80}, {-80, -80}, {0, 0}, {80, -80}, {80, 80}};
     return {one_stroke(name, corners), one_stroke(name, subdivided(corners))};

@@ -1,42 +1,11 @@
 // The figures that this project promises, on the standard scenarios with their fixed seeds: fails if any gets worse than the table.
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <optional>
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include "app/commands.h"
-#include "app/experiment.h"
-#include "app/run.h"
-#include "report/metrics.h"
-#include "report/run_data.h"
+#include "drawn_scenario.h"
 
 namespace impedraw {
 namespace {
-
-namespace fs = std::filesystem;
-
-struct Figures {
-  RunData run;
-  nlohmann::ordered_json metrics;
-  double operator[](const char* name) const { return metrics.at(name).is_null() ? std::nan("") : metrics.at(name).get<double>(); }
-};
-
-Figures draw_scenario(const std::string& name, const std::vector<std::string>& assignments = {}) {
-  DrawOptions options;
-  options.scenario = "scenarios/" + name + ".yaml";
-  options.assignments = assignments;
-  Experiment experiment = prepare(resolve(options));
-  const fs::path log = fs::temp_directory_path() / ("impedraw_figures_" + std::to_string(getpid()) + ".h5");
-  const RunOutcome outcome = run(experiment, log, 0.0);
-  EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
-  Figures figures{read_run(log), {}};
-  figures.metrics = compute_metrics(figures.run);
-  fs::remove(log);
-  return figures;
-}
 
 struct Limits {
   double contact, rms, max, coverage, force_share, force_sd, touchdown, tilt_mean, tilt_max, speed;

@@ -52,12 +52,26 @@ TEST(Shapes, TenSetPointsAreJoinedAndTheTargetStaysSmooth) {
   EXPECT_EQ(shape.target.strokes.at(0).points, make_shape("sine").target.strokes.at(0).points);
 }
 
+TEST(Shapes, CircleIsClosedAndOnItsRadius) {
+  const Shape shape = make_shape("circle");
+  for (const Artwork& artwork : {shape.drawn, shape.target}) {
+    EXPECT_TRUE(artwork.strokes.at(0).closed);
+    const std::vector<Vector2d> line = in_world(artwork);
+    EXPECT_EQ(line.front(), line.back());
+    EXPECT_LT((line.front() - Vector2d(0.60, -0.06)).norm(), 1e-12);
+    EXPECT_LT(line[1].x(), 0.60);
+    for (const Vector2d& p : line) EXPECT_NEAR((p - Vector2d(0.60, 0.0)).norm(), 0.06, 1e-12);
+    EXPECT_LE(largest_step(line), 1e-4);
+    EXPECT_NEAR(lines::length(line), 2 * M_PI * 0.06, 1e-6) << "once around";
+  }
+}
+
 TEST(Shapes, UnknownNameListsTheKnownOnes) {
   try {
     make_shape("W");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "shape \"W\": not known; there are M, sine, sine10");
+    EXPECT_STREQ(error.what(), "shape \"W\": not known; there are M, sine, sine10, circle");
   }
 }
 
