@@ -90,7 +90,10 @@ class ControlLoop {
     if (fault_at(e_, t, FaultKind::nan_state)) v_[0] = std::nan("");
 
     e_.arm.compute(q_, v_, &terms_);
-    if (e_.perception) surface_ = e_.perception->estimate(terms_.X_WE.p);
+    if (e_.perception) {
+      const bool coupled = e_.control.inertia != InertiaShaping::shaped;
+      surface_ = e_.perception->estimate(coupled && on_surface_ ? surface_query(terms_.X_WE.p, goal.p_WD, n_) : terms_.X_WE.p);
+    }
     if (e_.perception && fault_at(e_, t, FaultKind::no_cloud)) surface_.status = SurfaceStatus::too_few;
     if (!fault_at(e_, t, FaultKind::stale_wrench)) {
       F_ext_ = wrench_.estimate(terms_.X_WE, terms_.V_WE);
@@ -98,7 +101,10 @@ class ControlLoop {
     }
     ages.wrench = t - wrench_time_;
     if (fault_at(e_, t, FaultKind::nan_wrench)) F_ext_[2] = std::nan("");
-    return controller_.step(terms_, goal, surface_, F_ext_, ages);
+    const ImpedanceTorque& out = controller_.step(terms_, goal, surface_, F_ext_, ages);
+    on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
+    n_ = out.n_WD;
+    return out;
   }
 
   WrenchInput& wrench() { return wrench_; }
@@ -112,6 +118,8 @@ class ControlLoop {
   ArmTerms terms_;
   SurfaceEstimate surface_;
   Wrench F_ext_ = Wrench::Zero();
+  Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();  // of the last step
+  bool on_surface_ = false;
   JointVector q_, v_;
   double state_time_ = 0.0, wrench_time_ = 0.0;
 };

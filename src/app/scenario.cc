@@ -28,7 +28,7 @@ void describe(Fields& f, PlacementSettings& s) {
 }
 
 void describe(Fields& f, DrawingSettings& s) {
-  f.field("shape", s.shape, "built-in drawing: sine, M, sine10; used where svg is empty");
+  f.field("shape", s.shape, "built-in drawing: sine, M, sine10, circle; used where svg is empty");
   f.field("svg", s.svg, "SVG file to draw; empty: the shape");
   f.field("placement", s.placement, "of the page on the canvas; built-in shapes are not fitted: scale 1 unless a size is given");
 }
@@ -114,6 +114,7 @@ void describe_axial(Fields& f, const std::string& what, AxialGain& tangent_and_n
 
 void describe(Fields& f, ContactSettings& s) {
   f.field("enter_distance", s.enter_distance, Range{0.0, 0.05}, "m", "contact can begin so near to the estimated surface");
+  f.field("search_distance", s.search_distance, Range{0.0, 0.05}, "m", "the same with a measured wrench, whatever the estimate is off by");
   f.field("leave_distance", s.leave_distance, Range{0.0, 0.1}, "m", "and is lost beyond this");
   f.field("touch_force", s.touch_force, Range{0.0, 50.0}, "N", "measured along the normal: touch");
   f.field("touch_gap", s.touch_gap, Range{1e-5, 0.02}, "m", "without a wrench: the tip stays so far behind the approach: touch");

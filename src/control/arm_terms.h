@@ -13,7 +13,7 @@ using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kM
 using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 using TipJacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJoints>;
 
-// n joints. Spatial quantities are expressed in W and taken at the origin of E, linear part first (LOCAL_WORLD_ALIGNED).
+// n joints, n ≤ kMaxJoints; M symmetric positive definite. A sliding joint counts in m, m/s, N and kg. Spatial quantities are expressed in W and taken at the origin of E, linear part first (LOCAL_WORLD_ALIGNED).
 struct ArmTerms {
   JointVector q, v;   // joint position [rad], velocity [rad/s]
   JointMatrix M;      // joint inertia, n×n, both triangles filled [kg m²]

@@ -41,7 +41,7 @@ ContactStates::ContactStates(const ContactSettings& settings, double dt) : setti
 
 void ContactStates::reset() noexcept {
   mode_ = Mode::free;
-  time_without_force_ = time_without_surface_ = 0.0;
+  time_without_force_ = time_without_surface_ = distance_at_touch_ = 0.0;
 }
 
 ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
@@ -49,9 +49,10 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
   const bool no_force = e.wrench_known && e.normal_force < settings_.loss_force;
   time_without_force_ = mode_ == Mode::contact && no_force ? time_without_force_ + dt_ : 0.0;
 
-  const bool near = e.surface_known && e.distance < settings_.enter_distance;
+  const bool near = e.surface_known && e.distance < (e.wrench_known ? settings_.search_distance : settings_.enter_distance);
   const bool held = e.wrench_known ? e.normal_force > settings_.touch_force : e.approach_gap > settings_.touch_gap;
-  const bool far = e.surface_known && e.distance > settings_.leave_distance;
+  const double error = mode_ == Mode::contact ? distance_at_touch_ : 0.0;
+  const bool far = e.surface_known && e.distance - error > settings_.leave_distance;
   const bool lost_for_long = time_without_surface_ > settings_.lost_surface_time;
 
   unsigned events = 0;
@@ -66,6 +67,7 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
     if (t.from != mode_ || !(events & t.event)) continue;
     mode_ = t.to;
     time_without_force_ = 0.0;
+    if (mode_ == Mode::contact) distance_at_touch_ = e.wrench_known ? e.distance : 0.0;
     break;
   }
   return mode_;

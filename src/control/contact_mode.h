@@ -4,9 +4,11 @@
 //   contact ──touch lost──> approach              approach ──pen up wanted──> lift
 //   approach, contact ──surface or wrench lost──> retreat ──pen up wanted──> free
 //
-// Touch is known when the tip is within `enter_distance` of the estimated surface *and* something holds it: the measured force along the
-// normal, or, without a wrench, the tip that no longer follows the approach. Distance alone would push before touch: a peak of twice the push.
-// It is lost beyond `leave_distance` (hysteresis), or after `loss_time` without measured force.
+// Touch is known when the tip is near the estimated surface *and* something holds it: the measured force along the normal, within
+// `search_distance`, or, without a wrench, the tip that no longer follows the approach, within `enter_distance`. Distance alone would push
+// before touch: a peak of twice the push. What the distance reads at a measured touch is taken for the error of the estimate, or of the
+// pen's length, and counts no more until the touch is lost: beyond `leave_distance` (hysteresis), or after `loss_time` without measured
+// force.
 #pragma once
 
 #include <string_view>
@@ -18,6 +20,7 @@ inline constexpr std::string_view kContactModeNames[] = {"free", "approach", "co
 
 struct ContactSettings {
   double enter_distance = 1.0e-3;    // tip to estimated surface [m]
+  double search_distance = 4.0e-3;   // the same with a measured wrench [m]
   double leave_distance = 2.5e-3;    // [m], > enter_distance
   double touch_force = 0.3;          // measured, along n [N]
   double touch_gap = 0.8e-3;         // without a wrench: how far the tip stays behind the approach [m]
@@ -39,7 +42,8 @@ struct ContactEvidence {
 
 class ContactStates {
  public:
-  ContactStates(const ContactSettings& settings, double dt);  // throws InputError
+  // dt: step [s]. Throws InputError where there is no hysteresis.
+  ContactStates(const ContactSettings& settings, double dt);
   ContactMode next(const ContactEvidence& evidence) noexcept;
   ContactMode mode() const { return mode_; }
   void reset() noexcept;
@@ -48,6 +52,7 @@ class ContactStates {
   ContactSettings settings_;
   double dt_;
   ContactMode mode_ = ContactMode::free;
+  double distance_at_touch_ = 0.0;  // [m]
   double time_without_force_ = 0.0;
   double time_without_surface_ = 0.0;
 };

@@ -1,6 +1,6 @@
 // Damping from stiffness and inertia, mode by mode.
 //
-// Law      K' Q = M_d Q diag(k),  Qᵀ M_d Q = I,  B = M_d Q diag(2 ζ √k) Qᵀ M_d            (control.md, Damping)
+// Law      K' Q = M_d Q diag(k),  Qᵀ M_d Q = I,  B = M_d Q diag(2 ζ √k) Qᵀ M_d            (docs/decisions/0006)
 // Gives    every mode of M_d ẍ + B ẋ + K' x = 0 the same damping ratio ζ
 // With     M_d = A⁻¹, A = U Uᵀ, this is B = 2 ζ U⁻ᵀ C^½ U⁻¹, C = Uᵀ K' U.
 //
@@ -16,7 +16,7 @@ namespace impedraw {
 inline constexpr double kDampingLimit = 0.5;  // of max eig(M_d⁻¹ B) (Δt + delay)
 
 // For a wanted inertia that turns with the posture (M_d = Λ): one call a step. Jacobi rotations start from the last call's modes, so that
-// a posture which moves by a step costs one sweep; off-diagonal terms that are left are below 1e-6 of the diagonal's scale.
+// a posture which moves by a step costs one sweep; off-diagonal terms that are left are below 1e-4 of the diagonal's scale: damping ratios hold to 2e-3.
 class ModalDamping {
  public:
   // U: lower factor of A = M_d⁻¹. K': block-diagonal, linear and angular part.

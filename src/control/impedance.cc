@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/errors.h"
+#include "control/check_settings.h"
 #include "control/normal_loop.h"
 
 namespace impedraw {
@@ -21,25 +22,13 @@ TipGain with_reference(const TipGain& k, const TipGain& reference) {
 }  // namespace
 
 ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int joints)
-    : settings_(settings), shaped_(settings.inertia == InertiaShaping::shaped), measured_(settings.wrench == WrenchFeedback::measured),
+    : settings_((check_settings(settings, joints), settings)), shaped_(settings.inertia == InertiaShaping::shaped), measured_(settings.wrench == WrenchFeedback::measured),
       scale_(settings.inertia == InertiaShaping::scaled ? settings.inertia_scale : 1.0), q_0_(settings.q_0),
       null_stiffness_(settings.null_stiffness), lower_(settings.joint_lower), upper_(settings.joint_upper),
       space_(settings.operational_space),
       observer_(settings.observer, joints, settings.dt, std::max(0.0, settings.wrench_delay - settings.dt), settings.torque_delay),
       limits_(settings.torque_limit, settings.torque_rate_limit, settings.dt), tracker_(settings.normal_bandwidth, settings.dt),
       contact_(settings.contact, settings.dt) {
-  const auto check_size = [&](const char* name, const Eigen::VectorXd& x, bool may_be_empty) {
-    if (x.size() != joints && !(may_be_empty && x.size() == 0))
-      throw InputError(std::string(name) + " has " + std::to_string(x.size()) + " entries, the arm " + std::to_string(joints) + " joints");
-  };
-  check_size("q_0", settings.q_0, false);
-  check_size("null_stiffness", settings.null_stiffness, false);
-  check_size("torque_limit", settings.torque_limit, false);
-  check_size("torque_rate_limit", settings.torque_rate_limit, true);
-  check_size("joint_lower", settings.joint_lower, true);
-  check_size("joint_upper", settings.joint_upper, true);
-  if (lower_.size() != upper_.size()) throw InputError("joint_lower and joint_upper: one is given without the other");
-  if (!(scale_ > 0.0)) throw InputError("inertia_scale must lie above 0");
   // Across the normal the reference is what holds in contact; the stiffness of free motion must not change the damping at a switch.
   settings_.reference_stiffness = with_reference(settings.stiffness, settings.reference_stiffness);
   if (!measured_ && (shaped_ || scale_ != 1.0))
@@ -74,12 +63,20 @@ void ImpedanceController::forget() noexcept {
   hand_over_ = true;
 }
 
-bool ImpedanceController::finite(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface,
+// The input has the sizes and the numbers that a step can work with.
+bool ImpedanceController::valid(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface,
                                  const Wrench& F_ext) const noexcept {
+  const auto n = out_.tau.size();
+  if (arm.q.size() != n || arm.v.size() != n || arm.M.rows() != n || arm.M.cols() != n || arm.Cv.size() != n || arm.g.size() != n ||
+      arm.J.cols() != n || !(std::abs(goal.n_WD.squaredNorm() - 1.0) < 1e-6))
+    return false;
   double sum = arm.q.sum() + arm.v.sum() + arm.M.sum() + arm.Cv.sum() + arm.g.sum() + arm.J.sum() + arm.Jdot_v.sum() + arm.X_WE.p.sum() +
                arm.X_WE.R.sum() + arm.V_WE.sum() + goal.p_WD.sum() + goal.v_WD.sum() + goal.a_WD.sum() + goal.n_WD.sum() + goal.w_WD.sum() +
                goal.alpha_WD.sum();
-  if (surface.status == SurfaceStatus::ok) sum += surface.n_W.sum() + surface.distance;
+  if (surface.status == SurfaceStatus::ok) {
+    if (!(std::abs(surface.n_W.squaredNorm() - 1.0) < 1e-6)) return false;
+    sum += surface.n_W.sum() + surface.distance;
+  }
   if (measured_) sum += F_ext.sum();
   return std::isfinite(sum);
 }
@@ -105,7 +102,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   out_.status.stale_state = !(ages.state <= settings_.max_state_age);
   out_.status.stale_wrench = measured_ && !(ages.wrench <= settings_.max_wrench_age);
   const Wrench F_ext = measured_ && !out_.status.stale_wrench ? F_given : Wrench(Wrench::Zero());
-  out_.status.bad_input = !finite(arm, goal, surface, F_ext);
+  out_.status.bad_input = !valid(arm, goal, surface, F_ext);
   if (out_.status.bad_input || out_.status.stale_state) return safe_torque();
 
   out_.status.near_singular = !space_.update(arm);
@@ -167,6 +164,12 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   else observer_.pause();
   if (observed) out_.terms.col(kDisturbance) = -observer_.disturbance();
 
+  // Numbers can be finite and still no arm's: an M that is not positive definite.
+  out_.status.bad_input = !std::isfinite(out_.terms.sum());
+  if (out_.status.bad_input) {
+    out_.terms.col(kGravity) = arm.g;
+    return safe_torque();
+  }
   const LimitedTorque limited = limits_.apply(out_.terms.rightCols<2>().rowwise().sum(), out_.terms.leftCols<kNullSpace>().rowwise().sum(),
                                               out_.terms.col(kNullSpace), arm, space_);
   out_.tau = limited.tau;

@@ -16,7 +16,10 @@
 // The speed on which spring and damper would settle, V_d + B⁻¹ K e, is held within tip_speed_limit (Khatib's velocity saturation).
 // Torque and its rate are limited last, with the task kept as far as it can be (torque_limits.h).
 //
-// Needs       J of full row rank; near a singularity the lost direction is released and `status.near_singular` says so.
+// Needs       M symmetric positive definite; all vectors in the number of joints given at set-up; n_WD and n_W unit vectors; a call every dt;
+//             J of full row rank: near a singularity the lost direction is released and `status.near_singular` says so.
+// Source      Khatib, "A unified approach for motion and force control of robot manipulators: the operational space formulation", IEEE
+//             J. Robotics and Automation 3(1), 1987; equation numbers: "Drawing With Operation Space Impedance Control", see README.
 // step() allocates nothing and throws nothing. With a state that is not finite, or stale, it goes to the last gravity torque, as fast as the
 // rate limit lets; with a wrench that is stale the pen retreats from the surface. `status` says so.
 #pragma once
@@ -44,7 +47,7 @@ struct InputAges {
 };
 
 struct ControlStatus {
-  bool bad_input = false;       // something was not finite; the torque is the last gravity torque
+  bool bad_input = false;       // not finite, of another size, M not positive definite, a normal not unit: the last gravity torque
   bool near_singular = false;   // a direction of the tip was released
   bool stale_state = false;     // too old: as for bad input
   bool stale_wrench = false;    // too old: no contact without it
@@ -76,7 +79,7 @@ class ImpedanceController {
   // sizes that differ, a shaped inertia without a wrench.
   ImpedanceController(const ImpedanceSettings& settings, int joints);
 
-  // One step. `goal`: the plan at this instant. `surface`: perception at the tip, status `none` to be blind. `F_ext` needs feedback to count.
+  // One step. The answer is this object's own, overwritten by the next step. `goal`: the plan at this instant. `surface`: perception at the tip, status `none` to be blind. `F_ext` needs feedback to count.
   const ImpedanceTorque& step(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext,
                               const InputAges& ages = {}) noexcept;
 
@@ -90,7 +93,7 @@ class ImpedanceController {
     Vector6 push;   // F_push
   };
 
-  bool finite(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) const noexcept;
+  bool valid(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) const noexcept;
   const ImpedanceTorque& safe_torque() noexcept;
   void forget() noexcept;
   void update_mode(const TipGoal& goal, const SurfaceEstimate& surface, const Wrench& F_ext) noexcept;

@@ -1,4 +1,5 @@
-// Every setting of the impedance controller, with its unit. Gains stand in the surface frame S (z = n); "tangent" holds for both tangents.
+// Every setting of the impedance controller, with its unit; check_settings.h has what is valid. Vectors have an entry a joint: their
+// defaults are those of an arm of seven. Gains stand in the surface frame S (z = n); "tangent" holds for both tangents.
 #pragma once
 
 #include "control/axial_gain.h"
@@ -84,7 +85,7 @@ struct ImpedanceSettings {
 
   double tip_speed_limit = 0.6;           // of the speed that the law asks for [m/s]
   double max_state_age = 5e-3;            // older input is stale [s]
-  double max_wrench_age = 2e-2;
+  double max_wrench_age = 2e-2;           // [s]
 };
 
 }  // namespace impedraw

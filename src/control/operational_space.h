@@ -3,6 +3,8 @@
 // Definition  Λ = (J M⁻¹ Jᵀ)⁻¹ (8),   J̄ᵀ = Λ J M⁻¹ (16)
 // Identities  J̄ᵀ Jᵀ = I;  J M⁻¹ (I − Jᵀ J̄ᵀ) τ = 0 for every τ: the null space leaks no acceleration into the task (17)
 //
+// Source      Khatib 1987 (impedance.h); consistent null space: Khatib, "Inertial properties in robotic manipulation", IJRR 14(1), 1995.
+//
 // Computed from Cholesky factors, M = L Lᵀ, Y = L⁻¹ Jᵀ, A = Yᵀ Y = Λ⁻¹ = U Uᵀ, Λ = U⁻ᵀ U⁻¹. Both triangles of A and Λ exist; M⁻¹ is never
 // formed.
 // Near a singular posture the tip's effective mass grows without bound along a direction. Above `max_effective_mass` that direction is

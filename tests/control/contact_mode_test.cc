@@ -27,12 +27,21 @@ TEST(ContactStates, GoThroughAStroke) {
   EXPECT_EQ(states.next(over_the_surface(0.03, 0.0, false)), ContactMode::free);
   EXPECT_EQ(states.next(over_the_surface(0.003, 0.0)), ContactMode::approach);
   EXPECT_EQ(states.next(over_the_surface(0.0, 0.0)), ContactMode::approach) << "near, but nothing felt: no push before touch";
-  EXPECT_EQ(states.next(over_the_surface(0.003, 2.0)), ContactMode::approach) << "something felt far off the surface is not the canvas";
+  EXPECT_EQ(states.next(over_the_surface(0.006, 2.0)), ContactMode::approach) << "something felt far off the surface is not the canvas";
   EXPECT_EQ(states.next(over_the_surface(0.0, 0.5)), ContactMode::contact);
   EXPECT_EQ(states.next(over_the_surface(0.002, 5.0)), ContactMode::contact) << "hysteresis: beyond entering, short of leaving";
   EXPECT_EQ(states.next(over_the_surface(0.0, 5.0, false)), ContactMode::lift);
   EXPECT_EQ(states.next(over_the_surface(0.001, 0.0, false)), ContactMode::lift);
   EXPECT_EQ(states.next(over_the_surface(0.004, 0.0, false)), ContactMode::free);
+}
+
+// A pen 2 mm longer than believed: touch is felt where the estimate says 2 mm above, and hysteresis counts from there.
+TEST(ContactStates, AMeasuredTouchCorrectsTheDistance) {
+  ContactStates states(ContactSettings{}, 1e-3);
+  states.next(over_the_surface(0.006, 0.0));
+  EXPECT_EQ(states.next(over_the_surface(0.002, 1.0)), ContactMode::contact);
+  EXPECT_EQ(states.next(over_the_surface(0.004, 5.0)), ContactMode::contact);
+  EXPECT_EQ(states.next(over_the_surface(0.0046, 5.0)), ContactMode::approach);
 }
 
 TEST(ContactStates, LossOfContactReturnsToTheApproach) {
