@@ -122,14 +122,16 @@ void add_switches(std::vector<Cell>& cells) {
   struct Switch {
     const char *name, *off, *on;
     std::vector<const char*> under;  // a setting on the standard sine; empty: nothing is wrong
+    const char* with = "";           // another, in both
   };
   const Switch switches[] = {
       {"observer", "control.observer.enabled=false", "control.observer.enabled=true",
        {"realistic", "world.errors.mass_scale=1.2", "world.errors.centre_shift=0.01", "world.joint_friction=1",
         "world.errors.viscous_friction=5"}},
       {"tip friction rejected", "control.friction=0", "control.friction=0.3", {"", "realistic", "world.tip.friction=0.45"}},
-      {"force integral", "control.force_integral.enabled=false", "control.force_integral.enabled=true",
-       {"realistic", "world.errors.mass_scale=1.2", "world.joint_friction=1"}}};
+      {"force integral", "control.force_integral.enabled=false", "control.force_integral.enabled=true", {"realistic"}},
+      {"force integral, observer off", "control.force_integral.enabled=false", "control.force_integral.enabled=true",
+       {"world.errors.mass_scale=1.02", "world.errors.centre_shift=0.003", "world.joint_friction=0.2"}, "control.observer.enabled=false"}};
   for (const Switch& s : switches)
     for (const std::string under : s.under)
       for (const bool on : {false, true}) {
@@ -139,11 +141,13 @@ void add_switches(std::vector<Cell>& cells) {
                                                   : under.rfind('.', under.find('=')) + 1);
         if (none) short_name = "nominal";
         std::string name = fmt::format("switch-{}-{}-{}", s.name, short_name, on ? "on" : "off");
+        std::erase(name, ',');
         for (char& c : name)
           if (c == ' ') c = '_';
         Cell cell{name, "switch", realistic ? kRealistic : kSine, {}, "What each switch earns", fmt::format("{}: {}", s.name, short_name),
                   on ? "on" : "off", "", realistic};
         if (!realistic && !none) cell.assignments.push_back(under);
+        if (*s.with) cell.assignments.push_back(s.with);
         cell.assignments.push_back(on ? s.on : s.off);
         cells.push_back(cell);
       }

@@ -34,7 +34,12 @@ std::string cell_text(const Cell& cell, const std::map<std::string, Record>& rec
   const std::string cause = at(it->second, "cause"), rms = at(it->second, "ink_error_rms");
   std::string text = value + (cause.empty() ? "" : "**✗ " + cause.substr(0, cause.find(':')) + "**");
   if (!cause.empty() && !rms.empty()) text += " ";
-  if (!rms.empty() || cause.empty()) text += short_number(rms) + " / " + short_number(at(it->second, "force_sd"));
+  if (!rms.empty() || cause.empty()) {
+    text += short_number(rms) + " / " + short_number(at(it->second, "force_sd"));
+    // What a model error does to the force is in its mean.
+    if (const std::string mean = at(it->second, "force_mean"); cell.group == "switch" && !mean.empty())
+      text += fmt::format(" / {:.2f}", std::strtod(mean.c_str(), nullptr));
+  }
   return text;
 }
 
@@ -79,7 +84,7 @@ std::string robustness_page(const std::vector<Cell>& cells, const std::map<std::
   std::string text = fmt::format(
       "# Robustness\n\n"
       "What `./impedraw robustness` left: {} cells{}, **{} failed**. Each place reads *ink error RMS [mm] / standard deviation of the "
-      "normal force [N]*.\n\n"
+      "normal force [N]*, in the last table also *its mean [N]* (5 N is asked for).\n\n"
       "**✗** A cell has failed where it was refused (the drawing cannot be planned), stopped, or took too long; where a stroke has no "
       "ink (missed), under {:.0f} % of the pen-down samples have (contact), over {:.0f} % of the ink's length lies more than 1 mm from "
       "its target (astray), or its mean speed is under {:.0f} % of the speed asked for (slow). `robustness.csv` has every setting and "
