@@ -1,5 +1,14 @@
 #include "app/canvas_settings.h"
 
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "canvas/mesh_check.h"
+#include "common/errors.h"
+
 namespace impedraw {
 
 namespace {
@@ -18,7 +27,40 @@ void describe_footprint(Fields& f, FootprintSettings& s) {
   f.field("edge", s.edge, kEdge, "m", "longest side of a cell, seen from above");
 }
 
+TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* mended) {
+  if (s.file.empty()) throw InputError("canvas.mesh.file is empty, must name a .obj, .stl or .ply for canvas.kind mesh");
+  CheckedMesh checked = load_mesh(s.file, metres(s.unit));
+  for (const MeshFault& fault : checked.faults) {
+    if (fault.kind == "too_large" || fault.kind == "too_small") {
+      throw InputError(fmt::format("{}: {}; canvas.mesh.unit may be m, mm, cm or in", s.file.string(), fault.message));
+    }
+  }
+  require_drawable(checked, s.file.string());
+  if (mended) {
+    for (const MeshFault& fault : checked.faults) mended->push_back(s.file.string() + ": " + fault.message);
+  }
+  const Eigen::Vector3d angle = s.rotation_deg * std::numbers::pi / 180.0;
+  const Eigen::Quaterniond R_WF = Eigen::AngleAxisd(angle.z(), Eigen::Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(angle.y(), Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(angle.x(), Eigen::Vector3d::UnitX());
+  for (Eigen::Vector3d& p : checked.mesh.vertices) p = R_WF * p + s.position;
+  if (s.side == MeshSettings::Side::inward) {
+    for (Eigen::Vector3i& t : checked.mesh.triangles) std::swap(t[1], t[2]);
+  }
+  return std::move(checked.mesh);
+}
+
 }  // namespace
+
+double metres(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::m: break;
+    case LengthUnit::mm: return 1e-3;
+    case LengthUnit::cm: return 1e-2;
+    case LengthUnit::in: return 0.0254;
+  }
+  return 1.0;
+}
 
 void describe(Fields& f, CapSettings& s) {
   f.field("radius", s.radius, Range{0.01, 10.0}, "m", "of the sphere");
@@ -69,6 +111,16 @@ void describe(Fields& f, TerrainSettings& s) {
   f.field("feature", s.feature, Range{0.005, 10.0}, "m", "shortest wavelength of its hills; the longest is twice that");
 }
 
+void describe(Fields& f, MeshSettings& s) {
+  f.field("file", s.file, ".obj, .stl or .ply");
+  f.choice("unit", s.unit, {{"m", LengthUnit::m}, {"mm", LengthUnit::mm}, {"cm", LengthUnit::cm}, {"in", LengthUnit::in}},
+           "of the file's numbers");
+  f.field("position", s.position, Range{-kPlace, kPlace}, "m", "of the file's origin");
+  f.field("rotation", s.rotation_deg, Range{-360.0, 360.0}, "deg", "roll, pitch, yaw: about x, then y, then z, all of them the world's");
+  f.choice("side", s.side, {{"outward", MeshSettings::Side::outward}, {"inward", MeshSettings::Side::inward}},
+           "drawn on; outward: as its triangles are wound, and away from the inside of a closed mesh");
+}
+
 void describe(Fields& f, CanvasSettings& s) {
   f.choice("kind", s.kind,
            {{"bowl", CanvasKind::bowl},
@@ -79,8 +131,9 @@ void describe(Fields& f, CanvasSettings& s) {
             {"cylinder", CanvasKind::cylinder},
             {"trough", CanvasKind::trough},
             {"cone", CanvasKind::cone},
-            {"terrain", CanvasKind::terrain}},
-           "what is drawn on; a sphere from inside is a bowl, from outside a dome, up to a slope of 90°");
+            {"terrain", CanvasKind::terrain},
+            {"mesh", CanvasKind::mesh}},
+           "what is drawn on; mesh: from a file; a sphere from inside is a bowl, from outside a dome, up to a slope of 90°");
   f.field("cap", s.cap, "of a bowl or dome");
   f.field("plane", s.plane, "of a plane");
   f.field("wave", s.wave, "of a wave");
@@ -88,9 +141,10 @@ void describe(Fields& f, CanvasSettings& s) {
   f.field("cylinder", s.cylinder, "of a cylinder, drawn on from outside, or a trough, from inside");
   f.field("cone", s.cone, "of a cone, apex up, drawn on from outside");
   f.field("terrain", s.terrain, "of hills and hollows from a seed");
+  f.field("mesh", s.mesh, "of a mesh from a file");
 }
 
-TriangleMesh make_mesh(const CanvasSettings& s) {
+TriangleMesh make_mesh(const CanvasSettings& s, std::vector<std::string>* mended) {
   switch (s.kind) {
     case CanvasKind::bowl: break;
     case CanvasKind::dome: return make_dome(s.cap);
@@ -101,6 +155,7 @@ TriangleMesh make_mesh(const CanvasSettings& s) {
     case CanvasKind::trough: return make_trough(s.cylinder);
     case CanvasKind::cone: return make_cone(s.cone);
     case CanvasKind::terrain: return make_terrain(s.terrain);
+    case CanvasKind::mesh: return make_mesh(s.mesh, mended);
   }
   return make_bowl(s.cap);
 }

@@ -16,7 +16,7 @@
 #include "app/yaml_read.h"
 #include "app/yaml_write.h"
 #include "common/errors.h"
-#include "drawing/svg.h"
+#include "drawing/artwork_file.h"
 #include "report/report.h"
 
 namespace impedraw {
@@ -36,6 +36,10 @@ struct Drawing {
 };
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void print_notes(const Experiment& experiment) {
+  for (const std::string& note : experiment.notes) fmt::print(stderr, "note: {}\n", note);
+}
 
 // One run into `folder`, with its results. start_up: seconds it took to prepare.
 Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up) {
@@ -123,6 +127,7 @@ int draw(const DrawOptions& options) {
   const fs::path folder = folder_for(options, scenario);
   require_run_folder(folder);
   Experiment experiment = prepare(scenario, places);
+  print_notes(experiment);
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start));
   fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}report  {}\n", scenario.name, drawing.outcome.simulated, drawing.outcome.wall.loop,
              metrics_table(drawing.metrics), met_line(drawing.outcome), fs::absolute(folder / "report.html").lexically_normal().string());
@@ -206,7 +211,7 @@ int report(const fs::path& folder) {
   if (!fs::exists(folder / "run.h5")) throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
   Scenario scenario;
   read_settings(scenario, folder / "scenario.yaml");
-  const Artwork artwork = scenario.drawing.svg.empty() ? make_shape(scenario.drawing.shape).target : read_svg(scenario.drawing.svg);
+  const Artwork artwork = scenario.drawing.svg.empty() ? make_shape(scenario.drawing.shape).target : read_artwork(scenario.drawing.svg);
   fmt::print("{}report  {}\n", metrics_table(write_results(folder, artwork, place(artwork, scenario.drawing.placement))),
              fs::absolute(folder / "report.html").lexically_normal().string());
   return kFinished;

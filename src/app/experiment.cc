@@ -10,7 +10,7 @@
 #include "app/perceived_surface.h"
 #include "arm/inverse_kinematics.h"
 #include "common/errors.h"
-#include "drawing/svg.h"
+#include "drawing/artwork_file.h"
 #include "planning/reach.h"
 #include "planning/tip_planner.h"
 
@@ -123,7 +123,7 @@ Experiment prepare(const Scenario& given, const Places& places) {
     placing.about_page_origin = true;
     if (!placing.scale && !placing.width_mm && !placing.height_mm) placing.scale = 1.0;
   } else {
-    blame.on({"drawing.svg"}, [&] { artwork.drawn = artwork.target = read_svg(s.drawing.svg); });
+    blame.on({"drawing.svg"}, [&] { artwork.drawn = artwork.target = read_artwork(s.drawing.svg); });
   }
   const std::vector<std::string> where_drawn = {"drawing.placement.scale", "drawing.placement.width", "drawing.placement.height",
                                                 "drawing.placement.fit_radius", "drawing.placement.centre", "drawing.placement", "canvas",
@@ -131,7 +131,8 @@ Experiment prepare(const Scenario& given, const Places& places) {
   const Placement placement = blame.on(where_drawn, [&] { return place(artwork.drawn, s.drawing.placement); });
   const auto drawn = placed_strokes(artwork.drawn, placement), wanted = placed_strokes(artwork.target, placement);
 
-  auto owned_canvas = blame.on({"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas)); });
+  std::vector<std::string> notes;
+  auto owned_canvas = blame.on({"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
   const Canvas& canvas = *owned_canvas;
   const SurfaceHeight truth = canvas_height(canvas);
   blame.on(where_drawn, [&] { require_on_canvas(drawn, canvas.mesh(), truth); });
@@ -222,7 +223,8 @@ Experiment prepare(const Scenario& given, const Places& places) {
                                             joint_text(arm.limits().lower), joint_text(arm.limits().upper)));
   blame.on(control_settings(), [&] { ImpedanceController(control, n); });  // its checks, before anything is written
 
-  return Experiment{std::move(s),    std::move(artwork),
+  return Experiment{std::move(s),    std::move(notes),
+                    std::move(artwork),
                     placement,       std::move(owned_canvas),
                     std::move(arm),  std::move(perception),
                     std::move(path), std::move(target),

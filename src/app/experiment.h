@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "app/scenario.h"
 #include "app/yaml_read.h"
@@ -18,6 +20,7 @@ namespace impedraw {
 
 struct Experiment {
   Scenario scenario;
+  std::vector<std::string> notes;  // what was mended on the way in, a line each
   Shape artwork;                 // as drawn and as wanted, on the page
   Placement placement;
   std::unique_ptr<Canvas> canvas;  // the truth

@@ -6,10 +6,13 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <map>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "app/commands.h"
+#include "app/inspect.h"
 #include "app/robustness.h"
 #include "app/settings_text.h"
 #include "common/errors.h"
@@ -63,6 +66,18 @@ int run_program(int argc, char** argv) {
   report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
   report->callback([&] { code = impedraw::report(folder); });
 
+  std::filesystem::path inspected;
+  bool as_json = false;
+  CLI::App* inspect = app.add_subcommand("inspect", "what an artwork or a mesh holds, without drawing it: strokes, length, layers; triangles, faults");
+  inspect->add_option("file", inspected, "artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: .obj, .stl, .ply")->required();
+  inspect->add_flag("--json", as_json, "as JSON");
+  const std::map<std::string, double> units{{"m", 1.0}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 0.0254}};
+  std::string unit = "m";
+  inspect->add_option("--unit", unit, "of a mesh's numbers: m, mm, cm, in (default: m)")->check(CLI::IsMember({"m", "mm", "cm", "in"}));
+  inspect->footer("Examples:\n  ./impedraw inspect artwork/koi.svg\n  ./impedraw inspect --json flower.svg\n"
+                  "  ./impedraw inspect vase.stl --unit mm");
+  inspect->callback([&] { code = impedraw::inspect(inspected, as_json, units.at(unit)); });
+
   int poses = 8;
   CLI::App* calibrate = app.add_subcommand("calibrate-tool", "find mass and centre of mass of the tool on the wrench sensor, on the simulated arm");
   calibrate->add_option("scenario", options.scenario, "YAML file with control.wrench sensor or realistic (default: bowl-sine-realistic)");
@@ -108,7 +123,7 @@ int run_program(int argc, char** argv) {
     throw impedraw::InputError("the benchmark is not built: call it as ./impedraw bench, or build the target impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, compare, report, calibrate, robustness})
+  for (CLI::App* command : {draw, compare, report, inspect, calibrate, robustness})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check([](const std::string& text) { return text.empty() ? std::string("nothing is given") : std::string(); }, "", "");

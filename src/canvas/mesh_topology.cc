@@ -3,35 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "canvas/half_edges.h"
 #include "common/errors.h"
 
 namespace impedraw {
 namespace {
-
-void validate(const TriangleMesh& mesh) {
-  if (mesh.vertices.empty() || mesh.triangles.empty()) {
-    throw InputError(fmt::format("canvas mesh: {} vertices and {} triangles, must have at least one triangle", mesh.vertices.size(),
-                                 mesh.triangles.size()));
-  }
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const auto& p = mesh.vertices[i];
-    if (!p.allFinite()) {
-      throw InputError(fmt::format("canvas mesh: vertex {} is ({}, {}, {}), must be finite", i, p.x(), p.y(), p.z()));
-    }
-  }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (const int v : mesh.triangles[i]) {
-      if (v < 0 || v >= static_cast<int>(mesh.vertices.size())) {
-        throw InputError(fmt::format("canvas mesh: triangle {} names vertex {}, must be in 0 … {}", i, v, mesh.vertices.size() - 1));
-      }
-    }
-  }
-}
 
 // For each vertex the first one at the same place.
 std::vector<int> weld(const std::vector<Eigen::Vector3d>& vertices) {
@@ -54,55 +34,55 @@ std::vector<int> weld(const std::vector<Eigen::Vector3d>& vertices) {
   return first;
 }
 
-struct HalfEdge {
-  int low, high;  // vertices
-  bool forward;   // the triangle runs from low to high
-  int face, side;
-};
-
 void join_neighbours(MeshTopology& topology) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(3 * topology.faces.size());
-  for (int f = 0; f < static_cast<int>(topology.faces.size()); ++f) {
-    const auto& face = topology.faces[f];
-    if (face.normal.isZero(0.0)) continue;
-    for (int side = 0; side < 3; ++side) {
-      const int a = face.vertex[side];
-      const int b = face.vertex[(side + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), a < b, f, side});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
-  });
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-    const auto& a = edges[i];
-    if (end - i > 2) {
+  std::vector<Eigen::Vector3i> corners;
+  corners.reserve(topology.faces.size());
+  for (const auto& face : topology.faces) corners.emplace_back(face.vertex[0], face.vertex[1], face.vertex[2]);
+  for_each_edge(half_edges(corners, static_cast<int>(topology.on_boundary.size())), [&](const HalfEdge* first, const HalfEdge* last) {
+    const HalfEdge& a = first[0];
+    if (last - first > 2) {
       throw InputError(fmt::format("canvas mesh: {} triangles ({}, {}, {}, …) share the edge between vertices {} and {}, at most two may",
-                                   end - i, a.face, edges[i + 1].face, edges[i + 2].face, a.low, a.high));
+                                   last - first, a.face, first[1].face, first[2].face, a.low, a.high));
     }
-    if (end - i == 2) {
-      const auto& b = edges[i + 1];
-      if (a.forward == b.forward) {
-        throw InputError(fmt::format(
-            "canvas mesh: triangles {} and {} are wound against each other, all must have the drawn-on side outward", a.face, b.face));
-      }
-      topology.faces[a.face].neighbour[a.side] = b.face;
-      topology.faces[b.face].neighbour[b.side] = a.face;
-    } else {
+    if (last - first == 1) {
       topology.on_boundary[a.low] = true;
       topology.on_boundary[a.high] = true;
+      return;
     }
-    i = end;
-  }
+    const HalfEdge& b = first[1];
+    if (a.forward == b.forward) {
+      throw InputError(fmt::format(
+          "canvas mesh: triangles {} and {} are wound against each other, all must have the drawn-on side outward", a.face, b.face));
+    }
+    topology.faces[a.face].neighbour[a.side] = b.face;
+    topology.faces[b.face].neighbour[b.side] = a.face;
+  });
 }
 
 }  // namespace
 
+void require_valid(const TriangleMesh& mesh) {
+  if (mesh.vertices.empty() || mesh.triangles.empty()) {
+    throw InputError(fmt::format("canvas mesh: {} vertices and {} triangles, must have at least one triangle", mesh.vertices.size(),
+                                 mesh.triangles.size()));
+  }
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto& p = mesh.vertices[i];
+    if (!p.allFinite()) {
+      throw InputError(fmt::format("canvas mesh: vertex {} is ({}, {}, {}), must be finite", i, p.x(), p.y(), p.z()));
+    }
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const int v : mesh.triangles[i]) {
+      if (v < 0 || v >= static_cast<int>(mesh.vertices.size())) {
+        throw InputError(fmt::format("canvas mesh: triangle {} names vertex {}, must be in 0 … {}", i, v, mesh.vertices.size() - 1));
+      }
+    }
+  }
+}
+
 MeshTopology make_topology(const TriangleMesh& mesh) {
-  validate(mesh);
+  require_valid(mesh);
   const std::vector<int> first = weld(mesh.vertices);
   MeshTopology topology;
   topology.faces.resize(mesh.triangles.size());

@@ -19,7 +19,7 @@ namespace impedraw {
 struct MeshTopology {
   struct Face {
     std::array<Eigen::Vector3d, 3> corner;  // [m]
-    Eigen::Vector3d normal;                 // unit; zero for a triangle without area, which the queries pass over
+    Eigen::Vector3d normal;                 // unit; zero for a triangle without area: it joins its neighbours, but queries pass over it
     std::array<int, 3> neighbour;           // triangle across the edge from corner i to corner i + 1; −1: an edge of the surface
     std::array<int, 3> vertex;              // into the three below
   };
@@ -32,5 +32,8 @@ struct MeshTopology {
 // Throws InputError, naming the vertex or the triangle: nothing to draw on, a coordinate that is not finite, an index out of range,
 // neighbours wound against each other, an edge with more than two triangles.
 MeshTopology make_topology(const TriangleMesh& mesh);
+
+// The first three of these.
+void require_valid(const TriangleMesh& mesh);
 
 }  // namespace impedraw

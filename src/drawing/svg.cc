@@ -17,6 +17,7 @@ using Eigen::Vector2d;
 constexpr double kFarthest = 1e6;        // [mm]; usvg's single precision has lost 0.1 mm there
 constexpr double kSameArc = 1e-5;        // by how much two pieces of one arc may disagree on their ellipse, as a part of its size
 constexpr double kSamePoint = 1e-6;      // [mm]
+constexpr std::size_t kMostPoints = 6'000'000;
 
 struct Segment {
   ImpedrawSvgVerb verb;
@@ -88,12 +89,19 @@ bool continues(const EllipseArc& arc, const EllipseArc& next) {
          std::abs(arc.angle - next.angle) < 100 * kSameArc;
 }
 
+void require_few(std::size_t points, const FlattenSettings& settings, const std::string& name) {
+  if (points <= kMostPoints) return;
+  throw InputError(fmt::format("{}: its curves take more than {} points at a tolerance of {:.2g} mm", name, kMostPoints,
+                               settings.tolerance));
+}
+
 // usvg hands circles, ellipses, rounded corners and arcs over as cubics, which are off by up to 2.7e-4 of the radius. Two or more in a row
 // on one ellipse are taken for the arc that they stand for. A lone one is drawn as it is: it may be a cubic of the author's own.
-std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& settings) {
+std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& settings, const std::string& name) {
   std::vector<Vector2d> line{subpath.start};
   const auto& segments = subpath.segments;
   for (std::size_t i = 0; i < segments.size(); ++i) {
+    require_few(line.size(), settings, name);
     const Segment& s = segments[i];
     const Vector2d from = i == 0 ? subpath.start : segments[i - 1].end();
     if (s.verb == IMPEDRAW_SVG_LINE) line.push_back(s.p[0]);
@@ -134,10 +142,10 @@ bool has_area(const std::vector<Vector2d>& line) {
 }
 
 // The subpath as a stroke; without points if it leaves nothing to see.
-Stroke stroke_of(const Subpath& subpath, const FlattenSettings& settings) {
+Stroke stroke_of(const Subpath& subpath, const FlattenSettings& settings, const std::string& name) {
   Stroke stroke;
   stroke.layer = static_cast<int>(subpath.path->layer);
-  std::vector<Vector2d> line = flatten(subpath, settings);
+  std::vector<Vector2d> line = flatten(subpath, settings, name);
   const bool stroked = subpath.path->stroked;
   if (!stroked && !has_area(line)) return stroke;
   const bool closed = subpath.closed || !stroked;
@@ -155,12 +163,25 @@ Stroke stroke_of(const Subpath& subpath, const FlattenSettings& settings) {
   return stroke;
 }
 
+// A layer is a pen; one that draws nothing is none.
+void drop_empty_layers(Artwork& artwork) {
+  std::vector<int> strokes(artwork.layers.size(), 0), index(artwork.layers.size(), 0);
+  for (const Stroke& stroke : artwork.strokes) ++strokes[stroke.layer];
+  std::vector<std::string> kept;
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    index[i] = static_cast<int>(kept.size());
+    if (strokes[i] > 0) kept.push_back(artwork.layers[i]);
+  }
+  for (Stroke& stroke : artwork.strokes) stroke.layer = index[stroke.layer];
+  artwork.layers = std::move(kept);
+}
+
 }  // namespace
 
 Artwork parse_svg(std::string_view document, const std::string& name, const SvgSettings& settings) {
-  if (!(settings.tolerance_mm > 0) || !(settings.relative_tolerance > 0)) {
-    throw InputError(fmt::format("svg tolerance: {} mm and {} of the diagonal; both must be > 0", settings.tolerance_mm,
-                                 settings.relative_tolerance));
+  if (!(settings.tolerance_mm > 0) || !(settings.relative_tolerance > 0) || !(settings.turn > 0)) {
+    throw InputError(fmt::format("svg tolerance: {} mm, {} of the diagonal and {} rad; all must be > 0", settings.tolerance_mm,
+                                 settings.relative_tolerance, settings.turn));
   }
   const auto free_svg = [](const ImpedrawSvg* svg) { impedraw_svg_free(svg); };
   const std::unique_ptr<const ImpedrawSvg, decltype(free_svg)> svg(
@@ -175,20 +196,28 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
 
   const std::vector<Subpath> subpaths = subpaths_of(*svg, name);
   FlattenSettings flatten_settings;
+  flatten_settings.turn = settings.turn;
   if (!subpaths.empty()) {
     const double diagonal = box_of(subpaths).diagonal().norm();
     flatten_settings.tolerance = std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
   }
+  std::size_t points = 0;
   for (const Subpath& subpath : subpaths) {
-    Stroke stroke = stroke_of(subpath, flatten_settings);
+    Stroke stroke = stroke_of(subpath, flatten_settings, name);
+    points += stroke.points.size();
+    require_few(points, flatten_settings, name);
+    stroke.points.shrink_to_fit();
     if (!stroke.points.empty()) artwork.strokes.push_back(std::move(stroke));
   }
-  if (artwork.strokes.empty()) {
+  drop_empty_layers(artwork);
+  const std::string nothing = "nothing in it draws a line: no visible path or shape";
+  if (artwork.strokes.empty() && !settings.may_be_empty) {
     std::string why;
     for (const std::string& warning : artwork.warnings) why += (why.empty() ? " (" : "; ") + warning;
     if (!why.empty()) why += ")";
-    throw InputError(fmt::format("{}: nothing in it draws a line: no visible path or shape{}", name, why));
+    throw InputError(fmt::format("{}: {}{}", name, nothing, why));
   }
+  if (artwork.strokes.empty()) artwork.warnings.push_back(nothing);
   return artwork;
 }
 

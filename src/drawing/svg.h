@@ -8,8 +8,11 @@
 // visibility hidden and elements outside of what is rendered draw nothing. Layers are the groups at the top of the document, by Inkscape
 // label, id or place.
 //
-// Not drawn, and told in Artwork::warnings: text, pictures, the effect of clip paths, masks and dashes. Nothing but the file itself is
-// read.
+// Text is drawn as the outlines of its glyphs, in the system's fonts.
+//
+// Not drawn, and told in Artwork::warnings: pictures, markers, text that no font shows, the effect of clip paths, masks and dashes, and
+// what usvg could not make sense of. The contents of patterns are not drawn either, only what they fill. But for fonts, nothing except the file
+// itself is read.
 #pragma once
 
 #include <filesystem>
@@ -23,10 +26,13 @@ namespace impedraw {
 struct SvgSettings {
   double tolerance_mm = 0.01;         // of a chord to its curve, on the page
   double relative_tolerance = 1e-5;   // of the artwork's diagonal; the smaller holds, since a small page is drawn enlarged
+  double turn = 0.15;                 // largest turn of a curve from one point to the next [rad]
   double largest_file_mb = 64;
+  bool may_be_empty = false;          // nothing to draw is no error, but a warning
 };
 
-// InputError: the file is missing or no SVG, has no valid size, nothing in it draws, or a coordinate is beyond ± 1e6 mm.
+// InputError: the file is missing or no SVG, has no valid size, nests beyond 1,000 elements, holds numbers that are not finite or a
+// coordinate beyond ± 1e6 mm, or nothing in it draws.
 Artwork read_svg(const std::filesystem::path& file, const SvgSettings& settings = {});
 Artwork parse_svg(std::string_view document, const std::string& name, const SvgSettings& settings = {});
 

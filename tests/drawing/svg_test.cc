@@ -150,6 +150,8 @@ TEST(Svg, WhatIsNotPaintedIsNotDrawn) {
   for (const std::string unseen :
        {"<path d='M0 0 H10 V10 Z' fill='none'/>", "<path d='M0 0 H10 V10 Z' opacity='0'/>",
         "<g opacity='0'><rect width='9' height='9'/></g>",
+        "<linearGradient id='g'><stop stop-opacity='0'/><stop offset='1' stop-opacity='0'/></linearGradient>"
+        "<rect width='9' height='9' fill='url(#g)'/>",
         "<g display='none'><rect width='9' height='9'/></g>", "<rect width='9' height='9' visibility='hidden'/>",
         "<rect width='9' height='9' fill-opacity='0'/>", "<line x1='0' y1='0' x2='9' y2='9' fill='black'/>",
         "<defs><rect width='9' height='9'/></defs>",
@@ -183,14 +185,87 @@ TEST(Svg, LayersAreTheTopGroups) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(a.strokes[i].layer, expected[i]);
 }
 
+TEST(Svg, LayersWithoutStrokesAreNone) {
+  const Artwork hidden = on_mm_page("<g inkscape:label='a' display='none'><line x2='5' y2='1' stroke='red'/></g>"
+                                    "<g inkscape:label='b'><line x2='5' y2='0' fill='red'/></g>"
+                                    "<g inkscape:label='c' transform='scale(2)'><line x2='5' stroke='red'/></g>");
+  EXPECT_EQ(hidden.layers, (std::vector<std::string>{"c"}));
+  EXPECT_NEAR(lines::length(only(hidden)), 10, 1e-4);
+  EXPECT_EQ(stroked("<line x2='5'/>").layers, (std::vector<std::string>{"1"}));  // a lone group without a name
+  // Illustrator's layers stand within a switch.
+  const Artwork illustrator = on_mm_page("<switch><foreignObject requiredExtensions='x'/><g extraneous='self'><g id='L1'><g id='in'>"
+                                         "<line x2='5' stroke='red'/></g></g><g id='L2'><line x2='5' stroke='red'/></g></g></switch>");
+  EXPECT_EQ(illustrator.layers, (std::vector<std::string>{"L1", "L2"}));
+}
+
+TEST(Svg, NothingToDrawMayBeAllowed) {
+  SvgSettings settings;
+  settings.may_be_empty = true;
+  const Artwork empty = parse_svg("<svg xmlns='http://www.w3.org/2000/svg' opacity='0'><rect width='9' height='9'/></svg>", "a", settings);
+  EXPECT_TRUE(empty.strokes.empty());
+  EXPECT_EQ(empty.warnings, (std::vector<std::string>{"nothing in it draws a line: no visible path or shape"}));
+}
+
 TEST(Svg, WhatIsLeftOutIsTold) {
-  const Artwork a = on_mm_page("<text x='9' y='9'>Hi</text><image href='/etc/passwd' width='9' height='9'/>"
+  const Artwork a = on_mm_page("<marker id='m'><path d='M0 0 L9 9'/></marker><image href='/etc/passwd' width='9' height='9'/>"
                                "<clipPath id='c'><rect width='1' height='1'/></clipPath><g clip-path='url(#c)'>"
                                "<line x2='5' y2='5' stroke='red' stroke-dasharray='1 2'/></g>");
   ASSERT_EQ(a.warnings.size(), 4u);
-  EXPECT_EQ(a.warnings[0], "1 × <text>: text is left out: convert it to paths first");
+  EXPECT_EQ(a.warnings[0], "1 × <image>: pictures are left out: a pen draws lines only");
   EXPECT_EQ(a.strokes.size(), 1u);
   EXPECT_TRUE(stroked("<line x2='5' y2='5'/>").warnings.empty());
+  const Artwork cut = stroked("<path d='M0 0 L 10 0 X 5 5'/>");  // up to the fault, as SVG has it
+  EXPECT_NEAR(lines::length(only(cut)), 10, 1e-4);
+  ASSERT_EQ(cut.warnings.size(), 1u);
+  EXPECT_NE(cut.warnings[0].find("path"), std::string::npos);
+}
+
+TEST(Svg, MarkersAndPatternsAreNotDrawn) {
+  const std::string marker = "<marker id='m' markerWidth='5' markerHeight='5' overflow='visible'><path d='M0 0 L5 5 V9'/></marker>";
+  for (const std::string use : {"marker-end='url(#m)'", "style='marker:url(#m)'", "style='marker-mid:url(#m) !important'", "class='k'",
+                                "marker-start='url(#m)' paint-order='fill markers'"}) {
+    SCOPED_TRACE(use);
+    const std::string style = "<style>.k{marker-start:url(#m)}</style>";
+    EXPECT_NEAR(lines::length(only(on_mm_page(marker + style + "<path d='M10 10 H50 V50' stroke='red' " + use + "/>"))), 80, 1e-3);
+  }
+  EXPECT_NEAR(lines::length(only(on_mm_page("<pattern id='p' width='3' height='3' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
+                                            "stroke='red'/></pattern><rect width='30' height='20' fill='url(#p)'/>"))),
+              100, 1e-3);
+}
+
+TEST(Svg, TextIsDrawnAsOutlines) {
+  // The glyphs are the system's: of them only what holds for any font.
+  const auto extent = [](const Artwork& a) {
+    Eigen::AlignedBox2d box;
+    for (const Stroke& s : a.strokes) {
+      for (const Vector2d& p : s.points) box.extend(p);
+    }
+    return box;
+  };
+  Artwork one = on_mm_page("<line x1='0' y1='199' x2='1' y2='199' stroke='red'/><text x='50' y='100' font-size='20'>HH</text>");
+  if (one.strokes.size() == 1) {
+    ASSERT_EQ(one.warnings.size(), 1u);
+    EXPECT_NE(one.warnings[0].find("1 texts are left out"), std::string::npos);
+    GTEST_SKIP() << "no font on this system";
+  }
+  one.strokes.erase(one.strokes.begin());
+  ASSERT_EQ(one.strokes.size(), 2u);
+  EXPECT_NEAR(extent(one).max().y(), 100, 1e-3);  // an H stands on the base line
+  EXPECT_GT(extent(one).min().x(), 50);
+  EXPECT_GT(extent(one).sizes().y(), 12);
+  EXPECT_LT(extent(one).sizes().y(), 17);
+  Artwork turned = on_mm_page("<g transform='translate(100 0) rotate(90) scale(.5)'><text x='50' y='100' font-size='20'>HH</text></g>");
+  EXPECT_NEAR(extent(turned).min().x(), 50, 1e-3);
+  EXPECT_NEAR(extent(turned).sizes().x(), extent(one).sizes().y() / 2, 1e-3);
+  EXPECT_NEAR(extent(turned).sizes().y(), extent(one).sizes().x() / 2, 1e-3);
+}
+
+TEST(Svg, OtherEncodings) {
+  const std::string rest = "<svg xmlns='http://www.w3.org/2000/svg'><g id='caf\xe9'><line x2='9' y2='9' stroke='red'/></g></svg>";
+  EXPECT_EQ(parse_svg("<?xml version='1.0' encoding='ISO-8859-1'?>" + rest, "latin").layers, std::vector<std::string>{"caf\xc3\xa9"});
+  std::string wide = "\xff\xfe";
+  for (const char c : rest) wide += {c, '\0'};
+  EXPECT_EQ(parse_svg(wide, "utf-16").layers, std::vector<std::string>{"caf\xc3\xa9"});
 }
 
 }  // namespace

@@ -21,7 +21,9 @@ TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
     for (std::size_t i = 0; i < line.points.size(); ++i) {
       const Vector3d& p = line.points[i];
       EXPECT_NEAR((p - surfaces::kBowlCentre).norm(), surfaces::kBowlRadius, 1e-12);
-      if (name != "M") {
+      if (name == "circle") {
+        EXPECT_NEAR((p - Vector3d(0.60, 0.0, p.z())).norm(), 0.06, 1e-6);
+      } else if (name != "M") {
         EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 1e-6);
       }
       if (i == 0) continue;

@@ -1,5 +1,7 @@
 // What the path does when: phases, strokes, corners, dots, blind drawing, errors.
 #include <gmock/gmock.h>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "common/errors.h"
@@ -51,7 +53,7 @@ TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
   const PathSample end = path.at(path.duration() + 5);
   const SurfaceSample last = *surfaces::bowl(0.6, 0.05);
   EXPECT_NEAR(end.goal.p_WD.z(), 0.16 + settings.safe_height, 1e-9);
-  EXPECT_LT((end.goal.p_WD - last.p_W).normalized().cross(last.n_W).norm(), 1e-6);  // along the normal
+  EXPECT_LT((end.goal.p_WD - last.p_W).normalized().cross(last.n_W).norm(), 5e-5);  // along the normal
   EXPECT_EQ(end.phase, Phase::done);
   EXPECT_EQ(end.stroke, -1);
   EXPECT_FALSE(end.goal.pen_down);
@@ -97,12 +99,45 @@ TEST(TipPath, SineKeepsToItsFormulaAndItsSpeed) {
     const Vector3d& p = goal.p_WD;
     ASSERT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 2.4e-5);  // 0.01 mm across, slope up to 2.1
     ASSERT_NEAR((p - surfaces::kBowlCentre).norm(), surfaces::kBowlRadius, 1e-7);
-    ASSERT_LT(goal.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(), 1e-5);
+    ASSERT_LT(goal.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(), 1e-4);  // smoothing takes 0.003° off
     arc += (p - last).norm();
     last = p;
   }
   EXPECT_NEAR(arc, s.length, 1e-5);
   EXPECT_NEAR(path.pen_down_length(), s.length, 1e-15);
+}
+
+// A cloud's normals are noisy, and two derivatives of noise were 40 Nm a step at 0.3 m/s.
+TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  constexpr double kNoise = 1e-3;  // [rad] on each axis
+  const auto most_alpha = [&](double smoothing, double* error) {
+    std::mt19937 bits(seed);
+    std::uniform_real_distribution<double> noise(-kNoise, kNoise);
+    const auto noisy = [&](double x, double y) {
+      std::optional<SurfaceSample> sample = surfaces::bowl(x, y);
+      if (sample) sample->n_W = (sample->n_W + Vector3d(noise(bits), noise(bits), noise(bits))).normalized();
+      return sample;
+    };
+    PathSettings settings;
+    settings.draw_speed = 0.3;
+    settings.draw_acceleration = 5.0;
+    settings.normal_smoothing = smoothing;
+    const TipPath path = plan_tip_path(surfaces::shape("sine"), noisy, settings);
+    double most = 0.0;
+    *error = 0.0;
+    for (double t = path.strokes()[0].start; t <= path.strokes()[0].end; t += 1e-3) {
+      const TipGoal goal = path.at(t).goal;
+      most = std::max(most, goal.alpha_WD.norm());
+      *error += goal.n_WD.cross((surfaces::kBowlCentre - goal.p_WD).normalized()).norm();
+    }
+    return most;
+  };
+  double raw_error, error;
+  const double raw = most_alpha(0.0, &raw_error), smoothed = most_alpha(4e-3, &error);
+  EXPECT_LT(smoothed, 0.1 * raw);
+  EXPECT_LT(error, 0.7 * raw_error) << "in the mean";
 }
 
 TEST(TipPath, MStopsAtItsCorners) {

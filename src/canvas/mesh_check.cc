@@ -1,0 +1,204 @@
+#include "canvas/mesh_check.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "canvas/half_edges.h"
+#include "canvas/mesh_file.h"
+#include "canvas/mesh_topology.h"
+#include "canvas/mesh_winding.h"
+#include "canvas/weld.h"
+#include "common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+
+constexpr double kWeld = 1e-6;               // of the diagonal
+constexpr double kLargest = 5.0, kSmallest = 1e-3;  // [m], of the longest side
+
+Eigen::AlignedBox3d bounds_of_triangles(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d bounds;
+  for (const auto& t : mesh.triangles)
+    for (const int v : t) bounds.extend(mesh.vertices[v]);
+  return bounds;
+}
+
+bool collapsed(const Vector3i& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+// The mesh as it is mended, each of its triangles with the number it had.
+struct Mending {
+  CheckedMesh* checked;
+  std::vector<int> number;
+
+  TriangleMesh& mesh() { return checked->mesh; }
+
+  // `of`: numbers of the triangles, ascending.
+  void report(std::string kind, const std::vector<int>& of, bool mended, const std::string& say) {
+    if (of.empty()) return;
+    std::string message = fmt::format("{}: {}, first triangle {}; {}", kind, of.size(), of.front(), say);
+    std::replace(message.begin(), message.end(), '_', ' ');
+    checked->faults.push_back({std::move(kind), of.size(), of.front(), mended, std::move(message)});
+  }
+
+  void drop(const std::vector<bool>& gone) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      if (gone[i]) continue;
+      number[kept] = number[i];
+      mesh().triangles[kept++] = mesh().triangles[i];
+    }
+    number.resize(kept);
+    mesh().triangles.resize(kept);
+  }
+
+  void degenerate() {
+    std::vector<int> faulty;
+    std::vector<bool> thin(number.size(), false), gone(number.size(), false);
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      gone[i] = collapsed(mesh().triangles[i]);
+      thin[i] = !gone[i] && is_thin(*checked, mesh().triangles[i]);
+      if (gone[i] || thin[i]) faulty.push_back(number[i]);
+    }
+    if (faulty.empty()) return;
+    if (faulty.size() == number.size()) throw InputError(fmt::format("none of its {} triangles has an area", number.size()));
+    // A thin triangle is a seam between its neighbours, but for one that lies on an edge that is joined without it.
+    for_each_edge(half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size())), [&](const HalfEdge* first, const HalfEdge* last) {
+      if (last - first <= 2) return;
+      for (const HalfEdge* e = first; e < last; ++e) gone[e->face] = gone[e->face] || thin[e->face];
+    });
+    drop(gone);
+    report("degenerate_triangle", faulty, true, "without area, left out or passed over");
+  }
+
+  void duplicate() {
+    std::vector<std::array<int, 4>> sorted(number.size());
+    for (int i = 0; i < static_cast<int>(number.size()); ++i) {
+      const Vector3i& t = mesh().triangles[i];
+      sorted[i] = {t[0], t[1], t[2], i};
+      std::sort(sorted[i].begin(), sorted[i].begin() + 3);
+    }
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<bool> gone(number.size(), false);
+    std::vector<int> faulty;
+    for (std::size_t i = 1; i < sorted.size(); ++i) {
+      if (!std::equal(sorted[i].begin(), sorted[i].begin() + 3, sorted[i - 1].begin())) continue;
+      gone[sorted[i][3]] = true;
+      faulty.push_back(number[sorted[i][3]]);
+    }
+    if (faulty.empty()) return;
+    std::sort(faulty.begin(), faulty.end());
+    drop(gone);
+    report("duplicate_triangle", faulty, true, "on the vertices of an earlier one, left out");
+  }
+
+  void edges_and_winding() {
+    const auto edges = half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
+    std::vector<int> crowded;  // of each edge with too many, its lowest triangle
+    std::string at;
+    checked->closed = true;
+    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+      checked->closed = checked->closed && last - first == 2;
+      if (last - first <= 2) return;
+      if (crowded.empty() || number[first->face] < *std::min_element(crowded.begin(), crowded.end())) {
+        const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
+        at = fmt::format("its edge from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m is shared by {} triangles ({}, {}, {}, …), "
+                         "at most two may", p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), last - first, number[first[0].face],
+                         number[first[1].face], number[first[2].face]);
+      }
+      crowded.push_back(number[first->face]);
+    });
+    std::sort(crowded.begin(), crowded.end());
+    report("non_manifold_edge", crowded, false, at);
+    Winding winding = find_winding(mesh(), edges);
+    for (int& f : winding.twisted) f = number[f];
+    report("not_orientable", winding.twisted, false, "wound against a neighbour whichever way it is turned, all must have one side");
+    if (!winding.twisted.empty()) return;
+    std::vector<int> faulty;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      if (!winding.wrong[i]) continue;
+      faulty.push_back(number[i]);
+      std::swap(mesh().triangles[i][1], mesh().triangles[i][2]);
+    }
+    report("wrong_winding", faulty, true, "turned");
+  }
+};
+
+void check_size(const Vector3d& size, CheckedMesh* checked) {
+  const double longest = size.maxCoeff();
+  if (longest <= kLargest && longest >= kSmallest) return;
+  const bool large = longest > kLargest;
+  std::string message = fmt::format(
+      "it measures {:.4g} × {:.4g} × {:.4g} m, {}", size.x(), size.y(), size.z(),
+      large ? "more than 5 m: is its unit of length too long (mm taken for m)? If not, cut out what the arm reaches"
+            : "less than 1 mm: is its unit of length too short (m taken for mm)?");
+  checked->faults.push_back({large ? "too_large" : "too_small", 1, 0, false, std::move(message)});
+}
+
+int count_components(const TriangleMesh& mesh) {
+  std::vector<int> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const auto& t : mesh.triangles) {
+    for (const int v : t) {
+      used[v] = true;
+      parent[root(v)] = root(t[0]);
+    }
+  }
+  int count = 0;
+  for (int v = 0; v < static_cast<int>(parent.size()); ++v) count += used[v] && parent[v] == v;
+  return count;
+}
+
+}  // namespace
+
+bool is_thin(const CheckedMesh& mesh, const Vector3i& t) {
+  const auto& p = mesh.mesh.vertices;
+  const double longest = std::max({(p[t[1]] - p[t[0]]).norm(), (p[t[2]] - p[t[1]]).norm(), (p[t[0]] - p[t[2]]).norm()});
+  return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).norm() <= mesh.weld * longest;
+}
+
+CheckedMesh check_mesh(const TriangleMesh& mesh) {
+  require_valid(mesh);
+  CheckedMesh checked;
+  checked.given_triangles = mesh.triangles.size();
+  checked.bounds = bounds_of_triangles(mesh);
+  checked.weld = kWeld * checked.bounds.diagonal().norm();
+  checked.mesh = weld(mesh, checked.weld);
+  check_size(checked.bounds.sizes(), &checked);
+  Mending mending{&checked, std::vector<int>(mesh.triangles.size())};
+  std::iota(mending.number.begin(), mending.number.end(), 0);
+  mending.degenerate();
+  mending.duplicate();
+  mending.edges_and_winding();
+  checked.components = count_components(checked.mesh);
+  return checked;
+}
+
+CheckedMesh load_mesh(const std::filesystem::path& file, double unit) {
+  const TriangleMesh mesh = read_mesh(file, unit);
+  try {
+    return check_mesh(mesh);
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  }
+}
+
+void require_drawable(const CheckedMesh& mesh, const std::string& name) {
+  for (const auto& fault : mesh.faults) {
+    if (!fault.mended) throw InputError(name + ": " + fault.message);
+  }
+}
+
+}  // namespace impedraw

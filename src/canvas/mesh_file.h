@@ -1,0 +1,16 @@
+// Triangle meshes from files, as they stand there: neither welded nor mended.
+#pragma once
+
+#include <filesystem>
+
+#include "canvas/triangle_mesh.h"
+
+namespace impedraw {
+
+// An OBJ, STL (text or binary) or PLY; `unit` is the length of one unit of the file [m]. Read by Assimp, in single precision; faces with
+// more than three corners are cut into triangles, groups and solids follow one another. Lines, points, colours, normals and materials are
+// left aside, and no other file is opened. Throws InputError naming the file and the fault: all of require_whole, an index out of range, no
+// triangle at all, or what Assimp says.
+TriangleMesh read_mesh(const std::filesystem::path& file, double unit);
+
+}  // namespace impedraw

@@ -1,0 +1,96 @@
+#include "canvas/mesh_winding.h"
+
+#include <algorithm>
+#include <array>
+
+#include <Eigen/Geometry>
+
+namespace impedraw {
+namespace {
+
+struct Patch {  // triangles joined across edges with exactly two
+  std::vector<int> triangles;
+  bool closed = true;
+  Eigen::AlignedBox3d box;
+  double volume = 0.0;  // [m³], < 0: inside out
+};
+
+constexpr std::size_t kLargest = 64;  // closed patches that another may be the cavity of: a bound on the work
+
+}  // namespace
+
+Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges) {
+  const int n = static_cast<int>(mesh.triangles.size());
+  Winding winding;
+  winding.wrong.assign(n, false);
+  std::vector<std::array<int, 3>> neighbour(n, {-1, -1, -1});
+  std::vector<std::array<bool, 3>> against(n, {false, false, false});
+  for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+    if (last - first != 2) return;
+    for (int i = 0; i < 2; ++i) {
+      neighbour[first[i].face][first[i].side] = first[1 - i].face;
+      against[first[i].face][first[i].side] = first[0].forward == first[1].forward;
+    }
+  });
+
+  Eigen::AlignedBox3d bounds;
+  for (const auto& p : mesh.vertices) bounds.extend(p);
+  std::vector<Patch> closed;
+  std::vector<bool> seen(n, false), turned(n, false);
+  for (int start = 0; start < n; ++start) {
+    if (seen[start]) continue;
+    Patch patch;
+    patch.triangles = {start};
+    seen[start] = true;
+    for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
+      const int f = patch.triangles[i];
+      for (int side = 0; side < 3; ++side) {
+        const int g = neighbour[f][side];
+        if (g < 0) {
+          patch.closed = false;
+          continue;
+        }
+        const bool wanted = turned[f] != against[f][side];
+        if (!seen[g]) {
+          seen[g] = true;
+          turned[g] = wanted;
+          patch.triangles.push_back(g);
+        } else if (turned[g] != wanted) {
+          winding.twisted.push_back(std::max(f, g));
+        }
+      }
+    }
+    const auto count = std::count_if(patch.triangles.begin(), patch.triangles.end(), [&](int f) { return turned[f]; });
+    const bool most = 2 * static_cast<std::size_t>(count) > patch.triangles.size();
+    for (const int f : patch.triangles) winding.wrong[f] = turned[f] != most;
+    if (!patch.closed) continue;
+    for (const int f : patch.triangles) {
+      Eigen::Matrix3d corner;
+      for (int k = 0; k < 3; ++k) {
+        corner.col(k) = mesh.vertices[mesh.triangles[f][k]] - bounds.center();
+        patch.box.extend(mesh.vertices[mesh.triangles[f][k]]);
+      }
+      patch.volume += (winding.wrong[f] ? -1.0 : 1.0) * corner.determinant() / 6;
+    }
+    closed.push_back(std::move(patch));
+  }
+
+  std::vector<const Patch*> largest;
+  for (const auto& patch : closed) largest.push_back(&patch);
+  const auto larger = [](const Patch* a, const Patch* b) { return a->box.diagonal().norm() > b->box.diagonal().norm(); };
+  std::stable_sort(largest.begin(), largest.end(), larger);
+  largest.resize(std::min(largest.size(), kLargest));
+  for (const auto& patch : closed) {
+    if (patch.volume >= 0.0) continue;
+    const bool cavity = std::any_of(largest.begin(), largest.end(), [&](const Patch* other) {
+      return other != &patch && other->box.contains(patch.box) && other->box.diagonal().norm() > patch.box.diagonal().norm();
+    });
+    if (cavity) continue;
+    for (const int f : patch.triangles) winding.wrong[f] = !winding.wrong[f];
+  }
+  std::sort(winding.twisted.begin(), winding.twisted.end());
+  winding.twisted.erase(std::unique(winding.twisted.begin(), winding.twisted.end()), winding.twisted.end());
+  return winding;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,124 @@
+#include "drawing/simplify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+
+// To the segment, not to its line: for a line that turns back behind an end the two differ.
+double distance(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d side = b - a;
+  const double squared = side.squaredNorm();
+  const double share = squared > 0 ? std::clamp((p - a).dot(side) / squared, 0.0, 1.0) : 0.0;
+  return (p - a - share * side).norm();
+}
+
+void require_length(const char* name, double value) {
+  if (!(value >= 0) || !std::isfinite(value)) throw InputError(fmt::format("{}: {} mm; must be a number ≥ 0", name, value));
+}
+
+}  // namespace
+
+Stroke simplified(const Stroke& stroke, double tolerance_mm) {
+  require_length("simplification's tolerance", tolerance_mm);
+  const std::vector<Vector2d>& p = stroke.points;
+  if (p.size() < 3 || tolerance_mm == 0) return stroke;
+  std::vector<char> kept(p.size(), false);
+  kept.front() = kept.back() = true;
+  std::vector<std::pair<std::size_t, std::size_t>> spans{{0, p.size() - 1}};
+  bool whole = stroke.closed;  // split once in any case, or nothing would be left of a small one
+  while (!spans.empty()) {
+    const auto [from, to] = spans.back();
+    spans.pop_back();
+    double farthest = 0;
+    std::size_t at = from;
+    for (std::size_t i = from + 1; i < to; ++i) {
+      const double d = distance(p[i], p[from], p[to]);
+      if (d > farthest) farthest = d, at = i;
+    }
+    if (at == from || (farthest <= tolerance_mm && !std::exchange(whole, false))) continue;
+    whole = false;
+    kept[at] = true;
+    spans.emplace_back(from, at);
+    spans.emplace_back(at, to);
+  }
+  Stroke result{{}, stroke.closed, stroke.layer};
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (kept[i]) result.points.push_back(p[i]);
+  }
+  return result;
+}
+
+std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
+  require_length("the gap for joining", gap_mm);
+  const int count = static_cast<int>(strokes.size());
+  const auto end = [&](int e) -> const Vector2d& { return e % 2 ? strokes[e / 2].points.back() : strokes[e / 2].points.front(); };
+  const auto open = [&](int s) { return !strokes[s].closed && strokes[s].points.size() > 1; };
+
+  // Ends in cells as large as the gap: partners lie in neighbouring ones.
+  const double cell = std::max(gap_mm, 1e-6);
+  const auto cell_of = [&](const Vector2d& p) { return std::pair<long, long>(std::lround(p.x() / cell), std::lround(p.y() / cell)); };
+  std::map<std::pair<long, long>, std::vector<int>> cells;
+  for (int e = 0; e < 2 * count; ++e) {
+    if (open(e / 2)) cells[cell_of(end(e))].push_back(e);
+  }
+  std::vector<std::tuple<double, int, int>> links;
+  for (int a = 0; a < 2 * count; ++a) {
+    if (!open(a / 2)) continue;
+    const auto [x, y] = cell_of(end(a));
+    for (long dx = -1; dx <= 1; ++dx) {
+      for (long dy = -1; dy <= 1; ++dy) {
+        const auto found = cells.find({x + dx, y + dy});
+        if (found == cells.end()) continue;
+        for (const int b : found->second) {
+          const double length = (end(a) - end(b)).norm();
+          if (a < b && length <= gap_mm && strokes[a / 2].layer == strokes[b / 2].layer) links.emplace_back(length, a, b);
+        }
+      }
+    }
+  }
+  std::sort(links.begin(), links.end());
+
+  std::vector<int> partner(2 * count, -1), far(2 * count);  // far: of an end that is free, its chain's other free end
+  for (int e = 0; e < 2 * count; ++e) far[e] = e ^ 1;
+  for (const auto& [length, a, b] : links) {
+    if (partner[a] >= 0 || partner[b] >= 0 || far[a] == b) continue;
+    partner[a] = b;
+    partner[b] = a;
+    const int out_a = far[a], out_b = far[b];
+    far[out_a] = out_b;
+    far[out_b] = out_a;
+  }
+
+  std::vector<Stroke> result;
+  std::vector<char> used(count, false);
+  for (int s = 0; s < count; ++s) {
+    if (used[s]) continue;
+    // Back to where the chain begins, so that its first part keeps its direction if it can.
+    int e = 2 * s;
+    while (partner[e] >= 0) e = partner[e] ^ 1;
+    Stroke stroke{{}, strokes[s].closed, strokes[s].layer};
+    for (; e >= 0; e = partner[e ^ 1]) {
+      used[e / 2] = true;
+      std::vector<Vector2d> part = strokes[e / 2].points;
+      if (e % 2) std::reverse(part.begin(), part.end());
+      const bool touches = !stroke.points.empty() && stroke.points.back() == part.front();
+      stroke.points.insert(stroke.points.end(), part.begin() + touches, part.end());
+    }
+    stroke.closed = stroke.points.size() > 2 && stroke.points.front() == stroke.points.back();
+    result.push_back(std::move(stroke));
+  }
+  return result;
+}
+
+}  // namespace impedraw

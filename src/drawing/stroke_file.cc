@@ -1,0 +1,214 @@
+#include "drawing/stroke_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+
+#include <fmt/core.h>
+
+#include "common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double kFarthest = 1e6;  // [mm]
+
+std::string_view trimmed(std::string_view text) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+bool same_word(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char c, unsigned char d) { return std::tolower(c) == std::tolower(d); });
+}
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+  const bool separated = line.find_first_of(",;") != std::string_view::npos;
+  const char* separators = separated ? ",;" : " \t";
+  std::vector<std::string_view> fields;
+  while (true) {
+    const std::size_t end = line.find_first_of(separators);
+    const std::string_view field = trimmed(line.substr(0, end));
+    if (separated || !field.empty()) fields.push_back(field);
+    if (end == std::string_view::npos) return fields;
+    line.remove_prefix(end + 1);
+  }
+}
+
+std::optional<double> number_in(std::string_view field) {
+  if (field.starts_with('+')) field.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (error != std::errc() || end != field.data() + field.size() || field.empty()) return std::nullopt;
+  return value;
+}
+
+class Reading {
+ public:
+  Reading(const std::string& name, bool csv) : name_(name), csv_(csv) { artwork_.name = name; }
+
+  // `closed_by_end`: somewhere in the text there is an End.
+  Artwork read(std::string_view text, bool closed_by_end) {
+    page_wanted_ = !csv_ || closed_by_end;
+    while (!text.empty()) {
+      const std::size_t end = text.find('\n');
+      ++line_;
+      take(trimmed(text.substr(0, end)));
+      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    }
+    if (page_wanted_ && page_.isEmpty()) fail("the file ends before the page's width and height");
+    if (!points_.empty() && closed_by_end && stroke_column_ < 0) {
+      artwork_.warnings.push_back(fmt::format("the last stroke has no End: the file may be cut off after line {}", line_));
+    }
+    close();
+    scale();
+    return std::move(artwork_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: line {}: {}", name_, line_, what)); }
+
+  void take(std::string_view line) {
+    if (line.starts_with('#')) return;
+    if (line.empty()) {
+      if (csv_) close();
+      return;
+    }
+    const std::vector<std::string_view> fields = fields_of(line);
+    if (same_word(fields[0], "end") && std::all_of(fields.begin() + 1, fields.end(), [](auto f) { return f.empty(); })) {
+      if (page_wanted_ && page_.isEmpty()) fail("End before the page's width and height");
+      if (points_.empty()) artwork_.warnings.push_back(fmt::format("line {}: End of a stroke without points", line_));
+      close();
+      return;
+    }
+    const bool first = rows_++ == 0;
+    if (csv_ && first && !number_in(fields[0])) return take_header(fields);
+    if (page_wanted_ && page_.isEmpty()) return take_page(fields);
+    if (static_cast<int>(fields.size()) != columns_) fail(wanted(line));
+    if (stroke_column_ >= 0) {
+      if (fields[stroke_column_] != stroke_) close();
+      stroke_ = fields[stroke_column_];
+    }
+    const Vector2d point(coordinate(fields[x_column_], line), coordinate(fields[y_column_], line));
+    if (points_.empty() || points_.back() != point) points_.push_back(point);
+  }
+
+  void take_header(const std::vector<std::string_view>& fields) {
+    const auto column = [&](std::string_view name) {
+      const auto at = std::find_if(fields.begin(), fields.end(), [&](std::string_view field) { return same_word(field, name); });
+      return at == fields.end() ? -1 : static_cast<int>(at - fields.begin());
+    };
+    page_wanted_ = false;
+    columns_ = static_cast<int>(fields.size());
+    x_column_ = column("x");
+    y_column_ = column("y");
+    stroke_column_ = column("stroke");
+    if (x_column_ < 0 || y_column_ < 0) fail("the header names no columns x and y (and perhaps stroke)");
+  }
+
+  void take_page(const std::vector<std::string_view>& fields) {
+    const auto width = fields.size() == 2 ? number_in(fields[0]) : std::nullopt;
+    const auto height = fields.size() == 2 ? number_in(fields[1]) : std::nullopt;
+    if (!width || !height) fail("the page's width and height are to come first, as two numbers");
+    if (!(*width > 0 && *width <= kFarthest && *height > 0 && *height <= kFarthest)) {
+      fail(fmt::format("the page is {} × {} mm; both must be > 0 and at most {:.0e}", *width, *height, kFarthest));
+    }
+    page_ = Eigen::AlignedBox2d(Vector2d::Zero(), Vector2d(*width, *height));
+  }
+
+  std::string wanted(std::string_view line) const {
+    const std::string shown = line.size() > 40 ? std::string(line.substr(0, 40)) + " …" : std::string(line);
+    return fmt::format("'{}'; {} numbers or End are to stand there", shown, columns_);
+  }
+
+  double coordinate(std::string_view field, std::string_view line) const {
+    const auto value = number_in(field);
+    if (!value) fail(wanted(line));
+    if (!(std::abs(*value) <= kFarthest)) fail(fmt::format("{} is not within ± {:.0e} mm", field, kFarthest));
+    return *value;
+  }
+
+  void close() {
+    if (points_.empty()) return;
+    Stroke stroke;
+    stroke.closed = points_.size() > 2 && points_.front() == points_.back();
+    stroke.points = std::move(points_);
+    points_.clear();
+    artwork_.strokes.push_back(std::move(stroke));
+  }
+
+  void scale() {
+    Eigen::AlignedBox2d box;
+    for (const Stroke& stroke : artwork_.strokes) {
+      for (const Vector2d& p : stroke.points) box.extend(p);
+    }
+    if (!artwork_.strokes.empty()) artwork_.layers = {"page"};
+    artwork_.page = page_.isEmpty() ? box : page_;
+    const bool shares = !page_.isEmpty() && !box.isEmpty() && page_.sizes().minCoeff() > 1 && box.min().minCoeff() >= 0 &&
+                        box.max().maxCoeff() <= 1;
+    if (!shares) return;
+    artwork_.warnings.push_back(
+        fmt::format("all coordinates lie between 0 and 1: taken for shares of the page, {} × {} mm", page_.max().x(), page_.max().y()));
+    for (Stroke& stroke : artwork_.strokes) {
+      for (Vector2d& p : stroke.points) p = p.cwiseProduct(page_.max());
+    }
+  }
+
+  std::string name_;
+  bool csv_;
+  bool page_wanted_ = true;
+  int line_ = 0, rows_ = 0;
+  int columns_ = 2, x_column_ = 0, y_column_ = 1, stroke_column_ = -1;
+  std::string stroke_;  // what its column said last
+  Eigen::AlignedBox2d page_;
+  std::vector<Vector2d> points_;
+  Artwork artwork_;
+};
+
+bool has_end(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    const std::vector<std::string_view> fields = fields_of(trimmed(text.substr(0, end)));
+    if (!fields.empty() && same_word(fields[0], "end")) return true;
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return false;
+}
+
+}  // namespace
+
+Artwork parse_strokes(std::string_view text, const std::string& name, bool csv, const StrokeFileSettings& settings) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  if (text.find('\0') != std::string_view::npos) throw InputError(fmt::format("{}: not a text of strokes", name));
+  Artwork artwork = Reading(name, csv).read(text, has_end(text));
+  if (artwork.strokes.empty()) {
+    if (!settings.may_be_empty) throw InputError(fmt::format("{}: there is no stroke in it", name));
+    artwork.warnings.push_back("there is no stroke in it");
+  }
+  return artwork;
+}
+
+Artwork read_strokes(const std::filesystem::path& file, const StrokeFileSettings& settings) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw InputError(fmt::format("{}: {}", file.string(), std::filesystem::exists(file, error) ? "not a file" : "no such file"));
+  }
+  const double megabytes = static_cast<double>(std::filesystem::file_size(file, error)) / 1e6;
+  if (megabytes > settings.largest_file_mb) {
+    throw InputError(fmt::format("{}: {:.0f} MB; strokes may take up to {:.0f} MB", file.string(), megabytes, settings.largest_file_mb));
+  }
+  std::ifstream in(file, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  std::string extension = file.extension().string();
+  return parse_strokes(text, file.string(), same_word(extension, ".csv"), settings);
+}
+
+}  // namespace impedraw

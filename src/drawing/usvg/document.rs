@@ -1,0 +1,183 @@
+//! The document before usvg sees it: its characters, its numbers, its layers.
+
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use usvg::roxmltree::{Document, Node, ParsingOptions};
+
+const MOST_NODES: u32 = 2_000_000;
+const DEEPEST: usize = 1000; // elements within one another; usvg takes 1,024
+const LARGEST: f64 = 1e30; // of a number; beyond, single precision ends
+const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
+
+/// UTF-8, UTF-16 with a byte order mark, or Latin-1 where the XML declaration says so.
+pub fn text_of(data: &[u8]) -> Result<Cow<'_, str>, String> {
+    let utf16 = |from: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = data[2..].chunks_exact(2).map(|two| from([two[0], two[1]])).collect();
+        String::from_utf16(&units).map(Cow::from).map_err(|_| "not a UTF-16 text".to_string())
+    };
+    if data.starts_with(&[0xff, 0xfe]) {
+        return utf16(u16::from_le_bytes);
+    }
+    if data.starts_with(&[0xfe, 0xff]) {
+        return utf16(u16::from_be_bytes);
+    }
+    std::str::from_utf8(data).map(Cow::from).or_else(|_| {
+        let head = String::from_utf8_lossy(&data[..data.len().min(200)]).to_ascii_lowercase();
+        let latin = head.starts_with("<?xml") && ["iso-8859-1", "latin1", "windows-1252", "us-ascii"].iter().any(|e| head.contains(e));
+        let decoded = || Cow::from(data.iter().map(|&byte| byte as char).collect::<String>());
+        latin.then(decoded).ok_or("not a UTF-8 text".to_string())
+    })
+}
+
+pub fn parse(text: &str) -> Result<Document<'_>, String> {
+    let options = ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..Default::default() };
+    let xml = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
+    if xml.root_element().tag_name().name() != "svg" {
+        return Err(format!("the root element is <{}>, not <svg>", xml.root_element().tag_name().name()));
+    }
+    Ok(xml)
+}
+
+fn line_of(xml: &Document, node: Node) -> u32 {
+    xml.text_pos_at(node.range().start).row
+}
+
+/// usvg passes over an element whose numbers make no sense; here that is an error, as a line would be missing.
+pub fn check(xml: &Document) -> Result<(), String> {
+    let mut depth = 0;
+    let mut last: Option<Node> = None;
+    for node in xml.descendants() {
+        // Document order: one down from its parent, however deep the one before was.
+        depth = match last {
+            Some(before) if node.parent() == Some(before) => depth + 1,
+            Some(before) => {
+                let up = before.ancestors().take_while(|n| Some(*n) != node.parent()).count();
+                depth + 1 - up
+            }
+            None => 0,
+        };
+        last = Some(node);
+        if depth > DEEPEST {
+            return Err(format!("line {}: nested more than {DEEPEST} elements deep", line_of(xml, node)));
+        }
+        if !node.is_element() {
+            continue;
+        }
+        for attribute in node.attributes().filter(|a| a.namespace().is_none()) {
+            if let Some(fault) = fault_of(attribute.name(), attribute.value()) {
+                let tag = node.tag_name().name();
+                return Err(format!("line {}: <{tag}> {}: {fault}", line_of(xml, node), attribute.name()));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A use that leads back to itself would be drawn without end: the way down the tree, and from each use to what it shows, comes back.
+pub fn check_uses(xml: &Document) -> Result<(), String> {
+    const HREF: (&str, &str) = ("http://www.w3.org/1999/xlink", "href");
+    let by_id: HashMap<&str, Node> = xml.descendants().filter_map(|n| Some((n.attribute("id")?, n))).collect();
+    let shown = |node: Node| {
+        let href = node.attribute("href").or(node.attribute(HREF))?;
+        (node.tag_name().name() == "use").then_some(())?;
+        by_id.get(href.trim().strip_prefix('#')?).copied()
+    };
+    #[derive(Clone, Copy, PartialEq)]
+    enum State {
+        New,
+        Open,
+        Done,
+    }
+    let mut states = vec![State::New; xml.descendants().count() + 1];
+    let mut stack = vec![(xml.root(), false)];
+    while let Some((node, left)) = stack.pop() {
+        let state = &mut states[node.id().get_usize()];
+        if left {
+            *state = State::Done;
+            continue;
+        }
+        match *state {
+            State::Done => continue,
+            State::Open => return Err(format!("line {}: a <use> leads back to the element that it stands in", line_of(xml, node))),
+            State::New => *state = State::Open,
+        }
+        stack.push((node, true));
+        stack.extend(node.children().chain(shown(node)).filter(|n| n.is_element()).map(|n| (n, false)));
+    }
+    Ok(())
+}
+
+fn fault_of(name: &str, value: &str) -> Option<String> {
+    let many = matches!(name, "d" | "points" | "transform" | "viewBox");
+    if !many && !matches!(name, "x" | "y" | "width" | "height" | "cx" | "cy" | "r" | "rx" | "ry" | "x1" | "y1" | "x2" | "y2") {
+        return None;
+    }
+    let word = |w: &str| value.as_bytes().windows(3).any(|three| three.eq_ignore_ascii_case(w.as_bytes()));
+    if word("nan") || word("inf") {
+        return Some("holds what is not a finite number".to_string());
+    }
+    if value.contains(['e', 'E']) {
+        let number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | 'e' | 'E');
+        let too_large = value.split(|c| !number(c)).find(|n| n.parse().is_ok_and(|v: f64| v.abs() > LARGEST));
+        return too_large.map(|n| format!("holds {n}, beyond ± {LARGEST:e}"));
+    }
+    None
+}
+
+/// Groups at the top of the document. Illustrator's stand within a switch and a group that it calls extraneous.
+fn layer_groups<'a, 'i>(within: Node<'a, 'i>, found: &mut Vec<(usize, Node<'a, 'i>)>) {
+    for (index, node) in within.children().filter(|n| n.is_element()).enumerate() {
+        let tag = node.tag_name().name();
+        if tag == "switch" || (tag == "g" && node.attributes().any(|a| a.name() == "extraneous")) {
+            layer_groups(node, found);
+        } else if tag == "g" {
+            found.push((index + 1, node));
+        }
+    }
+}
+
+/// The document with an id for every layer, and each id's name: Inkscape's label, the id that its author gave it, or its place.
+/// None: all of them have one, and the text stays as it is.
+pub fn name_layers(text: &str, xml: &Document) -> (Option<String>, HashMap<String, String>) {
+    let mut groups = Vec::new();
+    layer_groups(xml.root_element(), &mut groups);
+    let mut names = HashMap::new();
+    let mut inserts = Vec::new();
+    let taken: HashSet<&str> = xml.descendants().filter_map(|n| n.attribute("id")).collect();
+    for (place, group) in groups {
+        let label = group.attribute((INKSCAPE, "label"));
+        match group.attribute("id").filter(|id| !id.is_empty()) {
+            Some(id) => {
+                names.insert(id.to_string(), label.unwrap_or(id).to_string());
+            }
+            // Not within an entity's text, nor beside an id that is empty.
+            None if group.range().start > xml.root_element().range().start && !group.has_attribute("id") => {
+                let start = group.range().start + 1;
+                let length = text[start..].find(|c: char| c.is_whitespace() || matches!(c, '>' | '/')).unwrap_or(0);
+                let mut id = format!("layer-{place}-at-{start}");
+                while taken.contains(id.as_str()) {
+                    id.push('_');
+                }
+                inserts.push((start + length, format!(" id=\"{id}\"")));
+                names.insert(id, label.map_or(place.to_string(), str::to_string));
+            }
+            None => {}
+        }
+    }
+    if inserts.is_empty() {
+        return (None, names);
+    }
+    let mut named = String::with_capacity(text.len() + 40 * inserts.len());
+    let mut from = 0;
+    for (at, what) in inserts {
+        named.push_str(&text[from..at]);
+        named.push_str(&what);
+        from = at;
+    }
+    named.push_str(&text[from..]);
+    (Some(named), names)
+}
+
+pub fn count(xml: &Document, tag: &str) -> usize {
+    xml.descendants().filter(|n| n.is_element() && n.tag_name().name() == tag).count()
+}

@@ -1,0 +1,93 @@
+//! Bounds of time and memory for reading a document, whatever it does to the libraries that read it: entities that multiply, thousands of
+//! attributes or rules, endless text.
+//!
+//! The document is read in a thread of its own. Every allocation of that thread is counted; one that goes beyond the bound never returns,
+//! and the thread sleeps from then on. Who waits for it sees that, or the clock, gives up and leaves the thread behind: nothing else could
+//! be done to code that knows no cancelling. The thread also has a stack for documents nested deeply.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+const STACK_BYTES: usize = 64 << 20; // the libraries recurse
+const MOST_BYTES: isize = 640 << 20;
+const SECONDS: f64 = 3.5;
+const SECONDS_PER_MB: f64 = 0.4; // for what a document has beyond two megabytes
+
+thread_local! {
+    static USED: Cell<isize> = const { Cell::new(0) };
+    static BOUND: Cell<Option<&'static AtomicBool>> = const { Cell::new(None) }; // to be set when the bound is reached
+}
+
+struct Counting;
+
+fn count(bytes: isize) {
+    let used = USED.get() + bytes;
+    USED.set(used);
+    if used > MOST_BYTES {
+        if let Some(reached) = BOUND.get() {
+            reached.store(true, Ordering::Release);
+            loop {
+                std::thread::sleep(Duration::from_secs(3600));
+            }
+        }
+    }
+}
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        System.alloc(layout)
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count(-(layout.size() as isize));
+        System.dealloc(pointer, layout)
+    }
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        System.alloc_zeroed(layout)
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count(size as isize - layout.size() as isize);
+        System.realloc(pointer, layout, size)
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// read(document), or an error where it panics, takes too long or too much.
+pub fn within<T: Send + 'static>(document: Vec<u8>, read: fn(&[u8]) -> Result<T, String>) -> Result<T, String> {
+    let gave_up = || "usvg gave up on it".to_string();
+    let megabytes = document.len() as f64 / 1e6;
+    let seconds = SECONDS + SECONDS_PER_MB * (megabytes - 2.0).max(0.0);
+    let reached: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false))); // a sleeping thread keeps it
+    let (sender, receiver) = mpsc::channel();
+    let work = move || {
+        BOUND.set(Some(reached));
+        let result = catch_unwind(AssertUnwindSafe(|| read(&document))).unwrap_or_else(|_| Err(gave_up()));
+        BOUND.set(None);
+        let _ = sender.send(result);
+    };
+    let start = Instant::now();
+    std::thread::Builder::new()
+        .stack_size(STACK_BYTES)
+        .spawn(work)
+        .map_err(|error| format!("no thread to read it in: {error}"))?;
+    loop {
+        match receiver.recv_timeout(Duration::from_millis(20)) {
+            Ok(result) => return result,
+            Err(mpsc::RecvTimeoutError::Disconnected) => return Err(gave_up()),
+            Err(mpsc::RecvTimeoutError::Timeout) => {}
+        }
+        if reached.load(Ordering::Acquire) {
+            return Err(format!("it takes more than {} MB to read", MOST_BYTES >> 20));
+        }
+        if start.elapsed().as_secs_f64() > seconds {
+            return Err(format!("it takes longer than {seconds:.1} s to read"));
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! What usvg makes of a document, as paths on the page in millimetres.
+
+use crate::{complaints, document};
+use std::collections::HashMap;
+use std::sync::Arc;
+use usvg::tiny_skia_path::{PathSegment, Point};
+use usvg::{fontdb, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
+
+const MM_PER_PX: f64 = 25.4 / 96.0;
+const MOST_POINTS: usize = 4_000_000; // a use of uses of uses … grows beyond any memory
+
+#[repr(C)]
+pub struct SvgPath {
+    verbs: usize,
+    layer: u32,
+    stroked: u8,
+    filled: u8,
+    caps: u8,
+}
+
+#[derive(Default)]
+pub struct Outlines {
+    pub size: (f64, f64),
+    pub paths: Vec<SvgPath>,
+    pub verbs: Vec<u8>,
+    pub points: Vec<f64>,
+    pub layers: Vec<String>,
+    pub warnings: Vec<String>,
+    names: HashMap<String, String>, // of the layers, by their group's id
+    seen: HashMap<String, u32>,     // layers that something was drawn on, by their group's id
+    hidden_parts: usize,            // clip paths and masks that are passed over
+    dashes: usize,
+    lost_texts: usize,
+    too_many: bool,
+}
+
+/// The system's fonts, with one that is there for each generic name.
+fn fonts() -> fontdb::Database {
+    let mut fonts = fontdb::Database::new();
+    fonts.load_system_fonts();
+    let families: Vec<String> = fonts.faces().flat_map(|face| face.families.iter().map(|f| f.0.clone())).collect();
+    let first_of = |wanted: [&str; 4]| {
+        let found = wanted.iter().find(|w| families.iter().any(|f| f == *w));
+        found.map(|w| w.to_string()).or(families.first().cloned())
+    };
+    if let Some(serif) = first_of(["Times New Roman", "Liberation Serif", "DejaVu Serif", "Noto Serif"]) {
+        fonts.set_serif_family(serif);
+    }
+    if let Some(sans) = first_of(["Arial", "Liberation Sans", "DejaVu Sans", "Noto Sans"]) {
+        fonts.set_sans_serif_family(sans);
+    }
+    if let Some(mono) = first_of(["Courier New", "Liberation Mono", "DejaVu Sans Mono", "Noto Sans Mono"]) {
+        fonts.set_monospace_family(mono);
+    }
+    fonts
+}
+
+fn shows(paint: &Paint) -> bool {
+    match paint {
+        Paint::Color(_) => true,
+        Paint::LinearGradient(g) => g.stops().iter().any(|s| s.opacity().get() > 0.0),
+        Paint::RadialGradient(g) => g.stops().iter().any(|s| s.opacity().get() > 0.0),
+        Paint::Pattern(_) => true,
+    }
+}
+
+impl Outlines {
+    pub fn read(data: &[u8]) -> Result<Outlines, String> {
+        complaints::listen();
+        let text = document::text_of(data)?;
+        let mut xml = document::parse(&text)?;
+        document::check(&xml)?;
+        document::check_uses(&xml)?;
+        let (named, names) = document::name_layers(&text, &xml);
+        if let Some(named) = &named {
+            xml = document::parse(named)?;
+        }
+        let mut outlines = Outlines { names, ..Default::default() };
+        for (tag, consequence) in [
+            ("image", "pictures are left out: a pen draws lines only"),
+            ("foreignObject", "foreign objects are left out"),
+        ] {
+            match document::count(&xml, tag) {
+                0 => {}
+                count => outlines.warnings.push(format!("{count} × <{tag}>: {consequence}")),
+            }
+        }
+        let mut options = Options {
+            // Nothing outside of the file is read, and pictures inside of it cannot be drawn with a pen.
+            image_href_resolver: ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) },
+            ..Options::default()
+        };
+        match document::count(&xml, "marker") {
+            0 => {}
+            count => {
+                options.style_sheet = Some("* { marker: none !important }".to_string());
+                outlines.warnings.push(format!("{count} × <marker>: arrow heads and other markers are left out"));
+            }
+        }
+        if document::count(&xml, "text") > 0 {
+            options.fontdb = Arc::new(fonts());
+        }
+        let tree = Tree::from_xmltree(&xml, &options).map_err(|e| match e {
+            usvg::Error::ParsingFailed(usvg::roxmltree::Error::NodesLimitReached) => {
+                "more than 1,000,000 elements, all uses counted, or too many within one another".to_string()
+            }
+            other => other.to_string(),
+        })?;
+        outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
+        outlines.add_group(tree.root(), None);
+        if outlines.too_many {
+            return Err(format!("more than {MOST_POINTS} points, all uses counted"));
+        }
+        outlines.warn();
+        Ok(outlines)
+    }
+
+    fn warn(&mut self) {
+        if self.lost_texts > 0 {
+            self.warnings.push(format!("{} texts are left out: no font of this system shows them", self.lost_texts));
+        }
+        if self.hidden_parts > 0 {
+            self.warnings.push(format!("{} clip paths or masks are passed over: what they hide is drawn", self.hidden_parts));
+        }
+        if self.dashes > 0 {
+            self.warnings.push(format!("{} dashed lines are drawn unbroken", self.dashes));
+        }
+        self.warnings.extend(complaints::heard());
+    }
+
+    /// layer: the id of the top group that this stands in.
+    fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>) {
+        if group.opacity().get() == 0.0 {
+            return;
+        }
+        self.hidden_parts += group.clip_path().is_some() as usize + group.mask().is_some() as usize;
+        let layer = layer.or(self.names.contains_key(group.id()).then_some(group.id()));
+        for node in group.children() {
+            match node {
+                Node::Group(group) => self.add_group(group, layer),
+                Node::Path(path) => self.add_path(path, layer),
+                Node::Text(text) => self.add_text(text, layer),
+                Node::Image(_) => {}
+            }
+        }
+    }
+
+    fn add_text<'a>(&mut self, text: &'a Text, layer: Option<&'a str>) {
+        let before = self.paths.len();
+        self.add_group(text.flattened(), layer);
+        let shown = text.chunks().iter().any(|chunk| {
+            let draws = |span: &usvg::TextSpan| span.is_visible() && (span.fill().is_some() || span.stroke().is_some());
+            chunk.text().chars().any(|c| !c.is_whitespace()) && chunk.spans().iter().any(draws)
+        });
+        self.lost_texts += (shown && self.paths.len() == before) as usize;
+    }
+
+    fn layer_index(&mut self, id: Option<&str>) -> u32 {
+        let id = id.unwrap_or(""); // what stands in no group
+        if let Some(index) = self.seen.get(id) {
+            return *index;
+        }
+        let index = self.layers.len() as u32;
+        self.layers.push(self.names.get(id).map_or("page", String::as_str).to_string());
+        self.seen.insert(id.to_string(), index);
+        index
+    }
+
+    fn add_path(&mut self, path: &Path, layer: Option<&str>) {
+        let stroke = path.stroke().filter(|s| s.opacity().get() > 0.0 && shows(s.paint()));
+        let filled = path.fill().is_some_and(|f| f.opacity().get() > 0.0 && shows(f.paint()));
+        if !path.is_visible() || (stroke.is_none() && !filled) {
+            return;
+        }
+        self.too_many |= self.points.len() / 2 + path.data().points().len() > MOST_POINTS;
+        if self.too_many {
+            return;
+        }
+        let layer = self.layer_index(layer);
+        self.dashes += stroke.is_some_and(|s| s.dasharray().is_some()) as usize;
+        let first = self.verbs.len();
+        let ts = path.abs_transform();
+        let mut put = |verb: u8, points: &[Point]| {
+            self.verbs.push(verb);
+            for p in points {
+                let (x, y) = (p.x as f64, p.y as f64);
+                self.points.push(MM_PER_PX * (ts.sx as f64 * x + ts.kx as f64 * y + ts.tx as f64));
+                self.points.push(MM_PER_PX * (ts.ky as f64 * x + ts.sy as f64 * y + ts.ty as f64));
+            }
+        };
+        for segment in path.data().segments() {
+            match segment {
+                PathSegment::MoveTo(p) => put(0, &[p]),
+                PathSegment::LineTo(p) => put(1, &[p]),
+                PathSegment::QuadTo(a, p) => put(2, &[a, p]),
+                PathSegment::CubicTo(a, b, p) => put(3, &[a, b, p]),
+                PathSegment::Close => put(4, &[]),
+            }
+        }
+        self.paths.push(SvgPath {
+            verbs: self.verbs.len() - first,
+            layer,
+            stroked: stroke.is_some() as u8,
+            filled: filled as u8,
+            caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
+        });
+    }
+}

@@ -1,0 +1,253 @@
+#include "canvas/mesh_check.h"
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "canvas/canvas.h"
+#include "canvas/weld.h"
+#include "common/errors.h"
+#include "mesh_checks.h"
+#include "mesh_files.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+using ::testing::HasSubstr;
+
+void add(TriangleMesh* m, const TriangleMesh& more, const Vector3d& shift) {
+  const int offset = static_cast<int>(m->vertices.size());
+  for (const auto& p : more.vertices) m->vertices.push_back(p + shift);
+  for (const auto& t : more.triangles) m->triangles.push_back(t.array() + offset);
+}
+
+void turn(TriangleMesh* m) {
+  for (auto& t : m->triangles) std::swap(t[1], t[2]);
+}
+
+double volume(const TriangleMesh& m) {
+  double sum = 0;
+  for (const auto& t : m.triangles) sum += m.vertices[t[0]].dot(m.vertices[t[1]].cross(m.vertices[t[2]])) / 6;
+  return sum;
+}
+
+// The only fault, of that kind.
+void expect_fault(const CheckedMesh& checked, const std::string& kind, std::size_t count, int first, bool mended) {
+  ASSERT_EQ(checked.faults.size(), 1u);
+  EXPECT_EQ(checked.faults[0].kind, kind);
+  EXPECT_EQ(checked.faults[0].count, count);
+  EXPECT_EQ(checked.faults[0].first, first);
+  EXPECT_EQ(checked.faults[0].mended, mended);
+}
+
+// A sheet of n × n cells of 0.1 m.
+TriangleMesh sheet(int n) {
+  TriangleMesh m;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) m.vertices.push_back({0.1 * i, 0.1 * j, 0.0});
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int a = i * (n + 1) + j, b = a + n + 1;
+      m.triangles.push_back({a, b, b + 1});
+      m.triangles.push_back({a, b + 1, a + 1});
+    }
+  return m;
+}
+
+TEST(Weld, AgreesWithEveryPairCompared) {
+  for (int seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    // Few places, each taken many times to within the tolerance; far apart from each other.
+    const double tolerance = 1e-6;
+    std::uniform_real_distribution<double> shift(-0.28 * tolerance, 0.28 * tolerance);
+    std::uniform_int_distribution<int> place(0, 30);
+    TriangleMesh m;
+    std::vector<int> places;
+    for (int i = 0; i < 600; ++i) {
+      places.push_back(place(random));
+      const Vector3d p(8 * tolerance * (places[i] % 4), 16 * tolerance * (places[i] / 4), 8 * tolerance * places[i]);
+      m.vertices.push_back(p + Vector3d(shift(random), shift(random), shift(random)));
+    }
+    for (int i = 0; i + 2 < 600; ++i) m.triangles.push_back({i, i + 1, i + 2});
+    const TriangleMesh welded = weld(m, tolerance);
+    ASSERT_EQ(welded.triangles.size(), m.triangles.size());
+    EXPECT_EQ(welded.vertices.size(), std::set<int>(places.begin(), places.end()).size());
+    std::map<int, int> of;
+    for (std::size_t i = 0; i < m.triangles.size(); ++i)
+      for (int k = 0; k < 3; ++k) {
+        const auto [at, fresh] = of.insert({places[m.triangles[i][k]], welded.triangles[i][k]});
+        EXPECT_EQ(at->second, welded.triangles[i][k]);
+      }
+  }
+}
+
+TEST(MeshCheck, WeldsAtAMillionthOfTheDiagonal) {
+  for (const double gap : {0.5e-6, 2e-6}) {  // of the diagonal, between two sheets side by side
+    TriangleMesh m = sheet(1);
+    add(&m, sheet(1), {0.1 + gap * std::hypot(0.2, 0.1), 0, 0});
+    EXPECT_EQ(check_mesh(m).components, gap < 1e-6 ? 1 : 2) << gap;
+  }
+}
+
+TEST(MeshCheck, LooseTrianglesOfABoxAreClosedAndOne) {
+  const TriangleMesh b = box(0.1, 0.2, 0.3);
+  TriangleMesh loose;
+  for (const auto& t : b.triangles) {
+    const int n = static_cast<int>(loose.vertices.size());
+    for (const int v : t) loose.vertices.push_back(b.vertices[v]);
+    loose.triangles.push_back({n, n + 1, n + 2});
+  }
+  add(&loose, b, {1, 0, 0});
+  const CheckedMesh checked = check_mesh(loose);
+  EXPECT_TRUE(checked.closed);
+  EXPECT_EQ(checked.components, 2);
+  EXPECT_TRUE(checked.faults.empty());
+  loose.triangles.pop_back();
+  EXPECT_FALSE(check_mesh(loose).closed);
+}
+
+TEST(MeshCheck, DegenerateTrianglesAreLeftOut) {
+  TriangleMesh m = box(0.1, 0.2, 0.3);
+  m.triangles.insert(m.triangles.begin() + 5, Vector3i(3, 3, 7));
+  m.vertices.push_back(m.vertices[2] + Vector3d(1e-8, 0, 0));
+  m.triangles.push_back({2, 8, 6});
+  const CheckedMesh checked = check_mesh(m);
+  expect_fault(checked, "degenerate_triangle", 2, 5, true);
+  EXPECT_TRUE(checked.closed);
+  EXPECT_EQ(checked.mesh.triangles.size(), 12u);
+  EXPECT_EQ(checked.given_triangles, 14u);
+  EXPECT_NO_THROW(Canvas{checked.mesh});
+}
+
+// Two triangles on one side of a line, one on the other, and between them one without area that closes the seam: no edge of the surface.
+TEST(MeshCheck, AThinTriangleBetweenNeighboursStaysAsASeam) {
+  TriangleMesh m;
+  m.vertices = {{0, 0, 0}, {0.2, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0.1, -0.1, 0}};
+  m.triangles = {{0, 2, 3}, {2, 1, 3}, {0, 4, 1}, {0, 1, 2}};
+  const CheckedMesh checked = check_mesh(m);
+  expect_fault(checked, "degenerate_triangle", 1, 3, true);
+  const Canvas canvas(checked.mesh);
+  const SurfacePoint point = canvas.closest({0.07, 0.0, 0.01});
+  EXPECT_FALSE(point.on_edge);
+  EXPECT_NEAR(point.distance, 0.01, 1e-12);
+  EXPECT_NEAR(canvas.closest({0.07, 0.0, -0.01}).distance, -0.01, 1e-12);
+  EXPECT_LT((point.n_W - Vector3d::UnitZ()).norm(), 1e-12);
+  // The same triangle where the seam is closed without it goes.
+  m.triangles = {{0, 1, 3}, {0, 4, 1}, {0, 1, 2}};
+  EXPECT_EQ(check_mesh(m).mesh.triangles.size(), 2u);
+}
+
+TEST(MeshCheck, DuplicateTrianglesAreLeftOutWhicheverWayTheyAreWound) {
+  TriangleMesh m = box(0.1, 0.2, 0.3);
+  m.triangles.insert(m.triangles.begin() + 7, Vector3i(2, 1, 0));
+  m.triangles.push_back({7, 5, 3});
+  const CheckedMesh checked = check_mesh(m);
+  expect_fault(checked, "duplicate_triangle", 2, 7, true);
+  EXPECT_TRUE(checked.closed);
+  EXPECT_EQ(checked.mesh.triangles.size(), 12u);
+  EXPECT_NEAR(volume(checked.mesh), 0.006, 1e-15);
+}
+
+TEST(MeshCheck, TrianglesWoundTheWrongWayAreTurned) {
+  for (int seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    TriangleMesh m = sheet(6);
+    std::set<int> turned;
+    std::uniform_int_distribution<int> pick(0, static_cast<int>(m.triangles.size()) - 1);
+    while (turned.size() < 20) turned.insert(pick(random));
+    for (const int i : turned) std::swap(m.triangles[i][0], m.triangles[i][1]);
+    const CheckedMesh checked = check_mesh(m);
+    expect_fault(checked, "wrong_winding", 20, *turned.begin(), true);
+    for (const auto& t : checked.mesh.triangles) EXPECT_GT(cross(checked.mesh, t).z(), 0.0);
+    EXPECT_NO_THROW(Canvas{checked.mesh});
+  }
+}
+
+TEST(MeshCheck, AClosedMeshInsideOutIsTurnedButNotTheCavityOfAnother) {
+  TriangleMesh m = box(0.1, 0.2, 0.3);
+  turn(&m);
+  CheckedMesh checked = check_mesh(m);
+  expect_fault(checked, "wrong_winding", 12, 0, true);
+  EXPECT_NEAR(volume(checked.mesh), 0.006, 1e-15);
+
+  TriangleMesh cavity = box(0.02, 0.02, 0.02), hollow = box(0.1, 0.2, 0.3);
+  turn(&cavity);
+  add(&hollow, cavity, {0.05, 0.05, 0.05});
+  checked = check_mesh(hollow);
+  EXPECT_TRUE(checked.faults.empty());
+  EXPECT_NEAR(volume(checked.mesh), 0.006 - 8e-6, 1e-15);
+}
+
+TEST(MeshCheck, AnEdgeWithThreeTrianglesIsNamedAndCannotBeDrawnOn) {
+  TriangleMesh m = sheet(2);  // the fin stands on the inner edge from vertex 1 to vertex 4, of triangles 1 and 2 among others
+  m.vertices.push_back({0.05, 0.1, 0.1});
+  m.triangles.push_back({1, 4, 9});
+  std::vector<int> on_edge;
+  for (int i = 0; i < static_cast<int>(m.triangles.size()); ++i) {
+    if ((m.triangles[i].array() == 1).any() && (m.triangles[i].array() == 4).any()) on_edge.push_back(i);
+  }
+  ASSERT_EQ(on_edge.size(), 3u);
+  const CheckedMesh checked = check_mesh(m);
+  expect_fault(checked, "non_manifold_edge", 1, on_edge[0], false);
+  EXPECT_FALSE(checked.closed);
+  try {
+    require_drawable(checked, "fin.obj");
+    FAIL() << "nothing was refused";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("fin.obj"));
+    EXPECT_THAT(error.what(), HasSubstr(fmt::format("({}, {}, {}, …)", on_edge[0], on_edge[1], on_edge[2])));
+  }
+}
+
+TEST(MeshCheck, AMoebiusStripHasNoSide) {
+  TriangleMesh m;
+  constexpr int n = 20;
+  for (int i = 0; i < n; ++i) {
+    const double a = 2 * M_PI * i / n;
+    for (const double w : {-0.05, 0.05}) {
+      const double r = 0.2 + w * std::cos(a / 2);
+      m.vertices.push_back({r * std::cos(a), r * std::sin(a), w * std::sin(a / 2)});
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    const int a = 2 * i, b = a + 1;
+    const int c = i + 1 < n ? a + 2 : 1, d = i + 1 < n ? a + 3 : 0;
+    m.triangles.push_back({a, c, b});
+    m.triangles.push_back({b, c, d});
+  }
+  const CheckedMesh checked = check_mesh(m);
+  ASSERT_EQ(checked.faults.size(), 1u);
+  EXPECT_EQ(checked.faults[0].kind, "not_orientable");
+  EXPECT_THROW(require_drawable(checked, "strip"), InputError);
+}
+
+TEST(MeshCheck, ASizeOfAWrongUnitIsSaid) {
+  expect_fault(check_mesh(box(150, 150, 200)), "too_large", 1, 0, false);
+  expect_fault(check_mesh(box(1.5e-4, 1.5e-4, 2e-4)), "too_small", 1, 0, false);
+  EXPECT_TRUE(check_mesh(box(4.9, 3, 2)).faults.empty());
+  EXPECT_THAT(check_mesh(box(150, 150, 200)).faults[0].message, HasSubstr("150 × 150 × 200 m"));
+}
+
+TEST(MeshCheck, RefusesWhatHasNoArea) {
+  TriangleMesh line;
+  line.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+  line.triangles = {{0, 1, 2}};
+  EXPECT_THROW(check_mesh(line), InputError);
+  EXPECT_THROW(check_mesh({}), InputError);
+  line.triangles = {{0, 1, 3}};
+  EXPECT_THROW(check_mesh(line), InputError);
+  TriangleMesh point;
+  point.vertices = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  point.triangles = {{0, 1, 2}};
+  EXPECT_THROW(check_mesh(point), InputError);
+}
+
+}  // namespace
+}  // namespace impedraw
