@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <fmt/core.h>
 
 #include "common/errors.h"
@@ -88,31 +89,31 @@ class Fit {
     return k;
   }
 
-  // The straight line through the normals about here, Gaussian weights: nothing is lost of a normal that turns evenly, ends included.
+  // The parabola through the normals about here, Gaussian weights: what turns at an even rate, or at one that changes evenly, stays, ends
+  // included. A straight line would cut the crests of a sine by 0.1°.
   Eigen::Vector3d smoothed_normal(std::size_t i) const {
     const double sigma = settings_.normal_smoothing, s = knots_[i].along;
-    double w0 = 0, w1 = 0, w2 = 0;
-    Eigen::Vector3d n0 = Eigen::Vector3d::Zero(), n1 = n0;
+    if (!(sigma > 0.0)) return knots_[i].sample.n_W;
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(), normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)
+    int used = 0;
     const auto add = [&](std::size_t k) {
-      const double x = knots_[k].along - s;
-      if (std::abs(x) > 4.5 * sigma) return false;  // where a weight of 4e-5 is cut off nobody notices
+      const double x = (knots_[k].along - s) / sigma;
+      if (std::abs(x) > 4.5) return false;  // where a weight of 4e-5 is cut off nobody notices
       // Weighed by the way to both neighbours too, so that knots close together do not count for more.
       const double before = k > 0 ? knots_[k].along - knots_[k - 1].along : 0.0;
       const double after = k + 1 < knots_.size() ? knots_[k + 1].along - knots_[k].along : 0.0;
-      const double w = (before + after) * std::exp(-0.5 * x * x / (sigma * sigma));
-      w0 += w;
-      w1 += w * x;
-      w2 += w * x * x;
-      n0 += w * knots_[k].sample.n_W;
-      n1 += w * x * knots_[k].sample.n_W;
+      const double w = (before + after) / sigma * std::exp(-0.5 * x * x);
+      const Eigen::Vector3d b(1.0, x, x * x);
+      moments += w * b * b.transpose();
+      normals += w * b * knots_[k].sample.n_W.transpose();
+      ++used;
       return true;
     };
-    if (!(sigma > 0.0)) return knots_[i].sample.n_W;
     for (std::size_t k = i; k < knots_.size() && add(k); ++k) {}
     for (std::size_t k = i; k-- > 0 && add(k);) {}
-    const double determinant = w0 * w2 - w1 * w1;
-    if (!(determinant > 1e-6 * w0 * w0 * sigma * sigma)) return knots_[i].sample.n_W;  // no neighbours to speak of
-    return ((w2 * n0 - w1 * n1) / determinant).normalized();
+    const Eigen::LDLT<Eigen::Matrix3d> factor(moments);
+    if (used < 4 || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff())) return knots_[i].sample.n_W;  // too few
+    return Eigen::Vector3d(factor.solve(normals).row(0)).normalized();
   }
 
   // The polyline's vertices from the one before s0 to the one after s1.

@@ -33,7 +33,7 @@ struct PathSettings {
   double corner_angle_deg = 25;       // a turn above this is a corner: full stop
   double tolerance = 1e-5;            // largest distance of the wanted line to the artwork, seen along z [m]
   double knot_spacing = 1e-3;         // the surface is asked at least this often along a stroke [m]
-  double normal_smoothing = 4e-3;     // normals are averaged over so much of the stroke (stroke_fit.h) [m]
+  double normal_smoothing = 5e-3;     // normals are averaged over so much of the stroke (stroke_fit.h) [m]
   bool vertical_pen = false;          // n = +z always (blind)
   double sink = 0;                    // the wanted point lies this far beneath the surface while the pen is down (blind) [m]
 };

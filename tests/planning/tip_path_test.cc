@@ -99,7 +99,7 @@ TEST(TipPath, SineKeepsToItsFormulaAndItsSpeed) {
     const Vector3d& p = goal.p_WD;
     ASSERT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 2.4e-5);  // 0.01 mm across, slope up to 2.1
     ASSERT_NEAR((p - surfaces::kBowlCentre).norm(), surfaces::kBowlRadius, 1e-7);
-    ASSERT_LT(goal.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(), 1e-4);  // smoothing takes 0.003° off
+    ASSERT_LT(goal.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(), 5e-4);  // smoothing takes up to 0.03° off, at the ends
     arc += (p - last).norm();
     last = p;
   }
@@ -135,7 +135,7 @@ TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
     return most;
   };
   double raw_error, error;
-  const double raw = most_alpha(0.0, &raw_error), smoothed = most_alpha(4e-3, &error);
+  const double raw = most_alpha(0.0, &raw_error), smoothed = most_alpha(5e-3, &error);
   EXPECT_LT(smoothed, 0.1 * raw);
   EXPECT_LT(error, 0.7 * raw_error) << "in the mean";
 }
