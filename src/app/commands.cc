@@ -102,6 +102,7 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     name_after(options.svg.stem().string());
     places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
   }
+  if (options.keep_order) scenario.drawing.keep_order = true;
   if (options.no_perception) {
     scenario.perception.enabled = false;
     scenario.name += "-blind";

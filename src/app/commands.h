@@ -17,6 +17,7 @@ struct DrawOptions {
   std::string shape;
   std::filesystem::path svg;
   bool no_perception = false;
+  bool keep_order = false;               // of a file's strokes
   std::filesystem::path out;             // empty: runs/<name> in the working directory
   std::vector<std::string> assignments;  // --set
 };

@@ -11,6 +11,8 @@
 #include "arm/inverse_kinematics.h"
 #include "common/errors.h"
 #include "drawing/artwork_file.h"
+#include "drawing/order.h"
+#include "drawing/simplify.h"
 #include "planning/reach.h"
 #include "planning/tip_planner.h"
 
@@ -123,7 +125,11 @@ Experiment prepare(const Scenario& given, const Places& places) {
     placing.about_page_origin = true;
     if (!placing.scale && !placing.width_mm && !placing.height_mm) placing.scale = 1.0;
   } else {
-    blame.on({"drawing.svg"}, [&] { artwork.drawn = artwork.target = read_artwork(s.drawing.svg); });
+    blame.on({"drawing.svg"}, [&] { artwork.drawn = read_artwork(s.drawing.svg); });
+    std::vector<Stroke>& strokes = artwork.drawn.strokes;
+    if (s.drawing.join_gap_mm > 0.0) strokes = joined(strokes, s.drawing.join_gap_mm);
+    if (!s.drawing.keep_order) strokes = in_order(strokes, shortest_order(strokes));
+    artwork.target = artwork.drawn;
   }
   const std::vector<std::string> where_drawn = {"drawing.placement.scale", "drawing.placement.width", "drawing.placement.height",
                                                 "drawing.placement.fit_radius", "drawing.placement.centre", "drawing.placement", "canvas",

@@ -22,7 +22,8 @@ namespace {
 void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("scenario", options->scenario, "YAML file; without one the sine on the standard bowl");
   command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10, circle");
-  command->add_option("--svg", options->svg, "an SVG of your own")->excludes("--shape");
+  command->add_option("--svg", options->svg, "a drawing of your own: .svg, or strokes as .txt, .strokes or .csv")->excludes("--shape");
+  command->add_flag("--keep-order", options->keep_order, "draw the strokes of a file as it lists them, not with short ways in the air");
   command->add_option("--out", options->out, "folder of the run, made if missing (default: runs/NAME)");
   command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")
       ->take_all()

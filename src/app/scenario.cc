@@ -29,7 +29,9 @@ void describe(Fields& f, PlacementSettings& s) {
 
 void describe(Fields& f, DrawingSettings& s) {
   f.field("shape", s.shape, "built-in drawing: sine, M, sine10, circle; used where svg is empty");
-  f.field("svg", s.svg, "SVG file to draw; empty: the shape");
+  f.field("svg", s.svg, "file to draw: .svg, or strokes as .txt, .strokes or .csv; empty: the shape");
+  f.field("join_gap", s.join_gap_mm, Range{0.0, 100.0}, "mm", "strokes of a file whose ends lie so near on the page are joined; 0: none");
+  f.field("keep_order", s.keep_order, "strokes of a file are drawn as it lists them, not with short ways in the air");
   f.field("placement", s.placement, "of the page on the canvas; built-in shapes are not fitted: scale 1 unless a size is given");
 }
 

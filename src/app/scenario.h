@@ -23,6 +23,8 @@ namespace impedraw {
 struct DrawingSettings {
   std::string shape = "sine";      // built in; used where svg is empty
   std::filesystem::path svg;
+  double join_gap_mm = 0.0;        // of a file: ends that lie so near to one another are joined [mm on the page]; 0: none are
+  bool keep_order = false;         // of a file: drawn as it lists its strokes, not with short ways in the air
   PlacementSettings placement;
 };
 

@@ -4,6 +4,7 @@
 // Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier           (11)
 // To first order in the delay T the late force takes (1 − m_d/m) k T of damping away: stable while  B + b m_d/m > (1 − m_d/m) k T.
 // The check here is exact instead: the spectral radius of the sampled loop (semi-implicit Euler, whole steps of delay) lies below 1.
+// Needs masses, stiffness and dt above 0, delay_steps of 0 or more.
 #pragma once
 
 #include "control/impedance_settings.h"

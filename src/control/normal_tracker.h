@@ -4,6 +4,8 @@
 //       α = 1 − r², β = (1 − r)², r = exp(−bandwidth Δt): critically damped α–β filter
 // A lagging filter of the same bandwidth would tilt the pen by 2 ω/bandwidth (0.5° at 50 mm/s in the bowl). The error left is
 // (ω̇ − ω̇_plan)/bandwidth²: the plan need only know how the normal's turning changes.
+// Needs samples and n of unit length, bandwidth and Δt above 0. Source: the α–β filter (Sklansky 1957; critically damped: Benedict and
+// Bordner, IRE Trans. Automatic Control 7(4), 1962), on the sphere.
 #pragma once
 
 #include <Eigen/Core>

@@ -5,6 +5,8 @@
 //                the tip feels nothing of it. Of an arm of seven joints that is the whole of its null space.
 //             2. τ_task is scaled by the largest s in [0, 1] for which 1. succeeds: the tip's wrench keeps its direction.
 //             3. where no s does, each joint is clipped.
+// Needs       limit > 0, rate > 0, n entries each, as check_settings.h sees to; `space` updated for `arm`; the sum a torque of n numbers.
+// Answers     never outside of the box. Neither throws nor allocates.
 // Clipping each joint at once, as is common, turns the wrench at the tip, and clipping τ_null after its projection leaks into it.
 #pragma once
 
