@@ -19,7 +19,7 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
   for (int p = 0; p < 5; ++p) {
     for (int q = p + 1; q < 6; ++q) {
       const double off = C(p, q);
-      if (off * off <= 1e-24 * std::abs(C(p, p) * C(q, q))) continue;
+      if (off * off <= 1e-11 * std::abs(C(p, p) * C(q, q))) continue;  // warm, that is most pairs
       const double theta = (C(q, q) - C(p, p)) / (2.0 * off);
       const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
       const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
