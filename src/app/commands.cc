@@ -13,6 +13,7 @@
 #include "app/results.h"
 #include "app/run.h"
 #include "app/settings_doc.h"
+#include "app/wall_time.h"
 #include "app/yaml_read.h"
 #include "app/yaml_write.h"
 #include "common/errors.h"
@@ -24,7 +25,6 @@ namespace impedraw {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
   return options.out.empty() ? fs::path("runs") / scenario.name : options.out;
@@ -34,8 +34,6 @@ struct Drawing {
   RunOutcome outcome;
   nlohmann::ordered_json metrics;
 };
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 void print_notes(const Experiment& experiment) {
   for (const std::string& note : experiment.notes) fmt::print(stderr, "note: {}\n", note);

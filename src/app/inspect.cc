@@ -1,7 +1,5 @@
 #include "app/inspect.h"
 
-#include <algorithm>
-#include <cctype>
 #include <string>
 #include <vector>
 
@@ -9,7 +7,9 @@
 
 #include "app/commands.h"
 #include "app/inspect_mesh.h"
+#include "canvas/whole_file.h"
 #include "drawing/artwork_file.h"
+#include "drawing/order.h"
 
 namespace impedraw {
 
@@ -36,12 +36,6 @@ void print_artwork(const std::filesystem::path& file, const nlohmann::ordered_js
   for (const auto& warning : found["warnings"]) fmt::print("  warning      {}\n", warning.get<std::string>());
 }
 
-bool is_mesh(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending == ".obj" || ending == ".stl" || ending == ".ply";
-}
-
 void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json& found) {
   const auto box = found["bbox_m"].get<std::vector<double>>();
   fmt::print("{}: {} triangles, {:.6g} m²\n", file.string(), found["triangles"].get<std::size_t>(), found["area_m2"].get<double>());
@@ -57,19 +51,15 @@ void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json&
 
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   const Artwork artwork = read_artwork(file, fine());
-  double length = 0;
   Eigen::AlignedBox2d box;
   std::vector<std::size_t> strokes(artwork.layers.size(), 0);
   for (const Stroke& stroke : artwork.strokes) {
     ++strokes.at(stroke.layer);
-    for (std::size_t i = 0; i < stroke.points.size(); ++i) {
-      box.extend(stroke.points[i]);
-      if (i > 0) length += (stroke.points[i] - stroke.points[i - 1]).norm();
-    }
+    for (const Eigen::Vector2d& p : stroke.points) box.extend(p);
   }
   nlohmann::ordered_json found;
   found["strokes"] = artwork.strokes.size();
-  found["length_mm"] = length;
+  found["length_mm"] = pen_down_length(artwork.strokes);
   found["bbox_mm"] = nullptr;
   if (!box.isEmpty()) found["bbox_mm"] = {box.min().x(), box.min().y(), box.max().x(), box.max().y()};
   found["layers"] = nlohmann::ordered_json::array();
@@ -80,7 +70,7 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
 }
 
 int inspect(const std::filesystem::path& file, bool json, double unit) {
-  const bool mesh = is_mesh(file);
+  const bool mesh = is_mesh_file(file);
   const nlohmann::ordered_json found = mesh ? describe_mesh(file, unit) : describe_artwork(file);
   if (json) fmt::print("{}\n", found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else if (mesh) print_mesh(file, found);

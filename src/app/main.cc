@@ -72,12 +72,13 @@ int run_program(int argc, char** argv) {
   CLI::App* inspect = app.add_subcommand("inspect", "what an artwork or a mesh holds, without drawing it: strokes, length, layers; triangles, faults");
   inspect->add_option("file", inspected, "artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: .obj, .stl, .ply")->required();
   inspect->add_flag("--json", as_json, "as JSON");
-  const std::map<std::string, double> units{{"m", 1.0}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 0.0254}};
+  using impedraw::LengthUnit;
+  const std::map<std::string, LengthUnit> units{{"m", LengthUnit::m}, {"mm", LengthUnit::mm}, {"cm", LengthUnit::cm}, {"in", LengthUnit::in}};
   std::string unit = "m";
   inspect->add_option("--unit", unit, "of a mesh's numbers: m, mm, cm, in (default: m)")->check(CLI::IsMember({"m", "mm", "cm", "in"}));
   inspect->footer("Examples:\n  ./impedraw inspect artwork/koi.svg\n  ./impedraw inspect --json flower.svg\n"
                   "  ./impedraw inspect vase.stl --unit mm");
-  inspect->callback([&] { code = impedraw::inspect(inspected, as_json, units.at(unit)); });
+  inspect->callback([&] { code = impedraw::inspect(inspected, as_json, metres(units.at(unit))); });
 
   int poses = 8;
   CLI::App* calibrate = app.add_subcommand("calibrate-tool", "find mass and centre of mass of the tool on the wrench sensor, on the simulated arm");

@@ -18,6 +18,7 @@
 #include "app/results.h"
 #include "app/robustness_run.h"
 #include "app/robustness_table.h"
+#include "app/wall_time.h"
 #include "common/errors.h"
 
 extern char** environ;
@@ -27,7 +28,6 @@ namespace impedraw {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 std::vector<Cell> matching(const std::vector<Cell>& cells, const std::string& pattern) {
   std::regex expression;

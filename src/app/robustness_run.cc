@@ -19,6 +19,7 @@
 
 #include "app/experiment.h"
 #include "app/run.h"
+#include "app/wall_time.h"
 #include "common/errors.h"
 #include "report/metrics.h"
 #include "report/run_data.h"
@@ -28,9 +29,6 @@ namespace impedraw {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double steepest_slope_deg(const Experiment& e) {
   double least = 1.0;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "app/lift_out.h"
+#include "app/wall_time.h"
 #include "app/wrench_input.h"
 #include "control/step_watchdog.h"
 
@@ -16,10 +17,7 @@ namespace impedraw {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr double kRunaway = 20.0;  // joint speed [rad/s], near ten times what such an arm can
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 RunLogHeader make_header(const Experiment& e) {
   RunLogHeader h;
@@ -47,12 +45,16 @@ Eigen::Quaterniond wanted_orientation(const Eigen::Matrix3d& R_WE, const Eigen::
   return Eigen::Quaterniond::FromTwoVectors(R_WE.col(2), -n_WD) * Eigen::Quaterniond(R_WE);
 }
 
-Eigen::Vector3d push_on_pen(const Experiment& e, double time, const Eigen::Vector3d& n_W) {
+// When that share of the way from the first stroke's start to the last one's end is over [s].
+double time_at(const Experiment& e, double share) {
   const auto& strokes = e.path.strokes();
+  return strokes.front().start + share * (strokes.back().end - strokes.front().start);
+}
+
+Eigen::Vector3d push_on_pen(const Experiment& e, double time, const Eigen::Vector3d& n_W) {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   for (const PushSettings& push : e.scenario.pushes) {
-    const double middle = strokes.front().start + push.middle * (strokes.back().end - strokes.front().start);
-    if (std::abs(time - middle) > 0.5 * push.duration) continue;
+    if (std::abs(time - time_at(e, push.middle)) > 0.5 * push.duration) continue;
     const Eigen::Vector3d along = push.direction_W - n_W * n_W.dot(push.direction_W);
     if (along.norm() > 1e-9) force += push.force * along.normalized();
     force += push.lift * n_W;
@@ -61,9 +63,8 @@ Eigen::Vector3d push_on_pen(const Experiment& e, double time, const Eigen::Vecto
 }
 
 const FaultSettings* fault_at(const Experiment& e, double time, FaultKind kind) {
-  const auto& strokes = e.path.strokes();
   for (const FaultSettings& fault : e.scenario.faults) {
-    const double start = strokes.front().start + fault.middle * (strokes.back().end - strokes.front().start);
+    const double start = time_at(e, fault.middle);
     if (fault.kind == kind && time >= start && time < start + fault.duration) return &fault;
   }
   return nullptr;

@@ -11,6 +11,7 @@
 #include "canvas/whole_ply.h"
 #include "canvas/words.h"
 #include "common/errors.h"
+#include "common/file_extension.h"
 
 namespace impedraw {
 namespace {
@@ -148,10 +149,14 @@ std::size_t require_whole_stl(std::string_view text, const std::string& name) {
 
 }  // namespace
 
+bool is_mesh_file(const std::filesystem::path& file) {
+  const std::string ending = lower_extension(file);
+  return ending == ".obj" || ending == ".stl" || ending == ".ply";
+}
+
 std::size_t require_whole(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (ending != ".obj" && ending != ".stl" && ending != ".ply") {
+  const std::string ending = lower_extension(file);
+  if (!is_mesh_file(file)) {
     throw InputError(fmt::format("{}: ends in '{}', a mesh must be a .obj, .stl or .ply", file.string(), ending));
   }
   const std::string text = read_all(file);

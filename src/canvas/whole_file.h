@@ -6,6 +6,8 @@
 
 namespace impedraw {
 
+bool is_mesh_file(const std::filesystem::path& file);  // by its name's ending, in capitals or not
+
 // The number of faces that an OBJ, STL (text or binary) or PLY (any of its three formats) holds; which of them is told from the name's
 // ending. Throws InputError naming the file and the line, vertex or face (from 0): the file cannot be read, its name ends otherwise, it is
 // cut short or runs on, it holds a vertex without three finite numbers (text files) or a face with fewer than three corners, an index of

@@ -22,7 +22,8 @@ TipGain with_reference(const TipGain& k, const TipGain& reference) {
 }  // namespace
 
 ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int joints)
-    : settings_((check_settings(settings, joints), settings)), shaped_(settings.inertia == InertiaShaping::shaped), measured_(settings.wrench == WrenchFeedback::measured),
+    : settings_((check_settings(settings, joints), settings)), shaped_(settings.inertia == InertiaShaping::shaped),
+      measured_(settings.wrench == WrenchFeedback::measured),
       scale_(settings.inertia == InertiaShaping::scaled ? settings.inertia_scale : 1.0), q_0_(settings.q_0),
       null_stiffness_(settings.null_stiffness), lower_(settings.joint_lower), upper_(settings.joint_upper),
       space_(settings.operational_space),

@@ -12,6 +12,8 @@
 
 #include <nanoflann.hpp>
 
+#include "drawing/polyline.h"
+
 namespace impedraw {
 namespace {
 
@@ -291,11 +293,9 @@ double pen_up_length(const std::vector<Stroke>& strokes) {
 }
 
 double pen_down_length(const std::vector<Stroke>& strokes) {
-  double length = 0;
-  for (const Stroke& stroke : strokes) {
-    for (std::size_t i = 1; i < stroke.points.size(); ++i) length += (stroke.points[i] - stroke.points[i - 1]).norm();
-  }
-  return length;
+  double sum = 0;
+  for (const Stroke& stroke : strokes) sum += length(stroke.points);
+  return sum;
 }
 
 }  // namespace impedraw

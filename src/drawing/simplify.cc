@@ -9,19 +9,12 @@
 #include <fmt/core.h>
 
 #include "common/errors.h"
+#include "drawing/polyline.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-
-// To the segment, not to its line: for a line that turns back behind an end the two differ.
-double distance(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d side = b - a;
-  const double squared = side.squaredNorm();
-  const double share = squared > 0 ? std::clamp((p - a).dot(side) / squared, 0.0, 1.0) : 0.0;
-  return (p - a - share * side).norm();
-}
 
 void require_length(const char* name, double value) {
   if (!(value >= 0) || !std::isfinite(value)) throw InputError(fmt::format("{}: {} mm; must be a number ≥ 0", name, value));
@@ -33,28 +26,18 @@ Stroke simplified(const Stroke& stroke, double tolerance_mm) {
   require_length("simplification's tolerance", tolerance_mm);
   const std::vector<Vector2d>& p = stroke.points;
   if (p.size() < 3 || tolerance_mm == 0) return stroke;
-  std::vector<char> kept(p.size(), false);
-  kept.front() = kept.back() = true;
-  std::vector<std::pair<std::size_t, std::size_t>> spans{{0, p.size() - 1}};
-  bool whole = stroke.closed;  // split once in any case, or nothing would be left of a small one
-  while (!spans.empty()) {
-    const auto [from, to] = spans.back();
-    spans.pop_back();
-    double farthest = 0;
-    std::size_t at = from;
-    for (std::size_t i = from + 1; i < to; ++i) {
-      const double d = distance(p[i], p[from], p[to]);
-      if (d > farthest) farthest = d, at = i;
-    }
-    if (at == from || (farthest <= tolerance_mm && !std::exchange(whole, false))) continue;
-    whole = false;
-    kept[at] = true;
-    spans.emplace_back(from, at);
-    spans.emplace_back(at, to);
+  // A closed one in two halves, cut at the point farthest from its start, or nothing would be left of a small one.
+  std::size_t cut = p.size() - 1;
+  if (stroke.closed) {
+    const auto nearer = [&](const Vector2d& a, const Vector2d& b) { return (a - p[0]).norm() < (b - p[0]).norm(); };
+    cut = static_cast<std::size_t>(std::max_element(p.begin(), p.end(), nearer) - p.begin());
   }
   Stroke result{{}, stroke.closed, stroke.layer};
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    if (kept[i]) result.points.push_back(p[i]);
+  for (const auto& [from, to] : {std::pair(std::size_t{0}, cut), std::pair(cut, p.size() - 1)}) {
+    if (from == to) continue;
+    const std::vector<Vector2d> part(p.begin() + from, p.begin() + to + 1);
+    for (const std::size_t i : simplified(part, tolerance_mm))
+      if (i > 0 || from == 0) result.points.push_back(part[i]);
   }
   return result;
 }

@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 
 #include "common/errors.h"
-#include "planning/polyline.h"
+#include "drawing/polyline.h"
 
 namespace impedraw {
 namespace {

@@ -1,53 +1,18 @@
 // A step allocates nothing: malloc itself is hooked, so that any way to the heap counts, new, Eigen's aligned blocks or a library's.
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "../allocations.h"
 #include "arm_fixture.h"
 #include "perception/normals.h"
-
-extern "C" void* __libc_malloc(std::size_t);
-extern "C" void* __libc_calloc(std::size_t, std::size_t);
-extern "C" void* __libc_realloc(void*, std::size_t);
-extern "C" void* __libc_memalign(std::size_t, std::size_t);
-
-namespace {
-std::atomic<bool> counting{false};
-std::atomic<int> allocations{0};
-void count() {
-  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
-}
-}  // namespace
-
-extern "C" {
-void* malloc(std::size_t size) { count(); return __libc_malloc(size); }
-void* calloc(std::size_t n, std::size_t size) { count(); return __libc_calloc(n, size); }
-void* realloc(void* p, std::size_t size) { count(); return __libc_realloc(p, size); }
-void* memalign(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
-void* aligned_alloc(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
-int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
-  count();
-  *out = __libc_memalign(alignment, size);
-  return *out ? 0 : 12;
-}
-}
 
 namespace impedraw {
 namespace {
 
 using namespace testing_arm;
-
-template <typename F>
-int allocations_in(F&& f) {
-  allocations = 0;
-  counting = true;
-  f();
-  counting = false;
-  return allocations;
-}
 
 TEST(NoAllocation, TheHookCatchesOne) {
   EXPECT_GT(allocations_in([] { free(std::malloc(10)); }), 0);

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/errors.h"
-#include "planning/polyline.h"
+#include "drawing/polyline.h"
 #include "planning/tip_planner.h"
 #include "surfaces.h"
 

@@ -1,7 +1,6 @@
 // The tool's weight and inertia go out of the reading, late or not, and the rest comes to the tip; faults spoil nothing.
 #include "sensing/wrench_estimator.h"
 
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -9,18 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "../allocations.h"
 #include "common/errors.h"
 #include "still_pen.h"
 #include "waved_tool.h"
-
-extern "C" void* __libc_malloc(std::size_t);
-namespace {
-std::atomic<int> allocations{0};
-}
-extern "C" void* malloc(std::size_t size) {  // new and Eigen come by here too
-  allocations.fetch_add(1, std::memory_order_relaxed);
-  return __libc_malloc(size);
-}
 
 namespace impedraw {
 namespace {
@@ -157,24 +148,24 @@ TEST(WrenchEstimator, NoNanComesOutAndNothingIsAllocated) {
   settings.sensor_delay = 2e-3;
   WrenchEstimator estimator(settings);
   const double bad[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
-  const int before = allocations;
   int finite = 0, faults = 0, sound = 0;
-  for (int i = 0; i < 20000; ++i) {
-    const bool still = i % 2000 < 200;
-    Vector6 reading_S = Vector6::NullaryExpr([&] { return 10.0 * normal(rng); });
-    Vector6 V = (still ? 0.0 : 1.0) * Vector6::NullaryExpr([&] { return normal(rng); });
-    Pose X{{normal(rng), 0.0, 0.0}, Eigen::Matrix3d::Identity()};
-    if (u(rng) < 0.01) reading_S[i % 6] = bad[i % 2];
-    if (u(rng) < 0.01) V[i % 6] = bad[i % 2];
-    if (u(rng) < 0.01) X.R(i % 3, 0) = bad[i % 2];
-    if (i % 2000 == 0) estimator.start_tare();
-    finite += estimator.update(reading_S, X, V).allFinite();
-    faults += estimator.fault();
-    sound += !estimator.fault() && estimator.F_ext().norm() > 0.1;
-  }
-  EXPECT_EQ(allocations, before);
-  { std::vector<double> v(10); asm volatile("" : : "r"(v.data()) : "memory"); }
-  EXPECT_GT(allocations, before) << "the hook catches none";
+  const int made = allocations_in([&] {
+    for (int i = 0; i < 20000; ++i) {
+      const bool still = i % 2000 < 200;
+      Vector6 reading_S = Vector6::NullaryExpr([&] { return 10.0 * normal(rng); });
+      Vector6 V = (still ? 0.0 : 1.0) * Vector6::NullaryExpr([&] { return normal(rng); });
+      Pose X{{normal(rng), 0.0, 0.0}, Eigen::Matrix3d::Identity()};
+      if (u(rng) < 0.01) reading_S[i % 6] = bad[i % 2];
+      if (u(rng) < 0.01) V[i % 6] = bad[i % 2];
+      if (u(rng) < 0.01) X.R(i % 3, 0) = bad[i % 2];
+      if (i % 2000 == 0) estimator.start_tare();
+      finite += estimator.update(reading_S, X, V).allFinite();
+      faults += estimator.fault();
+      sound += !estimator.fault() && estimator.F_ext().norm() > 0.1;
+    }
+  });
+  EXPECT_EQ(made, 0);
+  EXPECT_GT(allocations_in([] { std::vector<double> v(10); asm volatile("" : : "r"(v.data()) : "memory"); }), 0) << "the hook catches none";
   EXPECT_EQ(finite, 20000);
   EXPECT_TRUE(estimator.tared());
   EXPECT_GT(faults, 500);

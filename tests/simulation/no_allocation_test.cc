@@ -1,46 +1,16 @@
 // A step of the world and a sample of the sensor allocate nothing, with every error on: malloc itself is hooked.
-#include <atomic>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 
+#include "../allocations.h"
 #include "simulation/wrench_sensor.h"
 #include "worlds.h"
-
-extern "C" void* __libc_malloc(std::size_t);
-extern "C" void* __libc_calloc(std::size_t, std::size_t);
-extern "C" void* __libc_realloc(void*, std::size_t);
-extern "C" void* __libc_memalign(std::size_t, std::size_t);
-
-namespace {
-std::atomic<bool> counting{false};
-std::atomic<int> allocations{0};
-void count() {
-  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
-}
-}  // namespace
-
-extern "C" {
-void* malloc(std::size_t size) { count(); return __libc_malloc(size); }
-void* calloc(std::size_t n, std::size_t size) { count(); return __libc_calloc(n, size); }
-void* realloc(void* p, std::size_t size) { count(); return __libc_realloc(p, size); }
-void* memalign(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
-void* aligned_alloc(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
-}
 
 namespace impedraw {
 namespace {
 
 using namespace testing_worlds;
-
-template <typename F>
-int allocations_in(F&& f) {
-  allocations = 0;
-  counting = true;
-  f();
-  counting = false;
-  return allocations;
-}
 
 TEST(NoAllocation, TheHookCatchesOne) {
   EXPECT_GT(allocations_in([] { free(std::malloc(10)); }), 0);

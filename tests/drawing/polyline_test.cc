@@ -1,4 +1,4 @@
-#include "planning/polyline.h"
+#include "drawing/polyline.h"
 
 #include <random>
 

@@ -1,0 +1,12 @@
+// Wall time of what the program does.
+#pragma once
+
+#include <chrono>
+
+namespace impedraw {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }  // [s]
+
+}  // namespace impedraw
