@@ -142,9 +142,13 @@ void describe(Fields& f, CanvasSettings& s) {
   f.field("cone", s.cone, "of a cone, apex up, drawn on from outside");
   f.field("terrain", s.terrain, "of hills and hollows from a seed");
   f.field("mesh", s.mesh, "of a mesh from a file");
+  f.field("move", s.move, Range{-kPlace, kPlace}, "m", "of the whole canvas, once it is made and turned");
+  f.field("turn", s.turn_deg, Range{-360.0, 360.0}, "deg", "of the whole canvas about the world's z");
 }
 
-TriangleMesh make_mesh(const CanvasSettings& s, std::vector<std::string>* mended) {
+namespace {
+
+TriangleMesh made_mesh(const CanvasSettings& s, std::vector<std::string>* mended) {
   switch (s.kind) {
     case CanvasKind::bowl: break;
     case CanvasKind::dome: return make_dome(s.cap);
@@ -158,6 +162,16 @@ TriangleMesh make_mesh(const CanvasSettings& s, std::vector<std::string>* mended
     case CanvasKind::mesh: return make_mesh(s.mesh, mended);
   }
   return make_bowl(s.cap);
+}
+
+}  // namespace
+
+TriangleMesh make_mesh(const CanvasSettings& s, std::vector<std::string>* mended) {
+  TriangleMesh mesh = made_mesh(s, mended);
+  if (s.turn_deg == 0.0 && s.move.isZero()) return mesh;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(s.turn_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  for (Eigen::Vector3d& p : mesh.vertices) p = R * p + s.move;
+  return mesh;
 }
 
 }  // namespace impedraw

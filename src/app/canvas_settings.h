@@ -37,6 +37,8 @@ struct CanvasSettings {
   ConeSettings cone;
   TerrainSettings terrain;
   MeshSettings mesh;
+  Eigen::Vector3d move = Eigen::Vector3d::Zero();  // all of it, after it has been turned: p = move + Rz(turn) p_made [m]
+  double turn_deg = 0.0;
 };
 
 void describe(Fields& f, CanvasSettings& s);

@@ -3,21 +3,23 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
+#include <sstream>
 
 #include <fmt/format.h>
 
+#include "app/artwork.h"
 #include "app/calibrate_tool.h"
+#include "app/draw_into.h"
 #include "app/experiment.h"
-#include "app/interrupt.h"
+#include "app/place_auto.h"
 #include "app/progress.h"
 #include "app/results.h"
-#include "app/run.h"
 #include "app/settings_doc.h"
 #include "app/wall_time.h"
 #include "app/yaml_read.h"
 #include "app/yaml_write.h"
 #include "common/errors.h"
-#include "drawing/artwork_file.h"
 #include "report/report.h"
 
 namespace impedraw {
@@ -28,54 +30,6 @@ namespace fs = std::filesystem;
 
 fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
   return options.out.empty() ? fs::path("runs") / scenario.name : options.out;
-}
-
-struct Drawing {
-  RunOutcome outcome;
-  nlohmann::ordered_json metrics;
-};
-
-void print_notes(const Experiment& experiment) {
-  for (const std::string& note : experiment.notes) fmt::print(stderr, "note: {}\n", note);
-}
-
-// One run into `folder`, with its results. start_up: seconds it took to prepare.
-Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up) {
-  make_folder(folder);
-  for (const char* stale : {"run.h5", "metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg", "ink_page.png"})
-    fs::remove(folder / stale);
-
-  Drawing drawing;
-  {
-    Interrupt interrupt;
-    ProgressLine line;
-    RunHooks hooks;
-    hooks.interrupted = [&] { return interrupt.requested(); };
-    hooks.progress = [&](const RunProgress& p) { line.update({p.time, p.stroke, p.strokes, p.share}); };
-    try {
-      write_file(folder / "scenario.yaml", settings_yaml(experiment.scenario));
-      drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks);
-    } catch (...) {
-      // Without a log it is no run, and the next one would be refused the folder.
-      if (!fs::exists(folder / "run.h5")) fs::remove(folder / "scenario.yaml");
-      throw;
-    }
-  }
-  drawing.metrics = write_results(folder, experiment.artwork.target, experiment.placement);
-  return drawing;
-}
-
-// What the controller said of itself while it drew, where that was not all well.
-std::string met_line(const RunOutcome& outcome) {
-  std::string text;
-  for (const auto& [name, seconds] : outcome.met) text += fmt::format("{}{} {:.3g} s", text.empty() ? "status  " : ", ", name, seconds);
-  return text.empty() ? text : text + "\n";
-}
-
-int exit_code(const RunOutcome& outcome) {
-  if (outcome.end == RunEnd::finished) return kFinished;
-  fmt::print(stderr, "impedraw: {}; the log is kept up to there\n", outcome.cause);
-  return outcome.end == RunEnd::stopped ? kStopped : kInterrupted;
 }
 
 }  // namespace
@@ -92,20 +46,29 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   if (!options.shape.empty()) {
     scenario.drawing.shape = options.shape;
     scenario.drawing.svg.clear();
+    scenario.drawing.text.text.clear();
     name_after(options.shape);
     places.put("drawing.shape", fmt::format("--shape {}", options.shape));
   }
   if (!options.svg.empty()) {
     scenario.drawing.svg = fs::absolute(options.svg);
+    scenario.drawing.text.text.clear();
     name_after(options.svg.stem().string());
     places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
   }
+  if (!options.text.empty()) {
+    scenario.drawing.text.text = options.text;
+    scenario.drawing.svg.clear();
+    name_after("text");
+    places.put("drawing.text.text", fmt::format("--text {}", shown(options.text)));
+  }
   if (options.keep_order) scenario.drawing.keep_order = true;
+  if (options.skip_unreachable) scenario.drawing.skip_unreachable = true;
   if (options.no_perception) {
     scenario.perception.enabled = false;
     scenario.name += "-blind";
   }
-  if (scenario.drawing.svg.empty()) {
+  if (scenario.drawing.svg.empty() && scenario.drawing.text.text.empty()) {
     const std::string& shape = scenario.drawing.shape;
     const std::vector<std::string> shapes = shape_names();
     if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end())
@@ -119,17 +82,64 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   return scenario;
 }
 
+namespace {
+
+// The scenario of the run in `folder`, which is to go on.
+Scenario begun(const fs::path& folder, Places* places) {
+  if (!fs::exists(folder / "run.h5") || !fs::exists(folder / "scenario.yaml"))
+    throw InputError(fmt::format("--resume: {} holds no run to go on with; name its folder with --out", folder.string()));
+  Scenario scenario;
+  *places = read_settings(scenario, folder / "scenario.yaml");
+  return scenario;
+}
+
+// A run goes on with the settings that it was begun with, or not at all.
+void require_same(const Scenario& scenario, const fs::path& folder) {
+  std::istringstream now(settings_yaml(scenario));
+  std::ifstream then(folder / "scenario.yaml");
+  for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
+    if (a != b)
+      throw InputError(fmt::format("--resume: the run in {} was begun with '{}', now it is '{}'; give it the same settings, or none but --out",
+                                   folder.string(), a, b));
+}
+
+}  // namespace
+
+Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
+  if (options.place != "auto") return scenario;
+  PlacedCanvas found;
+  {
+    ProgressLine line;
+    found = place_automatically(scenario, places, [&line](double share) { line.update("placing the canvas", share); });
+  }
+  const Eigen::Vector2d c = found.scenario.drawing.placement.centre_m;
+  fmt::print(stderr, "placed  the drawing's centre at ({:.3f}, {:.3f}) m, turned by {:.0f}°: worst margin {:.2f}, {:.2f} as it stood{}\n", c.x(),
+             c.y(), found.turn_deg, found.margin, found.margin_before,
+             found.passes ? "" : "; some of it cannot be drawn there, and nowhere else is better");
+  return found.scenario;
+}
+
 int draw(const DrawOptions& options) {
   const auto start = Clock::now();
   Places places;
-  const Scenario scenario = resolve(options, &places);
+  Scenario scenario = resolve(options, &places);
   const fs::path folder = folder_for(options, scenario);
   require_run_folder(folder);
+  const bool given = !options.scenario.empty() || !options.shape.empty() || !options.svg.empty() || !options.text.empty() ||
+                     !options.assignments.empty();
+  // A place once found is the run's: it is not looked for again.
+  if (options.resume && (!given || options.place == "auto")) scenario = begun(folder, &places);
+  else scenario = placed(options, scenario, places);
   Experiment experiment = prepare(scenario, places);
+  if (options.resume) {
+    begun(folder, &places);
+    require_same(experiment.scenario, folder);
+  }
   print_notes(experiment);
-  const Drawing drawing = draw_into(folder, experiment, seconds_since(start));
-  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}report  {}\n", scenario.name, drawing.outcome.simulated, drawing.outcome.wall.loop,
-             metrics_table(drawing.metrics), met_line(drawing.outcome), fs::absolute(folder / "report.html").lexically_normal().string());
+  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume);
+  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}{}report  {}\n", scenario.name, drawing.outcome.simulated, drawing.outcome.wall.loop,
+             metrics_table(drawing.metrics), met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
+             fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing.outcome);
 }
 
@@ -210,8 +220,10 @@ int report(const fs::path& folder) {
   if (!fs::exists(folder / "run.h5")) throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
   Scenario scenario;
   read_settings(scenario, folder / "scenario.yaml");
-  const Artwork artwork = scenario.drawing.svg.empty() ? make_shape(scenario.drawing.shape).target : read_artwork(scenario.drawing.svg);
-  fmt::print("{}report  {}\n", metrics_table(write_results(folder, artwork, place(artwork, scenario.drawing.placement))),
+  const Places places;
+  const Shape artwork = make_artwork(scenario.drawing, Blame(places));
+  const Placement placement = place(artwork.drawn, placement_settings(scenario.drawing));
+  fmt::print("{}report  {}\n", metrics_table(write_results(folder, scenario, artwork.target, placement, drawing_frame(scenario.drawing))),
              fs::absolute(folder / "report.html").lexically_normal().string());
   return kFinished;
 }

@@ -2,23 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
+#include "app/artwork.h"
 #include "app/blame.h"
-#include "app/on_canvas.h"
-#include "app/perceived_surface.h"
+#include "app/seen_surface.h"
+#include "app/snapshot.h"
 #include "arm/inverse_kinematics.h"
 #include "common/errors.h"
-#include "drawing/artwork_file.h"
-#include "drawing/order.h"
-#include "drawing/simplify.h"
-#include "planning/reach.h"
 #include "planning/tip_planner.h"
+#include "planning/wrap.h"
 
 namespace impedraw {
 
 namespace {
+
+constexpr double kEdgeOfPlanning = 0.5;  // one-sidedness: 2 mm within the rim of the standard bowl; the controller's 0.66 is 1 mm beyond it
 
 std::filesystem::path urdf_of(const ArmSettings& s) {
   return s.urdf.empty() ? std::filesystem::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
@@ -28,75 +29,6 @@ std::string joint_text(const JointVector& q) {
   std::string text;
   for (double x : q) text += fmt::format("{}{:.2f}", text.empty() ? "" : ", ", x);
   return text;
-}
-
-// What the depth cameras see of canvas and arm, before drawing.
-SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world, ArmModel& arm, const JointVector& q) {
-  const PerceptionSettings& p = s.perception;
-  if (p.cameras.empty()) throw InputError("perception.cameras is empty; valid are at least one camera, or perception.enabled: false");
-  const Eigen::AlignedBox3d box = canvas.bounds();
-  const CastRay cast = [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-    double distance = world.ray_to_arm(origin, direction);
-    if (const auto hit = canvas.ray(origin, direction)) distance = std::min(distance, hit->t);
-    return distance;
-  };
-  std::vector<DepthCamera> cameras;
-  std::vector<DepthImage> images;
-  for (std::size_t i = 0; i < p.cameras.size(); ++i) {
-    const CameraSettings& c = p.cameras[i];
-    cameras.push_back({c.width, c.height, c.fov_y_deg, look_at(c.p_WC, c.target_W)});
-    images.push_back(render_depth(cameras.back(), cast, p.noise, static_cast<std::uint64_t>(s.seed) * 1000 + i));
-  }
-  std::vector<Capsule> body;
-  for (const BodyCapsule& c : arm.body_capsules(q)) body.push_back({c.a_W, c.b_W, c.radius});
-  CloudSettings settings;
-  settings.voxel = p.voxel;
-  settings.self_padding = p.self_padding;
-  settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
-  PointCloud cloud = fuse(images, cameras, settings, body);
-  if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
-    throw InputError(fmt::format(
-        "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m); "
-        "at least {} are needed; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)",
-        cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(), p.region_upper.y(), p.region_lower.z(),
-        p.region_upper.z(), p.normals.k, box.min().x(), box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z()));
-  return SurfaceEstimator(std::move(cloud), p.normals);
-}
-
-// The true canvas, looking along −z.
-SurfaceHeight canvas_height(const Canvas& canvas) {
-  const double above = canvas.bounds().max().z() + 1.0;
-  return [&canvas, above](double x, double y) -> std::optional<SurfaceSample> {
-    const auto hit = canvas.ray({x, y, above}, -Eigen::Vector3d::UnitZ());
-    if (!hit) return std::nullopt;
-    return SurfaceSample{hit->p_W, hit->n_W};
-  };
-}
-
-// Walks the arm along the path by inverse kinematics, each posture from the last.
-ReachProblem arm_reach(ArmModel& arm, const JointVector& start) {
-  return [&arm, q = start](const Eigen::Vector3d& p_WD, const Eigen::Vector3d& n_WD) mutable -> std::string {
-    IkSettings settings;
-    settings.position_tolerance = settings.axis_tolerance = 1e-5;
-    const IkResult result = find_posture(arm, {p_WD, -n_WD}, q, settings);
-    if (!result.reached)
-      return fmt::format("the pen gets no nearer than {:.0f} mm and {:.0f}°", 1e3 * result.position_error,
-                         result.axis_error * 180.0 / M_PI);
-    q = result.q;
-    return {};
-  };
-}
-
-// How far the tip stays short of a point, each posture from the last that got there.
-ShortOf tip_shortfall(ArmModel& arm, const JointVector& start) {
-  return [&arm, q = start](const Eigen::Vector3d& p_WD, const Eigen::Vector3d& n_W) mutable {
-    IkSettings settings;
-    settings.position_tolerance = settings.axis_tolerance = 1e-5;
-    const IkResult result = find_posture(arm, {p_WD, -n_W}, q, settings);
-    if (!result.reached) return std::max(result.position_error, 1e-9);
-    q = result.q;
-    return 0.0;
-  };
 }
 
 // What the controller's checks look at, the likeliest culprit first.
@@ -110,39 +42,224 @@ std::vector<std::string> control_settings() {
   return names;
 }
 
+// The pre-flight's settings, completed from the rest of the scenario.
+PreflightSettings preflight_settings(const Experiment& e) {
+  PreflightSettings s = e.scenario.preflight;
+  s.X_WP = e.X_WP;
+  s.vertical_pen = !e.perception;
+  s.push_force = e.scenario.control.push_force;
+  s.torque_share = e.scenario.control.torque_share;
+  s.friction = e.scenario.control.friction;
+  s.normal_smoothing = e.scenario.path.normal_smoothing;
+  s.space = e.scenario.control.operational_space;
+  s.rest_q = e.control.q_0;
+  return s;
+}
+
+// Each with a number of its own, in their order; `source`: of which stroke of the artwork each is.
+std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, std::vector<int>* source) {
+  source->clear();
+  for (PlacedStroke& stroke : strokes) {
+    source->push_back(stroke.number);
+    stroke.number = static_cast<int>(source->size()) - 1;
+    stroke.start = 0.0;
+  }
+  return strokes;
+}
+
+// What the wrap has no surface for.
+Finding off_patch(const std::vector<PlacedStroke>& flat, const StrokePart& part, const Pose& X_WP) {
+  const StrokePlace middle = place_on(flat[static_cast<std::size_t>(part.stroke)], (part.from + part.to) / 2);
+  return {part, Problem::off_canvas, "off the patch of the surface that the wrap lays flat", middle.page,
+          X_WP * Eigen::Vector3d(middle.world.x(), middle.world.y(), 0.0)};
+}
+
+// What is promised, from what the pre-flight leaves of the whole; throws or notes what it does not, as `unreachable` says.
+void promise(Experiment& e, Unreachable unreachable) {
+  e.notes.erase(std::remove_if(e.notes.begin(), e.notes.end(), [](const std::string& n) { return n.starts_with("not drawn: "); }), e.notes.end());
+  const std::vector<Finding>& findings = e.preflight.findings;
+  if (!findings.empty() && unreachable != Unreachable::tell) {
+    const std::string first = refusal_text(findings.front(), e.perception.has_value());
+    const std::string more = findings.size() == 1 ? "" : fmt::format(", and {} more such places", findings.size() - 1);
+    if (unreachable == Unreachable::refuse)
+      throw InputError(fmt::format("{}{}; ./impedraw plan shows all of them, --skip-unreachable draws the rest", first, more));
+    if (e.preflight.drawable.empty()) throw InputError(fmt::format("nothing can be drawn: {}{}; ./impedraw plan shows all of them", first, more));
+    for (const Finding& f : findings) e.notes.push_back("not drawn: " + finding_text(f));
+  }
+  e.strokes.clear();
+  for (const StrokePart& part : e.preflight.drawable) {
+    PlacedStroke stroke = part_of(e.whole[static_cast<std::size_t>(part.stroke)], part.from, part.to);
+    stroke.number = static_cast<int>(e.strokes.size());
+    stroke.start = 0.0;
+    e.strokes.push_back(std::move(stroke));
+  }
+}
+
+// Takes a point that turned out to have no surface, and a little on both sides of it, out of what is drawn.
+void leave_out(Experiment& e, const OffSurface& off) {
+  constexpr double kAbout = 3e-3;  // [m]
+  const PlacedStroke& stroke = e.strokes[static_cast<std::size_t>(off.stroke)];
+  double along = 0.0, nearest = std::numeric_limits<double>::infinity(), before = 0.0;
+  for (std::size_t i = 0; i < stroke.world.size(); ++i) {
+    if (i > 0) before += (stroke.world[i] - stroke.world[i - 1]).norm();
+    const Eigen::Vector2d a = stroke.world[i], way = i + 1 < stroke.world.size() ? Eigen::Vector2d(stroke.world[i + 1] - a) : Eigen::Vector2d::Zero();
+    const double share = way.squaredNorm() > 0.0 ? std::clamp((off.p - a).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
+    const double distance = (a + share * way - off.p).norm();
+    if (distance < nearest) nearest = distance, along = before + share * way.norm();
+  }
+  std::vector<StrokePart>& drawable = e.preflight.drawable;
+  const StrokePart whole = drawable[static_cast<std::size_t>(off.stroke)];
+  StrokePart gone{whole.stroke, whole.from + std::max(0.0, along - kAbout), std::min(whole.to, whole.from + along + kAbout)};
+  std::vector<StrokePart> left;
+  for (const StrokePart& part : {StrokePart{whole.stroke, whole.from, gone.from}, StrokePart{whole.stroke, gone.to, whole.to}}) {
+    if (part.length() > e.scenario.preflight.shortest) left.push_back(part);
+    else (part.from == whole.from ? gone.from : gone.to) = part.from == whole.from ? part.from : part.to;
+  }
+  drawable.erase(drawable.begin() + off.stroke);
+  drawable.insert(drawable.begin() + off.stroke, left.begin(), left.end());
+  const StrokePlace place = place_on(stroke, along);
+  gone.stroke = e.source[static_cast<std::size_t>(whole.stroke)];
+  e.preflight.findings.push_back({gone, Problem::off_canvas, "at an edge of the canvas", place.page, e.X_WP * Eigen::Vector3d(off.p.x(), off.p.y(), 0.0)});
+}
+
+// Plans the path, and leaves out what no way leads to.
+void plan_path(Experiment& e, Unreachable unreachable) {
+  while (!e.strokes.empty()) {  // each round leaves out at least one
+    e.path = plan_from(e, e.strokes, e.scenario.arm.start_p_WE, e.X_WP.R.col(2), e.path_settings.start_hold);
+    if (!e.scenario.preflight.arm) return;
+    const std::vector<Finding> ways = check_ways(e.path, e.strokes, e.arm, e.canvas.get(), e.start_q, preflight_settings(e));
+    if (ways.empty()) return;
+    // Findings are about the numbers of the path; a stroke whose way is barred is one that cannot be drawn.
+    std::vector<StrokePart> left;
+    for (std::size_t i = 0; i < e.preflight.drawable.size(); ++i) {
+      const auto barred = std::find_if(ways.begin(), ways.end(), [&](const Finding& f) { return f.part.stroke == static_cast<int>(i); });
+      if (barred == ways.end()) {
+        left.push_back(e.preflight.drawable[i]);
+      } else {
+        Finding f = *barred;
+        f.part = e.preflight.drawable[i];
+        f.part.stroke = e.source[static_cast<std::size_t>(f.part.stroke)];
+        f.text = "on the way to it: " + f.text;
+        e.preflight.findings.push_back(std::move(f));
+      }
+    }
+    if (left.size() == e.preflight.drawable.size()) throw InputError(finding_text(ways.front()));
+    e.preflight.drawable = std::move(left);
+    promise(e, unreachable);
+  }
+  e.path = TipPath();
+}
+
+// The rest posture of the null space.
+JointVector rest_posture(Experiment& e, const Blame& blame) {
+  const Scenario& s = e.scenario;
+  const int n = e.arm.joints();
+  if (!s.arm.q_0.empty()) {
+    if (static_cast<int>(s.arm.q_0.size()) != n)
+      blame.wrong({"arm.q_0"}, fmt::format("arm.q_0 has {} entries, the arm {} joints", s.arm.q_0.size(), n));
+    const JointVector q_0 = Eigen::Map<const Eigen::VectorXd>(s.arm.q_0.data(), n);
+    if (((q_0 - JointVector(e.arm.limits().lower)).array() < 0.0).any() || ((JointVector(e.arm.limits().upper) - q_0).array() < 0.0).any())
+      blame.wrong({"arm.q_0"}, fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges, ({}) to ({}) rad", joint_text(q_0),
+                                            joint_text(e.arm.limits().lower), joint_text(e.arm.limits().upper)));
+    return q_0;
+  }
+  const Eigen::Vector2d c = s.drawing.placement.centre_m;
+  const SurfaceHeight surface = e.surface();
+  auto middle = surface(c.x(), c.y());
+  for (std::size_t i = 0; i < e.whole.size() && !middle; ++i) {
+    const Eigen::Vector2d p = e.whole[i].world[e.whole[i].world.size() / 2];
+    middle = surface(p.x(), p.y());
+  }
+  const Eigen::Vector3d p_WE = middle ? e.X_WP * middle->p_W : s.arm.start_p_WE;
+  return find_posture(e.arm, {p_WE, -e.X_WP.R.col(2)}, e.start_q).q;
+}
+
+void complete_control(Experiment& e, double wrench_delay, const Blame& blame) {
+  const Scenario& s = e.scenario;
+  const int n = e.arm.joints();
+  const JointVector q_0 = e.control.q_0;
+  ImpedanceSettings& control = e.control;
+  control = s.control;
+  control.dt = s.world.dt;
+  control.wrench = s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;
+  control.wrench_delay = wrench_delay;
+  control.drawing_axis_W = e.X_WP.R.col(2);
+  control.torque_limit = s.control.torque_share * e.arm.limits().torque;
+  control.torque_rate_limit = Eigen::VectorXd::Constant(n, s.control.torque_rate);
+  control.joint_lower = e.arm.limits().lower;
+  control.joint_upper = e.arm.limits().upper;
+  control.q_0 = q_0;
+  blame.on(control_settings(), [&] { ImpedanceController(control, n); });  // its checks, before anything is written
+}
+
 }  // namespace
 
-Experiment prepare(const Scenario& given, const Places& places) {
+SurfaceHeight Experiment::surface() const {
+  if (planning) return perceived_height(*planning, X_WP);
+  if (scenario.blind.height == BlindHeight::canvas) return canvas_height(*canvas, X_WP);
+  return [z = scenario.blind.plane_z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
+}
+
+Pose drawing_frame(const DrawingSettings& drawing) {
+  const Eigen::Vector3d a = drawing.tilt_deg * M_PI / 180.0;
+  return {Eigen::Vector3d::Zero(), (Eigen::AngleAxisd(a.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(a.y(), Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(a.x(), Eigen::Vector3d::UnitX()))
+                                       .toRotationMatrix()};
+}
+
+std::string refusal_text(const Finding& f, bool seen) {
+  const auto words = [&f]() -> const char* {
+    switch (f.problem) {
+      case Problem::off_canvas: return "leaves the canvas";
+      case Problem::fold: return "crosses a fold of the surface";
+      case Problem::too_steep: return "lies on too steep a slope";
+      case Problem::out_of_reach: return "leaves the arm's reach";
+      case Problem::joint_limit: return "brings a joint to its limit";
+      case Problem::near_singular: return "brings the arm near a singular posture";
+      case Problem::torque: return "asks for too much torque";
+      case Problem::arm_collision: return "brings the arm against canvas or table";
+      case Problem::pen_collision: return "brings the pen's shaft against canvas or table";
+      case Problem::joint_jump: return "cannot be followed without a jump of the joints";
+      case Problem::too_short: return "has too short a rest";
+    }
+    return "fails";
+  };
+  return fmt::format("stroke {} {}{}: {}, farthest at page ({:.1f}, {:.1f}) mm, world ({:.4f}, {:.4f}, {:.4f}) m", f.part.stroke, words(),
+                     seen && f.problem == Problem::off_canvas ? ", as the cameras see it" : "", f.text, f.page_mm.x(), f.page_mm.y(),
+                     f.p_W.x(), f.p_W.y(), f.p_W.z());
+}
+
+std::string finding_text(const Finding& f) {
+  return fmt::format("stroke {}, {:.1f} to {:.1f} mm of it: {}: {}; worst at page ({:.1f}, {:.1f}) mm, world ({:.3f}, {:.3f}, {:.3f}) m",
+                     f.part.stroke, 1e3 * f.part.from, 1e3 * f.part.to, name_of(f.problem), f.text, f.page_mm.x(), f.page_mm.y(), f.p_W.x(),
+                     f.p_W.y(), f.p_W.z());
+}
+
+TipPath plan_from(const Experiment& e, const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W,
+                  double hold) {
+  PathSettings settings = e.path_settings;
+  settings.start_p_WE = p_WE;
+  settings.start_n_W = n_W;
+  settings.start_hold = hold;
+  return plan_tip_path(strokes, e.surface(), settings);
+}
+
+Experiment prepare(const Scenario& given, const Places& places, Unreachable unreachable) {
   const Blame blame(places);
+  if (unreachable == Unreachable::refuse && given.drawing.skip_unreachable) unreachable = Unreachable::skip;
   Scenario s = given;
   const bool seen = s.perception.enabled;
 
-  Shape artwork;
-  if (s.drawing.svg.empty()) {
-    artwork = make_shape(s.drawing.shape);
-    // Built-in shapes have a size of their own, which only a size that is given outright changes.
-    PlacementSettings& placing = s.drawing.placement;
-    placing.about_page_origin = true;
-    if (!placing.scale && !placing.width_mm && !placing.height_mm) placing.scale = 1.0;
-  } else {
-    blame.on({"drawing.svg"}, [&] { artwork.drawn = read_artwork(s.drawing.svg); });
-    std::vector<Stroke>& strokes = artwork.drawn.strokes;
-    if (s.drawing.join_gap_mm > 0.0) strokes = joined(strokes, s.drawing.join_gap_mm);
-    if (!s.drawing.keep_order) strokes = in_order(strokes, shortest_order(strokes));
-    artwork.target = artwork.drawn;
-  }
+  s.drawing.placement = placement_settings(s.drawing);
+  Shape artwork = make_artwork(s.drawing, blame);
   const std::vector<std::string> where_drawn = {"drawing.placement.scale", "drawing.placement.width", "drawing.placement.height",
-                                                "drawing.placement.fit_radius", "drawing.placement.centre", "drawing.placement", "canvas",
+                                                "drawing.placement.fit_width", "drawing.placement.fit_height", "drawing.placement.fit_radius", "drawing.placement.centre", "drawing.placement", "canvas",
                                                 "drawing"};
   const Placement placement = blame.on(where_drawn, [&] { return place(artwork.drawn, s.drawing.placement); });
-  const auto drawn = placed_strokes(artwork.drawn, placement), wanted = placed_strokes(artwork.target, placement);
 
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = artwork.drawn.warnings;
   auto owned_canvas = blame.on({"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
   const Canvas& canvas = *owned_canvas;
-  const SurfaceHeight truth = canvas_height(canvas);
-  blame.on(where_drawn, [&] { require_on_canvas(drawn, canvas.mesh(), truth); });
-  TargetLine target = blame.on(where_drawn, [&] { return project_target(wanted, truth); });
 
   // A sensor is tared at rest before anything moves.
   const bool sensed = has_sensor(s.control.source);
@@ -157,86 +274,97 @@ Experiment prepare(const Scenario& given, const Places& places) {
 
   // The world first: its reader of URDF says what is wrong, the arm model's prints lines of its own.
   auto world = blame.on({"arm.urdf"}, [&] { return std::make_unique<World>(urdf_of(s.arm), &canvas, s.world); });
-  ArmModel arm = blame.on({"arm.urdf"}, [&] { return ArmModel(urdf_of(s.arm)); });
-  const int n = arm.joints();
-  if (s.arm.posture_seed.size() != n)
+  Experiment e{.scenario = std::move(s),
+               .notes = std::move(notes),
+               .artwork = std::move(artwork),
+               .placement = placement,
+               .X_WP = drawing_frame(given.drawing),
+               .canvas = std::move(owned_canvas),
+               .arm = blame.on({"arm.urdf"}, [&] { return ArmModel(urdf_of(given.arm)); }),
+               .sensor = sensor,
+               .estimator = estimator,
+               .world = std::move(world)};
+  const Scenario& sc = e.scenario;
+  const Eigen::Vector3d z_WP = e.X_WP.R.col(2);
+  if (sc.arm.posture_seed.size() != e.arm.joints())
     blame.wrong({"arm.posture_seed", "arm.urdf"},
-                fmt::format("arm.posture_seed has {} entries, the arm {} joints", s.arm.posture_seed.size(), n));
-  const IkResult start = find_posture(arm, {s.arm.start_p_WE, -Eigen::Vector3d::UnitZ()}, JointVector(s.arm.posture_seed));
+                fmt::format("arm.posture_seed has {} entries, the arm {} joints", sc.arm.posture_seed.size(), e.arm.joints()));
+  const IkResult start = find_posture(e.arm, {sc.arm.start_p_WE, -z_WP}, JointVector(sc.arm.posture_seed));
   if (!start.reached)
     blame.wrong({"arm.start", "arm"},
-                fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm", s.arm.start_p_WE.x(),
-                                 s.arm.start_p_WE.y(), s.arm.start_p_WE.z(), 1e3 * start.position_error));
-  blame.on(where_drawn, [&] { require_strokes_in_reach(drawn, truth, !seen, tip_shortfall(arm, start.q)); });
-  world->set_state(start.q, JointVector::Zero(n));
+                fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm", sc.arm.start_p_WE.x(),
+                            sc.arm.start_p_WE.y(), sc.arm.start_p_WE.z(), 1e3 * start.position_error));
+  e.start_q = start.q;
+  e.world->set_state(start.q, JointVector::Zero(e.arm.joints()));
 
-  std::optional<SurfaceEstimator> perception;
   const std::vector<std::string> how_seen = {"perception.region_lower", "perception.region_upper", "perception.cameras", "perception.voxel",
                                              "perception.noise", "perception", "canvas"};
-  if (seen) blame.on(how_seen, [&] { perception.emplace(take_snapshot(s, canvas, *world, arm, start.q)); });
+  if (seen) {
+    blame.on(how_seen, [&] { e.perception.emplace(take_snapshot(sc, canvas, *e.world, e.arm, start.q)); });
+    NormalSettings cautious = sc.perception.normals;
+    cautious.max_one_sidedness = std::min(cautious.max_one_sidedness, kEdgeOfPlanning);
+    e.planning.emplace(PointCloud(e.perception->cloud()), cautious);
+  }
 
   // Blind, the wanted point lies beneath the surface: the stiffness makes the push.
-  SurfaceHeight surface = truth;
-  PathSettings path_settings = s.path;
-  path_settings.start_p_WE = s.arm.start_p_WE;
-  path_settings.start_n_W = Eigen::Vector3d::UnitZ();
-  if (sensed) path_settings.start_hold = std::max(path_settings.start_hold, s.control.sensing.tare_time + 1.0);
-  if (seen) {
-    surface = perceived_height(*perception);
-  } else {
-    path_settings.vertical_pen = true;
-    if (!(s.control.stiffness.linear.normal > 0.0))
+  PathSettings& path = e.path_settings;
+  path = sc.path;
+  path.X_WP = e.X_WP;
+  if (sensed) path.start_hold = std::max(path.start_hold, sc.control.sensing.tare_time + 1.0);
+  if (!seen) {
+    path.vertical_pen = true;
+    if (!(sc.control.stiffness.linear.normal > 0.0))
       blame.wrong({"control.stiffness_normal"}, "control.stiffness_normal is 0 N/m: blind, it makes the push; valid is more than 0 N/m");
-    if (s.blind.height == BlindHeight::canvas) path_settings.sink = s.control.push_force / s.control.stiffness.linear.normal;
-    else surface = [z = s.blind.plane_z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
-    path_settings.highest_z = canvas.bounds().max().z();
+    if (sc.blind.height == BlindHeight::canvas) path.sink = sc.control.push_force / sc.control.stiffness.linear.normal;
+    double highest = -1e9;
+    for (const Eigen::Vector3d& v_W : canvas.mesh().vertices) highest = std::max(highest, z_WP.dot(v_W - e.X_WP.p));
+    path.highest_z = highest;
   }
-  const double start_hold = path_settings.start_hold;
-  TipPath path = blame.on({"path"}, [&] {
-    try {
-      return plan_tip_path(drawn, surface, path_settings);
-    } catch (const InputError& error) {
-      // The canvas is there: require_on_canvas has looked.
-      if (!seen || !std::string_view(error.what()).starts_with("stroke")) throw;
-      throw InputError(
-          fmt::format("{}, as the cameras see it: perception.cameras, noise, region or normals must let them see more", error.what()));
+  e.start_hold = path.start_hold;
+
+  const bool wraps = sc.drawing.mapping == Mapping::wrap;
+  const std::vector<PlacedStroke> flat = placed_strokes(e.artwork.drawn, placement);
+  WrappedStrokes laid{flat, {}};
+  if (wraps) {
+    laid = blame.on({"drawing.wrap", "drawing.mapping", "drawing"}, [&] {
+      e.wrap.emplace(e.surface(), sc.drawing.placement.centre_m, flat, sc.drawing.wrap);
+      return e.wrap->wrap(flat);
+    });
+  }
+  e.whole = renumbered(std::move(laid.strokes), &e.source);
+  e.control.q_0 = rest_posture(e, blame);
+  e.preflight = blame.on({"preflight"}, [&] { return check_strokes(e.whole, e.surface(), e.arm, e.canvas.get(), start.q, preflight_settings(e)); });
+  for (Finding& f : e.preflight.findings) f.part.stroke = e.source[static_cast<std::size_t>(f.part.stroke)];
+  for (const StrokePart& part : laid.lost) e.preflight.findings.push_back(off_patch(flat, part, e.X_WP));
+  // What ought to come out lies on the true canvas, wherever the cameras saw it.
+  const SurfaceHeight truth = canvas_height(canvas, e.X_WP);
+  const auto true_target = [&] {
+    std::vector<PlacedStroke> wanted = e.strokes;
+    if (e.preflight.findings.empty() && !wraps) {
+      wanted = placed_strokes(e.artwork.target, placement);
+    } else if (wraps && seen) {
+      for (PlacedStroke& stroke : wanted)
+        for (std::size_t i = 0; i < stroke.page.size(); ++i) stroke.world[i] = placement.to_world(stroke.page[i]);
+      wanted = Wrap(truth, sc.drawing.placement.centre_m, wanted, sc.drawing.wrap).wrap(wanted).strokes;
     }
-  });
-  blame.on({"drawing.placement.centre", "canvas", "path", "arm"}, [&] { require_reach(path, 0.01, arm_reach(arm, start.q)); });
-
-  ImpedanceSettings control = s.control;
-  control.dt = s.world.dt;
-  control.wrench = s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;
-  control.wrench_delay = wrench_delay;
-  control.torque_limit = s.control.torque_share * arm.limits().torque;
-  control.torque_rate_limit = Eigen::VectorXd::Constant(n, s.control.torque_rate);
-  control.joint_lower = arm.limits().lower;
-  control.joint_upper = arm.limits().upper;
-  if (s.arm.q_0.empty()) {
-    const Eigen::Vector2d c = s.drawing.placement.centre_m;
-    const auto middle = surface(c.x(), c.y());
-    const Eigen::Vector3d p_WE = middle ? middle->p_W : target.points[target.points.size() / 2];
-    const IkResult rest = find_posture(arm, {p_WE, -Eigen::Vector3d::UnitZ()}, start.q);
-    control.q_0 = rest.q;
-  } else if (static_cast<int>(s.arm.q_0.size()) != n) {
-    blame.wrong({"arm.q_0"}, fmt::format("arm.q_0 has {} entries, the arm {} joints", s.arm.q_0.size(), n));
-  } else {
-    control.q_0 = Eigen::Map<const Eigen::VectorXd>(s.arm.q_0.data(), n);
+    return project_target(wanted, truth);
+  };
+  for (bool done = false; !done;) {
+    blame.on(where_drawn, [&] { promise(e, unreachable); });
+    try {
+      plan_path(e, unreachable);
+      e.target = true_target();
+      done = true;
+    } catch (const OffSurface& off) {
+      leave_out(e, off);  // an edge that lies finer than the pre-flight looked
+    } catch (const InputError& error) {
+      blame.wrong({"path"}, error.what());
+    }
   }
-  if (const JointVector q_0 = control.q_0; ((q_0 - JointVector(arm.limits().lower)).array() < 0.0).any() ||
-                                                ((JointVector(arm.limits().upper) - q_0).array() < 0.0).any())
-    blame.wrong({"arm.q_0"}, fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges, ({}) to ({}) rad", joint_text(q_0),
-                                            joint_text(arm.limits().lower), joint_text(arm.limits().upper)));
-  blame.on(control_settings(), [&] { ImpedanceController(control, n); });  // its checks, before anything is written
+  for (Eigen::Vector3d& p : e.target.points) p = e.X_WP * p;
 
-  return Experiment{std::move(s),    std::move(notes),
-                    std::move(artwork),
-                    placement,       std::move(owned_canvas),
-                    std::move(arm),  std::move(perception),
-                    std::move(path), std::move(target),
-                    control,         sensor,
-                    estimator,       start.q,
-                    start_hold,      std::move(world)};
+  complete_control(e, wrench_delay, blame);
+  return e;
 }
 
 }  // namespace impedraw

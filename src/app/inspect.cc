@@ -9,7 +9,6 @@
 #include "app/inspect_mesh.h"
 #include "canvas/whole_file.h"
 #include "drawing/artwork_file.h"
-#include "drawing/order.h"
 
 namespace impedraw {
 
@@ -27,6 +26,8 @@ SvgSettings fine() {
 
 void print_artwork(const std::filesystem::path& file, const nlohmann::ordered_json& found) {
   fmt::print("{}: {} strokes, {:.1f} mm\n", file.string(), found["strokes"].get<std::size_t>(), found["length_mm"].get<double>());
+  fmt::print("  as listed    {} points, {:.1f} mm in the air between strokes\n", found["points"].get<std::size_t>(),
+             found["pen_up_mm"].get<double>());
   if (!found["bbox_mm"].is_null()) {
     const auto box = found["bbox_mm"].get<std::vector<double>>();
     fmt::print("  on the page  x {:.2f} to {:.2f} mm, y {:.2f} to {:.2f} mm\n", box[0], box[2], box[1], box[3]);
@@ -53,19 +54,25 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   const Artwork artwork = read_artwork(file, fine());
   Eigen::AlignedBox2d box;
   std::vector<std::size_t> strokes(artwork.layers.size(), 0);
+  std::size_t dashed = 0;
   for (const Stroke& stroke : artwork.strokes) {
     ++strokes.at(stroke.layer);
+    dashed += stroke.dash >= 0;
     for (const Eigen::Vector2d& p : stroke.points) box.extend(p);
   }
+  const StrokeStatistics statistics = stroke_statistics(artwork.strokes);
   nlohmann::ordered_json found;
-  found["strokes"] = artwork.strokes.size();
-  found["length_mm"] = pen_down_length(artwork.strokes);
+  found["strokes"] = statistics.strokes;
+  found["length_mm"] = statistics.pen_down_mm;
   found["bbox_mm"] = nullptr;
   if (!box.isEmpty()) found["bbox_mm"] = {box.min().x(), box.min().y(), box.max().x(), box.max().y()};
   found["layers"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < artwork.layers.size(); ++i)
     found["layers"].push_back(nlohmann::ordered_json{{"name", artwork.layers[i]}, {"strokes", strokes[i]}});
   found["warnings"] = artwork.warnings;
+  if (dashed > 0) found["warnings"].push_back(fmt::format("{} dashed lines are counted unbroken", dashed));
+  found["points"] = statistics.points;
+  found["pen_up_mm"] = statistics.pen_up_mm;
   return found;
 }
 

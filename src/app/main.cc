@@ -13,6 +13,7 @@
 
 #include "app/commands.h"
 #include "app/inspect.h"
+#include "app/reach.h"
 #include "app/robustness.h"
 #include "app/settings_text.h"
 #include "common/errors.h"
@@ -23,11 +24,20 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("scenario", options->scenario, "YAML file; without one the sine on the standard bowl");
   command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10, circle");
   command->add_option("--svg", options->svg, "a drawing of your own: .svg, or strokes as .txt, .strokes or .csv")->excludes("--shape");
+  command->add_option("--text", options->text, "a text to write in single strokes; \\n ends a line")->excludes("--shape")->excludes("--svg");
   command->add_flag("--keep-order", options->keep_order, "draw the strokes of a file as it lists them, not with short ways in the air");
   command->add_option("--out", options->out, "folder of the run, made if missing (default: runs/NAME)");
   command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")
       ->take_all()
       ->allow_extra_args(false);
+}
+
+void add_table_options(CLI::App* command, impedraw::CellTableOptions* options) {
+  command->add_option("--out", options->out, "folder of the table and the picture, made if missing (default: runs/" + command->get_name() + ")");
+  command->add_option("--jobs", options->jobs, "cells at a time (default: the number of cores)")->check(CLI::Range(1, 1024));
+  command->add_option("--only", options->only, "only cells whose name matches this regular expression");
+  command->add_flag("--again", options->again, "run anew what an earlier run in that folder has done; without it that is kept");
+  command->add_flag("--list", options->list, "print each cell's name and the command that runs it alone");
 }
 
 // Some libraries' messages are longer.
@@ -49,11 +59,28 @@ int run_program(int argc, char** argv) {
   CLI::App* draw = app.add_subcommand("draw", "draw artwork on a canvas; leaves the drawing, its numbers and a report");
   add_scenario_options(draw, &options);
   draw->add_flag("--no-perception", options.no_perception, "blind: stiffness control with the set-point beneath the surface");
+  draw->add_flag("--skip-unreachable", options.skip_unreachable, "draw what passes the pre-flight and name the rest; without it nothing is drawn");
+  draw->add_flag("--resume", options.resume, "go on with an interrupted run: what it drew is kept, what has no ink is drawn");
   draw->footer(
       "Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw draw --svg flower.svg --set "
       "drawing.placement.fit_radius=0.12\n"
-      "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind");
+      "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind\n"
+      "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: goes on where it was");
   draw->callback([&] { code = impedraw::draw(options); });
+
+  bool plan_json = false;
+  CLI::App* plan = app.add_subcommand("plan", "the pre-flight: which strokes can be drawn, which not, where and why, how long it takes; a picture");
+  add_scenario_options(plan, &options);
+  plan->add_flag("--json", plan_json, "as JSON");
+  plan->footer(
+      "Exit code 0 when all of it can be drawn, 1 when some of it cannot.\n"
+      "Examples:\n  ./impedraw plan --svg artwork/koi.svg\n  ./impedraw plan --svg flower.svg --set drawing.placement.fit_radius=0.3\n"
+      "  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.3 --skip-unreachable");
+  plan->callback([&] { code = impedraw::plan(options, plan_json); });
+
+  for (CLI::App* command : {draw, plan})
+    command->add_option("--place", options.place, "fixed: the canvas stands where the scenario says; auto: where the arm reaches the drawing best")
+        ->check(CLI::IsMember({"fixed", "auto"}));
 
   CLI::App* compare = app.add_subcommand("compare", "the same drawing with and without perception, side by side");
   add_scenario_options(compare, &options);
@@ -91,19 +118,22 @@ int run_program(int argc, char** argv) {
                     "  ./impedraw calibrate-tool --set world.errors.mass_scale=1.2");
   calibrate->callback([&] { code = impedraw::calibrate_tool(options, poses); });
 
-  impedraw::RobustnessOptions matrix;
+  impedraw::CellTableOptions table;
   CLI::App* robustness =
       app.add_subcommand("robustness", "speeds, slopes, pushes, canvases and model errors, cell by cell; leaves a table and a plot");
-  robustness->add_option("--out", matrix.out, "folder of the table and the plot, made if missing (default: runs/robustness)");
-  robustness->add_option("--jobs", matrix.jobs, "cells at a time (default: the number of cores)")->check(CLI::Range(1, 1024));
-  robustness->add_option("--only", matrix.only, "only cells whose name matches this regular expression");
-  robustness->add_flag("--again", matrix.again, "run anew what an earlier run in that folder has done; without it that is kept");
-  robustness->add_flag("--list", matrix.list, "print each cell's name and the command that runs it alone");
   robustness->footer(
       "Stopped by ctrl-C it goes on where it was when started again. Cells that fail are findings: the exit code is 0 once all were run.\n"
       "Examples:\n  ./impedraw robustness\n  ./impedraw robustness --only '^matrix-nominal-200mm_s' --out /tmp/fast\n"
       "  ./impedraw robustness --list | grep -A1 wave");
-  robustness->callback([&] { code = impedraw::robustness(matrix); });
+  robustness->callback([&] { code = impedraw::robustness(table); });
+
+  CLI::App* reach = app.add_subcommand("reach", "ten drawings on ten canvases: what is drawn, how well, and what is not and why; a table and pictures");
+  reach->footer(
+      "Stopped by ctrl-C it goes on where it was when started again. Combinations that miss a limit are findings: the exit code is 0 once all "
+      "were run.\n"
+      "Examples:\n  ./impedraw reach\n  ./impedraw reach --only '^koi-on' --out /tmp/koi\n  ./impedraw reach --list | grep -A1 wall");
+  reach->callback([&] { code = impedraw::reach(table); });
+  for (CLI::App* command : {robustness, reach}) add_table_options(command, &table);
 
   CLI::App* settings = app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
   bool markdown = false;
@@ -125,7 +155,7 @@ int run_program(int argc, char** argv) {
     throw impedraw::InputError("the benchmark is not built: call it as ./impedraw bench, or build the target impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, compare, report, inspect, calibrate, robustness})
+  for (CLI::App* command : {draw, plan, compare, report, inspect, calibrate, robustness, reach})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check([](const std::string& text) { return text.empty() ? std::string("nothing is given") : std::string(); }, "", "");

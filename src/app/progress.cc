@@ -33,10 +33,17 @@ std::string progress_line(const Progress& progress, double wall_time, int column
   const std::string left = known ? clock_text(wall_time * (1 - share) / share) : "-:--";
   const std::string factor = wall_time > 0 ? fmt::format("{:.0f}x real time", progress.simulated_time / wall_time) : "";
   // Rounded down: 100 % is when it is done.
-  std::string line = fmt::format("drawing {:6.1f} s  stroke {}/{}  {:3.0f} %  {} left  {}", progress.simulated_time, progress.stroke,
-                                 progress.strokes, std::floor(100 * share), left, factor);
+  const std::string metres = progress.length > 0 ? fmt::format("  {:.2f}/{:.2f} m", progress.drawn, progress.length) : "";
+  std::string line = fmt::format("{} {:6.1f} s  stroke {}/{}{}  {:3.0f} %  {} left  {}", progress.again ? "again  " : "drawing",
+                                 progress.simulated_time, progress.stroke, progress.strokes, metres, std::floor(100 * share), left, factor);
   if (line.size() > static_cast<std::size_t>(std::max(columns, 0))) line.resize(static_cast<std::size_t>(std::max(columns, 0)));
   return line;
+}
+
+std::string step_line(const std::string& what, double share, double wall_time) {
+  share = std::clamp(share, 0.0, 1.0);
+  const bool known = share >= 0.01 && wall_time >= 0.25;
+  return fmt::format("{}  {:3.0f} %  {} left", what, std::floor(100 * share), known ? clock_text(wall_time * (1 - share) / share) : "-:--");
 }
 
 ProgressLine::ProgressLine(std::FILE* out, std::optional<bool> shown, Clock::time_point start)
@@ -45,10 +52,21 @@ ProgressLine::ProgressLine(std::FILE* out, std::optional<bool> shown, Clock::tim
 ProgressLine::~ProgressLine() { wipe(); }
 
 void ProgressLine::draw(const Progress& progress, Clock::time_point now) {
-  if (!shown_ || now < next_) return;
-  next_ = now + pause;
   // One column less than there are: a full line would wrap on some terminals.
-  const std::string line = progress_line(progress, std::chrono::duration<double>(now - start_).count(), columns_of(out_) - 1);
+  if (due(now)) put(progress_line(progress, std::chrono::duration<double>(now - start_).count(), columns_of(out_) - 1));
+}
+
+void ProgressLine::draw(const std::string& what, double share, Clock::time_point now) {
+  if (due(now)) put(step_line(what, share, std::chrono::duration<double>(now - start_).count()));
+}
+
+bool ProgressLine::due(Clock::time_point now) {
+  if (!shown_ || now < next_) return false;
+  next_ = now + pause;
+  return true;
+}
+
+void ProgressLine::put(const std::string& line) {
   std::fputs(("\r" + line + "\x1b[K").c_str(), out_);
   std::fflush(out_);
   on_screen_ = true;

@@ -50,7 +50,9 @@ void require_comparison_folder(const fs::path& folder) {
   for (const char* side : {"perception", "blind"}) require_run_folder(folder / side);
 }
 
-void require_robustness_folder(const fs::path& folder) { require_folder(folder, {"robustness.csv"}, "robustness.csv"); }
+void require_plan_folder(const fs::path& folder) { require_folder(folder, {"plan.json"}, "plan"); }
+
+void require_table_folder(const fs::path& folder, const std::string& csv) { require_folder(folder, {csv.c_str()}, csv.c_str()); }
 
 void make_folder(const fs::path& folder) {
   std::error_code error;
@@ -65,14 +67,21 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!out) throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), errno ? std::strerror(errno) : "unknown cause"));
 }
 
-nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Artwork& artwork, const Placement& placement) {
+nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario, const Artwork& artwork,
+                                     const Placement& placement, const Pose& X_WP) {
   const RunData run = read_run(folder / "run.h5");
   const Drawn drawn = match_ink(run);
   const nlohmann::ordered_json metrics = compute_metrics(run, drawn);
   write_file(folder / "metrics.json", metrics.dump(2) + "\n");
-  write_ink_top(run, drawn, folder / "ink_top");
-  const auto to_page = [&placement](const Eigen::Vector3d& p_W) -> Eigen::Vector2d { return placement.to_page(p_W.head<2>()); };
-  write_ink_page(run, drawn, to_page, artwork.page, folder / "ink_page");
+  PictureSettings picture;
+  picture.pen = scenario.pen;
+  picture.target_width = 2.6 * scenario.pen.width;
+  picture.R_WP = X_WP.R;
+  write_ink_top(run, drawn, folder / "ink_top", picture);
+  const auto to_page = [&placement, X_PW = X_WP.inverse()](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
+    return placement.to_page((X_PW * p_W).head<2>());
+  };
+  write_ink_page(run, drawn, to_page, artwork.page, folder / "ink_page", picture);
   write_report(folder, run, drawn, metrics);
   return metrics;
 }

@@ -1,76 +1,36 @@
 #include "app/robustness_table.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 #include <fmt/format.h>
 
+#include "app/cell_pivot.h"
 #include "app/robustness_run.h"
 
 namespace impedraw {
 
 namespace {
 
-std::string at(const Record& record, const std::string& column) {
-  const auto it = record.find(column);
-  return it == record.end() ? std::string() : it->second;
-}
-
-// Two significant digits, and never in powers of ten.
-std::string short_number(const std::string& text) {
-  if (text.empty()) return "–";
-  const double x = std::strtod(text.c_str(), nullptr);
-  if (x == 0.0) return "0";
-  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::abs(x)))), 0, 4);
-  return fmt::format("{:.{}f}", x, digits);
-}
-
 // "0.012 / 0.03", "**✗ slow** 0.31 / 1.2", "**✗ refused**"
-std::string cell_text(const Cell& cell, const std::map<std::string, Record>& records) {
+std::string cell_text(const Cell& cell, const Records& records) {
   const std::string value = cell.value.empty() ? "" : cell.value + ": ";
   const auto it = records.find(cell.name);
   if (it == records.end()) return value + "not run";
-  const std::string cause = at(it->second, "cause"), rms = at(it->second, "ink_error_rms");
+  const std::string cause = field(it->second, "cause"), rms = field(it->second, "ink_error_rms");
   std::string text = value + (cause.empty() ? "" : "**✗ " + cause.substr(0, cause.find(':')) + "**");
   if (!cause.empty() && !rms.empty()) text += " ";
   if (!rms.empty() || cause.empty()) {
-    text += short_number(rms) + " / " + short_number(at(it->second, "force_sd"));
+    text += short_number(rms) + " / " + short_number(field(it->second, "force_sd"));
     // What a model error does to the force is in its mean.
-    if (const std::string mean = at(it->second, "force_mean"); cell.group == "switch" && !mean.empty())
+    if (const std::string mean = field(it->second, "force_mean"); cell.group == "switch" && !mean.empty())
       text += fmt::format(" / {:.2f}", std::strtod(mean.c_str(), nullptr));
   }
   return text;
 }
 
-template <class Key>
-std::vector<std::string> in_order(const std::vector<const Cell*>& cells, Key key) {
-  std::vector<std::string> values;
-  for (const Cell* cell : cells)
-    if (std::find(values.begin(), values.end(), key(*cell)) == values.end()) values.push_back(key(*cell));
-  return values;
-}
-
-std::string pivot(const std::vector<const Cell*>& cells, const std::map<std::string, Record>& records) {
-  const std::vector<std::string> rows = in_order(cells, [](const Cell& c) { return c.row; });
-  const std::vector<std::string> columns = in_order(cells, [](const Cell& c) { return c.column; });
-  std::string text = "| |";
-  for (const std::string& column : columns) text += " " + column + " |";
-  text += "\n|---|";
-  for (std::size_t i = 0; i < columns.size(); ++i) text += "---|";
-  for (const std::string& row : rows) {
-    text += "\n| " + row + " |";
-    for (const std::string& column : columns) {
-      const auto cell = std::find_if(cells.begin(), cells.end(), [&](const Cell* c) { return c->row == row && c->column == column; });
-      text += cell == cells.end() ? " |" : " " + cell_text(**cell, records) + " |";
-    }
-  }
-  return text + "\n";
-}
-
 }  // namespace
 
-std::string robustness_page(const std::vector<Cell>& cells, const std::map<std::string, Record>& records) {
+std::string robustness_page(const std::vector<Cell>& cells, const Records& records) {
   std::vector<const Cell*> all, failed;
   std::size_t run = 0;
   for (const Cell& cell : cells) {
@@ -78,7 +38,7 @@ std::string robustness_page(const std::vector<Cell>& cells, const std::map<std::
     const auto it = records.find(cell.name);
     if (it == records.end()) continue;
     ++run;
-    if (at(it->second, "failed") == "1") failed.push_back(&cell);
+    if (field(it->second, "failed") == "1") failed.push_back(&cell);
   }
   const std::string so_far = run < cells.size() ? fmt::format(", of which {} have been run", run) : "";
   std::string text = fmt::format(
@@ -95,12 +55,12 @@ std::string robustness_page(const std::vector<Cell>& cells, const std::map<std::
     std::vector<const Cell*> in_table;
     for (const Cell* cell : all)
       if (cell->table == table) in_table.push_back(cell);
-    text += "\n## " + table + "\n\n" + pivot(in_table, records);
+    text += "\n## " + table + "\n\n" + pivot(in_table, [&](const Cell& cell) { return cell_text(cell, records); });
   }
   text += "\n## What failed\n\n";
   if (failed.empty()) text += run == cells.size() ? "Nothing.\n" : "Nothing of what has been run.\n";
   for (const Cell* cell : failed)
-    text += fmt::format("- `{}`: {}\n  `{}`\n", cell->name, at(records.at(cell->name), "cause"), cell_command(*cell));
+    text += fmt::format("- `{}`: {}\n  `{}`\n", cell->name, field(records.at(cell->name), "cause"), cell_command(*cell));
   return text;
 }
 

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "app/control_loop.h"
 #include "app/lift_out.h"
 #include "app/wall_time.h"
-#include "app/wrench_input.h"
 #include "control/step_watchdog.h"
 
 namespace impedraw {
@@ -40,17 +40,6 @@ RunLogHeader make_header(const Experiment& e) {
   return h;
 }
 
-// The frame that the tip is asked into: −z along the wanted normal, turned about it as the tip is now.
-Eigen::Quaterniond wanted_orientation(const Eigen::Matrix3d& R_WE, const Eigen::Vector3d& n_WD) {
-  return Eigen::Quaterniond::FromTwoVectors(R_WE.col(2), -n_WD) * Eigen::Quaterniond(R_WE);
-}
-
-// When that share of the way from the first stroke's start to the last one's end is over [s].
-double time_at(const Experiment& e, double share) {
-  const auto& strokes = e.path.strokes();
-  return strokes.front().start + share * (strokes.back().end - strokes.front().start);
-}
-
 Eigen::Vector3d push_on_pen(const Experiment& e, double time, const Eigen::Vector3d& n_W) {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   for (const PushSettings& push : e.scenario.pushes) {
@@ -61,69 +50,6 @@ Eigen::Vector3d push_on_pen(const Experiment& e, double time, const Eigen::Vecto
   }
   return force;
 }
-
-const FaultSettings* fault_at(const Experiment& e, double time, FaultKind kind) {
-  for (const FaultSettings& fault : e.scenario.faults) {
-    const double start = time_at(e, fault.middle);
-    if (fault.kind == kind && time >= start && time < start + fault.duration) return &fault;
-  }
-  return nullptr;
-}
-
-// The controller and all that feeds it, with the faults that the scenario puts in between.
-class ControlLoop {
- public:
-  explicit ControlLoop(Experiment& e)
-      : e_(e), controller_(e.control, e.arm.joints()), wrench_(e.scenario.control.source, e.estimator, e.sensor, e.control.dt,
-                                                               static_cast<std::uint64_t>(e.scenario.seed)),
-        terms_(e.arm.joints()), q_(e.start_q), v_(JointVector::Zero(e.arm.joints())) {}
-
-  const ImpedanceTorque& step(const World& world, const TipGoal& goal) noexcept {
-    const double t = world.state().time;
-    wrench_.sample(world);
-    InputAges ages;
-    if (!fault_at(e_, t, FaultKind::stale_state)) {
-      q_ = world.state().q;
-      v_ = world.state().v;
-      state_time_ = t;
-    }
-    ages.state = t - state_time_;
-    if (fault_at(e_, t, FaultKind::nan_state)) v_[0] = std::nan("");
-
-    e_.arm.compute(q_, v_, &terms_);
-    if (e_.perception) {
-      const bool coupled = e_.control.inertia != InertiaShaping::shaped;
-      surface_ = e_.perception->estimate(coupled && on_surface_ ? surface_query(terms_.X_WE.p, goal.p_WD, n_) : terms_.X_WE.p);
-    }
-    if (e_.perception && fault_at(e_, t, FaultKind::no_cloud)) surface_.status = SurfaceStatus::too_few;
-    if (!fault_at(e_, t, FaultKind::stale_wrench)) {
-      F_ext_ = wrench_.estimate(terms_.X_WE, terms_.V_WE);
-      wrench_time_ = t;
-    }
-    ages.wrench = t - wrench_time_;
-    if (fault_at(e_, t, FaultKind::nan_wrench)) F_ext_[2] = std::nan("");
-    const ImpedanceTorque& out = controller_.step(terms_, goal, surface_, F_ext_, ages);
-    on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
-    n_ = out.n_WD;
-    return out;
-  }
-
-  WrenchInput& wrench() { return wrench_; }
-  const Wrench& F_ext() const { return F_ext_; }
-  const SurfaceEstimate& surface() const { return surface_; }
-
- private:
-  Experiment& e_;
-  ImpedanceController controller_;
-  WrenchInput wrench_;
-  ArmTerms terms_;
-  SurfaceEstimate surface_;
-  Wrench F_ext_ = Wrench::Zero();
-  Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();  // of the last step
-  bool on_surface_ = false;
-  JointVector q_, v_;
-  double state_time_ = 0.0, wrench_time_ = 0.0;
-};
 
 void count_status(const ControlStatus& status, double dt, std::map<std::string, double>* met) {
   if (status.ok()) return;
@@ -136,131 +62,222 @@ void count_status(const ControlStatus& status, double dt, std::map<std::string, 
     if (set) (*met)[name] += dt;
 }
 
-int stroke_number(const TipPath& path, double time) {
-  const auto& strokes = path.strokes();
-  const auto next = std::upper_bound(strokes.begin(), strokes.end(), time, [](double t, const StrokeTimes& s) { return t < s.approach; });
-  return static_cast<int>(next - strokes.begin());
+// How far along the path the pen has come: strokes begun, and pen-down length.
+class Odometer {
+ public:
+  explicit Odometer(const TipPath& path) : path_(path), before_(1, 0.0) {
+    for (const StrokeTimes& s : path.strokes()) before_.push_back(before_.back() + s.length);
+  }
+  void read(double t, RunProgress* progress) const {
+    const auto& strokes = path_.strokes();
+    const auto begun = std::upper_bound(strokes.begin(), strokes.end(), t, [](double at, const StrokeTimes& s) { return at < s.approach; });
+    const auto i = static_cast<std::size_t>(begun - strokes.begin());
+    progress->stroke = static_cast<int>(i);
+    progress->strokes = static_cast<int>(strokes.size());
+    progress->length = before_.back();
+    progress->drawn = before_[i];
+    if (i == 0) return;
+    const StrokeTimes& s = strokes[i - 1];
+    const double share = s.end > s.start ? std::clamp((t - s.start) / (s.end - s.start), 0.0, 1.0) : (t >= s.end ? 1.0 : 0.0);
+    progress->drawn -= (1.0 - share) * s.length;
+  }
+
+ private:
+  const TipPath& path_;
+  std::vector<double> before_;  // [m]
+};
+
+class Runner {
+ public:
+  Runner(Experiment& e, const std::filesystem::path& log_file, const RunHooks& hooks, const Resumption* resumption)
+      : e_(e), hooks_(hooks), first_time_(resumption ? resumption->time : 0.0), loop_(e, !resumption),
+        log_(resumption ? RunLog::append_to(log_file, make_header(e)) : RunLog(log_file, make_header(e))), row_(e.arm.joints()) {
+    if (resumption) ink_ = resumption->ink;
+  }
+
+  // Follows the path from its beginning to its end, or until something stops the run.
+  void follow(const TipPath& path, bool again) {
+    const double dt = e_.scenario.world.dt, begin = e_.world->state().time;
+    const Odometer odometer(path);
+    const long steps = std::lround(std::ceil(path.duration() / dt));
+    for (long i = 0; i < steps || lifting_; ++i) {
+      const double t = e_.world->state().time;
+      if (lifting_ && lifting_->done(t)) return;
+      PathSample wanted = path.at(t - begin);
+      if (lifting_) wanted = {lifting_->at(t), -1, std::nan(""), Phase::lift};
+      if (!step(wanted)) return;
+      if (i % 10 != 0) continue;
+      if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
+        stop(RunEnd::interrupted, fmt::format("interrupted at t = {:.3f} s; the pen was lifted", t));
+        lift();
+      }
+      if (!hooks_.progress) continue;
+      RunProgress progress{t, 0, 0, 0.0, 0.0, std::min(1.0, (t - begin) / path.duration()), again};
+      odometer.read(t - begin, &progress);
+      hooks_.progress(progress);
+    }
+  }
+
+  RunOutcome& outcome() { return outcome_; }
+  RunLog& log() { return log_; }
+  const InkWatch& ink() const { return ink_; }
+
+ private:
+  // One control step, logged. False where the run is over.
+  bool step(const PathSample& wanted) {
+    World& world = *e_.world;
+    const double dt = e_.scenario.world.dt, t = world.state().time;
+    const auto step_start = Clock::now();
+    // A step that takes long leaves the drives with the torque that they have; the loop's next input is what there is then.
+    double step_time = 0.0;  // as the watchdog is told: the simulator waits for the controller, so only what a fault adds
+    if (first_time_ == 0.0 && fault_at(e_, t, FaultKind::slow_step)) {
+      stalled_ += dt;
+    } else {
+      out_ = loop_.step(world, wanted.goal);
+      step_time = std::exchange(stalled_, 0.0);
+    }
+    row_.step_time = seconds_since(step_start);
+
+    Eigen::Vector3d push = Eigen::Vector3d::Zero();
+    if (!e_.scenario.pushes.empty() && first_time_ == 0.0) push = push_on_pen(e_, t, e_.canvas->closest(world.state().X_WE.p).n_W);
+    fill_row(world.state(), wanted);
+    const Eigen::Vector3d p_WE = world.state().X_WE.p;
+    const TipContact& contact = world.step(out_.tau, push);
+    row_.disturbance_force = push;
+    row_.contact_force = contact.f_W;
+    row_.contact_point = contact.touching ? contact.p_WC : LogRow::no_vector();
+    row_.contact_normal = contact.touching ? contact.n_W : LogRow::no_vector();
+    log_.append(row_);
+
+    Wrench F_true;
+    F_true << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
+    loop_.wrench().set_true(F_true);
+    count_status(out_.status, dt, &outcome_.met);
+    ink_.add(wanted.stroke, wanted.along, writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)));
+
+    const std::string lost = lost_control(t);
+    if (!lost.empty()) {
+      stop(RunEnd::stopped, lost);
+      return false;
+    }
+    if (watchdog_.update(step_time)) {
+      stop(RunEnd::stopped, fmt::format("a control step took too long at t = {:.3f} s; the pen was lifted", t));
+      lift();
+    }
+    return true;
+  }
+
+  void fill_row(const WorldState& state, const PathSample& wanted) {
+    row_.time = first_time_ + state.time;
+    row_.joint_position = state.q;
+    row_.joint_velocity = state.v;
+    row_.joint_torque = out_.tau;
+    for (int k = 0; k < kTorqueTerms; ++k) row_.torque_terms[k] = out_.terms.col(k);
+    row_.tip_position = state.X_WE.p;
+    row_.tip_orientation = Eigen::Quaterniond(state.X_WE.R);
+    row_.tip_velocity = state.V_WE;
+    row_.desired_position = out_.p_WD;
+    // The frame that the tip is asked into: −z along the wanted normal, turned about it as the tip is now.
+    row_.desired_orientation = Eigen::Quaterniond::FromTwoVectors(state.X_WE.R.col(2), -out_.n_WD) * row_.tip_orientation;
+    row_.wrench_measured = e_.control.wrench == WrenchFeedback::measured ? loop_.F_ext() : Wrench(Wrench::Zero());
+    const bool known = loop_.surface().status == SurfaceStatus::ok;
+    row_.surface_normal = known ? loop_.surface().n_W : LogRow::no_vector();
+    row_.surface_distance = known ? loop_.surface().distance : LogRow::kNone;
+    // Blind, the stiffness is to make the push that the set-point's depth was chosen for.
+    row_.push = e_.perception ? out_.push : (wanted.goal.pen_down ? e_.control.push_force : 0.0);
+    row_.mode = static_cast<int>(out_.mode);
+    row_.stroke = wanted.stroke;
+    row_.stroke_along = wanted.along;
+  }
+
+  // Why the run cannot go on, beyond what lifting the pen could mend; empty: it can.
+  std::string lost_control(double t) {
+    const World& world = *e_.world;
+    Eigen::Index fastest = 0;
+    const double speed = world.state().v.cwiseAbs().maxCoeff(&fastest);
+    const bool blind_to_state = out_.status.bad_input || out_.status.stale_state;
+    bad_state_ = blind_to_state ? bad_state_ + e_.scenario.world.dt : 0.0;
+    if (world.failure()) return *world.failure();
+    if (!(speed < kRunaway))
+      return fmt::format("the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} rad/s", world.state().time,
+                         e_.arm.joint_names()[static_cast<std::size_t>(fastest)], speed, kRunaway);
+    if (bad_state_ > kBadStateTime)
+      return fmt::format("the controller was given {} for {:.1f} s up to t = {:.3f} s",
+                         out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale", kBadStateTime, t);
+    if (t > e_.start_hold && !loop_.wrench().tared())
+      return fmt::format("the wrench sensor could not be tared: within the first {:.2g} s the arm must rest for {:.2g} s, with no reading at its range",
+                         e_.start_hold, e_.estimator.tare_time);
+    return {};
+  }
+
+  void stop(RunEnd end, const std::string& cause) {
+    if (outcome_.end != RunEnd::finished) return;
+    outcome_.end = end;
+    outcome_.cause = cause;
+  }
+
+  void lift() {
+    if (!lifting_) lifting_.emplace(e_.world->state().time, e_.world->state().X_WE.p, out_.n_WD);
+  }
+
+  Experiment& e_;
+  const RunHooks& hooks_;
+  double first_time_;  // of the log, where an earlier run left off [s]
+  ControlLoop loop_;
+  StepWatchdog watchdog_;
+  RunLog log_;
+  LogRow row_;
+  ImpedanceTorque out_;
+  InkWatch ink_;
+  RunOutcome outcome_;
+  std::optional<LiftOut> lifting_;
+  double bad_state_ = 0.0, stalled_ = 0.0;
+};
+
+// What to draw for those parts to have ink, begun and ended in the ink beside them.
+std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
+  std::vector<PlacedStroke> strokes;
+  for (const StrokePart& part : parts)
+    strokes.push_back(part_of(e.strokes[static_cast<std::size_t>(part.stroke)], part.from - kRedrawOverlap, part.to + kRedrawOverlap));
+  return strokes;
 }
 
 }  // namespace
 
-RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up, const RunHooks& hooks) {
-  const auto before_log = Clock::now();
-  const int n = e.arm.joints();
-  const double dt = e.scenario.world.dt;
-  World& world = *e.world;
-  world.set_state(e.start_q, JointVector::Zero(n));
-  ControlLoop loop(e);
-  StepWatchdog watchdog;
-  RunLog log(log_file, make_header(e));
-  LogRow row(n);
-  ImpedanceTorque out;
+bool writes(const Experiment& e, ContactMode mode, double normal_force) {
   const bool measured = e.control.wrench == WrenchFeedback::measured;
-  RunOutcome outcome;
-  std::optional<LiftOut> lifting;
-  double bad_state = 0.0, stalled = 0.0;
+  if (measured && !(normal_force >= InkWatch::least_force(e.control.push_force))) return false;
+  // Blind, the law knows no contact; without a wrench either, nobody can tell.
+  return !e.perception || mode == ContactMode::contact;
+}
+
+RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up, const RunHooks& hooks,
+               const Resumption* resumption) {
+  const auto before_log = Clock::now();
+  const JointVector q = resumption ? resumption->q : e.start_q;
+  e.world->set_state(q, JointVector::Zero(e.arm.joints()));
+  Runner runner(e, log_file, hooks, resumption);
+  RunOutcome& outcome = runner.outcome();
+  TipPath rest;
+  if (resumption) {
+    const Pose X_WE = e.arm.tip_pose(q);
+    const std::vector<StrokePart> parts = rest_of(e.strokes, resumption->ink.parts(), kShortestGap);
+    if (!parts.empty()) rest = plan_from(e, strokes_of(e, parts), X_WE.p, -X_WE.R.col(2), e.start_hold);
+  }
   outcome.wall.start_up = start_up + seconds_since(before_log);
-  const auto stop = [&outcome](RunEnd end, const std::string& cause) {
-    if (outcome.end != RunEnd::finished) return;
-    outcome.end = end;
-    outcome.cause = cause;
-  };
 
   const auto loop_start = Clock::now();
-  const long steps = std::lround(std::ceil(e.path.duration() / dt));
-  for (long i = 0; i < steps || lifting; ++i) {
-    const WorldState& state = world.state();
-    const double t = state.time;
-    if (lifting && lifting->done(t)) break;
-    PathSample wanted = e.path.at(t);
-    if (lifting) wanted = {lifting->at(t), -1, Phase::lift};
-
-    const auto step_start = Clock::now();
-    // A step that takes long leaves the drives with the torque that they have; the loop's next input is what there is then.
-    double step_time = 0.0;  // as the watchdog is told: the simulator waits for the controller, so only what a fault adds
-    if (fault_at(e, t, FaultKind::slow_step)) {
-      stalled += dt;
-    } else {
-      out = loop.step(world, wanted.goal);
-      step_time = std::exchange(stalled, 0.0);
-    }
-    row.step_time = seconds_since(step_start);
-
-    row.time = t;
-    row.joint_position = state.q;
-    row.joint_velocity = state.v;
-    row.joint_torque = out.tau;
-    for (int k = 0; k < kTorqueTerms; ++k) row.torque_terms[k] = out.terms.col(k);
-    row.tip_position = state.X_WE.p;
-    row.tip_orientation = Eigen::Quaterniond(state.X_WE.R);
-    row.tip_velocity = state.V_WE;
-    row.desired_position = out.p_WD;
-    row.desired_orientation = wanted_orientation(state.X_WE.R, out.n_WD);
-    row.wrench_measured = measured ? loop.F_ext() : Wrench(Wrench::Zero());
-    const bool known = loop.surface().status == SurfaceStatus::ok;
-    row.surface_normal = known ? loop.surface().n_W : LogRow::no_vector();
-    row.surface_distance = known ? loop.surface().distance : LogRow::kNone;
-    // Blind, the stiffness is to make the push that the set-point's depth was chosen for.
-    row.push = e.perception ? out.push : (wanted.goal.pen_down ? e.control.push_force : 0.0);
-    row.mode = static_cast<int>(out.mode);
-    row.stroke = wanted.stroke;
-
-    Eigen::Vector3d push = Eigen::Vector3d::Zero();
-    if (!e.scenario.pushes.empty()) push = push_on_pen(e, t, e.canvas->closest(state.X_WE.p).n_W);
-    const Eigen::Vector3d p_WE = state.X_WE.p;
-    const TipContact& contact = world.step(out.tau, push);
-    row.disturbance_force = push;
-    row.contact_force = contact.f_W;
-    row.contact_point = contact.touching ? contact.p_WC : LogRow::no_vector();
-    row.contact_normal = contact.touching ? contact.n_W : LogRow::no_vector();
-    log.append(row);
-
-    Wrench F_true;
-    F_true << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
-    loop.wrench().set_true(F_true);
-    count_status(out.status, dt, &outcome.met);
-
-    Eigen::Index fastest = 0;
-    const double speed = world.state().v.cwiseAbs().maxCoeff(&fastest);
-    const bool blind_to_state = out.status.bad_input || out.status.stale_state;
-    bad_state = blind_to_state ? bad_state + dt : 0.0;
-    std::string lost;  // beyond what lifting the pen could mend
-    if (world.failure()) {
-      lost = *world.failure();
-    } else if (!(speed < kRunaway)) {
-      lost = fmt::format("the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} rad/s",
-                         world.state().time, e.arm.joint_names()[static_cast<std::size_t>(fastest)], speed, kRunaway);
-    } else if (bad_state > kBadStateTime) {
-      lost = fmt::format("the controller was given {} for {:.1f} s up to t = {:.3f} s",
-                         out.status.bad_input ? "numbers that are not finite" : "joint states that are stale", kBadStateTime, t);
-    }
-    if (lost.empty() && t > e.start_hold && !loop.wrench().tared())
-      lost = fmt::format("the wrench sensor could not be tared: within the first {:.2g} s the arm must rest for {:.2g} s, with no reading at its range",
-                         e.start_hold, e.estimator.tare_time);
-    if (!lost.empty()) {
-      stop(RunEnd::stopped, lost);
-      break;
-    }
-    const auto lift = [&] {
-      if (!lifting) lifting.emplace(t + dt, world.state().X_WE.p, out.n_WD);
-    };
-    if (watchdog.update(step_time)) {
-      stop(RunEnd::stopped, fmt::format("a control step took too long at t = {:.3f} s; the pen was lifted", t));
-      lift();
-    }
-    if (i % 10 == 0) {
-      if (!lifting && hooks.interrupted && hooks.interrupted()) {
-        stop(RunEnd::interrupted, fmt::format("interrupted at t = {:.3f} s; the pen was lifted", t));
-        lift();
-      }
-      if (hooks.progress)
-        hooks.progress({t, e.path.duration(), stroke_number(e.path, t), static_cast<int>(e.path.strokes().size()),
-                        std::min(1.0, t / e.path.duration())});
-    }
+  const TipPath& path = resumption ? rest : e.path;
+  runner.follow(path, false);
+  const auto lacking = [&] { return rest_of(e.strokes, runner.ink().parts(), kShortestGap); };
+  if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw && !(outcome.drawn_again = lacking()).empty()) {
+    const PathSample last = path.at(path.duration());
+    runner.follow(plan_from(e, strokes_of(e, outcome.drawn_again), last.goal.p_WD, last.goal.n_WD, 0.0), true);
   }
-  outcome.simulated = world.state().time;
+  if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
+  outcome.simulated = e.world->state().time;
   outcome.wall.loop = seconds_since(loop_start);
-  outcome.wall = log.close(outcome.wall);
+  outcome.wall = runner.log().close(outcome.wall);
   return outcome;
 }
 

@@ -21,18 +21,70 @@ void describe(Fields& f, PlacementSettings& s) {
   f.field("scale", s.scale, Range::positive(), "", "world mm per page mm; null: by the sizes below");
   f.field("width", s.width_mm, Range::positive(), "mm", "size of the drawing across the page; null: by the others");
   f.field("height", s.height_mm, Range::positive(), "mm", "size of the drawing down the page; null: by the others");
+  f.field("fit_width", s.fit_width_m, Range{0.0, kReach, true}, "m", "as large as fits into a rectangle so wide (along world y); null: by the others");
+  f.field("fit_height", s.fit_height_m, Range{0.0, kReach, true}, "m", "and so high (along world x); with one of them alone the other way is free");
+  f.field("margin", s.margin_mm, Range{0.0, 1e3 * kReach}, "mm", "left free on each side of that rectangle");
+  f.field("fit_page", s.fit_page, "the whole page goes into that rectangle, not the box of what is drawn");
   f.field("fit_radius", s.fit_radius_m, Range{0.0, kReach, true}, "m", "with no size given: the farthest stroke point lies on this circle");
   f.field("about_page_origin", s.about_page_origin, "the page's (0, 0) goes to the centre, not the middle of the strokes");
   f.field("rotate", s.rotate_deg, Range{-360.0, 360.0}, "deg", "counter-clockwise, seen from above");
   f.field("mirror", s.mirror, "left to right");
 }
 
+void describe(Fields& f, TextSettings& s) {
+  f.field("text", s.text, "to be written in single strokes; \\n ends a line; empty: the file or the shape is drawn");
+  f.field("font", s.font, "a Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts)");
+  f.field("size", s.size_mm, Range{0.0, 1e4, true}, "mm", "height of its capitals, on the canvas if the placement has no size; null: fitted as a file");
+  f.choice("align", s.align, {{"left", TextAlign::left}, {"centre", TextAlign::centre}, {"right", TextAlign::right}}, "of its lines");
+  f.field("line_spacing", s.line_spacing, Range{0.1, 100.0}, "", "from line to line, in heights of the capitals");
+}
+
+void describe(Fields& f, HatchSettings& s) {
+  f.field("spacing", s.spacing_mm, Range{0.0, 1000.0}, "mm", "on the canvas, of the lines that stand for a fill; 0: none. White is not hatched");
+  f.field("angle", s.angle_deg, Range{-360.0, 360.0}, "deg", "of the lines to the page's X, counter-clockwise");
+  f.field("cross", s.cross, "and as many across them");
+  f.field("outline", s.outline, "outlines of what is filled and not stroked are drawn, too");
+}
+
+void describe(Fields& f, WrapSettings& s) {
+  f.field("spacing", s.spacing, Range{5e-4, 0.02}, "m", "of the grid in the drawing plane");
+  f.field("margin", s.margin, Range{0.001, 0.5}, "m", "of the patch about the drawing; at least two spacings");
+  f.field("tolerance", s.tolerance, Range{1e-7, 1e-2}, "m", "of a page line's image, in the drawing plane");
+}
+
 void describe(Fields& f, DrawingSettings& s) {
-  f.field("shape", s.shape, "built-in drawing: sine, M, sine10, circle; used where svg is empty");
+  f.field("shape", s.shape, "built-in drawing: sine, M, sine10, circle; used where svg and text are empty");
   f.field("svg", s.svg, "file to draw: .svg, or strokes as .txt, .strokes or .csv; empty: the shape");
+  f.field("text", s.text, "a text to write instead");
+  f.choice("unit", s.unit,
+           {{"file", PageUnit::file}, {"mm", PageUnit::mm}, {"cm", PageUnit::cm}, {"in", PageUnit::in}, {"m", PageUnit::m}, {"px", PageUnit::px}},
+           "of the numbers in .txt, .strokes and .csv; file: mm, or shares of the page where all lie between 0 and 1");
   f.field("join_gap", s.join_gap_mm, Range{0.0, 100.0}, "mm", "strokes of a file whose ends lie so near on the page are joined; 0: none");
+  f.field("dashes", s.dashes, "lines that an SVG dashes are drawn dashed");
+  f.field("hatch", s.hatch, "how an SVG's fills are drawn");
+  f.field("simplify", s.simplify_mm, Range{0.0, 100.0}, "mm", "points of a file that lie so near to the line through the rest are left out; 0: none");
   f.field("keep_order", s.keep_order, "strokes of a file are drawn as it lists them, not with short ways in the air");
+  f.field("tilt", s.tilt_deg, Range{-180.0, 180.0}, "deg", "roll, pitch, yaw of the drawing plane about the world's origin; [0, -90, 0] is a wall that faces the arm");
+  f.choice("mapping", s.mapping, {{"project", Mapping::project}, {"wrap", Mapping::wrap}},
+           "from page to surface: straight along the plane's axis, or laid on it like a sheet, so that lengths are kept");
+  f.field("wrap", s.wrap, "how the surface is laid flat");
+  f.field("skip_unreachable", s.skip_unreachable, "what fails the pre-flight is left out and told; else nothing is drawn");
+  f.field("redraw", s.redraw, "parts that got no ink, by contact and force, are drawn once more after the last stroke");
   f.field("placement", s.placement, "of the page on the canvas; built-in shapes are not fitted: scale 1 unless a size is given");
+}
+
+void describe(Fields& f, PreflightSettings& s) {
+  f.field("arm", s.arm, "off: only the surface is looked at, and the arm is taken to reach all of it");
+  f.field("step", s.step, Range{1e-4, 0.1}, "m", "between postures that are checked along a stroke");
+  f.field("edge_tolerance", s.edge_tolerance, Range{1e-6, 0.01}, "m", "of where a part that cannot be drawn begins and ends");
+  f.field("edge_margin", s.edge_margin, Range{0.0, 0.1}, "m", "kept from edges and holes, along the stroke");
+  f.field("shortest", s.shortest, Range{0.0, 1.0}, "m", "a shorter rest of a stroke is not drawn");
+  f.field("max_slope", s.max_slope_deg, Range{0.0, 89.0, true}, "deg", "between the surface's normal and the drawing axis");
+  f.field("fold_height", s.fold_height, Range{1e-6, 0.1}, "m", "a higher step of the surface cuts a stroke");
+  f.field("joint_margin", s.joint_margin, Range{0.0, 1.0}, "rad", "of every joint from its limits");
+  f.field("max_joint_step", s.max_joint_step, Range{0.001, 3.0}, "rad", "of any joint from one posture to the next");
+  f.field("clearance", s.clearance, Range{0.0, 0.2}, "m", "of arm and pen from canvas and table; the pen's grows from none at the tip");
+  f.field("table_z", s.table_z, Range{-kReach, kReach}, "m", "height of a table; null: none");
 }
 
 void describe(Fields& f, ArmSettings& s) {
@@ -242,6 +294,12 @@ void describe(Fields& f, WorldSettings& s) {
   f.field("gravity", s.gravity, Range{0.0, 100.0}, "m/s²", "along -z");
 }
 
+void describe(Fields& f, PenSettings& s) {
+  f.field("width", s.width, Range{0.01, 20.0}, "mm", "of its line at the nominal force");
+  f.field("width_per_newton", s.width_per_newton, Range{-10.0, 10.0}, "mm/N", "wider for each newton above; 0: the same throughout");
+  f.field("nominal_force", s.nominal_force, Range{0.0, 100.0}, "N", "at which it has that width");
+}
+
 void describe(Fields& f, PushSettings& s) {
   f.field("force", s.force, Range{0.0, 200.0}, "N", "on the pen tip");
   f.field("direction", s.direction_W, Range{-1.0, 1.0}, "", "world; its part along the canvas's tangent plane counts");
@@ -272,9 +330,11 @@ void describe(Fields& f, Scenario& s) {
   f.field("perception", s.perception, "what is seen of the canvas");
   f.field("blind", s.blind, "what is done without");
   f.field("path", s.path, "how the tip moves");
+  f.field("preflight", s.preflight, "what is checked before anything moves");
   f.field("control", s.control, "the law");
   f.field("world", s.world, "the simulated truth");
   f.field("wrench_sensor", s.wrench_sensor, "between flange and pen, where control.wrench is sensor");
+  f.field("pen", s.pen, "the line it leaves, for the pictures");
   f.field("pushes", s.pushes, "disturbances");
   f.field("faults", s.faults, "put on purpose");
 }

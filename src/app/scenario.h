@@ -12,20 +12,39 @@
 #include "app/settings.h"
 #include "app/wrench_input.h"
 #include "control/impedance_settings.h"
+#include "drawing/hatch.h"
 #include "drawing/placement.h"
+#include "drawing/stroke_file.h"
+#include "drawing/text.h"
 #include "perception/cloud.h"
 #include "perception/normals.h"
+#include "planning/preflight.h"
 #include "planning/tip_planner.h"
+#include "planning/wrap.h"
+#include "report/picture.h"
 #include "simulation/world.h"
 
 namespace impedraw {
 
+// From the page laid on the drawing plane to the surface: straight along the plane's axis, or by a wrap that keeps lengths.
+enum class Mapping { project, wrap };
+
 struct DrawingSettings {
-  std::string shape = "sine";      // built in; used where svg is empty
+  std::string shape = "sine";      // built in; used where svg and text are empty
   std::filesystem::path svg;
+  TextSettings text;
+  PageUnit unit = PageUnit::file;  // of a stroke file's numbers
   double join_gap_mm = 0.0;        // of a file: ends that lie so near to one another are joined [mm on the page]; 0: none are
+  bool dashes = true;              // of an SVG's strokes
+  HatchSettings hatch;             // of its fills
+  double simplify_mm = 0.0;        // points are left out that lie so near to the rest [mm on the page]
   bool keep_order = false;         // of a file: drawn as it lists its strokes, not with short ways in the air
   PlacementSettings placement;
+  Eigen::Vector3d tilt_deg = Eigen::Vector3d::Zero();  // roll, pitch, yaw of the drawing plane; placement.centre lies in it
+  Mapping mapping = Mapping::project;
+  WrapSettings wrap;
+  bool skip_unreachable = false;   // what fails the pre-flight is left out; else nothing is drawn
+  bool redraw = true;              // what got no ink is drawn once more
 };
 
 struct ArmSettings {
@@ -89,9 +108,11 @@ struct Scenario {
   PerceptionSettings perception;
   BlindSettings blind;
   PathSettings path;
+  PreflightSettings preflight;
   ControlSettings control;
   WorldSettings world;
   WrenchSensorSettings wrench_sensor;
+  PenSettings pen;
   std::vector<PushSettings> pushes;
   std::vector<FaultSettings> faults;
 };

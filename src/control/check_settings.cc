@@ -60,6 +60,7 @@ void check_settings(const ImpedanceSettings& s, int joints) {
   positive("approach_lag", s.approach_lag);
   not_negative("retreat_height", s.retreat_height);
   positive("normal_bandwidth", s.normal_bandwidth);
+  require(std::abs(s.drawing_axis_W.norm() - 1.0) < 1e-9, "drawing_axis_W length", s.drawing_axis_W.norm(), "1");
   require(s.min_axis_cosine > 0.0 && s.min_axis_cosine <= 1.0, "min_axis_cosine", s.min_axis_cosine, "above 0, at most 1");
   not_negative("tip_radius", s.tip_radius);
   not_negative("tip_stiffness", s.tip_stiffness);

@@ -20,7 +20,7 @@ enum class WrenchFeedback {
   measured,  // F_ext is given at each step, taken at E, in W
 };
 
-// How the position error of (13) comes onto the tangent plane, seen along the drawing axis z.
+// How the position error of (13) comes onto the tangent plane, seen along the drawing axis z (drawing_axis_W).
 enum class ErrorProjection {
   lifted,  // e − z (n·e)/(n·z): same fixed point, full stiffness on any slope
   paper,   // (z × e) × z, then K in S: cos²θ of the stiffness up and down a slope θ
@@ -55,6 +55,7 @@ struct ImpedanceSettings {
   double approach_lag = 2.0e-3;           // the approach waits for a tip that is held back by more [m]
   double retreat_height = 0.02;           // above the plan, after the surface was lost [m]
   double normal_bandwidth = 40.0;         // of the tracker of the surface normal [rad/s]
+  Eigen::Vector3d drawing_axis_W = Eigen::Vector3d::UnitZ();  // z: unit, out of the drawing plane
   double min_axis_cosine = 0.2;           // least |n·z| at which an error is lifted along z
 
   double tip_radius = 1.0e-3;             // of the pen's tip sphere [m]

@@ -8,8 +8,6 @@ namespace impedraw {
 
 namespace {
 
-const Eigen::Vector3d kDrawingAxis = Eigen::Vector3d::UnitZ();
-
 Vector6 stacked(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
   Vector6 x;
   x << linear, angular;
@@ -37,7 +35,7 @@ ImpedanceController::Wanted ImpedanceController::want_on_plan(const ArmTerms& ar
 ImpedanceController::Wanted ImpedanceController::want_on_surface(const ArmTerms& arm, const TipGoal& goal,
                                                                  const SurfaceEstimate& surface) noexcept {
   const Eigen::Vector3d& n = tracker_.n();
-  const Eigen::Vector3d& z = kDrawingAxis;
+  const Eigen::Vector3d& z = settings_.drawing_axis_W;
   const Eigen::Vector3d n_dot = tracker_.w().cross(n);
   const bool contact = out_.mode == ContactMode::contact;
   out_.push = contact ? settings_.push_force : 0.0;

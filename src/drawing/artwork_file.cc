@@ -4,7 +4,6 @@
 
 #include "common/errors.h"
 #include "common/file_extension.h"
-#include "drawing/stroke_file.h"
 
 namespace impedraw {
 
@@ -13,12 +12,13 @@ bool is_artwork_file(const std::filesystem::path& file) {
   return extension == ".svg" || extension == ".txt" || extension == ".strokes" || extension == ".csv";
 }
 
-Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings) {
+Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings, PageUnit unit) {
   if (!is_artwork_file(file)) {
     throw InputError(fmt::format("{}: not a kind of artwork; valid are .svg, .txt, .strokes, .csv", file.string()));
   }
-  if (lower_extension(file) == ".svg") return read_svg(file, settings);
-  return read_strokes(file, {.may_be_empty = settings.may_be_empty});
+  if (lower_extension(file) != ".svg") return read_strokes(file, {.unit = unit, .may_be_empty = settings.may_be_empty});
+  if (unit != PageUnit::file) throw InputError(fmt::format("{}: an SVG says its units itself; valid for it is unit: file", file.string()));
+  return read_svg(file, settings);
 }
 
 }  // namespace impedraw

@@ -4,13 +4,14 @@
 #include <filesystem>
 
 #include "drawing/stroke.h"
+#include "drawing/stroke_file.h"
 #include "drawing/svg.h"
 
 namespace impedraw {
 
 bool is_artwork_file(const std::filesystem::path& file);  // by its extension, in capitals or not
 
-// InputError: of the reader, or an extension that is none of these.
-Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings = {});
+// `unit`: of a stroke file's numbers. InputError: of the reader, an extension that is none of these, a unit for an SVG, which has its own.
+Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings = {}, PageUnit unit = PageUnit::file);
 
 }  // namespace impedraw

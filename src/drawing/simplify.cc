@@ -32,7 +32,7 @@ Stroke simplified(const Stroke& stroke, double tolerance_mm) {
     const auto nearer = [&](const Vector2d& a, const Vector2d& b) { return (a - p[0]).norm() < (b - p[0]).norm(); };
     cut = static_cast<std::size_t>(std::max_element(p.begin(), p.end(), nearer) - p.begin());
   }
-  Stroke result{{}, stroke.closed, stroke.layer};
+  Stroke result{{}, stroke.closed, stroke.layer, stroke.dash, stroke.edge};
   for (const auto& [from, to] : {std::pair(std::size_t{0}, cut), std::pair(cut, p.size() - 1)}) {
     if (from == to) continue;
     const std::vector<Vector2d> part(p.begin() + from, p.begin() + to + 1);
@@ -46,7 +46,7 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
   require_length("the gap for joining", gap_mm);
   const int count = static_cast<int>(strokes.size());
   const auto end = [&](int e) -> const Vector2d& { return e % 2 ? strokes[e / 2].points.back() : strokes[e / 2].points.front(); };
-  const auto open = [&](int s) { return !strokes[s].closed && strokes[s].points.size() > 1; };
+  const auto open = [&](int s) { return !strokes[s].closed && strokes[s].points.size() > 1 && strokes[s].dash < 0; };
 
   // Ends in cells as large as the gap: partners lie in neighbouring ones.
   const double cell = std::max(gap_mm, 1e-6);
@@ -90,7 +90,7 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
     // Back to where the chain begins, so that its first part keeps its direction if it can.
     int e = 2 * s;
     while (partner[e] >= 0) e = partner[e] ^ 1;
-    Stroke stroke{{}, strokes[s].closed, strokes[s].layer};
+    Stroke stroke{{}, strokes[s].closed, strokes[s].layer, strokes[s].dash, strokes[s].edge};
     for (; e >= 0; e = partner[e ^ 1]) {
       used[e / 2] = true;
       std::vector<Vector2d> part = strokes[e / 2].points;

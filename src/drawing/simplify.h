@@ -12,8 +12,8 @@ namespace impedraw {
 Stroke simplified(const Stroke& stroke, double tolerance_mm);
 
 // Strokes of one layer whose ends lie within `gap_mm` of one another become one, nearest ends first; where they do not touch, the pen draws
-// the gap. Dots and closed strokes stay as they are; a chain that comes back to its own start stays open there unless it touches. The
-// joined stroke stands where the first of its parts stood. InputError: a gap that is negative or no number.
+// the gap. Dots, closed and dashed strokes stay as they are; a chain that comes back to its own start stays open there unless it touches.
+// The joined stroke stands where the first of its parts stood. InputError: a gap that is negative or no number.
 std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm);
 
 }  // namespace impedraw

@@ -52,7 +52,7 @@ std::optional<double> number_in(std::string_view field) {
 
 class Reading {
  public:
-  Reading(const std::string& name, bool csv) : name_(name), csv_(csv) { artwork_.name = name; }
+  Reading(const std::string& name, bool csv, PageUnit unit) : name_(name), csv_(csv), unit_(unit) { artwork_.name = name; }
 
   // `closed_by_end`: somewhere in the text there is an End.
   Artwork read(std::string_view text, bool closed_by_end) {
@@ -117,8 +117,9 @@ class Reading {
     const auto width = fields.size() == 2 ? number_in(fields[0]) : std::nullopt;
     const auto height = fields.size() == 2 ? number_in(fields[1]) : std::nullopt;
     if (!width || !height) fail("the page's width and height are to come first, as two numbers");
-    if (!(*width > 0 && *width <= kFarthest && *height > 0 && *height <= kFarthest)) {
-      fail(fmt::format("the page is {} × {} mm; both must be > 0 and at most {:.0e}", *width, *height, kFarthest));
+    const double mm = millimetres(unit_);
+    if (!(*width > 0 && *width * mm <= kFarthest && *height > 0 && *height * mm <= kFarthest)) {
+      fail(fmt::format("the page is {} × {} mm; both must be > 0 and at most {:.0e}", *width * mm, *height * mm, kFarthest));
     }
     page_ = Eigen::AlignedBox2d(Vector2d::Zero(), Vector2d(*width, *height));
   }
@@ -131,7 +132,7 @@ class Reading {
   double coordinate(std::string_view field, std::string_view line) const {
     const auto value = number_in(field);
     if (!value) fail(wanted(line));
-    if (!(std::abs(*value) <= kFarthest)) fail(fmt::format("{} is not within ± {:.0e} mm", field, kFarthest));
+    if (!(std::abs(*value) * millimetres(unit_) <= kFarthest)) fail(fmt::format("{} is not within ± {:.0e} mm", field, kFarthest));
     return *value;
   }
 
@@ -151,8 +152,14 @@ class Reading {
     }
     if (!artwork_.strokes.empty()) artwork_.layers = {"page"};
     artwork_.page = page_.isEmpty() ? box : page_;
-    const bool shares = !page_.isEmpty() && !box.isEmpty() && page_.sizes().minCoeff() > 1 && box.min().minCoeff() >= 0 &&
-                        box.max().maxCoeff() <= 1;
+    const bool shares = unit_ == PageUnit::file && !page_.isEmpty() && !box.isEmpty() && page_.sizes().minCoeff() > 1 &&
+                        box.min().minCoeff() >= 0 && box.max().maxCoeff() <= 1;
+    if (const double mm = millimetres(unit_); mm != 1) {
+      for (Stroke& stroke : artwork_.strokes) {
+        for (Vector2d& p : stroke.points) p *= mm;
+      }
+      artwork_.page = Eigen::AlignedBox2d(mm * artwork_.page.min(), mm * artwork_.page.max());
+    }
     if (!shares) return;
     artwork_.warnings.push_back(
         fmt::format("all coordinates lie between 0 and 1: taken for shares of the page, {} × {} mm", page_.max().x(), page_.max().y()));
@@ -163,6 +170,7 @@ class Reading {
 
   std::string name_;
   bool csv_;
+  PageUnit unit_;
   bool page_wanted_ = true;
   int line_ = 0, rows_ = 0;
   int columns_ = 2, x_column_ = 0, y_column_ = 1, stroke_column_ = -1;
@@ -184,10 +192,20 @@ bool has_end(std::string_view text) {
 
 }  // namespace
 
+double millimetres(PageUnit unit) {
+  switch (unit) {
+    case PageUnit::cm: return 10;
+    case PageUnit::in: return 25.4;
+    case PageUnit::m: return 1000;
+    case PageUnit::px: return 25.4 / 96;
+    default: return 1;
+  }
+}
+
 Artwork parse_strokes(std::string_view text, const std::string& name, bool csv, const StrokeFileSettings& settings) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   if (text.find('\0') != std::string_view::npos) throw InputError(fmt::format("{}: not a text of strokes", name));
-  Artwork artwork = Reading(name, csv).read(text, has_end(text));
+  Artwork artwork = Reading(name, csv, settings.unit).read(text, has_end(text));
   if (artwork.strokes.empty()) {
     if (!settings.may_be_empty) throw InputError(fmt::format("{}: there is no stroke in it", name));
     artwork.warnings.push_back("there is no stroke in it");

@@ -6,8 +6,9 @@
 //   End            closes a stroke; one of a single point is a dot
 //   …
 //
-// Millimetres. Where every coordinate lies between 0 and 1 while the page is larger than 1 × 1, the coordinates are shares of the page, as
-// those programs write them, and are scaled to it (told in Artwork::warnings).
+// Millimetres, unless StrokeFileSettings::unit says otherwise. Where it does not, and every coordinate lies between 0 and 1 while the page
+// is larger than 1 × 1, the coordinates are shares of the page, as those programs write them, and are scaled to it (told in
+// Artwork::warnings).
 //
 // Fields stand apart by blanks, or by commas or semicolons. Blank lines and lines that begin with # say nothing, `End` may be written in
 // any case, and after the last stroke it may be missing (told).
@@ -25,7 +26,11 @@
 
 namespace impedraw {
 
+enum class PageUnit { file, mm, cm, in, m, px };  // file: as it says itself, or mm; px: 1/96 in
+double millimetres(PageUnit unit);
+
 struct StrokeFileSettings {
+  PageUnit unit = PageUnit::file;  // of every number in it
   double largest_file_mb = 256;
   bool may_be_empty = false;  // nothing to draw is no error, but a warning
 };

@@ -142,11 +142,11 @@ bool has_area(const std::vector<Vector2d>& line) {
 }
 
 // The subpath as a stroke; without points if it leaves nothing to see.
-Stroke stroke_of(const Subpath& subpath, const FlattenSettings& settings, const std::string& name) {
+Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
   Stroke stroke;
   stroke.layer = static_cast<int>(subpath.path->layer);
-  std::vector<Vector2d> line = flatten(subpath, settings, name);
   const bool stroked = subpath.path->stroked;
+  stroke.edge = !stroked;
   if (!stroked && !has_area(line)) return stroke;
   const bool closed = subpath.closed || !stroked;
   if (closed) line.push_back(line.front());
@@ -163,17 +163,24 @@ Stroke stroke_of(const Subpath& subpath, const FlattenSettings& settings, const 
   return stroke;
 }
 
-// A layer is a pen; one that draws nothing is none.
-void drop_empty_layers(Artwork& artwork) {
-  std::vector<int> strokes(artwork.layers.size(), 0), index(artwork.layers.size(), 0);
-  for (const Stroke& stroke : artwork.strokes) ++strokes[stroke.layer];
-  std::vector<std::string> kept;
-  for (std::size_t i = 0; i < strokes.size(); ++i) {
-    index[i] = static_cast<int>(kept.size());
-    if (strokes[i] > 0) kept.push_back(artwork.layers[i]);
+// What the path fills, if its subpaths are these lines. White is no ink, and it is a page's ground more often than not.
+void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path, Artwork& artwork) {
+  if (!path.filled || path.white) return;
+  Area area{{}, path.even_odd != 0, static_cast<int>(path.layer)};
+  for (const std::vector<Vector2d>& line : lines) {
+    if (has_area(line)) area.outlines.push_back(line);
   }
-  for (Stroke& stroke : artwork.strokes) stroke.layer = index[stroke.layer];
-  artwork.layers = std::move(kept);
+  if (!area.outlines.empty()) artwork.areas.push_back(std::move(area));
+}
+
+// The dash of a path, as an index into the artwork's; −1 if it has none, or a transform that leaves nothing to measure along.
+int add_dash(const ImpedrawSvgPath& path, const double* lengths, Artwork& artwork) {
+  if (path.dash_count == 0) return -1;
+  const double* t = path.transform;
+  const Eigen::Matrix2d to_page = (Eigen::Matrix2d() << t[0], t[1], t[2], t[3]).finished();
+  if (!(std::abs(to_page.determinant()) > 1e-12 * to_page.squaredNorm())) return -1;
+  artwork.dashes.push_back({{lengths, lengths + path.dash_count}, path.dash_offset, to_page.inverse(), path.caps != 0});
+  return static_cast<int>(artwork.dashes.size()) - 1;
 }
 
 }  // namespace
@@ -202,12 +209,22 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     flatten_settings.tolerance = std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
   }
   std::size_t points = 0;
-  for (const Subpath& subpath : subpaths) {
-    Stroke stroke = stroke_of(subpath, flatten_settings, name);
-    points += stroke.points.size();
-    require_few(points, flatten_settings, name);
-    stroke.points.shrink_to_fit();
-    if (!stroke.points.empty()) artwork.strokes.push_back(std::move(stroke));
+  const double* dash_lengths = svg->dashes;
+  auto subpath = subpaths.begin();
+  for (const ImpedrawSvgPath* path = svg->paths; path != svg->paths + svg->path_count; ++path) {
+    const int dash = add_dash(*path, dash_lengths, artwork);
+    dash_lengths += path->dash_count;
+    std::vector<std::vector<Vector2d>> lines;
+    for (; subpath != subpaths.end() && subpath->path == path; ++subpath) {
+      lines.push_back(flatten(*subpath, flatten_settings, name));
+      Stroke stroke = stroke_of(*subpath, lines.back());
+      stroke.dash = dash;
+      points += stroke.points.size();
+      require_few(points, flatten_settings, name);
+      stroke.points.shrink_to_fit();
+      if (!stroke.points.empty()) artwork.strokes.push_back(std::move(stroke));
+    }
+    add_area(lines, *path, artwork);
   }
   drop_empty_layers(artwork);
   const std::string nothing = "nothing in it draws a line: no visible path or shape";

@@ -24,10 +24,10 @@ struct InkLine {
 
 std::vector<InkLine> ink_lines(std::span<const double> f, std::span<const int> stroke);
 
-// One stroke of the plan: rows [begin, end).
+// One pass over a stroke of the plan: rows [begin, end). A stroke that comes back later, to be drawn again or to its end, has one for each.
 //
-// Its first touch is the first row with ink from the end of the stroke before on, or from 2 s before its own start where that is later;
-// none if there is no ink until the stroke ends. The pen may touch before the stroke begins, while it approaches.
+// Its first touch is the first row with ink from the end of the pass before (of whatever stroke) on, or from 2 s before its own start where
+// that is later; none if there is no ink until the pass ends. The pen may touch before the pass begins, while it approaches.
 struct StrokeSpan {
   int stroke = 0;
   std::size_t begin = 0, end = 0;

@@ -7,14 +7,14 @@ namespace impedraw {
 
 using Eigen::Vector3d;
 
-PathSpline::PathSpline(const std::vector<SurfaceSample>& knots) {
-  assert(knots.size() >= 2);
+PathSpline::PathSpline(const std::vector<SurfaceSample>& knots, const std::vector<double>& along) {
+  assert(knots.size() >= 2 && (along.empty() || along.size() == knots.size()));
   const std::size_t n = knots.size();
   knots_.resize(n);
   double u = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (i > 0) u += (knots[i].p_W - knots[i - 1].p_W).norm();
-    knots_[i] = {u, knots[i].p_W, knots[i].n_W, Vector3d::Zero(), Vector3d::Zero()};
+    knots_[i] = {u, knots[i].p_W, knots[i].n_W, Vector3d::Zero(), Vector3d::Zero(), along.empty() ? u : along[i]};
   }
   if (n < 3) return;
 
@@ -67,7 +67,8 @@ SplinePoint PathSpline::raw(std::size_t span, double u) const noexcept {
   const double pa = h * h / 6 * (a * a * a - a), pb = h * h / 6 * (b * b * b - b);
   const double da = h / 6 * (1 - 3 * a * a), db = h / 6 * (3 * b * b - 1);
   return {a * k.p + b * l.p + pa * k.p2 + pb * l.p2, (l.p - k.p) / h + da * k.p2 + db * l.p2, a * k.p2 + b * l.p2,
-          a * k.m + b * l.m + pa * k.m2 + pb * l.m2, (l.m - k.m) / h + da * k.m2 + db * l.m2, a * k.m2 + b * l.m2};
+          a * k.m + b * l.m + pa * k.m2 + pb * l.m2, (l.m - k.m) / h + da * k.m2 + db * l.m2, a * k.m2 + b * l.m2,
+          a * k.along + b * l.along};
 }
 
 SplinePoint PathSpline::at(double u) const noexcept {

@@ -15,12 +15,14 @@ namespace impedraw {
 struct SplinePoint {
   Eigen::Vector3d p, dp, ddp;  // point [m], and by u [1], [1/m]
   Eigen::Vector3d n, dn, ddn;  // unit normal, and by u [1/m], [1/m²]
+  double along = 0;            // place on the stroke (PathSpline's second argument) [m]
 };
 
 class PathSpline {
  public:
   PathSpline() = default;
-  explicit PathSpline(const std::vector<SurfaceSample>& knots);  // at least two; points differ
+  // At least two knots; points differ. `along`: of each knot its place on the stroke (stroke_part.h), interpolated between them; u if empty.
+  explicit PathSpline(const std::vector<SurfaceSample>& knots, const std::vector<double>& along = {});
 
   double length() const { return knots_.back().u; }              // of u [m]
   std::size_t spans() const { return knots_.size() - 1; }
@@ -41,6 +43,7 @@ class PathSpline {
     double u;
     Eigen::Vector3d p, m;      // point; normal
     Eigen::Vector3d p2, m2;    // their second derivatives
+    double along;
   };
   SplinePoint raw(std::size_t span, double u) const noexcept;
 

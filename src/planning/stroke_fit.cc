@@ -19,11 +19,13 @@ constexpr int kMostRounds = 60;
 
 struct Line {  // one part between corners, in the world and on the page
   std::vector<Vector2d> world, page;
+  std::vector<double> place;  // of each vertex on the stroke (stroke_part.h) [m]
   std::vector<double> along;  // length up to each vertex [m]
 };
 
 struct Knot {
   double along;  // on the polyline [m]
+  double place;  // on the stroke [m]
   Vector2d p, page;
   SurfaceSample sample;
 };
@@ -70,9 +72,14 @@ class Fit {
 
   PathSpline through_knots() const {
     std::vector<SurfaceSample> samples;
+    std::vector<double> along;
     samples.reserve(knots_.size());
-    for (const Knot& k : knots_) samples.push_back(k.sample);
-    return PathSpline(samples);
+    along.reserve(knots_.size());
+    for (const Knot& k : knots_) {
+      samples.push_back(k.sample);
+      along.push_back(k.place);
+    }
+    return PathSpline(samples, along);
   }
 
  private:
@@ -80,7 +87,7 @@ class Fit {
     const auto after = std::upper_bound(line_.along.begin() + 1, line_.along.end() - 1, s);
     const auto i = static_cast<std::size_t>(after - line_.along.begin());
     const double part = std::clamp((s - line_.along[i - 1]) / (line_.along[i] - line_.along[i - 1]), 0.0, 1.0);
-    return sampled({s, line_.world[i - 1] + part * (line_.world[i] - line_.world[i - 1]),
+    return sampled({s, line_.place[i - 1] + part * (line_.place[i] - line_.place[i - 1]), line_.world[i - 1] + part * (line_.world[i] - line_.world[i - 1]),
                     line_.page[i - 1] + part * (line_.page[i] - line_.page[i - 1]), {}});
   }
 
@@ -193,17 +200,23 @@ class Fit {
 
 }  // namespace
 
-FittedStroke fit_stroke(const PlacedStroke& stroke, int number, const SurfaceHeight& surface, const FitSettings& settings) {
+FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface, const FitSettings& settings) {
+  const int number = stroke.number;
   Line whole;
+  double place = stroke.start;
   for (std::size_t i = 0; i < stroke.world.size(); ++i) {
     if (!stroke.world[i].allFinite()) throw InputError(fmt::format("stroke {}: point {} is not a finite number", number, i));
+    if (i > 0) place += (stroke.world[i] - stroke.world[i - 1]).norm();
     if (!whole.world.empty() && (stroke.world[i] - whole.world.back()).norm() < kSamePoint) continue;
+    whole.place.push_back(place);
     whole.world.push_back(stroke.world[i]);
     whole.page.push_back(stroke.page[i]);
   }
   if (whole.world.empty()) throw InputError(fmt::format("stroke {}: has no points", number));
 
   FittedStroke fitted;
+  fitted.number = number;
+  fitted.from = fitted.to = stroke.start;
   fitted.first = fitted.last = sample_or_throw(surface, whole.world.front(), whole.page.front(), number);
   if (whole.world.size() == 1) return fitted;
 
@@ -211,6 +224,7 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, int number, const SurfaceHei
   for (std::size_t i : simplified(whole.world, settings.tolerance / 5)) {
     line.world.push_back(whole.world[i]);
     line.page.push_back(whole.page[i]);
+    line.place.push_back(whole.place[i]);
   }
   if (line.world.size() == 2 && (line.world[1] - line.world[0]).norm() < kSamePoint) return fitted;  // closed on itself
   std::vector<std::size_t> cuts = corners(line.world, settings.corner_angle);
@@ -221,11 +235,13 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, int number, const SurfaceHei
     Line part;
     part.world.assign(line.world.begin() + from, line.world.begin() + to + 1);
     part.page.assign(line.page.begin() + from, line.page.begin() + to + 1);
+    part.place.assign(line.place.begin() + from, line.place.begin() + to + 1);
     Fit& fit = fits.emplace_back(std::move(part), number, surface, settings);
     fit.find_knots();
     fit.smooth_normals();
     from = to;
   }
+  fitted.to = whole.place.back();
   // At a corner both parts have the same normal.
   for (std::size_t i = 1; i < fits.size(); ++i) {
     const Eigen::Vector3d n = (fits[i - 1].last_normal() + fits[i].first_normal()).normalized();

@@ -21,11 +21,13 @@ struct FitSettings {
 struct FittedStroke {
   std::vector<PathSpline> parts;  // corner to corner; none for a dot
   SurfaceSample first, last;
+  double from = 0, to = 0;        // where on the stroke (stroke_part.h) [m]
+  int number = 0;                 // PlacedStroke::number
 };
 
 // A fifth of the tolerance goes into dropping points that make no difference, so that finely sampled or jittery lines are not drawn
 // jittery. Then knots on the artwork are added until the spline through them, together with the surface above them, keeps the rest of it.
 // InputError: a point without surface (surface_height.h).
-FittedStroke fit_stroke(const PlacedStroke& stroke, int number, const SurfaceHeight& surface, const FitSettings& settings);
+FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface, const FitSettings& settings);
 
 }  // namespace impedraw

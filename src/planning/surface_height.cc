@@ -16,9 +16,11 @@ constexpr int kDirections = 90;
 
 bool has(const SurfaceHeight& surface, const Vector2d& p) { return surface(p.x(), p.y()).has_value(); }
 
-// Distance from p to where the surface begins [m]: the first circle that meets it, then bisection along its rays.
-std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d& p) {
-  for (double r = kRing; r <= kSearched; r += kRing) {
+}  // namespace
+
+// The first circle that meets it, then bisection along its rays.
+std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d& p, double searched) {
+  for (double r = kRing; r <= searched; r += kRing) {
     double nearest = r + 1;
     for (int i = 0; i < kDirections; ++i) {
       const Vector2d ray(std::cos(2 * M_PI * i / kDirections), std::sin(2 * M_PI * i / kDirections));
@@ -32,15 +34,14 @@ std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d&
   return std::nullopt;
 }
 
-}  // namespace
-
 SurfaceSample sample_or_throw(const SurfaceHeight& surface, const Vector2d& p, const Vector2d& page_mm, int stroke) {
   if (const std::optional<SurfaceSample> sample = surface(p.x(), p.y())) return *sample;
-  const std::optional<double> off = distance_off(surface, p);
-  throw InputError(fmt::format("stroke {} leaves the canvas at page ({:.2f}, {:.2f}) mm, world ({:.4f}, {:.4f}) m, {}", stroke, page_mm.x(),
+  const std::optional<double> off = distance_off(surface, p, kSearched);
+  throw OffSurface(fmt::format("stroke {} leaves the canvas at page ({:.2f}, {:.2f}) mm, world ({:.4f}, {:.4f}) m, {}", stroke, page_mm.x(),
                                page_mm.y(), p.x(), p.y(),
                                off ? fmt::format("{:.1f} mm off it", 1e3 * *off)
-                                   : fmt::format("more than {:.0f} mm off it", 1e3 * kSearched)));
+                                   : fmt::format("more than {:.0f} mm off it", 1e3 * kSearched)),
+                   stroke, p);
 }
 
 }  // namespace impedraw

@@ -66,7 +66,7 @@ TargetLine project_target(const std::vector<PlacedStroke>& strokes, const Surfac
   TargetLine line;
   Projection projection(canvas, settings, line);
   for (std::size_t i = 0; i < strokes.size(); ++i) {
-    if (!strokes[i].world.empty()) projection.add(strokes[i], static_cast<int>(i));
+    if (!strokes[i].world.empty()) projection.add(strokes[i], strokes[i].number);
   }
   return line;
 }

@@ -14,9 +14,10 @@ const char* name_of(Phase phase) noexcept {
   return kNames[static_cast<int>(phase)];
 }
 
-TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines, int strokes)
-    : legs_(std::move(legs)), splines_(std::move(splines)), strokes_(strokes) {
-  std::vector<char> started(strokes, 0);
+TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines, const std::vector<int>& numbers, const Pose& X_WP)
+    : legs_(std::move(legs)), splines_(std::move(splines)), strokes_(numbers.size()), X_WP_(X_WP) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
+  std::vector<char> started(numbers.size(), 0);
   double t = 0, approach = 0;
   for (std::size_t i = 0; i < legs_.size(); ++i) {
     const PathLeg& leg = legs_[i];
@@ -48,7 +49,10 @@ PathSample TipPath::at(double t) const noexcept {
   const PathLeg& leg = legs_[index];
   const double since = t - starts_[index];
 
-  sample.stroke = done ? -1 : leg.stroke;
+  if (!done && leg.stroke >= 0) {
+    sample.stroke = strokes_[leg.stroke].number;
+    sample.along = leg.along;
+  }
   sample.phase = done ? Phase::done : leg.phase;
   TipGoal& goal = sample.goal;
   goal.pen_down = leg.pen_down && !done;
@@ -60,6 +64,7 @@ PathSample TipPath::at(double t) const noexcept {
   goal.n_WD = leg.n;
   if (leg.spline >= 0) {
     const SplinePoint s = splines_[leg.spline].at(along.x);
+    if (sample.stroke >= 0) sample.along = s.along;
     const double squared = along.speed * along.speed;
     goal.p_WD = leg.p + s.p;
     goal.v_WD = along.speed * s.dp;
@@ -76,6 +81,8 @@ PathSample TipPath::at(double t) const noexcept {
     goal.w_WD = turn.speed * leg.turn_axis;
     goal.alpha_WD = turn.acceleration * leg.turn_axis;
   }
+  goal.p_WD = X_WP_.p + X_WP_.R * goal.p_WD;
+  for (Eigen::Vector3d* v : {&goal.v_WD, &goal.a_WD, &goal.n_WD, &goal.w_WD, &goal.alpha_WD}) *v = X_WP_.R * *v;
   return sample;
 }
 

@@ -12,8 +12,10 @@
 // 3D.
 #pragma once
 
+#include <limits>
 #include <vector>
 
+#include "common/pose.h"
 #include "control/tip_goal.h"
 #include "planning/path_spline.h"
 #include "planning/speed_profile.h"
@@ -25,12 +27,15 @@ const char* name_of(Phase phase) noexcept;
 
 struct PathSample {
   TipGoal goal;
-  // ≥ 0 from the instant the wanted point leaves the stroke's first point until it reaches its last; a dot: while it is held.
+  // PlacedStroke::number, ≥ 0, from the instant the wanted point leaves the stroke's first point until it reaches its last; a dot: while
+  // it is held.
   int stroke = -1;
+  double along = std::numeric_limits<double>::quiet_NaN();  // and where on it (stroke_part.h) [m]
   Phase phase = Phase::done;
 };
 
 struct StrokeTimes {
+  int number = 0;       // PlacedStroke::number
   double approach = 0;  // start of the approach [s]
   double start = 0;     // the wanted point leaves the first point
   double end = 0;       // and has reached the last
@@ -41,7 +46,8 @@ struct StrokeTimes {
 struct PathLeg {
   double duration = 0;                                 // [s]
   Phase phase = Phase::travel;
-  int stroke = -1;
+  int stroke = -1;                                     // in the order of the path
+  double along = 0;                                    // of a dot, on its stroke [m]
   bool pen_down = false;
   int spline = -1;                                     // ≥ 0: along that spline, moved by `p`; else along the line p + x · direction
   Eigen::Vector3d p = Eigen::Vector3d::Zero();         // [m]
@@ -56,7 +62,8 @@ struct PathLeg {
 class TipPath {
  public:
   TipPath() = default;
-  TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines, int strokes);
+  // `numbers`: of the strokes, in the order of the path. Legs and splines are in the drawing frame P; samples are in W.
+  TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines, const std::vector<int>& numbers, const Pose& X_WP = {});
 
   double duration() const noexcept { return starts_.empty() ? 0 : starts_.back() + legs_.back().duration; }  // [s]
   PathSample at(double t) const noexcept;  // allocates nothing; held at its ends outside of [0, duration]
@@ -69,6 +76,7 @@ class TipPath {
   std::vector<double> starts_;  // of the legs [s]
   std::vector<PathSpline> splines_;
   std::vector<StrokeTimes> strokes_;
+  Pose X_WP_;
 };
 
 }  // namespace impedraw

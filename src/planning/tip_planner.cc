@@ -53,7 +53,9 @@ void validate(const PathSettings& s) {
 // Lays leg after leg, each beginning where the one before ended, at rest.
 class Planner {
  public:
-  explicit Planner(const PathSettings& settings) : s_(settings), p_(settings.start_p_WE), n_(settings.start_n_W) {
+  explicit Planner(const PathSettings& settings)
+      : s_(settings), p_(settings.X_WP.R.transpose() * (settings.start_p_WE - settings.X_WP.p)),
+        n_(settings.X_WP.R.transpose() * settings.start_n_W) {
     if (s_.vertical_pen) n_ = Vector3d::UnitZ();
   }
 
@@ -70,7 +72,9 @@ class Planner {
       hold(s_.end_hold, Phase::draw, -1, true);
       lift();
     }
-    return TipPath(std::move(legs_), std::move(splines_), static_cast<int>(strokes.size()));
+    std::vector<int> numbers;
+    for (const FittedStroke& stroke : strokes) numbers.push_back(stroke.number);
+    return TipPath(std::move(legs_), std::move(splines_), numbers, s_.X_WP);
   }
 
  private:
@@ -153,7 +157,10 @@ class Planner {
   }
 
   void draw(const FittedStroke& stroke, int index) {
-    if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, index, true);
+    if (stroke.parts.empty()) {
+      hold(s_.dot_time, Phase::draw, index, true);
+      if (s_.dot_time > 0) legs_.back().along = stroke.from;
+    }
     for (const PathSpline& part : stroke.parts) {
       PathLeg& leg = add(Phase::draw, true);
       leg.stroke = index;
@@ -204,7 +211,7 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
                         settings.normal_smoothing};
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
-  for (std::size_t i = 0; i < strokes.size(); ++i) fitted.push_back(fit_stroke(strokes[i], static_cast<int>(i), surface, fit));
+  for (const PlacedStroke& stroke : strokes) fitted.push_back(fit_stroke(stroke, surface, fit));
   return Planner(settings).plan(fitted);
 }
 

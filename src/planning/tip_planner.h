@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "common/pose.h"
 #include "drawing/placement.h"
 #include "planning/surface_height.h"
 #include "planning/tip_path.h"
@@ -13,6 +14,7 @@
 namespace impedraw {
 
 struct PathSettings {
+  Pose X_WP;                                                 // drawing frame P, z out of the drawing plane; strokes and surface are in it
   Eigen::Vector3d start_p_WE{0.5, 0.0, 0.5};                 // where the tip is when time begins [m]
   Eigen::Vector3d start_n_W = Eigen::Vector3d::UnitZ();      // and −z_E there; unit
   double start_hold = 0.0;            // at rest at the start: a wrench sensor is tared then [s]
@@ -20,11 +22,11 @@ struct PathSettings {
   double approach_speed = 0.010;      // [m/s]
   double settle_time = 0.4;           // at the first point, before drawing [s]
   double draw_speed = 0.05;           // [m/s]
-  double draw_acceleration = 1.0;     // [m/s²]
+  double draw_acceleration = 0.2;     // [m/s²]; speeds and accelerations are those of pen plotters
   double end_hold = 0.05;             // at the last point, before the lift [s]
   double dot_time = 0.1;              // a stroke of one point is held that long, besides settling [s]
   double travel_speed = 0.2;          // [m/s]
-  double travel_acceleration = 1.0;   // [m/s²]
+  double travel_acceleration = 0.4;   // [m/s²]
   double turn_speed = 1.0;            // of n while travelling [rad/s]
   double turn_acceleration = 4.0;     // [rad/s²]
   double safe_height = 0.03;          // above the highest point of the surface, for travel [m]

@@ -1,7 +1,6 @@
 #include "report/drawn.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 namespace impedraw {
@@ -11,18 +10,11 @@ constexpr double kSampleSpacing = 0.25e-3;  // of the search trees [m]; sets the
 
 }  // namespace
 
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 Drawn match_ink(const RunData& run) {
   const std::size_t n = run.rows();
   Drawn d;
-  d.f.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double f = run.contact_force[i].dot(run.contact_normal[i]);
-    d.f[i] = std::isfinite(f) ? f : 0.0;
-  }
-  d.lines = ink_lines(d.f, run.stroke);
-  d.spans = stroke_spans(run.time, d.f, run.stroke);
+  d.lines = ink_lines(run.f, run.stroke);
+  d.spans = stroke_spans(run.time, run.f, run.stroke);
 
   std::set<int> strokes(run.target_stroke.begin(), run.target_stroke.end());
   for (const StrokeSpan& span : d.spans) strokes.insert(span.stroke);
@@ -31,10 +23,7 @@ Drawn match_ink(const RunData& run) {
   const auto place = [&d](int stroke) { return std::lower_bound(d.strokes.begin(), d.strokes.end(), stroke) - d.strokes.begin(); };
   for (std::size_t i = 0; i < run.target_points.size(); ++i) d.targets[place(run.target_stroke[i])].push_back(run.target_points[i]);
 
-  const double none = LogRow::kNone;
-  d.error.assign(n, none);
-  d.tilt.assign(n, none);
-  d.normal_error.assign(n, none);
+  d.error.assign(n, LogRow::kNone);
   std::vector<std::vector<const InkLine*>> lines_of(d.strokes.size());
   for (const InkLine& line : d.lines) {
     if (line.stroke >= 0) lines_of[place(line.stroke)].push_back(&line);
@@ -42,14 +31,9 @@ Drawn match_ink(const RunData& run) {
   for (std::size_t s = 0; s < d.strokes.size(); ++s) {
     if (lines_of[s].empty()) continue;
     const Segments target(std::span(&d.targets[s], 1), kSampleSpacing);
+    if (target.empty()) continue;
     for (const InkLine* line : lines_of[s]) {
-      for (std::size_t i = line->begin; i < line->end; ++i) {
-        if (!target.empty()) d.error[i] = target.distance(run.contact_point[i]);
-        d.tilt[i] = angle_between(-(run.tip_orientation[i] * Eigen::Vector3d::UnitZ()), run.contact_normal[i]);
-        if (std::isfinite(run.surface_distance[i]) && run.surface_normal[i].allFinite()) {
-          d.normal_error[i] = angle_between(run.surface_normal[i], run.contact_normal[i]);
-        }
-      }
+      for (std::size_t i = line->begin; i < line->end; ++i) d.error[i] = target.distance(run.contact_point[i]);
     }
   }
   return d;

@@ -1,5 +1,7 @@
 #include "report/h5.h"
 
+#include <limits>
+
 namespace impedraw::h5 {
 namespace {
 
@@ -103,6 +105,12 @@ std::vector<double> read_numbers(hid_t object, const std::string& name) {
   std::vector<double> values(n);
   if (n > 0) check(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()), doing);
   return values;
+}
+
+double read_number(hid_t object, const std::string& name) {
+  if (H5Aexists(object, name.c_str()) <= 0) return std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> values = read_numbers(object, name);
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : values.front();
 }
 
 }  // namespace impedraw::h5

@@ -52,6 +52,8 @@ void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<double>& values);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& texts);
 
+double read_number(hid_t object, const std::string& name);  // NaN where the attribute is missing
+
 // Each throws Error where the attribute is missing.
 std::string read_text(hid_t object, const std::string& name);
 std::vector<std::string> read_texts(hid_t object, const std::string& name);

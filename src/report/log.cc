@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "report/log_file.h"
+#include "report/log_reader.h"
 
 namespace impedraw {
 namespace {
@@ -21,7 +22,7 @@ void require(bool holds, const std::string& message) {
   if (!holds) throw std::invalid_argument("run log: " + message);
 }
 
-RunLogHeader checked(const RunLogHeader& h) {
+const RunLogHeader& checked(const RunLogHeader& h) {
   const auto n = static_cast<Eigen::Index>(h.joint_names.size());
   require(n >= 1 && n <= kMaxJoints, "joint_names must hold 1 to " + std::to_string(kMaxJoints) + " names");
   require(h.joint_lower.size() == n && h.joint_upper.size() == n && h.torque_limit.size() == n, "each joint needs its limits");
@@ -38,6 +39,7 @@ RunLogHeader checked(const RunLogHeader& h) {
 struct RunLog::Writer {
   std::filesystem::path path;
   int joints, terms;
+  std::vector<LogColumn> columns;
   std::unique_ptr<LogFile> file;
   std::vector<std::size_t> row_bytes;          // of each column
   std::vector<std::vector<std::byte>> ring;    // kRing rows of each column
@@ -48,15 +50,35 @@ struct RunLog::Writer {
   std::condition_variable more, room;
   std::thread thread;
 
+  Writer(const std::filesystem::path& log, const RunLogHeader& header)
+      : path(log), joints(static_cast<int>(header.joint_names.size())), terms(static_cast<int>(header.torque_terms.size())),
+        columns(log_columns(header)) {
+    for (const LogColumn& column : columns) {
+      row_bytes.push_back(column.row_bytes());
+      ring.emplace_back(kRing * column.row_bytes());
+    }
+  }
+
+  // Opens the file (as LogFile's arguments say) and begins to write.
+  template <typename... Arguments>
+  void start(const Arguments&... arguments) {
+    h5::quiet_errors();
+    try {
+      file = std::make_unique<LogFile>(path, arguments...);
+    } catch (const h5::Error& e) {
+      throw LogError("cannot write " + path.string() + ": " + e.what());
+    }
+    thread = std::thread([this, rows = head.load()] { run(rows); });  // what the file holds already
+  }
+
   void write_rows(std::size_t from, std::size_t to) {
     const std::size_t slot = from % kRing;
     for (std::size_t c = 0; c < ring.size(); ++c) file->write_chunk(c, from / kChunk, ring[c].data() + slot * row_bytes[c], to - from);
   }
 
-  void run() {
+  void run(std::size_t flushed) {
     h5::quiet_errors();
     try {
-      std::size_t flushed = 0;
       Clock::time_point last_flush = Clock::now();
       for (bool last = false; !last;) {
         {
@@ -102,28 +124,36 @@ struct RunLog::Writer {
   }
 };
 
-RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& given) : writer_(std::make_unique<Writer>()) {
-  const RunLogHeader header = checked(given);
-  Writer& w = *writer_;
-  w.path = path;
-  w.joints = static_cast<int>(header.joint_names.size());
-  w.terms = static_cast<int>(header.torque_terms.size());
-  h5::quiet_errors();
-  try {
-    w.file = std::make_unique<LogFile>(path, header);
-  } catch (const h5::Error& e) {
-    throw LogError("cannot write " + path.string() + ": " + e.what());
+RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& header) : RunLog(std::make_unique<Writer>(path, checked(header))) {
+  writer_->start(header);
+}
+
+RunLog::RunLog(std::unique_ptr<Writer> writer) : writer_(std::move(writer)) {}
+RunLog::RunLog(RunLog&&) noexcept = default;
+
+RunLog RunLog::append_to(const std::filesystem::path& path, const RunLogHeader& header) {
+  RunLog log(std::make_unique<Writer>(path, checked(header)));
+  Writer& w = *log.writer_;
+  std::size_t rows = 0;
+  {
+    const LogReader in(path);
+    in.require(header);
+    rows = in.rows();
+    // A chunk is written whole: the rows of the last one, where it is not full, come back into the ring.
+    const std::size_t begin = rows / kChunk * kChunk;
+    for (std::size_t c = 0; c < w.columns.size() && rows > begin; ++c) {
+      if (!in.read(w.columns[c], begin, rows - begin, w.ring[c].data() + begin % kRing * w.row_bytes[c])) in.fail("cannot be read");
+    }
+    w.tail = begin;
   }
-  for (const LogColumn& column : w.file->columns()) {
-    w.row_bytes.push_back(column.row_bytes());
-    w.ring.emplace_back(kRing * column.row_bytes());
-  }
-  w.thread = std::thread([&w] { w.run(); });
+  w.head = rows;
+  w.start(header, rows);
+  return log;
 }
 
 RunLog::~RunLog() {
   try {
-    if (writer_->file) close();
+    if (writer_ && writer_->file) close();
   } catch (const std::exception&) {  // nobody is left to tell
   }
 }

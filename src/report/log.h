@@ -8,6 +8,8 @@
 // append() allocates nothing and does no I/O; it waits only when the disk has fallen a whole ring (16,384 rows) behind. Rows reach the
 // file at least every half second of wall time, so kill -9 loses less than the last second: between flushes nothing that the file on
 // disk refers to is touched (metadata is held back, freed space is never used again). Memory does not grow with the run.
+//
+// A run can go on in the log of an earlier one, whatever ended that one: append_to().
 #pragma once
 
 #include <array>
@@ -50,7 +52,9 @@ struct LogRow {
   double surface_distance = kNone;                                       // of E to the estimated surface, > 0 outside [m]; NaN without one
   double push = 0.0;                                                     // normal force asked for [N]
   int mode = 0;                                                          // index into RunLogHeader::mode_names
-  int stroke = -1;                                                       // from the plan alone; −1 between strokes
+  int stroke = -1;                                                       // from the plan alone; −1 between strokes; may come back later
+  double stroke_along = kNone;                                           // length of the stroke in the drawing plane, from its first point to
+                                                                         // the wanted one [m]; NaN where stroke < 0
   double step_time = 0.0;                                                // wall time of the controller step [s]
 
   explicit LogRow(int joints) : joint_position(JointVector::Zero(joints)), joint_velocity(joint_position), joint_torque(joint_position) {
@@ -89,7 +93,13 @@ class RunLog {
   // Creates `path` (replacing a file that is there). Throws LogError when it cannot,
   // std::invalid_argument for a header that contradicts itself.
   RunLog(const std::filesystem::path& path, const RunLogHeader& header);
+  // Goes on in the log at `path`: rows are appended after those that are whole there (a killed run may lack its last ones). `header` must
+  // be that of the log (joints and their limits, terms, contact states; sizes of canvas, cloud and target): InputError, also for what is
+  // no log, naming what differs. LogError when the file cannot be written. What the log holds of canvas, cloud, target and attributes
+  // stays. The caller sees to it that times go on rising.
+  static RunLog append_to(const std::filesystem::path& path, const RunLogHeader& header);
   ~RunLog();  // closes without wall times, if close() was not called; says nothing of errors
+  RunLog(RunLog&&) noexcept;
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
 
@@ -97,13 +107,15 @@ class RunLog {
   void append(const LogRow& row);
 
   // Writes what is left, then the wall times as root attributes wall_start_up, wall_loop, wall_writing, and closes the file.
-  // Throws LogError when anything could not be written. Returns `wall` with `writing` filled in.
+  // Throws LogError when anything could not be written. Returns `wall` with `writing` filled in. In a log that was appended to, the
+  // attributes are sums over its runs, NaN when one of them was killed.
   WallTimes close(WallTimes wall = {});
 
-  long rows() const noexcept;  // appended so far
+  long rows() const noexcept;  // of the log so far, those found by append_to() included
 
  private:
   struct Writer;
+  explicit RunLog(std::unique_ptr<Writer> writer);
   std::unique_ptr<Writer> writer_;
 };
 

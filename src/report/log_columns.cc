@@ -30,6 +30,8 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
       {"/push", 1, false, "N", "surface normal", "normal force asked for"},
       {"/mode", 1, true, "1", "none", "contact state of the controller; attribute names says which"},
       {"/stroke", 1, true, "1", "none", "stroke that the plan is drawing, from the plan alone; -1 between strokes"},
+      {"/stroke_along", 1, false, "m", "drawing plane",
+       "length along the stroke, in the drawing plane from the stroke's first point, of the wanted point; NaN between strokes"},
       {"/controller/step_time", 1, false, "s", "none", "wall time of the controller step"},
   };
   columns.insert(columns.end(), rest.begin(), rest.end());

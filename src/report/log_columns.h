@@ -53,6 +53,7 @@ void put_row(const LogRow& row, int terms, Put&& put) {
   number(row.push);
   number(row.mode);
   number(row.stroke);
+  number(row.stroke_along);
   number(row.step_time);
 }
 

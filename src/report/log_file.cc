@@ -9,12 +9,14 @@
 namespace impedraw {
 namespace {
 
+constexpr std::size_t kTime = 0;  // place of /time among the columns
+
 h5::Id file_creation() {
   h5::Id list = h5::own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file settings");
   // Freed space stays free: a chunk on which the file on disk still relies is never overwritten.
   h5::check(H5Pset_file_space_strategy(list, H5F_FSPACE_STRATEGY_NONE, false, 1), "file settings");
-  // 512 chunks in an index node: no node is split, and so no index is inconsistent for an instant, within 2 million rows (35 minutes).
-  h5::check(H5Pset_istore_k(list, 256), "file settings");
+  // 2,048 chunks in an index node: no node is split, and so no index is inconsistent for an instant, within 8 million rows (2.3 hours).
+  h5::check(H5Pset_istore_k(list, 1024), "file settings");
   return list;
 }
 
@@ -66,6 +68,10 @@ void write_fixed(hid_t file, const char* name, hid_t type, const void* data, std
   describe(dataset, unit, frame, description);
 }
 
+std::array<std::pair<const char*, double*>, 3> wall_attributes(WallTimes& wall) {
+  return {{{"wall_start_up", &wall.start_up}, {"wall_loop", &wall.loop}, {"wall_writing", &wall.writing}}};
+}
+
 // Puts the first bytes of all values together, then all second ones, …: neighbours in a log share sign, exponent and leading digits.
 void shuffle(const std::byte* in, std::byte* out, std::size_t values, std::size_t size) {
   for (std::size_t b = 0; b < size; ++b) {
@@ -113,7 +119,6 @@ std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
 LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header)
     : deflater_(std::make_unique<Deflater>()), columns_(log_columns(header)) {
   file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, file_creation(), file_access()), H5Fclose, "create");
-  std::size_t largest = 0;
   const h5::Id links = link_creation();
   for (const LogColumn& column : columns_) {
     const int rank = column.width == 1 ? 1 : 2;
@@ -139,13 +144,33 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header)
       h5::write_attribute(datasets_.back(), "torque_limit", limits(header.torque_limit));
       h5::write_attribute(datasets_.back(), "names", header.joint_names);
     }
-    largest = std::max(largest, kChunkRows * column.row_bytes());
   }
+  make_room();
+  write_static(header);
+  flush();
+}
+
+LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header, std::size_t rows)
+    : deflater_(std::make_unique<Deflater>()), columns_(log_columns(header)) {
+  file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, file_access()), H5Fclose, "open");
+  for (const LogColumn& column : columns_) {
+    datasets_.push_back(h5::own(H5Dopen2(file_, column.name.c_str(), H5P_DEFAULT), H5Dclose, column.name));
+  }
+  make_room();
+  for (const auto& [name, seconds] : wall_attributes(before_)) {
+    *seconds = h5::read_number(file_, name);
+    if (H5Aexists(file_, name) > 0) h5::check(H5Adelete(file_, name), name);  // of what is appended now, they know nothing
+  }
+  resize(rows);
+  flush();
+}
+
+void LogFile::make_room() {
+  std::size_t largest = 0;
+  for (const LogColumn& column : columns_) largest = std::max(largest, kChunkRows * column.row_bytes());
   padded_.resize(largest);
   shuffled_.resize(largest);
   deflated_.resize(compressBound(largest) + 1024);
-  write_static(header);
-  flush();
 }
 
 void LogFile::write_static(const RunLogHeader& h) {
@@ -171,12 +196,25 @@ LogFile::~LogFile() = default;
 
 void LogFile::resize(std::size_t rows) {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const hsize_t shape[2] = {rows, static_cast<hsize_t>(columns_[c].width)};
-    h5::check(H5Dset_extent(datasets_[c], shape), columns_[c].name);
+    if (c != kTime) resize_one(c, rows);
   }
+  rows_ = rows;
+}
+
+void LogFile::resize_one(std::size_t c, std::size_t rows) {
+  const hsize_t shape[2] = {rows, static_cast<hsize_t>(columns_[c].width)};
+  h5::check(H5Dset_extent(datasets_[c], shape), columns_[c].name);
 }
 
 void LogFile::write_chunk(std::size_t c, std::size_t chunk, const std::byte* data, std::size_t rows) {
+  if (c == kTime) {
+    held_back_.emplace_back(chunk, std::vector<std::byte>(data, data + rows * columns_[c].row_bytes()));
+  } else {
+    put_chunk(c, chunk, data, rows);
+  }
+}
+
+void LogFile::put_chunk(std::size_t c, std::size_t chunk, const std::byte* data, std::size_t rows) {
   const LogColumn& column = columns_[c];
   const std::size_t bytes = kChunkRows * column.row_bytes(), used = rows * column.row_bytes();
   if (rows < kChunkRows) {
@@ -191,12 +229,17 @@ void LogFile::write_chunk(std::size_t c, std::size_t chunk, const std::byte* dat
   h5::check(H5Dwrite_chunk(datasets_[c], H5P_DEFAULT, 0, offset, packed, deflated_.data()), column.name);
 }
 
-void LogFile::flush() { h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush"); }
+void LogFile::flush() {
+  h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
+  resize_one(kTime, rows_);
+  for (const auto& [chunk, data] : held_back_) put_chunk(kTime, chunk, data.data(), data.size() / columns_[kTime].row_bytes());
+  held_back_.clear();
+  h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
+}
 
 void LogFile::close(const WallTimes& wall) {
-  h5::write_attribute(file_, "wall_start_up", wall.start_up);
-  h5::write_attribute(file_, "wall_loop", wall.loop);
-  h5::write_attribute(file_, "wall_writing", wall.writing);
+  WallTimes sum{before_.start_up + wall.start_up, before_.loop + wall.loop, before_.writing + wall.writing};
+  for (const auto& [name, seconds] : wall_attributes(sum)) h5::write_attribute(file_, name, *seconds);
   flush();
   datasets_.clear();
   file_.reset();

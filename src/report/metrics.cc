@@ -66,7 +66,7 @@ void contact(const RunData& run, const Drawn& d, Sheet& sheet) {
   std::size_t down = 0, ink = 0;
   for (std::size_t i = 0; i < run.rows(); ++i) {
     down += run.stroke[i] >= 0;
-    ink += d.pen_down_ink(run, i);
+    ink += run.stroke[i] >= 0 && is_ink(run.f[i]);
   }
   if (down == 0) {
     sheet.lack({"contact_fraction"}, "no pen-down sample");
@@ -152,19 +152,16 @@ void stray_ink(const RunData& run, const Drawn& d, Sheet& sheet) {
 void force(const RunData& run, const Drawn& d, Sheet& sheet) {
   std::vector<double> settled, error;
   double touchdown = -1.0;
-  std::map<int, double> touched;  // stroke → time of its first touch
-  for (const StrokeSpan& span : d.spans) {
-    if (span.first_touch) touched.try_emplace(span.stroke, run.time[*span.first_touch]);
-  }
-  for (const StrokeSpan& span : d.spans) {
+  for (const StrokeSpan& span : d.spans) {  // each pass over a stroke touches down for itself
     if (!span.first_touch) continue;
-    for (std::size_t i = *span.first_touch; i < run.rows() && run.time[i] - run.time[*span.first_touch] <= kSettling; ++i) {
-      touchdown = std::max(touchdown, d.f[i]);
+    const double touched = run.time[*span.first_touch];
+    for (std::size_t i = *span.first_touch; i < run.rows() && run.time[i] - touched <= kSettling; ++i) {
+      touchdown = std::max(touchdown, run.f[i]);
     }
     for (std::size_t i = span.begin; i < span.end; ++i) {
-      if (!is_ink(d.f[i]) || run.time[i] - touched.at(span.stroke) <= kSettling) continue;
-      settled.push_back(d.f[i]);
-      if (std::isfinite(run.push[i])) error.push_back(d.f[i] - run.push[i]);
+      if (!is_ink(run.f[i]) || run.time[i] - touched <= kSettling) continue;
+      settled.push_back(run.f[i]);
+      if (std::isfinite(run.push[i])) error.push_back(run.f[i] - run.push[i]);
     }
   }
   if (touchdown < 0.0) {
@@ -186,8 +183,8 @@ void force(const RunData& run, const Drawn& d, Sheet& sheet) {
   }
 }
 
-void angles(const Drawn& d, Sheet& sheet) {
-  const std::vector<double> tilt = finite(d.tilt, kDegrees);
+void angles(const RunData& run, Sheet& sheet) {
+  const std::vector<double> tilt = finite(run.tilt, kDegrees);
   if (tilt.empty()) {
     sheet.lack({"tilt_mean", "tilt_p95", "tilt_max"}, "no pen-down ink");
   } else {
@@ -195,7 +192,7 @@ void angles(const Drawn& d, Sheet& sheet) {
     sheet.set("tilt_p95", percentile(tilt, 0.95));
     sheet.set("tilt_max", maximum(tilt));
   }
-  const std::vector<double> normal = finite(d.normal_error, kDegrees);
+  const std::vector<double> normal = finite(run.normal_error, kDegrees);
   if (normal.empty()) {
     const char* reason = tilt.empty() ? "no pen-down ink" : "the controller had no estimate of the surface";
     sheet.lack({"normal_error_mean", "normal_error_p95"}, reason);
@@ -254,20 +251,14 @@ void motion(const RunData& run, const Drawn& d, Sheet& sheet) {
 }
 
 void arm(const RunData& run, Sheet& sheet) {
-  const auto n = static_cast<Eigen::Index>(run.rows());
-  if (n == 0) return sheet.lack({"torque_saturated", "joint_margin_min"}, "no rows");
-  if (run.torque_before_limits.rows() != n) {
-    sheet.lack({"torque_saturated"}, "the log holds no torque terms");
+  if (run.rows() == 0) return sheet.lack({"torque_saturated", "joint_margin_min"}, "no rows");
+  if (run.clipped) {
+    sheet.set("torque_saturated", static_cast<double>(*run.clipped) / static_cast<double>(run.rows()));
   } else {
-    const auto wanted = run.torque_before_limits.array();
-    const auto clipped = ((wanted - run.joint_torque.array()).abs() > 1e-9 * wanted.abs().max(1.0)).rowwise().any();
-    sheet.set("torque_saturated", static_cast<double>(clipped.count()) / static_cast<double>(n));
+    sheet.lack({"torque_saturated"}, "the log holds no torque terms");
   }
-  const Eigen::RowVectorXd lower = run.joint_lower.transpose(), upper = run.joint_upper.transpose();
-  const double above = (run.joint_position.rowwise() - lower).minCoeff(), below = (-(run.joint_position.rowwise() - upper)).minCoeff();
-  const double margin = std::min(above, below);
-  if (std::isfinite(margin)) {
-    sheet.set("joint_margin_min", margin);
+  if (std::isfinite(run.joint_margin)) {
+    sheet.set("joint_margin_min", run.joint_margin);
   } else {
     sheet.lack({"joint_margin_min"}, "the arm has no joint limits");
   }
@@ -292,7 +283,7 @@ Json compute_metrics(const RunData& run, const Drawn& drawn) {
   coverage(run, drawn, sheet);
   stray_ink(run, drawn, sheet);
   force(run, drawn, sheet);
-  angles(drawn, sheet);
+  angles(run, sheet);
   cloud(run, sheet);
   motion(run, drawn, sheet);
   arm(run, sheet);

@@ -4,6 +4,8 @@
 //              SD is the population's; percentiles interpolate linearly; forces are pooled over strokes.
 // Keys         in the order of metric_definitions(), then `reasons`: {name: why it is null}. What cannot be computed is null, never 0.
 //
+// A stroke may be drawn in several passes: each has its own first touch, settling and touchdown; ink of all of them covers the target.
+//
 // coverage counts the target's length, exact, against the ink's own line; gaps are along one stroke, and on a closed one may cross its
 // joint. ink_outside interpolates the distance between a line's points. An untouched stroke's target counts in coverage as uncovered.
 // real_time_factor counts as the loop what of the log was left to write when it ended (wall_loop + wall_writing).

@@ -2,80 +2,94 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <cairo.h>
 #include <fmt/format.h>
 
-#include "report/relief.h"
-#include "report/sheet.h"
+#include "report/relief_drawing.h"
 #include "report/statistics.h"
+#include "report/thin_line.h"
 
 namespace impedraw {
 namespace {
 
 constexpr Colour kTarget{0.98, 0.72, 0.38}, kInk{0.09, 0.24, 0.52}, kFar{0.84, 0.10, 0.12}, kStray{0.62, 0.13, 0.66};
-constexpr Colour kContour{0.55, 0.50, 0.42}, kOutline{0.36, 0.33, 0.29};
 
 using View = std::function<Eigen::Vector2d(const Eigen::Vector3d&)>;
-using Line = std::vector<Eigen::Vector2d>;
+using Line = Line2d;
+
+// [mm] What is thinner than a hair and closer than the pen's own grain cannot be seen; so many points make an SVG of 3 MB.
+constexpr double kSpacing = 0.1, kFinest = 0.02;
+constexpr std::size_t kMostPoints = 150000;
 
 enum class Kind { on, far, stray };
 
-// The ink as lines of one kind each, thinned to what the eye can tell; neighbours of different kind share a point.
+struct Style {
+  Kind kind = Kind::on;
+  double width = 0.0;  // [mm]
+  bool operator==(const Style&) const = default;
+};
+
+// The ink as lines of one style each, thinned to what the eye can tell; neighbours of different style share a point.
 struct InkDrawing {
   std::vector<Line> targets;
-  std::vector<std::pair<Kind, Line>> ink;
+  std::vector<Line> ink;
+  std::vector<Style> style;  // of each line of ink
   bool any(Kind kind) const {
-    return std::any_of(ink.begin(), ink.end(), [kind](const auto& line) { return line.first == kind; });
+    return std::any_of(style.begin(), style.end(), [kind](const Style& s) { return s.kind == kind; });
   }
 };
 
-// Appends p unless it is nearer than `step` to the last point kept.
-void extend(Line& line, const Eigen::Vector2d& p, double step, bool always) {
-  if (line.empty() || always || (p - line.back()).norm() >= step) line.push_back(p);
+// Width at a force, in steps that the eye hardly sees; the one before stays while it is right to within a step.
+double drawn_width(const PenSettings& pen, double f, double before) {
+  if (pen.width_per_newton == 0.0) return pen.width;
+  const double step = 0.05 * pen.width;
+  const double width = std::clamp(pen.width + pen.width_per_newton * (f - pen.nominal_force), 0.25 * pen.width, 3.0 * pen.width);
+  return std::abs(width - before) <= step ? before : step * std::round(width / step);
 }
 
 InkDrawing prepare(const RunData& run, const Drawn& drawn, const View& view, const PictureSettings& settings) {
-  double length = 0.0;  // [mm]
-  for (const auto& target : drawn.targets) {
-    for (std::size_t i = 0; i + 1 < target.size(); ++i) length += 1e3 * (target[i + 1] - target[i]).norm();
-  }
-  const double step = std::max(0.1, length / 40000.0);  // keeps a large drawing's SVG below a megabyte or so
   InkDrawing out;
   for (const auto& target : drawn.targets) {
     Line line;
-    for (std::size_t i = 0; i < target.size(); ++i) extend(line, view(target[i]), step, i + 1 == target.size());
+    for (std::size_t i = 0; i < target.size(); ++i) extend(line, view(target[i]), kSpacing, i + 1 == target.size());
     out.targets.push_back(std::move(line));
   }
+  thin_to(out.targets, kFinest, kMostPoints);
   const std::vector<bool> up = pen_must_be_up(run, drawn);
-  const auto kind_of = [&](std::size_t i) {
-    return up[i] ? Kind::stray : drawn.error[i] > 1e-3 * settings.highlight ? Kind::far : Kind::on;
+  // The width may change every millimetre: a noisy force must not cut the line into crumbs.
+  const auto style_at = [&](std::size_t i, const Style& before, double length) {
+    const Kind kind = up[i] ? Kind::stray : drawn.error[i] > 1e-3 * settings.highlight ? Kind::far : Kind::on;
+    return Style{kind, length < 1.0 ? before.width : drawn_width(settings.pen, run.f[i], before.width)};
+  };
+  const auto keep = [&out](const Style& style, Line line) {
+    out.style.push_back(style);
+    out.ink.push_back(std::move(line));
   };
   // Touching down and lifting, within half a second of a stroke's ends, belongs to its ink.
   for (std::size_t k = 0; k < drawn.lines.size(); ++k) {
     const InkLine& ink = drawn.lines[k];
     const bool joined = k > 0 && drawn.lines[k - 1].end == ink.begin;
-    Kind kind = kind_of(ink.begin);
+    Style style = style_at(ink.begin, {}, 1.0);
     Line line;
+    double length = 0.0;  // with this width [mm]
     if (joined) line.push_back(view(run.contact_point[ink.begin - 1]));
     for (std::size_t i = ink.begin; i < ink.end; ++i) {
       const Eigen::Vector2d p = view(run.contact_point[i]);
-      const Kind next = kind_of(i);
-      extend(line, p, step, i + 1 == ink.end || next != kind);
-      if (next == kind) continue;
-      out.ink.emplace_back(kind, std::move(line));
+      if (i > ink.begin) length += 1e3 * (run.contact_point[i] - run.contact_point[i - 1]).norm();
+      const Style next = style_at(i, style, length);
+      extend(line, p, kSpacing, i + 1 == ink.end || next != style);
+      if (next == style) continue;
+      keep(style, std::move(line));
       line = {p};
-      kind = next;
+      if (next.width != style.width) length = 0.0;
+      style = next;
     }
-    out.ink.emplace_back(kind, std::move(line));
+    keep(style, std::move(line));
   }
+  thin_to(out.ink, kFinest, kMostPoints);
   return out;
-}
-
-void trace(cairo_t* cr, const Line& line) {
-  if (line.empty()) return;
-  cairo_move_to(cr, line[0].x(), line[0].y());
-  for (const Eigen::Vector2d& p : line) cairo_line_to(cr, p.x(), p.y());
 }
 
 void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings) {
@@ -85,56 +99,18 @@ void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings)
   set_colour(cr, kTarget);
   for (const Line& line : d.targets) trace(cr, line);
   cairo_stroke(cr);
-  cairo_set_line_width(cr, settings.ink_width);
   for (const auto& [kind, colour] : {std::pair{Kind::on, kInk}, {Kind::far, kFar}, {Kind::stray, kStray}}) {
     set_colour(cr, colour);
-    for (const auto& [k, line] : d.ink) {
-      if (k == kind) trace(cr, line);
+    std::map<double, std::vector<const Line*>> of_width;
+    for (std::size_t i = 0; i < d.ink.size(); ++i) {
+      if (d.style[i].kind == kind) of_width[d.style[i].width].push_back(&d.ink[i]);
     }
-    cairo_stroke(cr);
-  }
-}
-
-void draw_relief(cairo_t* cr, const Relief& r) {
-  if (r.columns == 0) return;
-  cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, r.columns, r.rows);
-  cairo_surface_flush(image);
-  for (int i = 0; i < r.rows; ++i) {
-    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) + i * cairo_image_surface_get_stride(image));
-    for (int j = 0; j < r.columns; ++j) {
-      const double light = r.shade(i, j);
-      const auto channel = [light](double dark, double bright) {
-        return static_cast<std::uint32_t>(std::lround(255.0 * (dark + (bright - dark) * std::min(light, 1.0))));
-      };
-      pixels[j] = std::isfinite(light) ? 0xff000000u | channel(0.80, 0.995) << 16 | channel(0.77, 0.985) << 8 | channel(0.71, 0.96) : 0u;
+    for (const auto& [width, lines] : of_width) {
+      cairo_set_line_width(cr, width);
+      for (const Line* line : lines) trace(cr, *line);
+      cairo_stroke(cr);
     }
   }
-  cairo_surface_mark_dirty(image);
-  cairo_save(cr);
-  if (!r.outline.empty()) {  // the outline is exact, the cells are not
-    for (const Line& line : r.outline) trace(cr, line);
-    cairo_clip(cr);
-  }
-  cairo_translate(cr, r.area.min().x(), r.area.min().y());
-  cairo_scale(cr, r.area.sizes().x() / r.columns, r.area.sizes().y() / r.rows);
-  cairo_set_source_surface(cr, image, 0, 0);
-  cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_BILINEAR);
-  cairo_pattern_set_extend(cairo_get_source(cr), CAIRO_EXTEND_PAD);
-  cairo_paint(cr);
-  cairo_restore(cr);
-  cairo_surface_destroy(image);
-  cairo_set_line_width(cr, 0.3);
-  set_colour(cr, kContour, 0.55);
-  for (const Line& line : r.contours) {
-    Line thin;
-    for (std::size_t i = 0; i < line.size(); ++i) extend(thin, line[i], 1.0, i + 1 == line.size());
-    trace(cr, thin);
-  }
-  cairo_stroke(cr);
-  cairo_set_line_width(cr, 0.7);
-  set_colour(cr, kOutline);
-  for (const Line& line : r.outline) trace(cr, line);
-  cairo_stroke(cr);
 }
 
 Sheet common_sheet(const RunData& run, const Drawn& drawn, const InkDrawing& ink, const PictureSettings& settings) {
@@ -147,9 +123,12 @@ Sheet common_sheet(const RunData& run, const Drawn& drawn, const InkDrawing& ink
   }
   sheet.subtitle = error.empty() ? "no ink"
                                  : fmt::format("ink error {:.3f} mm RMS, {:.3f} mm at most", root_mean_square(error), maximum(error));
-  sheet.legend = {{kTarget, settings.target_width, "target"}, {kInk, settings.ink_width, "ink"}};
-  if (ink.any(Kind::far)) sheet.legend.push_back({kFar, settings.ink_width, fmt::format("ink more than {:g} mm off", settings.highlight)});
-  if (ink.any(Kind::stray)) sheet.legend.push_back({kStray, settings.ink_width, "ink while the pen had to be up"});
+  const PenSettings& pen = settings.pen;
+  std::string ink_text = "ink";
+  if (pen.width_per_newton != 0.0) ink_text += fmt::format(", {:g} mm wide at {:g} N, {:+g} mm/N", pen.width, pen.nominal_force, pen.width_per_newton);
+  sheet.legend = {{kTarget, settings.target_width, "target"}, {kInk, pen.width, ink_text}};
+  if (ink.any(Kind::far)) sheet.legend.push_back({kFar, pen.width, fmt::format("ink more than {:g} mm off", settings.highlight)});
+  if (ink.any(Kind::stray)) sheet.legend.push_back({kStray, pen.width, "ink while the pen had to be up"});
   return sheet;
 }
 
@@ -159,27 +138,27 @@ Eigen::AlignedBox2d extent(const InkDrawing& d) {
   for (const Line& line : d.targets) {
     for (const Eigen::Vector2d& p : line) box.extend(p);
   }
-  for (const auto& [kind, line] : d.ink) {
+  for (const Line& line : d.ink) {
     for (const Eigen::Vector2d& p : line) box.extend(p);
   }
   if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
   return box;
 }
 
-Eigen::AlignedBox2d with_margin(Eigen::AlignedBox2d box, double share) {
-  const double margin = std::max(1.0, share * box.sizes().maxCoeff());
-  box.min().array() -= margin;
-  box.max().array() += margin;
-  return box;
-}
-
 }  // namespace
 
 void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem::path& stem, const PictureSettings& settings) {
-  const auto view = [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return {-1e3 * p.y(), -1e3 * p.x()}; };
+  const Eigen::Matrix3d R_PW = settings.R_WP.transpose();
+  const auto view = [&R_PW](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
+    const Eigen::Vector3d p = R_PW * p_W;
+    return {-1e3 * p.y(), -1e3 * p.x()};
+  };
   const InkDrawing ink = prepare(run, drawn, view, settings);
   const Relief relief = make_relief(run.canvas_vertices, run.canvas_triangles,
-                                    [](const Eigen::Vector3d& p) -> Eigen::Vector3d { return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()}; });
+                                    [&R_PW](const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
+                                      const Eigen::Vector3d p = R_PW * p_W;
+                                      return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
+                                    });
   Sheet sheet = common_sheet(run, drawn, ink, settings);
   sheet.area = with_margin(relief.columns > 0 ? relief.area.merged(extent(ink)) : extent(ink), 0.03);
   sheet.u_name = "y [mm]";

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "report/statistics.h"
+#include "report/thin_line.h"
 
 namespace impedraw {
 namespace {
@@ -21,22 +23,24 @@ Json to_json(const Envelope& e, double decimals) {
   return {{"t", t}, {"v", v}};
 }
 
-Json lines_to_json(const std::vector<std::vector<Eigen::Vector3d>>& lines, std::size_t points) {
-  double length = 0.0;
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i + 1 < line.size(); ++i) length += (line[i + 1] - line[i]).norm();
-  }
-  const double step = std::max(0.2e-3, length / static_cast<double>(points));
+// Seen from above, in mm to a hundredth.
+Json lines_to_json(std::vector<Line2d> lines) {
+  thin_to(lines, 0.02, 20000);
   Json out = Json::array();
-  for (const auto& line : lines) {
-    Json thin = Json::array();
-    Eigen::Vector3d last = Eigen::Vector3d::Constant(LogRow::kNone);
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      if ((line[i] - last).norm() < step && i + 1 < line.size()) continue;
-      last = line[i];
-      thin.push_back({std::round(1e5 * last.x()) / 1e2, std::round(1e5 * last.y()) / 1e2});
-    }
-    out.push_back(thin);
+  for (const Line2d& line : lines) {
+    Json points = Json::array();
+    for (const Eigen::Vector2d& p : line) points.push_back({std::round(1e2 * p.x()) / 1e2, std::round(1e2 * p.y()) / 1e2});
+    out.push_back(points);
+  }
+  return out;
+}
+
+Line2d from_above(std::span<const Eigen::Vector3d> line) {
+  constexpr double kSpacing = 0.2;  // [mm]
+  Line2d out;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Eigen::Vector2d p = 1e3 * line[i].head<2>();
+    if (out.empty() || i + 1 == line.size() || (p - out.back()).norm() >= kSpacing) out.push_back(p);
   }
   return out;
 }
@@ -59,70 +63,67 @@ Json histogram(const std::vector<double>& seconds) {
 
 }  // namespace
 
-Envelope envelope(std::span<const double> t, std::span<const double> v, std::size_t points) {
+Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v, std::size_t points) {
   Envelope e;
-  const std::size_t n = v.size(), bins = std::max<std::size_t>(1, points / 2);
-  if (n <= points) return {{t.begin(), t.end()}, {v.begin(), v.end()}};
+  const std::size_t n = t.size(), bins = std::max<std::size_t>(1, points / 2);
+  const auto add = [&](std::size_t i, double value) {
+    e.t.push_back(t[i]);
+    e.v.push_back(value);
+  };
+  if (n <= points) {
+    for (std::size_t i = 0; i < n; ++i) add(i, v(i));
+    return e;
+  }
   for (std::size_t b = 0; b < bins; ++b) {
     const std::size_t begin = b * n / bins, end = (b + 1) * n / bins;
     std::size_t least = end, largest = end;
+    double low = 0.0, high = 0.0;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!std::isfinite(v[i])) continue;
-      if (least == end || v[i] < v[least]) least = i;
-      if (largest == end || v[i] > v[largest]) largest = i;
+      const double value = v(i);
+      if (!std::isfinite(value)) continue;
+      if (least == end || value < low) least = i, low = value;
+      if (largest == end || value > high) largest = i, high = value;
     }
-    const auto add = [&](std::size_t i, double value) {
-      e.t.push_back(t[i]);
-      e.v.push_back(value);
-    };
     if (least == end) {
       add(begin, LogRow::kNone);
     } else {
-      add(std::min(least, largest), v[std::min(least, largest)]);
-      if (least != largest) add(std::max(least, largest), v[std::max(least, largest)]);
+      add(std::min(least, largest), least < largest ? low : high);
+      if (least != largest) add(std::max(least, largest), least < largest ? high : low);
     }
   }
   return e;
 }
 
 Json plot_series(const RunData& run, const Drawn& drawn, std::size_t points) {
-  const std::size_t n = run.rows();
-  const auto scaled = [&](const std::vector<double>& v, double scale) {
-    std::vector<double> out(v);
-    for (double& value : out) value *= scale;
-    return out;
-  };
   constexpr double kDegrees = 180.0 / std::numbers::pi;
-  std::vector<double> speed(n, LogRow::kNone), torque(n), mode(n);
-  std::vector<std::vector<Eigen::Vector3d>> ink;
+  std::vector<double> speed(run.rows(), LogRow::kNone);
+  std::vector<Line2d> ink, target;
+  for (const auto& line : drawn.targets) target.push_back(from_above(line));
   for (const InkLine& line : drawn.lines) {
-    ink.emplace_back(run.contact_point.begin() + line.begin, run.contact_point.begin() + line.end);
+    ink.push_back(from_above(std::span(run.contact_point).subspan(line.begin, line.end - line.begin)));
     if (line.stroke < 0) continue;
     for (std::size_t i = line.begin; i + 1 < line.end; ++i) {
       speed[i] = 1e3 * (run.contact_point[i + 1] - run.contact_point[i]).norm() / (run.time[i + 1] - run.time[i]);
     }
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    torque[i] = 100.0 * (run.joint_torque.row(row).transpose().array().abs() / run.torque_limit.array()).maxCoeff();
-    mode[i] = run.mode[i];
-  }
-  const auto series = [&](const std::vector<double>& v, double decimals) { return to_json(envelope(run.time, v, points), decimals); };
+  const auto series = [&](const auto& v, double scale, double decimals) {
+    return to_json(envelope(run.time, [&](std::size_t i) { return scale * v[i]; }, points), decimals);
+  };
   Json out;
-  out["force"] = series(drawn.f, 4);
-  out["push"] = series(run.push, 4);
-  out["ink_error"] = series(scaled(drawn.error, 1e3), 5);
-  out["tilt"] = series(scaled(drawn.tilt, kDegrees), 4);
-  out["normal_error"] = series(scaled(drawn.normal_error, kDegrees), 4);
-  out["speed"] = series(speed, 2);
-  out["torque"] = series(torque, 2);
-  out["mode"] = series(mode, 0);
+  out["force"] = series(run.f, 1.0, 4);
+  out["push"] = series(run.push, 1.0, 4);
+  out["ink_error"] = series(drawn.error, 1e3, 5);
+  out["tilt"] = series(run.tilt, kDegrees, 4);
+  out["normal_error"] = series(run.normal_error, kDegrees, 4);
+  out["speed"] = series(speed, 1.0, 2);
+  out["torque"] = series(run.torque_share, 100.0, 2);
+  out["mode"] = series(run.mode, 1.0, 0);
   out["mode_names"] = run.mode_names;
   out["strokes"] = Json::array();
   for (const StrokeSpan& span : drawn.spans) out["strokes"].push_back({run.time[span.begin], run.time[span.end - 1]});
   out["step_time"] = histogram(run.step_time);
-  out["target"] = lines_to_json(drawn.targets, 20000);
-  out["ink"] = lines_to_json(ink, 20000);
+  out["target"] = lines_to_json(std::move(target));
+  out["ink"] = lines_to_json(std::move(ink));
   return out;
 }
 

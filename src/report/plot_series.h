@@ -1,6 +1,7 @@
 // What the plots of a report show, thinned to what a page can show and no peak lost: each bin of rows leaves its least and largest value.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct Envelope {
 };
 
 // At most about `points` points: of each bin the least and the largest value, each at its own time. Short series stay whole.
-Envelope envelope(std::span<const double> t, std::span<const double> v, std::size_t points);
+// v(i) is the value at t[i].
+Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v, std::size_t points);
 
 // force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of its limit, the joint where that is most], mode:
 // {t, v}; mode_names; strokes: [[begin, end] in s]; step_time: {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].

@@ -106,18 +106,18 @@ TEST_F(CommandLine, WrongFiles) {
 TEST_F(CommandLine, DrawingWhereItCannotBe) {
   write("two.svg", kLine);
   refused({"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"},
-          {"stroke 0 leaves the canvas by up to 89.", "world (0.7000, 0.2500) m"});
+          {"stroke 0 leaves the canvas, as the cameras see it: 9", "world (0.7000, 0.2500, "});
   // x = 0.72 m − 10 Y: its first stroke lies at 0.67 m, its second at 0.37 m, outside the rim.
   refused({"draw", "--svg", "two.svg", "--set", "drawing.placement.scale=10", "--set", "drawing.placement.centre=[0.72, 0.05]", "--set",
            "drawing.placement.about_page_origin=true"},
-          {"stroke 1 leaves the canvas by up to ", "world (0.3700, "});
+          {"stroke 1 leaves the canvas, as the cameras see it: ", "world (0.3700, "});
   refused({"draw", "--shape", "m"}, {"--shape m: ", "did you mean 'M'?", "sine, sine10"});
   refused({"draw", "--set", "drawing.shape=cosine"}, {"drawing.shape is 'cosine'", "M, sine, sine10"});
   // The iiwa 14 with its pen reaches about 1 m from its shoulder.
   for (const char* blind : {"true", "false"})
     refused({"draw", "--set", "canvas.cap.centre=[1.8, 0, 0.4]", "--set", "drawing.placement.centre=[1.8, 0]", "--set",
              "perception.region_upper=[2.5, 0.3, 0.35]", "--set", std::string("perception.enabled=") + blind},
-            {"stroke 0 leaves the arm's reach by up to ", "world (1.", "mm"});
+            {"stroke 0 leaves the arm's reach: the pen stays ", "world (1.", "mm"});
 }
 
 TEST_F(CommandLine, SettingsThatDoNotGoTogether) {
@@ -298,7 +298,7 @@ TEST_F(CommandLine, ATerminalShowsProgress) {
   Terminal terminal(folder_, Words{"draw", "--out", "run", "--set", "path.draw_speed=0.02"});
   while (terminal.read()) {}
   EXPECT_EQ(terminal.wait(), 0);
-  EXPECT_TRUE(std::regex_search(terminal.shown, std::regex(R"(drawing +[0-9.]+ s  stroke 1/1 +[0-9]+ %  [0-9]+:[0-9]+ left)"))) << terminal.shown;
+  EXPECT_TRUE(std::regex_search(terminal.shown, std::regex(R"(drawing +[0-9.]+ s  stroke 1/1  [0-9.]+/[0-9.]+ m +[0-9]+ %  [0-9]+:[0-9]+ left)"))) << terminal.shown;
   EXPECT_THAT(terminal.shown, HasSubstr("\r\x1b[K")) << "the line goes when the run is over";
 }
 

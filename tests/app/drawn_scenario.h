@@ -19,7 +19,7 @@ namespace impedraw {
 
 struct Figures {
   RunOutcome outcome;
-  RunData run;
+  RunRows run;
   nlohmann::ordered_json metrics;
   double operator[](const char* name) const { return metrics.at(name).is_null() ? std::nan("") : metrics.at(name).get<double>(); }
 };
@@ -33,8 +33,7 @@ inline Figures draw_scenario(const std::string& name, const std::vector<std::str
   const std::filesystem::path log = std::filesystem::temp_directory_path() / ("impedraw_figures_" + std::to_string(getpid()) + ".h5");
   const RunOutcome outcome = run(experiment, log, 0.0);
   EXPECT_EQ(outcome.end, end) << name << ": " << outcome.cause;
-  Figures figures{outcome, read_run(log), {}};
-  figures.metrics = compute_metrics(figures.run);
+  Figures figures{outcome, read_rows(log), compute_metrics(read_run(log))};
   std::filesystem::remove(log);
   return figures;
 }

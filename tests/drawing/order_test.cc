@@ -110,5 +110,16 @@ TEST(Order, SameTwiceAndNothingAtAll) {
   expect_each_once(same, shortest_order(same));
 }
 
+TEST(Order, StatisticsOfStrokes) {
+  const std::vector<Stroke> strokes{{{{0, 0}, {3, 4}, {3, 9}}}, {{{3, 12}}}, {{{6, 16}, {6, 15}}}};
+  const StrokeStatistics found = stroke_statistics(strokes);
+  EXPECT_EQ(found.strokes, 3u);
+  EXPECT_EQ(found.points, 6u);
+  EXPECT_DOUBLE_EQ(found.pen_down_mm, 5 + 5 + 1);
+  EXPECT_DOUBLE_EQ(found.pen_up_mm, 3 + 5);
+  EXPECT_EQ(stroke_statistics({}).strokes, 0u);
+  EXPECT_EQ(stroke_statistics({}).pen_up_mm, 0);
+}
+
 }  // namespace
 }  // namespace impedraw

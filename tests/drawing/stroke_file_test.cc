@@ -112,7 +112,24 @@ TEST(ArtworkFile, TheExtensionChooses) {
   EXPECT_EQ(read_artwork(file("a.svg", "<svg xmlns='http://www.w3.org/2000/svg'><circle r='9'/></svg>")).strokes.size(), 1u);
   EXPECT_THROW(read_artwork(file("a.png", "9 9\n1 2\n3 4\nEnd\n")), InputError);
   EXPECT_THROW(read_artwork(folder / "missing.txt"), InputError);
+  EXPECT_THROW(read_artwork(folder / "a.svg", {}, PageUnit::cm), InputError);
+  EXPECT_EQ(lines_of(read_artwork(folder / "a.csv", {}, PageUnit::cm)), (Lines{{{10, 20}, {30, 40}}}));
   std::filesystem::remove_all(folder);
+}
+
+TEST(StrokeFile, UnitsOfItsNumbers) {
+  const auto read = [](PageUnit unit, const std::string& text) { return parse_strokes(text, "a", false, {.unit = unit}); };
+  for (const auto& [unit, mm] : {std::pair(PageUnit::file, 1.0), {PageUnit::mm, 1.0}, {PageUnit::cm, 10.0}, {PageUnit::in, 25.4},
+                                 {PageUnit::m, 1000.0}, {PageUnit::px, 25.4 / 96}}) {
+    SCOPED_TRACE(mm);
+    const Artwork a = read(unit, "20 10\n1 2\n4 6\nEnd\n");
+    EXPECT_LT((a.page.max() - mm * Eigen::Vector2d(20, 10)).norm(), 1e-9);
+    EXPECT_LT((a.strokes.at(0).points.back() - mm * Eigen::Vector2d(4, 6)).norm(), 1e-9);
+  }
+  // Metres within 1 are metres, not shares, once that is said.
+  EXPECT_EQ(read(PageUnit::m, "2 2\n.1 .2\n.3 .4\nEnd\n").strokes.at(0).points.at(0), Eigen::Vector2d(100, 200));
+  EXPECT_EQ(read(PageUnit::file, "2 2\n.1 .2\n.3 .4\nEnd\n").strokes.at(0).points.at(0), Eigen::Vector2d(.2, .4));
+  EXPECT_THROW(read(PageUnit::m, "2 2\n1 1001\nEnd\n"), InputError);  // beyond 1e6 mm
 }
 
 }  // namespace

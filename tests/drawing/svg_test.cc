@@ -210,7 +210,10 @@ TEST(Svg, WhatIsLeftOutIsTold) {
   const Artwork a = on_mm_page("<marker id='m'><path d='M0 0 L9 9'/></marker><image href='/etc/passwd' width='9' height='9'/>"
                                "<clipPath id='c'><rect width='1' height='1'/></clipPath><g clip-path='url(#c)'>"
                                "<line x2='5' y2='5' stroke='red' stroke-dasharray='1 2'/></g>");
-  ASSERT_EQ(a.warnings.size(), 4u);
+  ASSERT_EQ(a.warnings.size(), 3u);  // dashes are told apart, for dashes.h to apply
+  ASSERT_EQ(a.dashes.size(), 1u);
+  EXPECT_EQ(a.strokes.at(0).dash, 0);
+  EXPECT_EQ(a.dashes[0].lengths, (std::vector<double>{1, 2}));
   EXPECT_EQ(a.warnings[0], "1 × <image>: pictures are left out: a pen draws lines only");
   EXPECT_EQ(a.strokes.size(), 1u);
   EXPECT_TRUE(stroked("<line x2='5' y2='5'/>").warnings.empty());

@@ -55,6 +55,20 @@ TEST(StrokeSpans, FirstTouchIsAtMostTwoSecondsBeforeTheStroke) {
   EXPECT_EQ(touch({5, 14}), std::nullopt);  // before the two seconds, and after the stroke
 }
 
+// Stroke 0, stroke 1, stroke 0 again: each pass has a touch of its own, and the last one's is not the first's.
+TEST(StrokeSpans, EachPassOverAStrokeHasItsOwnFirstTouch) {
+  const std::vector<int> stroke{-1, 0, 0, -1, 1, 1, -1, -1, 0, 0, -1, 0, 0};
+  const std::vector<double> f{1, 1, 0, 0, 0, 1, 0, 1, 1, 1, 0, 0, 0};
+  const std::vector<StrokeSpan> spans = stroke_spans(steps(13, 0.1), f, stroke);
+  ASSERT_EQ(spans.size(), 4u);
+  EXPECT_EQ(spans[0].first_touch, 0u);
+  EXPECT_EQ(spans[1].first_touch, 5u);
+  EXPECT_EQ(spans[2].stroke, 0);
+  EXPECT_EQ(spans[2].first_touch, 7u);
+  EXPECT_EQ(spans[3].stroke, 0);
+  EXPECT_EQ(spans[3].first_touch, std::nullopt);
+}
+
 TEST(StrokeSpans, FirstTouchIsNotBeforeTheEndOfTheStrokeBefore) {
   const std::vector<int> stroke{0, 0, -1, -1, 1, 1};
   EXPECT_EQ(stroke_spans(steps(6, 0.1), std::vector<double>{1, 1, 0, 1, 1, 1}, stroke)[1].first_touch, 3u);

@@ -16,7 +16,7 @@ TEST(Artwork, KoiFitTheBowl) {
   PlacementSettings placement;
   placement.fit_radius_m = 0.118;  // as large as on its page
   const std::vector<PlacedStroke> strokes = placed_strokes(koi, place(koi, placement));
-  const TipPath path = plan_tip_path(strokes, surfaces::bowl);
+  const TipPath path = plan_tip_path(strokes, surfaces::bowl, surfaces::brisk());
   const TargetLine target = project_target(strokes, surfaces::bowl);
   EXPECT_EQ(target.stroke.back() + 1, static_cast<int>(strokes.size()));
   EXPECT_LT(path.pen_down_length(), 4.5);

@@ -6,6 +6,7 @@
 #include "drawing/placement.h"
 #include "drawing/shapes.h"
 #include "planning/surface_height.h"
+#include "planning/tip_planner.h"
 
 namespace impedraw::surfaces {
 
@@ -36,6 +37,13 @@ inline std::vector<PlacedStroke> shape(const std::string& name) {
   return placed_strokes(drawn, place(drawn, shape_placement()));
 }
 
-inline PlacedStroke line(std::vector<Vector2d> world) { return {world, world}; }
+// Accelerations as of a robot rather than a pen plotter.
+inline PathSettings brisk() {
+  PathSettings settings;
+  settings.draw_acceleration = settings.travel_acceleration = 1.0;
+  return settings;
+}
+
+inline PlacedStroke line(std::vector<Vector2d> world, int number = 0) { return {world, world, number}; }
 
 }  // namespace impedraw::surfaces

@@ -36,7 +36,7 @@ TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
 }
 
 TEST(Target, FollowsWavesBetweenFarPoints) {
-  const TargetLine line = project_target({surfaces::line({{0.5, -0.1}, {0.7, 0.1}}), surfaces::line({{0.6, 0}})}, surfaces::waves);
+  const TargetLine line = project_target({surfaces::line({{0.5, -0.1}, {0.7, 0.1}}), surfaces::line({{0.6, 0}}, 1)}, surfaces::waves);
   EXPECT_EQ(line.stroke.front(), 0);
   EXPECT_EQ(line.stroke.back(), 1);
   for (std::size_t i = 1; i + 1 < line.points.size(); ++i) {

@@ -61,7 +61,7 @@ TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
 }
 
 TEST(TipPath, StrokeAndPenDownAreTimedAsMeasured) {
-  const std::vector<PlacedStroke> strokes{line({{0.55, 0}, {0.6, 0.05}}), line({{0.6, -0.05}, {0.65, -0.05}, {0.65, 0}})};
+  const std::vector<PlacedStroke> strokes{line({{0.55, 0}, {0.6, 0.05}}), line({{0.6, -0.05}, {0.65, -0.05}, {0.65, 0}}, 1)};
   const PathSettings settings;
   const TipPath path = plan_tip_path(strokes, surfaces::bowl, settings);
   ASSERT_EQ(path.strokes().size(), 2u);
@@ -89,7 +89,7 @@ TEST(TipPath, StrokeAndPenDownAreTimedAsMeasured) {
 }
 
 TEST(TipPath, SineKeepsToItsFormulaAndItsSpeed) {
-  const TipPath path = plan_tip_path(surfaces::shape("sine"), surfaces::bowl);
+  const TipPath path = plan_tip_path(surfaces::shape("sine"), surfaces::bowl, surfaces::brisk());
   const StrokeTimes& s = path.strokes().at(0);
   EXPECT_GE(1e3 * s.length / (s.end - s.start), 49.0);  // mm/s
   double arc = 0;
@@ -141,7 +141,7 @@ TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
 }
 
 TEST(TipPath, MStopsAtItsCorners) {
-  const TipPath path = plan_tip_path(surfaces::shape("M"), surfaces::bowl);
+  const TipPath path = plan_tip_path(surfaces::shape("M"), surfaces::bowl, surfaces::brisk());
   const StrokeTimes& s = path.strokes().at(0);
   EXPECT_GE(1e3 * s.length / (s.end - s.start), 48.0);
   for (const Vector2d& corner : {Vector2d(0.68, 0.08), Vector2d(0.60, 0), Vector2d(0.68, -0.08)}) {
@@ -167,7 +167,7 @@ TEST(TipPath, DotsAreHeld) {
 }
 
 TEST(TipPath, BlindDrawsSunkWithAnUprightPen) {
-  PathSettings settings;
+  PathSettings settings = surfaces::brisk();
   settings.vertical_pen = true;
   settings.sink = 0.01;
   const TipPath path = plan_tip_path(surfaces::shape("M"), surfaces::bowl, settings);
@@ -190,7 +190,7 @@ TEST(TipPath, PolygonsSmallTurnsAreRoundedWithinTheTolerance) {
   // Ten-sided turns of 20° with sides of 10 mm: no stop, never further off than 0.01 mm, seen from above.
   std::vector<Vector2d> polygon{{0.58, -0.03}};
   for (int i = 0; i < 10; ++i) polygon.push_back(polygon.back() + 0.01 * Vector2d(std::cos(i * M_PI / 9), std::sin(i * M_PI / 9)));
-  const TipPath path = plan_tip_path({line(polygon)}, surfaces::bowl);
+  const TipPath path = plan_tip_path({line(polygon)}, surfaces::bowl, surfaces::brisk());
   const StrokeTimes& s = path.strokes().at(0);
   double slowest = 1;
   for (double t = s.start; t <= s.end; t += 5e-4) {
@@ -208,7 +208,7 @@ TEST(TipPath, JitterOfFinePointsIsNotDrawn) {
     const double a = i * 2e-4;
     points.push_back({std::round(1e6 * (0.6 + 0.1 * std::cos(a))) / 1e6, std::round(1e6 * 0.1 * std::sin(a)) / 1e6});
   }
-  const TipPath path = plan_tip_path({line(points)}, surfaces::bowl);
+  const TipPath path = plan_tip_path({line(points)}, surfaces::bowl, surfaces::brisk());
   const StrokeTimes& s = path.strokes().at(0);
   EXPECT_GE(1e3 * s.length / (s.end - s.start), 47.0);
   for (double t = s.start; t <= s.end; t += 1e-3) ASSERT_NEAR((path.at(t).goal.p_WD.head<2>() - Vector2d(0.6, 0)).norm(), 0.1, 1.1e-5);
@@ -217,6 +217,7 @@ TEST(TipPath, JitterOfFinePointsIsNotDrawn) {
 TEST(TipPath, LeavingTheCanvasSaysWhereAndByHowMuch) {
   PlacedStroke out = line({{0.6, 0.1}, {0.6, 0.2}});
   out.page = {{-100, 0}, {-200, 0}};
+  out.number = 1;
   EXPECT_EQ(message({line({{0.6, 0}, {0.6, 0.1}}), out}),
             "stroke 1 leaves the canvas at page (-200.00, 0.00) mm, world (0.6000, 0.2000) m, 20.0 mm off it");
   EXPECT_NE(message({line({{5, 5}})}).find("more than 500 mm off it"), std::string::npos);

@@ -37,7 +37,7 @@ class RunLogTest : public ::testing::Test {
   std::filesystem::path path() const { return folder_ / "run.h5"; }
 };
 
-void expect_row(const RunData& run, std::size_t i) {
+void expect_row(const RunRows& run, std::size_t i) {
   const LogRow row = numbered_row(static_cast<int>(i));
   const auto k = static_cast<Eigen::Index>(i);
   ASSERT_EQ(run.time[i], row.time) << "row " << i;
@@ -57,6 +57,7 @@ void expect_row(const RunData& run, std::size_t i) {
   EXPECT_EQ(run.push[i], row.push);
   EXPECT_EQ(run.mode[i], row.mode);
   EXPECT_EQ(run.stroke[i], row.stroke);
+  EXPECT_EQ(run.stroke_along[i], row.stroke_along);
   EXPECT_EQ(run.step_time[i], row.step_time);
 }
 
@@ -68,10 +69,12 @@ TEST_F(RunLogTest, EveryRowComesBack) {
     for (int i = 0; i < n; ++i) log.append(numbered_row(i));
     EXPECT_EQ(log.rows(), n);
     const WallTimes wall = log.close({.start_up = 1.5, .loop = 2.5});
+    const RunRows rows = read_rows(path());
+    ASSERT_EQ(rows.rows(), n);
+    for (int i = 0; i < n; i += (i % 4096 < 4094 ? 61 : 1)) expect_row(rows, i);
+    if (n > 0) expect_row(rows, n - 1);
     const RunData run = read_run(path());
     ASSERT_EQ(run.rows(), n);
-    for (int i = 0; i < n; i += (i % 4096 < 4094 ? 61 : 1)) expect_row(run, i);
-    if (n > 0) expect_row(run, n - 1);
     EXPECT_EQ(run.wall.start_up, 1.5);
     EXPECT_EQ(run.wall.loop, 2.5);
     EXPECT_EQ(run.wall.writing, wall.writing);
@@ -102,9 +105,9 @@ TEST_F(RunLogTest, TheSameRunGivesTheSameFile) {
       log.append(numbered_row(i));
     }
     log.close({1.0, 1.0, 0.0});
-    return read_run(folder_ / name);
+    return read_rows(folder_ / name);
   };
-  const RunData a = write("a.h5", -1), b = write("b.h5", 3000);
+  const RunRows a = write("a.h5", -1), b = write("b.h5", 3000);
   EXPECT_EQ(a.time, b.time);
   EXPECT_EQ(a.joint_position, b.joint_position);
   EXPECT_EQ(a.contact_force, b.contact_force);
@@ -127,7 +130,7 @@ for name in names:
     for a in ('unit', 'frame', 'description'):
         assert f[name].attrs[a], (name, a)
 wanted = '''time joint/position joint/velocity joint/torque tip/position tip/orientation tip/velocity desired/position desired/orientation
-contact/force contact/point contact/normal wrench/measured disturbance/force surface/normal surface/distance push mode stroke
+contact/force contact/point contact/normal wrench/measured disturbance/force surface/normal surface/distance push mode stroke stroke_along
 controller/step_time canvas/vertices canvas/triangles cloud/points cloud/normals cloud/camera target/points target/stroke torque/gravity
 torque/impedance torque/push torque/null_space torque/coriolis torque/feedback torque/friction'''.split()
 assert sorted(wanted) == sorted(names), set(wanted) ^ set(names)
@@ -177,11 +180,11 @@ TEST_F(RunLogTest, KillLosesLessThanTheLastSecond) {
     for (const auto& [when, rows] : heard) {
       if (killed - when >= std::chrono::seconds(1)) owed = rows;
     }
-    const RunData run = read_run(path());
+    const RunRows run = read_rows(path());
     EXPECT_GE(static_cast<int>(run.rows()), owed);
     EXPECT_GT(owed, 0) << "the child was too slow to show anything";
     for (std::size_t i = 0; i < run.rows(); i += 37) expect_row(run, i);
-    EXPECT_TRUE(std::isnan(run.wall.loop));
+    EXPECT_TRUE(std::isnan(read_run(path()).wall.loop));
     const std::string look = std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; f = h5py.File('" + path().string() +
                              "'); f.visititems(lambda n, o: o[()].shape if isinstance(o, h5py.Dataset) else None)\"";
     EXPECT_EQ(std::system(look.c_str()), 0);

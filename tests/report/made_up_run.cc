@@ -123,6 +123,7 @@ void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow
     row.push = up == 0.0 ? 5.0 : 0.0;
     row.mode = up == 0.0 ? 2 : (t < kApproach ? 1 : 3);
     row.stroke = drawn ? turn : -1;
+    row.stroke_along = drawn ? s : LogRow::kNone;
     row.step_time = 9e-6 + 0.5e-6 * std::abs(gauss(random)) + (i % 997 == 0 ? 20e-6 : 0.0);
     take(row);
   }
@@ -167,6 +168,7 @@ LogRow numbered_row(int i) {
   row.push = next += 1.0;
   row.mode = i % 2;
   row.stroke = i % 5 - 1;
+  row.stroke_along = next += 1.0;
   row.step_time = next += 1.0;
   return row;
 }

@@ -1,7 +1,4 @@
 // Each metric on a made-up run whose answer is known by hand.
-//
-// The plain run: 3 s at 1 kHz on the plane z = 0. Rows 1000 … 1999 draw stroke 0 along x from 0 at 50 mm/s; the tip rests at its start from
-// row 900 on and at its end up to row 2099, pressing with 5 N throughout, the pen upright.
 #include "report/metrics.h"
 
 #include <chrono>
@@ -9,89 +6,16 @@
 
 #include <gtest/gtest.h>
 
+#include "made_up_rows.h"
 #include "report/statistics.h"
 
 namespace impedraw {
 namespace {
 
-using Json = nlohmann::ordered_json;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-Eigen::Quaterniond pen(double tilt_deg) {  // z_E down, turned about y
-  return Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
-                            Eigen::AngleAxisd(tilt_deg * kDegree, Eigen::Vector3d::UnitY()));
-}
-
-// n rows without contact, the pen upright and up, nothing asked for.
-RunData empty_run(std::size_t n) {
-  RunData run;
-  for (std::size_t i = 0; i < n; ++i) run.time.push_back(1e-3 * static_cast<double>(i));
-  const Eigen::Vector3d none = LogRow::no_vector(), zero = Eigen::Vector3d::Zero();
-  const auto rows = static_cast<Eigen::Index>(n);
-  run.joint_position = run.joint_velocity = run.joint_torque = run.torque_before_limits = RunData::Joints::Zero(rows, 2);
-  run.tip_position = run.desired_position = run.contact_force = run.disturbance_force = RunData::Points(n, zero);
-  run.contact_point = run.contact_normal = run.surface_normal = RunData::Points(n, none);
-  run.tip_orientation.assign(n, pen(0.0));
-  run.surface_distance.assign(n, kNone);
-  run.push.assign(n, 0.0);
-  run.step_time.assign(n, 1e-5);
-  run.mode.assign(n, 0);
-  run.stroke.assign(n, -1);
-  run.joint_lower = Eigen::Vector2d(-1.0, -2.0);
-  run.joint_upper = Eigen::Vector2d(1.0, 2.0);
-  run.torque_limit = Eigen::Vector2d(10.0, 20.0);
-  return run;
-}
-
-void touch(RunData& run, std::size_t i, double x_mm, double y_mm = 0.0, double f = 5.0) {
-  run.contact_force[i] = {-0.3 * f, 0.0, f};  // friction is no part of f
-  run.contact_point[i] = {1e-3 * x_mm, 1e-3 * y_mm, 0.0};
-  run.contact_normal[i] = Eigen::Vector3d::UnitZ();
-  run.push[i] = 5.0;
-}
-
-void lift(RunData& run, std::size_t i) {
-  run.contact_force[i].setZero();
-  run.contact_point[i] = run.contact_normal[i] = LogRow::no_vector();
-}
-
-void add_target(RunData& run, int stroke, double from_mm, double to_mm, double y_mm = 0.0) {
-  const int n = static_cast<int>(std::ceil((to_mm - from_mm) / 0.5));
-  for (int k = 0; k <= n; ++k) {
-    run.target_points.emplace_back(1e-3 * (from_mm + (to_mm - from_mm) * k / n), 1e-3 * y_mm, 0.0);
-    run.target_stroke.push_back(stroke);
-  }
-}
-
-RunData plain_run() {
-  RunData run = empty_run(3000);
-  for (std::size_t i = 900; i < 2100; ++i) touch(run, i, 0.05 * std::clamp(static_cast<double>(i) - 1000.0, 0.0, 1000.0));
-  for (std::size_t i = 1000; i < 2000; ++i) run.stroke[i] = 0;
-  add_target(run, 0, 0.0, 50.0);
-  return run;
-}
-
-double value(const RunData& run, const char* name) {
-  const Json metrics = compute_metrics(run);
-  if (metrics.at(name).is_null()) {
-    ADD_FAILURE() << name << " is null: " << metrics.at("reasons").at(name);
-    return kNone;
-  }
-  return metrics.at(name).get<double>();
-}
-
-void expect_null(const RunData& run, std::initializer_list<const char*> names, const std::string& reason) {
-  const Json metrics = compute_metrics(run);
-  for (const char* name : names) {
-    EXPECT_TRUE(metrics.at(name).is_null()) << name;
-    ASSERT_TRUE(metrics.at("reasons").contains(name)) << name;
-    EXPECT_NE(metrics.at("reasons").at(name).get<std::string>().find(reason), std::string::npos) << metrics.at("reasons").at(name);
-  }
-}
+using namespace testing;
 
 TEST(Metrics, PlainRun) {
-  const Json m = compute_metrics(plain_run());
+  const Json m = metrics_of(plain_run());
   const auto expect = [&](const char* name, double expected) { EXPECT_NEAR(m.at(name).get<double>(), expected, 1e-9) << name; };
   expect("contact_fraction", 1.0);
   expect("strokes_missed", 0);
@@ -115,12 +39,12 @@ TEST(Metrics, PlainRun) {
 }
 
 TEST(Metrics, ContactFractionCountsPenDownSamplesWithInk) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   for (std::size_t i = 1100; i < 1200; ++i) lift(run, i);
   for (std::size_t i = 1200; i < 1250; ++i) touch(run, i, 5.0, 0.0, 0.1);  // not above 0.1 N
   EXPECT_DOUBLE_EQ(value(run, "contact_fraction"), 0.85);
   // A second stroke of 1000 rows never touched counts in full.
-  RunData two = empty_run(5000);
+  MadeUp two = empty_run(5000);
   for (std::size_t i = 1000; i < 2000; ++i) two.stroke[i] = 0, touch(two, i, 0.05 * (i - 1000.0));
   for (std::size_t i = 3000; i < 4000; ++i) two.stroke[i] = 1;
   add_target(two, 0, 0, 50);
@@ -137,7 +61,7 @@ TEST(Metrics, ContactFractionCountsPenDownSamplesWithInk) {
 }
 
 TEST(Metrics, InkErrorIsToTheStrokesOwnTarget) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   add_target(run, 1, 0.0, 50.0, 0.3);  // another stroke's line under the ink counts for nothing
   for (std::size_t i = 1000; i < 2000; ++i) touch(run, i, 0.05 * (i - 1000.0), i < 1900 ? 0.3 : 0.4);
   for (std::size_t i = 900; i < 1000; ++i) touch(run, i, 0.0, 30.0);  // not pen-down
@@ -147,10 +71,10 @@ TEST(Metrics, InkErrorIsToTheStrokesOwnTarget) {
   // Beyond the end of the line the distance is to its end.
   touch(run, 1999, 53.0, 4.0);
   EXPECT_NEAR(value(run, "ink_error_max"), 5.0, 1e-9);
-  RunData up = plain_run();
+  MadeUp up = plain_run();
   for (std::size_t i = 0; i < up.rows(); ++i) lift(up, i);
   expect_null(up, {"ink_error_rms", "ink_error_p95", "ink_error_max", "ink_outside"}, "no pen-down ink");
-  RunData aimless = plain_run();
+  MadeUp aimless = plain_run();
   aimless.target_points.clear();
   aimless.target_stroke.clear();
   expect_null(aimless, {"ink_error_rms", "ink_error_p95", "ink_error_max"}, "no target");
@@ -158,7 +82,7 @@ TEST(Metrics, InkErrorIsToTheStrokesOwnTarget) {
 }
 
 TEST(Metrics, CoverageAndGaps) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   for (std::size_t i = 1200; i < 1500; ++i) lift(run, i);  // ink ends at 9.95 mm and begins again at 25
   for (std::size_t i = 1700; i < 1730; ++i) lift(run, i);  // 34.95 to 36.5: uncovered 0.55 mm, no gap
   EXPECT_NEAR(value(run, "coverage"), 1.0 - (14.05 + 0.55) / 50.0, 1e-9);
@@ -167,13 +91,13 @@ TEST(Metrics, CoverageAndGaps) {
 }
 
 TEST(Metrics, InkOfOtherStrokesCoversNothing) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   add_target(run, 1, 0.0, 50.0, 0.2);
   EXPECT_NEAR(value(run, "coverage"), 0.5, 1e-12);
 }
 
 TEST(Metrics, InkOutside) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   // 10 of its 50 mm along the stroke run 2 mm beside it; the jumps there and back are 2 mm each, across 0.05 mm, half of them outside.
   for (std::size_t i = 1000; i < 2000; ++i) touch(run, i, 0.05 * (i - 1000.0), i >= 1400 && i < 1600 ? 2.0 : 0.0);
   const double jump = std::hypot(2.0, 0.05), beside = 199 * 0.05, on = 399 * 0.05 * 2;
@@ -181,7 +105,7 @@ TEST(Metrics, InkOutside) {
 }
 
 TEST(Metrics, InkUpSparesHalfASecondAroundAStrokesEnds) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   for (std::size_t i = 0; i < 3000; ++i) {
     if (i < 1000 || i >= 2000) touch(run, i, 0.1 * static_cast<double>(i));  // 0.1 mm a row
   }
@@ -191,7 +115,7 @@ TEST(Metrics, InkUpSparesHalfASecondAroundAStrokesEnds) {
 }
 
 TEST(Metrics, ForceAfterSettling) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   // First touch at row 900; rows 900 … 1100 settle (0.2 s), so 1101 … 1999 count: 899 rows.
   for (std::size_t i = 900; i < 1000; ++i) touch(run, i, 0.0, 0.0, 9.0);
   for (std::size_t i = 1000; i <= 1100; ++i) touch(run, i, 0.0, 0.0, 8.0);
@@ -212,7 +136,7 @@ TEST(Metrics, ForceAfterSettling) {
 }
 
 TEST(Metrics, ForcesArePooledOverStrokes) {
-  RunData run = empty_run(4000);
+  MadeUp run = empty_run(4000);
   for (std::size_t i = 1000; i < 1400; ++i) run.stroke[i] = 0, touch(run, i, 0, 0, 4.0);   // 201 … 399 after the touch: 199 rows
   for (std::size_t i = 2000; i < 2800; ++i) run.stroke[i] = 1, touch(run, i, 0, 0, 6.0);   // 599 rows
   for (std::size_t i = 2000; i < 2010; ++i) touch(run, i, 0, 0, 11.0);
@@ -221,17 +145,17 @@ TEST(Metrics, ForcesArePooledOverStrokes) {
 }
 
 TEST(Metrics, ForceIsNullWithoutContact) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   for (std::size_t i = 0; i < run.rows(); ++i) lift(run, i);
   expect_null(run, {"force_mean", "force_sd", "force_rms_error", "force_peak"}, "no pen-down ink");
   expect_null(run, {"touchdown_peak"}, "no stroke was touched");
-  RunData unasked = plain_run();
+  MadeUp unasked = plain_run();
   std::fill(unasked.push.begin(), unasked.push.end(), kNone);
   expect_null(unasked, {"force_rms_error"}, "asked for");
 }
 
 TEST(Metrics, Tilt) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   for (std::size_t i = 0; i < 3000; ++i) run.tip_orientation[i] = pen(45.0);
   for (std::size_t i = 1000; i < 2000; ++i) run.tip_orientation[i] = pen(i < 1900 ? 1.0 : 3.0);
   EXPECT_NEAR(value(run, "tilt_mean"), 1.2, 1e-9);
@@ -240,7 +164,7 @@ TEST(Metrics, Tilt) {
 }
 
 TEST(Metrics, NormalError) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   expect_null(run, {"normal_error_mean", "normal_error_p95"}, "no estimate");
   for (std::size_t i = 0; i < 3000; ++i) {
     const double angle = (i < 1000 ? 50.0 : i < 1500 ? 0.2 : 0.4) * kDegree;
@@ -254,7 +178,7 @@ TEST(Metrics, NormalError) {
 }
 
 TEST(Metrics, CloudBias) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   expect_null(run, {"cloud_bias_mean", "cloud_bias_sd"}, "no cloud");
   run.cloud_points = {{0.1, 0.1, 0.001}, {0.2, 0.1, 0.003}, {0.1, 0.3, -0.001}, {0.3, 0.3, 0.001}};
   expect_null(run, {"cloud_bias_mean", "cloud_bias_sd"}, "no canvas");
@@ -265,7 +189,7 @@ TEST(Metrics, CloudBias) {
 }
 
 TEST(Metrics, SpeedAndDrawTime) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   double x = 0.0;
   for (std::size_t i = 1000; i < 2000; ++i) {
     touch(run, i, x);
@@ -276,7 +200,7 @@ TEST(Metrics, SpeedAndDrawTime) {
   for (std::size_t i = 1500; i < 1700; ++i) lift(run, i);  // across a gap no speed is taken
   EXPECT_LT(value(run, "speed_p95"), 100.0 + 1e-9);
   EXPECT_NEAR(value(run, "draw_time"), 1.0, 1e-9);
-  RunData cut = plain_run();  // a run that stops inside a stroke
+  MadeUp cut = plain_run();  // a run that stops inside a stroke
   std::fill(cut.stroke.begin() + 2000, cut.stroke.end(), 0);
   EXPECT_NEAR(value(cut, "draw_time"), 2.0, 1e-9);
   expect_null(empty_run(100), {"speed_mean", "speed_p95"}, "no pen-down ink");
@@ -284,7 +208,7 @@ TEST(Metrics, SpeedAndDrawTime) {
 }
 
 TEST(Metrics, TorqueAndJointMargin) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   run.torque_before_limits.col(0).head(300).setConstant(12.0);
   run.joint_torque.col(0).head(300).setConstant(10.0);
   run.torque_before_limits.col(1).head(600).setConstant(-15.0);
@@ -300,7 +224,7 @@ TEST(Metrics, TorqueAndJointMargin) {
 }
 
 TEST(Metrics, StepTimeAndRealTimeFactor) {
-  RunData run = plain_run();
+  MadeUp run = plain_run();
   for (std::size_t i = 0; i < 3000; ++i) run.step_time[i] = 1e-6 * static_cast<double>((i * 7) % 3000);  // 0 … 2999, shuffled
   EXPECT_NEAR(value(run, "step_time_p50"), 1499.5, 1e-9);
   EXPECT_NEAR(value(run, "step_time_p99"), 0.99 * 2999, 1e-9);
@@ -308,13 +232,13 @@ TEST(Metrics, StepTimeAndRealTimeFactor) {
   expect_null(run, {"real_time_factor"}, "not closed");
   run.wall = {5.0, 0.05, 0.01};
   EXPECT_NEAR(value(run, "real_time_factor"), 3.0 / 0.06, 1e-9);
-  EXPECT_EQ(compute_metrics(run).at("wall_seconds").at("start_up"), 5.0);
+  EXPECT_EQ(metrics_of(run).at("wall_seconds").at("start_up"), 5.0);
   std::fill(run.step_time.begin(), run.step_time.end(), kNone);
   expect_null(run, {"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
 }
 
 TEST(Metrics, NoRowsAtAll) {
-  const Json m = compute_metrics(empty_run(0));
+  const Json m = metrics_of(empty_run(0));
   for (const MetricDefinition& d : metric_definitions()) EXPECT_TRUE(m.at(d.name).is_null()) << d.name;
 }
 
@@ -329,7 +253,7 @@ TEST(Statistics, PercentilesInterpolateLinearly) {
 // 20 minutes of drawing, 1.2 million rows against 150,000 points of target, in strokes of 30 mm.
 TEST(Metrics, TwentyMinutesInSeconds) {
   constexpr std::size_t kRows = 1200000, kPerStroke = 600;
-  RunData run = empty_run(kRows);
+  MadeUp run = empty_run(kRows);
   for (std::size_t i = 0; i < kRows; ++i) {
     const int stroke = static_cast<int>(i / kPerStroke);
     touch(run, i, 0.05 * static_cast<double>(i % kPerStroke), stroke % 100 + 0.03);
@@ -338,7 +262,7 @@ TEST(Metrics, TwentyMinutesInSeconds) {
   for (int stroke = 0; stroke < 2000; ++stroke) add_target(run, stroke, 0.0, 37.5, stroke % 100);
   ASSERT_GT(run.target_points.size(), 150000u);
   const auto start = std::chrono::steady_clock::now();
-  const Json m = compute_metrics(run);
+  const Json m = metrics_of(run);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("metrics of 1.2 million rows: %.2f s\n", seconds);
   EXPECT_NEAR(m.at("ink_error_rms").get<double>(), 0.03, 1e-9);

@@ -65,7 +65,8 @@ TEST(Envelope, KeepsEveryPeak) {
     v.push_back(i == 31234 ? 50.0 : i == 77777 ? -40.0 : std::sin(0.001 * i));
   }
   std::fill(v.begin() + 50000, v.begin() + 60000, LogRow::kNone);
-  const Envelope e = envelope(t, v, 2000);
+  const auto at = [&](std::size_t i) { return v[i]; };
+  const Envelope e = envelope(t, at, 2000);
   EXPECT_LE(e.t.size(), 2000u);
   EXPECT_TRUE(std::is_sorted(e.t.begin(), e.t.end()));
   const auto high = std::find(e.v.begin(), e.v.end(), 50.0), low = std::find(e.v.begin(), e.v.end(), -40.0);
@@ -74,7 +75,7 @@ TEST(Envelope, KeepsEveryPeak) {
   EXPECT_EQ(e.t[high - e.v.begin()], t[31234]);
   EXPECT_EQ(e.t[low - e.v.begin()], t[77777]);
   for (std::size_t i = 0; i < e.t.size(); ++i) EXPECT_EQ(std::isnan(e.v[i]), e.t[i] >= 50.0 && e.t[i] < 60.0) << e.t[i];
-  EXPECT_EQ(envelope(std::span(t).first(1000), std::span(v).first(1000), 2000).v.size(), 1000u);
+  EXPECT_EQ(envelope(std::span(t).first(1000), at, 2000).v.size(), 1000u);
 }
 
 // Pixels near a colour.
@@ -110,12 +111,40 @@ TEST_F(PicturesTest, InkFarOffAndInkInTheAirHaveTheirOwnColours) {
   for (std::size_t i = first + 500; i < first + 550; ++i) run.contact_point[i].x() += 2e-3;
   for (std::size_t i = 0; i < 100; ++i) {
     run.contact_point[i] = {0.60 + 4e-4 * static_cast<double>(i), 0.0, 0.1};
-    run.contact_normal[i] = Eigen::Vector3d::UnitZ();
-    run.contact_force[i] = 5.0 * Eigen::Vector3d::UnitZ();
+    run.f[i] = 5.0;
   }
   const auto [target_now, ink_now, far, stray] = colours();
   EXPECT_GT(far, 50);
   EXPECT_GT(stray, 50);
+}
+
+// Pixels of ink across the line grow as the force does, and the legend says so.
+TEST_F(PicturesTest, InkIsAsWideAsThePenIsPressed) {
+  RunData run = made_up({.force_noise = 0.0, .time_step = 5e-3}, folder_);
+  std::size_t begin = 0;
+  while (run.stroke[begin] < 0) ++begin;
+  run.target_points.clear();
+  run.target_stroke.clear();
+  const auto pixels = [&](double f, const PenSettings& pen) {
+    for (std::size_t i = begin; i < run.rows(); ++i) run.f[i] = run.stroke[i] >= 0 ? f : 0.0;
+    for (std::size_t i = 0; i < begin; ++i) run.f[i] = 0.0;
+    write_ink_page(run, match_ink(run), [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
+                   folder_ / "ink_page", {.title = " ", .pen = pen});
+    return count(folder_ / "ink_page.png", 23, 61, 133);
+  };
+  const PenSettings pressed{.width = 1.5, .width_per_newton = 0.5, .nominal_force = 5.0};
+  const double nominal = pixels(5.0, pressed);
+  EXPECT_NEAR(nominal, pixels(5.0, {.width = 1.5}), 0.02 * nominal);
+  EXPECT_NEAR(pixels(7.0, pressed), nominal * 2.5 / 1.5, 0.12 * nominal);   // edges are blended: a pixel or so a side
+  EXPECT_NEAR(pixels(20.0, pressed), nominal * 3.0, 0.25 * nominal);        // three times as wide, no more
+  EXPECT_NEAR(pixels(7.0, {.width = 1.5}), nominal, 0.02 * nominal);
+  // Half the line pressed harder: both widths are in the SVG.
+  for (std::size_t i = 0; i < run.rows(); ++i) run.f[i] = run.stroke[i] < 0 ? 0.0 : i % 2000 < 1000 ? 5.0 : 7.0;
+  write_ink_page(run, match_ink(run), [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
+                 folder_ / "ink_page", {.pen = pressed});
+  const std::string svg = text_of(folder_ / "ink_page.svg");
+  EXPECT_NE(svg.find("stroke-width:1.5;"), std::string::npos);
+  EXPECT_NE(svg.find("stroke-width:2.4"), std::string::npos);  // 2.5 mm in steps of 0.075 mm
 }
 
 TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
@@ -134,7 +163,7 @@ TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
   std::istringstream path(svg.substr(begin + 3, end - begin - 3));
   std::vector<Eigen::Vector2d> points;
   for (std::string letter; path >> letter;) path >> points.emplace_back().x() >> points.back().y();
-  ASSERT_GT(points.size(), 1000u);
+  ASSERT_GT(points.size(), 50u);
   EXPECT_NEAR(points.front().x() - points.back().x(), 300.0, 0.01);
   EXPECT_NEAR(points.front().y() - points.back().y(), 0.0, 0.01);
   const auto [low, high] = std::minmax_element(points.begin(), points.end(), [](const auto& p, const auto& q) { return p.y() < q.y(); });

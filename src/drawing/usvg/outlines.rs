@@ -4,7 +4,7 @@ use crate::{complaints, document};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathSegment, Point};
-use usvg::{fontdb, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
+use usvg::{fontdb, Color, FillRule, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // a use of uses of uses … grows beyond any memory
@@ -16,6 +16,11 @@ pub struct SvgPath {
     stroked: u8,
     filled: u8,
     caps: u8,
+    even_odd: u8,
+    white: u8,
+    dash_count: usize,
+    dash_offset: f64,
+    transform: [f64; 4],
 }
 
 #[derive(Default)]
@@ -24,12 +29,12 @@ pub struct Outlines {
     pub paths: Vec<SvgPath>,
     pub verbs: Vec<u8>,
     pub points: Vec<f64>,
+    pub dashes: Vec<f64>,
     pub layers: Vec<String>,
     pub warnings: Vec<String>,
     names: HashMap<String, String>, // of the layers, by their group's id
     seen: HashMap<String, u32>,     // layers that something was drawn on, by their group's id
     hidden_parts: usize,            // clip paths and masks that are passed over
-    dashes: usize,
     lost_texts: usize,
     too_many: bool,
 }
@@ -62,6 +67,10 @@ fn shows(paint: &Paint) -> bool {
         Paint::RadialGradient(g) => g.stops().iter().any(|s| s.opacity().get() > 0.0),
         Paint::Pattern(_) => true,
     }
+}
+
+fn is_white(paint: &Paint) -> bool {
+    matches!(paint, Paint::Color(Color { red: 255, green: 255, blue: 255 }))
 }
 
 impl Outlines {
@@ -122,9 +131,6 @@ impl Outlines {
         if self.hidden_parts > 0 {
             self.warnings.push(format!("{} clip paths or masks are passed over: what they hide is drawn", self.hidden_parts));
         }
-        if self.dashes > 0 {
-            self.warnings.push(format!("{} dashed lines are drawn unbroken", self.dashes));
-        }
         self.warnings.extend(complaints::heard());
     }
 
@@ -177,7 +183,8 @@ impl Outlines {
             return;
         }
         let layer = self.layer_index(layer);
-        self.dashes += stroke.is_some_and(|s| s.dasharray().is_some()) as usize;
+        let dashes = stroke.and_then(|s| s.dasharray()).unwrap_or(&[]);
+        self.dashes.extend(dashes.iter().map(|&length| length as f64));
         let first = self.verbs.len();
         let ts = path.abs_transform();
         let mut put = |verb: u8, points: &[Point]| {
@@ -203,6 +210,11 @@ impl Outlines {
             stroked: stroke.is_some() as u8,
             filled: filled as u8,
             caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
+            even_odd: path.fill().is_some_and(|f| f.rule() == FillRule::EvenOdd) as u8,
+            white: path.fill().is_some_and(|f| is_white(f.paint())) as u8,
+            dash_count: dashes.len(),
+            dash_offset: stroke.map_or(0.0, |s| s.dashoffset() as f64),
+            transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64),
         });
     }
 }

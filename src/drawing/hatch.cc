@@ -1,0 +1,131 @@
+#include "drawing/hatch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/core.h>
+#include <polyclipping/clipper.hpp>
+
+#include "common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+namespace cl = ClipperLib;
+constexpr double kMostLines = 100'000;
+constexpr double kFineness = 5e8;  // Clipper's whole numbers across half an area; beyond 2^30 it needs longer arithmetic
+constexpr double kShortest = 1e-5; // [mm]
+
+// One set of lines. In the frame H they stand upright, for Clipper treats horizontal edges apart: y_H along the lines, x_H across.
+void add_lines(const Area& area, double spacing, double angle, std::vector<Stroke>& result) {
+  const Vector2d along(std::cos(angle), -std::sin(angle)), across(std::sin(angle), std::cos(angle));
+  Eigen::AlignedBox2d box;
+  for (const auto& outline : area.outlines) {
+    for (const Vector2d& p : outline) box.extend(Vector2d(across.dot(p), along.dot(p)));
+  }
+  if (box.isEmpty()) return;
+  const double first = std::ceil(box.min().x() / spacing - 0.5), last = std::floor(box.max().x() / spacing - 0.5);
+  if (last - first > kMostLines) {
+    throw InputError(fmt::format("hatch: an area of {:.4g} mm across would take {:.3g} lines {:.3g} mm apart on the page; at most {:.0e} "
+                                 "are drawn",
+                                 box.sizes().x(), last - first, spacing, kMostLines));
+  }
+  if (last < first) return;
+  const Vector2d centre = box.center();
+  const double fineness = kFineness / std::max(box.sizes().maxCoeff() / 2 + spacing, 1e-3);
+  const auto to_clipper = [&](const Vector2d& h) {
+    return cl::IntPoint(std::llround((h.x() - centre.x()) * fineness), std::llround((h.y() - centre.y()) * fineness));
+  };
+
+  cl::Clipper clipper;
+  for (const auto& outline : area.outlines) {
+    cl::Path path;
+    for (const Vector2d& p : outline) path.push_back(to_clipper({across.dot(p), along.dot(p)}));
+    clipper.AddPath(path, cl::ptClip, true);
+  }
+  const double below = box.min().y() - spacing / 2, above = box.max().y() + spacing / 2;
+  for (double k = first; k <= last; ++k) {
+    const double x = (k + 0.5) * spacing;
+    clipper.AddPath({to_clipper({x, below}), to_clipper({x, above})}, cl::ptSubject, false);
+  }
+  const cl::PolyFillType rule = area.even_odd ? cl::pftEvenOdd : cl::pftNonZero;
+  cl::PolyTree inside;
+  if (!clipper.Execute(cl::ctIntersection, inside, rule, rule)) throw InputError("hatch: an area could not be clipped");
+  cl::Paths pieces;
+  cl::OpenPathsFromPolyTree(inside, pieces);
+
+  struct Piece {
+    std::int64_t k;
+    double from, to;
+  };
+  std::vector<Piece> rows;
+  for (const cl::Path& piece : pieces) {
+    const auto [low, high] = std::minmax_element(piece.begin(), piece.end(), [](const auto& a, const auto& b) { return a.Y < b.Y; });
+    const double x = centre.x() + static_cast<double>(low->X) / fineness;
+    rows.push_back({std::llround(x / spacing - 0.5), centre.y() + static_cast<double>(low->Y) / fineness,
+                    centre.y() + static_cast<double>(high->Y) / fineness});
+  }
+  std::sort(rows.begin(), rows.end(), [](const Piece& a, const Piece& b) { return a.k != b.k ? a.k < b.k : a.from < b.from; });
+  // Pieces that touch are one: Clipper may cut a line where an outline's corner lies on it.
+  std::vector<Piece> whole;
+  for (const Piece& piece : rows) {
+    const bool touches = !whole.empty() && whole.back().k == piece.k && piece.from - whole.back().to < kShortest;
+    if (touches) whole.back().to = std::max(whole.back().to, piece.to);
+    else whole.push_back(piece);
+  }
+  for (std::size_t i = 0; i < whole.size();) {
+    std::size_t end = i;
+    while (end < whole.size() && whole[end].k == whole[i].k) ++end;
+    std::vector<Stroke> row;
+    for (; i < end; ++i) {
+      if (whole[i].to - whole[i].from < kShortest) continue;
+      const Vector2d at = (static_cast<double>(whole[i].k) + 0.5) * spacing * across;
+      row.push_back({{at + whole[i].from * along, at + whole[i].to * along}, false, area.layer});
+    }
+    if (whole[end - 1].k % 2 != 0) {
+      std::reverse(row.begin(), row.end());
+      for (Stroke& stroke : row) std::swap(stroke.points[0], stroke.points[1]);
+    }
+    result.insert(result.end(), row.begin(), row.end());
+  }
+}
+
+}  // namespace
+
+std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale) {
+  if (!(settings.spacing_mm >= 0) || !std::isfinite(settings.spacing_mm) || !(scale > 0) || !std::isfinite(scale) ||
+      !std::isfinite(settings.angle_deg)) {
+    throw InputError(fmt::format("hatch: a spacing of {} mm at {}° and scale {}; finite numbers are needed, the spacing ≥ 0, the scale > 0",
+                                 settings.spacing_mm, settings.angle_deg, scale));
+  }
+  std::vector<Stroke> lines;
+  if (settings.spacing_mm == 0) return lines;
+  const double angle = settings.angle_deg * M_PI / 180;
+  add_lines(area, settings.spacing_mm / scale, angle, lines);
+  if (settings.cross) add_lines(area, settings.spacing_mm / scale, angle + M_PI / 2, lines);
+  return lines;
+}
+
+void drop_edges(Artwork& artwork) {
+  std::erase_if(artwork.strokes, [](const Stroke& stroke) { return stroke.edge; });
+}
+
+void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale) {
+  if (!settings.outline) drop_edges(artwork);
+  std::vector<std::vector<Stroke>> lines(artwork.layers.size());
+  for (const Area& area : artwork.areas) {
+    const std::vector<Stroke> of_area = hatch_lines(area, settings, scale);
+    lines[area.layer].insert(lines[area.layer].end(), of_area.begin(), of_area.end());
+  }
+  for (std::size_t layer = 0; layer < lines.size(); ++layer) {
+    const auto on_layer = [&](const Stroke& stroke) { return stroke.layer == static_cast<int>(layer); };
+    const auto last = std::find_if(artwork.strokes.rbegin(), artwork.strokes.rend(), on_layer);
+    const auto place = last == artwork.strokes.rend() ? artwork.strokes.end() : last.base();
+    artwork.strokes.insert(place, lines[layer].begin(), lines[layer].end());
+  }
+  drop_empty_layers(artwork);
+}
+
+}  // namespace impedraw

@@ -1,0 +1,275 @@
+#include "drawing/letters.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+using Line = std::vector<Vector2d>;
+
+constexpr double kGap = 2;    // between a letter and its mark [grid]
+constexpr double kBend = 4;   // half the width of most marks
+
+enum class Mark {
+  acute, grave, circumflex, diaeresis, tilde, ring, caron, macron, breve, dot, double_acute,  // above
+  cedilla, ogonek, comma,                                                                     // below
+  slash, bar, short_slash, apostrophe, middle_dot, dotless, turned
+};
+
+struct Composed {
+  Mark mark;
+  const char32_t* pairs;  // letter, base, letter, base, …
+};
+constexpr Composed kComposed[] = {
+    {Mark::acute, U"ÁAÉEÍIÓOÚUÝYáaéeíióoúuýyĆCćcĹLĺlŃNńnŔRŕrŚSśsŹZźz´ "},
+    {Mark::grave, U"ÀAÈEÌIÒOÙUàaèeìiòoùu"},
+    {Mark::circumflex, U"ÂAÊEÎIÔOÛUâaêeîiôoûuĈCĉcĜGĝgĤHĥhĴJĵjŜSŝsŴWŵwŶYŷy"},
+    {Mark::diaeresis, U"ÄAËEÏIÖOÜUäaëeïiöoüuÿyŸY¨ "},
+    {Mark::tilde, U"ÃAÑNÕOãañnõoĨIĩiŨUũu"},
+    {Mark::ring, U"ÅAåaŮUůu"},
+    {Mark::caron, U"ČCčcĎDĚEěeŇNňnŘRřrŠSšsŤTŽZžz"},
+    {Mark::macron, U"ĀAāaĒEēeĪIīiŌOōoŪUūu¯ "},
+    {Mark::breve, U"ĂAăaĔEĕeĞGğgĬIĭiŎOŏoŬUŭu"},
+    {Mark::dot, U"ĊCċcĖEėeĠGġgİIŻZżz"},
+    {Mark::double_acute, U"ŐOőoŰUűu"},
+    {Mark::cedilla, U"ÇCçcŞSşsŢTţt¸ "},
+    {Mark::ogonek, U"ĄAąaĘEęeĮIįiŲUųu"},
+    {Mark::comma, U"ĢGĶKķkĻLļlŅNņnŖRŗrȘSșsȚTțt"},
+    {Mark::apostrophe, U"ďdĽLľlťtģg"},  // for ģ it stands above, where g has room
+    {Mark::slash, U"ØOøo"},
+    {Mark::bar, U"ĐDđdÐDĦHħhŦTŧt"},
+    {Mark::short_slash, U"ŁLłl"},
+    {Mark::middle_dot, U"ĿLŀl"},
+    {Mark::dotless, U"ıiȷj"},
+    {Mark::turned, U"¡!¿?"},
+};
+
+constexpr std::pair<char32_t, Mark> kCombining[] = {
+    {0x301, Mark::acute}, {0x300, Mark::grave}, {0x302, Mark::circumflex}, {0x308, Mark::diaeresis}, {0x303, Mark::tilde},
+    {0x30a, Mark::ring},  {0x30c, Mark::caron}, {0x304, Mark::macron},     {0x306, Mark::breve},     {0x307, Mark::dot},
+    {0x30b, Mark::double_acute}, {0x327, Mark::cedilla}, {0x328, Mark::ogonek}, {0x326, Mark::comma}};
+
+// What is written with ASCII alone: first the character, then what stands for it.
+constexpr const char32_t* kPlain[] = {U"‘'", U"’'", U"‚,", U"‛'", U"′'", U"“\"", U"”\"", U"„\"", U"‟\"", U"″\"", U"‐-", U"‑-",
+                                      U"‒-", U"–-", U"—-", U"―-", U"−-", U"\u00ad-", U"…...", U"\u00a0 ", U"\u2009 ", U"\u202f ",
+                                      U"ŉ'n", U"ĳij", U"ĲIJ"};
+constexpr const char32_t* kMovedTogether[] = {U"æae", U"ÆAE", U"œoe", U"ŒOE"};
+
+struct Drawn {
+  char32_t letter;
+  Glyph glyph;
+};
+
+Line circle(const Vector2d& centre, double radius) {
+  Line line;
+  for (int i = 0; i < 12; ++i) line.push_back(centre + radius * Vector2d(std::sin(i * M_PI / 6), -std::cos(i * M_PI / 6)));
+  line.push_back(line.front());
+  return line;
+}
+
+// Proportions are those of the plain fonts: x height from −5, stems on whole numbers.
+const std::vector<Drawn>& drawn_here() {
+  static const std::vector<Drawn> all = {
+      {U'ß', {-10, 9, {{{-6, 9}, {-6, -7}, {-5, -10}, {-3, -12}, {0, -12}, {3, -11}, {4, -9}, {4, -7}, {3, -5}, {0, -3}, {3, -2}, {5, 0},
+                        {6, 3}, {5, 6}, {3, 8}, {1, 9}, {-1, 9}, {-2, 8}}}}},
+      {U'þ', {-9, 10, {{{-5, -12}, {-5, 16}}, {{-5, -2}, {-3, -4}, {-1, -5}, {2, -5}, {4, -4}, {6, -2}, {7, 1}, {7, 3}, {6, 6}, {4, 8},
+                       {2, 9}, {-1, 9}, {-3, 8}, {-5, 6}}}}},
+      {U'Þ', {-11, 10, {{{-7, -12}, {-7, 9}}, {{-7, -7}, {2, -7}, {5, -6}, {6, -5}, {7, -3}, {7, 0}, {6, 2}, {5, 3}, {2, 4}, {-7, 4}}}}},
+      {U'ð', {-10, 10, {{{5, -1}, {3, -4}, {0, -5}, {-3, -4}, {-5, -2}, {-6, 1}, {-6, 3}, {-5, 6}, {-3, 8}, {-1, 9}, {1, 9}, {3, 8},
+                         {5, 6}, {6, 3}, {6, 0}, {5, -4}, {3, -8}, {1, -10}, {-3, -12}}, {{-3, -7}, {5, -11}}}}},
+      {U'ŋ', {-9, 10, {{{-5, -5}, {-5, 9}}, {{-5, -1}, {-2, -4}, {0, -5}, {3, -5}, {5, -4}, {6, -1}, {6, 12}, {5, 15}, {3, 16}, {1, 16}}}}},
+      {U'Ŋ', {-11, 11, {{{-7, -12}, {-7, 9}}, {{-7, -7}, {-3, -11}, {0, -12}, {3, -12}, {6, -10}, {7, -7}, {7, 11}, {6, 14}, {4, 16},
+                         {1, 16}}}}},
+      {U'ſ', {-4, 6, {{{-1, 9}, {-1, -8}, {0, -11}, {2, -12}, {4, -12}}}}},
+      {U'ĸ', {-8, 8, {{{-4, -5}, {-4, 9}}, {{6, -5}, {-4, 5}}, {{0, 1}, {6, 9}}}}},
+      {U'µ', {-9, 10, {{{-5, -5}, {-5, 16}}, {{-5, 5}, {-4, 8}, {-2, 9}, {1, 9}, {3, 8}, {6, 5}}, {{6, -5}, {6, 9}}}}},
+      {U'€', {-11, 10, {{{8, -9}, {5, -11}, {2, -12}, {-1, -11}, {-4, -8}, {-5, -4}, {-5, 1}, {-4, 5}, {-1, 8}, {2, 9}, {5, 8}, {8, 6}},
+                        {{-9, -3}, {4, -3}}, {{-9, 1}, {3, 1}}}}},
+      {U'°', {-5, 5, {circle({0, -9}, 3)}}},
+      {U'·', {-4, 4, {circle({0, -1}, 1)}}},
+      {U'×', {-11, 11, {{{-7, -7}, {7, 7}}, {{7, -7}, {-7, 7}}}}},
+      {U'÷', {-13, 13, {{{-9, 0}, {9, 0}}, circle({0, -6}, 1), circle({0, 6}, 1)}}},
+      {U'±', {-13, 13, {{{0, -11}, {0, 5}}, {{-8, -3}, {8, -3}}, {{-8, 9}, {8, 9}}}}},
+      {U'«', {-8, 8, {{{0, -4}, {-5, 2}, {0, 8}}, {{5, -4}, {0, 2}, {5, 8}}}}},
+      {U'»', {-8, 8, {{{0, -4}, {5, 2}, {0, 8}}, {{-5, -4}, {0, 2}, {-5, 8}}}}},
+      {U'‹', {-6, 6, {{{3, -4}, {-2, 2}, {3, 8}}}}},
+      {U'›', {-6, 6, {{{-3, -4}, {2, 2}, {-3, 8}}}}},
+  };
+  return all;
+}
+
+// A mark that stands above, its foot's middle at (0, 0).
+std::vector<Line> above(Mark mark) {
+  switch (mark) {
+    case Mark::acute: return {{{-2, 0}, {2, -4}}};
+    case Mark::grave: return {{{2, 0}, {-2, -4}}};
+    case Mark::circumflex: return {{{-kBend, 0}, {0, -4}, {kBend, 0}}};
+    case Mark::caron: return {{{-kBend, -4}, {0, 0}, {kBend, -4}}};
+    case Mark::diaeresis: return {circle({-3.5, -1}, 1), circle({3.5, -1}, 1)};
+    case Mark::dot: return {circle({0, -1}, 1)};
+    case Mark::tilde: return {{{-5, 0}, {-4, -2}, {-2, -3}, {2, -1}, {4, -2}, {5, -4}}};
+    case Mark::ring: return {circle({0, -2.5}, 2.5)};
+    case Mark::macron: return {{{-kBend, -1}, {kBend, -1}}};
+    case Mark::breve: return {{{-kBend, -4}, {-3, -1}, {-1, 0}, {1, 0}, {3, -1}, {kBend, -4}}};
+    case Mark::double_acute: return {{{-4, 0}, {-1, -4}}, {{1, 0}, {4, -4}}};
+    default: return {};
+  }
+}
+
+void put(Glyph& glyph, const std::vector<Line>& lines, const Vector2d& at) {
+  for (Line line : lines) {
+    for (Vector2d& p : line) p += at;
+    glyph.strokes.push_back(std::move(line));
+  }
+}
+
+// Without what lies wholly above the letters without ascenders: the dot of i and j.
+void take_dot(Glyph& glyph, const HersheyFont& font) {
+  const Glyph* x = font.find(U'x');
+  const double top = x ? x->box().min().y() : -5;
+  const auto lowest = [](const Line& line) {
+    return std::max_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.y() < b.y(); })->y();
+  };
+  if (std::all_of(glyph.strokes.begin(), glyph.strokes.end(), [&](const Line& line) { return lowest(line) < top - 1; })) return;
+  std::erase_if(glyph.strokes, [&](const Line& line) { return lowest(line) < top - 1; });
+}
+
+void turn(Glyph& glyph) {  // by half a turn, about the middle of the x height
+  for (Line& line : glyph.strokes) {
+    for (Vector2d& p : line) p = Vector2d(-p.x(), 4 - p.y());
+  }
+  std::swap(glyph.left, glyph.right);
+  glyph.left = -glyph.left, glyph.right = -glyph.right;
+}
+
+void add_mark(Glyph& glyph, Mark mark, char32_t base, const HersheyFont& font) {
+  if (mark == Mark::turned) return turn(glyph);
+  if (base == 'i' || base == 'j') {
+    if (mark == Mark::dotless || !above(mark).empty()) take_dot(glyph, font);
+  }
+  // A mark alone, as on a blank, stands where a small letter's would.
+  const Eigen::AlignedBox2d box = glyph.strokes.empty() ? Eigen::AlignedBox2d(Vector2d(0, -5), Vector2d(0, kBaseline)) : glyph.box();
+  const double middle = box.center().x(), bottom = box.max().y();
+  const bool capital = base < 'a';
+  switch (mark) {
+    case Mark::cedilla: return put(glyph, {{{0, 0}, {0, 2}, {2, 3}, {2, 5}, {0, 6}, {-2, 6}}}, {middle, bottom});
+    case Mark::ogonek: return put(glyph, {{{0, 0}, {-2, 2}, {-2, 4}, {0, 5}, {2, 4}}}, {box.max().x() - 1, bottom});
+    case Mark::comma: return put(glyph, {{{1, 0}, {1, 2}, {-1, 5}}}, {middle, bottom + kGap});
+    case Mark::slash: return put(glyph, {{{box.min().x() - 1, bottom + 2}, {box.max().x() + 1, box.min().y() - 2}}}, {0, 0});
+    case Mark::short_slash: return put(glyph, {{{-4, 2}, {4, -4}}}, {box.min().x() + (capital ? 1 : 0), -1.5});
+    case Mark::apostrophe:
+      if (base == 'g') return put(glyph, {{{1, -4}, {-1, -2}, {-1, 0}}}, {middle, box.min().y() - kGap});
+      put(glyph, {{{0, -12}, {0, -10}, {-1, -8}}}, {box.max().x() + 3, 0});
+      glyph.right = std::max(glyph.right, box.max().x() + 5);
+      return;
+    case Mark::middle_dot:
+      put(glyph, {circle({0, 0}, 1)}, {box.max().x() + 3, -1.5});
+      glyph.right = std::max(glyph.right, box.max().x() + 6);
+      return;
+    case Mark::bar: {
+      const double y = capital ? (base == 'H' ? -7 : -1.5) : (base == 't' ? 1 : -8.5);
+      const double left = base == 'd' ? box.max().x() - 6 : box.min().x() - (base == 'T' ? -3 : 3);
+      const double right = base == 'd' ? box.max().x() + 3
+                           : base == 'D' || base == 'h' ? box.min().x() + 6 : box.max().x() + (base == 'T' ? -3 : 3);
+      return put(glyph, {{{left, y}, {right, y}}}, {0, 0});
+    }
+    default: return put(glyph, above(mark), {middle, box.min().y() - kGap});
+  }
+}
+
+// Several letters in a row; together: ink touches ink.
+std::optional<Glyph> row_of(const HersheyFont& font, std::u32string_view letters, bool together) {
+  Glyph row;
+  for (const char32_t c : letters) {
+    const Glyph* next = font.find(c);
+    if (!next) return std::nullopt;
+    if (row.strokes.empty()) {
+      row = *next;
+      continue;
+    }
+    const double shift = together ? row.box().max().x() - next->box().min().x() : row.right - next->left;
+    put(row, next->strokes, {shift, 0});
+    row.right = next->right + shift;
+  }
+  return row;
+}
+
+std::optional<Glyph> plain_glyph(const HersheyFont& font, char32_t letter) {
+  if (const Glyph* own = font.find(letter)) return *own;
+  for (const Composed& group : kComposed) {
+    for (const char32_t* pair = group.pairs; *pair; pair += 2) {
+      if (pair[0] != letter) continue;
+      const Glyph* base = font.find(pair[1]);
+      if (!base) return std::nullopt;
+      Glyph glyph = *base;
+      add_mark(glyph, group.mark, pair[1], font);
+      return glyph;
+    }
+  }
+  for (const char32_t* plain : kPlain) {
+    if (plain[0] == letter) return row_of(font, plain + 1, false);
+  }
+  for (const char32_t* pair : kMovedTogether) {
+    if (pair[0] == letter) return row_of(font, pair + 1, true);
+  }
+  for (const Drawn& drawn : drawn_here()) {
+    if (drawn.letter == letter) return drawn.glyph;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool is_combining_mark(char32_t c) {
+  return std::any_of(std::begin(kCombining), std::end(kCombining), [&](const auto& known) { return known.first == c; });
+}
+
+std::optional<Glyph> glyph_of(const HersheyFont& font, char32_t letter, std::u32string_view combining) {
+  std::optional<Glyph> glyph = plain_glyph(font, letter);
+  if (!glyph) return glyph;
+  for (const char32_t c : combining) {
+    for (const auto& [code, mark] : kCombining) {
+      if (code == c) add_mark(*glyph, mark, c == combining.front() ? letter : U'x', font);
+    }
+  }
+  return glyph;
+}
+
+std::u32string decoded_utf8(std::string_view text) {
+  std::u32string decoded;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+    const unsigned first = byte(i);
+    const int length = first < 0x80 ? 1 : (first & 0xe0) == 0xc0 ? 2 : (first & 0xf0) == 0xe0 ? 3 : (first & 0xf8) == 0xf0 ? 4 : 0;
+    char32_t c = length == 1 ? first : first & (0x7f >> length);
+    bool valid = length > 0;
+    for (int k = 1; k < length; ++k) {
+      valid = valid && (byte(i + k) & 0xc0) == 0x80;
+      c = c << 6 | (byte(i + k) & 0x3f);
+    }
+    constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // what fewer bytes could not say
+    if (!valid || c < kLeast[length] || c > 0x10ffff || (c >= 0xd800 && c < 0xe000)) {
+      throw InputError(fmt::format("text: byte {} (0x{:02x}) is not valid UTF-8, after {} characters", i + 1, first, decoded.size()));
+    }
+    decoded += c;
+    i += static_cast<std::size_t>(length);
+  }
+  return decoded;
+}
+
+std::string encoded_utf8(char32_t c) {
+  if (c < 0x80) return std::string(1, static_cast<char>(c));
+  std::string text;
+  const int more = c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
+  text += static_cast<char>((0xffu << (7 - more) & 0xff) | c >> (6 * more));
+  for (int k = more - 1; k >= 0; --k) text += static_cast<char>(0x80 | (c >> (6 * k) & 0x3f));
+  return text;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,30 @@
+#include "drawing/stroke.h"
+
+#include <utility>
+
+#include "drawing/order.h"
+
+namespace impedraw {
+
+void drop_empty_layers(Artwork& artwork) {
+  std::vector<int> strokes(artwork.layers.size(), 0), index(artwork.layers.size(), 0);
+  for (const Stroke& stroke : artwork.strokes) ++strokes[stroke.layer];
+  std::vector<std::string> kept;
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    index[i] = static_cast<int>(kept.size());
+    if (strokes[i] > 0) kept.push_back(artwork.layers[i]);
+  }
+  // Nothing is filled on a layer without strokes: an area's edge is one.
+  std::erase_if(artwork.areas, [&](const Area& area) { return strokes[area.layer] == 0; });
+  for (Area& area : artwork.areas) area.layer = index[area.layer];
+  for (Stroke& stroke : artwork.strokes) stroke.layer = index[stroke.layer];
+  artwork.layers = std::move(kept);
+}
+
+StrokeStatistics stroke_statistics(const std::vector<Stroke>& strokes) {
+  StrokeStatistics statistics{strokes.size(), 0, pen_down_length(strokes), pen_up_length(strokes)};
+  for (const Stroke& stroke : strokes) statistics.points += stroke.points.size();
+  return statistics;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,81 @@
+#include "planning/stroke_part.h"
+
+#include <algorithm>
+
+#include "drawing/polyline.h"
+
+namespace impedraw {
+
+double plane_length(const PlacedStroke& stroke) { return length(stroke.world); }
+
+StrokePlace place_on(const PlacedStroke& stroke, double along) {
+  double before = stroke.start;
+  for (std::size_t i = 1; i < stroke.world.size(); ++i) {
+    const double step = (stroke.world[i] - stroke.world[i - 1]).norm();
+    if (along <= before + step && step > 0) {
+      const double share = std::max(0.0, (along - before) / step);
+      return {stroke.world[i - 1] + share * (stroke.world[i] - stroke.world[i - 1]),
+              stroke.page[i - 1] + share * (stroke.page[i] - stroke.page[i - 1])};
+    }
+    before += step;
+  }
+  return {stroke.world.back(), stroke.page.back()};
+}
+
+PlacedStroke part_of(const PlacedStroke& stroke, double from, double to) {
+  const double end = stroke.start + plane_length(stroke);
+  from = std::clamp(from, stroke.start, end);
+  to = std::clamp(to, from, end);
+  PlacedStroke part;
+  part.number = stroke.number;
+  part.start = from;
+  const auto add = [&part](const StrokePlace& place) {
+    part.world.push_back(place.world);
+    part.page.push_back(place.page);
+  };
+  add(place_on(stroke, from));
+  double at = stroke.start;
+  for (std::size_t i = 1; i < stroke.world.size(); ++i) {
+    at += (stroke.world[i] - stroke.world[i - 1]).norm();
+    if (at > from && at < to) add({stroke.world[i], stroke.page[i]});
+  }
+  if (to > from) add(place_on(stroke, to));
+  return part;
+}
+
+std::vector<StrokePart> merged(std::vector<StrokePart> parts, double gap) {
+  std::sort(parts.begin(), parts.end(), [](const StrokePart& a, const StrokePart& b) {
+    return a.stroke != b.stroke ? a.stroke < b.stroke : a.from < b.from;
+  });
+  std::vector<StrokePart> result;
+  for (const StrokePart& part : parts) {
+    if (!result.empty() && result.back().stroke == part.stroke && part.from <= result.back().to + gap) {
+      result.back().to = std::max(result.back().to, part.to);
+    } else {
+      result.push_back(part);
+    }
+  }
+  return result;
+}
+
+std::vector<StrokePart> rest_of(const std::vector<PlacedStroke>& strokes, const std::vector<StrokePart>& parts, double shortest) {
+  const std::vector<StrokePart> covered = merged(parts);
+  std::vector<StrokePart> rest;
+  for (const PlacedStroke& stroke : strokes) {
+    const double length = plane_length(stroke);
+    auto part = std::lower_bound(covered.begin(), covered.end(), stroke.number, [](const StrokePart& p, int n) { return p.stroke < n; });
+    if (part == covered.end() || part->stroke != stroke.number) {
+      rest.push_back({stroke.number, 0, length});
+      continue;
+    }
+    double at = 0;
+    for (; part != covered.end() && part->stroke == stroke.number; ++part) {
+      if (part->from - at > shortest) rest.push_back({stroke.number, at, part->from});
+      at = std::max(at, part->to);
+    }
+    if (length - at > shortest) rest.push_back({stroke.number, at, length});
+  }
+  return rest;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,65 @@
+#include "report/plan_picture.h"
+
+#include <algorithm>
+#include <map>
+
+#include "report/relief_drawing.h"
+#include "report/thin_line.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kWidth = 0.7;  // of a line [mm]
+constexpr Colour kDrawable{0.09, 0.24, 0.52};
+constexpr Colour kProblems[] = {{0.84, 0.10, 0.12}, {0.93, 0.49, 0.06}, {0.62, 0.13, 0.66}, {0.05, 0.55, 0.42},
+                                {0.55, 0.34, 0.16}, {0.90, 0.35, 0.60}, {0.10, 0.60, 0.75}, {0.45, 0.45, 0.45}};
+
+}  // namespace
+
+void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
+  // As the page reads: right is −y of P, down is −x.
+  const auto view = [](const Eigen::Vector3d& p) -> Eigen::Vector3d { return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()}; };
+  std::map<std::string, std::vector<std::vector<Eigen::Vector2d>>> of_problem;  // "" first
+  Eigen::AlignedBox2d box;
+  for (const PlanLine& line : plan.lines) {
+    std::vector<Eigen::Vector2d> thin;
+    for (const Eigen::Vector3d& p : line.points) thin.push_back(view(p).head<2>());
+    if (thin.size() == 1) thin.push_back(thin.front() + Eigen::Vector2d(0.01, 0.0));  // a dot, for the pen's round cap to show
+    for (const Eigen::Vector2d& p : thin) box.extend(p);
+    of_problem[line.problem].push_back(std::move(thin));
+  }
+  for (auto& [problem, lines] : of_problem) thin_to(lines, 0.02, 150000);
+  const Relief relief = make_relief(plan.canvas_vertices, plan.canvas_triangles, view);
+  if (relief.columns > 0) box.extend(relief.area);
+  if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
+
+  Sheet sheet;
+  sheet.title = plan.title;
+  sheet.subtitle = plan.subtitle;
+  sheet.area = with_margin(box, 0.03);
+  sheet.u_name = "y of the drawing plane [mm]";
+  sheet.v_name = "x of the drawing plane [mm]";
+  sheet.u_sign = sheet.v_sign = -1.0;
+  std::map<std::string, Colour> colours;
+  std::size_t next = 0;
+  for (const auto& [problem, lines] : of_problem) {
+    colours[problem] = problem.empty() ? kDrawable : kProblems[next++ % std::size(kProblems)];
+    sheet.legend.push_back({colours[problem], kWidth, problem.empty() ? "can be drawn" : problem});
+  }
+  if (!relief.contours.empty()) sheet.legend.push_back({kContour, 0.3, "height contours"});
+  sheet.content = [&](cairo_t* cr) {
+    draw_relief(cr, relief);
+    cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+    for (const auto& [problem, lines] : of_problem) {  // what cannot be drawn lies on top
+      cairo_set_line_width(cr, problem.empty() ? kWidth : 1.6 * kWidth);
+      set_colour(cr, colours[problem]);
+      for (const auto& line : lines) trace(cr, line);
+      cairo_stroke(cr);
+    }
+  };
+  write_sheet(sheet, stem, plan.png_width);
+}
+
+}  // namespace impedraw

@@ -1,0 +1,28 @@
+// A picture of a plan: the strokes on their canvas, looking along the drawing axis, what can be drawn and what cannot in their colours.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace impedraw {
+
+struct PlanLine {
+  std::vector<Eigen::Vector3d> points;  // in the drawing frame P [m]
+  std::string problem;                  // why it cannot be drawn; empty: it can
+};
+
+struct PlanPicture {
+  std::string title, subtitle;
+  std::vector<PlanLine> lines;
+  std::vector<Eigen::Vector3d> canvas_vertices;    // P [m]; may be empty
+  std::vector<Eigen::Vector3i> canvas_triangles;
+  int png_width = 1400;
+};
+
+// `stem`.svg and `stem`.png. Throws std::runtime_error naming the file when it cannot be written.
+void write_plan(const PlanPicture& plan, const std::filesystem::path& stem);
+
+}  // namespace impedraw

@@ -1,0 +1,24 @@
+// A relief on a Cairo sheet: shading, contours, outline. Private to src/report.
+#pragma once
+
+#include <cairo.h>
+
+#include "report/relief.h"
+#include "report/sheet.h"
+
+namespace impedraw {
+
+inline constexpr Colour kContour{0.55, 0.50, 0.42}, kOutline{0.36, 0.33, 0.29};
+
+void draw_relief(cairo_t* cr, const Relief& relief);
+
+// Lines from point to point, in the path that is then stroked.
+void trace(cairo_t* cr, const std::vector<Eigen::Vector2d>& line);
+
+// Appends p unless it is nearer than `step` to the last point kept.
+void extend(std::vector<Eigen::Vector2d>& line, const Eigen::Vector2d& p, double step, bool always);
+
+// The box with some air about it: that share of its longer side, a millimetre at least.
+Eigen::AlignedBox2d with_margin(Eigen::AlignedBox2d box, double share);
+
+}  // namespace impedraw
