@@ -26,8 +26,8 @@ struct ProcessHooks {
   std::function<bool()> interrupted;                             // looked at as often: ends what runs, without a result
 };
 
-// The pieces 0 … count − 1; each may write one file, whose name it is given. False: interrupted. Must be called while the program has one
-// thread. Throws std::runtime_error when no process can be started.
+// The pieces 0 … count − 1; each may write one file, whose name it is given. False: interrupted. Must be called while the program has
+// one thread. Throws std::runtime_error when no process can be started.
 bool run_processes(std::size_t count, const std::function<std::string(std::size_t, const std::filesystem::path&)>& work,
                    const ProcessSettings& settings, const ProcessHooks& hooks);
 

@@ -139,7 +139,6 @@ void plan_path(Experiment& e, Unreachable unreachable) {
         Finding f = *barred;
         f.part = e.preflight.drawable[i];
         f.part.stroke = e.source[static_cast<std::size_t>(f.part.stroke)];
-        f.text = "on the way to it: " + f.text;
         e.preflight.findings.push_back(std::move(f));
       }
     }

@@ -33,7 +33,8 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
 }
 
 void add_table_options(CLI::App* command, impedraw::CellTableOptions* options) {
-  command->add_option("--out", options->out, "folder of the table and the picture, made if missing (default: runs/" + command->get_name() + ")");
+  command->add_option("--out", options->out,
+                      "folder of the table and the picture, made if missing (default: runs/" + command->get_name() + ")");
   command->add_option("--jobs", options->jobs, "cells at a time (default: the number of cores)")->check(CLI::Range(1, 1024));
   command->add_option("--only", options->only, "only cells whose name matches this regular expression");
   command->add_flag("--again", options->again, "run anew what an earlier run in that folder has done; without it that is kept");
@@ -127,10 +128,11 @@ int run_program(int argc, char** argv) {
       "  ./impedraw robustness --list | grep -A1 wave");
   robustness->callback([&] { code = impedraw::robustness(table); });
 
-  CLI::App* reach = app.add_subcommand("reach", "ten drawings on ten canvases: what is drawn, how well, and what is not and why; a table and pictures");
+  CLI::App* reach =
+      app.add_subcommand("reach", "ten drawings on ten canvases: what is drawn, how well, what is not and why; leaves a table and pictures");
   reach->footer(
-      "Stopped by ctrl-C it goes on where it was when started again. Combinations that miss a limit are findings: the exit code is 0 once all "
-      "were run.\n"
+      "Stopped by ctrl-C it goes on where it was when started again. Combinations that miss a limit are findings: the exit code is 0 once\n"
+      "all were run.\n"
       "Examples:\n  ./impedraw reach\n  ./impedraw reach --only '^koi-on' --out /tmp/koi\n  ./impedraw reach --list | grep -A1 wall");
   reach->callback([&] { code = impedraw::reach(table); });
   for (CLI::App* command : {robustness, reach}) add_table_options(command, &table);

@@ -1,5 +1,6 @@
 #include "app/plan.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -53,9 +54,16 @@ nlohmann::ordered_json distortion_json(const Distortion& d) {
 
 std::string distortion_text(const char* how, const Distortion& d) {
   const auto percent = [](double ratio) { return 100.0 * (ratio - 1.0); };
-  return fmt::format("  {:<9}lengths {:+.1f} to {:+.1f} %, RMS {:.1f} %; areas {:+.1f} to {:+.1f} %; angles up to {:.1f}°\n", how,
+  return fmt::format("  {:<10} lengths {:+.1f} to {:+.1f} %, RMS {:.1f} %; areas {:+.1f} to {:+.1f} %; angles up to {:.1f}°\n", how,
                      percent(d.stretch_min), percent(d.stretch_max), 100.0 * d.stretch_rms, percent(d.area_min), percent(d.area_max),
                      d.angle_max * 180.0 / M_PI);
+}
+
+// "off canvas", for a legend.
+std::string words_of(Problem problem) {
+  std::string words = name_of(problem);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
 }
 
 // Each part of a stroke where it lies on the surface, in P.
@@ -85,7 +93,7 @@ void write_picture(const Experiment& e, const fs::path& stem) {
   for (const PlacedStroke& stroke : e.strokes) picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
   for (const Finding& f : e.preflight.findings)
     picture.lines.push_back(plan_line(part_of(flat[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to), surface,
-                                      (X_PW * f.p_W).z(), name_of(f.problem)));
+                                      (X_PW * f.p_W).z(), words_of(f.problem)));
   write_plan(picture, stem);
 }
 

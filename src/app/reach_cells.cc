@@ -12,14 +12,17 @@ std::vector<ReachDrawing> reach_drawings() {
   const std::string icons = kPackages + "matplotlib/mpl-data/images/", made = "made for it by tests/data/make_reach_data.py";
   return {
       {"koi", "artwork/koi.svg", {}, "two koi in 64 strokes; own work"},
-      {"logo", icons + "matplotlib.svg", {}, "matplotlib's logo, in its wheel (matplotlib 3.11.2, PSF-like licence)"},
-      {"hand", icons + "hand.svg", {}, "an icon of matplotlib's, fine outlines of 3,389 points; the same wheel"},
+      {"logo", icons + "matplotlib.svg", {}, "matplotlib's logo, in its wheel (matplotlib 3.11.2, its own licence, like Python's)"},
+      {"hand", icons + "hand.svg", {}, "the icon hand.svg of matplotlib, a cross in a ring of 3,389 points; the same wheel"},
       {"diskette", icons + "filesave.svg", {"drawing.hatch.spacing=8"}, "another, filled, so hatched 8 mm apart; the same wheel"},
-      {"verse", "", {"drawing.text.text=What the hand\\ndares to seize\\nthe fire?", "drawing.text.font=scripts", "drawing.text.align=centre"},
-       "three lines of W. Blake's in the Hershey font scripts (Debian's hershey-fonts-data)"},
-      {"hilbert", "tests/data/hilbert.strokes", {}, "a Hilbert curve of 256 points in one stroke, nearly each a corner; a stroke file, " + made},
+      {"verse", "",
+       {"drawing.text.text=What the hand\\ndares to seize\\nthe fire?", "drawing.text.font=scripts", "drawing.text.align=centre"},
+       "words of W. Blake's in three lines in the Hershey font scripts (Debian's hershey-fonts-data)"},
+      {"hilbert", "tests/data/hilbert.strokes", {},
+       "a Hilbert curve of 256 points in one stroke, nearly each a corner; a stroke file, " + made},
       {"spiral", "tests/data/spiral.csv", {}, "two arms of 3.5 turns; a CSV, " + made},
-      {"leaf", "artwork/leaf.svg", {"drawing.hatch.spacing=7", "drawing.hatch.angle=30"}, "a filled blade, hatched 7 mm apart, with veins; " + made},
+      {"leaf", "artwork/leaf.svg", {"drawing.hatch.spacing=7", "drawing.hatch.angle=30"},
+       "a filled blade, hatched 7 mm apart, with veins; " + made},
       {"compass", "artwork/compass.svg", {}, "rings and spokes in three dash patterns; " + made},
       {"island", "artwork/island.svg", {}, "a map in five layers: coasts, contours, a river, a dashed road, towns; " + made},
   };

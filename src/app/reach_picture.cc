@@ -36,7 +36,8 @@ void write_reach_picture(const Experiment& e, const RunData* run, const Drawn* d
   parts("promised", e.strokes);
   const std::vector<PlacedStroke> asked = placed_strokes(e.artwork.drawn, e.placement);
   std::vector<PlacedStroke> lost;
-  for (const Finding& f : e.preflight.findings) lost.push_back(part_of(asked[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to));
+  for (const Finding& f : e.preflight.findings)
+    lost.push_back(part_of(asked[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to));
   parts("undrawable", lost);
 
   for (std::size_t i = 0; drawn && i < drawn->lines.size(); ++i) {

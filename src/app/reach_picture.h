@@ -1,5 +1,5 @@
-// What src/report/reach.py draws of one combination, as JSON: ink, what was promised, what cannot be drawn, seen along the drawing axis, and
-// the canvas's shading beneath.
+// What src/report/reach.py draws of one combination, as JSON: ink, what was promised and what cannot be drawn, seen along the drawing axis,
+// and the canvas's shading beneath.
 //
 //   area         [left, right, bottom, top] [mm]: a square about the drawing's centre; all points are [right, up] in it
 //   shade        rows from the top of columns from the left, 0 … 255; null where there is no canvas

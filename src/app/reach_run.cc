@@ -100,9 +100,10 @@ Record drawn_record(Experiment& e, const fs::path& log, double start_up, const f
 
 const std::vector<std::string>& reach_columns() {
   static const std::vector<std::string> columns = {
-      "cell",     "drawing", "canvas", "base",      "svg",    "set",    "settings",         "verdict",        "failed",  "cause",   "strokes",
-      "parts",    "asked",   "promised", "undrawable", "unnamed", "reasons", "coverage",       "rms_to_45",      "rms",     "contact_fraction",
-      "strokes_missed", "redrawn", "lacking", "planned_time", "simulated_time", "wall_time"};
+      "cell",     "drawing",    "canvas",  "base",     "svg",      "set",       "settings", "verdict",          "failed",
+      "cause",    "strokes",    "parts",   "asked",    "promised", "undrawable", "unnamed",  "reasons",          "coverage",
+      "rms_to_45", "rms",       "contact_fraction",    "strokes_missed",         "redrawn",  "lacking",          "planned_time",
+      "simulated_time", "wall_time"};
   return columns;
 }
 

@@ -1,6 +1,6 @@
 // A combination of ./impedraw reach, drawn and judged.
 //
-// strokes        of the artwork, and `asked` their length; all lengths are in the drawing plane, and of what the hatching or the dashes make
+// strokes        of the artwork, hatched and dashed, and `asked` their length [mm]; all lengths are in the drawing plane
 // parts          that are promised, and `promised` their length; of what is not, `undrawable`, `reasons` counts the findings by problem
 // unnamed        length neither promised nor named: 0 but for a fault
 // rms_to_45      distance of the ink to its own target, root mean square over the ink where the canvas leans by less than 45° from the
@@ -40,7 +40,7 @@ double unnamed_mm(const Experiment& experiment);
 // Root mean square of the ink's error where the canvas leans by less than `slope` [mm]; NaN where no ink does.
 double gentle_error_mm(const Experiment& experiment, const RunData& run, const Drawn& drawn, double slope_deg);
 
-// In this process; throws nothing. `ink_file` gets the picture's lines. What comes back is for record_of.
+// In this process; throws nothing. `ink_file` gets the picture's lines. What comes back is for reach_record.
 std::string measure_reach(const Cell& cell, const std::filesystem::path& log, const std::filesystem::path& ink_file);
 
 Record reach_record(const Cell& cell, const ProcessEnd& end);

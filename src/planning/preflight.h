@@ -63,7 +63,7 @@ struct PreflightSettings {
   double fold_height = 0.5e-3;          // lower steps the pen's tip rides over [m]
   double normal_smoothing = 5e-3;       // as PathSettings' [m]
 
-  double joint_margin = 0.02;           // [rad]
+  double joint_margin = 0.05;           // the loop keeps to a posture by some 0.03 rad [rad]
   double max_joint_step = 0.35;         // of any joint per `step` [rad]
   OperationalSpaceSettings space;       // the controller's
   double torque_share = 1.0;            // of the arm's limits that may be used
@@ -104,7 +104,8 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
 
 // The ways between the strokes of a planned path: travel, approach and lift, asked every centimetre and every 0.1 rad of turn, each posture
 // from the last, the strokes' own included. `strokes` are those the path was planned from. Each finding's part is the whole of the stroke
-// that the way leads to (the way back from the last: that stroke's); page_mm is its first point; at most one a problem and way.
+// that the way leads to (the way back from the last: that stroke's), or of the one before where the lift off that is barred, and then of
+// that alone; page_mm is its first point; at most one a problem and way.
 // Torque is not asked: in the air the arm only holds itself.
 std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStroke>& strokes, ArmModel& arm, const Canvas* obstacle,
                                 const JointVector& start_q, const PreflightSettings& settings = {});

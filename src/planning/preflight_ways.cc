@@ -32,15 +32,20 @@ std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStr
   std::vector<double> amounts;       // of the findings
   std::size_t way_begins = 0;        // index of the present way's first finding
   std::size_t next = 0;              // stroke that the way leads to
+  bool lift = false;                 // still off the stroke before
+  bool lift_barred = false;          // then that stroke is to blame: the rest of the way is another once it is left out
   const auto report = [&](Problem problem, double amount, const std::string& text, const Vector3d& p) {
+    if (lift_barred && !lift) return;
+    lift_barred = lift;
     std::size_t i = way_begins;
     while (i < findings.size() && findings[i].problem != problem) ++i;
     if (i < findings.size() && amounts[i] >= amount) return;
     if (i == findings.size()) findings.emplace_back(), amounts.emplace_back();
     const bool back = next >= strokes.size();
-    const PlacedStroke& stroke = back ? strokes.back() : strokes[next];
+    const PlacedStroke& stroke = back ? strokes.back() : strokes[lift ? next - 1 : next];
     findings[i] = {{stroke.number, stroke.start, stroke.start + plane_length(stroke)}, problem,
-                   fmt::format("{}: {}", back ? "on the way back" : "on the way there", text), stroke.page.front(), p};
+                   fmt::format("{}: {}", lift ? "on the way off it" : back ? "on the way back" : "on the way there", text),
+                   stroke.page.front(), p};
     amounts[i] = amount;
   };
 
@@ -58,7 +63,9 @@ std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStr
     while (next < path.strokes().size() && path.strokes()[next].end <= t) {
       ++next;
       way_begins = findings.size();
+      lift_barred = false;
     }
+    lift = sample.phase == Phase::lift && next > 0;
     const auto below = obstacle ? obstacle->closest(p, kTipFree + 0.02) : std::nullopt;
     check.asked.pen = !(below && below->distance < kTipFree);
     const PenPlacement pen{p, -n};

@@ -55,5 +55,26 @@ TEST(PreflightWays, AWayOutOfReachIsSaid) {
   EXPECT_TRUE(seen.count(Problem::out_of_reach));
 }
 
+TEST(PreflightWays, ALiftOutOfReachIsSaidOfTheStrokeThatItIsOffAndOfNoOther) {
+  ArmModel arm(surfaces::kArm);
+  // Both on a table within reach; at 0.6 m and upright the arm gets to where the second is, but not to where the first is.
+  const auto far = surfaces::line({{0.72, 0}, {0.74, 0}}, 0), near = surfaces::line({{0.5, 0.02}, {0.5, -0.02}}, 1);
+  PathSettings path;
+  path.start_p_WE = {0.5, 0, 0.3};
+  path.highest_z = 0.57;
+  const auto asked = [&](const std::vector<PlacedStroke>& strokes) {
+    return check_ways(plan_tip_path(strokes, surfaces::flat(0.1), path), strokes, arm, nullptr, surfaces::start_posture(arm));
+  };
+  EXPECT_TRUE(asked({near}).empty());
+  const auto findings = asked({far, near});
+  ASSERT_FALSE(findings.empty());
+  bool lift = false;
+  for (const Finding& f : findings) {
+    EXPECT_EQ(f.part.stroke, 0) << f.text;
+    lift |= f.text.starts_with("on the way off it: ");
+  }
+  EXPECT_TRUE(lift);
+}
+
 }  // namespace
 }  // namespace impedraw
