@@ -130,7 +130,7 @@ int draw(const DrawOptions& options) {
   // A place once found is the run's: it is not looked for again.
   if (options.resume && (!given || options.place == "auto")) scenario = begun(folder, &places);
   else scenario = placed(options, scenario, places);
-  Experiment experiment = prepare(scenario, places);
+  Experiment experiment = prepare_visibly(scenario, places);
   if (options.resume) {
     begun(folder, &places);
     require_same(experiment.scenario, folder);

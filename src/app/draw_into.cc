@@ -72,6 +72,11 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
   return drawing;
 }
 
+Experiment prepare_visibly(const Scenario& scenario, const Places& places, Unreachable unreachable) {
+  ProgressLine line;
+  return prepare(scenario, places, unreachable, [&line](const char* what, double share) { line.update(what, share); });
+}
+
 void print_notes(const Experiment& experiment) {
   constexpr std::size_t kMost = 20;
   for (std::size_t i = 0; i < experiment.notes.size() && i < kMost; ++i) fmt::print(stderr, "note: {}\n", experiment.notes[i]);

@@ -243,7 +243,11 @@ TipPath plan_from(const Experiment& e, const std::vector<PlacedStroke>& strokes,
   return plan_tip_path(strokes, e.surface(), settings);
 }
 
-Experiment prepare(const Scenario& given, const Places& places, Unreachable unreachable) {
+Experiment prepare(const Scenario& given, const Places& places, Unreachable unreachable, const PrepareProgress& progress) {
+  const auto tell = [&progress](const char* what, double share) {
+    if (progress) progress(what, share);
+  };
+  tell("reading and ordering the artwork", 0.0);
   const Blame blame(places);
   if (unreachable == Unreachable::refuse && given.drawing.skip_unreachable) unreachable = Unreachable::skip;
   Scenario s = given;
@@ -299,6 +303,7 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
   const std::vector<std::string> how_seen = {"perception.region_lower", "perception.region_upper", "perception.cameras", "perception.voxel",
                                              "perception.noise", "perception", "canvas"};
   if (seen) {
+    tell("looking at the canvas", 0.3);
     blame.on(how_seen, [&] { e.perception.emplace(take_snapshot(sc, canvas, *e.world, e.arm, start.q)); });
     NormalSettings cautious = sc.perception.normals;
     cautious.max_one_sidedness = std::min(cautious.max_one_sidedness, kEdgeOfPlanning);
@@ -332,7 +337,10 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
   }
   e.whole = renumbered(std::move(laid.strokes), &e.source);
   e.control.q_0 = rest_posture(e, blame);
-  e.preflight = blame.on({"preflight"}, [&] { return check_strokes(e.whole, e.surface(), e.arm, e.canvas.get(), start.q, preflight_settings(e)); });
+  e.preflight = blame.on({"preflight"}, [&] { 
+    return check_strokes(e.whole, e.surface(), e.arm, e.canvas.get(), start.q, preflight_settings(e),
+                         [&](double share) { tell("checking the strokes", 0.4 + 0.4 * share); });
+  });
   for (Finding& f : e.preflight.findings) f.part.stroke = e.source[static_cast<std::size_t>(f.part.stroke)];
   for (const StrokePart& part : laid.lost) e.preflight.findings.push_back(off_patch(flat, part, e.X_WP));
   // What ought to come out lies on the true canvas, wherever the cameras saw it.
@@ -351,6 +359,7 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
   for (bool done = false; !done;) {
     blame.on(where_drawn, [&] { promise(e, unreachable); });
     try {
+      tell("planning the path", 0.8);
       plan_path(e, unreachable);
       e.target = true_target();
       done = true;

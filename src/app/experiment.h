@@ -57,7 +57,10 @@ enum class Unreachable { refuse, skip, tell };
 
 // Throws InputError: one line that names what, where, and what would be valid; `places` say where in the YAML or on the command line the
 // settings to blame were given. The same scenario gives the same experiment.
-Experiment prepare(const Scenario& scenario, const Places& places = {}, Unreachable unreachable = Unreachable::refuse);
+// `progress`: told what is being done, and about which share of all of it is.
+using PrepareProgress = std::function<void(const char* what, double share)>;
+Experiment prepare(const Scenario& scenario, const Places& places = {}, Unreachable unreachable = Unreachable::refuse,
+                   const PrepareProgress& progress = {});
 
 // X_WP: the drawing plane turned by its tilt about W's origin.
 Pose drawing_frame(const DrawingSettings& drawing);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
+#include "app/draw_into.h"
 #include "app/progress.h"
 #include "app/results.h"
 #include "planning/distortion.h"
@@ -153,7 +154,7 @@ int plan(const DrawOptions& options, bool as_json) {
   const fs::path folder = options.out.empty() ? fs::path("runs") / (scenario.name + "-plan") : options.out;
   require_plan_folder(folder);
   scenario = placed(options, scenario, places);
-  const Experiment e = prepare(scenario, places, Unreachable::tell);
+  const Experiment e = prepare_visibly(scenario, places, Unreachable::tell);
   make_folder(folder);
   write_file(folder / "plan.json", plan_json(e).dump(2) + "\n");
   write_picture(e, folder / "plan");

@@ -23,7 +23,7 @@ struct Progress {
 // a second have passed. Longer than `columns` it loses its end.
 std::string progress_line(const Progress& progress, double wall_time, int columns = 80);
 
-// Of work before the drawing: "placing the canvas  43 %  0:02 left".
+// Of work before the drawing: "placing the canvas   43 %  0:02 left".
 std::string step_line(const std::string& what, double share, double wall_time);
 
 // "0:07", "12:34", "1:02:03"

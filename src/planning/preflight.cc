@@ -203,13 +203,15 @@ const char* name_of(Problem problem) noexcept {
 }
 
 Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, ArmModel& arm, const Canvas* obstacle,
-                        const JointVector& start_q, const PreflightSettings& settings) {
+                        const JointVector& start_q, const PreflightSettings& settings, const std::function<void(double)>& progress) {
   require_settings(settings);
   PostureCheck check(arm, obstacle, start_q, settings);
   Preflight result;
   PreflightMargins& margins = result.margins;
   JointVector last = start_q;
+  std::size_t done = 0;
   for (const PlacedStroke& stroke : strokes) {
+    if (progress) progress(static_cast<double>(done++) / static_cast<double>(strokes.size()));
     std::vector<Stretch> stretches;
     for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
       if (span.problem) {

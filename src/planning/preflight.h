@@ -17,6 +17,7 @@
 // than those that inverse kinematics finds from the last, from rest_q and from start_q.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -98,9 +99,9 @@ struct Preflight {
 };
 
 // `obstacle`: what the arm must not touch, in W; usually the canvas; null: nothing. `start_q`: the arm's posture before it moves.
-// InputError: a setting out of range (name, value, limit).
+// `progress`: told the share of the strokes that are checked. InputError: a setting out of range (name, value, limit).
 Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, ArmModel& arm, const Canvas* obstacle,
-                        const JointVector& start_q, const PreflightSettings& settings = {});
+                        const JointVector& start_q, const PreflightSettings& settings = {}, const std::function<void(double)>& progress = {});
 
 // The ways between the strokes of a planned path: travel, approach and lift, asked every centimetre and every 0.1 rad of turn, each posture
 // from the last, the strokes' own included. `strokes` are those the path was planned from. Each finding's part is the whole of the stroke

@@ -26,6 +26,11 @@ TEST(ProgressText, TellsTimeStrokeShareLeftAndFactor) {
   EXPECT_EQ(progress_line({12.4, 2, 5, 0.63}, 1, -1), "");
 }
 
+TEST(ProgressText, OfWorkBeforeTheDrawing) {
+  EXPECT_EQ(step_line("placing the canvas", 0.25, 1.0), "placing the canvas   25 %  0:03 left");
+  EXPECT_EQ(step_line("checking the strokes", 0.0, 5.0), "checking the strokes    0 %  -:-- left");
+}
+
 TEST(ProgressText, Clock) {
   EXPECT_EQ(clock_text(7.4), "0:07");
   EXPECT_EQ(clock_text(59.6), "1:00");
