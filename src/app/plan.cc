@@ -1,6 +1,7 @@
 #include "app/plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -19,23 +20,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the wanted tip through the air, as the path has it.
-double pen_up_length(const TipPath& path) {
-  constexpr double kLook = 0.01;  // [s]
-  double length = 0.0;
-  for (double t = 0.0; t < path.duration(); t += kLook) {
-    const PathSample sample = path.at(t);
-    if (sample.phase != Phase::draw) length += sample.goal.v_WD.norm() * kLook;
-  }
-  return length;
-}
+// How long the path is in each phase, and how far it goes through the air, by one walk along it.
+struct PathTally {
+  std::array<double, 5> time{};  // of each Phase [s]
+  double pen_up = 0.0;           // [m]
 
-double time_in(const TipPath& path, Phase phase) {
-  constexpr double kLook = 0.01;  // [s]
-  double time = 0.0;
-  for (double t = 0.0; t < path.duration(); t += kLook) time += path.at(t).phase == phase ? kLook : 0.0;
-  return time;
-}
+  explicit PathTally(const TipPath& path) {
+    constexpr double kLook = 0.01;  // [s]
+    for (double t = 0.0; t < path.duration(); t += kLook) {
+      const PathSample sample = path.at(t);
+      time[static_cast<std::size_t>(sample.phase)] += kLook;
+      if (sample.phase != Phase::draw) pen_up += sample.goal.v_WD.norm() * kLook;
+    }
+  }
+  double in(Phase phase) const { return time[static_cast<std::size_t>(phase)]; }
+};
 
 double lost_mm(const Experiment& e) {
   double sum = 0.0;
@@ -105,7 +104,7 @@ nlohmann::ordered_json plan_json(const Experiment& e) {
   json["strokes"] = e.whole.size();
   json["drawable_parts"] = e.strokes.size();
   json["pen_down_m"] = e.path.pen_down_length();
-  json["pen_up_m"] = pen_up_length(e.path);
+  json["pen_up_m"] = PathTally(e.path).pen_up;
   json["time_s"] = e.path.duration();
   json["distortion"] = {{"projected", distortion_json(projected(e))}};
   if (e.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped(e));
@@ -129,11 +128,12 @@ nlohmann::ordered_json plan_json(const Experiment& e) {
 }
 
 std::string plan_text(const Experiment& e) {
+  const PathTally tally(e.path);
   std::string text = fmt::format("{}: {} strokes; {} parts to draw\n", e.scenario.name, e.whole.size(), e.strokes.size());
-  text += fmt::format("  pen down {:.3f} m on the surface, pen up {:.3f} m\n", e.path.pen_down_length(), pen_up_length(e.path));
+  text += fmt::format("  pen down {:.3f} m on the surface, pen up {:.3f} m\n", e.path.pen_down_length(), tally.pen_up);
   text += fmt::format("  time     {} ({:.1f} s): drawing {:.1f} s, approach {:.1f} s, lift {:.1f} s, travel {:.1f} s\n",
-                      clock_text(e.path.duration()), e.path.duration(), time_in(e.path, Phase::draw), time_in(e.path, Phase::approach),
-                      time_in(e.path, Phase::lift), time_in(e.path, Phase::travel));
+                      clock_text(e.path.duration()), e.path.duration(), tally.in(Phase::draw), tally.in(Phase::approach),
+                      tally.in(Phase::lift), tally.in(Phase::travel));
   const PreflightMargins& m = e.preflight.margins;
   if (!e.strokes.empty())
     text += fmt::format("  margins  joints {:.2f} rad, torque {:.0f} % of the limits, tip's greatest effective mass {:.1f} kg, arm to canvas {}, slope {:.1f}°\n",
@@ -156,9 +156,10 @@ int plan(const DrawOptions& options, bool as_json) {
   scenario = placed(options, scenario, places);
   const Experiment e = prepare_visibly(scenario, places, Unreachable::tell);
   make_folder(folder);
-  write_file(folder / "plan.json", plan_json(e).dump(2) + "\n");
+  const std::string json = plan_json(e).dump(2) + "\n";
+  write_file(folder / "plan.json", json);
   write_picture(e, folder / "plan");
-  fmt::print("{}", as_json ? plan_json(e).dump(2) + "\n" : plan_text(e));
+  fmt::print("{}", as_json ? json : plan_text(e));
   if (e.wrap) {
     const std::vector<PlacedStroke> flat = placed_strokes(e.artwork.drawn, e.placement);
     write_distortion({e.scenario.name, e.wrap->chart(), flat, e.whole, projected(e), wrapped(e)}, folder / "distortion");

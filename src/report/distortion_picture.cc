@@ -221,10 +221,6 @@ void draw(cairo_t* cr, const DistortionPicture& picture, const Layout& l, const 
   draw_ruler(cr, l);
 }
 
-void require(cairo_status_t status, const std::filesystem::path& path) {
-  if (status != CAIRO_STATUS_SUCCESS) throw std::runtime_error("cannot write " + path.string() + ": " + cairo_status_to_string(status));
-}
-
 }  // namespace
 
 void write_distortion(const DistortionPicture& picture, const std::filesystem::path& stem) {
@@ -232,30 +228,8 @@ void write_distortion(const DistortionPicture& picture, const std::filesystem::p
   const Errors errors = errors_of(picture.chart);
   const double end = scale_end(errors);
 
-  std::filesystem::path path = stem;
-  path += ".svg";
-  cairo_surface_t* svg = cairo_svg_surface_create(path.c_str(), layout.width, layout.height);
-  cairo_svg_surface_set_document_unit(svg, CAIRO_SVG_UNIT_MM);
-  cairo_t* cr = cairo_create(svg);
-  draw(cr, picture, layout, errors, end);
-  cairo_destroy(cr);
-  cairo_surface_finish(svg);
-  const cairo_status_t svg_status = cairo_surface_status(svg);
-  cairo_surface_destroy(svg);
-  require(svg_status, path);
-
-  path = stem;
-  path += ".png";
-  const double scale = picture.png_width / layout.width;
-  cairo_surface_t* png =
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.png_width, static_cast<int>(std::lround(scale * layout.height)));
-  cr = cairo_create(png);
-  cairo_scale(cr, scale, scale);
-  draw(cr, picture, layout, errors, end);
-  cairo_destroy(cr);
-  const cairo_status_t png_status = cairo_surface_write_to_png(png, path.c_str());
-  cairo_surface_destroy(png);
-  require(png_status, path);
+  write_svg_and_png(stem, {layout.width, layout.height}, picture.png_width,
+                    [&](cairo_t* cr) { draw(cr, picture, layout, errors, end); });
 }
 
 }  // namespace impedraw

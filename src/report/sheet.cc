@@ -141,19 +141,13 @@ void require(cairo_status_t status, const std::filesystem::path& path) {
 
 void set_colour(cairo_t* cr, const Colour& colour, double alpha) { cairo_set_source_rgba(cr, colour.r, colour.g, colour.b, alpha); }
 
-void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width) {
-  cairo_surface_t* measure = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 1, 1);
-  cairo_t* cr = cairo_create(measure);
-  const Layout layout = lay_out(sheet, cr);
-  cairo_destroy(cr);
-  cairo_surface_destroy(measure);
-
+void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size, int png_width, const std::function<void(cairo_t*)>& draw) {
   std::filesystem::path path = stem;
   path += ".svg";
-  cairo_surface_t* svg = cairo_svg_surface_create(path.c_str(), layout.width, layout.height);
+  cairo_surface_t* svg = cairo_svg_surface_create(path.c_str(), size.x(), size.y());
   cairo_svg_surface_set_document_unit(svg, CAIRO_SVG_UNIT_MM);
-  cr = cairo_create(svg);
-  draw(sheet, layout, cr);
+  cairo_t* cr = cairo_create(svg);
+  draw(cr);
   cairo_destroy(cr);
   cairo_surface_finish(svg);
   const cairo_status_t svg_status = cairo_surface_status(svg);
@@ -162,15 +156,25 @@ void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_
 
   path = stem;
   path += ".png";
-  const double scale = png_width / layout.width;
-  cairo_surface_t* png = cairo_image_surface_create(CAIRO_FORMAT_RGB24, png_width, static_cast<int>(std::lround(scale * layout.height)));
+  const double scale = png_width / size.x();
+  cairo_surface_t* png = cairo_image_surface_create(CAIRO_FORMAT_RGB24, png_width, static_cast<int>(std::lround(scale * size.y())));
   cr = cairo_create(png);
   cairo_scale(cr, scale, scale);
-  draw(sheet, layout, cr);
+  draw(cr);
   cairo_destroy(cr);
   const cairo_status_t png_status = cairo_surface_write_to_png(png, path.c_str());
   cairo_surface_destroy(png);
   require(png_status, path);
+}
+
+void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width) {
+  cairo_surface_t* measure = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 1, 1);
+  cairo_t* cr = cairo_create(measure);
+  const Layout layout = lay_out(sheet, cr);
+  cairo_destroy(cr);
+  cairo_surface_destroy(measure);
+
+  write_svg_and_png(stem, {layout.width, layout.height}, png_width, [&](cairo_t* on) { draw(sheet, layout, on); });
 }
 
 }  // namespace impedraw

@@ -35,6 +35,9 @@ struct Sheet {
 // `stem`.svg, one unit a millimetre, and `stem`.png, png_width wide. Throws std::runtime_error naming the file when it cannot be written.
 void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width);
 
+// What every such picture is written with: `draw` draws it whole, in millimetres, once for each kind; `size` is [mm]. Throws as write_sheet.
+void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size, int png_width, const std::function<void(cairo_t*)>& draw);
+
 void set_colour(cairo_t* cr, const Colour& colour, double alpha = 1.0);
 
 }  // namespace impedraw
