@@ -13,11 +13,11 @@
 
 #include <benchmark/benchmark.h>
 
-#include "app/commands.h"
-#include "app/experiment.h"
-#include "app/run.h"
-#include "app/yaml_read.h"
-#include "common/errors.h"
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/run/run.h"
+#include "impedraw/settings/yaml_read.h"
+#include "impedraw/common/errors.h"
 #include "floor.h"
 
 namespace impedraw {

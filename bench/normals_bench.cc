@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 #include <nanoflann.hpp>
 
-#include "perception/normals.h"
+#include "impedraw/perception/normals.h"
 
 namespace impedraw {
 namespace {

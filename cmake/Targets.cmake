@@ -1,5 +1,9 @@
 # impedraw_library(NAME SOURCES … LINKS …): a folder of src as the target impedraw::NAME.
-# Headers are included by their path from src: #include "control/impedance.h".
+# Headers are included as #include "impedraw/control/impedance.h", in the tree as in an installed copy: build/…/include/impedraw is a link
+# to src.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/impedraw SYMBOLIC)
+
 function(impedraw_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   if(ARG_SOURCES)
@@ -12,7 +16,7 @@ function(impedraw_library name)
     set(scope INTERFACE)
   endif()
   add_library(impedraw::${name} ALIAS impedraw_${name})
-  target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include/impedraw>)
+  target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
 endfunction()
 
@@ -23,6 +27,7 @@ function(impedraw_test name)
   add_executable(${name} ${ARG_SOURCES})
   impedraw_warnings(${name})
   target_compile_options(${name} PRIVATE -O1)  # what is tested is compiled as ever; the tests themselves need not be fast
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock)
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
 endfunction()

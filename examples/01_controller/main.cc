@@ -1,7 +1,7 @@
 // The controller alone: the state of an arm in, its torque and what that is made of out. The arm is made up, and stands still.
 #include <cstdio>
 
-#include "control/impedance.h"
+#include "impedraw/control/impedance.h"
 
 int main() {
   using namespace impedraw;

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-#include "control/arm_terms.h"
+#include "impedraw/control/arm_terms.h"
 
 struct Gantry {
   Eigen::Vector3d rail_mass{6.0, 5.0, 3.0};  // what each rail moves, without the pen [kg]

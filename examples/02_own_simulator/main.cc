@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "control/impedance.h"
+#include "impedraw/control/impedance.h"
 #include "gantry.h"
-#include "sensing/wrench_estimator.h"
+#include "impedraw/sensing/wrench_estimator.h"
 
 using namespace impedraw;
 using Eigen::Vector3d;

@@ -1,4 +1,4 @@
-#include "app/commands.h"
+#include "impedraw/app/commands.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,19 +8,20 @@
 
 #include <fmt/format.h>
 
-#include "app/artwork.h"
-#include "app/calibrate_tool.h"
-#include "app/draw_into.h"
-#include "app/experiment.h"
-#include "app/place_auto.h"
-#include "app/progress.h"
-#include "app/results.h"
-#include "app/settings_doc.h"
-#include "app/wall_time.h"
-#include "app/yaml_read.h"
-#include "app/yaml_write.h"
-#include "common/errors.h"
-#include "report/report.h"
+#include "impedraw/experiment/artwork.h"
+#include "impedraw/run/calibrate_tool.h"
+#include "impedraw/run/draw_into.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/place_auto.h"
+#include "impedraw/terminal/progress.h"
+#include "impedraw/run/results.h"
+#include "impedraw/run/run_folder.h"
+#include "impedraw/settings/settings_doc.h"
+#include "impedraw/terminal/clock.h"
+#include "impedraw/settings/yaml_read.h"
+#include "impedraw/settings/yaml_write.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/report/report.h"
 
 namespace impedraw {
 
@@ -31,58 +32,6 @@ namespace fs = std::filesystem;
 fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
   return options.out.empty() ? fs::path("runs") / scenario.name : options.out;
 }
-
-}  // namespace
-
-Scenario resolve(const DrawOptions& options, Places* given) {
-  Scenario scenario;
-  const fs::path file = options.scenario.empty() ? fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine.yaml" : options.scenario;
-  scenario.name = file.stem();
-  // Artwork from the command line names the run, with the scenario in front where one was given.
-  const auto name_after = [&](const std::string& artwork) {
-    scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
-  };
-  Places places = read_settings(scenario, file, options.assignments);
-  if (!options.shape.empty()) {
-    scenario.drawing.shape = options.shape;
-    scenario.drawing.svg.clear();
-    scenario.drawing.text.text.clear();
-    name_after(options.shape);
-    places.put("drawing.shape", fmt::format("--shape {}", options.shape));
-  }
-  if (!options.svg.empty()) {
-    scenario.drawing.svg = fs::absolute(options.svg);
-    scenario.drawing.text.text.clear();
-    name_after(options.svg.stem().string());
-    places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
-  }
-  if (!options.text.empty()) {
-    scenario.drawing.text.text = options.text;
-    scenario.drawing.svg.clear();
-    name_after("text");
-    places.put("drawing.text.text", fmt::format("--text {}", shown(options.text)));
-  }
-  if (options.keep_order) scenario.drawing.keep_order = true;
-  if (options.skip_unreachable) scenario.drawing.skip_unreachable = true;
-  if (options.no_perception) {
-    scenario.perception.enabled = false;
-    scenario.name += "-blind";
-  }
-  if (scenario.drawing.svg.empty() && scenario.drawing.text.text.empty()) {
-    const std::string& shape = scenario.drawing.shape;
-    const std::vector<std::string> shapes = shape_names();
-    if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end())
-      throw InputError(fmt::format("{}: drawing.shape {}", places.of("drawing.shape"), not_among(shape, shapes)));
-  }
-  // It names the run's folder.
-  if (scenario.name.empty() || scenario.name.find('/') != std::string::npos || scenario.name.starts_with('.'))
-    throw InputError(fmt::format("{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty",
-                                 places.of("name"), shown(scenario.name)));
-  if (given) *given = places;
-  return scenario;
-}
-
-namespace {
 
 // The scenario of the run in `folder`, which is to go on.
 Scenario begun(const fs::path& folder, Places* places) {

@@ -1,14 +1,14 @@
-#include "app/inspect.h"
+#include "impedraw/app/inspect.h"
 
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "app/commands.h"
-#include "app/inspect_mesh.h"
-#include "canvas/whole_file.h"
-#include "drawing/artwork_file.h"
+#include "impedraw/app/commands.h"
+#include "impedraw/app/inspect_mesh.h"
+#include "impedraw/canvas/validate_file.h"
+#include "impedraw/drawing/artwork_file.h"
 
 namespace impedraw {
 

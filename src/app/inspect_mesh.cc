@@ -1,4 +1,4 @@
-#include "app/inspect_mesh.h"
+#include "impedraw/app/inspect_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "canvas/mesh_check.h"
+#include "impedraw/canvas/mesh_check.h"
 
 namespace impedraw {
 

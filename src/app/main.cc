@@ -11,12 +11,12 @@
 
 #include <CLI/CLI.hpp>
 
-#include "app/commands.h"
-#include "app/inspect.h"
-#include "app/reach.h"
-#include "app/robustness.h"
-#include "app/settings_text.h"
-#include "common/errors.h"
+#include "impedraw/app/commands.h"
+#include "impedraw/app/inspect.h"
+#include "impedraw/study/reach.h"
+#include "impedraw/study/robustness.h"
+#include "impedraw/settings/settings_text.h"
+#include "impedraw/common/errors.h"
 
 namespace {
 

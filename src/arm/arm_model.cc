@@ -1,4 +1,4 @@
-#include "arm/arm_model.h"
+#include "impedraw/arm/arm_model.h"
 
 #include <fmt/format.h>
 #include <urdf_model/model.h>
@@ -12,7 +12,7 @@
 #include <pinocchio/multibody/model.hpp>
 #include <pinocchio/parsers/urdf.hpp>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

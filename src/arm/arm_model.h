@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/pose.h"
-#include "control/arm_terms.h"
+#include "impedraw/common/pose.h"
+#include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
 

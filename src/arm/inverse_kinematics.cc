@@ -1,4 +1,4 @@
-#include "arm/inverse_kinematics.h"
+#include "impedraw/arm/inverse_kinematics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "arm/arm_model.h"
+#include "impedraw/arm/arm_model.h"
 
 namespace impedraw {
 

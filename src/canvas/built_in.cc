@@ -1,4 +1,4 @@
-#include "canvas/built_in.h"
+#include "impedraw/canvas/built_in.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <Eigen/Geometry>
 
-#include "canvas/mesh_patterns.h"
-#include "canvas/shape_checks.h"
-#include "common/errors.h"
+#include "impedraw/canvas/mesh_patterns.h"
+#include "impedraw/canvas/shape_checks.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

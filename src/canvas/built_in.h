@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "canvas/triangle_mesh.h"
+#include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "canvas/built_in_graphs.h"
+#include "impedraw/canvas/built_in_graphs.h"
 
 #include <cmath>
 #include <cstdint>
@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "canvas/mesh_patterns.h"
-#include "canvas/shape_checks.h"
+#include "impedraw/canvas/mesh_patterns.h"
+#include "impedraw/canvas/shape_checks.h"
 
 namespace impedraw {
 namespace {

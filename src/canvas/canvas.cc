@@ -1,4 +1,4 @@
-#include "canvas/canvas.h"
+#include "impedraw/canvas/canvas.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
-#include "canvas/mesh_topology.h"
-#include "common/errors.h"
+#include "impedraw/canvas/mesh_topology.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

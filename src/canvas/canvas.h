@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "canvas/triangle_mesh.h"
+#include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "canvas/half_edges.h"
+#include "impedraw/canvas/half_edges.h"
 
 #include <algorithm>
 #include <tuple>

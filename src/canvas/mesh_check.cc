@@ -1,4 +1,4 @@
-#include "canvas/mesh_check.h"
+#include "impedraw/canvas/mesh_check.h"
 
 #include <algorithm>
 #include <array>
@@ -8,12 +8,12 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "canvas/half_edges.h"
-#include "canvas/mesh_file.h"
-#include "canvas/mesh_topology.h"
-#include "canvas/mesh_winding.h"
-#include "canvas/weld.h"
-#include "common/errors.h"
+#include "impedraw/canvas/half_edges.h"
+#include "impedraw/canvas/mesh_file.h"
+#include "impedraw/canvas/mesh_topology.h"
+#include "impedraw/canvas/mesh_winding.h"
+#include "impedraw/canvas/merge_vertices.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "canvas/triangle_mesh.h"
+#include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "canvas/mesh_file.h"
+#include "impedraw/canvas/mesh_file.h"
 
 #include <cmath>
 #include <string>
@@ -11,8 +11,8 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include "canvas/whole_file.h"
-#include "common/errors.h"
+#include "impedraw/canvas/validate_file.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "canvas/triangle_mesh.h"
+#include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "canvas/mesh_patterns.h"
+#include "impedraw/canvas/mesh_patterns.h"
 
 #include <algorithm>
 #include <cmath>

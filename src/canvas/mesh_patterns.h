@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "canvas/triangle_mesh.h"
+#include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "canvas/mesh_topology.h"
+#include "impedraw/canvas/mesh_topology.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "canvas/half_edges.h"
-#include "common/errors.h"
+#include "impedraw/canvas/half_edges.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

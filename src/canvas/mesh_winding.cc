@@ -1,4 +1,4 @@
-#include "canvas/mesh_winding.h"
+#include "impedraw/canvas/mesh_winding.h"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "canvas/half_edges.h"
-#include "canvas/triangle_mesh.h"
+#include "impedraw/canvas/half_edges.h"
+#include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 

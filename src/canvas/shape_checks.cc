@@ -1,10 +1,10 @@
-#include "canvas/shape_checks.h"
+#include "impedraw/canvas/shape_checks.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

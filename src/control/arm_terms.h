@@ -3,7 +3,7 @@
 // Plant (2):  M v̇ + C v + g = τ + Jᵀ F_ext          Task (5)–(7):  V = J v,  V̇ = J v̇ + J̇ v
 #pragma once
 
-#include "common/pose.h"
+#include "impedraw/common/pose.h"
 
 namespace impedraw {
 

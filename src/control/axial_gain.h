@@ -3,7 +3,7 @@
 // n must be a unit vector.
 #pragma once
 
-#include "common/pose.h"
+#include "impedraw/common/pose.h"
 
 namespace impedraw {
 

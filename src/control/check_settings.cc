@@ -1,11 +1,11 @@
-#include "control/check_settings.h"
+#include "impedraw/control/check_settings.h"
 
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <string>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

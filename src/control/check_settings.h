@@ -1,7 +1,7 @@
 // What can be wrong with the controller's settings whatever the arm does.
 #pragma once
 
-#include "control/impedance_settings.h"
+#include "impedraw/control/impedance_settings.h"
 
 namespace impedraw {
 

@@ -1,8 +1,8 @@
-#include "control/contact_mode.h"
+#include "impedraw/control/contact_mode.h"
 
 #include <cmath>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "control/damping.h"
+#include "impedraw/control/damping.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,8 @@
 // A discrete loop needs max eig(M_d⁻¹ B) (Δt + delay) < 0.5; max eig = 2 ζ √k_max.
 #pragma once
 
-#include "common/pose.h"
-#include "control/axial_gain.h"
+#include "impedraw/common/pose.h"
+#include "impedraw/control/axial_gain.h"
 
 namespace impedraw {
 

@@ -1,12 +1,12 @@
-#include "control/impedance.h"
+#include "impedraw/control/impedance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "common/errors.h"
-#include "control/check_settings.h"
-#include "control/normal_loop.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/control/check_settings.h"
+#include "impedraw/control/contact_stability.h"
 
 namespace impedraw {
 

@@ -24,14 +24,14 @@
 // rate limit lets; with a wrench that is stale the pen retreats from the surface. `status` says so.
 #pragma once
 
-#include "control/contact_mode.h"
-#include "control/damping.h"
-#include "control/impedance_settings.h"
-#include "control/momentum_observer.h"
-#include "control/normal_tracker.h"
-#include "control/surface_estimate.h"
-#include "control/tip_goal.h"
-#include "control/torque_limits.h"
+#include "impedraw/control/contact_mode.h"
+#include "impedraw/control/damping.h"
+#include "impedraw/control/impedance_settings.h"
+#include "impedraw/control/momentum_observer.h"
+#include "impedraw/control/normal_tracker.h"
+#include "impedraw/control/surface_estimate.h"
+#include "impedraw/control/tip_reference.h"
+#include "impedraw/control/torque_limits.h"
 
 namespace impedraw {
 

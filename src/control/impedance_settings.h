@@ -2,10 +2,10 @@
 // defaults are those of an arm of seven. Gains stand in the surface frame S (z = n); "tangent" holds for both tangents.
 #pragma once
 
-#include "control/axial_gain.h"
-#include "control/contact_mode.h"
-#include "control/momentum_observer.h"
-#include "control/operational_space.h"
+#include "impedraw/control/axial_gain.h"
+#include "impedraw/control/contact_mode.h"
+#include "impedraw/control/momentum_observer.h"
+#include "impedraw/control/operational_space.h"
 
 namespace impedraw {
 

@@ -1,10 +1,10 @@
-#include "control/momentum_observer.h"
+#include "impedraw/control/momentum_observer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

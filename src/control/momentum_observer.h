@@ -12,7 +12,7 @@
 
 #include <array>
 
-#include "control/arm_terms.h"
+#include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "control/normal_tracker.h"
+#include "impedraw/control/normal_tracker.h"
 
 #include <cmath>
 

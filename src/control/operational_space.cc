@@ -1,4 +1,4 @@
-#include "control/operational_space.h"
+#include "impedraw/control/operational_space.h"
 
 #include <algorithm>
 #include <cmath>

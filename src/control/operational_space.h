@@ -13,7 +13,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "control/arm_terms.h"
+#include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
 

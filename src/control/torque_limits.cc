@@ -1,4 +1,4 @@
-#include "control/torque_limits.h"
+#include "impedraw/control/torque_limits.h"
 
 #include <algorithm>
 #include <cmath>

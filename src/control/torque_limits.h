@@ -10,7 +10,7 @@
 // Clipping each joint at once, as is common, turns the wrench at the tip, and clipping τ_null after its projection leaks into it.
 #pragma once
 
-#include "control/operational_space.h"
+#include "impedraw/control/operational_space.h"
 
 namespace impedraw {
 

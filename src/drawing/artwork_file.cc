@@ -1,9 +1,9 @@
-#include "drawing/artwork_file.h"
+#include "impedraw/drawing/artwork_file.h"
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
-#include "common/file_extension.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/common/file_extension.h"
 
 namespace impedraw {
 

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "drawing/stroke.h"
-#include "drawing/stroke_file.h"
-#include "drawing/svg.h"
+#include "impedraw/drawing/stroke.h"
+#include "impedraw/drawing/stroke_file.h"
+#include "impedraw/drawing/svg.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "drawing/dashes.h"
+#include "impedraw/drawing/dashes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

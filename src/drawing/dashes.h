@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "drawing/hatch.h"
+#include "impedraw/drawing/hatch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <polyclipping/clipper.hpp>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
 

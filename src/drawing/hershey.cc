@@ -1,4 +1,4 @@
-#include "drawing/hershey.h"
+#include "impedraw/drawing/hershey.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

@@ -1,11 +1,11 @@
-#include "drawing/letters.h"
+#include "impedraw/drawing/letters.h"
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

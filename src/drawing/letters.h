@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drawing/hershey.h"
+#include "impedraw/drawing/hershey.h"
 
 namespace impedraw {
 

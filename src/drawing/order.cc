@@ -1,4 +1,4 @@
-#include "drawing/order.h"
+#include "impedraw/drawing/order.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 #include <nanoflann.hpp>
 
-#include "drawing/polyline.h"
+#include "impedraw/drawing/polyline.h"
 
 namespace impedraw {
 namespace {

@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
 

@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "drawing/polyline.h"
+#include "impedraw/drawing/polyline.h"
 
 #include <algorithm>
 #include <cmath>

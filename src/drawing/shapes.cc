@@ -1,10 +1,10 @@
-#include "drawing/shapes.h"
+#include "impedraw/drawing/shapes.h"
 
 #include <cmath>
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

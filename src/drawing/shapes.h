@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "drawing/simplify.h"
+#include "impedraw/drawing/simplify.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
-#include "drawing/polyline.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/polyline.h"
 
 namespace impedraw {
 namespace {

@@ -1,8 +1,8 @@
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 #include <utility>
 
-#include "drawing/order.h"
+#include "impedraw/drawing/order.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "drawing/stroke_file.h"
+#include "impedraw/drawing/stroke_file.h"
 
 #include <algorithm>
 #include <cctype>
@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -22,7 +22,7 @@
 #include <string>
 #include <string_view>
 
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
 

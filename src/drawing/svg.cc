@@ -1,4 +1,4 @@
-#include "drawing/svg.h"
+#include "impedraw/drawing/svg.h"
 
 #include <cmath>
 #include <fstream>
@@ -6,9 +6,9 @@
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
-#include "drawing/flatten.h"
-#include "drawing/usvg/impedraw_usvg.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/flatten.h"
+#include "impedraw/drawing/usvg/impedraw_usvg.h"
 
 namespace impedraw {
 namespace {

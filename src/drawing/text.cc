@@ -1,11 +1,11 @@
-#include "drawing/text.h"
+#include "impedraw/drawing/text.h"
 
 #include <cmath>
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
-#include "drawing/letters.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/letters.h"
 
 namespace impedraw {
 namespace {

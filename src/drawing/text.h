@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "drawing/stroke.h"
+#include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "ink/coverage.h"
+#include "impedraw/ink/coverage.h"
 
 #include <algorithm>
 #include <cmath>

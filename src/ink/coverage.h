@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "ink/segments.h"
+#include "impedraw/ink/segments.h"
 
 namespace impedraw {
 

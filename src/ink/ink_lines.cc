@@ -1,4 +1,4 @@
-#include "ink/ink_lines.h"
+#include "impedraw/ink/ink_lines.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "perception/cloud.h"
+#include "impedraw/perception/cloud.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "perception/depth_camera.h"
+#include "impedraw/perception/depth_camera.h"
 
 namespace impedraw {
 

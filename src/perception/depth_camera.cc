@@ -1,4 +1,4 @@
-#include "perception/depth_camera.h"
+#include "impedraw/perception/depth_camera.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -14,7 +14,7 @@
 
 #include <Eigen/Core>
 
-#include "common/pose.h"
+#include "impedraw/common/pose.h"
 
 namespace impedraw {
 

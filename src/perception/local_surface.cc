@@ -1,4 +1,4 @@
-#include "perception/local_surface.h"
+#include "impedraw/perception/local_surface.h"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "perception/neighbours.h"
+#include "impedraw/perception/neighbours.h"
 
 namespace impedraw {
 

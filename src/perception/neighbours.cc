@@ -1,4 +1,4 @@
-#include "perception/neighbours.h"
+#include "impedraw/perception/neighbours.h"
 
 #include <algorithm>
 #include <limits>

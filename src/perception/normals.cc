@@ -1,4 +1,4 @@
-#include "perception/normals.h"
+#include "impedraw/perception/normals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "common/errors.h"
-#include "perception/neighbours.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/perception/neighbours.h"
 
 namespace impedraw {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <Eigen/Core>
 
-#include "control/surface_estimate.h"
-#include "perception/cloud.h"
-#include "perception/local_surface.h"
+#include "impedraw/control/surface_estimate.h"
+#include "impedraw/perception/cloud.h"
+#include "impedraw/perception/local_surface.h"
 
 namespace impedraw {
 

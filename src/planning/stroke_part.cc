@@ -1,8 +1,8 @@
-#include "planning/stroke_part.h"
+#include "impedraw/planning/stroke_part.h"
 
 #include <algorithm>
 
-#include "drawing/polyline.h"
+#include "impedraw/drawing/polyline.h"
 
 namespace impedraw {
 

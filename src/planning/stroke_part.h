@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "drawing/placement.h"
+#include "impedraw/drawing/placement.h"
 
 namespace impedraw {
 

@@ -1,10 +1,10 @@
-#include "planning/surface_height.h"
+#include "impedraw/planning/surface_height.h"
 
 #include <cmath>
 
 #include <fmt/core.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

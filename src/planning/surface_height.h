@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "planning/target.h"
+#include "impedraw/planning/target.h"
 
 namespace impedraw {
 namespace {

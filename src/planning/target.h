@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "drawing/placement.h"
-#include "planning/surface_height.h"
+#include "impedraw/drawing/placement.h"
+#include "impedraw/planning/surface_height.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "report/distortion_picture.h"
+#include "impedraw/report/distortion_picture.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <cairo.h>
 #include <fmt/format.h>
 
-#include "report/sheet.h"
+#include "impedraw/report/sheet.h"
 
 namespace impedraw {
 namespace {

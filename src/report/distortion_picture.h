@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planning/distortion.h"
+#include "impedraw/planning/wrap/distortion.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "report/picture.h"
+#include "impedraw/report/picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <cairo.h>
 #include <fmt/format.h>
 
-#include "report/relief_drawing.h"
-#include "report/statistics.h"
-#include "report/thin_line.h"
+#include "impedraw/report/relief_drawing.h"
+#include "impedraw/metrics/statistics.h"
+#include "impedraw/report/decimate.h"
 
 namespace impedraw {
 namespace {

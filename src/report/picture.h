@@ -15,8 +15,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "report/drawn.h"
-#include "report/run_data.h"
+#include "impedraw/metrics/ink_match.h"
+#include "impedraw/log/run_data.h"
 
 namespace impedraw {
 

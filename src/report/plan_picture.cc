@@ -1,10 +1,10 @@
-#include "report/plan_picture.h"
+#include "impedraw/report/plan_picture.h"
 
 #include <algorithm>
 #include <map>
 
-#include "report/relief_drawing.h"
-#include "report/thin_line.h"
+#include "impedraw/report/relief_drawing.h"
+#include "impedraw/report/decimate.h"
 
 namespace impedraw {
 

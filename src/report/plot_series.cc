@@ -1,12 +1,12 @@
-#include "report/plot_series.h"
+#include "impedraw/report/plot_series.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "report/statistics.h"
-#include "report/thin_line.h"
+#include "impedraw/metrics/statistics.h"
+#include "impedraw/report/decimate.h"
 
 namespace impedraw {
 namespace {

@@ -1,4 +1,4 @@
-#include "report/relief.h"
+#include "impedraw/report/relief.h"
 
 #include <algorithm>
 #include <cmath>

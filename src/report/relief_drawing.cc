@@ -1,4 +1,4 @@
-#include "report/relief_drawing.h"
+#include "impedraw/report/relief_drawing.h"
 
 #include <algorithm>
 #include <cmath>

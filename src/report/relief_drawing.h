@@ -3,8 +3,8 @@
 
 #include <cairo.h>
 
-#include "report/relief.h"
-#include "report/sheet.h"
+#include "impedraw/report/relief.h"
+#include "impedraw/report/sheet.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "report/report.h"
+#include "impedraw/report/report.h"
 
 #include <cstdlib>
 #include <fstream>
@@ -9,8 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "report/metrics.h"
-#include "report/plot_series.h"
+#include "impedraw/metrics/metrics.h"
+#include "impedraw/report/plot_series.h"
 
 extern char** environ;
 

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/drawn.h"
-#include "report/run_data.h"
+#include "impedraw/metrics/ink_match.h"
+#include "impedraw/log/run_data.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "report/sheet.h"
+#include "impedraw/report/sheet.h"
 
 #include <cmath>
 #include <stdexcept>

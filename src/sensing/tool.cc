@@ -1,11 +1,11 @@
-#include "sensing/tool.h"
+#include "impedraw/sensing/tool.h"
 
 #include <cmath>
 #include <cstdio>
 
 #include <Eigen/Eigenvalues>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

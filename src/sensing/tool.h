@@ -10,7 +10,7 @@
 // Source    Newton's and Euler's equations of one rigid body, moments taken about S's origin instead of C.
 #pragma once
 
-#include "common/pose.h"
+#include "impedraw/common/pose.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "sensing/tool_identification.h"
+#include "impedraw/sensing/tool_identification.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <Eigen/SVD>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -1,10 +1,10 @@
-#include "sensing/wrench_estimator.h"
+#include "impedraw/sensing/wrench_estimator.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -17,7 +17,7 @@
 #include <array>
 #include <limits>
 
-#include "sensing/tool.h"
+#include "impedraw/sensing/tool.h"
 
 namespace impedraw {
 

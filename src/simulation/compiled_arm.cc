@@ -1,11 +1,11 @@
-#include "simulation/compiled_arm.h"
+#include "impedraw/simulation/compiled_arm.h"
 
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

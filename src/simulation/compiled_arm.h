@@ -5,7 +5,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "simulation/model_errors.h"
+#include "impedraw/simulation/model_errors.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "simulation/flange_balance.h"
+#include "impedraw/simulation/flange_balance.h"
 
 namespace impedraw {
 

@@ -11,7 +11,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "common/pose.h"
+#include "impedraw/common/pose.h"
 
 namespace impedraw {
 

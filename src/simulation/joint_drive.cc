@@ -1,4 +1,4 @@
-#include "simulation/joint_drive.h"
+#include "impedraw/simulation/joint_drive.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "control/arm_terms.h"
-#include "simulation/model_errors.h"
+#include "impedraw/control/arm_terms.h"
+#include "impedraw/simulation/model_errors.h"
 
 namespace impedraw {
 

@@ -1,4 +1,4 @@
-#include "simulation/tip_contact.h"
+#include "impedraw/simulation/tip_contact.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "simulation/world.h"
+#include "impedraw/simulation/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include "common/errors.h"
-#include "simulation/compiled_arm.h"
-#include "simulation/flange_balance.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/simulation/compiled_arm.h"
+#include "impedraw/simulation/flange_balance.h"
 
 namespace impedraw {
 

@@ -11,12 +11,12 @@
 #include <optional>
 #include <string>
 
-#include "canvas/canvas.h"
-#include "common/pose.h"
-#include "control/arm_terms.h"
-#include "simulation/joint_drive.h"
-#include "simulation/model_errors.h"
-#include "simulation/tip_contact.h"
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/common/pose.h"
+#include "impedraw/control/arm_terms.h"
+#include "impedraw/simulation/joint_drive.h"
+#include "impedraw/simulation/model_errors.h"
+#include "impedraw/simulation/tip_contact.h"
 
 namespace impedraw {
 

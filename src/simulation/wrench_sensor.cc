@@ -1,4 +1,4 @@
-#include "simulation/wrench_sensor.h"
+#include "impedraw/simulation/wrench_sensor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "common/pose.h"
+#include "impedraw/common/pose.h"
 
 namespace impedraw {
 

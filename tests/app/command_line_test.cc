@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "process.h"
-#include "report/run_data.h"
+#include "impedraw/log/run_data.h"
 #include "scratch_folder.h"
 
 namespace impedraw {

@@ -1,12 +1,12 @@
 // What inspect says of artwork, against what the file was made of.
-#include "app/inspect.h"
+#include "impedraw/app/inspect.h"
 
 #include <cmath>
 #include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

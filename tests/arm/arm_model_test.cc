@@ -1,13 +1,13 @@
 // Every term of the law against a second implementation (MuJoCo's, from the same URDF) and against finite differences.
-#include "arm/arm_model.h"
+#include "impedraw/arm/arm_model.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "arm/inverse_kinematics.h"
-#include "common/errors.h"
-#include "simulation/world.h"
+#include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/simulation/world.h"
 
 namespace impedraw {
 namespace {

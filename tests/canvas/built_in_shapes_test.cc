@@ -11,10 +11,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "canvas/built_in.h"
-#include "canvas/built_in_graphs.h"
-#include "canvas/built_in_ruled.h"
-#include "canvas/mesh_topology.h"
+#include "impedraw/canvas/built_in.h"
+#include "impedraw/canvas/built_in_graphs.h"
+#include "impedraw/canvas/built_in_ruled.h"
+#include "impedraw/canvas/mesh_topology.h"
 #include "mesh_checks.h"
 
 namespace impedraw {

@@ -1,4 +1,4 @@
-#include "canvas/built_in.h"
+#include "impedraw/canvas/built_in.h"
 
 #include <cmath>
 #include <limits>

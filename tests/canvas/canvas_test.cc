@@ -1,4 +1,4 @@
-#include "canvas/canvas.h"
+#include "impedraw/canvas/canvas.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canvas/built_in.h"
-#include "common/errors.h"
+#include "impedraw/canvas/built_in.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -1,4 +1,4 @@
-#include "canvas/mesh_check.h"
+#include "impedraw/canvas/mesh_check.h"
 
 #include <algorithm>
 #include <map>
@@ -7,9 +7,9 @@
 
 #include <gmock/gmock.h>
 
-#include "canvas/canvas.h"
-#include "canvas/weld.h"
-#include "common/errors.h"
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/canvas/merge_vertices.h"
+#include "impedraw/common/errors.h"
 #include "mesh_checks.h"
 #include "mesh_files.h"
 

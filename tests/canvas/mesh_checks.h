@@ -11,8 +11,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canvas/triangle_mesh.h"
-#include "common/errors.h"
+#include "impedraw/canvas/triangle_mesh.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

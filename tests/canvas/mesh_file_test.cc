@@ -1,4 +1,4 @@
-#include "canvas/mesh_file.h"
+#include "impedraw/canvas/mesh_file.h"
 
 #include <chrono>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
-#include "canvas/canvas.h"
-#include "canvas/mesh_check.h"
-#include "common/errors.h"
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/canvas/mesh_check.h"
+#include "impedraw/common/errors.h"
 #include "mesh_checks.h"
 #include "mesh_files.h"
 

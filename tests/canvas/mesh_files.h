@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "canvas/triangle_mesh.h"
+#include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 

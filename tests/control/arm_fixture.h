@@ -3,9 +3,9 @@
 
 #include <random>
 
-#include "arm/arm_model.h"
-#include "arm/inverse_kinematics.h"
-#include "control/impedance.h"
+#include "impedraw/arm/arm_model.h"
+#include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/control/impedance.h"
 
 namespace impedraw::testing_arm {
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 #include "free_arm.h"
 
 namespace impedraw {

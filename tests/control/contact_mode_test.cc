@@ -1,13 +1,13 @@
 // The table of contact states, the tracker of the normal, and the bound on the loop along the normal.
-#include "control/contact_mode.h"
+#include "impedraw/control/contact_mode.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
-#include "common/errors.h"
-#include "control/normal_loop.h"
-#include "control/normal_tracker.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/control/contact_stability.h"
+#include "impedraw/control/normal_tracker.h"
 
 namespace impedraw {
 namespace {

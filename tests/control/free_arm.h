@@ -2,9 +2,9 @@
 #pragma once
 
 #include "arm_fixture.h"
-#include "canvas/built_in.h"
-#include "canvas/canvas.h"
-#include "simulation/world.h"
+#include "impedraw/canvas/built_in.h"
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/simulation/world.h"
 
 namespace impedraw::testing_arm {
 

@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 #include "free_arm.h"
 
 namespace impedraw {

@@ -1,5 +1,5 @@
 // The momentum observer against a plant that is integrated here, by itself: what it finds is the disturbance through a first-order low-pass.
-#include "control/momentum_observer.h"
+#include "impedraw/control/momentum_observer.h"
 
 #include <cmath>
 #include <functional>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "arm_fixture.h"
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "../allocations.h"
+#include "allocations.h"
 #include "arm_fixture.h"
-#include "perception/normals.h"
+#include "impedraw/perception/normals.h"
 
 namespace impedraw {
 namespace {

@@ -1,12 +1,12 @@
 // Identities of the operational space, damping against a generalised eigensolver, and what happens near a singular posture.
-#include "control/operational_space.h"
+#include "impedraw/control/operational_space.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "arm_fixture.h"
-#include "control/damping.h"
+#include "impedraw/control/damping.h"
 
 namespace impedraw {
 namespace {

@@ -1,5 +1,5 @@
 // Late steps in a row, a single stall, a time that is none.
-#include "control/step_watchdog.h"
+#include "impedraw/control/step_watchdog.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // Torque limits against brute force: every vertex of the small linear program that says how much of the task can be kept.
-#include "control/torque_limits.h"
+#include "impedraw/control/torque_limits.h"
 
 #include <cmath>
 #include <limits>

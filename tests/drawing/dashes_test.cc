@@ -1,14 +1,14 @@
 // Dashes against lengths in closed form.
-#include "drawing/dashes.h"
+#include "impedraw/drawing/dashes.h"
 
 #include <random>
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/order.h"
-#include "drawing/svg.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/order.h"
+#include "impedraw/drawing/svg.h"
 #include "lines.h"
 
 namespace impedraw {

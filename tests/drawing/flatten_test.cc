@@ -1,4 +1,4 @@
-#include "drawing/flatten.h"
+#include "impedraw/drawing/flatten.h"
 
 #include <random>
 

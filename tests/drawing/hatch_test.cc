@@ -1,14 +1,14 @@
 // Hatching against areas in closed form and a winding number of its own.
-#include "drawing/hatch.h"
+#include "impedraw/drawing/hatch.h"
 
 #include <random>
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/order.h"
-#include "drawing/svg.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/order.h"
+#include "impedraw/drawing/svg.h"
 #include "lines.h"
 
 namespace impedraw {

@@ -1,4 +1,4 @@
-#include "drawing/order.h"
+#include "impedraw/drawing/order.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,13 +1,13 @@
-#include "drawing/placement.h"
+#include "impedraw/drawing/placement.h"
 
 #include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/svg.h"
-#include "drawing/text.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/svg.h"
+#include "impedraw/drawing/text.h"
 
 namespace impedraw {
 namespace {

@@ -1,9 +1,9 @@
-#include "drawing/shapes.h"
+#include "impedraw/drawing/shapes.h"
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/placement.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/placement.h"
 #include "lines.h"
 
 namespace impedraw {

@@ -1,11 +1,11 @@
-#include "drawing/simplify.h"
+#include "impedraw/drawing/simplify.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/order.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/order.h"
 #include "lines.h"
 
 namespace impedraw {

@@ -1,4 +1,4 @@
-#include "drawing/stroke_file.h"
+#include "impedraw/drawing/stroke_file.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/artwork_file.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/artwork_file.h"
 
 namespace impedraw {
 namespace {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/svg.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/svg.h"
 
 namespace impedraw {
 namespace {

@@ -1,4 +1,4 @@
-#include "drawing/svg.h"
+#include "impedraw/drawing/svg.h"
 
 #include <random>
 

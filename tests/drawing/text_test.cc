@@ -1,5 +1,5 @@
 // Text as strokes: sizes and places by what is asked for, letters by what the font's file says, read here in another way.
-#include "drawing/text.h"
+#include "impedraw/drawing/text.h"
 
 #include <fstream>
 #include <numeric>
@@ -8,10 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "drawing/hershey.h"
-#include "drawing/letters.h"
-#include "drawing/stroke.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/hershey.h"
+#include "impedraw/drawing/letters.h"
+#include "impedraw/drawing/stroke.h"
 #include "lines.h"
 
 namespace impedraw {

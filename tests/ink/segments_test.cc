@@ -1,4 +1,4 @@
-#include "ink/segments.h"
+#include "impedraw/ink/segments.h"
 
 #include <limits>
 #include <random>

@@ -1,4 +1,4 @@
-#include "perception/cloud.h"
+#include "impedraw/perception/cloud.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "canvas/built_in.h"
-#include "canvas/canvas.h"
-#include "perception/normals.h"
+#include "impedraw/canvas/built_in.h"
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/perception/normals.h"
 
 namespace impedraw {
 namespace {

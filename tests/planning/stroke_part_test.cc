@@ -1,12 +1,12 @@
-#include "planning/stroke_part.h"
+#include "impedraw/planning/stroke_part.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "drawing/polyline.h"
-#include "planning/tip_planner.h"
-#include "surfaces.h"
+#include "impedraw/drawing/polyline.h"
+#include "impedraw/planning/path/tip_planner.h"
+#include "planning/surfaces.h"
 
 namespace impedraw {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "drawing/placement.h"
-#include "drawing/shapes.h"
-#include "planning/surface_height.h"
-#include "planning/tip_planner.h"
+#include "impedraw/drawing/placement.h"
+#include "impedraw/drawing/shapes.h"
+#include "impedraw/planning/surface_height.h"
+#include "impedraw/planning/path/tip_planner.h"
 
 namespace impedraw::surfaces {
 

@@ -1,9 +1,9 @@
-#include "planning/target.h"
+#include "impedraw/planning/target.h"
 
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
-#include "surfaces.h"
+#include "impedraw/common/errors.h"
+#include "planning/surfaces.h"
 
 namespace impedraw {
 namespace {

@@ -1,5 +1,5 @@
 // The picture of the distortion on a plane tilted by 30°, where both maps have one colour each.
-#include "report/distortion_picture.h"
+#include "impedraw/report/distortion_picture.h"
 
 #include <cmath>
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include "planning/wrap.h"
+#include "impedraw/planning/wrap/wrap.h"
 
 namespace impedraw {
 namespace {

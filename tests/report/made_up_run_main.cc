@@ -4,10 +4,10 @@
 #include <fstream>
 #include <string>
 
-#include "made_up_run.h"
-#include "report/metrics.h"
-#include "report/picture.h"
-#include "report/report.h"
+#include "log/made_up_run.h"
+#include "impedraw/metrics/metrics.h"
+#include "impedraw/report/picture.h"
+#include "impedraw/report/report.h"
 
 int main(int argc, char** argv) {
   using namespace impedraw;

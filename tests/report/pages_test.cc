@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "made_up_folder.h"
-#include "report/metrics.h"
-#include "report/picture.h"
-#include "report/report.h"
+#include "log/made_up_folder.h"
+#include "impedraw/metrics/metrics.h"
+#include "impedraw/report/picture.h"
+#include "impedraw/report/report.h"
 
 namespace impedraw {
 namespace {

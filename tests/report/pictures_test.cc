@@ -9,11 +9,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canvas/built_in.h"
-#include "made_up_folder.h"
-#include "report/picture.h"
-#include "report/plot_series.h"
-#include "report/relief.h"
+#include "impedraw/canvas/built_in.h"
+#include "log/made_up_folder.h"
+#include "impedraw/report/picture.h"
+#include "impedraw/report/plot_series.h"
+#include "impedraw/report/relief.h"
 
 namespace impedraw {
 namespace {

@@ -1,7 +1,7 @@
 // A weightless pen that stands at rest, point down: its sensor reads what the test says.
 #pragma once
 
-#include "sensing/wrench_estimator.h"
+#include "impedraw/sensing/wrench_estimator.h"
 
 namespace impedraw::still_pen {
 

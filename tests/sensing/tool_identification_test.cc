@@ -1,5 +1,5 @@
 // The tool that static readings show, against the one that made them.
-#include "sensing/tool_identification.h"
+#include "impedraw/sensing/tool_identification.h"
 
 #include <cmath>
 #include <cstdio>
@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "sensing/wrench_estimator.h"
+#include "impedraw/sensing/wrench_estimator.h"
 
 namespace impedraw::waved_tool {
 

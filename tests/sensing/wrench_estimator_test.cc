@@ -1,5 +1,5 @@
 // The tool's weight and inertia go out of the reading, late or not, and the rest comes to the tip; faults spoil nothing.
-#include "sensing/wrench_estimator.h"
+#include "impedraw/sensing/wrench_estimator.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "../allocations.h"
-#include "common/errors.h"
+#include "allocations.h"
+#include "impedraw/common/errors.h"
 #include "still_pen.h"
 #include "waved_tool.h"
 

@@ -1,5 +1,5 @@
 // What the true arm does against its URDF: each error against a closed form, the balance of a step, or a table typed in by hand.
-#include "simulation/model_errors.h"
+#include "impedraw/simulation/model_errors.h"
 
 #include <cmath>
 #include <vector>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 #include "worlds.h"
 
 namespace impedraw {

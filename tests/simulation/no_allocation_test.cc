@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "../allocations.h"
-#include "simulation/wrench_sensor.h"
+#include "allocations.h"
+#include "impedraw/simulation/wrench_sensor.h"
 #include "worlds.h"
 
 namespace impedraw {

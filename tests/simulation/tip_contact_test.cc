@@ -1,11 +1,11 @@
 // The contact by itself, before any controller: a tip on three slides over exact triangles, against closed forms.
-#include "simulation/world.h"
+#include "impedraw/simulation/world.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "canvas/built_in.h"
+#include "impedraw/canvas/built_in.h"
 
 namespace impedraw {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "canvas/built_in.h"
-#include "simulation/world.h"
+#include "impedraw/canvas/built_in.h"
+#include "impedraw/simulation/world.h"
 
 namespace impedraw::testing_worlds {
 

@@ -1,5 +1,5 @@
 // The sensor's faults, one at a time and all together, by their definitions.
-#include "simulation/wrench_sensor.h"
+#include "impedraw/simulation/wrench_sensor.h"
 
 #include <cmath>
 #include <vector>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/errors.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {

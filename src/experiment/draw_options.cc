@@ -1,0 +1,62 @@
+#include "impedraw/experiment/draw_options.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/shapes.h"
+
+namespace impedraw {
+
+namespace fs = std::filesystem;
+
+Scenario resolve(const DrawOptions& options, Places* given) {
+  Scenario scenario;
+  const fs::path file = options.scenario.empty() ? fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine.yaml" : options.scenario;
+  scenario.name = file.stem();
+  // Artwork from the command line names the run, with the scenario in front where one was given.
+  const auto name_after = [&](const std::string& artwork) {
+    scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
+  };
+  Places places = read_settings(scenario, file, options.assignments);
+  if (!options.shape.empty()) {
+    scenario.drawing.shape = options.shape;
+    scenario.drawing.svg.clear();
+    scenario.drawing.text.text.clear();
+    name_after(options.shape);
+    places.put("drawing.shape", fmt::format("--shape {}", options.shape));
+  }
+  if (!options.svg.empty()) {
+    scenario.drawing.svg = fs::absolute(options.svg);
+    scenario.drawing.text.text.clear();
+    name_after(options.svg.stem().string());
+    places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
+  }
+  if (!options.text.empty()) {
+    scenario.drawing.text.text = options.text;
+    scenario.drawing.svg.clear();
+    name_after("text");
+    places.put("drawing.text.text", fmt::format("--text {}", shown(options.text)));
+  }
+  if (options.keep_order) scenario.drawing.keep_order = true;
+  if (options.skip_unreachable) scenario.drawing.skip_unreachable = true;
+  if (options.no_perception) {
+    scenario.perception.enabled = false;
+    scenario.name += "-blind";
+  }
+  if (scenario.drawing.svg.empty() && scenario.drawing.text.text.empty()) {
+    const std::string& shape = scenario.drawing.shape;
+    const std::vector<std::string> shapes = shape_names();
+    if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end())
+      throw InputError(fmt::format("{}: drawing.shape {}", places.of("drawing.shape"), not_among(shape, shapes)));
+  }
+  // It names the run's folder.
+  if (scenario.name.empty() || scenario.name.find('/') != std::string::npos || scenario.name.starts_with('.'))
+    throw InputError(fmt::format("{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty",
+                                 places.of("name"), shown(scenario.name)));
+  if (given) *given = places;
+  return scenario;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,62 @@
+#include "impedraw/experiment/height_sources.h"
+
+#include <cmath>
+#include <limits>
+
+namespace impedraw {
+
+namespace {
+
+// In P.
+double height_of_nearest_column(const PointCloud& cloud, const Pose& X_PW, double x, double y) {
+  double nearest = std::numeric_limits<double>::infinity(), z = 0.0;
+  for (const Eigen::Vector3d& p_W : cloud.points) {
+    const Eigen::Vector3d p = X_PW * p_W;
+    const double distance = (p.head<2>() - Eigen::Vector2d(x, y)).squaredNorm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    z = p.z();
+  }
+  return z;
+}
+
+// The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to nothing: what they settle within is taken.
+std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Pose& X_WP, Eigen::Vector3d p) {
+  constexpr double kConverged = 1e-7, kSettled = 5e-4;  // [m]
+  double step = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d n;
+  for (int i = 0; i < 12 && std::abs(step) > kConverged; ++i) {
+    const SurfaceEstimate estimate = estimator.estimate(X_WP * p);
+    n = X_WP.R.transpose() * estimate.n_W;
+    if (estimate.status != SurfaceStatus::ok || n.z() < 0.05) return std::nullopt;
+    step = estimate.distance / n.z();
+    p.z() -= step;
+  }
+  if (std::abs(step) > kSettled) return std::nullopt;
+  return SurfaceSample{p, n};
+}
+
+}  // namespace
+
+SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP) {
+  // From farther out than any of the canvas, wherever the frame's origin is.
+  const double out = (canvas.bounds().center() - X_WP.p).dot(X_WP.R.col(2)) + canvas.bounds().diagonal().norm() + 1.0;
+  return [&canvas, X_WP, X_PW = X_WP.inverse(), out](double x, double y) -> std::optional<SurfaceSample> {
+    const auto hit = canvas.ray(X_WP * Eigen::Vector3d(x, y, out), -X_WP.R.col(2));
+    if (!hit) return std::nullopt;
+    return SurfaceSample{X_PW * hit->p_W, X_PW.R * hit->n_W};
+  };
+}
+
+SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP) {
+  return [&estimator, X_WP, X_PW = X_WP.inverse(),
+          last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](double x, double y) mutable -> std::optional<SurfaceSample> {
+    std::optional<SurfaceSample> sample;
+    if (std::hypot(last.x() - x, last.y() - y) < 0.01) sample = descend(estimator, X_WP, {x, y, last.z()});
+    if (!sample) sample = descend(estimator, X_WP, {x, y, height_of_nearest_column(estimator.cloud(), X_PW, x, y)});
+    if (sample) last = sample->p_W;
+    return sample;
+  };
+}
+
+}  // namespace impedraw

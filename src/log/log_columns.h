@@ -1,0 +1,60 @@
+// The datasets of run.h5 that grow with the run: one list, from which the log is written. Private to src/report.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "impedraw/log/log.h"
+
+namespace impedraw {
+
+struct LogColumn {
+  std::string name;  // path in the file
+  int width;         // 1: shape n; otherwise n×width
+  bool integer;      // int32 instead of double
+  const char* unit;
+  const char* frame;
+  std::string description;
+
+  std::size_t row_bytes() const { return static_cast<std::size_t>(width) * (integer ? sizeof(int) : sizeof(double)); }
+};
+
+// In the order in which put_row() visits them.
+std::vector<LogColumn> log_columns(const RunLogHeader& header);
+
+// Calls put(pointer to first value, count, size of one value) for each column of log_columns().
+template <typename Put>
+void put_row(const LogRow& row, int terms, Put&& put) {
+  const auto vector = [&](const auto& v) { put(v.data(), static_cast<int>(v.size()), sizeof(double)); };
+  const auto number = [&](const auto& v) { put(&v, 1, sizeof(v)); };
+  const auto quaternion = [&](const Eigen::Quaterniond& q) {
+    const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
+    put(wxyz, 4, sizeof(double));
+  };
+  number(row.time);
+  vector(row.joint_position);
+  vector(row.joint_velocity);
+  vector(row.joint_torque);
+  for (int i = 0; i < terms; ++i) vector(row.torque_terms[i]);
+  vector(row.tip_position);
+  quaternion(row.tip_orientation);
+  vector(row.tip_velocity);
+  vector(row.desired_position);
+  quaternion(row.desired_orientation);
+  vector(row.contact_force);
+  vector(row.contact_point);
+  vector(row.contact_normal);
+  vector(row.wrench_measured);
+  vector(row.disturbance_force);
+  vector(row.surface_normal);
+  number(row.surface_distance);
+  number(row.push);
+  number(row.mode);
+  number(row.stroke);
+  number(row.stroke_along);
+  number(row.step_time);
+}
+
+}  // namespace impedraw

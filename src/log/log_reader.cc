@@ -1,0 +1,199 @@
+#include "impedraw/log/log_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/log/log_file.h"
+
+namespace impedraw {
+namespace {
+
+constexpr std::size_t kChunk = LogFile::kChunkRows;
+
+Eigen::VectorXd to_vector(const std::vector<double>& v) {
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+// Names of the links in a group, in alphabetical order.
+std::vector<std::string> members(hid_t file, const std::string& group) {
+  std::vector<std::string> names;
+  if (H5Lexists(file, group.c_str(), H5P_DEFAULT) <= 0) return names;
+  const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) {
+    static_cast<std::vector<std::string>*>(out)->push_back(name);
+    return herr_t{0};
+  };
+  const h5::Id id = h5::own(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose, group);
+  h5::check(H5Literate(id, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names), group);
+  return names;
+}
+
+std::map<std::string, std::string> texts(hid_t root) {
+  std::map<std::string, std::string> found;
+  const auto collect = [](hid_t file, const char* name, const H5A_info_t*, void* out) {
+    const hid_t attribute = H5Aopen(file, name, H5P_DEFAULT), type = H5Aget_type(attribute);
+    const bool text = H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) > 0;
+    H5Tclose(type);
+    H5Aclose(attribute);
+    if (text) (*static_cast<std::map<std::string, std::string>*>(out))[name] = h5::read_text(file, name);
+    return herr_t{0};
+  };
+  h5::check(H5Aiterate2(root, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &found), "attributes");
+  return found;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
+  h5::quiet_errors();
+  if (!std::filesystem::exists(path)) fail("no such file; a run's log (run.h5) is needed");
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0) fail("not an HDF5 file, or a broken one; a run's log (run.h5) is needed");
+  file_ = h5::Id(file, H5Fclose);
+  try {
+    const hid_t position = open("/joint/position").id, mode = open("/mode").id;
+    header_.joint_lower = to_vector(h5::read_numbers(position, "lower"));
+    header_.joint_upper = to_vector(h5::read_numbers(position, "upper"));
+    header_.torque_limit = to_vector(h5::read_numbers(position, "torque_limit"));
+    header_.joint_names.resize(joints());
+    if (H5Aexists(position, "names") > 0) header_.joint_names = h5::read_texts(position, "names");
+    header_.mode_names = h5::read_texts(mode, "names");
+    header_.torque_terms = members(file_, "/torque");
+    header_.attributes = texts(file_);
+    const Eigen::Index j = joints();
+    if (header_.joint_upper.size() != j || header_.torque_limit.size() != j || header_.joint_names.size() != static_cast<std::size_t>(j)) {
+      fail("attributes names, lower, upper and torque_limit of /joint/position differ in length");
+    }
+    columns_ = log_columns(header_);
+    std::erase_if(columns_, [&](const LogColumn& column) { return column.name == "/stroke_along" && !has(column.name); });
+    rows_ = count_rows();
+  } catch (const h5::Error& e) {
+    fail(e.what());
+  }
+}
+
+void LogReader::fail(const std::string& what) const { throw InputError(path_.string() + ": " + what); }
+
+const LogReader::Dataset& LogReader::open(const std::string& name) const {
+  const auto known = datasets_.find(name);
+  if (known != datasets_.end()) return known->second;
+  const hid_t id = H5Dopen2(file_, name.c_str(), H5P_DEFAULT);
+  if (id < 0) fail("dataset " + name + " is missing; this is not a log that impedraw wrote");
+  Dataset dataset{h5::Id(id, H5Dclose)};
+  const h5::Id space = h5::own(H5Dget_space(id), H5Sclose, name);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  hsize_t shape[2] = {0, 1};
+  if (rank == 1 || rank == 2) H5Sget_simple_extent_dims(space, shape, nullptr);
+  dataset.rows = shape[0];
+  dataset.width = rank == 1 || rank == 2 ? static_cast<int>(shape[1]) : 0;
+  return datasets_.emplace(name, std::move(dataset)).first->second;
+}
+
+const LogReader::Dataset& LogReader::open(const std::string& name, int width) const {
+  const Dataset& dataset = open(name);
+  if (dataset.width != width) fail("dataset " + name + " has the wrong shape; it should have " + std::to_string(width) + " values a row");
+  return dataset;
+}
+
+bool LogReader::read(const std::string& name, int width, bool integer, std::size_t begin, std::size_t n, void* out) const {
+  const Dataset& dataset = open(name, width);
+  if (n == 0) return true;
+  if (begin + n > dataset.rows) return false;
+  const hsize_t start[2] = {begin, 0}, count[2] = {n, static_cast<hsize_t>(width)};
+  const h5::Id file_space = h5::own(H5Dget_space(dataset.id), H5Sclose, name);
+  const h5::Id memory = h5::own(H5Screate_simple(H5Sget_simple_extent_ndims(file_space), count, nullptr), H5Sclose, name);
+  h5::check(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, nullptr, count, nullptr), name);
+  return H5Dread(dataset.id, integer ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE, memory, file_space, H5P_DEFAULT, out) >= 0;
+}
+
+// A dataset may have been extended when the kill came, and its chunks not yet entered: they would read as nothing but fill values.
+std::size_t LogReader::written_rows(const Dataset& dataset, std::size_t rows) const {
+  const h5::Id creation = h5::own(H5Dget_create_plist(dataset.id), H5Pclose, "dataset settings");
+  hsize_t chunk[2] = {0, 0};
+  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_chunk(creation, 2, chunk) < 1 || chunk[0] != kChunk) return rows;
+  for (std::size_t begin = 0; begin < rows; begin += kChunk) {
+    const hsize_t offset[2] = {begin, 0};
+    hsize_t bytes = 0;
+    if (H5Dget_chunk_storage_size(dataset.id, offset, &bytes) < 0 || bytes == 0) return begin;
+  }
+  return rows;
+}
+
+bool LogReader::readable(std::size_t begin, std::size_t n) const {
+  std::vector<std::byte> rows;
+  return std::all_of(columns_.begin(), columns_.end(), [&](const LogColumn& column) {
+    rows.resize(n * column.row_bytes());
+    return read(column, begin, n, rows.data());
+  });
+}
+
+std::size_t LogReader::count_rows() const {
+  std::size_t rows = static_cast<std::size_t>(-1);
+  for (const LogColumn& column : columns_) rows = std::min(rows, open(column.name, column.width).rows);
+  for (const LogColumn& column : columns_) rows = std::min(rows, written_rows(open(column.name), rows));
+  while (rows > 0) {
+    const std::size_t begin = (rows - 1) / kChunk * kChunk;
+    std::vector<double> time(rows - begin);
+    if (readable(begin, time.size()) && read("/time", 1, false, begin, time.size(), time.data()) && std::isfinite(time[0])) {
+      std::size_t n = time.size();
+      while (n > 1 && !(time[n - 1] > time[0])) --n;  // NaN, the fill value, or the zeros of a chunk that was not full
+      return begin + n;
+    }
+    rows = begin;
+  }
+  return 0;
+}
+
+void LogReader::require(const RunLogHeader& given) const {
+  const auto differ = [this](const std::string& what, const std::string& there, const std::string& here) {
+    fail("a run cannot go on in this log: " + what + ": " + there + " in the log, " + here + " now; draw into a new folder");
+  };
+  const auto compare = [&](const std::string& what, const std::vector<std::string>& there, const std::vector<std::string>& here) {
+    if (there != here) differ(what, listed(there), listed(here));
+  };
+  const auto limits = [&](const std::string& what, const Eigen::VectorXd& there, const Eigen::VectorXd& here) {
+    for (Eigen::Index k = 0; k < there.size(); ++k) {
+      if (there[k] != here[k]) differ(what + " of joint " + std::to_string(k + 1), std::to_string(there[k]), std::to_string(here[k]));
+    }
+  };
+  const auto size = [&](const std::string& name, std::size_t here) {
+    const std::size_t there = open(name).rows;
+    if (there != here) differ("size of " + name, std::to_string(there), std::to_string(here));
+  };
+  compare("joints", header_.joint_names, given.joint_names);
+  limits("lower limit", header_.joint_lower, given.joint_lower);
+  limits("upper limit", header_.joint_upper, given.joint_upper);
+  limits("torque limit", header_.torque_limit, given.torque_limit);
+  std::vector<std::string> terms = given.torque_terms;
+  std::sort(terms.begin(), terms.end());
+  compare("torque terms", header_.torque_terms, terms);
+  compare("contact states", header_.mode_names, given.mode_names);
+  size("/canvas/vertices", given.canvas_vertices.size());
+  size("/canvas/triangles", given.canvas_triangles.size());
+  size("/cloud/points", given.cloud_points.size());
+  size("/target/points", given.target_points.size());
+  if (!has("/stroke_along")) differ("dataset /stroke_along", "none (an older impedraw wrote it)", "one");
+}
+
+WallTimes LogReader::wall() const {
+  return {h5::read_number(file_, "wall_start_up"), h5::read_number(file_, "wall_loop"), h5::read_number(file_, "wall_writing")};
+}
+
+template <typename T>
+std::vector<T> LogReader::whole(const std::string& name, int width, bool integer) const {
+  std::vector<T> values(open(name, width).rows);
+  if (!read(name, width, integer, 0, values.size(), values.data())) fail("dataset " + name + " cannot be read");
+  return values;
+}
+
+std::vector<Eigen::Vector3d> LogReader::points(const std::string& name) const { return whole<Eigen::Vector3d>(name, 3, false); }
+std::vector<Eigen::Vector3i> LogReader::triples(const std::string& name) const { return whole<Eigen::Vector3i>(name, 3, true); }
+std::vector<int> LogReader::integers(const std::string& name) const { return whole<int>(name, 1, true); }
+
+}  // namespace impedraw

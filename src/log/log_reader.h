@@ -1,0 +1,73 @@
+// run.h5 read back, some rows at a time, so that a long log need not fit into memory. Private to src/report.
+//
+// A log that a kill cut off may lack rows in some datasets, or hold them extended but not written. rows() counts those that every dataset
+// holds whole; what comes after them is as if it were not there.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "impedraw/log/h5.h"
+#include "impedraw/log/log.h"
+#include "impedraw/log/log_columns.h"
+
+namespace impedraw {
+
+class LogReader {
+ public:
+  // Throws InputError naming the file, and the dataset where one that grows with the run is missing or has the wrong shape. (/stroke_along
+  // may be missing, in a log of an impedraw that knew none.)
+  explicit LogReader(const std::filesystem::path& path);
+
+  [[noreturn]] void fail(const std::string& what) const;  // InputError "<path>: <what>"
+
+  // Joint and mode names, limits, torque terms (in alphabetical order), text attributes; neither canvas, cloud nor target.
+  const RunLogHeader& header() const { return header_; }
+  int joints() const { return static_cast<int>(header_.joint_lower.size()); }
+  std::size_t rows() const { return rows_; }
+  WallTimes wall() const;
+
+  // Throws InputError naming what of `header` is not as in this log.
+  void require(const RunLogHeader& header) const;
+
+  bool has(const std::string& name) const { return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0; }
+
+  // Rows [begin, begin + n) into `out`, n×width; false when they are there but cannot be read. For data sets that do not grow, too.
+  // InputError when the dataset is missing or its rows have another width.
+  bool read(const std::string& name, int width, bool integer, std::size_t begin, std::size_t n, void* out) const;
+  bool read(const LogColumn& column, std::size_t begin, std::size_t n, void* out) const {
+    return read(column.name, column.width, column.integer, begin, n, out);
+  }
+
+  // A whole dataset that does not grow with the run.
+  std::vector<Eigen::Vector3d> points(const std::string& name) const;
+  std::vector<Eigen::Vector3i> triples(const std::string& name) const;
+  std::vector<int> integers(const std::string& name) const;
+
+ private:
+  struct Dataset {
+    h5::Id id;
+    std::size_t rows = 0;
+    int width = 1;
+  };
+  const Dataset& open(const std::string& name) const;
+  const Dataset& open(const std::string& name, int width) const;
+  std::size_t written_rows(const Dataset& dataset, std::size_t rows) const;
+  bool readable(std::size_t begin, std::size_t n) const;
+  std::size_t count_rows() const;
+  template <typename T>
+  std::vector<T> whole(const std::string& name, int width, bool integer) const;
+
+  std::filesystem::path path_;
+  h5::Id file_;
+  mutable std::map<std::string, Dataset> datasets_;  // opened so far
+  RunLogHeader header_;
+  std::vector<LogColumn> columns_;
+  std::size_t rows_ = 0;
+};
+
+}  // namespace impedraw

@@ -1,0 +1,67 @@
+#include "impedraw/log/run_rows.h"
+
+#include "impedraw/log/log_reader.h"
+
+namespace impedraw {
+
+bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns, RunRows* rows) {
+  bool whole = true;
+  const auto take = [&](const std::string& name, int width, bool integer, void* out) {
+    whole = whole && log.read(name, width, integer, begin, n, out);
+  };
+  const auto numbers = [&](const char* name, std::vector<double>& out) { take(name, 1, false, (out.resize(n), out.data())); };
+  const auto integers = [&](const char* name, std::vector<int>& out) { take(name, 1, true, (out.resize(n), out.data())); };
+  const auto points = [&](const char* name, RunRows::Points& out) { take(name, 3, false, (out.resize(n), out.data())); };
+  const int j = log.joints();
+  const auto joints = [&](const std::string& name, RunRows::Joints& out) {
+    take(name, j, false, (out.resize(static_cast<Eigen::Index>(n), j), out.data()));
+  };
+
+  numbers("/time", rows->time);
+  joints("/joint/position", rows->joint_position);
+  joints("/joint/torque", rows->joint_torque);
+  rows->torque_before_limits.resize(0, j);
+  RunRows::Joints term;
+  for (const std::string& name : log.header().torque_terms) {
+    joints("/torque/" + name, term);
+    if (rows->torque_before_limits.rows() == 0) {
+      rows->torque_before_limits = term;
+    } else {
+      rows->torque_before_limits += term;
+    }
+  }
+  std::vector<Eigen::Vector4d> wxyz(n);
+  take("/tip/orientation", 4, false, wxyz.data());
+  rows->tip_orientation.clear();
+  for (const Eigen::Vector4d& q : wxyz) rows->tip_orientation.emplace_back(q[0], q[1], q[2], q[3]);
+  points("/contact/force", rows->contact_force);
+  points("/contact/point", rows->contact_point);
+  points("/contact/normal", rows->contact_normal);
+  points("/surface/normal", rows->surface_normal);
+  numbers("/surface/distance", rows->surface_distance);
+  numbers("/push", rows->push);
+  integers("/mode", rows->mode);
+  integers("/stroke", rows->stroke);
+  numbers("/controller/step_time", rows->step_time);
+  if (columns == Columns::of_results) return whole;
+
+  joints("/joint/velocity", rows->joint_velocity);
+  points("/tip/position", rows->tip_position);
+  points("/desired/position", rows->desired_position);
+  points("/disturbance/force", rows->disturbance_force);
+  if (log.has("/stroke_along")) {
+    numbers("/stroke_along", rows->stroke_along);
+  } else {
+    rows->stroke_along.assign(n, LogRow::kNone);
+  }
+  return whole;
+}
+
+RunRows read_rows(const std::filesystem::path& path) {
+  const LogReader log(path);
+  RunRows rows;
+  if (!read_rows(log, 0, log.rows(), Columns::all, &rows)) log.fail("cannot be read: broken before its last rows");
+  return rows;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,301 @@
+#include "impedraw/metrics/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/ink/coverage.h"
+#include "impedraw/metrics/statistics.h"
+
+namespace impedraw {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kReach = 0.5e-3;          // of ink, for coverage [m]
+constexpr double kShortestGap = 1e-3;      // [m]
+constexpr double kOutside = 1e-3;          // [m]
+constexpr double kSettling = 0.2 + 1e-9;   // after the first touch [s]; half a step's rounding must not decide
+constexpr double kSampleSpacing = 0.25e-3; // of the search trees [m]
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// Collects values and the reasons for those that are missing.
+class Sheet {
+ public:
+  void set(const char* name, double value) { values_[name] = std::isfinite(value) ? Json(value) : Json(nullptr); }
+  void set(const char* name, std::size_t count) { values_[name] = count; }
+  void lack(std::initializer_list<const char*> names, const std::string& reason) {
+    for (const char* name : names) {
+      values_[name] = nullptr;
+      reasons_[name] = reason;
+    }
+  }
+  Json finish() const {
+    Json out;
+    Json reasons = Json::object();
+    for (const MetricDefinition& metric : metric_definitions()) {
+      const auto found = values_.find(metric.name);
+      out[metric.name] = found == values_.end() ? Json(nullptr) : found->second;
+      if (!out[metric.name].is_null()) continue;
+      const auto reason = reasons_.find(metric.name);
+      reasons[metric.name] = reason == reasons_.end() ? "not a finite number" : reason->second;
+    }
+    out["reasons"] = reasons;
+    return out;
+  }
+
+ private:
+  std::map<std::string, Json> values_;
+  std::map<std::string, std::string> reasons_;
+};
+
+std::vector<double> finite(const std::vector<double>& x, double scale) {
+  std::vector<double> out;
+  for (const double value : x) {
+    if (std::isfinite(value)) out.push_back(scale * value);
+  }
+  return out;
+}
+
+double length_of(const RunData& run, std::size_t i) { return (run.contact_point[i + 1] - run.contact_point[i]).norm(); }
+
+void contact(const RunData& run, const Drawn& d, Sheet& sheet) {
+  std::size_t down = 0, ink = 0;
+  for (std::size_t i = 0; i < run.rows(); ++i) {
+    down += run.stroke[i] >= 0;
+    ink += run.stroke[i] >= 0 && is_ink(run.f[i]);
+  }
+  if (down == 0) {
+    sheet.lack({"contact_fraction"}, "no pen-down sample");
+  } else {
+    sheet.set("contact_fraction", static_cast<double>(ink) / static_cast<double>(down));
+  }
+  if (d.strokes.empty()) {
+    sheet.lack({"strokes_missed"}, "no stroke in target or plan");
+    return;
+  }
+  const auto missed = std::count_if(d.strokes.begin(), d.strokes.end(), [&](int stroke) {
+    return std::none_of(d.lines.begin(), d.lines.end(), [&](const InkLine& line) { return line.stroke == stroke; });
+  });
+  sheet.set("strokes_missed", static_cast<std::size_t>(missed));
+}
+
+void accuracy(const RunData& run, const Drawn& d, Sheet& sheet) {
+  const std::vector<double> error = finite(d.error, 1e3);
+  const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(), [](const InkLine& line) { return line.stroke >= 0; });
+  if (error.empty()) {
+    sheet.lack({"ink_error_rms", "ink_error_p95", "ink_error_max"}, any_ink ? "no target for the strokes with ink" : "no pen-down ink");
+  } else {
+    sheet.set("ink_error_rms", root_mean_square(error));
+    sheet.set("ink_error_p95", percentile(error, 0.95));
+    sheet.set("ink_error_max", maximum(error));
+  }
+  double length = 0.0, outside = 0.0;
+  for (const InkLine& line : d.lines) {
+    if (line.stroke < 0) continue;
+    for (std::size_t i = line.begin; i + 1 < line.end; ++i) {
+      const double near = std::min(d.error[i], d.error[i + 1]), far = std::max(d.error[i], d.error[i + 1]);
+      if (!std::isfinite(near + far)) continue;
+      const double piece = length_of(run, i);
+      length += piece;
+      if (far > kOutside) outside += near >= kOutside ? piece : piece * (far - kOutside) / (far - near);
+    }
+  }
+  if (length == 0.0) {
+    sheet.lack({"ink_outside"}, "no pen-down ink of any length with a target");
+  } else {
+    sheet.set("ink_outside", outside / length);
+  }
+}
+
+void coverage(const RunData& run, const Drawn& d, Sheet& sheet) {
+  double length = 0.0, uncovered = 0.0, longest = 0.0;
+  std::size_t gaps = 0;
+  for (std::size_t s = 0; s < d.strokes.size(); ++s) {
+    std::vector<RunData::Points> ink;
+    for (const InkLine& line : d.lines) {
+      if (line.stroke == d.strokes[s]) ink.emplace_back(run.contact_point.begin() + line.begin, run.contact_point.begin() + line.end);
+    }
+    const Coverage c = cover(d.targets[s], Segments(ink, kSampleSpacing), kReach);
+    length += c.length;
+    for (const double span : c.uncovered_spans) {
+      uncovered += span;
+      if (span <= kShortestGap) continue;
+      ++gaps;
+      longest = std::max(longest, span);
+    }
+  }
+  if (length == 0.0) {
+    sheet.lack({"coverage", "gaps", "longest_gap"}, "no target of any length");
+    return;
+  }
+  sheet.set("coverage", 1.0 - uncovered / length);  // exactly 1 when nothing is left out
+  sheet.set("gaps", gaps);
+  sheet.set("longest_gap", 1e3 * longest);
+}
+
+void stray_ink(const RunData& run, const Drawn& d, Sheet& sheet) {
+  if (run.rows() == 0) return sheet.lack({"ink_up"}, "no rows");
+  const std::vector<bool> up = pen_must_be_up(run, d);
+  double length = 0.0;
+  for (const InkLine& line : d.lines) {
+    for (std::size_t i = line.begin; i + 1 < line.end; ++i) {
+      if (up[i] && up[i + 1]) length += length_of(run, i);
+    }
+  }
+  sheet.set("ink_up", 1e3 * length);
+}
+
+void force(const RunData& run, const Drawn& d, Sheet& sheet) {
+  std::vector<double> settled, error;
+  double touchdown = -1.0;
+  for (const StrokeSpan& span : d.spans) {  // each pass over a stroke touches down for itself
+    if (!span.first_touch) continue;
+    const double touched = run.time[*span.first_touch];
+    for (std::size_t i = *span.first_touch; i < run.rows() && run.time[i] - touched <= kSettling; ++i) {
+      touchdown = std::max(touchdown, run.f[i]);
+    }
+    for (std::size_t i = span.begin; i < span.end; ++i) {
+      if (!is_ink(run.f[i]) || run.time[i] - touched <= kSettling) continue;
+      settled.push_back(run.f[i]);
+      if (std::isfinite(run.push[i])) error.push_back(run.f[i] - run.push[i]);
+    }
+  }
+  if (touchdown < 0.0) {
+    sheet.lack({"touchdown_peak"}, "no stroke was touched");
+  } else {
+    sheet.set("touchdown_peak", touchdown);
+  }
+  if (settled.empty()) {
+    sheet.lack({"force_mean", "force_sd", "force_rms_error", "force_peak"}, "no pen-down ink later than 0.2 s after a first touch");
+    return;
+  }
+  sheet.set("force_mean", mean(settled));
+  sheet.set("force_sd", standard_deviation(settled));
+  sheet.set("force_peak", maximum(settled));
+  if (error.empty()) {
+    sheet.lack({"force_rms_error"}, "no normal force was asked for");
+  } else {
+    sheet.set("force_rms_error", root_mean_square(error));
+  }
+}
+
+void angles(const RunData& run, Sheet& sheet) {
+  const std::vector<double> tilt = finite(run.tilt, kDegrees);
+  if (tilt.empty()) {
+    sheet.lack({"tilt_mean", "tilt_p95", "tilt_max"}, "no pen-down ink");
+  } else {
+    sheet.set("tilt_mean", mean(tilt));
+    sheet.set("tilt_p95", percentile(tilt, 0.95));
+    sheet.set("tilt_max", maximum(tilt));
+  }
+  const std::vector<double> normal = finite(run.normal_error, kDegrees);
+  if (normal.empty()) {
+    const char* reason = tilt.empty() ? "no pen-down ink" : "the controller had no estimate of the surface";
+    sheet.lack({"normal_error_mean", "normal_error_p95"}, reason);
+  } else {
+    sheet.set("normal_error_mean", mean(normal));
+    sheet.set("normal_error_p95", percentile(normal, 0.95));
+  }
+}
+
+void cloud(const RunData& run, Sheet& sheet) {
+  if (run.cloud_points.empty()) return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "no cloud: the run had no perception");
+  if (run.canvas_triangles.empty()) return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "the log holds no canvas");
+  try {
+    const Canvas canvas(TriangleMesh{run.canvas_vertices, run.canvas_triangles});
+    std::vector<double> distance;
+    for (const Eigen::Vector3d& p : run.cloud_points) distance.push_back(1e3 * canvas.closest(p).distance);
+    sheet.set("cloud_bias_mean", mean(distance));
+    sheet.set("cloud_bias_sd", standard_deviation(distance));
+  } catch (const InputError& e) {
+    sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, e.what());
+  }
+}
+
+void motion(const RunData& run, const Drawn& d, Sheet& sheet) {
+  std::vector<double> speed;
+  for (const InkLine& line : d.lines) {
+    if (line.stroke < 0) continue;
+    for (std::size_t i = line.begin; i + 1 < line.end; ++i) {
+      const double dt = run.time[i + 1] - run.time[i];
+      if (dt > 0.0) speed.push_back(1e3 * length_of(run, i) / dt);
+    }
+  }
+  if (speed.empty()) {
+    sheet.lack({"speed_mean", "speed_p95"}, "no pen-down ink of two rows");
+  } else {
+    sheet.set("speed_mean", mean(speed));
+    sheet.set("speed_p95", percentile(speed, 0.95));
+  }
+  const std::size_t n = run.rows();
+  if (n < 2) {
+    sheet.lack({"draw_time", "real_time_factor"}, "fewer than two rows");
+    return;
+  }
+  const double last_step = run.time[n - 1] - run.time[n - 2];
+  double drawing = 0.0;
+  for (const StrokeSpan& span : d.spans) {
+    drawing += (span.end < n ? run.time[span.end] : run.time[n - 1] + last_step) - run.time[span.begin];
+  }
+  sheet.set("draw_time", drawing);
+  const double wall = run.wall.loop + (std::isfinite(run.wall.writing) ? run.wall.writing : 0.0);
+  if (std::isfinite(wall) && wall > 0.0) {
+    sheet.set("real_time_factor", (run.time[n - 1] + last_step - run.time[0]) / wall);
+  } else {
+    sheet.lack({"real_time_factor"}, "the log was not closed, or the loop not timed");
+  }
+}
+
+void arm(const RunData& run, Sheet& sheet) {
+  if (run.rows() == 0) return sheet.lack({"torque_saturated", "joint_margin_min"}, "no rows");
+  if (run.clipped) {
+    sheet.set("torque_saturated", static_cast<double>(*run.clipped) / static_cast<double>(run.rows()));
+  } else {
+    sheet.lack({"torque_saturated"}, "the log holds no torque terms");
+  }
+  if (std::isfinite(run.joint_margin)) {
+    sheet.set("joint_margin_min", run.joint_margin);
+  } else {
+    sheet.lack({"joint_margin_min"}, "the arm has no joint limits");
+  }
+}
+
+void step_time(const RunData& run, Sheet& sheet) {
+  const std::vector<double> micros = finite(run.step_time, 1e6);
+  if (micros.empty()) return sheet.lack({"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
+  sheet.set("step_time_p50", percentile(micros, 0.5));
+  sheet.set("step_time_p99", percentile(micros, 0.99));
+  sheet.set("step_time_p999", percentile(micros, 0.999));
+}
+
+}  // namespace
+
+Json compute_metrics(const RunData& run) { return compute_metrics(run, match_ink(run)); }
+
+Json compute_metrics(const RunData& run, const Drawn& drawn) {
+  Sheet sheet;
+  contact(run, drawn, sheet);
+  accuracy(run, drawn, sheet);
+  coverage(run, drawn, sheet);
+  stray_ink(run, drawn, sheet);
+  force(run, drawn, sheet);
+  angles(run, sheet);
+  cloud(run, sheet);
+  motion(run, drawn, sheet);
+  arm(run, sheet);
+  step_time(run, sheet);
+  Json out = sheet.finish();
+  Json wall;  // start-up and reports apart from the real-time factor
+  const auto seconds = [](double s) { return std::isfinite(s) ? Json(s) : Json(nullptr); };
+  wall["start_up"] = seconds(run.wall.start_up);
+  wall["loop"] = seconds(run.wall.loop);
+  wall["writing"] = seconds(run.wall.writing);
+  out["wall_seconds"] = wall;
+  return out;
+}
+
+}  // namespace impedraw

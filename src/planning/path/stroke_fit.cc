@@ -1,0 +1,257 @@
+#include "impedraw/planning/path/stroke_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <fmt/core.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/polyline.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double kSamePoint = 1e-7;    // [m]
+constexpr double kShortestSpan = 1e-6; // [m]
+constexpr int kMostRounds = 60;
+
+struct Line {  // one part between corners, in the world and on the page
+  std::vector<Vector2d> world, page;
+  std::vector<double> place;  // of each vertex on the stroke (stroke_part.h) [m]
+  std::vector<double> along;  // length up to each vertex [m]
+};
+
+struct Knot {
+  double along;  // on the polyline [m]
+  double place;  // on the stroke [m]
+  Vector2d p, page;
+  SurfaceSample sample;
+};
+
+class Fit {
+ public:
+  Fit(Line line, int stroke, const SurfaceHeight& surface, const FitSettings& settings)
+      : line_(std::move(line)), stroke_(stroke), surface_(surface), settings_(settings) {
+    line_.along.assign(1, 0.0);
+    for (std::size_t i = 1; i < line_.world.size(); ++i) {
+      line_.along.push_back(line_.along.back() + (line_.world[i] - line_.world[i - 1]).norm());
+    }
+  }
+
+  // Knots enough for the spline to keep the line. The normals have no part in that.
+  void find_knots() {
+    // Vertices at least half a spacing apart to begin with; where that is too coarse, the rounds below find out.
+    const double total = line_.along.back();
+    double last = -1;
+    for (std::size_t i = 0; i + 1 < line_.world.size(); ++i) {
+      const double s = line_.along[i];
+      if (i > 0 && (s - last < settings_.knot_spacing / 2 || total - s < settings_.knot_spacing / 4)) continue;
+      knots_.push_back(knot_at(s));
+      last = s;
+    }
+    knots_.push_back(knot_at(total));
+
+    PathSpline spline = through_knots();
+    while (refine(spline)) spline = through_knots();
+    if (insert_between(spline)) {
+      spline = through_knots();
+      while (refine(spline)) spline = through_knots();
+    }
+  }
+
+  void smooth_normals() {
+    std::vector<Eigen::Vector3d> normals;
+    for (std::size_t i = 0; i < knots_.size(); ++i) normals.push_back(smoothed_normal(i));
+    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i].sample.n_W = normals[i];
+  }
+
+  Eigen::Vector3d& first_normal() { return knots_.front().sample.n_W; }
+  Eigen::Vector3d& last_normal() { return knots_.back().sample.n_W; }
+
+  PathSpline through_knots() const {
+    std::vector<SurfaceSample> samples;
+    std::vector<double> along;
+    samples.reserve(knots_.size());
+    along.reserve(knots_.size());
+    for (const Knot& k : knots_) {
+      samples.push_back(k.sample);
+      along.push_back(k.place);
+    }
+    return PathSpline(samples, along);
+  }
+
+ private:
+  Knot knot_at(double s) const {
+    const auto after = std::upper_bound(line_.along.begin() + 1, line_.along.end() - 1, s);
+    const auto i = static_cast<std::size_t>(after - line_.along.begin());
+    const double part = std::clamp((s - line_.along[i - 1]) / (line_.along[i] - line_.along[i - 1]), 0.0, 1.0);
+    return sampled({s, line_.place[i - 1] + part * (line_.place[i] - line_.place[i - 1]), line_.world[i - 1] + part * (line_.world[i] - line_.world[i - 1]),
+                    line_.page[i - 1] + part * (line_.page[i] - line_.page[i - 1]), {}});
+  }
+
+  Knot sampled(Knot k) const {
+    k.sample = sample_or_throw(surface_, k.p, k.page, stroke_);
+    return k;
+  }
+
+  // The parabola through the normals about here, Gaussian weights: what turns at an even rate, or at one that changes evenly, stays, ends
+  // included. A straight line would cut the crests of a sine by 0.1°.
+  Eigen::Vector3d smoothed_normal(std::size_t i) const {
+    const double sigma = settings_.normal_smoothing, s = knots_[i].along;
+    if (!(sigma > 0.0)) return knots_[i].sample.n_W;
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(), normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)
+    int used = 0;
+    const auto add = [&](std::size_t k) {
+      const double x = (knots_[k].along - s) / sigma;
+      if (std::abs(x) > 4.5) return false;  // where a weight of 4e-5 is cut off nobody notices
+      // Weighed by the way to both neighbours too, so that knots close together do not count for more.
+      const double before = k > 0 ? knots_[k].along - knots_[k - 1].along : 0.0;
+      const double after = k + 1 < knots_.size() ? knots_[k + 1].along - knots_[k].along : 0.0;
+      const double w = (before + after) / sigma * std::exp(-0.5 * x * x);
+      const Eigen::Vector3d b(1.0, x, x * x);
+      moments += w * b * b.transpose();
+      normals += w * b * knots_[k].sample.n_W.transpose();
+      ++used;
+      return true;
+    };
+    for (std::size_t k = i; k < knots_.size() && add(k); ++k) {}
+    for (std::size_t k = i; k-- > 0 && add(k);) {}
+    const Eigen::LDLT<Eigen::Matrix3d> factor(moments);
+    if (used < 4 || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff())) return knots_[i].sample.n_W;  // too few
+    return Eigen::Vector3d(factor.solve(normals).row(0)).normalized();
+  }
+
+  // The polyline's vertices from the one before s0 to the one after s1.
+  std::pair<std::size_t, std::size_t> vertices(double s0, double s1) const {
+    const auto& along = line_.along;
+    auto first = static_cast<std::size_t>(std::upper_bound(along.begin(), along.end(), s0 + kSamePoint / 2) - along.begin()) - 1;
+    auto last = static_cast<std::size_t>(std::lower_bound(along.begin(), along.end(), s1 - kSamePoint / 2) - along.begin());
+    last = std::min(last, along.size() - 1);
+    return {std::min(first, last - 1), last};
+  }
+
+  bool keeps(const PathSpline& spline, std::size_t span) const {
+    constexpr int kSamples = 8;
+    const double allowed = 0.75 * settings_.tolerance;  // the rest went into simplifying, and into what lies between the samples
+    const auto [first, last] = vertices(knots_[span].along, knots_[span + 1].along);
+    std::vector<Vector2d> curve;
+    for (int i = 0; i <= kSamples; ++i) {
+      curve.push_back(spline.point(span, spline.start(span) + (spline.end(span) - spline.start(span)) * i / kSamples).head<2>());
+      if (distance(curve.back(), line_.world, first, last) > allowed) return false;
+    }
+    for (std::size_t v = first + 1; v < last; ++v) {
+      if (distance(line_.world[v], curve, 0, kSamples) > allowed) return false;
+    }
+    return true;
+  }
+
+  // Adds a knot in each span that strays. False once there is none.
+  bool refine(const PathSpline& spline) {
+    if (++rounds_ > kMostRounds) return false;
+    std::vector<Knot> result;
+    for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
+      result.push_back(knots_[i]);
+      const double s0 = knots_[i].along, s1 = knots_[i + 1].along;
+      if (s1 - s0 < kShortestSpan || keeps(spline, i)) continue;
+      const auto [first, last] = vertices(s0, s1);
+      double s = (s0 + s1) / 2;
+      if (last - first > 1) {  // the vertex nearest to the middle
+        const auto nearer = [&](std::size_t a, std::size_t b) { return std::abs(line_.along[a] - s) < std::abs(line_.along[b] - s); };
+        std::size_t best = first + 1;
+        for (std::size_t v = first + 2; v < last; ++v) best = nearer(v, best) ? v : best;
+        s = line_.along[best];
+      }
+      result.push_back(knot_at(s));
+    }
+    result.push_back(knots_.back());
+    const bool grown = result.size() > knots_.size();
+    knots_ = std::move(result);
+    return grown;
+  }
+
+  // Where knots are far apart, more of them on the spline itself: they leave its shape seen from above and follow the surface.
+  bool insert_between(const PathSpline& spline) {
+    std::vector<Knot> result;
+    for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
+      result.push_back(knots_[i]);
+      const double u0 = spline.start(i), u1 = spline.end(i);
+      const int pieces = static_cast<int>(std::ceil((u1 - u0) / settings_.knot_spacing - 1e-6));
+      for (int k = 1; k < pieces; ++k) {
+        Knot knot = knot_at(knots_[i].along + (knots_[i + 1].along - knots_[i].along) * k / pieces);
+        knot.p = spline.point(i, u0 + (u1 - u0) * k / pieces).head<2>();
+        result.push_back(sampled(knot));
+      }
+    }
+    result.push_back(knots_.back());
+    const bool grown = result.size() > knots_.size();
+    knots_ = std::move(result);
+    return grown;
+  }
+
+  Line line_;
+  int stroke_;
+  const SurfaceHeight& surface_;
+  const FitSettings& settings_;
+  std::vector<Knot> knots_;
+  int rounds_ = 0;
+};
+
+}  // namespace
+
+FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface, const FitSettings& settings) {
+  const int number = stroke.number;
+  Line whole;
+  double place = stroke.start;
+  for (std::size_t i = 0; i < stroke.world.size(); ++i) {
+    if (!stroke.world[i].allFinite()) throw InputError(fmt::format("stroke {}: point {} is not a finite number", number, i));
+    if (i > 0) place += (stroke.world[i] - stroke.world[i - 1]).norm();
+    if (!whole.world.empty() && (stroke.world[i] - whole.world.back()).norm() < kSamePoint) continue;
+    whole.place.push_back(place);
+    whole.world.push_back(stroke.world[i]);
+    whole.page.push_back(stroke.page[i]);
+  }
+  if (whole.world.empty()) throw InputError(fmt::format("stroke {}: has no points", number));
+
+  FittedStroke fitted;
+  fitted.number = number;
+  fitted.from = fitted.to = stroke.start;
+  fitted.first = fitted.last = sample_or_throw(surface, whole.world.front(), whole.page.front(), number);
+  if (whole.world.size() == 1) return fitted;
+
+  Line line;
+  for (std::size_t i : simplified(whole.world, settings.tolerance / 5)) {
+    line.world.push_back(whole.world[i]);
+    line.page.push_back(whole.page[i]);
+    line.place.push_back(whole.place[i]);
+  }
+  if (line.world.size() == 2 && (line.world[1] - line.world[0]).norm() < kSamePoint) return fitted;  // closed on itself
+  std::vector<std::size_t> cuts = corners(line.world, settings.corner_angle);
+  cuts.push_back(line.world.size() - 1);
+  std::size_t from = 0;
+  std::vector<Fit> fits;
+  for (std::size_t to : cuts) {
+    Line part;
+    part.world.assign(line.world.begin() + from, line.world.begin() + to + 1);
+    part.page.assign(line.page.begin() + from, line.page.begin() + to + 1);
+    part.place.assign(line.place.begin() + from, line.place.begin() + to + 1);
+    Fit& fit = fits.emplace_back(std::move(part), number, surface, settings);
+    fit.find_knots();
+    fit.smooth_normals();
+    from = to;
+  }
+  fitted.to = whole.place.back();
+  // At a corner both parts have the same normal.
+  for (std::size_t i = 1; i < fits.size(); ++i) {
+    const Eigen::Vector3d n = (fits[i - 1].last_normal() + fits[i].first_normal()).normalized();
+    fits[i - 1].last_normal() = fits[i].first_normal() = n;
+  }
+  for (const Fit& fit : fits) fitted.parts.push_back(fit.through_knots());
+  fitted.last = sample_or_throw(surface, whole.world.back(), whole.page.back(), number);
+  fitted.first.n_W = fits.front().first_normal();
+  fitted.last.n_W = fits.back().last_normal();
+  return fitted;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,89 @@
+#include "impedraw/planning/path/tip_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace impedraw {
+
+using Eigen::Vector3d;
+
+const char* name_of(Phase phase) noexcept {
+  constexpr const char* kNames[] = {"travel", "approach", "draw", "lift", "done"};
+  return kNames[static_cast<int>(phase)];
+}
+
+TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines, const std::vector<int>& numbers, const Pose& X_WP)
+    : legs_(std::move(legs)), splines_(std::move(splines)), strokes_(numbers.size()), X_WP_(X_WP) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
+  std::vector<char> started(numbers.size(), 0);
+  double t = 0, approach = 0;
+  for (std::size_t i = 0; i < legs_.size(); ++i) {
+    const PathLeg& leg = legs_[i];
+    starts_.push_back(t);
+    if (leg.phase == Phase::approach && (i == 0 || legs_[i - 1].phase != Phase::approach)) approach = t;
+    if (leg.stroke >= 0) {
+      StrokeTimes& s = strokes_[leg.stroke];
+      if (!started[leg.stroke]) s.approach = approach, s.start = t, started[leg.stroke] = 1;
+      s.end = t + leg.duration;
+      if (leg.spline >= 0) s.length += splines_[leg.spline].arc_length();
+    }
+    t += leg.duration;
+  }
+}
+
+double TipPath::pen_down_length() const noexcept {
+  double sum = 0;
+  for (const StrokeTimes& s : strokes_) sum += s.length;
+  return sum;
+}
+
+PathSample TipPath::at(double t) const noexcept {
+  PathSample sample;
+  if (legs_.empty()) return sample;
+  const bool done = t >= duration();
+  t = std::clamp(t, 0.0, duration());
+  const auto after = std::upper_bound(starts_.begin() + 1, starts_.end(), t);
+  const auto index = static_cast<std::size_t>(after - starts_.begin()) - 1;
+  const PathLeg& leg = legs_[index];
+  const double since = t - starts_[index];
+
+  if (!done && leg.stroke >= 0) {
+    sample.stroke = strokes_[leg.stroke].number;
+    sample.along = leg.along;
+  }
+  sample.phase = done ? Phase::done : leg.phase;
+  TipGoal& goal = sample.goal;
+  goal.pen_down = leg.pen_down && !done;
+
+  const SpeedState along = leg.progress.at(since);
+  goal.p_WD = leg.p + along.x * leg.direction;
+  goal.v_WD = along.speed * leg.direction;
+  goal.a_WD = along.acceleration * leg.direction;
+  goal.n_WD = leg.n;
+  if (leg.spline >= 0) {
+    const SplinePoint s = splines_[leg.spline].at(along.x);
+    if (sample.stroke >= 0) sample.along = s.along;
+    const double squared = along.speed * along.speed;
+    goal.p_WD = leg.p + s.p;
+    goal.v_WD = along.speed * s.dp;
+    goal.a_WD = along.acceleration * s.dp + squared * s.ddp;
+    if (!leg.fixed_normal) {
+      goal.n_WD = s.n;
+      goal.w_WD = along.speed * s.n.cross(s.dn);
+      goal.alpha_WD = s.n.cross(along.acceleration * s.dn + squared * s.ddn);
+    }
+  }
+  if (leg.turn.duration() > 0) {
+    const SpeedState turn = leg.turn.at(since);
+    goal.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * leg.turn_axis.cross(leg.n);
+    goal.w_WD = turn.speed * leg.turn_axis;
+    goal.alpha_WD = turn.acceleration * leg.turn_axis;
+  }
+  goal.p_WD = X_WP_.p + X_WP_.R * goal.p_WD;
+  for (Eigen::Vector3d* v : {&goal.v_WD, &goal.a_WD, &goal.n_WD, &goal.w_WD, &goal.alpha_WD}) *v = X_WP_.R * *v;
+  return sample;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,218 @@
+#include "impedraw/planning/path/tip_planner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/planning/path/stroke_fit.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+constexpr double kCentripetalShare = 0.8;  // of the acceleration, at most; 0.6 are then left along the path
+constexpr double kMargin = 0.999;          // of limits, for what lies between the samples of PathSpline::bounds
+constexpr double kSteepest = 0.5;          // n_z below which a lift goes straight up after clearing the surface
+constexpr double kClearance = 0.01;        // how far along n it does so [m]
+constexpr double kStill = 1e-9;            // [m] or [rad]; shorter moves are none
+
+void require(bool good, const char* name, double value, const char* valid) {
+  if (!good || !std::isfinite(value)) throw InputError(fmt::format("path {}: {}; must be {}", name, value, valid));
+}
+
+void validate(const PathSettings& s) {
+  const auto positive = [](const char* name, double value) { require(value > 0, name, value, "> 0"); };
+  const auto not_negative = [](const char* name, double value) { require(value >= 0, name, value, ">= 0"); };
+  positive("hover_height", s.hover_height);
+  positive("approach_speed", s.approach_speed);
+  positive("draw_speed", s.draw_speed);
+  positive("draw_acceleration", s.draw_acceleration);
+  positive("travel_speed", s.travel_speed);
+  positive("travel_acceleration", s.travel_acceleration);
+  positive("turn_speed", s.turn_speed);
+  positive("turn_acceleration", s.turn_acceleration);
+  positive("safe_height", s.safe_height);
+  positive("tolerance", s.tolerance);
+  positive("knot_spacing", s.knot_spacing);
+  not_negative("start_hold", s.start_hold);
+  not_negative("normal_smoothing", s.normal_smoothing);
+  not_negative("settle_time", s.settle_time);
+  not_negative("end_hold", s.end_hold);
+  not_negative("dot_time", s.dot_time);
+  not_negative("smoothing_time", s.smoothing_time);
+  not_negative("sink", s.sink);
+  require(s.corner_angle_deg > 0 && s.corner_angle_deg < 90, "corner_angle_deg", s.corner_angle_deg, "> 0 and < 90");
+  if (s.highest_z) require(true, "highest_z", *s.highest_z, "finite");
+  require(s.start_p_WE.allFinite(), "start_p_WE", s.start_p_WE.sum(), "finite");
+  require(std::abs(s.start_n_W.norm() - 1) < 1e-6, "start_n_W length", s.start_n_W.norm(), "1");
+}
+
+// Lays leg after leg, each beginning where the one before ended, at rest.
+class Planner {
+ public:
+  explicit Planner(const PathSettings& settings)
+      : s_(settings), p_(settings.X_WP.R.transpose() * (settings.start_p_WE - settings.X_WP.p)),
+        n_(settings.X_WP.R.transpose() * settings.start_n_W) {
+    if (s_.vertical_pen) n_ = Vector3d::UnitZ();
+  }
+
+  TipPath plan(const std::vector<FittedStroke>& strokes) {
+    safe_z_ = s_.highest_z.value_or(highest(strokes)) + s_.safe_height;
+    hold(s_.start_hold, Phase::travel, -1, false);
+    for (std::size_t i = 0; i < strokes.size(); ++i) {
+      const Vector3d n = normal(strokes[i].first);
+      const Vector3d first = strokes[i].first.p_W, hover = first + s_.hover_height * n;
+      travel_to(above(hover, n), hover, n);
+      approach(first - sunk());
+      draw(strokes[i], static_cast<int>(i));
+      n_ = normal(strokes[i].last);
+      hold(s_.end_hold, Phase::draw, -1, true);
+      lift();
+    }
+    std::vector<int> numbers;
+    for (const FittedStroke& stroke : strokes) numbers.push_back(stroke.number);
+    return TipPath(std::move(legs_), std::move(splines_), numbers, s_.X_WP);
+  }
+
+ private:
+  Vector3d normal(const SurfaceSample& sample) const { return s_.vertical_pen ? Vector3d(Vector3d::UnitZ()) : sample.n_W.normalized(); }
+  Vector3d sunk() const { return {0, 0, s_.sink}; }
+
+  static double highest(const std::vector<FittedStroke>& strokes) {
+    double z = -1e9;
+    for (const FittedStroke& stroke : strokes) {
+      z = std::max({z, stroke.first.p_W.z(), stroke.last.p_W.z()});
+      for (const PathSpline& part : stroke.parts) {
+        for (std::size_t i = 0; i < part.spans(); ++i) z = std::max(z, part.point(i, part.start(i)).z());
+      }
+    }
+    return z;
+  }
+
+  // Where the pen leaves p along n for the safe height, or p cleared along n and then straight up.
+  Vector3d clear_of(const Vector3d& p, const Vector3d& n) const {
+    const double rise = std::max(0.0, safe_z_ - p.z());
+    return p + n * (n.z() >= kSteepest ? rise / n.z() : kClearance);
+  }
+  Vector3d above(const Vector3d& p, const Vector3d& n) const {
+    Vector3d q = clear_of(p, n);
+    q.z() = std::max(q.z(), safe_z_);
+    return q;
+  }
+
+  SpeedProfile profile(double length, double speed, double acceleration) const {
+    return SpeedProfile({{length, speed, acceleration}}, s_.smoothing_time);
+  }
+
+  PathLeg& add(Phase phase, bool pen_down) {
+    PathLeg& leg = legs_.emplace_back();
+    leg.phase = phase;
+    leg.pen_down = pen_down;
+    leg.p = p_;
+    leg.n = n_;
+    return leg;
+  }
+
+  // Straight to q; n turns to `n` meanwhile.
+  void move(const Vector3d& q, const Vector3d& n, Phase phase, double speed, double acceleration, bool pen_down = false) {
+    const Vector3d way = q - p_;
+    const Vector3d across = n_.cross(n);
+    const double angle = std::atan2(across.norm(), n_.dot(n));
+    if (way.norm() < kStill && angle < kStill) return;
+    PathLeg& leg = add(phase, pen_down);
+    if (way.norm() >= kStill) {
+      leg.direction = way.normalized();
+      leg.progress = profile(way.norm(), speed, acceleration);
+    }
+    if (angle >= kStill) {
+      leg.turn_axis = across.norm() > 1e-9 ? across.normalized() : n_.unitOrthogonal();
+      leg.turn = profile(angle, s_.turn_speed, s_.turn_acceleration);
+    }
+    leg.duration = std::max(leg.progress.duration(), leg.turn.duration());
+    p_ = q;
+    n_ = n;
+  }
+
+  void hold(double duration, Phase phase, int stroke, bool pen_down) {
+    if (!(duration > 0)) return;
+    PathLeg& leg = add(phase, pen_down);
+    leg.stroke = stroke;
+    leg.duration = duration;
+  }
+
+  void travel_to(const Vector3d& above_hover, const Vector3d& hover, const Vector3d& n) {
+    const double v = s_.travel_speed, a = s_.travel_acceleration;
+    if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, n_, Phase::travel, v, a);
+    move(above_hover, n, Phase::travel, v, a);
+    move(clear_of(hover, n), n, Phase::travel, v, a);
+    move(hover, n, Phase::travel, v, a);
+  }
+
+  void approach(const Vector3d& first) {
+    move(first, n_, Phase::approach, s_.approach_speed, s_.draw_acceleration, true);
+    hold(s_.settle_time, Phase::approach, -1, true);
+  }
+
+  void draw(const FittedStroke& stroke, int index) {
+    if (stroke.parts.empty()) {
+      hold(s_.dot_time, Phase::draw, index, true);
+      if (s_.dot_time > 0) legs_.back().along = stroke.from;
+    }
+    for (const PathSpline& part : stroke.parts) {
+      PathLeg& leg = add(Phase::draw, true);
+      leg.stroke = index;
+      leg.p = -sunk();
+      leg.spline = static_cast<int>(splines_.size());
+      leg.fixed_normal = s_.vertical_pen;
+      leg.progress = drawing_profile(part);
+      leg.duration = leg.progress.duration();
+      p_ = part.at(part.length()).p - sunk();
+      splines_.push_back(part);
+    }
+  }
+
+  SpeedProfile drawing_profile(const PathSpline& part) const {
+    const double A = kMargin * s_.draw_acceleration;
+    std::vector<SpeedSpan> spans;
+    spans.reserve(part.spans());
+    for (std::size_t i = 0; i < part.spans(); ++i) {
+      const auto [slope, bend, stretch] = part.bounds(i);
+      const double v = std::min(kMargin * s_.draw_speed / slope, bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
+      // |u̇² p'' + ü p'|² ≤ (bend v²)² + 2 stretch v² ü + (slope ü)² = A²
+      const double c = bend * v * v, half = stretch * v * v;
+      const double a = (std::sqrt(half * half + slope * slope * (A * A - c * c)) - half) / (slope * slope);
+      spans.push_back({part.end(i) - part.start(i), v, a});
+    }
+    return SpeedProfile(std::move(spans), s_.smoothing_time);
+  }
+
+  void lift() {
+    const Vector3d out = clear_of(p_, n_);
+    move(out, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
+    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
+  }
+
+  const PathSettings& s_;
+  double safe_z_ = 0;
+  Vector3d p_, n_;
+  std::vector<PathLeg> legs_;
+  std::vector<PathSpline> splines_;
+};
+
+}  // namespace
+
+TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, const PathSettings& settings) {
+  validate(settings);
+  if (strokes.empty()) throw InputError("path: there are no strokes to plan");
+  const FitSettings fit{settings.tolerance, settings.knot_spacing, settings.corner_angle_deg * M_PI / 180,
+                        settings.normal_smoothing};
+  std::vector<FittedStroke> fitted;
+  fitted.reserve(strokes.size());
+  for (const PlacedStroke& stroke : strokes) fitted.push_back(fit_stroke(stroke, surface, fit));
+  return Planner(settings).plan(fitted);
+}
+
+}  // namespace impedraw

@@ -1,0 +1,96 @@
+// check_ways of preflight.h.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "impedraw/planning/preflight/posture_check.h"
+#include "impedraw/planning/preflight/preflight.h"
+
+namespace impedraw {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLook = 0.01;       // [s]; the tip moves far less than kStep in it
+constexpr double kStep = 0.01;       // [m]
+constexpr double kTurn = 0.1;        // of the pen [rad]
+constexpr double kTipFree = 1e-3;    // a tip that is nearer to the canvas, or below it, is on it or pressed into it [m]
+
+double angle(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+}  // namespace
+
+std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStroke>& strokes, ArmModel& arm, const Canvas* obstacle,
+                                const JointVector& start_q, const PreflightSettings& settings) {
+  std::vector<Finding> findings;
+  if (strokes.empty() || path.duration() == 0) return findings;
+  PostureCheck check(arm, obstacle, start_q, settings);
+  check.asked.torque = false;
+
+  std::vector<double> amounts;       // of the findings
+  std::size_t way_begins = 0;        // index of the present way's first finding
+  std::size_t next = 0;              // stroke that the way leads to
+  bool lift = false;                 // still off the stroke before
+  bool lift_barred = false;          // then that stroke is to blame: the rest of the way is another once it is left out
+  const auto report = [&](Problem problem, double amount, const std::string& text, const Vector3d& p) {
+    if (lift_barred && !lift) return;
+    lift_barred = lift;
+    std::size_t i = way_begins;
+    while (i < findings.size() && findings[i].problem != problem) ++i;
+    if (i < findings.size() && amounts[i] >= amount) return;
+    if (i == findings.size()) findings.emplace_back(), amounts.emplace_back();
+    const bool back = next >= strokes.size();
+    const PlacedStroke& stroke = back ? strokes.back() : strokes[lift ? next - 1 : next];
+    findings[i] = {{stroke.number, stroke.start, stroke.start + plane_length(stroke)}, problem,
+                   fmt::format("{}: {}", lift ? "on the way off it" : back ? "on the way back" : "on the way there", text),
+                   stroke.page.front(), p};
+    amounts[i] = amount;
+  };
+
+  std::optional<Posture> last;
+  Vector3d asked_p = Vector3d::Zero(), asked_n = Vector3d::UnitZ();
+  bool was_way = false;
+  const auto ask = [&](double t) {
+    const PathSample sample = path.at(t);
+    const Vector3d p = sample.goal.p_WD, n = sample.goal.n_WD;
+    const bool way = sample.phase != Phase::draw;
+    const bool change = way != was_way;
+    was_way = way;
+    const double moved = (p - asked_p).norm(), turned = angle(n, asked_n);
+    if (last && !change && moved < kStep && turned < kTurn) return;
+    while (next < path.strokes().size() && path.strokes()[next].end <= t) {
+      ++next;
+      way_begins = findings.size();
+      lift_barred = false;
+    }
+    lift = sample.phase == Phase::lift && next > 0;
+    const auto below = obstacle ? obstacle->closest(p, kTipFree + 0.02) : std::nullopt;
+    check.asked.pen = !(below && below->distance < kTipFree);
+    const PenPlacement pen{p, -n};
+    Posture posture = last ? check.follow(pen, *last, moved) : check.enter(pen, start_q);
+    // A way on which the arm is lost is that way's fault alone: what comes after begins anew where its stroke does.
+    if (last && !posture.reached && (last->reached || (change && !way))) {
+      Posture anew = check.enter(pen, start_q);
+      if (anew.reached) posture = std::move(anew);
+    }
+    if (last && posture.reached && last->reached) {
+      const PostureCheck::Change by = PostureCheck::change(*last, posture);
+      // A turn of the pen may take a wrist joint several times as far.
+      const bool jumped = by.by > settings.max_joint_step + 3 * turned + moved / settings.step * settings.max_joint_step / 2;
+      if (jumped && way)
+        report(Problem::joint_jump, by.by,
+               fmt::format("joint {} would turn by {:.2f} rad within {:.0f} mm", by.joint + 1, by.by, 1e3 * moved), p);
+    }
+    if (way && posture.problem) report(*posture.problem, posture.amount, posture.text, p);
+    last = std::move(posture);
+    asked_p = p;
+    asked_n = n;
+  };
+  for (double t = 0; t < path.duration(); t += kLook) ask(t);
+  ask(path.duration());
+  return findings;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,110 @@
+#include "impedraw/planning/preflight/clearance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace impedraw {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kAhead = 0.03;  // the canvas is looked for so much farther than is asked, so that the answer lasts a while [m]
+
+double distance_to_box(const Eigen::AlignedBox3d& box, const Vector3d& a, const Vector3d& b) {
+  return box.exteriorDistance(Vector3d((a + b) / 2)) - (b - a).norm() / 2;
+}
+
+// Distance of the segment a–b to the canvas, at most `best`; too large by at most a tenth of what is over `radius`, and 1 mm, where it is
+// over `enough`. Halves are left out once their middle's distance says that they hold nothing nearer.
+double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d& b, double radius, double enough, double best) {
+  const Vector3d middle = (a + b) / 2;
+  const double half = (b - a).norm() / 2;
+  const auto nearest = canvas.closest(middle, best + half);
+  if (!nearest) return best;
+  const double distance = std::abs(nearest->distance);
+  best = std::min(best, distance);
+  const double wanted = std::max(enough, radius + 0.9 * (best - radius) - 1e-3);
+  if (half < 1e-4 || distance - half >= wanted) return best;
+  best = segment_distance(canvas, a, middle, radius, enough, best);
+  return segment_distance(canvas, middle, b, radius, enough, best);
+}
+
+}  // namespace
+
+Clearance::Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z, double wanted, const JointVector& q)
+    : arm_(arm), canvas_(canvas), table_z_(table_z), wanted_(wanted) {
+  const Vector3d tip = arm.tip_pose(q).p;
+  const std::vector<BodyCapsule> here = arm.body_capsules(q), moved = arm.body_capsules((q.array() + 0.1).matrix());
+  double nearest = 0.05;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    Body body;
+    body.fixed = (here[i].a_W - moved[i].a_W).norm() + (here[i].b_W - moved[i].b_W).norm() < 1e-9;
+    body.a_W = here[i].a_W;
+    body.b_W = here[i].b_W;
+    bodies_.push_back(body);
+    const double to_tip = std::min((here[i].a_W - tip).norm(), (here[i].b_W - tip).norm());
+    if (to_tip < nearest) nearest = to_tip, pen_ = static_cast<int>(i);
+  }
+}
+
+double Clearance::canvas_distance(Body& body, const BodyCapsule& at, double near_enough) {
+  const double moved = std::max((at.a_W - body.a_W).norm(), (at.b_W - body.b_W).norm());
+  if (body.distance - moved >= near_enough) return near_enough;
+  const double ahead = near_enough + kAhead;
+  body.distance = distance_to_box(canvas_->bounds(), at.a_W, at.b_W);
+  body.a_W = at.a_W;
+  body.b_W = at.b_W;
+  if (body.distance >= near_enough) return near_enough;
+  const double found = segment_distance(*canvas_, at.a_W, at.b_W, at.radius, at.radius + wanted_, ahead);
+  body.distance = found < ahead ? at.radius + 0.9 * (found - at.radius) - 1.2e-3 : ahead;  // no axis point is nearer
+  return std::min(found, near_enough);
+}
+
+Gap Clearance::arm(const JointVector& q) {
+  Gap result;
+  const std::vector<BodyCapsule> at = arm_.body_capsules(q);
+  const auto take = [&result](double gap, const BodyCapsule& body, const char* obstacle) {
+    if (gap < result.gap) result = {gap, body.link, obstacle, 0};
+  };
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (static_cast<int>(i) == pen_) continue;
+    if (canvas_) take(canvas_distance(bodies_[i], at[i], at[i].radius + kFarEnough) - at[i].radius, at[i], "canvas");
+    if (table_z_ && !bodies_[i].fixed) take(std::min(at[i].a_W.z(), at[i].b_W.z()) - at[i].radius - *table_z_, at[i], "table");
+  }
+  return result;
+}
+
+Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
+  Gap result;
+  if (pen_ < 0) return result;
+  const BodyCapsule shaft = arm_.body_capsules(q)[pen_];
+  const double to_a = (shaft.a_W - X_WE.p).norm(), to_b = (shaft.b_W - X_WE.p).norm();
+  const Vector3d far = to_a > to_b ? shaft.a_W : shaft.b_W, along = (far - X_WE.p).normalized();
+  const double length = std::max(to_a, to_b), bare = std::min(to_a, to_b);
+  const double widens = shaft.radius / std::hypot(shaft.radius, bare);  // sin α
+  const auto asked = [&](double h) { return std::min(shaft.radius, h * widens) + std::min(wanted_, h * kPenOpening); };
+  const auto take = [&](double gap, double h, const char* obstacle) {
+    if (gap < result.gap) result = {gap, shaft.link, obstacle, h};
+  };
+  if (table_z_) {  // both sides of the gap are straight between these places
+    for (double h : {kTipLength, shaft.radius / widens, wanted_ / kPenOpening, length}) {
+      h = std::clamp(h, std::min(kTipLength, length), length);
+      take((X_WE.p + h * along).z() - *table_z_ - asked(h), h, "table");
+    }
+  }
+  if (!canvas_) return result;
+  // The gap falls by no more than this per metre of axis: steps are as long as nothing can be missed in them.
+  const double fastest = 1 + widens + kPenOpening;
+  for (double h = std::min(kTipLength, length);;) {
+    const double look = asked(h) + kFarEnough;
+    const auto nearest = canvas_->closest(X_WE.p + h * along, look);
+    const double gap = (nearest ? std::abs(nearest->distance) : look) - asked(h);
+    take(gap, h, "canvas");
+    if (h >= length) return result;
+    h = std::min(length, h + std::max(gap / fastest, 1e-3));
+  }
+}
+
+}  // namespace impedraw

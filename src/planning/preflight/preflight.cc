@@ -1,0 +1,244 @@
+#include "impedraw/planning/preflight/preflight.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/planning/preflight/posture_check.h"
+#include "impedraw/planning/preflight/surface_walk.h"
+
+namespace impedraw {
+
+namespace {
+
+using Eigen::Vector3d;
+
+// A stretch of a stroke with one answer.
+struct Stretch {
+  double from = 0, to = 0;
+  std::optional<Problem> problem;
+  double amount = 0, worst = 0;  // of the problem, and where that is
+  Vector3d p_W = Vector3d::Zero();
+  std::string text;
+};
+
+struct Node {
+  double along = 0;
+  PenPlacement pen;
+  Posture posture;
+};
+
+// Walks the arm over what of a stroke the surface allows.
+class ArmWalk {
+ public:
+  ArmWalk(PostureCheck& check, const PreflightSettings& settings, const SurfaceSpan& span, const JointVector& last)
+      : check_(check), settings_(settings), profile_(span, settings.normal_smoothing), last_(last) {
+    Node left = node(span.from);
+    left.posture = check_.enter(left.pen, last_);
+    open(left, span.from);
+    const int pieces = static_cast<int>(std::ceil((span.to - span.from) / settings_.step));
+    int lost = 0;  // postures in a row that cannot be
+    for (int k = 1; k <= pieces; ++k) {
+      Node right = node(k < pieces ? span.from + (span.to - span.from) * k / pieces : span.to);
+      right.posture = check_.follow(right.pen, left.posture, right.along - left.along);
+      lost = right.posture.problem ? lost + 1 : 0;
+      // Another posture may do where this one has come to an end.
+      if (lost % kTryAnew == 1) {
+        Posture anew = check_.enter(right.pen, last_);
+        if (!anew.problem) right.posture = std::move(anew);
+      }
+      advance(left, right);
+      left = std::move(right);
+    }
+    if (left.posture.reached) last_ = left.posture.q;
+  }
+
+  std::vector<Stretch> stretches;
+  PreflightMargins margins;
+  const JointVector& last() const { return last_; }  // posture that reached a point
+
+ private:
+  static constexpr int kTryAnew = 8;
+
+  Node node(double along) const {
+    const SurfaceSample at = profile_.at(along);
+    const Pose& X_WP = settings_.X_WP;
+    const Vector3d n = X_WP.R * (settings_.vertical_pen ? Vector3d::UnitZ() : at.n_W);
+    return {along, {X_WP * at.p_W, -n}, {}};
+  }
+
+  // A posture between two, from the left one, or where that does not do from the right one.
+  Node between(const Node& l, const Node& r) {
+    Node middle = node((l.along + r.along) / 2);
+    const double half = (r.along - l.along) / 2;
+    const Node& first = l.posture.problem ? r : l;
+    const Node& second = l.posture.problem ? l : r;
+    middle.posture = check_.follow(middle.pen, first.posture, half);
+    if (middle.posture.problem && !second.posture.problem) {
+      Posture other = check_.follow(middle.pen, second.posture, half);
+      if (!other.problem) middle.posture = std::move(other);
+    }
+    return middle;
+  }
+
+  void advance(const Node& l, const Node& r) {
+    const bool same = l.posture.problem == r.posture.problem;
+    const double length = r.along - l.along;
+    const PostureCheck::Change change = PostureCheck::change(l.posture, r.posture);
+    const bool jump = same && !l.posture.problem && change.by > settings_.max_joint_step * length / settings_.step + kLeastJump;
+    if (same && !jump) return extend(r);
+    if (length > settings_.edge_tolerance) {
+      const Node middle = between(l, r);
+      advance(l, middle);
+      advance(middle, r);
+    } else if (jump) {
+      add_jump(l, r, change);
+    } else {
+      const double boundary = l.posture.problem ? r.along : l.along;
+      stretches.back().to = boundary;
+      open(r, boundary);
+    }
+  }
+
+  void add_jump(const Node& l, const Node& r, const PostureCheck::Change& change) {
+    // Where the arm turns too fast for a while, that is one jump.
+    const std::size_t n = stretches.size();
+    const bool goes_on = n >= 2 && stretches[n - 1].from == stretches[n - 1].to && stretches[n - 2].problem == Problem::joint_jump;
+    if (goes_on) stretches.pop_back();
+    else stretches.push_back({l.along, l.along, Problem::joint_jump, 0, l.along, l.pen.p_WE, {}});
+    Stretch& jump = stretches.back();
+    jump.to = r.along;
+    jump.amount += change.by;
+    jump.text = fmt::format("joint {} would turn by {:.2f} rad within {:.1f} mm", change.joint + 1, jump.amount,
+                            1e3 * (jump.to - jump.from));
+    open(r, r.along);
+  }
+
+  void open(const Node& first, double from) {
+    stretches.push_back({from, first.along, first.posture.problem, -std::numeric_limits<double>::infinity(), from, first.pen.p_WE, {}});
+    extend(first);
+  }
+
+  void extend(const Node& next) {
+    Stretch& stretch = stretches.back();
+    const Posture& posture = next.posture;
+    stretch.to = next.along;
+    if (posture.problem) {
+      if (posture.amount < stretch.amount) return;
+      stretch.amount = posture.amount;
+      stretch.worst = next.along;
+      stretch.p_W = next.pen.p_WE;
+      stretch.text = posture.text;
+      return;
+    }
+    margins.joint = std::min(margins.joint, posture.margins.joint);
+    margins.torque_share = std::max(margins.torque_share, posture.margins.torque_share);
+    margins.effective_mass = std::max(margins.effective_mass, posture.margins.effective_mass);
+    margins.clearance = std::min(margins.clearance, posture.margins.clearance);
+  }
+
+  static constexpr double kLeastJump = 0.02;  // postures found from two sides differ a little [rad]
+
+  PostureCheck& check_;
+  const PreflightSettings& settings_;
+  SurfaceProfile profile_;
+  JointVector last_;
+};
+
+void require_settings(const PreflightSettings& s) {
+  const auto over_zero = [](const char* name, double value) {
+    if (!(value > 0 && std::isfinite(value))) throw InputError(fmt::format("preflight: {} is {}, valid is more than 0", name, value));
+  };
+  const auto within = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high)) throw InputError(fmt::format("preflight: {} is {}, valid is {} to {}", name, value, low, high));
+  };
+  over_zero("step", s.step);
+  over_zero("surface_step", s.surface_step);
+  over_zero("edge_tolerance", s.edge_tolerance);
+  over_zero("fold_height", s.fold_height);
+  over_zero("max_joint_step", s.max_joint_step);
+  over_zero("torque_share", s.torque_share);
+  over_zero("space.max_effective_mass", s.space.max_effective_mass);
+  over_zero("space.characteristic_length", s.space.characteristic_length);
+  within("max_slope_deg", s.max_slope_deg, 1, 89);
+  within("clearance", s.clearance, 0, kFarEnough / 2);
+  within("shortest", s.shortest, 0, 1);
+  within("edge_margin", s.edge_margin, 0, 1);
+  within("normal_smoothing", s.normal_smoothing, 0, 1);
+  within("joint_margin", s.joint_margin, 0, 1);
+  within("push_force", s.push_force, 0, 1e4);
+  within("friction", s.friction, 0, 10);
+}
+
+// What is left too short between what cannot be drawn.
+void drop_short(std::vector<Stretch>& stretches, double shortest) {
+  if (stretches.size() == 1) return;
+  for (Stretch& stretch : stretches) {
+    const double length = stretch.to - stretch.from;
+    if (stretch.problem || length >= shortest) continue;
+    stretch.problem = Problem::too_short;
+    stretch.text = fmt::format("{:.2f} mm are left, too short to draw", 1e3 * length);
+  }
+}
+
+}  // namespace
+
+const char* name_of(Problem problem) noexcept {
+  switch (problem) {
+    case Problem::off_canvas: return "off_canvas";
+    case Problem::fold: return "fold";
+    case Problem::too_steep: return "too_steep";
+    case Problem::out_of_reach: return "out_of_reach";
+    case Problem::joint_limit: return "joint_limit";
+    case Problem::near_singular: return "near_singular";
+    case Problem::torque: return "torque";
+    case Problem::arm_collision: return "arm_collision";
+    case Problem::pen_collision: return "pen_collision";
+    case Problem::joint_jump: return "joint_jump";
+    case Problem::too_short: return "too_short";
+  }
+  return "unknown";
+}
+
+Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, ArmModel& arm, const Canvas* obstacle,
+                        const JointVector& start_q, const PreflightSettings& settings, const std::function<void(double)>& progress) {
+  require_settings(settings);
+  PostureCheck check(arm, obstacle, start_q, settings);
+  Preflight result;
+  PreflightMargins& margins = result.margins;
+  JointVector last = start_q;
+  std::size_t done = 0;
+  for (const PlacedStroke& stroke : strokes) {
+    if (progress) progress(static_cast<double>(done++) / static_cast<double>(strokes.size()));
+    std::vector<Stretch> stretches;
+    for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
+      if (span.problem) {
+        stretches.push_back({span.from, span.to, span.problem, 0, span.worst, settings.X_WP * span.p_PW, span.text});
+        continue;
+      }
+      margins.slope_deg = std::max(margins.slope_deg, span.slope * 180 / M_PI);
+      if (!settings.arm) {
+        stretches.push_back({span.from, span.to, std::nullopt, 0, span.from, Vector3d::Zero(), {}});
+        continue;
+      }
+      const ArmWalk walk(check, settings, span, last);
+      last = walk.last();
+      stretches.insert(stretches.end(), walk.stretches.begin(), walk.stretches.end());
+      margins.joint = std::min(margins.joint, walk.margins.joint);
+      margins.torque_share = std::max(margins.torque_share, walk.margins.torque_share);
+      margins.effective_mass = std::max(margins.effective_mass, walk.margins.effective_mass);
+      margins.clearance = std::min(margins.clearance, walk.margins.clearance);
+    }
+    drop_short(stretches, settings.shortest);
+    for (Stretch& stretch : stretches) {
+      const StrokePart part{stroke.number, stretch.from, stretch.to};
+      if (!stretch.problem) result.drawable.push_back(part);
+      else result.findings.push_back({part, *stretch.problem, std::move(stretch.text), place_on(stroke, stretch.worst).page, stretch.p_W});
+    }
+  }
+  return result;
+}
+
+}  // namespace impedraw

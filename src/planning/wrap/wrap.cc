@@ -1,0 +1,187 @@
+#include "impedraw/planning/wrap/wrap.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/core.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/planning/wrap/convex_hull.h"
+#include "impedraw/planning/wrap/flatten_patch.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double kCoarse = 2;        // spacings of the first patch, which only tells where the second one has to be
+constexpr double kDetour = 1.1;      // ways along a grid are up to 1.08 times as long as straight ones
+constexpr int kWidenings = 3;        // of the margin, where the first patch misled
+constexpr double kCutTo = 1e-6;      // how close to the patch's edge a stroke is cut [m]
+constexpr int kDeepest = 20;         // halvings of a segment
+
+void check(const WrapSettings& s) {
+  if (!(s.spacing >= 5e-4 && s.spacing <= 0.02)) {
+    throw InputError(fmt::format("wrap: spacing is {:g} mm, allowed is 0.5 to 20 mm", 1e3 * s.spacing));
+  }
+  if (!(s.margin >= 2 * s.spacing && s.margin <= 1)) {
+    throw InputError(fmt::format("wrap: margin is {:g} mm, allowed is two spacings ({:g} mm) to 1000 mm", 1e3 * s.margin, 2e3 * s.spacing));
+  }
+  if (!(s.tolerance > 0 && std::isfinite(s.tolerance))) {
+    throw InputError(fmt::format("wrap: tolerance is {:g} m, must be > 0", s.tolerance));
+  }
+}
+
+std::shared_ptr<const FlatChart> chart_of(SurfacePatch patch, const Vector2d& centre, const WrapSettings& settings) {
+  std::vector<Vector2d> flat = flatten_patch(patch, settings.python);
+  return std::make_shared<const FlatChart>(std::move(patch), std::move(flat), centre);
+}
+
+// Follows one flat stroke, point by point.
+class Follower {
+ public:
+  Follower(const FlatChart& chart, const WrapSettings& settings, WrappedStrokes& result)
+      : chart_(chart), tolerance_(settings.tolerance), step_(chart.patch().spacing / 2), result_(result) {}
+
+  void follow(const PlacedStroke& stroke) {
+    number_ = stroke.number;
+    dot_ = stroke.world.size() == 1;  // else a lone point is where the line but touches the patch
+    page_length_ = wrapped_length_ = stroke.start;
+    lost_from_ = -1;
+    part_ = {};
+    Point last = point(stroke.world.front(), stroke.page.front());
+    begin(last);
+    for (std::size_t k = 1; k < stroke.world.size(); ++k) {
+      const Point next = point(stroke.world[k], stroke.page[k]);
+      const int pieces = std::max(1, static_cast<int>(std::ceil((next.flat - last.flat).norm() / (4 * step_))));
+      Point from = last;
+      for (int i = 1; i <= pieces; ++i) {
+        const Point to = i == pieces ? next : between(last, next, static_cast<double>(i) / pieces);
+        join(from, to, 0);
+        from = to;
+      }
+      last = next;
+    }
+    end();
+  }
+
+ private:
+  struct Point {
+    Vector2d flat, page;
+    std::optional<Vector2d> plane;
+  };
+
+  Point point(const Vector2d& flat, const Vector2d& page) const { return {flat, page, chart_.to_plane(flat)}; }
+  Point between(const Point& a, const Point& b, double share) const {
+    return point(a.flat + share * (b.flat - a.flat), a.page + share * (b.page - a.page));
+  }
+
+  // What lies after a up to b.
+  void join(const Point& a, const Point& b, int depth) {
+    const double length = (b.flat - a.flat).norm();
+    bool halve = false;
+    bool all = a.plane && b.plane, none = !a.plane && !b.plane;
+    for (const double share : {0.25, 0.5, 0.75}) {
+      const Point p = between(a, b, share);
+      all = all && p.plane;
+      none = none && !p.plane;
+      if (!all) continue;
+      if ((*p.plane - (1 - share) * *a.plane - share * *b.plane).norm() > tolerance_) halve = true;
+    }
+    if (!all && !none) halve = length > kCutTo;
+    if (halve && depth < kDeepest) {
+      const Point middle = between(a, b, 0.5);
+      join(a, middle, depth + 1);
+      join(middle, b, depth + 1);
+      return;
+    }
+    step_to(a, b, length);
+  }
+
+  void step_to(const Point& a, const Point& b, double length) {
+    if (a.plane && !b.plane) {
+      finish_part();
+      lost_from_ = page_length_;
+    }
+    page_length_ += length;
+    if (a.plane && b.plane) {
+      wrapped_length_ += (*b.plane - *a.plane).norm();
+      if (length > 0) add(b);
+      return;
+    }
+    wrapped_length_ += length;
+    if (!a.plane && b.plane) {
+      if (lost_from_ >= 0) result_.lost.push_back({number_, lost_from_, page_length_});
+      begin(b);
+    }
+  }
+
+  void begin(const Point& p) {
+    lost_from_ = p.plane ? -1 : page_length_;
+    if (!p.plane) return;
+    part_.number = number_;
+    part_.start = wrapped_length_;
+    add(p);
+  }
+  void add(const Point& p) {
+    part_.world.push_back(*p.plane);
+    part_.page.push_back(p.page);
+  }
+  void finish_part() {
+    if (part_.world.size() > 1 || (dot_ && !part_.world.empty())) result_.strokes.push_back(std::move(part_));
+    part_ = {};
+  }
+  void end() {
+    finish_part();
+    if (lost_from_ >= 0) result_.lost.push_back({number_, lost_from_, page_length_});
+  }
+
+  const FlatChart& chart_;
+  double tolerance_, step_;
+  WrappedStrokes& result_;
+  PlacedStroke part_;
+  int number_ = 0;
+  bool dot_ = false;
+  double page_length_ = 0, wrapped_length_ = 0, lost_from_ = -1;
+};
+
+}  // namespace
+
+Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre, const std::vector<PlacedStroke>& strokes, const WrapSettings& settings)
+    : settings_(settings) {
+  check(settings);
+  std::vector<Vector2d> points;
+  for (const PlacedStroke& stroke : strokes) points.insert(points.end(), stroke.world.begin(), stroke.world.end());
+  if (points.empty()) throw InputError("wrap: there are no strokes to wrap");
+  points.push_back(centre);
+  const std::vector<Vector2d> hull = convex_hull(points);
+  double farthest = 0;
+  for (const Vector2d& p : hull) farthest = std::max(farthest, (p - centre).norm());
+
+  // A way along the surface is never shorter than its shadow in the plane, so that a disc there holds all that can be needed.
+  const double radius = farthest + settings.margin;
+  const auto coarse = chart_of(make_patch(surface, centre, kCoarse * settings.spacing, kDetour * radius, kDetour * radius,
+                                          [&](const Vector2d& p) { return (p - centre).norm() <= kDetour * radius; }), centre, settings);
+  double margin = settings.margin;
+  for (int k = 0; k < kWidenings; ++k, margin *= 2) {
+    const auto wanted = [&](const Vector2d& p) {
+      const std::optional<Vector2d> flat = coarse->to_flat(p, true);
+      return flat && distance_to_hull(hull, *flat) <= margin;
+    };
+    chart_ = chart_of(make_patch(surface, centre, settings.spacing, kDetour * radius, std::numeric_limits<double>::infinity(), wanted),
+                      centre, settings);
+    bool missed = false;  // though there is surface
+    for (const Vector2d& p : points) missed = missed || (!chart_->to_plane(p) && coarse->to_plane(p));
+    if (!missed) return;
+  }
+}
+
+WrappedStrokes Wrap::wrap(const std::vector<PlacedStroke>& strokes) const {
+  WrappedStrokes result;
+  Follower follower(*chart_, settings_, result);
+  for (const PlacedStroke& stroke : strokes) {
+    if (!stroke.world.empty()) follower.follow(stroke);
+  }
+  return result;
+}
+
+}  // namespace impedraw

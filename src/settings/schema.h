@@ -1,0 +1,211 @@
+// Settings described once: from one description of a struct come its YAML reader, --set, the resolved YAML and the documentation.
+//
+//   enum class Sensor { none, truth };
+//   struct PushSettings  { double force = 5; Sensor sensor = Sensor::none; std::optional<double> stop_at; };
+//   struct Scenario      { PushSettings push; std::vector<CameraSettings> cameras; std::filesystem::path svg; };
+//
+//   void describe(Fields& f, PushSettings& s) {
+//     f.field("force", s.force, Range{0, 50}, "N", "normal force asked for");
+//     f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}}, "where the wrench comes from");
+//     f.field("stop_at", s.stop_at, Range::at_least(0), "s", "end of the run; absent: when the drawing is done");
+//   }
+//   void describe(Fields& f, Scenario& s) {
+//     f.field("push", s.push, "the push along the normal");
+//     f.field("cameras", s.cameras, "depth cameras");
+//     f.field("svg", s.svg, "artwork");
+//   }
+//
+// describe() stands in the struct's own namespace. The struct's initialisers are the one set of defaults. A field is
+//   numbers, with a Range and a unit ("" where there is none): double, any integer, Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of the
+//     length that its default has), and std::optional or std::vector of a number; limits hold for every component, NaN and inf never pass;
+//   bool, std::string, std::filesystem::path;
+//   choice(): an enum, written by name;
+//   a struct with a describe() of its own, std::optional of one, std::vector of them.
+// A path in a file is relative to that file's folder, in --set to the working directory; an empty path stays empty.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <initializer_list>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "impedraw/settings/settings_text.h"
+
+namespace impedraw {
+
+struct Setting;
+class Fields;
+
+// What a setting can be. Each alternative reaches into the object that was described, which must outlive it.
+
+// One word or number. take() stores the text's value, or leaves the value alone and returns what is wrong ("is not a number").
+struct Scalar {
+  std::function<std::optional<std::string>(std::string_view text)> take;
+  std::function<std::string()> text;
+  std::string type;  // for the documentation: "number", "none | true"
+  // Text and paths are quoted where YAML needs it; a path is made absolute.
+  enum class Kind { word, text, path } kind = Kind::word;
+};
+
+struct Numbers {  // a fixed count of doubles
+  double* data;
+  int size;
+  Range range;
+  std::string unit;
+};
+
+struct Group {  // a nested struct
+  std::vector<Setting> fields;
+};
+
+struct Optional {
+  std::function<bool()> engaged;
+  std::function<void(bool)> engage;          // true: holds a default value, unless it holds one already
+  std::function<Setting()> value;            // call only while engaged
+};
+
+struct List {
+  std::function<std::size_t()> size;
+  std::function<void(std::size_t)> resize;   // new elements have their defaults
+  std::function<Setting(std::size_t)> element;
+  std::function<std::pair<std::shared_ptr<void>, Setting>()> sample;  // a default element, for the documentation
+};
+
+struct Setting {
+  std::string name;  // empty for an element of a list
+  std::string help;
+  std::string unit;
+  Range range = Range::any();
+  std::variant<Scalar, Numbers, Group, Optional, List> value;
+};
+
+template <class T>
+concept Described = requires(Fields& f, T& t) { describe(f, t); };
+
+template <class T>
+concept Number = std::is_same_v<T, double> || (std::is_integral_v<T> && !std::is_same_v<T, bool>);
+
+// An enum's values by name. No part in finding E, so that a plain brace list will do.
+template <class E>
+using Names = std::type_identity_t<std::initializer_list<std::pair<std::string_view, E>>>;
+
+// Collects what describe() tells.
+class Fields {
+ public:
+  template <Number T>
+  void field(std::string name, T& value, Range range, std::string unit, std::string help) {
+    add(std::move(name), std::move(help), unit, range, number(value, range, unit));
+  }
+  template <int N>
+  void field(std::string name, Eigen::Matrix<double, N, 1>& value, Range range, std::string unit, std::string help) {
+    add(std::move(name), std::move(help), unit, range, Numbers{value.data(), static_cast<int>(value.size()), range, unit});
+  }
+  template <Number T>
+  void field(std::string name, std::optional<T>& value, Range range, std::string unit, std::string help) {
+    auto inner = [&value, range, unit] { return Setting{"", "", unit, range, number(*value, range, unit)}; };
+    add(std::move(name), std::move(help), unit, range, optional(value, inner));
+  }
+  template <Number T>
+  void field(std::string name, std::vector<T>& value, Range range, std::string unit, std::string help) {
+    auto element = [range, unit](T& t) { return Setting{"", "", unit, range, number(t, range, unit)}; };
+    add(std::move(name), std::move(help), unit, range, list(value, element));
+  }
+
+  void field(std::string name, bool& value, std::string help);
+  void field(std::string name, std::string& value, std::string help);
+  void field(std::string name, std::filesystem::path& value, std::string help);
+
+  template <class E>
+    requires std::is_enum_v<E>
+  void choice(std::string name, E& value, Names<E> names, std::string help);
+
+  template <Described T>
+  void field(std::string name, T& value, std::string help) {
+    add(std::move(name), std::move(help), "", Range::any(), group(value));
+  }
+  template <Described T>
+  void field(std::string name, std::optional<T>& value, std::string help) {
+    auto inner = [&value] { return Setting{"", "", "", Range::any(), group(*value)}; };
+    add(std::move(name), std::move(help), "", Range::any(), optional(value, inner));
+  }
+  template <Described T>
+  void field(std::string name, std::vector<T>& value, std::string help) {
+    auto element = [](T& t) { return Setting{"", "", "", Range::any(), group(t)}; };
+    add(std::move(name), std::move(help), "", Range::any(), list(value, element));
+  }
+
+  std::vector<Setting> take() && { return std::move(settings_); }
+
+ private:
+  void add(std::string name, std::string help, std::string unit, Range range, decltype(Setting::value) value);
+
+  template <Number T>
+  static Scalar number(T& value, Range range, const std::string& unit) {
+    auto take = [&value, range, unit](std::string_view text) { return parse_number(text, range, unit, value); };
+    return {take, [&value] { return number_text(value); }, std::is_same_v<T, double> ? "number" : "whole number"};
+  }
+  template <Described T>
+  static Group group(T& value) {
+    Fields fields;
+    describe(fields, value);
+    return {std::move(fields).take()};
+  }
+  template <class T>
+  static Optional optional(std::optional<T>& value, std::function<Setting()> inner) {
+    auto engage = [&value](bool on) { on ? void(value ? 0 : (value.emplace(), 0)) : value.reset(); };
+    return {[&value] { return value.has_value(); }, engage, std::move(inner)};
+  }
+  template <class T, class Element>
+  static List list(std::vector<T>& value, Element element) {
+    auto sample = [element] {
+      auto t = std::make_shared<T>();
+      Setting setting = element(*t);
+      return std::pair<std::shared_ptr<void>, Setting>(t, std::move(setting));
+    };
+    return {[&value] { return value.size(); }, [&value](std::size_t n) { value.resize(n); },
+            [&value, element](std::size_t i) { return element(value[i]); }, sample};
+  }
+
+  std::vector<Setting> settings_;
+};
+
+// The description of a whole struct, bound to it.
+template <Described T>
+Group described(T& value) {
+  Fields fields;
+  describe(fields, value);
+  return {std::move(fields).take()};
+}
+
+template <class E>
+  requires std::is_enum_v<E>
+void Fields::choice(std::string name, E& value, Names<E> names, std::string help) {
+  std::vector<std::pair<std::string, E>> table(names.begin(), names.end());
+  std::string type;
+  for (const auto& [word, e] : table) type += (type.empty() ? "" : " | ") + word;
+  auto take = [&value, table](std::string_view text) -> std::optional<std::string> {
+    std::vector<std::string> words;
+    for (const auto& [word, e] : table) {
+      if (word == text) return value = e, std::nullopt;
+      words.push_back(word);
+    }
+    return not_among(text, words);
+  };
+  auto text = [&value, table] {
+    for (const auto& [word, e] : table)
+      if (e == value) return word;
+    return std::string("?");
+  };
+  add(std::move(name), std::move(help), "", Range::any(), Scalar{take, text, type});
+}
+
+}  // namespace impedraw

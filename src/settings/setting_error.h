@@ -1,0 +1,40 @@
+// Says where the setting was given that an error is about.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "impedraw/settings/yaml_read.h"
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+
+class Blame {
+ public:
+  explicit Blame(const Places& places) : places_(places) {}
+
+  // Throws `what`, opened by the place of the first of `names` that anybody gave ("x.yaml:3: ..."); as it is where all have their defaults.
+  [[noreturn]] void wrong(const std::vector<std::string>& names, const std::string& what) const {
+    for (const std::string& name : names) {
+      const std::string place = places_.of(name);
+      if (!place.starts_with("default of ")) throw InputError(place + ": " + what);
+    }
+    throw InputError(what);
+  }
+
+  // What step() returns; its InputErrors as above.
+  template <class Step>
+  decltype(auto) on(const std::vector<std::string>& names, Step&& step) const {
+    try {
+      return std::forward<Step>(step)();
+    } catch (const InputError& error) {
+      wrong(names, error.what());
+    }
+  }
+
+ private:
+  const Places& places_;
+};
+
+}  // namespace impedraw

@@ -1,0 +1,39 @@
+// What can be set, for docs/settings.md and --help-settings: from the same description that reads them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "impedraw/settings/schema.h"
+
+namespace impedraw {
+
+struct SettingRow {
+  std::string name;      // "push.force", "cameras.N.noise" for each element of a list
+  std::string type;      // "number", "3 numbers", "none | true"
+  std::string initial;   // the default; "none" for an absent optional
+  std::string limits;    // "0 to 50 N"
+  std::string unit;
+  std::string help;
+  bool group = false;    // a heading: a struct or a list of them
+};
+
+// In the order of the description. `settings` must be bound to defaults; it is left as it was.
+std::vector<SettingRow> setting_rows(const Group& settings);
+
+std::string rows_markdown(const std::vector<SettingRow>& rows);
+std::string rows_text(const std::vector<SettingRow>& rows);  // for a terminal, one setting a line
+
+template <Described T>
+std::string settings_markdown() {
+  T defaults;
+  return rows_markdown(setting_rows(described(defaults)));
+}
+
+template <Described T>
+std::string settings_help() {
+  T defaults;
+  return rows_text(setting_rows(described(defaults)));
+}
+
+}  // namespace impedraw

@@ -1,0 +1,248 @@
+#include "impedraw/settings/yaml_read.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <set>
+
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t largest_file = 1 << 20;  // bytes; beyond it somebody named the wrong file
+
+[[noreturn]] void wrong(const std::string& place, const std::string& what) { throw InputError(place + ": " + what); }
+
+std::string below(const std::string& name, const std::string& key) { return name.empty() ? key : name + "." + key; }
+
+std::vector<std::string> names_of(const Group& group) {
+  std::vector<std::string> names;
+  for (const Setting& field : group.fields) names.push_back(field.name);
+  return names;
+}
+
+std::string unknown_key(std::string_view key, const std::string& group, const std::vector<std::string>& valid) {
+  const auto nearest = nearest_word(key, valid);
+  return fmt::format("unknown key '{}'{}; {}", shown(key), group.empty() ? "" : " in " + group,
+                     nearest ? fmt::format("did you mean '{}'?", *nearest) : "valid here: " + joined(valid));
+}
+
+// An index below size, or nothing.
+std::optional<std::size_t> index(std::string_view text, std::size_t size) {
+  std::size_t i = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), i);
+  if (error != std::errc() || end != text.data() + text.size() || i >= size) return std::nullopt;
+  return i;
+}
+
+// Takes nodes of one file or one assignment into settings.
+class Reader {
+ public:
+  Reader(std::string source, bool has_lines, fs::path folder, Places& places)
+      : source_(std::move(source)), has_lines_(has_lines), folder_(std::move(folder)), places_(places) {}
+
+  void read(const YAML::Node& node, int line, const Setting& setting, const std::string& name) {
+    if (node.Mark().line >= 0) line = node.Mark().line + 1;
+    std::visit([&](const auto& value) { read(node, line, value, name); }, setting.value);
+  }
+
+  void read(const YAML::Node& node, int line, const Group& group, const std::string& name) {
+    if (node.IsNull()) return;  // `push:` with nothing beneath it
+    if (!node.IsMap()) {
+      wrong(place(line), fmt::format("{} must hold settings of its own: {}", name.empty() ? "a scenario" : name, joined(names_of(group))));
+    }
+    std::set<std::string> seen;
+    for (const auto& pair : node) {
+      const int key_line = pair.first.Mark().line + 1;
+      if (!pair.first.IsScalar()) wrong(place(key_line), fmt::format("a key{} is not a word", name.empty() ? "" : " in " + name));
+      const std::string& key = pair.first.Scalar();
+      if (!seen.insert(key).second) wrong(place(key_line), fmt::format("{} is given twice", shown(below(name, key))));
+      if (name.empty() && key == "extends" && has_lines_) continue;
+      const auto field = std::find_if(group.fields.begin(), group.fields.end(), [&](const Setting& f) { return f.name == key; });
+      if (field == group.fields.end()) wrong(place(key_line), unknown_key(key, name, names_of(group)));
+      read(pair.second, key_line, *field, below(name, key));
+    }
+  }
+
+  void take(std::string_view text, int line, const Scalar& scalar, const std::string& name) {
+    if (scalar.kind == Scalar::Kind::path && !text.empty() && fs::path(text).is_relative()) {
+      scalar.take((fs::absolute(folder_) / text).lexically_normal().string());
+    } else if (const auto error = scalar.take(text)) {
+      wrong(place(line), name + " " + *error);
+    }
+    places_.put(name, place(line));
+  }
+
+ private:
+  std::string place(int line) const { return has_lines_ ? fmt::format("{}:{}", source_, line) : source_; }
+
+  void read(const YAML::Node& node, int line, const Scalar& scalar, const std::string& name) {
+    if (node.IsNull()) wrong(place(line), fmt::format("{} has no value ({})", name, scalar.type));
+    if (!node.IsScalar()) {
+      wrong(place(line), fmt::format("{} must be one value ({}), not {}", name, scalar.type, node.IsMap() ? "a map" : "a list"));
+    }
+    take(node.Scalar(), line, scalar, name);
+  }
+
+  void read(const YAML::Node& node, int line, const Numbers& numbers, const std::string& name) {
+    if (!node.IsSequence() || node.size() != static_cast<std::size_t>(numbers.size)) {
+      const std::string given = node.IsSequence() ? fmt::format(", not {}", node.size()) : "";
+      wrong(place(line), fmt::format("{} must be a list of {} numbers{}", name, numbers.size, given));
+    }
+    for (int i = 0; i < numbers.size; ++i) read(node[i], line, component(numbers, i), below(name, std::to_string(i)));
+    places_.put(name, place(line));
+  }
+
+  void read(const YAML::Node& node, int line, const Optional& optional, const std::string& name) {
+    optional.engage(!node.IsNull());
+    places_.put(name, place(line));
+    if (optional.engaged()) read(node, line, optional.value(), name);
+  }
+
+  void read(const YAML::Node& node, int line, const List& list, const std::string& name) {
+    if (!node.IsSequence()) wrong(place(line), fmt::format("{} must be a list", name));
+    list.resize(0);
+    list.resize(node.size());
+    places_.forget(name);
+    places_.put(name, place(line));
+    for (std::size_t i = 0; i < node.size(); ++i) read(node[i], line, list.element(i), below(name, std::to_string(i)));
+  }
+
+ public:
+  static Setting component(const Numbers& numbers, int i) {
+    double& value = numbers.data[i];
+    const auto take = [&value, numbers](std::string_view text) { return parse_number(text, numbers.range, numbers.unit, value); };
+    return {"", "", numbers.unit, numbers.range, Scalar{take, [&value] { return number_text(value); }, "number"}};
+  }
+
+ private:
+  std::string source_;
+  bool has_lines_;
+  fs::path folder_;
+  Places& places_;
+};
+
+std::string content(const fs::path& file, const std::string& asked_by) {
+  const std::string before = asked_by.empty() ? file.string() : asked_by + ": extends " + file.string();
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) wrong(before, "no such file");
+  if (status.type() == fs::file_type::directory) wrong(before, "is a folder, not a YAML file");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(largest_file + 1, '\0');
+  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size())) && !stream.eof()) wrong(before, "cannot be read");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > largest_file) wrong(before, "is larger than 1 MiB, which no scenario is");
+  return text;
+}
+
+YAML::Node parse(const std::string& text, const std::string& name, bool has_lines) {
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) wrong(name, "holds more than one YAML document");
+    return documents.empty() ? YAML::Node() : documents.front();
+  } catch (const YAML::Exception& e) {
+    const std::string place = has_lines && e.mark.line >= 0 ? fmt::format("{}:{}", name, e.mark.line + 1) : name;
+    wrong(place, fmt::format("is not valid YAML: {}", shown(e.msg)));
+  }
+}
+
+void read_text(const std::string& text, const std::string& name, const fs::path& folder, const Group& settings, Places& places,
+               std::vector<fs::path> chain) {
+  const YAML::Node root = parse(text, name, true);
+  const int first_line = 1;
+  if (root.IsMap()) {
+    for (const auto& pair : root) {
+      if (!pair.first.IsScalar() || pair.first.Scalar() != "extends") continue;
+      const std::string place = fmt::format("{}:{}", name, pair.first.Mark().line + 1);
+      if (!pair.second.IsScalar() || pair.second.Scalar().empty()) wrong(place, "extends must name one YAML file");
+      const fs::path base = (folder / pair.second.Scalar()).lexically_normal();
+      const fs::path canonical = fs::weakly_canonical(base);
+      if (std::find(chain.begin(), chain.end(), canonical) != chain.end()) {
+        wrong(place, fmt::format("extends {}, which extends this file", base.string()));
+      }
+      std::vector<fs::path> longer = chain;
+      longer.push_back(canonical);
+      read_text(content(base, place), base.string(), base.parent_path(), settings, places, std::move(longer));
+    }
+  }
+  Reader(name, true, folder.empty() ? "." : folder, places).read(root, first_line, settings, "");
+}
+
+}  // namespace
+
+std::string Places::of(const std::string& setting) const {
+  for (std::string name = setting;;) {
+    if (const auto found = places_.find(name); found != places_.end()) return found->second;
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string::npos) break;
+    name.resize(dot);
+  }
+  const auto inside = places_.lower_bound(setting + ".");
+  if (inside != places_.end() && inside->first.starts_with(setting + ".")) return inside->second;
+  return "default of " + setting;
+}
+
+void Places::forget(const std::string& setting) {
+  std::erase_if(places_, [&](const auto& place) { return place.first == setting || place.first.starts_with(setting + "."); });
+}
+
+void read_yaml_file(const fs::path& file, const Group& settings, Places& places) {
+  read_text(content(file, ""), file.string(), file.parent_path(), settings, places, {fs::weakly_canonical(file)});
+}
+
+void read_yaml_text(const std::string& text, const std::string& name, const fs::path& folder, const Group& settings, Places& places) {
+  read_text(text, name, folder, settings, places, {});
+}
+
+void read_assignment(const std::string& assignment, const Group& settings, Places& places) {
+  const std::string source = "--set " + shown(assignment);
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) wrong(source, "expected NAME=VALUE, as in control.push=3");
+  const std::string path = assignment.substr(0, equals), text = assignment.substr(equals + 1);
+  Reader reader(source, false, ".", places);
+
+  Setting setting{"", "", "", Range::any(), settings};
+  std::string name;
+  for (std::size_t from = 0; from <= path.size();) {
+    const std::size_t dot = std::min(path.find('.', from), path.size());
+    const std::string key = path.substr(from, dot - from);
+    from = dot + 1;
+    if (const auto* optional = std::get_if<Optional>(&setting.value)) {
+      optional->engage(true);
+      setting = Setting(optional->value());
+    }
+    if (const auto* group = std::get_if<Group>(&setting.value)) {
+      const auto field = std::find_if(group->fields.begin(), group->fields.end(), [&](const Setting& f) { return f.name == key; });
+      if (field == group->fields.end()) wrong(source, unknown_key(key, name, names_of(*group)));
+      setting = Setting(*field);
+    } else if (const auto* list = std::get_if<List>(&setting.value)) {
+      const auto i = index(key, list->size());
+      if (!i) wrong(source, fmt::format("{} has no element '{}': there are {}, counted from 0", name, shown(key), list->size()));
+      setting = Setting(list->element(*i));
+    } else if (const auto* numbers = std::get_if<Numbers>(&setting.value)) {
+      const auto i = index(key, static_cast<std::size_t>(numbers->size));
+      if (!i) wrong(source, fmt::format("{} has no element '{}': there are {}, counted from 0", name, shown(key), numbers->size));
+      setting = Reader::component(*numbers, static_cast<int>(*i));
+    } else {
+      wrong(source, fmt::format("{} is a single value and has no '{}'", name, shown(key)));
+    }
+    name = below(name, key);
+  }
+
+  if (const auto* optional = std::get_if<Optional>(&setting.value); optional && text != "null" && text != "~") {
+    optional->engage(true);
+    setting = Setting(optional->value());
+  }
+  if (const auto* scalar = std::get_if<Scalar>(&setting.value)) reader.take(text, 0, *scalar, name);
+  else reader.read(parse(text, source, false), 0, setting, name);
+}
+
+}  // namespace impedraw

@@ -1,0 +1,18 @@
+// Settings as YAML, every one with its value, each line with its unit and meaning. Read back, they give the same settings exactly:
+// doubles are written as the shortest text that reads back as the same number.
+#pragma once
+
+#include <string>
+
+#include "impedraw/settings/schema.h"
+
+namespace impedraw {
+
+std::string yaml_text(const Group& settings);
+
+template <Described T>
+std::string settings_yaml(T settings) {
+  return yaml_text(described(settings));
+}
+
+}  // namespace impedraw

@@ -1,0 +1,36 @@
+// A cell of a table of experiments (cell_table.h): one scenario, as anybody can run it alone.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/settings/yaml_read.h"
+
+namespace impedraw {
+
+struct Cell {
+  std::string name;                      // "matrix-nominal-50mm_s-30deg-5N"; unique
+  std::string group;                     // "matrix"; what it is one of
+  std::string base;                      // "scenarios/robustness-nominal.yaml", from the root of the tree
+  std::vector<std::string> assignments;  // "control.push=5", as --set takes them
+  // Where it stands in the page: a heading, the row and the column under it, and what is written before its figures.
+  std::string table, row, column, value;
+  bool realistic = false;
+  std::string svg = {};                  // "artwork/koi.svg", as --svg takes it, from the root of the tree; empty: the scenario's
+};
+
+// Throws InputError where the assignments cannot be read.
+Scenario cell_scenario(const Cell& cell, Places* places = nullptr);
+
+// "./impedraw draw scenarios/… --set …", quoted for a shell.
+std::string cell_command(const Cell& cell);
+
+// Every setting that is no group, by its full name: "control.push" → "5".
+std::map<std::string, std::string> flat_settings(Scenario scenario);
+
+// The tree's own files by their names in it: a table is to be the same wherever it was made.
+std::string within_tree(std::string text);
+
+}  // namespace impedraw

@@ -1,0 +1,51 @@
+#include "impedraw/study/reach.h"
+
+#include <ctime>
+
+#include "impedraw/common/exit_code.h"
+#include "impedraw/study/reach_cells.h"
+#include "impedraw/study/reach_page.h"
+#include "impedraw/study/reach_run.h"
+#include "impedraw/run/run_folder.h"
+
+namespace impedraw {
+
+namespace {
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  char text[16];
+  std::strftime(text, sizeof text, "%Y-%m-%d", std::localtime(&now));
+  return text;
+}
+
+}  // namespace
+
+int run_reach(const std::vector<Cell>& wanted, const CellTableOptions& options) {
+  const std::filesystem::path folder = table_folder("reach", options), ink = folder / "ink";
+  const std::vector<Cell> all = reach_cells();
+  const auto ink_file = [&](const Cell& cell) { return ink / (cell.name + ".json"); };
+  CellTable table;
+  table.name = "reach";
+  table.columns = reach_columns();
+  table.same = [&](const Record& line, const Cell& cell) {
+    return field(line, "settings") == settings_digest(cell) && std::filesystem::exists(ink_file(cell));
+  };
+  table.measure = [&](const Cell& cell, const std::filesystem::path& log) {
+    make_folder(ink);
+    return measure_reach(cell, log, ink_file(cell));
+  };
+  table.record = reach_record;
+  table.page = [&](const Records& records) { return reach_page(all, records, today()); };
+  table.time_limit = 900.0;
+  return run_table(table, all, wanted, options);
+}
+
+int reach(const CellTableOptions& options) {
+  const std::vector<Cell> wanted = matching(reach_cells(), options.only);
+  if (!options.list) return run_reach(wanted, options);
+  print_cells(wanted);
+  return kFinished;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,16 @@
+// ./impedraw robustness: where the method holds and where it ends, measured cell by cell (robustness_cells.h, cell_table.h).
+#pragma once
+
+#include <vector>
+
+#include "impedraw/study/cell_table.h"
+
+namespace impedraw {
+
+// The program's exit code: 0 when every cell was run, also where some failed. Throws InputError.
+int robustness(const CellTableOptions& options);
+
+// The same of other cells; `all` sets the columns, `wanted` is run.
+int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted, const CellTableOptions& options);
+
+}  // namespace impedraw

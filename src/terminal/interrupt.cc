@@ -1,0 +1,52 @@
+#include "impedraw/terminal/interrupt.h"
+
+#include <csignal>
+
+#include <array>
+#include <atomic>
+#include <cassert>
+
+namespace impedraw {
+
+namespace {
+
+// Lock-free, so a signal handler may write it, and any thread may read it.
+std::atomic<int> received = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
+
+constexpr std::array<int, 2> signals = {SIGINT, SIGTERM};
+std::array<struct sigaction, 2> before;
+bool in_use = false;
+
+extern "C" void note_signal(int signal) {
+  received.store(signal, std::memory_order_relaxed);
+  for (const int s : signals) std::signal(s, SIG_DFL);
+}
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  assert(!in_use);
+  in_use = true;
+  received = 0;
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    struct sigaction action {};
+    action.sa_handler = note_signal;
+    action.sa_flags = SA_RESTART;  // a write of the log under way is not to fail
+    sigaction(signals[i], &action, &before[i]);
+  }
+}
+
+Interrupt::~Interrupt() {
+  for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before[i], nullptr);
+  in_use = false;
+}
+
+bool Interrupt::requested() const noexcept { return received.load(std::memory_order_relaxed) != 0; }
+
+int Interrupt::exit_code() const noexcept {
+  const int signal = received.load(std::memory_order_relaxed);
+  return signal == 0 ? 0 : 128 + signal;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,265 @@
+// run.h5: what goes in comes out, whatever becomes of the process that wrote it.
+#include "impedraw/log/log.h"
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "impedraw/common/errors.h"
+#include "made_up_run.h"
+#include "impedraw/log/run_data.h"
+
+namespace impedraw {
+namespace {
+
+using testing::MadeUpSine;
+using testing::numbered_row;
+using testing::small_header;
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+class RunLogTest : public ::testing::Test {
+ protected:
+  RunLogTest() {
+    char name[] = "/tmp/impedraw_log_XXXXXX";
+    folder_ = mkdtemp(name);
+  }
+  ~RunLogTest() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+  std::filesystem::path path() const { return folder_ / "run.h5"; }
+};
+
+void expect_row(const RunRows& run, std::size_t i) {
+  const LogRow row = numbered_row(static_cast<int>(i));
+  const auto k = static_cast<Eigen::Index>(i);
+  ASSERT_EQ(run.time[i], row.time) << "row " << i;
+  EXPECT_EQ(run.joint_position.row(k).transpose(), row.joint_position);
+  EXPECT_EQ(run.joint_velocity.row(k).transpose(), row.joint_velocity);
+  EXPECT_EQ(run.joint_torque.row(k).transpose(), row.joint_torque);
+  EXPECT_EQ(run.torque_before_limits.row(k).transpose(), row.torque_terms[0] + row.torque_terms[1]);
+  EXPECT_EQ(run.tip_position[i], row.tip_position);
+  EXPECT_EQ(run.tip_orientation[i].coeffs(), row.tip_orientation.coeffs());
+  EXPECT_EQ(run.desired_position[i], row.desired_position);
+  EXPECT_EQ(run.contact_force[i], row.contact_force);
+  EXPECT_EQ(run.contact_point[i], row.contact_point);
+  EXPECT_EQ(run.contact_normal[i], row.contact_normal);
+  EXPECT_EQ(run.disturbance_force[i], row.disturbance_force);
+  EXPECT_EQ(run.surface_normal[i], row.surface_normal);
+  EXPECT_EQ(run.surface_distance[i], row.surface_distance);
+  EXPECT_EQ(run.push[i], row.push);
+  EXPECT_EQ(run.mode[i], row.mode);
+  EXPECT_EQ(run.stroke[i], row.stroke);
+  EXPECT_EQ(run.stroke_along[i], row.stroke_along);
+  EXPECT_EQ(run.step_time[i], row.step_time);
+}
+
+TEST_F(RunLogTest, EveryRowComesBack) {
+  // About a chunk's and the ring's end, and far beyond: back-pressure included.
+  for (const int n : {0, 1, 4095, 4096, 4097, 16384, 50000}) {
+    SCOPED_TRACE(n);
+    RunLog log(path(), small_header());
+    for (int i = 0; i < n; ++i) log.append(numbered_row(i));
+    EXPECT_EQ(log.rows(), n);
+    const WallTimes wall = log.close({.start_up = 1.5, .loop = 2.5});
+    const RunRows rows = read_rows(path());
+    ASSERT_EQ(rows.rows(), n);
+    for (int i = 0; i < n; i += (i % 4096 < 4094 ? 61 : 1)) expect_row(rows, i);
+    if (n > 0) expect_row(rows, n - 1);
+    const RunData run = read_run(path());
+    ASSERT_EQ(run.rows(), n);
+    EXPECT_EQ(run.wall.start_up, 1.5);
+    EXPECT_EQ(run.wall.loop, 2.5);
+    EXPECT_EQ(run.wall.writing, wall.writing);
+    EXPECT_EQ(run.attributes.at("seed"), "7");
+    EXPECT_EQ(run.joint_lower, Eigen::Vector2d(-1.0, -2.0));
+    EXPECT_EQ(run.joint_upper, Eigen::Vector2d(1.5, 2.5));
+    EXPECT_EQ(run.torque_limit, Eigen::Vector2d(10.0, 20.0));
+    EXPECT_EQ(run.mode_names, (std::vector<std::string>{"free", "contact"}));
+  }
+}
+
+TEST_F(RunLogTest, StaticDataComesBack) {
+  const RunLogHeader header = testing::sine_header({});
+  RunLog(path(), header).close();
+  const RunData run = read_run(path());
+  EXPECT_EQ(run.canvas_vertices, header.canvas_vertices);
+  EXPECT_EQ(run.canvas_triangles, header.canvas_triangles);
+  EXPECT_EQ(run.cloud_points, header.cloud_points);
+  EXPECT_EQ(run.target_points, header.target_points);
+  EXPECT_EQ(run.target_stroke, header.target_stroke);
+}
+
+TEST_F(RunLogTest, TheSameRunGivesTheSameFile) {
+  const auto write = [&](const char* name, int pause_at) {
+    RunLog log(folder_ / name, small_header());
+    for (int i = 0; i < 10000; ++i) {
+      if (i == pause_at) std::this_thread::sleep_for(std::chrono::milliseconds(600));  // the flushes fall elsewhere
+      log.append(numbered_row(i));
+    }
+    log.close({1.0, 1.0, 0.0});
+    return read_rows(folder_ / name);
+  };
+  const RunRows a = write("a.h5", -1), b = write("b.h5", 3000);
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.joint_position, b.joint_position);
+  EXPECT_EQ(a.contact_force, b.contact_force);
+  EXPECT_EQ(a.stroke, b.stroke);
+}
+
+// Other programs must be able to read it: h5py with an HDF5 of its own.
+TEST_F(RunLogTest, H5pyFindsEveryDatasetDescribed) {
+  {
+    RunLog log(path(), testing::sine_header({}));
+    for (int i = 0; i < 5000; ++i) log.append(LogRow(7));
+    log.close({1.0, 2.0, 0.0});
+  }
+  const std::string script = R"(
+import h5py, sys
+f = h5py.File(sys.argv[1])
+names = []
+f.visititems(lambda name, o: names.append(name) if isinstance(o, h5py.Dataset) else None)
+for name in names:
+    for a in ('unit', 'frame', 'description'):
+        assert f[name].attrs[a], (name, a)
+wanted = '''time joint/position joint/velocity joint/torque tip/position tip/orientation tip/velocity desired/position desired/orientation
+contact/force contact/point contact/normal wrench/measured disturbance/force surface/normal surface/distance push mode stroke stroke_along
+controller/step_time canvas/vertices canvas/triangles cloud/points cloud/normals cloud/camera target/points target/stroke torque/gravity
+torque/impedance torque/push torque/null_space torque/coriolis torque/feedback torque/friction'''.split()
+assert sorted(wanted) == sorted(names), set(wanted) ^ set(names)
+width = {'joint/position': 7, 'torque/push': 7, 'tip/orientation': 4, 'tip/velocity': 6, 'contact/force': 3, 'wrench/measured': 6}
+for name, w in width.items():
+    assert f[name].shape == (5000, w) and f[name].dtype == 'f8', name
+assert f['stroke'].shape == (5000,) and f['stroke'].dtype.kind == 'i'
+assert f['target/stroke'].dtype.kind == 'i' and f['target/points'].shape[1] == 3
+assert list(f['mode'].attrs['names']) == ['free', 'approach', 'contact', 'lift']
+assert all(len(f['joint/position'].attrs[a]) == 7 for a in ('lower', 'upper', 'torque_limit'))
+assert f.attrs['wall_start_up'] == 1.0 and f.attrs['wall_loop'] == 2.0 and f.attrs['wall_writing'] >= 0
+assert f['time'].chunks and f['time'].compression == 'gzip' and f['time'].shuffle
+)";
+  const std::filesystem::path file = folder_ / "look.py";
+  std::ofstream(file) << script;
+  const std::string command = std::string(IMPEDRAW_PYTHON) + " " + file.string() + " " + path().string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+// A child writes at its own pace and is killed at some instant; all but its last second must be there, and right.
+TEST_F(RunLogTest, KillLosesLessThanTheLastSecond) {
+  for (const auto& [milliseconds, rows_per_ms] : {std::pair{1300, 40}, std::pair{1630, 1}}) {
+    SCOPED_TRACE(::testing::Message() << milliseconds << " ms at " << rows_per_ms << " rows a ms");
+    int progress[2];
+    ASSERT_EQ(pipe(progress), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      RunLog log(path(), small_header());
+      const Clock::time_point start = Clock::now();
+      for (int i = 0;;) {
+        const auto due = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count() * rows_per_ms;
+        for (; i < due; ++i) log.append(numbered_row(i));
+        if (write(progress[1], &i, sizeof i) < 0) _exit(1);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+    }
+    close(progress[1]);
+    // Rows appended against the time at which the parent heard of it.
+    std::vector<std::pair<Clock::time_point, int>> heard;
+    const Clock::time_point kill_at = Clock::now() + std::chrono::milliseconds(milliseconds);
+    for (int i; Clock::now() < kill_at && read(progress[0], &i, sizeof i) == sizeof i;) heard.emplace_back(Clock::now(), i);
+    const Clock::time_point killed = Clock::now();
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    close(progress[0]);
+    int owed = 0;
+    for (const auto& [when, rows] : heard) {
+      if (killed - when >= std::chrono::seconds(1)) owed = rows;
+    }
+    const RunRows run = read_rows(path());
+    EXPECT_GE(static_cast<int>(run.rows()), owed);
+    EXPECT_GT(owed, 0) << "the child was too slow to show anything";
+    for (std::size_t i = 0; i < run.rows(); i += 37) expect_row(run, i);
+    EXPECT_TRUE(std::isnan(read_run(path()).wall.loop));
+    const std::string look = std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; f = h5py.File('" + path().string() +
+                             "'); f.visititems(lambda n, o: o[()].shape if isinstance(o, h5py.Dataset) else None)\"";
+    EXPECT_EQ(std::system(look.c_str()), 0);
+  }
+}
+
+TEST_F(RunLogTest, AFullDiskIsReportedAndKeepsWhatWasThere) {
+  const pid_t child = fork();
+  if (child == 0) {
+    // As a full disk, but for one process: no file may grow beyond 2 MB.
+    const rlimit limit{2 << 20, 2 << 20};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    std::signal(SIGXFSZ, SIG_IGN);
+    try {
+      RunLog log(path(), small_header());
+      for (int i = 0; i < 1000000; ++i) log.append(numbered_row(i));
+      log.close();
+    } catch (const LogError& e) {
+      const std::string message = e.what();
+      _exit(message.find("run.h5") != std::string::npos && message.find("File too large") != std::string::npos ? 0 : 2);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "1: nothing reported; 2: the message lacks file or cause";
+  EXPECT_NO_THROW(read_run(path()));
+}
+
+TEST_F(RunLogTest, BadUseIsRefused) {
+  EXPECT_THROW(RunLog(folder_ / "no" / "such" / "run.h5", small_header()), LogError);
+  RunLogHeader header = small_header();
+  header.torque_limit.resize(1);
+  EXPECT_THROW(RunLog(path(), header), std::invalid_argument);
+  RunLog log(path(), small_header());
+  EXPECT_THROW(log.append(LogRow(3)), std::invalid_argument);
+}
+
+TEST_F(RunLogTest, BadFilesAreNamed) {
+  const auto message = [](const std::filesystem::path& file) -> std::string {
+    try {
+      read_run(file);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message(folder_ / "none.h5"), HasSubstr("no such file"));
+  std::ofstream(folder_ / "text.h5") << "not a log";
+  EXPECT_THAT(message(folder_ / "text.h5"), HasSubstr("not an HDF5 file"));
+  const std::string other = (folder_ / "other.h5").string();
+  const std::string command = std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; h5py.File('" + other + "', 'w')\"";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_THAT(message(folder_ / "other.h5"), HasSubstr("/joint/position is missing"));
+}
+
+TEST_F(RunLogTest, AppendCostsTheLoopLittle) {
+  std::vector<LogRow> rows;
+  sine_rows(MadeUpSine{.repeat = 2}, [&](const LogRow& row) { rows.push_back(row); });
+  RunLog log(path(), testing::sine_header({}));
+  const Clock::time_point start = Clock::now();
+  double longest = 0.0;
+  for (std::size_t i = 0; i < 16000; ++i) {  // what the ring holds: the cost of the call, not of the disk
+    const Clock::time_point before = Clock::now();
+    log.append(rows[i]);
+    longest = std::max(longest, std::chrono::duration<double, std::micro>(Clock::now() - before).count());
+  }
+  const double each = std::chrono::duration<double, std::micro>(Clock::now() - start).count() / 16000;
+  const WallTimes wall = log.close();
+  RecordProperty("append_us", std::to_string(each));
+  std::printf("append: %.2f us a row, longest %.0f us; left for close: %.3f s for 16000 rows, %.1f MB\n", each, longest, wall.writing,
+              static_cast<double>(std::filesystem::file_size(path())) / 1e6);
+  EXPECT_LT(each, 3.0);
+}
+
+}  // namespace
+}  // namespace impedraw

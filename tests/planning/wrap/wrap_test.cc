@@ -1,0 +1,245 @@
+// The wrap against surfaces whose flat maps are known: plane, cylinder and cone unroll exactly, the bowl by a one-dimensional minimum.
+#include "impedraw/planning/wrap/wrap.h"
+
+#include <functional>
+#include <random>
+
+#include <Eigen/Dense>
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include "wrap_surfaces.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using surfaces::circle;
+using surfaces::height_field;
+using Flat = std::function<Vector2d(const Vector2d& flat)>;  // flat → drawing plane, exact
+
+const Vector2d kCentre(0.60, 0.05);
+
+// Of the polyline's image on the surface, sampled finely.
+double surface_length(const SurfaceHeight& surface, const PlacedStroke& stroke) {
+  double length = 0;
+  for (std::size_t k = 1; k < stroke.world.size(); ++k) {
+    Vector3d last = surface(stroke.world[k - 1].x(), stroke.world[k - 1].y())->p_W;
+    for (int i = 1; i <= 50; ++i) {
+      const Vector2d p = stroke.world[k - 1] + (stroke.world[k] - stroke.world[k - 1]) * i / 50.0;
+      const Vector3d next = surface(p.x(), p.y())->p_W;
+      length += (next - last).norm();
+      last = next;
+    }
+  }
+  return length;
+}
+
+// A developable surface: where points go, and how long straight strokes become.
+void expect_unrolls(const SurfaceHeight& surface, const Flat& exact, double radius, double place_limit) {
+  constexpr unsigned seed = 7;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> part(-1, 1);
+  const Wrap wrap(surface, kCentre, {circle(kCentre, radius)});
+  double worst = 0;
+  for (int k = 0; k < 500; ++k) {
+    const Vector2d flat = kCentre + radius / std::sqrt(2) * Vector2d(part(random), part(random));
+    const std::optional<Vector2d> plane = wrap.to_plane(flat);
+    ASSERT_TRUE(plane) << flat.transpose();
+    worst = std::max(worst, (*plane - exact(flat)).norm());
+    EXPECT_LT((*wrap.to_flat(*plane) - flat).norm(), 1e-11);
+  }
+  fmt::print("place error {:.4f} µm\n", 1e6 * worst);
+  EXPECT_LT(worst, place_limit);
+
+  double stretch = 0;
+  for (int k = 0; k < 30; ++k) {
+    const Vector2d a = kCentre + radius / std::sqrt(2) * Vector2d(part(random), part(random));
+    const Vector2d b = kCentre + radius / std::sqrt(2) * Vector2d(part(random), part(random));
+    const WrappedStrokes wrapped = wrap.wrap({surfaces::line({a, b})});
+    ASSERT_EQ(wrapped.strokes.size(), 1u);
+    EXPECT_TRUE(wrapped.lost.empty());
+    stretch = std::max(stretch, std::abs(surface_length(surface, wrapped.strokes[0]) / (b - a).norm() - 1));
+  }
+  fmt::print("stretch {:.2e}\n", stretch);
+  EXPECT_LT(stretch, 1e-3);
+}
+
+TEST(Wrap, IsAnIsometryOnATiltedPlane) {
+  constexpr unsigned seed = 3;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (int k = 0; k < 3; ++k) {
+    const double heading = std::uniform_real_distribution<double>(-M_PI, M_PI)(random);
+    SCOPED_TRACE(heading);
+    const Vector2d uphill(std::cos(heading), std::sin(heading));
+    const double slope = std::tan(30 * M_PI / 180);
+    const auto exact = [&](const Vector2d& flat) -> Vector2d {
+      const Vector2d d = flat - kCentre;
+      return kCentre + d - (1 - std::cos(30 * M_PI / 180)) * d.dot(uphill) * uphill;
+    };
+    expect_unrolls(height_field([&](double x, double y) { return slope * uphill.dot(Vector2d(x, y) - kCentre); }), exact, 0.12, 1e-9);
+  }
+}
+
+TEST(Wrap, UnrollsACylinder) {
+  const double R = 0.20, phi0 = 0.25;  // the centre lies down the side
+  const double axis = kCentre.x() - R * std::sin(phi0);
+  const SurfaceHeight surface = height_field([&](double x, double) { return std::sqrt(R * R - (x - axis) * (x - axis)); });
+  const auto exact = [&](const Vector2d& flat) -> Vector2d { return {axis + R * std::sin(phi0 + (flat.x() - kCentre.x()) / R), flat.y()}; };
+  expect_unrolls(surface, exact, 0.12, 5e-6);
+
+  const Wrap wrap(surface, kCentre, {circle(kCentre, 0.10)});
+  const PlacedStroke wrapped = wrap.wrap({circle(kCentre, 0.10)}).strokes.at(0);
+  double geodesic_error = 0;
+  for (std::size_t k = 0; k < wrapped.world.size(); ++k) {
+    const Vector2d& p = wrapped.world[k];
+    const double geodesic = std::hypot(R * (std::asin((p.x() - axis) / R) - phi0), p.y() - kCentre.y());
+    geodesic_error = std::max(geodesic_error, std::abs(geodesic - (wrapped.page[k] - kCentre).norm()));
+  }
+  fmt::print("geodesic radius error {:.3f} µm\n", 1e6 * geodesic_error);
+  EXPECT_LT(geodesic_error, 1e-3 * 0.10);
+}
+
+TEST(Wrap, UnrollsACone) {
+  const double k = std::tan(35 * M_PI / 180), slant = std::sqrt(1 + k * k), r0 = 0.15;
+  const Vector2d apex = kCentre - Vector2d(r0, 0);
+  const SurfaceHeight surface = height_field([&](double x, double y) { return -k * (Vector2d(x, y) - apex).norm(); });
+  const auto exact = [&](const Vector2d& flat) -> Vector2d {
+    const Vector2d from_apex = flat - kCentre + Vector2d(slant * r0, 0);
+    const double angle = slant * std::atan2(from_apex.y(), from_apex.x());
+    return apex + from_apex.norm() / slant * Vector2d(std::cos(angle), std::sin(angle));
+  };
+  expect_unrolls(surface, exact, 0.10, 2e-5);
+}
+
+// Among maps of a spherical cap that only move points along meridians, to the distance g(ρ), the least sum of squared stretches less 1 is
+// a quadratic problem in g: finite elements of degree one, solved directly.
+std::vector<double> best_azimuthal(double R, double rho_max, int n) {
+  const double h = rho_max / n;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);  // of g_1 … g_n; g_0 = 0
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
+  for (int e = 0; e < n; ++e) {
+    const double s = R * std::sin((e + 0.5) * h / R);  // circle's radius at the middle
+    const double rows[2][3] = {{-1 / h, 1 / h, 1}, {0.5 / s, 0.5 / s, 1}};
+    for (const auto& row : rows) {
+      for (int i = 0; i < 2; ++i) {
+        if (e + i == 0) continue;
+        b(e + i - 1) += h * s * row[i] * row[2];
+        for (int j = 0; j < 2; ++j) {
+          if (e + j > 0) A(e + i - 1, e + j - 1) += h * s * row[i] * row[j];
+        }
+      }
+    }
+  }
+  const Eigen::VectorXd g = A.ldlt().solve(b);
+  std::vector<double> result{0};
+  result.insert(result.end(), g.begin(), g.end());
+  return result;
+}
+
+TEST(Wrap, OnTheBowlIsTheBestAzimuthalMap) {
+  const Vector2d centre(0.60, 0);
+  const double R = surfaces::kBowlRadius, radius = 0.12;
+  const WrapSettings settings;
+  const Wrap wrap(surfaces::bowl, centre, {circle(centre, radius)}, settings);
+  // The cap that is laid flat ends where its flat radius is radius + margin.
+  double low = 0.05, high = 0.30;
+  const int n = 400;
+  for (int k = 0; k < 40; ++k) {
+    const double middle = (low + high) / 2;
+    (best_azimuthal(R, middle, n).back() < radius + settings.margin ? low : high) = middle;
+  }
+  const std::vector<double> g = best_azimuthal(R, low, n);
+  const auto flat_radius = [&](double rho) {
+    const double at = rho / low * n;
+    const int e = std::min(static_cast<int>(at), n - 1);
+    return g[e] + (at - e) * (g[e + 1] - g[e]);
+  };
+  double worst = 0, equidistant = 0;
+  for (int k = 0; k < 360; ++k) {
+    const double rho = low * (k + 1) / 400.0, heading = 2.4 * k;
+    const Vector2d p = centre + R * std::sin(rho / R) * Vector2d(std::cos(heading), std::sin(heading));
+    const std::optional<Vector2d> flat = wrap.to_flat(p);
+    ASSERT_TRUE(flat);
+    const Vector2d wanted = centre + flat_radius(rho) * Vector2d(std::cos(heading), std::sin(heading));
+    worst = std::max(worst, (*flat - wanted).norm());
+    equidistant = std::max(equidistant, std::abs(flat_radius(rho) - rho));
+  }
+  fmt::print("off the best azimuthal map {:.1f} µm, which is {:.1f} µm off the equidistant one\n", 1e6 * worst, 1e6 * equidistant);
+  EXPECT_LT(worst, 1e-4);
+  EXPECT_GT(equidistant, 5e-4) << "the equidistant map would pass too";
+}
+
+// A map that is linear in each triangle turns by a spacing's worth of curvature at every edge, and not at all in between.
+TEST(Wrap, BendsStraightLinesWithoutKinks) {
+  const Vector2d centre(0.60, 0);
+  const Wrap wrap(surfaces::waves, centre, {circle(centre, 0.10)});
+  const double step = 1e-4;
+  std::vector<Vector2d> line;
+  for (int k = 0; k < 1200; ++k) line.push_back(*wrap.to_plane(centre + Vector2d(-0.06 + k * step, 0.013 + 0.3 * k * step)));
+  const auto bend = [&](std::size_t k, std::size_t apart) -> double { return (line[k + apart] - 2 * line[k] + line[k - apart]).norm(); };
+  double close = 0, wide = 0;
+  for (std::size_t k = 50; k + 50 < line.size(); ++k) {
+    close = std::max(close, bend(k, 1));
+    wide = std::max(wide, bend(k, 50) / 2500);  // as if it were spread evenly
+  }
+  fmt::print("largest bend {:.3g} µm, spread {:.3g} µm\n", 1e6 * close, 1e6 * wide);
+  EXPECT_LT(close, 1.5 * wide);
+}
+
+TEST(Wrap, DifferentialIsThatOfTheMap) {
+  const Vector2d centre(0.60, 0);
+  const Wrap wrap(surfaces::waves, centre, {circle(centre, 0.10)});
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> part(-0.06, 0.06);
+  const double d = 1e-6;
+  for (int k = 0; k < 100; ++k) {
+    const Vector2d p = centre + Vector2d(part(random), part(random));
+    const Eigen::Matrix2d J = wrap.chart().differential(p);
+    for (int axis = 0; axis < 2; ++axis) {
+      const Vector2d step = d * Vector2d::Unit(axis);
+      EXPECT_LT((J.col(axis) - (*wrap.to_flat(p + step) - *wrap.to_flat(p - step)) / (2 * d)).norm(), 1e-4);
+    }
+  }
+  const Eigen::Matrix2d at_centre = wrap.chart().differential(centre);
+  EXPECT_NEAR(at_centre(0, 1), at_centre(1, 0), 1e-9);
+  EXPECT_LT((*wrap.to_plane(centre) - centre).norm(), 1e-11);
+}
+
+TEST(Wrap, IsTheSameEveryTime) {
+  const Vector2d centre(0.60, 0);
+  const PlacedStroke stroke = circle(centre, 0.08);
+  const WrappedStrokes a = Wrap(surfaces::waves, centre, {stroke}).wrap({stroke});
+  const WrappedStrokes b = Wrap(surfaces::waves, centre, {stroke}).wrap({stroke});
+  ASSERT_EQ(a.strokes.size(), 1u);
+  ASSERT_EQ(a.strokes[0].world.size(), b.strokes[0].world.size());
+  for (std::size_t k = 0; k < a.strokes[0].world.size(); ++k) EXPECT_EQ(a.strokes[0].world[k], b.strokes[0].world[k]);
+}
+
+// Of this program and of the script, so that what else runs here matters little.
+double processor_seconds() {
+  double sum = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    sum += static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  }
+  return sum;
+}
+
+TEST(Wrap, OfAPatchOf300MillimetresIsQuick) {
+  const double before = processor_seconds();
+  const Vector2d centre(0.60, 0);
+  const Wrap wrap(surfaces::bowl, centre, {circle(centre, 0.15)});
+  const double taken = processor_seconds() - before;
+  fmt::print("{} vertices, {:.2f} s of the processor\n", wrap.chart().patch().samples.size(), taken);
+  EXPECT_LT(taken, 3.0) << "under 2 s where nothing else runs";
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,134 @@
+// Each scenario named safety-* provokes one thing that goes wrong; here is what the arm then does.
+#include <algorithm>
+
+#include "impedraw/control/contact_mode.h"
+#include "drawn_scenario.h"
+
+namespace impedraw {
+namespace {
+
+const int kContact = static_cast<int>(ContactMode::contact), kRetreat = static_cast<int>(ContactMode::retreat);
+
+double met(const Figures& f, const char* what) {
+  const auto it = f.outcome.met.find(what);
+  return it == f.outcome.met.end() ? 0.0 : it->second;
+}
+
+// [Nm/s], the largest of any joint between two steps.
+double torque_rate(const Figures& f) {
+  double most = 0.0;
+  for (int i = 1; i < f.run.joint_torque.rows(); ++i)
+    most = std::max(most, (f.run.joint_torque.row(i) - f.run.joint_torque.row(i - 1)).cwiseAbs().maxCoeff() / 1e-3);
+  return most;
+}
+constexpr double kRate = 4000.0 * (1.0 + 1e-9);  // control.torque_rate
+
+double highest_force(const Figures& f) {
+  double most = 0.0;
+  for (const Eigen::Vector3d& force : f.run.contact_force) most = std::max(most, force.norm());
+  return most;
+}
+
+bool ever(const Figures& f, int mode) { return std::find(f.run.mode.begin(), f.run.mode.end(), mode) != f.run.mode.end(); }
+
+TEST(Safety, AStateThatIsNotANumberPasses) {
+  const Figures f = draw_scenario("safety-nan-state");
+  EXPECT_NEAR(met(f, "bad_input"), 0.05, 2e-3);
+  EXPECT_LE(torque_rate(f), kRate);
+  EXPECT_GT(f["contact_fraction"], 0.95) << "and it draws on";
+  EXPECT_LT(highest_force(f), 8.0);
+}
+
+TEST(Safety, AStaleStateStopsTheRun) {
+  const Figures f = draw_scenario("safety-stale-state", {}, RunEnd::stopped);
+  EXPECT_NE(f.outcome.cause.find("stale"), std::string::npos) << f.outcome.cause;
+  EXPECT_LE(torque_rate(f), kRate);
+  EXPECT_LT(highest_force(f), 8.0);
+}
+
+TEST(Safety, AStaleWrenchLiftsThePen) {
+  const Figures f = draw_scenario("safety-stale-wrench");
+  EXPECT_GT(met(f, "stale_wrench"), 0.4);
+  EXPECT_TRUE(ever(f, kRetreat));
+  EXPECT_LE(torque_rate(f), kRate);
+  EXPECT_LT(highest_force(f), 8.0);
+  EXPECT_LT(f["contact_fraction"], 0.6) << "the rest of the stroke is not drawn without a wrench";
+}
+
+TEST(Safety, ALostCloudLiftsThePenAfterAWhile) {
+  const Figures f = draw_scenario("safety-no-cloud");
+  EXPECT_TRUE(ever(f, kRetreat));
+  EXPECT_NEAR(met(f, "surface_lost"), 1.0, 0.01);
+  EXPECT_LE(torque_rate(f), kRate);
+  EXPECT_LT(highest_force(f), 8.0);
+  // Drawn on with the last normal for lost_surface_time, 0.25 s of a stroke of near 10 s.
+  EXPECT_NEAR(f["contact_fraction"], 0.525, 0.01);
+}
+
+TEST(Safety, AStepThatTakesTooLongLiftsThePenAndStops) {
+  const Figures f = draw_scenario("safety-slow-step", {}, RunEnd::stopped);
+  EXPECT_NE(f.outcome.cause.find("too long"), std::string::npos) << f.outcome.cause;
+  EXPECT_LE(torque_rate(f), kRate);
+  EXPECT_LT(highest_force(f), 8.0);
+  EXPECT_EQ(f.run.contact_force.back().norm(), 0.0) << "the pen is up";
+}
+
+TEST(Safety, LostContactIsMadeAgainGently) {
+  const Figures f = draw_scenario("safety-lost-contact");
+  int losses = 0;
+  for (std::size_t i = 1; i < f.run.mode.size(); ++i) losses += f.run.mode[i - 1] == kContact && f.run.mode[i] != kContact && f.run.stroke[i] >= 0;
+  EXPECT_GE(losses, 1);
+  EXPECT_GT(f["contact_fraction"], 0.85);
+  EXPECT_LT(highest_force(f), 8.0);
+  EXPECT_LE(torque_rate(f), kRate);
+}
+
+TEST(Safety, AJointIsKeptOffItsLimit) {
+  const Figures f = draw_scenario("safety-joint-limit");
+  EXPECT_GT(f["joint_margin_min"], 0.02);
+  EXPECT_LE(f["ink_error_rms"], 0.04) << "the tip feels nothing of it";
+  EXPECT_EQ(f["contact_fraction"], 1.0);
+}
+
+TEST(Safety, ATorqueLimitIsKeptAndThePenComesBack) {
+  const Figures f = draw_scenario("safety-torque-limit");
+  EXPECT_GT(met(f, "torque_limited"), 0.0);
+  const double limit[] = {320, 320, 176, 176, 110, 40, 40};
+  for (int j = 0; j < 7; ++j) EXPECT_LE(f.run.joint_torque.col(j).cwiseAbs().maxCoeff(), 0.3 * limit[j] + 1e-9) << "joint " << j + 1;
+  EXPECT_LE(torque_rate(f), kRate);
+  EXPECT_EQ(f["contact_fraction"], 1.0);
+}
+
+TEST(Safety, TheTipKeepsItsSpeedLimit) {
+  const Figures f = draw_scenario("safety-speed-limit");
+  EXPECT_GT(met(f, "speed_limited"), 0.1);
+  double fastest = 0.0;
+  for (std::size_t i = 1; i < f.run.rows(); ++i) fastest = std::max(fastest, (f.run.tip_position[i] - f.run.tip_position[i - 1]).norm() / 1e-3);
+  EXPECT_LT(fastest, 0.25 * 1.05);
+  EXPECT_GT(fastest, 0.2);
+}
+
+TEST(Safety, AStretchedArmLetsADirectionGo) {
+  const Figures f = draw_scenario("safety-singular");
+  EXPECT_GT(met(f, "near_singular"), 0.05);
+  EXPECT_LE(torque_rate(f), kRate);
+  EXPECT_EQ(f["torque_saturated"], 0.0);
+  EXPECT_GE(f["contact_fraction"], 0.99);
+}
+
+// Whatever the mode changes to, in every standard drawing.
+TEST(Safety, NoSwitchStepsTheTorque) {
+  for (const char* name : {"bowl-m", "bowl-m-natural", "bowl-m-blind", "bowl-m-realistic"}) {
+    const Figures f = draw_scenario(name);
+    EXPECT_LE(torque_rate(f), kRate) << name;
+    for (std::size_t i = 1; i < f.run.mode.size(); ++i) {
+      if (f.run.mode[i] == f.run.mode[i - 1]) continue;
+      const auto row = static_cast<int>(i);
+      const double step = (f.run.joint_torque.row(row) - f.run.joint_torque.row(row - 1)).cwiseAbs().maxCoeff();
+      EXPECT_LT(step, 1.5) << name << ": from " << kContactModeNames[f.run.mode[i - 1]] << " to " << kContactModeNames[f.run.mode[i]];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace impedraw

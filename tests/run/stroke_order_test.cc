@@ -1,0 +1,44 @@
+// The strokes of a file are drawn with short ways in the air, unless asked otherwise; nothing else about them changes.
+#include <algorithm>
+#include <array>
+
+#include "impedraw/drawing/artwork_file.h"
+#include "impedraw/drawing/order.h"
+#include "drawn_scenario.h"
+
+namespace impedraw {
+namespace {
+
+Experiment koi(bool keep_order) {
+  DrawOptions options;
+  options.svg = "artwork/koi.svg";
+  options.keep_order = keep_order;
+  return prepare(resolve(options));
+}
+
+// Every stroke's ends, whichever way round.
+std::vector<std::array<double, 4>> ends(const std::vector<Stroke>& strokes) {
+  std::vector<std::array<double, 4>> all;
+  for (const Stroke& s : strokes) {
+    Eigen::Vector2d a = s.points.front(), b = s.points.back();
+    if (std::pair(b.x(), b.y()) < std::pair(a.x(), a.y())) std::swap(a, b);
+    all.push_back({a.x(), a.y(), b.x(), b.y()});
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+TEST(StrokeOrder, ShortensTheWayInTheAirAndKeepsTheStrokes) {
+  const Artwork file = read_artwork("artwork/koi.svg");
+  const Experiment kept = koi(true), ordered = koi(false);
+  EXPECT_NEAR(pen_up_length(kept.artwork.drawn.strokes), pen_up_length(file.strokes), 1e-9);
+  EXPECT_LT(pen_up_length(ordered.artwork.drawn.strokes), 0.9 * pen_up_length(file.strokes));
+  EXPECT_EQ(ends(ordered.artwork.drawn.strokes), ends(file.strokes));
+  EXPECT_LT(ordered.path.duration(), kept.path.duration());
+  ASSERT_EQ(ordered.artwork.target.strokes.size(), ordered.artwork.drawn.strokes.size());
+  for (std::size_t i = 0; i < file.strokes.size(); ++i)
+    EXPECT_EQ(ordered.artwork.target.strokes[i].points.front(), ordered.artwork.drawn.strokes[i].points.front()) << "the target goes with it";
+}
+
+}  // namespace
+}  // namespace impedraw
