@@ -31,17 +31,17 @@ double Floor::compute(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   using namespace pinocchio;
   Model& m = *model_;
   const auto frame = LOCAL_WORLD_ALIGNED;
-  crba(m.model, m.data, q, Convention::WORLD);                                                  // mass matrix (and joint Jacobians)
+  crba(m.model, m.data, q, Convention::WORLD);  // mass matrix (and joint Jacobians)
   m.data.M.triangularView<Eigen::StrictlyLower>() = m.data.M.transpose();
-  const Eigen::VectorXd& bias = nonLinearEffects(m.model, m.data, q, v);                        // bias
+  const Eigen::VectorXd& bias = nonLinearEffects(m.model, m.data, q, v);  // bias
   forwardKinematics(m.model, m.data, q, v, m.zero);
-  const Motion drift = getFrameClassicalAcceleration(m.model, m.data, m.tip, frame);            // drift
+  const Motion drift = getFrameClassicalAcceleration(m.model, m.data, m.tip, frame);  // drift
   updateFramePlacement(m.model, m.data, m.tip);
-  getFrameJacobian(m.model, m.data, m.tip, frame, m.J);                                         // Jacobian
-  const Eigen::LLT<Eigen::Matrix<double, 7, 7>> llt_M(m.data.M);                                // one 7×7 Cholesky
+  getFrameJacobian(m.model, m.data, m.tip, frame, m.J);           // Jacobian
+  const Eigen::LLT<Eigen::Matrix<double, 7, 7>> llt_M(m.data.M);  // one 7×7 Cholesky
   const Eigen::Matrix<double, 7, 6> Y = llt_M.matrixL().solve(m.J.transpose());
-  const Eigen::Matrix<double, 6, 6> A = Y.transpose() * Y;                                      // J M⁻¹ Jᵀ
-  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt_A(A);                                       // one 6×6 Cholesky
+  const Eigen::Matrix<double, 6, 6> A = Y.transpose() * Y;  // J M⁻¹ Jᵀ
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt_A(A);   // one 6×6 Cholesky
   return llt_A.matrixLLT()(5, 5) + bias[0] + drift.linear()[0];
 }
 

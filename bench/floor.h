@@ -1,4 +1,5 @@
-// The floor of a controller step: what any operational-space controller on Pinocchio has to compute, each called once.
+// The floor of a controller step: what any operational-space controller on Pinocchio has to
+// compute, each called once.
 #pragma once
 
 #include <memory>
@@ -11,7 +12,8 @@ class Floor {
  public:
   explicit Floor(const char* urdf);
   ~Floor();
-  double compute(const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // a number that depends on all of it
+  double compute(const Eigen::VectorXd& q,
+                 const Eigen::VectorXd& v);  // a number that depends on all of it
 
  private:
   struct Model;

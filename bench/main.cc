@@ -1,7 +1,9 @@
-// ./impedraw bench: speed as ratios against floors of the same run, each beside its limit. Exit code 1 when a limit is missed.
+// ./impedraw bench: speed as ratios against floors of the same run, each beside its limit. Exit
+// code 1 when a limit is missed.
 //
-// A shared machine slows floor and subject alike, but not at the same instant: each is repeated often and briefly, in mixed order, and the
-// medians are compared. The best times would not do: one lucky moment of a faster clock for one of the two is a third of the ratio.
+// A shared machine slows floor and subject alike, but not at the same instant: each is repeated
+// often and briefly, in mixed order, and the medians are compared. The best times would not do: one
+// lucky moment of a faster clock for one of the two is a third of the ratio.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,12 +15,12 @@
 
 #include <benchmark/benchmark.h>
 
+#include "floor.h"
+#include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/run/run.h"
 #include "impedraw/settings/yaml_read.h"
-#include "impedraw/common/errors.h"
-#include "floor.h"
 
 namespace impedraw {
 namespace {
@@ -33,7 +35,8 @@ Experiment& experiment(const std::string& name) {
   return all.emplace(name, prepare(resolve(options))).first->second;
 }
 
-// Postures as they follow each other at 1 kHz, at 0.2 rad/s; forth and back, for the damping's design starts from the step before.
+// Postures as they follow each other at 1 kHz, at 0.2 rad/s; forth and back, for the damping's
+// design starts from the step before.
 struct Posture {
   JointVector q, v;
 };
@@ -76,11 +79,16 @@ void BM_arm_terms(benchmark::State& state) {
   }
 }
 
-// A whole controller step in contact: arm terms, wrench from a sensor's reading, observer, damping and law.
+// A whole controller step in contact: arm terms, wrench from a sensor's reading, observer, damping
+// and law.
 class Step {
  public:
   explicit Step(const std::string& name)
-      : e_(experiment(name)), all_(postures(e_)), terms_(e_.arm.joints()), controller_(e_.control, e_.arm.joints()), estimator_(e_.estimator),
+      : e_(experiment(name)),
+        all_(postures(e_)),
+        terms_(e_.arm.joints()),
+        controller_(e_.control, e_.arm.joints()),
+        estimator_(e_.estimator),
         goal_(e_.path.at(0.5 * (e_.path.strokes()[0].start + e_.path.strokes()[0].end)).goal) {
     surface_.status = SurfaceStatus::ok;
     surface_.n_W = goal_.n_WD;
@@ -94,7 +102,8 @@ class Step {
     e_.arm.compute(p.q, p.v, &terms_);
     Vector6 reading = Vector6::Zero();
     reading.head<3>() = terms_.X_WE.R.transpose() * (5.0 * surface_.n_W);
-    return controller_.step(terms_, goal_, surface_, estimator_.update(reading, terms_.X_WE, terms_.V_WE));
+    return controller_.step(terms_, goal_, surface_,
+                            estimator_.update(reading, terms_.X_WE, terms_.V_WE));
   }
 
  private:
@@ -115,7 +124,8 @@ void step(benchmark::State& state, const std::string& name) {
 void BM_step_shaped(benchmark::State& state) { step(state, "bowl-sine-sensor"); }
 void BM_step_natural(benchmark::State& state) { step(state, "bowl-sine-realistic"); }
 
-// How the steps' times spread: the best of five runs, as others take the core from any of them [ns].
+// How the steps' times spread: the best of five runs, as others take the core from any of them
+// [ns].
 struct Spread {
   double median = 0.0, p99 = 1e9, p999 = 1e9;
 };
@@ -128,7 +138,8 @@ Spread spread(const std::string& name) {
     for (double& t : times) {
       const auto start = std::chrono::steady_clock::now();
       benchmark::DoNotOptimize(one());
-      t = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
+      t = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start)
+              .count();
     }
     std::sort(times.begin(), times.end());
     const Spread now{times[kSteps / 2], times[kSteps * 99 / 100], times[kSteps * 999 / 1000]};
@@ -140,7 +151,8 @@ Spread spread(const std::string& name) {
 // A whole run with its log; counts simulated seconds.
 void draw(benchmark::State& state, const std::string& name) {
   Experiment& e = experiment(name);
-  const std::filesystem::path log = std::filesystem::temp_directory_path() / ("impedraw_bench_" + std::to_string(getpid()) + ".h5");
+  const std::filesystem::path log = std::filesystem::temp_directory_path() /
+                                    ("impedraw_bench_" + std::to_string(getpid()) + ".h5");
   double simulated = 0.0, wall = 0.0;
   for (auto _ : state) {
     const RunOutcome outcome = run(e, log, 0.0);
@@ -160,8 +172,16 @@ BENCHMARK(BM_arm_terms);
 BENCHMARK(BM_step_shaped);
 BENCHMARK(BM_step_natural);
 BENCHMARK(BM_draw)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(5);
-BENCHMARK(BM_draw_natural)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(5);
-BENCHMARK(BM_draw_blind)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(5);
+BENCHMARK(BM_draw_natural)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(1)
+    ->Repetitions(5);
+BENCHMARK(BM_draw_blind)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(1)
+    ->Repetitions(5);
 
 // Collects every repetition beside the usual output.
 class Repetitions : public benchmark::ConsoleReporter {
@@ -171,9 +191,13 @@ class Repetitions : public benchmark::ConsoleReporter {
     ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
-      const std::string name = run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
-      time_[name].push_back(run.GetAdjustedCPUTime());  // what others take of a core does not count; whole runs go by wall time
-      if (const auto c = run.counters.find("real_time_factor"); c != run.counters.end()) factor_[name].push_back(c->second.value);
+      const std::string name =
+          run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
+      time_[name].push_back(
+          // what others take of a core does not count; whole runs go by wall time
+          run.GetAdjustedCPUTime());
+      if (const auto c = run.counters.find("real_time_factor"); c != run.counters.end())
+        factor_[name].push_back(c->second.value);
     }
   }
   double time(const std::string& name) const { return median(time_, name); }  // [ns]
@@ -199,13 +223,16 @@ struct Line {
 
 int judge(const Repetitions& median, const Spread& steps) {
   const std::vector<Line> lines = {
-      {"floor of a controller step [µs]; above 6.5 it is no floor", median.time("BM_floor") / 1e3, 6.5, true},
+      {"floor of a controller step [µs]; above 6.5 it is no floor", median.time("BM_floor") / 1e3,
+       6.5, true},
       {"arm terms [µs]", median.time("BM_arm_terms") / 1e3, 3.0, true},
-      {"whole step with sensor and observer, shaped inertia / floor", median.time("BM_step_shaped") / median.time("BM_floor"), 1.5, true},
-      {"whole step with sensor and observer, natural inertia / floor", median.time("BM_step_natural") / median.time("BM_floor"), 1.5, true},
+      {"whole step with sensor and observer, shaped inertia / floor",
+       median.time("BM_step_shaped") / median.time("BM_floor"), 1.5, true},
+      {"whole step with sensor and observer, natural inertia / floor",
+       median.time("BM_step_natural") / median.time("BM_floor"), 1.5, true},
       {"its 99th percentile / median, best of five runs", steps.p99 / steps.median, 2.0, true},
-      {"fresh normal / bare k-nearest-neighbour query (k = 60)", median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5,
-       true},
+      {"fresh normal / bare k-nearest-neighbour query (k = 60)",
+       median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5, true},
       {"real_time_factor, perception, wrench true", median.factor("BM_draw"), 30.0, false},
       {"real_time_factor, perception, wrench none", median.factor("BM_draw_natural"), 30.0, false},
       {"real_time_factor, blind", median.factor("BM_draw_blind"), 40.0, false},
@@ -217,10 +244,12 @@ int judge(const Repetitions& median, const Spread& steps) {
     const bool holds = line.at_most ? line.value <= line.limit : line.value >= line.limit;
     missed += !holds;
     ++judged;
-    std::printf("%-60s %9.2f %5s %5.1f%s\n", line.what, line.value, line.at_most ? "<=" : ">=", line.limit, holds ? "" : "   MISSED");
+    std::printf("%-60s %9.2f %5s %5.1f%s\n", line.what, line.value,
+                line.at_most ? "<=" : ">=", line.limit, holds ? "" : "   MISSED");
   }
   if (steps.median > 0.0)
-    std::printf("controller step, natural inertia: median %.2f, p99 %.2f, p99.9 %.2f µs\n", steps.median / 1e3, steps.p99 / 1e3, steps.p999 / 1e3);
+    std::printf("controller step, natural inertia: median %.2f, p99 %.2f, p99.9 %.2f µs\n",
+                steps.median / 1e3, steps.p99 / 1e3, steps.p999 / 1e3);
   std::printf("%d of %d limits held\n", judged - missed, judged);
   return missed == 0 && judged > 0 ? kFinished : kMissed;
 }
@@ -230,9 +259,11 @@ int judge(const Repetitions& median, const Spread& steps) {
 
 int main(int argc, char** argv) {
   std::vector<char*> arguments(argv, argv + argc);
-  std::string repetitions = "--benchmark_repetitions=25", interleaving = "--benchmark_enable_random_interleaving=true",
+  std::string repetitions = "--benchmark_repetitions=25",
+              interleaving = "--benchmark_enable_random_interleaving=true",
               min_time = "--benchmark_min_time=0.02";
-  arguments.insert(arguments.begin() + 1, {repetitions.data(), interleaving.data(), min_time.data()});
+  arguments.insert(arguments.begin() + 1,
+                   {repetitions.data(), interleaving.data(), min_time.data()});
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return impedraw::kBadInput;
@@ -242,7 +273,8 @@ int main(int argc, char** argv) {
     const bool steps_asked = !std::isnan(repetitions_done.time("BM_step_natural"));
     impedraw::Spread none;
     none.median = none.p99 = std::nan("");
-    return impedraw::judge(repetitions_done, steps_asked ? impedraw::spread("bowl-sine-realistic") : none);
+    return impedraw::judge(repetitions_done,
+                           steps_asked ? impedraw::spread("bowl-sine-realistic") : none);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "impedraw bench: %s\n", error.what());
     return impedraw::kStopped;

@@ -1,5 +1,6 @@
-// A normal against its floor, the bare k-nearest-neighbour query: same 50,000 points on the standard bowl, same k and queries (along the
-// sine, at the tip sphere's centre). Ratio to hold: BM_normal_fresh ≤ 1.5 × BM_knn_bare.
+// A normal against its floor, the bare k-nearest-neighbour query: same 50,000 points on the
+// standard bowl, same k and queries (along the sine, at the tip sphere's centre). Ratio to hold:
+// BM_normal_fresh ≤ 1.5 × BM_knn_bare.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -26,7 +27,8 @@ PointCloud bowl_cloud() {
     const double phi = 2.0 * std::numbers::pi * uniform(random);
     const double cos_theta = 1.0 - 0.2 * uniform(random);  // even over the cap's area
     const double rho = std::sqrt(1.0 - cos_theta * cos_theta);
-    cloud.points.push_back(kCentre + 0.30 * Vector3d(rho * std::cos(phi), rho * std::sin(phi), -cos_theta));
+    cloud.points.push_back(kCentre +
+                           0.30 * Vector3d(rho * std::cos(phi), rho * std::sin(phi), -cos_theta));
     cloud.camera.push_back(0);
   }
   return cloud;
@@ -65,7 +67,8 @@ struct Points {
 };
 
 void BM_knn_bare(benchmark::State& state) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, int>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
+                                                   Points, 3, int>;
   const int k = static_cast<int>(state.range(0));
   const SurfaceEstimator estimator(bowl_cloud());
   const Points points{estimator.cloud().points};

@@ -1,5 +1,5 @@
-// Counts what goes to the heap: malloc itself is hooked, so that any way there counts, new, Eigen's aligned blocks or a library's.
-// To be included by one file of a test program.
+// Counts what goes to the heap: malloc itself is hooked, so that any way there counts, new, Eigen's
+// aligned blocks or a library's. To be included by one file of a test program.
 #pragma once
 
 #include <atomic>
@@ -28,12 +28,28 @@ int allocations_in(F&& f) {
 }  // namespace
 
 extern "C" {
-void* malloc(std::size_t size) { count(); return __libc_malloc(size); }
-void* calloc(std::size_t n, std::size_t size) { count(); return __libc_calloc(n, size); }
-void* realloc(void* p, std::size_t size) { count(); return __libc_realloc(p, size); }
-void* memalign(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
-void* aligned_alloc(std::size_t alignment, std::size_t size) { count(); return __libc_memalign(alignment, size); }
-int posix_memalign(void** out, std::size_t alignment, std::size_t size) noexcept {  // as mm_malloc.h declares it
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) {
+  count();
+  return __libc_calloc(n, size);
+}
+void* realloc(void* p, std::size_t size) {
+  count();
+  return __libc_realloc(p, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** out, std::size_t alignment,
+                   std::size_t size) noexcept {  // as mm_malloc.h declares it
   count();
   *out = __libc_memalign(alignment, size);
   return *out ? 0 : 12;

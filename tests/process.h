@@ -41,16 +41,18 @@ class Process {
   void signal(int number) const { kill(pid_, number); }
   bool running() const {
     siginfo_t ended{};
-    return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
+    return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           ended.si_pid == 0;
   }
   Ended wait() {
     int status = 0;
     waitpid(pid_, &status, 0);
-    return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), content_of(out_), content_of(err_)};
+    return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), content_of(out_),
+            content_of(err_)};
   }
 
-
-  [[noreturn]] static void start(const std::filesystem::path& folder, const std::vector<std::string>& arguments) {
+  [[noreturn]] static void start(const std::filesystem::path& folder,
+                                 const std::vector<std::string>& arguments) {
     std::vector<char*> argv{const_cast<char*>(IMPEDRAW)};
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
@@ -59,7 +61,9 @@ class Process {
   }
 
  private:
-  static void redirect(const std::filesystem::path& file, int to) { dup2(open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), to); }
+  static void redirect(const std::filesystem::path& file, int to) {
+    dup2(open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), to);
+  }
 
   std::filesystem::path out_, err_;
   pid_t pid_ = -1;

@@ -14,7 +14,8 @@ class ScratchFolder : public ::testing::Test {
  protected:
   ScratchFolder() {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / (std::string("impedraw-") + test->name() + "-" + std::to_string(getpid()));
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string("impedraw-") + test->name() + "-" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
   }
   ~ScratchFolder() override { std::filesystem::remove_all(folder_); }

@@ -1,4 +1,5 @@
-// The controller alone: the state of an arm in, its torque and what that is made of out. The arm is made up, and stands still.
+// The controller alone: the state of an arm in, its torque and what that is made of out. The arm is
+// made up, and stands still.
 #include <cstdio>
 
 #include "impedraw/control/impedance.h"
@@ -26,12 +27,15 @@ int main() {
   TipGoal goal;
   goal.p_WD = arm.X_WE.p + Eigen::Vector3d(1e-3, 0.0, 0.0);  // 1 mm further on
   goal.pen_down = true;
-  const SurfaceEstimate surface{SurfaceStatus::ok, Eigen::Vector3d::UnitZ(), 0.0};  // under the tip, facing up
-  const Wrench F_ext = 5.0 * Wrench::Unit(2);                                       // and it holds the pen
+  const SurfaceEstimate surface{SurfaceStatus::ok, Eigen::Vector3d::UnitZ(),
+                                0.0};          // under the tip, facing up
+  const Wrench F_ext = 5.0 * Wrench::Unit(2);  // and it holds the pen
 
   const ImpedanceTorque* out = nullptr;
-  for (int i = 0; i < 500; ++i) out = &controller.step(arm, goal, surface, F_ext);  // one a millisecond: the push builds up
-  std::printf("%s, all well: %s\n", kContactModeNames[static_cast<int>(out->mode)].data(), out->status.ok() ? "yes" : "no");
+  for (int i = 0; i < 500; ++i)
+    out = &controller.step(arm, goal, surface, F_ext);  // one a millisecond: the push builds up
+  std::printf("%s, all well: %s\n", kContactModeNames[static_cast<int>(out->mode)].data(),
+              out->status.ok() ? "yes" : "no");
   std::printf("%-18s", "torque [Nm]");
   for (const double tau : out->tau) std::printf("%9.3f", tau);
   for (int term = 0; term < kTorqueTerms; ++term) {

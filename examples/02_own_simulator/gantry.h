@@ -1,10 +1,13 @@
-// A made-up arm with closed-form terms: three rails along x, y, z of W carry a wrist of three joints, whose axes meet in one point; in it
-// the pen, downwards at q = 0.
+// A made-up arm with closed-form terms: three rails along x, y, z of W carry a wrist of three
+// joints, whose axes meet in one point; in it the pen, downwards at q = 0.
 //
-// Joints      q = [x, y, z; a, b, c]: position of the wrist [m], turns about x, then y, then the pen [rad]. So the units of M, Cv and g are
+// Joints      q = [x, y, z; a, b, c]: position of the wrist [m], turns about x, then y, then the
+//             pen [rad]. So the units of M, Cv and g are
 //             those of force for a rail and of torque for a turn.
-// Tip         R_WE = Rx(a) Ry(b) Rz(c) diag(1, −1, −1),  p_WE = p + ℓ z_E;  ω = A [ȧ, ḃ, ċ], the columns of A the three axes in W
-// Dynamics    a sum over rails and bodies, as for any arm:  M = Σ (m Jᵀ J + Aᵀ I A),  C v = Σ (m Jᵀ J̇v + Aᵀ I Ȧv),  g = −Σ m Jᵀ gravity,
+// Tip         R_WE = Rx(a) Ry(b) Rz(c) diag(1, −1, −1),  p_WE = p + ℓ z_E;  ω = A [ȧ, ḃ, ċ], the
+//             columns of A the three axes in W
+// Dynamics    a sum over rails and bodies, as for any arm:  M = Σ (m Jᵀ J + Aᵀ I A),  C v = Σ (m Jᵀ
+//             J̇v + Aᵀ I Ȧv),  g = −Σ m Jᵀ gravity,
 //             J here that of a body's centre of mass; I that of a ball, for which ω × I ω = 0
 // J has full rank but at b = ± 90°, where the axes of a and c coincide.
 #pragma once
@@ -15,18 +18,20 @@
 
 struct Gantry {
   Eigen::Vector3d rail_mass{6.0, 5.0, 3.0};  // what each rail moves, without the pen [kg]
-  double wrist_inertia = 0.02;               // of a ball, about the wrist's centre, where its centre of mass is, too [kg m²]
-  double pen_mass = 0.2;                     // [kg], a point on the pen's axis ...
-  double pen_centre = 0.05;                  // ... so far from the wrist's centre [m]
-  double tip = 0.12;                         // ℓ [m]
+  // of a ball, about the wrist's centre, where its centre of mass is, too [kg m²]
+  double wrist_inertia = 0.02;
+  double pen_mass = 0.2;                       // [kg], a point on the pen's axis ...
+  double pen_centre = 0.05;                    // ... so far from the wrist's centre [m]
+  double tip = 0.12;                           // ℓ [m]
   Eigen::Vector3d gravity_W{0.0, 0.0, -9.81};  // [m/s²]
 
-  void compute(const impedraw::JointVector& q, const impedraw::JointVector& v, impedraw::ArmTerms* arm) const {
+  void compute(const impedraw::JointVector& q, const impedraw::JointVector& v,
+               impedraw::ArmTerms* arm) const {
     using Eigen::Matrix3d, Eigen::Vector3d;
     const double sa = std::sin(q[3]), ca = std::cos(q[3]), sb = std::sin(q[4]), cb = std::cos(q[4]);
     const double sc = std::sin(q[5]), cc = std::cos(q[5]);
-    Matrix3d axes, R_c;  // A: a column each, in W
-    axes << 1.0, 0.0, sb,  //
+    Matrix3d axes, R_c;     // A: a column each, in W
+    axes << 1.0, 0.0, sb,   //
         0.0, ca, -sa * cb,  //
         0.0, sa, ca * cb;
     R_c << cc, sc, 0.0,  // Rz(c) diag(1, −1, −1)
@@ -46,7 +51,9 @@ struct Gantry {
       for (int j = 0; j < 3; ++j) J.col(3 + j) = axes.col(j).cross(distance * z_E);
       return J;
     };
-    const auto point_drift = [&](double distance) -> Vector3d { return distance * (spin_drift.cross(z_E) + w.cross(w.cross(z_E))); };
+    const auto point_drift = [&](double distance) -> Vector3d {
+      return distance * (spin_drift.cross(z_E) + w.cross(w.cross(z_E)));
+    };
 
     arm->q = q;
     arm->v = v;

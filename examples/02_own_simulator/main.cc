@@ -1,20 +1,23 @@
-// The loop closed in a simulator of one's own: an arm (gantry.h) with a force-torque sensor above its pen comes down on an inclined canvas,
-// draws a circle at 5 N and leaves. Prints force and line; the exit code is 1 if they are not as asked for.
+// The loop closed in a simulator of one's own: an arm (gantry.h) with a force-torque sensor above
+// its pen comes down on an inclined canvas, draws a circle at 5 N and leaves. Prints force and
+// line; the exit code is 1 if they are not as asked for.
 //
-// usage: own_simulator [FRICTION]    of pen on canvas, 0.25 unless given; the controller believes 0.3
+// usage: own_simulator [FRICTION]    of pen on canvas, 0.25 unless given; the controller believes
+// 0.3
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
-#include "impedraw/control/impedance.h"
 #include "gantry.h"
+#include "impedraw/control/impedance.h"
 #include "impedraw/sensing/wrench_estimator.h"
 
 using namespace impedraw;
 using Eigen::Vector3d;
 
-constexpr double kStep = 1e-3;    // of the controller [s]
-constexpr int kSubsteps = 20;     // of the simulator in one of the controller's: friction on a light tip is stiff
+constexpr double kStep = 1e-3;  // of the controller [s]
+// of the simulator in one of the controller's: friction on a light tip is stiff
+constexpr int kSubsteps = 20;
 constexpr double kForce = 5.0;    // [N]
 constexpr double kRadius = 0.03;  // of the circle, seen along z [m]
 constexpr double kPenDown = 0.6, kDraw = 2.8, kDrawn = 8.6, kPenUp = 8.8, kEnd = 9.6;  // [s]
@@ -57,7 +60,8 @@ struct Simulator {
     contact_W.setZero();
     for (int i = 0; i < kSubsteps; ++i) {  // semi-implicit Euler
       const Vector3d f = canvas.force(terms.X_WE.p, terms.V_WE.head<3>());
-      const JointVector a = terms.M.llt().solve(tau - terms.Cv - terms.g + terms.J.topRows<3>().transpose() * f);
+      const JointVector a =
+          terms.M.llt().solve(tau - terms.Cv - terms.g + terms.J.topRows<3>().transpose() * f);
       reading_S += reading(f, a) / kSubsteps;
       contact_W += f / kSubsteps;
       v += h * a;
@@ -92,18 +96,24 @@ struct Smooth {
   }
 };
 
-// Down from 10 mm, once around, up again. The plan knows the slope, but has the canvas 2 mm too high: perception finds it where it is.
+// Down from 10 mm, once around, up again. The plan knows the slope, but has the canvas 2 mm too
+// high: perception finds it where it is.
 TipGoal plan(double t, const Vector3d& n) {
   const Smooth turn(t - kDraw, kDrawn - kDraw), leave(t - kPenUp, kEnd - kPenUp);
-  const double phi = 2.0 * M_PI * turn.s, rate = 2.0 * M_PI * turn.rate, acceleration = 2.0 * M_PI * turn.acceleration;
+  const double phi = 2.0 * M_PI * turn.s, rate = 2.0 * M_PI * turn.rate,
+               acceleration = 2.0 * M_PI * turn.acceleration;
   const Vector3d out(std::cos(phi), std::sin(phi), 0.0), ahead(-std::sin(phi), std::cos(phi), 0.0);
-  const auto onto_canvas = [&n](const Vector3d& x) -> Vector3d { return x - Vector3d::UnitZ() * (n.dot(x) / n.z()); };
+  const auto onto_canvas = [&n](const Vector3d& x) -> Vector3d {
+    return x - Vector3d::UnitZ() * (n.dot(x) / n.z());
+  };
   TipGoal goal;
   goal.n_WD = n;
   goal.pen_down = t >= kPenDown && t < kPenUp;
-  goal.p_WD = onto_canvas(kRadius * out) + Vector3d(0.0, 0.0, 2e-3) + (t < kPenDown ? 0.008 : 0.02 * leave.s) * n;
+  goal.p_WD = onto_canvas(kRadius * out) + Vector3d(0.0, 0.0, 2e-3) +
+              (t < kPenDown ? 0.008 : 0.02 * leave.s) * n;
   goal.v_WD = onto_canvas(kRadius * rate * ahead) + 0.02 * leave.rate * n;
-  goal.a_WD = onto_canvas(kRadius * (acceleration * ahead - rate * rate * out)) + 0.02 * leave.acceleration * n;
+  goal.a_WD = onto_canvas(kRadius * (acceleration * ahead - rate * rate * out)) +
+              0.02 * leave.acceleration * n;
   return goal;
 }
 
@@ -121,7 +131,8 @@ int main(int argc, char** argv) {
   settings.push_force = kForce;
   settings.tip_radius = 0.0;
   settings.tip_stiffness = world.canvas.stiffness;
-  settings.q_0 = settings.null_stiffness = Eigen::VectorXd::Zero(6);  // six joints leave no null space
+  // six joints leave no null space
+  settings.q_0 = settings.null_stiffness = Eigen::VectorXd::Zero(6);
   settings.torque_limit = Eigen::VectorXd::Constant(6, 200.0);
   ImpedanceController controller(settings, 6);
 
@@ -137,7 +148,8 @@ int main(int argc, char** argv) {
   for (double t = 0.0; t < kEnd; t += kStep) {
     model.compute(world.q, world.v, &arm);
     const Wrench& F_ext = wrench.update(world.reading_S, arm.X_WE, arm.V_WE);
-    const SurfaceEstimate surface{SurfaceStatus::ok, n, world.canvas.height(arm.X_WE.p)};  // perception, here perfect
+    const SurfaceEstimate surface{SurfaceStatus::ok, n,
+                                  world.canvas.height(arm.X_WE.p)};  // perception, here perfect
     const ImpedanceTorque& out = controller.step(arm, plan(t, n), surface, F_ext);
     world.step(out.tau);
 
@@ -152,12 +164,17 @@ int main(int argc, char** argv) {
     line_2 += line * line;
     line_max = std::max(line_max, std::abs(line));
   }
-  const double mean = sum / drawn, deviation = std::sqrt(std::max(0.0, sum_2 / drawn - mean * mean)), rms = std::sqrt(line_2 / drawn);
+  const double mean = sum / drawn,
+               deviation = std::sqrt(std::max(0.0, sum_2 / drawn - mean * mean)),
+               rms = std::sqrt(line_2 / drawn);
   const double above = world.canvas.height(world.terms.X_WE.p);
-  std::printf("force %.4f N, SD %.4f N, peak %.2f N, touching %.1f %%\n", mean, deviation, peak, 100.0 * touching / drawn);
+  std::printf("force %.4f N, SD %.4f N, peak %.2f N, touching %.1f %%\n", mean, deviation, peak,
+              100.0 * touching / drawn);
   std::printf("line  %.4f mm RMS, %.4f mm at most\n", 1e3 * rms, 1e3 * line_max);
-  std::printf("steps that reported trouble: %d; %.1f mm above the canvas in the end\n", troubled, 1e3 * above);
-  const bool good = std::abs(mean - kForce) < 0.05 && deviation < 0.1 && touching == drawn && rms < 0.02e-3 &&  //
+  std::printf("steps that reported trouble: %d; %.1f mm above the canvas in the end\n", troubled,
+              1e3 * above);
+  const bool good = std::abs(mean - kForce) < 0.05 && deviation < 0.1 && touching == drawn &&
+                    rms < 0.02e-3 &&  //
                     troubled == 0 && above > 0.015;
   if (!good) std::printf("out of tolerance\n");
   return good ? 0 : 1;

@@ -8,20 +8,20 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/experiment/artwork.h"
-#include "impedraw/run/calibrate_tool.h"
-#include "impedraw/run/draw_into.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/place_auto.h"
-#include "impedraw/terminal/progress.h"
+#include "impedraw/report/report.h"
+#include "impedraw/run/calibrate_tool.h"
+#include "impedraw/run/draw_into.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/settings/settings_doc.h"
-#include "impedraw/terminal/clock.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
-#include "impedraw/common/errors.h"
-#include "impedraw/report/report.h"
+#include "impedraw/terminal/clock.h"
+#include "impedraw/terminal/progress.h"
 
 namespace impedraw {
 
@@ -36,7 +36,8 @@ fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
 // The scenario of the run in `folder`, which is to go on.
 Scenario begun(const fs::path& folder, Places* places) {
   if (!fs::exists(folder / "run.h5") || !fs::exists(folder / "scenario.yaml"))
-    throw InputError(fmt::format("--resume: {} holds no run to go on with; name its folder with --out", folder.string()));
+    throw InputError(fmt::format(
+        "--resume: {} holds no run to go on with; name its folder with --out", folder.string()));
   Scenario scenario;
   *places = read_settings(scenario, folder / "scenario.yaml");
   return scenario;
@@ -48,8 +49,10 @@ void require_same(const Scenario& scenario, const fs::path& folder) {
   std::ifstream then(folder / "scenario.yaml");
   for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
     if (a != b)
-      throw InputError(fmt::format("--resume: the run in {} was begun with '{}', now it is '{}'; give it the same settings, or none but --out",
-                                   folder.string(), a, b));
+      throw InputError(
+          fmt::format("--resume: the run in {} was begun with '{}', now it is '{}'; give it the "
+                      "same settings, or none but --out",
+                      folder.string(), a, b));
 }
 
 }  // namespace
@@ -59,11 +62,14 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
   PlacedCanvas found;
   {
     ProgressLine line;
-    found = place_automatically(scenario, places, [&line](double share) { line.update("placing the canvas", share); });
+    found = place_automatically(
+        scenario, places, [&line](double share) { line.update("placing the canvas", share); });
   }
   const Eigen::Vector2d c = found.scenario.drawing.placement.centre_m;
-  fmt::print(stderr, "placed  the drawing's centre at ({:.3f}, {:.3f}) m, turned by {:.0f}°: worst margin {:.2f}, {:.2f} as it stood{}\n", c.x(),
-             c.y(), found.turn_deg, found.margin, found.margin_before,
+  fmt::print(stderr,
+             "placed  the drawing's centre at ({:.3f}, {:.3f}) m, turned by {:.0f}°: worst margin "
+             "{:.2f}, {:.2f} as it stood{}\n",
+             c.x(), c.y(), found.turn_deg, found.margin, found.margin_before,
              found.passes ? "" : "; some of it cannot be drawn there, and nowhere else is better");
   return found.scenario;
 }
@@ -74,11 +80,13 @@ int draw(const DrawOptions& options) {
   Scenario scenario = resolve(options, &places);
   const fs::path folder = folder_for(options, scenario);
   require_run_folder(folder);
-  const bool given = !options.scenario.empty() || !options.shape.empty() || !options.svg.empty() || !options.text.empty() ||
-                     !options.assignments.empty();
+  const bool given = !options.scenario.empty() || !options.shape.empty() || !options.svg.empty() ||
+                     !options.text.empty() || !options.assignments.empty();
   // A place once found is the run's: it is not looked for again.
-  if (options.resume && (!given || options.place == "auto")) scenario = begun(folder, &places);
-  else scenario = placed(options, scenario, places);
+  if (options.resume && (!given || options.place == "auto"))
+    scenario = begun(folder, &places);
+  else
+    scenario = placed(options, scenario, places);
   Experiment experiment = prepare_visibly(scenario, places);
   if (options.resume) {
     begun(folder, &places);
@@ -86,8 +94,9 @@ int draw(const DrawOptions& options) {
   }
   print_notes(experiment);
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume);
-  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}{}report  {}\n", scenario.name, drawing.outcome.simulated, drawing.outcome.wall.loop,
-             metrics_table(drawing.metrics), met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
+  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}{}report  {}\n", scenario.name,
+             drawing.outcome.simulated, drawing.outcome.wall.loop, metrics_table(drawing.metrics),
+             met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
              fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing.outcome);
 }
@@ -99,17 +108,20 @@ int compare(const DrawOptions& options) {
   Scenario blind = seen;
   blind.perception.enabled = false;
   blind.name += "-blind";
-  const fs::path folder = options.out.empty() ? fs::path("runs") / (seen.name + "-compare") : options.out;
+  const fs::path folder =
+      options.out.empty() ? fs::path("runs") / (seen.name + "-compare") : options.out;
   require_comparison_folder(folder);
 
-  // Both are prepared before either is drawn: what is wrong with the second must not leave the first behind.
+  // Both are prepared before either is drawn: what is wrong with the second must not leave the
+  // first behind.
   struct Side {
     std::string name;
     Experiment experiment;
     double start_up;
   };
   std::vector<Side> sides;
-  for (const auto& [name, scenario] : {std::pair{"perception", &seen}, std::pair{"blind", &blind}}) {
+  for (const auto& [name, scenario] :
+       {std::pair{"perception", &seen}, std::pair{"blind", &blind}}) {
     const auto start = Clock::now();
     Experiment experiment = prepare(*scenario, places);
     sides.push_back({name, std::move(experiment), seconds_since(start)});
@@ -122,7 +134,8 @@ int compare(const DrawOptions& options) {
     worst = std::max(worst, code);
     fmt::print("{}\n{}", side.name, metrics_table(drawing.metrics));
   }
-  write_comparison({"with perception", folder / "perception"}, {"without perception", folder / "blind"}, folder);
+  write_comparison({"with perception", folder / "perception"},
+                   {"without perception", folder / "blind"}, folder);
   fmt::print("comparison  {}\n", fs::absolute(folder / "compare.html").lexically_normal().string());
   return worst;
 }
@@ -132,10 +145,13 @@ namespace {
 // docs/settings.md, which is this program's own output.
 std::string settings_page() {
   return "# Settings\n\n"
-         "Every setting of a scenario, as `./impedraw settings --markdown` prints them. A YAML file names those that differ from the "
+         "Every setting of a scenario, as `./impedraw settings --markdown` prints them. A YAML "
+         "file names those that differ from the "
          "default "
-         "(`control: {push: 3}`), the command line any one of them (`--set control.push=3`, `--set perception.cameras.0.width=320`). "
-         "`extends: other.yaml` takes everything from another file first. Where a name has an N, a list of them is given, counted from "
+         "(`control: {push: 3}`), the command line any one of them (`--set control.push=3`, `--set "
+         "perception.cameras.0.width=320`). "
+         "`extends: other.yaml` takes everything from another file first. Where a name has an N, a "
+         "list of them is given, counted from "
          "0.\n\n" +
          settings_markdown<Scenario>();
 }
@@ -144,35 +160,43 @@ std::string settings_page() {
 
 int calibrate_tool(const DrawOptions& options, int poses) {
   DrawOptions with_sensor = options;
-  if (with_sensor.scenario.empty()) with_sensor.scenario = fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine-realistic.yaml";
+  if (with_sensor.scenario.empty())
+    with_sensor.scenario = fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine-realistic.yaml";
   Places places;
   const Scenario scenario = resolve(with_sensor, &places);
   if (!has_sensor(scenario.control.source))
-    throw InputError(fmt::format("{}: control.wrench has no sensor to read; valid are sensor, realistic", places.of("control.wrench")));
+    throw InputError(
+        fmt::format("{}: control.wrench has no sensor to read; valid are sensor, realistic",
+                    places.of("control.wrench")));
   Experiment experiment = prepare(scenario, places);
   const ToolIdentification found = calibrate_tool(experiment, poses).found;
-  fmt::print("{} poses\n"
-             "  mass      {:.4f} ± {:.4f} kg\n"
-             "  centre    ({:.4f}, {:.4f}, {:.4f}) ± ({:.4f}, {:.4f}, {:.4f}) m, in the sensor's frame\n"
-             "  bias      ({:.3f}, {:.3f}, {:.3f}) N, ({:.4f}, {:.4f}, {:.4f}) Nm\n"
-             "  residual  {:.4f} N, {:.5f} Nm RMS an axis\n\n"
-             "As a setting of a scenario:\n"
-             "control: {{sensing: {{tool: {{mass: {:.4f}, centre: [{:.4f}, {:.4f}, {:.4f}]}}}}}}\n",
-             poses, found.mass, found.mass_error, found.p_SC.x(), found.p_SC.y(), found.p_SC.z(), found.p_SC_error.x(),
-             found.p_SC_error.y(), found.p_SC_error.z(), found.bias_S[0], found.bias_S[1], found.bias_S[2], found.bias_S[3],
-             found.bias_S[4], found.bias_S[5], found.residual_force, found.residual_torque, found.mass, found.p_SC.x(), found.p_SC.y(),
-             found.p_SC.z());
+  fmt::print(
+      "{} poses\n"
+      "  mass      {:.4f} ± {:.4f} kg\n"
+      "  centre    ({:.4f}, {:.4f}, {:.4f}) ± ({:.4f}, {:.4f}, {:.4f}) m, in the sensor's frame\n"
+      "  bias      ({:.3f}, {:.3f}, {:.3f}) N, ({:.4f}, {:.4f}, {:.4f}) Nm\n"
+      "  residual  {:.4f} N, {:.5f} Nm RMS an axis\n\n"
+      "As a setting of a scenario:\n"
+      "control: {{sensing: {{tool: {{mass: {:.4f}, centre: [{:.4f}, {:.4f}, {:.4f}]}}}}}}\n",
+      poses, found.mass, found.mass_error, found.p_SC.x(), found.p_SC.y(), found.p_SC.z(),
+      found.p_SC_error.x(), found.p_SC_error.y(), found.p_SC_error.z(), found.bias_S[0],
+      found.bias_S[1], found.bias_S[2], found.bias_S[3], found.bias_S[4], found.bias_S[5],
+      found.residual_force, found.residual_torque, found.mass, found.p_SC.x(), found.p_SC.y(),
+      found.p_SC.z());
   return kFinished;
 }
 
 int report(const fs::path& folder) {
-  if (!fs::exists(folder / "run.h5")) throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
+  if (!fs::exists(folder / "run.h5"))
+    throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
   Scenario scenario;
   read_settings(scenario, folder / "scenario.yaml");
   const Places places;
   const Shape artwork = make_artwork(scenario.drawing, Blame(places));
   const Placement placement = place(artwork.drawn, placement_settings(scenario.drawing));
-  fmt::print("{}report  {}\n", metrics_table(write_results(folder, scenario, artwork.target, placement, drawing_frame(scenario.drawing))),
+  fmt::print("{}report  {}\n",
+             metrics_table(write_results(folder, scenario, artwork.target, placement,
+                                         drawing_frame(scenario.drawing))),
              fs::absolute(folder / "report.html").lexically_normal().string());
   return kFinished;
 }

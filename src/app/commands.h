@@ -10,14 +10,19 @@
 
 namespace impedraw {
 
-// With canvas and drawing moved to where the arm reaches them best, if the options ask for that; says so.
+// With canvas and drawing moved to where the arm reaches them best, if the options ask for that;
+// says so.
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places);
 
 int draw(const DrawOptions& options);
-int plan(const DrawOptions& options, bool as_json);    // the pre-flight alone, with a picture; kMissed where something cannot be drawn
-int compare(const DrawOptions& options);               // with and without perception, side by side
-int report(const std::filesystem::path& folder);       // metrics, pictures and report of a run again, from its log
-int calibrate_tool(const DrawOptions& options, int poses);  // mass and centre of mass of the tool, on the simulated arm
-int print_settings(bool markdown);                      // every setting; markdown: as docs/settings.md has them
+int plan(
+    const DrawOptions& options,
+    bool as_json);  // the pre-flight alone, with a picture; kMissed where something cannot be drawn
+int compare(const DrawOptions& options);  // with and without perception, side by side
+int report(const std::filesystem::path&
+               folder);  // metrics, pictures and report of a run again, from its log
+int calibrate_tool(const DrawOptions& options,
+                   int poses);      // mass and centre of mass of the tool, on the simulated arm
+int print_settings(bool markdown);  // every setting; markdown: as docs/settings.md has them
 
 }  // namespace impedraw

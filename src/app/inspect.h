@@ -1,7 +1,8 @@
 // What a file holds, without drawing it.
 //
-// Artwork (.svg, .txt, .strokes, .csv): strokes, length_mm, bbox_mm [x0, y0, x1, y1] of their centrelines on the page, y down (null without
-// strokes), layers [{name, strokes}] in the document's order, warnings. One-point strokes are dots and have no length.
+// Artwork (.svg, .txt, .strokes, .csv): strokes, length_mm, bbox_mm [x0, y0, x1, y1] of their
+// centrelines on the page, y down (null without strokes), layers [{name, strokes}] in the
+// document's order, warnings. One-point strokes are dots and have no length.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +14,8 @@ namespace impedraw {
 // InputError as read_artwork. Nothing to draw is no error here, but a warning.
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file);
 
-// Prints what an artwork or, by its name's ending, a mesh holds (app/inspect_mesh.h), as JSON or as lines to be read. `unit`: of a mesh's
-// numbers [m]. Returns the exit code.
+// Prints what an artwork or, by its name's ending, a mesh holds (app/inspect_mesh.h), as JSON or as
+// lines to be read. `unit`: of a mesh's numbers [m]. Returns the exit code.
 int inspect(const std::filesystem::path& file, bool json, double unit = 1.0);
 
 }  // namespace impedraw

@@ -15,9 +15,11 @@ nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, double u
   double area = 0.0, slope = 0.0;
   for (const auto& t : checked.mesh.triangles) {
     const Eigen::Vector3d& p = checked.mesh.vertices[t[0]];
-    const Eigen::Vector3d twice = (checked.mesh.vertices[t[1]] - p).cross(checked.mesh.vertices[t[2]] - p);
+    const Eigen::Vector3d twice =
+        (checked.mesh.vertices[t[1]] - p).cross(checked.mesh.vertices[t[2]] - p);
     area += 0.5 * twice.norm();
-    if (!is_thin(checked, t)) slope = std::max(slope, std::atan2(twice.head<2>().norm(), twice.z()));
+    if (!is_thin(checked, t))
+      slope = std::max(slope, std::atan2(twice.head<2>().norm(), twice.z()));
   }
   nlohmann::ordered_json found;
   found["triangles"] = checked.given_triangles;
@@ -29,8 +31,11 @@ nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, double u
   found["slope_max_deg"] = slope * 180.0 / std::numbers::pi;
   found["faults"] = nlohmann::ordered_json::array();
   for (const MeshFault& fault : checked.faults) {
-    found["faults"].push_back(nlohmann::ordered_json{
-        {"kind", fault.kind}, {"count", fault.count}, {"first", fault.first}, {"mended", fault.mended}, {"message", fault.message}});
+    found["faults"].push_back(nlohmann::ordered_json{{"kind", fault.kind},
+                                                     {"count", fault.count},
+                                                     {"first", fault.first},
+                                                     {"mended", fault.mended},
+                                                     {"message", fault.message}});
   }
   return found;
 }

@@ -1,4 +1,5 @@
-// The command line: reads arguments, names errors, returns exit codes. What it does is in commands.h.
+// The command line: reads arguments, names errors, returns exit codes. What it does is in
+// commands.h.
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,32 +14,48 @@
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/settings/settings_text.h"
 #include "impedraw/study/reach.h"
 #include "impedraw/study/robustness.h"
-#include "impedraw/settings/settings_text.h"
-#include "impedraw/common/errors.h"
 
 namespace {
 
 void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
-  command->add_option("scenario", options->scenario, "YAML file; without one the sine on the standard bowl");
+  command->add_option("scenario", options->scenario,
+                      "YAML file; without one the sine on the standard bowl");
   command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10, circle");
-  command->add_option("--svg", options->svg, "a drawing of your own: .svg, or strokes as .txt, .strokes or .csv")->excludes("--shape");
-  command->add_option("--text", options->text, "a text to write in single strokes; \\n ends a line")->excludes("--shape")->excludes("--svg");
-  command->add_flag("--keep-order", options->keep_order, "draw the strokes of a file as it lists them, not with short ways in the air");
-  command->add_option("--out", options->out, "folder of the run, made if missing (default: runs/NAME)");
-  command->add_option("--set", options->assignments, "override one setting, as in --set control.push=3; may be given again")
+  command
+      ->add_option("--svg", options->svg,
+                   "a drawing of your own: .svg, or strokes as .txt, .strokes or .csv")
+      ->excludes("--shape");
+  command->add_option("--text", options->text, "a text to write in single strokes; \\n ends a line")
+      ->excludes("--shape")
+      ->excludes("--svg");
+  command->add_flag("--keep-order", options->keep_order,
+                    "draw the strokes of a file as it lists them, not with short ways in the air");
+  command->add_option("--out", options->out,
+                      "folder of the run, made if missing (default: runs/NAME)");
+  command
+      ->add_option("--set", options->assignments,
+                   "override one setting, as in --set control.push=3; may be given again")
       ->take_all()
       ->allow_extra_args(false);
 }
 
 void add_table_options(CLI::App* command, impedraw::CellTableOptions* options) {
   command->add_option("--out", options->out,
-                      "folder of the table and the picture, made if missing (default: runs/" + command->get_name() + ")");
-  command->add_option("--jobs", options->jobs, "cells at a time (default: the number of cores)")->check(CLI::Range(1, 1024));
-  command->add_option("--only", options->only, "only cells whose name matches this regular expression");
-  command->add_flag("--again", options->again, "run anew what an earlier run in that folder has done; without it that is kept");
-  command->add_flag("--list", options->list, "print each cell's name and the command that runs it alone");
+                      "folder of the table and the picture, made if missing (default: runs/" +
+                          command->get_name() + ")");
+  command->add_option("--jobs", options->jobs, "cells at a time (default: the number of cores)")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--only", options->only,
+                      "only cells whose name matches this regular expression");
+  command->add_flag(
+      "--again", options->again,
+      "run anew what an earlier run in that folder has done; without it that is kept");
+  command->add_flag("--list", options->list,
+                    "print each cell's name and the command that runs it alone");
 }
 
 // Some libraries' messages are longer.
@@ -49,7 +66,9 @@ std::string one_line(std::string text) {
 }
 
 int run_program(int argc, char** argv) {
-  CLI::App app("impedraw: an iiwa draws with a pen on surfaces that nobody measured, held there by operational-space impedance control.");
+  CLI::App app(
+      "impedraw: an iiwa draws with a pen on surfaces that nobody measured, held there by "
+      "operational-space impedance control.");
   app.name("./impedraw");
   app.require_subcommand(1);
   app.footer("Each has examples: ./impedraw draw --help");
@@ -57,125 +76,176 @@ int run_program(int argc, char** argv) {
   impedraw::DrawOptions options;
   int code = 0;
 
-  CLI::App* draw = app.add_subcommand("draw", "draw artwork on a canvas; leaves the drawing, its numbers and a report");
+  CLI::App* draw = app.add_subcommand(
+      "draw", "draw artwork on a canvas; leaves the drawing, its numbers and a report");
   add_scenario_options(draw, &options);
-  draw->add_flag("--no-perception", options.no_perception, "blind: stiffness control with the set-point beneath the surface");
-  draw->add_flag("--skip-unreachable", options.skip_unreachable, "draw what passes the pre-flight and name the rest; without it nothing is drawn");
-  draw->add_flag("--resume", options.resume, "go on with an interrupted run: what it drew is kept, what has no ink is drawn");
+  draw->add_flag("--no-perception", options.no_perception,
+                 "blind: stiffness control with the set-point beneath the surface");
+  draw->add_flag("--skip-unreachable", options.skip_unreachable,
+                 "draw what passes the pre-flight and name the rest; without it nothing is drawn");
+  draw->add_flag("--resume", options.resume,
+                 "go on with an interrupted run: what it drew is kept, what has no ink is drawn");
   draw->footer(
-      "Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw draw --svg flower.svg --set "
+      "Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw "
+      "draw --svg flower.svg --set "
       "drawing.placement.fit_radius=0.12\n"
       "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind\n"
       "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: goes on where it was");
   draw->callback([&] { code = impedraw::draw(options); });
 
   bool plan_json = false;
-  CLI::App* plan = app.add_subcommand("plan", "the pre-flight: which strokes can be drawn, which not, where and why, how long it takes; a picture");
+  CLI::App* plan = app.add_subcommand("plan",
+                                      "the pre-flight: which strokes can be drawn, which not, "
+                                      "where and why, how long it takes; a picture");
   add_scenario_options(plan, &options);
   plan->add_flag("--json", plan_json, "as JSON");
   plan->footer(
       "Exit code 0 when all of it can be drawn, 1 when some of it cannot.\n"
-      "Examples:\n  ./impedraw plan --svg artwork/koi.svg\n  ./impedraw plan --svg flower.svg --set drawing.placement.fit_radius=0.3\n"
-      "  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.3 --skip-unreachable");
+      "Examples:\n  ./impedraw plan --svg artwork/koi.svg\n  ./impedraw plan --svg flower.svg "
+      "--set drawing.placement.fit_radius=0.3\n"
+      "  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.3 "
+      "--skip-unreachable");
   plan->callback([&] { code = impedraw::plan(options, plan_json); });
 
   for (CLI::App* command : {draw, plan})
-    command->add_option("--place", options.place, "fixed: the canvas stands where the scenario says; auto: where the arm reaches the drawing best")
+    command
+        ->add_option("--place", options.place,
+                     "fixed: the canvas stands where the scenario says; auto: where the arm "
+                     "reaches the drawing best")
         ->check(CLI::IsMember({"fixed", "auto"}));
 
-  CLI::App* compare = app.add_subcommand("compare", "the same drawing with and without perception, side by side");
+  CLI::App* compare =
+      app.add_subcommand("compare", "the same drawing with and without perception, side by side");
   add_scenario_options(compare, &options);
-  compare->footer("Examples:\n  ./impedraw compare\n  ./impedraw compare scenarios/bowl-m.yaml --out /tmp/m\n"
-                  "  ./impedraw compare --svg flower.svg");
+  compare->footer(
+      "Examples:\n  ./impedraw compare\n  ./impedraw compare scenarios/bowl-m.yaml --out /tmp/m\n"
+      "  ./impedraw compare --svg flower.svg");
   compare->callback([&] { code = impedraw::compare(options); });
 
   std::filesystem::path folder;
-  CLI::App* report = app.add_subcommand("report", "make metrics, pictures and report of a run again, from its log");
+  CLI::App* report = app.add_subcommand(
+      "report", "make metrics, pictures and report of a run again, from its log");
   report->add_option("folder", folder, "of a run")->required();
   report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
   report->callback([&] { code = impedraw::report(folder); });
 
   std::filesystem::path inspected;
   bool as_json = false;
-  CLI::App* inspect = app.add_subcommand("inspect", "what an artwork or a mesh holds, without drawing it: strokes, length, layers; triangles, faults");
-  inspect->add_option("file", inspected, "artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: .obj, .stl, .ply")->required();
+  CLI::App* inspect = app.add_subcommand("inspect",
+                                         "what an artwork or a mesh holds, without drawing it: "
+                                         "strokes, length, layers; triangles, faults");
+  inspect
+      ->add_option("file", inspected,
+                   "artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: .obj, .stl, .ply")
+      ->required();
   inspect->add_flag("--json", as_json, "as JSON");
   using impedraw::LengthUnit;
-  const std::map<std::string, LengthUnit> units{{"m", LengthUnit::m}, {"mm", LengthUnit::mm}, {"cm", LengthUnit::cm}, {"in", LengthUnit::in}};
+  const std::map<std::string, LengthUnit> units{
+      {"m", LengthUnit::m}, {"mm", LengthUnit::mm}, {"cm", LengthUnit::cm}, {"in", LengthUnit::in}};
   std::string unit = "m";
-  inspect->add_option("--unit", unit, "of a mesh's numbers: m, mm, cm, in (default: m)")->check(CLI::IsMember({"m", "mm", "cm", "in"}));
-  inspect->footer("Examples:\n  ./impedraw inspect artwork/koi.svg\n  ./impedraw inspect --json flower.svg\n"
-                  "  ./impedraw inspect vase.stl --unit mm");
+  inspect->add_option("--unit", unit, "of a mesh's numbers: m, mm, cm, in (default: m)")
+      ->check(CLI::IsMember({"m", "mm", "cm", "in"}));
+  inspect->footer(
+      "Examples:\n  ./impedraw inspect artwork/koi.svg\n  ./impedraw inspect --json flower.svg\n"
+      "  ./impedraw inspect vase.stl --unit mm");
   inspect->callback([&] { code = impedraw::inspect(inspected, as_json, metres(units.at(unit))); });
 
   int poses = 8;
-  CLI::App* calibrate = app.add_subcommand("calibrate-tool", "find mass and centre of mass of the tool on the wrench sensor, on the simulated arm");
-  calibrate->add_option("scenario", options.scenario, "YAML file with control.wrench sensor or realistic (default: bowl-sine-realistic)");
-  calibrate->add_option("--poses", poses, "how many orientations it holds the tool in")->check(CLI::Range(3, 100));
-  calibrate->add_option("--set", options.assignments, "override one setting, as in --set wrench_sensor.noise_force=0.2")
+  CLI::App* calibrate = app.add_subcommand(
+      "calibrate-tool",
+      "find mass and centre of mass of the tool on the wrench sensor, on the simulated arm");
+  calibrate->add_option(
+      "scenario", options.scenario,
+      "YAML file with control.wrench sensor or realistic (default: bowl-sine-realistic)");
+  calibrate->add_option("--poses", poses, "how many orientations it holds the tool in")
+      ->check(CLI::Range(3, 100));
+  calibrate
+      ->add_option("--set", options.assignments,
+                   "override one setting, as in --set wrench_sensor.noise_force=0.2")
       ->take_all()
       ->allow_extra_args(false);
-  calibrate->footer("Examples:\n  ./impedraw calibrate-tool\n  ./impedraw calibrate-tool scenarios/bowl-m-sensor.yaml --poses 12\n"
-                    "  ./impedraw calibrate-tool --set world.errors.mass_scale=1.2");
+  calibrate->footer(
+      "Examples:\n  ./impedraw calibrate-tool\n  ./impedraw calibrate-tool "
+      "scenarios/bowl-m-sensor.yaml --poses 12\n"
+      "  ./impedraw calibrate-tool --set world.errors.mass_scale=1.2");
   calibrate->callback([&] { code = impedraw::calibrate_tool(options, poses); });
 
   impedraw::CellTableOptions table;
-  CLI::App* robustness =
-      app.add_subcommand("robustness", "speeds, slopes, pushes, canvases and model errors, cell by cell; leaves a table and a plot");
+  CLI::App* robustness = app.add_subcommand(
+      "robustness",
+      "speeds, slopes, pushes, canvases and model errors, cell by cell; leaves a table and a plot");
   robustness->footer(
-      "Stopped by ctrl-C it goes on where it was when started again. Cells that fail are findings: the exit code is 0 once all were run.\n"
-      "Examples:\n  ./impedraw robustness\n  ./impedraw robustness --only '^matrix-nominal-200mm_s' --out /tmp/fast\n"
+      "Stopped by ctrl-C it goes on where it was when started again. Cells that fail are findings: "
+      "the exit code is 0 once all were run.\n"
+      "Examples:\n  ./impedraw robustness\n  ./impedraw robustness --only "
+      "'^matrix-nominal-200mm_s' --out /tmp/fast\n"
       "  ./impedraw robustness --list | grep -A1 wave");
   robustness->callback([&] { code = impedraw::robustness(table); });
 
-  CLI::App* reach =
-      app.add_subcommand("reach", "ten drawings on ten canvases: what is drawn, how well, what is not and why; leaves a table and pictures");
+  CLI::App* reach = app.add_subcommand("reach",
+                                       "ten drawings on ten canvases: what is drawn, how well, "
+                                       "what is not and why; leaves a table and pictures");
   reach->footer(
-      "Stopped by ctrl-C it goes on where it was when started again. Combinations that miss a limit are findings: the exit code is 0 once\n"
+      "Stopped by ctrl-C it goes on where it was when started again. Combinations that miss a "
+      "limit are findings: the exit code is 0 once\n"
       "all were run.\n"
-      "Examples:\n  ./impedraw reach\n  ./impedraw reach --only '^koi-on' --out /tmp/koi\n  ./impedraw reach --list | grep -A1 wall");
+      "Examples:\n  ./impedraw reach\n  ./impedraw reach --only '^koi-on' --out /tmp/koi\n  "
+      "./impedraw reach --list | grep -A1 wall");
   reach->callback([&] { code = impedraw::reach(table); });
   for (CLI::App* command : {robustness, reach}) add_table_options(command, &table);
 
-  CLI::App* settings = app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
+  CLI::App* settings =
+      app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
   bool markdown = false;
   settings->add_flag("--markdown", markdown, "as docs/settings.md has them");
-  settings->footer("Examples:\n  ./impedraw settings | less\n  ./impedraw settings | grep control\n"
-                   "  ./impedraw settings --markdown > docs/settings.md");
+  settings->footer(
+      "Examples:\n  ./impedraw settings | less\n  ./impedraw settings | grep control\n"
+      "  ./impedraw settings --markdown > docs/settings.md");
   settings->callback([&] { code = impedraw::print_settings(markdown); });
 
-  CLI::App* bench =
-      app.add_subcommand("bench", "speed as ratios against floors measured in the same run; exit code 1 when a limit is missed");
+  CLI::App* bench = app.add_subcommand("bench",
+                                       "speed as ratios against floors measured in the same run; "
+                                       "exit code 1 when a limit is missed");
   bench->prefix_command();
   bench->footer("Examples:\n  ./impedraw bench\n  ./impedraw bench --benchmark_filter=normal");
   bench->callback([&] {
-    const std::filesystem::path program = std::filesystem::canonical("/proc/self/exe").parent_path() / "../../bench/impedraw_bench";
+    const std::filesystem::path program =
+        std::filesystem::canonical("/proc/self/exe").parent_path() / "../../bench/impedraw_bench";
     std::vector<char*> arguments{const_cast<char*>("impedraw bench")};
     for (int i = 2; i < argc; ++i) arguments.push_back(argv[i]);
     arguments.push_back(nullptr);
     execv(program.c_str(), arguments.data());
-    throw impedraw::InputError("the benchmark is not built: call it as ./impedraw bench, or build the target impedraw_bench");
+    throw impedraw::InputError(
+        "the benchmark is not built: call it as ./impedraw bench, or build the target "
+        "impedraw_bench");
   });
 
   for (CLI::App* command : {draw, plan, compare, report, inspect, calibrate, robustness, reach})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
-        option->check([](const std::string& text) { return text.empty() ? std::string("nothing is given") : std::string(); }, "", "");
+        option->check(
+            [](const std::string& text) {
+              return text.empty() ? std::string("nothing is given") : std::string();
+            },
+            "", "");
 
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);
     return impedraw::kBadInput;
   }
   std::vector<std::string> commands;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
+  for (const CLI::App* command : app.get_subcommands(nullptr))
+    commands.push_back(command->get_name());
   const std::string first = argv[1];
   const bool known = std::find(commands.begin(), commands.end(), first) != commands.end();
-  if (!known && !first.starts_with('-')) throw impedraw::InputError("command " + impedraw::not_among(first, commands));
+  if (!known && !first.starts_with('-'))
+    throw impedraw::InputError("command " + impedraw::not_among(first, commands));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help was asked for
-    std::fprintf(stderr, "impedraw: %s; see ./impedraw %s--help\n", one_line(error.what()).c_str(), known ? (first + " ").c_str() : "");
+    std::fprintf(stderr, "impedraw: %s; see ./impedraw %s--help\n", one_line(error.what()).c_str(),
+                 known ? (first + " ").c_str() : "");
     return impedraw::kBadInput;
   }
   return code;

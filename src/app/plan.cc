@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 
 #include "impedraw/app/commands.h"
-#include "impedraw/run/draw_into.h"
-#include "impedraw/terminal/progress.h"
-#include "impedraw/run/run_folder.h"
 #include "impedraw/planning/wrap/distortion.h"
 #include "impedraw/report/distortion_picture.h"
 #include "impedraw/report/plan_picture.h"
+#include "impedraw/run/draw_into.h"
+#include "impedraw/run/run_folder.h"
+#include "impedraw/terminal/progress.h"
 
 namespace impedraw {
 
@@ -27,7 +27,8 @@ std::string words_of(Problem problem) {
 }
 
 // Each part of a stroke where it lies on the surface, in P.
-PlanLine plan_line(const PlacedStroke& part, const SurfaceHeight& surface, double z, const std::string& problem) {
+PlanLine plan_line(const PlacedStroke& part, const SurfaceHeight& surface, double z,
+                   const std::string& problem) {
   constexpr double kSpacing = 2e-3;  // [m]
   PlanLine line{{}, problem};
   const double length = plane_length(part);
@@ -43,17 +44,23 @@ PlanLine plan_line(const PlacedStroke& part, const SurfaceHeight& surface, doubl
 void write_picture(const Experiment& e, const fs::path& stem) {
   PlanPicture picture;
   picture.title = e.scenario.name;
-  picture.subtitle = fmt::format("{} strokes, {:.2f} m; {}", e.whole.size(), e.path.pen_down_length(),
-                                 e.preflight.findings.empty() ? "all can be drawn" : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
+  picture.subtitle =
+      fmt::format("{} strokes, {:.2f} m; {}", e.whole.size(), e.path.pen_down_length(),
+                  e.preflight.findings.empty()
+                      ? "all can be drawn"
+                      : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
   const Pose X_PW = e.X_WP.inverse();
-  for (const Eigen::Vector3d& v_W : e.canvas->mesh().vertices) picture.canvas_vertices.push_back(X_PW * v_W);
+  for (const Eigen::Vector3d& v_W : e.canvas->mesh().vertices)
+    picture.canvas_vertices.push_back(X_PW * v_W);
   picture.canvas_triangles = e.canvas->mesh().triangles;
   const SurfaceHeight surface = e.surface();
   const std::vector<PlacedStroke> flat = placed_strokes(e.artwork.drawn, e.placement);
-  for (const PlacedStroke& stroke : e.strokes) picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
+  for (const PlacedStroke& stroke : e.strokes)
+    picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
   for (const Finding& f : e.preflight.findings)
-    picture.lines.push_back(plan_line(part_of(flat[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to), surface,
-                                      (X_PW * f.p_W).z(), words_of(f.problem)));
+    picture.lines.push_back(
+        plan_line(part_of(flat[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to),
+                  surface, (X_PW * f.p_W).z(), words_of(f.problem)));
   write_plan(picture, stem);
 }
 
@@ -62,7 +69,8 @@ void write_picture(const Experiment& e, const fs::path& stem) {
 int plan(const DrawOptions& options, bool as_json) {
   Places places;
   Scenario scenario = resolve(options, &places);
-  const fs::path folder = options.out.empty() ? fs::path("runs") / (scenario.name + "-plan") : options.out;
+  const fs::path folder =
+      options.out.empty() ? fs::path("runs") / (scenario.name + "-plan") : options.out;
   require_plan_folder(folder);
   scenario = placed(options, scenario, places);
   const Experiment e = prepare_visibly(scenario, places, Unreachable::tell);
@@ -73,9 +81,12 @@ int plan(const DrawOptions& options, bool as_json) {
   fmt::print("{}", as_json ? json : plan_text(e));
   if (e.wrap) {
     const std::vector<PlacedStroke> flat = placed_strokes(e.artwork.drawn, e.placement);
-    write_distortion({e.scenario.name, e.wrap->chart(), flat, e.whole, projected_distortion(e), wrapped_distortion(e)}, folder / "distortion");
+    write_distortion({e.scenario.name, e.wrap->chart(), flat, e.whole, projected_distortion(e),
+                      wrapped_distortion(e)},
+                     folder / "distortion");
   }
-  if (!as_json) fmt::print("picture  {}\n", fs::absolute(folder / "plan.png").lexically_normal().string());
+  if (!as_json)
+    fmt::print("picture  {}\n", fs::absolute(folder / "plan.png").lexically_normal().string());
   return e.preflight.findings.empty() ? kFinished : kMissed;
 }
 

@@ -28,10 +28,12 @@ struct LinkCapsule {
 pinocchio::SE3 placement(const urdf::Pose& pose) {
   const auto& r = pose.rotation;
   const auto& p = pose.position;
-  return {Eigen::Quaterniond(r.w, r.x, r.y, r.z).toRotationMatrix(), Eigen::Vector3d(p.x, p.y, p.z)};
+  return {Eigen::Quaterniond(r.w, r.x, r.y, r.z).toRotationMatrix(),
+          Eigen::Vector3d(p.x, p.y, p.z)};
 }
 
-std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description, const pinocchio::Model& model) {
+std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
+                                       const pinocchio::Model& model) {
   std::vector<LinkCapsule> capsules;
   for (const auto& [name, link] : description.links_) {
     const auto& frame = model.frames[model.getFrameId(name, pinocchio::BODY)];
@@ -39,11 +41,14 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description, 
       const pinocchio::SE3 X_JB = frame.placement * placement(body->origin);
       if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(body->geometry.get())) {
         const Eigen::Vector3d half(0, 0, cylinder->length / 2);
-        capsules.push_back({name, frame.parentJoint, X_JB.act(Eigen::Vector3d(-half)), X_JB.act(half), cylinder->radius});
+        capsules.push_back({name, frame.parentJoint, X_JB.act(Eigen::Vector3d(-half)),
+                            X_JB.act(half), cylinder->radius});
       } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(body->geometry.get())) {
-        capsules.push_back({name, frame.parentJoint, X_JB.translation(), X_JB.translation(), sphere->radius});
+        capsules.push_back(
+            {name, frame.parentJoint, X_JB.translation(), X_JB.translation(), sphere->radius});
       } else {
-        throw InputError(fmt::format("link {}: a collision body that is neither a cylinder nor a sphere", name));
+        throw InputError(
+            fmt::format("link {}: a collision body that is neither a cylinder nor a sphere", name));
       }
     }
   }
@@ -62,11 +67,14 @@ struct ArmModel::Workspace {
   Eigen::VectorXd q, v;  // Pinocchio's prebuilt algorithms take plain VectorXd
 };
 
-ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame) : workspace_(std::make_unique<Workspace>()) {
+ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame)
+    : workspace_(std::make_unique<Workspace>()) {
   Workspace& w = *workspace_;
-  if (!std::filesystem::is_regular_file(urdf)) throw InputError(fmt::format("arm description {}: no such file", urdf.string()));
+  if (!std::filesystem::is_regular_file(urdf))
+    throw InputError(fmt::format("arm description {}: no such file", urdf.string()));
   const urdf::ModelInterfaceSharedPtr description = urdf::parseURDFFile(urdf.string());
-  if (!description) throw InputError(fmt::format("arm description {}: not a valid URDF", urdf.string()));
+  if (!description)
+    throw InputError(fmt::format("arm description {}: not a valid URDF", urdf.string()));
   try {
     pinocchio::urdf::buildModel(description, w.model);
     w.capsules = link_capsules(*description, w.model);
@@ -75,15 +83,20 @@ ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_fra
   }
   const int n = w.model.nv;
   if (w.model.nq != n || w.model.njoints != n + 1)
-    throw InputError(fmt::format("arm description {}: every joint must be revolute with limits, or prismatic", urdf.string()));
+    throw InputError(
+        fmt::format("arm description {}: every joint must be revolute with limits, or prismatic",
+                    urdf.string()));
   if (n < 6 || n > kMaxJoints)
-    throw InputError(fmt::format("arm description {}: {} joints, valid are 6 to {}", urdf.string(), n, kMaxJoints));
+    throw InputError(fmt::format("arm description {}: {} joints, valid are 6 to {}", urdf.string(),
+                                 n, kMaxJoints));
   if (!w.model.existFrame(tip_frame))
-    throw InputError(fmt::format("arm description {}: no frame named '{}'", urdf.string(), tip_frame));
+    throw InputError(
+        fmt::format("arm description {}: no frame named '{}'", urdf.string(), tip_frame));
   w.data = pinocchio::Data(w.model);
   w.tip = w.model.getFrameId(tip_frame);
   for (int i = 1; i <= n; ++i) w.joint_names.push_back(w.model.names[i]);
-  w.limits = {w.model.lowerPositionLimit, w.model.upperPositionLimit, w.model.upperEffortLimit, w.model.upperVelocityLimit};
+  w.limits = {w.model.lowerPositionLimit, w.model.upperPositionLimit, w.model.upperEffortLimit,
+              w.model.upperVelocityLimit};
   w.q = w.v = Eigen::VectorXd::Zero(n);
 }
 
@@ -103,15 +116,17 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   t.v = v;
 
   // Two passes over the arm give everything; each algorithm for itself would make five.
-  // The mass matrix by composite inertias in the world leaves placements, joint Jacobians and those inertias behind …
+  // The mass matrix by composite inertias in the world leaves placements, joint Jacobians and those
+  // inertias behind …
   pinocchio::crba(w.model, w.data, w.q, pinocchio::Convention::WORLD);
   t.M = w.data.M.selfadjointView<Eigen::Upper>();  // crba fills the upper triangle only
-  for (int i = 0; i < t.g.size(); ++i) {           // … of which gravity's torque is  g_i = −J_iᵀ Y_i a_g
+  for (int i = 0; i < t.g.size(); ++i) {  // … of which gravity's torque is  g_i = −J_iᵀ Y_i a_g
     const pinocchio::Force weight = w.data.oYcrb[i + 1] * w.model.gravity;
     t.g[i] = -w.data.J.col(i).dot(weight.toVector());
   }
 
-  // The bias leaves velocities behind, and accelerations for v̇ = 0 in a frame that rises at g: less gravity, the tip's drift J̇ v.
+  // The bias leaves velocities behind, and accelerations for v̇ = 0 in a frame that rises at g: less
+  // gravity, the tip's drift J̇ v.
   t.Cv = pinocchio::nonLinearEffects(w.model, w.data, w.q, w.v) - t.g;
   const pinocchio::Frame& tip = w.model.frames[w.tip];
   const pinocchio::JointIndex link = tip.parentJoint;
@@ -121,13 +136,15 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   const pinocchio::Motion V_E = tip.placement.actInv(w.data.v[link]);
   const pinocchio::Motion A_E = tip.placement.actInv(w.data.a_gf[link]);
   t.V_WE << R_WE * V_E.linear(), R_WE * V_E.angular();
-  const Eigen::Vector3d falling = A_E.linear() + V_E.angular().cross(V_E.linear());  // classical, of E's origin
+  // classical, of E's origin
+  const Eigen::Vector3d falling = A_E.linear() + V_E.angular().cross(V_E.linear());
   t.Jdot_v << R_WE * falling + w.model.gravity.linear(), R_WE * A_E.angular();
 
   // Columns of the world-frame Jacobian, moved to E's origin.
   const auto J_linear = w.data.J.topRows<3>(), J_angular = w.data.J.bottomRows<3>();
   t.J.bottomRows<3>() = J_angular;
-  for (int i = 0; i < t.g.size(); ++i) t.J.col(i).head<3>() = J_linear.col(i) + J_angular.col(i).cross(X_WE.translation());
+  for (int i = 0; i < t.g.size(); ++i)
+    t.J.col(i).head<3>() = J_linear.col(i) + J_angular.col(i).cross(X_WE.translation());
 }
 
 Pose ArmModel::tip_pose(const JointVector& q) {

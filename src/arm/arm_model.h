@@ -1,4 +1,5 @@
-// Rigid-body model of a serial arm with a pen, read from a URDF. Pinocchio computes; its headers stay in this folder's sources.
+// Rigid-body model of a serial arm with a pen, read from a URDF. Pinocchio computes; its headers
+// stay in this folder's sources.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +29,8 @@ struct BodyCapsule {
 class ArmModel {
  public:
   // `tip_frame` is the frame E of the pen tip: origin at the tip's apex, z out of the tip.
-  // Throws InputError for a file that is missing, broken, has other than single-axis joints, over kMaxJoints, or no such frame.
+  // Throws InputError for a file that is missing, broken, has other than single-axis joints, over
+  // kMaxJoints, or no such frame.
   explicit ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame = "tip");
   ~ArmModel();
   ArmModel(ArmModel&&) noexcept;
@@ -37,11 +39,13 @@ class ArmModel {
   const std::vector<std::string>& joint_names() const;
   const ArmLimits& limits() const;
 
-  // All terms of the law at (q, v). Allocates nothing. Errors against MuJoCo's own terms: < 1e-9 relative (tests/arm).
+  // All terms of the law at (q, v). Allocates nothing. Errors against MuJoCo's own terms: < 1e-9
+  // relative (tests/arm).
   void compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept;
 
-  Pose tip_pose(const JointVector& q);                        // X_WE
-  std::vector<BodyCapsule> body_capsules(const JointVector& q);  // the URDF's collision cylinders and spheres
+  Pose tip_pose(const JointVector& q);  // X_WE
+  std::vector<BodyCapsule> body_capsules(
+      const JointVector& q);  // the URDF's collision cylinders and spheres
 
  private:
   struct Workspace;

@@ -7,7 +7,8 @@
 
 namespace impedraw {
 
-IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed, const IkSettings& settings) {
+IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed,
+                      const IkSettings& settings) {
   const int n = arm.joints();
   const JointVector lower = arm.limits().lower, upper = arm.limits().upper;
   const JointVector rest = JointVector::Zero(n);
@@ -23,7 +24,8 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVect
     const Eigen::Vector3d cross = z.cross(wanted.z_WE);
     const double angle = std::atan2(cross.norm(), z.dot(wanted.z_WE));
     // At exactly opposite axes any normal of z serves as the axis to turn about.
-    const Eigen::Vector3d axis = cross.norm() > 1e-12 ? Eigen::Vector3d(cross.normalized()) : terms.X_WE.R.col(0);
+    const Eigen::Vector3d axis =
+        cross.norm() > 1e-12 ? Eigen::Vector3d(cross.normalized()) : terms.X_WE.R.col(0);
     Vector6 e;
     e << wanted.p_WE - terms.X_WE.p, angle * axis;
     const double position_error = e.head<3>().norm();
@@ -37,7 +39,8 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVect
       result.reached = true;
       break;
     }
-    // The turn about the pen carries no error: take it out of the Jacobian, so that it costs no motion either.
+    // The turn about the pen carries no error: take it out of the Jacobian, so that it costs no
+    // motion either.
     TipJacobian J = terms.J;
     J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
     const double damping = 1e-12 + 1e-2 * std::min(1.0, best * best);
@@ -46,7 +49,8 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVect
     const Eigen::LLT<Matrix6> factor(A);
     const JointVector home = settings.posture_gain * (seed - q);
     JointVector dq = J.transpose() * factor.solve(e - J * home) + home;
-    dq *= std::min(1.0, 0.3 / std::max(dq.cwiseAbs().maxCoeff(), 1e-12));  // no leaps across the workspace
+    dq *= std::min(
+        1.0, 0.3 / std::max(dq.cwiseAbs().maxCoeff(), 1e-12));  // no leaps across the workspace
     q = (q + dq).cwiseMax(lower).cwiseMin(upper);
   }
   return result;

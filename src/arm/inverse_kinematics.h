@@ -1,4 +1,5 @@
-// Joint posture for a pen that stands on a point along a given axis: five of the six degrees of freedom, the turn about the pen is free.
+// Joint posture for a pen that stands on a point along a given axis: five of the six degrees of
+// freedom, the turn about the pen is free.
 #pragma once
 
 #include <string>
@@ -20,13 +21,15 @@ struct IkSettings {
 };
 
 struct IkResult {
-  JointVector q;                // best posture, within the joint limits
+  JointVector q;  // best posture, within the joint limits
   bool reached = false;
   double position_error = 0.0;  // [m]
   double axis_error = 0.0;      // [rad]
 };
 
-// Damped least squares from `seed`, clamped to the joint limits at each step; the spare joints stay near the seed.
-IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed, const IkSettings& settings = {});
+// Damped least squares from `seed`, clamped to the joint limits at each step; the spare joints stay
+// near the seed.
+IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed,
+                      const IkSettings& settings = {});
 
 }  // namespace impedraw

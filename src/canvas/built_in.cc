@@ -24,15 +24,18 @@ void validate(std::string_view shape, const CapSettings& s) {
   require_at_most(shape, "edge", s.edge, "the opening_radius", s.opening_radius);
 }
 
-// The cap about +z of the sphere, wound outward. A ring holds as many vertices as its circumference has edges.
+// The cap about +z of the sphere, wound outward. A ring holds as many vertices as its circumference
+// has edges.
 TriangleMesh cap_about_z(const CapSettings& s) {
   const double half_angle = std::asin(s.opening_radius / s.radius);
-  const int count = std::max(1, static_cast<int>(std::ceil(s.radius * half_angle / (s.edge * std::sqrt(0.75)))));
+  const int count =
+      std::max(1, static_cast<int>(std::ceil(s.radius * half_angle / (s.edge * std::sqrt(0.75)))));
   std::vector<Ring> rings;
   for (int k = 1; k <= count; ++k) {
     const double theta = half_angle * k / count;
     const double rho = s.radius * std::sin(theta);
-    const int vertices = std::max(6, static_cast<int>(std::lround(2.0 * std::numbers::pi * rho / s.edge)));
+    const int vertices =
+        std::max(6, static_cast<int>(std::lround(2.0 * std::numbers::pi * rho / s.edge)));
     rings.push_back({rho, s.radius * std::cos(theta), vertices});
   }
   return ring_mesh(s.radius, rings);
@@ -40,10 +43,12 @@ TriangleMesh cap_about_z(const CapSettings& s) {
 
 TriangleMesh cap(std::string_view shape, const CapSettings& s, double up) {
   validate(shape, s);
-  const double area = 2.0 * std::numbers::pi * s.radius * s.radius * (1.0 - std::sqrt(1.0 - std::pow(s.opening_radius / s.radius, 2)));
+  const double area = 2.0 * std::numbers::pi * s.radius * s.radius *
+                      (1.0 - std::sqrt(1.0 - std::pow(s.opening_radius / s.radius, 2)));
   require_fair_size(shape, s.edge, area / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
   TriangleMesh mesh = cap_about_z(s);
-  // up = −1 mirrors the cap to the sphere's lowest part; the mirror also turns the winding, so that the normals come to point inward.
+  // up = −1 mirrors the cap to the sphere's lowest part; the mirror also turns the winding, so that
+  // the normals come to point inward.
   for (auto& p : mesh.vertices) p = s.centre + Eigen::Vector3d(p.x(), p.y(), up * p.z());
   return mesh;
 }
@@ -64,7 +69,8 @@ TriangleMesh make_plane(const PlaneSettings& s) {
   require_fair_size("plane", s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
 
   const Eigen::Vector3d z = s.normal.normalized();
-  const Eigen::Vector3d along = std::abs(z.x()) < 0.99 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d along =
+      std::abs(z.x()) < 0.99 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   const Eigen::Vector3d x = (along - z * z.dot(along)).normalized();
   const Eigen::Vector3d y = z.cross(x);
   const int columns = std::max(1, static_cast<int>(std::lround(s.width / s.edge)));

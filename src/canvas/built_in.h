@@ -1,5 +1,5 @@
-// Canvases that need no file: sphere and plane. The others: built_in_graphs.h and built_in_ruled.h. Each throws InputError, naming the
-// setting, its value and what would be valid.
+// Canvases that need no file: sphere and plane. The others: built_in_graphs.h and built_in_ruled.h.
+// Each throws InputError, naming the setting, its value and what would be valid.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,18 +8,21 @@
 
 namespace impedraw {
 
-// A cap of a sphere; every vertex lies on the sphere. Triangles are nearly equilateral (no angle under 35°), in rings about the cap's pole.
-// Between vertices the triangles leave the sphere by at most edge²/(4 radius): 1.9 µm on the standard bowl.
+// A cap of a sphere; every vertex lies on the sphere. Triangles are nearly equilateral (no angle
+// under 35°), in rings about the cap's pole. Between vertices the triangles leave the sphere by at
+// most edge²/(4 radius): 1.9 µm on the standard bowl.
 struct CapSettings {
-  double radius = 0.30;                                // of the sphere [m], > 0
-  Eigen::Vector3d centre = {0.60, 0.0, 0.40};          // of the sphere, p_WC [m]
-  double opening_radius = 0.18;                        // of the circle at which the cap ends, radius sin(slope there) [m], in (0, radius]
-  double edge = 0.0015;                                // wanted length of a triangle's edge [m], > 0, at most opening_radius
+  double radius = 0.30;                        // of the sphere [m], > 0
+  Eigen::Vector3d centre = {0.60, 0.0, 0.40};  // of the sphere, p_WC [m]
+  // of the circle at which the cap ends, radius sin(slope there) [m], in (0, radius]
+  double opening_radius = 0.18;
+  double edge = 0.0015;  // wanted length of a triangle's edge [m], > 0, at most opening_radius
 };
 using BowlSettings = CapSettings;
 using DomeSettings = CapSettings;
 
-// The sphere's lowest part, drawn on from inside: normals point to the centre. The default is the standard bowl.
+// The sphere's lowest part, drawn on from inside: normals point to the centre. The default is the
+// standard bowl.
 TriangleMesh make_bowl(const BowlSettings& settings = {});
 
 // The sphere's uppermost part, drawn on from outside: normals point away from the centre.
@@ -28,7 +31,8 @@ TriangleMesh make_dome(const DomeSettings& settings = {});
 struct PlaneSettings {
   Eigen::Vector3d centre = {0.60, 0.0, 0.10};         // p_WC [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the side drawn on; any length but zero
-  double width = 0.36;   // along W's x projected onto the plane (W's y where x stands on the plane) [m], > 0
+  // along W's x projected onto the plane (W's y where x stands on the plane) [m], > 0
+  double width = 0.36;
   double height = 0.36;  // across that [m], > 0
   double edge = 0.01;    // wanted length of a cell's side [m], > 0
 };

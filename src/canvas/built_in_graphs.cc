@@ -25,7 +25,8 @@ void validate(std::string_view shape, const FootprintSettings& s) {
 }
 
 // A coarser grid would show another wave than the one asked for.
-void require_fine_edge(std::string_view shape, const FootprintSettings& s, std::string_view what, double wavelength) {
+void require_fine_edge(std::string_view shape, const FootprintSettings& s, std::string_view what,
+                       double wavelength) {
   require_at_most(shape, "edge", s.edge, what, wavelength / 8.0);
 }
 
@@ -34,11 +35,12 @@ TriangleMesh graph(const FootprintSettings& s, const Height& h) {
   const double heading = s.heading_deg * kPi / 180.0;
   const Eigen::Vector3d e_x(std::cos(heading), std::sin(heading), 0.0);
   const Eigen::Vector3d e_y(-e_x.y(), e_x.x(), 0.0);
-  return grid_mesh(cells(s.width, s.edge), cells(s.height, s.edge), [&](double u, double v) -> Eigen::Vector3d {
-    const double x = s.width * (u - 0.5);
-    const double y = s.height * (v - 0.5);
-    return s.centre + x * e_x + y * e_y + h(x, y) * Eigen::Vector3d::UnitZ();
-  });
+  return grid_mesh(cells(s.width, s.edge), cells(s.height, s.edge),
+                   [&](double u, double v) -> Eigen::Vector3d {
+                     const double x = s.width * (u - 0.5);
+                     const double y = s.height * (v - 0.5);
+                     return s.centre + x * e_x + y * e_y + h(x, y) * Eigen::Vector3d::UnitZ();
+                   });
 }
 
 }  // namespace
@@ -48,7 +50,9 @@ TriangleMesh make_wave(const WaveSettings& s) {
   require_positive("wave", "amplitude", s.amplitude);
   require_positive("wave", "wavelength", s.wavelength);
   require_fine_edge("wave", s.footprint, "an eighth of the wavelength", s.wavelength);
-  return graph(s.footprint, [&](double x, double) { return s.amplitude * std::sin(2.0 * kPi * x / s.wavelength); });
+  return graph(s.footprint, [&](double x, double) {
+    return s.amplitude * std::sin(2.0 * kPi * x / s.wavelength);
+  });
 }
 
 TriangleMesh make_saddle(const SaddleSettings& s) {

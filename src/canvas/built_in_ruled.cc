@@ -34,18 +34,24 @@ TriangleMesh part_of_cylinder(std::string_view shape, const CylinderSettings& s,
   const double heading = s.heading_deg * kPi / 180.0;
   const Eigen::Vector3d along(std::cos(heading), std::sin(heading), 0.0);
   const Eigen::Vector3d across(-along.y(), along.x(), 0.0);
-  return grid_mesh(cells(s.length, s.edge), cells(arc, s.edge), [&](double u, double v) -> Eigen::Vector3d {
-    const double theta = half_angle * (2.0 * v - 1.0);
-    const double rise = up * s.radius * (std::cos(theta) - 1.0);
-    return s.middle + s.length * (u - 0.5) * along + s.radius * std::sin(theta) * across + rise * Eigen::Vector3d::UnitZ();
-  });
+  return grid_mesh(cells(s.length, s.edge), cells(arc, s.edge),
+                   [&](double u, double v) -> Eigen::Vector3d {
+                     const double theta = half_angle * (2.0 * v - 1.0);
+                     const double rise = up * s.radius * (std::cos(theta) - 1.0);
+                     return s.middle + s.length * (u - 0.5) * along +
+                            s.radius * std::sin(theta) * across + rise * Eigen::Vector3d::UnitZ();
+                   });
 }
 
 }  // namespace
 
-TriangleMesh make_cylinder(const CylinderSettings& settings) { return part_of_cylinder("cylinder", settings, 1.0); }
+TriangleMesh make_cylinder(const CylinderSettings& settings) {
+  return part_of_cylinder("cylinder", settings, 1.0);
+}
 
-TriangleMesh make_trough(const CylinderSettings& settings) { return part_of_cylinder("trough", settings, -1.0); }
+TriangleMesh make_trough(const CylinderSettings& settings) {
+  return part_of_cylinder("trough", settings, -1.0);
+}
 
 TriangleMesh make_cone(const ConeSettings& s) {
   require_finite("cone", "apex", s.apex);
@@ -53,19 +59,23 @@ TriangleMesh make_cone(const ConeSettings& s) {
   require_positive("cone", "edge", s.edge);
   require_at_most("cone", "edge", s.edge, "the base_radius", s.base_radius);
   if (!(s.slope_deg > 0.0 && s.slope_deg <= 80.0)) {
-    throw InputError(fmt::format("cone: slope = {} deg, must be above 0 and at most 80 deg", s.slope_deg));
+    throw InputError(
+        fmt::format("cone: slope = {} deg, must be above 0 and at most 80 deg", s.slope_deg));
   }
   const double slope = s.slope_deg * kPi / 180.0;
   const double slant = s.base_radius / std::cos(slope);
-  require_fair_size("cone", s.edge, kPi * s.base_radius * slant / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
+  require_fair_size("cone", s.edge,
+                    kPi * s.base_radius * slant / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
 
   const int count = std::max(1, static_cast<int>(std::ceil(slant / (s.edge * std::sqrt(0.75)))));
   std::vector<Ring> rings;
   for (int k = 1; k <= count; ++k) {
     const double rho = s.base_radius * k / count;
-    // A chord of length l leaves the cone by l² sin(slope)/(8 ρ): shorter ones near the apex keep to the bound.
+    // A chord of length l leaves the cone by l² sin(slope)/(8 ρ): shorter ones near the apex keep
+    // to the bound.
     const double chord = s.edge * std::min(1.0, std::sqrt(8.0 * rho / s.base_radius));
-    rings.push_back({rho, -std::tan(slope) * rho, std::max(6, static_cast<int>(std::ceil(2.0 * kPi * rho / chord)))});
+    rings.push_back({rho, -std::tan(slope) * rho,
+                     std::max(6, static_cast<int>(std::ceil(2.0 * kPi * rho / chord)))});
   }
   TriangleMesh mesh = ring_mesh(0.0, rings);
   for (auto& p : mesh.vertices) p += s.apex;

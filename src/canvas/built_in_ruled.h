@@ -1,5 +1,5 @@
-// Canvases made of straight lines: cylinder, trough, cone. Vertices lie on the formula to rounding. Each throws InputError, naming the
-// setting, its value and what would be valid.
+// Canvases made of straight lines: cylinder, trough, cone. Vertices lie on the formula to rounding.
+// Each throws InputError, naming the setting, its value and what would be valid.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,31 +8,37 @@
 
 namespace impedraw {
 
-// Part of a cylinder whose axis is level, e = (cos heading, sin heading, 0). Facets leave it by at most edge²/(8 radius): 0.9 µm as it
-// stands. The slope at its sides is asin(width/(2 radius)), 37° as it stands.
+// Part of a cylinder whose axis is level, e = (cos heading, sin heading, 0). Facets leave it by at
+// most edge²/(8 radius): 0.9 µm as it stands. The slope at its sides is asin(width/(2 radius)), 37°
+// as it stands.
 struct CylinderSettings {
-  Eigen::Vector3d middle = {0.60, 0.0, 0.10};  // of its top line (cylinder) or bottom line (trough), p_WM [m]
-  double heading_deg = 0.0;                    // of the axis about W's z [deg]
-  double radius = 0.30;                        // [m], > 0
-  double length = 0.36;                        // along the axis [m], > 0
-  double width = 0.36;                         // across, seen from above [m], in (0, 2 radius]
-  double edge = 0.0015;                        // longest side of a cell [m], > 0, at most width
+  Eigen::Vector3d middle = {0.60, 0.0,
+                            0.10};  // of its top line (cylinder) or bottom line (trough), p_WM [m]
+  double heading_deg = 0.0;         // of the axis about W's z [deg]
+  double radius = 0.30;             // [m], > 0
+  double length = 0.36;             // along the axis [m], > 0
+  double width = 0.36;              // across, seen from above [m], in (0, 2 radius]
+  double edge = 0.0015;             // longest side of a cell [m], > 0, at most width
 };
 
-// The upper part, drawn on from outside: the axis lies `radius` beneath the middle, and normals point away from it.
+// The upper part, drawn on from outside: the axis lies `radius` beneath the middle, and normals
+// point away from it.
 TriangleMesh make_cylinder(const CylinderSettings& settings = {});
 
-// The lower part, drawn on from inside: the axis lies `radius` above the middle, and normals point to it.
+// The lower part, drawn on from inside: the axis lies `radius` above the middle, and normals point
+// to it.
 TriangleMesh make_trough(const CylinderSettings& settings = {});
 
-// An upright cone, apex up, drawn on from outside: z = apex.z − tan(slope) ρ, ρ ≤ base_radius the distance from its axis. Normals point
-// up and away from the axis, which makes a kink of 2 slope at the apex. Rings about the apex whose vertices stand closer near it, so that
-// facets leave the cone by at most edge² sin(slope)/base_radius: 4.3 µm as it stands.
+// An upright cone, apex up, drawn on from outside: z = apex.z − tan(slope) ρ, ρ ≤ base_radius the
+// distance from its axis. Normals point up and away from the axis, which makes a kink of 2 slope at
+// the apex. Rings about the apex whose vertices stand closer near it, so that facets leave the cone
+// by at most edge² sin(slope)/base_radius: 4.3 µm as it stands.
 struct ConeSettings {
   Eigen::Vector3d apex = {0.60, 0.0, 0.14};  // p_WA [m]
-  double slope_deg = 20.0;                   // of its side to the level; the cone's half-angle is 90° − slope [deg], in (0, 80]
-  double base_radius = 0.18;                 // of the circle at which it ends [m], > 0
-  double edge = 0.0015;                      // wanted length of a triangle's edge [m], > 0, at most base_radius
+  // of its side to the level; the cone's half-angle is 90° − slope [deg], in (0, 80]
+  double slope_deg = 20.0;
+  double base_radius = 0.18;  // of the circle at which it ends [m], > 0
+  double edge = 0.0015;       // wanted length of a triangle's edge [m], > 0, at most base_radius
 };
 
 TriangleMesh make_cone(const ConeSettings& settings = {});

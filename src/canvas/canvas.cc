@@ -17,7 +17,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-enum Feature { kCorner0, kCorner1, kCorner2, kSide0, kSide1, kSide2, kInside };  // side i runs from corner i to corner i + 1
+enum Feature {
+  kCorner0,
+  kCorner1,
+  kCorner2,
+  kSide0,
+  kSide1,
+  kSide2,
+  kInside
+};  // side i runs from corner i to corner i + 1
 
 struct OnTriangle {
   Vector3d p;
@@ -39,7 +47,8 @@ OnTriangle closest_on_triangle(const std::array<Vector3d, 3>& corner, const Vect
   const Vector3d cp = p - c;
   const double ab_cp = ab.dot(cp), ac_cp = ac.dot(cp);
   if (ac_cp >= 0.0 && ab_cp <= ac_cp) return {c, {0, 0, 1}, kCorner2};
-  const double w_c = ab_ap * ac_bp - ab_bp * ac_ap;  // the barycentric weights, times the squared area
+  // the barycentric weights, times the squared area
+  const double w_c = ab_ap * ac_bp - ab_bp * ac_ap;
   if (w_c <= 0.0 && ab_ap >= 0.0 && ab_bp <= 0.0) {
     const double s = ab_ap / (ab_ap - ab_bp);
     return {a + s * ab, {1 - s, s, 0}, kSide0};
@@ -60,15 +69,19 @@ OnTriangle closest_on_triangle(const std::array<Vector3d, 3>& corner, const Vect
   return {a + v * ab + w * ac, {1 - v - w, v, w}, kInside};
 }
 
-Vector3d smooth_normal(const MeshTopology& topology, const MeshTopology::Face& face, const Vector3d& weight) {
+Vector3d smooth_normal(const MeshTopology& topology, const MeshTopology::Face& face,
+                       const Vector3d& weight) {
   Vector3d n = Vector3d::Zero();
   for (int i = 0; i < 3; ++i) n += weight[i] * topology.smooth_normal[face.vertex[i]];
   const double length = n.norm();
-  return length > 1e-6 ? Vector3d(n / length) : face.normal;  // opposite vertex normals: a fold, where only the face has a normal
+  return length > 1e-6
+             ? Vector3d(n / length)
+             : face.normal;  // opposite vertex normals: a fold, where only the face has a normal
 }
 
 // Normal that tells the side of a point whose closest point is the given feature.
-Vector3d side_normal(const MeshTopology& topology, const MeshTopology::Face& face, Feature feature) {
+Vector3d side_normal(const MeshTopology& topology, const MeshTopology::Face& face,
+                     Feature feature) {
   if (feature == kInside) return face.normal;
   if (feature <= kCorner2) return topology.side_normal[face.vertex[feature]];
   const int neighbour = face.neighbour[feature - kSide0];
@@ -97,7 +110,9 @@ bool visit_triangle(RTCPointQueryFunctionArguments* args) {
   if (face.normal.isZero(0.0)) return false;
   const OnTriangle at = closest_on_triangle(face.corner, nearest.p);
   const double squared = (at.p - nearest.p).squaredNorm();
-  if (squared > nearest.squared || (squared == nearest.squared && nearest.triangle >= 0 && triangle > nearest.triangle)) return false;
+  if (squared > nearest.squared ||
+      (squared == nearest.squared && nearest.triangle >= 0 && triangle > nearest.triangle))
+    return false;
   const bool nearer = squared < nearest.squared;
   nearest.squared = squared;
   nearest.triangle = triangle;
@@ -112,7 +127,8 @@ struct Canvas::Search {
   TriangleMesh mesh;
   MeshTopology topology;
   Eigen::AlignedBox3d bounds;
-  Vector3d origin = Vector3d::Zero();  // Embree's floats count from the middle of the canvas, where they are finest
+  Vector3d origin = Vector3d::
+      Zero();  // Embree's floats count from the middle of the canvas, where they are finest
   double extent = 0.0;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -122,17 +138,22 @@ struct Canvas::Search {
     origin = bounds.center();
     extent = bounds.diagonal().norm();
     device = rtcNewDevice("threads=1");  // one builder: the same tree every time
-    if (!device) throw InputError(fmt::format("canvas: Embree does not start (error {})", int(rtcGetDeviceError(nullptr))));
+    if (!device)
+      throw InputError(
+          fmt::format("canvas: Embree does not start (error {})", int(rtcGetDeviceError(nullptr))));
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), mesh.vertices.size()));
     auto* triangles = static_cast<unsigned*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(unsigned), mesh.triangles.size()));
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       Eigen::Map<Eigen::Vector3f>(vertices + 3 * i) = (mesh.vertices[i] - origin).cast<float>();
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      for (int k = 0; k < 3; ++k) triangles[3 * i + k] = static_cast<unsigned>(mesh.triangles[i][k]);
+      for (int k = 0; k < 3; ++k)
+        triangles[3 * i + k] = static_cast<unsigned>(mesh.triangles[i][k]);
     }
     rtcCommitGeometry(geometry);
     scene = rtcNewScene(device);
@@ -151,7 +172,8 @@ struct Canvas::Search {
     SurfacePoint result{p, Vector3d::UnitZ(), std::numeric_limits<double>::quiet_NaN(), -1, false};
     if (!p.allFinite() || !(max_distance >= 0.0)) return result;
     const Vector3d p_O = p - origin;
-    Nearest nearest{&topology, p, 1e-6 * (extent + p_O.norm()), max_distance * max_distance, -1, {}};
+    Nearest nearest{&topology, p, 1e-6 * (extent + p_O.norm()), max_distance * max_distance,
+                    -1,        {}};
     const Eigen::Vector3f q = p_O.cast<float>();
     RTCPointQuery query{};
     query.x = q.x();
@@ -165,7 +187,9 @@ struct Canvas::Search {
     const auto& face = topology.faces[nearest.triangle];
     result.p_W = nearest.at.p;
     result.n_W = smooth_normal(topology, face, nearest.at.weight);
-    result.distance = std::copysign(std::sqrt(nearest.squared), (p - nearest.at.p).dot(side_normal(topology, face, nearest.at.feature)));
+    result.distance =
+        std::copysign(std::sqrt(nearest.squared),
+                      (p - nearest.at.p).dot(side_normal(topology, face, nearest.at.feature)));
     result.triangle = nearest.triangle;
     result.on_edge = on_boundary(topology, face, nearest.at.feature);
     return result;
@@ -190,14 +214,17 @@ struct Canvas::Search {
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    // The plane of the triangle that was hit, in double precision; a ray along that very plane keeps Embree's figure.
+    // The plane of the triangle that was hit, in double precision; a ray along that very plane
+    // keeps Embree's figure.
     const int triangle = static_cast<int>(ray.hit.primID);
     const auto& face = topology.faces[triangle];
     const double along = direction.dot(face.normal);
     double t = ray.ray.tfar / length;
-    if (std::abs(along) > 1e-9 * length) t = std::max(0.0, (face.corner[0] - origin_W).dot(face.normal) / along);
+    if (std::abs(along) > 1e-9 * length)
+      t = std::max(0.0, (face.corner[0] - origin_W).dot(face.normal) / along);
     const Vector3d p = origin_W + t * direction;
-    return RayHit{t, p, smooth_normal(topology, face, closest_on_triangle(face.corner, p).weight), triangle};
+    return RayHit{t, p, smooth_normal(topology, face, closest_on_triangle(face.corner, p).weight),
+                  triangle};
   }
 };
 
@@ -206,15 +233,19 @@ Canvas::~Canvas() = default;
 Canvas::Canvas(Canvas&&) noexcept = default;
 Canvas& Canvas::operator=(Canvas&&) noexcept = default;
 
-SurfacePoint Canvas::closest(const Vector3d& p_W) const noexcept { return search_->closest(p_W, std::numeric_limits<double>::infinity()); }
+SurfacePoint Canvas::closest(const Vector3d& p_W) const noexcept {
+  return search_->closest(p_W, std::numeric_limits<double>::infinity());
+}
 
-std::optional<SurfacePoint> Canvas::closest(const Vector3d& p_W, double max_distance) const noexcept {
+std::optional<SurfacePoint> Canvas::closest(const Vector3d& p_W,
+                                            double max_distance) const noexcept {
   const SurfacePoint point = search_->closest(p_W, max_distance);
   if (point.triangle < 0) return std::nullopt;
   return point;
 }
 
-std::optional<RayHit> Canvas::ray(const Vector3d& origin_W, const Vector3d& direction_W) const noexcept {
+std::optional<RayHit> Canvas::ray(const Vector3d& origin_W,
+                                  const Vector3d& direction_W) const noexcept {
   return search_->ray(origin_W, direction_W);
 }
 

@@ -6,8 +6,11 @@
 namespace impedraw {
 
 std::vector<HalfEdge> half_edges(const std::vector<Eigen::Vector3i>& triangles, int vertices) {
-  const auto collapsed = [](const Eigen::Vector3i& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; };
-  // By the lower vertex in one pass, as in a counting sort: millions of edges are then sorted a handful at a time.
+  const auto collapsed = [](const Eigen::Vector3i& t) {
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+  };
+  // By the lower vertex in one pass, as in a counting sort: millions of edges are then sorted a
+  // handful at a time.
   std::vector<std::size_t> start(vertices + 1, 0);
   for (const auto& t : triangles) {
     if (collapsed(t)) continue;
@@ -24,8 +27,11 @@ std::vector<HalfEdge> half_edges(const std::vector<Eigen::Vector3i>& triangles, 
       edges[next[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), f, side, a < b};
     }
   }
-  const auto before = [](const HalfEdge& a, const HalfEdge& b) { return std::tie(a.high, a.face) < std::tie(b.high, b.face); };
-  for (int v = 0; v < vertices; ++v) std::sort(edges.begin() + start[v], edges.begin() + start[v + 1], before);
+  const auto before = [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.high, a.face) < std::tie(b.high, b.face);
+  };
+  for (int v = 0; v < vertices; ++v)
+    std::sort(edges.begin() + start[v], edges.begin() + start[v + 1], before);
   return edges;
 }
 

@@ -18,20 +18,24 @@ class Grid {
  public:
   Grid(const Eigen::AlignedBox3d& bounds, double tolerance, const std::vector<Vector3d>& kept)
       : origin_(bounds.min()), tolerance_(tolerance), kept_(kept), slots_(1024) {
-    // Eight tolerances wide, so that most vertices look into one cell; wider where there would be too many cells for a key.
+    // Eight tolerances wide, so that most vertices look into one cell; wider where there would be
+    // too many cells for a key.
     cell_ = std::max({8 * tolerance, bounds.sizes().maxCoeff() / ((1 << kBits) - 8), 1e-300});
   }
 
   // The first kept vertex within the tolerance of p; −1: none.
   int find(const Vector3d& p) const {
-    const Vector3d low = (p - origin_).array() - tolerance_, high = (p - origin_).array() + tolerance_;
-    const Eigen::Vector3i from = (low / cell_).array().floor().cast<int>(), to = (high / cell_).array().floor().cast<int>();
+    const Vector3d low = (p - origin_).array() - tolerance_,
+                   high = (p - origin_).array() + tolerance_;
+    const Eigen::Vector3i from = (low / cell_).array().floor().cast<int>(),
+                          to = (high / cell_).array().floor().cast<int>();
     int best = -1;
     for (int x = from.x(); x <= to.x(); ++x)
       for (int y = from.y(); y <= to.y(); ++y)
         for (int z = from.z(); z <= to.z(); ++z)
           for (int v = slots_[slot(key(x, y, z))].head; v >= 0; v = next_[v]) {
-            if ((best < 0 || v < best) && (kept_[v] - p).squaredNorm() <= tolerance_ * tolerance_) best = v;
+            if ((best < 0 || v < best) && (kept_[v] - p).squaredNorm() <= tolerance_ * tolerance_)
+              best = v;
           }
     return best;
   }
@@ -53,8 +57,10 @@ class Grid {
     int head = -1;
   };
 
-  static std::uint64_t key(int x, int y, int z) {  // one more, as a vertex may look into cells before the first
-    return (std::uint64_t(x + 1) << 2 * kBits) | (std::uint64_t(y + 1) << kBits) | std::uint64_t(z + 1);
+  static std::uint64_t key(int x, int y,
+                           int z) {  // one more, as a vertex may look into cells before the first
+    return (std::uint64_t(x + 1) << 2 * kBits) | (std::uint64_t(y + 1) << kBits) |
+           std::uint64_t(z + 1);
   }
   std::size_t slot(std::uint64_t key) const {
     const std::size_t mask = slots_.size() - 1;

@@ -5,14 +5,14 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/canvas/half_edges.h"
+#include "impedraw/canvas/merge_vertices.h"
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/canvas/mesh_topology.h"
 #include "impedraw/canvas/mesh_winding.h"
-#include "impedraw/canvas/merge_vertices.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr double kWeld = 1e-6;               // of the diagonal
+constexpr double kWeld = 1e-6;                      // of the diagonal
 constexpr double kLargest = 5.0, kSmallest = 1e-3;  // [m], of the longest side
 
 Eigen::AlignedBox3d bounds_of_triangles(const TriangleMesh& mesh) {
@@ -43,7 +43,8 @@ struct Mending {
   // `of`: numbers of the triangles, ascending.
   void report(std::string kind, const std::vector<int>& of, bool mended, const std::string& say) {
     if (of.empty()) return;
-    std::string message = fmt::format("{}: {}, first triangle {}; {}", kind, of.size(), of.front(), say);
+    std::string message =
+        fmt::format("{}: {}, first triangle {}; {}", kind, of.size(), of.front(), say);
     std::replace(message.begin(), message.end(), '_', ' ');
     checked->faults.push_back({std::move(kind), of.size(), of.front(), mended, std::move(message)});
   }
@@ -68,12 +69,16 @@ struct Mending {
       if (gone[i] || thin[i]) faulty.push_back(number[i]);
     }
     if (faulty.empty()) return;
-    if (faulty.size() == number.size()) throw InputError(fmt::format("none of its {} triangles has an area", number.size()));
-    // A thin triangle is a seam between its neighbours, but for one that lies on an edge that is joined without it.
-    for_each_edge(half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size())), [&](const HalfEdge* first, const HalfEdge* last) {
-      if (last - first <= 2) return;
-      for (const HalfEdge* e = first; e < last; ++e) gone[e->face] = gone[e->face] || thin[e->face];
-    });
+    if (faulty.size() == number.size())
+      throw InputError(fmt::format("none of its {} triangles has an area", number.size()));
+    // A thin triangle is a seam between its neighbours, but for one that lies on an edge that is
+    // joined without it.
+    for_each_edge(half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size())),
+                  [&](const HalfEdge* first, const HalfEdge* last) {
+                    if (last - first <= 2) return;
+                    for (const HalfEdge* e = first; e < last; ++e)
+                      gone[e->face] = gone[e->face] || thin[e->face];
+                  });
     drop(gone);
     report("degenerate_triangle", faulty, true, "without area, left out or passed over");
   }
@@ -107,11 +112,15 @@ struct Mending {
     for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
       checked->closed = checked->closed && last - first == 2;
       if (last - first <= 2) return;
-      if (crowded.empty() || number[first->face] < *std::min_element(crowded.begin(), crowded.end())) {
+      if (crowded.empty() ||
+          number[first->face] < *std::min_element(crowded.begin(), crowded.end())) {
         const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
-        at = fmt::format("its edge from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m is shared by {} triangles ({}, {}, {}, …), "
-                         "at most two may", p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), last - first, number[first[0].face],
-                         number[first[1].face], number[first[2].face]);
+        at = fmt::format(
+            "its edge from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m is shared by {} "
+            "triangles ({}, {}, {}, …), "
+            "at most two may",
+            p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), last - first, number[first[0].face],
+            number[first[1].face], number[first[2].face]);
       }
       crowded.push_back(number[first->face]);
     });
@@ -119,7 +128,8 @@ struct Mending {
     report("non_manifold_edge", crowded, false, at);
     Winding winding = find_winding(mesh(), edges);
     for (int& f : winding.twisted) f = number[f];
-    report("not_orientable", winding.twisted, false, "wound against a neighbour whichever way it is turned, all must have one side");
+    report("not_orientable", winding.twisted, false,
+           "wound against a neighbour whichever way it is turned, all must have one side");
     if (!winding.twisted.empty()) return;
     std::vector<int> faulty;
     for (std::size_t i = 0; i < number.size(); ++i) {
@@ -135,10 +145,11 @@ void check_size(const Vector3d& size, CheckedMesh* checked) {
   const double longest = size.maxCoeff();
   if (longest <= kLargest && longest >= kSmallest) return;
   const bool large = longest > kLargest;
-  std::string message = fmt::format(
-      "it measures {:.4g} × {:.4g} × {:.4g} m, {}", size.x(), size.y(), size.z(),
-      large ? "more than 5 m: is its unit of length too long (mm taken for m)? If not, cut out what the arm reaches"
-            : "less than 1 mm: is its unit of length too short (m taken for mm)?");
+  std::string message =
+      fmt::format("it measures {:.4g} × {:.4g} × {:.4g} m, {}", size.x(), size.y(), size.z(),
+                  large ? "more than 5 m: is its unit of length too long (mm taken for m)? If not, "
+                          "cut out what the arm reaches"
+                        : "less than 1 mm: is its unit of length too short (m taken for mm)?");
   checked->faults.push_back({large ? "too_large" : "too_small", 1, 0, false, std::move(message)});
 }
 
@@ -165,7 +176,8 @@ int count_components(const TriangleMesh& mesh) {
 
 bool is_thin(const CheckedMesh& mesh, const Vector3i& t) {
   const auto& p = mesh.mesh.vertices;
-  const double longest = std::max({(p[t[1]] - p[t[0]]).norm(), (p[t[2]] - p[t[1]]).norm(), (p[t[0]] - p[t[2]]).norm()});
+  const double longest = std::max(
+      {(p[t[1]] - p[t[0]]).norm(), (p[t[2]] - p[t[1]]).norm(), (p[t[0]] - p[t[2]]).norm()});
   return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).norm() <= mesh.weld * longest;
 }
 

@@ -12,19 +12,24 @@
 
 namespace impedraw {
 
-// Kinds, in the order in which they are looked for, with vertices welded at 1e-6 of the bounding box's diagonal:
-//   too_large, too_small   the longest side of the bounding box is above 5 m or below 1 mm: mostly a wrong unit
-//   degenerate_triangle    two corners are one vertex, or it is thinner than the weld. Mended: left out, unless its neighbours would then
+// Kinds, in the order in which they are looked for, with vertices welded at 1e-6 of the bounding
+// box's diagonal:
+//   too_large, too_small   the longest side of the bounding box is above 5 m or below 1 mm: mostly
+//                          a wrong unit
+//   degenerate_triangle    two corners are one vertex, or it is thinner than the weld. Mended: left
+//                          out, unless its neighbours would then
 //                          have a gap between them; queries pass over it all the same
 //   duplicate_triangle     has the vertices of an earlier one, in whatever order. Mended: left out
 //   non_manifold_edge      more than two triangles share it; `first` is the lowest of them
 //   not_orientable         no winding suits it and all of its neighbours, as on a Möbius strip
-//   wrong_winding          against most of its connected patch; or a closed patch, all of it, is inside out, unless it lies within a larger
+//   wrong_winding          against most of its connected patch; or a closed patch, all of it, is
+//                          inside out, unless it lies within a larger
 //                          one, whose cavity it then is. Mended: turned
 struct MeshFault {
   std::string kind;
   std::size_t count = 0;
-  int first = 0;        // the lowest triangle it holds for, from 0, as counted before anything was left out
+  // the lowest triangle it holds for, from 0, as counted before anything was left out
+  int first = 0;
   bool mended = false;  // if not, the mesh cannot be drawn on
   std::string message;  // one line
 };
@@ -39,8 +44,8 @@ struct CheckedMesh {
   int components = 0;   // parts that share no vertex
 };
 
-// Throws InputError, naming the vertex or the triangle, where there is nothing to check: no triangle, none with an area, a coordinate that
-// is not finite, an index out of range.
+// Throws InputError, naming the vertex or the triangle, where there is nothing to check: no
+// triangle, none with an area, a coordinate that is not finite, an index out of range.
 CheckedMesh check_mesh(const TriangleMesh& mesh);
 
 // The triangle of that mesh is thinner than its weld: its normal says nothing.

@@ -5,11 +5,11 @@
 #include <utility>
 
 #include <assimp/DefaultIOSystem.h>
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
 
 #include "impedraw/canvas/validate_file.h"
 #include "impedraw/common/errors.h"
@@ -25,7 +25,9 @@ class OneFile : public Assimp::IOSystem {
   explicit OneFile(std::string name) : name_(std::move(name)) {}
   bool Exists(const char* file) const override { return name_ == file && disk_.Exists(file); }
   char getOsSeparator() const override { return disk_.getOsSeparator(); }
-  Assimp::IOStream* Open(const char* file, const char* mode) override { return name_ == file ? disk_.Open(file, mode) : nullptr; }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return name_ == file ? disk_.Open(file, mode) : nullptr;
+  }
   void Close(Assimp::IOStream* stream) override { disk_.Close(stream); }
 
  private:
@@ -49,9 +51,11 @@ void for_each_face(const aiScene& scene, Do&& visit) {
 TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
   const std::string name = file.string();
   const std::size_t promised = require_whole(file);
-  if (promised == 0) throw InputError(fmt::format("{}: holds no triangle, must hold at least one", name));
+  if (promised == 0)
+    throw InputError(fmt::format("{}: holds no triangle, must hold at least one", name));
   if (promised > kMostTriangles) {
-    throw InputError(fmt::format("{}: holds {} faces, at most {} are read: thin the mesh out", name, promised, kMostTriangles));
+    throw InputError(fmt::format("{}: holds {} faces, at most {} are read: thin the mesh out", name,
+                                 promised, kMostTriangles));
   }
   Assimp::Importer importer;
   importer.SetIOHandler(new OneFile(name));  // the importer's from here on
@@ -64,18 +68,21 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
     for (unsigned k = 0; k < face.mNumIndices; ++k) {
       const unsigned v = face.mIndices[k];
       if (v >= part.mNumVertices) {
-        throw InputError(fmt::format("{}: face {} names vertex {}, must be in 0 … {}", name, faces, static_cast<int>(v),
-                                     part.mNumVertices - 1));
+        throw InputError(fmt::format("{}: face {} names vertex {}, must be in 0 … {}", name, faces,
+                                     static_cast<int>(v), part.mNumVertices - 1));
       }
       const aiVector3D& p = part.mVertices[v];
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-        throw InputError(fmt::format("{}: face {} has a corner at ({}, {}, {}), must be finite", name, faces, p.x, p.y, p.z));
+        throw InputError(fmt::format("{}: face {} has a corner at ({}, {}, {}), must be finite",
+                                     name, faces, p.x, p.y, p.z));
       }
     }
     polygons = polygons || face.mNumIndices > 3;
     ++faces;
   });
-  if (faces != promised) throw InputError(fmt::format("{}: {} of its {} faces could be read, must be all", name, faces, promised));
+  if (faces != promised)
+    throw InputError(
+        fmt::format("{}: {} of its {} faces could be read, must be all", name, faces, promised));
   if (polygons) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (!scene) throw InputError(fmt::format("{}: {}", name, importer.GetErrorString()));
 
@@ -98,7 +105,8 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
       }
       last = &part;
     }
-    mesh.triangles.push_back(Eigen::Vector3i(offset + face.mIndices[0], offset + face.mIndices[1], offset + face.mIndices[2]));
+    mesh.triangles.push_back(Eigen::Vector3i(offset + face.mIndices[0], offset + face.mIndices[1],
+                                             offset + face.mIndices[2]));
   });
   return mesh;
 }

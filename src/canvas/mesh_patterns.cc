@@ -7,10 +7,12 @@
 
 namespace impedraw {
 
-TriangleMesh grid_mesh(int columns, int rows, const std::function<Eigen::Vector3d(double u, double v)>& at) {
+TriangleMesh grid_mesh(int columns, int rows,
+                       const std::function<Eigen::Vector3d(double u, double v)>& at) {
   TriangleMesh mesh;
   for (int row = 0; row <= rows; ++row) {
-    for (int column = 0; column <= columns; ++column) mesh.vertices.push_back(at(double(column) / columns, double(row) / rows));
+    for (int column = 0; column <= columns; ++column)
+      mesh.vertices.push_back(at(double(column) / columns, double(row) / rows));
   }
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
@@ -24,7 +26,9 @@ TriangleMesh grid_mesh(int columns, int rows, const std::function<Eigen::Vector3
 }
 
 int cells(double length, double edge) {
-  return std::max(1, static_cast<int>(std::ceil(length / edge * (1.0 - 1e-12))));  // 0.36/0.0015 is 240, whatever rounding says
+  return std::max(
+      1, static_cast<int>(std::ceil(length / edge *
+                                    (1.0 - 1e-12))));  // 0.36/0.0015 is 240, whatever rounding says
 }
 
 TriangleMesh ring_mesh(double pole_z, const std::vector<Ring>& rings) {
@@ -39,14 +43,17 @@ TriangleMesh ring_mesh(double pole_z, const std::vector<Ring>& rings) {
       const double phi = 2.0 * std::numbers::pi * i / outer_count;
       mesh.vertices.emplace_back(ring.radius * std::cos(phi), ring.radius * std::sin(phi), ring.z);
     }
-    const int inner_steps = inner_count == 1 ? 0 : inner_count;  // the pole is no ring: a fan about it
+    // the pole is no ring: a fan about it
+    const int inner_steps = inner_count == 1 ? 0 : inner_count;
     int i = 0;
     int j = 0;
     while (i < inner_steps || j < outer_count) {
       const int inner = inner_first + i % inner_count;
       const int outer = outer_first + j % outer_count;
-      // The shorter of the two diagonals, compared as angles in whole numbers: (2 j + 1)/outer_count ≤ (2 i + 1)/inner_count.
-      const bool shorter = std::int64_t{2 * j + 1} * inner_count <= std::int64_t{2 * i + 1} * outer_count;
+      // The shorter of the two diagonals, compared as angles in whole numbers: (2 j +
+      // 1)/outer_count ≤ (2 i + 1)/inner_count.
+      const bool shorter =
+          std::int64_t{2 * j + 1} * inner_count <= std::int64_t{2 * i + 1} * outer_count;
       const bool take_outer = j < outer_count && (i >= inner_steps || shorter);
       if (take_outer) {
         mesh.triangles.emplace_back(inner, outer, outer_first + (j + 1) % outer_count);

@@ -29,7 +29,9 @@ bool whole_number(std::string_view word, T* value) {
   return error == std::errc() && end == word.data() + word.size();
 }
 
-inline bool finite_number(std::string_view word, double* value) { return whole_number(word, value) && std::isfinite(*value); }
+inline bool finite_number(std::string_view word, double* value) {
+  return whole_number(word, value) && std::isfinite(*value);
+}
 
 // In capitals or not; `lower` is in small letters.
 inline bool same_word(std::string_view word, std::string_view lower) {
@@ -43,9 +45,13 @@ inline bool same_word(std::string_view word, std::string_view lower) {
 // Of the first `size` bytes, at most 4.
 inline std::uint32_t unsigned_bytes(std::string_view bytes, int size, bool big_endian) {
   std::uint32_t value = 0;
-  for (int i = 0; i < size; ++i) value |= std::uint32_t{static_cast<unsigned char>(bytes[i])} << 8 * (big_endian ? size - 1 - i : i);
+  for (int i = 0; i < size; ++i)
+    value |= std::uint32_t{static_cast<unsigned char>(bytes[i])}
+             << 8 * (big_endian ? size - 1 - i : i);
   return value;
 }
-inline std::uint32_t little_endian_u32(std::string_view bytes) { return unsigned_bytes(bytes, 4, false); }
+inline std::uint32_t little_endian_u32(std::string_view bytes) {
+  return unsigned_bytes(bytes, 4, false);
+}
 
 }  // namespace impedraw

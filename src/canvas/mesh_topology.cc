@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/canvas/half_edges.h"
 #include "impedraw/common/errors.h"
@@ -37,45 +37,54 @@ std::vector<int> weld(const std::vector<Eigen::Vector3d>& vertices) {
 void join_neighbours(MeshTopology& topology) {
   std::vector<Eigen::Vector3i> corners;
   corners.reserve(topology.faces.size());
-  for (const auto& face : topology.faces) corners.emplace_back(face.vertex[0], face.vertex[1], face.vertex[2]);
-  for_each_edge(half_edges(corners, static_cast<int>(topology.on_boundary.size())), [&](const HalfEdge* first, const HalfEdge* last) {
-    const HalfEdge& a = first[0];
-    if (last - first > 2) {
-      throw InputError(fmt::format("canvas mesh: {} triangles ({}, {}, {}, …) share the edge between vertices {} and {}, at most two may",
-                                   last - first, a.face, first[1].face, first[2].face, a.low, a.high));
-    }
-    if (last - first == 1) {
-      topology.on_boundary[a.low] = true;
-      topology.on_boundary[a.high] = true;
-      return;
-    }
-    const HalfEdge& b = first[1];
-    if (a.forward == b.forward) {
-      throw InputError(fmt::format(
-          "canvas mesh: triangles {} and {} are wound against each other, all must have the drawn-on side outward", a.face, b.face));
-    }
-    topology.faces[a.face].neighbour[a.side] = b.face;
-    topology.faces[b.face].neighbour[b.side] = a.face;
-  });
+  for (const auto& face : topology.faces)
+    corners.emplace_back(face.vertex[0], face.vertex[1], face.vertex[2]);
+  for_each_edge(half_edges(corners, static_cast<int>(topology.on_boundary.size())),
+                [&](const HalfEdge* first, const HalfEdge* last) {
+                  const HalfEdge& a = first[0];
+                  if (last - first > 2) {
+                    throw InputError(fmt::format(
+                        "canvas mesh: {} triangles ({}, {}, {}, …) share the edge between vertices "
+                        "{} and {}, at most two may",
+                        last - first, a.face, first[1].face, first[2].face, a.low, a.high));
+                  }
+                  if (last - first == 1) {
+                    topology.on_boundary[a.low] = true;
+                    topology.on_boundary[a.high] = true;
+                    return;
+                  }
+                  const HalfEdge& b = first[1];
+                  if (a.forward == b.forward) {
+                    throw InputError(
+                        fmt::format("canvas mesh: triangles {} and {} are wound against each "
+                                    "other, all must have the drawn-on side outward",
+                                    a.face, b.face));
+                  }
+                  topology.faces[a.face].neighbour[a.side] = b.face;
+                  topology.faces[b.face].neighbour[b.side] = a.face;
+                });
 }
 
 }  // namespace
 
 void require_valid(const TriangleMesh& mesh) {
   if (mesh.vertices.empty() || mesh.triangles.empty()) {
-    throw InputError(fmt::format("canvas mesh: {} vertices and {} triangles, must have at least one triangle", mesh.vertices.size(),
-                                 mesh.triangles.size()));
+    throw InputError(
+        fmt::format("canvas mesh: {} vertices and {} triangles, must have at least one triangle",
+                    mesh.vertices.size(), mesh.triangles.size()));
   }
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto& p = mesh.vertices[i];
     if (!p.allFinite()) {
-      throw InputError(fmt::format("canvas mesh: vertex {} is ({}, {}, {}), must be finite", i, p.x(), p.y(), p.z()));
+      throw InputError(fmt::format("canvas mesh: vertex {} is ({}, {}, {}), must be finite", i,
+                                   p.x(), p.y(), p.z()));
     }
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const int v : mesh.triangles[i]) {
       if (v < 0 || v >= static_cast<int>(mesh.vertices.size())) {
-        throw InputError(fmt::format("canvas mesh: triangle {} names vertex {}, must be in 0 … {}", i, v, mesh.vertices.size() - 1));
+        throw InputError(fmt::format("canvas mesh: triangle {} names vertex {}, must be in 0 … {}",
+                                     i, v, mesh.vertices.size() - 1));
       }
     }
   }
@@ -98,8 +107,10 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
       face.vertex[i] = first[mesh.triangles[f][i]];
       face.corner[i] = mesh.vertices[mesh.triangles[f][i]];
     }
-    for (int i = 0; i < 3; ++i) longest = std::max(longest, (face.corner[(i + 1) % 3] - face.corner[i]).norm());
-    const Eigen::Vector3d cross = (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]);
+    for (int i = 0; i < 3; ++i)
+      longest = std::max(longest, (face.corner[(i + 1) % 3] - face.corner[i]).norm());
+    const Eigen::Vector3d cross =
+        (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]);
     const double twice_area = cross.norm();
     const bool has_area = twice_area > 1e-12 * longest * longest && twice_area > 0.0;
     face.normal = has_area ? Eigen::Vector3d(cross / twice_area) : Eigen::Vector3d::Zero();
@@ -112,7 +123,9 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
       topology.side_normal[face.vertex[i]] += std::atan2(twice_area, u.dot(v)) * face.normal;
     }
   }
-  if (!any_area) throw InputError(fmt::format("canvas mesh: none of its {} triangles has an area", mesh.triangles.size()));
+  if (!any_area)
+    throw InputError(
+        fmt::format("canvas mesh: none of its {} triangles has an area", mesh.triangles.size()));
   // A normal that cancels out (a fold) stays zero.
   for (auto& n : topology.smooth_normal) n.stableNormalize();
   for (auto& n : topology.side_normal) n.stableNormalize();

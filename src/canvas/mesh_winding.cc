@@ -15,7 +15,8 @@ struct Patch {  // triangles joined across edges with exactly two
   double volume = 0.0;  // [m³], < 0: inside out
 };
 
-constexpr std::size_t kLargest = 64;  // closed patches that another may be the cavity of: a bound on the work
+// closed patches that another may be the cavity of: a bound on the work
+constexpr std::size_t kLargest = 64;
 
 }  // namespace
 
@@ -60,7 +61,8 @@ Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edge
         }
       }
     }
-    const auto count = std::count_if(patch.triangles.begin(), patch.triangles.end(), [&](int f) { return turned[f]; });
+    const auto count = std::count_if(patch.triangles.begin(), patch.triangles.end(),
+                                     [&](int f) { return turned[f]; });
     const bool most = 2 * static_cast<std::size_t>(count) > patch.triangles.size();
     for (const int f : patch.triangles) winding.wrong[f] = turned[f] != most;
     if (!patch.closed) continue;
@@ -77,19 +79,23 @@ Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edge
 
   std::vector<const Patch*> largest;
   for (const auto& patch : closed) largest.push_back(&patch);
-  const auto larger = [](const Patch* a, const Patch* b) { return a->box.diagonal().norm() > b->box.diagonal().norm(); };
+  const auto larger = [](const Patch* a, const Patch* b) {
+    return a->box.diagonal().norm() > b->box.diagonal().norm();
+  };
   std::stable_sort(largest.begin(), largest.end(), larger);
   largest.resize(std::min(largest.size(), kLargest));
   for (const auto& patch : closed) {
     if (patch.volume >= 0.0) continue;
     const bool cavity = std::any_of(largest.begin(), largest.end(), [&](const Patch* other) {
-      return other != &patch && other->box.contains(patch.box) && other->box.diagonal().norm() > patch.box.diagonal().norm();
+      return other != &patch && other->box.contains(patch.box) &&
+             other->box.diagonal().norm() > patch.box.diagonal().norm();
     });
     if (cavity) continue;
     for (const int f : patch.triangles) winding.wrong[f] = !winding.wrong[f];
   }
   std::sort(winding.twisted.begin(), winding.twisted.end());
-  winding.twisted.erase(std::unique(winding.twisted.begin(), winding.twisted.end()), winding.twisted.end());
+  winding.twisted.erase(std::unique(winding.twisted.begin(), winding.twisted.end()),
+                        winding.twisted.end());
   return winding;
 }
 

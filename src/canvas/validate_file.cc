@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/canvas/validate_ply.h"
 #include "impedraw/canvas/mesh_tokens.h"
+#include "impedraw/canvas/validate_ply.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/file_extension.h"
 
@@ -20,15 +20,19 @@ constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;  // bytes
 
 std::string read_all(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) throw InputError(fmt::format("{}: no such file", file.string()));
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InputError(fmt::format("{}: no such file", file.string()));
   const auto size = std::filesystem::file_size(file, error);
   if (size > (std::size_t{1} << 31)) {
-    throw InputError(fmt::format("{}: {:.1f} GiB, at most 2 GiB are read: thin the mesh out", file.string(), size / 1073741824.0));
+    throw InputError(fmt::format("{}: {:.1f} GiB, at most 2 GiB are read: thin the mesh out",
+                                 file.string(), size / 1073741824.0));
   }
   std::string text(size, '\0');
   std::ifstream in(file, std::ios::binary);
-  if (!in.read(text.data(), static_cast<std::streamsize>(size))) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  if (text.empty()) throw InputError(fmt::format("{}: the file is empty, must hold triangles", file.string()));
+  if (!in.read(text.data(), static_cast<std::streamsize>(size)))
+    throw InputError(fmt::format("{}: cannot be read", file.string()));
+  if (text.empty())
+    throw InputError(fmt::format("{}: the file is empty, must hold triangles", file.string()));
   return text;
 }
 
@@ -54,7 +58,8 @@ void require_three_numbers(std::string_view line, const std::string& where, std:
   for (int i = 0; i < 3; ++i) {
     double value;
     if (!finite_number(next_word(&rest), &value)) {
-      throw InputError(fmt::format("{}: vertex {} is '{}', must have three finite numbers", where, vertex, line.substr(0, 60)));
+      throw InputError(fmt::format("{}: vertex {} is '{}', must have three finite numbers", where,
+                                   vertex, line.substr(0, 60)));
     }
   }
 }
@@ -80,16 +85,20 @@ std::size_t require_whole_obj(std::string_view text, const std::string& name) {
       require_three_numbers(line, fmt::format("{}:{}", name, first), vertices++);
     } else if (key == "f") {
       int corners = 0;
-      for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest), ++corners) {
+      for (std::string_view word = next_word(&rest); !word.empty();
+           word = next_word(&rest), ++corners) {
         long index = 0;
         const bool whole = whole_number(word.substr(0, word.find('/')), &index);
         const long count = static_cast<long>(vertices);
         if (!whole || index == 0 || index > count || index < -count) {
-          throw InputError(fmt::format("{}:{}: face {} names vertex '{}', must be in 1 … {} or, counted back, −1 … −{}", name, first,
-                                       faces, word, count, count));
+          throw InputError(fmt::format(
+              "{}:{}: face {} names vertex '{}', must be in 1 … {} or, counted back, −1 … −{}",
+              name, first, faces, word, count, count));
         }
       }
-      if (corners < 3) throw InputError(fmt::format("{}:{}: face {} has {} corners, must have at least 3", name, first, faces, corners));
+      if (corners < 3)
+        throw InputError(fmt::format("{}:{}: face {} has {} corners, must have at least 3", name,
+                                     first, faces, corners));
       ++faces;
     }
   }
@@ -97,7 +106,8 @@ std::size_t require_whole_obj(std::string_view text, const std::string& name) {
 }
 
 bool is_text(std::string_view head) {
-  return std::none_of(head.begin(), head.end(), [](unsigned char c) { return c < 32 && !std::isspace(c); });
+  return std::none_of(head.begin(), head.end(),
+                      [](unsigned char c) { return c < 32 && !std::isspace(c); });
 }
 
 std::size_t require_whole_text_stl(std::string_view text, const std::string& name) {
@@ -111,21 +121,26 @@ std::size_t require_whole_text_stl(std::string_view text, const std::string& nam
     if (key.empty()) continue;
     ended = same_word(key, "endsolid");
     if (same_word(key, "facet")) {
-      if (inside) throw InputError(fmt::format("{}:{}: triangle {} has no endfacet", name, lines.number, facets));
+      if (inside)
+        throw InputError(
+            fmt::format("{}:{}: triangle {} has no endfacet", name, lines.number, facets));
       inside = true;
       vertices = 0;
     } else if (same_word(key, "vertex")) {
-      require_three_numbers(line, fmt::format("{}:{}: triangle {}", name, lines.number, facets), vertices++);
+      require_three_numbers(line, fmt::format("{}:{}: triangle {}", name, lines.number, facets),
+                            vertices++);
     } else if (same_word(key, "endfacet")) {
       if (!inside || vertices != 3) {
-        throw InputError(fmt::format("{}:{}: triangle {} has {} vertices, must have 3", name, lines.number, facets, vertices));
+        throw InputError(fmt::format("{}:{}: triangle {} has {} vertices, must have 3", name,
+                                     lines.number, facets, vertices));
       }
       inside = false;
       ++facets;
     }
   }
   if (inside || !ended) {
-    throw InputError(fmt::format("{}: cut short {} triangle {}, must end with endsolid", name, inside ? "within" : "after",
+    throw InputError(fmt::format("{}: cut short {} triangle {}, must end with endsolid", name,
+                                 inside ? "within" : "after",
                                  inside || facets == 0 ? facets : facets - 1));
   }
   return facets;
@@ -136,15 +151,20 @@ std::size_t require_whole_stl(std::string_view text, const std::string& name) {
   const std::size_t count = has_count ? little_endian_u32(text.substr(kStlHeader - 4)) : 0;
   const std::size_t wanted = kStlHeader + kStlTriangle * count;
   if (has_count && text.size() == wanted) return count;
-  if (same_word(text.substr(0, 5), "solid") && is_text(text.substr(0, 512))) return require_whole_text_stl(text, name);
+  if (same_word(text.substr(0, 5), "solid") && is_text(text.substr(0, 512)))
+    return require_whole_text_stl(text, name);
   if (!has_count) {
-    throw InputError(fmt::format("{}: {} bytes, an STL has a header of {} or opens with 'solid'", name, text.size(), kStlHeader));
+    throw InputError(fmt::format("{}: {} bytes, an STL has a header of {} or opens with 'solid'",
+                                 name, text.size(), kStlHeader));
   }
   if (text.size() < wanted) {
-    throw InputError(fmt::format("{}: cut short within triangle {}, its header promises {} triangles", name,
-                                 (text.size() - kStlHeader) / kStlTriangle, count));
+    throw InputError(
+        fmt::format("{}: cut short within triangle {}, its header promises {} triangles", name,
+                    (text.size() - kStlHeader) / kStlTriangle, count));
   }
-  throw InputError(fmt::format("{}: {} bytes stand behind the {} triangles that its header promises", name, text.size() - wanted, count));
+  throw InputError(
+      fmt::format("{}: {} bytes stand behind the {} triangles that its header promises", name,
+                  text.size() - wanted, count));
 }
 
 }  // namespace
@@ -157,7 +177,8 @@ bool is_mesh_file(const std::filesystem::path& file) {
 std::size_t require_whole(const std::filesystem::path& file) {
   const std::string ending = lower_extension(file);
   if (!is_mesh_file(file)) {
-    throw InputError(fmt::format("{}: ends in '{}', a mesh must be a .obj, .stl or .ply", file.string(), ending));
+    throw InputError(fmt::format("{}: ends in '{}', a mesh must be a .obj, .stl or .ply",
+                                 file.string(), ending));
   }
   const std::string text = read_all(file);
   if (ending == ".obj") return require_whole_obj(text, file.string());

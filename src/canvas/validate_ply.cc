@@ -31,14 +31,19 @@ struct Header {
 int size_of(std::string_view type) {
   if (type == "char" || type == "uchar" || type == "int8" || type == "uint8") return 1;
   if (type == "short" || type == "ushort" || type == "int16" || type == "uint16") return 2;
-  if (type == "int" || type == "uint" || type == "int32" || type == "uint32" || type == "float" || type == "float32") return 4;
+  if (type == "int" || type == "uint" || type == "int32" || type == "uint32" || type == "float" ||
+      type == "float32")
+    return 4;
   return type == "double" || type == "float64" ? 8 : 0;
 }
 
-bool is_whole(std::string_view type) { return size_of(type) > 0 && !type.starts_with("float") && !type.starts_with("double"); }
+bool is_whole(std::string_view type) {
+  return size_of(type) > 0 && !type.starts_with("float") && !type.starts_with("double");
+}
 
 [[noreturn]] void wrong_line(const std::string& name, std::size_t number, std::string_view line) {
-  throw InputError(fmt::format("{}:{}: the header of a PLY cannot hold '{}'", name, number, line.substr(0, 60)));
+  throw InputError(
+      fmt::format("{}:{}: the header of a PLY cannot hold '{}'", name, number, line.substr(0, 60)));
 }
 
 // Takes the header off the front of `text`.
@@ -46,20 +51,26 @@ Header read_header(std::string_view* text, const std::string& name) {
   Header header;
   for (std::size_t number = 1;; ++number) {
     const std::size_t end = text->find('\n');
-    if (end == text->npos) throw InputError(fmt::format("{}: cut short within its header, or no PLY at all", name));
+    if (end == text->npos)
+      throw InputError(fmt::format("{}: cut short within its header, or no PLY at all", name));
     const std::string_view line = text->substr(0, end);
     text->remove_prefix(end + 1);
     std::string_view rest = line;
     const std::string_view key = next_word(&rest);
     if (number == 1) {
-      if (key != "ply") throw InputError(fmt::format("{}: opens with '{}', a PLY with 'ply'", name, line.substr(0, 20)));
+      if (key != "ply")
+        throw InputError(
+            fmt::format("{}: opens with '{}', a PLY with 'ply'", name, line.substr(0, 20)));
     } else if (key == "end_header") {
       return header;
     } else if (key == "format") {
       const std::string_view format = next_word(&rest);
-      if (format == "binary_little_endian") header.format = Header::Format::little_endian;
-      else if (format == "binary_big_endian") header.format = Header::Format::big_endian;
-      else if (format != "ascii") wrong_line(name, number, line);
+      if (format == "binary_little_endian")
+        header.format = Header::Format::little_endian;
+      else if (format == "binary_big_endian")
+        header.format = Header::Format::big_endian;
+      else if (format != "ascii")
+        wrong_line(name, number, line);
     } else if (key == "element") {
       Element element;
       element.name = next_word(&rest);
@@ -85,7 +96,8 @@ Header read_header(std::string_view* text, const std::string& name) {
 }
 
 bool names_corners(const Element& element, const Property& property) {
-  return element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
+  return element.name == "face" &&
+         (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
 struct Body {
@@ -94,22 +106,27 @@ struct Body {
   const std::string& name;
 
   [[noreturn]] void cut_short(const Element& element, std::size_t i) const {
-    throw InputError(fmt::format("{}: cut short within {} {}, its header promises {}", name, element.name, i, element.count));
+    throw InputError(fmt::format("{}: cut short within {} {}, its header promises {}", name,
+                                 element.name, i, element.count));
   }
 
   // One number or list's count; its value, if it is a count.
-  std::size_t take(const Element& element, std::size_t i, int size, bool is_count, bool must_be_whole) {
+  std::size_t take(const Element& element, std::size_t i, int size, bool is_count,
+                   bool must_be_whole) {
     if (format != Header::Format::text) {
       if (text.size() < static_cast<std::size_t>(size)) cut_short(element, i);
-      const std::size_t count = is_count ? unsigned_bytes(text, size, format == Header::Format::big_endian) : 0;
+      const std::size_t count =
+          is_count ? unsigned_bytes(text, size, format == Header::Format::big_endian) : 0;
       text.remove_prefix(size);
       return count;
     }
     const std::string_view word = next_word(&text);
     if (word.empty()) cut_short(element, i);
     double value;
-    if (!finite_number(word, &value) || ((is_count || must_be_whole) && value != std::floor(value)) || (is_count && value < 0)) {
-      throw InputError(fmt::format("{}: {} {} holds '{}', must be a {} number", name, element.name, i, word.substr(0, 60),
+    if (!finite_number(word, &value) ||
+        ((is_count || must_be_whole) && value != std::floor(value)) || (is_count && value < 0)) {
+      throw InputError(fmt::format("{}: {} {} holds '{}', must be a {} number", name, element.name,
+                                   i, word.substr(0, 60),
                                    is_count || must_be_whole ? "whole" : "finite"));
     }
     return is_count ? static_cast<std::size_t>(value) : 0;
@@ -132,10 +149,12 @@ struct Body {
         std::size_t count = 1;
         if (property.count_size > 0) count = take(element, i, property.count_size, true, true);
         if (names_corners(element, property) && count < 3) {
-          throw InputError(fmt::format("{}: face {} has {} corners, must have at least 3", name, i, count));
+          throw InputError(
+              fmt::format("{}: face {} has {} corners, must have at least 3", name, i, count));
         }
         if (format == Header::Format::text) {
-          for (std::size_t k = 0; k < count; ++k) take(element, i, property.size, false, property.whole);
+          for (std::size_t k = 0; k < count; ++k)
+            take(element, i, property.size, false, property.whole);
         } else {
           if (text.size() / property.size < count) cut_short(element, i);
           text.remove_prefix(count * property.size);
@@ -152,11 +171,14 @@ std::size_t require_whole_ply(std::string_view text, const std::string& name) {
   Body body{text, header.format, name};
   std::size_t faces = 0;
   for (const auto& element : header.elements) {
-    if (element.properties.empty()) throw InputError(fmt::format("{}: element {} of its header has no property", name, element.name));
+    if (element.properties.empty())
+      throw InputError(
+          fmt::format("{}: element {} of its header has no property", name, element.name));
     body.skip(element);
     if (element.name != "face") continue;
     bool corners = false;
-    for (const auto& property : element.properties) corners = corners || (names_corners(element, property) && property.count_size > 0);
+    for (const auto& property : element.properties)
+      corners = corners || (names_corners(element, property) && property.count_size > 0);
     if (!corners) throw InputError(fmt::format("{}: its faces have no list vertex_indices", name));
     faces += element.count;
   }

@@ -7,7 +7,8 @@
 
 namespace impedraw {
 
-// The faces that the header promises. Throws InputError, opened by `name`, where the body does not hold all that the header promises.
+// The faces that the header promises. Throws InputError, opened by `name`, where the body does not
+// hold all that the header promises.
 std::size_t require_whole_ply(std::string_view text, const std::string& name);
 
 }  // namespace impedraw

@@ -6,8 +6,8 @@
 
 namespace impedraw {
 
-// What the user gave cannot be used. The message is one line that names what, where, and what would be valid.
-// The program ends with exit code 2 and leaves nothing behind.
+// What the user gave cannot be used. The message is one line that names what, where, and what would
+// be valid. The program ends with exit code 2 and leaves nothing behind.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

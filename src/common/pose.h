@@ -11,8 +11,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 // X_AB: takes coordinates in B to coordinates in A, p_A = R p_B + p.
 struct Pose {
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();       // p_AB [m]
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();   // R_AB
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();      // p_AB [m]
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // R_AB
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& p_B) const { return R * p_B + p; }
   Pose operator*(const Pose& X_BC) const { return {R * X_BC.p + p, R * X_BC.R}; }

@@ -1,4 +1,5 @@
-// The arm at one instant, as the control law needs it: joint- and task-space terms of the rigid-body dynamics.
+// The arm at one instant, as the control law needs it: joint- and task-space terms of the
+// rigid-body dynamics.
 //
 // Plant (2):  M v̇ + C v + g = τ + Jᵀ F_ext          Task (5)–(7):  V = J v,  V̇ = J v̇ + J̇ v
 #pragma once
@@ -7,26 +8,36 @@
 
 namespace impedraw {
 
-inline constexpr int kMaxJoints = 12;  // storage is fixed so that nothing in the loop allocates; the size in use is set at construction
+// storage is fixed so that nothing in the loop allocates; the size in use is set at construction
+inline constexpr int kMaxJoints = 12;
 
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
-using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
+using JointMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 using TipJacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJoints>;
 
-// n joints, n ≤ kMaxJoints; M symmetric positive definite. A sliding joint counts in m, m/s, N and kg. Spatial quantities are expressed in W and taken at the origin of E, linear part first (LOCAL_WORLD_ALIGNED).
+// n joints, n ≤ kMaxJoints; M symmetric positive definite. A sliding joint counts in m, m/s, N and
+// kg. Spatial quantities are expressed in W and taken at the origin of E, linear part first
+// (LOCAL_WORLD_ALIGNED).
 struct ArmTerms {
-  JointVector q, v;   // joint position [rad], velocity [rad/s]
-  JointMatrix M;      // joint inertia, n×n, both triangles filled [kg m²]
-  JointVector Cv;     // Coriolis and centrifugal torque (paper: V) [Nm]
-  JointVector g;      // gravity torque: what holds the arm still is τ = g [Nm]
-  TipJacobian J;      // 6×n, V_WE = J v
-  Vector6 Jdot_v;     // drift acceleration J̇ v [m/s², rad/s²]
-  Pose X_WE;          // pen tip
-  Vector6 V_WE;       // its spatial velocity [m/s, rad/s]
+  JointVector q, v;  // joint position [rad], velocity [rad/s]
+  JointMatrix M;     // joint inertia, n×n, both triangles filled [kg m²]
+  JointVector Cv;    // Coriolis and centrifugal torque (paper: V) [Nm]
+  JointVector g;     // gravity torque: what holds the arm still is τ = g [Nm]
+  TipJacobian J;     // 6×n, V_WE = J v
+  Vector6 Jdot_v;    // drift acceleration J̇ v [m/s², rad/s²]
+  Pose X_WE;         // pen tip
+  Vector6 V_WE;      // its spatial velocity [m/s, rad/s]
 
   explicit ArmTerms(int n = 0)
-      : q(JointVector::Zero(n)), v(JointVector::Zero(n)), M(JointMatrix::Zero(n, n)), Cv(JointVector::Zero(n)),
-        g(JointVector::Zero(n)), J(TipJacobian::Zero(6, n)), Jdot_v(Vector6::Zero()), V_WE(Vector6::Zero()) {}
+      : q(JointVector::Zero(n)),
+        v(JointVector::Zero(n)),
+        M(JointMatrix::Zero(n, n)),
+        Cv(JointVector::Zero(n)),
+        g(JointVector::Zero(n)),
+        J(TipJacobian::Zero(6, n)),
+        Jdot_v(Vector6::Zero()),
+        V_WE(Vector6::Zero()) {}
 };
 
 }  // namespace impedraw

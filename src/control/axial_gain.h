@@ -1,4 +1,5 @@
-// Gains of the surface frame S (z = n) that are equal along both tangents, turned to W:  R_WS diag(t, t, n) R_WSᵀ = t (I − n nᵀ) + n n nᵀ.
+// Gains of the surface frame S (z = n) that are equal along both tangents, turned to W:  R_WS
+// diag(t, t, n) R_WSᵀ = t (I − n nᵀ) + n n nᵀ.
 // The heading of S about n then drops out, so no frame has to be carried across the surface.
 // n must be a unit vector.
 #pragma once
@@ -30,7 +31,8 @@ struct TipGain {
     return y;
   }
   TipGain inverse() const {  // every gain must differ from 0
-    return {{1.0 / linear.tangent, 1.0 / linear.normal}, {1.0 / angular.tangent, 1.0 / angular.normal}};
+    return {{1.0 / linear.tangent, 1.0 / linear.normal},
+            {1.0 / angular.tangent, 1.0 / angular.normal}};
   }
 };
 

@@ -19,8 +19,12 @@ void require(bool holds, const char* name, double value, const char* valid) {
   std::snprintf(message, sizeof message, "%s is %.6g; valid is %s", name, value, valid);
   throw InputError(message);
 }
-void positive(const char* name, double x) { require(x > 0.0 && x < kInfinite, name, x, "a number above 0"); }
-void not_negative(const char* name, double x) { require(x >= 0.0 && x < kInfinite, name, x, "0 or a number above"); }
+void positive(const char* name, double x) {
+  require(x > 0.0 && x < kInfinite, name, x, "a number above 0");
+}
+void not_negative(const char* name, double x) {
+  require(x >= 0.0 && x < kInfinite, name, x, "0 or a number above");
+}
 
 void gain(const std::string& name, const TipGain& g, void (*check)(const char*, double)) {
   check((name + " along the tangents").c_str(), g.linear.tangent);
@@ -31,12 +35,19 @@ void gain(const std::string& name, const TipGain& g, void (*check)(const char*, 
 
 enum class Entries { any, not_negative, positive };
 
-void each_joint(const char* name, const Eigen::VectorXd& x, int joints, bool may_be_empty, Entries entries) {
+void each_joint(const char* name, const Eigen::VectorXd& x, int joints, bool may_be_empty,
+                Entries entries) {
   if (x.size() != joints && !(may_be_empty && x.size() == 0))
-    throw InputError(std::string(name) + " has " + std::to_string(x.size()) + " entries, the arm " + std::to_string(joints) + " joints");
+    throw InputError(std::string(name) + " has " + std::to_string(x.size()) + " entries, the arm " +
+                     std::to_string(joints) + " joints");
   for (double value : x) {
-    const bool holds = entries == Entries::any ? std::isfinite(value) : entries == Entries::positive ? value > 0.0 : value >= 0.0;
-    require(holds, name, value, entries == Entries::any ? "a number" : entries == Entries::positive ? "above 0" : "0 or more");
+    const bool holds = entries == Entries::any        ? std::isfinite(value)
+                       : entries == Entries::positive ? value > 0.0
+                                                      : value >= 0.0;
+    require(holds, name, value,
+            entries == Entries::any        ? "a number"
+            : entries == Entries::positive ? "above 0"
+                                           : "0 or more");
   }
 }
 
@@ -60,8 +71,10 @@ void check_settings(const ImpedanceSettings& s, int joints) {
   positive("approach_lag", s.approach_lag);
   not_negative("retreat_height", s.retreat_height);
   positive("normal_bandwidth", s.normal_bandwidth);
-  require(std::abs(s.drawing_axis_W.norm() - 1.0) < 1e-9, "drawing_axis_W length", s.drawing_axis_W.norm(), "1");
-  require(s.min_axis_cosine > 0.0 && s.min_axis_cosine <= 1.0, "min_axis_cosine", s.min_axis_cosine, "above 0, at most 1");
+  require(std::abs(s.drawing_axis_W.norm() - 1.0) < 1e-9, "drawing_axis_W length",
+          s.drawing_axis_W.norm(), "1");
+  require(s.min_axis_cosine > 0.0 && s.min_axis_cosine <= 1.0, "min_axis_cosine", s.min_axis_cosine,
+          "above 0, at most 1");
   not_negative("tip_radius", s.tip_radius);
   not_negative("tip_stiffness", s.tip_stiffness);
   not_negative("friction", s.friction);
@@ -83,7 +96,8 @@ void check_settings(const ImpedanceSettings& s, int joints) {
   each_joint("torque_rate_limit", s.torque_rate_limit, joints, true, Entries::positive);
   each_joint("joint_lower", s.joint_lower, joints, true, Entries::any);
   each_joint("joint_upper", s.joint_upper, joints, true, Entries::any);
-  if (s.joint_lower.size() != s.joint_upper.size()) throw InputError("joint_lower and joint_upper: one is given without the other");
+  if (s.joint_lower.size() != s.joint_upper.size())
+    throw InputError("joint_lower and joint_upper: one is given without the other");
 }
 
 }  // namespace impedraw

@@ -5,7 +5,8 @@
 
 namespace impedraw {
 
-// Throws InputError: the setting, its value and what would be valid. joints: of the arm, 6 to kMaxJoints for a task of six axes.
+// Throws InputError: the setting, its value and what would be valid. joints: of the arm, 6 to
+// kMaxJoints for a task of six axes.
 void check_settings(const ImpedanceSettings& settings, int joints);
 
 }  // namespace impedraw

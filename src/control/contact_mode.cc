@@ -11,7 +11,14 @@ namespace {
 using Mode = ContactMode;
 
 // What the evidence amounts to, one bit an event.
-enum Event : unsigned { kPenUp = 1, kApproachable = 2, kTouch = 4, kTouchLost = 8, kSurfaceLost = 16, kClear = 32 };
+enum Event : unsigned {
+  kPenUp = 1,
+  kApproachable = 2,
+  kTouch = 4,
+  kTouchLost = 8,
+  kSurfaceLost = 16,
+  kClear = 32
+};
 
 struct Transition {
   Mode from;
@@ -19,24 +26,23 @@ struct Transition {
   Mode to;
 };
 
-constexpr Transition kTable[] = {  // the first match from the top counts
-    {Mode::free, kApproachable, Mode::approach},
-    {Mode::approach, kPenUp, Mode::lift},
-    {Mode::approach, kSurfaceLost, Mode::retreat},
-    {Mode::approach, kTouch, Mode::contact},
-    {Mode::contact, kPenUp, Mode::lift},
-    {Mode::contact, kSurfaceLost, Mode::retreat},
-    {Mode::contact, kTouchLost, Mode::approach},
-    {Mode::lift, kClear, Mode::free},
-    {Mode::lift, kApproachable, Mode::approach},
-    {Mode::retreat, kPenUp, Mode::free},
+constexpr Transition kTable[] = {
+    // the first match from the top counts
+    {Mode::free, kApproachable, Mode::approach},   {Mode::approach, kPenUp, Mode::lift},
+    {Mode::approach, kSurfaceLost, Mode::retreat}, {Mode::approach, kTouch, Mode::contact},
+    {Mode::contact, kPenUp, Mode::lift},           {Mode::contact, kSurfaceLost, Mode::retreat},
+    {Mode::contact, kTouchLost, Mode::approach},   {Mode::lift, kClear, Mode::free},
+    {Mode::lift, kApproachable, Mode::approach},   {Mode::retreat, kPenUp, Mode::free},
 };
 
 }  // namespace
 
-ContactStates::ContactStates(const ContactSettings& settings, double dt) : settings_(settings), dt_(dt) {
+ContactStates::ContactStates(const ContactSettings& settings, double dt)
+    : settings_(settings), dt_(dt) {
   if (!(settings.leave_distance > settings.enter_distance))
-    throw InputError("contact.leave_distance must lie above contact.enter_distance: without hysteresis the contact chatters");
+    throw InputError(
+        "contact.leave_distance must lie above contact.enter_distance: without hysteresis the "
+        "contact chatters");
 }
 
 void ContactStates::reset() noexcept {
@@ -49,8 +55,10 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
   const bool no_force = e.wrench_known && e.normal_force < settings_.loss_force;
   time_without_force_ = mode_ == Mode::contact && no_force ? time_without_force_ + dt_ : 0.0;
 
-  const bool near = e.surface_known && e.distance < (e.wrench_known ? settings_.search_distance : settings_.enter_distance);
-  const bool held = e.wrench_known ? e.normal_force > settings_.touch_force : e.approach_gap > settings_.touch_gap;
+  const bool near = e.surface_known && e.distance < (e.wrench_known ? settings_.search_distance
+                                                                    : settings_.enter_distance);
+  const bool held = e.wrench_known ? e.normal_force > settings_.touch_force
+                                   : e.approach_gap > settings_.touch_gap;
   const double error = mode_ == Mode::contact ? distance_at_touch_ : 0.0;
   const bool far = e.surface_known && e.distance - error > settings_.leave_distance;
   const bool lost_for_long = time_without_surface_ > settings_.lost_surface_time;

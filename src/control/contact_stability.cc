@@ -12,8 +12,8 @@
 namespace impedraw {
 
 double spectral_radius(const NormalLoop& s) {
-  // State: penetration x, its rate v, and the last `delay_steps` forces. The tip's force is the simulator's: spring from the start of the
-  // step, damper on the new velocity.
+  // State: penetration x, its rate v, and the last `delay_steps` forces. The tip's force is the
+  // simulator's: spring from the start of the step, damper on the new velocity.
   const int n = 2 + s.delay_steps;
   const double ratio = s.natural_mass / s.wanted_mass;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
@@ -35,12 +35,15 @@ double spectral_radius(const NormalLoop& s) {
 
 namespace {
 
-// Whether the loop holds for every natural mass up to the largest; `wanted` and `damping` as functions of the natural mass.
+// Whether the loop holds for every natural mass up to the largest; `wanted` and `damping` as
+// functions of the natural mass.
 template <typename Wanted, typename Damping>
 bool stable(const ImpedanceSettings& settings, const Wanted& wanted, const Damping& damping) {
   const int steps = std::max(1, static_cast<int>(std::lround(settings.wrench_delay / settings.dt)));
   for (double m = 1.0; m <= settings.natural_mass_max; m += 0.5)
-    if (spectral_radius({m, wanted(m), damping(m), settings.contact_stiffness_max, 0.0, settings.dt, steps}) >= 1.0) return false;
+    if (spectral_radius({m, wanted(m), damping(m), settings.contact_stiffness_max, 0.0, settings.dt,
+                         steps}) >= 1.0)
+      return false;
   return true;
 }
 
@@ -50,9 +53,11 @@ double rounded_up(double x) {
   return std::ceil(x / digit) * digit;
 }
 
-[[noreturn]] void refuse(const char* format, double value, const ImpedanceSettings& settings, double least) {
+[[noreturn]] void refuse(const char* format, double value, const ImpedanceSettings& settings,
+                         double least) {
   char message[256];
-  std::snprintf(message, sizeof message, format, value, settings.contact_stiffness_max, 1e3 * settings.wrench_delay, rounded_up(least));
+  std::snprintf(message, sizeof message, format, value, settings.contact_stiffness_max,
+                1e3 * settings.wrench_delay, rounded_up(least));
   throw InputError(message);
 }
 
@@ -61,26 +66,32 @@ double rounded_up(double x) {
 void check_normal_loop(double wanted_mass, double damping, const ImpedanceSettings& settings) {
   const auto holds = [&](double m_d) {
     const double b = damping * std::sqrt(m_d / wanted_mass);  // as diagonal_damping scales it
-    return stable(settings, [=](double) { return m_d; }, [=](double) { return b; });
+    return stable(
+        settings, [=](double) { return m_d; }, [=](double) { return b; });
   };
   if (holds(wanted_mass)) return;
   double least = wanted_mass;
   while (least < 2.0 * settings.natural_mass_max && !holds(least)) least *= 1.05;
-  refuse("inertia along the normal: %.3g kg is unstable on a tip of %.3g N/m with a wrench %.3g ms late; valid are %.3g kg or more",
-         wanted_mass, settings, least);
+  refuse(
+      "inertia along the normal: %.3g kg is unstable on a tip of %.3g N/m with a wrench %.3g ms "
+      "late; valid are %.3g kg or more",
+      wanted_mass, settings, least);
 }
 
 void check_scaled_normal_loop(double scale, double stiffness, const ImpedanceSettings& settings) {
   const auto holds = [&](double c) {
-    return stable(settings, [=](double m) { return c * m; },
-                  [&](double m) { return 2.0 * settings.damping_ratio * std::sqrt(stiffness * c * m); });
+    return stable(
+        settings, [=](double m) { return c * m; },
+        [&](double m) { return 2.0 * settings.damping_ratio * std::sqrt(stiffness * c * m); });
   };
   if (holds(scale)) return;
   double least = scale;
   while (least < 1.0 && !holds(least)) least *= 1.02;
-  refuse("inertia along the normal: %.3g times the natural one is unstable on a tip of %.3g N/m with a wrench %.3g ms late; valid are %.3g "
-         "times or more",
-         scale, settings, least);
+  refuse(
+      "inertia along the normal: %.3g times the natural one is unstable on a tip of %.3g N/m with "
+      "a wrench %.3g ms late; valid are %.3g "
+      "times or more",
+      scale, settings, least);
 }
 
 void check_damping_rates(const TipGain& damping, const TipGain& inertia, double dt_and_delay) {
@@ -88,9 +99,11 @@ void check_damping_rates(const TipGain& damping, const TipGain& inertia, double 
     if (b / m * dt_and_delay < kDampingLimit) return;
     char message[256];
     std::snprintf(message, sizeof message,
-                  "inertia %s: damping rate %.3g 1/s times step and delay %.3g s reaches %.2f, the limit is %.1f; valid is %.3g times the "
+                  "inertia %s: damping rate %.3g 1/s times step and delay %.3g s reaches %.2f, the "
+                  "limit is %.1f; valid is %.3g times the "
                   "inertia, or less stiffness",
-                  axis, b / m, dt_and_delay, b / m * dt_and_delay, kDampingLimit, rounded_up(1.001 * std::pow(b / m * dt_and_delay / kDampingLimit, 2)));
+                  axis, b / m, dt_and_delay, b / m * dt_and_delay, kDampingLimit,
+                  rounded_up(1.001 * std::pow(b / m * dt_and_delay / kDampingLimit, 2)));
     throw InputError(message);
   };
   check("along the tangents", damping.linear.tangent, inertia.linear.tangent);

@@ -1,10 +1,14 @@
-// How small a wanted inertia along the normal may be: the loop of arm, tip spring and a measured wrench that is late.
+// How small a wanted inertia along the normal may be: the loop of arm, tip spring and a measured
+// wrench that is late.
 //
 // Plant     m v̇ = u + f,  f = k x' + …: tip spring k with damper b, x the penetration
-// Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier           (11)
-// To first order in the delay T the late force takes (1 − m_d/m) k T of damping away: stable while  B + b m_d/m > (1 − m_d/m) k T.
-// The check here is exact instead: the spectral radius of the sampled loop (semi-implicit Euler, whole steps of delay) lies below 1.
-// Needs masses, stiffness and dt above 0, delay_steps of 0 or more.
+// Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier
+//            (11)
+// To first order in the delay T the late force takes (1 − m_d/m) k T of damping away: stable while
+// B + b m_d/m > (1 − m_d/m) k T.
+// The check here is exact instead: the spectral radius of the sampled loop (semi-implicit Euler,
+// whole steps of delay) lies below 1. Needs masses, stiffness and dt above 0, delay_steps of 0 or
+// more.
 #pragma once
 
 #include "impedraw/control/impedance_settings.h"
@@ -12,20 +16,22 @@
 namespace impedraw {
 
 struct NormalLoop {
-  double natural_mass;       // m: Λ along the normal [kg]
-  double wanted_mass;        // m_d [kg]
-  double damping;            // B [N s/m]
-  double contact_stiffness;  // k [N/m]
+  double natural_mass;           // m: Λ along the normal [kg]
+  double wanted_mass;            // m_d [kg]
+  double damping;                // B [N s/m]
+  double contact_stiffness;      // k [N/m]
   double contact_damping = 0.0;  // b [N s/m]
-  double dt;                 // [s]
-  int delay_steps;           // age of the measured wrench
+  double dt;                     // [s]
+  int delay_steps;               // age of the measured wrench
 };
 
 double spectral_radius(const NormalLoop& loop);  // < 1: stable
 
 // Throw InputError naming the axis, its value and the least that would be valid.
 void check_normal_loop(double wanted_mass, double damping, const ImpedanceSettings& settings);
-void check_scaled_normal_loop(double scale, double stiffness, const ImpedanceSettings& settings);  // M_d = scale Λ; stiffness: K' along n
+void check_scaled_normal_loop(
+    double scale, double stiffness,
+    const ImpedanceSettings& settings);  // M_d = scale Λ; stiffness: K' along n
 void check_damping_rates(const TipGain& damping, const TipGain& inertia, double dt_and_delay);
 
 }  // namespace impedraw

@@ -21,7 +21,8 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
       const double off = C(p, q);
       if (off * off <= 1e-11 * std::abs(C(p, p) * C(q, q))) continue;  // warm, that is most pairs
       const double theta = (C(q, q) - C(p, p)) / (2.0 * off);
-      const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
+      const double t =
+          std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
       const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
       const Vector6 row_p = C.col(p), row_q = C.col(q);  // C is symmetric: its rows are its columns
       Vector6 new_p = c * row_p - s * row_q, new_q = s * row_p + c * row_q;
@@ -41,8 +42,8 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
 
 }  // namespace
 
-void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear, const Eigen::Matrix3d& K_angular,
-                          double damping_ratio) noexcept {
+void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear,
+                          const Eigen::Matrix3d& K_angular, double damping_ratio) noexcept {
   const Matrix6 T = U * Z_;
   Matrix6 KT;
   KT.topRows<3>().noalias() = K_linear.lazyProduct(T.topRows<3>());
@@ -66,7 +67,8 @@ Vector6 ModalDamping::solve(const Matrix6& U, const Vector6& F) const noexcept {
 
 TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio) {
   const auto pair = [&](const AxialGain& k, const AxialGain& m) {
-    return AxialGain{2.0 * damping_ratio * std::sqrt(k.tangent * m.tangent), 2.0 * damping_ratio * std::sqrt(k.normal * m.normal)};
+    return AxialGain{2.0 * damping_ratio * std::sqrt(k.tangent * m.tangent),
+                     2.0 * damping_ratio * std::sqrt(k.normal * m.normal)};
   };
   return {pair(stiffness.linear, inertia.linear), pair(stiffness.angular, inertia.angular)};
 }

@@ -8,16 +8,25 @@
 
 namespace impedraw {
 
-MomentumObserver::MomentumObserver(const ObserverSettings& settings, int joints, double dt, double wrench_age, double torque_delay)
-    : settings_(settings), dt_(dt), gain_(1.0 - std::exp(-settings.bandwidth * dt)), wrench_steps_(static_cast<int>(std::lround(wrench_age / dt))),
-      torque_steps_(static_cast<int>(std::lround(torque_delay / dt))), M_(JointMatrix::Zero(joints, joints)),
-      v_(JointVector::Zero(joints)), bias_(JointVector::Zero(joints)), r_(JointVector::Zero(joints)) {
+MomentumObserver::MomentumObserver(const ObserverSettings& settings, int joints, double dt,
+                                   double wrench_age, double torque_delay)
+    : settings_(settings),
+      dt_(dt),
+      gain_(1.0 - std::exp(-settings.bandwidth * dt)),
+      wrench_steps_(static_cast<int>(std::lround(wrench_age / dt))),
+      torque_steps_(static_cast<int>(std::lround(torque_delay / dt))),
+      M_(JointMatrix::Zero(joints, joints)),
+      v_(JointVector::Zero(joints)),
+      bias_(JointVector::Zero(joints)),
+      r_(JointVector::Zero(joints)) {
   const auto in_range = [](int steps) { return steps >= 0 && steps < kHistory - 1; };
   if (!(settings.bandwidth > 0.0)) throw InputError("observer.bandwidth must lie above 0 rad/s");
   if (!(settings.limit >= 0.0)) throw InputError("observer.limit must be 0 Nm or more");
   if (!in_range(wrench_steps_) || !in_range(torque_steps_))
-    throw InputError("observer: the wrench's age and the torque's delay are " + std::to_string(1e3 * wrench_age) + " and " +
-                     std::to_string(1e3 * torque_delay) + " ms; valid are 0 to " + std::to_string(1e3 * dt * (kHistory - 2)) + " ms");
+    throw InputError("observer: the wrench's age and the torque's delay are " +
+                     std::to_string(1e3 * wrench_age) + " and " +
+                     std::to_string(1e3 * torque_delay) + " ms; valid are 0 to " +
+                     std::to_string(1e3 * dt * (kHistory - 2)) + " ms");
   unexplained_.fill(r_);
   tau_.fill(r_);
 }
@@ -33,7 +42,8 @@ const JointVector& MomentumObserver::update(const ArmTerms& arm, const Vector6& 
     const JointVector dv = arm.v - v_;
     unexplained_[(step_ - 1) % kHistory] = M_.lazyProduct(dv) / dt_ + bias_ - tau;
     if (step_ > torque_steps_ + wrench_steps_) {
-      const JointVector d = unexplained_[(step_ - 1 - wrench_steps_) % kHistory] - arm.J.transpose().lazyProduct(F_ext);
+      const JointVector d = unexplained_[(step_ - 1 - wrench_steps_) % kHistory] -
+                            arm.J.transpose().lazyProduct(F_ext);
       r_ += gain_ * (d - r_);
       r_ = r_.cwiseMin(settings_.limit).cwiseMax(-settings_.limit);
     }

@@ -25,7 +25,8 @@ void NormalTracker::reset(const Eigen::Vector3d& n_W, const Eigen::Vector3d& w_W
   w_W_ = w_W - n_W * n_W.dot(w_W);
 }
 
-void NormalTracker::update(const Eigen::Vector3d& sample_W, const Eigen::Vector3d& alpha_plan_W) noexcept {
+void NormalTracker::update(const Eigen::Vector3d& sample_W,
+                           const Eigen::Vector3d& alpha_plan_W) noexcept {
   w_W_ += alpha_plan_W * dt_;
   turn(w_W_ * dt_);
   const Eigen::Vector3d innovation = smallest_rotation(n_W_, sample_W);

@@ -1,11 +1,14 @@
-// Wanted pen axis from the sampled surface normal: a unit vector and its angular velocity, without lag while the normal turns steadily.
+// Wanted pen axis from the sampled surface normal: a unit vector and its angular velocity, without
+// lag while the normal turns steadily.
 //
-// Law   ω ← ω + ω̇_plan Δt,  n ← exp([ω Δt + α ε]×) n,  ω ← ω + (β/Δt) ε,  ε = the smallest rotation that takes n to the sample
+// Law   ω ← ω + ω̇_plan Δt,  n ← exp([ω Δt + α ε]×) n,  ω ← ω + (β/Δt) ε,  ε = the smallest rotation
+//       that takes n to the sample
 //       α = 1 − r², β = (1 − r)², r = exp(−bandwidth Δt): critically damped α–β filter
-// A lagging filter of the same bandwidth would tilt the pen by 2 ω/bandwidth (0.5° at 50 mm/s in the bowl). The error left is
-// (ω̇ − ω̇_plan)/bandwidth²: the plan need only know how the normal's turning changes.
-// Needs samples and n of unit length, bandwidth and Δt above 0. Source: the α–β filter (Sklansky 1957; critically damped: Benedict and
-// Bordner, IRE Trans. Automatic Control 7(4), 1962), on the sphere.
+// A lagging filter of the same bandwidth would tilt the pen by 2 ω/bandwidth (0.5° at 50 mm/s in
+// the bowl). The error left is (ω̇ − ω̇_plan)/bandwidth²: the plan need only know how the normal's
+// turning changes. Needs samples and n of unit length, bandwidth and Δt above 0. Source: the α–β
+// filter (Sklansky 1957; critically damped: Benedict and Bordner, IRE Trans. Automatic Control
+// 7(4), 1962), on the sphere.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +20,8 @@ class NormalTracker {
   NormalTracker(double bandwidth, double dt);  // [rad/s], [s]
 
   void reset(const Eigen::Vector3d& n_W, const Eigen::Vector3d& w_W) noexcept;
-  void update(const Eigen::Vector3d& sample_W, const Eigen::Vector3d& alpha_plan_W) noexcept;  // [rad/s²]
+  void update(const Eigen::Vector3d& sample_W,
+              const Eigen::Vector3d& alpha_plan_W) noexcept;  // [rad/s²]
   void coast() noexcept;  // no sample: ω fades with the bandwidth, n goes with it
 
   const Eigen::Vector3d& n() const { return n_W_; }  // unit
@@ -30,7 +34,8 @@ class NormalTracker {
   Eigen::Vector3d n_W_ = Eigen::Vector3d::UnitZ(), w_W_ = Eigen::Vector3d::Zero();
 };
 
-// The smallest rotation vector that takes unit a to unit b [rad]; at exactly opposite vectors the axis is any perpendicular one.
+// The smallest rotation vector that takes unit a to unit b [rad]; at exactly opposite vectors the
+// axis is any perpendicular one.
 Eigen::Vector3d smallest_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept;
 
 }  // namespace impedraw

@@ -21,9 +21,12 @@ bool OperationalSpace::update(const ArmTerms& arm) noexcept {
     A_ += row.transpose() * row;
   }
   factor_inertia();
-  // The trace of the scaled Λ bounds its largest eigenvalue from above; a factor that failed is NaN and fails the comparison.
-  const double per_length2 = 1.0 / (settings_.characteristic_length * settings_.characteristic_length);
-  const double mass_bound = Lambda_.diagonal().head<3>().sum() + per_length2 * Lambda_.diagonal().tail<3>().sum();
+  // The trace of the scaled Λ bounds its largest eigenvalue from above; a factor that failed is NaN
+  // and fails the comparison.
+  const double per_length2 =
+      1.0 / (settings_.characteristic_length * settings_.characteristic_length);
+  const double mass_bound =
+      Lambda_.diagonal().head<3>().sum() + per_length2 * Lambda_.diagonal().tail<3>().sum();
   if (mass_bound < settings_.max_effective_mass) return true;
   return release_lost_directions();
 }
@@ -57,7 +60,8 @@ bool OperationalSpace::release_lost_directions() noexcept {
   }
   if (regular && Lambda_.allFinite()) return true;
   const Vector6 unscale = scale.cwiseInverse();
-  A_ = unscale.asDiagonal() * eigen.eigenvectors() * released.asDiagonal() * eigen.eigenvectors().transpose() * unscale.asDiagonal();
+  A_ = unscale.asDiagonal() * eigen.eigenvectors() * released.asDiagonal() *
+       eigen.eigenvectors().transpose() * unscale.asDiagonal();
   A_ = 0.5 * (A_ + A_.transpose()).eval();
   factor_inertia();
   return false;

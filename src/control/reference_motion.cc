@@ -17,7 +17,8 @@ Vector6 stacked(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
 }  // namespace
 
 // Away from the surface: the pose of the plan, in full stiffness.
-ImpedanceController::Wanted ImpedanceController::want_on_plan(const ArmTerms& arm, const TipGoal& goal) noexcept {
+ImpedanceController::Wanted ImpedanceController::want_on_plan(const ArmTerms& arm,
+                                                              const TipGoal& goal) noexcept {
   Wanted w;
   Eigen::Vector3d p_WD = goal.p_WD;
   if (out_.mode == ContactMode::retreat) p_WD += settings_.retreat_height * goal.n_WD;
@@ -31,34 +32,43 @@ ImpedanceController::Wanted ImpedanceController::want_on_plan(const ArmTerms& ar
   return w;
 }
 
-// Approach and contact: along the tangents the plan as seen along the drawing axis, along the normal the estimated surface.
-ImpedanceController::Wanted ImpedanceController::want_on_surface(const ArmTerms& arm, const TipGoal& goal,
-                                                                 const SurfaceEstimate& surface) noexcept {
+// Approach and contact: along the tangents the plan as seen along the drawing axis, along the
+// normal the estimated surface.
+ImpedanceController::Wanted ImpedanceController::want_on_surface(
+    const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface) noexcept {
   const Eigen::Vector3d& n = tracker_.n();
   const Eigen::Vector3d& z = settings_.drawing_axis_W;
   const Eigen::Vector3d n_dot = tracker_.w().cross(n);
   const bool contact = out_.mode == ContactMode::contact;
   out_.push = contact ? settings_.push_force : 0.0;
 
-  // The ink lies under the centre of the tip sphere, E sinks with the tip's give: follow the plan with the ink, not with E. The give is
-  // that of the push as it builds up, or the tip would be asked aside while friction still holds it.
-  const double acting_push = contact ? std::max(0.0, out_.push - n.dot(carried_force_.head<3>())) : 0.0;
+  // The ink lies under the centre of the tip sphere, E sinks with the tip's give: follow the plan
+  // with the ink, not with E. The give is that of the push as it builds up, or the tip would be
+  // asked aside while friction still holds it.
+  const double acting_push =
+      contact ? std::max(0.0, out_.push - n.dot(carried_force_.head<3>())) : 0.0;
   const double give = settings_.tip_stiffness > 0.0 ? acting_push / settings_.tip_stiffness : 0.0;
   const Eigen::Vector3d p_EC = give * n - settings_.tip_radius * (arm.X_WE.R.col(2) + n);
   out_.p_WD = goal.p_WD - p_EC;
 
   const double cosine = n.dot(z);
-  const bool lifted = settings_.projection == ErrorProjection::lifted && std::abs(cosine) > settings_.min_axis_cosine;
+  const bool lifted = settings_.projection == ErrorProjection::lifted &&
+                      std::abs(cosine) > settings_.min_axis_cosine;
   const Eigen::Vector3d e = out_.p_WD - arm.X_WE.p;
   const Eigen::Vector3d& u = goal.v_WD;
   Eigen::Vector3d e_t, v_t, a_t;
   if (lifted) {
-    const double rise = n.dot(u) / cosine;  // what the plan's own height changes is not followed: the surface is where it is found
+    const double rise =
+        n.dot(u) /
+        // what the plan's own height changes is not followed: the surface is where it is found
+        cosine;
     e_t = e - z * (n.dot(e) / cosine);
     v_t = u - z * rise;
     a_t = goal.a_WD - z * ((n_dot.dot(u) + n.dot(goal.a_WD) - rise * n_dot.dot(z)) / cosine);
   } else {
-    const auto on_page = [&z](const Eigen::Vector3d& x) -> Eigen::Vector3d { return x - z * z.dot(x); };
+    const auto on_page = [&z](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+      return x - z * z.dot(x);
+    };
     e_t = on_page(e);
     e_t -= n * n.dot(e_t);
     v_t = u - n * n.dot(u);
@@ -71,12 +81,15 @@ ImpedanceController::Wanted ImpedanceController::want_on_surface(const ArmTerms&
     K.linear.normal = 0.0;
   } else {
     // Whoever holds the tip back must not find a spring wound up when they let go.
-    const bool held = surface.status == SurfaceStatus::ok && approach_distance_ < surface.distance - settings_.approach_lag;
+    const bool held = surface.status == SurfaceStatus::ok &&
+                      approach_distance_ < surface.distance - settings_.approach_lag;
     const bool reached_end = approach_distance_ <= -settings_.approach_overtravel;
-    if (held) approach_distance_ = surface.distance - settings_.approach_lag;
+    if (held)
+      approach_distance_ = surface.distance - settings_.approach_lag;
     else if (!reached_end) {
       approach_distance_ -= settings_.approach_speed * settings_.dt;
-      v_t -= lifted ? Eigen::Vector3d(z * (settings_.approach_speed / cosine)) : Eigen::Vector3d(n * settings_.approach_speed);
+      v_t -= lifted ? Eigen::Vector3d(z * (settings_.approach_speed / cosine))
+                    : Eigen::Vector3d(n * settings_.approach_speed);
     }
     if (surface.status == SurfaceStatus::ok) e_n = n * (approach_distance_ - surface.distance);
   }
@@ -90,24 +103,33 @@ ImpedanceController::Wanted ImpedanceController::want_on_surface(const ArmTerms&
 
 Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
   if (shaped_) return shaped_damping_.apply(out_.n_WD, V);
-  return std::sqrt(scale_) * modal_damping_.apply(space_.inertia_factor(), V);  // C and Λ⁻¹ are 1/c of the natural ones
+  return std::sqrt(scale_) *
+         modal_damping_.apply(space_.inertia_factor(), V);  // C and Λ⁻¹ are 1/c of the natural ones
 }
 
 void ImpedanceController::pull(const Vector6& V, const Vector6& Ke, Wanted* wanted) noexcept {
   const double limit = settings_.tip_speed_limit;
-  const double small_pull = 2e-3 * settings_.stiffness.linear.tangent;  // what can only be a fraction of any limit is not looked at
+  const double small_pull =
+      2e-3 * settings_.stiffness.linear
+                 .tangent;  // what can only be a fraction of any limit is not looked at
   const Vector6& V_d = wanted->V_d;
-  if (V_d.head<3>().squaredNorm() > 0.64 * limit * limit || Ke.head<3>().squaredNorm() > small_pull * small_pull) {
-    const Vector6 follow = shaped_ ? shaped_damping_.inverse().apply(out_.n_WD, Ke)
-                                   : Vector6(modal_damping_.solve(space_.inverse_inertia_factor(), Ke) / std::sqrt(scale_));
+  if (V_d.head<3>().squaredNorm() > 0.64 * limit * limit ||
+      Ke.head<3>().squaredNorm() > small_pull * small_pull) {
+    const Vector6 follow = shaped_
+                               ? shaped_damping_.inverse().apply(out_.n_WD, Ke)
+                               : Vector6(modal_damping_.solve(space_.inverse_inertia_factor(), Ke) /
+                                         std::sqrt(scale_));
     Vector6 V_end = V_d + follow;
     const double speed = V_end.head<3>().norm();
     if (speed > limit) {
       out_.status.speed_limited = true;
       const Eigen::Vector3d direction = V_end.head<3>() / speed;
-      V_end *= limit / speed;  // turning with it: a coupled inertia would make speed of what is left of that
+      V_end *=
+          limit /
+          speed;  // turning with it: a coupled inertia would make speed of what is left of that
       auto a = wanted->Vdot_d.head<3>();
-      a -= std::max(0.0, a.dot(direction)) * direction;  // the plan may go faster yet: the tip may not
+      a -= std::max(0.0, a.dot(direction)) *
+           direction;  // the plan may go faster yet: the tip may not
       wanted->force = damp(V_end - V);
       return;
     }
@@ -123,12 +145,12 @@ Vector6 ImpedanceController::tip_friction(const ArmTerms& arm, const Wrench& F_e
   const double f_n = std::max(0.0, n.dot(F_ext.head<3>()));
   const Eigen::Vector3d v = arm.V_WE.head<3>();
   const Eigen::Vector3d v_t = v - n * n.dot(v);
-  const Eigen::Vector3d slip = v_t / std::sqrt(v_t.squaredNorm() + settings_.friction_speed * settings_.friction_speed);
+  const Eigen::Vector3d slip =
+      v_t / std::sqrt(v_t.squaredNorm() + settings_.friction_speed * settings_.friction_speed);
   const double against_slip = -F_ext.head<3>().dot(slip);
   friction.head<3>() = -std::clamp(against_slip, 0.0, settings_.friction * f_n) * slip;
   return friction;
 }
-
 
 void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
   const ForceIntegralSettings& s = settings_.force_integral;
@@ -138,14 +160,19 @@ void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
     return;
   }
   const Eigen::Vector3d& n = tracker_.n();
-  const double asked = settings_.push_force - n.dot(carried_force_.head<3>());  // while the push builds up, no more than it is
-  force_integral_ = std::clamp(force_integral_ + s.rate * settings_.dt * (asked - n.dot(F_ext.head<3>())), -s.limit, s.limit);
+  const double asked =
+      settings_.push_force -
+      n.dot(carried_force_.head<3>());  // while the push builds up, no more than it is
+  force_integral_ =
+      std::clamp(force_integral_ + s.rate * settings_.dt * (asked - n.dot(F_ext.head<3>())),
+                 -s.limit, s.limit);
 }
 
 JointVector ImpedanceController::limit_repulsion(const JointVector& q) noexcept {
   JointVector tau = JointVector::Zero(q.size());
   for (int j = 0; j < lower_.size(); ++j) {
-    const double above = settings_.limit_margin - (q[j] - lower_[j]), below = settings_.limit_margin - (upper_[j] - q[j]);
+    const double above = settings_.limit_margin - (q[j] - lower_[j]),
+                 below = settings_.limit_margin - (upper_[j] - q[j]);
     if (above <= 0.0 && below <= 0.0) continue;
     out_.status.joint_limit = true;
     const double into = std::max(above, below) / settings_.limit_margin;

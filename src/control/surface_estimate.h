@@ -14,12 +14,16 @@ enum class SurfaceStatus {
   off_edge,  // the tip lies beyond the edge of the cloud
 };
 
-// Where perception is to be asked where M_d couples translation and rotation, natural or scaled inertia: at the tip, moved along the surface to where the tip is wanted, by `reach` at most [m].
-// Asked at the tip itself, the wanted normal turns with every deviation of the tip: a stiffness k_r/R from position to torque with none
-// back, R the radius of curvature. On a tight hollow that is not symmetric enough for the natural inertia, which couples both: the pen
-// flutters. With shaped inertia, which couples nothing, ask at the tip itself: it stands larger errors of the model. Within the deviations of drawing the distance to the surface is the same at both places, to e²/2R.
-inline Eigen::Vector3d surface_query(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& p_WD, const Eigen::Vector3d& n_W,
-                                     double reach = 3e-3) {
+// Where perception is to be asked where M_d couples translation and rotation, natural or scaled
+// inertia: at the tip, moved along the surface to where the tip is wanted, by `reach` at most [m].
+// Asked at the tip itself, the wanted normal turns with every deviation of the tip: a stiffness
+// k_r/R from position to torque with none back, R the radius of curvature. On a tight hollow that
+// is not symmetric enough for the natural inertia, which couples both: the pen flutters. With
+// shaped inertia, which couples nothing, ask at the tip itself: it stands larger errors of the
+// model. Within the deviations of drawing the distance to the surface is the same at both places,
+// to e²/2R.
+inline Eigen::Vector3d surface_query(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& p_WD,
+                                     const Eigen::Vector3d& n_W, double reach = 3e-3) {
   const Eigen::Vector3d way = p_WD - p_WE, along = way - n_W * n_W.dot(way);
   const double length = along.norm();
   return p_WE + (length > reach ? Eigen::Vector3d(along * (reach / length)) : along);
@@ -27,8 +31,10 @@ inline Eigen::Vector3d surface_query(const Eigen::Vector3d& p_WE, const Eigen::V
 
 struct SurfaceEstimate {
   SurfaceStatus status = SurfaceStatus::none;
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit normal, outward (towards the camera that saw it); meaningful if ok
-  double distance = std::numeric_limits<double>::quiet_NaN();       // of the query point to the fitted surface [m], > 0 outside
+  Eigen::Vector3d n_W = Eigen::Vector3d::
+      UnitZ();  // unit normal, outward (towards the camera that saw it); meaningful if ok
+  double distance = std::numeric_limits<
+      double>::quiet_NaN();  // of the query point to the fitted surface [m], > 0 outside
 };
 
 }  // namespace impedraw

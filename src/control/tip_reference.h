@@ -5,15 +5,19 @@
 
 namespace impedraw {
 
-// World frame W, SI. D is the wanted tip frame: origin p_WD, z_D = −n_WD (the pen points into the surface); the turn about z_D is free.
+// World frame W, SI. D is the wanted tip frame: origin p_WD, z_D = −n_WD (the pen points into the
+// surface); the turn about z_D is free.
 struct TipGoal {
-  Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();      // [m]
-  Eigen::Vector3d v_WD = Eigen::Vector3d::Zero();      // [m/s]
-  Eigen::Vector3d a_WD = Eigen::Vector3d::Zero();      // [m/s²]
-  Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();     // unit; outward normal of the surface as the plan knows it
-  Eigen::Vector3d w_WD = Eigen::Vector3d::Zero();      // angular velocity of n_WD (no part about n_WD) [rad/s]
+  Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();  // [m]
+  Eigen::Vector3d v_WD = Eigen::Vector3d::Zero();  // [m/s]
+  Eigen::Vector3d a_WD = Eigen::Vector3d::Zero();  // [m/s²]
+  // unit; outward normal of the surface as the plan knows it
+  Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();
+  // angular velocity of n_WD (no part about n_WD) [rad/s]
+  Eigen::Vector3d w_WD = Eigen::Vector3d::Zero();
   Eigen::Vector3d alpha_WD = Eigen::Vector3d::Zero();  // its derivative [rad/s²]
-  bool pen_down = false;  // contact is wanted: from the start of the approach to the start of the lift
+  // contact is wanted: from the start of the approach to the start of the lift
+  bool pen_down = false;
 };
 
 }  // namespace impedraw

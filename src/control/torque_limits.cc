@@ -13,16 +13,21 @@ struct Share {
   double s, alpha;
 };
 
-// The largest s in [0, 1] for which an α exists with lower ≤ τ + s u + α d ≤ upper, and the least such |α|. None: s is NaN.
-// Each joint bounds α from both sides by lines in s; every lower bound must lie below every upper one.
-Share largest_share(const JointVector& tau, const JointVector& u, const JointVector& d, const JointVector& lower, const JointVector& upper) {
+// The largest s in [0, 1] for which an α exists with lower ≤ τ + s u + α d ≤ upper, and the least
+// such |α|. None: s is NaN. Each joint bounds α from both sides by lines in s; every lower bound
+// must lie below every upper one.
+Share largest_share(const JointVector& tau, const JointVector& u, const JointVector& d,
+                    const JointVector& lower, const JointVector& upper) {
   constexpr double kNone = 1e-9;
   double from = 0.0, to = 1.0;
   // a + b s ≤ 0
   const auto require = [&](double a, double b) {
-    if (b > 0.0) to = std::min(to, -a / b);
-    else if (b < 0.0) from = std::max(from, -a / b);
-    else if (a > 0.0) to = -1.0;
+    if (b > 0.0)
+      to = std::min(to, -a / b);
+    else if (b < 0.0)
+      from = std::max(from, -a / b);
+    else if (a > 0.0)
+      to = -1.0;
   };
   const auto n = tau.size();
   const auto bound = [&](Eigen::Index i, bool least) {  // of α, as {a, b} of a + b s
@@ -54,7 +59,8 @@ Share largest_share(const JointVector& tau, const JointVector& u, const JointVec
 
 }  // namespace
 
-TorqueLimits::TorqueLimits(const Eigen::VectorXd& limit, const Eigen::VectorXd& rate, double dt) : limit_(limit), step_(rate * dt) {}
+TorqueLimits::TorqueLimits(const Eigen::VectorXd& limit, const Eigen::VectorXd& rate, double dt)
+    : limit_(limit), step_(rate * dt) {}
 
 void TorqueLimits::find_box(int n) noexcept {
   lower_ = -limit_;
@@ -82,7 +88,8 @@ LimitedTorque TorqueLimits::clip(const JointVector& tau) noexcept {
   return out;
 }
 
-LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task, const JointVector& null, const ArmTerms& arm,
+LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task,
+                                  const JointVector& null, const ArmTerms& arm,
                                   const OperationalSpace& space) noexcept {
   const int n = static_cast<int>(hold.size());
   find_box(n);

@@ -9,15 +9,21 @@ namespace impedraw {
 
 bool is_artwork_file(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
-  return extension == ".svg" || extension == ".txt" || extension == ".strokes" || extension == ".csv";
+  return extension == ".svg" || extension == ".txt" || extension == ".strokes" ||
+         extension == ".csv";
 }
 
-Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings, PageUnit unit) {
+Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings,
+                     PageUnit unit) {
   if (!is_artwork_file(file)) {
-    throw InputError(fmt::format("{}: not a kind of artwork; valid are .svg, .txt, .strokes, .csv", file.string()));
+    throw InputError(fmt::format("{}: not a kind of artwork; valid are .svg, .txt, .strokes, .csv",
+                                 file.string()));
   }
-  if (lower_extension(file) != ".svg") return read_strokes(file, {.unit = unit, .may_be_empty = settings.may_be_empty});
-  if (unit != PageUnit::file) throw InputError(fmt::format("{}: an SVG says its units itself; valid for it is unit: file", file.string()));
+  if (lower_extension(file) != ".svg")
+    return read_strokes(file, {.unit = unit, .may_be_empty = settings.may_be_empty});
+  if (unit != PageUnit::file)
+    throw InputError(
+        fmt::format("{}: an SVG says its units itself; valid for it is unit: file", file.string()));
   return read_svg(file, settings);
 }
 

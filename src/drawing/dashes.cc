@@ -17,13 +17,16 @@ constexpr double kSame = 1e-6;  // a part of the pattern; less is rounding
 
 double period_of(const Dash& dash) {
   double period = 0;
-  bool valid = dash.lengths.size() % 2 == 0 && std::isfinite(dash.offset) && dash.to_pattern.allFinite();
+  bool valid =
+      dash.lengths.size() % 2 == 0 && std::isfinite(dash.offset) && dash.to_pattern.allFinite();
   for (const double length : dash.lengths) {
     valid = valid && length >= 0;
     period += length;
   }
   if (!valid || !(period > 0) || !std::isfinite(period)) {
-    throw InputError("dashes: an even number of lengths, none negative and not all 0, and a finite offset are needed");
+    throw InputError(
+        "dashes: an even number of lengths, none negative and not all 0, and a finite offset are "
+        "needed");
   }
   return period;
 }
@@ -32,7 +35,8 @@ double period_of(const Dash& dash) {
 class Walk {
  public:
   Walk(const std::vector<Vector2d>& line, const Eigen::Matrix2d& to_pattern) : line_(line) {
-    for (std::size_t i = 1; i < line.size(); ++i) way_.push_back(way_.back() + (to_pattern * (line[i] - line[i - 1])).norm());
+    for (std::size_t i = 1; i < line.size(); ++i)
+      way_.push_back(way_.back() + (to_pattern * (line[i] - line[i - 1])).norm());
   }
 
   double length() const { return way_.back(); }
@@ -64,15 +68,19 @@ class Walk {
 
 void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& result) {
   const double period = period_of(dash), least = kSame * period;
-  if (stroke.points.size() < 2) {  // a dot has its place in the pattern's beginning, which SVG draws whatever it says
+  if (stroke.points.size() <
+      2) {  // a dot has its place in the pattern's beginning, which SVG draws whatever it says
     result.push_back({stroke.points, false, stroke.layer});
     return;
   }
   const Walk walk(stroke.points, dash.to_pattern);
   const double length = walk.length();
-  if (length / period * static_cast<double>(dash.lengths.size()) / 2 + static_cast<double>(result.size()) > kMostDashes) {
-    throw InputError(fmt::format("dashes: a line of {:.6g} mm would fall into {:.3g} of them; at most {:.0e} are drawn",
-                                 length / dash.to_pattern.norm() * std::sqrt(2.0), length / period, kMostDashes));
+  if (length / period * static_cast<double>(dash.lengths.size()) / 2 +
+          static_cast<double>(result.size()) >
+      kMostDashes) {
+    throw InputError(fmt::format(
+        "dashes: a line of {:.6g} mm would fall into {:.3g} of them; at most {:.0e} are drawn",
+        length / dash.to_pattern.norm() * std::sqrt(2.0), length / period, kMostDashes));
   }
   std::size_t entry = 0;
   double in_entry = std::fmod(dash.offset, period);
@@ -85,10 +93,14 @@ void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& resul
   for (double s = 0; s < length;) {
     const double end = s + dash.lengths[entry] - in_entry, stop = std::min(end, length);
     if (entry % 2 == 0) {
-      const bool touches = !drawn.empty() && s > drawn.back().first && s - drawn.back().second < least;
-      if (dash.lengths[entry] == 0 && dash.dots) drawn.emplace_back(s, s);
-      else if (stop - s > least && touches) drawn.back().second = stop;  // the gap between them has no length
-      else if (stop - s > least) drawn.emplace_back(s, stop);
+      const bool touches =
+          !drawn.empty() && s > drawn.back().first && s - drawn.back().second < least;
+      if (dash.lengths[entry] == 0 && dash.dots)
+        drawn.emplace_back(s, s);
+      else if (stop - s > least && touches)
+        drawn.back().second = stop;  // the gap between them has no length
+      else if (stop - s > least)
+        drawn.emplace_back(s, stop);
     }
     s = end;
     in_entry = 0;
@@ -99,13 +111,15 @@ void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& resul
     result.push_back({stroke.points, true, stroke.layer});
     return;
   }
-  const bool over_the_start = stroke.closed && drawn.size() > 1 && drawn.front().first == 0 && drawn.front().second > least &&
-                              drawn.back().second >= length && drawn.back().first < length - least;
+  const bool over_the_start = stroke.closed && drawn.size() > 1 && drawn.front().first == 0 &&
+                              drawn.front().second > least && drawn.back().second >= length &&
+                              drawn.back().first < length - least;
   const std::size_t first = over_the_start ? 1 : 0;
   for (std::size_t i = first; i < drawn.size(); ++i) {
     Stroke part{walk.part(drawn[i].first, drawn[i].second), false, stroke.layer};
     if (over_the_start && i + 1 == drawn.size()) {
-      for (const Vector2d& p : walk.part(drawn[0].first, drawn[0].second)) Walk::add(part.points, p);
+      for (const Vector2d& p : walk.part(drawn[0].first, drawn[0].second))
+        Walk::add(part.points, p);
     }
     result.push_back(std::move(part));
   }
@@ -116,8 +130,10 @@ void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& resul
 std::vector<Stroke> dashed(const std::vector<Stroke>& strokes, const std::vector<Dash>& dashes) {
   std::vector<Stroke> result;
   for (const Stroke& stroke : strokes) {
-    if (stroke.dash < 0) result.push_back(stroke);
-    else break_up(stroke, dashes.at(static_cast<std::size_t>(stroke.dash)), result);
+    if (stroke.dash < 0)
+      result.push_back(stroke);
+    else
+      break_up(stroke, dashes.at(static_cast<std::size_t>(stroke.dash)), result);
   }
   return result;
 }

@@ -7,12 +7,16 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr int kDeepest = 24;  // 2^24 pieces; reached only by cusps, whose pieces are then far below any tolerance
+// 2^24 pieces; reached only by cusps, whose pieces are then far below any tolerance
+constexpr int kDeepest = 24;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-double angle_between(const Vector2d& a, const Vector2d& b) { return std::abs(std::atan2(cross(a, b), a.dot(b))); }
+double angle_between(const Vector2d& a, const Vector2d& b) {
+  return std::abs(std::atan2(cross(a, b), a.dot(b)));
+}
 
-bool is_flat(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d, const FlattenSettings& settings) {
+bool is_flat(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d,
+             const FlattenSettings& settings) {
   const double second = 6.0 * std::max((a - 2 * b + c).norm(), (b - 2 * c + d).norm());
   if (second > 8.0 * settings.tolerance) return false;
   const double size = std::max({(b - a).norm(), (c - a).norm(), (d - a).norm()});
@@ -21,8 +25,8 @@ bool is_flat(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vect
   return angle_between(b - a, c - b) + angle_between(c - b, d - c) <= settings.turn;
 }
 
-void cut_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d, const FlattenSettings& settings, int depth,
-               std::vector<Vector2d>& line) {
+void cut_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d,
+               const FlattenSettings& settings, int depth, std::vector<Vector2d>& line) {
   if (depth == kDeepest || is_flat(a, b, c, d, settings)) {
     line.push_back(d);
     return;
@@ -35,33 +39,36 @@ void cut_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Ve
 
 }  // namespace
 
-void flatten_quadratic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const FlattenSettings& settings,
-                       std::vector<Vector2d>& line) {
+void flatten_quadratic(const Vector2d& a, const Vector2d& b, const Vector2d& c,
+                       const FlattenSettings& settings, std::vector<Vector2d>& line) {
   flatten_cubic(a, (a + 2 * b) / 3, (2 * b + c) / 3, c, settings, line);
 }
 
-void flatten_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d, const FlattenSettings& settings,
-                   std::vector<Vector2d>& line) {
+void flatten_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d,
+                   const FlattenSettings& settings, std::vector<Vector2d>& line) {
   cut_cubic(a, b, c, d, settings, 0, line);
 }
 
-void flatten_arc(const EllipseArc& arc, const FlattenSettings& settings, std::vector<Vector2d>& line) {
+void flatten_arc(const EllipseArc& arc, const FlattenSettings& settings,
+                 std::vector<Vector2d>& line) {
   // |P''| is at most the ellipse's major half axis, the larger singular value of [u v].
   const double sum = arc.u.squaredNorm() + arc.v.squaredNorm();
   const double area = cross(arc.u, arc.v);
   const double major = std::sqrt((sum + std::sqrt(std::max(0.0, sum * sum - 4 * area * area))) / 2);
   if (!(major > 0)) return;
   const double minor = std::abs(area) / major;
-  // The tangent turns by at most major/minor a radian of φ. An ellipse as flat as a line is cut by distance alone.
+  // The tangent turns by at most major/minor a radian of φ. An ellipse as flat as a line is cut by
+  // distance alone.
   const double by_turn = settings.turn * std::max(minor / major, 0.02);
   const double step = std::min(std::sqrt(8 * settings.tolerance / major), by_turn);
   const int pieces = std::max(1, static_cast<int>(std::ceil(arc.angle / step - 1e-9)));
   for (int i = 1; i <= pieces; ++i) line.push_back(arc.at(arc.angle * i / pieces));
 }
 
-EllipseArc arc_of_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
-  // With a = centre + u: b = a + k v, c = d − k v_end, k = 4/3 tan(φ/4). Then d − a = λ (b − a + d − c), λ = tan(φ/2) / k = 1.5 / (1 −
-  // tan²(φ/4)).
+EllipseArc arc_of_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c,
+                        const Vector2d& d) {
+  // With a = centre + u: b = a + k v, c = d − k v_end, k = 4/3 tan(φ/4). Then d − a = λ (b − a + d
+  // − c), λ = tan(φ/2) / k = 1.5 / (1 − tan²(φ/4)).
   EllipseArc arc;
   const Vector2d start = b - a, end = d - c, chord = d - a, sum = start + end;
   const double size = chord.norm();

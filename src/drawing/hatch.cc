@@ -15,10 +15,12 @@ namespace {
 using Eigen::Vector2d;
 namespace cl = ClipperLib;
 constexpr double kMostLines = 100'000;
-constexpr double kFineness = 5e8;  // Clipper's whole numbers across half an area; beyond 2^30 it needs longer arithmetic
-constexpr double kShortest = 1e-5; // [mm]
+// Clipper's whole numbers across half an area; beyond 2^30 it needs longer arithmetic
+constexpr double kFineness = 5e8;
+constexpr double kShortest = 1e-5;  // [mm]
 
-// One set of lines. In the frame H they stand upright, for Clipper treats horizontal edges apart: y_H along the lines, x_H across.
+// One set of lines. In the frame H they stand upright, for Clipper treats horizontal edges apart:
+// y_H along the lines, x_H across.
 void add_lines(const Area& area, double spacing, double angle, std::vector<Stroke>& result) {
   const Vector2d along(std::cos(angle), -std::sin(angle)), across(std::sin(angle), std::cos(angle));
   Eigen::AlignedBox2d box;
@@ -26,17 +28,21 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
     for (const Vector2d& p : outline) box.extend(Vector2d(across.dot(p), along.dot(p)));
   }
   if (box.isEmpty()) return;
-  const double first = std::ceil(box.min().x() / spacing - 0.5), last = std::floor(box.max().x() / spacing - 0.5);
+  const double first = std::ceil(box.min().x() / spacing - 0.5),
+               last = std::floor(box.max().x() / spacing - 0.5);
   if (last - first > kMostLines) {
-    throw InputError(fmt::format("hatch: an area of {:.4g} mm across would take {:.3g} lines {:.3g} mm apart on the page; at most {:.0e} "
-                                 "are drawn",
-                                 box.sizes().x(), last - first, spacing, kMostLines));
+    throw InputError(
+        fmt::format("hatch: an area of {:.4g} mm across would take {:.3g} lines {:.3g} mm apart on "
+                    "the page; at most {:.0e} "
+                    "are drawn",
+                    box.sizes().x(), last - first, spacing, kMostLines));
   }
   if (last < first) return;
   const Vector2d centre = box.center();
   const double fineness = kFineness / std::max(box.sizes().maxCoeff() / 2 + spacing, 1e-3);
   const auto to_clipper = [&](const Vector2d& h) {
-    return cl::IntPoint(std::llround((h.x() - centre.x()) * fineness), std::llround((h.y() - centre.y()) * fineness));
+    return cl::IntPoint(std::llround((h.x() - centre.x()) * fineness),
+                        std::llround((h.y() - centre.y()) * fineness));
   };
 
   cl::Clipper clipper;
@@ -52,7 +58,8 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
   }
   const cl::PolyFillType rule = area.even_odd ? cl::pftEvenOdd : cl::pftNonZero;
   cl::PolyTree inside;
-  if (!clipper.Execute(cl::ctIntersection, inside, rule, rule)) throw InputError("hatch: an area could not be clipped");
+  if (!clipper.Execute(cl::ctIntersection, inside, rule, rule))
+    throw InputError("hatch: an area could not be clipped");
   cl::Paths pieces;
   cl::OpenPathsFromPolyTree(inside, pieces);
 
@@ -62,18 +69,25 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
   };
   std::vector<Piece> rows;
   for (const cl::Path& piece : pieces) {
-    const auto [low, high] = std::minmax_element(piece.begin(), piece.end(), [](const auto& a, const auto& b) { return a.Y < b.Y; });
+    const auto [low, high] = std::minmax_element(
+        piece.begin(), piece.end(), [](const auto& a, const auto& b) { return a.Y < b.Y; });
     const double x = centre.x() + static_cast<double>(low->X) / fineness;
-    rows.push_back({std::llround(x / spacing - 0.5), centre.y() + static_cast<double>(low->Y) / fineness,
+    rows.push_back({std::llround(x / spacing - 0.5),
+                    centre.y() + static_cast<double>(low->Y) / fineness,
                     centre.y() + static_cast<double>(high->Y) / fineness});
   }
-  std::sort(rows.begin(), rows.end(), [](const Piece& a, const Piece& b) { return a.k != b.k ? a.k < b.k : a.from < b.from; });
+  std::sort(rows.begin(), rows.end(), [](const Piece& a, const Piece& b) {
+    return a.k != b.k ? a.k < b.k : a.from < b.from;
+  });
   // Pieces that touch are one: Clipper may cut a line where an outline's corner lies on it.
   std::vector<Piece> whole;
   for (const Piece& piece : rows) {
-    const bool touches = !whole.empty() && whole.back().k == piece.k && piece.from - whole.back().to < kShortest;
-    if (touches) whole.back().to = std::max(whole.back().to, piece.to);
-    else whole.push_back(piece);
+    const bool touches =
+        !whole.empty() && whole.back().k == piece.k && piece.from - whole.back().to < kShortest;
+    if (touches)
+      whole.back().to = std::max(whole.back().to, piece.to);
+    else
+      whole.push_back(piece);
   }
   for (std::size_t i = 0; i < whole.size();) {
     std::size_t end = i;
@@ -95,10 +109,12 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
 }  // namespace
 
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale) {
-  if (!(settings.spacing_mm >= 0) || !std::isfinite(settings.spacing_mm) || !(scale > 0) || !std::isfinite(scale) ||
-      !std::isfinite(settings.angle_deg)) {
-    throw InputError(fmt::format("hatch: a spacing of {} mm at {}° and scale {}; finite numbers are needed, the spacing ≥ 0, the scale > 0",
-                                 settings.spacing_mm, settings.angle_deg, scale));
+  if (!(settings.spacing_mm >= 0) || !std::isfinite(settings.spacing_mm) || !(scale > 0) ||
+      !std::isfinite(scale) || !std::isfinite(settings.angle_deg)) {
+    throw InputError(
+        fmt::format("hatch: a spacing of {} mm at {}° and scale {}; finite numbers are needed, the "
+                    "spacing ≥ 0, the scale > 0",
+                    settings.spacing_mm, settings.angle_deg, scale));
   }
   std::vector<Stroke> lines;
   if (settings.spacing_mm == 0) return lines;
@@ -120,7 +136,9 @@ void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale) 
     lines[area.layer].insert(lines[area.layer].end(), of_area.begin(), of_area.end());
   }
   for (std::size_t layer = 0; layer < lines.size(); ++layer) {
-    const auto on_layer = [&](const Stroke& stroke) { return stroke.layer == static_cast<int>(layer); };
+    const auto on_layer = [&](const Stroke& stroke) {
+      return stroke.layer == static_cast<int>(layer);
+    };
     const auto last = std::find_if(artwork.strokes.rbegin(), artwork.strokes.rend(), on_layer);
     const auto place = last == artwork.strokes.rend() ? artwork.strokes.end() : last.base();
     artwork.strokes.insert(place, lines[layer].begin(), lines[layer].end());

@@ -42,13 +42,15 @@ HersheyFont parse_jhf(std::string_view text, const std::string& name) {
     while (head.starts_with(' ')) head.remove_prefix(1);
     int pairs = 0;
     const auto [end, error] = std::from_chars(head.data(), head.data() + head.size(), pairs);
-    if (error != std::errc() || end != head.data() + head.size() || pairs < 1) fail("no number of pairs in columns 6 to 8");
+    if (error != std::errc() || end != head.data() + head.size() || pairs < 1)
+      fail("no number of pairs in columns 6 to 8");
     at += 8;
     std::string codes;
     for (; at < text.size() && codes.size() < 2 * static_cast<std::size_t>(pairs); ++at) {
       if (!line_end(text[at])) codes += text[at];
     }
-    if (codes.size() < 2 * static_cast<std::size_t>(pairs)) fail("the file ends before its last pair");
+    if (codes.size() < 2 * static_cast<std::size_t>(pairs))
+      fail("the file ends before its last pair");
     Glyph glyph{static_cast<double>(codes[0] - 'R'), static_cast<double>(codes[1] - 'R'), {}};
     bool down = false;
     for (std::size_t i = 2; i < codes.size(); i += 2) {
@@ -60,7 +62,8 @@ HersheyFont parse_jhf(std::string_view text, const std::string& name) {
       down = true;
       glyph.strokes.back().emplace_back(codes[i] - 'R', codes[i + 1] - 'R');
     }
-    if (!glyph.strokes.empty() && glyph.right <= glyph.left) {  // as rowmant's J: no width is given, the ink says it
+    if (!glyph.strokes.empty() &&
+        glyph.right <= glyph.left) {  // as rowmant's J: no width is given, the ink says it
       const Eigen::AlignedBox2d ink = glyph.box();
       glyph.left = ink.min().x() - 2, glyph.right = ink.max().x() + 2;
     }
@@ -82,7 +85,9 @@ std::vector<std::string> hershey_font_names() {
     if (entry.path().extension() == ".jhf") names.push_back(entry.path().stem());
   }
   if (names.empty()) {
-    throw InputError(fmt::format("{}: no fonts for text there; Debian's package hershey-fonts-data has them", hershey_folder().string()));
+    throw InputError(
+        fmt::format("{}: no fonts for text there; Debian's package hershey-fonts-data has them",
+                    hershey_folder().string()));
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -1,9 +1,11 @@
-// The Hershey fonts: letters as pen strokes, digitised by A. V. Hershey in 1967, as Debian's hershey-fonts-data has them (.jhf).
+// The Hershey fonts: letters as pen strokes, digitised by A. V. Hershey in 1967, as Debian's
+// hershey-fonts-data has them (.jhf).
 //
-// A glyph lies on a grid of its own: x right, y down, capitals from y = −12 to the baseline at y = 9, descenders to about 16. In a .jhf
-// file it is a number (5 columns, not used), a count (3 columns), and so many pairs of characters, broken over lines where it is long. A
-// character c stands for c − 'R'; the first pair holds the left and the right edge, " R" lifts the pen. Glyphs follow ASCII from 32, the
-// blank.
+// A glyph lies on a grid of its own: x right, y down, capitals from y = −12 to the baseline at y =
+// 9, descenders to about 16. In a .jhf file it is a number (5 columns, not used), a count (3
+// columns), and so many pairs of characters, broken over lines where it is long. A character c
+// stands for c − 'R'; the first pair holds the left and the right edge, " R" lifts the pen. Glyphs
+// follow ASCII from 32, the blank.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +21,9 @@ namespace impedraw {
 constexpr double kCapTop = -12, kBaseline = 9, kCapHeight = kBaseline - kCapTop;  // [grid]
 
 struct Glyph {
-  double left = 0, right = 0;                           // edges between letters [grid]
-  std::vector<std::vector<Eigen::Vector2d>> strokes;    // [grid], at least one point each; none: a blank
+  double left = 0, right = 0;  // edges between letters [grid]
+  std::vector<std::vector<Eigen::Vector2d>>
+      strokes;  // [grid], at least one point each; none: a blank
 
   Eigen::AlignedBox2d box() const;
 };
@@ -36,7 +39,9 @@ struct HersheyFont {
 HersheyFont parse_jhf(std::string_view text, const std::string& name);
 
 std::filesystem::path hershey_folder();
-std::vector<std::string> hershey_font_names();            // sorted; InputError where the fonts are not installed
-HersheyFont read_hershey_font(const std::string& name);   // "futural"; InputError names those that there are
+std::vector<std::string>
+hershey_font_names();  // sorted; InputError where the fonts are not installed
+HersheyFont read_hershey_font(
+    const std::string& name);  // "futural"; InputError names those that there are
 
 }  // namespace impedraw

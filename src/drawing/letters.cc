@@ -13,13 +13,31 @@ namespace {
 using Eigen::Vector2d;
 using Line = std::vector<Vector2d>;
 
-constexpr double kGap = 2;    // between a letter and its mark [grid]
-constexpr double kBend = 4;   // half the width of most marks
+constexpr double kGap = 2;   // between a letter and its mark [grid]
+constexpr double kBend = 4;  // half the width of most marks
 
 enum class Mark {
-  acute, grave, circumflex, diaeresis, tilde, ring, caron, macron, breve, dot, double_acute,  // above
-  cedilla, ogonek, comma,                                                                     // below
-  slash, bar, short_slash, apostrophe, middle_dot, dotless, turned
+  acute,
+  grave,
+  circumflex,
+  diaeresis,
+  tilde,
+  ring,
+  caron,
+  macron,
+  breve,
+  dot,
+  double_acute,  // above
+  cedilla,
+  ogonek,
+  comma,  // below
+  slash,
+  bar,
+  short_slash,
+  apostrophe,
+  middle_dot,
+  dotless,
+  turned
 };
 
 struct Composed {
@@ -51,14 +69,17 @@ constexpr Composed kComposed[] = {
 };
 
 constexpr std::pair<char32_t, Mark> kCombining[] = {
-    {0x301, Mark::acute}, {0x300, Mark::grave}, {0x302, Mark::circumflex}, {0x308, Mark::diaeresis}, {0x303, Mark::tilde},
-    {0x30a, Mark::ring},  {0x30c, Mark::caron}, {0x304, Mark::macron},     {0x306, Mark::breve},     {0x307, Mark::dot},
-    {0x30b, Mark::double_acute}, {0x327, Mark::cedilla}, {0x328, Mark::ogonek}, {0x326, Mark::comma}};
+    {0x301, Mark::acute},     {0x300, Mark::grave},        {0x302, Mark::circumflex},
+    {0x308, Mark::diaeresis}, {0x303, Mark::tilde},        {0x30a, Mark::ring},
+    {0x30c, Mark::caron},     {0x304, Mark::macron},       {0x306, Mark::breve},
+    {0x307, Mark::dot},       {0x30b, Mark::double_acute}, {0x327, Mark::cedilla},
+    {0x328, Mark::ogonek},    {0x326, Mark::comma}};
 
 // What is written with ASCII alone: first the character, then what stands for it.
-constexpr const char32_t* kPlain[] = {U"‘'", U"’'", U"‚,", U"‛'", U"′'", U"“\"", U"”\"", U"„\"", U"‟\"", U"″\"", U"‐-", U"‑-",
-                                      U"‒-", U"–-", U"—-", U"―-", U"−-", U"\u00ad-", U"…...", U"\u00a0 ", U"\u2009 ", U"\u202f ",
-                                      U"ŉ'n", U"ĳij", U"ĲIJ"};
+constexpr const char32_t* kPlain[] = {
+    U"‘'",   U"’'",      U"‚,",      U"‛'",      U"′'",  U"“\"", U"”\"", U"„\"", U"‟\"",
+    U"″\"",  U"‐-",      U"‑-",      U"‒-",      U"–-",  U"—-",  U"―-",  U"−-",  U"\u00ad-",
+    U"…...", U"\u00a0 ", U"\u2009 ", U"\u202f ", U"ŉ'n", U"ĳij", U"ĲIJ"};
 constexpr const char32_t* kMovedTogether[] = {U"æae", U"ÆAE", U"œoe", U"ŒOE"};
 
 struct Drawn {
@@ -68,7 +89,8 @@ struct Drawn {
 
 Line circle(const Vector2d& centre, double radius) {
   Line line;
-  for (int i = 0; i < 12; ++i) line.push_back(centre + radius * Vector2d(std::sin(i * M_PI / 6), -std::cos(i * M_PI / 6)));
+  for (int i = 0; i < 12; ++i)
+    line.push_back(centre + radius * Vector2d(std::sin(i * M_PI / 6), -std::cos(i * M_PI / 6)));
   line.push_back(line.front());
   return line;
 }
@@ -76,21 +98,126 @@ Line circle(const Vector2d& centre, double radius) {
 // Proportions are those of the plain fonts: x height from −5, stems on whole numbers.
 const std::vector<Drawn>& drawn_here() {
   static const std::vector<Drawn> all = {
-      {U'ß', {-10, 9, {{{-6, 9}, {-6, -7}, {-5, -10}, {-3, -12}, {0, -12}, {3, -11}, {4, -9}, {4, -7}, {3, -5}, {0, -3}, {3, -2}, {5, 0},
-                        {6, 3}, {5, 6}, {3, 8}, {1, 9}, {-1, 9}, {-2, 8}}}}},
-      {U'þ', {-9, 10, {{{-5, -12}, {-5, 16}}, {{-5, -2}, {-3, -4}, {-1, -5}, {2, -5}, {4, -4}, {6, -2}, {7, 1}, {7, 3}, {6, 6}, {4, 8},
-                       {2, 9}, {-1, 9}, {-3, 8}, {-5, 6}}}}},
-      {U'Þ', {-11, 10, {{{-7, -12}, {-7, 9}}, {{-7, -7}, {2, -7}, {5, -6}, {6, -5}, {7, -3}, {7, 0}, {6, 2}, {5, 3}, {2, 4}, {-7, 4}}}}},
-      {U'ð', {-10, 10, {{{5, -1}, {3, -4}, {0, -5}, {-3, -4}, {-5, -2}, {-6, 1}, {-6, 3}, {-5, 6}, {-3, 8}, {-1, 9}, {1, 9}, {3, 8},
-                         {5, 6}, {6, 3}, {6, 0}, {5, -4}, {3, -8}, {1, -10}, {-3, -12}}, {{-3, -7}, {5, -11}}}}},
-      {U'ŋ', {-9, 10, {{{-5, -5}, {-5, 9}}, {{-5, -1}, {-2, -4}, {0, -5}, {3, -5}, {5, -4}, {6, -1}, {6, 12}, {5, 15}, {3, 16}, {1, 16}}}}},
-      {U'Ŋ', {-11, 11, {{{-7, -12}, {-7, 9}}, {{-7, -7}, {-3, -11}, {0, -12}, {3, -12}, {6, -10}, {7, -7}, {7, 11}, {6, 14}, {4, 16},
-                         {1, 16}}}}},
+      {U'ß',
+       {-10,
+        9,
+        {{{-6, 9},
+          {-6, -7},
+          {-5, -10},
+          {-3, -12},
+          {0, -12},
+          {3, -11},
+          {4, -9},
+          {4, -7},
+          {3, -5},
+          {0, -3},
+          {3, -2},
+          {5, 0},
+          {6, 3},
+          {5, 6},
+          {3, 8},
+          {1, 9},
+          {-1, 9},
+          {-2, 8}}}}},
+      {U'þ',
+       {-9,
+        10,
+        {{{-5, -12}, {-5, 16}},
+         {{-5, -2},
+          {-3, -4},
+          {-1, -5},
+          {2, -5},
+          {4, -4},
+          {6, -2},
+          {7, 1},
+          {7, 3},
+          {6, 6},
+          {4, 8},
+          {2, 9},
+          {-1, 9},
+          {-3, 8},
+          {-5, 6}}}}},
+      {U'Þ',
+       {-11,
+        10,
+        {{{-7, -12}, {-7, 9}},
+         {{-7, -7}, {2, -7}, {5, -6}, {6, -5}, {7, -3}, {7, 0}, {6, 2}, {5, 3}, {2, 4}, {-7, 4}}}}},
+      {U'ð',
+       {-10,
+        10,
+        {{{5, -1},
+          {3, -4},
+          {0, -5},
+          {-3, -4},
+          {-5, -2},
+          {-6, 1},
+          {-6, 3},
+          {-5, 6},
+          {-3, 8},
+          {-1, 9},
+          {1, 9},
+          {3, 8},
+          {5, 6},
+          {6, 3},
+          {6, 0},
+          {5, -4},
+          {3, -8},
+          {1, -10},
+          {-3, -12}},
+         {{-3, -7}, {5, -11}}}}},
+      {U'ŋ',
+       {-9,
+        10,
+        {{{-5, -5}, {-5, 9}},
+         {{-5, -1},
+          {-2, -4},
+          {0, -5},
+          {3, -5},
+          {5, -4},
+          {6, -1},
+          {6, 12},
+          {5, 15},
+          {3, 16},
+          {1, 16}}}}},
+      {U'Ŋ',
+       {-11,
+        11,
+        {{{-7, -12}, {-7, 9}},
+         {{-7, -7},
+          {-3, -11},
+          {0, -12},
+          {3, -12},
+          {6, -10},
+          {7, -7},
+          {7, 11},
+          {6, 14},
+          {4, 16},
+          {1, 16}}}}},
       {U'ſ', {-4, 6, {{{-1, 9}, {-1, -8}, {0, -11}, {2, -12}, {4, -12}}}}},
       {U'ĸ', {-8, 8, {{{-4, -5}, {-4, 9}}, {{6, -5}, {-4, 5}}, {{0, 1}, {6, 9}}}}},
-      {U'µ', {-9, 10, {{{-5, -5}, {-5, 16}}, {{-5, 5}, {-4, 8}, {-2, 9}, {1, 9}, {3, 8}, {6, 5}}, {{6, -5}, {6, 9}}}}},
-      {U'€', {-11, 10, {{{8, -9}, {5, -11}, {2, -12}, {-1, -11}, {-4, -8}, {-5, -4}, {-5, 1}, {-4, 5}, {-1, 8}, {2, 9}, {5, 8}, {8, 6}},
-                        {{-9, -3}, {4, -3}}, {{-9, 1}, {3, 1}}}}},
+      {U'µ',
+       {-9,
+        10,
+        {{{-5, -5}, {-5, 16}},
+         {{-5, 5}, {-4, 8}, {-2, 9}, {1, 9}, {3, 8}, {6, 5}},
+         {{6, -5}, {6, 9}}}}},
+      {U'€',
+       {-11,
+        10,
+        {{{8, -9},
+          {5, -11},
+          {2, -12},
+          {-1, -11},
+          {-4, -8},
+          {-5, -4},
+          {-5, 1},
+          {-4, 5},
+          {-1, 8},
+          {2, 9},
+          {5, 8},
+          {8, 6}},
+         {{-9, -3}, {4, -3}},
+         {{-9, 1}, {3, 1}}}}},
       {U'°', {-5, 5, {circle({0, -9}, 3)}}},
       {U'·', {-4, 4, {circle({0, -1}, 1)}}},
       {U'×', {-11, 11, {{{-7, -7}, {7, 7}}, {{7, -7}, {-7, 7}}}}},
@@ -107,18 +234,30 @@ const std::vector<Drawn>& drawn_here() {
 // A mark that stands above, its foot's middle at (0, 0).
 std::vector<Line> above(Mark mark) {
   switch (mark) {
-    case Mark::acute: return {{{-2, 0}, {2, -4}}};
-    case Mark::grave: return {{{2, 0}, {-2, -4}}};
-    case Mark::circumflex: return {{{-kBend, 0}, {0, -4}, {kBend, 0}}};
-    case Mark::caron: return {{{-kBend, -4}, {0, 0}, {kBend, -4}}};
-    case Mark::diaeresis: return {circle({-3.5, -1}, 1), circle({3.5, -1}, 1)};
-    case Mark::dot: return {circle({0, -1}, 1)};
-    case Mark::tilde: return {{{-5, 0}, {-4, -2}, {-2, -3}, {2, -1}, {4, -2}, {5, -4}}};
-    case Mark::ring: return {circle({0, -2.5}, 2.5)};
-    case Mark::macron: return {{{-kBend, -1}, {kBend, -1}}};
-    case Mark::breve: return {{{-kBend, -4}, {-3, -1}, {-1, 0}, {1, 0}, {3, -1}, {kBend, -4}}};
-    case Mark::double_acute: return {{{-4, 0}, {-1, -4}}, {{1, 0}, {4, -4}}};
-    default: return {};
+    case Mark::acute:
+      return {{{-2, 0}, {2, -4}}};
+    case Mark::grave:
+      return {{{2, 0}, {-2, -4}}};
+    case Mark::circumflex:
+      return {{{-kBend, 0}, {0, -4}, {kBend, 0}}};
+    case Mark::caron:
+      return {{{-kBend, -4}, {0, 0}, {kBend, -4}}};
+    case Mark::diaeresis:
+      return {circle({-3.5, -1}, 1), circle({3.5, -1}, 1)};
+    case Mark::dot:
+      return {circle({0, -1}, 1)};
+    case Mark::tilde:
+      return {{{-5, 0}, {-4, -2}, {-2, -3}, {2, -1}, {4, -2}, {5, -4}}};
+    case Mark::ring:
+      return {circle({0, -2.5}, 2.5)};
+    case Mark::macron:
+      return {{{-kBend, -1}, {kBend, -1}}};
+    case Mark::breve:
+      return {{{-kBend, -4}, {-3, -1}, {-1, 0}, {1, 0}, {3, -1}, {kBend, -4}}};
+    case Mark::double_acute:
+      return {{{-4, 0}, {-1, -4}}, {{1, 0}, {4, -4}}};
+    default:
+      return {};
   }
 }
 
@@ -134,9 +273,13 @@ void take_dot(Glyph& glyph, const HersheyFont& font) {
   const Glyph* x = font.find(U'x');
   const double top = x ? x->box().min().y() : -5;
   const auto lowest = [](const Line& line) {
-    return std::max_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.y() < b.y(); })->y();
+    return std::max_element(line.begin(), line.end(),
+                            [](auto& a, auto& b) { return a.y() < b.y(); })
+        ->y();
   };
-  if (std::all_of(glyph.strokes.begin(), glyph.strokes.end(), [&](const Line& line) { return lowest(line) < top - 1; })) return;
+  if (std::all_of(glyph.strokes.begin(), glyph.strokes.end(),
+                  [&](const Line& line) { return lowest(line) < top - 1; }))
+    return;
   std::erase_if(glyph.strokes, [&](const Line& line) { return lowest(line) < top - 1; });
 }
 
@@ -154,17 +297,26 @@ void add_mark(Glyph& glyph, Mark mark, char32_t base, const HersheyFont& font) {
     if (mark == Mark::dotless || !above(mark).empty()) take_dot(glyph, font);
   }
   // A mark alone, as on a blank, stands where a small letter's would.
-  const Eigen::AlignedBox2d box = glyph.strokes.empty() ? Eigen::AlignedBox2d(Vector2d(0, -5), Vector2d(0, kBaseline)) : glyph.box();
+  const Eigen::AlignedBox2d box = glyph.strokes.empty()
+                                      ? Eigen::AlignedBox2d(Vector2d(0, -5), Vector2d(0, kBaseline))
+                                      : glyph.box();
   const double middle = box.center().x(), bottom = box.max().y();
   const bool capital = base < 'a';
   switch (mark) {
-    case Mark::cedilla: return put(glyph, {{{0, 0}, {0, 2}, {2, 3}, {2, 5}, {0, 6}, {-2, 6}}}, {middle, bottom});
-    case Mark::ogonek: return put(glyph, {{{0, 0}, {-2, 2}, {-2, 4}, {0, 5}, {2, 4}}}, {box.max().x() - 1, bottom});
-    case Mark::comma: return put(glyph, {{{1, 0}, {1, 2}, {-1, 5}}}, {middle, bottom + kGap});
-    case Mark::slash: return put(glyph, {{{box.min().x() - 1, bottom + 2}, {box.max().x() + 1, box.min().y() - 2}}}, {0, 0});
-    case Mark::short_slash: return put(glyph, {{{-4, 2}, {4, -4}}}, {box.min().x() + (capital ? 1 : 0), -1.5});
+    case Mark::cedilla:
+      return put(glyph, {{{0, 0}, {0, 2}, {2, 3}, {2, 5}, {0, 6}, {-2, 6}}}, {middle, bottom});
+    case Mark::ogonek:
+      return put(glyph, {{{0, 0}, {-2, 2}, {-2, 4}, {0, 5}, {2, 4}}}, {box.max().x() - 1, bottom});
+    case Mark::comma:
+      return put(glyph, {{{1, 0}, {1, 2}, {-1, 5}}}, {middle, bottom + kGap});
+    case Mark::slash:
+      return put(glyph, {{{box.min().x() - 1, bottom + 2}, {box.max().x() + 1, box.min().y() - 2}}},
+                 {0, 0});
+    case Mark::short_slash:
+      return put(glyph, {{{-4, 2}, {4, -4}}}, {box.min().x() + (capital ? 1 : 0), -1.5});
     case Mark::apostrophe:
-      if (base == 'g') return put(glyph, {{{1, -4}, {-1, -2}, {-1, 0}}}, {middle, box.min().y() - kGap});
+      if (base == 'g')
+        return put(glyph, {{{1, -4}, {-1, -2}, {-1, 0}}}, {middle, box.min().y() - kGap});
       put(glyph, {{{0, -12}, {0, -10}, {-1, -8}}}, {box.max().x() + 3, 0});
       glyph.right = std::max(glyph.right, box.max().x() + 5);
       return;
@@ -175,11 +327,13 @@ void add_mark(Glyph& glyph, Mark mark, char32_t base, const HersheyFont& font) {
     case Mark::bar: {
       const double y = capital ? (base == 'H' ? -7 : -1.5) : (base == 't' ? 1 : -8.5);
       const double left = base == 'd' ? box.max().x() - 6 : box.min().x() - (base == 'T' ? -3 : 3);
-      const double right = base == 'd' ? box.max().x() + 3
-                           : base == 'D' || base == 'h' ? box.min().x() + 6 : box.max().x() + (base == 'T' ? -3 : 3);
+      const double right = base == 'd'                  ? box.max().x() + 3
+                           : base == 'D' || base == 'h' ? box.min().x() + 6
+                                                        : box.max().x() + (base == 'T' ? -3 : 3);
       return put(glyph, {{{left, y}, {right, y}}}, {0, 0});
     }
-    default: return put(glyph, above(mark), {middle, box.min().y() - kGap});
+    default:
+      return put(glyph, above(mark), {middle, box.min().y() - kGap});
   }
 }
 
@@ -193,7 +347,8 @@ std::optional<Glyph> row_of(const HersheyFont& font, std::u32string_view letters
       row = *next;
       continue;
     }
-    const double shift = together ? row.box().max().x() - next->box().min().x() : row.right - next->left;
+    const double shift =
+        together ? row.box().max().x() - next->box().min().x() : row.right - next->left;
     put(row, next->strokes, {shift, 0});
     row.right = next->right + shift;
   }
@@ -227,10 +382,12 @@ std::optional<Glyph> plain_glyph(const HersheyFont& font, char32_t letter) {
 }  // namespace
 
 bool is_combining_mark(char32_t c) {
-  return std::any_of(std::begin(kCombining), std::end(kCombining), [&](const auto& known) { return known.first == c; });
+  return std::any_of(std::begin(kCombining), std::end(kCombining),
+                     [&](const auto& known) { return known.first == c; });
 }
 
-std::optional<Glyph> glyph_of(const HersheyFont& font, char32_t letter, std::u32string_view combining) {
+std::optional<Glyph> glyph_of(const HersheyFont& font, char32_t letter,
+                              std::u32string_view combining) {
   std::optional<Glyph> glyph = plain_glyph(font, letter);
   if (!glyph) return glyph;
   for (const char32_t c : combining) {
@@ -244,9 +401,15 @@ std::optional<Glyph> glyph_of(const HersheyFont& font, char32_t letter, std::u32
 std::u32string decoded_utf8(std::string_view text) {
   std::u32string decoded;
   for (std::size_t i = 0; i < text.size();) {
-    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+    const auto byte = [&](std::size_t k) {
+      return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
+    };
     const unsigned first = byte(i);
-    const int length = first < 0x80 ? 1 : (first & 0xe0) == 0xc0 ? 2 : (first & 0xf0) == 0xe0 ? 3 : (first & 0xf8) == 0xf0 ? 4 : 0;
+    const int length = first < 0x80             ? 1
+                       : (first & 0xe0) == 0xc0 ? 2
+                       : (first & 0xf0) == 0xe0 ? 3
+                       : (first & 0xf8) == 0xf0 ? 4
+                                                : 0;
     char32_t c = length == 1 ? first : first & (0x7f >> length);
     bool valid = length > 0;
     for (int k = 1; k < length; ++k) {
@@ -255,7 +418,9 @@ std::u32string decoded_utf8(std::string_view text) {
     }
     constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // what fewer bytes could not say
     if (!valid || c < kLeast[length] || c > 0x10ffff || (c >= 0xd800 && c < 0xe000)) {
-      throw InputError(fmt::format("text: byte {} (0x{:02x}) is not valid UTF-8, after {} characters", i + 1, first, decoded.size()));
+      throw InputError(
+          fmt::format("text: byte {} (0x{:02x}) is not valid UTF-8, after {} characters", i + 1,
+                      first, decoded.size()));
     }
     decoded += c;
     i += static_cast<std::size_t>(length);

@@ -18,29 +18,35 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr int kNeighbours = 10;     // of an end, other strokes' ends
-constexpr int kLongestMove = 3;     // strokes that Or-opt moves at once
-constexpr int kShakenRun = 30;      // strokes in a run that changes places
+constexpr int kNeighbours = 10;  // of an end, other strokes' ends
+constexpr int kLongestMove = 3;  // strokes that Or-opt moves at once
+constexpr int kShakenRun = 30;   // strokes in a run that changes places
 constexpr int kMostShakes = 100000;
-constexpr double kGain = 1e-9;      // [mm]; less is rounding
+constexpr double kGain = 1e-9;  // [mm]; less is rounding
 
 // Ends of strokes: end 2 s is where stroke s begins, 2 s + 1 where it ends.
 struct Ends {
   std::vector<Vector2d> p;
   std::size_t kdtree_get_point_count() const { return p.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return p[i][static_cast<Eigen::Index>(axis)]; }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return p[i][static_cast<Eigen::Index>(axis)];
+  }
   template <class Box>
-  bool kdtree_get_bbox(Box&) const { return false; }
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
 };
 
 std::vector<std::array<int, kNeighbours>> neighbours_of(const Ends& ends) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Ends>, Ends, 2, std::size_t>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Ends>, Ends,
+                                                   2, std::size_t>;
   const Tree tree(2, ends);
   std::vector<std::array<int, kNeighbours>> neighbours(ends.p.size());
   std::array<std::size_t, kNeighbours + 2> index;
   std::array<double, kNeighbours + 2> squared;
   for (std::size_t e = 0; e < ends.p.size(); ++e) {
-    const std::size_t found = tree.knnSearch(ends.p[e].data(), index.size(), index.data(), squared.data());
+    const std::size_t found =
+        tree.knnSearch(ends.p[e].data(), index.size(), index.data(), squared.data());
     int n = 0;
     for (std::size_t i = 0; i < found && n < kNeighbours; ++i) {
       if (index[i] / 2 != e / 2) neighbours[e][n++] = static_cast<int>(index[i]);
@@ -53,7 +59,10 @@ std::vector<std::array<int, kNeighbours>> neighbours_of(const Ends& ends) {
 // An open tour through strokes; each place of it holds the end that the pen enters by.
 class Tour {
  public:
-  explicit Tour(Ends ends) : ends_(std::move(ends)), near_(neighbours_of(ends_)), count_(static_cast<int>(ends_.p.size() / 2)) {
+  explicit Tour(Ends ends)
+      : ends_(std::move(ends)),
+        near_(neighbours_of(ends_)),
+        count_(static_cast<int>(ends_.p.size() / 2)) {
     greedy();
     place_.resize(count_);
     for (int k = 0; k < count_; ++k) place_[entry_[k] / 2] = k;
@@ -70,10 +79,13 @@ class Tour {
   void shake(int times) {
     if (count_ < 8) return;
     std::mt19937 random(1);
-    const auto up_to = [&](int n) { return 1 + static_cast<int>(random() % static_cast<unsigned>(n)); };
+    const auto up_to = [&](int n) {
+      return 1 + static_cast<int>(random() % static_cast<unsigned>(n));
+    };
     for (int i = 0; i < times; ++i) {
       const int longest = std::min(kShakenRun, (count_ - 2) / 3);
-      const int a = up_to(longest), b = up_to(longest), first = static_cast<int>(random() % static_cast<unsigned>(count_ - a - b));
+      const int a = up_to(longest), b = up_to(longest),
+                first = static_cast<int>(random() % static_cast<unsigned>(count_ - a - b));
       done_.clear();
       const double before = around(first) + around(first + a) + around(first + a + b);
       exchange(first, a, b);
@@ -84,7 +96,8 @@ class Tour {
       }
       change -= settle();
       if (change > -kGain) {
-        for (; !done_.empty(); done_.pop_back()) turn_places(done_.back().first, done_.back().second);
+        for (; !done_.empty(); done_.pop_back())
+          turn_places(done_.back().first, done_.back().second);
       }
     }
   }
@@ -95,7 +108,9 @@ class Tour {
   int exit(int place) const { return entry_[place] ^ 1; }
   double distance(int a, int b) const { return (ends_.p[a] - ends_.p[b]).norm(); }
   // The way to the stroke at that place from the one before; the tour's two ends are free.
-  double around(int place) const { return place <= 0 || place >= count_ ? 0.0 : distance(exit(place - 1), entry_[place]); }
+  double around(int place) const {
+    return place <= 0 || place >= count_ ? 0.0 : distance(exit(place - 1), entry_[place]);
+  }
   double way(int from, int to) const { return from < 0 || to < 0 ? 0.0 : distance(from, to); }
   int exit_or_none(int place) const { return place < 0 ? -1 : exit(place); }
   int entry_or_none(int place) const { return place >= count_ ? -1 : entry_[place]; }
@@ -111,9 +126,11 @@ class Tour {
         if (b >= 0) links.push_back({distance(a, b), a, b});
       }
     }
-    std::sort(links.begin(), links.end(),
-              [](const Link& x, const Link& y) { return std::tie(x.length, x.a, x.b) < std::tie(y.length, y.a, y.b); });
-    std::vector<int> partner(2 * count_, -1), far(2 * count_);  // far: of an end that is free, its chain's other free end
+    std::sort(links.begin(), links.end(), [](const Link& x, const Link& y) {
+      return std::tie(x.length, x.a, x.b) < std::tie(y.length, y.a, y.b);
+    });
+    std::vector<int> partner(2 * count_, -1),
+        far(2 * count_);  // far: of an end that is free, its chain's other free end
     for (int e = 0; e < 2 * count_; ++e) far[e] = e ^ 1;
     for (const Link& link : links) {
       if (partner[link.a] >= 0 || partner[link.b] >= 0 || far[link.a] == link.b) continue;
@@ -138,7 +155,8 @@ class Tour {
       const int out = far[at];
       std::erase_if(free, [&](int e) { return e == at || e == out; });
       if (free.empty()) return;
-      at = *std::min_element(free.begin(), free.end(), [&](int a, int b) { return distance(out, a) < distance(out, b); });
+      at = *std::min_element(free.begin(), free.end(),
+                             [&](int a, int b) { return distance(out, a) < distance(out, b); });
     }
   }
 
@@ -160,7 +178,8 @@ class Tour {
     return gained;
   }
 
-  // One change for the better that gives the end a nearer neighbour in the tour; what was gained, 0 without any.
+  // One change for the better that gives the end a nearer neighbour in the tour; what was gained, 0
+  // without any.
   double better_at(int end) {
     const bool is_exit = entry_[place_[end / 2]] != end;
     const int gap = place_[end / 2] + is_exit;  // between the places gap − 1 and gap
@@ -191,7 +210,8 @@ class Tour {
   double two_opt(int gap_a, int gap_b) {
     const int i = std::min(gap_a, gap_b), j = std::max(gap_a, gap_b);
     if (i == j) return 0;
-    const double gain = around(i) + around(j) - way(exit_or_none(i - 1), exit(j - 1)) - way(entry_[i], entry_or_none(j));
+    const double gain = around(i) + around(j) - way(exit_or_none(i - 1), exit(j - 1)) -
+                        way(entry_[i], entry_or_none(j));
     if (gain <= kGain) return 0;
     turn(i, j);
     ask_about({i, j});
@@ -202,8 +222,10 @@ class Tour {
   double move(int first, int length, int gap, bool turned) {
     const int last = first + length;
     if (first < 0 || last > count_ || (gap >= first && gap <= last)) return 0;
-    const int in = turned ? exit(last - 1) : entry_[first], out = turned ? entry_[first] : exit(last - 1);
-    const double gain = around(first) + around(last) + around(gap) - way(exit_or_none(first - 1), entry_or_none(last)) -
+    const int in = turned ? exit(last - 1) : entry_[first],
+              out = turned ? entry_[first] : exit(last - 1);
+    const double gain = around(first) + around(last) + around(gap) -
+                        way(exit_or_none(first - 1), entry_or_none(last)) -
                         way(exit_or_none(gap - 1), in) - way(out, entry_or_none(gap));
     if (gain <= kGain) return 0;
     if (gap < first) {
@@ -258,9 +280,11 @@ class Tour {
 
 }  // namespace
 
-std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes, const OrderSettings& settings) {
+std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes,
+                                  const OrderSettings& settings) {
   std::map<int, std::vector<int>> layers;
-  for (std::size_t s = 0; s < strokes.size(); ++s) layers[settings.keep_layers ? strokes[s].layer : 0].push_back(static_cast<int>(s));
+  for (std::size_t s = 0; s < strokes.size(); ++s)
+    layers[settings.keep_layers ? strokes[s].layer : 0].push_back(static_cast<int>(s));
   std::vector<Visit> order;
   for (const auto& [layer, members] : layers) {
     Ends ends;
@@ -270,7 +294,8 @@ std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes, const Orde
     }
     Tour tour(std::move(ends));
     tour.improve();
-    tour.shake(static_cast<int>(std::min<double>(kMostShakes, static_cast<double>(settings.shakes) * static_cast<double>(members.size()))));
+    tour.shake(static_cast<int>(std::min<double>(
+        kMostShakes, static_cast<double>(settings.shakes) * static_cast<double>(members.size()))));
     for (const int entry : tour.entries()) order.push_back({members[entry / 2], entry % 2 == 1});
   }
   return order;
@@ -288,7 +313,8 @@ std::vector<Stroke> in_order(const std::vector<Stroke>& strokes, const std::vect
 
 double pen_up_length(const std::vector<Stroke>& strokes) {
   double length = 0;
-  for (std::size_t i = 1; i < strokes.size(); ++i) length += (strokes[i].points.front() - strokes[i - 1].points.back()).norm();
+  for (std::size_t i = 1; i < strokes.size(); ++i)
+    length += (strokes[i].points.front() - strokes[i - 1].points.back()).norm();
   return length;
 }
 

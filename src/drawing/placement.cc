@@ -14,21 +14,26 @@ namespace {
 using Eigen::Vector2d;
 
 void require_positive(const char* name, double value, const char* unit) {
-  if (!(value > 0) || !std::isfinite(value)) throw InputError(fmt::format("placement {}: {}{}; must be a number > 0", name, value, unit));
+  if (!(value > 0) || !std::isfinite(value))
+    throw InputError(fmt::format("placement {}: {}{}; must be a number > 0", name, value, unit));
 }
 
 double fitted(const char* name, double wanted, double present) {
   require_positive(name, wanted, " mm");
-  if (!(present > 0)) throw InputError(fmt::format("placement {}: the artwork has no extent that way to be scaled", name));
+  if (!(present > 0))
+    throw InputError(
+        fmt::format("placement {}: the artwork has no extent that way to be scaled", name));
   return wanted / present;
 }
 
 // All points that are to be placed.
 std::vector<Vector2d> points_of(const Artwork& artwork) {
   std::vector<Vector2d> points;
-  for (const Stroke& stroke : artwork.strokes) points.insert(points.end(), stroke.points.begin(), stroke.points.end());
+  for (const Stroke& stroke : artwork.strokes)
+    points.insert(points.end(), stroke.points.begin(), stroke.points.end());
   for (const Area& area : artwork.areas) {
-    for (const auto& outline : area.outlines) points.insert(points.end(), outline.begin(), outline.end());
+    for (const auto& outline : area.outlines)
+      points.insert(points.end(), outline.begin(), outline.end());
   }
   return points;
 }
@@ -36,11 +41,14 @@ std::vector<Vector2d> points_of(const Artwork& artwork) {
 void require_one_size(const PlacementSettings& s) {
   const bool rectangle = s.fit_width_m || s.fit_height_m;
   if (s.scale.has_value() + s.width_mm.has_value() + s.height_mm.has_value() + rectangle > 1) {
-    throw InputError("placement: of scale, width, height and the rectangle fit_width × fit_height only one can be given");
+    throw InputError(
+        "placement: of scale, width, height and the rectangle fit_width × fit_height only one can "
+        "be given");
   }
   if (!rectangle && (s.margin_mm != 0 || s.fit_page)) {
     throw InputError(
-        fmt::format("placement: {} is for a rectangle; fit_width or fit_height must be given, too", s.fit_page ? "fit_page" : "margin"));
+        fmt::format("placement: {} is for a rectangle; fit_width or fit_height must be given, too",
+                    s.fit_page ? "fit_page" : "margin"));
   }
 }
 
@@ -50,29 +58,36 @@ double half_side(const char* name, double side_m, double margin_mm) {
   const double half = 500 * side_m - margin_mm;
   if (!(margin_mm >= 0) || !(half > 0)) {
     throw InputError(
-        fmt::format("placement margin: {} mm; must be ≥ 0 and less than {:.6g} mm, half of {}", margin_mm, 500 * side_m, name));
+        fmt::format("placement margin: {} mm; must be ≥ 0 and less than {:.6g} mm, half of {}",
+                    margin_mm, 500 * side_m, name));
   }
   return half;
 }
 
-// The largest scale with which the points, turned and mirrored by `to_view`, stay in the rectangle about the origin.
-double rectangle_scale(const std::vector<Vector2d>& points, const Eigen::Matrix2d& to_view, const PlacementSettings& s) {
+// The largest scale with which the points, turned and mirrored by `to_view`, stay in the rectangle
+// about the origin.
+double rectangle_scale(const std::vector<Vector2d>& points, const Eigen::Matrix2d& to_view,
+                       const PlacementSettings& s) {
   Vector2d reach = Vector2d::Zero();
   for (const Vector2d& p : points) reach = reach.cwiseMax((to_view * p).cwiseAbs());
   double scale = std::numeric_limits<double>::infinity();
-  if (s.fit_width_m) scale = std::min(scale, half_side("fit_width", *s.fit_width_m, s.margin_mm) / reach.y());
-  if (s.fit_height_m) scale = std::min(scale, half_side("fit_height", *s.fit_height_m, s.margin_mm) / reach.x());
+  if (s.fit_width_m)
+    scale = std::min(scale, half_side("fit_width", *s.fit_width_m, s.margin_mm) / reach.y());
+  if (s.fit_height_m)
+    scale = std::min(scale, half_side("fit_height", *s.fit_height_m, s.margin_mm) / reach.x());
   if (!std::isfinite(scale)) {
     if (reach.isZero()) return 1;  // a lone dot has no size
-    throw InputError(
-        fmt::format("placement {}: the artwork has no extent that way to be scaled", s.fit_width_m ? "fit_width" : "fit_height"));
+    throw InputError(fmt::format("placement {}: the artwork has no extent that way to be scaled",
+                                 s.fit_width_m ? "fit_width" : "fit_height"));
   }
   return scale;
 }
 
 }  // namespace
 
-bool has_size(const PlacementSettings& s) { return s.scale || s.width_mm || s.height_mm || s.fit_width_m || s.fit_height_m; }
+bool has_size(const PlacementSettings& s) {
+  return s.scale || s.width_mm || s.height_mm || s.fit_width_m || s.fit_height_m;
+}
 
 PlacementSettings shape_placement(const Vector2d& centre_m) {
   PlacementSettings settings;
@@ -86,7 +101,8 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
   const std::vector<Vector2d> points = points_of(artwork);
   Eigen::AlignedBox2d box;
   for (const Vector2d& p : points) box.extend(p);
-  if (box.isEmpty()) throw InputError(fmt::format("{}: there are no strokes to place", artwork.name));
+  if (box.isEmpty())
+    throw InputError(fmt::format("{}: there are no strokes to place", artwork.name));
   require_one_size(settings);
   if (!settings.centre_m.allFinite() || !std::isfinite(settings.rotate_deg)) {
     throw InputError("placement: centre_m and rotate_deg must be finite numbers");
@@ -94,12 +110,15 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
 
   Placement placement;
   placement.centre_m = settings.centre_m;
-  placement.origin_mm = settings.about_page_origin ? Vector2d::Zero() : Vector2d(settings.fit_page ? artwork.page.center() : box.center());
+  placement.origin_mm = settings.about_page_origin
+                            ? Vector2d::Zero()
+                            : Vector2d(settings.fit_page ? artwork.page.center() : box.center());
 
   // On the page as seen: X right, Y down, mirrored or not; then up is +x_W and right is −y_W.
   const Eigen::Matrix2d page_to_world = (Eigen::Matrix2d() << 0, -1, -1, 0).finished();
   const Eigen::Matrix2d flip = Eigen::Vector2d(settings.mirror ? -1 : 1, 1).asDiagonal();
-  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(settings.rotate_deg * M_PI / 180).toRotationMatrix();
+  const Eigen::Matrix2d turn =
+      Eigen::Rotation2Dd(settings.rotate_deg * M_PI / 180).toRotationMatrix();
   const Eigen::Matrix2d turned = turn * page_to_world * flip;
 
   double scale = 1;
@@ -115,14 +134,16 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
     if (settings.fit_page) {
       fitted_points.clear();
       using Box = Eigen::AlignedBox2d;
-      for (const auto c : {Box::BottomLeft, Box::BottomRight, Box::TopLeft, Box::TopRight}) fitted_points.push_back(artwork.page.corner(c));
+      for (const auto c : {Box::BottomLeft, Box::BottomRight, Box::TopLeft, Box::TopRight})
+        fitted_points.push_back(artwork.page.corner(c));
     }
     for (Vector2d& p : fitted_points) p -= placement.origin_mm;
     scale = rectangle_scale(fitted_points, turned, settings);
   } else {
     require_positive("fit_radius_m", settings.fit_radius_m, " m");
     double farthest = 0;
-    for (const Vector2d& p : points) farthest = std::max(farthest, (p - placement.origin_mm).norm());
+    for (const Vector2d& p : points)
+      farthest = std::max(farthest, (p - placement.origin_mm).norm());
     if (farthest > 0) scale = settings.fit_radius_m * 1e3 / farthest;  // a lone dot has no size
   }
 

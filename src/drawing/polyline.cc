@@ -13,7 +13,8 @@ double length(const std::vector<Vector2d>& line) {
   return sum;
 }
 
-double distance(const Vector2d& p, const std::vector<Vector2d>& line, std::size_t first, std::size_t last) {
+double distance(const Vector2d& p, const std::vector<Vector2d>& line, std::size_t first,
+                std::size_t last) {
   double nearest = (p - line[first]).squaredNorm();
   for (std::size_t i = first + 1; i <= last; ++i) {
     const Vector2d side = line[i] - line[i - 1], to = p - line[i - 1];

@@ -17,7 +17,8 @@ namespace {
 using Eigen::Vector2d;
 
 void require_length(const char* name, double value) {
-  if (!(value >= 0) || !std::isfinite(value)) throw InputError(fmt::format("{}: {} mm; must be a number ≥ 0", name, value));
+  if (!(value >= 0) || !std::isfinite(value))
+    throw InputError(fmt::format("{}: {} mm; must be a number ≥ 0", name, value));
 }
 
 }  // namespace
@@ -26,10 +27,13 @@ Stroke simplified(const Stroke& stroke, double tolerance_mm) {
   require_length("simplification's tolerance", tolerance_mm);
   const std::vector<Vector2d>& p = stroke.points;
   if (p.size() < 3 || tolerance_mm == 0) return stroke;
-  // A closed one in two halves, cut at the point farthest from its start, or nothing would be left of a small one.
+  // A closed one in two halves, cut at the point farthest from its start, or nothing would be left
+  // of a small one.
   std::size_t cut = p.size() - 1;
   if (stroke.closed) {
-    const auto nearer = [&](const Vector2d& a, const Vector2d& b) { return (a - p[0]).norm() < (b - p[0]).norm(); };
+    const auto nearer = [&](const Vector2d& a, const Vector2d& b) {
+      return (a - p[0]).norm() < (b - p[0]).norm();
+    };
     cut = static_cast<std::size_t>(std::max_element(p.begin(), p.end(), nearer) - p.begin());
   }
   Stroke result{{}, stroke.closed, stroke.layer, stroke.dash, stroke.edge};
@@ -45,12 +49,18 @@ Stroke simplified(const Stroke& stroke, double tolerance_mm) {
 std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
   require_length("the gap for joining", gap_mm);
   const int count = static_cast<int>(strokes.size());
-  const auto end = [&](int e) -> const Vector2d& { return e % 2 ? strokes[e / 2].points.back() : strokes[e / 2].points.front(); };
-  const auto open = [&](int s) { return !strokes[s].closed && strokes[s].points.size() > 1 && strokes[s].dash < 0; };
+  const auto end = [&](int e) -> const Vector2d& {
+    return e % 2 ? strokes[e / 2].points.back() : strokes[e / 2].points.front();
+  };
+  const auto open = [&](int s) {
+    return !strokes[s].closed && strokes[s].points.size() > 1 && strokes[s].dash < 0;
+  };
 
   // Ends in cells as large as the gap: partners lie in neighbouring ones.
   const double cell = std::max(gap_mm, 1e-6);
-  const auto cell_of = [&](const Vector2d& p) { return std::pair<long, long>(std::lround(p.x() / cell), std::lround(p.y() / cell)); };
+  const auto cell_of = [&](const Vector2d& p) {
+    return std::pair<long, long>(std::lround(p.x() / cell), std::lround(p.y() / cell));
+  };
   std::map<std::pair<long, long>, std::vector<int>> cells;
   for (int e = 0; e < 2 * count; ++e) {
     if (open(e / 2)) cells[cell_of(end(e))].push_back(e);
@@ -65,14 +75,16 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
         if (found == cells.end()) continue;
         for (const int b : found->second) {
           const double length = (end(a) - end(b)).norm();
-          if (a < b && length <= gap_mm && strokes[a / 2].layer == strokes[b / 2].layer) links.emplace_back(length, a, b);
+          if (a < b && length <= gap_mm && strokes[a / 2].layer == strokes[b / 2].layer)
+            links.emplace_back(length, a, b);
         }
       }
     }
   }
   std::sort(links.begin(), links.end());
 
-  std::vector<int> partner(2 * count, -1), far(2 * count);  // far: of an end that is free, its chain's other free end
+  std::vector<int> partner(2 * count, -1),
+      far(2 * count);  // far: of an end that is free, its chain's other free end
   for (int e = 0; e < 2 * count; ++e) far[e] = e ^ 1;
   for (const auto& [length, a, b] : links) {
     if (partner[a] >= 0 || partner[b] >= 0 || far[a] == b) continue;

@@ -25,8 +25,9 @@ std::string_view trimmed(std::string_view text) {
 }
 
 bool same_word(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char c, unsigned char d) { return std::tolower(c) == std::tolower(d); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char c, unsigned char d) {
+    return std::tolower(c) == std::tolower(d);
+  });
 }
 
 std::vector<std::string_view> fields_of(std::string_view line) {
@@ -46,13 +47,16 @@ std::optional<double> number_in(std::string_view field) {
   if (field.starts_with('+')) field.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (error != std::errc() || end != field.data() + field.size() || field.empty()) return std::nullopt;
+  if (error != std::errc() || end != field.data() + field.size() || field.empty())
+    return std::nullopt;
   return value;
 }
 
 class Reading {
  public:
-  Reading(const std::string& name, bool csv, PageUnit unit) : name_(name), csv_(csv), unit_(unit) { artwork_.name = name; }
+  Reading(const std::string& name, bool csv, PageUnit unit) : name_(name), csv_(csv), unit_(unit) {
+    artwork_.name = name;
+  }
 
   // `closed_by_end`: somewhere in the text there is an End.
   Artwork read(std::string_view text, bool closed_by_end) {
@@ -65,7 +69,8 @@ class Reading {
     }
     if (page_wanted_ && page_.isEmpty()) fail("the file ends before the page's width and height");
     if (!points_.empty() && closed_by_end && stroke_column_ < 0) {
-      artwork_.warnings.push_back(fmt::format("the last stroke has no End: the file may be cut off after line {}", line_));
+      artwork_.warnings.push_back(
+          fmt::format("the last stroke has no End: the file may be cut off after line {}", line_));
     }
     close();
     scale();
@@ -73,7 +78,9 @@ class Reading {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: line {}: {}", name_, line_, what)); }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(fmt::format("{}: line {}: {}", name_, line_, what));
+  }
 
   void take(std::string_view line) {
     if (line.starts_with('#')) return;
@@ -82,9 +89,11 @@ class Reading {
       return;
     }
     const std::vector<std::string_view> fields = fields_of(line);
-    if (same_word(fields[0], "end") && std::all_of(fields.begin() + 1, fields.end(), [](auto f) { return f.empty(); })) {
+    if (same_word(fields[0], "end") &&
+        std::all_of(fields.begin() + 1, fields.end(), [](auto f) { return f.empty(); })) {
       if (page_wanted_ && page_.isEmpty()) fail("End before the page's width and height");
-      if (points_.empty()) artwork_.warnings.push_back(fmt::format("line {}: End of a stroke without points", line_));
+      if (points_.empty())
+        artwork_.warnings.push_back(fmt::format("line {}: End of a stroke without points", line_));
       close();
       return;
     }
@@ -102,7 +111,8 @@ class Reading {
 
   void take_header(const std::vector<std::string_view>& fields) {
     const auto column = [&](std::string_view name) {
-      const auto at = std::find_if(fields.begin(), fields.end(), [&](std::string_view field) { return same_word(field, name); });
+      const auto at = std::find_if(fields.begin(), fields.end(),
+                                   [&](std::string_view field) { return same_word(field, name); });
       return at == fields.end() ? -1 : static_cast<int>(at - fields.begin());
     };
     page_wanted_ = false;
@@ -110,7 +120,8 @@ class Reading {
     x_column_ = column("x");
     y_column_ = column("y");
     stroke_column_ = column("stroke");
-    if (x_column_ < 0 || y_column_ < 0) fail("the header names no columns x and y (and perhaps stroke)");
+    if (x_column_ < 0 || y_column_ < 0)
+      fail("the header names no columns x and y (and perhaps stroke)");
   }
 
   void take_page(const std::vector<std::string_view>& fields) {
@@ -119,20 +130,23 @@ class Reading {
     if (!width || !height) fail("the page's width and height are to come first, as two numbers");
     const double mm = millimetres(unit_);
     if (!(*width > 0 && *width * mm <= kFarthest && *height > 0 && *height * mm <= kFarthest)) {
-      fail(fmt::format("the page is {} × {} mm; both must be > 0 and at most {:.0e}", *width * mm, *height * mm, kFarthest));
+      fail(fmt::format("the page is {} × {} mm; both must be > 0 and at most {:.0e}", *width * mm,
+                       *height * mm, kFarthest));
     }
     page_ = Eigen::AlignedBox2d(Vector2d::Zero(), Vector2d(*width, *height));
   }
 
   std::string wanted(std::string_view line) const {
-    const std::string shown = line.size() > 40 ? std::string(line.substr(0, 40)) + " …" : std::string(line);
+    const std::string shown =
+        line.size() > 40 ? std::string(line.substr(0, 40)) + " …" : std::string(line);
     return fmt::format("'{}'; {} numbers or End are to stand there", shown, columns_);
   }
 
   double coordinate(std::string_view field, std::string_view line) const {
     const auto value = number_in(field);
     if (!value) fail(wanted(line));
-    if (!(std::abs(*value) * millimetres(unit_) <= kFarthest)) fail(fmt::format("{} is not within ± {:.0e} mm", field, kFarthest));
+    if (!(std::abs(*value) * millimetres(unit_) <= kFarthest))
+      fail(fmt::format("{} is not within ± {:.0e} mm", field, kFarthest));
     return *value;
   }
 
@@ -152,8 +166,9 @@ class Reading {
     }
     if (!artwork_.strokes.empty()) artwork_.layers = {"page"};
     artwork_.page = page_.isEmpty() ? box : page_;
-    const bool shares = unit_ == PageUnit::file && !page_.isEmpty() && !box.isEmpty() && page_.sizes().minCoeff() > 1 &&
-                        box.min().minCoeff() >= 0 && box.max().maxCoeff() <= 1;
+    const bool shares = unit_ == PageUnit::file && !page_.isEmpty() && !box.isEmpty() &&
+                        page_.sizes().minCoeff() > 1 && box.min().minCoeff() >= 0 &&
+                        box.max().maxCoeff() <= 1;
     if (const double mm = millimetres(unit_); mm != 1) {
       for (Stroke& stroke : artwork_.strokes) {
         for (Vector2d& p : stroke.points) p *= mm;
@@ -162,7 +177,8 @@ class Reading {
     }
     if (!shares) return;
     artwork_.warnings.push_back(
-        fmt::format("all coordinates lie between 0 and 1: taken for shares of the page, {} × {} mm", page_.max().x(), page_.max().y()));
+        fmt::format("all coordinates lie between 0 and 1: taken for shares of the page, {} × {} mm",
+                    page_.max().x(), page_.max().y()));
     for (Stroke& stroke : artwork_.strokes) {
       for (Vector2d& p : stroke.points) p = p.cwiseProduct(page_.max());
     }
@@ -194,17 +210,24 @@ bool has_end(std::string_view text) {
 
 double millimetres(PageUnit unit) {
   switch (unit) {
-    case PageUnit::cm: return 10;
-    case PageUnit::in: return 25.4;
-    case PageUnit::m: return 1000;
-    case PageUnit::px: return 25.4 / 96;
-    default: return 1;
+    case PageUnit::cm:
+      return 10;
+    case PageUnit::in:
+      return 25.4;
+    case PageUnit::m:
+      return 1000;
+    case PageUnit::px:
+      return 25.4 / 96;
+    default:
+      return 1;
   }
 }
 
-Artwork parse_strokes(std::string_view text, const std::string& name, bool csv, const StrokeFileSettings& settings) {
+Artwork parse_strokes(std::string_view text, const std::string& name, bool csv,
+                      const StrokeFileSettings& settings) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  if (text.find('\0') != std::string_view::npos) throw InputError(fmt::format("{}: not a text of strokes", name));
+  if (text.find('\0') != std::string_view::npos)
+    throw InputError(fmt::format("{}: not a text of strokes", name));
   Artwork artwork = Reading(name, csv, settings.unit).read(text, has_end(text));
   if (artwork.strokes.empty()) {
     if (!settings.may_be_empty) throw InputError(fmt::format("{}: there is no stroke in it", name));
@@ -216,11 +239,14 @@ Artwork parse_strokes(std::string_view text, const std::string& name, bool csv, 
 Artwork read_strokes(const std::filesystem::path& file, const StrokeFileSettings& settings) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
-    throw InputError(fmt::format("{}: {}", file.string(), std::filesystem::exists(file, error) ? "not a file" : "no such file"));
+    throw InputError(
+        fmt::format("{}: {}", file.string(),
+                    std::filesystem::exists(file, error) ? "not a file" : "no such file"));
   }
   const double megabytes = static_cast<double>(std::filesystem::file_size(file, error)) / 1e6;
   if (megabytes > settings.largest_file_mb) {
-    throw InputError(fmt::format("{}: {:.0f} MB; strokes may take up to {:.0f} MB", file.string(), megabytes, settings.largest_file_mb));
+    throw InputError(fmt::format("{}: {:.0f} MB; strokes may take up to {:.0f} MB", file.string(),
+                                 megabytes, settings.largest_file_mb));
   }
   std::ifstream in(file, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), {});

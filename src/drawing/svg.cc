@@ -14,15 +14,18 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kFarthest = 1e6;        // [mm]; usvg's single precision has lost 0.1 mm there
-constexpr double kSameArc = 1e-5;        // by how much two pieces of one arc may disagree on their ellipse, as a part of its size
-constexpr double kSamePoint = 1e-6;      // [mm]
+constexpr double kFarthest = 1e6;  // [mm]; usvg's single precision has lost 0.1 mm there
+// by how much two pieces of one arc may disagree on their ellipse, as a part of its size
+constexpr double kSameArc = 1e-5;
+constexpr double kSamePoint = 1e-6;  // [mm]
 constexpr std::size_t kMostPoints = 6'000'000;
 
 struct Segment {
   ImpedrawSvgVerb verb;
   Vector2d p[3];
-  const Vector2d& end() const { return p[verb == IMPEDRAW_SVG_CUBIC ? 2 : verb == IMPEDRAW_SVG_QUAD ? 1 : 0]; }
+  const Vector2d& end() const {
+    return p[verb == IMPEDRAW_SVG_CUBIC ? 2 : verb == IMPEDRAW_SVG_QUAD ? 1 : 0];
+  }
 };
 
 struct Subpath {
@@ -41,7 +44,8 @@ std::vector<Subpath> subpaths_of(const ImpedrawSvg& svg, const std::string& name
   const auto point = [&]() {
     const Vector2d p(xy[0], xy[1]);
     if (!(p.cwiseAbs().maxCoeff() <= kFarthest)) {
-      throw InputError(fmt::format("{}: a point at ({:.3g}, {:.3g}) mm lies beyond ± {:.0e} mm", name, p.x(), p.y(), kFarthest));
+      throw InputError(fmt::format("{}: a point at ({:.3g}, {:.3g}) mm lies beyond ± {:.0e} mm",
+                                   name, p.x(), p.y(), kFarthest));
     }
     xy += 2;
     return p;
@@ -85,19 +89,23 @@ bool continues(const EllipseArc& arc, const EllipseArc& next) {
   const double size = std::max(arc.u.norm(), arc.v.norm());
   const Vector2d u = std::cos(arc.angle) * arc.u + std::sin(arc.angle) * arc.v;
   const Vector2d v = -std::sin(arc.angle) * arc.u + std::cos(arc.angle) * arc.v;
-  return (arc.centre - next.centre).norm() + (u - next.u).norm() + (v - next.v).norm() < 30 * kSameArc * size &&
+  return (arc.centre - next.centre).norm() + (u - next.u).norm() + (v - next.v).norm() <
+             30 * kSameArc * size &&
          std::abs(arc.angle - next.angle) < 100 * kSameArc;
 }
 
 void require_few(std::size_t points, const FlattenSettings& settings, const std::string& name) {
   if (points <= kMostPoints) return;
-  throw InputError(fmt::format("{}: its curves take more than {} points at a tolerance of {:.2g} mm", name, kMostPoints,
-                               settings.tolerance));
+  throw InputError(
+      fmt::format("{}: its curves take more than {} points at a tolerance of {:.2g} mm", name,
+                  kMostPoints, settings.tolerance));
 }
 
-// usvg hands circles, ellipses, rounded corners and arcs over as cubics, which are off by up to 2.7e-4 of the radius. Two or more in a row
-// on one ellipse are taken for the arc that they stand for. A lone one is drawn as it is: it may be a cubic of the author's own.
-std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& settings, const std::string& name) {
+// usvg hands circles, ellipses, rounded corners and arcs over as cubics, which are off by up to
+// 2.7e-4 of the radius. Two or more in a row on one ellipse are taken for the arc that they stand
+// for. A lone one is drawn as it is: it may be a cubic of the author's own.
+std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& settings,
+                              const std::string& name) {
   std::vector<Vector2d> line{subpath.start};
   const auto& segments = subpath.segments;
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -109,7 +117,9 @@ std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& set
     if (s.verb != IMPEDRAW_SVG_CUBIC) continue;
     const auto arc_at = [&](std::size_t k) {
       const Vector2d a = k == 0 ? subpath.start : segments[k - 1].end();
-      return segments[k].verb == IMPEDRAW_SVG_CUBIC ? arc_of_cubic(a, segments[k].p[0], segments[k].p[1], segments[k].p[2]) : EllipseArc{};
+      return segments[k].verb == IMPEDRAW_SVG_CUBIC
+                 ? arc_of_cubic(a, segments[k].p[0], segments[k].p[1], segments[k].p[2])
+                 : EllipseArc{};
     };
     std::size_t last = i;
     for (EllipseArc arc = arc_at(i); arc.angle > 0 && last + 1 < segments.size(); ++last) {
@@ -137,7 +147,8 @@ bool has_area(const std::vector<Vector2d>& line) {
   for (const Vector2d& p : line) {
     if ((p - origin).norm() > longest) longest = (p - origin).norm(), far = p;
   }
-  for (const Vector2d& p : line) widest = std::max(widest, std::abs(cross(far - origin, p - origin)));
+  for (const Vector2d& p : line)
+    widest = std::max(widest, std::abs(cross(far - origin, p - origin)));
   return widest > 1e-6 * longest * longest;
 }
 
@@ -151,7 +162,8 @@ Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
   const bool closed = subpath.closed || !stroked;
   if (closed) line.push_back(line.front());
   for (const Vector2d& p : line) {
-    if (stroke.points.empty() || (p - stroke.points.back()).norm() > kSamePoint) stroke.points.push_back(p);
+    if (stroke.points.empty() || (p - stroke.points.back()).norm() > kSamePoint)
+      stroke.points.push_back(p);
   }
   if (stroke.points.size() == 1) {  // no length: a dot, if the line's caps make one
     if (!subpath.path->caps || (subpath.segments.empty() && !subpath.closed)) stroke.points.clear();
@@ -163,8 +175,10 @@ Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
   return stroke;
 }
 
-// What the path fills, if its subpaths are these lines. White is no ink, and it is a page's ground more often than not.
-void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path, Artwork& artwork) {
+// What the path fills, if its subpaths are these lines. White is no ink, and it is a page's ground
+// more often than not.
+void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
+              Artwork& artwork) {
   if (!path.filled || path.white) return;
   Area area{{}, path.even_odd != 0, static_cast<int>(path.layer)};
   for (const std::vector<Vector2d>& line : lines) {
@@ -173,13 +187,15 @@ void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvg
   if (!area.outlines.empty()) artwork.areas.push_back(std::move(area));
 }
 
-// The dash of a path, as an index into the artwork's; −1 if it has none, or a transform that leaves nothing to measure along.
+// The dash of a path, as an index into the artwork's; −1 if it has none, or a transform that leaves
+// nothing to measure along.
 int add_dash(const ImpedrawSvgPath& path, const double* lengths, Artwork& artwork) {
   if (path.dash_count == 0) return -1;
   const double* t = path.transform;
   const Eigen::Matrix2d to_page = (Eigen::Matrix2d() << t[0], t[1], t[2], t[3]).finished();
   if (!(std::abs(to_page.determinant()) > 1e-12 * to_page.squaredNorm())) return -1;
-  artwork.dashes.push_back({{lengths, lengths + path.dash_count}, path.dash_offset, to_page.inverse(), path.caps != 0});
+  artwork.dashes.push_back(
+      {{lengths, lengths + path.dash_count}, path.dash_offset, to_page.inverse(), path.caps != 0});
   return static_cast<int>(artwork.dashes.size()) - 1;
 }
 
@@ -187,13 +203,16 @@ int add_dash(const ImpedrawSvgPath& path, const double* lengths, Artwork& artwor
 
 Artwork parse_svg(std::string_view document, const std::string& name, const SvgSettings& settings) {
   if (!(settings.tolerance_mm > 0) || !(settings.relative_tolerance > 0) || !(settings.turn > 0)) {
-    throw InputError(fmt::format("svg tolerance: {} mm, {} of the diagonal and {} rad; all must be > 0", settings.tolerance_mm,
-                                 settings.relative_tolerance, settings.turn));
+    throw InputError(
+        fmt::format("svg tolerance: {} mm, {} of the diagonal and {} rad; all must be > 0",
+                    settings.tolerance_mm, settings.relative_tolerance, settings.turn));
   }
   const auto free_svg = [](const ImpedrawSvg* svg) { impedraw_svg_free(svg); };
   const std::unique_ptr<const ImpedrawSvg, decltype(free_svg)> svg(
-      impedraw_svg_read(reinterpret_cast<const std::uint8_t*>(document.data()), document.size()), free_svg);
-  if (svg->error) throw InputError(fmt::format("{}: not an SVG that can be read: {}", name, svg->error));
+      impedraw_svg_read(reinterpret_cast<const std::uint8_t*>(document.data()), document.size()),
+      free_svg);
+  if (svg->error)
+    throw InputError(fmt::format("{}: not an SVG that can be read: {}", name, svg->error));
 
   Artwork artwork;
   artwork.name = name;
@@ -206,7 +225,8 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   flatten_settings.turn = settings.turn;
   if (!subpaths.empty()) {
     const double diagonal = box_of(subpaths).diagonal().norm();
-    flatten_settings.tolerance = std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
+    flatten_settings.tolerance =
+        std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
   }
   std::size_t points = 0;
   const double* dash_lengths = svg->dashes;
@@ -230,7 +250,8 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   const std::string nothing = "nothing in it draws a line: no visible path or shape";
   if (artwork.strokes.empty() && !settings.may_be_empty) {
     std::string why;
-    for (const std::string& warning : artwork.warnings) why += (why.empty() ? " (" : "; ") + warning;
+    for (const std::string& warning : artwork.warnings)
+      why += (why.empty() ? " (" : "; ") + warning;
     if (!why.empty()) why += ")";
     throw InputError(fmt::format("{}: {}{}", name, nothing, why));
   }
@@ -241,16 +262,20 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
 Artwork read_svg(const std::filesystem::path& file, const SvgSettings& settings) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
-    throw InputError(fmt::format("{}: {}", file.string(), std::filesystem::exists(file, error) ? "not a file" : "no such file"));
+    throw InputError(
+        fmt::format("{}: {}", file.string(),
+                    std::filesystem::exists(file, error) ? "not a file" : "no such file"));
   }
   const double megabytes = static_cast<double>(std::filesystem::file_size(file, error)) / 1e6;
   if (megabytes > settings.largest_file_mb) {
-    throw InputError(fmt::format("{}: {:.0f} MB; an SVG may have up to {:.0f} MB", file.string(), megabytes, settings.largest_file_mb));
+    throw InputError(fmt::format("{}: {:.0f} MB; an SVG may have up to {:.0f} MB", file.string(),
+                                 megabytes, settings.largest_file_mb));
   }
   std::ifstream in(file, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  if (text.starts_with("\x1f\x8b")) throw InputError(fmt::format("{}: a compressed SVG; unpack it first (gunzip)", file.string()));
+  if (text.starts_with("\x1f\x8b"))
+    throw InputError(fmt::format("{}: a compressed SVG; unpack it first (gunzip)", file.string()));
   return parse_svg(text, file.string(), settings);
 }
 

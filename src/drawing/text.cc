@@ -19,8 +19,10 @@ std::vector<std::u32string> lines_of(const std::u32string& text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool spelled = text[i] == '\\' && i + 1 < text.size() && text[i + 1] == 'n';
     if (spelled) ++i;
-    if (spelled || text[i] == '\n') lines.emplace_back();
-    else if (text[i] != '\r') lines.back() += text[i] == '\t' ? U' ' : text[i];
+    if (spelled || text[i] == '\n')
+      lines.emplace_back();
+    else if (text[i] != '\r')
+      lines.back() += text[i] == '\t' ? U' ' : text[i];
   }
   return lines;
 }
@@ -46,7 +48,8 @@ class Typesetter {
     for (std::size_t i = 0; i < text.size();) {
       std::size_t next = i + 1;
       while (next < text.size() && is_combining_mark(text[next])) ++next;
-      const auto glyph = glyph_of(font_, text[i], std::u32string_view(text).substr(i + 1, next - i - 1));
+      const auto glyph =
+          glyph_of(font_, text[i], std::u32string_view(text).substr(i + 1, next - i - 1));
       if (!glyph) lacks(text[i], line_number, i + 1);
       i = next;
       if (!glyph) continue;
@@ -70,7 +73,8 @@ class Typesetter {
   void require_all() const {
     if (lacking_ == 0) return;
     if (lacking_ > kMostNamed) {
-      throw InputError(fmt::format("text: {} and {} more: {}", named_, lacking_ - kMostNamed, what_there_is()));
+      throw InputError(
+          fmt::format("text: {} and {} more: {}", named_, lacking_ - kMostNamed, what_there_is()));
     }
     throw InputError(fmt::format("text: {}: {}", named_, what_there_is()));
   }
@@ -78,7 +82,8 @@ class Typesetter {
  private:
   void lacks(char32_t c, std::size_t line, std::size_t place) {
     if (++lacking_ > kMostNamed) return;
-    named_ += fmt::format("{}{} at line {}, character {}", named_.empty() ? "" : "; ", shown(c), line, place);
+    named_ += fmt::format("{}{} at line {}, character {}", named_.empty() ? "" : "; ", shown(c),
+                          line, place);
   }
 
   std::string what_there_is() const {
@@ -87,8 +92,10 @@ class Typesetter {
       if (!font_.find(c)) empty += static_cast<char>(c);
     }
     const std::string ascii = empty.empty() ? "ASCII" : fmt::format("ASCII without {}", empty);
-    return fmt::format("font {} has {}, the letters of Latin-1 and Latin Extended-A (U+00C0 to U+017F), and ° · × ÷ ± « » ‹ › ¡ ¿ µ €",
-                       font_.name, ascii);
+    return fmt::format(
+        "font {} has {}, the letters of Latin-1 and Latin Extended-A (U+00C0 to U+017F), and ° · × "
+        "÷ ± « » ‹ › ¡ ¿ µ €",
+        font_.name, ascii);
   }
 
   const HersheyFont& font_;
@@ -97,7 +104,8 @@ class Typesetter {
 };
 
 void require_positive(const char* name, double value, const char* unit) {
-  if (!(value > 0) || !std::isfinite(value)) throw InputError(fmt::format("text {}: {}{}; must be a number > 0", name, value, unit));
+  if (!(value > 0) || !std::isfinite(value))
+    throw InputError(fmt::format("text {}: {}{}; must be a number > 0", name, value, unit));
 }
 
 }  // namespace
@@ -108,14 +116,17 @@ Artwork make_text(const TextSettings& settings) {
   require_positive("line_spacing", settings.line_spacing, "");
   const std::u32string text = decoded_utf8(settings.text);
   if (text.size() > kMostCharacters) {
-    throw InputError(fmt::format("text: {} characters; at most {} are drawn", text.size(), kMostCharacters));
+    throw InputError(
+        fmt::format("text: {} characters; at most {} are drawn", text.size(), kMostCharacters));
   }
   const HersheyFont font = read_hershey_font(settings.font);
 
   Artwork artwork;
   artwork.name = "text";
   artwork.layers = {"text"};
-  const double scale = size / kCapHeight, share = settings.align == TextAlign::left ? 0 : settings.align == TextAlign::centre ? 0.5 : 1;
+  const double scale = size / kCapHeight, share = settings.align == TextAlign::left     ? 0
+                                                  : settings.align == TextAlign::centre ? 0.5
+                                                                                        : 1;
   Typesetter typesetter(font);
   double down = 0;
   std::size_t number = 0;
@@ -135,7 +146,8 @@ Artwork make_text(const TextSettings& settings) {
     down += settings.line_spacing * size;
   }
   typesetter.require_all();
-  if (artwork.strokes.empty()) throw InputError("text: nothing in it draws; it is empty or of blanks alone");
+  if (artwork.strokes.empty())
+    throw InputError("text: nothing in it draws; it is empty or of blanks alone");
   return artwork;
 }
 

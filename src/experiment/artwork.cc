@@ -18,10 +18,12 @@ namespace {
 Artwork given_artwork(const DrawingSettings& s, const Blame& blame) {
   if (s.svg.empty()) {
     blame.on({"drawing.text.font"}, [&] { read_hershey_font(s.text.font); });
-    return blame.on({"drawing.text.text", "drawing.text", "drawing"}, [&] { return make_text(s.text); });
+    return blame.on({"drawing.text.text", "drawing.text", "drawing"},
+                    [&] { return make_text(s.text); });
   }
   if (!s.text.text.empty()) {
-    blame.wrong({"drawing.text.text", "drawing.svg"}, "drawing.svg and drawing.text.text are both given; valid is one of them");
+    blame.wrong({"drawing.text.text", "drawing.svg"},
+                "drawing.svg and drawing.text.text are both given; valid is one of them");
   }
   return blame.on({"drawing.svg", "drawing.unit"}, [&] { return read_artwork(s.svg, {}, s.unit); });
 }
@@ -30,7 +32,8 @@ void break_dashes(Artwork& artwork, bool apply) {
   const auto broken = [](const Stroke& stroke) { return stroke.dash >= 0; };
   if (apply) {
     artwork.strokes = dashed(artwork.strokes, artwork.dashes);
-  } else if (const auto count = std::count_if(artwork.strokes.begin(), artwork.strokes.end(), broken)) {
+  } else if (const auto count =
+                 std::count_if(artwork.strokes.begin(), artwork.strokes.end(), broken)) {
     artwork.warnings.push_back(fmt::format("{} dashed lines are drawn unbroken", count));
     for (Stroke& stroke : artwork.strokes) stroke.dash = -1;
   }
@@ -41,7 +44,8 @@ void break_dashes(Artwork& artwork, bool apply) {
 
 PlacementSettings placement_settings(const DrawingSettings& s) {
   PlacementSettings placing = s.placement;
-  const bool shape = s.svg.empty() && s.text.text.empty(), sized_text = s.svg.empty() && s.text.size_mm;
+  const bool shape = s.svg.empty() && s.text.text.empty(),
+             sized_text = s.svg.empty() && s.text.size_mm;
   if (shape) placing.about_page_origin = true;
   if ((shape || sized_text) && !has_size(placing)) placing.scale = 1.0;
   return placing;
@@ -51,21 +55,28 @@ Shape make_artwork(const DrawingSettings& s, const Blame& blame) {
   if (s.svg.empty() && s.text.text.empty()) return make_shape(s.shape);
   Artwork artwork = given_artwork(s, blame);
   if (!s.dashes) break_dashes(artwork, false);
-  if (s.join_gap_mm > 0.0) artwork.strokes = joined(artwork.strokes, s.join_gap_mm);  // before the dashes, whose gaps are to stay
+  if (s.join_gap_mm > 0.0)
+    // before the dashes, whose gaps are to stay
+    artwork.strokes = joined(artwork.strokes, s.join_gap_mm);
   blame.on({"drawing.dashes", "drawing.svg"}, [&] { break_dashes(artwork, s.dashes); });
 
   if (!s.hatch.outline) drop_edges(artwork);
   if (s.hatch.spacing_mm > 0.0 && !artwork.areas.empty()) {
     // The areas count for the size, so that it is the same before and after.
-    const Placement placement = blame.on({"drawing.placement", "drawing"}, [&] { return place(artwork, placement_settings(s)); });
-    blame.on({"drawing.hatch", "drawing"}, [&] { apply_hatch(artwork, s.hatch, placement.scale()); });
+    const Placement placement = blame.on({"drawing.placement", "drawing"},
+                                         [&] { return place(artwork, placement_settings(s)); });
+    blame.on({"drawing.hatch", "drawing"},
+             [&] { apply_hatch(artwork, s.hatch, placement.scale()); });
   } else if (!s.hatch.outline) {
     artwork.areas.clear();
     drop_empty_layers(artwork);
   }
   if (artwork.strokes.empty()) {
-    blame.wrong({"drawing.hatch", "drawing.svg"},
-                fmt::format("{}: nothing is left to draw without the outlines of filled areas and dashes that show", artwork.name));
+    blame.wrong(
+        {"drawing.hatch", "drawing.svg"},
+        fmt::format(
+            "{}: nothing is left to draw without the outlines of filled areas and dashes that show",
+            artwork.name));
   }
 
   if (s.simplify_mm > 0.0) {

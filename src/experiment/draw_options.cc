@@ -13,7 +13,9 @@ namespace fs = std::filesystem;
 
 Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
-  const fs::path file = options.scenario.empty() ? fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine.yaml" : options.scenario;
+  const fs::path file = options.scenario.empty()
+                            ? fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine.yaml"
+                            : options.scenario;
   scenario.name = file.stem();
   // Artwork from the command line names the run, with the scenario in front where one was given.
   const auto name_after = [&](const std::string& artwork) {
@@ -49,12 +51,15 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     const std::string& shape = scenario.drawing.shape;
     const std::vector<std::string> shapes = shape_names();
     if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end())
-      throw InputError(fmt::format("{}: drawing.shape {}", places.of("drawing.shape"), not_among(shape, shapes)));
+      throw InputError(fmt::format("{}: drawing.shape {}", places.of("drawing.shape"),
+                                   not_among(shape, shapes)));
   }
   // It names the run's folder.
-  if (scenario.name.empty() || scenario.name.find('/') != std::string::npos || scenario.name.starts_with('.'))
-    throw InputError(fmt::format("{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty",
-                                 places.of("name"), shown(scenario.name)));
+  if (scenario.name.empty() || scenario.name.find('/') != std::string::npos ||
+      scenario.name.starts_with('.'))
+    throw InputError(fmt::format(
+        "{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty",
+        places.of("name"), shown(scenario.name)));
   if (given) *given = places;
   return scenario;
 }

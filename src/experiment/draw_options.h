@@ -11,10 +11,10 @@
 namespace impedraw {
 
 struct DrawOptions {
-  std::filesystem::path scenario;        // empty: the standard sine on the bowl
+  std::filesystem::path scenario;  // empty: the standard sine on the bowl
   std::string shape;
   std::filesystem::path svg;
-  std::string text;                      // to write
+  std::string text;  // to write
   bool no_perception = false;
   bool keep_order = false;               // of a file's strokes
   bool skip_unreachable = false;         // what fails the pre-flight is left out
@@ -24,7 +24,8 @@ struct DrawOptions {
   std::vector<std::string> assignments;  // --set
 };
 
-// The scenario with everything from the command line in it, and in `places` who gave what. Throws InputError.
+// The scenario with everything from the command line in it, and in `places` who gave what. Throws
+// InputError.
 Scenario resolve(const DrawOptions& options, Places* places = nullptr);
 
 }  // namespace impedraw

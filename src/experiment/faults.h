@@ -16,8 +16,9 @@ enum class FaultKind {
 
 struct FaultSettings {
   FaultKind kind = FaultKind::nan_state;
-  double middle = 0.5;      // when it begins: share of the time from the first stroke's start to the last one's end
-  double duration = 0.05;   // [s]
+  // when it begins: share of the time from the first stroke's start to the last one's end
+  double middle = 0.5;
+  double duration = 0.05;  // [s]
 };
 
 }  // namespace impedraw

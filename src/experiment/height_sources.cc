@@ -20,8 +20,10 @@ double height_of_nearest_column(const PointCloud& cloud, const Pose& X_PW, doubl
   return z;
 }
 
-// The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to nothing: what they settle within is taken.
-std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Pose& X_WP, Eigen::Vector3d p) {
+// The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to
+// nothing: what they settle within is taken.
+std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Pose& X_WP,
+                                     Eigen::Vector3d p) {
   constexpr double kConverged = 1e-7, kSettled = 5e-4;  // [m]
   double step = std::numeric_limits<double>::infinity();
   Eigen::Vector3d n;
@@ -40,8 +42,10 @@ std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Po
 
 SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP) {
   // From farther out than any of the canvas, wherever the frame's origin is.
-  const double out = (canvas.bounds().center() - X_WP.p).dot(X_WP.R.col(2)) + canvas.bounds().diagonal().norm() + 1.0;
-  return [&canvas, X_WP, X_PW = X_WP.inverse(), out](double x, double y) -> std::optional<SurfaceSample> {
+  const double out = (canvas.bounds().center() - X_WP.p).dot(X_WP.R.col(2)) +
+                     canvas.bounds().diagonal().norm() + 1.0;
+  return [&canvas, X_WP, X_PW = X_WP.inverse(), out](double x,
+                                                     double y) -> std::optional<SurfaceSample> {
     const auto hit = canvas.ray(X_WP * Eigen::Vector3d(x, y, out), -X_WP.R.col(2));
     if (!hit) return std::nullopt;
     return SurfaceSample{X_PW * hit->p_W, X_PW.R * hit->n_W};
@@ -50,10 +54,14 @@ SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP) {
 
 SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP) {
   return [&estimator, X_WP, X_PW = X_WP.inverse(),
-          last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](double x, double y) mutable -> std::optional<SurfaceSample> {
+          last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](
+             double x, double y) mutable -> std::optional<SurfaceSample> {
     std::optional<SurfaceSample> sample;
-    if (std::hypot(last.x() - x, last.y() - y) < 0.01) sample = descend(estimator, X_WP, {x, y, last.z()});
-    if (!sample) sample = descend(estimator, X_WP, {x, y, height_of_nearest_column(estimator.cloud(), X_PW, x, y)});
+    if (std::hypot(last.x() - x, last.y() - y) < 0.01)
+      sample = descend(estimator, X_WP, {x, y, last.z()});
+    if (!sample)
+      sample =
+          descend(estimator, X_WP, {x, y, height_of_nearest_column(estimator.cloud(), X_PW, x, y)});
     if (sample) last = sample->p_W;
     return sample;
   };

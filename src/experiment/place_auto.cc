@@ -8,10 +8,10 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
-#include "impedraw/experiment/experiment.h"
-#include "impedraw/experiment/height_sources.h"
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/height_sources.h"
 
 namespace impedraw {
 
@@ -20,10 +20,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLength = 0.3;      // [m]; makes an angle comparable with a way
-constexpr double kCondition = 4.0;   // a condition of 4 is as good as a joint in the middle of its range
+constexpr double kLength = 0.3;  // [m]; makes an angle comparable with a way
+// a condition of 4 is as good as a joint in the middle of its range
+constexpr double kCondition = 4.0;
 constexpr int kCoarse = 24, kFine = 90;  // points of the drawing that are asked
-constexpr int kCandidates = 8;       // that go on from the grid
+constexpr int kCandidates = 8;           // that go on from the grid
 
 struct Candidate {
   Vector2d move = Vector2d::Zero();
@@ -46,7 +47,8 @@ std::vector<Point> points_of(const Experiment& e, int count) {
     const int pieces = std::max(1, static_cast<int>(std::lround(own / step)));
     for (int i = 0; i <= pieces; ++i) {
       const Vector2d p = place_on(stroke, own * i / pieces).world;
-      if (const auto sample = surface(p.x(), p.y())) points.push_back({sample->p_W, e.perception ? sample->n_W : Vector3d(Vector3d::UnitZ())});
+      if (const auto sample = surface(p.x(), p.y()))
+        points.push_back({sample->p_W, e.perception ? sample->n_W : Vector3d(Vector3d::UnitZ())});
     }
   }
   while (static_cast<int>(points.size()) > 2 * count) {  // many short strokes: every second one
@@ -61,7 +63,8 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
   double joints = 1.0;
   for (Eigen::Index j = 0; j < q.size(); ++j) {
     const double half = 0.5 * (limits.upper[j] - limits.lower[j]);
-    if (std::isfinite(half)) joints = std::min(joints, std::min(q[j] - limits.lower[j], limits.upper[j] - q[j]) / half);
+    if (std::isfinite(half))
+      joints = std::min(joints, std::min(q[j] - limits.lower[j], limits.upper[j] - q[j]) / half);
   }
   arm.compute(q, JointVector::Zero(q.size()), terms);
   Eigen::MatrixXd J = terms->J;
@@ -73,13 +76,19 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
 class Search {
  public:
   explicit Search(Experiment& e)
-      : e_(e), terms_(e.arm.joints()), centre_(e.scenario.drawing.placement.centre_m), coarse_(points_of(e, kCoarse)), fine_(points_of(e, kFine)) {
+      : e_(e),
+        terms_(e.arm.joints()),
+        centre_(e.scenario.drawing.placement.centre_m),
+        coarse_(points_of(e, kCoarse)),
+        fine_(points_of(e, kFine)) {
     if (fine_.empty()) throw InputError("--place auto: no point of the drawing lies on the canvas");
   }
 
   // As margin_of, ended early where it falls under `least`: it is of no interest then.
-  double margin(const Candidate& c, bool fine, double least = -std::numeric_limits<double>::infinity()) {
-    const Eigen::Matrix3d R = Eigen::AngleAxisd(c.turn_deg * M_PI / 180.0, Vector3d::UnitZ()).toRotationMatrix();
+  double margin(const Candidate& c, bool fine,
+                double least = -std::numeric_limits<double>::infinity()) {
+    const Eigen::Matrix3d R =
+        Eigen::AngleAxisd(c.turn_deg * M_PI / 180.0, Vector3d::UnitZ()).toRotationMatrix();
     const Vector3d pivot(centre_.x(), centre_.y(), 0.0), shift(c.move.x(), c.move.y(), 0.0);
     IkSettings settings;
     settings.position_tolerance = settings.axis_tolerance = 1e-4;
@@ -108,10 +117,12 @@ class Search {
       for (int j = 0; j < kAcross; ++j) {
         for (int k = 0; k < kTurns; ++k) {
           Candidate c{Vector2d(0.30 + 0.05 * i, -0.4 + 0.1 * j) - centre_, 90.0 * k};
-          const double least = best.size() < kCandidates ? -std::numeric_limits<double>::infinity() : best.back().margin;
+          const double least = best.size() < kCandidates ? -std::numeric_limits<double>::infinity()
+                                                         : best.back().margin;
           c.margin = margin(c, false, least);
           best.push_back(c);
-          std::sort(best.begin(), best.end(), [](const Candidate& a, const Candidate& b) { return a.margin > b.margin; });
+          std::sort(best.begin(), best.end(),
+                    [](const Candidate& a, const Candidate& b) { return a.margin > b.margin; });
           if (best.size() > kCandidates) best.pop_back();
         }
       }
@@ -129,8 +140,10 @@ class Search {
       for (int axis = 0; axis < 3; ++axis) {
         for (double sign : {-1.0, 1.0}) {
           Candidate next = c;
-          if (axis < 2) next.move[axis] += sign * way;
-          else next.turn_deg += sign * angle;
+          if (axis < 2)
+            next.move[axis] += sign * way;
+          else
+            next.turn_deg += sign * angle;
           next.margin = margin(next, true, c.margin);
           if (next.margin > c.margin + 1e-6) c = next, better = true;
         }
@@ -159,7 +172,8 @@ double not_drawable(const Experiment& e) {
 Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
   Scenario s = given;
   const Vector2d centre = s.drawing.placement.centre_m;
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(turn_deg * M_PI / 180.0, Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(turn_deg * M_PI / 180.0, Vector3d::UnitZ()).toRotationMatrix();
   const Vector3d pivot(centre.x(), centre.y(), 0.0), shift(move.x(), move.y(), 0.0);
   const auto to = [&](const Vector3d& p) -> Vector3d { return R * (p - pivot) + pivot + shift; };
   s.canvas.move = to(s.canvas.move);
@@ -177,8 +191,11 @@ Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
   return s;
 }
 
-PlacedCanvas place_automatically(const Scenario& scenario, const Places& places, const std::function<void(double)>& progress) {
-  if (!scenario.drawing.tilt_deg.isZero()) throw InputError("--place auto: moves level drawing planes only; drawing.tilt must be [0, 0, 0]");
+PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
+                                 const std::function<void(double)>& progress) {
+  if (!scenario.drawing.tilt_deg.isZero())
+    throw InputError(
+        "--place auto: moves level drawing planes only; drawing.tilt must be [0, 0, 0]");
   Experiment e = prepare(scenario, places, Unreachable::tell);
   Search search(e);
   const double before = search.margin({}, true);
@@ -188,7 +205,8 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
     if (progress) progress(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(begun.size()));
     found.push_back(search.refined(begun[i]));
   }
-  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) { return a.margin > b.margin; });
+  std::sort(found.begin(), found.end(),
+            [](const Candidate& a, const Candidate& b) { return a.margin > b.margin; });
 
   PlacedCanvas best;
   double least = std::numeric_limits<double>::infinity();
@@ -204,7 +222,8 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
     best = {there, c.move, c.turn_deg, c.margin, before, lost == 0.0};
     if (best.passes) break;
   }
-  if (!std::isfinite(least)) throw InputError("--place auto: found no place where the drawing can be prepared");
+  if (!std::isfinite(least))
+    throw InputError("--place auto: found no place where the drawing can be prepared");
   return best;
 }
 

@@ -28,15 +28,18 @@ struct PathTally {
 };
 
 nlohmann::ordered_json distortion_json(const Distortion& d) {
-  return {{"length_min", d.stretch_min}, {"length_max", d.stretch_max}, {"length_rms", d.stretch_rms},
-          {"area_min", d.area_min},      {"area_max", d.area_max},      {"angle_max_deg", d.angle_max * 180.0 / M_PI}};
+  return {{"length_min", d.stretch_min}, {"length_max", d.stretch_max},
+          {"length_rms", d.stretch_rms}, {"area_min", d.area_min},
+          {"area_max", d.area_max},      {"angle_max_deg", d.angle_max * 180.0 / M_PI}};
 }
 
 std::string distortion_text(const char* how, const Distortion& d) {
   const auto percent = [](double ratio) { return 100.0 * (ratio - 1.0); };
-  return fmt::format("  {:<10} lengths {:+.1f} to {:+.1f} %, RMS {:.1f} %; areas {:+.1f} to {:+.1f} %; angles up to {:.1f}°\n", how,
-                     percent(d.stretch_min), percent(d.stretch_max), 100.0 * d.stretch_rms, percent(d.area_min), percent(d.area_max),
-                     d.angle_max * 180.0 / M_PI);
+  return fmt::format(
+      "  {:<10} lengths {:+.1f} to {:+.1f} %, RMS {:.1f} %; areas {:+.1f} to {:+.1f} %; angles up "
+      "to {:.1f}°\n",
+      how, percent(d.stretch_min), percent(d.stretch_max), 100.0 * d.stretch_rms,
+      percent(d.area_min), percent(d.area_max), d.angle_max * 180.0 / M_PI);
 }
 
 }  // namespace
@@ -47,9 +50,12 @@ double length_not_drawable(const Experiment& e) {
   return sum;
 }
 
-Distortion projected_distortion(const Experiment& e) { return distortion_of_projection(placed_strokes(e.artwork.drawn, e.placement), e.surface()); }
+Distortion projected_distortion(const Experiment& e) {
+  return distortion_of_projection(placed_strokes(e.artwork.drawn, e.placement), e.surface());
+}
 Distortion wrapped_distortion(const Experiment& e) {
-  return distortion_of_wrap(placed_strokes(e.artwork.drawn, e.placement), e.surface(), e.wrap->chart());
+  return distortion_of_wrap(placed_strokes(e.artwork.drawn, e.placement), e.surface(),
+                            e.wrap->chart());
 }
 
 nlohmann::ordered_json plan_json(const Experiment& e) {
@@ -62,7 +68,9 @@ nlohmann::ordered_json plan_json(const Experiment& e) {
   json["distortion"] = {{"projected", distortion_json(projected_distortion(e))}};
   if (e.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped_distortion(e));
   const PreflightMargins& m = e.preflight.margins;
-  const auto number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr); };
+  const auto number = [](double x) {
+    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
+  };
   json["margins"] = {{"joint_rad", number(m.joint)},
                      {"torque_share", number(m.torque_share)},
                      {"effective_mass_kg", number(m.effective_mass)},
@@ -82,21 +90,30 @@ nlohmann::ordered_json plan_json(const Experiment& e) {
 
 std::string plan_text(const Experiment& e) {
   const PathTally tally(e.path);
-  std::string text = fmt::format("{}: {} strokes; {} parts to draw\n", e.scenario.name, e.whole.size(), e.strokes.size());
-  text += fmt::format("  pen down {:.3f} m on the surface, pen up {:.3f} m\n", e.path.pen_down_length(), tally.pen_up);
-  text += fmt::format("  time     {} ({:.1f} s): drawing {:.1f} s, approach {:.1f} s, lift {:.1f} s, travel {:.1f} s\n",
-                      clock_text(e.path.duration()), e.path.duration(), tally.in(Phase::draw), tally.in(Phase::approach),
-                      tally.in(Phase::lift), tally.in(Phase::travel));
+  std::string text = fmt::format("{}: {} strokes; {} parts to draw\n", e.scenario.name,
+                                 e.whole.size(), e.strokes.size());
+  text += fmt::format("  pen down {:.3f} m on the surface, pen up {:.3f} m\n",
+                      e.path.pen_down_length(), tally.pen_up);
+  text += fmt::format(
+      "  time     {} ({:.1f} s): drawing {:.1f} s, approach {:.1f} s, lift {:.1f} s, travel {:.1f} "
+      "s\n",
+      clock_text(e.path.duration()), e.path.duration(), tally.in(Phase::draw),
+      tally.in(Phase::approach), tally.in(Phase::lift), tally.in(Phase::travel));
   const PreflightMargins& m = e.preflight.margins;
   if (!e.strokes.empty())
-    text += fmt::format("  margins  joints {:.2f} rad, torque {:.0f} % of the limits, tip's greatest effective mass {:.1f} kg, arm to canvas {}, slope {:.1f}°\n",
-                        m.joint, 100 * m.torque_share, m.effective_mass,
-                        std::isfinite(m.clearance) ? fmt::format("{:.0f} mm", 1e3 * m.clearance) : "far", m.slope_deg);
+    text += fmt::format(
+        "  margins  joints {:.2f} rad, torque {:.0f} % of the limits, tip's greatest effective "
+        "mass {:.1f} kg, arm to canvas {}, slope {:.1f}°\n",
+        m.joint, 100 * m.torque_share, m.effective_mass,
+        std::isfinite(m.clearance) ? fmt::format("{:.0f} mm", 1e3 * m.clearance) : "far",
+        m.slope_deg);
   text += distortion_text("projected", projected_distortion(e));
   if (e.wrap) text += distortion_text("wrapped", wrapped_distortion(e));
   if (e.preflight.findings.empty()) return text + "  all of it can be drawn\n";
-  text += fmt::format("  cannot be drawn: {} part{}, {:.1f} mm; --skip-unreachable draws the rest\n", e.preflight.findings.size(),
-                      e.preflight.findings.size() == 1 ? "" : "s", 1e3 * length_not_drawable(e));
+  text +=
+      fmt::format("  cannot be drawn: {} part{}, {:.1f} mm; --skip-unreachable draws the rest\n",
+                  e.preflight.findings.size(), e.preflight.findings.size() == 1 ? "" : "s",
+                  1e3 * length_not_drawable(e));
   for (const Finding& f : e.preflight.findings) text += "    " + finding_text(f) + "\n";
   return text;
 }

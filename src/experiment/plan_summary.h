@@ -16,7 +16,8 @@ Distortion wrapped_distortion(const Experiment& experiment);  // of a drawing th
 
 double length_not_drawable(const Experiment& experiment);  // in the drawing plane [m]
 
-// strokes, drawable_parts, pen_down_m, pen_up_m, time_s, distortion, margins, not_drawable: [{stroke, from_mm, to_mm, problem, text, page_mm, world_m}].
+// strokes, drawable_parts, pen_down_m, pen_up_m, time_s, distortion, margins, not_drawable:
+// [{stroke, from_mm, to_mm, problem, text, page_mm, world_m}].
 nlohmann::ordered_json plan_json(const Experiment& experiment);
 
 // The same for a reader.

@@ -9,9 +9,12 @@
 
 namespace impedraw {
 
-SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world, ArmModel& arm, const JointVector& q) {
+SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world,
+                               ArmModel& arm, const JointVector& q) {
   const PerceptionSettings& p = s.perception;
-  if (p.cameras.empty()) throw InputError("perception.cameras is empty; valid are at least one camera, or perception.enabled: false");
+  if (p.cameras.empty())
+    throw InputError(
+        "perception.cameras is empty; valid are at least one camera, or perception.enabled: false");
   const Eigen::AlignedBox3d box = canvas.bounds();
   const CastRay cast = [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
     double distance = world.ray_to_arm(origin, direction);
@@ -23,7 +26,8 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   for (std::size_t i = 0; i < p.cameras.size(); ++i) {
     const CameraSettings& c = p.cameras[i];
     cameras.push_back({c.width, c.height, c.fov_y_deg, look_at(c.p_WC, c.target_W)});
-    images.push_back(render_depth(cameras.back(), cast, p.noise, static_cast<std::uint64_t>(s.seed) * 1000 + i));
+    images.push_back(
+        render_depth(cameras.back(), cast, p.noise, static_cast<std::uint64_t>(s.seed) * 1000 + i));
   }
   std::vector<Capsule> body;
   for (const BodyCapsule& c : arm.body_capsules(q)) body.push_back({c.a_W, c.b_W, c.radius});
@@ -34,10 +38,13 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   PointCloud cloud = fuse(images, cameras, settings, body);
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
     throw InputError(fmt::format(
-        "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m); "
-        "at least {} are needed; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)",
-        cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(), p.region_upper.y(), p.region_lower.z(),
-        p.region_upper.z(), p.normals.k, box.min().x(), box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z()));
+        "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, "
+        "{:.2f} to {:.2f}, {:.2f} to {:.2f} m); "
+        "at least {} are needed; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to "
+        "{:.2f} m)",
+        cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(),
+        p.region_upper.y(), p.region_lower.z(), p.region_upper.z(), p.normals.k, box.min().x(),
+        box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z()));
   return SurfaceEstimator(std::move(cloud), p.normals);
 }
 

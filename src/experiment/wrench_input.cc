@@ -2,7 +2,9 @@
 
 namespace impedraw {
 
-WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing, const WrenchSensorSettings& sensor, double dt, double gravity) {
+WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing,
+                                           const WrenchSensorSettings& sensor, double dt,
+                                           double gravity) {
   WrenchEstimatorSettings s;
   s.dt = dt;
   s.tool = sensing.tool;
@@ -18,8 +20,8 @@ WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing, const
   return s;
 }
 
-WrenchInput::WrenchInput(WrenchSource source, const WrenchEstimatorSettings& estimator, const WrenchSensorSettings& sensor, double dt,
-                         std::uint64_t seed)
+WrenchInput::WrenchInput(WrenchSource source, const WrenchEstimatorSettings& estimator,
+                         const WrenchSensorSettings& sensor, double dt, std::uint64_t seed)
     : source_(source) {
   if (!has_sensor(source)) return;
   sensor_.emplace(sensor, dt, seed);

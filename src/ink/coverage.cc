@@ -12,7 +12,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Interval = std::pair<double, double>;  // empty where first > second
 constexpr Interval kNone{kInfinity, -kInfinity};
 
-Interval clip(Interval i, double low, double high) { return {std::max(i.first, low), std::min(i.second, high)}; }
+Interval clip(Interval i, double low, double high) {
+  return {std::max(i.first, low), std::min(i.second, high)};
+}
 
 // t with a t² + 2 b t + c ≤ 0, a > 0.
 Interval below_zero(double a, double b, double c) {
@@ -23,15 +25,16 @@ Interval below_zero(double a, double b, double c) {
 }
 
 // The line o + t u (u of unit length) inside the ball around c.
-Interval in_ball(const Eigen::Vector3d& o, const Eigen::Vector3d& u, const Eigen::Vector3d& c, double r) {
+Interval in_ball(const Eigen::Vector3d& o, const Eigen::Vector3d& u, const Eigen::Vector3d& c,
+                 double r) {
   const Eigen::Vector3d w = o - c;
   return below_zero(1.0, w.dot(u), w.squaredNorm() - r * r);
 }
 
 }  // namespace
 
-// The points within reach of a segment are a capsule, which is convex: two balls and the cylinder between them. So the answer is one
-// interval, and it spans those of the three parts.
+// The points within reach of a segment are a capsule, which is convex: two balls and the cylinder
+// between them. So the answer is one interval, and it spans those of the three parts.
 std::pair<double, double> within_reach(const Segment& s, const Segment& ink, double reach) {
   const double length = (s.b - s.a).norm();
   const Eigen::Vector3d u = (s.b - s.a) / length;
@@ -47,7 +50,8 @@ std::pair<double, double> within_reach(const Segment& s, const Segment& ink, dou
     const double along = u.dot(e), start = w.dot(e);
     const Eigen::Vector3d u_across = u - along * e, w_across = w - start * e;
     const double a = u_across.squaredNorm(), c = w_across.squaredNorm() - reach * reach;
-    Interval cylinder = a > 1e-24 ? below_zero(a, u_across.dot(w_across), c) : (c <= 0.0 ? Interval{-kInfinity, kInfinity} : kNone);
+    Interval cylinder = a > 1e-24 ? below_zero(a, u_across.dot(w_across), c)
+                                  : (c <= 0.0 ? Interval{-kInfinity, kInfinity} : kNone);
     if (std::abs(along) > 1e-12) {  // between the planes through the ends
       const double t0 = -start / along, t1 = (h - start) / along;
       cylinder = clip(cylinder, std::min(t0, t1), std::max(t0, t1));
@@ -97,7 +101,8 @@ Coverage cover(const std::vector<Eigen::Vector3d>& target, const Segments& ink, 
     }
     if (length - done > 1e-12 * length) open += length - done;
   }
-  const bool closed = target.size() > 2 && (target.back() - target.front()).norm() <= 1e-9 * result.length;
+  const bool closed =
+      target.size() > 2 && (target.back() - target.front()).norm() <= 1e-9 * result.length;
   if (closed && any && leading > 0.0 && open > 0.0) {
     result.uncovered_spans.front() += open;
   } else if (open > 0.0) {

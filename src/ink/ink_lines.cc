@@ -20,7 +20,8 @@ std::vector<InkLine> ink_lines(std::span<const double> f, std::span<const int> s
   return lines;
 }
 
-std::vector<StrokeSpan> stroke_spans(std::span<const double> time, std::span<const double> f, std::span<const int> stroke) {
+std::vector<StrokeSpan> stroke_spans(std::span<const double> time, std::span<const double> f,
+                                     std::span<const int> stroke) {
   constexpr double kEarliest = 2.0;  // [s] before the stroke's start
   std::vector<StrokeSpan> spans;
   for (std::size_t i = 0; i < stroke.size(); ++i) {
@@ -34,7 +35,8 @@ std::vector<StrokeSpan> stroke_spans(std::span<const double> time, std::span<con
   std::size_t before = 0;  // end of the stroke before
   for (StrokeSpan& span : spans) {
     const double earliest = time[span.begin] - kEarliest - 1e-9;
-    std::size_t i = std::lower_bound(time.begin() + before, time.begin() + span.begin, earliest) - time.begin();
+    std::size_t i =
+        std::lower_bound(time.begin() + before, time.begin() + span.begin, earliest) - time.begin();
     while (i < span.end && !is_ink(f[i])) ++i;
     if (i < span.end) span.first_touch = i;
     before = span.end;

@@ -14,16 +14,20 @@ struct Samples {
   std::vector<int> segment;  // each sample's segment; the sample is one of its ends or lies on it
 
   std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points[i][static_cast<Eigen::Index>(axis)];
+  }
   template <typename Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
   }
 };
 
-using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Samples>, Samples, 3>;
+using KdTree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Samples>, Samples, 3>;
 
-// nanoflann's result set: hears of every sample nearer than worstDist() and may tighten that bound as it goes. Distances squared.
+// nanoflann's result set: hears of every sample nearer than worstDist() and may tighten that bound
+// as it goes. Distances squared.
 template <typename Hear>
 struct Listener {
   double bound;
@@ -61,7 +65,8 @@ struct Segments::Tree {
   }
 };
 
-Segments::Segments(std::span<const std::vector<Eigen::Vector3d>> polylines, double spacing) : tree_(std::make_unique<Tree>()) {
+Segments::Segments(std::span<const std::vector<Eigen::Vector3d>> polylines, double spacing)
+    : tree_(std::make_unique<Tree>()) {
   Tree& t = *tree_;
   t.half_spacing = 0.5 * spacing;
   for (const std::vector<Eigen::Vector3d>& line : polylines) {
@@ -69,7 +74,8 @@ Segments::Segments(std::span<const std::vector<Eigen::Vector3d>> polylines, doub
       const Segment s{line[i], line[std::min(i + 1, line.size() - 1)]};
       const int id = static_cast<int>(t.segments.size());
       t.segments.push_back(s);
-      // A sample in the middle of each of the equal parts: no point of the segment is further than half a part from one.
+      // A sample in the middle of each of the equal parts: no point of the segment is further than
+      // half a part from one.
       const int parts = std::max(1, static_cast<int>(std::ceil((s.b - s.a).norm() / spacing)));
       for (int k = 0; k < parts; ++k) {
         t.samples.points.push_back(s.a + (k + 0.5) / parts * (s.b - s.a));
@@ -92,7 +98,8 @@ double Segments::distance(const Eigen::Vector3d& p) const {
   const Tree& t = *tree_;
   double best = std::numeric_limits<double>::infinity();
   if (empty() || !p.allFinite()) return best;
-  // The nearest point of all has a sample of its own segment within half_spacing, so samples further than best + half_spacing are out.
+  // The nearest point of all has a sample of its own segment within half_spacing, so samples
+  // further than best + half_spacing are out.
   t.query(p, best, [&](std::size_t sample) {
     best = std::min(best, distance_to_segment(p, t.segments[t.samples.segment[sample]]));
     return square(best + t.half_spacing);
@@ -100,7 +107,8 @@ double Segments::distance(const Eigen::Vector3d& p) const {
   return best;
 }
 
-void Segments::visit_near(const Eigen::Vector3d& p, double reach, const std::function<void(const Segment&)>& visit) const {
+void Segments::visit_near(const Eigen::Vector3d& p, double reach,
+                          const std::function<void(const Segment&)>& visit) const {
   const Tree& t = *tree_;
   if (empty()) return;
   const double bound = reach + t.half_spacing;

@@ -5,7 +5,8 @@
 namespace impedraw::h5 {
 namespace {
 
-// Keeps what the innermost call said. HDF5 embeds strerror() as: error message = 'No space left on device'.
+// Keeps what the innermost call said. HDF5 embeds strerror() as: error message = 'No space left on
+// device'.
 herr_t keep_innermost(unsigned, const H5E_error2_t* error, void* out) {
   std::string& cause = *static_cast<std::string*>(out);
   const std::string text = error->desc ? error->desc : "";
@@ -29,7 +30,8 @@ Id variable_text() {
 
 void write(hid_t object, const std::string& name, hid_t type, const Id& space, const void* data) {
   const std::string doing = "attribute " + name;
-  const Id attribute = own(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, doing);
+  const Id attribute =
+      own(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, doing);
   check(H5Awrite(attribute, type, data), doing);
 }
 
@@ -39,7 +41,8 @@ Id array(hsize_t n) { return own(H5Screate_simple(1, &n, nullptr), H5Sclose, "da
 }  // namespace
 
 void quiet_errors() {
-  static const bool once = H5dont_atexit() >= 0;  // a file that a full disk left open would make the tidying loop
+  // a file that a full disk left open would make the tidying loop
+  static const bool once = H5dont_atexit() >= 0;
   (void)once;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

@@ -40,10 +40,12 @@ class Id {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-// HDF5 prints its errors by default and tidies up at exit; both are ours to do. To be called once in each thread.
+// HDF5 prints its errors by default and tidies up at exit; both are ours to do. To be called once
+// in each thread.
 void quiet_errors();
 
-// Throws Error "<doing>: <cause>" when `result` is negative; the cause is the operating system's message where there is one.
+// Throws Error "<doing>: <cause>" when `result` is negative; the cause is the operating system's
+// message where there is one.
 void check(hid_t result, const std::string& doing);
 Id own(hid_t id, herr_t (*close)(hid_t), const std::string& doing);
 

@@ -24,10 +24,14 @@ void require(bool holds, const std::string& message) {
 
 const RunLogHeader& checked(const RunLogHeader& h) {
   const auto n = static_cast<Eigen::Index>(h.joint_names.size());
-  require(n >= 1 && n <= kMaxJoints, "joint_names must hold 1 to " + std::to_string(kMaxJoints) + " names");
-  require(h.joint_lower.size() == n && h.joint_upper.size() == n && h.torque_limit.size() == n, "each joint needs its limits");
-  require(h.torque_terms.size() <= kMaxTorqueTerms, "at most " + std::to_string(kMaxTorqueTerms) + " torque terms");
-  require(h.cloud_normals.size() == h.cloud_points.size() && h.cloud_camera.size() == h.cloud_points.size(),
+  require(n >= 1 && n <= kMaxJoints,
+          "joint_names must hold 1 to " + std::to_string(kMaxJoints) + " names");
+  require(h.joint_lower.size() == n && h.joint_upper.size() == n && h.torque_limit.size() == n,
+          "each joint needs its limits");
+  require(h.torque_terms.size() <= kMaxTorqueTerms,
+          "at most " + std::to_string(kMaxTorqueTerms) + " torque terms");
+  require(h.cloud_normals.size() == h.cloud_points.size() &&
+              h.cloud_camera.size() == h.cloud_points.size(),
           "each cloud point needs a normal and a camera");
   require(h.target_points.size() == h.target_stroke.size(), "each target point needs a stroke");
   return h;
@@ -35,23 +39,26 @@ const RunLogHeader& checked(const RunLogHeader& h) {
 
 }  // namespace
 
-// The loop owns [tail, head) growing at the head, the thread owns shrinking it at the tail, one full chunk at a time.
+// The loop owns [tail, head) growing at the head, the thread owns shrinking it at the tail, one
+// full chunk at a time.
 struct RunLog::Writer {
   std::filesystem::path path;
   int joints, terms;
   std::vector<LogColumn> columns;
   std::unique_ptr<LogFile> file;
-  std::vector<std::size_t> row_bytes;          // of each column
-  std::vector<std::vector<std::byte>> ring;    // kRing rows of each column
-  std::atomic<std::size_t> head{0}, tail{0};   // rows appended, rows that need not be kept
+  std::vector<std::size_t> row_bytes;         // of each column
+  std::vector<std::vector<std::byte>> ring;   // kRing rows of each column
+  std::atomic<std::size_t> head{0}, tail{0};  // rows appended, rows that need not be kept
   std::atomic<bool> closing{false}, failed{false};
-  std::string cause;                           // of the failure; written before `failed`
+  std::string cause;  // of the failure; written before `failed`
   std::mutex mutex;
   std::condition_variable more, room;
   std::thread thread;
 
   Writer(const std::filesystem::path& log, const RunLogHeader& header)
-      : path(log), joints(static_cast<int>(header.joint_names.size())), terms(static_cast<int>(header.torque_terms.size())),
+      : path(log),
+        joints(static_cast<int>(header.joint_names.size())),
+        terms(static_cast<int>(header.torque_terms.size())),
         columns(log_columns(header)) {
     for (const LogColumn& column : columns) {
       row_bytes.push_back(column.row_bytes());
@@ -73,7 +80,8 @@ struct RunLog::Writer {
 
   void write_rows(std::size_t from, std::size_t to) {
     const std::size_t slot = from % kRing;
-    for (std::size_t c = 0; c < ring.size(); ++c) file->write_chunk(c, from / kChunk, ring[c].data() + slot * row_bytes[c], to - from);
+    for (std::size_t c = 0; c < ring.size(); ++c)
+      file->write_chunk(c, from / kChunk, ring[c].data() + slot * row_bytes[c], to - from);
   }
 
   void run(std::size_t flushed) {
@@ -83,7 +91,8 @@ struct RunLog::Writer {
       for (bool last = false; !last;) {
         {
           std::unique_lock lock(mutex);
-          more.wait_for(lock, std::chrono::milliseconds(50), [&] { return closing || head.load() - tail.load() >= kChunk; });
+          more.wait_for(lock, std::chrono::milliseconds(50),
+                        [&] { return closing || head.load() - tail.load() >= kChunk; });
         }
         last = closing;
         std::size_t end = head.load(std::memory_order_acquire), begin = tail.load();
@@ -124,7 +133,8 @@ struct RunLog::Writer {
   }
 };
 
-RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& header) : RunLog(std::make_unique<Writer>(path, checked(header))) {
+RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& header)
+    : RunLog(std::make_unique<Writer>(path, checked(header))) {
   writer_->start(header);
 }
 
@@ -139,10 +149,13 @@ RunLog RunLog::append_to(const std::filesystem::path& path, const RunLogHeader& 
     const LogReader in(path);
     in.require(header);
     rows = in.rows();
-    // A chunk is written whole: the rows of the last one, where it is not full, come back into the ring.
+    // A chunk is written whole: the rows of the last one, where it is not full, come back into the
+    // ring.
     const std::size_t begin = rows / kChunk * kChunk;
     for (std::size_t c = 0; c < w.columns.size() && rows > begin; ++c) {
-      if (!in.read(w.columns[c], begin, rows - begin, w.ring[c].data() + begin % kRing * w.row_bytes[c])) in.fail("cannot be read");
+      if (!in.read(w.columns[c], begin, rows - begin,
+                   w.ring[c].data() + begin % kRing * w.row_bytes[c]))
+        in.fail("cannot be read");
     }
     w.tail = begin;
   }
@@ -161,9 +174,12 @@ RunLog::~RunLog() {
 void RunLog::append(const LogRow& row) {
   Writer& w = *writer_;
   if (w.failed.load(std::memory_order_relaxed)) throw LogError(w.cause);
-  bool fits = row.joint_position.size() == w.joints && row.joint_velocity.size() == w.joints && row.joint_torque.size() == w.joints;
+  bool fits = row.joint_position.size() == w.joints && row.joint_velocity.size() == w.joints &&
+              row.joint_torque.size() == w.joints;
   for (int i = 0; i < w.terms; ++i) fits = fits && row.torque_terms[i].size() == w.joints;
-  if (!fits) throw std::invalid_argument("run log: a row's joint vectors must have " + std::to_string(w.joints) + " values");
+  if (!fits)
+    throw std::invalid_argument("run log: a row's joint vectors must have " +
+                                std::to_string(w.joints) + " values");
   const std::size_t head = w.head.load(std::memory_order_relaxed);
   if (head - w.tail.load(std::memory_order_acquire) == kRing) {
     std::unique_lock lock(w.mutex);

@@ -11,27 +11,40 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
       {"/joint/torque", n, false, "Nm", "joint axes", "joint torques commanded, after limits"},
   };
   for (const std::string& term : header.torque_terms) {
-    columns.push_back({"/torque/" + term, n, false, "Nm", "joint axes",
-                       "term '" + term + "' of the torque; all terms sum to the torque before limits"});
+    columns.push_back(
+        {"/torque/" + term, n, false, "Nm", "joint axes",
+         "term '" + term + "' of the torque; all terms sum to the torque before limits"});
   }
   const std::vector<LogColumn> rest = {
       {"/tip/position", 3, false, "m", "world", "true position of E, the apex of the tip sphere"},
-      {"/tip/orientation", 4, false, "1", "world", "true orientation of E, quaternion w x y z; z_E points out of the pen"},
+      {"/tip/orientation", 4, false, "1", "world",
+       "true orientation of E, quaternion w x y z; z_E points out of the pen"},
       {"/tip/velocity", 6, false, "m/s, rad/s", "world", "true velocity of E, linear part first"},
-      {"/desired/position", 3, false, "m", "world", "wanted position of E as the controller was given it, compensation included"},
-      {"/desired/orientation", 4, false, "1", "world", "wanted orientation of E as the controller was given it, quaternion w x y z"},
-      {"/contact/force", 3, false, "N", "world", "true force of the canvas on the tip, acting until the next row; zero out of contact"},
-      {"/contact/point", 3, false, "m", "world", "point of the canvas closest to the centre of the tip sphere; NaN out of contact"},
-      {"/contact/normal", 3, false, "1", "world", "outward normal of the canvas at the contact point; NaN out of contact"},
-      {"/wrench/measured", 6, false, "N, Nm", "world", "external wrench at E as the controller was given it, force first"},
+      {"/desired/position", 3, false, "m", "world",
+       "wanted position of E as the controller was given it, compensation included"},
+      {"/desired/orientation", 4, false, "1", "world",
+       "wanted orientation of E as the controller was given it, quaternion w x y z"},
+      {"/contact/force", 3, false, "N", "world",
+       "true force of the canvas on the tip, acting until the next row; zero out of contact"},
+      {"/contact/point", 3, false, "m", "world",
+       "point of the canvas closest to the centre of the tip sphere; NaN out of contact"},
+      {"/contact/normal", 3, false, "1", "world",
+       "outward normal of the canvas at the contact point; NaN out of contact"},
+      {"/wrench/measured", 6, false, "N, Nm", "world",
+       "external wrench at E as the controller was given it, force first"},
       {"/disturbance/force", 3, false, "N", "world", "push on the pen by the scenario"},
-      {"/surface/normal", 3, false, "1", "world", "outward surface normal as the controller estimates it; NaN without an estimate"},
-      {"/surface/distance", 1, false, "m", "none", "distance of E to the estimated surface, > 0 outside; NaN without an estimate"},
+      {"/surface/normal", 3, false, "1", "world",
+       "outward surface normal as the controller estimates it; NaN without an estimate"},
+      {"/surface/distance", 1, false, "m", "none",
+       "distance of E to the estimated surface, > 0 outside; NaN without an estimate"},
       {"/push", 1, false, "N", "surface normal", "normal force asked for"},
-      {"/mode", 1, true, "1", "none", "contact state of the controller; attribute names says which"},
-      {"/stroke", 1, true, "1", "none", "stroke that the plan is drawing, from the plan alone; -1 between strokes"},
+      {"/mode", 1, true, "1", "none",
+       "contact state of the controller; attribute names says which"},
+      {"/stroke", 1, true, "1", "none",
+       "stroke that the plan is drawing, from the plan alone; -1 between strokes"},
       {"/stroke_along", 1, false, "m", "drawing plane",
-       "length along the stroke, in the drawing plane from the stroke's first point, of the wanted point; NaN between strokes"},
+       "length along the stroke, in the drawing plane from the stroke's first point, of the wanted "
+       "point; NaN between strokes"},
       {"/controller/step_time", 1, false, "s", "none", "wall time of the controller step"},
   };
   columns.insert(columns.end(), rest.begin(), rest.end());

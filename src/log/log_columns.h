@@ -1,4 +1,5 @@
-// The datasets of run.h5 that grow with the run: one list, from which the log is written. Private to src/report.
+// The datasets of run.h5 that grow with the run: one list, from which the log is written. Private
+// to src/report.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,9 @@ struct LogColumn {
   const char* frame;
   std::string description;
 
-  std::size_t row_bytes() const { return static_cast<std::size_t>(width) * (integer ? sizeof(int) : sizeof(double)); }
+  std::size_t row_bytes() const {
+    return static_cast<std::size_t>(width) * (integer ? sizeof(int) : sizeof(double));
+  }
 };
 
 // In the order in which put_row() visits them.
@@ -27,7 +30,9 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header);
 // Calls put(pointer to first value, count, size of one value) for each column of log_columns().
 template <typename Put>
 void put_row(const LogRow& row, int terms, Put&& put) {
-  const auto vector = [&](const auto& v) { put(v.data(), static_cast<int>(v.size()), sizeof(double)); };
+  const auto vector = [&](const auto& v) {
+    put(v.data(), static_cast<int>(v.size()), sizeof(double));
+  };
   const auto number = [&](const auto& v) { put(&v, 1, sizeof(v)); };
   const auto quaternion = [&](const Eigen::Quaterniond& q) {
     const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};

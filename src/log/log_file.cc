@@ -15,7 +15,8 @@ h5::Id file_creation() {
   h5::Id list = h5::own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file settings");
   // Freed space stays free: a chunk on which the file on disk still relies is never overwritten.
   h5::check(H5Pset_file_space_strategy(list, H5F_FSPACE_STRATEGY_NONE, false, 1), "file settings");
-  // 2,048 chunks in an index node: no node is split, and so no index is inconsistent for an instant, within 8 million rows (2.3 hours).
+  // 2,048 chunks in an index node: no node is split, and so no index is inconsistent for an
+  // instant, within 8 million rows (2.3 hours).
   h5::check(H5Pset_istore_k(list, 1024), "file settings");
   return list;
 }
@@ -35,7 +36,8 @@ h5::Id file_access() {
 
 h5::Id dataset_creation() {
   h5::Id list = h5::own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "dataset settings");
-  h5::check(H5Pset_obj_track_times(list, false), "dataset settings");  // the same run gives the same file
+  h5::check(H5Pset_obj_track_times(list, false),
+            "dataset settings");  // the same run gives the same file
   return list;
 }
 
@@ -52,10 +54,11 @@ h5::Id link_creation() {
 }
 
 // A dataset that does not grow, n×width, or n where width is 1.
-void write_fixed(hid_t file, const char* name, hid_t type, const void* data, std::size_t n, int width, const char* unit, const char* frame,
-                 const char* description) {
+void write_fixed(hid_t file, const char* name, hid_t type, const void* data, std::size_t n,
+                 int width, const char* unit, const char* frame, const char* description) {
   const hsize_t shape[2] = {n, static_cast<hsize_t>(width)};
-  const h5::Id space = h5::own(H5Screate_simple(width == 1 ? 1 : 2, shape, nullptr), H5Sclose, name);
+  const h5::Id space =
+      h5::own(H5Screate_simple(width == 1 ? 1 : 2, shape, nullptr), H5Sclose, name);
   const h5::Id creation = dataset_creation();
   if (n > 0) {
     const hsize_t chunk[2] = {std::min<hsize_t>(n, 16384), static_cast<hsize_t>(width)};
@@ -63,16 +66,20 @@ void write_fixed(hid_t file, const char* name, hid_t type, const void* data, std
     h5::check(H5Pset_shuffle(creation), name);
     h5::check(H5Pset_deflate(creation, 1), name);
   }
-  const h5::Id dataset = h5::own(H5Dcreate2(file, name, type, space, link_creation(), creation, H5P_DEFAULT), H5Dclose, name);
+  const h5::Id dataset = h5::own(
+      H5Dcreate2(file, name, type, space, link_creation(), creation, H5P_DEFAULT), H5Dclose, name);
   if (n > 0) h5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), name);
   describe(dataset, unit, frame, description);
 }
 
 std::array<std::pair<const char*, double*>, 3> wall_attributes(WallTimes& wall) {
-  return {{{"wall_start_up", &wall.start_up}, {"wall_loop", &wall.loop}, {"wall_writing", &wall.writing}}};
+  return {{{"wall_start_up", &wall.start_up},
+           {"wall_loop", &wall.loop},
+           {"wall_writing", &wall.writing}}};
 }
 
-// Puts the first bytes of all values together, then all second ones, …: neighbours in a log share sign, exponent and leading digits.
+// Puts the first bytes of all values together, then all second ones, …: neighbours in a log share
+// sign, exponent and leading digits.
 void shuffle(const std::byte* in, std::byte* out, std::size_t values, std::size_t size) {
   for (std::size_t b = 0; b < size; ++b) {
     for (std::size_t i = 0; i < values; ++i) out[b * values + i] = in[i * size + b];
@@ -98,8 +105,9 @@ struct LogFile::Deflater {
   ~Deflater() { deflateEnd(&stream); }
 };
 
-// A double's last five bytes or so are noise on which deflate spends nearly all of its time for nothing: such planes are stored as they are
-// (deflate's own stored blocks, so that any reader understands), the others compressed. Four times as fast, a tenth larger.
+// A double's last five bytes or so are noise on which deflate spends nearly all of its time for
+// nothing: such planes are stored as they are (deflate's own stored blocks, so that any reader
+// understands), the others compressed. Four times as fast, a tenth larger.
 std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
   constexpr double kNoise = 7.5;  // [bits a byte]
   z_stream& stream = deflater_->stream;
@@ -118,12 +126,14 @@ std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
 
 LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header)
     : deflater_(std::make_unique<Deflater>()), columns_(log_columns(header)) {
-  file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, file_creation(), file_access()), H5Fclose, "create");
+  file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, file_creation(), file_access()), H5Fclose,
+                  "create");
   const h5::Id links = link_creation();
   for (const LogColumn& column : columns_) {
     const int rank = column.width == 1 ? 1 : 2;
     const hsize_t width = static_cast<hsize_t>(column.width);
-    const hsize_t none[2] = {0, width}, unlimited[2] = {H5S_UNLIMITED, width}, chunk[2] = {kChunkRows, width};
+    const hsize_t none[2] = {0, width}, unlimited[2] = {H5S_UNLIMITED, width},
+                  chunk[2] = {kChunkRows, width};
     const h5::Id space = h5::own(H5Screate_simple(rank, none, unlimited), H5Sclose, column.name);
     const h5::Id creation = dataset_creation();
     h5::check(H5Pset_chunk(creation, rank, chunk), column.name);
@@ -132,13 +142,19 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header)
     const double no_number = std::nan("");
     const int no_integer = -1;
     const hid_t type = column.integer ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
-    h5::check(H5Pset_fill_value(creation, type, column.integer ? static_cast<const void*>(&no_integer) : &no_number), column.name);
+    h5::check(
+        H5Pset_fill_value(creation, type,
+                          column.integer ? static_cast<const void*>(&no_integer) : &no_number),
+        column.name);
     datasets_.push_back(
-        h5::own(H5Dcreate2(file_, column.name.c_str(), type, space, links, creation, H5P_DEFAULT), H5Dclose, column.name));
+        h5::own(H5Dcreate2(file_, column.name.c_str(), type, space, links, creation, H5P_DEFAULT),
+                H5Dclose, column.name));
     describe(datasets_.back(), column.unit, column.frame, column.description);
     if (column.name == "/mode") h5::write_attribute(datasets_.back(), "names", header.mode_names);
     if (column.name == "/joint/position") {
-      const auto limits = [&](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
+      const auto limits = [&](const Eigen::VectorXd& v) {
+        return std::vector<double>(v.data(), v.data() + v.size());
+      };
       h5::write_attribute(datasets_.back(), "lower", limits(header.joint_lower));
       h5::write_attribute(datasets_.back(), "upper", limits(header.joint_upper));
       h5::write_attribute(datasets_.back(), "torque_limit", limits(header.torque_limit));
@@ -154,12 +170,14 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header, 
     : deflater_(std::make_unique<Deflater>()), columns_(log_columns(header)) {
   file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, file_access()), H5Fclose, "open");
   for (const LogColumn& column : columns_) {
-    datasets_.push_back(h5::own(H5Dopen2(file_, column.name.c_str(), H5P_DEFAULT), H5Dclose, column.name));
+    datasets_.push_back(
+        h5::own(H5Dopen2(file_, column.name.c_str(), H5P_DEFAULT), H5Dclose, column.name));
   }
   make_room();
   for (const auto& [name, seconds] : wall_attributes(before_)) {
     *seconds = h5::read_number(file_, name);
-    if (H5Aexists(file_, name) > 0) h5::check(H5Adelete(file_, name), name);  // of what is appended now, they know nothing
+    if (H5Aexists(file_, name) > 0)
+      h5::check(H5Adelete(file_, name), name);  // of what is appended now, they know nothing
   }
   resize(rows);
   flush();
@@ -167,27 +185,34 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header, 
 
 void LogFile::make_room() {
   std::size_t largest = 0;
-  for (const LogColumn& column : columns_) largest = std::max(largest, kChunkRows * column.row_bytes());
+  for (const LogColumn& column : columns_)
+    largest = std::max(largest, kChunkRows * column.row_bytes());
   padded_.resize(largest);
   shuffled_.resize(largest);
   deflated_.resize(compressBound(largest) + 1024);
 }
 
 void LogFile::write_static(const RunLogHeader& h) {
-  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) && sizeof(Eigen::Vector3i) == 3 * sizeof(int));
-  write_fixed(file_, "/canvas/vertices", H5T_NATIVE_DOUBLE, h.canvas_vertices.data(), h.canvas_vertices.size(), 3, "m", "world",
-              "vertices of the true canvas");
-  write_fixed(file_, "/canvas/triangles", H5T_NATIVE_INT, h.canvas_triangles.data(), h.canvas_triangles.size(), 3, "1", "none",
-              "triangles of the true canvas: indices of vertices, counter-clockwise seen from outside");
-  write_fixed(file_, "/cloud/points", H5T_NATIVE_DOUBLE, h.cloud_points.data(), h.cloud_points.size(), 3, "m", "world",
-              "point cloud as the controller has it");
-  write_fixed(file_, "/cloud/normals", H5T_NATIVE_DOUBLE, h.cloud_normals.data(), h.cloud_normals.size(), 3, "1", "world",
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) &&
+                sizeof(Eigen::Vector3i) == 3 * sizeof(int));
+  write_fixed(file_, "/canvas/vertices", H5T_NATIVE_DOUBLE, h.canvas_vertices.data(),
+              h.canvas_vertices.size(), 3, "m", "world", "vertices of the true canvas");
+  write_fixed(
+      file_, "/canvas/triangles", H5T_NATIVE_INT, h.canvas_triangles.data(),
+      h.canvas_triangles.size(), 3, "1", "none",
+      "triangles of the true canvas: indices of vertices, counter-clockwise seen from outside");
+  write_fixed(file_, "/cloud/points", H5T_NATIVE_DOUBLE, h.cloud_points.data(),
+              h.cloud_points.size(), 3, "m", "world", "point cloud as the controller has it");
+  write_fixed(file_, "/cloud/normals", H5T_NATIVE_DOUBLE, h.cloud_normals.data(),
+              h.cloud_normals.size(), 3, "1", "world",
               "unit normals at the cloud's points, towards the camera that saw them");
-  write_fixed(file_, "/cloud/camera", H5T_NATIVE_INT, h.cloud_camera.data(), h.cloud_camera.size(), 1, "1", "none",
-              "index of the camera that saw the point");
-  write_fixed(file_, "/target/points", H5T_NATIVE_DOUBLE, h.target_points.data(), h.target_points.size(), 3, "m", "world",
+  write_fixed(file_, "/cloud/camera", H5T_NATIVE_INT, h.cloud_camera.data(), h.cloud_camera.size(),
+              1, "1", "none", "index of the camera that saw the point");
+  write_fixed(file_, "/target/points", H5T_NATIVE_DOUBLE, h.target_points.data(),
+              h.target_points.size(), 3, "m", "world",
               "the artwork itself, projected on the true canvas");
-  write_fixed(file_, "/target/stroke", H5T_NATIVE_INT, h.target_stroke.data(), h.target_stroke.size(), 1, "1", "none",
+  write_fixed(file_, "/target/stroke", H5T_NATIVE_INT, h.target_stroke.data(),
+              h.target_stroke.size(), 1, "1", "none",
               "index of the stroke that the target point belongs to");
   for (const auto& [name, text] : h.attributes) h5::write_attribute(file_, name, text);
 }
@@ -206,9 +231,11 @@ void LogFile::resize_one(std::size_t c, std::size_t rows) {
   h5::check(H5Dset_extent(datasets_[c], shape), columns_[c].name);
 }
 
-void LogFile::write_chunk(std::size_t c, std::size_t chunk, const std::byte* data, std::size_t rows) {
+void LogFile::write_chunk(std::size_t c, std::size_t chunk, const std::byte* data,
+                          std::size_t rows) {
   if (c == kTime) {
-    held_back_.emplace_back(chunk, std::vector<std::byte>(data, data + rows * columns_[c].row_bytes()));
+    held_back_.emplace_back(chunk,
+                            std::vector<std::byte>(data, data + rows * columns_[c].row_bytes()));
   } else {
     put_chunk(c, chunk, data, rows);
   }
@@ -226,20 +253,24 @@ void LogFile::put_chunk(std::size_t c, std::size_t chunk, const std::byte* data,
   shuffle(data, shuffled_.data(), bytes / size, size);
   const std::size_t packed = deflate_planes(bytes / size, size);
   const hsize_t offset[2] = {chunk * kChunkRows, 0};
-  h5::check(H5Dwrite_chunk(datasets_[c], H5P_DEFAULT, 0, offset, packed, deflated_.data()), column.name);
+  h5::check(H5Dwrite_chunk(datasets_[c], H5P_DEFAULT, 0, offset, packed, deflated_.data()),
+            column.name);
 }
 
 void LogFile::flush() {
   h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
   resize_one(kTime, rows_);
-  for (const auto& [chunk, data] : held_back_) put_chunk(kTime, chunk, data.data(), data.size() / columns_[kTime].row_bytes());
+  for (const auto& [chunk, data] : held_back_)
+    put_chunk(kTime, chunk, data.data(), data.size() / columns_[kTime].row_bytes());
   held_back_.clear();
   h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
 }
 
 void LogFile::close(const WallTimes& wall) {
-  WallTimes sum{before_.start_up + wall.start_up, before_.loop + wall.loop, before_.writing + wall.writing};
-  for (const auto& [name, seconds] : wall_attributes(sum)) h5::write_attribute(file_, name, *seconds);
+  WallTimes sum{before_.start_up + wall.start_up, before_.loop + wall.loop,
+                before_.writing + wall.writing};
+  for (const auto& [name, seconds] : wall_attributes(sum))
+    h5::write_attribute(file_, name, *seconds);
   flush();
   datasets_.clear();
   file_.reset();

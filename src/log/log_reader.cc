@@ -35,7 +35,8 @@ std::map<std::string, std::string> texts(hid_t root) {
     const bool text = H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) > 0;
     H5Tclose(type);
     H5Aclose(attribute);
-    if (text) (*static_cast<std::map<std::string, std::string>*>(out))[name] = h5::read_text(file, name);
+    if (text)
+      (*static_cast<std::map<std::string, std::string>*>(out))[name] = h5::read_text(file, name);
     return herr_t{0};
   };
   h5::check(H5Aiterate2(root, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &found), "attributes");
@@ -67,18 +68,23 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     header_.torque_terms = members(file_, "/torque");
     header_.attributes = texts(file_);
     const Eigen::Index j = joints();
-    if (header_.joint_upper.size() != j || header_.torque_limit.size() != j || header_.joint_names.size() != static_cast<std::size_t>(j)) {
+    if (header_.joint_upper.size() != j || header_.torque_limit.size() != j ||
+        header_.joint_names.size() != static_cast<std::size_t>(j)) {
       fail("attributes names, lower, upper and torque_limit of /joint/position differ in length");
     }
     columns_ = log_columns(header_);
-    std::erase_if(columns_, [&](const LogColumn& column) { return column.name == "/stroke_along" && !has(column.name); });
+    std::erase_if(columns_, [&](const LogColumn& column) {
+      return column.name == "/stroke_along" && !has(column.name);
+    });
     rows_ = count_rows();
   } catch (const h5::Error& e) {
     fail(e.what());
   }
 }
 
-void LogReader::fail(const std::string& what) const { throw InputError(path_.string() + ": " + what); }
+void LogReader::fail(const std::string& what) const {
+  throw InputError(path_.string() + ": " + what);
+}
 
 const LogReader::Dataset& LogReader::open(const std::string& name) const {
   const auto known = datasets_.find(name);
@@ -97,26 +103,34 @@ const LogReader::Dataset& LogReader::open(const std::string& name) const {
 
 const LogReader::Dataset& LogReader::open(const std::string& name, int width) const {
   const Dataset& dataset = open(name);
-  if (dataset.width != width) fail("dataset " + name + " has the wrong shape; it should have " + std::to_string(width) + " values a row");
+  if (dataset.width != width)
+    fail("dataset " + name + " has the wrong shape; it should have " + std::to_string(width) +
+         " values a row");
   return dataset;
 }
 
-bool LogReader::read(const std::string& name, int width, bool integer, std::size_t begin, std::size_t n, void* out) const {
+bool LogReader::read(const std::string& name, int width, bool integer, std::size_t begin,
+                     std::size_t n, void* out) const {
   const Dataset& dataset = open(name, width);
   if (n == 0) return true;
   if (begin + n > dataset.rows) return false;
   const hsize_t start[2] = {begin, 0}, count[2] = {n, static_cast<hsize_t>(width)};
   const h5::Id file_space = h5::own(H5Dget_space(dataset.id), H5Sclose, name);
-  const h5::Id memory = h5::own(H5Screate_simple(H5Sget_simple_extent_ndims(file_space), count, nullptr), H5Sclose, name);
+  const h5::Id memory = h5::own(
+      H5Screate_simple(H5Sget_simple_extent_ndims(file_space), count, nullptr), H5Sclose, name);
   h5::check(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, nullptr, count, nullptr), name);
-  return H5Dread(dataset.id, integer ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE, memory, file_space, H5P_DEFAULT, out) >= 0;
+  return H5Dread(dataset.id, integer ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE, memory, file_space,
+                 H5P_DEFAULT, out) >= 0;
 }
 
-// A dataset may have been extended when the kill came, and its chunks not yet entered: they would read as nothing but fill values.
+// A dataset may have been extended when the kill came, and its chunks not yet entered: they would
+// read as nothing but fill values.
 std::size_t LogReader::written_rows(const Dataset& dataset, std::size_t rows) const {
   const h5::Id creation = h5::own(H5Dget_create_plist(dataset.id), H5Pclose, "dataset settings");
   hsize_t chunk[2] = {0, 0};
-  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_chunk(creation, 2, chunk) < 1 || chunk[0] != kChunk) return rows;
+  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_chunk(creation, 2, chunk) < 1 ||
+      chunk[0] != kChunk)
+    return rows;
   for (std::size_t begin = 0; begin < rows; begin += kChunk) {
     const hsize_t offset[2] = {begin, 0};
     hsize_t bytes = 0;
@@ -135,14 +149,18 @@ bool LogReader::readable(std::size_t begin, std::size_t n) const {
 
 std::size_t LogReader::count_rows() const {
   std::size_t rows = static_cast<std::size_t>(-1);
-  for (const LogColumn& column : columns_) rows = std::min(rows, open(column.name, column.width).rows);
-  for (const LogColumn& column : columns_) rows = std::min(rows, written_rows(open(column.name), rows));
+  for (const LogColumn& column : columns_)
+    rows = std::min(rows, open(column.name, column.width).rows);
+  for (const LogColumn& column : columns_)
+    rows = std::min(rows, written_rows(open(column.name), rows));
   while (rows > 0) {
     const std::size_t begin = (rows - 1) / kChunk * kChunk;
     std::vector<double> time(rows - begin);
-    if (readable(begin, time.size()) && read("/time", 1, false, begin, time.size(), time.data()) && std::isfinite(time[0])) {
+    if (readable(begin, time.size()) && read("/time", 1, false, begin, time.size(), time.data()) &&
+        std::isfinite(time[0])) {
       std::size_t n = time.size();
-      while (n > 1 && !(time[n - 1] > time[0])) --n;  // NaN, the fill value, or the zeros of a chunk that was not full
+      while (n > 1 && !(time[n - 1] > time[0]))
+        --n;  // NaN, the fill value, or the zeros of a chunk that was not full
       return begin + n;
     }
     rows = begin;
@@ -151,15 +169,21 @@ std::size_t LogReader::count_rows() const {
 }
 
 void LogReader::require(const RunLogHeader& given) const {
-  const auto differ = [this](const std::string& what, const std::string& there, const std::string& here) {
-    fail("a run cannot go on in this log: " + what + ": " + there + " in the log, " + here + " now; draw into a new folder");
+  const auto differ = [this](const std::string& what, const std::string& there,
+                             const std::string& here) {
+    fail("a run cannot go on in this log: " + what + ": " + there + " in the log, " + here +
+         " now; draw into a new folder");
   };
-  const auto compare = [&](const std::string& what, const std::vector<std::string>& there, const std::vector<std::string>& here) {
+  const auto compare = [&](const std::string& what, const std::vector<std::string>& there,
+                           const std::vector<std::string>& here) {
     if (there != here) differ(what, listed(there), listed(here));
   };
-  const auto limits = [&](const std::string& what, const Eigen::VectorXd& there, const Eigen::VectorXd& here) {
+  const auto limits = [&](const std::string& what, const Eigen::VectorXd& there,
+                          const Eigen::VectorXd& here) {
     for (Eigen::Index k = 0; k < there.size(); ++k) {
-      if (there[k] != here[k]) differ(what + " of joint " + std::to_string(k + 1), std::to_string(there[k]), std::to_string(here[k]));
+      if (there[k] != here[k])
+        differ(what + " of joint " + std::to_string(k + 1), std::to_string(there[k]),
+               std::to_string(here[k]));
     }
   };
   const auto size = [&](const std::string& name, std::size_t here) {
@@ -178,22 +202,31 @@ void LogReader::require(const RunLogHeader& given) const {
   size("/canvas/triangles", given.canvas_triangles.size());
   size("/cloud/points", given.cloud_points.size());
   size("/target/points", given.target_points.size());
-  if (!has("/stroke_along")) differ("dataset /stroke_along", "none (an older impedraw wrote it)", "one");
+  if (!has("/stroke_along"))
+    differ("dataset /stroke_along", "none (an older impedraw wrote it)", "one");
 }
 
 WallTimes LogReader::wall() const {
-  return {h5::read_number(file_, "wall_start_up"), h5::read_number(file_, "wall_loop"), h5::read_number(file_, "wall_writing")};
+  return {h5::read_number(file_, "wall_start_up"), h5::read_number(file_, "wall_loop"),
+          h5::read_number(file_, "wall_writing")};
 }
 
 template <typename T>
 std::vector<T> LogReader::whole(const std::string& name, int width, bool integer) const {
   std::vector<T> values(open(name, width).rows);
-  if (!read(name, width, integer, 0, values.size(), values.data())) fail("dataset " + name + " cannot be read");
+  if (!read(name, width, integer, 0, values.size(), values.data()))
+    fail("dataset " + name + " cannot be read");
   return values;
 }
 
-std::vector<Eigen::Vector3d> LogReader::points(const std::string& name) const { return whole<Eigen::Vector3d>(name, 3, false); }
-std::vector<Eigen::Vector3i> LogReader::triples(const std::string& name) const { return whole<Eigen::Vector3i>(name, 3, true); }
-std::vector<int> LogReader::integers(const std::string& name) const { return whole<int>(name, 1, true); }
+std::vector<Eigen::Vector3d> LogReader::points(const std::string& name) const {
+  return whole<Eigen::Vector3d>(name, 3, false);
+}
+std::vector<Eigen::Vector3i> LogReader::triples(const std::string& name) const {
+  return whole<Eigen::Vector3i>(name, 3, true);
+}
+std::vector<int> LogReader::integers(const std::string& name) const {
+  return whole<int>(name, 1, true);
+}
 
 }  // namespace impedraw

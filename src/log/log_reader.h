@@ -1,7 +1,9 @@
-// run.h5 read back, some rows at a time, so that a long log need not fit into memory. Private to src/report.
+// run.h5 read back, some rows at a time, so that a long log need not fit into memory. Private to
+// src/report.
 //
-// A log that a kill cut off may lack rows in some datasets, or hold them extended but not written. rows() counts those that every dataset
-// holds whole; what comes after them is as if it were not there.
+// A log that a kill cut off may lack rows in some datasets, or hold them extended but not written.
+// rows() counts those that every dataset holds whole; what comes after them is as if it were not
+// there.
 #pragma once
 
 #include <filesystem>
@@ -19,13 +21,14 @@ namespace impedraw {
 
 class LogReader {
  public:
-  // Throws InputError naming the file, and the dataset where one that grows with the run is missing or has the wrong shape. (/stroke_along
-  // may be missing, in a log of an impedraw that knew none.)
+  // Throws InputError naming the file, and the dataset where one that grows with the run is missing
+  // or has the wrong shape. (/stroke_along may be missing, in a log of an impedraw that knew none.)
   explicit LogReader(const std::filesystem::path& path);
 
   [[noreturn]] void fail(const std::string& what) const;  // InputError "<path>: <what>"
 
-  // Joint and mode names, limits, torque terms (in alphabetical order), text attributes; neither canvas, cloud nor target.
+  // Joint and mode names, limits, torque terms (in alphabetical order), text attributes; neither
+  // canvas, cloud nor target.
   const RunLogHeader& header() const { return header_; }
   int joints() const { return static_cast<int>(header_.joint_lower.size()); }
   std::size_t rows() const { return rows_; }
@@ -34,11 +37,15 @@ class LogReader {
   // Throws InputError naming what of `header` is not as in this log.
   void require(const RunLogHeader& header) const;
 
-  bool has(const std::string& name) const { return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0; }
+  bool has(const std::string& name) const {
+    return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
+  }
 
-  // Rows [begin, begin + n) into `out`, n×width; false when they are there but cannot be read. For data sets that do not grow, too.
-  // InputError when the dataset is missing or its rows have another width.
-  bool read(const std::string& name, int width, bool integer, std::size_t begin, std::size_t n, void* out) const;
+  // Rows [begin, begin + n) into `out`, n×width; false when they are there but cannot be read. For
+  // data sets that do not grow, too. InputError when the dataset is missing or its rows have
+  // another width.
+  bool read(const std::string& name, int width, bool integer, std::size_t begin, std::size_t n,
+            void* out) const;
   bool read(const LogColumn& column, std::size_t begin, std::size_t n, void* out) const {
     return read(column.name, column.width, column.integer, begin, n, out);
   }

@@ -1,8 +1,9 @@
 // A run read back from run.h5: what the metrics and pictures need of it, 81 bytes a row.
 //
-// The log is read chunk by chunk. What feeds one number alone (joint margin, clipped torques) is counted while reading; what the metrics
-// take of forces, normals and orientations is worked out row by row. All in doubles, so that no metric differs from one worked out on the
-// whole log; only torque_share, which is plotted to a hundredth of a percent, is a float (its error: 6e-8).
+// The log is read chunk by chunk. What feeds one number alone (joint margin, clipped torques) is
+// counted while reading; what the metrics take of forces, normals and orientations is worked out
+// row by row. All in doubles, so that no metric differs from one worked out on the whole log; only
+// torque_share, which is plotted to a hundredth of a percent, is a float (its error: 6e-8).
 #pragma once
 
 #include <cstdint>
@@ -31,26 +32,31 @@ struct RunConstants {
   Points cloud_points;
   Points target_points;
   std::vector<int> target_stroke;
-  WallTimes wall;                                 // NaN where the run was killed before it closed its log
+  WallTimes wall;  // NaN where the run was killed before it closed its log
   std::map<std::string, std::string> attributes;  // the root's text attributes
 };
 
 // n rows.
 struct RunData : RunConstants {
-  std::vector<double> time;          // [s]
-  std::vector<double> f;             // contact force · outward normal [N], 0 out of contact
-  Points contact_point;              // [m]; NaN out of contact
-  std::vector<double> tilt;          // angle between −z_E and the canvas's normal [rad]; NaN but on pen-down ink
-  std::vector<double> normal_error;  // angle between the controller's normal and the canvas's [rad]; NaN too without an estimate
-  std::vector<double> push;          // [N]
-  std::vector<double> step_time;     // [s]
-  std::vector<float> torque_share;   // largest |torque| of a joint against its limit
+  std::vector<double> time;  // [s]
+  std::vector<double> f;     // contact force · outward normal [N], 0 out of contact
+  Points contact_point;      // [m]; NaN out of contact
+  std::vector<double>
+      tilt;  // angle between −z_E and the canvas's normal [rad]; NaN but on pen-down ink
+  std::vector<double>
+      // angle between the controller's normal and the canvas's [rad]; NaN too without an estimate
+      normal_error;
+  std::vector<double> push;         // [N]
+  std::vector<double> step_time;    // [s]
+  std::vector<float> torque_share;  // largest |torque| of a joint against its limit
   std::vector<int> stroke;
   std::vector<std::int8_t> mode;
 
   // Over all rows.
-  std::optional<std::size_t> clipped;                               // rows in which a joint's torque was; none where the log has no terms
-  double joint_margin = std::numeric_limits<double>::infinity();    // smallest distance to a joint limit [rad]
+  std::optional<std::size_t>
+      clipped;  // rows in which a joint's torque was; none where the log has no terms
+  // smallest distance to a joint limit [rad]
+  double joint_margin = std::numeric_limits<double>::infinity();
 
   std::size_t rows() const { return time.size(); }
 };
@@ -58,9 +64,11 @@ struct RunData : RunConstants {
 // Takes the rows in, after those that are there; the limits must be set.
 void add_rows(const RunRows& rows, RunData* run);
 
-// Throws InputError as read_rows does. A log that was cut off by a kill is read as far as every dataset goes.
+// Throws InputError as read_rows does. A log that was cut off by a kill is read as far as every
+// dataset goes.
 RunData read_run(const std::filesystem::path& path);
 
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);  // [rad], exact near 0 and π
+double angle_between(const Eigen::Vector3d& a,
+                     const Eigen::Vector3d& b);  // [rad], exact near 0 and π
 
 }  // namespace impedraw

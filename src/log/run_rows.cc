@@ -4,14 +4,21 @@
 
 namespace impedraw {
 
-bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns, RunRows* rows) {
+bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns,
+               RunRows* rows) {
   bool whole = true;
   const auto take = [&](const std::string& name, int width, bool integer, void* out) {
     whole = whole && log.read(name, width, integer, begin, n, out);
   };
-  const auto numbers = [&](const char* name, std::vector<double>& out) { take(name, 1, false, (out.resize(n), out.data())); };
-  const auto integers = [&](const char* name, std::vector<int>& out) { take(name, 1, true, (out.resize(n), out.data())); };
-  const auto points = [&](const char* name, RunRows::Points& out) { take(name, 3, false, (out.resize(n), out.data())); };
+  const auto numbers = [&](const char* name, std::vector<double>& out) {
+    take(name, 1, false, (out.resize(n), out.data()));
+  };
+  const auto integers = [&](const char* name, std::vector<int>& out) {
+    take(name, 1, true, (out.resize(n), out.data()));
+  };
+  const auto points = [&](const char* name, RunRows::Points& out) {
+    take(name, 3, false, (out.resize(n), out.data()));
+  };
   const int j = log.joints();
   const auto joints = [&](const std::string& name, RunRows::Joints& out) {
     take(name, j, false, (out.resize(static_cast<Eigen::Index>(n), j), out.data()));
@@ -60,7 +67,8 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
 RunRows read_rows(const std::filesystem::path& path) {
   const LogReader log(path);
   RunRows rows;
-  if (!read_rows(log, 0, log.rows(), Columns::all, &rows)) log.fail("cannot be read: broken before its last rows");
+  if (!read_rows(log, 0, log.rows(), Columns::all, &rows))
+    log.fail("cannot be read: broken before its last rows");
   return rows;
 }
 

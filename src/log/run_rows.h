@@ -1,4 +1,5 @@
-// Rows of run.h5 column by column, as they stand there. 0.6 kB a row: a whole long run is read as RunData, which is a sixth of that.
+// Rows of run.h5 column by column, as they stand there. 0.6 kB a row: a whole long run is read as
+// RunData, which is a sixth of that.
 #pragma once
 
 #include <filesystem>
@@ -32,13 +33,19 @@ struct RunRows {
   std::size_t rows() const { return time.size(); }
 };
 
-enum class Columns { all, of_results };  // of_results: those that RunData is made from; the others keep what they held
+enum class Columns {
+  all,
+  of_results
+};  // of_results: those that RunData is made from; the others keep what they held
 
-// Rows [begin, begin + n) of the log; false where they are there but cannot be read. Throws InputError as read_rows.
-bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns, RunRows* rows);
+// Rows [begin, begin + n) of the log; false where they are there but cannot be read. Throws
+// InputError as read_rows.
+bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns,
+               RunRows* rows);
 
-// All rows of a log, which must fit into memory. Throws InputError naming the file and the dataset when it is no log, lacks a dataset, or
-// has one of the wrong shape. A log that was cut off by a kill is read as far as every dataset goes.
+// All rows of a log, which must fit into memory. Throws InputError naming the file and the dataset
+// when it is no log, lacks a dataset, or has one of the wrong shape. A log that was cut off by a
+// kill is read as far as every dataset goes.
 RunRows read_rows(const std::filesystem::path& path);
 
 }  // namespace impedraw

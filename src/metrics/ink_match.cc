@@ -6,7 +6,8 @@
 namespace impedraw {
 namespace {
 
-constexpr double kSampleSpacing = 0.25e-3;  // of the search trees [m]; sets their speed, not their answers
+// of the search trees [m]; sets their speed, not their answers
+constexpr double kSampleSpacing = 0.25e-3;
 
 }  // namespace
 
@@ -20,8 +21,11 @@ Drawn match_ink(const RunData& run) {
   for (const StrokeSpan& span : d.spans) strokes.insert(span.stroke);
   d.strokes.assign(strokes.begin(), strokes.end());
   d.targets.resize(d.strokes.size());
-  const auto place = [&d](int stroke) { return std::lower_bound(d.strokes.begin(), d.strokes.end(), stroke) - d.strokes.begin(); };
-  for (std::size_t i = 0; i < run.target_points.size(); ++i) d.targets[place(run.target_stroke[i])].push_back(run.target_points[i]);
+  const auto place = [&d](int stroke) {
+    return std::lower_bound(d.strokes.begin(), d.strokes.end(), stroke) - d.strokes.begin();
+  };
+  for (std::size_t i = 0; i < run.target_points.size(); ++i)
+    d.targets[place(run.target_stroke[i])].push_back(run.target_points[i]);
 
   d.error.assign(n, LogRow::kNone);
   std::vector<std::vector<const InkLine*>> lines_of(d.strokes.size());
@@ -33,7 +37,8 @@ Drawn match_ink(const RunData& run) {
     const Segments target(std::span(&d.targets[s], 1), kSampleSpacing);
     if (target.empty()) continue;
     for (const InkLine* line : lines_of[s]) {
-      for (std::size_t i = line->begin; i < line->end; ++i) d.error[i] = target.distance(run.contact_point[i]);
+      for (std::size_t i = line->begin; i < line->end; ++i)
+        d.error[i] = target.distance(run.contact_point[i]);
     }
   }
   return d;

@@ -15,17 +15,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kReach = 0.5e-3;          // of ink, for coverage [m]
-constexpr double kShortestGap = 1e-3;      // [m]
-constexpr double kOutside = 1e-3;          // [m]
-constexpr double kSettling = 0.2 + 1e-9;   // after the first touch [s]; half a step's rounding must not decide
-constexpr double kSampleSpacing = 0.25e-3; // of the search trees [m]
+constexpr double kReach = 0.5e-3;      // of ink, for coverage [m]
+constexpr double kShortestGap = 1e-3;  // [m]
+constexpr double kOutside = 1e-3;      // [m]
+// after the first touch [s]; half a step's rounding must not decide
+constexpr double kSettling = 0.2 + 1e-9;
+constexpr double kSampleSpacing = 0.25e-3;  // of the search trees [m]
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // Collects values and the reasons for those that are missing.
 class Sheet {
  public:
-  void set(const char* name, double value) { values_[name] = std::isfinite(value) ? Json(value) : Json(nullptr); }
+  void set(const char* name, double value) {
+    values_[name] = std::isfinite(value) ? Json(value) : Json(nullptr);
+  }
   void set(const char* name, std::size_t count) { values_[name] = count; }
   void lack(std::initializer_list<const char*> names, const std::string& reason) {
     for (const char* name : names) {
@@ -60,7 +63,9 @@ std::vector<double> finite(const std::vector<double>& x, double scale) {
   return out;
 }
 
-double length_of(const RunData& run, std::size_t i) { return (run.contact_point[i + 1] - run.contact_point[i]).norm(); }
+double length_of(const RunData& run, std::size_t i) {
+  return (run.contact_point[i + 1] - run.contact_point[i]).norm();
+}
 
 void contact(const RunData& run, const Drawn& d, Sheet& sheet) {
   std::size_t down = 0, ink = 0;
@@ -78,16 +83,19 @@ void contact(const RunData& run, const Drawn& d, Sheet& sheet) {
     return;
   }
   const auto missed = std::count_if(d.strokes.begin(), d.strokes.end(), [&](int stroke) {
-    return std::none_of(d.lines.begin(), d.lines.end(), [&](const InkLine& line) { return line.stroke == stroke; });
+    return std::none_of(d.lines.begin(), d.lines.end(),
+                        [&](const InkLine& line) { return line.stroke == stroke; });
   });
   sheet.set("strokes_missed", static_cast<std::size_t>(missed));
 }
 
 void accuracy(const RunData& run, const Drawn& d, Sheet& sheet) {
   const std::vector<double> error = finite(d.error, 1e3);
-  const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(), [](const InkLine& line) { return line.stroke >= 0; });
+  const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(),
+                                   [](const InkLine& line) { return line.stroke >= 0; });
   if (error.empty()) {
-    sheet.lack({"ink_error_rms", "ink_error_p95", "ink_error_max"}, any_ink ? "no target for the strokes with ink" : "no pen-down ink");
+    sheet.lack({"ink_error_rms", "ink_error_p95", "ink_error_max"},
+               any_ink ? "no target for the strokes with ink" : "no pen-down ink");
   } else {
     sheet.set("ink_error_rms", root_mean_square(error));
     sheet.set("ink_error_p95", percentile(error, 0.95));
@@ -97,11 +105,13 @@ void accuracy(const RunData& run, const Drawn& d, Sheet& sheet) {
   for (const InkLine& line : d.lines) {
     if (line.stroke < 0) continue;
     for (std::size_t i = line.begin; i + 1 < line.end; ++i) {
-      const double near = std::min(d.error[i], d.error[i + 1]), far = std::max(d.error[i], d.error[i + 1]);
+      const double near = std::min(d.error[i], d.error[i + 1]),
+                   far = std::max(d.error[i], d.error[i + 1]);
       if (!std::isfinite(near + far)) continue;
       const double piece = length_of(run, i);
       length += piece;
-      if (far > kOutside) outside += near >= kOutside ? piece : piece * (far - kOutside) / (far - near);
+      if (far > kOutside)
+        outside += near >= kOutside ? piece : piece * (far - kOutside) / (far - near);
     }
   }
   if (length == 0.0) {
@@ -117,7 +127,9 @@ void coverage(const RunData& run, const Drawn& d, Sheet& sheet) {
   for (std::size_t s = 0; s < d.strokes.size(); ++s) {
     std::vector<RunData::Points> ink;
     for (const InkLine& line : d.lines) {
-      if (line.stroke == d.strokes[s]) ink.emplace_back(run.contact_point.begin() + line.begin, run.contact_point.begin() + line.end);
+      if (line.stroke == d.strokes[s])
+        ink.emplace_back(run.contact_point.begin() + line.begin,
+                         run.contact_point.begin() + line.end);
     }
     const Coverage c = cover(d.targets[s], Segments(ink, kSampleSpacing), kReach);
     length += c.length;
@@ -155,7 +167,8 @@ void force(const RunData& run, const Drawn& d, Sheet& sheet) {
   for (const StrokeSpan& span : d.spans) {  // each pass over a stroke touches down for itself
     if (!span.first_touch) continue;
     const double touched = run.time[*span.first_touch];
-    for (std::size_t i = *span.first_touch; i < run.rows() && run.time[i] - touched <= kSettling; ++i) {
+    for (std::size_t i = *span.first_touch; i < run.rows() && run.time[i] - touched <= kSettling;
+         ++i) {
       touchdown = std::max(touchdown, run.f[i]);
     }
     for (std::size_t i = span.begin; i < span.end; ++i) {
@@ -170,7 +183,8 @@ void force(const RunData& run, const Drawn& d, Sheet& sheet) {
     sheet.set("touchdown_peak", touchdown);
   }
   if (settled.empty()) {
-    sheet.lack({"force_mean", "force_sd", "force_rms_error", "force_peak"}, "no pen-down ink later than 0.2 s after a first touch");
+    sheet.lack({"force_mean", "force_sd", "force_rms_error", "force_peak"},
+               "no pen-down ink later than 0.2 s after a first touch");
     return;
   }
   sheet.set("force_mean", mean(settled));
@@ -194,7 +208,8 @@ void angles(const RunData& run, Sheet& sheet) {
   }
   const std::vector<double> normal = finite(run.normal_error, kDegrees);
   if (normal.empty()) {
-    const char* reason = tilt.empty() ? "no pen-down ink" : "the controller had no estimate of the surface";
+    const char* reason =
+        tilt.empty() ? "no pen-down ink" : "the controller had no estimate of the surface";
     sheet.lack({"normal_error_mean", "normal_error_p95"}, reason);
   } else {
     sheet.set("normal_error_mean", mean(normal));
@@ -203,12 +218,15 @@ void angles(const RunData& run, Sheet& sheet) {
 }
 
 void cloud(const RunData& run, Sheet& sheet) {
-  if (run.cloud_points.empty()) return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "no cloud: the run had no perception");
-  if (run.canvas_triangles.empty()) return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "the log holds no canvas");
+  if (run.cloud_points.empty())
+    return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "no cloud: the run had no perception");
+  if (run.canvas_triangles.empty())
+    return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "the log holds no canvas");
   try {
     const Canvas canvas(TriangleMesh{run.canvas_vertices, run.canvas_triangles});
     std::vector<double> distance;
-    for (const Eigen::Vector3d& p : run.cloud_points) distance.push_back(1e3 * canvas.closest(p).distance);
+    for (const Eigen::Vector3d& p : run.cloud_points)
+      distance.push_back(1e3 * canvas.closest(p).distance);
     sheet.set("cloud_bias_mean", mean(distance));
     sheet.set("cloud_bias_sd", standard_deviation(distance));
   } catch (const InputError& e) {
@@ -239,7 +257,8 @@ void motion(const RunData& run, const Drawn& d, Sheet& sheet) {
   const double last_step = run.time[n - 1] - run.time[n - 2];
   double drawing = 0.0;
   for (const StrokeSpan& span : d.spans) {
-    drawing += (span.end < n ? run.time[span.end] : run.time[n - 1] + last_step) - run.time[span.begin];
+    drawing +=
+        (span.end < n ? run.time[span.end] : run.time[n - 1] + last_step) - run.time[span.begin];
   }
   sheet.set("draw_time", drawing);
   const double wall = run.wall.loop + (std::isfinite(run.wall.writing) ? run.wall.writing : 0.0);
@@ -253,7 +272,8 @@ void motion(const RunData& run, const Drawn& d, Sheet& sheet) {
 void arm(const RunData& run, Sheet& sheet) {
   if (run.rows() == 0) return sheet.lack({"torque_saturated", "joint_margin_min"}, "no rows");
   if (run.clipped) {
-    sheet.set("torque_saturated", static_cast<double>(*run.clipped) / static_cast<double>(run.rows()));
+    sheet.set("torque_saturated",
+              static_cast<double>(*run.clipped) / static_cast<double>(run.rows()));
   } else {
     sheet.lack({"torque_saturated"}, "the log holds no torque terms");
   }
@@ -266,7 +286,8 @@ void arm(const RunData& run, Sheet& sheet) {
 
 void step_time(const RunData& run, Sheet& sheet) {
   const std::vector<double> micros = finite(run.step_time, 1e6);
-  if (micros.empty()) return sheet.lack({"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
+  if (micros.empty())
+    return sheet.lack({"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
   sheet.set("step_time_p50", percentile(micros, 0.5));
   sheet.set("step_time_p99", percentile(micros, 0.99));
   sheet.set("step_time_p999", percentile(micros, 0.999));

@@ -8,10 +8,13 @@
 
 namespace impedraw {
 
-inline double mean(const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size()); }
+inline double mean(const std::vector<double>& x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+}
 
 inline double root_mean_square(const std::vector<double>& x) {
-  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / static_cast<double>(x.size()));
+  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) /
+                   static_cast<double>(x.size()));
 }
 
 // Of the population: divided by n.
@@ -22,7 +25,9 @@ inline double standard_deviation(const std::vector<double>& x) {
   return std::sqrt(sum / static_cast<double>(x.size()));
 }
 
-inline double maximum(const std::vector<double>& x) { return *std::max_element(x.begin(), x.end()); }
+inline double maximum(const std::vector<double>& x) {
+  return *std::max_element(x.begin(), x.end());
+}
 
 // p in 0 … 1, linear between the order statistics: position p (n − 1) (numpy's default).
 inline double percentile(std::vector<double> x, double p) {

@@ -15,27 +15,33 @@ using Eigen::Vector3d;
 
 constexpr double kMostCubes = 2097152.0;  // along one axis: 21 bits
 
-void validate(const std::vector<DepthImage>& images, const std::vector<DepthCamera>& cameras, const CloudSettings& settings,
-              const std::vector<Capsule>& arm) {
+void validate(const std::vector<DepthImage>& images, const std::vector<DepthCamera>& cameras,
+              const CloudSettings& settings, const std::vector<Capsule>& arm) {
   if (images.size() != cameras.size()) {
-    throw InputError(fmt::format("cloud: {} depth images for {} cameras", images.size(), cameras.size()));
+    throw InputError(
+        fmt::format("cloud: {} depth images for {} cameras", images.size(), cameras.size()));
   }
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     validate(cameras[c]);
     const DepthImage& image = images[c];
-    const bool full = image.depth.size() == static_cast<std::size_t>(cameras[c].width) * cameras[c].height;
+    const bool full =
+        image.depth.size() == static_cast<std::size_t>(cameras[c].width) * cameras[c].height;
     if (image.width != cameras[c].width || image.height != cameras[c].height || !full) {
-      throw InputError(fmt::format("cloud: image {} has {} × {} px ({} depths), its camera {} × {}", c, image.width, image.height,
-                                   image.depth.size(), cameras[c].width, cameras[c].height));
+      throw InputError(fmt::format("cloud: image {} has {} × {} px ({} depths), its camera {} × {}",
+                                   c, image.width, image.height, image.depth.size(),
+                                   cameras[c].width, cameras[c].height));
     }
   }
-  if (settings.region.isEmpty()) throw InputError("cloud: region is empty, its min must be below its max along x, y and z");
+  if (settings.region.isEmpty())
+    throw InputError("cloud: region is empty, its min must be below its max along x, y and z");
   if (!(settings.self_padding >= 0.0)) {
-    throw InputError(fmt::format("cloud: self_padding = {} m, must be at least 0", settings.self_padding));
+    throw InputError(
+        fmt::format("cloud: self_padding = {} m, must be at least 0", settings.self_padding));
   }
   for (std::size_t i = 0; i < arm.size(); ++i) {
     if (!arm[i].a_W.allFinite() || !arm[i].b_W.allFinite() || !(arm[i].radius >= 0.0)) {
-      throw InputError(fmt::format("cloud: capsule {} of the arm must have finite ends and a radius of at least 0", i));
+      throw InputError(fmt::format(
+          "cloud: capsule {} of the arm must have finite ends and a radius of at least 0", i));
     }
   }
 }
@@ -50,7 +56,8 @@ bool inside(const Capsule& capsule, double padding, const Vector3d& p) {
 
 }  // namespace
 
-PointCloud back_project(const std::vector<DepthImage>& images, const std::vector<DepthCamera>& cameras, const CloudSettings& settings,
+PointCloud back_project(const std::vector<DepthImage>& images,
+                        const std::vector<DepthCamera>& cameras, const CloudSettings& settings,
                         const std::vector<Capsule>& arm) {
   validate(images, cameras, settings, arm);
   PointCloud cloud;
@@ -63,7 +70,9 @@ PointCloud back_project(const std::vector<DepthImage>& images, const std::vector
         if (!(depth > 0.0) || !std::isfinite(depth)) continue;
         const Vector3d p = camera.X_WC * (depth * camera.direction_C(i, j));
         if (!settings.region.contains(p)) continue;
-        const auto hides = [&](const Capsule& capsule) { return inside(capsule, settings.self_padding, p); };
+        const auto hides = [&](const Capsule& capsule) {
+          return inside(capsule, settings.self_padding, p);
+        };
         if (std::any_of(arm.begin(), arm.end(), hides)) continue;
         cloud.points.push_back(p);
         cloud.camera.push_back(static_cast<int>(c));
@@ -74,7 +83,8 @@ PointCloud back_project(const std::vector<DepthImage>& images, const std::vector
 }
 
 PointCloud thin(const PointCloud& cloud, double voxel) {
-  if (!(voxel >= 0.0) || !std::isfinite(voxel)) throw InputError(fmt::format("cloud: voxel = {} m, must be finite and at least 0", voxel));
+  if (!(voxel >= 0.0) || !std::isfinite(voxel))
+    throw InputError(fmt::format("cloud: voxel = {} m, must be finite and at least 0", voxel));
   if (voxel == 0.0 || cloud.points.empty()) return cloud;
   const auto cube = [&](const Vector3d& p) { return Vector3d((p / voxel).array().floor()); };
   Vector3d lowest = cube(cloud.points.front()), highest = lowest;
@@ -83,8 +93,10 @@ PointCloud thin(const PointCloud& cloud, double voxel) {
     highest = highest.cwiseMax(cube(p));
   }
   if (!((highest - lowest).maxCoeff() < kMostCubes)) {
-    throw InputError(fmt::format("cloud: voxel = {} m is too small for points {} m apart: take a larger one, or a smaller region", voxel,
-                                 ((highest - lowest) * voxel).maxCoeff()));
+    throw InputError(
+        fmt::format("cloud: voxel = {} m is too small for points {} m apart: take a larger one, or "
+                    "a smaller region",
+                    voxel, ((highest - lowest) * voxel).maxCoeff()));
   }
   struct Entry {
     std::uint64_t cube;
@@ -92,11 +104,13 @@ PointCloud thin(const PointCloud& cloud, double voxel) {
   };
   std::vector<Entry> entries(cloud.points.size());
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const Eigen::Matrix<std::uint64_t, 3, 1> k = (cube(cloud.points[i]) - lowest).cast<std::uint64_t>();
+    const Eigen::Matrix<std::uint64_t, 3, 1> k =
+        (cube(cloud.points[i]) - lowest).cast<std::uint64_t>();
     entries[i] = {(k.x() << 42) | (k.y() << 21) | k.z(), i};
   }
-  std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return a.cube != b.cube ? a.cube < b.cube : a.point < b.point; });
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.cube != b.cube ? a.cube < b.cube : a.point < b.point;
+  });
 
   PointCloud thinned;
   thinned.eyes = cloud.eyes;
@@ -114,13 +128,14 @@ PointCloud thin(const PointCloud& cloud, double voxel) {
     }
     thinned.points.push_back(sum / weight);
     thinned.weight.push_back(weight);
-    thinned.camera.push_back(static_cast<int>(std::max_element(seen.begin(), seen.end()) - seen.begin()));
+    thinned.camera.push_back(
+        static_cast<int>(std::max_element(seen.begin(), seen.end()) - seen.begin()));
   }
   return thinned;
 }
 
-PointCloud fuse(const std::vector<DepthImage>& images, const std::vector<DepthCamera>& cameras, const CloudSettings& settings,
-                const std::vector<Capsule>& arm) {
+PointCloud fuse(const std::vector<DepthImage>& images, const std::vector<DepthCamera>& cameras,
+                const CloudSettings& settings, const std::vector<Capsule>& arm) {
   return thin(back_project(images, cameras, settings, arm), settings.voxel);
 }
 

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <thread>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
 
@@ -24,7 +24,9 @@ std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-double uniform(std::uint64_t bits) { return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53; }  // in (0, 1)
+double uniform(std::uint64_t bits) {
+  return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
+}  // in (0, 1)
 
 // Standard normal number that belongs to (seed, pixel), by Box and Muller.
 double normal(std::uint64_t seed, std::uint64_t pixel) {
@@ -35,14 +37,16 @@ double normal(std::uint64_t seed, std::uint64_t pixel) {
 
 double disturbed(double depth, const DepthNoise& noise, std::uint64_t seed, std::uint64_t pixel) {
   if (noise.sigma_at_1m > 0.0) depth += noise.sigma_at_1m * depth * depth * normal(seed, pixel);
-  if (noise.quantum_at_1m > 0.0) depth = 1.0 / (std::round(1.0 / depth / noise.quantum_at_1m) * noise.quantum_at_1m);
+  if (noise.quantum_at_1m > 0.0)
+    depth = 1.0 / (std::round(1.0 / depth / noise.quantum_at_1m) * noise.quantum_at_1m);
   return depth > 0.0 && std::isfinite(depth) ? depth : std::numeric_limits<double>::quiet_NaN();
 }
 
 void validate(const DepthNoise& noise) {
   const auto check = [](const char* name, double value) {
     if (!(value >= 0.0) || !std::isfinite(value)) {
-      throw InputError(fmt::format("depth noise: {} = {} m, must be finite and at least 0", name, value));
+      throw InputError(
+          fmt::format("depth noise: {} = {} m, must be finite and at least 0", name, value));
     }
   };
   check("sigma_at_1m", noise.sigma_at_1m);
@@ -51,7 +55,9 @@ void validate(const DepthNoise& noise) {
 
 }  // namespace
 
-double DepthCamera::focal_length() const { return 0.5 * height / std::tan(fov_y_deg * std::numbers::pi / 360.0); }
+double DepthCamera::focal_length() const {
+  return 0.5 * height / std::tan(fov_y_deg * std::numbers::pi / 360.0);
+}
 
 Vector3d DepthCamera::direction_C(int i, int j) const {
   const double f = focal_length();
@@ -60,18 +66,23 @@ Vector3d DepthCamera::direction_C(int i, int j) const {
 
 void validate(const DepthCamera& camera) {
   if (camera.width < 1 || camera.height < 1) {
-    throw InputError(fmt::format("depth camera: size = {} × {} px, must be at least 1 × 1", camera.width, camera.height));
+    throw InputError(fmt::format("depth camera: size = {} × {} px, must be at least 1 × 1",
+                                 camera.width, camera.height));
   }
   if (!(camera.fov_y_deg > 0.0 && camera.fov_y_deg < 180.0)) {
-    throw InputError(fmt::format("depth camera: fov_y_deg = {}, must be between 0 and 180 degrees", camera.fov_y_deg));
+    throw InputError(fmt::format("depth camera: fov_y_deg = {}, must be between 0 and 180 degrees",
+                                 camera.fov_y_deg));
   }
-  if (!camera.X_WC.p.allFinite() || !camera.X_WC.R.allFinite()) throw InputError("depth camera: its pose X_WC must be finite");
+  if (!camera.X_WC.p.allFinite() || !camera.X_WC.R.allFinite())
+    throw InputError("depth camera: its pose X_WC must be finite");
 }
 
 Pose look_at(const Vector3d& eye_W, const Vector3d& target_W) {
   const Vector3d sight = target_W - eye_W;
   if (!sight.allFinite() || sight.norm() < 1e-9) {
-    throw InputError(fmt::format("depth camera: eye ({}, {}, {}) and target must be finite and apart", eye_W.x(), eye_W.y(), eye_W.z()));
+    throw InputError(
+        fmt::format("depth camera: eye ({}, {}, {}) and target must be finite and apart", eye_W.x(),
+                    eye_W.y(), eye_W.z()));
   }
   const Vector3d z = sight.normalized();
   const Vector3d up = std::abs(z.z()) < 1.0 - 1e-9 ? Vector3d::UnitZ() : Vector3d::UnitX();
@@ -86,18 +97,21 @@ std::vector<DepthCamera> standard_cameras() {
   std::vector<DepthCamera> cameras(3);
   for (int c = 0; c < 3; ++c) {
     const double azimuth = c * 2.0 * std::numbers::pi / 3.0;
-    cameras[c].X_WC = look_at({0.60 + 0.5 * std::cos(azimuth), 0.5 * std::sin(azimuth), 0.90}, {0.60, 0.0, 0.10});
+    cameras[c].X_WC =
+        look_at({0.60 + 0.5 * std::cos(azimuth), 0.5 * std::sin(azimuth), 0.90}, {0.60, 0.0, 0.10});
   }
   return cameras;
 }
 
 DepthNoise realistic_depth_noise() { return {.sigma_at_1m = 0.001}; }
 
-DepthImage render_depth(const DepthCamera& camera, const CastRay& cast_ray, const DepthNoise& noise, std::uint64_t seed, int threads) {
+DepthImage render_depth(const DepthCamera& camera, const CastRay& cast_ray, const DepthNoise& noise,
+                        std::uint64_t seed, int threads) {
   validate(camera);
   validate(noise);
   DepthImage image{camera.width, camera.height, {}};
-  image.depth.assign(static_cast<std::size_t>(image.width) * image.height, std::numeric_limits<double>::quiet_NaN());
+  image.depth.assign(static_cast<std::size_t>(image.width) * image.height,
+                     std::numeric_limits<double>::quiet_NaN());
   std::atomic<int> next_row{0};
   const auto render_rows = [&] {
     for (int j = next_row++; j < image.height; j = next_row++) {

@@ -15,18 +15,20 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Variances along the eigenvectors of points that a plane can be laid through: not a line (middle against largest), not a ball (smallest
-// against middle).
+// Variances along the eigenvectors of points that a plane can be laid through: not a line (middle
+// against largest), not a ball (smallest against middle).
 constexpr double kLeastWidth = 0.01;
 constexpr double kMostThickness = 0.3;
 
-// Coefficients a … f of z = a + b x + c y + d x² + e x y + f y², lengths in units of `scale` so that all are of one size.
+// Coefficients a … f of z = a + b x + c y + d x² + e x y + f y², lengths in units of `scale` so
+// that all are of one size.
 using Quadric = Eigen::Matrix<double, 6, 1>;
 
 // The normal equations need Σ w x^i y^j for i + j ≤ 4 and Σ w z x^i y^j for i + j ≤ 2.
 bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Quadric& q) {
   const Matrix3d A = axes.transpose() / scale;
-  double s10 = 0, s01 = 0, s20 = 0, s11 = 0, s02 = 0, s30 = 0, s21 = 0, s12 = 0, s03 = 0, s40 = 0, s31 = 0, s22 = 0, s13 = 0, s04 = 0;
+  double s10 = 0, s01 = 0, s20 = 0, s11 = 0, s02 = 0, s30 = 0, s21 = 0, s12 = 0, s03 = 0, s40 = 0,
+         s31 = 0, s22 = 0, s13 = 0, s04 = 0;
   double s00 = 0, t00 = 0, t10 = 0, t01 = 0, t20 = 0, t11 = 0, t02 = 0;
   for (int i = 0; i < p.n; ++i) {
     const double x = A(0, 0) * p.x[i] + A(0, 1) * p.y[i] + A(0, 2) * p.z[i];
@@ -58,14 +60,15 @@ bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Qua
   return true;
 }
 
-// Foot of the perpendicular from the origin (the query) to the quadric: one Newton step from above the query, which is all that the
-// small slope against the fitted plane needs.
+// Foot of the perpendicular from the origin (the query) to the quadric: one Newton step from above
+// the query, which is all that the small slope against the fitted plane needs.
 Vector2d foot(const Quadric& q) {
   Matrix2d H;
   H << 1.0 + 2.0 * q[0] * q[3], q[0] * q[4], q[0] * q[4], 1.0 + 2.0 * q[0] * q[5];
   const Vector2d slope(q[1], q[2]);
   H += slope * slope.transpose();
-  if (!(H.determinant() > 0.1 && H.trace() > 0.0)) return Vector2d::Zero();  // near or beyond the centre of curvature
+  if (!(H.determinant() > 0.1 && H.trace() > 0.0))
+    return Vector2d::Zero();  // near or beyond the centre of curvature
   return -q[0] * (H.inverse() * slope);
 }
 
@@ -77,7 +80,8 @@ LocalSurface fit_surface(const Neighbourhood& p, SurfaceFit fit, const Vector3d&
   for (int i = 0; i < p.n; ++i) {
     const double wx = p.w[i] * p.x[i], wy = p.w[i] * p.y[i], wz = p.w[i] * p.z[i];
     s += p.w[i], sx += wx, sy += wy, sz += wz;
-    xx += wx * p.x[i], xy += wx * p.y[i], xz += wx * p.z[i], yy += wy * p.y[i], yz += wy * p.z[i], zz += wz * p.z[i];
+    xx += wx * p.x[i], xy += wx * p.y[i], xz += wx * p.z[i], yy += wy * p.y[i], yz += wy * p.z[i],
+        zz += wz * p.z[i];
   }
   if (!(s > 0.0)) return surface;
   const Vector3d mean = Vector3d(sx, sy, sz) / s;
@@ -90,7 +94,8 @@ LocalSurface fit_surface(const Neighbourhood& p, SurfaceFit fit, const Vector3d&
     return solver;
   }();
   const Vector3d& variance = eigen.eigenvalues();
-  if (!(variance[1] > kLeastWidth * variance[2] && variance[0] < kMostThickness * variance[1])) return surface;
+  if (!(variance[1] > kLeastWidth * variance[2] && variance[0] < kMostThickness * variance[1]))
+    return surface;
 
   Matrix3d axes;  // columns x, y, z of the plane's frame, in W
   axes.col(2) = eigen.eigenvectors().col(0);
@@ -98,7 +103,8 @@ LocalSurface fit_surface(const Neighbourhood& p, SurfaceFit fit, const Vector3d&
   axes.col(0) = eigen.eigenvectors().col(2);
   axes.col(1) = axes.col(2).cross(axes.col(0));
   const Vector3d mean_in = axes.transpose() * mean;
-  const double reach = std::sqrt(axes.col(0).dot(second * axes.col(0)) + axes.col(1).dot(second * axes.col(1)));
+  const double reach =
+      std::sqrt(axes.col(0).dot(second * axes.col(0)) + axes.col(1).dot(second * axes.col(1)));
   surface.is_surface = reach > 0.0;
   surface.one_sidedness = mean_in.head<2>().norm() / reach;
   surface.n = axes.col(2);
@@ -110,7 +116,9 @@ LocalSurface fit_surface(const Neighbourhood& p, SurfaceFit fit, const Vector3d&
   const Vector2d at = foot(q);
   const double x = at.x(), y = at.y();
   const Vector3d on(x, y, q[0] + q[1] * x + q[2] * y + q[3] * x * x + q[4] * x * y + q[5] * y * y);
-  const Vector3d n = Vector3d(-q[1] - 2.0 * q[3] * x - q[4] * y, -q[2] - q[4] * x - 2.0 * q[5] * y, 1.0).normalized();
+  const Vector3d n =
+      Vector3d(-q[1] - 2.0 * q[3] * x - q[4] * y, -q[2] - q[4] * x - 2.0 * q[5] * y, 1.0)
+          .normalized();
   Matrix2d second_derivative;
   second_derivative << 2.0 * q[3], q[4], q[4], 2.0 * q[5];
   surface.n = axes * n;

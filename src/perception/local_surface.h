@@ -1,4 +1,5 @@
-// The surface that a few points lie on, as seen from one point beside them: equation (19), and what sharpens it.
+// The surface that a few points lie on, as seen from one point beside them: equation (19), and what
+// sharpens it.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +9,10 @@
 namespace impedraw {
 
 enum class SurfaceFit {
-  plane,    // the paper's: through the mean, across the smallest eigenvector
-  quadric,  // then z = a + b x + c y + d x² + e x y + f y² over that plane by least squares: takes out the plane's curvature bias, r²/4R
+  plane,  // the paper's: through the mean, across the smallest eigenvector
+  // then z = a + b x + c y + d x² + e x y + f y² over that plane by least squares: takes out the
+  // plane's curvature bias, r²/4R
+  quadric,
 };
 
 // n points relative to the query point, by coordinate, each with its weight ≥ 0 [m, m, m, 1].
@@ -18,18 +21,27 @@ struct Neighbourhood {
   double x[kMostNeighbours], y[kMostNeighbours], z[kMostNeighbours], w[kMostNeighbours];
 };
 
-// Weighted covariance C = Σ w (p − μ)(p − μ)ᵀ / Σ w with the weighted mean μ; normal = eigenvector of the smallest eigenvalue       (19)
+// Weighted covariance C = Σ w (p − μ)(p − μ)ᵀ / Σ w with the weighted mean μ; normal = eigenvector
+// of the smallest eigenvalue       (19)
 struct LocalSurface {
-  bool is_surface = false;  // false: the points lie along a line, or fill space: the rest is then meaningless
-  Eigen::Vector3d n;        // unit normal at the surface's point closest to the query, on the side of `towards`
-  Eigen::Matrix3d bend;     // dn/dp [1/m], symmetric, within the tangent plane: the normal at p + dp is n + bend dp. Zero for a plane
-  double distance = 0.0;    // of the query to the surface [m], > 0 on the side of the normal
-  // How one-sided the points lie about the query: |μ_t| / sqrt(Σ w |p_t|² / Σ w), _t within the plane. 0 in the middle of a patch,
-  // 0.58 to 0.60 on its straight edge, 0.8 at a square corner, → 1 far outside.
+  // false: the points lie along a line, or fill space: the rest is then meaningless
+  bool is_surface = false;
+  Eigen::Vector3d
+      n;  // unit normal at the surface's point closest to the query, on the side of `towards`
+  Eigen::Matrix3d
+      // dn/dp [1/m], symmetric, within the tangent plane: the normal at p + dp is n + bend dp. Zero
+      // for a plane
+      bend;
+  double distance = 0.0;  // of the query to the surface [m], > 0 on the side of the normal
+  // How one-sided the points lie about the query: |μ_t| / sqrt(Σ w |p_t|² / Σ w), _t within the
+  // plane. 0 in the middle of a patch, 0.58 to 0.60 on its straight edge, 0.8 at a square corner, →
+  // 1 far outside.
   double one_sidedness = 1.0;
 };
 
-// towards: direction in which to turn the normal, from the points to the camera that saw them. Allocates nothing.
-LocalSurface fit_surface(const Neighbourhood& points, SurfaceFit fit, const Eigen::Vector3d& towards) noexcept;
+// towards: direction in which to turn the normal, from the points to the camera that saw them.
+// Allocates nothing.
+LocalSurface fit_surface(const Neighbourhood& points, SurfaceFit fit,
+                         const Eigen::Vector3d& towards) noexcept;
 
 }  // namespace impedraw

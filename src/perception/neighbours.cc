@@ -10,9 +10,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLeaf = 12;                         // points in a leaf; on 50,000 points anything from 6 to 12 is as fast
+constexpr int kLeaf = 12;  // points in a leaf; on 50,000 points anything from 6 to 12 is as fast
 constexpr int kMostGathered = 3 * kMostNeighbours;  // room for what the guessed reach lets in
-constexpr double kGuessMargin = 1.2;              // on the squared reach: too little falls back, too much gathers in vain
+// on the squared reach: too little falls back, too much gathers in vain
+constexpr double kGuessMargin = 1.2;
 
 // Looks at the first leaf that the search comes to, the query's own, and ends there.
 struct FirstLeaf {
@@ -57,7 +58,8 @@ struct Points {
   }
 };
 
-using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, int>;
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
+                                                   Points, 3, int>;
 
 }  // namespace
 
@@ -72,32 +74,39 @@ std::vector<int> tree_order(const std::vector<Vector3d>& points) {
   return {tree.tree_->kd.vAcc.begin(), tree.tree_->kd.vAcc.end()};
 }
 
-NeighbourTree::NeighbourTree(const std::vector<Vector3d>& points) : tree_(std::make_unique<const Tree>(points)) {}
+NeighbourTree::NeighbourTree(const std::vector<Vector3d>& points)
+    : tree_(std::make_unique<const Tree>(points)) {}
 NeighbourTree::~NeighbourTree() = default;
 
-int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* index, double* squared) const noexcept {
+int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* index,
+                           double* squared) const noexcept {
   nanoflann::KNNResultSet<double, int, int> found(k);
   found.init(index, squared);
-  squared[k - 1] = max_radius * max_radius;  // the set's worst so far: nothing beyond it is looked at
+  // the set's worst so far: nothing beyond it is looked at
+  squared[k - 1] = max_radius * max_radius;
   tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
   return found.size();
 }
 
-int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius, const std::vector<double>& reach2, int* index,
-                                     double* squared, int* closest) const noexcept {
+int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius,
+                                     const std::vector<double>& reach2, int* index, double* squared,
+                                     int* closest) const noexcept {
   FirstLeaf leaf;
   tree_->kd.findNeighbors(leaf, p.data(), nanoflann::SearchParams());
   WithinReach found;
   // A query h above the surface has all its neighbours h² further off, the closest included.
-  found.limit2 = leaf.closest < 0 ? 0.0 : std::min(max_radius * max_radius, leaf.squared + kGuessMargin * reach2[leaf.closest]);
+  found.limit2 = leaf.closest < 0 ? 0.0
+                                  : std::min(max_radius * max_radius,
+                                             leaf.squared + kGuessMargin * reach2[leaf.closest]);
   if (leaf.closest >= 0) tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
   if (found.n < k || found.n == kMostGathered) {
     const int n = nearest(p, k, max_radius, index, squared);
     *closest = n > 0 ? index[0] : -1;
     return n;
   }
-  std::nth_element(found.items, found.items + k - 1, found.items + found.n,
-                   [](const WithinReach::Item& a, const WithinReach::Item& b) { return a.squared < b.squared; });
+  std::nth_element(
+      found.items, found.items + k - 1, found.items + found.n,
+      [](const WithinReach::Item& a, const WithinReach::Item& b) { return a.squared < b.squared; });
   int first = 0;
   for (int i = 0; i < k; ++i) {
     index[i] = found.items[i].index;

@@ -19,36 +19,47 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kFewestNeighbours = 8;      // a quadric has six coefficients
-constexpr int kInterpolated = 10;         // precomputed normals that one query reads
-constexpr double kInterpolatedEdge = 0.8; // one-sidedness of so few points scatters: 0.4 within the cloud, 0.6 ± 0.1 on its edge
+constexpr int kFewestNeighbours = 8;  // a quadric has six coefficients
+constexpr int kInterpolated = 10;     // precomputed normals that one query reads
+// one-sidedness of so few points scatters: 0.4 within the cloud, 0.6 ± 0.1 on its edge
+constexpr double kInterpolatedEdge = 0.8;
 
 void validate(const PointCloud& cloud, const NormalSettings& s) {
   if (s.k < kFewestNeighbours || s.k > kMostNeighbours) {
-    throw InputError(fmt::format("normals: k = {}, must be in {} … {}", s.k, kFewestNeighbours, kMostNeighbours));
+    throw InputError(fmt::format("normals: k = {}, must be in {} … {}", s.k, kFewestNeighbours,
+                                 kMostNeighbours));
   }
   if (!(s.max_radius > 0.0) || !std::isfinite(s.max_radius)) {
-    throw InputError(fmt::format("normals: max_radius = {} m, must be finite and above 0", s.max_radius));
+    throw InputError(
+        fmt::format("normals: max_radius = {} m, must be finite and above 0", s.max_radius));
   }
   if (!(s.max_one_sidedness > 0.0 && s.max_one_sidedness <= 1.0)) {
-    throw InputError(fmt::format("normals: max_one_sidedness = {}, must be above 0 and at most 1", s.max_one_sidedness));
+    throw InputError(fmt::format("normals: max_one_sidedness = {}, must be above 0 and at most 1",
+                                 s.max_one_sidedness));
   }
   if (cloud.points.empty()) {
-    throw InputError("normals: the cloud has no points: do the cameras see the canvas, and does the region hold it?");
+    throw InputError(
+        "normals: the cloud has no points: do the cameras see the canvas, and does the region hold "
+        "it?");
   }
   if (cloud.camera.size() != cloud.points.size()) {
-    throw InputError(fmt::format("normals: the cloud has {} points and {} camera indices", cloud.points.size(), cloud.camera.size()));
+    throw InputError(fmt::format("normals: the cloud has {} points and {} camera indices",
+                                 cloud.points.size(), cloud.camera.size()));
   }
   if (!cloud.weight.empty() && cloud.weight.size() != cloud.points.size()) {
-    throw InputError(fmt::format("normals: the cloud has {} points and {} weights", cloud.points.size(), cloud.weight.size()));
+    throw InputError(fmt::format("normals: the cloud has {} points and {} weights",
+                                 cloud.points.size(), cloud.weight.size()));
   }
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    if (!cloud.points[i].allFinite()) throw InputError(fmt::format("normals: point {} of the cloud is not finite", i));
+    if (!cloud.points[i].allFinite())
+      throw InputError(fmt::format("normals: point {} of the cloud is not finite", i));
     if (!cloud.weight.empty() && !(cloud.weight[i] > 0.0)) {
-      throw InputError(fmt::format("normals: point {} of the cloud has weight {}, must be above 0", i, cloud.weight[i]));
+      throw InputError(fmt::format("normals: point {} of the cloud has weight {}, must be above 0",
+                                   i, cloud.weight[i]));
     }
     if (cloud.camera[i] < 0 || cloud.camera[i] >= static_cast<int>(cloud.eyes.size())) {
-      throw InputError(fmt::format("normals: point {} of the cloud names camera {}, it has {}", i, cloud.camera[i], cloud.eyes.size()));
+      throw InputError(fmt::format("normals: point {} of the cloud names camera {}, it has {}", i,
+                                   cloud.camera[i], cloud.eyes.size()));
     }
   }
 }
@@ -67,7 +78,8 @@ struct SurfaceEstimator::Index {
   NormalSettings settings;
   PointCloud cloud;
   NeighbourTree tree;
-  std::vector<double> reach2;  // of each point: squared distance to its k-th neighbour, or to max_radius [m²]
+  std::vector<double>
+      reach2;  // of each point: squared distance to its k-th neighbour, or to max_radius [m²]
 
   struct Known {  // of the surface fitted at a point of the cloud
     SurfaceStatus status = SurfaceStatus::none;
@@ -105,7 +117,8 @@ struct SurfaceEstimator::Index {
         Neighbours found;
         found.n = tree.nearest(p, settings.k, settings.max_radius, found.index, found.squared);
         found.closest = i;
-        reach2[i] = found.n == settings.k ? found.squared[settings.k - 1] : settings.max_radius * settings.max_radius;
+        reach2[i] = found.n == settings.k ? found.squared[settings.k - 1]
+                                          : settings.max_radius * settings.max_radius;
         LocalSurface surface;
         known[i].status = fit(p, found, surface);
         if (known[i].status != SurfaceStatus::ok) continue;
@@ -120,7 +133,8 @@ struct SurfaceEstimator::Index {
 
   SurfaceEstimate fresh(const Vector3d& p) const {
     Neighbours found;
-    found.n = tree.nearest_unordered(p, settings.k, settings.max_radius, reach2, found.index, found.squared, &found.closest);
+    found.n = tree.nearest_unordered(p, settings.k, settings.max_radius, reach2, found.index,
+                                     found.squared, &found.closest);
     LocalSurface surface;
     const SurfaceStatus status = fit(p, found, surface);
     if (status != SurfaceStatus::ok) return {.status = status};
@@ -128,7 +142,8 @@ struct SurfaceEstimator::Index {
   }
 
   SurfaceStatus fit(const Vector3d& p, const Neighbours& found, LocalSurface& surface) const {
-    if (found.n < settings.k || !(found.squared[settings.k - 1] > 0.0)) return SurfaceStatus::too_few;
+    if (found.n < settings.k || !(found.squared[settings.k - 1] > 0.0))
+      return SurfaceStatus::too_few;
     Neighbourhood around;
     around.n = settings.k;
     const double furthest2 = found.squared[settings.k - 1];
@@ -138,22 +153,27 @@ struct SurfaceEstimator::Index {
       around.y[i] = q.y() - p.y();
       around.z[i] = q.z() - p.z();
       const double fade = 1.0 - found.squared[i] / furthest2;
-      around.w[i] = settings.weighting == NeighbourWeighting::smooth ? cloud.weight[found.index[i]] * fade * fade : 1.0;
+      around.w[i] = settings.weighting == NeighbourWeighting::smooth
+                        ? cloud.weight[found.index[i]] * fade * fade
+                        : 1.0;
     }
     const Vector3d& eye = cloud.eyes[cloud.camera[found.closest]];
     surface = fit_surface(around, settings.fit, eye - cloud.points[found.closest]);
     if (!surface.is_surface) return SurfaceStatus::too_few;
-    return surface.one_sidedness > settings.max_one_sidedness ? SurfaceStatus::off_edge : SurfaceStatus::ok;
+    return surface.one_sidedness > settings.max_one_sidedness ? SurfaceStatus::off_edge
+                                                              : SurfaceStatus::ok;
   }
 
-  // Each neighbour i knows a point f_i of the surface, the normal n_i there and how it turns: at p it expects n_i + bend_i (p − f_i).
-  // Those are averaged into n. Between f_i and the query's foot the surface bends from n_i to n: along a parabola its rise is the mean
-  // of both slopes, so (n_i + n)/|n_i + n| · (p − f_i) is the distance, exact to second order.
+  // Each neighbour i knows a point f_i of the surface, the normal n_i there and how it turns: at p
+  // it expects n_i + bend_i (p − f_i). Those are averaged into n. Between f_i and the query's foot
+  // the surface bends from n_i to n: along a parabola its rise is the mean of both slopes, so (n_i
+  // + n)/|n_i + n| · (p − f_i) is the distance, exact to second order.
   SurfaceEstimate interpolated(const Vector3d& p) const {
     int index[kInterpolated + 1];
     double squared[kInterpolated + 1];
     const int found = tree.nearest(p, kInterpolated + 1, settings.max_radius, index, squared);
-    if (found <= kInterpolated || !(squared[kInterpolated] > 0.0)) return {.status = SurfaceStatus::too_few};
+    if (found <= kInterpolated || !(squared[kInterpolated] > 0.0))
+      return {.status = SurfaceStatus::too_few};
     double weight[kInterpolated];
     double sum = 0.0;
     double lost = 0.0;
@@ -184,7 +204,8 @@ struct SurfaceEstimator::Index {
       spread += weight[i] * (from - n * n.dot(from)).squaredNorm();
     }
     const double offset = (mean - n * n.dot(mean)).norm();
-    if (offset > kInterpolatedEdge * std::sqrt(spread / sum)) return {.status = SurfaceStatus::off_edge};
+    if (offset > kInterpolatedEdge * std::sqrt(spread / sum))
+      return {.status = SurfaceStatus::off_edge};
     return {SurfaceStatus::ok, n, distance / sum};
   }
 };
@@ -197,7 +218,8 @@ SurfaceEstimator& SurfaceEstimator::operator=(SurfaceEstimator&&) noexcept = def
 
 SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p_W) const noexcept {
   if (!p_W.allFinite()) return {.status = SurfaceStatus::too_few};
-  return index_->settings.mode == NormalMode::fresh ? index_->fresh(p_W) : index_->interpolated(p_W);
+  return index_->settings.mode == NormalMode::fresh ? index_->fresh(p_W)
+                                                    : index_->interpolated(p_W);
 }
 
 const PointCloud& SurfaceEstimator::cloud() const noexcept { return index_->cloud; }

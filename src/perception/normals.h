@@ -1,4 +1,5 @@
-// Normal and distance of the surface under the pen tip, from the point cloud: equations (18) and (19).
+// Normal and distance of the surface under the pen tip, from the point cloud: equations (18) and
+// (19).
 #pragma once
 
 #include <memory>
@@ -12,42 +13,55 @@
 namespace impedraw {
 
 enum class NormalMode {
-  fresh,         // as in the paper: neighbours, covariance and eigenvector anew for each query
-  interpolated,  // fitted once for each point of the cloud, then interpolated at the query: the same answer, cheaper
+  fresh,  // as in the paper: neighbours, covariance and eigenvector anew for each query
+  // fitted once for each point of the cloud, then interpolated at the query: the same answer,
+  // cheaper
+  interpolated,
 };
 
 enum class NeighbourWeighting {
-  uniform,  // as in the paper: 1/k each. A point that enters or leaves the set makes the normal jump
-  smooth,   // PointCloud::weight (1 − d²/d_k²)², d_k the distance of the furthest neighbour: a point enters and leaves with weight 0
+  // as in the paper: 1/k each. A point that enters or leaves the set makes the normal jump
+  uniform,
+  // PointCloud::weight (1 − d²/d_k²)², d_k the distance of the furthest neighbour: a point enters
+  // and leaves with weight 0
+  smooth,
 };
 
-// Along the sine on the standard bowl, three standard cameras, mean | max error of the normal [deg], error of the distance [mm]:
+// Along the sine on the standard bowl, three standard cameras, mean | max error of the normal
+// [deg], error of the distance [mm]:
 //   perfect cameras, voxel 4 mm:    k = 40: 0.002 | 0.007, 0.005    k = 60: 0.001 | 0.004, 0.005
 //       the paper's plane, 1/k each                                 k = 60: 0.083 | 0.25, 0.22
 //   realistic noise, voxel 4 mm:    k = 60: 0.75 | 2.0, 0.10        k = 120: 0.35 | 1.0, 0.07
-//   realistic noise, voxel 6 mm:    k = 60: 0.30 | 0.8, 0.06        k = 90: 0.18 | 0.5, 0.04        k = 120: 0.12 | 0.36, 0.04
+//   realistic noise, voxel 6 mm:    k = 60: 0.30 | 0.8, 0.06        k = 90: 0.18 | 0.5, 0.04
+//   k = 120: 0.12 | 0.36, 0.04
 //   realistic noise, voxel 8 mm:    k = 60: 0.17 | 0.6, 0.05        k = 90: 0.10 | 0.3, 0.04
 // Wider patches average more noise and follow fine shape less; only on a sphere is that free.
 struct NormalSettings {
-  int k = 60;                // neighbours N(p) of the query, in 8 … 128                                                             (18)
-  double max_radius = 0.06;  // how far from the query they may lie [m]; > 0. Fewer than k within it: too_few
+  // neighbours N(p) of the query, in 8 … 128 (18)
+  int k = 60;
+  // how far from the query they may lie [m]; > 0. Fewer than k within it: too_few
+  double max_radius = 0.06;
   NormalMode mode = NormalMode::fresh;
   NeighbourWeighting weighting = NeighbourWeighting::smooth;
   SurfaceFit fit = SurfaceFit::quadric;
-  // More one-sided than this (LocalSurface::one_sidedness), and the query lies off the cloud's edge; in (0, 1]. On a straight edge
-  // that holds 0.59; 0.66 lets the tip go about a tenth of the patch's radius beyond it.
+  // More one-sided than this (LocalSurface::one_sidedness), and the query lies off the cloud's
+  // edge; in (0, 1]. On a straight edge that holds 0.59; 0.66 lets the tip go about a tenth of the
+  // patch's radius beyond it.
   double max_one_sidedness = 0.66;
 };
 
-// The cloud, its kd-tree and the settings. estimate() is const, may run in any number of threads, and allocates nothing.
+// The cloud, its kd-tree and the settings. estimate() is const, may run in any number of threads,
+// and allocates nothing.
 //
-// Normals point to the camera that saw the nearest neighbour. The distance is that of the query to the fitted surface, not to the nearest
-// point, which can be half a point spacing away along the surface. Status: too_few, fewer than k points within max_radius, or points that
-// no plane can be laid through; off_edge, they lie to one side of the query. n_W and distance mean something only with ok.
+// Normals point to the camera that saw the nearest neighbour. The distance is that of the query to
+// the fitted surface, not to the nearest point, which can be half a point spacing away along the
+// surface. Status: too_few, fewer than k points within max_radius, or points that no plane can be
+// laid through; off_edge, they lie to one side of the query. n_W and distance mean something only
+// with ok.
 class SurfaceEstimator {
  public:
-  // Fits a normal at every point of the cloud (into cloud().normals). Throws InputError naming a bad setting, an empty cloud or a point
-  // that is not finite.
+  // Fits a normal at every point of the cloud (into cloud().normals). Throws InputError naming a
+  // bad setting, an empty cloud or a point that is not finite.
   SurfaceEstimator(PointCloud cloud, const NormalSettings& settings = {});
   ~SurfaceEstimator();
   SurfaceEstimator(SurfaceEstimator&&) noexcept;
@@ -55,7 +69,8 @@ class SurfaceEstimator {
 
   SurfaceEstimate estimate(const Eigen::Vector3d& p_W) const noexcept;
 
-  const PointCloud& cloud() const noexcept;  // in the tree's order, so that neighbours lie side by side in memory
+  const PointCloud& cloud()
+      const noexcept;  // in the tree's order, so that neighbours lie side by side in memory
 
  private:
   struct Index;

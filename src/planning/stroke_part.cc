@@ -49,7 +49,8 @@ std::vector<StrokePart> merged(std::vector<StrokePart> parts, double gap) {
   });
   std::vector<StrokePart> result;
   for (const StrokePart& part : parts) {
-    if (!result.empty() && result.back().stroke == part.stroke && part.from <= result.back().to + gap) {
+    if (!result.empty() && result.back().stroke == part.stroke &&
+        part.from <= result.back().to + gap) {
       result.back().to = std::max(result.back().to, part.to);
     } else {
       result.push_back(part);
@@ -58,12 +59,14 @@ std::vector<StrokePart> merged(std::vector<StrokePart> parts, double gap) {
   return result;
 }
 
-std::vector<StrokePart> rest_of(const std::vector<PlacedStroke>& strokes, const std::vector<StrokePart>& parts, double shortest) {
+std::vector<StrokePart> rest_of(const std::vector<PlacedStroke>& strokes,
+                                const std::vector<StrokePart>& parts, double shortest) {
   const std::vector<StrokePart> covered = merged(parts);
   std::vector<StrokePart> rest;
   for (const PlacedStroke& stroke : strokes) {
     const double length = plane_length(stroke);
-    auto part = std::lower_bound(covered.begin(), covered.end(), stroke.number, [](const StrokePart& p, int n) { return p.stroke < n; });
+    auto part = std::lower_bound(covered.begin(), covered.end(), stroke.number,
+                                 [](const StrokePart& p, int n) { return p.stroke < n; });
     if (part == covered.end() || part->stroke != stroke.number) {
       rest.push_back({stroke.number, 0, length});
       continue;

@@ -14,19 +14,24 @@ constexpr double kSearched = 0.5;  // [m]
 constexpr double kRing = 0.005;    // [m]
 constexpr int kDirections = 90;
 
-bool has(const SurfaceHeight& surface, const Vector2d& p) { return surface(p.x(), p.y()).has_value(); }
+bool has(const SurfaceHeight& surface, const Vector2d& p) {
+  return surface(p.x(), p.y()).has_value();
+}
 
 }  // namespace
 
 // The first circle that meets it, then bisection along its rays.
-std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d& p, double searched) {
+std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d& p,
+                                   double searched) {
   for (double r = kRing; r <= searched; r += kRing) {
     double nearest = r + 1;
     for (int i = 0; i < kDirections; ++i) {
-      const Vector2d ray(std::cos(2 * M_PI * i / kDirections), std::sin(2 * M_PI * i / kDirections));
+      const Vector2d ray(std::cos(2 * M_PI * i / kDirections),
+                         std::sin(2 * M_PI * i / kDirections));
       if (!has(surface, p + r * ray)) continue;
       double without = r - kRing, with = r;
-      for (int k = 0; k < 12; ++k) (has(surface, p + (without + with) / 2 * ray) ? with : without) = (without + with) / 2;
+      for (int k = 0; k < 12; ++k)
+        (has(surface, p + (without + with) / 2 * ray) ? with : without) = (without + with) / 2;
       nearest = std::min(nearest, with);
     }
     if (nearest <= r) return nearest;
@@ -34,14 +39,17 @@ std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d&
   return std::nullopt;
 }
 
-SurfaceSample sample_or_throw(const SurfaceHeight& surface, const Vector2d& p, const Vector2d& page_mm, int stroke) {
+SurfaceSample sample_or_throw(const SurfaceHeight& surface, const Vector2d& p,
+                              const Vector2d& page_mm, int stroke) {
   if (const std::optional<SurfaceSample> sample = surface(p.x(), p.y())) return *sample;
   const std::optional<double> off = distance_off(surface, p, kSearched);
-  throw OffSurface(fmt::format("stroke {} leaves the canvas at page ({:.2f}, {:.2f}) mm, world ({:.4f}, {:.4f}) m, {}", stroke, page_mm.x(),
-                               page_mm.y(), p.x(), p.y(),
-                               off ? fmt::format("{:.1f} mm off it", 1e3 * *off)
-                                   : fmt::format("more than {:.0f} mm off it", 1e3 * kSearched)),
-                   stroke, p);
+  throw OffSurface(
+      fmt::format(
+          "stroke {} leaves the canvas at page ({:.2f}, {:.2f}) mm, world ({:.4f}, {:.4f}) m, {}",
+          stroke, page_mm.x(), page_mm.y(), p.x(), p.y(),
+          off ? fmt::format("{:.1f} mm off it", 1e3 * *off)
+              : fmt::format("more than {:.0f} mm off it", 1e3 * kSearched)),
+      stroke, p);
 }
 
 }  // namespace impedraw

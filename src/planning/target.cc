@@ -5,8 +5,8 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-constexpr int kDeepest = 12;          // halvings below the spacing, at a fold of the canvas
-constexpr double kClosest = 1e-8;     // [m] seen along z; a gap that remains is a step of the canvas
+constexpr int kDeepest = 12;       // halvings below the spacing, at a fold of the canvas
+constexpr double kClosest = 1e-8;  // [m] seen along z; a gap that remains is a step of the canvas
 
 struct Point {
   Vector2d world, page;
@@ -45,7 +45,8 @@ class Projection {
     const bool wide = gap > settings_.spacing && (b.world - a.world).norm() > kClosest;
     if (wide || depth < kDeepest) {
       const Point middle = projected((a.world + b.world) / 2, (a.page + b.page) / 2);
-      if (wide || (middle.on_canvas - (a.on_canvas + b.on_canvas) / 2).norm() > settings_.tolerance) {
+      if (wide ||
+          (middle.on_canvas - (a.on_canvas + b.on_canvas) / 2).norm() > settings_.tolerance) {
         join(a, middle, wide ? 0 : depth + 1);
         join(middle, b, wide ? 0 : depth + 1);
         return;
@@ -62,7 +63,8 @@ class Projection {
 
 }  // namespace
 
-TargetLine project_target(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas, const TargetSettings& settings) {
+TargetLine project_target(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas,
+                          const TargetSettings& settings) {
   TargetLine line;
   Projection projection(canvas, settings, line);
   for (std::size_t i = 0; i < strokes.size(); ++i) {

@@ -1,4 +1,5 @@
-// The line that ought to be drawn: the artwork itself, before rounding, joining or compensation, projected along z on the true canvas.
+// The line that ought to be drawn: the artwork itself, before rounding, joining or compensation,
+// projected along z on the true canvas.
 #pragma once
 
 #include <vector>
@@ -14,11 +15,13 @@ struct TargetLine {
 };
 
 struct TargetSettings {
-  double spacing = 4e-4;     // largest gap within a stroke [m]
-  double tolerance = 2e-6;   // and chords are halved until their middle is this close to the canvas [m]
+  double spacing = 4e-4;  // largest gap within a stroke [m]
+  // and chords are halved until their middle is this close to the canvas [m]
+  double tolerance = 2e-6;
 };
 
 // InputError: a point without canvas beneath it (surface_height.h).
-TargetLine project_target(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas, const TargetSettings& settings = {});
+TargetLine project_target(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas,
+                          const TargetSettings& settings = {});
 
 }  // namespace impedraw

@@ -18,7 +18,9 @@ Line2d thinned(const Line2d& line, double tolerance) {
     const auto from_last = [&] { return Eigen::Vector2d(line[i] - out.back()); };
     Eigen::Vector2d d = from_last();
     double distance = d.norm();
-    const auto turn = [&] { return open ? 0.0 : std::remainder(std::atan2(d.y(), d.x()) - axis, 2.0 * kPi); };
+    const auto turn = [&] {
+      return open ? 0.0 : std::remainder(std::atan2(d.y(), d.x()) - axis, 2.0 * kPi);
+    };
     double angle = turn();
     if (distance < farthest || angle < low || angle > high) {
       out.push_back(line[i - 1]);

@@ -7,10 +7,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include <Eigen/Geometry>
 #include <cairo-svg.h>
 #include <cairo.h>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/report/sheet.h"
 
@@ -18,9 +18,13 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75}, kStroke{0.09, 0.24, 0.52};
-constexpr std::array<Colour, 5> kScale{
-    {{0.96, 0.95, 0.91}, {0.99, 0.85, 0.58}, {0.96, 0.62, 0.31}, {0.82, 0.31, 0.18}, {0.48, 0.08, 0.14}}};
+constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75},
+    kStroke{0.09, 0.24, 0.52};
+constexpr std::array<Colour, 5> kScale{{{0.96, 0.95, 0.91},
+                                        {0.99, 0.85, 0.58},
+                                        {0.96, 0.62, 0.31},
+                                        {0.82, 0.31, 0.18},
+                                        {0.48, 0.08, 0.14}}};
 
 Colour colour_of(double share) {
   const double at = std::clamp(share, 0.0, 1.0) * (kScale.size() - 1);
@@ -44,11 +48,13 @@ Errors errors_of(const FlatChart& chart) {
   return errors;
 }
 
-// The scale's end: the least round number above nearly all errors, so that a few vertices at a rim do not make all else pale.
+// The scale's end: the least round number above nearly all errors, so that a few vertices at a rim
+// do not make all else pale.
 double scale_end(const Errors& errors) {
   std::vector<double> all = errors.projected;
   all.insert(all.end(), errors.wrapped.begin(), errors.wrapped.end());
-  const auto high = all.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(all.size() - 1));
+  const auto high =
+      all.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(all.size() - 1));
   std::nth_element(all.begin(), high, all.end());
   for (double decade = 0.001; decade < 100; decade *= 10) {
     for (const double step : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5}) {
@@ -61,27 +67,33 @@ double scale_end(const Errors& errors) {
 Vector2d view(const Vector2d& plane) { return {-1e3 * plane.y(), -1e3 * plane.x()}; }
 
 // One pixel a cell, the mean of its corners; up is +x.
-void draw_map(cairo_t* cr, const SurfacePatch& patch, const std::vector<double>& error, double end) {
+void draw_map(cairo_t* cr, const SurfacePatch& patch, const std::vector<double>& error,
+              double end) {
   const int width = patch.rows - 1, height = patch.columns - 1;
   cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
   cairo_surface_flush(image);
   for (int i = 0; i < height; ++i) {
     const int row = height - 1 - i;
-    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) + row * cairo_image_surface_get_stride(image));
+    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
+                                                    row * cairo_image_surface_get_stride(image));
     for (int j = 0; j < width; ++j) {
       const int n = patch.node(i, j);
       std::uint32_t& pixel = pixels[width - 1 - j];
       pixel = 0;
       if (!patch.cell[n]) continue;
       double sum = 0;
-      for (const int corner : {n, n + 1, n + patch.columns, n + patch.columns + 1}) sum += error[patch.vertex[corner]];
+      for (const int corner : {n, n + 1, n + patch.columns, n + patch.columns + 1})
+        sum += error[patch.vertex[corner]];
       const Colour c = colour_of(sum / 4 / end);
-      const auto channel = [](double value) { return static_cast<std::uint32_t>(std::lround(255 * value)); };
+      const auto channel = [](double value) {
+        return static_cast<std::uint32_t>(std::lround(255 * value));
+      };
       pixel = 0xff000000u | channel(c.r) << 16 | channel(c.g) << 8 | channel(c.b);
     }
   }
   cairo_surface_mark_dirty(image);
-  const Vector2d far = view(patch.corner + patch.spacing * Vector2d(height, width));  // upper left in the view
+  // upper left in the view
+  const Vector2d far = view(patch.corner + patch.spacing * Vector2d(height, width));
   cairo_save(cr);
   cairo_translate(cr, far.x(), far.y());
   cairo_scale(cr, 1e3 * patch.spacing, 1e3 * patch.spacing);
@@ -109,13 +121,16 @@ void draw_strokes(cairo_t* cr, const std::vector<PlacedStroke>& strokes, double 
 
 Eigen::AlignedBox2d extent(const DistortionPicture& picture) {
   Eigen::AlignedBox2d box;
-  for (const SurfaceSample& sample : picture.chart.patch().samples) box.extend(view(sample.p_W.head<2>()));
+  for (const SurfaceSample& sample : picture.chart.patch().samples)
+    box.extend(view(sample.p_W.head<2>()));
   const double air = 0.02 * box.sizes().maxCoeff();
   return {box.min() - Vector2d::Constant(air), box.max() + Vector2d::Constant(air)};
 }
 
-void say(cairo_t* cr, double x, double y, const std::string& text, double size, bool bold = false, double align = 0) {
-  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+void say(cairo_t* cr, double x, double y, const std::string& text, double size, bool bold = false,
+         double align = 0) {
+  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cr, size);
   cairo_text_extents_t extents;
   cairo_text_extents(cr, text.c_str(), &extents);
@@ -126,7 +141,9 @@ void say(cairo_t* cr, double x, double y, const std::string& text, double size, 
 // "−2.4", never "−0.0"
 std::string signed_percent(double stretch) {
   const double percent = 100 * (stretch - 1);
-  return std::abs(percent) < 0.05 ? "0.0" : fmt::format("{}{:.1f}", percent < 0 ? "−" : "+", std::abs(percent));
+  return std::abs(percent) < 0.05
+             ? "0.0"
+             : fmt::format("{}{:.1f}", percent < 0 ? "−" : "+", std::abs(percent));
 }
 
 struct Layout {
@@ -146,11 +163,13 @@ Layout lay_out(const DistortionPicture& picture) {
 }
 
 void draw_colour_bar(cairo_t* cr, const Layout& l, double end) {
-  const double x = 2 * l.area.sizes().x() + 3 * l.gap, high = 0.8 * l.area.sizes().y(), width = 1.2 * l.font;
+  const double x = 2 * l.area.sizes().x() + 3 * l.gap, high = 0.8 * l.area.sizes().y(),
+               width = 1.2 * l.font;
   const double y = l.top + 0.1 * l.area.sizes().y();
   cairo_pattern_t* gradient = cairo_pattern_create_linear(0, y + high, 0, y);
   for (std::size_t k = 0; k < kScale.size(); ++k) {
-    cairo_pattern_add_color_stop_rgb(gradient, static_cast<double>(k) / (kScale.size() - 1), kScale[k].r, kScale[k].g, kScale[k].b);
+    cairo_pattern_add_color_stop_rgb(gradient, static_cast<double>(k) / (kScale.size() - 1),
+                                     kScale[k].r, kScale[k].g, kScale[k].b);
   }
   cairo_rectangle(cr, x, y, width, high);
   cairo_set_source(cr, gradient);
@@ -161,24 +180,27 @@ void draw_colour_bar(cairo_t* cr, const Layout& l, double end) {
   cairo_stroke(cr);
   set_colour(cr, kFaint);
   for (int k = 0; k <= 5; ++k) {
-    say(cr, x + width + 0.4 * l.font, y + high * (1 - k / 5.0) + 0.3 * l.font, fmt::format("{:g} %", 100 * end * k / 5), 0.85 * l.font);
+    say(cr, x + width + 0.4 * l.font, y + high * (1 - k / 5.0) + 0.3 * l.font,
+        fmt::format("{:g} %", 100 * end * k / 5), 0.85 * l.font);
   }
 }
 
-void draw_panel(cairo_t* cr, const Layout& l, double left, const std::string& name, const Distortion& d, const DistortionPicture& picture,
-                const std::vector<double>& error, const std::vector<PlacedStroke>& strokes, double end) {
+void draw_panel(cairo_t* cr, const Layout& l, double left, const std::string& name,
+                const Distortion& d, const DistortionPicture& picture,
+                const std::vector<double>& error, const std::vector<PlacedStroke>& strokes,
+                double end) {
   const Vector2d size = l.area.sizes();
   set_colour(cr, kText);
   say(cr, left, l.top - 0.7 * l.font, name, l.font, true);
   set_colour(cr, kFaint);
   const double below = l.top + size.y();
   say(cr, left, below + 1.6 * l.font,
-      fmt::format("along the strokes {} to {} %, RMS {:.2f} %", signed_percent(d.stretch_min), signed_percent(d.stretch_max),
-                  100 * d.stretch_rms),
+      fmt::format("along the strokes {} to {} %, RMS {:.2f} %", signed_percent(d.stretch_min),
+                  signed_percent(d.stretch_max), 100 * d.stretch_rms),
       0.85 * l.font);
   say(cr, left, below + 3.0 * l.font,
-      fmt::format("areas {} to {} %, angles up to {:.1f}°", signed_percent(d.area_min), signed_percent(d.area_max),
-                  d.angle_max * 180 / M_PI),
+      fmt::format("areas {} to {} %, angles up to {:.1f}°", signed_percent(d.area_min),
+                  signed_percent(d.area_max), d.angle_max * 180 / M_PI),
       0.85 * l.font);
   cairo_save(cr);
   cairo_rectangle(cr, left, l.top, size.x(), size.y());
@@ -205,18 +227,24 @@ void draw_ruler(cairo_t* cr, const Layout& l) {
   cairo_move_to(cr, x, y);
   cairo_line_to(cr, x + length, y);
   cairo_stroke(cr);
-  say(cr, x + length + 0.5 * l.font, y + 0.3 * l.font, fmt::format("{:g} mm, seen from above", length), 0.85 * l.font);
+  say(cr, x + length + 0.5 * l.font, y + 0.3 * l.font,
+      fmt::format("{:g} mm, seen from above", length), 0.85 * l.font);
 }
 
-void draw(cairo_t* cr, const DistortionPicture& picture, const Layout& l, const Errors& errors, double end) {
+void draw(cairo_t* cr, const DistortionPicture& picture, const Layout& l, const Errors& errors,
+          double end) {
   set_colour(cr, {1, 1, 1});
   cairo_paint(cr);
   set_colour(cr, kText);
   say(cr, l.gap, 1.9 * l.font, picture.title, 1.25 * l.font, true);
   set_colour(cr, kFaint);
-  say(cr, l.gap, 3.3 * l.font, "colour: by how much a page length comes out too long or too short, in the worst direction", 0.85 * l.font);
-  draw_panel(cr, l, l.gap, "projected along the drawing axis", picture.of_projected, picture, errors.projected, picture.projected, end);
-  draw_panel(cr, l, 2 * l.gap + l.area.sizes().x(), "wrapped", picture.of_wrapped, picture, errors.wrapped, picture.wrapped, end);
+  say(cr, l.gap, 3.3 * l.font,
+      "colour: by how much a page length comes out too long or too short, in the worst direction",
+      0.85 * l.font);
+  draw_panel(cr, l, l.gap, "projected along the drawing axis", picture.of_projected, picture,
+             errors.projected, picture.projected, end);
+  draw_panel(cr, l, 2 * l.gap + l.area.sizes().x(), "wrapped", picture.of_wrapped, picture,
+             errors.wrapped, picture.wrapped, end);
   draw_colour_bar(cr, l, end);
   draw_ruler(cr, l);
 }

@@ -7,19 +7,21 @@
 #include <cairo.h>
 #include <fmt/format.h>
 
-#include "impedraw/report/relief_drawing.h"
 #include "impedraw/metrics/statistics.h"
 #include "impedraw/report/decimate.h"
+#include "impedraw/report/relief_drawing.h"
 
 namespace impedraw {
 namespace {
 
-constexpr Colour kTarget{0.98, 0.72, 0.38}, kInk{0.09, 0.24, 0.52}, kFar{0.84, 0.10, 0.12}, kStray{0.62, 0.13, 0.66};
+constexpr Colour kTarget{0.98, 0.72, 0.38}, kInk{0.09, 0.24, 0.52}, kFar{0.84, 0.10, 0.12},
+    kStray{0.62, 0.13, 0.66};
 
 using View = std::function<Eigen::Vector2d(const Eigen::Vector3d&)>;
 using Line = Line2d;
 
-// [mm] What is thinner than a hair and closer than the pen's own grain cannot be seen; so many points make an SVG of 3 MB.
+// [mm] What is thinner than a hair and closer than the pen's own grain cannot be seen; so many
+// points make an SVG of 3 MB.
 constexpr double kSpacing = 0.1, kFinest = 0.02;
 constexpr std::size_t kMostPoints = 150000;
 
@@ -31,37 +33,46 @@ struct Style {
   bool operator==(const Style&) const = default;
 };
 
-// The ink as lines of one style each, thinned to what the eye can tell; neighbours of different style share a point.
+// The ink as lines of one style each, thinned to what the eye can tell; neighbours of different
+// style share a point.
 struct InkDrawing {
   std::vector<Line> targets;
   std::vector<Line> ink;
   std::vector<Style> style;  // of each line of ink
   bool any(Kind kind) const {
-    return std::any_of(style.begin(), style.end(), [kind](const Style& s) { return s.kind == kind; });
+    return std::any_of(style.begin(), style.end(),
+                       [kind](const Style& s) { return s.kind == kind; });
   }
 };
 
-// Width at a force, in steps that the eye hardly sees; the one before stays while it is right to within a step.
+// Width at a force, in steps that the eye hardly sees; the one before stays while it is right to
+// within a step.
 double drawn_width(const PenSettings& pen, double f, double before) {
   if (pen.width_per_newton == 0.0) return pen.width;
   const double step = 0.05 * pen.width;
-  const double width = std::clamp(pen.width + pen.width_per_newton * (f - pen.nominal_force), 0.25 * pen.width, 3.0 * pen.width);
+  const double width = std::clamp(pen.width + pen.width_per_newton * (f - pen.nominal_force),
+                                  0.25 * pen.width, 3.0 * pen.width);
   return std::abs(width - before) <= step ? before : step * std::round(width / step);
 }
 
-InkDrawing prepare(const RunData& run, const Drawn& drawn, const View& view, const PictureSettings& settings) {
+InkDrawing prepare(const RunData& run, const Drawn& drawn, const View& view,
+                   const PictureSettings& settings) {
   InkDrawing out;
   for (const auto& target : drawn.targets) {
     Line line;
-    for (std::size_t i = 0; i < target.size(); ++i) extend(line, view(target[i]), kSpacing, i + 1 == target.size());
+    for (std::size_t i = 0; i < target.size(); ++i)
+      extend(line, view(target[i]), kSpacing, i + 1 == target.size());
     out.targets.push_back(std::move(line));
   }
   thin_to(out.targets, kFinest, kMostPoints);
   const std::vector<bool> up = pen_must_be_up(run, drawn);
   // The width may change every millimetre: a noisy force must not cut the line into crumbs.
   const auto style_at = [&](std::size_t i, const Style& before, double length) {
-    const Kind kind = up[i] ? Kind::stray : drawn.error[i] > 1e-3 * settings.highlight ? Kind::far : Kind::on;
-    return Style{kind, length < 1.0 ? before.width : drawn_width(settings.pen, run.f[i], before.width)};
+    const Kind kind = up[i]                                        ? Kind::stray
+                      : drawn.error[i] > 1e-3 * settings.highlight ? Kind::far
+                                                                   : Kind::on;
+    return Style{kind,
+                 length < 1.0 ? before.width : drawn_width(settings.pen, run.f[i], before.width)};
   };
   const auto keep = [&out](const Style& style, Line line) {
     out.style.push_back(style);
@@ -99,7 +110,8 @@ void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings)
   set_colour(cr, kTarget);
   for (const Line& line : d.targets) trace(cr, line);
   cairo_stroke(cr);
-  for (const auto& [kind, colour] : {std::pair{Kind::on, kInk}, {Kind::far, kFar}, {Kind::stray, kStray}}) {
+  for (const auto& [kind, colour] :
+       {std::pair{Kind::on, kInk}, {Kind::far, kFar}, {Kind::stray, kStray}}) {
     set_colour(cr, colour);
     std::map<double, std::vector<const Line*>> of_width;
     for (std::size_t i = 0; i < d.ink.size(); ++i) {
@@ -113,22 +125,31 @@ void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings)
   }
 }
 
-Sheet common_sheet(const RunData& run, const Drawn& drawn, const InkDrawing& ink, const PictureSettings& settings) {
+Sheet common_sheet(const RunData& run, const Drawn& drawn, const InkDrawing& ink,
+                   const PictureSettings& settings) {
   Sheet sheet;
   const auto scenario = run.attributes.find("scenario");
-  sheet.title = !settings.title.empty() ? settings.title : scenario != run.attributes.end() ? scenario->second : "drawing";
+  sheet.title = !settings.title.empty()            ? settings.title
+                : scenario != run.attributes.end() ? scenario->second
+                                                   : "drawing";
   std::vector<double> error;
   for (std::size_t i = 0; i < run.rows(); ++i) {
     if (std::isfinite(drawn.error[i])) error.push_back(1e3 * drawn.error[i]);
   }
   sheet.subtitle = error.empty() ? "no ink"
-                                 : fmt::format("ink error {:.3f} mm RMS, {:.3f} mm at most", root_mean_square(error), maximum(error));
+                                 : fmt::format("ink error {:.3f} mm RMS, {:.3f} mm at most",
+                                               root_mean_square(error), maximum(error));
   const PenSettings& pen = settings.pen;
   std::string ink_text = "ink";
-  if (pen.width_per_newton != 0.0) ink_text += fmt::format(", {:g} mm wide at {:g} N, {:+g} mm/N", pen.width, pen.nominal_force, pen.width_per_newton);
+  if (pen.width_per_newton != 0.0)
+    ink_text += fmt::format(", {:g} mm wide at {:g} N, {:+g} mm/N", pen.width, pen.nominal_force,
+                            pen.width_per_newton);
   sheet.legend = {{kTarget, settings.target_width, "target"}, {kInk, pen.width, ink_text}};
-  if (ink.any(Kind::far)) sheet.legend.push_back({kFar, pen.width, fmt::format("ink more than {:g} mm off", settings.highlight)});
-  if (ink.any(Kind::stray)) sheet.legend.push_back({kStray, pen.width, "ink while the pen had to be up"});
+  if (ink.any(Kind::far))
+    sheet.legend.push_back(
+        {kFar, pen.width, fmt::format("ink more than {:g} mm off", settings.highlight)});
+  if (ink.any(Kind::stray))
+    sheet.legend.push_back({kStray, pen.width, "ink while the pen had to be up"});
   return sheet;
 }
 
@@ -147,7 +168,8 @@ Eigen::AlignedBox2d extent(const InkDrawing& d) {
 
 }  // namespace
 
-void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem::path& stem, const PictureSettings& settings) {
+void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem::path& stem,
+                   const PictureSettings& settings) {
   const Eigen::Matrix3d R_PW = settings.R_WP.transpose();
   const auto view = [&R_PW](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     const Eigen::Vector3d p = R_PW * p_W;
@@ -160,11 +182,14 @@ void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem
                                       return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
                                     });
   Sheet sheet = common_sheet(run, drawn, ink, settings);
-  sheet.area = with_margin(relief.columns > 0 ? relief.area.merged(extent(ink)) : extent(ink), 0.03);
+  sheet.area =
+      with_margin(relief.columns > 0 ? relief.area.merged(extent(ink)) : extent(ink), 0.03);
   sheet.u_name = "y [mm]";
   sheet.v_name = "x [mm]";
   sheet.u_sign = sheet.v_sign = -1.0;
-  if (!relief.contours.empty()) sheet.legend.push_back({kContour, 0.3, fmt::format("height, every {:g} mm", relief.contour_step)});
+  if (!relief.contours.empty())
+    sheet.legend.push_back(
+        {kContour, 0.3, fmt::format("height, every {:g} mm", relief.contour_step)});
   sheet.content = [&](cairo_t* cr) {
     draw_relief(cr, relief);
     draw_ink(cr, ink, settings);
@@ -172,12 +197,15 @@ void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem
   write_sheet(sheet, stem, settings.png_width);
 }
 
-void write_ink_page(const RunData& run, const Drawn& drawn, const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
-                    const Eigen::AlignedBox2d& page, const std::filesystem::path& stem, const PictureSettings& settings) {
+void write_ink_page(const RunData& run, const Drawn& drawn,
+                    const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
+                    const Eigen::AlignedBox2d& page, const std::filesystem::path& stem,
+                    const PictureSettings& settings) {
   const InkDrawing ink = prepare(run, drawn, to_page, settings);
   Sheet sheet = common_sheet(run, drawn, ink, settings);
   const bool no_page = page.isEmpty() || page.sizes().minCoeff() <= 0.0;
-  sheet.area = no_page ? with_margin(extent(ink), 0.05) : with_margin(page.merged(extent(ink)), 0.03);
+  sheet.area =
+      no_page ? with_margin(extent(ink), 0.05) : with_margin(page.merged(extent(ink)), 0.03);
   sheet.u_name = "X on the page [mm]";
   sheet.v_name = "Y on the page [mm]";
   sheet.content = [&](cairo_t* cr) { draw_ink(cr, ink, settings); };

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "impedraw/report/relief_drawing.h"
 #include "impedraw/report/decimate.h"
+#include "impedraw/report/relief_drawing.h"
 
 namespace impedraw {
 
@@ -12,20 +12,25 @@ namespace {
 
 constexpr double kWidth = 0.7;  // of a line [mm]
 constexpr Colour kDrawable{0.09, 0.24, 0.52};
-constexpr Colour kProblems[] = {{0.84, 0.10, 0.12}, {0.93, 0.49, 0.06}, {0.62, 0.13, 0.66}, {0.05, 0.55, 0.42},
-                                {0.55, 0.34, 0.16}, {0.90, 0.35, 0.60}, {0.10, 0.60, 0.75}, {0.45, 0.45, 0.45}};
+constexpr Colour kProblems[] = {{0.84, 0.10, 0.12}, {0.93, 0.49, 0.06}, {0.62, 0.13, 0.66},
+                                {0.05, 0.55, 0.42}, {0.55, 0.34, 0.16}, {0.90, 0.35, 0.60},
+                                {0.10, 0.60, 0.75}, {0.45, 0.45, 0.45}};
 
 }  // namespace
 
 void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
   // As the page reads: right is −y of P, down is −x.
-  const auto view = [](const Eigen::Vector3d& p) -> Eigen::Vector3d { return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()}; };
+  const auto view = [](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
+  };
   std::map<std::string, std::vector<std::vector<Eigen::Vector2d>>> of_problem;  // "" first
   Eigen::AlignedBox2d box;
   for (const PlanLine& line : plan.lines) {
     std::vector<Eigen::Vector2d> thin;
     for (const Eigen::Vector3d& p : line.points) thin.push_back(view(p).head<2>());
-    if (thin.size() == 1) thin.push_back(thin.front() + Eigen::Vector2d(0.01, 0.0));  // a dot, for the pen's round cap to show
+    if (thin.size() == 1)
+      thin.push_back(thin.front() +
+                     Eigen::Vector2d(0.01, 0.0));  // a dot, for the pen's round cap to show
     for (const Eigen::Vector2d& p : thin) box.extend(p);
     of_problem[line.problem].push_back(std::move(thin));
   }

@@ -1,4 +1,5 @@
-// A picture of a plan: the strokes on their canvas, looking along the drawing axis, what can be drawn and what cannot in their colours.
+// A picture of a plan: the strokes on their canvas, looking along the drawing axis, what can be
+// drawn and what cannot in their colours.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +18,7 @@ struct PlanLine {
 struct PlanPicture {
   std::string title, subtitle;
   std::vector<PlanLine> lines;
-  std::vector<Eigen::Vector3d> canvas_vertices;    // P [m]; may be empty
+  std::vector<Eigen::Vector3d> canvas_vertices;  // P [m]; may be empty
   std::vector<Eigen::Vector3i> canvas_triangles;
   int png_width = 1400;
 };

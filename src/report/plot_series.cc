@@ -29,7 +29,8 @@ Json lines_to_json(std::vector<Line2d> lines) {
   Json out = Json::array();
   for (const Line2d& line : lines) {
     Json points = Json::array();
-    for (const Eigen::Vector2d& p : line) points.push_back({std::round(1e2 * p.x()) / 1e2, std::round(1e2 * p.y()) / 1e2});
+    for (const Eigen::Vector2d& p : line)
+      points.push_back({std::round(1e2 * p.x()) / 1e2, std::round(1e2 * p.y()) / 1e2});
     out.push_back(points);
   }
   return out;
@@ -40,7 +41,8 @@ Line2d from_above(std::span<const Eigen::Vector3d> line) {
   Line2d out;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Eigen::Vector2d p = 1e3 * line[i].head<2>();
-    if (out.empty() || i + 1 == line.size() || (p - out.back()).norm() >= kSpacing) out.push_back(p);
+    if (out.empty() || i + 1 == line.size() || (p - out.back()).norm() >= kSpacing)
+      out.push_back(p);
   }
   return out;
 }
@@ -53,17 +55,20 @@ Json histogram(const std::vector<double>& seconds) {
   }
   if (micros.empty()) return nullptr;
   constexpr int kBins = 80;
-  const double low = *std::min_element(micros.begin(), micros.end()), high = std::max(percentile(micros, 0.999), low + 1e-3);
+  const double low = *std::min_element(micros.begin(), micros.end()),
+               high = std::max(percentile(micros, 0.999), low + 1e-3);
   std::vector<double> edges;
   std::vector<long> counts(kBins, 0);
   for (int k = 0; k <= kBins; ++k) edges.push_back(low + (high - low) * k / kBins);
-  for (const double m : micros) ++counts[std::min(kBins - 1, static_cast<int>((m - low) / (high - low) * kBins))];
+  for (const double m : micros)
+    ++counts[std::min(kBins - 1, static_cast<int>((m - low) / (high - low) * kBins))];
   return {{"edges", edges}, {"counts", counts}};
 }
 
 }  // namespace
 
-Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v, std::size_t points) {
+Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v,
+                  std::size_t points) {
   Envelope e;
   const std::size_t n = t.size(), bins = std::max<std::size_t>(1, points / 2);
   const auto add = [&](std::size_t i, double value) {
@@ -100,14 +105,18 @@ Json plot_series(const RunData& run, const Drawn& drawn, std::size_t points) {
   std::vector<Line2d> ink, target;
   for (const auto& line : drawn.targets) target.push_back(from_above(line));
   for (const InkLine& line : drawn.lines) {
-    ink.push_back(from_above(std::span(run.contact_point).subspan(line.begin, line.end - line.begin)));
+    ink.push_back(
+        from_above(std::span(run.contact_point).subspan(line.begin, line.end - line.begin)));
     if (line.stroke < 0) continue;
     for (std::size_t i = line.begin; i + 1 < line.end; ++i) {
-      speed[i] = 1e3 * (run.contact_point[i + 1] - run.contact_point[i]).norm() / (run.time[i + 1] - run.time[i]);
+      speed[i] = 1e3 * (run.contact_point[i + 1] - run.contact_point[i]).norm() /
+                 (run.time[i + 1] - run.time[i]);
     }
   }
   const auto series = [&](const auto& v, double scale, double decimals) {
-    return to_json(envelope(run.time, [&](std::size_t i) { return scale * v[i]; }, points), decimals);
+    return to_json(envelope(
+                       run.time, [&](std::size_t i) { return scale * v[i]; }, points),
+                   decimals);
   };
   Json out;
   out["force"] = series(run.f, 1.0, 4);
@@ -120,7 +129,8 @@ Json plot_series(const RunData& run, const Drawn& drawn, std::size_t points) {
   out["mode"] = series(run.mode, 1.0, 0);
   out["mode_names"] = run.mode_names;
   out["strokes"] = Json::array();
-  for (const StrokeSpan& span : drawn.spans) out["strokes"].push_back({run.time[span.begin], run.time[span.end - 1]});
+  for (const StrokeSpan& span : drawn.spans)
+    out["strokes"].push_back({run.time[span.begin], run.time[span.end - 1]});
   out["step_time"] = histogram(run.step_time);
   out["target"] = lines_to_json(std::move(target));
   out["ink"] = lines_to_json(std::move(ink));

@@ -1,4 +1,5 @@
-// What the plots of a report show, thinned to what a page can show and no peak lost: each bin of rows leaves its least and largest value.
+// What the plots of a report show, thinned to what a page can show and no peak lost: each bin of
+// rows leaves its least and largest value.
 #pragma once
 
 #include <functional>
@@ -7,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "impedraw/metrics/ink_match.h"
 #include "impedraw/log/run_data.h"
+#include "impedraw/metrics/ink_match.h"
 
 namespace impedraw {
 
@@ -16,12 +17,14 @@ struct Envelope {
   std::vector<double> t, v;  // in order of time; NaN where a whole bin had no value
 };
 
-// At most about `points` points: of each bin the least and the largest value, each at its own time. Short series stay whole.
-// v(i) is the value at t[i].
-Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v, std::size_t points);
+// At most about `points` points: of each bin the least and the largest value, each at its own time.
+// Short series stay whole. v(i) is the value at t[i].
+Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v,
+                  std::size_t points);
 
-// force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of its limit, the joint where that is most], mode:
-// {t, v}; mode_names; strokes: [[begin, end] in s]; step_time: {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
+// force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of its limit,
+// the joint where that is most], mode: {t, v}; mode_names; strokes: [[begin, end] in s]; step_time:
+// {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
 nlohmann::json plot_series(const RunData& run, const Drawn& drawn, std::size_t points = 3000);
 
 }  // namespace impedraw

@@ -53,15 +53,20 @@ class Chains {
   std::map<long, std::vector<int>> at_;
 };
 
-void rasterise(Relief& r, const std::vector<Eigen::Vector3d>& seen, const std::vector<Eigen::Vector3i>& triangles) {
+void rasterise(Relief& r, const std::vector<Eigen::Vector3d>& seen,
+               const std::vector<Eigen::Vector3i>& triangles) {
   const double du = r.area.sizes().x() / r.columns, dv = r.area.sizes().y() / r.rows;
   r.height = Eigen::MatrixXd::Constant(r.rows, r.columns, kNothing);
   for (const Eigen::Vector3i& t : triangles) {
     const Eigen::Vector3d &a = seen[t[0]], &b = seen[t[1]], &c = seen[t[2]];
     const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
     if (area == 0.0) continue;
-    const auto column = [&](double u) { return static_cast<int>(std::floor((u - r.area.min().x()) / du)); };
-    const auto row = [&](double v) { return static_cast<int>(std::floor((v - r.area.min().y()) / dv)); };
+    const auto column = [&](double u) {
+      return static_cast<int>(std::floor((u - r.area.min().x()) / du));
+    };
+    const auto row = [&](double v) {
+      return static_cast<int>(std::floor((v - r.area.min().y()) / dv));
+    };
     const auto [u_min, u_max] = std::minmax({a.x(), b.x(), c.x()});
     const auto [v_min, v_max] = std::minmax({a.y(), b.y(), c.y()});
     for (int i = std::max(0, row(v_min)); i <= std::min(r.rows - 1, row(v_max)); ++i) {
@@ -88,16 +93,19 @@ std::vector<Relief::Line> contours_at(const Relief& r, double level) {
       Eigen::Vector2d points[4];
       int crossings = 0;
       for (int k = 0; k < 4; ++k) {
-        const int i0 = i + di[k], j0 = j + dj[k], i1 = i + di[(k + 1) % 4], j1 = j + dj[(k + 1) % 4];
+        const int i0 = i + di[k], j0 = j + dj[k], i1 = i + di[(k + 1) % 4],
+                  j1 = j + dj[(k + 1) % 4];
         const double h0 = r.height(i0, j0) - level, h1 = r.height(i1, j1) - level;
         if (!std::isfinite(h0 + h1) || (h0 < 0.0) == (h1 < 0.0)) continue;
         const double t = h0 / (h0 - h1);
         const double row = i0 + 0.5 + t * (i1 - i0), column = j0 + 0.5 + t * (j1 - j0);
         points[crossings] = r.area.min() + Eigen::Vector2d(column * du, row * dv);
         // An edge's key: its upper left corner, and whether it runs down.
-        keys[crossings++] = 2L * (static_cast<long>(std::min(i0, i1)) * r.columns + std::min(j0, j1)) + (i0 != i1);
+        keys[crossings++] =
+            2L * (static_cast<long>(std::min(i0, i1)) * r.columns + std::min(j0, j1)) + (i0 != i1);
       }
-      for (int k = 0; k + 1 < crossings; k += 2) chains.add(keys[k], points[k], keys[k + 1], points[k + 1]);
+      for (int k = 0; k + 1 < crossings; k += 2)
+        chains.add(keys[k], points[k], keys[k + 1], points[k + 1]);
     }
   }
   return chains.lines();
@@ -112,17 +120,22 @@ double Relief::shade(int row, int column) const {
     const int i0 = std::max(row - di, 0), i1 = std::min(row + di, rows - 1);
     const int j0 = std::max(column - dj, 0), j1 = std::min(column + dj, columns - 1);
     const double before = height(i0, j0), after = height(i1, j1);
-    if (std::isfinite(before) && std::isfinite(after)) return (after - before) / (step * ((i1 - i0) + (j1 - j0)));
-    if (std::isfinite(after)) return (after - here) / (step * std::max(1, (i1 - row) + (j1 - column)));
-    if (std::isfinite(before)) return (here - before) / (step * std::max(1, (row - i0) + (column - j0)));
+    if (std::isfinite(before) && std::isfinite(after))
+      return (after - before) / (step * ((i1 - i0) + (j1 - j0)));
+    if (std::isfinite(after))
+      return (after - here) / (step * std::max(1, (i1 - row) + (j1 - column)));
+    if (std::isfinite(before))
+      return (here - before) / (step * std::max(1, (row - i0) + (column - j0)));
     return 0.0;
   };
-  const Eigen::Vector3d normal =
-      Eigen::Vector3d(-slope(0, 1, area.sizes().x() / columns), -slope(1, 0, area.sizes().y() / rows), 1.0).normalized();
+  const Eigen::Vector3d normal = Eigen::Vector3d(-slope(0, 1, area.sizes().x() / columns),
+                                                 -slope(1, 0, area.sizes().y() / rows), 1.0)
+                                     .normalized();
   return std::max(0.0, normal.dot(Eigen::Vector3d(-0.45, -0.6, 0.66).normalized()));
 }
 
-Relief make_relief(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Eigen::Vector3i>& triangles,
+Relief make_relief(const std::vector<Eigen::Vector3d>& vertices,
+                   const std::vector<Eigen::Vector3i>& triangles,
                    const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& view, int cells) {
   Relief r;
   std::vector<Eigen::Vector3d> seen;
@@ -143,7 +156,8 @@ Relief make_relief(const std::vector<Eigen::Vector3d>& vertices, const std::vect
     r.contour_step = step;
     if ((high - low) / step <= 9.0) break;
   }
-  for (double level = std::ceil((low + 1e-3) / r.contour_step) * r.contour_step; level < high; level += r.contour_step) {
+  for (double level = std::ceil((low + 1e-3) / r.contour_step) * r.contour_step; level < high;
+       level += r.contour_step) {
     for (Relief::Line& line : contours_at(r, level)) r.contours.push_back(std::move(line));
   }
 
@@ -153,7 +167,8 @@ Relief make_relief(const std::vector<Eigen::Vector3d>& vertices, const std::vect
   }
   Chains chains;
   for (const auto& [edge, count] : sides) {
-    if (count == 1) chains.add(edge.first, seen[edge.first].head<2>(), edge.second, seen[edge.second].head<2>());
+    if (count == 1)
+      chains.add(edge.first, seen[edge.first].head<2>(), edge.second, seen[edge.second].head<2>());
   }
   r.outline = chains.lines();
   return r;

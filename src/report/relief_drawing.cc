@@ -25,13 +25,17 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, r.columns, r.rows);
   cairo_surface_flush(image);
   for (int i = 0; i < r.rows; ++i) {
-    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) + i * cairo_image_surface_get_stride(image));
+    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
+                                                    i * cairo_image_surface_get_stride(image));
     for (int j = 0; j < r.columns; ++j) {
       const double light = r.shade(i, j);
       const auto channel = [light](double dark, double bright) {
-        return static_cast<std::uint32_t>(std::lround(255.0 * (dark + (bright - dark) * std::min(light, 1.0))));
+        return static_cast<std::uint32_t>(
+            std::lround(255.0 * (dark + (bright - dark) * std::min(light, 1.0))));
       };
-      pixels[j] = std::isfinite(light) ? 0xff000000u | channel(0.80, 0.995) << 16 | channel(0.77, 0.985) << 8 | channel(0.71, 0.96) : 0u;
+      pixels[j] = std::isfinite(light) ? 0xff000000u | channel(0.80, 0.995) << 16 |
+                                             channel(0.77, 0.985) << 8 | channel(0.71, 0.96)
+                                       : 0u;
     }
   }
   cairo_surface_mark_dirty(image);

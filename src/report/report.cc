@@ -27,36 +27,46 @@ std::string title_of(const RunData& run, const std::string& given) {
 
 Json definitions() {
   Json out = Json::array();
-  for (const MetricDefinition& d : metric_definitions()) out.push_back({{"name", d.name}, {"unit", d.unit}, {"meaning", d.meaning}});
+  for (const MetricDefinition& d : metric_definitions())
+    out.push_back({{"name", d.name}, {"unit", d.unit}, {"meaning", d.meaning}});
   return out;
 }
 
-std::string existing(const std::filesystem::path& path) { return std::filesystem::exists(path) ? path.string() : ""; }
+std::string existing(const std::filesystem::path& path) {
+  return std::filesystem::exists(path) ? path.string() : "";
+}
 
 // Gives report.py its page as JSON in a file, which is removed afterwards.
 void make_page(const Json& page, const std::filesystem::path& out, const ReportSettings& settings) {
   std::string name = (std::filesystem::temp_directory_path() / "impedraw_page_XXXXXX").string();
   const int descriptor = mkstemp(name.data());
-  if (descriptor < 0) throw std::runtime_error("cannot write " + out.string() + ": no temporary file can be made in " + name);
+  if (descriptor < 0)
+    throw std::runtime_error("cannot write " + out.string() +
+                             ": no temporary file can be made in " + name);
   close(descriptor);
   std::ofstream(name) << page;
   const std::string python = settings.python.empty() ? IMPEDRAW_PYTHON : settings.python.string();
-  const char* const arguments[] = {python.c_str(), "-I", IMPEDRAW_REPORT_SCRIPT, name.c_str(), nullptr};
+  const char* const arguments[] = {python.c_str(), "-I", IMPEDRAW_REPORT_SCRIPT, name.c_str(),
+                                   nullptr};
   pid_t child = 0;
-  const int spawned = posix_spawnp(&child, python.c_str(), nullptr, nullptr, const_cast<char* const*>(arguments), environ);
+  const int spawned = posix_spawnp(&child, python.c_str(), nullptr, nullptr,
+                                   const_cast<char* const*>(arguments), environ);
   int status = 0;
   if (spawned == 0) waitpid(child, &status, 0);
   std::filesystem::remove(name);
-  if (spawned != 0) throw std::runtime_error(fmt::format("cannot write {}: {} does not start", out.string(), python));
+  if (spawned != 0)
+    throw std::runtime_error(
+        fmt::format("cannot write {}: {} does not start", out.string(), python));
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw std::runtime_error(fmt::format("cannot write {}: {} failed (its message is above)", out.string(), IMPEDRAW_REPORT_SCRIPT));
+    throw std::runtime_error(fmt::format("cannot write {}: {} failed (its message is above)",
+                                         out.string(), IMPEDRAW_REPORT_SCRIPT));
   }
 }
 
 }  // namespace
 
-void write_report(const std::filesystem::path& folder, const RunData& run, const Drawn& drawn, const Json& metrics,
-                  const ReportSettings& settings) {
+void write_report(const std::filesystem::path& folder, const RunData& run, const Drawn& drawn,
+                  const Json& metrics, const ReportSettings& settings) {
   Json page;
   page["kind"] = "run";
   page["out"] = (folder / "report.html").string();
@@ -71,7 +81,8 @@ void write_report(const std::filesystem::path& folder, const RunData& run, const
   make_page(page, folder / "report.html", settings);
 }
 
-void write_comparison(const ComparedRun& left, const ComparedRun& right, const std::filesystem::path& out, const ReportSettings& settings) {
+void write_comparison(const ComparedRun& left, const ComparedRun& right,
+                      const std::filesystem::path& out, const ReportSettings& settings) {
   Json page;
   page["kind"] = "comparison";
   page["out"] = (out / "compare.html").string();

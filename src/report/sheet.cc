@@ -11,11 +11,12 @@ namespace {
 
 constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75};
 
-// Sizes follow the picture's width, so that its text reads the same on the first screen of a README whatever was drawn.
+// Sizes follow the picture's width, so that its text reads the same on the first screen of a README
+// whatever was drawn.
 struct Layout {
-  double width, height;  // of the whole [mm]
-  double font;           // size [mm]
-  Eigen::Vector2d origin;  // of the frame's upper left corner
+  double width, height;                 // of the whole [mm]
+  double font;                          // size [mm]
+  Eigen::Vector2d origin;               // of the frame's upper left corner
   std::vector<Eigen::Vector2d> legend;  // where each entry begins (its text's baseline)
 };
 
@@ -26,7 +27,8 @@ double text_width(cairo_t* cr, const std::string& text) {
 }
 
 void set_font(cairo_t* cr, double size, bool bold = false) {
-  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cr, size);
 }
 
@@ -65,14 +67,17 @@ double tick_step(double range) {
 
 void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   const Eigen::Vector2d size = sheet.area.sizes(), low = sheet.area.min(), high = sheet.area.max();
-  const double left = l.origin.x(), top = l.origin.y(), bottom = top + size.y(), tick = 0.4 * l.font;
+  const double left = l.origin.x(), top = l.origin.y(), bottom = top + size.y(),
+               tick = 0.4 * l.font;
   const double step = tick_step(size.maxCoeff());
   cairo_set_line_width(cr, 0.06 * l.font);
   set_colour(cr, kFrame);
   cairo_rectangle(cr, left, top, size.x(), size.y());
   cairo_stroke(cr);
   set_font(cr, 0.85 * l.font);
-  const auto label = [](double value) { return fmt::format("{}{:.0f}", value < -0.5 ? "−" : "", std::abs(value)); };
+  const auto label = [](double value) {
+    return fmt::format("{}{:.0f}", value < -0.5 ? "−" : "", std::abs(value));
+  };
   for (double c = std::ceil(low.x() / step) * step; c <= high.x() + 1e-9; c += step) {
     const double x = left + c - low.x();
     set_colour(cr, kFrame);
@@ -134,14 +139,19 @@ void draw(const Sheet& sheet, const Layout& l, cairo_t* cr) {
 }
 
 void require(cairo_status_t status, const std::filesystem::path& path) {
-  if (status != CAIRO_STATUS_SUCCESS) throw std::runtime_error("cannot write " + path.string() + ": " + cairo_status_to_string(status));
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw std::runtime_error("cannot write " + path.string() + ": " +
+                             cairo_status_to_string(status));
 }
 
 }  // namespace
 
-void set_colour(cairo_t* cr, const Colour& colour, double alpha) { cairo_set_source_rgba(cr, colour.r, colour.g, colour.b, alpha); }
+void set_colour(cairo_t* cr, const Colour& colour, double alpha) {
+  cairo_set_source_rgba(cr, colour.r, colour.g, colour.b, alpha);
+}
 
-void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size, int png_width, const std::function<void(cairo_t*)>& draw) {
+void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size,
+                       int png_width, const std::function<void(cairo_t*)>& draw) {
   std::filesystem::path path = stem;
   path += ".svg";
   cairo_surface_t* svg = cairo_svg_surface_create(path.c_str(), size.x(), size.y());
@@ -157,7 +167,8 @@ void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d&
   path = stem;
   path += ".png";
   const double scale = png_width / size.x();
-  cairo_surface_t* png = cairo_image_surface_create(CAIRO_FORMAT_RGB24, png_width, static_cast<int>(std::lround(scale * size.y())));
+  cairo_surface_t* png = cairo_image_surface_create(
+      CAIRO_FORMAT_RGB24, png_width, static_cast<int>(std::lround(scale * size.y())));
   cr = cairo_create(png);
   cairo_scale(cr, scale, scale);
   draw(cr);
@@ -174,7 +185,8 @@ void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_
   cairo_destroy(cr);
   cairo_surface_destroy(measure);
 
-  write_svg_and_png(stem, {layout.width, layout.height}, png_width, [&](cairo_t* on) { draw(sheet, layout, on); });
+  write_svg_and_png(stem, {layout.width, layout.height}, png_width,
+                    [&](cairo_t* on) { draw(sheet, layout, on); });
 }
 
 }  // namespace impedraw

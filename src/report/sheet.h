@@ -1,4 +1,5 @@
-// A Cairo drawing that is the same on SVG and PNG: a titled frame with millimetre axes and a legend. Private to src/report.
+// A Cairo drawing that is the same on SVG and PNG: a titled frame with millimetre axes and a
+// legend. Private to src/report.
 #pragma once
 
 #include <filesystem>
@@ -25,18 +26,21 @@ struct LegendEntry {
 
 struct Sheet {
   std::string title, subtitle;
-  Eigen::AlignedBox2d area;          // shown inside the frame, view coordinates (u right, v down) [mm]
-  std::string u_name, v_name;        // axis titles
-  double u_sign = 1.0, v_sign = 1.0; // a tick at view coordinate c is labelled sign · c
+  Eigen::AlignedBox2d area;    // shown inside the frame, view coordinates (u right, v down) [mm]
+  std::string u_name, v_name;  // axis titles
+  double u_sign = 1.0, v_sign = 1.0;  // a tick at view coordinate c is labelled sign · c
   std::vector<LegendEntry> legend;
   std::function<void(cairo_t*)> content;  // draws in view coordinates, clipped to the frame
 };
 
-// `stem`.svg, one unit a millimetre, and `stem`.png, png_width wide. Throws std::runtime_error naming the file when it cannot be written.
+// `stem`.svg, one unit a millimetre, and `stem`.png, png_width wide. Throws std::runtime_error
+// naming the file when it cannot be written.
 void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width);
 
-// What every such picture is written with: `draw` draws it whole, in millimetres, once for each kind; `size` is [mm]. Throws as write_sheet.
-void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size, int png_width, const std::function<void(cairo_t*)>& draw);
+// What every such picture is written with: `draw` draws it whole, in millimetres, once for each
+// kind; `size` is [mm]. Throws as write_sheet.
+void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size,
+                       int png_width, const std::function<void(cairo_t*)>& draw);
 
 void set_colour(cairo_t* cr, const Colour& colour, double alpha = 1.0);
 

@@ -18,9 +18,14 @@ const FaultSettings* fault_at(const Experiment& e, double time, FaultKind kind) 
 }
 
 ControlLoop::ControlLoop(Experiment& e, bool faults)
-    : e_(e), faults_(faults), controller_(e.control, e.arm.joints()),
-      wrench_(e.scenario.control.source, e.estimator, e.sensor, e.control.dt, static_cast<std::uint64_t>(e.scenario.seed)),
-      terms_(e.arm.joints()), q_(e.start_q), v_(JointVector::Zero(e.arm.joints())) {}
+    : e_(e),
+      faults_(faults),
+      controller_(e.control, e.arm.joints()),
+      wrench_(e.scenario.control.source, e.estimator, e.sensor, e.control.dt,
+              static_cast<std::uint64_t>(e.scenario.seed)),
+      terms_(e.arm.joints()),
+      q_(e.start_q),
+      v_(JointVector::Zero(e.arm.joints())) {}
 
 const ImpedanceTorque& ControlLoop::step(const World& world, const TipGoal& goal) noexcept {
   const double t = world.state().time;
@@ -37,7 +42,8 @@ const ImpedanceTorque& ControlLoop::step(const World& world, const TipGoal& goal
   e_.arm.compute(q_, v_, &terms_);
   if (e_.perception) {
     const bool coupled = e_.control.inertia != InertiaShaping::shaped;
-    surface_ = e_.perception->estimate(coupled && on_surface_ ? surface_query(terms_.X_WE.p, goal.p_WD, n_) : terms_.X_WE.p);
+    surface_ = e_.perception->estimate(
+        coupled && on_surface_ ? surface_query(terms_.X_WE.p, goal.p_WD, n_) : terms_.X_WE.p);
   }
   if (e_.perception && fault(t, FaultKind::no_cloud)) surface_.status = SurfaceStatus::too_few;
   if (!fault(t, FaultKind::stale_wrench)) {

@@ -1,14 +1,15 @@
 // The controller and all that feeds it, with the faults that the scenario puts in between.
 #pragma once
 
+#include "impedraw/control/impedance.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/faults.h"
 #include "impedraw/experiment/wrench_input.h"
-#include "impedraw/control/impedance.h"
 
 namespace impedraw {
 
-// When that share of the way from the plan's first stroke's start to its last one's end is over [s].
+// When that share of the way from the plan's first stroke's start to its last one's end is over
+// [s].
 double time_at(const Experiment& e, double share);
 
 // The scenario's fault of that kind that is on at that time, or none.
@@ -27,7 +28,9 @@ class ControlLoop {
   const SurfaceEstimate& surface() const { return surface_; }
 
  private:
-  const FaultSettings* fault(double time, FaultKind kind) const { return faults_ ? fault_at(e_, time, kind) : nullptr; }
+  const FaultSettings* fault(double time, FaultKind kind) const {
+    return faults_ ? fault_at(e_, time, kind) : nullptr;
+  }
 
   Experiment& e_;
   bool faults_;

@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
-#include "impedraw/terminal/interrupt.h"
 #include "impedraw/experiment/plan_summary.h"
-#include "impedraw/terminal/progress.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/settings/yaml_write.h"
-#include "impedraw/common/errors.h"
+#include "impedraw/terminal/interrupt.h"
+#include "impedraw/terminal/progress.h"
 
 namespace impedraw {
 
@@ -23,7 +23,10 @@ nlohmann::ordered_json parts_json(const Experiment& e, const std::vector<StrokeP
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const StrokePart& part : parts) {
     const StrokePlace from = place_on(e.strokes[static_cast<std::size_t>(part.stroke)], part.from);
-    list.push_back({{"stroke", part.stroke}, {"from_mm", 1e3 * part.from}, {"to_mm", 1e3 * part.to}, {"page_mm", {from.page.x(), from.page.y()}}});
+    list.push_back({{"stroke", part.stroke},
+                    {"from_mm", 1e3 * part.from},
+                    {"to_mm", 1e3 * part.to},
+                    {"page_mm", {from.page.x(), from.page.y()}}});
   }
   return list;
 }
@@ -48,7 +51,8 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
   make_folder(folder);
   std::optional<Resumption> resumption;
   if (resume) resumption = read_resumption(experiment, folder / "run.h5");
-  for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg", "ink_page.png", "strokes.json"})
+  for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
+                            "ink_page.svg", "ink_page.png", "strokes.json"})
     fs::remove(folder / stale);
   if (!resume) fs::remove(folder / "run.h5");
 
@@ -58,10 +62,13 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     ProgressLine line;
     RunHooks hooks;
     hooks.interrupted = [&] { return interrupt.requested(); };
-    hooks.progress = [&](const RunProgress& p) { line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again}); };
+    hooks.progress = [&](const RunProgress& p) {
+      line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again});
+    };
     try {
       write_file(folder / "scenario.yaml", settings_yaml(experiment.scenario));
-      drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
+      drawing.outcome =
+          run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
     } catch (...) {
       // Without a log it is no run, and the next one would be refused the folder.
       if (!fs::exists(folder / "run.h5")) fs::remove(folder / "scenario.yaml");
@@ -69,24 +76,30 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     }
   }
   write_strokes(folder, experiment, drawing.outcome);
-  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork.target, experiment.placement, experiment.X_WP);
+  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork.target,
+                                  experiment.placement, experiment.X_WP);
   return drawing;
 }
 
-Experiment prepare_visibly(const Scenario& scenario, const Places& places, Unreachable unreachable) {
+Experiment prepare_visibly(const Scenario& scenario, const Places& places,
+                           Unreachable unreachable) {
   ProgressLine line;
-  return prepare(scenario, places, unreachable, [&line](const char* what, double share) { line.update(what, share); });
+  return prepare(scenario, places, unreachable,
+                 [&line](const char* what, double share) { line.update(what, share); });
 }
 
 void print_notes(const Experiment& experiment) {
   constexpr std::size_t kMost = 20;
-  for (std::size_t i = 0; i < experiment.notes.size() && i < kMost; ++i) fmt::print(stderr, "note: {}\n", experiment.notes[i]);
-  if (experiment.notes.size() > kMost) fmt::print(stderr, "note: and {} more, in strokes.json\n", experiment.notes.size() - kMost);
+  for (std::size_t i = 0; i < experiment.notes.size() && i < kMost; ++i)
+    fmt::print(stderr, "note: {}\n", experiment.notes[i]);
+  if (experiment.notes.size() > kMost)
+    fmt::print(stderr, "note: and {} more, in strokes.json\n", experiment.notes.size() - kMost);
 }
 
 std::string met_line(const RunOutcome& outcome) {
   std::string text;
-  for (const auto& [name, seconds] : outcome.met) text += fmt::format("{}{} {:.3g} s", text.empty() ? "status  " : ", ", name, seconds);
+  for (const auto& [name, seconds] : outcome.met)
+    text += fmt::format("{}{} {:.3g} s", text.empty() ? "status  " : ", ", name, seconds);
   return text.empty() ? text : text + "\n";
 }
 
@@ -95,14 +108,20 @@ std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {
   const auto counted = [](std::size_t n) { return fmt::format("{} part{}", n, n == 1 ? "" : "s"); };
   std::string text;
   if (!outcome.drawn_again.empty())
-    text = fmt::format("ink     {}, {:.1f} mm, got none at first and {} drawn again; {}\n", counted(outcome.drawn_again.size()),
-                       total_mm(outcome.drawn_again), outcome.drawn_again.size() == 1 ? "was" : "were",
-                       outcome.lacking.empty() ? "all of it has ink now" : fmt::format("{} still lack it:", counted(outcome.lacking.size())));
-  else text = fmt::format("ink     {}, {:.1f} mm, got none:\n", counted(outcome.lacking.size()), total_mm(outcome.lacking));
+    text = fmt::format("ink     {}, {:.1f} mm, got none at first and {} drawn again; {}\n",
+                       counted(outcome.drawn_again.size()), total_mm(outcome.drawn_again),
+                       outcome.drawn_again.size() == 1 ? "was" : "were",
+                       outcome.lacking.empty()
+                           ? "all of it has ink now"
+                           : fmt::format("{} still lack it:", counted(outcome.lacking.size())));
+  else
+    text = fmt::format("ink     {}, {:.1f} mm, got none:\n", counted(outcome.lacking.size()),
+                       total_mm(outcome.lacking));
   for (const StrokePart& part : outcome.lacking) {
     const StrokePlace from = place_on(e.strokes[static_cast<std::size_t>(part.stroke)], part.from);
-    text += fmt::format("        stroke {}, {:.1f} to {:.1f} mm of it, from page ({:.1f}, {:.1f}) mm\n", part.stroke, 1e3 * part.from,
-                        1e3 * part.to, from.page.x(), from.page.y());
+    text +=
+        fmt::format("        stroke {}, {:.1f} to {:.1f} mm of it, from page ({:.1f}, {:.1f}) mm\n",
+                    part.stroke, 1e3 * part.from, 1e3 * part.to, from.page.x(), from.page.y());
   }
   return text;
 }

@@ -16,14 +16,20 @@ struct Drawing {
 };
 
 // start_up: seconds it took to prepare. `resume`: go on with the run that the folder holds.
-Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up, bool resume = false);
+Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
+                  bool resume = false);
 
 // As prepare() with a line on a terminal that tells how far it is.
-Experiment prepare_visibly(const Scenario& scenario, const Places& places, Unreachable unreachable = Unreachable::refuse);
+Experiment prepare_visibly(const Scenario& scenario, const Places& places,
+                           Unreachable unreachable = Unreachable::refuse);
 
-void print_notes(const Experiment& experiment);         // on stderr
-std::string met_line(const RunOutcome& outcome);         // what the controller said of itself while it drew, where that was not all well
-std::string ink_lines(const Experiment& experiment, const RunOutcome& outcome);  // what was drawn again, and what still has no ink
-int exit_code(const RunOutcome& outcome);                // says on stderr why it did not finish
+void print_notes(const Experiment& experiment);  // on stderr
+std::string met_line(
+    const RunOutcome&
+        outcome);  // what the controller said of itself while it drew, where that was not all well
+std::string ink_lines(
+    const Experiment& experiment,
+    const RunOutcome& outcome);            // what was drawn again, and what still has no ink
+int exit_code(const RunOutcome& outcome);  // says on stderr why it did not finish
 
 }  // namespace impedraw

@@ -12,7 +12,8 @@ class LiftOut {
   static constexpr double kDuration = 1.0;  // [s]
   static constexpr double kHeight = 0.03;   // [m]
 
-  LiftOut(double start, const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W) : start_(start), p_(p_WE), n_(n_W) {}
+  LiftOut(double start, const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W)
+      : start_(start), p_(p_WE), n_(n_W) {}
 
   bool done(double t) const { return t >= start_ + kDuration; }
   // Minimum-jerk from rest to rest.

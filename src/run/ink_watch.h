@@ -1,5 +1,6 @@
-// Which parts of the strokes have ink, by what the arm itself knows: contact state and measured force. No simulator's truth in it.
-// A hand that lifts the pen with the force of the push reads as the surface does: until the contact state has noticed, that is taken for ink.
+// Which parts of the strokes have ink, by what the arm itself knows: contact state and measured
+// force. No simulator's truth in it. A hand that lifts the pen with the force of the push reads as
+// the surface does: until the contact state has noticed, that is taken for ink.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,8 @@ namespace impedraw {
 
 class InkWatch {
  public:
-  // What counts as a pen that writes: in contact, and where the force is measured, this much of the push [N].
+  // What counts as a pen that writes: in contact, and where the force is measured, this much of the
+  // push [N].
   static double least_force(double push) { return std::max(0.3, 0.1 * push); }
 
   // In the order in which they are drawn. `stroke` < 0: the plan is drawing none.

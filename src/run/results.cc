@@ -9,8 +9,9 @@
 
 namespace impedraw {
 
-nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario, const Artwork& artwork,
-                                     const Placement& placement, const Pose& X_WP) {
+nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario,
+                                     const Artwork& artwork, const Placement& placement,
+                                     const Pose& X_WP) {
   const RunData run = read_run(folder / "run.h5");
   const Drawn drawn = match_ink(run);
   const nlohmann::ordered_json metrics = compute_metrics(run, drawn);
@@ -20,7 +21,8 @@ nlohmann::ordered_json write_results(const std::filesystem::path& folder, const 
   picture.target_width = 2.6 * scenario.pen.width;
   picture.R_WP = X_WP.R;
   write_ink_top(run, drawn, folder / "ink_top", picture);
-  const auto to_page = [&placement, X_PW = X_WP.inverse()](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
+  const auto to_page = [&placement,
+                        X_PW = X_WP.inverse()](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     return placement.to_page((X_PW * p_W).head<2>());
   };
   write_ink_page(run, drawn, to_page, artwork.page, folder / "ink_page", picture);

@@ -1,4 +1,5 @@
-// What a run's folder holds beside the log: metrics, pictures, report. All of it made from run.h5 and scenario.yaml.
+// What a run's folder holds beside the log: metrics, pictures, report. All of it made from run.h5
+// and scenario.yaml.
 #pragma once
 
 #include <filesystem>
@@ -6,15 +7,16 @@
 
 #include <nlohmann/json.hpp>
 
-#include "impedraw/experiment/scenario.h"
 #include "impedraw/drawing/placement.h"
+#include "impedraw/experiment/scenario.h"
 
 namespace impedraw {
 
-// Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5; returns the metrics.
-// X_WP: the drawing frame, along whose z the pictures look.
-nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario, const Artwork& artwork,
-                                     const Placement& placement, const Pose& X_WP);
+// Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5;
+// returns the metrics. X_WP: the drawing frame, along whose z the pictures look.
+nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario,
+                                     const Artwork& artwork, const Placement& placement,
+                                     const Pose& X_WP);
 
 // The numbers as a table for the terminal.
 std::string metrics_table(const nlohmann::ordered_json& metrics);

@@ -4,24 +4,30 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/run/run.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/log/resume_log.h"
+#include "impedraw/run/run.h"
 
 namespace impedraw {
 
 Resumption read_resumption(const Experiment& e, const std::filesystem::path& log_file) {
   const DrawnBefore before = read_drawn(log_file);
-  if (before.rows.empty()) throw InputError(fmt::format("{}: holds no step to go on from; start without --resume", log_file.string()));
+  if (before.rows.empty())
+    throw InputError(
+        fmt::format("{}: holds no step to go on from; start without --resume", log_file.string()));
   if (before.joint_position.size() != e.arm.joints())
-    throw InputError(fmt::format("{}: is of an arm with {} joints, this one has {}", log_file.string(), before.joint_position.size(), e.arm.joints()));
+    throw InputError(fmt::format("{}: is of an arm with {} joints, this one has {}",
+                                 log_file.string(), before.joint_position.size(), e.arm.joints()));
   Resumption resumption;
   for (const DrawnRow& row : before.rows) {
     if (row.stroke >= static_cast<int>(e.strokes.size()))
-      throw InputError(fmt::format("{}: has a stroke {}, the drawing only {}", log_file.string(), row.stroke, e.strokes.size()));
+      throw InputError(fmt::format("{}: has a stroke {}, the drawing only {}", log_file.string(),
+                                   row.stroke, e.strokes.size()));
     // Blind, the log has no normal to tell the force along: it is taken to have written.
-    const double force = !e.perception && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
-    resumption.ink.add(row.stroke, row.stroke_along, writes(e, static_cast<ContactMode>(row.mode), force));
+    const double force =
+        !e.perception && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
+    resumption.ink.add(row.stroke, row.stroke_along,
+                       writes(e, static_cast<ContactMode>(row.mode), force));
   }
   resumption.q = before.joint_position;
   resumption.time = before.rows.back().time + e.scenario.world.dt;

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/control/step_watchdog.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/emergency_lift.h"
 #include "impedraw/terminal/clock.h"
-#include "impedraw/control/step_watchdog.h"
 
 namespace impedraw {
 
@@ -53,11 +53,12 @@ Eigen::Vector3d push_on_pen(const Experiment& e, double time, const Eigen::Vecto
 
 void count_status(const ControlStatus& status, double dt, std::map<std::string, double>* met) {
   if (status.ok()) return;
-  const std::pair<const char*, bool> all[] = {{"bad_input", status.bad_input},         {"stale_state", status.stale_state},
-                                              {"stale_wrench", status.stale_wrench},   {"near_singular", status.near_singular},
-                                              {"torque_limited", status.torque_limited}, {"speed_limited", status.speed_limited},
-                                              {"joint_limit", status.joint_limit},     {"surface_lost", status.surface_lost},
-                                              {"damping_limit", status.damping_limit}};
+  const std::pair<const char*, bool> all[] = {
+      {"bad_input", status.bad_input},           {"stale_state", status.stale_state},
+      {"stale_wrench", status.stale_wrench},     {"near_singular", status.near_singular},
+      {"torque_limited", status.torque_limited}, {"speed_limited", status.speed_limited},
+      {"joint_limit", status.joint_limit},       {"surface_lost", status.surface_lost},
+      {"damping_limit", status.damping_limit}};
   for (const auto& [name, set] : all)
     if (set) (*met)[name] += dt;
 }
@@ -70,7 +71,9 @@ class Odometer {
   }
   void read(double t, RunProgress* progress) const {
     const auto& strokes = path_.strokes();
-    const auto begun = std::upper_bound(strokes.begin(), strokes.end(), t, [](double at, const StrokeTimes& s) { return at < s.approach; });
+    const auto begun =
+        std::upper_bound(strokes.begin(), strokes.end(), t,
+                         [](double at, const StrokeTimes& s) { return at < s.approach; });
     const auto i = static_cast<std::size_t>(begun - strokes.begin());
     progress->stroke = static_cast<int>(i);
     progress->strokes = static_cast<int>(strokes.size());
@@ -78,7 +81,8 @@ class Odometer {
     progress->drawn = before_[i];
     if (i == 0) return;
     const StrokeTimes& s = strokes[i - 1];
-    const double share = s.end > s.start ? std::clamp((t - s.start) / (s.end - s.start), 0.0, 1.0) : (t >= s.end ? 1.0 : 0.0);
+    const double share = s.end > s.start ? std::clamp((t - s.start) / (s.end - s.start), 0.0, 1.0)
+                                         : (t >= s.end ? 1.0 : 0.0);
     progress->drawn -= (1.0 - share) * s.length;
   }
 
@@ -89,9 +93,15 @@ class Odometer {
 
 class Runner {
  public:
-  Runner(Experiment& e, const std::filesystem::path& log_file, const RunHooks& hooks, const Resumption* resumption)
-      : e_(e), hooks_(hooks), first_time_(resumption ? resumption->time : 0.0), loop_(e, !resumption),
-        log_(resumption ? RunLog::append_to(log_file, make_header(e)) : RunLog(log_file, make_header(e))), row_(e.arm.joints()) {
+  Runner(Experiment& e, const std::filesystem::path& log_file, const RunHooks& hooks,
+         const Resumption* resumption)
+      : e_(e),
+        hooks_(hooks),
+        first_time_(resumption ? resumption->time : 0.0),
+        loop_(e, !resumption),
+        log_(resumption ? RunLog::append_to(log_file, make_header(e))
+                        : RunLog(log_file, make_header(e))),
+        row_(e.arm.joints()) {
     if (resumption) ink_ = resumption->ink;
   }
 
@@ -108,7 +118,8 @@ class Runner {
       if (!step(wanted)) return;
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
-        stop(RunEnd::interrupted, fmt::format("interrupted at t = {:.3f} s; the pen was lifted", t));
+        stop(RunEnd::interrupted,
+             fmt::format("interrupted at t = {:.3f} s; the pen was lifted", t));
         lift();
       }
       if (!hooks_.progress) continue;
@@ -128,8 +139,10 @@ class Runner {
     World& world = *e_.world;
     const double dt = e_.scenario.world.dt, t = world.state().time;
     const auto step_start = Clock::now();
-    // A step that takes long leaves the drives with the torque that they have; the loop's next input is what there is then.
-    double step_time = 0.0;  // as the watchdog is told: the simulator waits for the controller, so only what a fault adds
+    // A step that takes long leaves the drives with the torque that they have; the loop's next
+    // input is what there is then.
+    // as the watchdog is told: the simulator waits for the controller, so only what a fault adds
+    double step_time = 0.0;
     if (first_time_ == 0.0 && fault_at(e_, t, FaultKind::slow_step)) {
       stalled_ += dt;
     } else {
@@ -139,7 +152,8 @@ class Runner {
     row_.step_time = seconds_since(step_start);
 
     Eigen::Vector3d push = Eigen::Vector3d::Zero();
-    if (!e_.scenario.pushes.empty() && first_time_ == 0.0) push = push_on_pen(e_, t, e_.canvas->closest(world.state().X_WE.p).n_W);
+    if (!e_.scenario.pushes.empty() && first_time_ == 0.0)
+      push = push_on_pen(e_, t, e_.canvas->closest(world.state().X_WE.p).n_W);
     fill_row(world.state(), wanted);
     const Eigen::Vector3d p_WE = world.state().X_WE.p;
     const TipContact& contact = world.step(out_.tau, push);
@@ -153,7 +167,8 @@ class Runner {
     F_true << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
     loop_.wrench().set_true(F_true);
     count_status(out_.status, dt, &outcome_.met);
-    ink_.add(wanted.stroke, wanted.along, writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)));
+    ink_.add(wanted.stroke, wanted.along,
+             writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)));
 
     const std::string lost = lost_control(t);
     if (!lost.empty()) {
@@ -161,7 +176,8 @@ class Runner {
       return false;
     }
     if (watchdog_.update(step_time)) {
-      stop(RunEnd::stopped, fmt::format("a control step took too long at t = {:.3f} s; the pen was lifted", t));
+      stop(RunEnd::stopped,
+           fmt::format("a control step took too long at t = {:.3f} s; the pen was lifted", t));
       lift();
     }
     return true;
@@ -177,9 +193,12 @@ class Runner {
     row_.tip_orientation = Eigen::Quaterniond(state.X_WE.R);
     row_.tip_velocity = state.V_WE;
     row_.desired_position = out_.p_WD;
-    // The frame that the tip is asked into: −z along the wanted normal, turned about it as the tip is now.
-    row_.desired_orientation = Eigen::Quaterniond::FromTwoVectors(state.X_WE.R.col(2), -out_.n_WD) * row_.tip_orientation;
-    row_.wrench_measured = e_.control.wrench == WrenchFeedback::measured ? loop_.F_ext() : Wrench(Wrench::Zero());
+    // The frame that the tip is asked into: −z along the wanted normal, turned about it as the tip
+    // is now.
+    row_.desired_orientation =
+        Eigen::Quaterniond::FromTwoVectors(state.X_WE.R.col(2), -out_.n_WD) * row_.tip_orientation;
+    row_.wrench_measured =
+        e_.control.wrench == WrenchFeedback::measured ? loop_.F_ext() : Wrench(Wrench::Zero());
     const bool known = loop_.surface().status == SurfaceStatus::ok;
     row_.surface_normal = known ? loop_.surface().n_W : LogRow::no_vector();
     row_.surface_distance = known ? loop_.surface().distance : LogRow::kNone;
@@ -199,14 +218,21 @@ class Runner {
     bad_state_ = blind_to_state ? bad_state_ + e_.scenario.world.dt : 0.0;
     if (world.failure()) return *world.failure();
     if (!(speed < kRunaway))
-      return fmt::format("the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} rad/s", world.state().time,
-                         e_.arm.joint_names()[static_cast<std::size_t>(fastest)], speed, kRunaway);
+      return fmt::format(
+          "the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} "
+          "rad/s",
+          world.state().time, e_.arm.joint_names()[static_cast<std::size_t>(fastest)], speed,
+          kRunaway);
     if (bad_state_ > kBadStateTime)
-      return fmt::format("the controller was given {} for {:.1f} s up to t = {:.3f} s",
-                         out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale", kBadStateTime, t);
+      return fmt::format(
+          "the controller was given {} for {:.1f} s up to t = {:.3f} s",
+          out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale",
+          kBadStateTime, t);
     if (t > e_.start_hold && !loop_.wrench().tared())
-      return fmt::format("the wrench sensor could not be tared: within the first {:.2g} s the arm must rest for {:.2g} s, with no reading at its range",
-                         e_.start_hold, e_.estimator.tare_time);
+      return fmt::format(
+          "the wrench sensor could not be tared: within the first {:.2g} s the arm must rest for "
+          "{:.2g} s, with no reading at its range",
+          e_.start_hold, e_.estimator.tare_time);
     return {};
   }
 
@@ -238,7 +264,8 @@ class Runner {
 std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
   std::vector<PlacedStroke> strokes;
   for (const StrokePart& part : parts)
-    strokes.push_back(part_of(e.strokes[static_cast<std::size_t>(part.stroke)], part.from - kRedrawOverlap, part.to + kRedrawOverlap));
+    strokes.push_back(part_of(e.strokes[static_cast<std::size_t>(part.stroke)],
+                              part.from - kRedrawOverlap, part.to + kRedrawOverlap));
   return strokes;
 }
 
@@ -251,8 +278,8 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force) {
   return !e.perception || mode == ContactMode::contact;
 }
 
-RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up, const RunHooks& hooks,
-               const Resumption* resumption) {
+RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
+               const RunHooks& hooks, const Resumption* resumption) {
   const auto before_log = Clock::now();
   const JointVector q = resumption ? resumption->q : e.start_q;
   e.world->set_state(q, JointVector::Zero(e.arm.joints()));
@@ -262,7 +289,8 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
   if (resumption) {
     const Pose X_WE = e.arm.tip_pose(q);
     const std::vector<StrokePart> parts = rest_of(e.strokes, resumption->ink.parts(), kShortestGap);
-    if (!parts.empty()) rest = plan_from(e, strokes_of(e, parts), X_WE.p, -X_WE.R.col(2), e.start_hold);
+    if (!parts.empty())
+      rest = plan_from(e, strokes_of(e, parts), X_WE.p, -X_WE.R.col(2), e.start_hold);
   }
   outcome.wall.start_up = start_up + seconds_since(before_log);
 
@@ -270,9 +298,12 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
   const TipPath& path = resumption ? rest : e.path;
   runner.follow(path, false);
   const auto lacking = [&] { return rest_of(e.strokes, runner.ink().parts(), kShortestGap); };
-  if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw && !(outcome.drawn_again = lacking()).empty()) {
+  if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw &&
+      !(outcome.drawn_again = lacking()).empty()) {
     const PathSample last = path.at(path.duration());
-    runner.follow(plan_from(e, strokes_of(e, outcome.drawn_again), last.goal.p_WD, last.goal.n_WD, 0.0), true);
+    runner.follow(
+        plan_from(e, strokes_of(e, outcome.drawn_again), last.goal.p_WD, last.goal.n_WD, 0.0),
+        true);
   }
   if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
   outcome.simulated = e.world->state().time;

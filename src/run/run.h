@@ -1,10 +1,12 @@
 // Runs an experiment at 1 kHz of simulated time and logs every step.
 //
-// After the last stroke, parts that got no ink by the arm's own signals (ink_watch.h) are drawn once more, and what still has none is told.
+// After the last stroke, parts that got no ink by the arm's own signals (ink_watch.h) are drawn
+// once more, and what still has none is told.
 //
-// A run that cannot go on lifts the pen before it ends: interrupted, or with a controller whose steps come too late. It ends at once where
-// there is no control left: the motion went unstable, or the joints' state has been bad for longer than kBadStateTime. What an interrupted
-// run has not drawn, a later one can draw (Resumption).
+// A run that cannot go on lifts the pen before it ends: interrupted, or with a controller whose
+// steps come too late. It ends at once where there is no control left: the motion went unstable, or
+// the joints' state has been bad for longer than kBadStateTime. What an interrupted run has not
+// drawn, a later one can draw (Resumption).
 #pragma once
 
 #include <filesystem>
@@ -14,21 +16,21 @@
 #include <vector>
 
 #include "impedraw/experiment/experiment.h"
-#include "impedraw/run/ink_watch.h"
 #include "impedraw/log/log.h"
+#include "impedraw/run/ink_watch.h"
 
 namespace impedraw {
 
 enum class RunEnd { finished, stopped, interrupted };
 
 struct RunProgress {
-  double time;      // simulated [s]
-  int stroke;       // how many strokes of the pass were begun
+  double time;  // simulated [s]
+  int stroke;   // how many strokes of the pass were begun
   int strokes;
-  double drawn;     // pen-down length of the pass, on the surface [m]
-  double length;    // of all of the pass [m]
-  double share;     // of the pass's time
-  bool again;       // the pass draws what got no ink in the first one
+  double drawn;   // pen-down length of the pass, on the surface [m]
+  double length;  // of all of the pass [m]
+  double share;   // of the pass's time
+  bool again;     // the pass draws what got no ink in the first one
 };
 
 struct RunHooks {
@@ -36,32 +38,36 @@ struct RunHooks {
   std::function<bool()> interrupted;                 // looked at as often
 };
 
-inline constexpr double kBadStateTime = 0.2;     // [s]
-inline constexpr double kShortestGap = 1e-3;     // a shorter one is none [m]
-inline constexpr double kRedrawOverlap = 1e-3;   // what is drawn again begins and ends that much inside of the ink [m]
+inline constexpr double kBadStateTime = 0.2;  // [s]
+inline constexpr double kShortestGap = 1e-3;  // a shorter one is none [m]
+// what is drawn again begins and ends that much inside of the ink [m]
+inline constexpr double kRedrawOverlap = 1e-3;
 
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
   std::string cause;       // of a stop
   double simulated = 0.0;  // [s]
-  std::map<std::string, double> met;  // how long the controller said what of itself: a limit met, an input that was bad [s]
+  std::map<std::string, double>
+      met;  // how long the controller said what of itself: a limit met, an input that was bad [s]
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
-  std::vector<StrokePart> lacking;      // have none now; without those that an interrupted run never came to
+  std::vector<StrokePart>
+      lacking;  // have none now; without those that an interrupted run never came to
   WallTimes wall;
 };
 
 // What an earlier run into the same log left: the run goes on from there.
 struct Resumption {
-  InkWatch ink;              // of its rows
-  JointVector q;             // its last posture [rad]
-  double time = 0.0;         // the first that is free [s]
+  InkWatch ink;       // of its rows
+  JointVector q;      // its last posture [rad]
+  double time = 0.0;  // the first that is free [s]
 };
 
 // The log's; InputError where it is none.
 Resumption read_resumption(const Experiment& experiment, const std::filesystem::path& log_file);
 
-// Streams to `log_file`. Throws LogError when the log cannot be written. start_up: wall seconds already spent [s].
-RunOutcome run(Experiment& experiment, const std::filesystem::path& log_file, double start_up, const RunHooks& hooks = {},
-               const Resumption* resumption = nullptr);
+// Streams to `log_file`. Throws LogError when the log cannot be written. start_up: wall seconds
+// already spent [s].
+RunOutcome run(Experiment& experiment, const std::filesystem::path& log_file, double start_up,
+               const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 
 }  // namespace impedraw

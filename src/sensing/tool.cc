@@ -9,9 +9,11 @@
 
 namespace impedraw {
 
-Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion, const Eigen::Vector3d& gravity_W, const ToolRemoval& removal) noexcept {
+Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion, const Eigen::Vector3d& gravity_W,
+                    const ToolRemoval& removal) noexcept {
   const Eigen::Matrix3d R_SW = motion.X_WS.R.transpose();
-  const Eigen::Vector3d w = R_SW * motion.V_WS.tail<3>(), a = R_SW * motion.A_WS.head<3>(), alpha = R_SW * motion.A_WS.tail<3>();
+  const Eigen::Vector3d w = R_SW * motion.V_WS.tail<3>(), a = R_SW * motion.A_WS.head<3>(),
+                        alpha = R_SW * motion.A_WS.tail<3>();
   const Eigen::Vector3d& c = tool.p_SC;
 
   Eigen::Vector3d at_centre = Eigen::Vector3d::Zero(), couple = Eigen::Vector3d::Zero();
@@ -32,17 +34,22 @@ Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion, const Eigen::Vec
 void check_tool(const Tool& tool) {
   char message[256];
   if (!(tool.mass >= 0.0) || !std::isfinite(tool.mass)) {
-    std::snprintf(message, sizeof message, "tool: mass = %g kg, must be finite and at least 0", tool.mass);
+    std::snprintf(message, sizeof message, "tool: mass = %g kg, must be finite and at least 0",
+                  tool.mass);
     throw InputError(message);
   }
   if (!tool.p_SC.allFinite()) throw InputError("tool: p_SC, its centre of mass, must be finite");
   if (!tool.I_SC.allFinite()) throw InputError("tool: I_SC, its inertia, must be finite");
   const double scale = tool.I_SC.cwiseAbs().maxCoeff(), slack = 1e-6 * scale;
-  if ((tool.I_SC - tool.I_SC.transpose()).cwiseAbs().maxCoeff() > slack) throw InputError("tool: I_SC, its inertia, must be symmetric");
-  const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tool.I_SC, Eigen::EigenvaluesOnly).eigenvalues();
+  if ((tool.I_SC - tool.I_SC.transpose()).cwiseAbs().maxCoeff() > slack)
+    throw InputError("tool: I_SC, its inertia, must be symmetric");
+  const Eigen::Vector3d moments =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tool.I_SC, Eigen::EigenvaluesOnly)
+          .eigenvalues();
   if (moments[0] < -slack || moments[2] > moments[0] + moments[1] + slack) {  // ascending
     std::snprintf(message, sizeof message,
-                  "tool: I_SC has the principal moments %.3g, %.3g, %.3g kg m²; none may be below 0, nor one above the sum of the others",
+                  "tool: I_SC has the principal moments %.3g, %.3g, %.3g kg m²; none may be below "
+                  "0, nor one above the sum of the others",
                   moments[0], moments[1], moments[2]);
     throw InputError(message);
   }

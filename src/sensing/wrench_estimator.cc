@@ -12,7 +12,8 @@ namespace {
 void require(bool valid, const char* name, double value, const char* unit, const char* wanted) {
   if (valid) return;
   char message[256];
-  std::snprintf(message, sizeof message, "wrench sensor: %s = %g %s, must be %s", name, value, unit, wanted);
+  std::snprintf(message, sizeof message, "wrench sensor: %s = %g %s, must be %s", name, value, unit,
+                wanted);
   throw InputError(message);
 }
 
@@ -24,13 +25,16 @@ void check(const WrenchEstimatorSettings& s) {
   }
   if (!s.gravity_W.allFinite()) throw InputError("wrench sensor: gravity_W must be finite");
   char longest[64];
-  std::snprintf(longest, sizeof longest, "in 0 … %g s (%d steps)", WrenchEstimator::kMaxDelaySteps * s.dt, WrenchEstimator::kMaxDelaySteps);
-  require(s.sensor_delay >= 0.0 && s.sensor_delay / s.dt < WrenchEstimator::kMaxDelaySteps + 0.5, "sensor_delay", s.sensor_delay, "s",
-          longest);
+  std::snprintf(longest, sizeof longest, "in 0 … %g s (%d steps)",
+                WrenchEstimator::kMaxDelaySteps * s.dt, WrenchEstimator::kMaxDelaySteps);
+  require(s.sensor_delay >= 0.0 && s.sensor_delay / s.dt < WrenchEstimator::kMaxDelaySteps + 0.5,
+          "sensor_delay", s.sensor_delay, "s", longest);
   char widest[64];
   std::snprintf(widest, sizeof widest, "at least 0 and below 2/dt = %g rad/s", 2.0 / s.dt);
-  require(s.filter_bandwidth >= 0.0 && s.filter_bandwidth * s.dt < 2.0, "filter_bandwidth", s.filter_bandwidth, "rad/s", widest);
-  require(s.tare_time >= s.dt && s.tare_time / s.dt < 1e9, "tare_time", s.tare_time, "s", "finite and at least a step");
+  require(s.filter_bandwidth >= 0.0 && s.filter_bandwidth * s.dt < 2.0, "filter_bandwidth",
+          s.filter_bandwidth, "rad/s", widest);
+  require(s.tare_time >= s.dt && s.tare_time / s.dt < 1e9, "tare_time", s.tare_time, "s",
+          "finite and at least a step");
   require(s.tare_speed > 0.0, "tare_speed", s.tare_speed, "m/s", "above 0");
   require(s.tare_turn_rate > 0.0, "tare_turn_rate", s.tare_turn_rate, "rad/s", "above 0");
   require(s.range_force > 0.0, "range_force", s.range_force, "N", "above 0");
@@ -48,7 +52,8 @@ WrenchEstimator::WrenchEstimator(const WrenchEstimatorSettings& settings) : sett
   motions_kept_ = static_cast<int>(std::lround(settings.sensor_delay / settings.dt)) + 2;
 }
 
-const Vector6& WrenchEstimator::update(const Vector6& reading_S, const Pose& X_WE, const Vector6& V_WE) noexcept {
+const Vector6& WrenchEstimator::update(const Vector6& reading_S, const Pose& X_WE,
+                                       const Vector6& V_WE) noexcept {
   const bool motion_valid = X_WE.p.allFinite() && X_WE.R.allFinite() && V_WE.allFinite();
   if (motion_valid) {
     remember(X_WE, V_WE);
@@ -61,7 +66,8 @@ const Vector6& WrenchEstimator::update(const Vector6& reading_S, const Pose& X_W
   if (fault_ || !motion_known) return F_ext_;
 
   const ToolMotion motion = motion_of_reading();
-  const Vector6 residue_S = reading_S - tool_wrench(settings_.tool, motion, settings_.gravity_W, settings_.removal);
+  const Vector6 residue_S =
+      reading_S - tool_wrench(settings_.tool, motion, settings_.gravity_W, settings_.removal);
   if (taring_) tare(residue_S, motion);
   if (!tared_) return F_ext_;
 
@@ -78,7 +84,8 @@ void WrenchEstimator::start_tare() noexcept {
 }
 
 double WrenchEstimator::group_delay() const {
-  return settings_.sensor_delay + (settings_.filter_bandwidth > 0.0 ? 2.0 / settings_.filter_bandwidth : 0.0);
+  return settings_.sensor_delay +
+         (settings_.filter_bandwidth > 0.0 ? 2.0 / settings_.filter_bandwidth : 0.0);
 }
 
 void WrenchEstimator::remember(const Pose& X_WE, const Vector6& V_WE) noexcept {
@@ -95,14 +102,16 @@ ToolMotion WrenchEstimator::motion_of_reading() const noexcept {
   const Motion& end = motions_[(newest_ + 2) % motions_kept_];
   ToolMotion motion;
   motion.X_WS.p = 0.5 * (start.X_WS.p + end.X_WS.p);
-  motion.X_WS.R = 0.5 * (start.X_WS.R + end.X_WS.R);  // short of a rotation by (ωΔt)²/8: 1e-5 at 10 rad/s
+  // short of a rotation by (ωΔt)²/8: 1e-5 at 10 rad/s
+  motion.X_WS.R = 0.5 * (start.X_WS.R + end.X_WS.R);
   motion.V_WS = 0.5 * (start.V_WS + end.V_WS);
   motion.A_WS = (end.V_WS - start.V_WS) / settings_.dt;
   return motion;
 }
 
 bool WrenchEstimator::reading_valid(const Vector6& reading_S) const noexcept {
-  return reading_S.allFinite() && reading_S.head<3>().cwiseAbs().maxCoeff() < settings_.range_force &&
+  return reading_S.allFinite() &&
+         reading_S.head<3>().cwiseAbs().maxCoeff() < settings_.range_force &&
          reading_S.tail<3>().cwiseAbs().maxCoeff() < settings_.range_torque;
 }
 

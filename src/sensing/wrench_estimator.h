@@ -1,17 +1,25 @@
-// Wrench of the environment on the pen tip, from the readings of a force-torque sensor between flange and pen.
+// Wrench of the environment on the pen tip, from the readings of a force-torque sensor between
+// flange and pen.
 //
-// Reading   [f; m]_S = wrench of the environment on the tool + tool_wrench (tool.h) + bias, in the axes of S, m about S's origin,
+// Reading   [f; m]_S = wrench of the environment on the tool + tool_wrench (tool.h) + bias, in the
+//           axes of S, m about S's origin,
 //           mean over the step that ended `sensor_delay` ago
 // Law       u_S   = filter( reading_S − tool_wrench_S − bias_S )
-//           F_ext = [ R_WS f_u ; R_WS (m_u − p_SE × f_u) ]      at the origin of E, in the axes of W [N, Nm]
-// Motion    that of the tool over the reading's step: A_WS = ΔV_WS/Δt, pose and velocity the mean of both ends. Error second order in Δt.
+//           F_ext = [ R_WS f_u ; R_WS (m_u − p_SE × f_u) ]      at the origin of E, in the axes of
+//           W [N, Nm]
+// Motion    that of the tool over the reading's step: A_WS = ΔV_WS/Δt, pose and velocity the mean
+//           of both ends. Error second order in Δt.
 //           R_WS too is that step's: a force that stands still in W is not turned with the tool.
-// Filter    1/(1 + s/ω)², critically damped, ω = `filter_bandwidth`, discretised by the trapezoidal rule. At frequency f: phase
-//           −2 atan(2πf/ω), gain 1/(1 + (2πf/ω)²): one half at ω, −3 dB at 0.64 ω. Delay 2/ω at low frequency, exactly.
+// Filter    1/(1 + s/ω)², critically damped, ω = `filter_bandwidth`, discretised by the trapezoidal
+//           rule. At frequency f: phase
+//           −2 atan(2πf/ω), gain 1/(1 + (2πf/ω)²): one half at ω, −3 dB at 0.64 ω. Delay 2/ω at low
+//           frequency, exactly.
 //           White noise comes out with √(ωΔt/4) of its standard deviation (ωΔt ≪ 1).
-// Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of unbroken rest. Nothing may touch the tool meanwhile; that cannot
+// Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of unbroken rest. Nothing may
+//           touch the tool meanwhile; that cannot
 //           be seen from here. A term left out by `removal` is in the bias as it is at rest.
-// Needs     update() once a step, from the first on; R_WE a rotation; a reading of which `sensor_delay` is true.
+// Needs     update() once a step, from the first on; R_WE a rotation; a reading of which
+//           `sensor_delay` is true.
 #pragma once
 
 #include <array>
@@ -24,15 +32,16 @@ namespace impedraw {
 struct WrenchEstimatorSettings {
   double dt = 1e-3;  // step [s]
   Tool tool;
-  ToolRemoval removal;                              // what of the tool is taken out of the reading
-  Pose X_ES;                                        // sensor frame in the tip's frame
-  Eigen::Vector3d gravity_W{0.0, 0.0, -9.81};       // [m/s²]
-  double sensor_delay = 0.0;                        // age of a reading when it is handed in; taken in whole steps [s]
-  double filter_bandwidth = 0.0;                    // ω, below 2/Δt; 0: no filter [rad/s]
-  double tare_time = 0.4;                           // [s]
-  double tare_speed = 2.0e-3;                       // below both, the tool is at rest: of the tip [m/s]
-  double tare_turn_rate = 1.0e-2;                   // and angular [rad/s]
-  double range_force = std::numeric_limits<double>::infinity();   // of the sensor, ± on each axis [N]
+  ToolRemoval removal;                         // what of the tool is taken out of the reading
+  Pose X_ES;                                   // sensor frame in the tip's frame
+  Eigen::Vector3d gravity_W{0.0, 0.0, -9.81};  // [m/s²]
+  double sensor_delay = 0.0;      // age of a reading when it is handed in; taken in whole steps [s]
+  double filter_bandwidth = 0.0;  // ω, below 2/Δt; 0: no filter [rad/s]
+  double tare_time = 0.4;         // [s]
+  double tare_speed = 2.0e-3;     // below both, the tool is at rest: of the tip [m/s]
+  double tare_turn_rate = 1.0e-2;  // and angular [rad/s]
+  // of the sensor, ± on each axis [N]
+  double range_force = std::numeric_limits<double>::infinity();
   double range_torque = std::numeric_limits<double>::infinity();  // [Nm]
 };
 
@@ -43,23 +52,24 @@ class WrenchEstimator {
   // Throws InputError naming the setting, its value and what would be valid.
   explicit WrenchEstimator(const WrenchEstimatorSettings& settings);
 
-  // One step: the newest reading, and pose and velocity [v; ω] of the tip now. Returns F_ext: zero until tared, that of the step before
-  // at a fault. Allocates nothing.
+  // One step: the newest reading, and pose and velocity [v; ω] of the tip now. Returns F_ext: zero
+  // until tared, that of the step before at a fault. Allocates nothing.
   const Vector6& update(const Vector6& reading_S, const Pose& X_WE, const Vector6& V_WE) noexcept;
 
   // Begins to tare, at set-up done by itself. The old bias holds until the new one is there.
   void start_tare() noexcept;
 
   const Vector6& F_ext() const { return F_ext_; }
-  bool tared() const { return tared_; }       // there is a bias
-  bool taring() const { return taring_; }     // a new one is being taken
+  bool tared() const { return tared_; }            // there is a bias
+  bool taring() const { return taring_; }          // a new one is being taken
   const Vector6& bias() const { return bias_S_; }  // [N, Nm]
 
-  // The last update had no use of its reading: not finite or at the sensor's range, or a motion that was not finite less than
-  // sensor_delay and two steps ago. A tare starts afresh.
+  // The last update had no use of its reading: not finite or at the sensor's range, or a motion
+  // that was not finite less than sensor_delay and two steps ago. A tare starts afresh.
   bool fault() const { return fault_; }
 
-  // Age of F_ext: sensor_delay + 2/ω, at low frequency [s]. A reading that is a mean over its step is half a step older.
+  // Age of F_ext: sensor_delay + 2/ω, at low frequency [s]. A reading that is a mean over its step
+  // is half a step older.
   double group_delay() const;
 
  private:
@@ -79,13 +89,15 @@ class WrenchEstimator {
   double filter_gain_;  // ωΔt/(2 + ωΔt)
   int tare_length_;     // [steps]
 
-  std::array<Motion, kMaxDelaySteps + 2> motions_;  // a ring of motions_kept_: both ends of the reading's step, and all since
+  std::array<Motion, kMaxDelaySteps + 2>
+      motions_;  // a ring of motions_kept_: both ends of the reading's step, and all since
   int motions_kept_, newest_ = 0, known_ = 0;
 
   Vector6 tare_sum_ = Vector6::Zero(), bias_S_ = Vector6::Zero();
   int tare_steps_ = 0;
   bool taring_ = true, tared_ = false, fault_ = false;
-  Vector6 filter_in_ = Vector6::Zero(), filter_middle_ = Vector6::Zero(), filter_out_ = Vector6::Zero();
+  Vector6 filter_in_ = Vector6::Zero(), filter_middle_ = Vector6::Zero(),
+          filter_out_ = Vector6::Zero();
   Vector6 F_ext_ = Vector6::Zero();
 };
 

@@ -6,13 +6,16 @@ namespace {
 
 // No text is wrong for a string, whatever stands in it.
 Scalar word(std::string& value) {
-  auto take = [&value](std::string_view text) { return value = text, std::optional<std::string>(); };
+  auto take = [&value](std::string_view text) {
+    return value = text, std::optional<std::string>();
+  };
   return {take, [&value] { return value; }, "text", Scalar::Kind::text};
 }
 
 }  // namespace
 
-void Fields::add(std::string name, std::string help, std::string unit, Range range, decltype(Setting::value) value) {
+void Fields::add(std::string name, std::string help, std::string unit, Range range,
+                 decltype(Setting::value) value) {
   settings_.push_back({std::move(name), std::move(help), std::move(unit), range, std::move(value)});
 }
 
@@ -31,8 +34,11 @@ void Fields::field(std::string name, std::string& value, std::string help) {
 }
 
 void Fields::field(std::string name, std::filesystem::path& value, std::string help) {
-  auto take = [&value](std::string_view text) { return value = text, std::optional<std::string>(); };
-  add(std::move(name), std::move(help), "", Range::any(), Scalar{take, [&value] { return value.string(); }, "path", Scalar::Kind::path});
+  auto take = [&value](std::string_view text) {
+    return value = text, std::optional<std::string>();
+  };
+  add(std::move(name), std::move(help), "", Range::any(),
+      Scalar{take, [&value] { return value.string(); }, "path", Scalar::Kind::path});
 }
 
 }  // namespace impedraw

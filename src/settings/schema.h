@@ -1,13 +1,18 @@
-// Settings described once: from one description of a struct come its YAML reader, --set, the resolved YAML and the documentation.
+// Settings described once: from one description of a struct come its YAML reader, --set, the
+// resolved YAML and the documentation.
 //
 //   enum class Sensor { none, truth };
-//   struct PushSettings  { double force = 5; Sensor sensor = Sensor::none; std::optional<double> stop_at; };
-//   struct Scenario      { PushSettings push; std::vector<CameraSettings> cameras; std::filesystem::path svg; };
+//   struct PushSettings  { double force = 5; Sensor sensor = Sensor::none; std::optional<double>
+//                        stop_at; };
+//   struct Scenario      { PushSettings push; std::vector<CameraSettings> cameras;
+//                        std::filesystem::path svg; };
 //
 //   void describe(Fields& f, PushSettings& s) {
 //     f.field("force", s.force, Range{0, 50}, "N", "normal force asked for");
-//     f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}}, "where the wrench comes from");
-//     f.field("stop_at", s.stop_at, Range::at_least(0), "s", "end of the run; absent: when the drawing is done");
+//     f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}}, "where the
+//     wrench comes from");
+//     f.field("stop_at", s.stop_at, Range::at_least(0), "s", "end of the run; absent: when the
+//     drawing is done");
 //   }
 //   void describe(Fields& f, Scenario& s) {
 //     f.field("push", s.push, "the push along the normal");
@@ -15,13 +20,17 @@
 //     f.field("svg", s.svg, "artwork");
 //   }
 //
-// describe() stands in the struct's own namespace. The struct's initialisers are the one set of defaults. A field is
-//   numbers, with a Range and a unit ("" where there is none): double, any integer, Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of the
-//     length that its default has), and std::optional or std::vector of a number; limits hold for every component, NaN and inf never pass;
+// describe() stands in the struct's own namespace. The struct's initialisers are the one set of
+// defaults. A field is
+//   numbers, with a Range and a unit ("" where there is none): double, any integer,
+//   Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of the
+//     length that its default has), and std::optional or std::vector of a number; limits hold for
+//     every component, NaN and inf never pass;
 //   bool, std::string, std::filesystem::path;
 //   choice(): an enum, written by name;
 //   a struct with a describe() of its own, std::optional of one, std::vector of them.
-// A path in a file is relative to that file's folder, in --set to the working directory; an empty path stays empty.
+// A path in a file is relative to that file's folder, in --set to the working directory; an empty
+// path stays empty.
 #pragma once
 
 #include <Eigen/Core>
@@ -45,9 +54,11 @@ namespace impedraw {
 struct Setting;
 class Fields;
 
-// What a setting can be. Each alternative reaches into the object that was described, which must outlive it.
+// What a setting can be. Each alternative reaches into the object that was described, which must
+// outlive it.
 
-// One word or number. take() stores the text's value, or leaves the value alone and returns what is wrong ("is not a number").
+// One word or number. take() stores the text's value, or leaves the value alone and returns what is
+// wrong ("is not a number").
 struct Scalar {
   std::function<std::optional<std::string>(std::string_view text)> take;
   std::function<std::string()> text;
@@ -69,15 +80,16 @@ struct Group {  // a nested struct
 
 struct Optional {
   std::function<bool()> engaged;
-  std::function<void(bool)> engage;          // true: holds a default value, unless it holds one already
-  std::function<Setting()> value;            // call only while engaged
+  std::function<void(bool)> engage;  // true: holds a default value, unless it holds one already
+  std::function<Setting()> value;    // call only while engaged
 };
 
 struct List {
   std::function<std::size_t()> size;
-  std::function<void(std::size_t)> resize;   // new elements have their defaults
+  std::function<void(std::size_t)> resize;  // new elements have their defaults
   std::function<Setting(std::size_t)> element;
-  std::function<std::pair<std::shared_ptr<void>, Setting>()> sample;  // a default element, for the documentation
+  std::function<std::pair<std::shared_ptr<void>, Setting>()>
+      sample;  // a default element, for the documentation
 };
 
 struct Setting {
@@ -89,10 +101,12 @@ struct Setting {
 };
 
 template <class T>
-concept Described = requires(Fields& f, T& t) { describe(f, t); };
+concept Described = requires(Fields& f, T& t) {
+  describe(f, t);
+};
 
 template <class T>
-concept Number = std::is_same_v<T, double> || (std::is_integral_v<T> && !std::is_same_v<T, bool>);
+concept Number = std::is_same_v<T, double> ||(std::is_integral_v<T> && !std::is_same_v<T, bool>);
 
 // An enum's values by name. No part in finding E, so that a plain brace list will do.
 template <class E>
@@ -106,17 +120,25 @@ class Fields {
     add(std::move(name), std::move(help), unit, range, number(value, range, unit));
   }
   template <int N>
-  void field(std::string name, Eigen::Matrix<double, N, 1>& value, Range range, std::string unit, std::string help) {
-    add(std::move(name), std::move(help), unit, range, Numbers{value.data(), static_cast<int>(value.size()), range, unit});
+  void field(std::string name, Eigen::Matrix<double, N, 1>& value, Range range, std::string unit,
+             std::string help) {
+    add(std::move(name), std::move(help), unit, range,
+        Numbers{value.data(), static_cast<int>(value.size()), range, unit});
   }
   template <Number T>
-  void field(std::string name, std::optional<T>& value, Range range, std::string unit, std::string help) {
-    auto inner = [&value, range, unit] { return Setting{"", "", unit, range, number(*value, range, unit)}; };
+  void field(std::string name, std::optional<T>& value, Range range, std::string unit,
+             std::string help) {
+    auto inner = [&value, range, unit] {
+      return Setting{"", "", unit, range, number(*value, range, unit)};
+    };
     add(std::move(name), std::move(help), unit, range, optional(value, inner));
   }
   template <Number T>
-  void field(std::string name, std::vector<T>& value, Range range, std::string unit, std::string help) {
-    auto element = [range, unit](T& t) { return Setting{"", "", unit, range, number(t, range, unit)}; };
+  void field(std::string name, std::vector<T>& value, Range range, std::string unit,
+             std::string help) {
+    auto element = [range, unit](T& t) {
+      return Setting{"", "", unit, range, number(t, range, unit)};
+    };
     add(std::move(name), std::move(help), unit, range, list(value, element));
   }
 
@@ -125,7 +147,7 @@ class Fields {
   void field(std::string name, std::filesystem::path& value, std::string help);
 
   template <class E>
-    requires std::is_enum_v<E>
+  requires std::is_enum_v<E>
   void choice(std::string name, E& value, Names<E> names, std::string help);
 
   template <Described T>
@@ -146,12 +168,16 @@ class Fields {
   std::vector<Setting> take() && { return std::move(settings_); }
 
  private:
-  void add(std::string name, std::string help, std::string unit, Range range, decltype(Setting::value) value);
+  void add(std::string name, std::string help, std::string unit, Range range,
+           decltype(Setting::value) value);
 
   template <Number T>
   static Scalar number(T& value, Range range, const std::string& unit) {
-    auto take = [&value, range, unit](std::string_view text) { return parse_number(text, range, unit, value); };
-    return {take, [&value] { return number_text(value); }, std::is_same_v<T, double> ? "number" : "whole number"};
+    auto take = [&value, range, unit](std::string_view text) {
+      return parse_number(text, range, unit, value);
+    };
+    return {take, [&value] { return number_text(value); },
+            std::is_same_v<T, double> ? "number" : "whole number"};
   }
   template <Described T>
   static Group group(T& value) {
@@ -161,7 +187,9 @@ class Fields {
   }
   template <class T>
   static Optional optional(std::optional<T>& value, std::function<Setting()> inner) {
-    auto engage = [&value](bool on) { on ? void(value ? 0 : (value.emplace(), 0)) : value.reset(); };
+    auto engage = [&value](bool on) {
+      on ? void(value ? 0 : (value.emplace(), 0)) : value.reset();
+    };
     return {[&value] { return value.has_value(); }, engage, std::move(inner)};
   }
   template <class T, class Element>
@@ -187,7 +215,7 @@ Group described(T& value) {
 }
 
 template <class E>
-  requires std::is_enum_v<E>
+requires std::is_enum_v<E>
 void Fields::choice(std::string name, E& value, Names<E> names, std::string help) {
   std::vector<std::pair<std::string, E>> table(names.begin(), names.end());
   std::string type;

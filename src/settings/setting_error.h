@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "impedraw/settings/yaml_read.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/settings/yaml_read.h"
 
 namespace impedraw {
 
@@ -14,7 +14,8 @@ class Blame {
  public:
   explicit Blame(const Places& places) : places_(places) {}
 
-  // Throws `what`, opened by the place of the first of `names` that anybody gave ("x.yaml:3: ..."); as it is where all have their defaults.
+  // Throws `what`, opened by the place of the first of `names` that anybody gave ("x.yaml:3: ...");
+  // as it is where all have their defaults.
   [[noreturn]] void wrong(const std::vector<std::string>& names, const std::string& what) const {
     for (const std::string& name : names) {
       const std::string place = places_.of(name);

@@ -8,21 +8,26 @@ namespace impedraw {
 
 namespace {
 
-void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& setting, const Setting& described_by);
+void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& setting,
+         const Setting& described_by);
 
 SettingRow row(const std::string& name, std::string type, std::string initial, const Setting& by) {
-  return {name, std::move(type), std::move(initial), range_text(by.range, by.unit), by.unit, by.help};
+  return {name,    std::move(type), std::move(initial), range_text(by.range, by.unit),
+          by.unit, by.help};
 }
 
 void put_fields(std::vector<SettingRow>& rows, const std::string& name, const Group& group) {
-  for (const Setting& field : group.fields) put(rows, name.empty() ? field.name : name + "." + field.name, field, field);
+  for (const Setting& field : group.fields)
+    put(rows, name.empty() ? field.name : name + "." + field.name, field, field);
 }
 
-void put_list(std::vector<SettingRow>& rows, const std::string& name, const List& list, const Setting& by) {
+void put_list(std::vector<SettingRow>& rows, const std::string& name, const List& list,
+              const Setting& by) {
   const auto [owner, element] = list.sample();
   if (const auto* scalar = std::get_if<Scalar>(&element.value)) {
     std::vector<std::string> words;
-    for (std::size_t i = 0; i < list.size(); ++i) words.push_back(std::get<Scalar>(list.element(i).value).text());
+    for (std::size_t i = 0; i < list.size(); ++i)
+      words.push_back(std::get<Scalar>(list.element(i).value).text());
     rows.push_back(row(name, "list of " + scalar->type + "s", "[" + joined(words) + "]", by));
     return;
   }
@@ -31,7 +36,8 @@ void put_list(std::vector<SettingRow>& rows, const std::string& name, const List
   put_fields(rows, name + ".N", std::get<Group>(element.value));
 }
 
-void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& setting, const Setting& by) {
+void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& setting,
+         const Setting& by) {
   if (const auto* group = std::get_if<Group>(&setting.value)) {
     rows.push_back(row(name, "group", "", by));
     rows.back().group = true;
@@ -48,7 +54,8 @@ void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& 
   } else if (const auto* numbers = std::get_if<Numbers>(&setting.value)) {
     std::vector<std::string> words;
     for (int i = 0; i < numbers->size; ++i) words.push_back(number_text(numbers->data[i]));
-    rows.push_back(row(name, fmt::format("{} numbers", numbers->size), "[" + joined(words) + "]", by));
+    rows.push_back(
+        row(name, fmt::format("{} numbers", numbers->size), "[" + joined(words) + "]", by));
   } else {
     const auto& scalar = std::get<Scalar>(setting.value);
     rows.push_back(row(name, scalar.type, scalar.text(), by));
@@ -56,7 +63,8 @@ void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& 
 }
 
 std::string cell(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
+    text.insert(at, "\\");
   return text;
 }
 
@@ -69,7 +77,8 @@ std::vector<SettingRow> setting_rows(const Group& settings) {
 }
 
 std::string rows_markdown(const std::vector<SettingRow>& rows) {
-  std::string text = "| setting | default | unit | what is allowed | meaning |\n|---|---|---|---|---|\n";
+  std::string text =
+      "| setting | default | unit | what is allowed | meaning |\n|---|---|---|---|---|\n";
   for (const SettingRow& r : rows) {
     if (r.group) {
       text += fmt::format("| **{}** | {} | | | {} |\n", r.name, r.initial, cell(r.help));
@@ -77,7 +86,8 @@ std::string rows_markdown(const std::vector<SettingRow>& rows) {
     }
     const std::string initial = r.initial.empty() ? "" : "`" + cell(r.initial) + "`";
     const std::string allowed = r.limits.empty() ? r.type : r.type + ", " + r.limits;
-    text += fmt::format("| `{}` | {} | {} | {} | {} |\n", r.name, initial, r.unit, cell(allowed), cell(r.help));
+    text += fmt::format("| `{}` | {} | {} | {} | {} |\n", r.name, initial, r.unit, cell(allowed),
+                        cell(r.help));
   }
   return text;
 }
@@ -88,11 +98,13 @@ std::string rows_text(const std::vector<SettingRow>& rows) {
   std::string text;
   for (const SettingRow& r : rows) {
     if (r.group) {
-      text += fmt::format("\n{:<{}}  {}{}\n", r.name, width, r.help, r.initial.empty() ? "" : " (" + r.initial + ")");
+      text += fmt::format("\n{:<{}}  {}{}\n", r.name, width, r.help,
+                          r.initial.empty() ? "" : " (" + r.initial + ")");
       continue;
     }
     const std::string unit = r.unit.empty() ? "" : " of " + r.unit;  // which limits name already
-    text += fmt::format("{:<{}}  {}; {}{}; default {}\n", r.name, width, r.help, r.type, r.limits.empty() ? unit : ", " + r.limits,
+    text += fmt::format("{:<{}}  {}; {}{}; default {}\n", r.name, width, r.help, r.type,
+                        r.limits.empty() ? unit : ", " + r.limits,
                         r.initial.empty() ? "empty" : r.initial);
   }
   return text;

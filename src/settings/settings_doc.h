@@ -1,4 +1,5 @@
-// What can be set, for docs/settings.md and --help-settings: from the same description that reads them.
+// What can be set, for docs/settings.md and --help-settings: from the same description that reads
+// them.
 #pragma once
 
 #include <string>
@@ -9,13 +10,13 @@
 namespace impedraw {
 
 struct SettingRow {
-  std::string name;      // "push.force", "cameras.N.noise" for each element of a list
-  std::string type;      // "number", "3 numbers", "none | true"
-  std::string initial;   // the default; "none" for an absent optional
-  std::string limits;    // "0 to 50 N"
+  std::string name;     // "push.force", "cameras.N.noise" for each element of a list
+  std::string type;     // "number", "3 numbers", "none | true"
+  std::string initial;  // the default; "none" for an absent optional
+  std::string limits;   // "0 to 50 N"
   std::string unit;
   std::string help;
-  bool group = false;    // a heading: a struct or a list of them
+  bool group = false;  // a heading: a struct or a list of them
 };
 
 // In the order of the description. `settings` must be bound to defaults; it is left as it was.

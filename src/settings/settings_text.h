@@ -25,7 +25,9 @@ struct Range {
   static constexpr Range at_most(double highest) { return {-infinity, highest}; }
   static constexpr Range positive() { return {0, infinity, true}; }
 
-  bool holds(double x) const { return (above ? x > lowest : x >= lowest) && (below ? x < highest : x <= highest); }
+  bool holds(double x) const {
+    return (above ? x > lowest : x >= lowest) && (below ? x < highest : x <= highest);
+  }
 };
 
 // "0 to 50 N", "more than 0 s", "at least 1"; empty where everything finite is allowed.
@@ -36,19 +38,24 @@ std::string number_text(double x);
 std::string number_text(std::int64_t x);
 std::string number_text(std::uint64_t x);
 template <class T>
-  requires std::is_integral_v<T>
-std::string number_text(T x) {
-  return number_text(static_cast<std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>>(x));
+requires std::is_integral_v<T> std::string number_text(T x) {
+  return number_text(
+      static_cast<std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>>(x));
 }
 
-// Stores the text's number, or leaves value alone and returns what is wrong with it, to stand after the setting's name:
-// "is 70 N, allowed is 0 to 50 N".
-std::optional<std::string> parse_number(std::string_view text, const Range& range, std::string_view unit, double& value);
-std::optional<std::string> parse_number(std::string_view text, const Range& range, std::string_view unit, std::int64_t& value);
-std::optional<std::string> parse_number(std::string_view text, const Range& range, std::string_view unit, std::uint64_t& value);
+// Stores the text's number, or leaves value alone and returns what is wrong with it, to stand after
+// the setting's name: "is 70 N, allowed is 0 to 50 N".
+std::optional<std::string> parse_number(std::string_view text, const Range& range,
+                                        std::string_view unit, double& value);
+std::optional<std::string> parse_number(std::string_view text, const Range& range,
+                                        std::string_view unit, std::int64_t& value);
+std::optional<std::string> parse_number(std::string_view text, const Range& range,
+                                        std::string_view unit, std::uint64_t& value);
 template <class T>
-  requires std::is_integral_v<T>
-std::optional<std::string> parse_number(std::string_view text, const Range& range, std::string_view unit, T& value) {
+requires std::is_integral_v<T> std::optional<std::string> parse_number(std::string_view text,
+                                                                       const Range& range,
+                                                                       std::string_view unit,
+                                                                       T& value) {
   std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t> wide{};
   constexpr auto least = static_cast<double>(std::numeric_limits<T>::min());
   constexpr auto most = static_cast<double>(std::numeric_limits<T>::max());
@@ -60,11 +67,13 @@ std::optional<std::string> parse_number(std::string_view text, const Range& rang
   return std::nullopt;
 }
 
-// Smallest number of letters to insert, delete, replace or swap with a neighbour (optimal string alignment) that makes a into b.
+// Smallest number of letters to insert, delete, replace or swap with a neighbour (optimal string
+// alignment) that makes a into b.
 int edit_distance(std::string_view a, std::string_view b);
 
 // The valid word that `word` was most likely meant to be; none when all are too far off.
-std::optional<std::string> nearest_word(std::string_view word, const std::vector<std::string>& valid);
+std::optional<std::string> nearest_word(std::string_view word,
+                                        const std::vector<std::string>& valid);
 
 // "is 'treu'; did you mean 'true'? Valid: none, true" (valid words always, as a choice has few)
 std::string not_among(std::string_view word, const std::vector<std::string>& valid);

@@ -18,9 +18,13 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t largest_file = 1 << 20;  // bytes; beyond it somebody named the wrong file
 
-[[noreturn]] void wrong(const std::string& place, const std::string& what) { throw InputError(place + ": " + what); }
+[[noreturn]] void wrong(const std::string& place, const std::string& what) {
+  throw InputError(place + ": " + what);
+}
 
-std::string below(const std::string& name, const std::string& key) { return name.empty() ? key : name + "." + key; }
+std::string below(const std::string& name, const std::string& key) {
+  return name.empty() ? key : name + "." + key;
+}
 
 std::vector<std::string> names_of(const Group& group) {
   std::vector<std::string> names;
@@ -28,10 +32,12 @@ std::vector<std::string> names_of(const Group& group) {
   return names;
 }
 
-std::string unknown_key(std::string_view key, const std::string& group, const std::vector<std::string>& valid) {
+std::string unknown_key(std::string_view key, const std::string& group,
+                        const std::vector<std::string>& valid) {
   const auto nearest = nearest_word(key, valid);
-  return fmt::format("unknown key '{}'{}; {}", shown(key), group.empty() ? "" : " in " + group,
-                     nearest ? fmt::format("did you mean '{}'?", *nearest) : "valid here: " + joined(valid));
+  return fmt::format(
+      "unknown key '{}'{}; {}", shown(key), group.empty() ? "" : " in " + group,
+      nearest ? fmt::format("did you mean '{}'?", *nearest) : "valid here: " + joined(valid));
 }
 
 // An index below size, or nothing.
@@ -46,7 +52,10 @@ std::optional<std::size_t> index(std::string_view text, std::size_t size) {
 class Reader {
  public:
   Reader(std::string source, bool has_lines, fs::path folder, Places& places)
-      : source_(std::move(source)), has_lines_(has_lines), folder_(std::move(folder)), places_(places) {}
+      : source_(std::move(source)),
+        has_lines_(has_lines),
+        folder_(std::move(folder)),
+        places_(places) {}
 
   void read(const YAML::Node& node, int line, const Setting& setting, const std::string& name) {
     if (node.Mark().line >= 0) line = node.Mark().line + 1;
@@ -56,17 +65,23 @@ class Reader {
   void read(const YAML::Node& node, int line, const Group& group, const std::string& name) {
     if (node.IsNull()) return;  // `push:` with nothing beneath it
     if (!node.IsMap()) {
-      wrong(place(line), fmt::format("{} must hold settings of its own: {}", name.empty() ? "a scenario" : name, joined(names_of(group))));
+      wrong(place(line), fmt::format("{} must hold settings of its own: {}",
+                                     name.empty() ? "a scenario" : name, joined(names_of(group))));
     }
     std::set<std::string> seen;
     for (const auto& pair : node) {
       const int key_line = pair.first.Mark().line + 1;
-      if (!pair.first.IsScalar()) wrong(place(key_line), fmt::format("a key{} is not a word", name.empty() ? "" : " in " + name));
+      if (!pair.first.IsScalar())
+        wrong(place(key_line),
+              fmt::format("a key{} is not a word", name.empty() ? "" : " in " + name));
       const std::string& key = pair.first.Scalar();
-      if (!seen.insert(key).second) wrong(place(key_line), fmt::format("{} is given twice", shown(below(name, key))));
+      if (!seen.insert(key).second)
+        wrong(place(key_line), fmt::format("{} is given twice", shown(below(name, key))));
       if (name.empty() && key == "extends" && has_lines_) continue;
-      const auto field = std::find_if(group.fields.begin(), group.fields.end(), [&](const Setting& f) { return f.name == key; });
-      if (field == group.fields.end()) wrong(place(key_line), unknown_key(key, name, names_of(group)));
+      const auto field = std::find_if(group.fields.begin(), group.fields.end(),
+                                      [&](const Setting& f) { return f.name == key; });
+      if (field == group.fields.end())
+        wrong(place(key_line), unknown_key(key, name, names_of(group)));
       read(pair.second, key_line, *field, below(name, key));
     }
   }
@@ -81,12 +96,15 @@ class Reader {
   }
 
  private:
-  std::string place(int line) const { return has_lines_ ? fmt::format("{}:{}", source_, line) : source_; }
+  std::string place(int line) const {
+    return has_lines_ ? fmt::format("{}:{}", source_, line) : source_;
+  }
 
   void read(const YAML::Node& node, int line, const Scalar& scalar, const std::string& name) {
     if (node.IsNull()) wrong(place(line), fmt::format("{} has no value ({})", name, scalar.type));
     if (!node.IsScalar()) {
-      wrong(place(line), fmt::format("{} must be one value ({}), not {}", name, scalar.type, node.IsMap() ? "a map" : "a list"));
+      wrong(place(line), fmt::format("{} must be one value ({}), not {}", name, scalar.type,
+                                     node.IsMap() ? "a map" : "a list"));
     }
     take(node.Scalar(), line, scalar, name);
   }
@@ -94,9 +112,11 @@ class Reader {
   void read(const YAML::Node& node, int line, const Numbers& numbers, const std::string& name) {
     if (!node.IsSequence() || node.size() != static_cast<std::size_t>(numbers.size)) {
       const std::string given = node.IsSequence() ? fmt::format(", not {}", node.size()) : "";
-      wrong(place(line), fmt::format("{} must be a list of {} numbers{}", name, numbers.size, given));
+      wrong(place(line),
+            fmt::format("{} must be a list of {} numbers{}", name, numbers.size, given));
     }
-    for (int i = 0; i < numbers.size; ++i) read(node[i], line, component(numbers, i), below(name, std::to_string(i)));
+    for (int i = 0; i < numbers.size; ++i)
+      read(node[i], line, component(numbers, i), below(name, std::to_string(i)));
     places_.put(name, place(line));
   }
 
@@ -112,14 +132,18 @@ class Reader {
     list.resize(node.size());
     places_.forget(name);
     places_.put(name, place(line));
-    for (std::size_t i = 0; i < node.size(); ++i) read(node[i], line, list.element(i), below(name, std::to_string(i)));
+    for (std::size_t i = 0; i < node.size(); ++i)
+      read(node[i], line, list.element(i), below(name, std::to_string(i)));
   }
 
  public:
   static Setting component(const Numbers& numbers, int i) {
     double& value = numbers.data[i];
-    const auto take = [&value, numbers](std::string_view text) { return parse_number(text, numbers.range, numbers.unit, value); };
-    return {"", "", numbers.unit, numbers.range, Scalar{take, [&value] { return number_text(value); }, "number"}};
+    const auto take = [&value, numbers](std::string_view text) {
+      return parse_number(text, numbers.range, numbers.unit, value);
+    };
+    return {"", "", numbers.unit, numbers.range,
+            Scalar{take, [&value] { return number_text(value); }, "number"}};
   }
 
  private:
@@ -130,14 +154,16 @@ class Reader {
 };
 
 std::string content(const fs::path& file, const std::string& asked_by) {
-  const std::string before = asked_by.empty() ? file.string() : asked_by + ": extends " + file.string();
+  const std::string before =
+      asked_by.empty() ? file.string() : asked_by + ": extends " + file.string();
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (status.type() == fs::file_type::not_found) wrong(before, "no such file");
   if (status.type() == fs::file_type::directory) wrong(before, "is a folder, not a YAML file");
   std::ifstream stream(file, std::ios::binary);
   std::string text(largest_file + 1, '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size())) && !stream.eof()) wrong(before, "cannot be read");
+  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size())) && !stream.eof())
+    wrong(before, "cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > largest_file) wrong(before, "is larger than 1 MiB, which no scenario is");
   return text;
@@ -149,20 +175,22 @@ YAML::Node parse(const std::string& text, const std::string& name, bool has_line
     if (documents.size() > 1) wrong(name, "holds more than one YAML document");
     return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& e) {
-    const std::string place = has_lines && e.mark.line >= 0 ? fmt::format("{}:{}", name, e.mark.line + 1) : name;
+    const std::string place =
+        has_lines && e.mark.line >= 0 ? fmt::format("{}:{}", name, e.mark.line + 1) : name;
     wrong(place, fmt::format("is not valid YAML: {}", shown(e.msg)));
   }
 }
 
-void read_text(const std::string& text, const std::string& name, const fs::path& folder, const Group& settings, Places& places,
-               std::vector<fs::path> chain) {
+void read_text(const std::string& text, const std::string& name, const fs::path& folder,
+               const Group& settings, Places& places, std::vector<fs::path> chain) {
   const YAML::Node root = parse(text, name, true);
   const int first_line = 1;
   if (root.IsMap()) {
     for (const auto& pair : root) {
       if (!pair.first.IsScalar() || pair.first.Scalar() != "extends") continue;
       const std::string place = fmt::format("{}:{}", name, pair.first.Mark().line + 1);
-      if (!pair.second.IsScalar() || pair.second.Scalar().empty()) wrong(place, "extends must name one YAML file");
+      if (!pair.second.IsScalar() || pair.second.Scalar().empty())
+        wrong(place, "extends must name one YAML file");
       const fs::path base = (folder / pair.second.Scalar()).lexically_normal();
       const fs::path canonical = fs::weakly_canonical(base);
       if (std::find(chain.begin(), chain.end(), canonical) != chain.end()) {
@@ -170,7 +198,8 @@ void read_text(const std::string& text, const std::string& name, const fs::path&
       }
       std::vector<fs::path> longer = chain;
       longer.push_back(canonical);
-      read_text(content(base, place), base.string(), base.parent_path(), settings, places, std::move(longer));
+      read_text(content(base, place), base.string(), base.parent_path(), settings, places,
+                std::move(longer));
     }
   }
   Reader(name, true, folder.empty() ? "." : folder, places).read(root, first_line, settings, "");
@@ -191,21 +220,26 @@ std::string Places::of(const std::string& setting) const {
 }
 
 void Places::forget(const std::string& setting) {
-  std::erase_if(places_, [&](const auto& place) { return place.first == setting || place.first.starts_with(setting + "."); });
+  std::erase_if(places_, [&](const auto& place) {
+    return place.first == setting || place.first.starts_with(setting + ".");
+  });
 }
 
 void read_yaml_file(const fs::path& file, const Group& settings, Places& places) {
-  read_text(content(file, ""), file.string(), file.parent_path(), settings, places, {fs::weakly_canonical(file)});
+  read_text(content(file, ""), file.string(), file.parent_path(), settings, places,
+            {fs::weakly_canonical(file)});
 }
 
-void read_yaml_text(const std::string& text, const std::string& name, const fs::path& folder, const Group& settings, Places& places) {
+void read_yaml_text(const std::string& text, const std::string& name, const fs::path& folder,
+                    const Group& settings, Places& places) {
   read_text(text, name, folder, settings, places, {});
 }
 
 void read_assignment(const std::string& assignment, const Group& settings, Places& places) {
   const std::string source = "--set " + shown(assignment);
   const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos || equals == 0) wrong(source, "expected NAME=VALUE, as in control.push=3");
+  if (equals == std::string::npos || equals == 0)
+    wrong(source, "expected NAME=VALUE, as in control.push=3");
   const std::string path = assignment.substr(0, equals), text = assignment.substr(equals + 1);
   Reader reader(source, false, ".", places);
 
@@ -220,16 +254,21 @@ void read_assignment(const std::string& assignment, const Group& settings, Place
       setting = Setting(optional->value());
     }
     if (const auto* group = std::get_if<Group>(&setting.value)) {
-      const auto field = std::find_if(group->fields.begin(), group->fields.end(), [&](const Setting& f) { return f.name == key; });
+      const auto field = std::find_if(group->fields.begin(), group->fields.end(),
+                                      [&](const Setting& f) { return f.name == key; });
       if (field == group->fields.end()) wrong(source, unknown_key(key, name, names_of(*group)));
       setting = Setting(*field);
     } else if (const auto* list = std::get_if<List>(&setting.value)) {
       const auto i = index(key, list->size());
-      if (!i) wrong(source, fmt::format("{} has no element '{}': there are {}, counted from 0", name, shown(key), list->size()));
+      if (!i)
+        wrong(source, fmt::format("{} has no element '{}': there are {}, counted from 0", name,
+                                  shown(key), list->size()));
       setting = Setting(list->element(*i));
     } else if (const auto* numbers = std::get_if<Numbers>(&setting.value)) {
       const auto i = index(key, static_cast<std::size_t>(numbers->size));
-      if (!i) wrong(source, fmt::format("{} has no element '{}': there are {}, counted from 0", name, shown(key), numbers->size));
+      if (!i)
+        wrong(source, fmt::format("{} has no element '{}': there are {}, counted from 0", name,
+                                  shown(key), numbers->size));
       setting = Reader::component(*numbers, static_cast<int>(*i));
     } else {
       wrong(source, fmt::format("{} is a single value and has no '{}'", name, shown(key)));
@@ -237,12 +276,15 @@ void read_assignment(const std::string& assignment, const Group& settings, Place
     name = below(name, key);
   }
 
-  if (const auto* optional = std::get_if<Optional>(&setting.value); optional && text != "null" && text != "~") {
+  if (const auto* optional = std::get_if<Optional>(&setting.value);
+      optional && text != "null" && text != "~") {
     optional->engage(true);
     setting = Setting(optional->value());
   }
-  if (const auto* scalar = std::get_if<Scalar>(&setting.value)) reader.take(text, 0, *scalar, name);
-  else reader.read(parse(text, source, false), 0, setting, name);
+  if (const auto* scalar = std::get_if<Scalar>(&setting.value))
+    reader.take(text, 0, *scalar, name);
+  else
+    reader.read(parse(text, source, false), 0, setting, name);
 }
 
 }  // namespace impedraw

@@ -10,7 +10,9 @@ namespace {
 
 constexpr std::size_t comment_column = 36;
 
-std::string text_of(const Scalar& scalar) { return scalar.kind == Scalar::Kind::word ? scalar.text() : yaml_string(scalar.text()); }
+std::string text_of(const Scalar& scalar) {
+  return scalar.kind == Scalar::Kind::word ? scalar.text() : yaml_string(scalar.text());
+}
 
 std::string text_of(const Numbers& numbers) {
   std::vector<std::string> words;
@@ -30,7 +32,8 @@ void put_line(std::string& yaml, std::string line, const Setting& setting) {
   yaml += line + "\n";
 }
 
-void put(std::string& yaml, const std::string& head, std::size_t indent, const Setting& setting, const Setting& described_by);
+void put(std::string& yaml, const std::string& head, std::size_t indent, const Setting& setting,
+         const Setting& described_by);
 
 void put_group(std::string& yaml, std::string head, std::size_t indent, const Group& group) {
   for (const Setting& field : group.fields) {
@@ -39,28 +42,34 @@ void put_group(std::string& yaml, std::string head, std::size_t indent, const Gr
   }
 }
 
-void put_list(std::string& yaml, const std::string& head, std::size_t indent, const List& list, const Setting& described_by) {
+void put_list(std::string& yaml, const std::string& head, std::size_t indent, const List& list,
+              const Setting& described_by) {
   std::vector<std::string> words;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Setting element = list.element(i);
     if (const auto* scalar = std::get_if<Scalar>(&element.value)) words.push_back(text_of(*scalar));
   }
-  if (words.size() == list.size()) return put_line(yaml, head + " [" + joined(words) + "]", described_by);
+  if (words.size() == list.size())
+    return put_line(yaml, head + " [" + joined(words) + "]", described_by);
   put_line(yaml, head, described_by);
   for (std::size_t i = 0; i < list.size(); ++i)
-    put_group(yaml, std::string(indent + 2, ' ') + "- ", indent + 4, std::get<Group>(list.element(i).value));
+    put_group(yaml, std::string(indent + 2, ' ') + "- ", indent + 4,
+              std::get<Group>(list.element(i).value));
 }
 
 // `described_by` has the unit and the meaning: an optional's value has none of its own.
-void put(std::string& yaml, const std::string& head, std::size_t indent, const Setting& setting, const Setting& described_by) {
+void put(std::string& yaml, const std::string& head, std::size_t indent, const Setting& setting,
+         const Setting& described_by) {
   if (const auto* group = std::get_if<Group>(&setting.value)) {
     put_line(yaml, head, described_by);
     put_group(yaml, std::string(indent + 2, ' '), indent + 2, *group);
   } else if (const auto* list = std::get_if<List>(&setting.value)) {
     put_list(yaml, head, indent, *list, described_by);
   } else if (const auto* optional = std::get_if<Optional>(&setting.value)) {
-    if (optional->engaged()) put(yaml, head, indent, optional->value(), described_by);
-    else put_line(yaml, head + " null", described_by);
+    if (optional->engaged())
+      put(yaml, head, indent, optional->value(), described_by);
+    else
+      put_line(yaml, head + " null", described_by);
   } else if (const auto* numbers = std::get_if<Numbers>(&setting.value)) {
     put_line(yaml, head + " " + text_of(*numbers), described_by);
   } else {

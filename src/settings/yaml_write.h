@@ -1,5 +1,6 @@
-// Settings as YAML, every one with its value, each line with its unit and meaning. Read back, they give the same settings exactly:
-// doubles are written as the shortest text that reads back as the same number.
+// Settings as YAML, every one with its value, each line with its unit and meaning. Read back, they
+// give the same settings exactly: doubles are written as the shortest text that reads back as the
+// same number.
 #pragma once
 
 #include <string>

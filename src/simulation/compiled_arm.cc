@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
 
@@ -13,7 +13,8 @@ namespace {
 
 void check(const ModelErrors& e) {
   const auto need = [](const char* name, double value, bool good, const char* allowed) {
-    if (!std::isfinite(value) || !good) throw InputError(fmt::format("model errors: {} is {}, allowed is {}", name, value, allowed));
+    if (!std::isfinite(value) || !good)
+      throw InputError(fmt::format("model errors: {} is {}, allowed is {}", name, value, allowed));
   };
   need("mass_scale", e.mass_scale, e.mass_scale > 0.0, "above 0");
   need("centre_shift", e.centre_shift, true, "any length [m]");
@@ -23,26 +24,31 @@ void check(const ModelErrors& e) {
 }
 
 void apply(const ModelErrors& e, double dt, mjSpec* spec) {
-  for (mjsElement* element = mjs_firstElement(spec, mjOBJ_BODY); element; element = mjs_nextElement(spec, element)) {
+  for (mjsElement* element = mjs_firstElement(spec, mjOBJ_BODY); element;
+       element = mjs_nextElement(spec, element)) {
     mjsBody* body = mjs_asBody(element);
     if (!(body->mass > 0.0)) continue;
     body->mass *= e.mass_scale;
     for (double& value : body->inertia) value *= e.mass_scale;
-    for (double& value : body->fullinertia) value *= e.mass_scale;  // what a URDF gives; an MJCF either, and NaN stays NaN
+    for (double& value : body->fullinertia)
+      value *= e.mass_scale;  // what a URDF gives; an MJCF either, and NaN stays NaN
     if (mjs_firstChild(body, mjOBJ_JOINT, 0))
       for (double& value : body->ipos) value += e.centre_shift / std::sqrt(3.0);
   }
-  for (mjsElement* element = mjs_firstElement(spec, mjOBJ_JOINT); element; element = mjs_nextElement(spec, element))
+  for (mjsElement* element = mjs_firstElement(spec, mjOBJ_JOINT); element;
+       element = mjs_nextElement(spec, element))
     mjs_asJoint(element)->armature = e.rotor_inertia + dt * e.viscous_friction;
   if (mjsBody* tip = mjs_findBody(spec, "tip")) {
     const Eigen::Quaterniond turned(tip->quat[0], tip->quat[1], tip->quat[2], tip->quat[3]);
-    Eigen::Map<Eigen::Vector3d>(tip->pos) += e.pen_longer * (turned.normalized() * Eigen::Vector3d::UnitZ());
+    Eigen::Map<Eigen::Vector3d>(tip->pos) +=
+        e.pen_longer * (turned.normalized() * Eigen::Vector3d::UnitZ());
   }
 }
 
 }  // namespace
 
-CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gravity, const ModelErrors& errors) {
+CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gravity,
+                        const ModelErrors& errors) {
   check(errors);
   char error[512] = "";
   mjSpec* spec = mj_parseXML(urdf.c_str(), nullptr, error, sizeof error);

@@ -6,7 +6,8 @@ using Eigen::Vector3d;
 using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 FlangeBalance::FlangeBalance(const mjModel* model) {
-  const int flange = mj_name2id(model, mjOBJ_BODY, "flange"), tip = mj_name2id(model, mjOBJ_BODY, "tip");
+  const int flange = mj_name2id(model, mjOBJ_BODY, "flange"),
+            tip = mj_name2id(model, mjOBJ_BODY, "tip");
   if (flange < 0 || tip < 0) return;
   const auto below = [&](int body) {
     while (body > 0 && body != flange) body = model->body_parentid[body];
@@ -30,11 +31,13 @@ CarriedMomentum FlangeBalance::momentum(const mjModel* model, const mjData* data
     sum.c_W = sum.X_WS.p;
     return sum;
   }
-  for (const int body : carried_) sum.c_W += model->body_mass[body] / mass_ * Eigen::Map<const Vector3d>(data->xipos + 3 * body);
+  for (const int body : carried_)
+    sum.c_W += model->body_mass[body] / mass_ * Eigen::Map<const Vector3d>(data->xipos + 3 * body);
   for (const int body : carried_) {
     double velocity[6];  // of the body's own c.o.m., angular part first
     mj_objectVelocity(model, data, mjOBJ_BODY, body, velocity, 0);
-    const Eigen::Map<const Vector3d> w(velocity), v(velocity + 3), c(data->xipos + 3 * body), inertia(model->body_inertia + 3 * body);
+    const Eigen::Map<const Vector3d> w(velocity), v(velocity + 3), c(data->xipos + 3 * body),
+        inertia(model->body_inertia + 3 * body);
     const Eigen::Map<const RowMatrix3> R(data->ximat + 9 * body);
     const Vector3d P = model->body_mass[body] * v;
     sum.P_W += P;
@@ -43,7 +46,8 @@ CarriedMomentum FlangeBalance::momentum(const mjModel* model, const mjData* data
   return sum;
 }
 
-Vector6 FlangeBalance::wrench(const CarriedMomentum& start, const CarriedMomentum& end, const Vector6& F_env_W, double dt) const noexcept {
+Vector6 FlangeBalance::wrench(const CarriedMomentum& start, const CarriedMomentum& end,
+                              const Vector6& F_env_W, double dt) const noexcept {
   const Vector3d f = F_env_W.head<3>() + weight_W_ - (end.P_W - start.P_W) / dt;
   const Vector3d m_c = F_env_W.tail<3>() - (end.L_W - start.L_W) / dt;
   const Eigen::Matrix3d R_SW = start.X_WS.R.transpose();

@@ -10,15 +10,19 @@
 
 namespace impedraw {
 
-JointDrive::JointDrive(const ModelErrors& errors, double dt) : errors_(errors), ripple_phase_(kMaxJoints) {
+JointDrive::JointDrive(const ModelErrors& errors, double dt)
+    : errors_(errors), ripple_phase_(kMaxJoints) {
   const double steps = std::round(errors.loop_delay / dt);
   if (!(steps >= 0.0 && steps <= ModelErrors::kMostDelaySteps))
-    throw InputError(fmt::format("model errors: loop_delay is {} s, allowed is 0 to {} steps of {} s", errors.loop_delay,
-                                 ModelErrors::kMostDelaySteps, dt));
+    throw InputError(
+        fmt::format("model errors: loop_delay is {} s, allowed is 0 to {} steps of {} s",
+                    errors.loop_delay, ModelErrors::kMostDelaySteps, dt));
   if (!(errors.torque_quantum >= 0.0 && std::isfinite(errors.torque_quantum)))
-    throw InputError(fmt::format("model errors: torque_quantum is {}, allowed is 0 or more [Nm]", errors.torque_quantum));
+    throw InputError(fmt::format("model errors: torque_quantum is {}, allowed is 0 or more [Nm]",
+                                 errors.torque_quantum));
   if (!std::isfinite(errors.torque_ripple))
-    throw InputError(fmt::format("model errors: torque_ripple is {}, allowed is any torque [Nm]", errors.torque_ripple));
+    throw InputError(fmt::format("model errors: torque_ripple is {}, allowed is any torque [Nm]",
+                                 errors.torque_ripple));
   delay_ = static_cast<int>(steps);
   for (int j = 0; j < kMaxJoints; ++j) ripple_phase_[j] = 2.0 * M_PI * 0.381966 * j;
 }
@@ -36,7 +40,8 @@ JointVector JointDrive::act(const JointVector& command, const JointVector& q) no
   if (const double quantum = errors_.torque_quantum; quantum > 0.0)
     for (double& value : tau) value = quantum * std::round(value / quantum);
   if (errors_.torque_ripple != 0.0)
-    tau.array() += errors_.torque_ripple * (ModelErrors::kRipplePeriods * q + ripple_phase_.head(q.size())).array().sin();
+    tau.array() += errors_.torque_ripple *
+                   (ModelErrors::kRipplePeriods * q + ripple_phase_.head(q.size())).array().sin();
   return tau;
 }
 

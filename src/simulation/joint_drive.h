@@ -1,4 +1,5 @@
-// What becomes of a torque on its way from the controller to the joints: late, in steps, with ripple (model_errors.h has the formula).
+// What becomes of a torque on its way from the controller to the joints: late, in steps, with
+// ripple (model_errors.h has the formula).
 #pragma once
 
 #include <array>
@@ -20,9 +21,9 @@ class JointDrive {
 
  private:
   ModelErrors errors_;
-  JointVector ripple_phase_;  // of kMaxJoints
+  JointVector ripple_phase_;                                         // of kMaxJoints
   std::array<JointVector, ModelErrors::kMostDelaySteps> under_way_;  // a ring of delay_ commands
-  int delay_ = 0;  // [steps]
+  int delay_ = 0;                                                    // [steps]
   int oldest_ = 0;
   bool started_ = false;
 };

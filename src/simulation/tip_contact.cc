@@ -16,7 +16,8 @@ Eigen::Vector2d within_cone(const Eigen::Vector2d& p_t, double limit) {
 
 }  // namespace
 
-Eigen::Vector3d solve_tip_contact(const TipContactStep& s, const TipMaterial& tip, const Eigen::Vector3d& guess) noexcept {
+Eigen::Vector3d solve_tip_contact(const TipContactStep& s, const TipMaterial& tip,
+                                  const Eigen::Vector3d& guess) noexcept {
   if (s.penetration <= 0.0) return Eigen::Vector3d::Zero();
   const double hb = s.dt * tip.damping, spring = s.dt * tip.stiffness * s.penetration;
   const Eigen::Matrix2d G_tt = s.G.topLeftCorner<2, 2>();

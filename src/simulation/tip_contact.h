@@ -1,12 +1,15 @@
-// One point of contact between a pen tip and the canvas, solved exactly for a time step: a spring-damper along the normal, true Coulomb
-// friction across, rigid there.
+// One point of contact between a pen tip and the canvas, solved exactly for a time step: a
+// spring-damper along the normal, true Coulomb friction across, rigid there.
 //
-//   v⁺  = v_free + G p                                       contact-point velocity after the step; G = J M⁻¹ Jᵀ, p = h f
-//   f_n = max(0, k φ − b v_n⁺)                               φ: penetration at the start of the step; damper on the new velocity
+//   v⁺  = v_free + G p                                       contact-point velocity after the step;
+//       G = J M⁻¹ Jᵀ, p = h f
+//   f_n = max(0, k φ − b v_n⁺)                               φ: penetration at the start of the
+//   step; damper on the new velocity
 //   v_t⁺ = 0 with |f_t| ≤ μ f_n,  or  f_t = −μ f_n v_t⁺/|v_t⁺|
 //
-// The spring from the start of the step with an implicit damper follows the oscillator (k, b, m) within 1 % at 1 ms on this tip; stable
-// while √(k/m) h < 2. MuJoCo's own convex cone couples normal and tangential motion instead, and throws a sliding tip off (simulation.md).
+// The spring from the start of the step with an implicit damper follows the oscillator (k, b, m)
+// within 1 % at 1 ms on this tip; stable while √(k/m) h < 2. MuJoCo's own convex cone couples
+// normal and tangential motion instead, and throws a sliding tip off (simulation.md).
 #pragma once
 
 #include <Eigen/Core>
@@ -14,21 +17,22 @@
 namespace impedraw {
 
 struct TipMaterial {
-  double radius = 1.0e-3;      // of the tip sphere [m]
-  double stiffness = 20.0e3;   // k [N/m]
-  double damping = 60.0;       // b [N s/m]
-  double friction = 0.3;       // μ
+  double radius = 1.0e-3;     // of the tip sphere [m]
+  double stiffness = 20.0e3;  // k [N/m]
+  double damping = 60.0;      // b [N s/m]
+  double friction = 0.3;      // μ
 };
 
 // In the contact's frame: two tangents, then the outward normal.
 struct TipContactStep {
-  Eigen::Matrix3d G;        // Delassus matrix [1/kg]
-  Eigen::Vector3d v_free;   // contact-point velocity after the step without this contact [m/s]
-  double penetration;       // φ [m]
-  double dt;                // h [s]
+  Eigen::Matrix3d G;       // Delassus matrix [1/kg]
+  Eigen::Vector3d v_free;  // contact-point velocity after the step without this contact [m/s]
+  double penetration;      // φ [m]
+  double dt;               // h [s]
 };
 
-// The impulse h f on the tip [N s]. Zero where the tip is out of contact or leaves. The search for a sliding one starts from `guess`.
+// The impulse h f on the tip [N s]. Zero where the tip is out of contact or leaves. The search for
+// a sliding one starts from `guess`.
 Eigen::Vector3d solve_tip_contact(const TipContactStep& step, const TipMaterial& tip,
                                   const Eigen::Vector3d& guess = Eigen::Vector3d::Zero()) noexcept;
 

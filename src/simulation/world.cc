@@ -17,11 +17,15 @@ namespace {
 
 using RowMatrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, kMaxJoints>;
 using RowMatrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor, 6, kMaxJoints>;
-using ImpulseColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
+using ImpulseColumns =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 
-// MuJoCo prints its warnings by default, at every step. They are kept for the run that stops instead.
+// MuJoCo prints its warnings by default, at every step. They are kept for the run that stops
+// instead.
 thread_local char last_warning[256] = "";
-void keep_warning(const char* text) { std::snprintf(last_warning, sizeof last_warning, "%s", text); }
+void keep_warning(const char* text) {
+  std::snprintf(last_warning, sizeof last_warning, "%s", text);
+}
 
 Eigen::Matrix3d contact_frame(const Eigen::Vector3d& n) {
   Eigen::Matrix3d R;
@@ -47,7 +51,8 @@ struct World::Mujoco {
   RowMatrix6X J_push;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
   ImpulseColumns M_inverse;
-  JointVector v, joint_impulse, friction;  // friction: its impulses, from which the next step starts its search
+  JointVector v, joint_impulse,
+      friction;  // friction: its impulses, from which the next step starts its search
 
   ~Mujoco() {
     mj_deleteData(data);
@@ -58,7 +63,10 @@ struct World::Mujoco {
 };
 
 World::World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings)
-    : settings_(settings), canvas_(canvas), mujoco_(std::make_unique<Mujoco>()), drive_(settings.errors, settings.dt) {
+    : settings_(settings),
+      canvas_(canvas),
+      mujoco_(std::make_unique<Mujoco>()),
+      drive_(settings.errors, settings.dt) {
   mju_user_warning = keep_warning;
   const CompiledArm arm = compile_arm(urdf, settings.dt, settings.gravity, settings.errors);
   mujoco_->model = arm.dynamics;
@@ -66,10 +74,12 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   mujoco_->data = mj_makeData(mujoco_->model);
   mujoco_->shape_data = mj_makeData(mujoco_->shape);
   mujoco_->tip_body = mj_name2id(mujoco_->model, mjOBJ_BODY, "tip");
-  if (mujoco_->tip_body < 0) throw InputError(fmt::format("arm description {}: no link named 'tip'", urdf.string()));
+  if (mujoco_->tip_body < 0)
+    throw InputError(fmt::format("arm description {}: no link named 'tip'", urdf.string()));
   const int n = mujoco_->model->nv;
   if (n > kMaxJoints || mujoco_->model->nq != n)
-    throw InputError(fmt::format("arm description {}: at most {} single-axis joints", urdf.string(), kMaxJoints));
+    throw InputError(fmt::format("arm description {}: at most {} single-axis joints", urdf.string(),
+                                 kMaxJoints));
   mujoco_->J_tip.setZero(3, n);
   mujoco_->J_push.setZero(6, n);
   mujoco_->M_inverse_Jt.setZero(n, 3);
@@ -99,7 +109,8 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   applied_torque_ = JointVector::Zero(joints());
   observe();
   if (settings_.flange_sensor && has_flange())
-    flange_wrench_ = mujoco_->flange->wrench(mujoco_->carried, mujoco_->carried, Vector6::Zero(), settings_.dt);
+    flange_wrench_ =
+        mujoco_->flange->wrench(mujoco_->carried, mujoco_->carried, Vector6::Zero(), settings_.dt);
 }
 
 // Everything that depends on position and velocity alone, at the start of a step.
@@ -112,10 +123,12 @@ void World::observe() noexcept {
   state_.q = Eigen::Map<const Eigen::VectorXd>(d->qpos, n);
   state_.v = Eigen::Map<const Eigen::VectorXd>(d->qvel, n);
   state_.X_WE.p = Eigen::Map<const Eigen::Vector3d>(d->xpos + 3 * mujoco_->tip_body);
-  state_.X_WE.R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->xmat + 9 * mujoco_->tip_body);
+  state_.X_WE.R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+      d->xmat + 9 * mujoco_->tip_body);
   double velocity[6];  // angular part first
   mj_objectVelocity(m, d, mjOBJ_XBODY, mujoco_->tip_body, velocity, 0);
-  state_.V_WE << Eigen::Map<const Eigen::Vector3d>(velocity + 3), Eigen::Map<const Eigen::Vector3d>(velocity);
+  state_.V_WE << Eigen::Map<const Eigen::Vector3d>(velocity + 3),
+      Eigen::Map<const Eigen::Vector3d>(velocity);
   if (settings_.flange_sensor && has_flange()) mujoco_->carried = mujoco_->flange->momentum(m, d);
 }
 
@@ -133,10 +146,12 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   applied_torque_ = drive_.act(tau, state_.q);
   JointVector generalised = applied_torque_;
   if (!F_push_W.isZero(0.0)) {
-    mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
+    mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
+           mujoco_->tip_body);
     generalised += mujoco_->J_push.transpose().lazyProduct(F_push_W);
   }
-  if (settings_.errors.viscous_friction > 0.0) generalised -= settings_.errors.viscous_friction * state_.v;  // compiled_arm.h has the rest
+  if (settings_.errors.viscous_friction > 0.0)
+    generalised -= settings_.errors.viscous_friction * state_.v;  // compiled_arm.h has the rest
   const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
@@ -152,20 +167,24 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   observe();
   if (settings_.flange_sensor && has_flange()) {
     Vector6 F_env;  // moment about the c.o.m. of what the flange carries
-    F_env << contact_.f_W + F_push_W.head<3>(),
-        (contact_.p_WC - start.c_W).cross(contact_.f_W) + (p_WE - start.c_W).cross(F_push_W.head<3>()) + F_push_W.tail<3>();
+    F_env << contact_.f_W + F_push_W.head<3>(), (contact_.p_WC - start.c_W).cross(contact_.f_W) +
+                                                    (p_WE - start.c_W).cross(F_push_W.head<3>()) +
+                                                    F_push_W.tail<3>();
     flange_wrench_ = mujoco_->flange->wrench(start, mujoco_->carried, F_env, settings_.dt);
   }
 
   const double size = state_.q.cwiseAbs().sum() + state_.v.cwiseAbs().sum();
   if (!(size < 1e4) || last_warning[0] != '\0')
-    failure_ = fmt::format(
-        "the motion went unstable at t = {:.3f} s: {}", state_.time,
-        last_warning[0] ? last_warning : fmt::format("joint speeds reached {:.3g} rad/s", state_.v.cwiseAbs().maxCoeff()).c_str());
+    failure_ = fmt::format("the motion went unstable at t = {:.3f} s: {}", state_.time,
+                           last_warning[0] ? last_warning
+                                           : fmt::format("joint speeds reached {:.3g} rad/s",
+                                                         state_.v.cwiseAbs().maxCoeff())
+                                                 .c_str());
   return contact_;
 }
 
-// Finds the impulses of the tip and of the joints that fit each other, given the velocity that the step would end with without them.
+// Finds the impulses of the tip and of the joints that fit each other, given the velocity that the
+// step would end with without them.
 void World::solve_impulses(const JointVector& v_free) noexcept {
   Mujoco& w = *mujoco_;
   const int n = w.model->nv;
@@ -187,13 +206,14 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
 
   TipContactStep tip{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), 0.0, h};
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
-  RowMatrix3X J_C(3, n);  // of the contact point, in C
+  RowMatrix3X J_C(3, n);                                  // of the contact point, in C
   Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
   if (canvas_) {
     const double radius = settings_.tip.radius;
     const Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
     // A tip that has been pressed through by more than this is no longer on the paper.
-    if (const auto closest = canvas_->closest(centre, 10.0 * radius); closest && !(closest->on_edge && closest->distance <= 0.0)) {
+    if (const auto closest = canvas_->closest(centre, 10.0 * radius);
+        closest && !(closest->on_edge && closest->distance <= 0.0)) {
       tip.penetration = radius - closest->distance;
       contact_.touching = tip.penetration > 0.0;
       contact_.p_WC = closest->p_W;
@@ -241,10 +261,13 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       };
       for (int j = 0; j < n; ++j) {
         const double bound = h * settings_.joint_friction, mobility = w.M_inverse(j, j);
-        if (dry) add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -bound, bound));
+        if (dry)
+          add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -bound, bound));
         double sign = 1.0;
         const double gap = limit_gap(j, &sign);
-        if (std::isfinite(gap)) add(j, &limit[j], sign * std::max(0.0, sign * limit[j] - (sign * w.v[j] + gap / h) / mobility));
+        if (std::isfinite(gap))
+          add(j, &limit[j],
+              sign * std::max(0.0, sign * limit[j] - (sign * w.v[j] + gap / h) / mobility));
       }
       if (contact_.touching) {
         tip.v_free = J_C.lazyProduct(w.v) - tip.G * tip_impulse;
@@ -261,9 +284,11 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   contact_.f_W = R_WC * tip_impulse / h;
 }
 
-double World::ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const {
+double World::ray_to_arm(const Eigen::Vector3d& origin_W,
+                         const Eigen::Vector3d& direction_W) const {
   int geom = -1;
-  const double distance = mj_ray(mujoco_->shape, mujoco_->shape_data, origin_W.data(), direction_W.data(), nullptr, 1, -1, &geom, nullptr);
+  const double distance = mj_ray(mujoco_->shape, mujoco_->shape_data, origin_W.data(),
+                                 direction_W.data(), nullptr, 1, -1, &geom, nullptr);
   return distance < 0.0 ? std::numeric_limits<double>::infinity() : distance;
 }
 
@@ -273,7 +298,9 @@ World::Terms World::terms() const {
   const int n = m->nv;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(n, n), J(6, n);
   mj_fullM(m, d, M.data());
-  M.diagonal().array() -= settings_.dt * settings_.errors.viscous_friction;  // that much is the integrator's (compiled_arm.h)
+  M.diagonal().array() -=
+      settings_.dt *
+      settings_.errors.viscous_friction;  // that much is the integrator's (compiled_arm.h)
   mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
   return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
 }

@@ -1,9 +1,12 @@
-// The simulated world: an arm under torque, its pen on a canvas that nobody measured. MuJoCo has the arm, tip_contact.h the contact.
+// The simulated world: an arm under torque, its pen on a canvas that nobody measured. MuJoCo has
+// the arm, tip_contact.h the contact.
 //
-// One step of h from t_i:  v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p + p_joint),  q⁺ = q + h v⁺
-// The arm that moves need not be the URDF's, nor τ_a the torque asked for: model_errors.h. Viscous friction b v⁺ is implicit.
-// The tip's impulse p and those of the joints, dry friction |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel):
-// one after the other, the second would change the velocity that the first was found for.
+// One step of h from t_i:  v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p +
+// p_joint),  q⁺ = q + h v⁺
+// The arm that moves need not be the URDF's, nor τ_a the torque asked for: model_errors.h. Viscous
+// friction b v⁺ is implicit. The tip's impulse p and those of the joints, dry friction |p_j| ≤ h
+// τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel): one after the other, the second
+// would change the velocity that the first was found for.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +24,7 @@
 namespace impedraw {
 
 struct WorldSettings {
-  double dt = 1e-3;           // [s]
+  double dt = 1e-3;  // [s]
   TipMaterial tip;
   double joint_friction = 0.0;  // dry, the same on every joint: ± [Nm]
   double gravity = 9.81;        // along −z [m/s²]
@@ -33,8 +36,9 @@ struct WorldSettings {
 struct TipContact {
   bool touching = false;
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // of the canvas on the tip [N]
-  Eigen::Vector3d p_WC = Eigen::Vector3d::Zero(); // on the canvas, closest to the centre of the tip sphere [m]
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ(); // outward normal there
+  // on the canvas, closest to the centre of the tip sphere [m]
+  Eigen::Vector3d p_WC = Eigen::Vector3d::Zero();
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // outward normal there
 };
 
 struct WorldState {
@@ -46,7 +50,8 @@ struct WorldState {
 
 class World {
  public:
-  // The URDF's frame `tip` is E. The canvas must outlive the world; nullptr: none. Throws InputError.
+  // The URDF's frame `tip` is E. The canvas must outlive the world; nullptr: none. Throws
+  // InputError.
   World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings);
   ~World();
 
@@ -54,31 +59,37 @@ class World {
   void set_state(const JointVector& q, const JointVector& v);
   const WorldState& state() const { return state_; }
 
-  // Advances by dt under the commanded joint torque τ and a push on the pen at E: a force, or a wrench [force; moment], in W.
-  // Returns the contact that acted. Allocates nothing.
+  // Advances by dt under the commanded joint torque τ and a push on the pen at E: a force, or a
+  // wrench [force; moment], in W. Returns the contact that acted. Allocates nothing.
   const TipContact& step(const JointVector& tau, const Eigen::Vector3d& f_push_W) noexcept;
   template <typename Push>
-    requires(Push::RowsAtCompileTime == 6)
-  const TipContact& step(const JointVector& tau, const Eigen::MatrixBase<Push>& F_push_W) noexcept {
+  requires(Push::RowsAtCompileTime ==
+           6) const TipContact& step(const JointVector& tau,
+                                     const Eigen::MatrixBase<Push>& F_push_W) noexcept {
     return advance(tau, F_push_W);
   }
 
-  // τ_a over the last step: what the commands became (late, in steps, with ripple), friction not yet taken off. Zero after set_state().
+  // τ_a over the last step: what the commands became (late, in steps, with ripple), friction not
+  // yet taken off. Zero after set_state().
   const JointVector& applied_torque() const { return applied_torque_; }
 
-  // [f; m] that pen and environment do to link `flange`, at its origin S in its axes at the start of the last step, mean over the step:
-  // contact + push + weight of all below the flange − rate of its momentum (flange_balance.h). After set_state(): the weight.
-  // Zero without WorldSettings::flange_sensor or without such a link.
+  // [f; m] that pen and environment do to link `flange`, at its origin S in its axes at the start
+  // of the last step, mean over the step: contact + push + weight of all below the flange − rate of
+  // its momentum (flange_balance.h). After set_state(): the weight. Zero without
+  // WorldSettings::flange_sensor or without such a link.
   const Vector6& flange_wrench() const { return flange_wrench_; }
   bool has_flange() const;  // a link `flange` with `tip` below it, sensor or not
 
-  // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of no more use.
+  // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of
+  // no more use.
   const std::optional<std::string>& failure() const { return failure_; }
 
-  // Distance along a unit ray to the arm's body as set_state() put it, infinite where it is not met. For the cameras; from any thread.
+  // Distance along a unit ray to the arm's body as set_state() put it, infinite where it is not
+  // met. For the cameras; from any thread.
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
 
-  // M, C v + g and J of the true arm by MuJoCo at a state: the second implementation that the controller's terms are checked against.
+  // M, C v + g and J of the true arm by MuJoCo at a state: the second implementation that the
+  // controller's terms are checked against.
   struct Terms {
     Eigen::MatrixXd M, J;
     Eigen::VectorXd bias;

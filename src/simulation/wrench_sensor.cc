@@ -22,7 +22,9 @@ Vector6 both(double force, double torque) {
 
 void check(const WrenchSensorSettings& s, double dt) {
   const auto need = [](const char* name, double value, double most) {
-    if (!(value >= 0.0 && value <= most)) throw InputError(fmt::format("wrench sensor: {} is {}, allowed is 0 to {}", name, value, most));
+    if (!(value >= 0.0 && value <= most))
+      throw InputError(
+          fmt::format("wrench sensor: {} is {}, allowed is 0 to {}", name, value, most));
   };
   constexpr double kAny = 1e6;
   need("noise_force", s.noise_force, kAny);
@@ -36,7 +38,8 @@ void check(const WrenchSensorSettings& s, double dt) {
   need("range_force", s.range_force, kAny);
   need("range_torque", s.range_torque, kAny);
   need("delay", s.delay, kLongestDelay);
-  if (!(dt >= 1e-6 && std::isfinite(dt))) throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));
+  if (!(dt >= 1e-6 && std::isfinite(dt)))
+    throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));
 }
 
 }  // namespace
@@ -57,7 +60,8 @@ WrenchSensorSettings WrenchSensorSettings::realistic() {
   return s;
 }
 
-WrenchSensor::WrenchSensor(const WrenchSensorSettings& s, double dt, std::uint64_t seed) : bits_(seed) {
+WrenchSensor::WrenchSensor(const WrenchSensorSettings& s, double dt, std::uint64_t seed)
+    : bits_(seed) {
   check(s, dt);
   noise_ = both(s.noise_force, s.noise_torque) * std::sqrt(1e-3 / dt);
   noisy_ = !noise_.isZero(0.0);
@@ -95,7 +99,9 @@ Vector6 WrenchSensor::sample(const Vector6& F) noexcept {
 }
 
 // In (0, 1): the middle of one of 2⁵³ equal parts, so that its logarithm is finite.
-double WrenchSensor::uniform() noexcept { return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53; }
+double WrenchSensor::uniform() noexcept {
+  return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53;
+}
 
 // Box and Muller (1958).
 Eigen::Vector2d WrenchSensor::normal_pair() noexcept {

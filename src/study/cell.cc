@@ -8,17 +8,23 @@ namespace impedraw {
 
 namespace {
 
-std::string joined_to(const std::string& head, const std::string& name) { return head.empty() ? name : head + "." + name; }
+std::string joined_to(const std::string& head, const std::string& name) {
+  return head.empty() ? name : head + "." + name;
+}
 
-void flatten(const std::string& name, const Setting& setting, std::map<std::string, std::string>* flat) {
+void flatten(const std::string& name, const Setting& setting,
+             std::map<std::string, std::string>* flat) {
   if (const auto* group = std::get_if<Group>(&setting.value)) {
     for (const Setting& field : group->fields) flatten(joined_to(name, field.name), field, flat);
   } else if (const auto* list = std::get_if<List>(&setting.value)) {
     (*flat)[name] = fmt::format("{} entries", list->size());
-    for (std::size_t i = 0; i < list->size(); ++i) flatten(joined_to(name, std::to_string(i)), list->element(i), flat);
+    for (std::size_t i = 0; i < list->size(); ++i)
+      flatten(joined_to(name, std::to_string(i)), list->element(i), flat);
   } else if (const auto* optional = std::get_if<Optional>(&setting.value)) {
-    if (optional->engaged()) flatten(name, optional->value(), flat);
-    else (*flat)[name] = "null";
+    if (optional->engaged())
+      flatten(name, optional->value(), flat);
+    else
+      (*flat)[name] = "null";
   } else if (const auto* numbers = std::get_if<Numbers>(&setting.value)) {
     std::vector<std::string> words;
     for (int i = 0; i < numbers->size; ++i) words.push_back(number_text(numbers->data[i]));
@@ -57,7 +63,8 @@ std::map<std::string, std::string> flat_settings(Scenario scenario) {
 
 std::string within_tree(std::string text) {
   const std::string root = std::string(IMPEDRAW_ROOT) + "/";
-  for (std::size_t at = text.find(root); at != std::string::npos; at = text.find(root)) text.erase(at, root.size());
+  for (std::size_t at = text.find(root); at != std::string::npos; at = text.find(root))
+    text.erase(at, root.size());
   return text;
 }
 

@@ -11,14 +11,16 @@
 namespace impedraw {
 
 struct Cell {
-  std::string name;                      // "matrix-nominal-50mm_s-30deg-5N"; unique
-  std::string group;                     // "matrix"; what it is one of
-  std::string base;                      // "scenarios/robustness-nominal.yaml", from the root of the tree
+  std::string name;   // "matrix-nominal-50mm_s-30deg-5N"; unique
+  std::string group;  // "matrix"; what it is one of
+  std::string base;   // "scenarios/robustness-nominal.yaml", from the root of the tree
   std::vector<std::string> assignments;  // "control.push=5", as --set takes them
-  // Where it stands in the page: a heading, the row and the column under it, and what is written before its figures.
+  // Where it stands in the page: a heading, the row and the column under it, and what is written
+  // before its figures.
   std::string table, row, column, value;
   bool realistic = false;
-  std::string svg = {};                  // "artwork/koi.svg", as --svg takes it, from the root of the tree; empty: the scenario's
+  // "artwork/koi.svg", as --svg takes it, from the root of the tree; empty: the scenario's
+  std::string svg = {};
 };
 
 // Throws InputError where the assignments cannot be read.

@@ -15,7 +15,8 @@ std::string short_number(const std::string& text) {
   return fmt::format("{:.{}f}", x, digits);
 }
 
-std::string pivot(const std::vector<const Cell*>& cells, const std::function<std::string(const Cell&)>& text_of) {
+std::string pivot(const std::vector<const Cell*>& cells,
+                  const std::function<std::string(const Cell&)>& text_of) {
   const std::vector<std::string> rows = in_order(cells, [](const Cell& c) { return c.row; });
   const std::vector<std::string> columns = in_order(cells, [](const Cell& c) { return c.column; });
   std::string text = "| |";
@@ -25,7 +26,9 @@ std::string pivot(const std::vector<const Cell*>& cells, const std::function<std
   for (const std::string& row : rows) {
     text += "\n| " + row + " |";
     for (const std::string& column : columns) {
-      const auto cell = std::find_if(cells.begin(), cells.end(), [&](const Cell* c) { return c->row == row && c->column == column; });
+      const auto cell = std::find_if(cells.begin(), cells.end(), [&](const Cell* c) {
+        return c->row == row && c->column == column;
+      });
       text += cell == cells.end() ? " |" : " " + text_of(**cell) + " |";
     }
   }

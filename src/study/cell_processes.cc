@@ -33,8 +33,10 @@ struct Child {
   std::string text;
 };
 
-// A child's whole life: what libraries print does not disturb the progress line, and it does not outlive its parent.
-[[noreturn]] void live(const Work& work, std::size_t piece, const fs::path& file, int to, pid_t parent) {
+// A child's whole life: what libraries print does not disturb the progress line, and it does not
+// outlive its parent.
+[[noreturn]] void live(const Work& work, std::size_t piece, const fs::path& file, int to,
+                       pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   const int nowhere = open("/dev/null", O_WRONLY);
@@ -64,7 +66,8 @@ class Children {
 
   void start(const Work& work, std::size_t piece, const fs::path& file) {
     std::array<int, 2> ends;
-    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe can be made: {}", std::strerror(errno)));
+    if (pipe2(ends.data(), O_CLOEXEC) != 0)
+      throw std::runtime_error(fmt::format("no pipe can be made: {}", std::strerror(errno)));
     const pid_t parent = getpid(), pid = fork();
     if (pid == 0) live(work, piece, file, ends[1], parent);
     close(ends[1]);
@@ -78,10 +81,12 @@ class Children {
   int count() const { return static_cast<int>(running_.size()); }
 
   // Waits a while for results; hands over each child that has ended or that is over its time.
-  void wait(double time_limit, const std::function<void(std::size_t, const ProcessEnd&)>& finished) {
+  void wait(double time_limit,
+            const std::function<void(std::size_t, const ProcessEnd&)>& finished) {
     std::vector<pollfd> ends;
     for (const Child& child : running_) ends.push_back({child.from, POLLIN, 0});
-    if (poll(ends.data(), ends.size(), 200) < 0 && errno != EINTR) throw std::runtime_error("poll: " + std::string(std::strerror(errno)));
+    if (poll(ends.data(), ends.size(), 200) < 0 && errno != EINTR)
+      throw std::runtime_error("poll: " + std::string(std::strerror(errno)));
     std::size_t i = 0;
     for (auto child = running_.begin(); child != running_.end(); ++i) {
       const bool heard = ends[i].revents != 0, late = seconds_since(child->start) > time_limit;
@@ -123,10 +128,14 @@ class Children {
     ProcessEnd ended;
     ended.wall_time = seconds_since(child.start);
     const int status = late ? kill_and_wait(child) : await(child);
-    if (late) ended.cause = fmt::format("timeout: took longer than {:.0f} s", time_limit);
-    else if (WIFSIGNALED(status)) ended.cause = fmt::format("crashed: signal {}", WTERMSIG(status));
-    else if (WEXITSTATUS(status) != 0 || child.text.empty()) ended.cause = "crashed: no result";
-    else ended.text = std::move(child.text);
+    if (late)
+      ended.cause = fmt::format("timeout: took longer than {:.0f} s", time_limit);
+    else if (WIFSIGNALED(status))
+      ended.cause = fmt::format("crashed: signal {}", WTERMSIG(status));
+    else if (WEXITSTATUS(status) != 0 || child.text.empty())
+      ended.cause = "crashed: no result";
+    else
+      ended.text = std::move(child.text);
     return ended;
   }
 
@@ -135,7 +144,8 @@ class Children {
 
 }  // namespace
 
-bool run_processes(std::size_t count, const Work& work, const ProcessSettings& settings, const ProcessHooks& hooks) {
+bool run_processes(std::size_t count, const Work& work, const ProcessSettings& settings,
+                   const ProcessHooks& hooks) {
   Children children;
   std::size_t next = 0;
   while (next < count || children.count() > 0) {

@@ -1,4 +1,5 @@
-// Work done in processes of its own, several at a time: what hangs, crashes or blows up is one piece of work without a result.
+// Work done in processes of its own, several at a time: what hangs, crashes or blows up is one
+// piece of work without a result.
 #pragma once
 
 #include <cstddef>
@@ -23,12 +24,15 @@ struct ProcessEnd {
 struct ProcessHooks {
   std::function<void(std::size_t, const ProcessEnd&)> finished;  // as each ends, in no order
   std::function<void()> waiting;                                 // several times a second
-  std::function<bool()> interrupted;                             // looked at as often: ends what runs, without a result
+  std::function<bool()> interrupted;  // looked at as often: ends what runs, without a result
 };
 
-// The pieces 0 … count − 1; each may write one file, whose name it is given. False: interrupted. Must be called while the program has
-// one thread. Throws std::runtime_error when no process can be started.
-bool run_processes(std::size_t count, const std::function<std::string(std::size_t, const std::filesystem::path&)>& work,
-                   const ProcessSettings& settings, const ProcessHooks& hooks);
+// The pieces 0 … count − 1; each may write one file, whose name it is given. False: interrupted.
+// Must be called while the program has one thread. Throws std::runtime_error when no process can be
+// started.
+bool run_processes(
+    std::size_t count,
+    const std::function<std::string(std::size_t, const std::filesystem::path&)>& work,
+    const ProcessSettings& settings, const ProcessHooks& hooks);
 
 }  // namespace impedraw

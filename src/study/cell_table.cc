@@ -12,12 +12,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
-#include "impedraw/terminal/interrupt.h"
-#include "impedraw/terminal/progress.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/terminal/clock.h"
-#include "impedraw/common/errors.h"
+#include "impedraw/terminal/interrupt.h"
+#include "impedraw/terminal/progress.h"
 
 extern char** environ;
 
@@ -27,7 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "robustness  37/211 cells, 2 failed, 3:12 left": redrawn on a terminal, else a line every ten seconds.
+// "robustness  37/211 cells, 2 failed, 3:12 left": redrawn on a terminal, else a line every ten
+//              seconds.
 class CellsLine {
  public:
   CellsLine(const std::string& name, std::size_t cells) : name_(name), cells_(cells) {}
@@ -40,9 +41,10 @@ class CellsLine {
     if (now < next_) return;
     next_ = now + (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(10));
     const double wall = std::chrono::duration<double>(now - start_).count();
-    const double left = wall * static_cast<double>(cells_ - done_) / static_cast<double>(std::max<std::size_t>(done_, 1));
-    const std::string line =
-        fmt::format("{}  {}/{} cells, {} failed, {} left", name_, done_, cells_, failed_, done_ == 0 ? "-:--" : clock_text(left));
+    const double left = wall * static_cast<double>(cells_ - done_) /
+                        static_cast<double>(std::max<std::size_t>(done_, 1));
+    const std::string line = fmt::format("{}  {}/{} cells, {} failed, {} left", name_, done_,
+                                         cells_, failed_, done_ == 0 ? "-:--" : clock_text(left));
     std::fputs((terminal_ ? "\r" + line + "\x1b[K" : line + "\n").c_str(), stderr);
     std::fflush(stderr);
   }
@@ -69,25 +71,32 @@ Records kept_records(const CellTable& table, const fs::path& csv, const std::vec
 }
 
 // In the order of `all`; whole or not at all.
-void write_csv(const CellTable& table, const fs::path& csv, const std::vector<Cell>& all, const Records& records) {
+void write_csv(const CellTable& table, const fs::path& csv, const std::vector<Cell>& all,
+               const Records& records) {
   std::string text = csv_line(table.columns);
   for (const Cell& cell : all)
-    if (const auto it = records.find(cell.name); it != records.end()) text += csv_line(table.columns, it->second);
+    if (const auto it = records.find(cell.name); it != records.end())
+      text += csv_line(table.columns, it->second);
   const fs::path fresh = csv.string() + ".new";
   write_file(fresh, text);
   fs::rename(fresh, csv);
 }
 
 void plot(const std::string& name, const fs::path& csv, const fs::path& png) {
-  const std::string script = std::string(IMPEDRAW_STUDY_SCRIPTS) + "/" + name + ".py", from = csv.string(), to = png.string();
-  const char* const arguments[] = {IMPEDRAW_PYTHON, "-I", script.c_str(), from.c_str(), to.c_str(), nullptr};
+  const std::string script = std::string(IMPEDRAW_STUDY_SCRIPTS) + "/" + name + ".py",
+                    from = csv.string(), to = png.string();
+  const char* const arguments[] = {IMPEDRAW_PYTHON, "-I",       script.c_str(),
+                                   from.c_str(),    to.c_str(), nullptr};
   pid_t child = 0;
-  if (posix_spawnp(&child, IMPEDRAW_PYTHON, nullptr, nullptr, const_cast<char* const*>(arguments), environ) != 0)
-    throw std::runtime_error(fmt::format("cannot write {}: {} does not start", to, IMPEDRAW_PYTHON));
+  if (posix_spawnp(&child, IMPEDRAW_PYTHON, nullptr, nullptr, const_cast<char* const*>(arguments),
+                   environ) != 0)
+    throw std::runtime_error(
+        fmt::format("cannot write {}: {} does not start", to, IMPEDRAW_PYTHON));
   int status = 0;
   waitpid(child, &status, 0);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw std::runtime_error(fmt::format("cannot write {}: {} failed (its message is above)", to, script));
+    throw std::runtime_error(
+        fmt::format("cannot write {}: {} failed (its message is above)", to, script));
 }
 
 }  // namespace
@@ -104,8 +113,11 @@ std::vector<Cell> matching(const std::vector<Cell>& cells, const std::string& pa
     throw InputError(fmt::format("--only {}: is no regular expression", pattern));
   }
   std::vector<Cell> found;
-  std::copy_if(cells.begin(), cells.end(), std::back_inserter(found), [&](const Cell& c) { return std::regex_search(c.name, expression); });
-  if (found.empty()) throw InputError(fmt::format("--only {}: no cell has that in its name; --list shows the names", pattern));
+  std::copy_if(cells.begin(), cells.end(), std::back_inserter(found),
+               [&](const Cell& c) { return std::regex_search(c.name, expression); });
+  if (found.empty())
+    throw InputError(
+        fmt::format("--only {}: no cell has that in its name; --list shows the names", pattern));
   return found;
 }
 
@@ -113,16 +125,19 @@ void print_cells(const std::vector<Cell>& cells) {
   for (const Cell& cell : cells) fmt::print("{}\n    {}\n", cell.name, cell_command(cell));
 }
 
-int run_table(const CellTable& table, const std::vector<Cell>& all, const std::vector<Cell>& wanted, const CellTableOptions& options) {
+int run_table(const CellTable& table, const std::vector<Cell>& all, const std::vector<Cell>& wanted,
+              const CellTableOptions& options) {
   const fs::path folder = table_folder(table.name, options);
   const fs::path csv = folder / (table.name + ".csv");
   require_table_folder(folder, csv.filename().string());
   Records records;
   if (!options.again && fs::exists(csv)) records = kept_records(table, csv, all);
   std::vector<Cell> left;
-  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](const Cell& c) { return !records.contains(c.name); });
+  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left),
+               [&](const Cell& c) { return !records.contains(c.name); });
   if (left.size() < wanted.size())
-    fmt::print("{} of {} cells are kept from an earlier run; --again runs them anew\n", wanted.size() - left.size(), wanted.size());
+    fmt::print("{} of {} cells are kept from an earlier run; --again runs them anew\n",
+               wanted.size() - left.size(), wanted.size());
   make_folder(folder);
   write_csv(table, csv, all, records);
 
@@ -141,11 +156,18 @@ int run_table(const CellTable& table, const std::vector<Cell>& all, const std::v
       line.count(field(record, "failed") == "1");
     };
     const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    const auto work = [&](std::size_t i, const fs::path& log) { return table.measure(left[i], log); };
-    whole = run_processes(left.size(), work, {options.jobs > 0 ? options.jobs : cores, table.time_limit, folder}, hooks);
+    const auto work = [&](std::size_t i, const fs::path& log) {
+      return table.measure(left[i], log);
+    };
+    whole =
+        run_processes(left.size(), work,
+                      {options.jobs > 0 ? options.jobs : cores, table.time_limit, folder}, hooks);
   }
   if (!whole) {
-    fmt::print(stderr, "impedraw: interrupted; what was done is kept in {}, and the same command goes on from there\n", csv.string());
+    fmt::print(stderr,
+               "impedraw: interrupted; what was done is kept in {}, and the same command goes on "
+               "from there\n",
+               csv.string());
     return interrupt.exit_code();
   }
   write_csv(table, csv, all, records);
@@ -155,7 +177,8 @@ int run_table(const CellTable& table, const std::vector<Cell>& all, const std::v
   for (const Cell& cell : wanted) failed += field(records.at(cell.name), "failed") == "1";
   fmt::print("{} cells, {} failed\n", wanted.size(), failed);
   for (const char* extension : {".csv", ".md", ".png"})
-    fmt::print("  {}\n", fs::absolute(folder / (table.name + extension)).lexically_normal().string());
+    fmt::print("  {}\n",
+               fs::absolute(folder / (table.name + extension)).lexically_normal().string());
   return kFinished;
 }
 

@@ -21,10 +21,14 @@ std::vector<std::string> fields_of(const std::string& line) {
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') fields.back() += line[++i];
-    else if (c == '"') quoted = !quoted;
-    else if (c == ',' && !quoted) fields.emplace_back();
-    else fields.back() += c;
+    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
+      fields.back() += line[++i];
+    else if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
   }
   return fields;
 }
@@ -33,7 +37,8 @@ std::vector<std::string> fields_of(const std::string& line) {
 
 std::string csv_line(const std::vector<std::string>& fields) {
   std::string line;
-  for (std::size_t i = 0; i < fields.size(); ++i) line += (i == 0 ? "" : ",") + field_text(fields[i]);
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    line += (i == 0 ? "" : ",") + field_text(fields[i]);
   return line + "\n";
 }
 
@@ -47,7 +52,8 @@ std::vector<Record> read_csv(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::vector<Record> records;
   std::vector<std::string> names;
-  for (std::string line; std::getline(in, line) && !in.eof();) {  // at the end of the file: a line that was cut off
+  for (std::string line;
+       std::getline(in, line) && !in.eof();) {  // at the end of the file: a line that was cut off
     const std::vector<std::string> fields = fields_of(line);
     if (names.empty()) {
       names = fields;

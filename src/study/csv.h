@@ -1,5 +1,5 @@
-// Tables as comma-separated lines with a first line of names (RFC 4180): fields with a comma, a quote or a bracket stand in quotes, no
-// field has a line break in it.
+// Tables as comma-separated lines with a first line of names (RFC 4180): fields with a comma, a
+// quote or a bracket stand in quotes, no field has a line break in it.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,12 @@ namespace impedraw {
 
 using Record = std::map<std::string, std::string>;  // a line, by column
 
-std::string csv_line(const std::vector<std::string>& fields);                           // with its line break
-std::string csv_line(const std::vector<std::string>& columns, const Record& record);    // empty where the record has nothing
+std::string csv_line(const std::vector<std::string>& fields);  // with its line break
+std::string csv_line(const std::vector<std::string>& columns,
+                     const Record& record);  // empty where the record has nothing
 
-// The lines after the first by the first's names. A line that was cut off, or that has not as many fields, is left out.
+// The lines after the first by the first's names. A line that was cut off, or that has not as many
+// fields, is left out.
 std::vector<Record> read_csv(const std::filesystem::path& file);
 
 std::string field(const Record& record, const std::string& column);  // empty where there is none

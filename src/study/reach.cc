@@ -3,10 +3,10 @@
 #include <ctime>
 
 #include "impedraw/common/exit_code.h"
+#include "impedraw/run/run_folder.h"
 #include "impedraw/study/reach_cells.h"
 #include "impedraw/study/reach_page.h"
 #include "impedraw/study/reach_run.h"
-#include "impedraw/run/run_folder.h"
 
 namespace impedraw {
 
@@ -29,7 +29,8 @@ int run_reach(const std::vector<Cell>& wanted, const CellTableOptions& options) 
   table.name = "reach";
   table.columns = reach_columns();
   table.same = [&](const Record& line, const Cell& cell) {
-    return field(line, "settings") == settings_digest(cell) && std::filesystem::exists(ink_file(cell));
+    return field(line, "settings") == settings_digest(cell) &&
+           std::filesystem::exists(ink_file(cell));
   };
   table.measure = [&](const Cell& cell, const std::filesystem::path& log) {
     make_folder(ink);

@@ -10,14 +10,14 @@ namespace impedraw {
 
 struct ReachDrawing {
   std::string name;
-  std::string svg;                       // as Cell::svg; empty: the assignments say what
+  std::string svg;  // as Cell::svg; empty: the assignments say what
   std::vector<std::string> assignments;
-  std::string source;                    // what it is and where it comes from
+  std::string source;  // what it is and where it comes from
 };
 std::vector<ReachDrawing> reach_drawings();
 
 struct ReachCanvas {
-  std::string name;                      // scenarios/reach-NAME.yaml
+  std::string name;  // scenarios/reach-NAME.yaml
   std::string source;
 };
 std::vector<ReachCanvas> reach_canvases();

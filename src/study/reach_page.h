@@ -1,4 +1,5 @@
-// reach.md: the table of ./impedraw reach, what is drawn on what, what is not drawn and why, what missed.
+// reach.md: the table of ./impedraw reach, what is drawn on what, what is not drawn and why, what
+// missed.
 #pragma once
 
 #include <string>
@@ -9,6 +10,7 @@
 namespace impedraw {
 
 // A combination without a record has not been run, and its place says so. `date`: "2026-11-21".
-std::string reach_page(const std::vector<Cell>& cells, const Records& records, const std::string& date);
+std::string reach_page(const std::vector<Cell>& cells, const Records& records,
+                       const std::string& date);
 
 }  // namespace impedraw

@@ -4,27 +4,33 @@
 
 #include <nlohmann/json.hpp>
 
-#include "impedraw/run/run_folder.h"
 #include "impedraw/report/relief.h"
+#include "impedraw/run/run_folder.h"
 
 namespace impedraw {
 
 namespace {
 
-constexpr double kHalf = 130.0;    // of the square that is shown [mm]
-constexpr double kSpacing = 1.0;   // of the points of a line [mm]
+constexpr double kHalf = 130.0;   // of the square that is shown [mm]
+constexpr double kSpacing = 1.0;  // of the points of a line [mm]
 constexpr int kCells = 90;
 
-nlohmann::json point(const Eigen::Vector2d& p) { return {std::round(10.0 * p.x()) / 10.0, std::round(10.0 * p.y()) / 10.0}; }
+nlohmann::json point(const Eigen::Vector2d& p) {
+  return {std::round(10.0 * p.x()) / 10.0, std::round(10.0 * p.y()) / 10.0};
+}
 
 }  // namespace
 
-void write_reach_picture(const Experiment& e, const RunData* run, const Drawn* drawn, const std::filesystem::path& file) {
+void write_reach_picture(const Experiment& e, const RunData* run, const Drawn* drawn,
+                         const std::filesystem::path& file) {
   const Pose X_PW = e.X_WP.inverse();
   const Eigen::Vector2d centre = e.placement.centre_m;
-  const auto right_up = [&](const Eigen::Vector2d& p) { return Eigen::Vector2d(1e3 * (centre.y() - p.y()), 1e3 * (p.x() - centre.x())); };
+  const auto right_up = [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector2d(1e3 * (centre.y() - p.y()), 1e3 * (p.x() - centre.x()));
+  };
 
-  nlohmann::json json = {{"area", {-kHalf, kHalf, -kHalf, kHalf}}, {"ink", nlohmann::json::array()}};
+  nlohmann::json json = {{"area", {-kHalf, kHalf, -kHalf, kHalf}},
+                         {"ink", nlohmann::json::array()}};
   const auto parts = [&](const char* name, const std::vector<PlacedStroke>& strokes) {
     json[name] = nlohmann::json::array();
     for (const PlacedStroke& stroke : strokes) {
@@ -57,17 +63,22 @@ void write_reach_picture(const Experiment& e, const RunData* run, const Drawn* d
     const Eigen::Vector2d q = right_up(p.head<2>());
     return Eigen::Vector3d(q.x(), -q.y(), 1e3 * p.z());
   };
-  const Relief relief = make_relief(e.canvas->mesh().vertices, e.canvas->mesh().triangles, view, 2 * kCells);
+  const Relief relief =
+      make_relief(e.canvas->mesh().vertices, e.canvas->mesh().triangles, view, 2 * kCells);
   json["shade"] = nlohmann::json::array();
   for (int i = 0; i < kCells; ++i) {
     nlohmann::json row = nlohmann::json::array();
     for (int j = 0; j < kCells; ++j) {
-      const Eigen::Vector2d p(kHalf * (2.0 * (j + 0.5) / kCells - 1.0), kHalf * (2.0 * (i + 0.5) / kCells - 1.0));
+      const Eigen::Vector2d p(kHalf * (2.0 * (j + 0.5) / kCells - 1.0),
+                              kHalf * (2.0 * (i + 0.5) / kCells - 1.0));
       const Eigen::Vector2d at = (p - relief.area.min()).cwiseQuotient(relief.area.sizes());
-      const int column = static_cast<int>(std::floor(at.x() * relief.columns)), line = static_cast<int>(std::floor(at.y() * relief.rows));
+      const int column = static_cast<int>(std::floor(at.x() * relief.columns)),
+                line = static_cast<int>(std::floor(at.y() * relief.rows));
       const bool inside = column >= 0 && column < relief.columns && line >= 0 && line < relief.rows;
       const double shade = inside ? relief.shade(line, column) : std::nan("");
-      row.push_back(std::isnan(shade) ? nlohmann::json(nullptr) : nlohmann::json(static_cast<int>(std::lround(255.0 * shade))));
+      row.push_back(std::isnan(shade)
+                        ? nlohmann::json(nullptr)
+                        : nlohmann::json(static_cast<int>(std::lround(255.0 * shade))));
     }
     json["shade"].push_back(row);
   }

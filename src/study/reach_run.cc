@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/errors.h"
+#include "impedraw/log/run_data.h"
+#include "impedraw/metrics/metrics.h"
 #include "impedraw/study/reach_picture.h"
 #include "impedraw/terminal/clock.h"
-#include "impedraw/common/errors.h"
-#include "impedraw/metrics/metrics.h"
-#include "impedraw/log/run_data.h"
 
 namespace impedraw {
 
@@ -26,10 +26,14 @@ double total_mm(const std::vector<PlacedStroke>& strokes) {
 }
 
 // Whose number is the artwork's, as the findings have it.
-std::vector<PlacedStroke> asked_strokes(const Experiment& e) { return placed_strokes(e.artwork.drawn, e.placement); }
+std::vector<PlacedStroke> asked_strokes(const Experiment& e) {
+  return placed_strokes(e.artwork.drawn, e.placement);
+}
 
-void put(Record* record, const char* name, const nlohmann::ordered_json& metrics, const char* metric) {
-  if (const auto& value = metrics.at(metric); value.is_number()) (*record)[name] = fmt::format("{:.6g}", value.get<double>());
+void put(Record* record, const char* name, const nlohmann::ordered_json& metrics,
+         const char* metric) {
+  if (const auto& value = metrics.at(metric); value.is_number())
+    (*record)[name] = fmt::format("{:.6g}", value.get<double>());
 }
 
 // What the pre-flight said.
@@ -41,7 +45,8 @@ Record promise_record(const Experiment& e) {
     ++reasons[name_of(f.problem)];
     undrawable += 1e3 * f.part.length();
   }
-  for (const auto& [name, count] : reasons) r["reasons"] += fmt::format("{}{} {}", r["reasons"].empty() ? "" : "; ", name, count);
+  for (const auto& [name, count] : reasons)
+    r["reasons"] += fmt::format("{}{} {}", r["reasons"].empty() ? "" : "; ", name, count);
   const std::vector<PlacedStroke> asked = asked_strokes(e);
   r["strokes"] = std::to_string(asked.size());
   r["asked"] = fmt::format("{:.1f}", total_mm(asked));
@@ -55,17 +60,24 @@ Record promise_record(const Experiment& e) {
 
 void judge(Record* r, const RunOutcome& outcome) {
   std::vector<std::string> missed;
-  const auto number = [&](const char* name) { return field(*r, name).empty() ? std::nan("") : std::stod(field(*r, name)); };
-  if (number("unnamed") > kMostUnnamed) missed.push_back(fmt::format("{} mm neither promised nor named", field(*r, "unnamed")));
-  if (!(number("strokes_missed") == 0.0)) missed.push_back(field(*r, "strokes_missed") + " strokes without ink");
-  if (!(number("coverage") >= kLeastCoverage)) missed.push_back("coverage " + field(*r, "coverage"));
-  if (number("rms_to_45") > kMostInkError) missed.push_back(fmt::format("ink error {} mm", field(*r, "rms_to_45")));
+  const auto number = [&](const char* name) {
+    return field(*r, name).empty() ? std::nan("") : std::stod(field(*r, name));
+  };
+  if (number("unnamed") > kMostUnnamed)
+    missed.push_back(fmt::format("{} mm neither promised nor named", field(*r, "unnamed")));
+  if (!(number("strokes_missed") == 0.0))
+    missed.push_back(field(*r, "strokes_missed") + " strokes without ink");
+  if (!(number("coverage") >= kLeastCoverage))
+    missed.push_back("coverage " + field(*r, "coverage"));
+  if (number("rms_to_45") > kMostInkError)
+    missed.push_back(fmt::format("ink error {} mm", field(*r, "rms_to_45")));
   if (outcome.end != RunEnd::finished) {
     (*r)["verdict"] = "stopped";
     (*r)["cause"] = outcome.cause;
   } else {
     (*r)["verdict"] = missed.empty() ? "met" : "missed";
-    for (const std::string& miss : missed) (*r)["cause"] += ((*r)["cause"].empty() ? "" : ", ") + miss;
+    for (const std::string& miss : missed)
+      (*r)["cause"] += ((*r)["cause"].empty() ? "" : ", ") + miss;
   }
 }
 
@@ -99,18 +111,41 @@ Record drawn_record(Experiment& e, const fs::path& log, double start_up, const f
 }  // namespace
 
 const std::vector<std::string>& reach_columns() {
-  static const std::vector<std::string> columns = {
-      "cell",     "drawing",    "canvas",  "base",     "svg",      "set",       "settings", "verdict",          "failed",
-      "cause",    "strokes",    "parts",   "asked",    "promised", "undrawable", "unnamed",  "reasons",          "coverage",
-      "rms_to_45", "rms",       "contact_fraction",    "strokes_missed",         "redrawn",  "lacking",          "planned_time",
-      "simulated_time", "wall_time"};
+  static const std::vector<std::string> columns = {"cell",
+                                                   "drawing",
+                                                   "canvas",
+                                                   "base",
+                                                   "svg",
+                                                   "set",
+                                                   "settings",
+                                                   "verdict",
+                                                   "failed",
+                                                   "cause",
+                                                   "strokes",
+                                                   "parts",
+                                                   "asked",
+                                                   "promised",
+                                                   "undrawable",
+                                                   "unnamed",
+                                                   "reasons",
+                                                   "coverage",
+                                                   "rms_to_45",
+                                                   "rms",
+                                                   "contact_fraction",
+                                                   "strokes_missed",
+                                                   "redrawn",
+                                                   "lacking",
+                                                   "planned_time",
+                                                   "simulated_time",
+                                                   "wall_time"};
   return columns;
 }
 
 std::string settings_digest(const Cell& cell) {
   const Scenario scenario = cell_scenario(cell);
   std::string text;
-  for (const auto& [name, value] : flat_settings(scenario)) text += name + "=" + within_tree(value) + "\n";
+  for (const auto& [name, value] : flat_settings(scenario))
+    text += name + "=" + within_tree(value) + "\n";
   for (const fs::path& file : {scenario.drawing.svg, scenario.canvas.mesh.file}) {
     std::ifstream in(file, std::ios::binary);
     text.append(std::istreambuf_iterator<char>(in), {});
@@ -132,7 +167,8 @@ double unnamed_mm(const Experiment& e) {
   return sum;
 }
 
-double gentle_error_mm(const Experiment& e, const RunData& run, const Drawn& drawn, double slope_deg) {
+double gentle_error_mm(const Experiment& e, const RunData& run, const Drawn& drawn,
+                       double slope_deg) {
   const double least = std::cos(slope_deg * M_PI / 180.0);
   double sum = 0.0;
   std::size_t count = 0;
@@ -177,7 +213,8 @@ Record reach_record(const Cell& cell, const ProcessEnd& end) {
   r["canvas"] = cell.column;
   r["base"] = cell.base;
   r["svg"] = cell.svg;
-  for (const std::string& assignment : cell.assignments) r["set"] += (r["set"].empty() ? "" : "; ") + assignment;
+  for (const std::string& assignment : cell.assignments)
+    r["set"] += (r["set"].empty() ? "" : "; ") + assignment;
   r["settings"] = settings_digest(cell);
   r["failed"] = r["verdict"] == "met" || r["verdict"] == "nothing" ? "0" : "1";
   r["wall_time"] = fmt::format("{:.2f}", end.wall_time);

@@ -6,14 +6,21 @@
 
 namespace impedraw {
 
-int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted, const CellTableOptions& options) {
+int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted,
+               const CellTableOptions& options) {
   const RecordColumns columns(all);
   CellTable table;
   table.name = "robustness";
   table.columns = columns.names();
-  table.same = [&](const Record& line, const Cell& cell) { return columns.same_settings(line, cell); };
-  table.measure = [](const Cell& cell, const std::filesystem::path& log) { return result_text(run_cell(cell, log)); };
-  table.record = [&](const Cell& cell, const ProcessEnd& end) { return columns.record(cell, result_of(end)); };
+  table.same = [&](const Record& line, const Cell& cell) {
+    return columns.same_settings(line, cell);
+  };
+  table.measure = [](const Cell& cell, const std::filesystem::path& log) {
+    return result_text(run_cell(cell, log));
+  };
+  table.record = [&](const Cell& cell, const ProcessEnd& end) {
+    return columns.record(cell, result_of(end));
+  };
   table.page = [&](const Records& records) { return robustness_page(all, records); };
   return run_table(table, all, wanted, options);
 }

@@ -1,4 +1,5 @@
-// ./impedraw robustness: where the method holds and where it ends, measured cell by cell (robustness_cells.h, cell_table.h).
+// ./impedraw robustness: where the method holds and where it ends, measured cell by cell
+// (robustness_cells.h, cell_table.h).
 #pragma once
 
 #include <vector>
@@ -11,6 +12,7 @@ namespace impedraw {
 int robustness(const CellTableOptions& options);
 
 // The same of other cells; `all` sets the columns, `wanted` is run.
-int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted, const CellTableOptions& options);
+int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted,
+               const CellTableOptions& options);
 
 }  // namespace impedraw

@@ -21,13 +21,17 @@ void add_matrix(std::vector<Cell>& cells) {
       for (const int speed : {10, 50, 100, 200})
         for (const int slope : {0, 15, 30, 45, 60}) {
           Cell cell;
-          cell.name = fmt::format("matrix-{}-{}mm_s-{}deg-{}N", state(realistic), speed, slope, push);
+          cell.name =
+              fmt::format("matrix-{}-{}mm_s-{}deg-{}N", state(realistic), speed, slope, push);
           cell.group = "matrix";
           cell.base = fmt::format("scenarios/robustness-{}.yaml", state(realistic));
-          // Sideways, where the arm reaches every slope; towards or away from its foot the wrist ends before 60°.
+          // Sideways, where the arm reaches every slope; towards or away from its foot the wrist
+          // ends before 60°.
           const double angle = slope * M_PI / 180.0;
-          cell.assignments = {fmt::format("path.draw_speed={}", speed / 1000.0), fmt::format("control.push={}", push),
-                              fmt::format("canvas.plane.normal=[0, {:.9f}, {:.9f}]", std::sin(angle), std::cos(angle))};
+          cell.assignments = {fmt::format("path.draw_speed={}", speed / 1000.0),
+                              fmt::format("control.push={}", push),
+                              fmt::format("canvas.plane.normal=[0, {:.9f}, {:.9f}]",
+                                          std::sin(angle), std::cos(angle))};
           cell.table = fmt::format("Speed, slope and push: {}", state(realistic));
           cell.row = fmt::format("{} N, {} mm/s", push, speed);
           cell.column = fmt::format("{}°", slope);
@@ -45,7 +49,15 @@ struct ModelError {
 void add_errors(std::vector<Cell>& cells) {
   const std::string table = "Each error of what is believed, alone";
   cells.push_back({"error-none", "error", kSine, {}, table, "none", "first value", "", false});
-  cells.push_back({"error-none-sensor", "error", kSensor, {}, table, "none, wrench from a sensor", "first value", "", false});
+  cells.push_back({"error-none-sensor",
+                   "error",
+                   kSensor,
+                   {},
+                   table,
+                   "none, wrench from a sensor",
+                   "first value",
+                   "",
+                   false});
   const ModelError errors[] = {{kSine, "world.errors.mass_scale", {0.8, 1.1, 1.2}},
                                {kSine, "world.errors.centre_shift", {-0.01, 0.005, 0.01}},
                                {kSine, "world.joint_friction", {0.5, 1.0, 1.5}},
@@ -66,17 +78,26 @@ void add_errors(std::vector<Cell>& cells) {
     const char* const columns[] = {"first value", "second", "third"};
     for (std::size_t i = 0; i < error.values.size(); ++i) {
       const std::string value = fmt::format("{}", error.values[i]);
-      const std::string name = setting.starts_with("world.") ? setting.substr(setting.rfind('.') + 1) : setting;
+      const std::string name =
+          setting.starts_with("world.") ? setting.substr(setting.rfind('.') + 1) : setting;
       const std::string tip = setting.starts_with("world.tip.") ? "tip_" : "";
-      cells.push_back({fmt::format("error-{}{}-{}", tip, name, value), "error", error.base, {setting + "=" + value}, table,
-                       fmt::format("`{}`", setting), columns[i], value, false});
+      cells.push_back({fmt::format("error-{}{}-{}", tip, name, value),
+                       "error",
+                       error.base,
+                       {setting + "=" + value},
+                       table,
+                       fmt::format("`{}`", setting),
+                       columns[i],
+                       value,
+                       false});
     }
   }
 }
 
 void add_canvases(std::vector<Cell>& cells) {
   const std::string circle = "drawing.shape=circle";
-  const auto cap = [](const char* kind, double radius, double centre_z) -> std::vector<std::string> {
+  const auto cap = [](const char* kind, double radius,
+                      double centre_z) -> std::vector<std::string> {
     return {fmt::format("canvas.kind={}", kind), fmt::format("canvas.cap.radius={}", radius),
             fmt::format("canvas.cap.centre=[0.6, 0, {}]", centre_z)};
   };
@@ -89,17 +110,20 @@ void add_canvases(std::vector<Cell>& cells) {
       {"dome of 0.45 m", cap("dome", 0.45, -0.25)},
       // A circle beside the top, from 2° of slope to 60°.
       {"sphere outside to 60 deg",
-       {"canvas.kind=dome", "canvas.cap.radius=0.145", "canvas.cap.centre=[0.6, 0, 0.155]", "canvas.cap.opening_radius=0.144", circle,
-        "drawing.placement.centre=[0.6, 0.065]"}},
-      {"plane at 30 deg", {"canvas.kind=plane", "canvas.plane.centre=[0.6, 0, 0.2]", "canvas.plane.normal=[0, 0.5, 0.866025404]",
-                           "canvas.plane.height=0.44"}},
+       {"canvas.kind=dome", "canvas.cap.radius=0.145", "canvas.cap.centre=[0.6, 0, 0.155]",
+        "canvas.cap.opening_radius=0.144", circle, "drawing.placement.centre=[0.6, 0.065]"}},
+      {"plane at 30 deg",
+       {"canvas.kind=plane", "canvas.plane.centre=[0.6, 0, 0.2]",
+        "canvas.plane.normal=[0, 0.5, 0.866025404]", "canvas.plane.height=0.44"}},
       {"wave", {"canvas.kind=wave", "canvas.wave.heading=90"}},
-      {"wave, twice as high", {"canvas.kind=wave", "canvas.wave.heading=90", "canvas.wave.amplitude=0.03"}},
+      {"wave, twice as high",
+       {"canvas.kind=wave", "canvas.wave.heading=90", "canvas.wave.amplitude=0.03"}},
       {"saddle", {"canvas.kind=saddle"}},
       {"cylinder of 0.30 m", {"canvas.kind=cylinder", "canvas.cylinder.middle=[0.6, 0, 0.2]"}},
       {"trough of 0.30 m", {"canvas.kind=trough"}},
       {"trough of 0.12 m",
-       {"canvas.kind=trough", "canvas.cylinder.radius=0.12", "canvas.cylinder.width=0.19", "drawing.placement.scale=0.48"}},
+       {"canvas.kind=trough", "canvas.cylinder.radius=0.12", "canvas.cylinder.width=0.19",
+        "drawing.placement.scale=0.48"}},
       {"cone, around it", {"canvas.kind=cone", circle}},
       {"cone, over its apex", {"canvas.kind=cone"}},
       {"terrain", {"canvas.kind=terrain"}},
@@ -109,8 +133,15 @@ void add_canvases(std::vector<Cell>& cells) {
       std::string name;
       for (const char* c = label; *c; ++c)
         if (*c != ',') name += *c == ' ' ? '_' : *c;
-      Cell cell{fmt::format("canvas-{}-{}", name, state(realistic)), "canvas", realistic ? kRealistic : kSine, assignments,
-                "Canvases, at 50 mm/s and 5 N", label, state(realistic), "", realistic};
+      Cell cell{fmt::format("canvas-{}-{}", name, state(realistic)),
+                "canvas",
+                realistic ? kRealistic : kSine,
+                assignments,
+                "Canvases, at 50 mm/s and 5 N",
+                label,
+                state(realistic),
+                "",
+                realistic};
       cell.assignments.insert(cell.assignments.end(), {"path.draw_speed=0.05", "control.push=5"});
       cells.push_back(cell);
     }
@@ -123,18 +154,31 @@ void add_switches(std::vector<Cell>& cells) {
     const char* with = "";           // another, in both
   };
   const Switch switches[] = {
-      {"observer", "control.observer.enabled=false", "control.observer.enabled=true",
-       {"realistic", "world.errors.mass_scale=1.2", "world.errors.centre_shift=0.01", "world.joint_friction=1",
-        "world.errors.viscous_friction=5"}},
-      {"tip friction rejected", "control.friction=0", "control.friction=0.3", {"", "realistic", "world.tip.friction=0.45"}},
-      {"force integral", "control.force_integral.enabled=false", "control.force_integral.enabled=true", {"realistic"}},
-      {"force integral, observer off", "control.force_integral.enabled=false", "control.force_integral.enabled=true",
-       {"world.errors.mass_scale=1.02", "world.errors.centre_shift=0.003", "world.joint_friction=0.2"}, "control.observer.enabled=false"}};
+      {"observer",
+       "control.observer.enabled=false",
+       "control.observer.enabled=true",
+       {"realistic", "world.errors.mass_scale=1.2", "world.errors.centre_shift=0.01",
+        "world.joint_friction=1", "world.errors.viscous_friction=5"}},
+      {"tip friction rejected",
+       "control.friction=0",
+       "control.friction=0.3",
+       {"", "realistic", "world.tip.friction=0.45"}},
+      {"force integral",
+       "control.force_integral.enabled=false",
+       "control.force_integral.enabled=true",
+       {"realistic"}},
+      {"force integral, observer off",
+       "control.force_integral.enabled=false",
+       "control.force_integral.enabled=true",
+       {"world.errors.mass_scale=1.02", "world.errors.centre_shift=0.003",
+        "world.joint_friction=0.2"},
+       "control.observer.enabled=false"}};
   for (const Switch& s : switches)
     for (const std::string under : s.under)
       for (const bool on : {false, true}) {
         const bool realistic = under == "realistic", none = under.empty();
-        std::string short_name = under.substr(under.rfind('.') == std::string::npos || under.find('=') == std::string::npos
+        std::string short_name = under.substr(under.rfind('.') == std::string::npos ||
+                                                      under.find('=') == std::string::npos
                                                   ? 0
                                                   : under.rfind('.', under.find('=')) + 1);
         if (none) short_name = "nominal";
@@ -142,8 +186,15 @@ void add_switches(std::vector<Cell>& cells) {
         std::erase(name, ',');
         for (char& c : name)
           if (c == ' ') c = '_';
-        Cell cell{name, "switch", realistic ? kRealistic : kSine, {}, "What each switch earns", fmt::format("{}: {}", s.name, short_name),
-                  on ? "on" : "off", "", realistic};
+        Cell cell{name,
+                  "switch",
+                  realistic ? kRealistic : kSine,
+                  {},
+                  "What each switch earns",
+                  fmt::format("{}: {}", s.name, short_name),
+                  on ? "on" : "off",
+                  "",
+                  realistic};
         if (!realistic && !none) cell.assignments.push_back(under);
         if (*s.with) cell.assignments.push_back(s.with);
         cell.assignments.push_back(on ? s.on : s.off);
@@ -160,7 +211,9 @@ std::vector<Cell> robustness_cells() {
   add_canvases(cells);
   add_switches(cells);
   // What the law does at once is judged, and also where the pre-flight would have refused it.
-  for (Cell& cell : cells) cell.assignments.insert(cell.assignments.end(), {"drawing.redraw=false", "preflight.arm=false"});
+  for (Cell& cell : cells)
+    cell.assignments.insert(cell.assignments.end(),
+                            {"drawing.redraw=false", "preflight.arm=false"});
   return cells;
 }
 

@@ -23,7 +23,8 @@ RecordColumns::RecordColumns(const std::vector<Cell>& all) {
   for (const auto& [name, different] : values)
     if (name != "name" && (different.size() > 1 || times[name] < cells)) varied_.push_back(name);
 
-  names_ = {"cell", "group", "base", "set", "failed", "cause", "speed", "slope", "push", "realistic"};
+  names_ = {"cell",  "group", "base",  "set",  "failed",
+            "cause", "speed", "slope", "push", "realistic"};
   names_.insert(names_.end(), varied_.begin(), varied_.end());
   for (const MetricDefinition& m : metric_definitions()) names_.push_back(m.name);
   names_.push_back("wall_time");
@@ -37,7 +38,8 @@ Record RecordColumns::settings(const Cell& cell) const {
                    {"speed", fmt::format("{:.6g}", 1e3 * scenario.path.draw_speed)},
                    {"push", number_text(scenario.control.push_force)},
                    {"realistic", cell.realistic ? "1" : "0"}};
-  for (const std::string& assignment : cell.assignments) record["set"] += (record["set"].empty() ? "" : "; ") + assignment;
+  for (const std::string& assignment : cell.assignments)
+    record["set"] += (record["set"].empty() ? "" : "; ") + assignment;
   const auto flat = flat_settings(scenario);
   for (const std::string& name : varied_)
     if (const auto it = flat.find(name); it != flat.end()) record[name] = it->second;
@@ -51,8 +53,10 @@ Record RecordColumns::record(const Cell& cell, const CellResult& result) const {
   record["slope"] = result.slope;
   record["wall_time"] = fmt::format("{:.2f}", result.wall_time);
   for (const MetricDefinition& m : metric_definitions()) {
-    const auto value = result.metrics.is_object() ? result.metrics.find(m.name) : result.metrics.end();
-    if (value != result.metrics.end() && value->is_number()) record[m.name] = fmt::format("{:.6g}", value->get<double>());
+    const auto value =
+        result.metrics.is_object() ? result.metrics.find(m.name) : result.metrics.end();
+    if (value != result.metrics.end() && value->is_number())
+      record[m.name] = fmt::format("{:.6g}", value->get<double>());
   }
   return record;
 }
@@ -61,7 +65,9 @@ bool RecordColumns::same_settings(const Record& line, const Cell& cell) const {
   const Record wanted = settings(cell);
   for (const char* name : {"cell", "group", "base", "set", "realistic"})
     if (field(line, name) != field(wanted, name)) return false;
-  return std::all_of(varied_.begin(), varied_.end(), [&](const std::string& name) { return field(line, name) == field(wanted, name); });
+  return std::all_of(varied_.begin(), varied_.end(), [&](const std::string& name) {
+    return field(line, name) == field(wanted, name);
+  });
 }
 
 }  // namespace impedraw

@@ -1,8 +1,11 @@
-// robustness.csv: one line a cell, appended as cells end, so that whatever ends the program loses none that was done.
+// robustness.csv: one line a cell, appended as cells end, so that whatever ends the program loses
+// none that was done.
 //
-// Columns   cell, group, base, set, failed (0, 1), cause, speed [mm/s], slope [deg], push [N], realistic (0, 1), every setting in which any
+// Columns   cell, group, base, set, failed (0, 1), cause, speed [mm/s], slope [deg], push [N],
+//           realistic (0, 1), every setting in which any
 //           two cells differ, every metric of metrics.json (empty where it is null), wall_time [s]
-// slope     steepest under the target line, against the level; empty where the cell was refused before that was known
+// slope     steepest under the target line, against the level; empty where the cell was refused
+//           before that was known
 #pragma once
 
 #include <string>
@@ -17,10 +20,10 @@ namespace impedraw {
 
 // What became of a cell.
 struct CellResult {
-  std::string cause;               // of failure; empty: it did not fail
-  nlohmann::json metrics;          // null where there was no run
-  std::string slope;               // [deg], as above
-  double wall_time = 0.0;          // [s]
+  std::string cause;       // of failure; empty: it did not fail
+  nlohmann::json metrics;  // null where there was no run
+  std::string slope;       // [deg], as above
+  double wall_time = 0.0;  // [s]
 };
 
 class RecordColumns {
@@ -29,9 +32,10 @@ class RecordColumns {
   explicit RecordColumns(const std::vector<Cell>& all);
 
   const std::vector<std::string>& names() const { return names_; }
-  Record settings(const Cell& cell) const;                            // what is known before it is run
-  Record record(const Cell& cell, const CellResult& result) const;    // and after
-  bool same_settings(const Record& line, const Cell& cell) const;     // made of the same settings, base and --set
+  Record settings(const Cell& cell) const;  // what is known before it is run
+  Record record(const Cell& cell, const CellResult& result) const;  // and after
+  bool same_settings(const Record& line,
+                     const Cell& cell) const;  // made of the same settings, base and --set
 
  private:
   std::vector<std::string> names_, varied_;

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/log/run_data.h"
+#include "impedraw/metrics/metrics.h"
 #include "impedraw/run/run.h"
 #include "impedraw/terminal/clock.h"
-#include "impedraw/common/errors.h"
-#include "impedraw/metrics/metrics.h"
-#include "impedraw/log/run_data.h"
 
 namespace impedraw {
 
@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 double steepest_slope_deg(const Experiment& e) {
   double least = 1.0;
-  for (const Eigen::Vector3d& p_W : e.target.points) least = std::min(least, e.canvas->closest(p_W).n_W.z());
+  for (const Eigen::Vector3d& p_W : e.target.points)
+    least = std::min(least, e.canvas->closest(p_W).n_W.z());
   return std::acos(std::clamp(least, -1.0, 1.0)) * 180.0 / M_PI;
 }
 
@@ -30,15 +31,21 @@ double value_of(const nlohmann::ordered_json& metrics, const char* name) {
   return value.is_number() ? value.get<double>() : std::nan("");
 }
 
-std::string failure(const RunOutcome& outcome, const nlohmann::ordered_json& metrics, double speed) {
-  const double missed = value_of(metrics, "strokes_missed"), contact = value_of(metrics, "contact_fraction");
+std::string failure(const RunOutcome& outcome, const nlohmann::ordered_json& metrics,
+                    double speed) {
+  const double missed = value_of(metrics, "strokes_missed"),
+               contact = value_of(metrics, "contact_fraction");
   const double astray = value_of(metrics, "ink_outside");
   const double reached = value_of(metrics, "speed_mean") / (1e3 * speed);
   if (outcome.end != RunEnd::finished) return "stopped: " + outcome.cause;
   if (!(missed == 0.0)) return fmt::format("missed: {:.0f} strokes without ink", missed);
-  if (!(contact >= kLeastContact)) return fmt::format("contact: ink in {:.1f} % of the pen-down samples", 100.0 * contact);
-  if (!(astray <= kMostAstray)) return fmt::format("astray: {:.1f} % of the ink's length over 1 mm from its target", 100.0 * astray);
-  if (!(reached >= kLeastSpeed)) return fmt::format("slow: {:.1f} % of the speed asked for", 100.0 * reached);
+  if (!(contact >= kLeastContact))
+    return fmt::format("contact: ink in {:.1f} % of the pen-down samples", 100.0 * contact);
+  if (!(astray <= kMostAstray))
+    return fmt::format("astray: {:.1f} % of the ink's length over 1 mm from its target",
+                       100.0 * astray);
+  if (!(reached >= kLeastSpeed))
+    return fmt::format("slow: {:.1f} % of the speed asked for", 100.0 * reached);
   return {};
 }
 
@@ -68,7 +75,8 @@ CellResult run_cell(const Cell& cell, const fs::path& log) {
 }
 
 std::string result_text(const CellResult& result) {
-  const nlohmann::json whole = {{"cause", result.cause}, {"metrics", result.metrics}, {"slope", result.slope}};
+  const nlohmann::json whole = {
+      {"cause", result.cause}, {"metrics", result.metrics}, {"slope", result.slope}};
   return whole.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

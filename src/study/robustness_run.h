@@ -1,7 +1,8 @@
 // A cell of ./impedraw robustness run and judged.
 //
-// A cell has failed where it was refused, stopped or took longer than the limit; where a stroke has no ink, under 98 % of the pen-down
-// samples have, over 5 % of the ink's length lies over 1 mm from its target, or its mean speed is under 90 % of the speed asked for.
+// A cell has failed where it was refused, stopped or took longer than the limit; where a stroke has
+// no ink, under 98 % of the pen-down samples have, over 5 % of the ink's length lies over 1 mm from
+// its target, or its mean speed is under 90 % of the speed asked for.
 #pragma once
 
 #include <filesystem>

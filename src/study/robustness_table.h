@@ -1,4 +1,5 @@
-// robustness.md: every cell's ink error and force in a few tables, then each that failed with its cause and its command.
+// robustness.md: every cell's ink error and force in a few tables, then each that failed with its
+// cause and its command.
 #pragma once
 
 #include <string>

@@ -3,8 +3,8 @@
 
 namespace impedraw {
 
-// While it lives, the first SIGINT or SIGTERM sets the flag; a second one ends the program at once, as it would have without this.
-// One at a time.
+// While it lives, the first SIGINT or SIGTERM sets the flag; a second one ends the program at once,
+// as it would have without this. One at a time.
 class Interrupt {
  public:
   Interrupt();

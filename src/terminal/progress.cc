@@ -31,19 +31,25 @@ std::string progress_line(const Progress& progress, double wall_time, int column
   const double share = std::clamp(progress.share, 0.0, 1.0);
   const bool known = share >= 0.01 && wall_time >= 0.25;
   const std::string left = known ? clock_text(wall_time * (1 - share) / share) : "-:--";
-  const std::string factor = wall_time > 0 ? fmt::format("{:.0f}x real time", progress.simulated_time / wall_time) : "";
+  const std::string factor =
+      wall_time > 0 ? fmt::format("{:.0f}x real time", progress.simulated_time / wall_time) : "";
   // Rounded down: 100 % is when it is done.
-  const std::string metres = progress.length > 0 ? fmt::format("  {:.2f}/{:.2f} m", progress.drawn, progress.length) : "";
-  std::string line = fmt::format("{} {:6.1f} s  stroke {}/{}{}  {:3.0f} %  {} left  {}", progress.again ? "again  " : "drawing",
-                                 progress.simulated_time, progress.stroke, progress.strokes, metres, std::floor(100 * share), left, factor);
-  if (line.size() > static_cast<std::size_t>(std::max(columns, 0))) line.resize(static_cast<std::size_t>(std::max(columns, 0)));
+  const std::string metres =
+      progress.length > 0 ? fmt::format("  {:.2f}/{:.2f} m", progress.drawn, progress.length) : "";
+  std::string line =
+      fmt::format("{} {:6.1f} s  stroke {}/{}{}  {:3.0f} %  {} left  {}",
+                  progress.again ? "again  " : "drawing", progress.simulated_time, progress.stroke,
+                  progress.strokes, metres, std::floor(100 * share), left, factor);
+  if (line.size() > static_cast<std::size_t>(std::max(columns, 0)))
+    line.resize(static_cast<std::size_t>(std::max(columns, 0)));
   return line;
 }
 
 std::string step_line(const std::string& what, double share, double wall_time) {
   share = std::clamp(share, 0.0, 1.0);
   const bool known = share >= 0.01 && wall_time >= 0.25;
-  return fmt::format("{}  {:3.0f} %  {} left", what, std::floor(100 * share), known ? clock_text(wall_time * (1 - share) / share) : "-:--");
+  return fmt::format("{}  {:3.0f} %  {} left", what, std::floor(100 * share),
+                     known ? clock_text(wall_time * (1 - share) / share) : "-:--");
 }
 
 ProgressLine::ProgressLine(std::FILE* out, std::optional<bool> shown, Clock::time_point start)
@@ -53,7 +59,9 @@ ProgressLine::~ProgressLine() { wipe(); }
 
 void ProgressLine::draw(const Progress& progress, Clock::time_point now) {
   // One column less than there are: a full line would wrap on some terminals.
-  if (due(now)) put(progress_line(progress, std::chrono::duration<double>(now - start_).count(), columns_of(out_) - 1));
+  if (due(now))
+    put(progress_line(progress, std::chrono::duration<double>(now - start_).count(),
+                      columns_of(out_) - 1));
 }
 
 void ProgressLine::draw(const std::string& what, double share, Clock::time_point now) {

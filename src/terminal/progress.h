@@ -14,13 +14,14 @@ struct Progress {
   double simulated_time = 0;  // [s]
   int stroke = 0;             // the one being drawn, from 1; 0 before the first
   int strokes = 0;
-  double share = 0;           // of the whole way, 0 to 1
+  double share = 0;              // of the whole way, 0 to 1
   double drawn = 0, length = 0;  // pen-down length so far and in all [m]; no length: left out
-  bool again = false;         // what got no ink is being drawn again
+  bool again = false;            // what got no ink is being drawn again
 };
 
-// The line after `wall_time` seconds of running. Time left goes by the share done so far; it is "-:--" until a hundredth and a quarter of
-// a second have passed. Longer than `columns` it loses its end.
+// The line after `wall_time` seconds of running. Time left goes by the share done so far; it is
+// "-:--" until a hundredth and a quarter of a second have passed. Longer than `columns` it loses
+// its end.
 std::string progress_line(const Progress& progress, double wall_time, int columns = 80);
 
 // Of work before the drawing: "placing the canvas   43 %  0:02 left".
@@ -29,13 +30,15 @@ std::string step_line(const std::string& what, double share, double wall_time);
 // "0:07", "12:34", "1:02:03"
 std::string clock_text(double seconds);
 
-// Draws at most ten lines a second, and nothing at all where `out` is no terminal. Made when the run starts; its end wipes the line.
+// Draws at most ten lines a second, and nothing at all where `out` is no terminal. Made when the
+// run starts; its end wipes the line.
 class ProgressLine {
  public:
   using Clock = std::chrono::steady_clock;
 
   // `shown`: whether to draw; by default when `out` is a terminal.
-  explicit ProgressLine(std::FILE* out = stderr, std::optional<bool> shown = std::nullopt, Clock::time_point start = Clock::now());
+  explicit ProgressLine(std::FILE* out = stderr, std::optional<bool> shown = std::nullopt,
+                        Clock::time_point start = Clock::now());
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;

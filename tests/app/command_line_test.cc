@@ -1,4 +1,5 @@
-// The program as its user meets it at the terminal: what is wrong with the input, what it leaves behind, how it ends.
+// The program as its user meets it at the terminal: what is wrong with the input, what it leaves
+// behind, how it ends.
 #include <pty.h>
 #include <sys/resource.h>
 
@@ -9,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "process.h"
 #include "impedraw/log/run_data.h"
+#include "process.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -26,7 +27,10 @@ using Clock = std::chrono::steady_clock;
 
 const Words kShort = {"--set", "path.draw_speed=0.3", "--set", "path.draw_acceleration=5"};
 const Words kLong = {"--set", "path.draw_speed=0.0015"};  // 200 s of simulated time and more
-const char* const kLine = R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><path d="M5 5H15M5 35H35" fill="none" stroke="black"/></svg>)";
+const char* const kLine =
+    // www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><path d="M5 5H15M5 35H35"
+    // fill="none" stroke="black"/></svg>)";
+    R"(<svg xmlns="http:
 
 Words operator+(Words a, const Words& b) {
   a.insert(a.end(), b.begin(), b.end());
@@ -40,8 +44,9 @@ class CommandLine : public ScratchFolder {
   Ended call(const Words& arguments) const { return Process(folder_, arguments).wait(); }
   Ended python(const std::string& script) const {
     const fs::path file = write("script.py", script);
-    const int status =
-        std::system((std::string(IMPEDRAW_PYTHON) + " " + file.string() + " > " + (folder_ / "said").string() + " 2>&1").c_str());
+    const int status = std::system((std::string(IMPEDRAW_PYTHON) + " " + file.string() + " > " +
+                                    (folder_ / "said").string() + " 2>&1")
+                                       .c_str());
     return {WEXITSTATUS(status), content_of(folder_ / "said"), ""};
   }
   // Names of what is in the test's folder, but for the output of the program.
@@ -79,9 +84,11 @@ TEST_F(CommandLine, WrongSettings) {
   refused({"draw", "a.yaml"}, {"a.yaml:3: unknown key 'draw_sped' in path", "'draw_speed'"});
   refused({"draw", "push.yaml"}, {"push.yaml:3: control.push is 70 N", "0 to 50 N"});
   refused({"draw", "nan.yaml"}, {"nan.yaml:1: control.push is .nan", "finite", "0 to 50 N"});
-  refused({"draw", "--set", "control.push=nan"}, {"--set control.push=nan: control.push is nan", "finite"});
+  refused({"draw", "--set", "control.push=nan"},
+          {"--set control.push=nan: control.push is nan", "finite"});
   refused({"draw", "--set", "arm.start=[0.4, .inf, 0.5]"}, {"arm.start.1 is .inf"});
-  refused({"draw", "--set", "control.psh=3"}, {"--set control.psh=3: unknown key 'psh' in control", "'push'"});
+  refused({"draw", "--set", "control.psh=3"},
+          {"--set control.psh=3: unknown key 'psh' in control", "'push'"});
   refused({"draw", "--set", "control.push"}, {"NAME=VALUE", "control.push=3"});
   refused({"draw", "--set", "name=a/b"}, {"name is 'a/b'"});
 }
@@ -89,18 +96,18 @@ TEST_F(CommandLine, WrongSettings) {
 TEST_F(CommandLine, WrongFiles) {
   write("broken.yaml", "drawing: {shape: sine\n  foo: [");
   write("empty.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"/>)");
-  write("broken.svg", "<svg><path d=\"M 1");
-  write("text", "x");
-  write("svg.yaml", "drawing:\n  svg: gone.svg\n");
-  refused({"draw", "gone.yaml"}, {"gone.yaml: no such file"});
-  refused({"draw", "."}, {"is a folder"});
-  refused({"draw", "broken.yaml"}, {"broken.yaml:2: is not valid YAML"});
-  refused({"draw", "--svg", "gone.svg"}, {"gone.svg: no such file"});
-  refused({"draw", "svg.yaml"}, {"svg.yaml:2: ", "gone.svg: no such file"});
-  refused({"draw", "--svg", "broken.svg"}, {"broken.svg: not an SVG that can be read"});
-  refused({"draw", "--svg", "empty.svg"}, {"empty.svg: nothing in it draws a line"});
-  refused({"draw", "--set", "arm.urdf=text"}, {"--set arm.urdf=text", "text"});
-  refused({"report", "."}, {"holds no run.h5"});
+write("broken.svg", "<svg><path d=\"M 1");
+write("text", "x");
+write("svg.yaml", "drawing:\n  svg: gone.svg\n");
+refused({"draw", "gone.yaml"}, {"gone.yaml: no such file"});
+refused({"draw", "."}, {"is a folder"});
+refused({"draw", "broken.yaml"}, {"broken.yaml:2: is not valid YAML"});
+refused({"draw", "--svg", "gone.svg"}, {"gone.svg: no such file"});
+refused({"draw", "svg.yaml"}, {"svg.yaml:2: ", "gone.svg: no such file"});
+refused({"draw", "--svg", "broken.svg"}, {"broken.svg: not an SVG that can be read"});
+refused({"draw", "--svg", "empty.svg"}, {"empty.svg: nothing in it draws a line"});
+refused({"draw", "--set", "arm.urdf=text"}, {"--set arm.urdf=text", "text"});
+refused({"report", "."}, {"holds no run.h5"});
 }
 
 TEST_F(CommandLine, DrawingWhereItCannotBe) {
@@ -108,29 +115,38 @@ TEST_F(CommandLine, DrawingWhereItCannotBe) {
   refused({"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"},
           {"stroke 0 leaves the canvas, as the cameras see it: 9", "world (0.7000, 0.2500, "});
   // x = 0.72 m − 10 Y: its first stroke lies at 0.67 m, its second at 0.37 m, outside the rim.
-  refused({"draw", "--svg", "two.svg", "--set", "drawing.placement.scale=10", "--set", "drawing.placement.centre=[0.72, 0.05]", "--set",
+  refused({"draw", "--svg", "two.svg", "--set", "drawing.placement.scale=10", "--set",
+           "drawing.placement.centre=[0.72, 0.05]", "--set",
            "drawing.placement.about_page_origin=true"},
           {"stroke 1 leaves the canvas, as the cameras see it: ", "world (0.3700, "});
   refused({"draw", "--shape", "m"}, {"--shape m: ", "did you mean 'M'?", "sine, sine10"});
-  refused({"draw", "--set", "drawing.shape=cosine"}, {"drawing.shape is 'cosine'", "M, sine, sine10"});
+  refused({"draw", "--set", "drawing.shape=cosine"},
+          {"drawing.shape is 'cosine'", "M, sine, sine10"});
   // The iiwa 14 with its pen reaches about 1 m from its shoulder.
   for (const char* blind : {"true", "false"})
-    refused({"draw", "--set", "canvas.cap.centre=[1.8, 0, 0.4]", "--set", "drawing.placement.centre=[1.8, 0]", "--set",
-             "perception.region_upper=[2.5, 0.3, 0.35]", "--set", std::string("perception.enabled=") + blind},
-            {"stroke 0 leaves the arm's reach: the pen stays ", "world (1.", "mm"});
+    refused(
+        {"draw", "--set", "canvas.cap.centre=[1.8, 0, 0.4]", "--set",
+         "drawing.placement.centre=[1.8, 0]", "--set", "perception.region_upper=[2.5, 0.3, 0.35]",
+         "--set", std::string("perception.enabled=") + blind},
+        {"stroke 0 leaves the arm's reach: the pen stays ", "world (1.", "mm"});
 }
 
 TEST_F(CommandLine, SettingsThatDoNotGoTogether) {
   write("none.yaml", "name: none\ncontrol:\n  wrench: none\n");
-  refused({"draw", "none.yaml"}, {"none.yaml:3: ", "'shaped' needs a measured wrench", "'natural'"});
-  refused({"draw", "--set", "control.mass_normal=0.05"}, {"--set control.mass_normal=0.05: inertia along the normal", "limit"});
-  refused({"draw", "--set", "control.contact.leave_distance=0"}, {"control.contact.leave_distance=0: ", "enter_distance"});
+  refused({"draw", "none.yaml"},
+          {"none.yaml:3: ", "'shaped' needs a measured wrench", "'natural'"});
+  refused({"draw", "--set", "control.mass_normal=0.05"},
+          {"--set control.mass_normal=0.05: inertia along the normal", "limit"});
+  refused({"draw", "--set", "control.contact.leave_distance=0"},
+          {"control.contact.leave_distance=0: ", "enter_distance"});
   refused({"draw", "--set", "arm.q_0=[0, 0]"}, {"arm.q_0 has 2 entries, the arm 7"});
   refused({"draw", "--set", "perception.region_lower=[0.95, -0.3, 0]"}, {"region"});
   refused({"draw", "--set", "perception.region_lower=[0.6, -0.3, 0]"}, {"as the cameras see it"});
-  refused({"draw", "--no-perception", "--set", "control.stiffness_normal=0"}, {"control.stiffness_normal is 0 N/m", "more than 0"});
+  refused({"draw", "--no-perception", "--set", "control.stiffness_normal=0"},
+          {"control.stiffness_normal is 0 N/m", "more than 0"});
   // Only the second run of the two is wrong, and neither is made.
-  refused({"compare", "--out", "both", "--set", "control.stiffness_normal=0"}, {"control.stiffness_normal is 0 N/m"});
+  refused({"compare", "--out", "both", "--set", "control.stiffness_normal=0"},
+          {"control.stiffness_normal is 0 N/m"});
 }
 
 TEST_F(CommandLine, WrongOut) {
@@ -155,7 +171,8 @@ TEST_F(CommandLine, WrongArguments) {
   refused({"report"}, {"folder is required"});
   const Ended none = call({});
   EXPECT_EQ(none.code, 2);
-  for (const char* command : {"draw", "compare", "report", "settings", "bench"}) EXPECT_THAT(none.err, HasSubstr(command));
+  for (const char* command : {"draw", "compare", "report", "settings", "bench"})
+    EXPECT_THAT(none.err, HasSubstr(command));
 }
 
 TEST_F(CommandLine, HelpHasExamples) {
@@ -163,7 +180,8 @@ TEST_F(CommandLine, HelpHasExamples) {
   for (const std::string command : {"draw", "compare", "report", "settings", "bench"}) {
     const Ended help = call({command, "--help"});
     EXPECT_EQ(help.code, 0) << command;
-    EXPECT_THAT(help.out, AllOf(HasSubstr("Examples:"), HasSubstr("\n  ./impedraw " + command))) << command;
+    EXPECT_THAT(help.out, AllOf(HasSubstr("Examples:"), HasSubstr("\n  ./impedraw " + command)))
+        << command;
   }
 }
 
@@ -200,8 +218,8 @@ TEST_F(CommandLine, DrawsIntoRunsBesideTheUserAndReportsAgain) {
 TEST_F(CommandLine, ComparesBothWays) {
   const Ended ended = call(Words{"compare", "--out", "both"} + kShort);
   EXPECT_EQ(ended.code, 0) << ended.err;
-  for (const char* file :
-       {"compare.html", "compare.png", "perception/run.h5", "perception/metrics.json", "blind/run.h5", "blind/metrics.json"})
+  for (const char* file : {"compare.html", "compare.png", "perception/run.h5",
+                           "perception/metrics.json", "blind/run.h5", "blind/metrics.json"})
     EXPECT_GT(fs::file_size(folder_ / "both" / file), 100u) << file;
   EXPECT_LT(json_of(folder_ / "both/perception/metrics.json").at("tilt_mean").get<double>(), 2.0);
   EXPECT_GT(json_of(folder_ / "both/blind/metrics.json").at("tilt_mean").get<double>(), 5.0);
@@ -209,7 +227,9 @@ TEST_F(CommandLine, ComparesBothWays) {
 
 TEST_F(CommandLine, TheSameSeedGivesTheSameNumbers) {
   const Words noise = kShort + Words{"--set", "perception.noise.sigma_at_1m=0.001"};
-  const auto draw = [&](const std::string& out, const Words& more) { EXPECT_EQ(call(Words{"draw", "--out", out} + more).code, 0) << out; };
+  const auto draw = [&](const std::string& out, const Words& more) {
+    EXPECT_EQ(call(Words{"draw", "--out", out} + more).code, 0) << out;
+  };
   draw("a", kShort);
   draw("b", kShort);
   draw("noisy_a", noise);
@@ -232,14 +252,18 @@ print('cloud/points' in different('noisy_a', 'other'), 'tip/position' in differe
   EXPECT_EQ(compared.out, "same same\nTrue True True\n");
 }
 
-// 200 N on the pen, and gravity ten times what the controller knows: both beyond what the arm can hold.
+// 200 N on the pen, and gravity ten times what the controller knows: both beyond what the arm can
+// hold.
 TEST_F(CommandLine, AnUnstableRunStopsAndKeepsItsLog) {
-  for (const char* cause : {"pushes=[{force: 200, direction: [0, 0, 1], middle: 0.5, duration: 3}]", "world.gravity=100"}) {
+  for (const char* cause : {"pushes=[{force: 200, direction: [0, 0, 1], middle: 0.5, duration: 3}]",
+                            "world.gravity=100"}) {
     SCOPED_TRACE(cause);
     const Ended ended = call(Words{"draw", "--out", "run", "--set", cause} + kShort);
     EXPECT_EQ(ended.code, 3);
     std::smatch when;
-    ASSERT_TRUE(std::regex_search(ended.err, when, std::regex("went unstable at t = ([0-9.]+) s: "))) << ended.err;
+    ASSERT_TRUE(
+        std::regex_search(ended.err, when, std::regex("went unstable at t = ([0-9.]+) s: ")))
+        << ended.err;
     EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1);
     const RunData run = read_run(folder_ / "run/run.h5");
     EXPECT_NEAR(run.time.back(), std::stod(when[1]), 2e-3);
@@ -263,8 +287,11 @@ TEST_F(CommandLine, InterruptKeepsWhatIsDrawn) {
     ASSERT_GT(run.rows(), 0u);
     EXPECT_LT(run.time.back(), 150.0);
     const auto metrics = json_of(folder_ / "run/metrics.json");
-    if (wait_ms > 0) EXPECT_EQ(metrics.at("contact_fraction").get<double>(), 1.0);
-    else EXPECT_TRUE(metrics.at("contact_fraction").is_null() || metrics.at("contact_fraction") == 1.0);
+    if (wait_ms > 0)
+      EXPECT_EQ(metrics.at("contact_fraction").get<double>(), 1.0);
+    else
+      EXPECT_TRUE(metrics.at("contact_fraction").is_null() ||
+                  metrics.at("contact_fraction") == 1.0);
     EXPECT_TRUE(fs::exists(folder_ / "run/report.html"));
   }
 }
@@ -296,28 +323,39 @@ struct Terminal {
 
 TEST_F(CommandLine, ATerminalShowsProgress) {
   Terminal terminal(folder_, Words{"draw", "--out", "run", "--set", "path.draw_speed=0.02"});
-  while (terminal.read()) {}
+  while (terminal.read()) {
+  }
   EXPECT_EQ(terminal.wait(), 0);
-  EXPECT_TRUE(std::regex_search(terminal.shown, std::regex(R"(drawing +[0-9.]+ s  stroke 1/1  [0-9.]+/[0-9.]+ m +[0-9]+ %  [0-9]+:[0-9]+ left)"))) << terminal.shown;
+  EXPECT_TRUE(std::regex_search(
+      terminal.shown,
+      std::regex(
+          R"(drawing +[0-9.]+ s  stroke 1/1  [0-9.]+/[0-9.]+ m +[0-9]+ %  [0-9]+:[0-9]+ left)")))
+      << terminal.shown;
   EXPECT_THAT(terminal.shown, HasSubstr("\r\x1b[K")) << "the line goes when the run is over";
 }
 
 TEST_F(CommandLine, AKilledRunLosesAboutASecond) {
   Terminal terminal(folder_, Words{"draw", "--out", "run"} + kLong);
   const auto begun = [&] { return terminal.shown.find("real time") != std::string::npos; };
-  while (!begun() && terminal.read()) {}
+  while (!begun() && terminal.read()) {
+  }
   const auto start = Clock::now();
-  while (Clock::now() - start < std::chrono::milliseconds(2500) && terminal.read()) {}
+  while (Clock::now() - start < std::chrono::milliseconds(2500) && terminal.read()) {
+  }
   kill(terminal.pid, SIGKILL);
   ASSERT_EQ(terminal.wait(), 137) << terminal.shown;
   const std::regex line(R"(drawing +([0-9.]+) s [^\r]* ([0-9]+)x real time)");
   std::smatch last;
-  for (std::sregex_iterator at(terminal.shown.begin(), terminal.shown.end(), line), none; at != none; ++at) last = *at;
+  for (std::sregex_iterator at(terminal.shown.begin(), terminal.shown.end(), line), none;
+       at != none; ++at)
+    last = *at;
   ASSERT_FALSE(last.empty()) << terminal.shown;
   const RunData run = read_run(folder_ / "run/run.h5");
   ASSERT_GT(run.rows(), 1000u);
-  const double kept = run.time.back(), shown = std::stod(last[1]), per_wall_second = std::stod(last[2]);
-  EXPECT_GT(kept, shown - 1.5 * per_wall_second) << "of " << shown << " s simulated, at " << per_wall_second << " times real time";
+  const double kept = run.time.back(), shown = std::stod(last[1]),
+               per_wall_second = std::stod(last[2]);
+  EXPECT_GT(kept, shown - 1.5 * per_wall_second)
+      << "of " << shown << " s simulated, at " << per_wall_second << " times real time";
   EXPECT_EQ(call({"report", "run"}).code, 0);
   EXPECT_TRUE(json_of(folder_ / "run/metrics.json").at("ink_error_rms").is_number());
 }

@@ -12,7 +12,8 @@ namespace impedraw {
 namespace {
 
 nlohmann::ordered_json described(const std::string& name, const std::string& text) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("impedraw_inspect_" + name);
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("impedraw_inspect_" + name);
   std::ofstream(file) << text;
   const nlohmann::ordered_json found = describe_artwork(file);
   std::filesystem::remove(file);
@@ -36,9 +37,14 @@ TEST(Inspect, Svg) {
 TEST(Inspect, LengthOfManySmallArcs) {
   // Curves far smaller than the page: a thousand arcs of radius 0.2 mm on 500 mm.
   std::string d;
-  for (int i = 0; i < 1000; ++i) d += "M" + std::to_string(i % 50 * 10) + " " + std::to_string(i / 50 * 25) + "a.2 .2 0 0 1 .4 0";
-  const auto found = described("b.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="500mm" height="500mm" viewBox="0 0 500 500">
-      <path fill="none" stroke="red" d=")" + d + "\"/></svg>");
+  for (int i = 0; i < 1000; ++i)
+    d +=
+        "M" + std::to_string(i % 50 * 10) + " " + std::to_string(i / 50 * 25) + "a.2 .2 0 0 1 .4 0";
+  const auto found = described(
+      "b.svg",
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="500mm" height="500mm" viewBox="0 0 500 500">
+      <path fill="none" stroke="red" d=")" +
+          d + "\"/></svg>");
   EXPECT_EQ(found["strokes"], 1000);
   EXPECT_NEAR(found["length_mm"].get<double>(), 200 * M_PI, 1e-3 * 200 * M_PI);
 }
@@ -48,7 +54,8 @@ TEST(Inspect, StrokesDotsAndNothing) {
   EXPECT_EQ(found["strokes"], 2);
   EXPECT_NEAR(found["length_mm"].get<double>(), 5, 1e-12);
   EXPECT_EQ(found["bbox_mm"].dump(), "[1.0,0.0,10.0,6.0]");
-  const auto empty = described("d.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0H9' fill='none'/></svg>");
+  const auto empty = described(
+      "d.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0H9' fill='none'/></svg>");
   EXPECT_EQ(empty["strokes"], 0);
   EXPECT_TRUE(empty["bbox_mm"].is_null());
   EXPECT_EQ(empty["warnings"].size(), 1u);

@@ -1,4 +1,5 @@
-// Every term of the law against a second implementation (MuJoCo's, from the same URDF) and against finite differences.
+// Every term of the law against a second implementation (MuJoCo's, from the same URDF) and against
+// finite differences.
 #include "impedraw/arm/arm_model.h"
 
 #include <random>
@@ -24,7 +25,8 @@ RandomState random_state(std::mt19937& rng, const ArmLimits& limits) {
   const int n = static_cast<int>(limits.lower.size());
   RandomState s{JointVector(n), JointVector(n)};
   for (int i = 0; i < n; ++i) {
-    s.q[i] = 0.5 * (limits.lower[i] + limits.upper[i]) + 0.5 * unit(rng) * (limits.upper[i] - limits.lower[i]);
+    s.q[i] = 0.5 * (limits.lower[i] + limits.upper[i]) +
+             0.5 * unit(rng) * (limits.upper[i] - limits.lower[i]);
     s.v[i] = unit(rng) * limits.speed[i];
   }
   return s;
@@ -76,7 +78,8 @@ TEST(ArmModel, DriftIsTheDerivativeOfTheJacobian) {
 }
 
 TEST(ArmModel, GravityIsTheGradientOfPotentialEnergy) {
-  // By virtual work on the tip's own mass it would not show; so by holding still in the simulator: τ = g does not move.
+  // By virtual work on the tip's own mass it would not show; so by holding still in the simulator:
+  // τ = g does not move.
   ArmModel arm(kArm);
   World world(kArm, nullptr, {});
   ArmTerms terms(7);
@@ -95,7 +98,8 @@ TEST(ArmModel, BodiesCoverTheLinks) {
   ArmModel arm(kArm);
   const auto capsules = arm.body_capsules(JointVector::Zero(7));
   EXPECT_EQ(capsules.size(), 17u);
-  // At q = 0 the arm stands upright: every capsule lies on the z axis, the pen ends at 1.306 + 0.12 m less the cylinder's 0.01 m.
+  // At q = 0 the arm stands upright: every capsule lies on the z axis, the pen ends at 1.306 + 0.12
+  // m less the cylinder's 0.01 m.
   double top = 0.0;
   for (const auto& c : capsules) {
     EXPECT_LT(c.a_W.head<2>().norm(), 1e-9) << c.link;
@@ -117,13 +121,18 @@ TEST(InverseKinematics, ReachesWhatForwardKinematicsMade) {
     const Eigen::Vector3d p(0.6 + 0.1 * unit(rng), 0.1 * unit(rng), 0.15 + 0.05 * unit(rng));
     const Eigen::Vector3d z = Eigen::Vector3d(0.3 * unit(rng), 0.3 * unit(rng), -1.0).normalized();
     const IkResult result = find_posture(arm, {p, z}, seed_posture);
-    ASSERT_TRUE(result.reached) << "at " << p.transpose() << ": off by " << result.position_error << " m, " << result.axis_error << " rad";
+    ASSERT_TRUE(result.reached) << "at " << p.transpose() << ": off by " << result.position_error
+                                << " m, " << result.axis_error << " rad";
     const Pose X_WE = arm.tip_pose(result.q);
     EXPECT_LT((X_WE.p - p).norm(), 1e-6);
     EXPECT_LT((X_WE.R.col(2) - z).norm(), 1e-6);
-    EXPECT_TRUE(((result.q.array() >= arm.limits().lower.array()) && (result.q.array() <= arm.limits().upper.array())).all());
+    EXPECT_TRUE(((result.q.array() >= arm.limits().lower.array()) &&
+                 (result.q.array() <= arm.limits().upper.array()))
+                    .all());
   }
-  EXPECT_FALSE(find_posture(arm, {Eigen::Vector3d(2.0, 0.0, 0.2), -Eigen::Vector3d::UnitZ()}, seed_posture).reached);
+  EXPECT_FALSE(
+      find_posture(arm, {Eigen::Vector3d(2.0, 0.0, 0.2), -Eigen::Vector3d::UnitZ()}, seed_posture)
+          .reached);
 }
 
 TEST(ArmModel, RefusesWhatItCannotRead) {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/canvas/built_in_graphs.h"
@@ -28,14 +28,16 @@ using std::numbers::pi;
 struct Case {
   std::string name;
   TriangleMesh mesh;
-  std::function<double(const Vector3d& p_W)> off{};      // 0 on the surface, > 0 on the side drawn on [m]; at least the distance
+  std::function<double(const Vector3d& p_W)>
+      off{};  // 0 on the surface, > 0 on the side drawn on [m]; at least the distance
   std::function<Vector3d(const Vector3d& p_W)> normal{};  // outward, unit
-  double most_off = 0;                                   // that a facet leaves the surface, from the header [m]
-  double curvature = 0;                                  // greatest [1/m]
+  double most_off = 0;   // that a facet leaves the surface, from the header [m]
+  double curvature = 0;  // greatest [1/m]
   double edge = 0;
-  std::function<Vector2d(const Vector3d& p_W)> plan{};   // along and across, of the middle, in the shape's own directions [m]
-  Vector2d half_size = Vector2d::Zero();                 // of it [m]
-  Vector3d kink = Vector3d::Constant(1e9);               // where the surface has no normal
+  std::function<Vector2d(const Vector3d& p_W)>
+      plan{};  // along and across, of the middle, in the shape's own directions [m]
+  Vector2d half_size = Vector2d::Zero();    // of it [m]
+  Vector3d kink = Vector3d::Constant(1e9);  // where the surface has no normal
 };
 
 Vector2d in_plan(const Vector3d& p, const Vector3d& middle, double heading_deg) {
@@ -43,8 +45,8 @@ Vector2d in_plan(const Vector3d& p, const Vector3d& middle, double heading_deg) 
 }
 
 // A height over a rectangle, with its two slopes.
-Case graph(const std::string& name, const FootprintSettings& s, TriangleMesh mesh, std::function<double(Vector2d)> h,
-           std::function<Vector2d(Vector2d)> slope) {
+Case graph(const std::string& name, const FootprintSettings& s, TriangleMesh mesh,
+           std::function<double(Vector2d)> h, std::function<Vector2d(Vector2d)> slope) {
   Case c{.name = name, .mesh = std::move(mesh), .edge = s.edge};
   c.plan = [s](const Vector3d& p) { return in_plan(p, s.centre, s.heading_deg); };
   c.half_size = {s.width / 2, s.height / 2};
@@ -58,16 +60,20 @@ Case graph(const std::string& name, const FootprintSettings& s, TriangleMesh mes
 
 Case wave(const WaveSettings& s) {
   const double k = 2 * pi / s.wavelength;
-  Case c = graph("wave", s.footprint, make_wave(s), [s, k](Vector2d p) { return s.amplitude * std::sin(k * p.x()); },
-                 [s, k](Vector2d p) { return Vector2d(s.amplitude * k * std::cos(k * p.x()), 0); });
+  Case c = graph(
+      "wave", s.footprint, make_wave(s),
+      [s, k](Vector2d p) { return s.amplitude * std::sin(k * p.x()); },
+      [s, k](Vector2d p) { return Vector2d(s.amplitude * k * std::cos(k * p.x()), 0); });
   c.curvature = s.amplitude * k * k;
   c.most_off = c.edge * c.edge / 8 * c.curvature;
   return c;
 }
 
 Case saddle(const SaddleSettings& s) {
-  Case c = graph("saddle", s.footprint, make_saddle(s), [s](Vector2d p) { return (p.x() * p.x() - p.y() * p.y()) / (2 * s.radius); },
-                 [s](Vector2d p) { return Vector2d(p.x() / s.radius, -p.y() / s.radius); });
+  Case c = graph(
+      "saddle", s.footprint, make_saddle(s),
+      [s](Vector2d p) { return (p.x() * p.x() - p.y() * p.y()) / (2 * s.radius); },
+      [s](Vector2d p) { return Vector2d(p.x() / s.radius, -p.y() / s.radius); });
   c.curvature = 1 / s.radius;
   c.most_off = c.edge * c.edge / 8 / s.radius;
   return c;
@@ -89,7 +95,8 @@ Case terrain(const TerrainSettings& s) {
   };
   const auto slope = [s, waves](Vector2d p) {
     Vector2d sum(0, 0);
-    for (const Vector3d& w : waves) sum += s.amplitude / 8 * std::cos(w.head<2>().dot(p) + w.z()) * w.head<2>();
+    for (const Vector3d& w : waves)
+      sum += s.amplitude / 8 * std::cos(w.head<2>().dot(p) + w.z()) * w.head<2>();
     return sum;
   };
   Case c = graph("terrain", s.footprint, make_terrain(s), h, slope);
@@ -99,14 +106,18 @@ Case terrain(const TerrainSettings& s) {
       const Vector2d k = w.head<2>();
       hessian -= s.amplitude / 8 * std::sin(k.dot(c.plan(p)) + w.z()) * k * k.transpose();
     }
-    c.curvature = std::max(c.curvature, std::abs(hessian.trace() / 2) + std::hypot((hessian(0, 0) - hessian(1, 1)) / 2, hessian(0, 1)));
+    c.curvature =
+        std::max(c.curvature, std::abs(hessian.trace() / 2) +
+                                  std::hypot((hessian(0, 0) - hessian(1, 1)) / 2, hessian(0, 1)));
   }
   c.most_off = c.edge * c.edge / 4 * c.curvature;
   return c;
 }
 
 Case cylinder(const CylinderSettings& s, double up) {  // −1: the trough
-  Case c{.name = up > 0 ? "cylinder" : "trough", .mesh = up > 0 ? make_cylinder(s) : make_trough(s), .edge = s.edge};
+  Case c{.name = up > 0 ? "cylinder" : "trough",
+         .mesh = up > 0 ? make_cylinder(s) : make_trough(s),
+         .edge = s.edge};
   const Vector3d axis(std::cos(s.heading_deg * pi / 180), std::sin(s.heading_deg * pi / 180), 0);
   const auto from_axis = [s, axis, up](const Vector3d& p) -> Vector3d {
     const Vector3d r = p - (s.middle - up * s.radius * Vector3d::UnitZ());
@@ -146,19 +157,35 @@ std::vector<Case> as_they_stand() {
 
 std::vector<Case> random_cases(unsigned seed) {
   std::mt19937 random(seed);
-  const auto from = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto from = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
   const auto footprint = [&] {
-    return FootprintSettings{{from(-1, 1), from(-1, 1), from(-1, 1)}, from(-180, 180), from(0.1, 0.3), from(0.1, 0.3), from(0.003, 0.009)};
+    return FootprintSettings{{from(-1, 1), from(-1, 1), from(-1, 1)},
+                             from(-180, 180),
+                             from(0.1, 0.3),
+                             from(0.1, 0.3),
+                             from(0.003, 0.009)};
   };
   const auto round = [&] {
     const double radius = from(0.1, 0.5);
-    return CylinderSettings{{from(-1, 1), from(-1, 1), from(-1, 1)}, from(-180, 180), radius, from(0.1, 0.3), radius * from(0.2, 2),
+    return CylinderSettings{{from(-1, 1), from(-1, 1), from(-1, 1)},
+                            from(-180, 180),
+                            radius,
+                            from(0.1, 0.3),
+                            radius * from(0.2, 2),
                             from(0.003, 0.009)};
   };
-  return {wave({footprint(), from(0.002, 0.03), from(0.08, 0.3)}), saddle({footprint(), from(0.1, 1)}),
-          terrain({footprint(), static_cast<int>(random() % 1000), from(0.005, 0.04), from(0.08, 0.3)}),
-          cylinder(round(), 1), cylinder(round(), -1),
-          cone({{from(-1, 1), from(-1, 1), from(-1, 1)}, from(5, 80), from(0.05, 0.2), from(0.003, 0.009)})};
+  return {
+      wave({footprint(), from(0.002, 0.03), from(0.08, 0.3)}),
+      saddle({footprint(), from(0.1, 1)}),
+      terrain({footprint(), static_cast<int>(random() % 1000), from(0.005, 0.04), from(0.08, 0.3)}),
+      cylinder(round(), 1),
+      cylinder(round(), -1),
+      cone({{from(-1, 1), from(-1, 1), from(-1, 1)},
+            from(5, 80),
+            from(0.05, 0.2),
+            from(0.003, 0.009)})};
 }
 
 // Everything that holds for any of them.
@@ -174,18 +201,22 @@ void check(const Case& c) {
   }
   EXPECT_LT(vertex_off, 1e-14);
   EXPECT_NEAR(high.x(), c.half_size.x(), 1e-12);
-  const double polygon = c.name == "cone" ? 2e-3 : 1e-12;  // a ring seldom has a vertex exactly at its left, top or bottom
+  const double polygon =
+      c.name == "cone" ? 2e-3
+                       : 1e-12;  // a ring seldom has a vertex exactly at its left, top or bottom
   EXPECT_NEAR(high.y(), c.half_size.y(), polygon);
   EXPECT_LT((low + c.half_size).cwiseAbs().maxCoeff(), polygon);
 
   double most_off = 0, most_turned = 0;
   int slivers = 0, faces_away = 0;
   for (const auto& t : m.triangles) {
-    const Vector3d &a = m.vertices[t[0]], &b = m.vertices[t[1]], &d = m.vertices[t[2]], middle = (a + b + d) / 3;
+    const Vector3d &a = m.vertices[t[0]], &b = m.vertices[t[1]], &d = m.vertices[t[2]],
+                   middle = (a + b + d) / 3;
     const double longest = std::max({(a - b).norm(), (b - d).norm(), (d - a).norm()});
     slivers += cross(m, t).norm() < 0.05 * longest * longest;
     faces_away += !(cross(m, t).dot(c.normal(middle)) > 0);
-    for (const Vector3d& p : {middle, Vector3d((a + b) / 2), Vector3d((b + d) / 2), Vector3d((d + a) / 2)}) {
+    for (const Vector3d& p :
+         {middle, Vector3d((a + b) / 2), Vector3d((b + d) / 2), Vector3d((d + a) / 2)}) {
       most_off = std::max(most_off, std::abs(c.off(p)));
     }
     if ((middle - c.kink).norm() < c.half_size.x() / 8) continue;
@@ -197,12 +228,14 @@ void check(const Case& c) {
   EXPECT_GT(most_off, 0.2 * c.most_off) << "the bound in the header says too little";
   EXPECT_LT(most_turned, c.curvature * c.edge);
 
-  const MeshTopology around = make_topology(m);  // throws where neighbours are wound against each other
+  // throws where neighbours are wound against each other
+  const MeshTopology around = make_topology(m);
   ASSERT_EQ(around.smooth_normal.size(), m.vertices.size()) << "vertices at the same place";
   double vertex_turned = 0;
   for (std::size_t i = 0; i < m.vertices.size(); ++i) {
     if (around.on_boundary[i] || (m.vertices[i] - c.kink).norm() < c.half_size.x() / 8) continue;
-    vertex_turned = std::max(vertex_turned, (around.smooth_normal[i] - c.normal(m.vertices[i])).norm());
+    vertex_turned =
+        std::max(vertex_turned, (around.smooth_normal[i] - c.normal(m.vertices[i])).norm());
   }
   EXPECT_LT(vertex_turned, 0.25 * c.curvature * c.edge);
 }
@@ -223,7 +256,9 @@ TEST(BuiltInShapes, AsTheyStandNoFacetIsTenMicrometresOff) {
     double most_off = 0;
     for (const auto& t : c.mesh.triangles) {
       for (int i = 0; i < 3; ++i) {
-        most_off = std::max(most_off, std::abs(c.off((c.mesh.vertices[t[i]] + c.mesh.vertices[t[(i + 1) % 3]]) / 2)));
+        most_off = std::max(
+            most_off,
+            std::abs(c.off((c.mesh.vertices[t[i]] + c.mesh.vertices[t[(i + 1) % 3]]) / 2)));
       }
     }
     EXPECT_LT(most_off, 10e-6) << c.name;
@@ -231,14 +266,17 @@ TEST(BuiltInShapes, AsTheyStandNoFacetIsTenMicrometresOff) {
 }
 
 TEST(BuiltInShapes, OpenAsWideAsAsked) {
-  EXPECT_NEAR(area(make_cylinder({.radius = 0.2, .length = 0.3, .width = 0.4})), pi * 0.2 * 0.3, 1e-6);  // half a cylinder
+  EXPECT_NEAR(area(make_cylinder({.radius = 0.2, .length = 0.3, .width = 0.4})), pi * 0.2 * 0.3,
+              1e-6);  // half a cylinder
   const double slope = 80 * pi / 180;
   const TriangleMesh dome = make_dome({.radius = 0.15, .opening_radius = 0.15 * std::sin(slope)});
   EXPECT_NEAR(area(dome), 2 * pi * 0.15 * 0.15 * (1 - std::cos(slope)), 1e-5);
   double steepest = 0;
-  for (const auto& t : dome.triangles) steepest = std::max(steepest, std::acos(cross(dome, t).normalized().z()));
+  for (const auto& t : dome.triangles)
+    steepest = std::max(steepest, std::acos(cross(dome, t).normalized().z()));
   EXPECT_NEAR(steepest, slope, 0.01);
-  EXPECT_NEAR(area(make_cone({.slope_deg = 60, .base_radius = 0.1})), pi * 0.1 * 0.1 / std::cos(pi / 3), 1e-5);
+  EXPECT_NEAR(area(make_cone({.slope_deg = 60, .base_radius = 0.1})),
+              pi * 0.1 * 0.1 / std::cos(pi / 3), 1e-5);
 }
 
 TEST(Terrain, IsTheSeeds) {
@@ -259,7 +297,8 @@ TEST(Terrain, IsTheSeeds) {
   EXPECT_GT(highest, 0.2 * s.amplitude);
 }
 
-// Two corners and the middle [m], from a generator and a sum written out in Python: no library can quietly make another surface.
+// Two corners and the middle [m], from a generator and a sum written out in Python: no library can
+// quietly make another surface.
 TEST(Terrain, StaysTheSurfaceThatItWas) {
   TerrainSettings s;
   s.footprint.edge = 0.01;  // 36 × 36 cells
@@ -272,25 +311,37 @@ TEST(Terrain, StaysTheSurfaceThatItWas) {
 
 TEST(BuiltInShapes, RefuseWhatMakesNoCanvas) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  expect_refused([] { make_wave({.footprint = {}, .amplitude = 0}); }, "wave: amplitude = 0 m, must be a finite length above 0");
-  expect_refused([&] { make_wave({.footprint = {}, .wavelength = nan}); }, "wave: wavelength = nan m");
+  expect_refused([] { make_wave({.footprint = {}, .amplitude = 0}); },
+                 "wave: amplitude = 0 m, must be a finite length above 0");
+  expect_refused([&] { make_wave({.footprint = {}, .wavelength = nan}); },
+                 "wave: wavelength = nan m");
   expect_refused([] { make_wave({.footprint = {}, .wavelength = 0.008}); },
                  "wave: edge = 0.0015 m, must be at most an eighth of the wavelength, 0.001 m");
-  expect_refused([&] { make_wave({.footprint = {.centre = {0, nan, 0}}}); }, "wave: centre = (0, nan, 0)");
-  expect_refused([&] { make_wave({.footprint = {.heading_deg = nan}}); }, "wave: heading = nan deg, must be finite");
+  expect_refused(
+      [&] {
+        make_wave({.footprint = {.centre = {0, nan, 0}}});
+      },
+      "wave: centre = (0, nan, 0)");
+  expect_refused([&] { make_wave({.footprint = {.heading_deg = nan}}); },
+                 "wave: heading = nan deg, must be finite");
   expect_refused([] { make_wave({.footprint = {.edge = 1e-6}}); }, "take a longer edge");
   expect_refused([] { make_saddle({.footprint = {}, .radius = -0.1}); }, "saddle: radius = -0.1 m");
   expect_refused([] { make_saddle({.footprint = {.height = 0}}); }, "saddle: height = 0 m");
-  expect_refused([] { make_terrain({.footprint = {}, .amplitude = -1}); }, "terrain: amplitude = -1 m");
+  expect_refused([] { make_terrain({.footprint = {}, .amplitude = -1}); },
+                 "terrain: amplitude = -1 m");
   expect_refused([] { make_terrain({.footprint = {}, .feature = 0.004}); },
                  "terrain: edge = 0.0015 m, must be at most an eighth of the feature, 0.0005 m");
-  expect_refused([] { make_cylinder({.width = 0.61}); }, "cylinder: width = 0.61 m, must be at most twice the radius, 0.6 m");
+  expect_refused([] { make_cylinder({.width = 0.61}); },
+                 "cylinder: width = 0.61 m, must be at most twice the radius, 0.6 m");
   expect_refused([] { make_trough({.length = 0}); }, "trough: length = 0 m");
-  expect_refused([] { make_trough({.edge = 0.5}); }, "trough: edge = 0.5 m, must be at most the width, 0.36 m");
-  expect_refused([] { make_cone({.slope_deg = 0}); }, "cone: slope = 0 deg, must be above 0 and at most 80 deg");
+  expect_refused([] { make_trough({.edge = 0.5}); },
+                 "trough: edge = 0.5 m, must be at most the width, 0.36 m");
+  expect_refused([] { make_cone({.slope_deg = 0}); },
+                 "cone: slope = 0 deg, must be above 0 and at most 80 deg");
   expect_refused([&] { make_cone({.slope_deg = nan}); }, "cone: slope = nan deg");
   expect_refused([] { make_cone({.slope_deg = 81}); }, "cone: slope = 81 deg");
-  expect_refused([] { make_cone({.edge = 0.2}); }, "cone: edge = 0.2 m, must be at most the base_radius, 0.18 m");
+  expect_refused([] { make_cone({.edge = 0.2}); },
+                 "cone: edge = 0.2 m, must be at most the base_radius, 0.18 m");
 }
 
 }  // namespace

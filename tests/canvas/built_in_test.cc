@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "mesh_checks.h"
 
@@ -20,7 +20,8 @@ double smallest_angle_deg(const TriangleMesh& m) {
     for (int i = 0; i < 3; ++i) {
       const Vector3d u = m.vertices[t[(i + 1) % 3]] - m.vertices[t[i]];
       const Vector3d v = m.vertices[t[(i + 2) % 3]] - m.vertices[t[i]];
-      smallest = std::min(smallest, std::acos(u.normalized().dot(v.normalized())) * 180 / std::numbers::pi);
+      smallest = std::min(smallest,
+                          std::acos(u.normalized().dot(v.normalized())) * 180 / std::numbers::pi);
     }
   }
   return smallest;
@@ -50,7 +51,8 @@ TEST(Bowl, EdgesHaveTheWantedLengthAtEverySize) {
     s.edge = edge;
     const TriangleMesh m = make_bowl(s);
     for (const auto& t : m.triangles) {
-      for (int i = 0; i < 3; ++i) EXPECT_LT((m.vertices[t[i]] - m.vertices[t[(i + 1) % 3]]).norm(), 1.45 * edge);
+      for (int i = 0; i < 3; ++i)
+        EXPECT_LT((m.vertices[t[i]] - m.vertices[t[(i + 1) % 3]]).norm(), 1.45 * edge);
     }
     EXPECT_GT(smallest_angle_deg(m), 30);
     expect_disc(m);
@@ -67,8 +69,10 @@ TEST(Dome, IsDrawnOnFromOutsideUpToTheHemisphere) {
 }
 
 TEST(Plane, HasItsSizeAndNormalHoweverItIsTilted) {
-  for (const Vector3d& normal : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(-0.3, 0.2, 2), Vector3d(0, -1, -1)}) {
-    PlaneSettings s{.centre = {1, 2, 3}, .normal = normal, .width = 0.3, .height = 0.2, .edge = 0.013};
+  for (const Vector3d& normal :
+       {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(-0.3, 0.2, 2), Vector3d(0, -1, -1)}) {
+    PlaneSettings s{
+        .centre = {1, 2, 3}, .normal = normal, .width = 0.3, .height = 0.2, .edge = 0.013};
     const TriangleMesh m = make_plane(s);
     const Vector3d n = normal.normalized();
     Vector3d mean = Vector3d::Zero();
@@ -94,8 +98,10 @@ TEST(BuiltIn, RefusesWhatMakesNoCanvas) {
   };
   expect_refused(bowl([](auto& s) { s.radius = 0; }), "bowl: radius = 0 m");
   expect_refused(bowl([&](auto& s) { s.edge = nan; }), "bowl: edge = nan m");
-  expect_refused(bowl([](auto& s) { s.opening_radius = 0.31; }), "opening_radius = 0.31 m, must be at most the radius, 0.3 m");
-  expect_refused(bowl([](auto& s) { s.edge = 0.2; }), "edge = 0.2 m, must be at most the opening_radius");
+  expect_refused(bowl([](auto& s) { s.opening_radius = 0.31; }),
+                 "opening_radius = 0.31 m, must be at most the radius, 0.3 m");
+  expect_refused(bowl([](auto& s) { s.edge = 0.2; }),
+                 "edge = 0.2 m, must be at most the opening_radius");
   expect_refused(bowl([](auto& s) { s.edge = 1e-6; }), "take a longer edge");
   expect_refused(bowl([&](auto& s) { s.centre.y() = nan; }), "bowl: centre = (0.6, nan, 0.4)");
   expect_refused([] { make_plane({.normal = Vector3d::Zero()}); }, "plane: normal");

@@ -21,7 +21,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Closest point of a triangle by another road: the foot in its plane where it lies inside, else the closest of the three sides.
+// Closest point of a triangle by another road: the foot in its plane where it lies inside, else the
+// closest of the three sides.
 double brute_distance(const TriangleMesh& m, const Vector3d& p) {
   double best = std::numeric_limits<double>::infinity();
   for (const auto& t : m.triangles) {
@@ -29,13 +30,15 @@ double brute_distance(const TriangleMesh& m, const Vector3d& p) {
     const Vector3d n = (v[1] - v[0]).cross(v[2] - v[0]).normalized();
     const Vector3d foot = p - n * n.dot(p - v[0]);
     bool inside = true;
-    for (int i = 0; i < 3; ++i) inside = inside && n.dot((v[(i + 1) % 3] - v[i]).cross(foot - v[i])) >= 0;
+    for (int i = 0; i < 3; ++i)
+      inside = inside && n.dot((v[(i + 1) % 3] - v[i]).cross(foot - v[i])) >= 0;
     double d = (p - foot).norm();
     if (!inside) {
       d = std::numeric_limits<double>::infinity();
       for (int i = 0; i < 3; ++i) {
         const Vector3d u = v[(i + 1) % 3] - v[i];
-        d = std::min(d, (v[i] + u * std::clamp(u.dot(p - v[i]) / u.squaredNorm(), 0.0, 1.0) - p).norm());
+        d = std::min(
+            d, (v[i] + u * std::clamp(u.dot(p - v[i]) / u.squaredNorm(), 0.0, 1.0) - p).norm());
       }
     }
     best = std::min(best, d);
@@ -44,7 +47,8 @@ double brute_distance(const TriangleMesh& m, const Vector3d& p) {
 }
 
 TriangleMesh tetrahedron() {  // closed, with sharp corners, wound outward
-  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.2}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.2}},
+          {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 }
 
 TEST(Canvas, ClosestPointIsThatOfEveryTriangle) {
@@ -57,7 +61,8 @@ TEST(Canvas, ClosestPointIsThatOfEveryTriangle) {
     const TriangleMesh m = make_bowl(s);
     const Canvas canvas(m);
     for (int i = 0; i < 500; ++i) {
-      const Vector3d p = Vector3d(0.6, 0, 0.2) + 0.3 * Vector3d(uniform(random), uniform(random), uniform(random));
+      const Vector3d p =
+          Vector3d(0.6, 0, 0.2) + 0.3 * Vector3d(uniform(random), uniform(random), uniform(random));
       const SurfacePoint q = canvas.closest(p);
       const double distance = brute_distance(m, p);
       EXPECT_NEAR(std::abs(q.distance), distance, 1e-14);
@@ -75,7 +80,9 @@ TEST(Canvas, LimitedSearchGivesTheSameOrNothing) {
   const Canvas canvas(make_bowl());
   int found = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Vector3d p = Vector3d(0.6, 0, 0.12) + Vector3d(0.1 * uniform(random), 0.1 * uniform(random), 0.02 * uniform(random));
+    const Vector3d p =
+        Vector3d(0.6, 0, 0.12) +
+        Vector3d(0.1 * uniform(random), 0.1 * uniform(random), 0.02 * uniform(random));
     const SurfacePoint all = canvas.closest(p);
     const auto near = canvas.closest(p, 0.01);
     ASSERT_EQ(near.has_value(), std::abs(all.distance) <= 0.01);
@@ -95,12 +102,15 @@ TEST(Canvas, StandardBowlMatchesTheSphere) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 5000; ++i) {
-    const Vector3d out = Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -1).normalized();  // at most 35.3° off the pole
+    const Vector3d out = Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -1)
+                             .normalized();  // at most 35.3° off the pole
     const double radius = 0.30 + 0.02 * uniform(random);
     const SurfacePoint q = canvas.closest(s.centre + radius * out);
     EXPECT_NEAR(q.distance, 0.30 - radius, 1.9e-6);
-    EXPECT_LT((q.n_W - (s.centre - q.p_W).normalized()).norm(), 1e-9);  // vertices on a sphere: exact
-    EXPECT_LT((q.n_W + out).norm(), 3e-4);  // the facet moves the closest point by its slope times the height
+    EXPECT_LT((q.n_W - (s.centre - q.p_W).normalized()).norm(),
+              1e-9);  // vertices on a sphere: exact
+    EXPECT_LT((q.n_W + out).norm(),
+              3e-4);  // the facet moves the closest point by its slope times the height
     EXPECT_FALSE(q.on_edge);
   }
 }
@@ -154,19 +164,23 @@ TEST(Canvas, RayMeetsTheSphere) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 5000; ++i) {
-    const Vector3d goal = s.centre + 0.3 * Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -1).normalized();
+    const Vector3d goal =
+        s.centre + 0.3 * Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -1).normalized();
     const Vector3d d = 1.7 * (goal - eye).normalized();
     const auto hit = canvas.ray(eye, d);
     ASSERT_TRUE(hit);
-    // The far one of the line's two meetings with the sphere: this eye looks into the bowl over its rim.
-    const double b = d.dot(eye - s.centre), a = d.squaredNorm(), c = (eye - s.centre).squaredNorm() - 0.09;
+    // The far one of the line's two meetings with the sphere: this eye looks into the bowl over its
+    // rim.
+    const double b = d.dot(eye - s.centre), a = d.squaredNorm(),
+                 c = (eye - s.centre).squaredNorm() - 0.09;
     const double t = (-b + std::sqrt(b * b - a * c)) / a;
     EXPECT_NEAR(hit->t, t, 6e-6);
     EXPECT_LT((hit->p_W - (eye + hit->t * d)).norm(), 1e-15);
     EXPECT_LT((hit->n_W - (s.centre - hit->p_W).normalized()).norm(), 1e-6);
   }
   EXPECT_FALSE(canvas.ray(eye, Vector3d::UnitZ()));
-  EXPECT_FALSE(canvas.ray({0.6, 0, 0.11}, Vector3d::UnitZ()));  // starts above the bottom: nothing ahead
+  EXPECT_FALSE(
+      canvas.ray({0.6, 0, 0.11}, Vector3d::UnitZ()));  // starts above the bottom: nothing ahead
   EXPECT_FALSE(canvas.ray(eye, Vector3d::Zero()));
 }
 
@@ -177,7 +191,8 @@ TEST(Canvas, RayOnATiltedPlaneIsExactInDoublePrecision) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   int hits = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Vector3d from = centre + 0.5 * n + 0.2 * Vector3d(uniform(random), uniform(random), uniform(random));
+    const Vector3d from =
+        centre + 0.5 * n + 0.2 * Vector3d(uniform(random), uniform(random), uniform(random));
     const Vector3d d = -n + 0.1 * Vector3d(uniform(random), uniform(random), uniform(random));
     const auto hit = canvas.ray(from, d);
     if (!hit) continue;
@@ -192,7 +207,8 @@ TEST(Canvas, ThreadsGetTheSameAnswers) {
   const Canvas canvas(make_bowl());
   const auto limited = [&] {
     double total = 0;
-    for (int i = 0; i < 20000; ++i) total += canvas.closest({0.5 + 1e-5 * i, 0.03, 0.13}, 0.05)->distance;
+    for (int i = 0; i < 20000; ++i)
+      total += canvas.closest({0.5 + 1e-5 * i, 0.03, 0.13}, 0.05)->distance;
     return total;
   };
   const double alone = limited();

@@ -32,12 +32,14 @@ void turn(TriangleMesh* m) {
 
 double volume(const TriangleMesh& m) {
   double sum = 0;
-  for (const auto& t : m.triangles) sum += m.vertices[t[0]].dot(m.vertices[t[1]].cross(m.vertices[t[2]])) / 6;
+  for (const auto& t : m.triangles)
+    sum += m.vertices[t[0]].dot(m.vertices[t[1]].cross(m.vertices[t[2]])) / 6;
   return sum;
 }
 
 // The only fault, of that kind.
-void expect_fault(const CheckedMesh& checked, const std::string& kind, std::size_t count, int first, bool mended) {
+void expect_fault(const CheckedMesh& checked, const std::string& kind, std::size_t count, int first,
+                  bool mended) {
   ASSERT_EQ(checked.faults.size(), 1u);
   EXPECT_EQ(checked.faults[0].kind, kind);
   EXPECT_EQ(checked.faults[0].count, count);
@@ -71,7 +73,8 @@ TEST(Weld, AgreesWithEveryPairCompared) {
     std::vector<int> places;
     for (int i = 0; i < 600; ++i) {
       places.push_back(place(random));
-      const Vector3d p(8 * tolerance * (places[i] % 4), 16 * tolerance * (places[i] / 4), 8 * tolerance * places[i]);
+      const Vector3d p(8 * tolerance * (places[i] % 4), 16 * tolerance * (places[i] / 4),
+                       8 * tolerance * places[i]);
       m.vertices.push_back(p + Vector3d(shift(random), shift(random), shift(random)));
     }
     for (int i = 0; i + 2 < 600; ++i) m.triangles.push_back({i, i + 1, i + 2});
@@ -125,7 +128,8 @@ TEST(MeshCheck, DegenerateTrianglesAreLeftOut) {
   EXPECT_NO_THROW(Canvas{checked.mesh});
 }
 
-// Two triangles on one side of a line, one on the other, and between them one without area that closes the seam: no edge of the surface.
+// Two triangles on one side of a line, one on the other, and between them one without area that
+// closes the seam: no edge of the surface.
 TEST(MeshCheck, AThinTriangleBetweenNeighboursStaysAsASeam) {
   TriangleMesh m;
   m.vertices = {{0, 0, 0}, {0.2, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0.1, -0.1, 0}};
@@ -186,12 +190,16 @@ TEST(MeshCheck, AClosedMeshInsideOutIsTurnedButNotTheCavityOfAnother) {
 }
 
 TEST(MeshCheck, AnEdgeWithThreeTrianglesIsNamedAndCannotBeDrawnOn) {
-  TriangleMesh m = sheet(2);  // the fin stands on the inner edge from vertex 1 to vertex 4, of triangles 1 and 2 among others
+  TriangleMesh m = sheet(
+      // the fin stands on the inner edge from vertex 1 to vertex 4, of triangles 1 and 2 among
+      // others
+      2);
   m.vertices.push_back({0.05, 0.1, 0.1});
   m.triangles.push_back({1, 4, 9});
   std::vector<int> on_edge;
   for (int i = 0; i < static_cast<int>(m.triangles.size()); ++i) {
-    if ((m.triangles[i].array() == 1).any() && (m.triangles[i].array() == 4).any()) on_edge.push_back(i);
+    if ((m.triangles[i].array() == 1).any() && (m.triangles[i].array() == 4).any())
+      on_edge.push_back(i);
   }
   ASSERT_EQ(on_edge.size(), 3u);
   const CheckedMesh checked = check_mesh(m);
@@ -202,7 +210,8 @@ TEST(MeshCheck, AnEdgeWithThreeTrianglesIsNamedAndCannotBeDrawnOn) {
     FAIL() << "nothing was refused";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("fin.obj"));
-    EXPECT_THAT(error.what(), HasSubstr(fmt::format("({}, {}, {}, …)", on_edge[0], on_edge[1], on_edge[2])));
+    EXPECT_THAT(error.what(),
+                HasSubstr(fmt::format("({}, {}, {}, …)", on_edge[0], on_edge[1], on_edge[2])));
   }
 }
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "impedraw/canvas/triangle_mesh.h"
 #include "impedraw/common/errors.h"

@@ -52,7 +52,8 @@ TEST_F(MeshFile, GivesEveryTriangleOfEveryKindInItsPlaceAndUnit) {
     for (std::size_t i = 0; i < wanted.triangles.size(); ++i)
       for (int k = 0; k < 3; ++k) {
         const Vector3d p = 1e-3 * wanted.vertices[wanted.triangles[i][k]];
-        EXPECT_LT((got.vertices[got.triangles[i][k]] - p).norm(), 1e-10) << "triangle " << i << " corner " << k;
+        EXPECT_LT((got.vertices[got.triangles[i][k]] - p).norm(), 1e-10)
+            << "triangle " << i << " corner " << k;
       }
     const CheckedMesh checked = load_mesh(write(name, text), 1.0);
     EXPECT_TRUE(checked.closed);
@@ -64,9 +65,11 @@ TEST_F(MeshFile, GivesEveryTriangleOfEveryKindInItsPlaceAndUnit) {
 }
 
 TEST_F(MeshFile, CutsPolygonsAndKeepsGroupsTogether) {
-  // An L of six corners, not convex, 3 m² in units of its own; a quad in another group, counted back; lines joined.
+  // An L of six corners, not convex, 3 m² in units of its own; a quad in another group, counted
+  // back; lines joined.
   const std::string text =
-      "mtllib /dev/zero\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0 # a comment\nv 0 2 0\ng l\nusemtl ink\nf 1/1 2/1 3/1 \\\n4/1 5/1 6/1\n"
+      "mtllib /dev/zero\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0 # a comment\nv 0 2 0\ng "
+      "l\nusemtl ink\nf 1/1 2/1 3/1 \\\n4/1 5/1 6/1\n"
       "v 5 0 0\r\nv 6 0 0\r\nv 6 1 0\r\nv 5 1 0\r\ng quad\nusemtl other\nl 1 2\nf -4 -3 -2 -1\n";
   const CheckedMesh checked = load_mesh(write("l.obj", text), 0.1);
   EXPECT_EQ(checked.mesh.triangles.size(), 6u);
@@ -79,10 +82,13 @@ TEST_F(MeshFile, NoPrefixOfAFileIsTakenForTheWhole) {
   const TriangleMesh m = box(0.1, 0.25, 0.4);
   for (const auto& [name, text] : every_kind(m)) {
     SCOPED_TRACE(name);
-    // What may go: an OBJ cannot tell that faces are lacking at a line's end; the newline at the end, and with it the name of a solid.
-    const bool is_obj = name == "a.obj", is_text_stl = name == "text.stl", is_text = is_text_stl || name == "a.ply";
+    // What may go: an OBJ cannot tell that faces are lacking at a line's end; the newline at the
+    // end, and with it the name of a solid.
+    const bool is_obj = name == "a.obj", is_text_stl = name == "text.stl",
+               is_text = is_text_stl || name == "a.ply";
     const std::size_t most = is_text_stl ? text.rfind(" box") - 1 : text.size() - (is_text ? 2 : 1);
-    for (std::size_t length = is_obj ? text.find("f ") : 0; length <= most; length += is_obj ? 1 : 7) {
+    for (std::size_t length = is_obj ? text.find("f ") : 0; length <= most;
+         length += is_obj ? 1 : 7) {
       const std::string file = write(name, text.substr(0, length));
       if (is_obj) {
         // Cut within a face's line before its third corner it must be refused.
@@ -90,47 +96,66 @@ TEST_F(MeshFile, NoPrefixOfAFileIsTakenForTheWhole) {
         const std::string line = text.substr(from, length - from);
         if (!line.starts_with("f") || std::count(line.begin(), line.end(), ' ') > 2) continue;
       }
-      EXPECT_THROW(load_mesh(file, 1.0), InputError) << "the first " << length << " of " << text.size() << " bytes";
+      EXPECT_THROW(load_mesh(file, 1.0), InputError)
+          << "the first " << length << " of " << text.size() << " bytes";
     }
   }
 }
 
 TEST_F(MeshFile, SaysWhereAFileIsCutShort) {
   const TriangleMesh m = box(0.1, 0.25, 0.4);
-  const std::string stl = binary_stl(m), little = ply(m, "binary_little_endian"), ascii = ply(m, "ascii");
-  EXPECT_THAT(refusal(write("a.stl", stl.substr(0, 84 + 7 * 50 + 20))), AllOf(HasSubstr("a.stl"), HasSubstr("within triangle 7")));
-  EXPECT_THAT(refusal(write("b.stl", stl + "....")), HasSubstr("4 bytes stand behind the 12 triangles"));
-  EXPECT_THAT(refusal(write("a.ply", little.substr(0, little.size() - 13 * 3 - 5))), HasSubstr("cut short within face 8"));
-  EXPECT_THAT(refusal(write("b.ply", ascii.substr(0, ascii.size() - 4))), HasSubstr("cut short within face 11"));
-  EXPECT_THAT(refusal(write("c.ply", little.substr(0, little.find("end_header\n") + 11 + 12 * 3))), HasSubstr("cut short within vertex 3"));
-  EXPECT_THAT(refusal(write("d.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n")),
+  const std::string stl = binary_stl(m), little = ply(m, "binary_little_endian"),
+                    ascii = ply(m, "ascii");
+  EXPECT_THAT(refusal(write("a.stl", stl.substr(0, 84 + 7 * 50 + 20))),
+              AllOf(HasSubstr("a.stl"), HasSubstr("within triangle 7")));
+  EXPECT_THAT(refusal(write("b.stl", stl + "....")),
+              HasSubstr("4 bytes stand behind the 12 triangles"));
+  EXPECT_THAT(refusal(write("a.ply", little.substr(0, little.size() - 13 * 3 - 5))),
+              HasSubstr("cut short within face 8"));
+  EXPECT_THAT(refusal(write("b.ply", ascii.substr(0, ascii.size() - 4))),
+              HasSubstr("cut short within face 11"));
+  EXPECT_THAT(refusal(write("c.ply", little.substr(0, little.find("end_header\n") + 11 + 12 * 3))),
+              HasSubstr("cut short within vertex 3"));
+  EXPECT_THAT(refusal(write("d.ply",
+                            "ply\nformat binary_little_endian 1.0\nelement vertex "
+                            "4000000000\nproperty float x\nend_header\n")),
               HasSubstr("cut short within vertex 0"));
-  EXPECT_THAT(refusal(write("c.stl", text_stl(m).substr(0, text_stl(m).rfind("    endloop")))), HasSubstr("within triangle 11"));
+  EXPECT_THAT(refusal(write("c.stl", text_stl(m).substr(0, text_stl(m).rfind("    endloop")))),
+              HasSubstr("within triangle 11"));
 }
 
 TEST_F(MeshFile, NamesTheVertexOrFaceThatCannotBeRead) {
   const TriangleMesh good = box(0.1, 0.25, 0.4);
   TriangleMesh nan = good;
   nan.vertices[5].y() = std::nan("");
-  EXPECT_THAT(refusal(write("nan.obj", obj(nan))), AllOf(HasSubstr("nan.obj:8:"), HasSubstr("vertex 5")));
+  EXPECT_THAT(refusal(write("nan.obj", obj(nan))),
+              AllOf(HasSubstr("nan.obj:8:"), HasSubstr("vertex 5")));
   EXPECT_THAT(refusal(write("nan.ply", ply(nan, "ascii"))), HasSubstr("vertex 5 holds 'nan'"));
-  EXPECT_THAT(refusal(write("nanb.ply", ply(nan, "binary_big_endian"))), AllOf(HasSubstr("face 2"), HasSubstr("must be finite")));
+  EXPECT_THAT(refusal(write("nanb.ply", ply(nan, "binary_big_endian"))),
+              AllOf(HasSubstr("face 2"), HasSubstr("must be finite")));
   EXPECT_THAT(refusal(write("nan.stl", text_stl(nan))), HasSubstr("triangle 2: vertex 1"));
-  EXPECT_THAT(refusal(write("nanb.stl", binary_stl(nan))), AllOf(HasSubstr("face 2"), HasSubstr("must be finite")));
+  EXPECT_THAT(refusal(write("nanb.stl", binary_stl(nan))),
+              AllOf(HasSubstr("face 2"), HasSubstr("must be finite")));
   TriangleMesh out = good;
   out.triangles[4][2] = 17;
-  EXPECT_THAT(refusal(write("out.obj", obj(out))), AllOf(HasSubstr("out.obj:15:"), HasSubstr("face 4 names vertex '18'")));
-  EXPECT_THAT(refusal(write("out.ply", ply(out, "ascii"))), HasSubstr("face 4 names vertex 17, must be in 0 … 7"));
+  EXPECT_THAT(refusal(write("out.obj", obj(out))),
+              AllOf(HasSubstr("out.obj:15:"), HasSubstr("face 4 names vertex '18'")));
+  EXPECT_THAT(refusal(write("out.ply", ply(out, "ascii"))),
+              HasSubstr("face 4 names vertex 17, must be in 0 … 7"));
   out.triangles[4][2] = -1;
-  EXPECT_THAT(refusal(write("outb.ply", ply(out, "binary_little_endian"))), HasSubstr("face 4 names vertex -1, must be in 0 … 7"));
-  EXPECT_THAT(refusal(write("zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n")), HasSubstr("names vertex '0'"));
-  EXPECT_THAT(refusal(write("word.obj", "v 0 0 0\nv 1 x 0\nv 0 1 0\nf 1 2 3\n")), HasSubstr("word.obj:2: vertex 1"));
+  EXPECT_THAT(refusal(write("outb.ply", ply(out, "binary_little_endian"))),
+              HasSubstr("face 4 names vertex -1, must be in 0 … 7"));
+  EXPECT_THAT(refusal(write("zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n")),
+              HasSubstr("names vertex '0'"));
+  EXPECT_THAT(refusal(write("word.obj", "v 0 0 0\nv 1 x 0\nv 0 1 0\nf 1 2 3\n")),
+              HasSubstr("word.obj:2: vertex 1"));
 }
 
 TEST_F(MeshFile, RefusesWhatIsEmptyOrNoMesh) {
   TriangleMesh none = box(1, 1, 1);
   none.triangles.clear();
-  for (const auto& [name, text] : every_kind(none)) EXPECT_THAT(refusal(write(name, text)), HasSubstr("holds no triangle")) << name;
+  for (const auto& [name, text] : every_kind(none))
+    EXPECT_THAT(refusal(write(name, text)), HasSubstr("holds no triangle")) << name;
   EXPECT_THAT(refusal(write("a.stl", "")), HasSubstr("the file is empty"));
   EXPECT_THAT(refusal(write("a.step", "x")), HasSubstr("must be a .obj, .stl or .ply"));
   EXPECT_THAT(refusal((folder_ / "missing.obj").string()), HasSubstr("no such file"));
@@ -152,7 +177,8 @@ TEST_F(MeshFile, TwoMillionTrianglesLoadAndAnswer) {
     const std::string normal(12, '\0'), end(2, '\0');
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
-        const std::string a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1), d = corner(i, j + 1);
+        const std::string a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1),
+                          d = corner(i, j + 1);
         out << normal << a << b << c << end << normal << a << c << d << end;
       }
   }
@@ -170,12 +196,15 @@ TEST_F(MeshFile, TwoMillionTrianglesLoadAndAnswer) {
   std::uniform_real_distribution<double> coordinate(0.02, 0.38), offset(-0.005, 0.005);
   for (int i = 0; i < 10000; ++i) {  // from a point of the true wave along its normal and back
     const double x = coordinate(random), y = coordinate(random), h = offset(random);
-    const Vector3d n_W = Vector3d(-0.4 * std::cos(20 * x) * std::cos(17 * y), 0.34 * std::sin(20 * x) * std::sin(17 * y), 1).normalized();
+    const Vector3d n_W = Vector3d(-0.4 * std::cos(20 * x) * std::cos(17 * y),
+                                  0.34 * std::sin(20 * x) * std::sin(17 * y), 1)
+                             .normalized();
     const SurfacePoint point = canvas.closest(Vector3d(x, y, height(x, y)) + h * n_W);
     EXPECT_NEAR(point.distance, h, 1e-6);
     EXPECT_LT((point.p_W - Vector3d(x, y, height(x, y))).norm(), 5e-5);
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   RecordProperty("seconds", std::to_string(seconds));

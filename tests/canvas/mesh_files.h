@@ -20,7 +20,8 @@ class MeshFiles : public ::testing::Test {
  protected:
   MeshFiles() {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / (std::string("impedraw-") + test->name() + "-" + std::to_string(getpid()));
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string("impedraw-") + test->name() + "-" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
   }
   ~MeshFiles() override { std::filesystem::remove_all(folder_); }
@@ -52,8 +53,10 @@ std::string bytes(T value, bool big_endian = false) {
 
 inline std::string obj(const TriangleMesh& m) {
   std::string text = "# by hand\no box\n";
-  for (const auto& p : m.vertices) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
-  for (const auto& t : m.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  for (const auto& p : m.vertices)
+    text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+  for (const auto& t : m.triangles)
+    text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return text;
 }
 
@@ -83,17 +86,21 @@ inline std::string binary_stl(const TriangleMesh& m, std::string header = "solid
 }
 
 inline std::string ply(const TriangleMesh& m, const std::string& format) {
-  std::string text = fmt::format("ply\nformat {} 1.0\ncomment by hand\nelement vertex {}\n"
-                                 "property float x\nproperty float y\nproperty float z\n"
-                                 "element face {}\nproperty list uchar int vertex_indices\nend_header\n", format, m.vertices.size(),
-                                 m.triangles.size());
+  std::string text = fmt::format(
+      "ply\nformat {} 1.0\ncomment by hand\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      format, m.vertices.size(), m.triangles.size());
   const bool big = format == "binary_big_endian";
   for (const auto& p : m.vertices) {
-    if (format == "ascii") text += fmt::format("{:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
-    else for (const double x : p) text += bytes(static_cast<float>(x), big);
+    if (format == "ascii")
+      text += fmt::format("{:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+    else
+      for (const double x : p) text += bytes(static_cast<float>(x), big);
   }
   for (const auto& t : m.triangles) {
-    if (format == "ascii") text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
+    if (format == "ascii")
+      text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
     else {
       text += '\3';
       for (const int v : t) text += bytes(static_cast<std::int32_t>(v), big);

@@ -1,10 +1,11 @@
-// The closed loop that the controller promises, on the simulated arm: the wanted mass-spring-damper, gravity counted once, safe answers.
+// The closed loop that the controller promises, on the simulated arm: the wanted
+// mass-spring-damper, gravity counted once, safe answers.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "impedraw/common/errors.h"
 #include "free_arm.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {
@@ -20,7 +21,8 @@ ImpedanceSettings soft(ImpedanceSettings s) {
 // x of m ẍ + b ẋ + k (x − x_0) = 0 from rest, under-damped.
 double response(double t, double m, double k, double zeta, double x_0) {
   const double w = std::sqrt(k / m), wd = w * std::sqrt(1.0 - zeta * zeta);
-  return x_0 * (1.0 - std::exp(-zeta * w * t) * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t)));
+  return x_0 *
+         (1.0 - std::exp(-zeta * w * t) * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t)));
 }
 
 TEST(ClosedLoop, AShapedTipIsTheWantedMassOnASpring) {
@@ -28,15 +30,19 @@ TEST(ClosedLoop, AShapedTipIsTheWantedMassOnASpring) {
   ImpedanceSettings s = soft(shaped_settings(arm));
   for (const bool along_normal : {false, true}) {
     FreeArm free(s);
-    const Eigen::Vector3d direction = along_normal ? free.goal.n_WD : free.goal.n_WD.unitOrthogonal();
+    const Eigen::Vector3d direction =
+        along_normal ? free.goal.n_WD : free.goal.n_WD.unitOrthogonal();
     const Eigen::Vector3d start = free.goal.p_WD;
-    const double x_0 = 0.01, m = along_normal ? s.shaped_inertia.linear.normal : s.shaped_inertia.linear.tangent;
+    const double x_0 = 0.01, m = along_normal ? s.shaped_inertia.linear.normal
+                                              : s.shaped_inertia.linear.tangent;
     const double k = along_normal ? s.stiffness.linear.normal : s.stiffness.linear.tangent;
     free.goal.p_WD += x_0 * direction;
     for (int i = 0; i < 1000; ++i) {
       const Eigen::Vector3d moved = free.world.state().X_WE.p - start;
-      ASSERT_NEAR(moved.dot(direction), response(i * 1e-3, m, k, s.damping_ratio, x_0), 0.01 * x_0) << "at " << i << " ms";
-      ASSERT_LT((moved - direction * direction.dot(moved)).norm(), 0.01 * x_0) << "the axes are decoupled";
+      ASSERT_NEAR(moved.dot(direction), response(i * 1e-3, m, k, s.damping_ratio, x_0), 0.01 * x_0)
+          << "at " << i << " ms";
+      ASSERT_LT((moved - direction * direction.dot(moved)).norm(), 0.01 * x_0)
+          << "the axes are decoupled";
       free.step();
     }
   }
@@ -56,11 +62,14 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
     worst[fine] = 0.0;
     for (double t = 0.0; t < 1.0; t += s.dt) {
       const double x = direction.dot(free.world.state().X_WE.p - start);
-      worst[fine] = std::max(worst[fine], std::abs(x - response(t, s.shaped_inertia.linear.tangent, k, s.damping_ratio, x_0)) / x_0);
+      worst[fine] = std::max(worst[fine], std::abs(x - response(t, s.shaped_inertia.linear.tangent,
+                                                                k, s.damping_ratio, x_0)) /
+                                              x_0);
       free.step(F * direction);
     }
   }
-  // All that is left is the wrench's age, one step: in its first step the push meets the arm's own inertia.
+  // All that is left is the wrench's age, one step: in its first step the push meets the arm's own
+  // inertia.
   EXPECT_LT(worst[1], 0.01);
   EXPECT_LT(worst[0], 0.025);
   EXPECT_NEAR(worst[0] / worst[1], 4.0, 1.0);
@@ -69,7 +78,8 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
 TEST(ClosedLoop, ANaturalTipIsTheArmsOwnInertiaOnASpring) {
   ArmModel arm(kArm);
   ImpedanceSettings s = soft(natural_settings(arm));
-  s.stiffness.angular.tangent = 5.0;  // about the pen the arm's own inertia is small: keep its modes slow against the step
+  // about the pen the arm's own inertia is small: keep its modes slow against the step
+  s.stiffness.angular.tangent = 5.0;
   s.reference_stiffness.angular = {5.0, 0.3};
   FreeArm free(s);
   const Eigen::Vector3d start = free.goal.p_WD;
@@ -83,7 +93,8 @@ TEST(ClosedLoop, ANaturalTipIsTheArmsOwnInertiaOnASpring) {
   K_damping = K;
   K_damping.bottomRightCorner<3, 3>() = s.reference_stiffness.angular.matrix(free.goal.n_WD);
   ModalDamping modal;
-  modal.design(space.inverse_inertia_factor(), K_damping.topLeftCorner<3, 3>(), K_damping.bottomRightCorner<3, 3>(), s.damping_ratio);
+  modal.design(space.inverse_inertia_factor(), K_damping.topLeftCorner<3, 3>(),
+               K_damping.bottomRightCorner<3, 3>(), s.damping_ratio);
   Matrix6 B;
   for (int i = 0; i < 6; ++i) B.col(i) = modal.apply(space.inertia_factor(), Vector6::Unit(i));
   // Small motion, so that Λ stays: the reference is the linear 6-D oscillator, integrated finely.
@@ -142,7 +153,8 @@ TEST(ClosedLoop, TheNullSpaceMovesTheElbowAndNotTheTip) {
 
 TEST(ClosedLoop, TurnsThroughHalfATurnOfThePen) {
   ArmModel arm(kArm);
-  // The pen is asked to point up to 3.1 rad away from where it points: finite, bounded, and on the short way.
+  // The pen is asked to point up to 3.1 rad away from where it points: finite, bounded, and on the
+  // short way.
   for (const double angle : {1.0, 3.1, M_PI, -3.1}) {
     FreeArm turned(soft(shaped_settings(arm)));
     const Eigen::Vector3d axis = turned.goal.n_WD.unitOrthogonal();
@@ -150,7 +162,8 @@ TEST(ClosedLoop, TurnsThroughHalfATurnOfThePen) {
     const ImpedanceTorque& out = turned.step();
     EXPECT_TRUE(out.tau.allFinite());
     EXPECT_FALSE(out.status.bad_input);
-    const double asked = Vector6(turned.F_ext).norm() + std::min(std::abs(angle), 2 * M_PI - std::abs(angle));
+    const double asked =
+        Vector6(turned.F_ext).norm() + std::min(std::abs(angle), 2 * M_PI - std::abs(angle));
     EXPECT_LE(asked, M_PI + 1e-9);
   }
 }
@@ -162,7 +175,10 @@ TEST(ClosedLoop, PassesASingularPostureWithBoundedTorque) {
   ImpedanceSettings s = shaped_settings(arm);
   s.q_0 = q;
   FreeArm free(s, q);
-  const Eigen::Vector3d outward = Eigen::Vector3d(free.goal.p_WD.x(), 0.0, free.goal.p_WD.z() - 0.36).normalized(), start = free.goal.p_WD;
+  const Eigen::Vector3d outward =
+                            Eigen::Vector3d(free.goal.p_WD.x(), 0.0, free.goal.p_WD.z() - 0.36)
+                                .normalized(),
+                        start = free.goal.p_WD;
   bool told = false;
   for (int i = 0; i < 4000; ++i) {  // out to beyond the arm's reach, and back
     const double way = i < 2000 ? 0.1e-3 * i : 0.1e-3 * (4000 - i);

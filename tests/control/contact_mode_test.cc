@@ -1,4 +1,5 @@
-// The table of contact states, the tracker of the normal, and the bound on the loop along the normal.
+// The table of contact states, the tracker of the normal, and the bound on the loop along the
+// normal.
 #include "impedraw/control/contact_mode.h"
 
 #include <gtest/gtest.h>
@@ -26,16 +27,20 @@ TEST(ContactStates, GoThroughAStroke) {
   ContactStates states(ContactSettings{}, 1e-3);
   EXPECT_EQ(states.next(over_the_surface(0.03, 0.0, false)), ContactMode::free);
   EXPECT_EQ(states.next(over_the_surface(0.003, 0.0)), ContactMode::approach);
-  EXPECT_EQ(states.next(over_the_surface(0.0, 0.0)), ContactMode::approach) << "near, but nothing felt: no push before touch";
-  EXPECT_EQ(states.next(over_the_surface(0.006, 2.0)), ContactMode::approach) << "something felt far off the surface is not the canvas";
+  EXPECT_EQ(states.next(over_the_surface(0.0, 0.0)), ContactMode::approach)
+      << "near, but nothing felt: no push before touch";
+  EXPECT_EQ(states.next(over_the_surface(0.006, 2.0)), ContactMode::approach)
+      << "something felt far off the surface is not the canvas";
   EXPECT_EQ(states.next(over_the_surface(0.0, 0.5)), ContactMode::contact);
-  EXPECT_EQ(states.next(over_the_surface(0.002, 5.0)), ContactMode::contact) << "hysteresis: beyond entering, short of leaving";
+  EXPECT_EQ(states.next(over_the_surface(0.002, 5.0)), ContactMode::contact)
+      << "hysteresis: beyond entering, short of leaving";
   EXPECT_EQ(states.next(over_the_surface(0.0, 5.0, false)), ContactMode::lift);
   EXPECT_EQ(states.next(over_the_surface(0.001, 0.0, false)), ContactMode::lift);
   EXPECT_EQ(states.next(over_the_surface(0.004, 0.0, false)), ContactMode::free);
 }
 
-// A pen 2 mm longer than believed: touch is felt where the estimate says 2 mm above, and hysteresis counts from there.
+// A pen 2 mm longer than believed: touch is felt where the estimate says 2 mm above, and hysteresis
+// counts from there.
 TEST(ContactStates, AMeasuredTouchCorrectsTheDistance) {
   ContactStates states(ContactSettings{}, 1e-3);
   states.next(over_the_surface(0.006, 0.0));
@@ -54,7 +59,8 @@ TEST(ContactStates, LossOfContactReturnsToTheApproach) {
   EXPECT_NEAR(steps, settings.loss_time / 1e-3, 2);
   EXPECT_EQ(states.mode(), ContactMode::approach);
   ASSERT_EQ(states.next(over_the_surface(0.0, 1.0)), ContactMode::contact);
-  EXPECT_EQ(states.next(over_the_surface(0.005, 1.0)), ContactMode::approach) << "beyond leave_distance";
+  EXPECT_EQ(states.next(over_the_surface(0.005, 1.0)), ContactMode::approach)
+      << "beyond leave_distance";
 }
 
 TEST(ContactStates, WithoutAWrenchTouchIsWhatTheTipNoLongerFollows) {
@@ -80,7 +86,8 @@ TEST(ContactStates, ALostSurfaceIsTrustedForATimeOnly) {
   while (states.next(lost) == ContactMode::contact) ASSERT_LT(++steps, 1000);
   EXPECT_EQ(states.mode(), ContactMode::retreat);
   EXPECT_NEAR(steps * 1e-3, settings.lost_surface_time, 2e-3);
-  EXPECT_EQ(states.next(over_the_surface(0.0, 5.0)), ContactMode::retreat) << "it waits for the pen to be lifted";
+  EXPECT_EQ(states.next(over_the_surface(0.0, 5.0)), ContactMode::retreat)
+      << "it waits for the pen to be lifted";
   EXPECT_EQ(states.next(over_the_surface(0.0, 5.0, false)), ContactMode::free);
 }
 
@@ -119,12 +126,14 @@ TEST(NormalTracker, FollowsAChangingTurnByThePlan) {
   without.reset(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Zero());
   Eigen::Vector3d n;
   for (int i = 1; i <= 500; ++i) {
-    n = Eigen::AngleAxisd(0.5 * alpha * i * i * 1e-6, Eigen::Vector3d::UnitX()) * Eigen::Vector3d::UnitZ();
+    n = Eigen::AngleAxisd(0.5 * alpha * i * i * 1e-6, Eigen::Vector3d::UnitX()) *
+        Eigen::Vector3d::UnitZ();
     with.update(n, alpha * Eigen::Vector3d::UnitX());
     without.update(n, Eigen::Vector3d::Zero());
   }
   EXPECT_LT(smallest_rotation(with.n(), n).norm(), 2e-6);
-  EXPECT_NEAR(smallest_rotation(without.n(), n).norm(), alpha / 1600.0, 0.1 * alpha / 1600.0);  // ω̇/bandwidth²
+  EXPECT_NEAR(smallest_rotation(without.n(), n).norm(), alpha / 1600.0,
+              0.1 * alpha / 1600.0);  // ω̇/bandwidth²
 }
 
 TEST(SmallestRotation, IsGeodesicEverywhere) {
@@ -146,7 +155,8 @@ bool settles(const NormalLoop& s) {
   for (int i = 0; i < 20000; ++i) {
     const double ratio = s.natural_mass / s.wanted_mass;
     const double u = -ratio * s.damping * v - (ratio - 1.0) * late.back();
-    const double v_next = (v + s.dt / s.natural_mass * (u - s.contact_stiffness * x)) / (1.0 + s.dt * s.contact_damping / s.natural_mass);
+    const double v_next = (v + s.dt / s.natural_mass * (u - s.contact_stiffness * x)) /
+                          (1.0 + s.dt * s.contact_damping / s.natural_mass);
     const double f = s.contact_stiffness * x + s.contact_damping * v_next;
     std::rotate(late.rbegin(), late.rbegin() + 1, late.rend());
     late.front() = f;
@@ -165,7 +175,8 @@ TEST(NormalLoop, SpectralRadiusTellsWhatARunDoes) {
         NormalLoop loop{6.0, m_d, 1.6 * std::sqrt(1500.0 * m_d), k, 20.0, 1e-3, delay};
         const double radius = spectral_radius(loop);
         if (std::abs(radius - 1.0) < 2e-3) continue;  // too close for a run of 20 s to tell
-        EXPECT_EQ(settles(loop), radius < 1.0) << "m_d " << m_d << " k " << k << " delay " << delay << " radius " << radius;
+        EXPECT_EQ(settles(loop), radius < 1.0)
+            << "m_d " << m_d << " k " << k << " delay " << delay << " radius " << radius;
         (radius < 1.0 ? stable : unstable)++;
       }
     }
@@ -184,7 +195,8 @@ TEST(NormalLoop, RefusesAnInertiaThatCannotBeAndNamesOneThatCan) {
     EXPECT_NE(std::string(error.what()).find("along the normal"), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("valid are"), std::string::npos);
   }
-  EXPECT_THROW(check_damping_rates({{100, 100}, {1, 1}}, {{4, 4}, {0.05, 0.001}}, 2e-3), InputError);
+  EXPECT_THROW(check_damping_rates({{100, 100}, {1, 1}}, {{4, 4}, {0.05, 0.001}}, 2e-3),
+               InputError);
 }
 
 }  // namespace

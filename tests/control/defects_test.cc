@@ -1,10 +1,11 @@
-// Defects that well-known controllers of this kind have shipped: one test each, which fails if the defect is there. Where it is cheap, the
-// defect is made by hand beside it, to show that the test would see it. Accelerations are MuJoCo's: M⁻¹ and J of the true arm.
+// Defects that well-known controllers of this kind have shipped: one test each, which fails if the
+// defect is there. Where it is cheap, the defect is made by hand beside it, to show that the test
+// would see it. Accelerations are MuJoCo's: M⁻¹ and J of the true arm.
 #include <cmath>
 
+#include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 #include "free_arm.h"
 
@@ -38,7 +39,8 @@ struct Still {
   }
 };
 
-TEST(Defects, OneTriangleOfTheInverseInertia) {  // Pinocchio's computeMinverse fills the upper one only
+TEST(Defects,
+     OneTriangleOfTheInverseInertia) {  // Pinocchio's computeMinverse fills the upper one only
   ArmModel arm(kArm);
   const unsigned seed = 41;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -52,10 +54,13 @@ TEST(Defects, OneTriangleOfTheInverseInertia) {  // Pinocchio's computeMinverse 
     Vector6 asked;
     asked << still.free.goal.a_WD, still.free.goal.alpha_WD;
     EXPECT_LT((still.acceleration(still.free.control().tau) - asked).norm(), 1e-6 * asked.norm());
-    const Eigen::MatrixXd J = still.free.terms.J, whole = Eigen::MatrixXd(still.free.terms.M).inverse();
+    const Eigen::MatrixXd J = still.free.terms.J,
+                          whole = Eigen::MatrixXd(still.free.terms.M).inverse();
     const Eigen::MatrixXd half = whole.triangularView<Eigen::Upper>();
-    const Eigen::VectorXd tau = J.transpose() * (J * half * J.transpose()).inverse() * asked + still.free.terms.g;
-    EXPECT_GT((still.acceleration(tau) - asked).norm(), 0.01 * asked.norm()) << "the defect would show";
+    const Eigen::VectorXd tau =
+        J.transpose() * (J * half * J.transpose()).inverse() * asked + still.free.terms.g;
+    EXPECT_GT((still.acceleration(tau) - asked).norm(), 0.01 * asked.norm())
+        << "the defect would show";
   }
 }
 
@@ -65,7 +70,8 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937 rng(seed);
   ImpedanceSettings s = shaped_settings(arm);
-  s.stiffness = {{500.0, 500.0}, {30.0, 0.0}};  // the same along all axes: the tip goes straight to where it should
+  s.stiffness = {{500.0, 500.0},
+                 {30.0, 0.0}};  // the same along all axes: the tip goes straight to where it should
   s.shaped_inertia = {{3.0, 3.0}, {0.05, 0.05}};
   s.contact_stiffness_max = 1e4;
   Still still(s, working_posture());
@@ -79,22 +85,28 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
         still.free.goal.p_WD += shift;
         Vector6 expected = Vector6::Zero();
         expected.head<3>() = 500.0 / 3.0 * shift;
-        EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(), 1e-6 * expected.norm()) << "along W's axis " << axis;
+        EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(),
+                  1e-6 * expected.norm())
+            << "along W's axis " << axis;
         const Eigen::Matrix3d R_EW = still.free.terms.X_WE.R.transpose();
         Eigen::MatrixXd J_local = still.free.terms.J;
         J_local.topRows(3) = R_EW * J_local.topRows(3);
         J_local.bottomRows(3) = R_EW * J_local.bottomRows(3);
         const Eigen::MatrixXd M = still.free.terms.M;
-        const Eigen::VectorXd force = (J_local * M.inverse() * J_local.transpose()).inverse() * expected;
+        const Eigen::VectorXd force =
+            (J_local * M.inverse() * J_local.transpose()).inverse() * expected;
         const Eigen::VectorXd tau = J_local.transpose() * force + still.free.terms.g;
-        EXPECT_GT((still.acceleration(tau) - expected).norm(), 0.02 * expected.norm()) << "the defect would show";
+        EXPECT_GT((still.acceleration(tau) - expected).norm(), 0.02 * expected.norm())
+            << "the defect would show";
       }
       still.rest_at(q);
       const Eigen::Vector3d about = still.free.goal.n_WD.unitOrthogonal();
       still.free.goal.n_WD = Eigen::AngleAxisd(1e-3, about) * still.free.goal.n_WD;
       Vector6 expected = Vector6::Zero();
       expected.tail<3>() = 30.0 / 0.05 * 1e-3 * about;
-      EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(), 1e-5 * expected.norm()) << "a turn in W turns it in W";
+      EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(),
+                1e-5 * expected.norm())
+          << "a turn in W turns it in W";
     }
   }
 }
@@ -122,10 +134,12 @@ TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
     const ImpedanceTorque& out = still.free.control();
     EXPECT_TRUE(out.status.torque_limited);
     EXPECT_EQ(out.task_share, 1.0);
-    EXPECT_LT((still.acceleration(out.tau) - asked).norm(), 1e-6 * asked.norm()) << "joint " << j + 1;
+    EXPECT_LT((still.acceleration(out.tau) - asked).norm(), 1e-6 * asked.norm())
+        << "joint " << j + 1;
     JointVector clipped = wanted.tau;
     clipped[j] = std::copysign(tight.torque_limit[j], clipped[j]);
-    EXPECT_GT((still.acceleration(clipped) - asked).norm(), 0.01 * asked.norm()) << "the defect would show";
+    EXPECT_GT((still.acceleration(clipped) - asked).norm(), 0.01 * asked.norm())
+        << "the defect would show";
   }
   EXPECT_GE(limited, 2);
 }
@@ -135,7 +149,8 @@ TEST(Defects, ADampedInverseThatLeaksTheNullSpaceIntoTheTask) {
   ImpedanceSettings s = shaped_settings(arm);
   s.null_stiffness.setConstant(60.0);
   JointVector q(7);
-  for (const double bend : {-0.5, -0.35, -0.25}) {  // towards the stretched elbow, short of the release
+  for (const double bend :
+       {-0.5, -0.35, -0.25}) {  // towards the stretched elbow, short of the release
     q << 0.3, 0.5, 0.4, bend, 0.2, 0.7, 0.1;
     s.q_0 = q;
     s.q_0[2] += 0.8;
@@ -151,7 +166,8 @@ TEST(Defects, ADampedInverseThatLeaksTheNullSpaceIntoTheTask) {
     // λ²/(σ² + λ²) of the torque comes through a damped inverse.
     const Eigen::VectorXd asked = s.null_stiffness.cwiseProduct(s.q_0 - Eigen::VectorXd(q));
     const double lambda = 0.05;
-    const Eigen::MatrixXd damped = (A + lambda * lambda * Eigen::MatrixXd::Identity(6, 6)).inverse();
+    const Eigen::MatrixXd damped =
+        (A + lambda * lambda * Eigen::MatrixXd::Identity(6, 6)).inverse();
     const Eigen::VectorXd leaking = asked - t.J.transpose() * damped * t.J * M_inverse * asked;
     EXPECT_GT((t.J * M_inverse * leaking).norm(), 0.1) << "the defect would show";
   }
@@ -171,10 +187,13 @@ TEST(Defects, GainsTurnedAndNeverUsed) {
     still.free.goal.p_WD += e;
     OperationalSpace space;
     space.update(still.free.terms);
-    for (const Eigen::Vector3d& n : {still.free.goal.n_WD, Eigen::Vector3d(Eigen::Vector3d::UnitX()), Eigen::Vector3d(0.6, 0.0, 0.8)}) {
+    for (const Eigen::Vector3d& n :
+         {still.free.goal.n_WD, Eigen::Vector3d(Eigen::Vector3d::UnitX()),
+          Eigen::Vector3d(0.6, 0.0, 0.8)}) {
       still.free.goal.n_WD = n;
       still.free.controller.reset();
-      const Eigen::Vector3d force = space.project_to_tip(still.free.control().terms.col(kImpedance)).head<3>();
+      const Eigen::Vector3d force =
+          space.project_to_tip(still.free.control().terms.col(kImpedance)).head<3>();
       const Eigen::Vector3d along = n.dot(e) * n, expected = 3000.0 * (e - along) + 1500.0 * along;
       EXPECT_LT((force - expected).norm(), 1e-8) << "n = " << n.transpose();
       const Eigen::Vector3d unturned(3000.0 * e.x(), 3000.0 * e.y(), 1500.0 * e.z());
@@ -195,7 +214,8 @@ TEST(Defects, LimitRepulsionThatWeakensTowardsTheLimit) {
   for (double distance = 0.16; distance > -0.1; distance -= 0.01) {
     s.joint_upper[2] = working_posture()[2] + distance;
     Still still(s, working_posture());
-    // The projected torque may well have the other sign on the joint itself: what counts is where it accelerates the joint.
+    // The projected torque may well have the other sign on the joint itself: what counts is where
+    // it accelerates the joint.
     const Eigen::VectorXd tau = still.free.control().terms.col(kNullSpace);
     const double push = -still.free.world.terms().M.llt().solve(tau)[2];
     if (distance < s.limit_margin) {
@@ -219,7 +239,8 @@ TEST(Defects, ATorqueCheckThatNothingCalls) {
       ASSERT_LE((out.tau.cwiseAbs() - s.torque_limit).maxCoeff(), 0.0);
       ASSERT_LE((out.tau - last).cwiseAbs().maxCoeff(), 2.0 + 1e-9);
       ASSERT_TRUE(out.status.torque_limited);
-      ASSERT_GT((out.terms.rowwise().sum().cwiseAbs() - s.torque_limit).maxCoeff(), 0.0) << "or it was not asked for too much";
+      ASSERT_GT((out.terms.rowwise().sum().cwiseAbs() - s.torque_limit).maxCoeff(), 0.0)
+          << "or it was not asked for too much";
       last = out.tau;
     }
   }
@@ -247,7 +268,8 @@ TEST(Defects, DampingThatForgetsTheEffectiveMass) {
         M_d.bottomRightCorner<3, 3>() = s.shaped_inertia.angular.matrix(n);
       }
       K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(n);
-      K.bottomRightCorner<3, 3>() = AxialGain{s.stiffness.angular.tangent, s.reference_stiffness.angular.normal}.matrix(n);
+      K.bottomRightCorner<3, 3>() =
+          AxialGain{s.stiffness.angular.tangent, s.reference_stiffness.angular.normal}.matrix(n);
       const Eigen::MatrixXd J_inverse = t.J.transpose() * (t.J * t.J.transpose()).inverse();
       for (int axis = 0; axis < 6; ++axis) {
         const JointVector v = J_inverse * Vector6(1e-2 * Vector6::Unit(axis));
@@ -264,12 +286,15 @@ TEST(Defects, DampingThatForgetsTheEffectiveMass) {
       A.bottomRightCorner<6, 6>() = -M_d.inverse() * B;
       const auto poles = A.eigenvalues().eval();
       for (int k = 0; k < 12; ++k)
-        EXPECT_NEAR(-poles[k].real() / std::abs(poles[k]), s.damping_ratio, 2e-3) << "mode of " << std::abs(poles[k]) << " rad/s";
+        EXPECT_NEAR(-poles[k].real() / std::abs(poles[k]), s.damping_ratio, 2e-3)
+            << "mode of " << std::abs(poles[k]) << " rad/s";
     }
   }
 }
 
-TEST(Defects, GravityTwiceOrNotAtAll) {  // against MuJoCo's own; ClosedLoop.GravityIsCountedOnce has the controller's terms
+TEST(Defects,
+     // against MuJoCo's own; ClosedLoop.GravityIsCountedOnce has the controller's terms
+     GravityTwiceOrNotAtAll) {
   ArmModel arm(kArm);
   const unsigned seed = 45;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -283,12 +308,14 @@ TEST(Defects, GravityTwiceOrNotAtAll) {  // against MuJoCo's own; ClosedLoop.Gra
       still.random_rest(rng);
       const Eigen::VectorXd gravity = still.free.world.terms().bias;
       ASSERT_GT(gravity.norm(), 5.0);
-      EXPECT_LT((Eigen::VectorXd(still.free.control().tau) - gravity).norm(), 1e-8 * gravity.norm());
+      EXPECT_LT((Eigen::VectorXd(still.free.control().tau) - gravity).norm(),
+                1e-8 * gravity.norm());
     }
   }
 }
 
-// The arm is a tenth heavier than its model. The push is the same all the same, if something observes what the model misses.
+// The arm is a tenth heavier than its model. The push is the same all the same, if something
+// observes what the model misses.
 TEST(Defects, AForceThatIsOffByAWrongPayload) {
   ArmModel arm(kArm);
   ModelErrors heavy;
@@ -303,8 +330,11 @@ TEST(Defects, AForceThatIsOffByAWrongPayload) {
       ASSERT_EQ(on.step().mode, ContactMode::contact);
       mean += on.n_W.dot(on.free.F_ext.head<3>()) / 500.0;
     }
-    if (observed) EXPECT_NEAR(mean, s.push_force, 0.01 * s.push_force);
-    else EXPECT_GT(std::abs(mean - s.push_force), 0.1 * s.push_force) << "or there was nothing to observe";
+    if (observed)
+      EXPECT_NEAR(mean, s.push_force, 0.01 * s.push_force);
+    else
+      EXPECT_GT(std::abs(mean - s.push_force), 0.1 * s.push_force)
+          << "or there was nothing to observe";
   }
 }
 

@@ -1,4 +1,5 @@
-// The integral of the force error: mends a steady error of the force, stays within its bound, and leaves nothing behind.
+// The integral of the force error: mends a steady error of the force, stays within its bound, and
+// leaves nothing behind.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -35,12 +36,16 @@ TEST(ForceIntegral, MendsTheForceThatAWrongModelLeaves) {
     s.force_integral.enabled = on;
     PlaneArm plane(s, 0.2, heavy);
     plane.draw(4000);
-    if (on) EXPECT_NEAR(steady_force(plane), s.push_force, 0.01 * s.push_force);
-    else EXPECT_GT(std::abs(steady_force(plane) - s.push_force), 0.05 * s.push_force) << "or there was nothing to mend";
+    if (on)
+      EXPECT_NEAR(steady_force(plane), s.push_force, 0.01 * s.push_force);
+    else
+      EXPECT_GT(std::abs(steady_force(plane) - s.push_force), 0.05 * s.push_force)
+          << "or there was nothing to mend";
   }
 }
 
-// Off by more than it may add, for long: then the error goes, and it is over within its own time, not after as long again.
+// Off by more than it may add, for long: then the error goes, and it is over within its own time,
+// not after as long again.
 TEST(ForceIntegral, IsBoundedAndDoesNotWindUp) {
   ArmModel arm(kArm);
   const ImpedanceSettings s = integrating(arm, 1.0);
@@ -58,7 +63,8 @@ TEST(ForceIntegral, IsBoundedAndDoesNotWindUp) {
   double most = 0.0;
   for (int i = 0; i < 5000; ++i) most = std::max(most, lie(3.0));
   const double believed = most;
-  EXPECT_LT(believed, s.push_force + 3.0 + s.force_integral.limit + 0.5) << "what it is told is missing, and its bound";
+  EXPECT_LT(believed, s.push_force + 3.0 + s.force_integral.limit + 0.5)
+      << "what it is told is missing, and its bound";
   double last = 0.0;
   for (int i = 0; i < 1500; ++i) last = lie(0.0);
   EXPECT_NEAR(last, s.push_force, 0.05) << "1 N at 5 1/s is gone in a second and a half";

@@ -8,7 +8,8 @@
 
 namespace impedraw::testing_arm {
 
-// From `q` at rest; the goal is where the tip starts unless the test moves it. The controller is told the wrench of the step before.
+// From `q` at rest; the goal is where the tip starts unless the test moves it. The controller is
+// told the wrench of the step before.
 struct FreeArm {
   ArmModel arm;
   World world;
@@ -25,9 +26,13 @@ struct FreeArm {
     return settings;
   }
 
-  FreeArm(const ImpedanceSettings& settings, const JointVector& q, const WorldSettings& world_settings, const Canvas* canvas = nullptr,
+  FreeArm(const ImpedanceSettings& settings, const JointVector& q,
+          const WorldSettings& world_settings, const Canvas* canvas = nullptr,
           const std::filesystem::path& urdf = kArm)
-      : arm(urdf), world(urdf, canvas, world_settings), terms(arm.joints()), controller(settings, arm.joints()) {
+      : arm(urdf),
+        world(urdf, canvas, world_settings),
+        terms(arm.joints()),
+        controller(settings, arm.joints()) {
     const JointVector rest = JointVector::Zero(arm.joints());
     world.set_state(q, rest);
     arm.compute(q, rest, &terms);
@@ -64,7 +69,8 @@ struct FreeArm {
   }
 };
 
-// A pen over a plane through p_WS with normal n, known exactly; the tip starts `height` above it, at rest, the pen along −n.
+// A pen over a plane through p_WS with normal n, known exactly; the tip starts `height` above it,
+// at rest, the pen along −n.
 struct PlaneArm {
   Eigen::Vector3d p_WS, n_W;
   Canvas canvas;
@@ -84,9 +90,13 @@ struct PlaneArm {
     return ik.q;
   }
 
-  explicit PlaneArm(const ImpedanceSettings& settings, double slope = 0.3, const ModelErrors& errors = {}, double height = 4e-3)
-      : p_WS(0.6, 0.0, 0.2), n_W(-std::sin(slope), 0.0, std::cos(slope)), canvas(plane(p_WS, n_W)),
-        free(settings, over(p_WS + height * n_W, n_W), world_settings(settings.dt, errors), &canvas) {
+  explicit PlaneArm(const ImpedanceSettings& settings, double slope = 0.3,
+                    const ModelErrors& errors = {}, double height = 4e-3)
+      : p_WS(0.6, 0.0, 0.2),
+        n_W(-std::sin(slope), 0.0, std::cos(slope)),
+        canvas(plane(p_WS, n_W)),
+        free(settings, over(p_WS + height * n_W, n_W), world_settings(settings.dt, errors),
+             &canvas) {
     free.goal.n_WD = n_W;
     look();
   }

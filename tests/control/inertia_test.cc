@@ -1,13 +1,14 @@
-// The inertia that a push meets at the tip, in six axes, on a plant that is MuJoCo's; and the inertias that are refused.
+// The inertia that a push meets at the tip, in six axes, on a plant that is MuJoCo's; and the
+// inertias that are refused.
 #include <cmath>
 #include <regex>
 #include <string>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
-#include "impedraw/common/errors.h"
 #include "free_arm.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {
@@ -19,10 +20,11 @@ struct Case {
   InertiaShaping inertia;
   double scale;
 };
-const Case kCases[] = {{"half", InertiaShaping::scaled, 0.5},   {"0.7", InertiaShaping::scaled, 0.7},
-                       {"natural", InertiaShaping::scaled, 1.0}, {"twice", InertiaShaping::scaled, 2.0},
-                       {"four times", InertiaShaping::scaled, 4.0}, {"natural by name", InertiaShaping::natural, 1.0},
-                       {"shaped", InertiaShaping::shaped, 0.0}};
+const Case kCases[] = {
+    {"half", InertiaShaping::scaled, 0.5},       {"0.7", InertiaShaping::scaled, 0.7},
+    {"natural", InertiaShaping::scaled, 1.0},    {"twice", InertiaShaping::scaled, 2.0},
+    {"four times", InertiaShaping::scaled, 4.0}, {"natural by name", InertiaShaping::natural, 1.0},
+    {"shaped", InertiaShaping::shaped, 0.0}};
 
 ImpedanceSettings settings_of(const ArmModel& arm, const Case& c) {
   ImpedanceSettings s = shaped_settings(arm);
@@ -33,7 +35,8 @@ ImpedanceSettings settings_of(const ArmModel& arm, const Case& c) {
   return s;
 }
 
-// V̇ of the true arm under τ and F: J M⁻¹ (τ + Jᵀ F − bias) + J̇v, all MuJoCo's, J̇v by finite difference.
+// V̇ of the true arm under τ and F: J M⁻¹ (τ + Jᵀ F − bias) + J̇v, all MuJoCo's, J̇v by finite
+// difference.
 Vector6 tip_acceleration(World& world, const JointVector& tau, const Wrench& F) {
   const World::Terms t = world.terms();
   const JointVector q = world.state().q, v = world.state().v;
@@ -72,7 +75,8 @@ TEST(WantedInertia, IsWhatAPushMeetsInAllSixAxes) {
       const ArmTerms start = random_terms(arm, rng);
       FreeArm free(s, start.q);
       for (const bool moving : {false, true}) {
-        if (moving) {  // on the plan, and as fast as it: springs and dampers rest, Coriolis and drift do not
+        // on the plan, and as fast as it: springs and dampers rest, Coriolis and drift do not
+        if (moving) {
           free.world.set_state(start.q, start.v);
           free.measure();
           free.goal.v_WD = free.terms.V_WE.head<3>();
@@ -85,14 +89,18 @@ TEST(WantedInertia, IsWhatAPushMeetsInAllSixAxes) {
           ImpedanceController fresh(fast, 7);
           free.measure();
           const JointVector tau = fresh.step(free.terms, free.goal, {}, push(axis)).tau;
-          const Vector6 expected = M_d.inverse() * push(axis), V_dot = tip_acceleration(free.world, tau, push(axis));
+          const Vector6 expected = M_d.inverse() * push(axis),
+                        V_dot = tip_acceleration(free.world, tau, push(axis));
           const double error = (V_dot - expected).norm() / expected.norm();
           worst = std::max(worst, error);
-          EXPECT_LT(error, 1e-5) << c.name << ", axis " << axis << (moving ? ", moving" : ", at rest");
+          EXPECT_LT(error, 1e-5) << c.name << ", axis " << axis
+                                 << (moving ? ", moving" : ", at rest");
           if (c.scale != 1.0) {  // without the wrench the arm's own inertia would show
             ImpedanceController deaf(fast, 7);
             const JointVector unaware = deaf.step(free.terms, free.goal, {}, Wrench::Zero()).tau;
-            EXPECT_GT((tip_acceleration(free.world, unaware, push(axis)) - expected).norm(), 0.1 * expected.norm()) << c.name;
+            EXPECT_GT((tip_acceleration(free.world, unaware, push(axis)) - expected).norm(),
+                      0.1 * expected.norm())
+                << c.name;
           }
         }
       }
@@ -133,7 +141,9 @@ TEST(WantedInertia, AScaleOfOneIsTheNaturalOne) {
     goal.p_WD = terms.X_WE.p + 0.01 * Eigen::Vector3d::Random();
     goal.n_WD = -terms.X_WE.R.col(2);
     ImpedanceController a(scaled, 7), b(natural, 7);
-    EXPECT_LT((a.step(terms, goal, {}, push(i % 6)).tau - b.step(terms, goal, {}, push(i % 6)).tau).norm(), 1e-9);
+    EXPECT_LT((a.step(terms, goal, {}, push(i % 6)).tau - b.step(terms, goal, {}, push(i % 6)).tau)
+                  .norm(),
+              1e-9);
   }
 }
 
@@ -148,7 +158,9 @@ std::string refusal(const ImpedanceSettings& s) {
 
 double named_value(const std::string& message) {
   std::smatch found;
-  return std::regex_search(message, found, std::regex("valid are ([0-9.eE+-]+) ")) ? std::stod(found[1]) : std::nan("");
+  return std::regex_search(message, found, std::regex("valid are ([0-9.eE+-]+) "))
+             ? std::stod(found[1])
+             : std::nan("");
 }
 
 TEST(RefusedInertia, ScaledNeedsAWrench) {
@@ -199,7 +211,8 @@ TEST(RefusedInertia, TheValueNamedIsAlwaysAccepted) {
     s.inertia = shaped ? InertiaShaping::shaped : InertiaShaping::scaled;
     s.inertia_scale = 0.05 + 0.9 * unit(rng);
     s.shaped_inertia.linear.normal = 0.3 + 4.0 * unit(rng);
-    s.stiffness.linear.normal = s.reference_stiffness.linear.normal = 300.0;  // slow enough for every mass here
+    // slow enough for every mass here
+    s.stiffness.linear.normal = s.reference_stiffness.linear.normal = 300.0;
     const std::string why = refusal(s);
     if (why.empty()) continue;
     const double value = named_value(why);
@@ -217,16 +230,18 @@ TEST(RefusedInertia, ADampingThatIsTooFastNamesTheFactorThatWouldDo) {
   for (int axis = 0; axis < 4; ++axis) {
     ImpedanceSettings s = shaped_settings(arm);
     s.contact_stiffness_max = 1e3;
-    double* inertia[] = {&s.shaped_inertia.linear.tangent, &s.shaped_inertia.linear.normal, &s.shaped_inertia.angular.tangent,
-                         &s.shaped_inertia.angular.normal};
-    const char* name[] = {"along the tangents", "along the normal", "about the tangents", "about the normal"};
+    double* inertia[] = {&s.shaped_inertia.linear.tangent, &s.shaped_inertia.linear.normal,
+                         &s.shaped_inertia.angular.tangent, &s.shaped_inertia.angular.normal};
+    const char* name[] = {"along the tangents", "along the normal", "about the tangents",
+                          "about the normal"};
     *inertia[axis] *= 0.003;
     const std::string why = refusal(s);
     EXPECT_NE(why.find(name[axis]), std::string::npos) << why;
     std::smatch found;
     ASSERT_TRUE(std::regex_search(why, found, std::regex("valid is ([0-9.eE+-]+) times"))) << why;
     *inertia[axis] *= std::stod(found[1]);
-    EXPECT_EQ(refusal(s).find("damping rate"), std::string::npos) << "after: " << why << "\nagain: " << refusal(s);
+    EXPECT_EQ(refusal(s).find("damping rate"), std::string::npos)
+        << "after: " << why << "\nagain: " << refusal(s);
   }
 }
 

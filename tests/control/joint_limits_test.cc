@@ -1,6 +1,6 @@
 // Repulsion from joint limits: never less the nearer, smooth, nothing the tip would feel.
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "free_arm.h"
 
@@ -9,15 +9,19 @@ namespace {
 
 using namespace testing_arm;
 
-// The null-space torque of joint j at distance d from its upper (or lower) limit: all else in the null space is zero.
-JointVector repulsion(ArmModel& arm, int joint, double distance, bool upper, const ArmTerms& terms, ControlStatus* status = nullptr) {
+// The null-space torque of joint j at distance d from its upper (or lower) limit: all else in the
+// null space is zero.
+JointVector repulsion(ArmModel& arm, int joint, double distance, bool upper, const ArmTerms& terms,
+                      ControlStatus* status = nullptr) {
   ImpedanceSettings s = shaped_settings(arm);
   s.null_stiffness.setZero();
   s.q_0 = terms.q;
   s.joint_lower = Eigen::VectorXd::Constant(7, -10.0);
   s.joint_upper = Eigen::VectorXd::Constant(7, 10.0);
-  if (upper) s.joint_upper[joint] = terms.q[joint] + distance;
-  else s.joint_lower[joint] = terms.q[joint] - distance;
+  if (upper)
+    s.joint_upper[joint] = terms.q[joint] + distance;
+  else
+    s.joint_lower[joint] = terms.q[joint] - distance;
   ImpedanceController controller(s, 7);
   TipGoal goal;
   goal.p_WD = terms.X_WE.p;
@@ -33,15 +37,19 @@ TEST(JointLimits, RepelAsTheFormulaSaysUpToTheLimitAndBeyond) {
   arm.compute(working_posture(), JointVector::Zero(7), &terms);
   const ImpedanceSettings s;
   const Eigen::MatrixXd J = terms.J, M_inverse = Eigen::MatrixXd(terms.M).inverse();
-  const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(7, 7) - J.transpose() * (J * M_inverse * J.transpose()).inverse() * J * M_inverse;
+  const Eigen::MatrixXd N =
+      Eigen::MatrixXd::Identity(7, 7) -
+      J.transpose() * (J * M_inverse * J.transpose()).inverse() * J * M_inverse;
   for (const int joint : {0, 2, 4}) {
     for (const bool upper : {false, true}) {
       double last = 0.0;
       for (double d = 1.2 * s.limit_margin; d > -s.limit_margin; d -= 0.01 * s.limit_margin) {
         ControlStatus status;
         const JointVector tau = repulsion(arm, joint, d, upper, terms, &status);
-        const double into = std::max(0.0, (s.limit_margin - d) / s.limit_margin), size = s.limit_torque * into * into;
-        ASSERT_LT((tau - (upper ? -size : size) * N.col(joint)).norm(), 1e-9) << "joint " << joint + 1 << " at " << d << " rad";
+        const double into = std::max(0.0, (s.limit_margin - d) / s.limit_margin),
+                     size = s.limit_torque * into * into;
+        ASSERT_LT((tau - (upper ? -size : size) * N.col(joint)).norm(), 1e-9)
+            << "joint " << joint + 1 << " at " << d << " rad";
         ASSERT_EQ(status.joint_limit, d < s.limit_margin);
         ASSERT_GE(tau.norm(), last - 1e-12) << "it must not weaken towards the limit, nor beyond";
         last = tau.norm();
@@ -59,10 +67,14 @@ TEST(JointLimits, RepelSmoothly) {
   const ImpedanceSettings s;
   const double h = 1e-3, unit = repulsion(arm, 2, 0.0, true, terms).norm() / s.limit_torque;
   for (double d = 1.2 * s.limit_margin; d > -0.5 * s.limit_margin; d -= 0.7e-3) {
-    const JointVector bend = (repulsion(arm, 2, d + h, true, terms) - 2.0 * repulsion(arm, 2, d, true, terms) +
-                              repulsion(arm, 2, d - h, true, terms)) / (h * h);
-    // No kink: the second difference stays that of the parabola. A kink of slope T/margin would show as T/(margin h), 75 times as much.
-    ASSERT_LE(bend.norm() / unit, 2.0 * s.limit_torque / (s.limit_margin * s.limit_margin) * 1.001) << "at " << d << " rad";
+    const JointVector bend =
+        (repulsion(arm, 2, d + h, true, terms) - 2.0 * repulsion(arm, 2, d, true, terms) +
+         repulsion(arm, 2, d - h, true, terms)) /
+        (h * h);
+    // No kink: the second difference stays that of the parabola. A kink of slope T/margin would
+    // show as T/(margin h), 75 times as much.
+    ASSERT_LE(bend.norm() / unit, 2.0 * s.limit_torque / (s.limit_margin * s.limit_margin) * 1.001)
+        << "at " << d << " rad";
   }
 }
 

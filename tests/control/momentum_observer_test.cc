@@ -1,4 +1,5 @@
-// The momentum observer against a plant that is integrated here, by itself: what it finds is the disturbance through a first-order low-pass.
+// The momentum observer against a plant that is integrated here, by itself: what it finds is the
+// disturbance through a first-order low-pass.
 #include "impedraw/control/momentum_observer.h"
 
 #include <cmath>
@@ -30,7 +31,8 @@ JointVector some_torque(double scale) {
   return scale * d;
 }
 
-// M v̇ + C v + g = τ + Jᵀ F + d, semi-implicit Euler in `substeps` a step. Moved by a controller of its own: to q_0, and round about it.
+// M v̇ + C v + g = τ + Jᵀ F + d, semi-implicit Euler in `substeps` a step. Moved by a controller of
+// its own: to q_0, and round about it.
 struct Plant {
   ArmModel arm{kArm};
   ArmTerms terms{7};
@@ -42,7 +44,8 @@ struct Plant {
   JointVector moving_torque(double t) const {
     JointVector wave(7);
     for (int j = 0; j < 7; ++j) wave[j] = 6.0 * std::sin((2.0 + 0.7 * j) * t + j);
-    return terms.g + terms.M.diagonal().cwiseProduct(25.0 * (working_posture() - q) - 6.0 * v + wave);
+    return terms.g +
+           terms.M.diagonal().cwiseProduct(25.0 * (working_posture() - q) - 6.0 * v + wave);
   }
 
   void step(const JointVector& tau, const Vector6& F, const JointVector& d) {
@@ -58,9 +61,11 @@ struct Plant {
 
 using WrenchAt = std::function<Vector6(double)>;
 
-// r after each of `steps`, of a plant whose torque and whose measured wrench are so many steps late.
-std::vector<JointVector> observe(MomentumObserver& observer, Plant& plant, int steps, const WrenchAt& wrench, const JointVector& d,
-                                 int torque_late = 0, int wrench_late = 0) {
+// r after each of `steps`, of a plant whose torque and whose measured wrench are so many steps
+// late.
+std::vector<JointVector> observe(MomentumObserver& observer, Plant& plant, int steps,
+                                 const WrenchAt& wrench, const JointVector& d, int torque_late = 0,
+                                 int wrench_late = 0) {
   std::vector<JointVector> r, commands;
   const JointVector first = plant.moving_torque(0.0);
   for (int i = 0; i < steps; ++i) {
@@ -68,7 +73,8 @@ std::vector<JointVector> observe(MomentumObserver& observer, Plant& plant, int s
     r.push_back(observer.update(plant.terms, wrench((i - 1 - wrench_late) * kDt)));
     commands.push_back(plant.moving_torque(i * kDt));
     observer.commanded(commands.back());
-    plant.step(i < torque_late ? first : commands[static_cast<std::size_t>(i - torque_late)], wrench(i * kDt), d);
+    plant.step(i < torque_late ? first : commands[static_cast<std::size_t>(i - torque_late)],
+               wrench(i * kDt), d);
   }
   return r;
 }
@@ -77,13 +83,15 @@ Vector6 no_wrench(double) { return Vector6::Zero(); }
 
 Vector6 waving_wrench(double t) {
   Vector6 F;
-  F << 8.0 * std::sin(40.0 * t), 5.0 * std::cos(55.0 * t), 6.0 + 4.0 * std::sin(70.0 * t), 0.3 * std::sin(30.0 * t), 0.2, -0.1;
+  F << 8.0 * std::sin(40.0 * t), 5.0 * std::cos(55.0 * t), 6.0 + 4.0 * std::sin(70.0 * t),
+      0.3 * std::sin(30.0 * t), 0.2, -0.1;
   return F;
 }
 
 double worst(const std::vector<JointVector>& r, const JointVector& d, int from) {
   double worst = 0.0;
-  for (std::size_t i = static_cast<std::size_t>(from); i < r.size(); ++i) worst = std::max(worst, (r[i] - d).cwiseAbs().maxCoeff());
+  for (std::size_t i = static_cast<std::size_t>(from); i < r.size(); ++i)
+    worst = std::max(worst, (r[i] - d).cwiseAbs().maxCoeff());
   return worst;
 }
 
@@ -95,7 +103,8 @@ TEST(MomentumObserver, FollowsTheDisturbanceAsALowPassOfItsBandwidth) {
     const std::vector<JointVector> r = observe(observer, plant, 200, no_wrench, d);
     for (int i = 0; i < 200; ++i) {
       const double risen = 1.0 - std::exp(-bandwidth * i * kDt);
-      ASSERT_LT((r[static_cast<std::size_t>(i)] - risen * d).norm(), 1e-9) << "at " << i << " ms, bandwidth " << bandwidth;
+      ASSERT_LT((r[static_cast<std::size_t>(i)] - risen * d).norm(), 1e-9)
+          << "at " << i << " ms, bandwidth " << bandwidth;
     }
     EXPECT_GT(plant.v.norm(), 0.1) << "or Coriolis torque was not in it";
   }
@@ -107,13 +116,16 @@ TEST(MomentumObserver, BearsAPlantThatIsNotSampledAsItIs) {
   Plant plant;
   plant.substeps = 20;
   const std::vector<JointVector> r = observe(observer, plant, 400, waving_wrench, d);
-  EXPECT_LT(worst(r, d, 100), 0.05 * d.cwiseAbs().maxCoeff()) << "the wrench turns by 7 % a step, the posture by 1 mrad";
+  EXPECT_LT(worst(r, d, 100), 0.05 * d.cwiseAbs().maxCoeff())
+      << "the wrench turns by 7 % a step, the posture by 1 mrad";
 }
 
 TEST(MomentumObserver, NeedsNothingWhereTheModelIsRight) {
   MomentumObserver observer(observer_of(200.0), 7, kDt, 0.0, 0.0);
   Plant plant;
-  EXPECT_LT(worst(observe(observer, plant, 500, no_wrench, JointVector::Zero(7)), JointVector::Zero(7), 0), 1e-9);
+  EXPECT_LT(worst(observe(observer, plant, 500, no_wrench, JointVector::Zero(7)),
+                  JointVector::Zero(7), 0),
+            1e-9);
 }
 
 TEST(MomentumObserver, ItsArmsOwnTorqueHasNoEffect) {
@@ -124,7 +136,8 @@ TEST(MomentumObserver, ItsArmsOwnTorqueHasNoEffect) {
   MomentumObserver observer(observer_of(400.0), 7, kDt, 0.0, 0.0);
   Plant plant;
   for (int i = 0; i < 500; ++i) {
-    ASSERT_LT(observer.update(plant.terms, Vector6::Zero()).cwiseAbs().maxCoeff(), 1e-8) << "at " << i << " ms";
+    ASSERT_LT(observer.update(plant.terms, Vector6::Zero()).cwiseAbs().maxCoeff(), 1e-8)
+        << "at " << i << " ms";
     JointVector tau = plant.moving_torque(i * kDt);  // jerky: 100 rad/s² of noise on every joint
     for (int j = 0; j < 7; ++j) tau[j] += 100.0 * plant.terms.M(j, j) * normal(rng);
     observer.commanded(tau);
@@ -139,7 +152,8 @@ TEST(MomentumObserver, IsBoundedAndDoesNotWindUp) {
   JointVector d = JointVector::Zero(7);
   d[0] = 500.0;
   d[1] = -300.0;
-  // Ten time constants of what is far beyond the limit; braked by as much torque, which the observer is not told of.
+  // Ten time constants of what is far beyond the limit; braked by as much torque, which the
+  // observer is not told of.
   for (int i = 0; i < 100; ++i) {
     const JointVector& r = observer.update(plant.terms, Vector6::Zero());
     ASSERT_LE(r.cwiseAbs().maxCoeff(), limit);
@@ -150,8 +164,9 @@ TEST(MomentumObserver, IsBoundedAndDoesNotWindUp) {
   ASSERT_EQ(observer.disturbance()[0], limit);
   ASSERT_EQ(observer.disturbance()[1], -limit);
   const std::vector<JointVector> r = observe(observer, plant, 60, no_wrench, JointVector::Zero(7));
-  // The step that ends now still had d in it; from then on r falls from the limit at once. An integral that only its output bounds would
-  // stay at the limit for ln(500/10) = 3.9 time constants more.
+  // The step that ends now still had d in it; from then on r falls from the limit at once. An
+  // integral that only its output bounds would stay at the limit for ln(500/10) = 3.9 time
+  // constants more.
   for (std::size_t i = 1; i < r.size(); ++i) {
     const double left = limit * std::exp(-bandwidth * static_cast<double>(i) * kDt);
     ASSERT_NEAR(r[i][0], left, 1e-9) << "after " << i << " ms";
@@ -162,17 +177,21 @@ TEST(MomentumObserver, IsBoundedAndDoesNotWindUp) {
 TEST(MomentumObserver, PutsALateTorqueBesideTheMotionItMade) {
   const JointVector d = some_torque(0.5);
   for (const int late : {1, 3, 8}) {
-    MomentumObserver told(observer_of(200.0), 7, kDt, 0.0, late * kDt), not_told(observer_of(200.0), 7, kDt, 0.0, 0.0);
+    MomentumObserver told(observer_of(200.0), 7, kDt, 0.0, late * kDt),
+        not_told(observer_of(200.0), 7, kDt, 0.0, 0.0);
     Plant plant, same;
-    EXPECT_LT(worst(observe(told, plant, 400, no_wrench, d, late), d, 100), 1e-6) << late << " steps late";
-    EXPECT_GT(worst(observe(not_told, same, 400, no_wrench, d, late), d, 100), 0.01) << "or the delay would not matter: the test is blind";
+    EXPECT_LT(worst(observe(told, plant, 400, no_wrench, d, late), d, 100), 1e-6)
+        << late << " steps late";
+    EXPECT_GT(worst(observe(not_told, same, 400, no_wrench, d, late), d, 100), 0.01)
+        << "or the delay would not matter: the test is blind";
   }
 }
 
 TEST(MomentumObserver, PutsALateWrenchBesideTheMotionItMade) {
   const JointVector d = some_torque(0.5);
   for (const int late : {1, 4, 10}) {
-    MomentumObserver told(observer_of(200.0), 7, kDt, late * kDt, 0.0), not_told(observer_of(200.0), 7, kDt, 0.0, 0.0);
+    MomentumObserver told(observer_of(200.0), 7, kDt, late * kDt, 0.0),
+        not_told(observer_of(200.0), 7, kDt, 0.0, 0.0);
     Plant plant, same;
     // A late wrench is taken through today's Jacobian: the arm has turned by v Δt late since.
     const double error_told = worst(observe(told, plant, 600, waving_wrench, d, 0, late), d, 200);
@@ -196,12 +215,15 @@ TEST(MomentumObserver, ForgetsOnReset) {
   ASSERT_GT(observer.disturbance().norm(), 1.0);
   observer.reset();
   EXPECT_EQ(observer.disturbance().norm(), 0.0);
-  // Elsewhere and at another speed, as after a pause: what lies between must not count as motion under torque.
+  // Elsewhere and at another speed, as after a pause: what lies between must not count as motion
+  // under torque.
   Plant other;
   other.q[1] += 0.5;
   other.v = JointVector::Constant(7, 0.8);
   other.arm.compute(other.q, other.v, &other.terms);
-  EXPECT_LT(worst(observe(observer, other, 200, no_wrench, JointVector::Zero(7), 1, 2), JointVector::Zero(7), 0), 1e-6);
+  EXPECT_LT(worst(observe(observer, other, 200, no_wrench, JointVector::Zero(7), 1, 2),
+                  JointVector::Zero(7), 0),
+            1e-6);
 }
 
 TEST(MomentumObserver, RefusesWhatItCannotKeepOrReach) {

@@ -1,4 +1,5 @@
-// A step allocates nothing: malloc itself is hooked, so that any way to the heap counts, new, Eigen's aligned blocks or a library's.
+// A step allocates nothing: malloc itself is hooked, so that any way to the heap counts, new,
+// Eigen's aligned blocks or a library's.
 #include <cmath>
 #include <cstdlib>
 #include <vector>
@@ -16,8 +17,16 @@ using namespace testing_arm;
 
 TEST(NoAllocation, TheHookCatchesOne) {
   EXPECT_GT(allocations_in([] { free(std::malloc(10)); }), 0);
-  EXPECT_GT(allocations_in([] { std::vector<double> v(10); asm volatile("" : : "r"(v.data()) : "memory"); }), 0);
-  EXPECT_GT(allocations_in([] { Eigen::MatrixXd m(3, 3); asm volatile("" : : "r"(m.data()) : "memory"); }), 0);
+  EXPECT_GT(allocations_in([] {
+              std::vector<double> v(10);
+              asm volatile("" : : "r"(v.data()) : "memory");
+            }),
+            0);
+  EXPECT_GT(allocations_in([] {
+              Eigen::MatrixXd m(3, 3);
+              asm volatile("" : : "r"(m.data()) : "memory");
+            }),
+            0);
   EXPECT_EQ(allocations_in([] {}), 0);
 }
 
@@ -36,7 +45,8 @@ TEST(NoAllocation, AFreshNormalMakesNone) {
     const SurfaceEstimator estimator(cloud, settings);
     int known = 0;
     const int made = allocations_in([&] {
-      for (int i = 0; i < 500; ++i) known += estimator.estimate({0.0005 * i, 0.09, 0.002}).status == SurfaceStatus::ok;
+      for (int i = 0; i < 500; ++i)
+        known += estimator.estimate({0.0005 * i, 0.09, 0.002}).status == SurfaceStatus::ok;
     });
     EXPECT_EQ(made, 0);
     EXPECT_GT(known, 100);
@@ -58,14 +68,15 @@ TEST(NoAllocation, AStepMakesNone) {
     Wrench F = Wrench::Zero();
     const int made = allocations_in([&] {
       for (int i = 0; i < 600; ++i) {
-        goal.pen_down = i > 100 && i < 500;          // through every mode
+        goal.pen_down = i > 100 && i < 500;  // through every mode
         surface.distance = i > 520 ? 0.01 : 0.0;
         surface.status = i > 300 && i < 310 ? SurfaceStatus::too_few : SurfaceStatus::ok;
         F[2] = i > 110 ? 5.0 : 0.0;
         arm.compute(q, v, &terms);
         controller.step(terms, goal, surface, F);
       }
-      JointVector stretched = JointVector::Zero(7);  // and through the release of a singular posture
+      // and through the release of a singular posture
+      JointVector stretched = JointVector::Zero(7);
       arm.compute(stretched, v, &terms);
       controller.step(terms, goal, surface, F);
     });
@@ -73,11 +84,13 @@ TEST(NoAllocation, AStepMakesNone) {
   }
 }
 
-// Whatever else a step may have to do: observe, scale the inertia, keep within limits, bear input that is bad or old.
+// Whatever else a step may have to do: observe, scale the inertia, keep within limits, bear input
+// that is bad or old.
 TEST(NoAllocation, AStepInTroubleMakesNone) {
   ArmModel arm(kArm);
   std::mt19937 rng(3);
-  for (const InertiaShaping inertia : {InertiaShaping::natural, InertiaShaping::scaled, InertiaShaping::shaped}) {
+  for (const InertiaShaping inertia :
+       {InertiaShaping::natural, InertiaShaping::scaled, InertiaShaping::shaped}) {
     ImpedanceSettings s = shaped_settings(arm);
     s.inertia = inertia;
     s.inertia_scale = 2.0;
@@ -99,15 +112,18 @@ TEST(NoAllocation, AStepInTroubleMakesNone) {
     surface.status = SurfaceStatus::ok;
     surface.distance = 0.0;
     Wrench F = 3.0 * Wrench::Ones();
-    int limited = 0, observed = 0, bad = 0, stale_state = 0, stale_wrench = 0, retreats = 0, fast = 0;
+    int limited = 0, observed = 0, bad = 0, stale_state = 0, stale_wrench = 0, retreats = 0,
+        fast = 0;
     const int made = allocations_in([&] {
       for (int i = 0; i < 1000; ++i) {
         v[1] = 0.01 * (i % 3);  // the momentum changes, and nothing explains it
         arm.compute(q, v, &terms);
         goal.p_WD = terms.X_WE.p;
         if (i % 50 > 40) goal.p_WD.y() += 0.2;
-        if (i % 50 > 45) goal.a_WD.x() = 1e3;
-        else goal.a_WD.x() = 0.0;
+        if (i % 50 > 45)
+          goal.a_WD.x() = 1e3;
+        else
+          goal.a_WD.x() = 0.0;
         goal.pen_down = i % 200 > 20;
         if (i % 97 == 0) terms.v[3] = std::nan("");
         InputAges ages;

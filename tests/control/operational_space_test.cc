@@ -1,9 +1,10 @@
-// Identities of the operational space, damping against a generalised eigensolver, and what happens near a singular posture.
+// Identities of the operational space, damping against a generalised eigensolver, and what happens
+// near a singular posture.
 #include "impedraw/control/operational_space.h"
 
+#include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 #include "arm_fixture.h"
 #include "impedraw/control/damping.h"
@@ -61,7 +62,8 @@ TEST(OperationalSpace, ReleasesALostDirectionAndSaysSo) {
 }
 
 // B column by column.
-Matrix6 matrix_of(ModalDamping& modal, const Matrix6& U, const Matrix6& U_inverse, const Matrix6& K, double damping_ratio) {
+Matrix6 matrix_of(ModalDamping& modal, const Matrix6& U, const Matrix6& U_inverse, const Matrix6& K,
+                  double damping_ratio) {
   modal.design(U, K.topLeftCorner<3, 3>(), K.bottomRightCorner<3, 3>(), damping_ratio);
   Matrix6 B;
   for (int i = 0; i < 6; ++i) B.col(i) = modal.apply(U_inverse, Vector6::Unit(i));
@@ -78,12 +80,16 @@ TEST(ModalDamping, AgreesWithTheGeneralisedEigenproblem) {
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(space.update(random_terms(arm, rng)));
     const Matrix6 M_d = space.inertia();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> solver(K, 0.5 * (M_d + M_d.transpose()));
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> solver(K,
+                                                                   0.5 * (M_d + M_d.transpose()));
     const Matrix6 Q = solver.eigenvectors();
-    const Matrix6 expected = M_d * Q * (2.0 * 0.7 * solver.eigenvalues().cwiseSqrt()).asDiagonal() * Q.transpose() * M_d;
-    const Matrix6 B = matrix_of(modal, space.inverse_inertia_factor(), space.inertia_factor(), K, 0.7);
+    const Matrix6 expected =
+        M_d * Q * (2.0 * 0.7 * solver.eigenvalues().cwiseSqrt()).asDiagonal() * Q.transpose() * M_d;
+    const Matrix6 B =
+        matrix_of(modal, space.inverse_inertia_factor(), space.inertia_factor(), K, 0.7);
     EXPECT_LT((B - expected).norm(), 1e-4 * expected.norm());
-    EXPECT_NEAR(modal.largest_rate(), 1.4 * std::sqrt(solver.eigenvalues().maxCoeff()), 1e-4 * modal.largest_rate());
+    EXPECT_NEAR(modal.largest_rate(), 1.4 * std::sqrt(solver.eigenvalues().maxCoeff()),
+                1e-4 * modal.largest_rate());
   }
 }
 
@@ -97,15 +103,20 @@ TEST(ModalDamping, OfADiagonalInertiaIsTheAxesOwn) {
   U.diagonal() = m.cwiseInverse().cwiseSqrt();
   ModalDamping modal;
   Vector6 expected;
-  expected << b.linear.tangent, b.linear.tangent, b.linear.normal, b.angular.tangent, b.angular.tangent, b.angular.normal;
-  EXPECT_LT((matrix_of(modal, U, U.diagonal().cwiseInverse().asDiagonal(), K6, 0.8) - Matrix6(expected.asDiagonal())).norm(), 1e-9);
+  expected << b.linear.tangent, b.linear.tangent, b.linear.normal, b.angular.tangent,
+      b.angular.tangent, b.angular.normal;
+  EXPECT_LT((matrix_of(modal, U, U.diagonal().cwiseInverse().asDiagonal(), K6, 0.8) -
+             Matrix6(expected.asDiagonal()))
+                .norm(),
+            1e-9);
 }
 
 TEST(AxialGain, IsTheTurnedDiagonal) {
   std::mt19937 rng(9);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector3d n = Eigen::Vector3d(normal(rng), normal(rng), normal(rng)).normalized(), x(normal(rng), normal(rng), normal(rng));
+    const Eigen::Vector3d n = Eigen::Vector3d(normal(rng), normal(rng), normal(rng)).normalized(),
+                          x(normal(rng), normal(rng), normal(rng));
     Eigen::Matrix3d R;
     R.col(2) = n;
     R.col(0) = n.unitOrthogonal();

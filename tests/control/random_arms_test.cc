@@ -1,9 +1,10 @@
-// Nothing here is made for one arm: serial arms at random, of 6 and 7 joints, against MuJoCo and against the wanted motion.
+// Nothing here is made for one arm: serial arms at random, of 6 and 7 joints, against MuJoCo and
+// against the wanted motion.
 #include <cmath>
 
+#include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 #include "free_arm.h"
 #include "random_arm.h"
@@ -52,7 +53,8 @@ TEST(RandomArms, TermsAgreeWithMujoco) {
   }
 }
 
-// A posture whose tip can move every way with ease: its effective masses lie below 30 kg, 0.3 m of lever.
+// A posture whose tip can move every way with ease: its effective masses lie below 30 kg, 0.3 m of
+// lever.
 JointVector easy_posture(ArmModel& arm, std::mt19937& rng) {
   OperationalSpaceSettings easy;
   easy.max_effective_mass = 30.0;
@@ -78,7 +80,8 @@ ImpedanceSettings settings_of(const ArmModel& arm, const JointVector& q) {
   return s;
 }
 
-// M_d ẍ + B ẋ + K (x − x_D) = 0 beside the arm, from rest, integrated finely; over the whole motion within 2 % of the step asked for.
+// M_d ẍ + B ẋ + K (x − x_D) = 0 beside the arm, from rest, integrated finely; over the whole motion
+// within 2 % of the step asked for.
 void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector& q) {
   const int n = static_cast<int>(q.size());
   FreeArm free(s, q, FreeArm::at_step(s.dt), nullptr, file.path());
@@ -89,7 +92,8 @@ void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector
     M_d.topLeftCorner<3, 3>() = s.shaped_inertia.linear.matrix(n_W);
     M_d.bottomRightCorner<3, 3>() = s.shaped_inertia.angular.matrix(n_W);
   } else {
-    M_d = (s.inertia == InertiaShaping::scaled ? s.inertia_scale : 1.0) * (t.J * t.M.inverse() * t.J.transpose()).inverse();
+    M_d = (s.inertia == InertiaShaping::scaled ? s.inertia_scale : 1.0) *
+          (t.J * t.M.inverse() * t.J.transpose()).inverse();
     M_d = 0.5 * (M_d + M_d.transpose()).eval();
   }
   K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(n_W);
@@ -98,14 +102,17 @@ void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector
   K_damping.bottomRightCorner<3, 3>() = s.reference_stiffness.angular.matrix(n_W);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> modes(K_damping, M_d);
   const Matrix6 Q = modes.eigenvectors();
-  const Matrix6 B = M_d * Q * (2.0 * s.damping_ratio * modes.eigenvalues().cwiseSqrt()).asDiagonal() * Q.transpose() * M_d;
+  const Matrix6 B = M_d * Q *
+                    (2.0 * s.damping_ratio * modes.eigenvalues().cwiseSqrt()).asDiagonal() *
+                    Q.transpose() * M_d;
 
   Vector6 x = Vector6::Zero(), x_dot = Vector6::Zero(), x_D = Vector6::Zero();
   x_D.head<3>() = Eigen::Vector3d(1e-3, -0.5e-3, 0.8e-3);
   free.goal.p_WD += x_D.head<3>();
   const Matrix6 A = M_d.inverse();
   for (int i = 0; i < 800; ++i) {
-    ASSERT_LT((free.world.state().X_WE.p - start - x.head<3>()).norm(), 0.02 * x_D.norm()) << "at " << i << " ms, " << n << " joints";
+    ASSERT_LT((free.world.state().X_WE.p - start - x.head<3>()).norm(), 0.02 * x_D.norm())
+        << "at " << i << " ms, " << n << " joints";
     ASSERT_TRUE(free.step().status.ok());
     for (int k = 0; k < 50; ++k) {
       x_dot += s.dt / 50.0 * A * (K * (x_D - x) - B * x_dot);

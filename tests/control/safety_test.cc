@@ -1,4 +1,5 @@
-// What the controller does where it must not simply follow: speed, torque rate, singular postures, bad and stale input.
+// What the controller does where it must not simply follow: speed, torque rate, singular postures,
+// bad and stale input.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -95,15 +96,19 @@ TEST(TorqueRate, HoldsAcrossEverySwitchOfState) {
     for (const bool mode : seen) EXPECT_TRUE(mode) << "the story misses a mode";
     EXPECT_TRUE(limited);
     EXPECT_GT(watch.largest, 0.99) << "or the limit was not needed";
-    EXPECT_LT((on.free.world.state().X_WE.p - on.free.goal.p_WD).norm(), 1e-3) << "and the pen still is where it should be";
+    EXPECT_LT((on.free.world.state().X_WE.p - on.free.goal.p_WD).norm(), 1e-3)
+        << "and the pen still is where it should be";
   }
 }
 
 TEST(TipSpeed, StaysWithinItsLimitAndTheTipArrives) {
   ArmModel arm(kArm);
   for (const bool natural : {false, true}) {
-    for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.0, 0.3, 0.0), Eigen::Vector3d(-0.15, -0.2, 0.16), Eigen::Vector3d(0.0, 0.0, 0.3)}) {
-      SCOPED_TRACE(testing::Message() << (natural ? "natural" : "shaped") << ", by " << way.transpose());
+    for (const Eigen::Vector3d& way :
+         {Eigen::Vector3d(0.0, 0.3, 0.0), Eigen::Vector3d(-0.15, -0.2, 0.16),
+          Eigen::Vector3d(0.0, 0.0, 0.3)}) {
+      SCOPED_TRACE(testing::Message()
+                   << (natural ? "natural" : "shaped") << ", by " << way.transpose());
       ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
       s.tip_speed_limit = 0.3;
       FreeArm free(s);
@@ -129,9 +134,11 @@ TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
   for (const bool natural : {false, true}) {
     ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
     s.q_0 = q;
-    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 10000.0);  // 5000 will do, 3000 will not: Λ changes fast here
+    // 5000 will do, 3000 will not: Λ changes fast here
+    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 10000.0);
     FreeArm free(s, q);
-    const Eigen::Vector3d start = free.goal.p_WD, outward = (start - Eigen::Vector3d(0.0, 0.0, 0.36)).normalized();
+    const Eigen::Vector3d start = free.goal.p_WD,
+                          outward = (start - Eigen::Vector3d(0.0, 0.0, 0.36)).normalized();
     bool told = false;
     RateWatch watch{10.0, {}};
     for (int i = 0; i < 4000; ++i) {  // out to beyond the arm's reach, and back
@@ -164,13 +171,16 @@ TEST(BadInput, GoesToTheLastGravityTorqueAsFastAsTheRateLets) {
     const JointVector gravity = free.terms.g;
     ASSERT_GT(left.cwiseAbs().maxCoeff(), 3.0);
     for (int i = 0; i < 200; ++i) {
-      if (stale) free.ages.state = 0.1;
-      else free.terms.q[1] = free.terms.g[1] = kNaN;
+      if (stale)
+        free.ages.state = 0.1;
+      else
+        free.terms.q[1] = free.terms.g[1] = kNaN;
       const ImpedanceTorque& out = free.control();
       ASSERT_EQ(out.status.stale_state, stale);
       ASSERT_EQ(out.status.bad_input, !stale);
       ASSERT_FALSE(out.status.ok());
-      left = left.unaryExpr([](double x) { return std::copysign(std::max(0.0, std::abs(x) - 0.5), x); });
+      left = left.unaryExpr(
+          [](double x) { return std::copysign(std::max(0.0, std::abs(x) - 0.5), x); });
       ASSERT_LT((out.tau - gravity - left).norm(), 1e-9) << "after " << i << " steps";
     }
     EXPECT_EQ(left.norm(), 0.0);
@@ -202,7 +212,8 @@ TEST(StaleWrench, EndsTheContactUntilThePenWasUp) {
   }
   EXPECT_GT(on.height(), 0.015) << "it is off the surface, by nearly retreat_height";
   on.free.ages.wrench = 0.0;
-  for (int i = 0; i < 300; ++i) ASSERT_EQ(on.step().mode, ContactMode::retreat) << "the wrench is back, the pen was not lifted";
+  for (int i = 0; i < 300; ++i)
+    ASSERT_EQ(on.step().mode, ContactMode::retreat) << "the wrench is back, the pen was not lifted";
   on.free.goal.pen_down = false;
   for (int i = 0; i < 300; ++i) ASSERT_EQ(on.step().mode, ContactMode::free);
   on.draw();
@@ -217,7 +228,9 @@ TEST(StaleWrench, LeavesTheObserverInPeace) {
   ASSERT_TRUE(s.observer.enabled);
   double largest = 0.0;
   for (int i = 0; i < 600; ++i) {
-    if (i == 100) free.goal.p_WD += Eigen::Vector3d(0.05, -0.05, 0.05);  // it moves off while the wrench is away
+    if (i == 100)
+      free.goal.p_WD +=
+          Eigen::Vector3d(0.05, -0.05, 0.05);  // it moves off while the wrench is away
     free.ages.wrench = i > 100 && i < 160 ? 1.0 : 0.0;
     largest = std::max(largest, free.step().terms.col(kDisturbance).cwiseAbs().maxCoeff());
   }
@@ -238,7 +251,8 @@ TEST(LostCloud, EndsInRetreat) {
     const ImpedanceTorque& out = on.step();
     ASSERT_TRUE(out.status.surface_lost);
     ASSERT_EQ(out.mode, ContactMode::contact);
-    ASSERT_NEAR(on.n_W.dot(on.free.F_ext.head<3>()), s.push_force, 0.25) << "on the last normal the push goes on";
+    ASSERT_NEAR(on.n_W.dot(on.free.F_ext.head<3>()), s.push_force, 0.25)
+        << "on the last normal the push goes on";
   }
   for (int i = 0; i < 500; ++i) on.step();
   EXPECT_EQ(on.step().mode, ContactMode::retreat);

@@ -10,7 +10,8 @@ namespace {
 
 TEST(StepWatchdog, TripsOnLateStepsInARow) {
   StepWatchdog dog({1e-3, 5, 0.02});
-  for (int i = 0; i < 100; ++i) EXPECT_FALSE(dog.update(i % 5 == 4 ? 0.5e-3 : 5e-3)) << "never five in a row";
+  for (int i = 0; i < 100; ++i)
+    EXPECT_FALSE(dog.update(i % 5 == 4 ? 0.5e-3 : 5e-3)) << "never five in a row";
   EXPECT_EQ(dog.late(), 80);
   for (int i = 0; i < 4; ++i) EXPECT_FALSE(dog.update(1.1e-3));
   EXPECT_TRUE(dog.update(1.1e-3));

@@ -1,4 +1,5 @@
-// The law on the surface, one step at a time: error projections, the push, tip friction, hand-over at a switch.
+// The law on the surface, one step at a time: error projections, the push, tip friction, hand-over
+// at a switch.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -10,7 +11,8 @@ namespace {
 
 using namespace testing_arm;
 
-// A tip on a plane of slope θ about y, held by the arm's model alone: what wrench does the controller put out?
+// A tip on a plane of slope θ about y, held by the arm's model alone: what wrench does the
+// controller put out?
 struct OnSlope {
   ArmModel arm{kArm};
   ArmTerms terms{7};
@@ -78,11 +80,13 @@ TEST(SurfaceLaw, LiftsTheErrorToFullStiffnessOnASlope) {
     s.projection = projection;
     OnSlope on(slope, s);
     const Vector6 before = on.wrench(on.settle(), kImpedance);
-    on.goal.p_WD.x() += shift;  // up the slope as seen along z; the way along the slope is shift/cos θ
+    on.goal.p_WD.x() +=
+        shift;  // up the slope as seen along z; the way along the slope is shift/cos θ
     const Vector6 force = on.wrench(on.settle(), kImpedance) - before;
     const Eigen::Vector3d uphill(std::cos(slope), 0.0, std::sin(slope));
     const double expected =
-        s.stiffness.linear.tangent * shift * (projection == ErrorProjection::lifted ? 1.0 / std::cos(slope) : std::cos(slope));
+        s.stiffness.linear.tangent * shift *
+        (projection == ErrorProjection::lifted ? 1.0 / std::cos(slope) : std::cos(slope));
     EXPECT_NEAR(force.head<3>().dot(uphill), expected, 1e-6);
     EXPECT_NEAR(force.head<3>().dot(on.surface.n_W), 0.0, 1e-9) << "no stiffness along the normal";
   }
@@ -101,8 +105,10 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
   const ImpedanceSettings s = natural_measured(arm);
   OnSlope on(0.3, s);
   on.settle();
-  // Slide along y; the measured wrench holds friction along −y, and a hand that pushes along the other tangent.
-  JointVector v = on.terms.J.transpose() * (on.terms.J * on.terms.J.transpose()).inverse() * Vector6(0.05 * Vector6::Unit(1));
+  // Slide along y; the measured wrench holds friction along −y, and a hand that pushes along the
+  // other tangent.
+  JointVector v = on.terms.J.transpose() * (on.terms.J * on.terms.J.transpose()).inverse() *
+                  Vector6(0.05 * Vector6::Unit(1));
   on.arm.compute(on.terms.q, v, &on.terms);
   const Eigen::Vector3d n = on.surface.n_W, across = Eigen::Vector3d::UnitY().cross(n);
   const auto friction_term = [&](double along, double hand) {
@@ -114,8 +120,10 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
   const double limit = s.friction * 5.0, smooth = 0.05 / std::hypot(0.05, s.friction_speed);
   EXPECT_NEAR(friction_term(1.2, 0.0)[1], 1.2 * smooth * smooth, 1e-6);
   EXPECT_NEAR(friction_term(4.0, 0.0)[1], limit * smooth, 1e-6) << "no more than μ̂ f_n";
-  EXPECT_NEAR(friction_term(-4.0, 0.0).norm(), 0.0, 1e-9) << "a force along the motion is no friction";
-  EXPECT_NEAR(friction_term(0.0, 10.0).norm(), 0.0, 1e-9) << "a hand from the side is not friction: the pen gives way to it";
+  EXPECT_NEAR(friction_term(-4.0, 0.0).norm(), 0.0, 1e-9)
+      << "a force along the motion is no friction";
+  EXPECT_NEAR(friction_term(0.0, 10.0).norm(), 0.0, 1e-9)
+      << "a hand from the side is not friction: the pen gives way to it";
 }
 
 TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {
@@ -131,7 +139,8 @@ TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {
     double largest = 0.0;
     for (int i = 0; i < 1200; ++i) {
       on.goal.pen_down = i > 100 && i < 900;
-      on.F_ext.head<3>() = (on.goal.pen_down ? std::min(5.0, 0.02 * (i - 100)) : 0.0) * on.surface.n_W;
+      on.F_ext.head<3>() =
+          (on.goal.pen_down ? std::min(5.0, 0.02 * (i - 100)) : 0.0) * on.surface.n_W;
       if (i >= 900) on.surface.distance = 1e-5 * (i - 900);
       const ImpedanceTorque& out = on.controller.step(on.terms, on.goal, on.surface, on.F_ext);
       const double jump = (out.tau - last).cwiseAbs().maxCoeff();
@@ -141,7 +150,8 @@ TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {
       last = out.tau;
     }
     EXPECT_EQ(switches, 4);
-    EXPECT_LT(largest, 0.35) << "0.35 Nm a step: 5 N handed over in 40 ms at up to 0.8 m, and no more";
+    EXPECT_LT(largest, 0.35)
+        << "0.35 Nm a step: 5 N handed over in 40 ms at up to 0.8 m, and no more";
   }
 }
 

@@ -1,11 +1,12 @@
-// Torque limits against brute force: every vertex of the small linear program that says how much of the task can be kept.
+// Torque limits against brute force: every vertex of the small linear program that says how much of
+// the task can be kept.
 #include "impedraw/control/torque_limits.h"
 
 #include <cmath>
 #include <limits>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "arm_fixture.h"
 
@@ -17,8 +18,9 @@ using namespace testing_arm;
 constexpr double kDt = 1e-3;
 const Eigen::VectorXd kNoRate;
 
-// The elbow, which is all that sets the wrist's distance from the shoulder, does not move when this arm moves its null space. Only by its
-// inertia can a null-space torque have a part on it: a hundredth, so 2 Nm there would cost 200 Nm elsewhere. Its own test is below.
+// The elbow, which is all that sets the wrist's distance from the shoulder, does not move when this
+// arm moves its null space. Only by its inertia can a null-space torque have a part on it: a
+// hundredth, so 2 Nm there would cost 200 Nm elsewhere. Its own test is below.
 constexpr int kElbow = 3;
 
 // A posture, its operational space, and the direction of its null-space torques by the textbook.
@@ -59,9 +61,10 @@ struct Best {
   double share = -1.0, alpha = 0.0;  // the largest s, and with it the least |α|
 };
 
-// max s over 0 ≤ s ≤ 1, lower ≤ base + s task + α d ≤ upper: all crossings of two constraints, the best that fits.
-Best brute_force(const JointVector& base, const JointVector& task, const Eigen::VectorXd& d, const JointVector& lower,
-                 const JointVector& upper) {
+// max s over 0 ≤ s ≤ 1, lower ≤ base + s task + α d ≤ upper: all crossings of two constraints, the
+// best that fits.
+Best brute_force(const JointVector& base, const JointVector& task, const Eigen::VectorXd& d,
+                 const JointVector& lower, const JointVector& upper) {
   struct Line {
     double s, alpha, limit;  // s x + alpha y ≤ limit
   };
@@ -75,14 +78,17 @@ Best brute_force(const JointVector& base, const JointVector& task, const Eigen::
     for (const Line& l : lines)
       if (l.s * s + l.alpha * alpha > l.limit + 1e-9) return;
     best.feasible = true;
-    if (s > best.share + 1e-9 || (s > best.share - 1e-9 && std::abs(alpha) < std::abs(best.alpha))) best.alpha = alpha;
+    if (s > best.share + 1e-9 || (s > best.share - 1e-9 && std::abs(alpha) < std::abs(best.alpha)))
+      best.alpha = alpha;
     best.share = std::max(best.share, s);
   };
   for (const Line& a : lines) {
     if (std::abs(a.s) > 1e-12) consider(a.limit / a.s, 0.0);  // no shift at all
     for (const Line& b : lines) {
       const double det = a.s * b.alpha - a.alpha * b.s;
-      if (std::abs(det) > 1e-12) consider((a.limit * b.alpha - a.alpha * b.limit) / det, (a.s * b.limit - a.limit * b.s) / det);
+      if (std::abs(det) > 1e-12)
+        consider((a.limit * b.alpha - a.alpha * b.limit) / det,
+                 (a.s * b.limit - a.limit * b.s) / det);
     }
   }
   return best;
@@ -124,8 +130,11 @@ TEST(TorqueLimits, AJointThatIsOutIsReliedOnTheNullSpace) {
     ++shifted;
     EXPECT_EQ(out.task_share, 1.0);
     EXPECT_LE((out.tau.cwiseAbs() - limit).maxCoeff(), 0.0);
-    EXPECT_LT((p.tip_of * (out.tau - t.sum())).norm(), 1e-9 * (1.0 + (p.tip_of * t.sum()).norm())) << "the tip feels nothing of it";
-    EXPECT_NEAR((out.tau - t.sum()).norm(), std::abs(best.alpha), 1e-7 * (1.0 + std::abs(best.alpha))) << "and it is the least that will do";
+    EXPECT_LT((p.tip_of * (out.tau - t.sum())).norm(), 1e-9 * (1.0 + (p.tip_of * t.sum()).norm()))
+        << "the tip feels nothing of it";
+    EXPECT_NEAR((out.tau - t.sum()).norm(), std::abs(best.alpha),
+                1e-7 * (1.0 + std::abs(best.alpha)))
+        << "and it is the least that will do";
     // The defect: each joint clipped for itself.
     const JointVector clipped = t.sum().cwiseMax(-limit).cwiseMin(limit);
     EXPECT_GT((p.tip_of * (clipped - t.sum())).norm(), 1e-6);
@@ -154,7 +163,8 @@ TEST(TorqueLimits, KeepAsMuchOfTheTaskAsCanBe) {
     ++scaled;
     EXPECT_NEAR(out.task_share, best.share, 2e-3);
     const Vector6 kept = p.tip_of * (out.tau - t.hold), asked = p.tip_of * t.task;
-    EXPECT_LT((kept - out.task_share * asked).norm(), 1e-9 * (1.0 + asked.norm())) << "the wrench keeps its direction";
+    EXPECT_LT((kept - out.task_share * asked).norm(), 1e-9 * (1.0 + asked.norm()))
+        << "the wrench keeps its direction";
   }
   EXPECT_GT(scaled, 200);
 }
@@ -170,7 +180,8 @@ TEST(TorqueLimits, DoNotThrowTheArmAboutForItsElbow) {
     const Torques t(p, rng, 50.0, 2.0);
     Eigen::VectorXd limit = Eigen::VectorXd::Constant(7, 1e3);
     limit[kElbow] = std::abs(p.terms.g[kElbow]) + 0.5 * std::abs(t.task[kElbow]);
-    const Best without_shift = brute_force(t.hold + t.null, t.task, Eigen::VectorXd::Zero(7), -limit, limit);
+    const Best without_shift =
+        brute_force(t.hold + t.null, t.task, Eigen::VectorXd::Zero(7), -limit, limit);
     if (!without_shift.feasible || without_shift.share > 1.0 - 1e-6) continue;
     ++scaled;
     TorqueLimits limits(limit, kNoRate, kDt);
@@ -181,7 +192,8 @@ TEST(TorqueLimits, DoNotThrowTheArmAboutForItsElbow) {
   EXPECT_GT(scaled, 20);
 }
 
-// A rate limit makes a box about the last torque, in which holding still without the task need not lie.
+// A rate limit makes a box about the last torque, in which holding still without the task need not
+// lie.
 TEST(TorqueLimits, KeepAsMuchOfTheTaskAsTheRateLets) {
   ArmModel arm(kArm);
   const unsigned seed = 4;
@@ -196,7 +208,8 @@ TEST(TorqueLimits, KeepAsMuchOfTheTaskAsTheRateLets) {
     const Torques t(p, rng, 50.0, 2.0);
     TorqueLimits limits(limit, rate, kDt);
     const JointVector last = limits.apply(t.hold, t.task, t.null, p.terms, p.space).tau;
-    const JointVector more = 1.1 * t.task;  // the same, a little stronger: up to several Nm a joint, 1 Nm is allowed
+    // the same, a little stronger: up to several Nm a joint, 1 Nm is allowed
+    const JointVector more = 1.1 * t.task;
     const JointVector lower = last - rate * kDt, upper = last + rate * kDt;
     const LimitedTorque out = limits.apply(t.hold, more, t.null, p.terms, p.space);
     ASSERT_LE(((out.tau - last).cwiseAbs() - rate * kDt).maxCoeff(), 1e-9);
@@ -207,7 +220,8 @@ TEST(TorqueLimits, KeepAsMuchOfTheTaskAsTheRateLets) {
     far_from_hold += !brute_force(t.hold + t.null, 0.0 * more, p.d, lower, upper).feasible;
     EXPECT_NEAR(out.task_share, best.share, 2e-3);
     const Vector6 kept = p.tip_of * (out.tau - t.hold), asked = p.tip_of * more;
-    EXPECT_LT((kept - best.share * asked).norm(), 2e-3 * asked.norm()) << "the wrench keeps its direction";
+    EXPECT_LT((kept - best.share * asked).norm(), 2e-3 * asked.norm())
+        << "the wrench keeps its direction";
   }
   EXPECT_GT(scaled, 50);
   EXPECT_GT(far_from_hold, 50);
@@ -233,7 +247,8 @@ TEST(TorqueLimits, ClipWhereEvenHoldingIsTooMuch) {
   const Eigen::VectorXd limit = 0.5 * p.terms.g.cwiseAbs() + Eigen::VectorXd::Constant(7, 0.01);
   ASSERT_FALSE(brute_force(t.hold, JointVector::Zero(7), p.d, -limit, limit).feasible);
   TorqueLimits limits(limit, kNoRate, kDt);
-  const LimitedTorque out = limits.apply(t.hold, JointVector::Zero(7), JointVector::Zero(7), p.terms, p.space);
+  const LimitedTorque out =
+      limits.apply(t.hold, JointVector::Zero(7), JointVector::Zero(7), p.terms, p.space);
   EXPECT_TRUE(out.limited);
   EXPECT_LT((out.tau - t.hold.cwiseMax(-limit).cwiseMin(limit)).norm(), 1e-12);
   TorqueLimits other(limit, kNoRate, kDt);
@@ -257,7 +272,9 @@ TEST(TorqueLimits, NothingLeavesTheBox) {
     for (int i = 0; i < 100; ++i) {
       const Posture p(arm, rng);
       const Torques t(p, rng, std::pow(10.0, 4.0 * unit(rng)), std::pow(10.0, 4.0 * unit(rng)));
-      const LimitedTorque out = i % 10 == 9 ? limits.clip(t.sum()) : limits.apply(t.hold, t.task, t.null, p.terms, p.space);
+      const LimitedTorque out = i % 10 == 9
+                                    ? limits.clip(t.sum())
+                                    : limits.apply(t.hold, t.task, t.null, p.terms, p.space);
       ASSERT_TRUE(out.tau.allFinite());
       ASSERT_LE((out.tau.cwiseAbs() - limit).maxCoeff(), 0.0);
       if (i > 0) {
@@ -271,7 +288,8 @@ TEST(TorqueLimits, NothingLeavesTheBox) {
 }
 
 TEST(TorqueLimits, AnArmWithoutNullSpaceScalesItsTask) {
-  // Of a 6-joint arm every torque is a wrench at the tip: nothing can be shifted. Made of the iiwa with one joint held.
+  // Of a 6-joint arm every torque is a wrench at the tip: nothing can be shifted. Made of the iiwa
+  // with one joint held.
   ArmModel arm(kArm);
   std::mt19937 rng(8);
   int scaled = 0;

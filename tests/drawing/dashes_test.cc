@@ -17,13 +17,17 @@ namespace {
 using Eigen::Vector2d;
 
 std::vector<Stroke> drawn(const std::string& body) {
-  const Artwork artwork = parse_svg(R"(<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="200mm" viewBox="0 0 200 200">
-    <g fill="none" stroke="black">)" + body + "</g></svg>", "dashes");
+  const Artwork artwork = parse_svg(
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="200mm" viewBox="0 0 200 200">
+    <g fill="none" stroke="black">)" +
+          body + "</g></svg>",
+      "dashes");
   EXPECT_TRUE(artwork.warnings.empty());
   return dashed(artwork.strokes, artwork.dashes);
 }
 
-void expect_spans(const std::vector<Stroke>& strokes, const std::vector<std::pair<double, double>>& spans) {  // along X
+void expect_spans(const std::vector<Stroke>& strokes,
+                  const std::vector<std::pair<double, double>>& spans) {  // along X
   ASSERT_EQ(strokes.size(), spans.size());
   for (std::size_t i = 0; i < spans.size(); ++i) {
     EXPECT_NEAR(strokes[i].points.front().x(), spans[i].first, 1e-3) << i;
@@ -33,19 +37,24 @@ void expect_spans(const std::vector<Stroke>& strokes, const std::vector<std::pai
 }
 
 TEST(Dashes, AlongALine) {
-  const auto line = [](const std::string& style) { return drawn("<line x1='0' y1='5' x2='20' y2='5' " + style + "/>"); };
+  const auto line = [](const std::string& style) {
+    return drawn("<line x1='0' y1='5' x2='20' y2='5' " + style + "/>");
+  };
   expect_spans(line("stroke-dasharray='6 3'"), {{0, 6}, {9, 15}, {18, 20}});
   expect_spans(line("stroke-dasharray='6 3' stroke-dashoffset='2'"), {{0, 4}, {7, 13}, {16, 20}});
   expect_spans(line("stroke-dasharray='6 3' stroke-dashoffset='7'"), {{2, 8}, {11, 17}});
   expect_spans(line("stroke-dasharray='6 3' stroke-dashoffset='-2'"), {{2, 8}, {11, 17}});
   expect_spans(line("stroke-dasharray='5'"), {{0, 5}, {10, 15}});
-  expect_spans(line("stroke-dasharray='1 2 3'"), {{0, 1}, {3, 6}, {7, 9}, {12, 13}, {15, 18}, {19, 20}});  // doubled: 1 2 3 1 2 3
-  expect_spans(line("stroke-dasharray='0 5' stroke-linecap='round'"), {{0, 0}, {5, 5}, {10, 10}, {15, 15}});
+  expect_spans(line("stroke-dasharray='1 2 3'"),
+               {{0, 1}, {3, 6}, {7, 9}, {12, 13}, {15, 18}, {19, 20}});  // doubled: 1 2 3 1 2 3
+  expect_spans(line("stroke-dasharray='0 5' stroke-linecap='round'"),
+               {{0, 0}, {5, 5}, {10, 10}, {15, 15}});
   expect_spans(line("stroke-dasharray='0 5'"), {});
   expect_spans(line("stroke-dasharray='4 0'"), {{0, 20}});
   expect_spans(line("stroke-dasharray='none'"), {{0, 20}});
   expect_spans(line("stroke-dasharray='40 5'"), {{0, 20}});
-  expect_spans(line("stroke-dasharray='10%'"), {{0, 20}});  // of the viewport's diagonal over √2: 20 mm
+  expect_spans(line("stroke-dasharray='10%'"),
+               {{0, 20}});  // of the viewport's diagonal over √2: 20 mm
 }
 
 TEST(Dashes, GoOnRoundCornersAndAnewInEachSubpath) {
@@ -60,12 +69,14 @@ TEST(Dashes, GoOnRoundCornersAndAnewInEachSubpath) {
 TEST(Dashes, ClosedOutlines) {
   // 2π 50 mm in 10 periods of which 0.7 is drawn.
   const double period = 2 * M_PI * 50 / 10;
-  const auto circle = drawn(fmt::format("<circle cx='100' cy='100' r='50' stroke-dasharray='{} {}'/>", 0.7 * period, 0.3 * period));
+  const auto circle = drawn(fmt::format(
+      "<circle cx='100' cy='100' r='50' stroke-dasharray='{} {}'/>", 0.7 * period, 0.3 * period));
   ASSERT_EQ(circle.size(), 10u);
   for (const Stroke& dash : circle) EXPECT_NEAR(lines::length(dash.points), 0.7 * period, 0.02);
   // The offset puts the start amid a dash: it goes on over it, and there are as many.
-  const auto shifted = drawn(fmt::format("<circle cx='100' cy='100' r='50' stroke-dasharray='{} {}' stroke-dashoffset='{}'/>", 0.7 * period,
-                                         0.3 * period, 0.2 * period));
+  const auto shifted = drawn(fmt::format(
+      "<circle cx='100' cy='100' r='50' stroke-dasharray='{} {}' stroke-dashoffset='{}'/>",
+      0.7 * period, 0.3 * period, 0.2 * period));
   ASSERT_EQ(shifted.size(), 10u);
   for (const Stroke& dash : shifted) EXPECT_NEAR(lines::length(dash.points), 0.7 * period, 0.02);
   const auto whole = drawn("<rect width='10' height='10' x='5' y='5' stroke-dasharray='100 1'/>");
@@ -98,11 +109,13 @@ TEST(Dashes, DrawTheirShareAndLieOnTheLine) {
     Dash dash;
     for (int i = 0; i < 4; ++i) dash.lengths.push_back(5 * any(random));
     dash.offset = 50 * (any(random) - 0.5);
-    const double length = lines::length(stroke.points), period = std::accumulate(dash.lengths.begin(), dash.lengths.end(), 0.0);
+    const double length = lines::length(stroke.points),
+                 period = std::accumulate(dash.lengths.begin(), dash.lengths.end(), 0.0);
     const std::vector<Stroke> parts = dashed({stroke}, {dash});
-    double expected = 0;  // by steps of the pattern itself
+    double expected = 0;                    // by steps of the pattern itself
     const auto on_before = [&](double s) {  // drawn length of the pattern from 0 to s ≥ 0
-      double sum = std::floor(s / period) * (dash.lengths[0] + dash.lengths[2]), rest = s - std::floor(s / period) * period;
+      double sum = std::floor(s / period) * (dash.lengths[0] + dash.lengths[2]),
+             rest = s - std::floor(s / period) * period;
       for (int i = 0; i < 4; ++i) {
         if (i % 2 == 0) sum += std::min(rest, dash.lengths[i]);
         rest -= std::min(rest, dash.lengths[i]);
@@ -120,7 +133,8 @@ TEST(Dashes, DrawTheirShareAndLieOnTheLine) {
 
 TEST(Dashes, PatternsThatAreNone) {
   const Stroke line{{{0, 0}, {1000, 0}}, false, 0, 0};
-  for (const Dash& dash : {Dash{{1, 2, 3}}, Dash{{}}, Dash{{0, 0}}, Dash{{-1, 3}}, Dash{{1, std::nan("")}}, Dash{{1e-5, 1e-5}}})
+  for (const Dash& dash : {Dash{{1, 2, 3}}, Dash{{}}, Dash{{0, 0}}, Dash{{-1, 3}},
+                           Dash{{1, std::nan("")}}, Dash{{1e-5, 1e-5}}})
     EXPECT_THROW(dashed({line}, {dash}), InputError);
 }
 

@@ -41,24 +41,31 @@ TEST(Flatten, RandomCubicsStayWithinTheTolerance) {
     // Every vertex is a point of the curve.
     std::vector<Vector2d> fine;
     for (int i = 0; i <= 20000; ++i) fine.push_back(cubic(p, i / 20000.0));
-    for (std::size_t i = 0; i < line.size(); i += 7) EXPECT_LT(lines::distance(line[i], fine), 1e-5);
+    for (std::size_t i = 0; i < line.size(); i += 7)
+      EXPECT_LT(lines::distance(line[i], fine), 1e-5);
   }
 }
 
 TEST(Flatten, QuadraticIsNoFinerThanItNeeds) {
-  // A parabola's chord over a parameter step h is off by |P''| h²/8 exactly: 200 mm wide, 50 mm high, 0.01 mm take at least 71 equal
-  // chords.
+  // A parabola's chord over a parameter step h is off by |P''| h²/8 exactly: 200 mm wide, 50 mm
+  // high, 0.01 mm take at least 71 equal chords.
   const Vector2d a(-100, 0), b(0, 100), c(100, 0);
   std::vector<Vector2d> line{a};
   FlattenSettings settings;
   flatten_quadratic(a, b, c, settings, line);
-  EXPECT_LE(lines::worst([&](double s) { return Vector2d((1 - s) * (1 - s) * a + 2 * s * (1 - s) * b + s * s * c); }, line), 0.01);
+  EXPECT_LE(lines::worst(
+                [&](double s) {
+                  return Vector2d((1 - s) * (1 - s) * a + 2 * s * (1 - s) * b + s * s * c);
+                },
+                line),
+            0.01);
   EXPECT_GE(line.size(), 71u);
   EXPECT_LE(line.size(), 2 * 71u);
 }
 
 TEST(Flatten, SmallCurvesStaySmooth) {
-  // A semicircle of 0.05 mm radius is within 0.01 mm of a triangle, yet no corner of it turns by more than the setting.
+  // A semicircle of 0.05 mm radius is within 0.01 mm of a triangle, yet no corner of it turns by
+  // more than the setting.
   const double k = 4.0 / 3.0 * std::tan(M_PI / 8) * 0.05;
   std::vector<Vector2d> line{{0.05, 0}};
   flatten_cubic({0.05, 0}, {0.05, k}, {k, 0.05}, {0, 0.05}, {}, line);
@@ -70,7 +77,7 @@ TEST(Flatten, CuspsAndPointsEnd) {
   std::vector<Vector2d> line{{0, 0}};
   flatten_cubic({0, 0}, {100, 100}, {0, 100}, {100, 0}, {}, line);  // crosses itself
   flatten_cubic({100, 0}, {0, 100}, {100, 100}, {0, 0}, {}, line);
-  flatten_cubic({0, 0}, {100, 0}, {-50, 0}, {50, 0}, {}, line);     // turns back on a line
+  flatten_cubic({0, 0}, {100, 0}, {-50, 0}, {50, 0}, {}, line);  // turns back on a line
   flatten_cubic({50, 0}, {50, 0}, {50, 0}, {50, 0}, {}, line);
   EXPECT_LT(line.size(), 3000u);
 }
@@ -92,7 +99,8 @@ TEST(Flatten, ArcOfACubicIsFoundAgain) {
     EXPECT_LT((found.centre - arc.centre).norm(), 1e-4);
     EXPECT_LT((found.u - arc.u).norm(), 1e-4);
   }
-  EXPECT_EQ(arc_of_cubic({0, 0}, {0, 40}, {70, 100}, {100, 100}).angle, 0);  // handles of different length: no such arc
+  EXPECT_EQ(arc_of_cubic({0, 0}, {0, 40}, {70, 100}, {100, 100}).angle,
+            0);  // handles of different length: no such arc
 }
 
 }  // namespace

@@ -57,16 +57,20 @@ TEST(Hatch, RingWithAHole) {
     for (const double angle : {0.0, 45.0, 90.0, 123.0}) {
       for (const double spacing : {0.5, 2.0}) {
         SCOPED_TRACE(fmt::format("{} {} {}", even_odd, angle, spacing));
-        const Area ring{{circle({70.3, 60.2}, 40), circle({70.3, 60.2}, 15, !even_odd)}, even_odd, 0};
-        const std::vector<Stroke> lines = hatch_lines(ring, {.spacing_mm = spacing, .angle_deg = angle}, 1);
+        const Area ring{
+            {circle({70.3, 60.2}, 40), circle({70.3, 60.2}, 15, !even_odd)}, even_odd, 0};
+        const std::vector<Stroke> lines =
+            hatch_lines(ring, {.spacing_mm = spacing, .angle_deg = angle}, 1);
         EXPECT_NEAR(pen_down_length(lines) * spacing, area, spacing * perimeter(ring));
         EXPECT_NEAR(pen_down_length(lines) * spacing, area, 0.02 * area);
-        EXPECT_NEAR(static_cast<double>(lines.size()), (80 + 30) / spacing, 3);  // twice where the hole is
+        EXPECT_NEAR(static_cast<double>(lines.size()), (80 + 30) / spacing,
+                    3);  // twice where the hole is
         const Vector2d along(std::cos(angle * M_PI / 180), -std::sin(angle * M_PI / 180));
         for (const Stroke& line : lines) {
           ASSERT_EQ(line.points.size(), 2u);
           EXPECT_NEAR(std::abs((line.points[1] - line.points[0]).normalized().dot(along)), 1, 1e-6);
-          for (const double s : {0.01, 0.3, 0.5, 0.99}) EXPECT_TRUE(inside(line.points[0] + s * (line.points[1] - line.points[0]), ring));
+          for (const double s : {0.01, 0.3, 0.5, 0.99})
+            EXPECT_TRUE(inside(line.points[0] + s * (line.points[1] - line.points[0]), ring));
           for (const Vector2d& end : line.points) {  // on an outline
             const double r = (end - Vector2d(70.3, 60.2)).norm();
             EXPECT_LT(std::min(std::abs(r - 40), std::abs(r - 15)), 1e-3);
@@ -85,19 +89,25 @@ TEST(Hatch, RandomPolygonsHaveNoLineOutsideAndNoneMissing) {
     Area area{{}, seed % 2 == 0, 0};
     for (unsigned k = 0; k < 1 + seed % 3; ++k) {
       area.outlines.emplace_back();
-      for (int i = 0; i < 7; ++i) area.outlines.back().push_back({any(random), any(random)});  // crosses itself
+      for (int i = 0; i < 7; ++i)
+        area.outlines.back().push_back({any(random), any(random)});  // crosses itself
     }
     const double spacing = 0.7, angle = any(random) * M_PI / 25;
-    const auto lines = hatch_lines(area, {.spacing_mm = 2 * spacing, .angle_deg = angle * 180 / M_PI}, 2);
+    const auto lines =
+        hatch_lines(area, {.spacing_mm = 2 * spacing, .angle_deg = angle * 180 / M_PI}, 2);
     for (const Stroke& line : lines) {
-      for (const double s : {0.002, 0.37, 0.998}) EXPECT_TRUE(inside(line.points[0] + s * (line.points[1] - line.points[0]), area));
+      for (const double s : {0.002, 0.37, 0.998})
+        EXPECT_TRUE(inside(line.points[0] + s * (line.points[1] - line.points[0]), area));
     }
-    // Points of the rows themselves: drawn if and only if inside, but for a hair about the outlines.
-    const Vector2d along(std::cos(angle), -std::sin(angle)), across(std::sin(angle), std::cos(angle));
+    // Points of the rows themselves: drawn if and only if inside, but for a hair about the
+    // outlines.
+    const Vector2d along(std::cos(angle), -std::sin(angle)),
+        across(std::sin(angle), std::cos(angle));
     int looked_at = 0;
     for (int i = 0; i < 300; ++i) {
       const Vector2d p(any(random), any(random));
-      const Vector2d on_row = p + ((std::floor(across.dot(p) / spacing) + 0.5) * spacing - across.dot(p)) * across;
+      const Vector2d on_row =
+          p + ((std::floor(across.dot(p) / spacing) + 0.5) * spacing - across.dot(p)) * across;
       bool near_outline = false, drawn = false;
       for (auto outline : area.outlines) {
         outline.push_back(outline.front());
@@ -124,14 +134,16 @@ TEST(Hatch, RowsAlternateAndCrossesStandAcross) {
   EXPECT_NEAR(pen_up_length(lines), 9, 1e-6);  // one spacing from row to row
   const auto crossed = hatch_lines(square, {.spacing_mm = 1, .angle_deg = 0, .cross = true}, 1);
   ASSERT_EQ(crossed.size(), 20u);
-  for (std::size_t i = 10; i < 20; ++i) EXPECT_NEAR(crossed[i].points[0].x(), crossed[i].points[1].x(), 1e-6);
+  for (std::size_t i = 10; i < 20; ++i)
+    EXPECT_NEAR(crossed[i].points[0].x(), crossed[i].points[1].x(), 1e-6);
   EXPECT_TRUE(hatch_lines(square, {}, 1).empty());
   EXPECT_THROW(hatch_lines(square, {.spacing_mm = 1e-6}, 1), InputError);
   EXPECT_THROW(hatch_lines(square, {.spacing_mm = std::nan("")}, 1), InputError);
 }
 
 TEST(Hatch, FillsOfAnSvg) {
-  const std::string svg = R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
+  const std::string svg =
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
     <rect width="100" height="100" fill="white"/>
     <g id="a"><path d="M10 10h40v40h-40z M20 20h20v20h-20z" FILL/></g>
     <g id="b"><path d="M60 60h30v30h-30z" fill="none" stroke="red"/><circle cx="75" cy="20" r="10" fill="red" stroke="black"/></g></svg>)";
@@ -147,20 +159,26 @@ TEST(Hatch, FillsOfAnSvg) {
   EXPECT_EQ(nonzero.layers[nonzero.areas[0].layer], "a");
   EXPECT_EQ(nonzero.layers[nonzero.areas[1].layer], "b");
   EXPECT_EQ(nonzero.strokes.size(), 5u);
-  const auto length = [](const Area& area) { return pen_down_length(hatch_lines(area, {.spacing_mm = 1, .angle_deg = 30}, 2)) / 2; };
+  const auto length = [](const Area& area) {
+    return pen_down_length(hatch_lines(area, {.spacing_mm = 1, .angle_deg = 30}, 2)) / 2;
+  };
   EXPECT_NEAR(length(nonzero.areas[0]), 1600, 20);
   EXPECT_NEAR(length(even_odd.areas[0]), 1200, 20);
   EXPECT_NEAR(length(even_odd.areas[1]), 100 * M_PI, 10);
 
-  // Lines stand behind their layer's strokes; without outlines what is stroked stays, and the white page's layer is gone.
+  // Lines stand behind their layer's strokes; without outlines what is stroked stays, and the white
+  // page's layer is gone.
   Artwork hatched = even_odd;
   apply_hatch(hatched, {.spacing_mm = 5}, 1);
-  for (std::size_t i = 1; i < hatched.strokes.size(); ++i) EXPECT_LE(hatched.strokes[i - 1].layer, hatched.strokes[i].layer);
+  for (std::size_t i = 1; i < hatched.strokes.size(); ++i)
+    EXPECT_LE(hatched.strokes[i - 1].layer, hatched.strokes[i].layer);
   EXPECT_EQ(hatched.layers.size(), 3u);
   hatched = even_odd;
   apply_hatch(hatched, {.spacing_mm = 5, .outline = false}, 1);
   EXPECT_EQ(hatched.layers, (std::vector<std::string>{"a", "b"}));
-  EXPECT_EQ(std::count_if(hatched.strokes.begin(), hatched.strokes.end(), [](const Stroke& s) { return s.closed; }), 2);
+  EXPECT_EQ(std::count_if(hatched.strokes.begin(), hatched.strokes.end(),
+                          [](const Stroke& s) { return s.closed; }),
+            2);
 }
 
 }  // namespace

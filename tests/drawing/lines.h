@@ -21,7 +21,8 @@ inline double distance(const Vector2d& p, const std::vector<Vector2d>& line) {
   double nearest = (p - line.front()).norm();
   for (std::size_t i = 1; i < line.size(); ++i) {
     const Vector2d side = line[i] - line[i - 1];
-    const double s = std::clamp((p - line[i - 1]).dot(side) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
+    const double s =
+        std::clamp((p - line[i - 1]).dot(side) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
     nearest = std::min(nearest, (p - line[i - 1] - s * side).norm());
   }
   return nearest;
@@ -31,7 +32,8 @@ inline double distance(const Vector2d& p, const std::vector<Vector2d>& line) {
 template <class Curve>
 double worst(const Curve& f, const std::vector<Vector2d>& line, int samples = 2000) {
   double largest = 0;
-  for (int i = 0; i <= samples; ++i) largest = std::max(largest, distance(f(static_cast<double>(i) / samples), line));
+  for (int i = 0; i <= samples; ++i)
+    largest = std::max(largest, distance(f(static_cast<double>(i) / samples), line));
   return largest;
 }
 

@@ -26,7 +26,9 @@ std::vector<Stroke> random_strokes(unsigned seed, int count, double page, double
   return strokes;
 }
 
-double travel(const std::vector<Stroke>& strokes, const std::vector<Visit>& order) { return pen_up_length(in_order(strokes, order)); }
+double travel(const std::vector<Stroke>& strokes, const std::vector<Visit>& order) {
+  return pen_up_length(in_order(strokes, order));
+}
 
 void expect_each_once(const std::vector<Stroke>& strokes, const std::vector<Visit>& order) {
   ASSERT_EQ(order.size(), strokes.size());
@@ -46,7 +48,9 @@ double shortest_of_all(const std::vector<Stroke>& strokes) {
       for (std::size_t i = 1; i < strokes.size() && length < shortest; ++i) {
         const auto& a = strokes[permutation[i - 1]].points;
         const auto& b = strokes[permutation[i]].points;
-        length += ((ways >> i & 1 ? b.back() : b.front()) - (ways >> (i - 1) & 1 ? a.front() : a.back())).norm();
+        length +=
+            ((ways >> i & 1 ? b.back() : b.front()) - (ways >> (i - 1) & 1 ? a.front() : a.back()))
+                .norm();
       }
       shortest = std::min(shortest, length);
     }
@@ -58,7 +62,8 @@ TEST(Order, FewStrokesAgainstEveryOrder) {
   int exact = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
-    const auto strokes = random_strokes(seed, 1 + static_cast<int>(seed % 6), 100, seed % 2 ? 60 : 10);
+    const auto strokes =
+        random_strokes(seed, 1 + static_cast<int>(seed % 6), 100, seed % 2 ? 60 : 10);
     const auto order = shortest_order(strokes);
     expect_each_once(strokes, order);
     const double best = shortest_of_all(strokes);
@@ -79,7 +84,8 @@ TEST(Order, DotsOnAGrid) {
 }
 
 TEST(Order, FiveThousandStrokes) {
-  // n random points in an area A have a shortest tour of 0.7124 √(n A) (1 + 0.33 / n) (Johnson, McGeoch), and a border's worth more.
+  // n random points in an area A have a shortest tour of 0.7124 √(n A) (1 + 0.33 / n) (Johnson,
+  // McGeoch), and a border's worth more.
   const auto dots = random_strokes(1, 5000, 200, 0);
   const auto start = std::chrono::steady_clock::now();
   const auto order = shortest_order(dots);
@@ -88,14 +94,16 @@ TEST(Order, FiveThousandStrokes) {
   const double shortest = 0.7124 * std::sqrt(5000.0) * 200;
   EXPECT_GT(travel(dots, order), 0.98 * shortest);
   EXPECT_LT(travel(dots, order), 1.10 * shortest);
-  RecordProperty("above_shortest_percent", std::to_string(100 * (travel(dots, order) / shortest - 1)));
+  RecordProperty("above_shortest_percent",
+                 std::to_string(100 * (travel(dots, order) / shortest - 1)));
 }
 
 TEST(Order, LayersStayInTheirOrder) {
   auto strokes = random_strokes(5, 60, 100, 5);
   for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].layer = static_cast<int>(i % 3);
   const auto ordered = in_order(strokes, shortest_order(strokes));
-  for (std::size_t i = 1; i < ordered.size(); ++i) EXPECT_LE(ordered[i - 1].layer, ordered[i].layer);
+  for (std::size_t i = 1; i < ordered.size(); ++i)
+    EXPECT_LE(ordered[i - 1].layer, ordered[i].layer);
   OrderSettings free;
   free.keep_layers = false;
   EXPECT_LT(travel(strokes, shortest_order(strokes, free)), pen_up_length(ordered));
@@ -104,7 +112,8 @@ TEST(Order, LayersStayInTheirOrder) {
 TEST(Order, SameTwiceAndNothingAtAll) {
   const auto strokes = random_strokes(7, 300, 100, 5);
   const auto a = shortest_order(strokes), b = shortest_order(strokes);
-  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(a[i].stroke == b[i].stroke && a[i].backwards == b[i].backwards);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    EXPECT_TRUE(a[i].stroke == b[i].stroke && a[i].backwards == b[i].backwards);
   EXPECT_TRUE(shortest_order({}).empty());
   const std::vector<Stroke> same(40, Stroke{{Vector2d(1, 2)}, false, 0});
   expect_each_once(same, shortest_order(same));

@@ -14,9 +14,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-Artwork letter_f() {  // stem downwards, then the upper arm to the right, then the shorter one below it
-  return parse_svg(R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><g fill="none" stroke="black">
-    <path d="M30 10 V90"/><path d="M30 10 H80"/><path d="M30 45 H60"/></g></svg>)", "F");
+Artwork
+letter_f() {  // stem downwards, then the upper arm to the right, then the shorter one below it
+  return parse_svg(
+      // www.w3.org/2000/svg" viewBox="0 0 100 100"><g fill="none" stroke="black">
+      R"(<svg xmlns="http:
+    <path d="M30 10 V90"/><path d="M30 10 H80"/><path d="M30 45 H60"/></g></svg>)",
+      "F");
 }
 
 // Seen from above with world +x up and −y to the right.
@@ -28,9 +32,10 @@ TEST(Placement, LetterFIsNotMirroredSeenFromAbove) {
   const auto strokes = placed_strokes(f, place(f, {}));
   ASSERT_EQ(strokes.size(), 3u);
   const auto& stem = strokes[0].world;
-  EXPECT_GT(up(stem.front()), up(stem.back()) + 0.1);                    // upright, drawn downwards
+  EXPECT_GT(up(stem.front()), up(stem.back()) + 0.1);  // upright, drawn downwards
   for (int arm : {1, 2}) EXPECT_GT(right(strokes[arm].world.back()), right(stem.front()) + 0.05);
-  EXPECT_GT(up(strokes[1].world.front()), up(strokes[2].world.front()) + 0.05);    // the long arm on top
+  EXPECT_GT(up(strokes[1].world.front()),
+            up(strokes[2].world.front()) + 0.05);  // the long arm on top
   EXPECT_GT(right(strokes[1].world.back()), right(strokes[2].world.back()) + 0.02);
 }
 
@@ -43,7 +48,8 @@ TEST(Placement, MirrorSwapsLeftAndRightOnly) {
   EXPECT_GT(up(strokes[0].world.front()), up(strokes[0].world.back()) + 0.1);
 }
 
-// The turn from the stem's way down to the top arm's way right, as seen from above: counter-clockwise (> 0) on an F that can be read.
+// The turn from the stem's way down to the top arm's way right, as seen from above:
+// counter-clockwise (> 0) on an F that can be read.
 double turn_of(const Vector2d& stem_down, const Vector2d& arm_out) {
   const Vector2d a(right(stem_down), up(stem_down)), b(right(arm_out), up(arm_out));
   return a.x() * b.y() - a.y() * b.x();
@@ -60,11 +66,13 @@ TEST(Placement, LetterFFromSvgAndFromTextReadsFromAbove) {
         settings.rotate_deg = rotate;
         settings.mirror = mirror;
         const Placement placement = place(f, settings);
-        // Page (Y down) to seen from above (up): a turn keeps the sense of rotation, page → world xy has determinant < 0.
+        // Page (Y down) to seen from above (up): a turn keeps the sense of rotation, page → world
+        // xy has determinant < 0.
         EXPECT_EQ(placement.A.determinant() < 0, !mirror);
         const auto strokes = placed_strokes(f, placement);
         ASSERT_EQ(strokes.size(), 3u);
-        // By position alone: the stem is the longest, of the arms the top one begins where the stem does.
+        // By position alone: the stem is the longest, of the arms the top one begins where the stem
+        // does.
         const Vector2d top = strokes[0].world.front(), bottom = strokes[0].world.back();
         const auto& arm_1 = strokes[1].world;
         const auto& arm_2 = strokes[2].world;
@@ -102,7 +110,8 @@ TEST(Placement, FitPutsTheFarthestPointOnTheCircle) {
   double farthest = 0;
   Eigen::AlignedBox2d box;
   for (const auto& stroke : placed_strokes(f, place(f, settings))) {
-    for (const Vector2d& p : stroke.world) farthest = std::max(farthest, (p - settings.centre_m).norm()), box.extend(p);
+    for (const Vector2d& p : stroke.world)
+      farthest = std::max(farthest, (p - settings.centre_m).norm()), box.extend(p);
   }
   EXPECT_NEAR(farthest, 0.12, 1e-12);
   EXPECT_LT((box.center() - settings.centre_m).norm(), 1e-12);
@@ -165,7 +174,8 @@ TEST(Placement, FitsIntoARectangleLessTheMargin) {
     turned.mirror = seed % 2;
     turned.fit_width_m = 0.1 + any(random), turned.fit_height_m = 0.1 + any(random);
     turned.margin_mm = 40 * any(random);
-    const Vector2d reach = (world_box(f, turned).max() - turned.centre_m).cwiseMax(turned.centre_m - world_box(f, turned).min());
+    const Vector2d reach = (world_box(f, turned).max() - turned.centre_m)
+                               .cwiseMax(turned.centre_m - world_box(f, turned).min());
     const double y = 0.5 * *turned.fit_width_m - 1e-3 * turned.margin_mm - reach.y();
     const double x = 0.5 * *turned.fit_height_m - 1e-3 * turned.margin_mm - reach.x();
     EXPECT_GE(std::min(x, y), -1e-9);
@@ -174,7 +184,10 @@ TEST(Placement, FitsIntoARectangleLessTheMargin) {
 }
 
 TEST(Placement, AreasCountAsStrokesDo) {
-  const Artwork filled = parse_svg("<svg xmlns='http://www.w3.org/2000/svg'><rect x='3' width='40' height='20' fill='red'/></svg>", "a");
+  const Artwork filled = parse_svg(
+      "<svg xmlns='http://www.w3.org/2000/svg'><rect x='3' width='40' height='20' "
+      "fill='red'/></svg>",
+      "a");
   Artwork without = filled;
   without.strokes.clear();
   EXPECT_EQ(place(filled, {}).A, place(without, {}).A);
@@ -212,16 +225,21 @@ TEST(Placement, BadSettingsAreNamed) {
   two.scale = 1, two.width_mm = 100;
   nan.fit_radius_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(message(negative), "placement scale: -1; must be a number > 0");
-  EXPECT_EQ(message(two), "placement: of scale, width, height and the rectangle fit_width × fit_height only one can be given");
+  EXPECT_EQ(message(two),
+            "placement: of scale, width, height and the rectangle fit_width × fit_height only one "
+            "can be given");
   PlacementSettings both = two, wide_margin, lone_margin, lone_page;
   both.scale.reset(), both.fit_width_m = 0.1;
   wide_margin.fit_width_m = 0.1, wide_margin.margin_mm = 50;
   lone_margin.margin_mm = 5;
   lone_page.fit_page = true;
   EXPECT_EQ(message(both), message(two));
-  EXPECT_EQ(message(wide_margin), "placement margin: 50 mm; must be ≥ 0 and less than 50 mm, half of fit_width");
-  EXPECT_EQ(message(lone_margin), "placement: margin is for a rectangle; fit_width or fit_height must be given, too");
-  EXPECT_EQ(message(lone_page), "placement: fit_page is for a rectangle; fit_width or fit_height must be given, too");
+  EXPECT_EQ(message(wide_margin),
+            "placement margin: 50 mm; must be ≥ 0 and less than 50 mm, half of fit_width");
+  EXPECT_EQ(message(lone_margin),
+            "placement: margin is for a rectangle; fit_width or fit_height must be given, too");
+  EXPECT_EQ(message(lone_page),
+            "placement: fit_page is for a rectangle; fit_width or fit_height must be given, too");
   EXPECT_EQ(message(nan), "placement fit_radius_m: nan m; must be a number > 0");
 }
 

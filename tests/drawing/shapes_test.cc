@@ -11,11 +11,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-std::vector<Vector2d> in_world(const Artwork& artwork) { return placed_strokes(artwork, place(artwork, shape_placement())).at(0).world; }
+std::vector<Vector2d> in_world(const Artwork& artwork) {
+  return placed_strokes(artwork, place(artwork, shape_placement())).at(0).world;
+}
 
 double largest_step(const std::vector<Vector2d>& line) {
   double largest = 0;
-  for (std::size_t i = 1; i < line.size(); ++i) largest = std::max(largest, (line[i] - line[i - 1]).norm());
+  for (std::size_t i = 1; i < line.size(); ++i)
+    largest = std::max(largest, (line[i] - line[i - 1]).norm());
   return largest;
 }
 
@@ -25,7 +28,8 @@ TEST(Shapes, SineFollowsItsFormulaInTheWorld) {
     const std::vector<Vector2d> line = in_world(artwork);
     EXPECT_NEAR(line.front().y(), -0.15, 1e-12);
     EXPECT_NEAR(line.back().y(), 0.15, 1e-12);
-    for (const Vector2d& p : line) EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 1e-12);
+    for (const Vector2d& p : line)
+      EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 1e-12);
     EXPECT_LE(largest_step(line), 1e-4);
   }
 }
@@ -33,9 +37,11 @@ TEST(Shapes, SineFollowsItsFormulaInTheWorld) {
 TEST(Shapes, MHasItsFiveCorners) {
   const Shape shape = make_shape("M");
   const std::vector<Vector2d> corners = in_world(shape.drawn);
-  const std::vector<Vector2d> expected{{0.52, 0.08}, {0.68, 0.08}, {0.60, 0}, {0.68, -0.08}, {0.52, -0.08}};
+  const std::vector<Vector2d> expected{
+      {0.52, 0.08}, {0.68, 0.08}, {0.60, 0}, {0.68, -0.08}, {0.52, -0.08}};
   ASSERT_EQ(corners.size(), expected.size());
-  for (std::size_t i = 0; i < corners.size(); ++i) EXPECT_LT((corners[i] - expected[i]).norm(), 1e-12);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    EXPECT_LT((corners[i] - expected[i]).norm(), 1e-12);
   const std::vector<Vector2d> target = in_world(shape.target);
   EXPECT_LE(largest_step(target), 1e-4 + 1e-12);
   EXPECT_NEAR(lines::length(target), 0.32 + 2 * std::hypot(0.08, 0.08), 1e-12);
@@ -47,7 +53,9 @@ TEST(Shapes, TenSetPointsAreJoinedAndTheTargetStaysSmooth) {
   ASSERT_EQ(points.size(), 10u);
   for (int i = 0; i < 10; ++i) {
     const double y = -0.15 + i / 30.0;
-    EXPECT_LT((points[i] - Vector2d(0.60 + 0.05 * std::sin(2 * M_PI * (y + 0.15) / 0.15), y)).norm(), 1e-12);
+    EXPECT_LT(
+        (points[i] - Vector2d(0.60 + 0.05 * std::sin(2 * M_PI * (y + 0.15) / 0.15), y)).norm(),
+        1e-12);
   }
   EXPECT_EQ(shape.target.strokes.at(0).points, make_shape("sine").target.strokes.at(0).points);
 }

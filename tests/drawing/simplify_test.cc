@@ -29,7 +29,8 @@ std::vector<Vector2d> random_walk(unsigned seed, int count) {
 double farthest(const std::vector<Vector2d>& from, const std::vector<Vector2d>& to) {
   double worst = 0;
   for (std::size_t i = 1; i < from.size(); ++i) {
-    for (int k = 0; k <= 10; ++k) worst = std::max(worst, lines::distance(from[i - 1] + 0.1 * k * (from[i] - from[i - 1]), to));
+    for (int k = 0; k <= 10; ++k)
+      worst = std::max(worst, lines::distance(from[i - 1] + 0.1 * k * (from[i] - from[i - 1]), to));
   }
   return worst;
 }
@@ -78,14 +79,18 @@ TEST(Join, APolylineCutToPiecesComesBack) {
     std::shuffle(pieces.begin(), pieces.end(), random);
     auto whole = joined(pieces, 0);
     ASSERT_EQ(whole.size(), 1u);
-    if (whole[0].points.front() != line.front()) std::reverse(whole[0].points.begin(), whole[0].points.end());
+    if (whole[0].points.front() != line.front())
+      std::reverse(whole[0].points.begin(), whole[0].points.end());
     EXPECT_EQ(whole[0].points, line);
   }
 }
 
 TEST(Join, OnlyWithinTheGapAndTheLayer) {
-  const std::vector<Stroke> strokes{{{{0, 0}, {1, 0}}, false, 0}, {{{1.2, 0}, {2, 0}}, false, 0}, {{{2, 0}, {3, 0}}, false, 1},
-                                    {{{2, 0}}, false, 0},         {{{2, 0}, {2, 1}, {2, 0}}, true, 0}};
+  const std::vector<Stroke> strokes{{{{0, 0}, {1, 0}}, false, 0},
+                                    {{{1.2, 0}, {2, 0}}, false, 0},
+                                    {{{2, 0}, {3, 0}}, false, 1},
+                                    {{{2, 0}}, false, 0},
+                                    {{{2, 0}, {2, 1}, {2, 0}}, true, 0}};
   EXPECT_EQ(joined(strokes, 0.1).size(), 5u);
   const auto near = joined(strokes, 0.25);
   ASSERT_EQ(near.size(), 4u);

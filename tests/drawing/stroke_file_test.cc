@@ -21,7 +21,9 @@ Lines lines_of(const Artwork& artwork) {
   for (const Stroke& stroke : artwork.strokes) lines.push_back(stroke.points);
   return lines;
 }
-Lines read(const std::string& text, bool csv = false) { return lines_of(parse_strokes(text, "a", csv)); }
+Lines read(const std::string& text, bool csv = false) {
+  return lines_of(parse_strokes(text, "a", csv));
+}
 
 std::string message(const std::string& text, bool csv = false) {
   try {
@@ -33,14 +35,18 @@ std::string message(const std::string& text, bool csv = false) {
 }
 
 TEST(StrokeFile, LinesDotsAndClosedStrokes) {
-  const Artwork a = parse_strokes("200 150\n10 20\n30.5 20\nEnd\n# a dot\n50\t60\nEND\n\n0 0\n9 0\n9 9\n0 0\nend\n", "a", false);
-  EXPECT_EQ(lines_of(a), (Lines{{{10, 20}, {30.5, 20}}, {{50, 60}}, {{0, 0}, {9, 0}, {9, 9}, {0, 0}}}));
+  const Artwork a = parse_strokes(
+      "200 150\n10 20\n30.5 20\nEnd\n# a dot\n50\t60\nEND\n\n0 0\n9 0\n9 9\n0 0\nend\n", "a",
+      false);
+  EXPECT_EQ(lines_of(a),
+            (Lines{{{10, 20}, {30.5, 20}}, {{50, 60}}, {{0, 0}, {9, 0}, {9, 9}, {0, 0}}}));
   EXPECT_EQ(a.page.max(), Vector2d(200, 150));
   EXPECT_FALSE(a.strokes[0].closed || a.strokes[1].closed);
   EXPECT_TRUE(a.strokes[2].closed);
   EXPECT_EQ(a.layers.size(), 1u);
   EXPECT_TRUE(a.warnings.empty());
-  EXPECT_EQ(read("9 9\n1 2\n1 2\n3 4\n3 4\nEnd"), (Lines{{{1, 2}, {3, 4}}}));  // consecutive points differ
+  EXPECT_EQ(read("9 9\n1 2\n1 2\n3 4\n3 4\nEnd"),
+            (Lines{{{1, 2}, {3, 4}}}));  // consecutive points differ
   EXPECT_EQ(read("9 9\n5 5\n5 5\nEnd"), (Lines{{{5, 5}}}));
 }
 
@@ -74,15 +80,20 @@ TEST(StrokeFile, WhatIsWrittenIsRead) {
 TEST(StrokeFile, SharesOfThePage) {
   const Artwork a = parse_strokes("480 440\n0.25 0.5\n1 0\nEnd", "a", false);
   EXPECT_EQ(lines_of(a), (Lines{{{120, 220}, {480, 0}}}));
-  EXPECT_EQ(a.warnings, (std::vector<std::string>{"all coordinates lie between 0 and 1: taken for shares of the page, 480 × 440 mm"}));
+  EXPECT_EQ(
+      a.warnings,
+      (std::vector<std::string>{
+          "all coordinates lie between 0 and 1: taken for shares of the page, 480 × 440 mm"}));
   EXPECT_EQ(read("480 440\n0.25 0.5\n1.5 0\nEnd"), (Lines{{{0.25, 0.5}, {1.5, 0}}}));
   EXPECT_EQ(read("1 1\n0.25 0.5\n1 0\nEnd"), (Lines{{{0.25, 0.5}, {1, 0}}}));
 }
 
 TEST(StrokeFile, FaultsNameTheirLine) {
   EXPECT_EQ(message(""), "a: line 0: the file ends before the page's width and height");
-  EXPECT_EQ(message("hello\n"), "a: line 1: the page's width and height are to come first, as two numbers");
-  EXPECT_EQ(message("0 10\n"), "a: line 1: the page is 0 × 10 mm; both must be > 0 and at most 1e+06");
+  EXPECT_EQ(message("hello\n"),
+            "a: line 1: the page's width and height are to come first, as two numbers");
+  EXPECT_EQ(message("0 10\n"),
+            "a: line 1: the page is 0 × 10 mm; both must be > 0 and at most 1e+06");
   EXPECT_EQ(message("End\n"), "a: line 1: End before the page's width and height");
   EXPECT_EQ(message("9 9\n1 2\n3 x\nEnd"), "a: line 3: '3 x'; 2 numbers or End are to stand there");
   EXPECT_EQ(message("9 9\n\n1 2 3\n"), "a: line 3: '1 2 3'; 2 numbers or End are to stand there");
@@ -90,45 +101,62 @@ TEST(StrokeFile, FaultsNameTheirLine) {
   EXPECT_EQ(message("9 9\nnan 1\n"), "a: line 2: nan is not within ± 1e+06 mm");
   EXPECT_EQ(message("9 9\n1 -inf\n"), "a: line 2: -inf is not within ± 1e+06 mm");
   EXPECT_EQ(message("9 9\n1 2e6\n"), "a: line 2: 2e6 is not within ± 1e+06 mm");
-  EXPECT_EQ(message("a,b\n1,2\n", true), "a: line 1: the header names no columns x and y (and perhaps stroke)");
+  EXPECT_EQ(message("a,b\n1,2\n", true),
+            "a: line 1: the header names no columns x and y (and perhaps stroke)");
   EXPECT_EQ(message("x,y\n1,,2\n", true), "a: line 2: '1,,2'; 2 numbers or End are to stand there");
   EXPECT_EQ(message("9 9\nEnd\n"), "a: there is no stroke in it");
   EXPECT_EQ(message(std::string("9 9\n1\0 2", 8)), "a: not a text of strokes");
   const Artwork cut = parse_strokes("9 9\n1 2\nEnd\n3 4\n5 6\n", "a", false);
   EXPECT_EQ(cut.strokes.size(), 2u);
-  EXPECT_EQ(cut.warnings, (std::vector<std::string>{"the last stroke has no End: the file may be cut off after line 5"}));
+  EXPECT_EQ(cut.warnings, (std::vector<std::string>{
+                              "the last stroke has no End: the file may be cut off after line 5"}));
 }
 
 TEST(ArtworkFile, TheExtensionChooses) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "impedraw_artwork_file";
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / "impedraw_artwork_file";
   std::filesystem::create_directories(folder);
   const auto file = [&](const std::string& name, const std::string& text) {
     std::ofstream(folder / name) << text;
     return folder / name;
   };
-  EXPECT_EQ(lines_of(read_artwork(file("a.TXT", "9 9\n1 2\n3 4\nEnd\n"))), (Lines{{{1, 2}, {3, 4}}}));
-  EXPECT_EQ(lines_of(read_artwork(file("a.strokes", "9 9\n1 2\n3 4\nEnd\n"))), (Lines{{{1, 2}, {3, 4}}}));
+  EXPECT_EQ(lines_of(read_artwork(file("a.TXT", "9 9\n1 2\n3 4\nEnd\n"))),
+            (Lines{{{1, 2}, {3, 4}}}));
+  EXPECT_EQ(lines_of(read_artwork(file("a.strokes", "9 9\n1 2\n3 4\nEnd\n"))),
+            (Lines{{{1, 2}, {3, 4}}}));
   EXPECT_EQ(lines_of(read_artwork(file("a.csv", "x,y\n1,2\n3,4\n"))), (Lines{{{1, 2}, {3, 4}}}));
-  EXPECT_EQ(read_artwork(file("a.svg", "<svg xmlns='http://www.w3.org/2000/svg'><circle r='9'/></svg>")).strokes.size(), 1u);
+  EXPECT_EQ(
+      read_artwork(file("a.svg", "<svg xmlns='http://www.w3.org/2000/svg'><circle r='9'/></svg>"))
+          .strokes.size(),
+      1u);
   EXPECT_THROW(read_artwork(file("a.png", "9 9\n1 2\n3 4\nEnd\n")), InputError);
   EXPECT_THROW(read_artwork(folder / "missing.txt"), InputError);
   EXPECT_THROW(read_artwork(folder / "a.svg", {}, PageUnit::cm), InputError);
-  EXPECT_EQ(lines_of(read_artwork(folder / "a.csv", {}, PageUnit::cm)), (Lines{{{10, 20}, {30, 40}}}));
+  EXPECT_EQ(lines_of(read_artwork(folder / "a.csv", {}, PageUnit::cm)),
+            (Lines{{{10, 20}, {30, 40}}}));
   std::filesystem::remove_all(folder);
 }
 
 TEST(StrokeFile, UnitsOfItsNumbers) {
-  const auto read = [](PageUnit unit, const std::string& text) { return parse_strokes(text, "a", false, {.unit = unit}); };
-  for (const auto& [unit, mm] : {std::pair(PageUnit::file, 1.0), {PageUnit::mm, 1.0}, {PageUnit::cm, 10.0}, {PageUnit::in, 25.4},
-                                 {PageUnit::m, 1000.0}, {PageUnit::px, 25.4 / 96}}) {
+  const auto read = [](PageUnit unit, const std::string& text) {
+    return parse_strokes(text, "a", false, {.unit = unit});
+  };
+  for (const auto& [unit, mm] : {std::pair(PageUnit::file, 1.0),
+                                 {PageUnit::mm, 1.0},
+                                 {PageUnit::cm, 10.0},
+                                 {PageUnit::in, 25.4},
+                                 {PageUnit::m, 1000.0},
+                                 {PageUnit::px, 25.4 / 96}}) {
     SCOPED_TRACE(mm);
     const Artwork a = read(unit, "20 10\n1 2\n4 6\nEnd\n");
     EXPECT_LT((a.page.max() - mm * Eigen::Vector2d(20, 10)).norm(), 1e-9);
     EXPECT_LT((a.strokes.at(0).points.back() - mm * Eigen::Vector2d(4, 6)).norm(), 1e-9);
   }
   // Metres within 1 are metres, not shares, once that is said.
-  EXPECT_EQ(read(PageUnit::m, "2 2\n.1 .2\n.3 .4\nEnd\n").strokes.at(0).points.at(0), Eigen::Vector2d(100, 200));
-  EXPECT_EQ(read(PageUnit::file, "2 2\n.1 .2\n.3 .4\nEnd\n").strokes.at(0).points.at(0), Eigen::Vector2d(.2, .4));
+  EXPECT_EQ(read(PageUnit::m, "2 2\n.1 .2\n.3 .4\nEnd\n").strokes.at(0).points.at(0),
+            Eigen::Vector2d(100, 200));
+  EXPECT_EQ(read(PageUnit::file, "2 2\n.1 .2\n.3 .4\nEnd\n").strokes.at(0).points.at(0),
+            Eigen::Vector2d(.2, .4));
   EXPECT_THROW(read(PageUnit::m, "2 2\n1 1001\nEnd\n"), InputError);  // beyond 1e6 mm
 }
 

@@ -16,7 +16,9 @@
 namespace impedraw {
 namespace {
 
-const std::string kHead = "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' viewBox='0 0 100 100'>";
+const std::string kHead =
+    "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' viewBox='0 "
+    "0 100 100'>";
 const std::string kLine = "<line x2='50' y2='50' stroke='black'/>";
 
 std::string message(const std::string& document) {
@@ -30,18 +32,27 @@ std::string message(const std::string& document) {
 }
 
 TEST(SvgHostile, BrokenDocumentsGetOneLine) {
-  EXPECT_EQ(message(""), "a.svg: not an SVG that can be read: the document does not have a root node");
+  EXPECT_EQ(message(""),
+            "a.svg: not an SVG that can be read: the document does not have a root node");
   EXPECT_EQ(message("hello").find("a.svg: not an SVG that can be read: "), 0u);
-  EXPECT_EQ(message("<html/>"), "a.svg: not an SVG that can be read: the root element is <html>, not <svg>");
-  EXPECT_EQ(message(kHead + "<g>" + kLine), "a.svg: not an SVG that can be read: the root node was opened but never closed");
+  EXPECT_EQ(message("<html/>"),
+            "a.svg: not an SVG that can be read: the root element is <html>, not <svg>");
+  EXPECT_EQ(message(kHead + "<g>" + kLine),
+            "a.svg: not an SVG that can be read: the root node was opened but never closed");
   EXPECT_EQ(message("<svg>\xff</svg>"), "a.svg: not an SVG that can be read: not a UTF-8 text");
-  EXPECT_NE(message("<svg xmlns='http://www.w3.org/2000/svg' width='0' height='10'>" + kLine + "</svg>").find("size"), std::string::npos);
+  EXPECT_NE(
+      message("<svg xmlns='http://www.w3.org/2000/svg' width='0' height='10'>" + kLine + "</svg>")
+          .find("size"),
+      std::string::npos);
 }
 
 TEST(SvgHostile, NothingToDrawSaysSo) {
-  EXPECT_EQ(message(kHead + "</svg>"), "a.svg: nothing in it draws a line: no visible path or shape");
-  EXPECT_EQ(message(kHead + "<image/></svg>"), "a.svg: nothing in it draws a line: no visible path or shape (1 × <image>: pictures are "
-                                               "left out: a pen draws lines only)");
+  EXPECT_EQ(message(kHead + "</svg>"),
+            "a.svg: nothing in it draws a line: no visible path or shape");
+  EXPECT_EQ(
+      message(kHead + "<image/></svg>"),
+      "a.svg: nothing in it draws a line: no visible path or shape (1 × <image>: pictures are "
+      "left out: a pen draws lines only)");
 }
 
 TEST(SvgHostile, FilesThatAreNot) {
@@ -55,21 +66,31 @@ TEST(SvgHostile, FilesThatAreNot) {
   };
   EXPECT_EQ(file_message("/no/such.svg"), "/no/such.svg: no such file");
   EXPECT_EQ(file_message("/tmp"), "/tmp: not a file");
-  const std::filesystem::path packed = std::filesystem::temp_directory_path() / "impedraw_packed.svgz";
+  const std::filesystem::path packed =
+      std::filesystem::temp_directory_path() / "impedraw_packed.svgz";
   std::ofstream(packed, std::ios::binary) << "\x1f\x8b rest";
   EXPECT_EQ(file_message(packed), packed.string() + ": a compressed SVG; unpack it first (gunzip)");
   std::filesystem::remove(packed);
 }
 
 TEST(SvgHostile, CoordinatesBeyondReason) {
-  EXPECT_NE(message(kHead + "<line x2='1e12' y2='3' stroke='red'/></svg>").find("lies beyond ± 1e+06 mm"), std::string::npos);
-  const auto number = [](const std::string& body) { return message(kHead + kLine + "\n" + body + "</svg>"); };
+  EXPECT_NE(
+      message(kHead + "<line x2='1e12' y2='3' stroke='red'/></svg>").find("lies beyond ± 1e+06 mm"),
+      std::string::npos);
+  const auto number = [](const std::string& body) {
+    return message(kHead + kLine + "\n" + body + "</svg>");
+  };
   const std::string read = "a.svg: not an SVG that can be read: ";
-  EXPECT_EQ(number("<path d='M0 0 L 3 NaN' stroke='red'/>"), read + "line 2: <path> d: holds what is not a finite number");
-  EXPECT_EQ(number("<circle r='nan'/>"), read + "line 2: <circle> r: holds what is not a finite number");
-  EXPECT_EQ(number("<g transform='translate(-Infinity 3)'/>"), read + "line 2: <g> transform: holds what is not a finite number");
-  EXPECT_EQ(number("<path d='M0 0 L 1e400 5' stroke='red'/>"), read + "line 2: <path> d: holds 1e400, beyond ± 1e30");
-  message(kHead + "<g transform='scale(1e30)'><g transform='scale(1e30)'>" + kLine + "</g></g></svg>");
+  EXPECT_EQ(number("<path d='M0 0 L 3 NaN' stroke='red'/>"),
+            read + "line 2: <path> d: holds what is not a finite number");
+  EXPECT_EQ(number("<circle r='nan'/>"),
+            read + "line 2: <circle> r: holds what is not a finite number");
+  EXPECT_EQ(number("<g transform='translate(-Infinity 3)'/>"),
+            read + "line 2: <g> transform: holds what is not a finite number");
+  EXPECT_EQ(number("<path d='M0 0 L 1e400 5' stroke='red'/>"),
+            read + "line 2: <path> d: holds 1e400, beyond ± 1e30");
+  message(kHead + "<g transform='scale(1e30)'><g transform='scale(1e30)'>" + kLine +
+          "</g></g></svg>");
   message(kHead + "<circle r='1e30' stroke='red'/></svg>");
 }
 
@@ -91,7 +112,8 @@ Cost cost(const std::string& document) {
   close(ends[1]);
   std::string said;
   char buffer[4096];
-  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;) said.append(buffer, static_cast<std::size_t>(n));
+  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+    said.append(buffer, static_cast<std::size_t>(n));
   close(ends[0]);
   rusage usage{};
   int status = 0;
@@ -118,7 +140,8 @@ void expect_refused(const std::string& document, const std::string& why) {
 std::string with_entities(const std::string& first, const std::string& quote) {
   std::string entities = "<!DOCTYPE svg [<!ENTITY e0 " + quote + first + quote + ">";
   for (int i = 1; i < 12; ++i) {
-    entities += "<!ENTITY e" + std::to_string(i) + " '" + repeated("&e" + std::to_string(i - 1) + ";", 10) + "'>";
+    entities += "<!ENTITY e" + std::to_string(i) + " '" +
+                repeated("&e" + std::to_string(i - 1) + ";", 10) + "'>";
   }
   return entities + "]>" + kHead;
 }
@@ -128,32 +151,43 @@ TEST(SvgHostile, DeepNesting) {
     expect_refused(kHead + repeated("<g>", depth) + kLine + repeated("</g>", depth) + "</svg>",
                    "line 1: nested more than 1000 elements deep");
   }
-  EXPECT_EQ(message(kHead + repeated("<g>", 900) + kLine + repeated("</g>", 900) + "</svg>"), "accepted");
+  EXPECT_EQ(message(kHead + repeated("<g>", 900) + kLine + repeated("</g>", 900) + "</svg>"),
+            "accepted");
 }
 
 TEST(SvgHostile, UsesWithoutEnd) {
   const std::string back = "line 1: a <use> leads back to the element that it stands in";
   expect_refused(kHead + "<g id='a'><use xlink:href='#a'/></g>" + kLine + "</svg>", back);
-  expect_refused(kHead + "<g id='a'><use href='#b'/></g><g id='b'><use xlink:href='#a'/></g>" + kLine + "</svg>", back);
+  expect_refused(kHead + "<g id='a'><use href='#b'/></g><g id='b'><use xlink:href='#a'/></g>" +
+                     kLine + "</svg>",
+                 back);
   expect_refused(kHead + "<use id='a' href='#a'/>" + kLine + "</svg>", back);
-  EXPECT_EQ(message(kHead + "<g id='a'><use href='#b'/></g><g id='b'>" + kLine + "</g><use href='#a'/><use href='#b'/></svg>"), "accepted");
-  std::string chain = kHead + "<g id='u3000'>" + kLine + "</g>", bomb = kHead + "<g id='u0'>" + kLine + "</g>";
-  for (int i = 0; i < 3000; ++i) chain += "<g id='u" + std::to_string(i) + "'><use href='#u" + std::to_string(i + 1) + "'/></g>";
+  EXPECT_EQ(message(kHead + "<g id='a'><use href='#b'/></g><g id='b'>" + kLine +
+                    "</g><use href='#a'/><use href='#b'/></svg>"),
+            "accepted");
+  std::string chain = kHead + "<g id='u3000'>" + kLine + "</g>",
+              bomb = kHead + "<g id='u0'>" + kLine + "</g>";
+  for (int i = 0; i < 3000; ++i)
+    chain += "<g id='u" + std::to_string(i) + "'><use href='#u" + std::to_string(i + 1) + "'/></g>";
   for (int i = 1; i < 12; ++i) {
-    bomb += "<g id='u" + std::to_string(i) + "'>" + repeated("<use href='#u" + std::to_string(i - 1) + "'/>", 10) + "</g>";
+    bomb += "<g id='u" + std::to_string(i) + "'>" +
+            repeated("<use href='#u" + std::to_string(i - 1) + "'/>", 10) + "</g>";
   }
   expect_refused(chain + "</svg>", "too many within one another");
   expect_refused(bomb + "</svg>", "more than 1,000,000 elements, all uses counted");
 }
 
 TEST(SvgHostile, Entities) {
-  expect_refused(with_entities("aaaaaaaaaa", "'") + "<desc>&e11;</desc>" + kLine + "</svg>", "entity reference loop");
+  expect_refused(with_entities("aaaaaaaaaa", "'") + "<desc>&e11;</desc>" + kLine + "</svg>",
+                 "entity reference loop");
   expect_refused(with_entities(kLine, "\"") + "&e11;</svg>", "entity reference loop");
-  expect_refused("<!DOCTYPE svg [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>" + kHead + "<text>&x;</text></svg>",
-                 "unknown entity reference 'x'");
+  expect_refused(
+      "<!DOCTYPE svg [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>" + kHead + "<text>&x;</text></svg>",
+      "unknown entity reference 'x'");
   // Not nested, but long and often.
   const std::string long_one = "<!DOCTYPE svg [<!ENTITY a '" + repeated("a", 100000) + "'>]>";
-  expect_refused(long_one + kHead + "<desc>" + repeated("&a;", 20000) + "</desc></svg>", "it takes ");
+  expect_refused(long_one + kHead + "<desc>" + repeated("&a;", 20000) + "</desc></svg>",
+                 "it takes ");
 }
 
 TEST(SvgHostile, TooMuchOfAnything) {
@@ -161,31 +195,40 @@ TEST(SvgHostile, TooMuchOfAnything) {
   for (int i = 0; i < 200000; ++i) attributes += " a" + std::to_string(i) + "='1'";
   expect_refused(kHead + "<g" + attributes + ">" + kLine + "</g></svg>", "it takes longer than");
   const std::string rules = "<style>" + repeated(".a{fill:red}", 200000) + "</style>";
-  expect_refused(kHead + rules + repeated("<path class='a' d='M0 0H1V1'/>", 2000) + "</svg>", "it takes ");
+  expect_refused(kHead + rules + repeated("<path class='a' d='M0 0H1V1'/>", 2000) + "</svg>",
+                 "it takes ");
   expect_refused(kHead + repeated("<g/>", 3000000) + "</svg>", "nodes limit");
-  expect_refused(kHead + "<path stroke='red' d='M0 0" + repeated("C 1e5 -1e5 -1e5 1e5 5 5", 200000) + "'/></svg>",
+  expect_refused(kHead + "<path stroke='red' d='M0 0" +
+                     repeated("C 1e5 -1e5 -1e5 1e5 5 5", 200000) + "'/></svg>",
                  "its curves take more than");
 }
 
 TEST(SvgHostile, TenThousandSubpathsAreQuick) {
   std::string d;
-  for (int i = 0; i < 10000; ++i) d += "M" + std::to_string(i % 100) + " " + std::to_string(i / 100) + "c.5 0 0 .5 .3 .3z";
+  for (int i = 0; i < 10000; ++i)
+    d += "M" + std::to_string(i % 100) + " " + std::to_string(i / 100) + "c.5 0 0 .5 .3 .3z";
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_EQ(parse_svg(kHead + "<path stroke='red' d='" + d + "'/></svg>", "a.svg").strokes.size(), 10000u);
+  EXPECT_EQ(parse_svg(kHead + "<path stroke='red' d='" + d + "'/></svg>", "a.svg").strokes.size(),
+            10000u);
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 2.0);
 }
 
 TEST(SvgHostile, MutilatedDocumentsNeverCrash) {
-  const std::string whole = kHead + "<g transform='rotate(30)' id='x'><path d='M1 2 C 3 4 5 6 7 8 A 3 4 5 0 1 9 9 z' stroke='#123'/>"
-                            "<ellipse rx='3' ry='4' style='fill:red'/><use xlink:href='#x'/></g></svg>";
+  const std::string whole =
+      kHead +
+      "<g transform='rotate(30)' id='x'><path d='M1 2 C 3 4 5 6 7 8 A 3 4 5 0 1 9 9 z' "
+      "stroke='#123'/>"
+      "<ellipse rx='3' ry='4' style='fill:red'/><use xlink:href='#x'/></g></svg>";
   for (unsigned seed = 0; seed < 3000; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     std::string document = whole;
     for (unsigned i = 0; i <= seed % 4; ++i) {
       const std::size_t at = random() % document.size();
-      if (random() % 2) document[at] = static_cast<char>(32 + random() % 95);
-      else document.erase(at, random() % 8);
+      if (random() % 2)
+        document[at] = static_cast<char>(32 + random() % 95);
+      else
+        document.erase(at, random() % 8);
     }
     message(document);
   }

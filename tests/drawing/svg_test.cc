@@ -15,19 +15,25 @@ constexpr double kPx = 25.4 / 96;
 
 // A page whose unit is 1 mm: 200 mm wide and high.
 Artwork on_mm_page(const std::string& body) {
-  return parse_svg(R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
+  return parse_svg(
+      R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
     xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="200mm" height="200mm" viewBox="0 0 200 200">)" +
-                   body + "</svg>", "test");
+          body + "</svg>",
+      "test");
 }
-Artwork stroked(const std::string& body) { return on_mm_page("<g fill='none' stroke='black'>" + body + "</g>"); }
+Artwork stroked(const std::string& body) {
+  return on_mm_page("<g fill='none' stroke='black'>" + body + "</g>");
+}
 std::vector<Vector2d> only(const Artwork& artwork) {
   EXPECT_EQ(artwork.strokes.size(), 1u);
   return artwork.strokes.at(0).points;
 }
 
-void expect_points(const std::vector<Vector2d>& points, const std::vector<Vector2d>& expected, double tolerance = 1e-4) {
+void expect_points(const std::vector<Vector2d>& points, const std::vector<Vector2d>& expected,
+                   double tolerance = 1e-4) {
   ASSERT_EQ(points.size(), expected.size());
-  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT((points[i] - expected[i]).norm(), tolerance) << i;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_LT((points[i] - expected[i]).norm(), tolerance) << i;
 }
 
 TEST(Svg, LinesPolylinesPolygonsAndRectangles) {
@@ -37,26 +43,33 @@ TEST(Svg, LinesPolylinesPolygonsAndRectangles) {
   expect_points(only(polygon), {{0, 0}, {10, 0}, {10, 10}, {0, 0}});
   EXPECT_TRUE(polygon.strokes[0].closed);
   EXPECT_EQ(polygon.strokes[0].points.front(), polygon.strokes[0].points.back());
-  expect_points(only(stroked("<rect x='5' y='6' width='20' height='10'/>")), {{5, 6}, {25, 6}, {25, 16}, {5, 16}, {5, 6}});
-  expect_points(only(stroked("<path d='M10 10 h20 v20 H5 l-2 -3 z'/>")), {{10, 10}, {30, 10}, {30, 30}, {5, 30}, {3, 27}, {10, 10}});
+  expect_points(only(stroked("<rect x='5' y='6' width='20' height='10'/>")),
+                {{5, 6}, {25, 6}, {25, 16}, {5, 16}, {5, 6}});
+  expect_points(only(stroked("<path d='M10 10 h20 v20 H5 l-2 -3 z'/>")),
+                {{10, 10}, {30, 10}, {30, 30}, {5, 30}, {3, 27}, {10, 10}});
 }
 
 TEST(Svg, CircleIsTheCircle) {
   // usvg's own cubics are off by 0.022 mm here; the smallest unit makes no difference.
-  for (const std::string& body : {std::string("<circle cx='100' cy='90' r='80'/>"),
-                                  std::string("<g transform='scale(100)'><circle cx='1' cy='.9' r='.8'/></g>"),
-                                  std::string("<path d='M180 90 A80 80 0 0 1 20 90 A80 80 0 0 1 180 90'/>")}) {
+  for (const std::string& body :
+       {std::string("<circle cx='100' cy='90' r='80'/>"),
+        std::string("<g transform='scale(100)'><circle cx='1' cy='.9' r='.8'/></g>"),
+        std::string("<path d='M180 90 A80 80 0 0 1 20 90 A80 80 0 0 1 180 90'/>")}) {
     SCOPED_TRACE(body);
     const auto& line = only(stroked(body));
     for (const Vector2d& p : line) EXPECT_NEAR((p - Vector2d(100, 90)).norm(), 80, 1e-3);
     EXPECT_NEAR(lines::length(line), 2 * M_PI * 80, 0.02);
-    const auto circle = [](double s) { return Vector2d(100 + 80 * std::cos(2 * M_PI * s), 90 + 80 * std::sin(2 * M_PI * s)); };
+    const auto circle = [](double s) {
+      return Vector2d(100 + 80 * std::cos(2 * M_PI * s), 90 + 80 * std::sin(2 * M_PI * s));
+    };
     EXPECT_LT(lines::worst(circle, line), 4e-3);
   }
 }
 
 TEST(Svg, TransformedEllipse) {
-  const auto& line = only(stroked("<ellipse rx='60' ry='20' transform='translate(100 80) rotate(30) skewX(20) scale(1 -1.5)'/>"));
+  const auto& line =
+      only(stroked("<ellipse rx='60' ry='20' transform='translate(100 80) rotate(30) skewX(20) "
+                   "scale(1 -1.5)'/>"));
   const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6), t = std::tan(M_PI / 9);
   const auto curve = [&](double f) {
     const Vector2d e(60 * std::cos(2 * M_PI * f), -30 * std::sin(2 * M_PI * f));
@@ -71,7 +84,8 @@ TEST(Svg, ArcsOfThePathCommand) {
   const double h = 50 * std::sqrt(3.0);
   for (int large : {0, 1}) {
     SCOPED_TRACE(large);
-    const auto& line = only(stroked(fmt::format("<path d='M{} 100 A50 50 0 {} 1 {} 100'/>", 100 - h / 2, large, 100 + h / 2)));
+    const auto& line = only(stroked(
+        fmt::format("<path d='M{} 100 A50 50 0 {} 1 {} 100'/>", 100 - h / 2, large, 100 + h / 2)));
     const Vector2d centre(100, 100 + (large ? -25 : 25));
     for (const Vector2d& p : line) EXPECT_NEAR((p - centre).norm(), 50, 1e-3);
     EXPECT_NEAR(lines::length(line), 50 * 2 * M_PI * (large ? 2 : 1) / 3, 0.01);
@@ -81,19 +95,25 @@ TEST(Svg, ArcsOfThePathCommand) {
 TEST(Svg, BezierCurvesKeepTheirShape) {
   const auto& cubic = only(stroked("<path d='M20 20 C 180 20 20 180 180 180'/>"));
   const Vector2d p[4] = {{20, 20}, {180, 20}, {20, 180}, {180, 180}};
-  EXPECT_LT(lines::worst([&](double s) {
-    const double r = 1 - s;
-    return Vector2d(r * r * r * p[0] + 3 * r * r * s * p[1] + 3 * r * s * s * p[2] + s * s * s * p[3]);
-  }, cubic), 4e-3);
+  EXPECT_LT(lines::worst(
+                [&](double s) {
+                  const double r = 1 - s;
+                  return Vector2d(r * r * r * p[0] + 3 * r * r * s * p[1] + 3 * r * s * s * p[2] +
+                                  s * s * s * p[3]);
+                },
+                cubic),
+            4e-3);
   const auto& quad = only(stroked("<path d='M0 0 Q 50 100 100 0'/>"));
-  EXPECT_LT(lines::worst([](double s) { return Vector2d(100 * s, 200 * s * (1 - s)); }, quad), 4e-3);
+  EXPECT_LT(lines::worst([](double s) { return Vector2d(100 * s, 200 * s * (1 - s)); }, quad),
+            4e-3);
 }
 
 TEST(Svg, RoundedRectangle) {
   const auto& line = only(stroked("<rect x='20' y='30' width='100' height='60' rx='10'/>"));
   EXPECT_NEAR(lines::length(line), 2 * (80 + 40) + 2 * M_PI * 10, 0.02);
   for (const Vector2d& p : line) {
-    const Vector2d d = ((p - Vector2d(70, 60)).cwiseAbs() - Vector2d(40, 20)).cwiseMax(0);  // beyond the straight sides' span
+    const Vector2d d = ((p - Vector2d(70, 60)).cwiseAbs() - Vector2d(40, 20))
+                           .cwiseMax(0);  // beyond the straight sides' span
     EXPECT_NEAR(d.norm(), 10, 0.004);
   }
 }
@@ -106,10 +126,12 @@ TEST(Svg, NestedTransformsCompose) {
     Eigen::Affine2d expected = Eigen::Affine2d::Identity();
     std::string open, close;
     for (int level = 0; level < 4; ++level) {
-      const double a = 90 * any(random), tx = 20 * any(random), ty = 20 * any(random), s = 1 + 0.3 * any(random);
+      const double a = 90 * any(random), tx = 20 * any(random), ty = 20 * any(random),
+                   s = 1 + 0.3 * any(random);
       open += fmt::format("<g transform='translate({},{}) rotate({}) scale({})'>", tx, ty, a, s);
       close += "</g>";
-      expected = expected * Eigen::Translation2d(tx, ty) * Eigen::Rotation2Dd(a * M_PI / 180) * Eigen::Scaling(s);
+      expected = expected * Eigen::Translation2d(tx, ty) * Eigen::Rotation2Dd(a * M_PI / 180) *
+                 Eigen::Scaling(s);
     }
     const auto& line = only(stroked(open + "<line x1='3' y1='-4' x2='50' y2='7'/>" + close));
     expect_points(line, {expected * Vector2d(3, -4), expected * Vector2d(50, 7)}, 2e-4);
@@ -135,10 +157,13 @@ TEST(Svg, UnitsAndViewBox) {
 
 TEST(Svg, FillAndStrokeDrawOneOutline) {
   const std::string d = "d='M10 10 H50 V50 Z'";
-  for (const std::string style : {"fill='red'", "fill='none' stroke='black'", "fill='red' stroke='black'",
-                                   "fill='red' stroke='black' paint-order='stroke'", "fill='white'", "style='fill:none;stroke:#fff'"}) {
+  for (const std::string style :
+       {"fill='red'", "fill='none' stroke='black'", "fill='red' stroke='black'",
+        "fill='red' stroke='black' paint-order='stroke'", "fill='white'",
+        "style='fill:none;stroke:#fff'"}) {
     SCOPED_TRACE(style);
-    EXPECT_NEAR(lines::length(only(on_mm_page("<path " + d + " " + style + "/>"))), 80 + 40 * std::sqrt(2.0), 1e-3);
+    EXPECT_NEAR(lines::length(only(on_mm_page("<path " + d + " " + style + "/>"))),
+                80 + 40 * std::sqrt(2.0), 1e-3);
   }
   // Filled alone, an open path looks closed; stroked, it stays open.
   EXPECT_EQ(only(on_mm_page("<path d='M10 10 H50 V50'/>")).size(), 4u);
@@ -150,13 +175,18 @@ TEST(Svg, WhatIsNotPaintedIsNotDrawn) {
   for (const std::string unseen :
        {"<path d='M0 0 H10 V10 Z' fill='none'/>", "<path d='M0 0 H10 V10 Z' opacity='0'/>",
         "<g opacity='0'><rect width='9' height='9'/></g>",
-        "<linearGradient id='g'><stop stop-opacity='0'/><stop offset='1' stop-opacity='0'/></linearGradient>"
+        "<linearGradient id='g'><stop stop-opacity='0'/><stop offset='1' "
+        "stop-opacity='0'/></linearGradient>"
         "<rect width='9' height='9' fill='url(#g)'/>",
-        "<g display='none'><rect width='9' height='9'/></g>", "<rect width='9' height='9' visibility='hidden'/>",
-        "<rect width='9' height='9' fill-opacity='0'/>", "<line x1='0' y1='0' x2='9' y2='9' fill='black'/>",
+        "<g display='none'><rect width='9' height='9'/></g>",
+        "<rect width='9' height='9' visibility='hidden'/>",
+        "<rect width='9' height='9' fill-opacity='0'/>",
+        "<line x1='0' y1='0' x2='9' y2='9' fill='black'/>",
         "<defs><rect width='9' height='9'/></defs>",
-        "<clipPath id='c'><rect width='9' height='9'/></clipPath>", "<path d='M5 5 Z' stroke='black'/>", "<rect width='0' height='9'/>",
-        "<path d='M0 0 H10' stroke='black' stroke-width='0'/>", "<style>.h{display:none}</style><rect class='h' width='9' height='9'/>"}) {
+        "<clipPath id='c'><rect width='9' height='9'/></clipPath>",
+        "<path d='M5 5 Z' stroke='black'/>", "<rect width='0' height='9'/>",
+        "<path d='M0 0 H10' stroke='black' stroke-width='0'/>",
+        "<style>.h{display:none}</style><rect class='h' width='9' height='9'/>"}) {
     SCOPED_TRACE(unseen);
     EXPECT_NEAR(lines::length(only(on_mm_page(unseen + seen))), 7, 1e-4);
   }
@@ -164,8 +194,9 @@ TEST(Svg, WhatIsNotPaintedIsNotDrawn) {
 
 TEST(Svg, SubpathsUsesAndDots) {
   EXPECT_EQ(stroked("<path d='M0 0 H10 M0 5 H10 M0 9 H3 V3 z l 5 5'/>").strokes.size(), 4u);
-  const Artwork used = stroked("<defs><line id='a' x1='0' y1='0' x2='5' y2='0'/></defs>"
-                               "<use xlink:href='#a' x='10'/><use href='#a' y='20'/>");
+  const Artwork used = stroked(
+      "<defs><line id='a' x1='0' y1='0' x2='5' y2='0'/></defs>"
+      "<use xlink:href='#a' x='10'/><use href='#a' y='20'/>");
   ASSERT_EQ(used.strokes.size(), 2u);
   EXPECT_LT((used.strokes[0].points[0] - Vector2d(10, 0)).norm(), 1e-4);
   EXPECT_LT((used.strokes[1].points[0] - Vector2d(0, 20)).norm(), 1e-4);
@@ -186,30 +217,38 @@ TEST(Svg, LayersAreTheTopGroups) {
 }
 
 TEST(Svg, LayersWithoutStrokesAreNone) {
-  const Artwork hidden = on_mm_page("<g inkscape:label='a' display='none'><line x2='5' y2='1' stroke='red'/></g>"
-                                    "<g inkscape:label='b'><line x2='5' y2='0' fill='red'/></g>"
-                                    "<g inkscape:label='c' transform='scale(2)'><line x2='5' stroke='red'/></g>");
+  const Artwork hidden = on_mm_page(
+      "<g inkscape:label='a' display='none'><line x2='5' y2='1' stroke='red'/></g>"
+      "<g inkscape:label='b'><line x2='5' y2='0' fill='red'/></g>"
+      "<g inkscape:label='c' transform='scale(2)'><line x2='5' stroke='red'/></g>");
   EXPECT_EQ(hidden.layers, (std::vector<std::string>{"c"}));
   EXPECT_NEAR(lines::length(only(hidden)), 10, 1e-4);
-  EXPECT_EQ(stroked("<line x2='5'/>").layers, (std::vector<std::string>{"1"}));  // a lone group without a name
+  EXPECT_EQ(stroked("<line x2='5'/>").layers,
+            (std::vector<std::string>{"1"}));  // a lone group without a name
   // Illustrator's layers stand within a switch.
-  const Artwork illustrator = on_mm_page("<switch><foreignObject requiredExtensions='x'/><g extraneous='self'><g id='L1'><g id='in'>"
-                                         "<line x2='5' stroke='red'/></g></g><g id='L2'><line x2='5' stroke='red'/></g></g></switch>");
+  const Artwork illustrator = on_mm_page(
+      "<switch><foreignObject requiredExtensions='x'/><g extraneous='self'><g id='L1'><g id='in'>"
+      "<line x2='5' stroke='red'/></g></g><g id='L2'><line x2='5' stroke='red'/></g></g></switch>");
   EXPECT_EQ(illustrator.layers, (std::vector<std::string>{"L1", "L2"}));
 }
 
 TEST(Svg, NothingToDrawMayBeAllowed) {
   SvgSettings settings;
   settings.may_be_empty = true;
-  const Artwork empty = parse_svg("<svg xmlns='http://www.w3.org/2000/svg' opacity='0'><rect width='9' height='9'/></svg>", "a", settings);
+  const Artwork empty = parse_svg(
+      "<svg xmlns='http://www.w3.org/2000/svg' opacity='0'><rect width='9' height='9'/></svg>", "a",
+      settings);
   EXPECT_TRUE(empty.strokes.empty());
-  EXPECT_EQ(empty.warnings, (std::vector<std::string>{"nothing in it draws a line: no visible path or shape"}));
+  EXPECT_EQ(empty.warnings,
+            (std::vector<std::string>{"nothing in it draws a line: no visible path or shape"}));
 }
 
 TEST(Svg, WhatIsLeftOutIsTold) {
-  const Artwork a = on_mm_page("<marker id='m'><path d='M0 0 L9 9'/></marker><image href='/etc/passwd' width='9' height='9'/>"
-                               "<clipPath id='c'><rect width='1' height='1'/></clipPath><g clip-path='url(#c)'>"
-                               "<line x2='5' y2='5' stroke='red' stroke-dasharray='1 2'/></g>");
+  const Artwork a = on_mm_page(
+      "<marker id='m'><path d='M0 0 L9 9'/></marker><image href='/etc/passwd' width='9' "
+      "height='9'/>"
+      "<clipPath id='c'><rect width='1' height='1'/></clipPath><g clip-path='url(#c)'>"
+      "<line x2='5' y2='5' stroke='red' stroke-dasharray='1 2'/></g>");
   ASSERT_EQ(a.warnings.size(), 3u);  // dashes are told apart, for dashes.h to apply
   ASSERT_EQ(a.dashes.size(), 1u);
   EXPECT_EQ(a.strokes.at(0).dash, 0);
@@ -224,16 +263,23 @@ TEST(Svg, WhatIsLeftOutIsTold) {
 }
 
 TEST(Svg, MarkersAndPatternsAreNotDrawn) {
-  const std::string marker = "<marker id='m' markerWidth='5' markerHeight='5' overflow='visible'><path d='M0 0 L5 5 V9'/></marker>";
-  for (const std::string use : {"marker-end='url(#m)'", "style='marker:url(#m)'", "style='marker-mid:url(#m) !important'", "class='k'",
-                                "marker-start='url(#m)' paint-order='fill markers'"}) {
+  const std::string marker =
+      "<marker id='m' markerWidth='5' markerHeight='5' overflow='visible'><path d='M0 0 L5 5 "
+      "V9'/></marker>";
+  for (const std::string use :
+       {"marker-end='url(#m)'", "style='marker:url(#m)'", "style='marker-mid:url(#m) !important'",
+        "class='k'", "marker-start='url(#m)' paint-order='fill markers'"}) {
     SCOPED_TRACE(use);
     const std::string style = "<style>.k{marker-start:url(#m)}</style>";
-    EXPECT_NEAR(lines::length(only(on_mm_page(marker + style + "<path d='M10 10 H50 V50' stroke='red' " + use + "/>"))), 80, 1e-3);
+    EXPECT_NEAR(lines::length(only(on_mm_page(
+                    marker + style + "<path d='M10 10 H50 V50' stroke='red' " + use + "/>"))),
+                80, 1e-3);
   }
-  EXPECT_NEAR(lines::length(only(on_mm_page("<pattern id='p' width='3' height='3' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
-                                            "stroke='red'/></pattern><rect width='30' height='20' fill='url(#p)'/>"))),
-              100, 1e-3);
+  EXPECT_NEAR(
+      lines::length(only(on_mm_page(
+          "<pattern id='p' width='3' height='3' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
+          "stroke='red'/></pattern><rect width='30' height='20' fill='url(#p)'/>"))),
+      100, 1e-3);
 }
 
 TEST(Svg, TextIsDrawnAsOutlines) {
@@ -245,7 +291,9 @@ TEST(Svg, TextIsDrawnAsOutlines) {
     }
     return box;
   };
-  Artwork one = on_mm_page("<line x1='0' y1='199' x2='1' y2='199' stroke='red'/><text x='50' y='100' font-size='20'>HH</text>");
+  Artwork one = on_mm_page(
+      "<line x1='0' y1='199' x2='1' y2='199' stroke='red'/><text x='50' y='100' "
+      "font-size='20'>HH</text>");
   if (one.strokes.size() == 1) {
     ASSERT_EQ(one.warnings.size(), 1u);
     EXPECT_NE(one.warnings[0].find("1 texts are left out"), std::string::npos);
@@ -257,15 +305,20 @@ TEST(Svg, TextIsDrawnAsOutlines) {
   EXPECT_GT(extent(one).min().x(), 50);
   EXPECT_GT(extent(one).sizes().y(), 12);
   EXPECT_LT(extent(one).sizes().y(), 17);
-  Artwork turned = on_mm_page("<g transform='translate(100 0) rotate(90) scale(.5)'><text x='50' y='100' font-size='20'>HH</text></g>");
+  Artwork turned = on_mm_page(
+      "<g transform='translate(100 0) rotate(90) scale(.5)'><text x='50' y='100' "
+      "font-size='20'>HH</text></g>");
   EXPECT_NEAR(extent(turned).min().x(), 50, 1e-3);
   EXPECT_NEAR(extent(turned).sizes().x(), extent(one).sizes().y() / 2, 1e-3);
   EXPECT_NEAR(extent(turned).sizes().y(), extent(one).sizes().x() / 2, 1e-3);
 }
 
 TEST(Svg, OtherEncodings) {
-  const std::string rest = "<svg xmlns='http://www.w3.org/2000/svg'><g id='caf\xe9'><line x2='9' y2='9' stroke='red'/></g></svg>";
-  EXPECT_EQ(parse_svg("<?xml version='1.0' encoding='ISO-8859-1'?>" + rest, "latin").layers, std::vector<std::string>{"caf\xc3\xa9"});
+  const std::string rest =
+      "<svg xmlns='http://www.w3.org/2000/svg'><g id='caf\xe9'><line x2='9' y2='9' "
+      "stroke='red'/></g></svg>";
+  EXPECT_EQ(parse_svg("<?xml version='1.0' encoding='ISO-8859-1'?>" + rest, "latin").layers,
+            std::vector<std::string>{"caf\xc3\xa9"});
   std::string wide = "\xff\xfe";
   for (const char c : rest) wide += {c, '\0'};
   EXPECT_EQ(parse_svg(wide, "utf-16").layers, std::vector<std::string>{"caf\xc3\xa9"});

@@ -1,4 +1,5 @@
-// Text as strokes: sizes and places by what is asked for, letters by what the font's file says, read here in another way.
+// Text as strokes: sizes and places by what is asked for, letters by what the font's file says,
+// read here in another way.
 #include "impedraw/drawing/text.h"
 
 #include <fstream>
@@ -28,7 +29,8 @@ Artwork set(const std::string& text, double size = 21, const std::string& font =
   return make_text(settings);
 }
 
-Eigen::AlignedBox2d box_of(const std::vector<Stroke>& strokes, std::size_t first = 0, std::size_t last = SIZE_MAX) {
+Eigen::AlignedBox2d box_of(const std::vector<Stroke>& strokes, std::size_t first = 0,
+                           std::size_t last = SIZE_MAX) {
   Eigen::AlignedBox2d box;
   for (std::size_t i = first; i < std::min(last, strokes.size()); ++i) {
     for (const Vector2d& p : strokes[i].points) box.extend(p);
@@ -64,8 +66,10 @@ TEST(Text, FIsWhatTheFilesLineSays) {
   for (int i = 0; i <= 'F' - ' '; ++i) std::getline(in, line);
   std::vector<std::vector<Vector2d>> expected(1);
   for (std::size_t i = 10; i + 1 < line.size(); i += 2) {
-    if (line.substr(i, 2) == " R") expected.emplace_back();
-    else expected.back().push_back({line[i] - 'R', line[i + 1] - 'R'});
+    if (line.substr(i, 2) == " R")
+      expected.emplace_back();
+    else
+      expected.back().push_back({line[i] - 'R', line[i + 1] - 'R'});
   }
   const Artwork f = set("F");
   ASSERT_EQ(f.strokes.size(), expected.size());
@@ -82,14 +86,17 @@ TEST(Text, LinesAreAlignedAndSpaced) {
   settings.text = "HHHH\\nH\nHH";
   settings.size_mm = 10;
   settings.line_spacing = 2;
-  const double whole = box_of(set("HHHH", 10).strokes).sizes().x(), one = box_of(set("H", 10).strokes).sizes().x();
+  const double whole = box_of(set("HHHH", 10).strokes).sizes().x(),
+               one = box_of(set("H", 10).strokes).sizes().x();
   EXPECT_GT(whole, 4 * one);
-  for (const auto& [align, share] : {std::pair(TextAlign::left, 0.0), {TextAlign::centre, 0.5}, {TextAlign::right, 1.0}}) {
+  for (const auto& [align, share] :
+       {std::pair(TextAlign::left, 0.0), {TextAlign::centre, 0.5}, {TextAlign::right, 1.0}}) {
     SCOPED_TRACE(share);
     settings.align = align;
     const Artwork text = make_text(settings);
     ASSERT_EQ(text.strokes.size(), 3u * 7);  // an H has three
-    const auto first = box_of(text.strokes, 0, 12), second = box_of(text.strokes, 12, 15), third = box_of(text.strokes, 15, 21);
+    const auto first = box_of(text.strokes, 0, 12), second = box_of(text.strokes, 12, 15),
+               third = box_of(text.strokes, 15, 21);
     EXPECT_NEAR(first.sizes().x(), whole, 1e-9);
     EXPECT_NEAR(first.min().x(), -share * whole, 1e-9);
     EXPECT_NEAR(second.min().x(), -share * one, 1e-9);
@@ -103,12 +110,14 @@ TEST(Text, LinesAreAlignedAndSpaced) {
 
 TEST(Text, AccentsLieOverTheirLettersAndCedillasBelow) {
   const std::u32string pairs =
-      U"áaàaâaäaãaåaÁAÀAÂAÄAÃAÅAéeèeêeëeěeĕeėeēeíiìiîiïiīióoòoôoöoõoőoúuùuûuüuůuűuýyÿyñnńnňnćcčcČCšsśsžzźzżzŘRřrğgĜGŤTĤHĴJ";
+      U"áaàaâaäaãaåaÁAÀAÂAÄAÃAÅAéeèeêeëeěeĕeėeēeíiìiîiïiīióoòoôoöoõoőoúuùuûuüuůuűuýyÿyñnńnňnćcčcČCš"
+      U"sśsžzźzżzŘRřrğgĜGŤTĤHĴJ";
   for (std::size_t k = 0; k < pairs.size(); k += 2) {
     const std::string base = encoded_utf8(pairs[k + 1]), letter = encoded_utf8(pairs[k]);
     SCOPED_TRACE(letter);
-    const auto plain = set("H" + base).strokes, with = set("H" + letter).strokes;  // beside an H, to stand on one line
-    const std::size_t mark = plain.size() - (base == "i");                         // whose dot goes
+    const auto plain = set("H" + base).strokes,
+               with = set("H" + letter).strokes;            // beside an H, to stand on one line
+    const std::size_t mark = plain.size() - (base == "i");  // whose dot goes
     ASSERT_GT(with.size(), mark);
     const Eigen::AlignedBox2d body = box_of(with, 3, mark), accent = box_of(with, mark);
     EXPECT_LT(accent.max().y(), body.min().y() - 0.5);
@@ -132,7 +141,8 @@ TEST(Text, EveryLetterOfLatin1AndLatinExtendedAIsThereAndItsOwn) {
       ASSERT_TRUE(glyph.has_value());
       EXPECT_FALSE(glyph->strokes.empty());
       EXPECT_GT(glyph->right, glyph->left);
-      for (char32_t plain = 33; plain < 127; ++plain) EXPECT_NE(glyph->strokes, hershey.find(plain)->strokes);
+      for (char32_t plain = 33; plain < 127; ++plain)
+        EXPECT_NE(glyph->strokes, hershey.find(plain)->strokes);
     }
   }
 }
@@ -141,7 +151,8 @@ TEST(Text, CombiningMarksAndTypographicSignsAreTheirPlainForms) {
   const auto same = [](const std::string& a, const std::string& b) {
     const Artwork one = set(a), other = set(b);
     ASSERT_EQ(one.strokes.size(), other.strokes.size());
-    for (std::size_t i = 0; i < one.strokes.size(); ++i) EXPECT_EQ(one.strokes[i].points, other.strokes[i].points);
+    for (std::size_t i = 0; i < one.strokes.size(); ++i)
+      EXPECT_EQ(one.strokes[i].points, other.strokes[i].points);
   };
   same("re\xcc\x81sume\xcc\x81", "résumé");
   same("“A” – ‘b’ — it’s…", "\"A\" - 'b' - it's...");
@@ -158,12 +169,14 @@ TEST(Text, WhatTheFontLacksIsNamedWithItsPlace) {
   EXPECT_THAT(error_of("漢字漢字漢字漢字漢字"), HasSubstr("and 2 more"));
   EXPECT_THAT(error_of("a\x01"), HasSubstr("U+0001 at line 1, character 2"));
   EXPECT_THAT(error_of("  \n "), HasSubstr("nothing in it draws"));
-  EXPECT_THAT(error_of("A", "comic"), HasSubstr("font 'comic' is not known; there are astrology, cursive,"));
+  EXPECT_THAT(error_of("A", "comic"),
+              HasSubstr("font 'comic' is not known; there are astrology, cursive,"));
   EXPECT_THAT(error_of("A", "../futural"), HasSubstr("is not known"));
 }
 
 TEST(Text, Utf8IsReadStrictly) {
-  for (const std::string text : {"\xff", "a\xc3", "\xc0\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82", "\x80"}) {
+  for (const std::string text :
+       {"\xff", "a\xc3", "\xc0\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82", "\x80"}) {
     EXPECT_THAT(error_of(text), HasSubstr("not valid UTF-8"));
   }
   for (unsigned seed = 0; seed < 50; ++seed) {
@@ -187,7 +200,8 @@ TEST(Text, FilesThatAreNoFonts) {
   EXPECT_EQ(font.glyphs[1].strokes[0], (std::vector<Vector2d>{{0, -12}, {0, 2}}));
   EXPECT_EQ(font.glyphs[1].strokes[1], (std::vector<Vector2d>{{0, 7}, {0, 8}}));
   EXPECT_GE(hershey_font_names().size(), 30u);
-  for (const std::string& name : hershey_font_names()) EXPECT_NO_THROW(read_hershey_font(name)) << name;
+  for (const std::string& name : hershey_font_names())
+    EXPECT_NO_THROW(read_hershey_font(name)) << name;
 }
 
 }  // namespace

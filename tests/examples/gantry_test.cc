@@ -1,4 +1,5 @@
-// The second example's arm against differences of its own pose and energy: what people copy from must be right.
+// The second example's arm against differences of its own pose and energy: what people copy from
+// must be right.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -20,11 +21,14 @@ ArmTerms at(const JointVector& q, const JointVector& v) {
 
 // By quaternions: the wrist's orientation without the axes that the gantry uses.
 Pose pose(const JointVector& q) {
-  const Eigen::Quaterniond turn = Eigen::AngleAxisd(q[3], Vector3d::UnitX()) * Eigen::AngleAxisd(q[4], Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(q[5], Vector3d::UnitZ()) * Eigen::AngleAxisd(M_PI, Vector3d::UnitX());
+  const Eigen::Quaterniond turn =
+      Eigen::AngleAxisd(q[3], Vector3d::UnitX()) * Eigen::AngleAxisd(q[4], Vector3d::UnitY()) *
+      Eigen::AngleAxisd(q[5], Vector3d::UnitZ()) * Eigen::AngleAxisd(M_PI, Vector3d::UnitX());
   return {q.head<3>() + kGantry.tip * (turn * Vector3d::UnitZ()), turn.toRotationMatrix()};
 }
-Vector3d pen_centre(const JointVector& q) { return q.head<3>() + kGantry.pen_centre * pose(q).R.col(2); }
+Vector3d pen_centre(const JointVector& q) {
+  return q.head<3>() + kGantry.pen_centre * pose(q).R.col(2);
+}
 
 Vector3d turn_rate(const Eigen::Matrix3d& before, const Eigen::Matrix3d& after, double time) {
   const Eigen::AngleAxisd turned(after * before.transpose());
@@ -36,11 +40,13 @@ double kinetic_energy(const JointVector& q, const JointVector& v) {
   const double h = 1e-5;
   const JointVector before = q - 0.5 * h * v, after = q + 0.5 * h * v;
   const Vector3d rails = v.head<3>(), pen = (pen_centre(after) - pen_centre(before)) / h;
-  return 0.5 * (rails.dot(kGantry.rail_mass.cwiseProduct(rails)) + kGantry.pen_mass * pen.squaredNorm() +
-                kGantry.wrist_inertia * turn_rate(pose(before).R, pose(after).R, h).squaredNorm());
+  return 0.5 *
+         (rails.dot(kGantry.rail_mass.cwiseProduct(rails)) + kGantry.pen_mass * pen.squaredNorm() +
+          kGantry.wrist_inertia * turn_rate(pose(before).R, pose(after).R, h).squaredNorm());
 }
 double potential_energy(const JointVector& q) {
-  return -kGantry.gravity_W.dot(kGantry.rail_mass.z() * Vector3d(0.0, 0.0, q[2]) + kGantry.pen_mass * pen_centre(q));
+  return -kGantry.gravity_W.dot(kGantry.rail_mass.z() * Vector3d(0.0, 0.0, q[2]) +
+                                kGantry.pen_mass * pen_centre(q));
 }
 
 TEST(Gantry, ItsTermsAreThoseOfItsEnergyAndPose) {

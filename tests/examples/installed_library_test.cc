@@ -1,4 +1,5 @@
-// The library as its users meet it: installed, moved elsewhere, found by CMake, and the examples built on it outside of the tree.
+// The library as its users meet it: installed, moved elsewhere, found by CMake, and the examples
+// built on it outside of the tree.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -29,7 +30,8 @@ Ended run(const std::string& command) {
   if (!pipe) return {127, "popen failed"};
   std::string out;
   std::array<char, 4096> buffer;
-  while (const std::size_t read = fread(buffer.data(), 1, buffer.size(), pipe)) out.append(buffer.data(), read);
+  while (const std::size_t read = fread(buffer.data(), 1, buffer.size(), pipe))
+    out.append(buffer.data(), read);
   const int status = pclose(pipe);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128, out};
 }
@@ -41,7 +43,9 @@ class InstalledLibrary : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = fs::temp_directory_path() / ("impedraw-examples-" + std::to_string(getpid()));
     fs::create_directories(folder_);
-    installed_ = run(std::string("'" CMAKE "' --install '" BUILD "' --component library --prefix ") + quoted(folder_ / "first"));
+    installed_ =
+        run(std::string("'" CMAKE "' --install '" BUILD "' --component library --prefix ") +
+            quoted(folder_ / "first"));
     if (installed_.code != 0) return;
     fs::rename(folder_ / "first", folder_ / "prefix");
     fs::copy(SOURCE "/examples", folder_ / "examples", fs::copy_options::recursive);
@@ -50,14 +54,16 @@ class InstalledLibrary : public ::testing::Test {
   void SetUp() override { ASSERT_EQ(installed_.code, 0) << installed_.out; }
 
   static std::string configure(const fs::path& source, const fs::path& build) {
-    return "'" CMAKE "' -G '" GENERATOR "' -DCMAKE_MAKE_PROGRAM='" MAKE_PROGRAM "' -DCMAKE_CXX_COMPILER='" CXX "' -DEigen3_DIR='" EIGEN_DIR
-           "' -S " + quoted(source) + " -B " + quoted(build);
+    return "'" CMAKE "' -G '" GENERATOR "' -DCMAKE_MAKE_PROGRAM='" MAKE_PROGRAM
+           "' -DCMAKE_CXX_COMPILER='" CXX "' -DEigen3_DIR='" EIGEN_DIR "' -S " +
+           quoted(source) + " -B " + quoted(build);
   }
   // -O1: the examples need not be fast. One after the other: ctest has more to run.
   static Ended build(const std::string& example, const std::string& flags = "") {
     const fs::path out = folder_ / ("build" + flags) / example;
-    return run(configure(folder_ / "examples" / example, out) + " -DCMAKE_PREFIX_PATH=" + quoted(folder_ / "prefix") +
-               " -DCMAKE_CXX_FLAGS='" + flags + "' -DCMAKE_CXX_FLAGS_RELEASE='-O1 -DNDEBUG' && '" CMAKE "' --build " +
+    return run(configure(folder_ / "examples" / example, out) +
+               " -DCMAKE_PREFIX_PATH=" + quoted(folder_ / "prefix") + " -DCMAKE_CXX_FLAGS='" +
+               flags + "' -DCMAKE_CXX_FLAGS_RELEASE='-O1 -DNDEBUG' && '" CMAKE "' --build " +
                quoted(out) + " --parallel 1");
   }
 
@@ -70,7 +76,8 @@ Ended InstalledLibrary::installed_{};
 
 TEST_F(InstalledLibrary, ItsHeadersIncludeEachOtherEigenAndTheStandardLibrary) {
   const fs::path include = folder_ / "prefix/include/impedraw";
-  const std::regex own("#include \"(.*)\""), eigen("#include <Eigen/\\w+>"), standard("#include <[a-z_]+>");
+  const std::regex own("#include \"(.*)\""), eigen("#include <Eigen/\\w+>"),
+      standard("#include <[a-z_]+>");
   int headers = 0;
   for (const auto& entry : fs::recursive_directory_iterator(include)) {
     if (!entry.is_regular_file()) continue;
@@ -79,8 +86,9 @@ TEST_F(InstalledLibrary, ItsHeadersIncludeEachOtherEigenAndTheStandardLibrary) {
     std::smatch match;
     for (std::string line; std::getline(in, line);) {
       if (!line.starts_with("#include")) continue;
-      const bool known = std::regex_match(line, match, own) ? fs::exists(include / match[1].str())
-                                                            : std::regex_match(line, eigen) || std::regex_match(line, standard);
+      const bool known = std::regex_match(line, match, own)
+                             ? fs::exists(include / match[1].str())
+                             : std::regex_match(line, eigen) || std::regex_match(line, standard);
       EXPECT_TRUE(known) << entry.path() << ": " << line;
     }
   }
@@ -95,7 +103,8 @@ TEST_F(InstalledLibrary, TheControllerAloneNamesWhatItsTorqueIsMadeOf) {
   EXPECT_EQ(ended.code, 0);
   EXPECT_THAT(ended.out, StartsWith("contact, all well: yes\n"));
 
-  // One row the torque, one each term: they add up. The surface carries the push, so push and wrench leave −Jᵀ F_ext: 0.6 m · 5 N.
+  // One row the torque, one each term: they add up. The surface carries the push, so push and
+  // wrench leave −Jᵀ F_ext: 0.6 m · 5 N.
   std::istringstream out(ended.out);
   std::vector<std::array<double, 7>> rows;
   std::vector<std::string> names;
@@ -124,7 +133,9 @@ TEST_F(InstalledLibrary, ASimulatorOfOnesOwnKeepsForceAndLine) {
   const std::string program = quoted(folder_ / "build/02_own_simulator/own_simulator");
   const Ended good = run(program), rough = run(program + " 0.9");
   EXPECT_EQ(good.code, 0) << good.out;
-  EXPECT_EQ(rough.code, 1) << "three times the friction believed takes the line out of its tolerance\n" << rough.out;
+  EXPECT_EQ(rough.code, 1)
+      << "three times the friction believed takes the line out of its tolerance\n"
+      << rough.out;
   EXPECT_THAT(rough.out, HasSubstr("out of tolerance"));
 }
 
@@ -138,7 +149,8 @@ TEST_F(InstalledLibrary, ItIsNotLinkedWhereEigenWouldLayOutItsTypesOtherwise) {
 }
 
 TEST_F(InstalledLibrary, OnItsOwnItNeedsEigenAlone) {
-  const Ended configured = run(configure(SOURCE, folder_ / "library") + " -DIMPEDRAW_LIBRARY_ONLY=ON -DIMPEDRAW_VENV=/nowhere");
+  const Ended configured = run(configure(SOURCE, folder_ / "library") +
+                               " -DIMPEDRAW_LIBRARY_ONLY=ON -DIMPEDRAW_VENV=/nowhere");
   EXPECT_EQ(configured.code, 0) << configured.out;
   const Ended steps = run("'" CMAKE "' --build " + quoted(folder_ / "library") + " -- -n");
   EXPECT_THAT(steps.out, HasSubstr("libimpedraw_sensing.a"));

@@ -7,19 +7,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/drawing/order.h"
+#include "impedraw/experiment/draw_options.h"
 
 namespace impedraw {
 namespace {
 
 using testing::HasSubstr;
 
-// A filled square of 80 mm with a hole of 40, and a dashed line of 90: 10 drawn, 5 left out, six times.
+// A filled square of 80 mm with a hole of 40, and a dashed line of 90: 10 drawn, 5 left out, six
+// times.
 class MadeArtwork : public testing::Test {
  protected:
   MadeArtwork() {
-    std::ofstream(file_) << R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
+    std::ofstream(file_)
+        // www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
+        << R"(<svg xmlns="http:
       <path d="M10 10h80v80h-80z M30 30v40h40v-40z" fill="green"/>
       <path d="M5 95 h90" fill="none" stroke="black" stroke-dasharray="10 5"/></svg>)";
     settings_.svg = file_;
@@ -41,7 +44,8 @@ class MadeArtwork : public testing::Test {
     return "accepted";
   }
 
-  std::filesystem::path file_ = std::filesystem::temp_directory_path() / "impedraw_made_artwork.svg";
+  std::filesystem::path file_ =
+      std::filesystem::temp_directory_path() / "impedraw_made_artwork.svg";
   Places places_;
   DrawingSettings settings_;
 };
@@ -73,7 +77,8 @@ TEST_F(MadeArtwork, HatchIsSpacedOnTheCanvas) {
   EXPECT_NEAR(length() - 60, area * 2, 0.02 * area);
   // The placement of what comes out is the one that the spacing was made for.
   settings_.placement.scale.reset();
-  settings_.placement.fit_width_m = 0.17;  // 85 mm from the first dash to the end of the last: scale 2
+  // 85 mm from the first dash to the end of the last: scale 2
+  settings_.placement.fit_width_m = 0.17;
   EXPECT_NEAR(place(made(), placement_settings(settings_)).scale(), 2, 1e-6);
   EXPECT_NEAR(length() - 60, area * 2, 0.02 * area);
   settings_.hatch.spacing_mm = 0;
@@ -132,7 +137,8 @@ TEST_F(MadeArtwork, WhatDoesNotGoTogether) {
   EXPECT_THAT(error(), HasSubstr("drawing.svg and drawing.text.text are both given"));
   settings_.text.text.clear();
   settings_.hatch.outline = false;
-  std::ofstream(file_) << "<svg xmlns='http://www.w3.org/2000/svg'><rect width='9' height='9' fill='red'/></svg>";
+  std::ofstream(file_)
+      << "<svg xmlns='http://www.w3.org/2000/svg'><rect width='9' height='9' fill='red'/></svg>";
   EXPECT_THAT(error(), HasSubstr("nothing is left to draw"));
 }
 

@@ -2,11 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include "impedraw/experiment/canvas_settings.h"
-#include "impedraw/app/inspect_mesh.h"
-#include "impedraw/common/errors.h"
 #include "canvas/mesh_checks.h"
 #include "canvas/mesh_files.h"
+#include "impedraw/app/inspect_mesh.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/experiment/canvas_settings.h"
 
 namespace impedraw {
 namespace {
@@ -68,7 +68,8 @@ TEST_F(MeshCanvas, InspectDescribesABoxAndARoof) {
   EXPECT_EQ(found["triangles"], 12);
   const auto bounds = found["bbox_m"].get<std::vector<double>>();
   ASSERT_EQ(bounds.size(), 6u);
-  EXPECT_THAT(bounds, ::testing::Pointwise(::testing::DoubleNear(1e-9), {0.0, 0.0, 0.0, 0.1, 0.2, 0.3}));
+  EXPECT_THAT(bounds,
+              ::testing::Pointwise(::testing::DoubleNear(1e-9), {0.0, 0.0, 0.0, 0.1, 0.2, 0.3}));
   EXPECT_NEAR(found["area_m2"].get<double>(), 0.22, 1e-9);
   EXPECT_EQ(found["closed"], true);
   EXPECT_EQ(found["components"], 1);
@@ -76,7 +77,8 @@ TEST_F(MeshCanvas, InspectDescribesABoxAndARoof) {
   EXPECT_TRUE(found["faults"].empty());
 
   TriangleMesh roof;  // two sides, of 30° and 50°, and a triangle that is given twice
-  const double h = 0.1, a = h / std::tan(std::numbers::pi / 6), b = h / std::tan(50 * std::numbers::pi / 180);
+  const double h = 0.1, a = h / std::tan(std::numbers::pi / 6),
+               b = h / std::tan(50 * std::numbers::pi / 180);
   roof.vertices = {{0, 0, h}, {0, 1, h}, {-a, 0, 0}, {b, 0, 0}};
   roof.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 3, 1}};
   found = describe_mesh(write("roof.obj", obj(roof)), 1.0);

@@ -16,16 +16,19 @@ Experiment prepared(std::vector<std::string> assignments) {
   return prepare(resolve(options));
 }
 
-// Points of the cloud further off the true canvas than depth noise or the voxel grid could put them.
+// Points of the cloud further off the true canvas than depth noise or the voxel grid could put
+// them.
 int strangers(const Experiment& e) {
   int count = 0;
-  for (const Eigen::Vector3d& p : e.perception->cloud().points) count += std::abs(e.canvas->closest(p).distance) > 2e-3;
+  for (const Eigen::Vector3d& p : e.perception->cloud().points)
+    count += std::abs(e.canvas->closest(p).distance) > 2e-3;
   return count;
 }
 
 TEST(Snapshot, SeesTheArmAndCutsItOut) {
   // The box reaches over the whole arm, so that nothing but the self filter keeps it out.
-  const std::vector<std::string> wide = {"perception.region_lower=[-1, -1, 0.03]", "perception.region_upper=[1.5, 1, 2]"};
+  const std::vector<std::string> wide = {"perception.region_lower=[-1, -1, 0.03]",
+                                         "perception.region_upper=[1.5, 1, 2]"};
   const Experiment filtered = prepared(wide);
   const DepthCamera camera{640, 480, 60.0, look_at({1.1, 0.0, 0.9}, {0.6, 0.0, 0.1})};
   int pixels_of_arm = 0;
@@ -43,12 +46,15 @@ TEST(Snapshot, SeesTheArmAndCutsItOut) {
 TEST(Snapshot, TheCloudLiesOnTheCanvas) {
   const Experiment e = prepared({});
   double sum = 0.0;
-  for (const Eigen::Vector3d& p : e.perception->cloud().points) sum += e.canvas->closest(p).distance;
-  EXPECT_NEAR(sum / e.perception->cloud().points.size(), 0.0, 5e-5) << "half a pixel off, it would float 0.4 mm";
+  for (const Eigen::Vector3d& p : e.perception->cloud().points)
+    sum += e.canvas->closest(p).distance;
+  EXPECT_NEAR(sum / e.perception->cloud().points.size(), 0.0, 5e-5)
+      << "half a pixel off, it would float 0.4 mm";
 }
 
 TEST(Snapshot, RealisticNoiseIsSeenAndStillDrawn) {
-  const Experiment e = prepared({"perception.noise.sigma_at_1m=0.001", "perception.voxel=0.006", "perception.normals.k=120"});
+  const Experiment e = prepared(
+      {"perception.noise.sigma_at_1m=0.001", "perception.voxel=0.006", "perception.normals.k=120"});
   double sum = 0.0, squares = 0.0;
   const auto& points = e.perception->cloud().points;
   for (const Eigen::Vector3d& p : points) {
@@ -56,7 +62,8 @@ TEST(Snapshot, RealisticNoiseIsSeenAndStillDrawn) {
     sum += d;
     squares += d * d;
   }
-  const double n = static_cast<double>(points.size()), sd = std::sqrt(squares / n - sum * sum / n / n);
+  const double n = static_cast<double>(points.size()),
+               sd = std::sqrt(squares / n - sum * sum / n / n);
   EXPECT_GT(sd, 1e-4);
   EXPECT_LT(sd, 1e-3);
   EXPECT_NEAR(sum / n, 0.0, 1e-4);

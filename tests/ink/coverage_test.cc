@@ -24,12 +24,12 @@ TEST(WithinReach, BallAtEachEndAndTubeBetween) {
     EXPECT_NEAR(a, first, 1e-12);
     EXPECT_NEAR(b, second, 1e-12);
   };
-  expect({{0, 0, 0}, {0, 0, 0}}, 9, 11);                       // a dot on the line
-  expect({{0, 0.6, 0}, {0, 0.6, 0}}, 9.2, 10.8);               // beside it
-  expect({{0, 0.6, 0}, {2, 0.6, 0}}, 9.2, 12.8);               // parallel
-  expect({{0, -5, 0}, {0, 5, 0}}, 9, 11);                      // across
-  expect({{0, 0.6, -5}, {0, 0.6, 5}}, 9.2, 10.8);              // across, passing by
-  expect({{9.5, 0, 0}, {30, 0, 0}}, 18.5, 20);                 // clipped to the segment
+  expect({{0, 0, 0}, {0, 0, 0}}, 9, 11);           // a dot on the line
+  expect({{0, 0.6, 0}, {0, 0.6, 0}}, 9.2, 10.8);   // beside it
+  expect({{0, 0.6, 0}, {2, 0.6, 0}}, 9.2, 12.8);   // parallel
+  expect({{0, -5, 0}, {0, 5, 0}}, 9, 11);          // across
+  expect({{0, 0.6, -5}, {0, 0.6, 5}}, 9.2, 10.8);  // across, passing by
+  expect({{9.5, 0, 0}, {30, 0, 0}}, 18.5, 20);     // clipped to the segment
   const auto [a, b] = within_reach(s, {{0, 1.1, -5}, {0, 1.1, 5}}, 1.0);
   EXPECT_GT(a, b);
 }
@@ -59,7 +59,8 @@ TEST(Cover, NoInkOrInkOutOfReach) {
 
 TEST(Cover, AGapAcrossTheJointOfAClosedTargetIsOne) {
   Line square;
-  for (const auto& [x, y] : {std::pair{0, 0}, {10, 0}, {10, 10}, {0, 10}, {0, 0}}) square.emplace_back(x, y, 0);
+  for (const auto& [x, y] : {std::pair{0, 0}, {10, 0}, {10, 10}, {0, 10}, {0, 0}})
+    square.emplace_back(x, y, 0);
   const std::vector<Line> ink{{{3, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}, {0, 4, 0}}};
   const Coverage c = cover(square, Segments(ink, 0.25), 0.5);
   ASSERT_EQ(c.uncovered_spans.size(), 1u);
@@ -72,12 +73,16 @@ TEST(Cover, IsThatOfBruteForceOnWanderingInk) {
     std::mt19937 random(seed);
     std::normal_distribution<double> gauss;
     Line target, ink{Eigen::Vector3d(0, 0.4, 0)};
-    for (int i = 0; i <= 100; ++i) target.emplace_back(0.3 * i, std::sin(0.1 * i), std::cos(0.05 * i) - 1);
+    for (int i = 0; i <= 100; ++i)
+      target.emplace_back(0.3 * i, std::sin(0.1 * i), std::cos(0.05 * i) - 1);
     while (ink.size() < 700) {
       const Eigen::Vector3d pull = target[std::min<std::size_t>(ink.size() / 7, 100)] - ink.back();
-      ink.push_back(ink.back() + 0.08 * Eigen::Vector3d(gauss(random), gauss(random), gauss(random)) + 0.1 * pull);
+      ink.push_back(ink.back() +
+                    0.08 * Eigen::Vector3d(gauss(random), gauss(random), gauss(random)) +
+                    0.1 * pull);
     }
-    const std::vector<Line> lines{Line(ink.begin(), ink.begin() + 300), Line(ink.begin() + 350, ink.end())};
+    const std::vector<Line> lines{Line(ink.begin(), ink.begin() + 300),
+                                  Line(ink.begin() + 350, ink.end())};
     const Coverage c = cover(target, Segments(lines, 0.25), 0.5);
     // Points every 0.003 along the target against every segment of ink.
     double length = 0.0, covered = 0.0, uncovered = 0.0;
@@ -88,7 +93,8 @@ TEST(Cover, IsThatOfBruteForceOnWanderingInk) {
         const Eigen::Vector3d p = target[i] + (k + 0.5) / 100 * (target[i + 1] - target[i]);
         bool hit = false;
         for (const Line& line : lines) {
-          for (std::size_t m = 0; m + 1 < line.size() && !hit; ++m) hit = distance_to_segment(p, {line[m], line[m + 1]}) <= 0.5;
+          for (std::size_t m = 0; m + 1 < line.size() && !hit; ++m)
+            hit = distance_to_segment(p, {line[m], line[m + 1]}) <= 0.5;
         }
         covered += hit * piece / 100;
       }

@@ -55,7 +55,8 @@ TEST(StrokeSpans, FirstTouchIsAtMostTwoSecondsBeforeTheStroke) {
   EXPECT_EQ(touch({5, 14}), std::nullopt);  // before the two seconds, and after the stroke
 }
 
-// Stroke 0, stroke 1, stroke 0 again: each pass has a touch of its own, and the last one's is not the first's.
+// Stroke 0, stroke 1, stroke 0 again: each pass has a touch of its own, and the last one's is not
+// the first's.
 TEST(StrokeSpans, EachPassOverAStrokeHasItsOwnFirstTouch) {
   const std::vector<int> stroke{-1, 0, 0, -1, 1, 1, -1, -1, 0, 0, -1, 0, 0};
   const std::vector<double> f{1, 1, 0, 0, 0, 1, 0, 1, 1, 1, 0, 0, 0};
@@ -71,9 +72,15 @@ TEST(StrokeSpans, EachPassOverAStrokeHasItsOwnFirstTouch) {
 
 TEST(StrokeSpans, FirstTouchIsNotBeforeTheEndOfTheStrokeBefore) {
   const std::vector<int> stroke{0, 0, -1, -1, 1, 1};
-  EXPECT_EQ(stroke_spans(steps(6, 0.1), std::vector<double>{1, 1, 0, 1, 1, 1}, stroke)[1].first_touch, 3u);
-  EXPECT_EQ(stroke_spans(steps(6, 0.1), std::vector<double>{1, 1, 1, 0, 0, 1}, stroke)[1].first_touch, 2u);
-  EXPECT_EQ(stroke_spans(steps(6, 0.1), std::vector<double>{1, 1, 0, 0, 0, 0}, stroke)[1].first_touch, std::nullopt);
+  EXPECT_EQ(
+      stroke_spans(steps(6, 0.1), std::vector<double>{1, 1, 0, 1, 1, 1}, stroke)[1].first_touch,
+      3u);
+  EXPECT_EQ(
+      stroke_spans(steps(6, 0.1), std::vector<double>{1, 1, 1, 0, 0, 1}, stroke)[1].first_touch,
+      2u);
+  EXPECT_EQ(
+      stroke_spans(steps(6, 0.1), std::vector<double>{1, 1, 0, 0, 0, 0}, stroke)[1].first_touch,
+      std::nullopt);
 }
 
 }  // namespace

@@ -17,13 +17,16 @@ Line random_line(std::mt19937& random, int points) {
   std::uniform_real_distribution<double> decade(-2.0, 0.7);
   Line line{Eigen::Vector3d(gauss(random), gauss(random), gauss(random))};
   while (static_cast<int>(line.size()) < points) {
-    const Eigen::Vector3d direction = Eigen::Vector3d(gauss(random), gauss(random), gauss(random)).normalized();
-    line.push_back(line.back() + (line.size() % 17 == 0 ? 0.0 : std::pow(10.0, decade(random))) * direction);
+    const Eigen::Vector3d direction =
+        Eigen::Vector3d(gauss(random), gauss(random), gauss(random)).normalized();
+    line.push_back(line.back() +
+                   (line.size() % 17 == 0 ? 0.0 : std::pow(10.0, decade(random))) * direction);
   }
   return line;
 }
 
-// Distance by golden-section search along each segment: nothing in common with the projection formula.
+// Distance by golden-section search along each segment: nothing in common with the projection
+// formula.
 double brute_distance(const Eigen::Vector3d& p, const std::vector<Line>& lines) {
   double best = std::numeric_limits<double>::infinity();
   for (const Line& line : lines) {
@@ -31,7 +34,8 @@ double brute_distance(const Eigen::Vector3d& p, const std::vector<Line>& lines) 
       double low = 0.0, high = 1.0;
       const auto at = [&](double t) { return (p - line[i] - t * (line[i + 1] - line[i])).norm(); };
       for (int k = 0; k < 60; ++k) {
-        const double a = high - 0.618033988749895 * (high - low), b = low + 0.618033988749895 * (high - low);
+        const double a = high - 0.618033988749895 * (high - low),
+                     b = low + 0.618033988749895 * (high - low);
         (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
       }
       best = std::min({best, at(0.5 * (low + high)), at(0.0), at(1.0)});
@@ -46,7 +50,8 @@ TEST(Segments, DistanceIsThatOfBruteForce) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     std::normal_distribution<double> gauss(0.0, 4.0);
-    const std::vector<Line> lines{random_line(random, 60), random_line(random, 1), random_line(random, 40)};
+    const std::vector<Line> lines{random_line(random, 60), random_line(random, 1),
+                                  random_line(random, 40)};
     const Segments segments(lines, seed % 2 ? 0.25 : 1.0);
     for (int k = 0; k < 60; ++k) {
       Eigen::Vector3d p(gauss(random), gauss(random), gauss(random));

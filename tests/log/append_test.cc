@@ -1,4 +1,5 @@
-// A run that goes on in the log of an earlier one: the file is that of one run, whatever ended the first.
+// A run that goes on in the log of an earlier one: the file is that of one run, whatever ended the
+// first.
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -12,17 +13,17 @@
 #include <unistd.h>
 
 #include "impedraw/common/errors.h"
-#include "made_up_run.h"
 #include "impedraw/log/resume_log.h"
 #include "impedraw/log/run_data.h"
+#include "made_up_run.h"
 
 namespace impedraw {
 namespace {
 
-using testing::numbered_row;
-using testing::small_header;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::numbered_row;
+using testing::small_header;
 
 class AppendTest : public ::testing::Test {
  protected:
@@ -37,12 +38,14 @@ class AppendTest : public ::testing::Test {
   static void append(RunLog& log, int from, int to) {
     for (int i = from; i < to; ++i) log.append(numbered_row(i));
   }
-  void write(const std::filesystem::path& file, int rows, const WallTimes& wall = {1.0, 2.0, 0.0}) const {
+  void write(const std::filesystem::path& file, int rows,
+             const WallTimes& wall = {1.0, 2.0, 0.0}) const {
     RunLog log(file, small_header());
     append(log, 0, rows);
     log.close(wall);
   }
-  void go_on(const std::filesystem::path& file, int from, int to, const WallTimes& wall = {1.0, 2.0, 0.0}) const {
+  void go_on(const std::filesystem::path& file, int from, int to,
+             const WallTimes& wall = {1.0, 2.0, 0.0}) const {
     RunLog log = RunLog::append_to(file, small_header());
     ASSERT_EQ(log.rows(), from);
     append(log, from, to);
@@ -50,7 +53,8 @@ class AppendTest : public ::testing::Test {
     log.close(wall);
   }
 
-  // By h5py, dataset by dataset and attribute by attribute; of the wall times only that they are there.
+  // By h5py, dataset by dataset and attribute by attribute; of the wall times only that they are
+  // there.
   void expect_same(const std::filesystem::path& a, const std::filesystem::path& b) const {
     std::ofstream(folder_ / "same.py") << R"(
 import h5py, sys, numpy as np
@@ -68,7 +72,8 @@ for n in names(a):
 assert sorted(a.attrs) == sorted(b.attrs), (list(a.attrs), list(b.attrs))
 for k in a.attrs: assert k.startswith('wall_') or a.attrs[k] == b.attrs[k], k
 )";
-    const std::string command = std::string(IMPEDRAW_PYTHON) + " " + path("same.py").string() + " " + a.string() + " " + b.string();
+    const std::string command = std::string(IMPEDRAW_PYTHON) + " " + path("same.py").string() +
+                                " " + a.string() + " " + b.string();
     EXPECT_EQ(std::system(command.c_str()), 0);
   }
 
@@ -89,7 +94,8 @@ for k in a.attrs: assert k.startswith('wall_') or a.attrs[k] == b.attrs[k], k
 
 TEST_F(AppendTest, GivesTheFileOfOneRun) {
   // At, about and far from the ends of chunks (4,096 rows) and of the ring (16,384).
-  const std::vector<std::vector<int>> all_ends = {{0, 3}, {1, 4095, 4096}, {4096, 4097, 9000}, {5000, 5000, 40000}, {16384, 16390, 20480}};
+  const std::vector<std::vector<int>> all_ends = {
+      {0, 3}, {1, 4095, 4096}, {4096, 4097, 9000}, {5000, 5000, 40000}, {16384, 16390, 20480}};
   for (const std::vector<int>& ends : all_ends) {
     SCOPED_TRACE(::testing::PrintToString(ends));
     write(path("one.h5"), ends.back());
@@ -104,7 +110,8 @@ TEST_F(AppendTest, WallTimesAreSummed) {
   const double written = read_run(path()).wall.writing;
   RunLog log = RunLog::append_to(path(), small_header());
   append(log, 100, 200);
-  EXPECT_TRUE(std::isnan(read_run(path()).wall.loop)) << "while it goes on, the times of the first part are not the log's";
+  EXPECT_TRUE(std::isnan(read_run(path()).wall.loop))
+      << "while it goes on, the times of the first part are not the log's";
   const WallTimes second = log.close({0.5, 3.0});
   const WallTimes sum = read_run(path()).wall;
   EXPECT_EQ(sum.start_up, 1.5);
@@ -136,23 +143,31 @@ TEST_F(AppendTest, AfterAKillGoesOnBehindTheLastWholeRow) {
   }
 }
 
-// What a kill within a flush can leave: datasets of unequal length, or extended without data. Made here by h5py.
+// What a kill within a flush can leave: datasets of unequal length, or extended without data. Made
+// here by h5py.
 TEST_F(AppendTest, WhatIsNotWholeIsCutBack) {
   write(path("one.h5"), 12000);
   const std::pair<const char*, int> damages[] = {
       {"f['contact/force'].resize(8500, axis=0)", 8500},
       {"f['push'].resize(4096, axis=0)", 4096},
-      {"[f[n].resize(14000, axis=0) for n in names]", 10000},  // time is NaN, and a chunk is missing
-      {"[f[n].resize(10200, axis=0) for n in names]; f['time'][10000:] = np.zeros(200)", 10000},  // as a chunk that was not full
-      {"id = f['mode'].id.get_chunk_info(2); b = id.byte_offset, id.size", 8192}};                // bytes that are not its own
+      {"[f[n].resize(14000, axis=0) for n in names]",
+       10000},  // time is NaN, and a chunk is missing
+      {"[f[n].resize(10200, axis=0) for n in names]; f['time'][10000:] = np.zeros(200)",
+       10000},  // as a chunk that was not full
+      {"id = f['mode'].id.get_chunk_info(2); b = id.byte_offset, id.size",
+       8192}};  // bytes that are not its own
   for (const auto& [damage, whole] : damages) {
     SCOPED_TRACE(damage);
     write(path(), 10000);
-    std::ofstream(path("damage.py")) << "import h5py, sys, numpy as np\nb = None\nwith h5py.File(sys.argv[1], 'r+') as f:\n"
-                                     << "  names = []\n  f.visititems(lambda n, o: names.append(n) if isinstance(o, h5py.Dataset) and "
-                                        "len(o) == 10000 else None)\n  " << damage << "\n"
-                                     << "if b:\n  with open(sys.argv[1], 'r+b') as f:\n    f.seek(b[0]); f.write(bytes(b[1]))\n";
-    const std::string command = std::string(IMPEDRAW_PYTHON) + " " + path("damage.py").string() + " " + path().string();
+    std::ofstream(path("damage.py"))
+        << "import h5py, sys, numpy as np\nb = None\nwith h5py.File(sys.argv[1], 'r+') as f:\n"
+        << "  names = []\n  f.visititems(lambda n, o: names.append(n) if isinstance(o, "
+           "h5py.Dataset) and "
+           "len(o) == 10000 else None)\n  "
+        << damage << "\n"
+        << "if b:\n  with open(sys.argv[1], 'r+b') as f:\n    f.seek(b[0]); f.write(bytes(b[1]))\n";
+    const std::string command =
+        std::string(IMPEDRAW_PYTHON) + " " + path("damage.py").string() + " " + path().string();
     ASSERT_EQ(std::system(command.c_str()), 0);
     const int kept = static_cast<int>(read_rows(path()).rows());
     EXPECT_EQ(kept, whole);
@@ -174,17 +189,27 @@ TEST_F(AppendTest, AnotherHeaderIsRefusedAndNamed) {
     }
     return "";
   };
-  EXPECT_THAT(message([](RunLogHeader& h) { h.joint_names = {"one", "drei"}; }), HasSubstr("joints: one, two in the log, one, drei now"));
+  EXPECT_THAT(message([](RunLogHeader& h) {
+                h.joint_names = {"one", "drei"};
+              }),
+              HasSubstr("joints: one, two in the log, one, drei now"));
   EXPECT_THAT(message([](RunLogHeader& h) { h.joint_upper[1] = 2.25; }),
               AllOf(HasSubstr("upper limit of joint 2: 2.5"), HasSubstr("2.25")));
-  EXPECT_THAT(message([](RunLogHeader& h) { h.torque_terms = {"push"}; }), HasSubstr("torque terms: gravity, push in the log, push now"));
-  EXPECT_THAT(message([](RunLogHeader& h) { h.mode_names.pop_back(); }), HasSubstr("contact states"));
-  EXPECT_THAT(message([](RunLogHeader& h) { h.canvas_vertices.resize(3); }), HasSubstr("/canvas/vertices: 0 in the log, 3 now"));
-  EXPECT_THAT(message([](RunLogHeader& h) { h.canvas_triangles.resize(1); }), HasSubstr("/canvas/triangles"));
-  EXPECT_THAT(message([](RunLogHeader& h) { h.target_points.resize(2), h.target_stroke.resize(2); }), HasSubstr("/target/points"));
+  EXPECT_THAT(message([](RunLogHeader& h) { h.torque_terms = {"push"}; }),
+              HasSubstr("torque terms: gravity, push in the log, push now"));
+  EXPECT_THAT(message([](RunLogHeader& h) { h.mode_names.pop_back(); }),
+              HasSubstr("contact states"));
+  EXPECT_THAT(message([](RunLogHeader& h) { h.canvas_vertices.resize(3); }),
+              HasSubstr("/canvas/vertices: 0 in the log, 3 now"));
+  EXPECT_THAT(message([](RunLogHeader& h) { h.canvas_triangles.resize(1); }),
+              HasSubstr("/canvas/triangles"));
+  EXPECT_THAT(
+      message([](RunLogHeader& h) { h.target_points.resize(2), h.target_stroke.resize(2); }),
+      HasSubstr("/target/points"));
   EXPECT_EQ(read_rows(path()).rows(), 100u);
   EXPECT_EQ(read_run(path()).wall.loop, 2.0) << "a refused file must stay as it was";
-  EXPECT_EQ(message([](RunLogHeader& h) { std::swap(h.torque_terms[0], h.torque_terms[1]); }), "") << "a file's group has no order";
+  EXPECT_EQ(message([](RunLogHeader& h) { std::swap(h.torque_terms[0], h.torque_terms[1]); }), "")
+      << "a file's group has no order";
   EXPECT_THROW(RunLog::append_to(path("none.h5"), small_header()), InputError);
   std::ofstream(path("text.h5")) << "no log";
   EXPECT_THROW(RunLog::append_to(path("text.h5"), small_header()), InputError);

@@ -14,16 +14,16 @@
 #include <unistd.h>
 
 #include "impedraw/common/errors.h"
-#include "made_up_run.h"
 #include "impedraw/log/run_data.h"
+#include "made_up_run.h"
 
 namespace impedraw {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::MadeUpSine;
 using testing::numbered_row;
 using testing::small_header;
-using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 class RunLogTest : public ::testing::Test {
@@ -101,7 +101,8 @@ TEST_F(RunLogTest, TheSameRunGivesTheSameFile) {
   const auto write = [&](const char* name, int pause_at) {
     RunLog log(folder_ / name, small_header());
     for (int i = 0; i < 10000; ++i) {
-      if (i == pause_at) std::this_thread::sleep_for(std::chrono::milliseconds(600));  // the flushes fall elsewhere
+      if (i == pause_at)
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));  // the flushes fall elsewhere
       log.append(numbered_row(i));
     }
     log.close({1.0, 1.0, 0.0});
@@ -146,11 +147,13 @@ assert f['time'].chunks and f['time'].compression == 'gzip' and f['time'].shuffl
 )";
   const std::filesystem::path file = folder_ / "look.py";
   std::ofstream(file) << script;
-  const std::string command = std::string(IMPEDRAW_PYTHON) + " " + file.string() + " " + path().string();
+  const std::string command =
+      std::string(IMPEDRAW_PYTHON) + " " + file.string() + " " + path().string();
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
-// A child writes at its own pace and is killed at some instant; all but its last second must be there, and right.
+// A child writes at its own pace and is killed at some instant; all but its last second must be
+// there, and right.
 TEST_F(RunLogTest, KillLosesLessThanTheLastSecond) {
   for (const auto& [milliseconds, rows_per_ms] : {std::pair{1300, 40}, std::pair{1630, 1}}) {
     SCOPED_TRACE(::testing::Message() << milliseconds << " ms at " << rows_per_ms << " rows a ms");
@@ -161,7 +164,9 @@ TEST_F(RunLogTest, KillLosesLessThanTheLastSecond) {
       RunLog log(path(), small_header());
       const Clock::time_point start = Clock::now();
       for (int i = 0;;) {
-        const auto due = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count() * rows_per_ms;
+        const auto due =
+            std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count() *
+            rows_per_ms;
         for (; i < due; ++i) log.append(numbered_row(i));
         if (write(progress[1], &i, sizeof i) < 0) _exit(1);
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -171,7 +176,8 @@ TEST_F(RunLogTest, KillLosesLessThanTheLastSecond) {
     // Rows appended against the time at which the parent heard of it.
     std::vector<std::pair<Clock::time_point, int>> heard;
     const Clock::time_point kill_at = Clock::now() + std::chrono::milliseconds(milliseconds);
-    for (int i; Clock::now() < kill_at && read(progress[0], &i, sizeof i) == sizeof i;) heard.emplace_back(Clock::now(), i);
+    for (int i; Clock::now() < kill_at && read(progress[0], &i, sizeof i) == sizeof i;)
+      heard.emplace_back(Clock::now(), i);
     const Clock::time_point killed = Clock::now();
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
@@ -185,8 +191,9 @@ TEST_F(RunLogTest, KillLosesLessThanTheLastSecond) {
     EXPECT_GT(owed, 0) << "the child was too slow to show anything";
     for (std::size_t i = 0; i < run.rows(); i += 37) expect_row(run, i);
     EXPECT_TRUE(std::isnan(read_run(path()).wall.loop));
-    const std::string look = std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; f = h5py.File('" + path().string() +
-                             "'); f.visititems(lambda n, o: o[()].shape if isinstance(o, h5py.Dataset) else None)\"";
+    const std::string look =
+        std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; f = h5py.File('" + path().string() +
+        "'); f.visititems(lambda n, o: o[()].shape if isinstance(o, h5py.Dataset) else None)\"";
     EXPECT_EQ(std::system(look.c_str()), 0);
   }
 }
@@ -204,7 +211,10 @@ TEST_F(RunLogTest, AFullDiskIsReportedAndKeepsWhatWasThere) {
       log.close();
     } catch (const LogError& e) {
       const std::string message = e.what();
-      _exit(message.find("run.h5") != std::string::npos && message.find("File too large") != std::string::npos ? 0 : 2);
+      _exit(message.find("run.h5") != std::string::npos &&
+                    message.find("File too large") != std::string::npos
+                ? 0
+                : 2);
     }
     _exit(1);
   }
@@ -237,7 +247,8 @@ TEST_F(RunLogTest, BadFilesAreNamed) {
   std::ofstream(folder_ / "text.h5") << "not a log";
   EXPECT_THAT(message(folder_ / "text.h5"), HasSubstr("not an HDF5 file"));
   const std::string other = (folder_ / "other.h5").string();
-  const std::string command = std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; h5py.File('" + other + "', 'w')\"";
+  const std::string command =
+      std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; h5py.File('" + other + "', 'w')\"";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_THAT(message(folder_ / "other.h5"), HasSubstr("/joint/position is missing"));
 }
@@ -248,16 +259,20 @@ TEST_F(RunLogTest, AppendCostsTheLoopLittle) {
   RunLog log(path(), testing::sine_header({}));
   const Clock::time_point start = Clock::now();
   double longest = 0.0;
-  for (std::size_t i = 0; i < 16000; ++i) {  // what the ring holds: the cost of the call, not of the disk
+  for (std::size_t i = 0; i < 16000;
+       ++i) {  // what the ring holds: the cost of the call, not of the disk
     const Clock::time_point before = Clock::now();
     log.append(rows[i]);
-    longest = std::max(longest, std::chrono::duration<double, std::micro>(Clock::now() - before).count());
+    longest =
+        std::max(longest, std::chrono::duration<double, std::micro>(Clock::now() - before).count());
   }
-  const double each = std::chrono::duration<double, std::micro>(Clock::now() - start).count() / 16000;
+  const double each =
+      std::chrono::duration<double, std::micro>(Clock::now() - start).count() / 16000;
   const WallTimes wall = log.close();
   RecordProperty("append_us", std::to_string(each));
-  std::printf("append: %.2f us a row, longest %.0f us; left for close: %.3f s for 16000 rows, %.1f MB\n", each, longest, wall.writing,
-              static_cast<double>(std::filesystem::file_size(path())) / 1e6);
+  std::printf(
+      "append: %.2f us a row, longest %.0f us; left for close: %.3f s for 16000 rows, %.1f MB\n",
+      each, longest, wall.writing, static_cast<double>(std::filesystem::file_size(path())) / 1e6);
   EXPECT_LT(each, 3.0);
 }
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "made_up_run.h"
 #include "impedraw/log/run_data.h"
+#include "made_up_run.h"
 
 namespace impedraw::testing {
 

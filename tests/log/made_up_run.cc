@@ -14,10 +14,14 @@ const Eigen::Vector3d kCentre(0.60, 0.0, 0.40);
 constexpr double kRadius = 0.30, kSpeed = 0.05, kApproach = 1.5, kLift = 1.2;
 
 Eigen::Vector3d on_bowl(double x, double y) {
-  return {x, y, kCentre.z() - std::sqrt(kRadius * kRadius - (x - kCentre.x()) * (x - kCentre.x()) - y * y)};
+  return {
+      x, y,
+      kCentre.z() - std::sqrt(kRadius * kRadius - (x - kCentre.x()) * (x - kCentre.x()) - y * y)};
 }
 
-Eigen::Vector3d sine(double y) { return on_bowl(0.60 + 0.05 * std::sin(2 * kPi * (y + 0.15) / 0.15), y); }
+Eigen::Vector3d sine(double y) {
+  return on_bowl(0.60 + 0.05 * std::sin(2 * kPi * (y + 0.15) / 0.15), y);
+}
 
 std::vector<Eigen::Vector3d> sine_points(double spacing) {
   std::vector<Eigen::Vector3d> points{sine(-0.15)};
@@ -28,18 +32,22 @@ std::vector<Eigen::Vector3d> sine_points(double spacing) {
   return points;
 }
 
-Eigen::Quaterniond facing(const Eigen::Vector3d& normal) { return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -normal); }
+Eigen::Quaterniond facing(const Eigen::Vector3d& normal) {
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -normal);
+}
 
 }  // namespace
 
 RunLogHeader sine_header(const MadeUpSine& settings) {
   RunLogHeader h;
-  const Eigen::VectorXd range = (Eigen::VectorXd(7) << 2.96706, 2.0944, 2.96706, 2.0944, 2.96706, 2.0944, 3.05433).finished();
+  const Eigen::VectorXd range =
+      (Eigen::VectorXd(7) << 2.96706, 2.0944, 2.96706, 2.0944, 2.96706, 2.0944, 3.05433).finished();
   for (int j = 1; j <= 7; ++j) h.joint_names.push_back("joint_a" + std::to_string(j));
   h.joint_lower = -range;
   h.joint_upper = range;
   h.torque_limit = (Eigen::VectorXd(7) << 320, 320, 176, 176, 110, 40, 40).finished();
-  h.torque_terms = {"gravity", "impedance", "push", "null_space", "coriolis", "feedback", "friction"};
+  h.torque_terms = {"gravity",  "impedance", "push",    "null_space",
+                    "coriolis", "feedback",  "friction"};
   h.mode_names = {"free", "approach", "contact", "lift"};
   const TriangleMesh bowl = make_bowl({.edge = 0.004});
   h.canvas_vertices = bowl.vertices;
@@ -60,14 +68,16 @@ RunLogHeader sine_header(const MadeUpSine& settings) {
       h.target_stroke.push_back(s);
     }
   }
-  h.attributes = {{"scenario", settings.perception ? "bowl-sine" : "bowl-sine-blind"}, {"seed", std::to_string(settings.seed)}};
+  h.attributes = {{"scenario", settings.perception ? "bowl-sine" : "bowl-sine-blind"},
+                  {"seed", std::to_string(settings.seed)}};
   return h;
 }
 
 void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow&)>& take) {
   const std::vector<Eigen::Vector3d> path = sine_points(0.25e-3);
   std::vector<double> length{0.0};
-  for (std::size_t i = 1; i < path.size(); ++i) length.push_back(length.back() + (path[i] - path[i - 1]).norm());
+  for (std::size_t i = 1; i < path.size(); ++i)
+    length.push_back(length.back() + (path[i] - path[i - 1]).norm());
   const double drawing = length.back() / kSpeed, cycle = kApproach + drawing + kLift;
   std::mt19937 random(settings.seed);
   std::normal_distribution<double> gauss;
@@ -76,22 +86,27 @@ void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow
   for (long i = 0; i < rows; ++i) {
     row.time = static_cast<double>(i) * settings.time_step;
     const int turn = static_cast<int>(row.time / cycle);
-    const double t = row.time - turn * cycle, s = std::clamp((t - kApproach) * kSpeed, 0.0, length.back());
-    const auto k = std::min<std::size_t>(std::upper_bound(length.begin(), length.end(), s) - length.begin(), path.size() - 1);
+    const double t = row.time - turn * cycle,
+                 s = std::clamp((t - kApproach) * kSpeed, 0.0, length.back());
+    const auto k = std::min<std::size_t>(
+        std::upper_bound(length.begin(), length.end(), s) - length.begin(), path.size() - 1);
     const Eigen::Vector3d along = (path[k] - path[k - 1]).normalized();
     const Eigen::Vector3d wanted = path[k - 1] + (s - length[k - 1]) * along;
     const Eigen::Vector3d normal = (kCentre - wanted).normalized(), across = normal.cross(along);
-    const double up = 0.02 * std::max({0.0, (kApproach - 0.15 - t) / kApproach, (t - kApproach - drawing - 0.1) / kLift});
+    const double up = 0.02 * std::max({0.0, (kApproach - 0.15 - t) / kApproach,
+                                       (t - kApproach - drawing - 0.1) / kLift});
     const double touch = t - (kApproach - 0.15);  // since the tip came down
     const bool drawn = t >= kApproach && t < kApproach + drawing;
 
     double f = 0.0, error = 0.0, tilt = 0.002;
     if (up == 0.0) {
       const double wobble = std::sin(9.0 * t) + 0.5 * std::sin(23.0 * t + 1.0);
-      f = 5.0 * (1.0 - std::exp(-touch / 0.02) * std::cos(touch / 0.015)) + settings.force_noise * gauss(random);
+      f = 5.0 * (1.0 - std::exp(-touch / 0.02) * std::cos(touch / 0.015)) +
+          settings.force_noise * gauss(random);
       error = settings.wander * wobble;
       if (!settings.perception) {
-        f = std::max(0.0, 4.4 + 2.5 * std::sin(7.0 * s / 0.1) + settings.force_noise * gauss(random));
+        f = std::max(0.0,
+                     4.4 + 2.5 * std::sin(7.0 * s / 0.1) + settings.force_noise * gauss(random));
         error = settings.wander * wobble + 0.3e-3 * std::sin(s / 0.03);
         tilt = std::acos(normal.z());
       }
@@ -103,16 +118,19 @@ void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow
     row.joint_velocity.setConstant(0.2 * std::cos(t));
     row.joint_torque.setZero();
     for (int term = 0; term < 7; ++term) {
-      for (int j = 0; j < 7; ++j) row.torque_terms[term][j] = (j + 1.0) * std::sin(t + term) + 0.01 * gauss(random);
+      for (int j = 0; j < 7; ++j)
+        row.torque_terms[term][j] = (j + 1.0) * std::sin(t + term) + 0.01 * gauss(random);
       row.joint_torque += row.torque_terms[term];
     }
     row.tip_position = contact + up * true_normal;
-    row.tip_orientation = Eigen::AngleAxisd(settings.perception ? tilt * (1.0 + std::sin(3.0 * t)) : 0.0, along) *
-                          facing(settings.perception ? true_normal : Eigen::Vector3d::UnitZ());
+    row.tip_orientation =
+        Eigen::AngleAxisd(settings.perception ? tilt * (1.0 + std::sin(3.0 * t)) : 0.0, along) *
+        facing(settings.perception ? true_normal : Eigen::Vector3d::UnitZ());
     row.tip_velocity << (drawn ? kSpeed : 0.0) * along, Eigen::Vector3d::Zero();
     row.desired_position = wanted + up * normal;
     row.desired_orientation = facing(settings.perception ? normal : Eigen::Vector3d::UnitZ());
-    row.contact_force = f > 0.0 ? Eigen::Vector3d(f * true_normal - 0.3 * f * along) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    row.contact_force = f > 0.0 ? Eigen::Vector3d(f * true_normal - 0.3 * f * along)
+                                : Eigen::Vector3d(Eigen::Vector3d::Zero());
     row.contact_point = f > 0.0 ? contact : LogRow::no_vector();
     row.contact_normal = f > 0.0 ? true_normal : LogRow::no_vector();
     row.wrench_measured << row.contact_force, Eigen::Vector3d::Zero();

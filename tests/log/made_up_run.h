@@ -1,4 +1,5 @@
-// Runs that nobody simulated: a sine in the standard bowl with small errors (to look at), and rows of known content (to test the file).
+// Runs that nobody simulated: a sine in the standard bowl with small errors (to look at), and rows
+// of known content (to test the file).
 #pragma once
 
 #include <functional>
@@ -9,10 +10,10 @@ namespace impedraw::testing {
 
 struct MadeUpSine {
   bool perception = true;
-  double force_noise = 0.02;   // [N]
-  double wander = 0.03e-3;     // amplitude of the sideways error [m]
-  double time_step = 1e-3;     // [s]
-  int repeat = 1;              // how often the sine is drawn, each its own stroke
+  double force_noise = 0.02;  // [N]
+  double wander = 0.03e-3;    // amplitude of the sideways error [m]
+  double time_step = 1e-3;    // [s]
+  int repeat = 1;             // how often the sine is drawn, each its own stroke
   unsigned seed = 1;
 };
 

@@ -1,7 +1,8 @@
 // Rows of a run put down by hand, and their metrics.
 //
-// The plain run: 3 s at 1 kHz on the plane z = 0. Rows 1000 … 1999 draw stroke 0 along x from 0 at 50 mm/s; the tip rests at its start from
-// row 900 on and at its end up to row 2099, pressing with 5 N throughout, the pen upright.
+// The plain run: 3 s at 1 kHz on the plane z = 0. Rows 1000 … 1999 draw stroke 0 along x from 0 at
+// 50 mm/s; the tip rests at its start from row 900 on and at its end up to row 2099, pressing with
+// 5 N throughout, the pen upright.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +29,9 @@ inline Eigen::Quaterniond pen(double tilt_deg) {  // z_E down, turned about y
 
 inline RunRows part(const RunRows& all, std::size_t begin, std::size_t end) {
   RunRows out;
-  const auto cut = [&](auto& to, const auto& from) { to.assign(from.begin() + begin, from.begin() + end); };
+  const auto cut = [&](auto& to, const auto& from) {
+    to.assign(from.begin() + begin, from.begin() + end);
+  };
   const auto cut_joints = [&](RunRows::Joints& to, const RunRows::Joints& from) {
     to = from.rows() > 0 ? RunRows::Joints(from.middleRows(begin, end - begin)) : from;
   };
@@ -67,7 +70,8 @@ inline MadeUp empty_run(std::size_t n) {
   MadeUp run;
   for (std::size_t i = 0; i < n; ++i) run.time.push_back(1e-3 * static_cast<double>(i));
   const Eigen::Vector3d none = LogRow::no_vector(), zero = Eigen::Vector3d::Zero();
-  run.joint_position = run.joint_torque = run.torque_before_limits = RunRows::Joints::Zero(static_cast<Eigen::Index>(n), 2);
+  run.joint_position = run.joint_torque = run.torque_before_limits =
+      RunRows::Joints::Zero(static_cast<Eigen::Index>(n), 2);
   run.contact_force = RunRows::Points(n, zero);
   run.contact_point = run.contact_normal = run.surface_normal = RunRows::Points(n, none);
   run.tip_orientation.assign(n, pen(0.0));
@@ -104,7 +108,8 @@ inline void add_target(MadeUp& run, int stroke, double from_mm, double to_mm, do
 
 inline MadeUp plain_run() {
   MadeUp run = empty_run(3000);
-  for (std::size_t i = 900; i < 2100; ++i) touch(run, i, 0.05 * std::clamp(static_cast<double>(i) - 1000.0, 0.0, 1000.0));
+  for (std::size_t i = 900; i < 2100; ++i)
+    touch(run, i, 0.05 * std::clamp(static_cast<double>(i) - 1000.0, 0.0, 1000.0));
   for (std::size_t i = 1000; i < 2000; ++i) run.stroke[i] = 0;
   add_target(run, 0, 0.0, 50.0);
   return run;
@@ -119,12 +124,14 @@ inline double value(const MadeUp& run, const char* name) {
   return metrics.at(name).get<double>();
 }
 
-inline void expect_null(const MadeUp& run, std::initializer_list<const char*> names, const std::string& reason) {
+inline void expect_null(const MadeUp& run, std::initializer_list<const char*> names,
+                        const std::string& reason) {
   const Json metrics = metrics_of(run);
   for (const char* name : names) {
     EXPECT_TRUE(metrics.at(name).is_null()) << name;
     ASSERT_TRUE(metrics.at("reasons").contains(name)) << name;
-    EXPECT_NE(metrics.at("reasons").at(name).get<std::string>().find(reason), std::string::npos) << metrics.at("reasons").at(name);
+    EXPECT_NE(metrics.at("reasons").at(name).get<std::string>().find(reason), std::string::npos)
+        << metrics.at("reasons").at(name);
   }
 }
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "made_up_rows.h"
 #include "impedraw/metrics/statistics.h"
+#include "made_up_rows.h"
 
 namespace impedraw {
 namespace {
@@ -16,11 +16,14 @@ using namespace testing;
 
 TEST(Metrics, PlainRun) {
   const Json m = metrics_of(plain_run());
-  const auto expect = [&](const char* name, double expected) { EXPECT_NEAR(m.at(name).get<double>(), expected, 1e-9) << name; };
+  const auto expect = [&](const char* name, double expected) {
+    EXPECT_NEAR(m.at(name).get<double>(), expected, 1e-9) << name;
+  };
   expect("contact_fraction", 1.0);
   expect("strokes_missed", 0);
-  for (const char* name : {"ink_error_rms", "ink_error_p95", "ink_error_max", "gaps", "longest_gap", "ink_outside", "ink_up", "force_sd",
-                           "force_rms_error", "tilt_mean", "tilt_p95", "tilt_max", "torque_saturated"}) {
+  for (const char* name : {"ink_error_rms", "ink_error_p95", "ink_error_max", "gaps", "longest_gap",
+                           "ink_outside", "ink_up", "force_sd", "force_rms_error", "tilt_mean",
+                           "tilt_p95", "tilt_max", "torque_saturated"}) {
     expect(name, 0.0);
   }
   for (const char* name : {"force_mean", "force_peak", "touchdown_peak"}) expect(name, 5.0);
@@ -63,7 +66,8 @@ TEST(Metrics, ContactFractionCountsPenDownSamplesWithInk) {
 TEST(Metrics, InkErrorIsToTheStrokesOwnTarget) {
   MadeUp run = plain_run();
   add_target(run, 1, 0.0, 50.0, 0.3);  // another stroke's line under the ink counts for nothing
-  for (std::size_t i = 1000; i < 2000; ++i) touch(run, i, 0.05 * (i - 1000.0), i < 1900 ? 0.3 : 0.4);
+  for (std::size_t i = 1000; i < 2000; ++i)
+    touch(run, i, 0.05 * (i - 1000.0), i < 1900 ? 0.3 : 0.4);
   for (std::size_t i = 900; i < 1000; ++i) touch(run, i, 0.0, 30.0);  // not pen-down
   EXPECT_NEAR(value(run, "ink_error_rms"), std::sqrt(0.9 * 0.09 + 0.1 * 0.16), 1e-12);
   EXPECT_NEAR(value(run, "ink_error_p95"), 0.4, 1e-12);
@@ -73,7 +77,8 @@ TEST(Metrics, InkErrorIsToTheStrokesOwnTarget) {
   EXPECT_NEAR(value(run, "ink_error_max"), 5.0, 1e-9);
   MadeUp up = plain_run();
   for (std::size_t i = 0; i < up.rows(); ++i) lift(up, i);
-  expect_null(up, {"ink_error_rms", "ink_error_p95", "ink_error_max", "ink_outside"}, "no pen-down ink");
+  expect_null(up, {"ink_error_rms", "ink_error_p95", "ink_error_max", "ink_outside"},
+              "no pen-down ink");
   MadeUp aimless = plain_run();
   aimless.target_points.clear();
   aimless.target_stroke.clear();
@@ -83,8 +88,10 @@ TEST(Metrics, InkErrorIsToTheStrokesOwnTarget) {
 
 TEST(Metrics, CoverageAndGaps) {
   MadeUp run = plain_run();
-  for (std::size_t i = 1200; i < 1500; ++i) lift(run, i);  // ink ends at 9.95 mm and begins again at 25
-  for (std::size_t i = 1700; i < 1730; ++i) lift(run, i);  // 34.95 to 36.5: uncovered 0.55 mm, no gap
+  for (std::size_t i = 1200; i < 1500; ++i)
+    lift(run, i);  // ink ends at 9.95 mm and begins again at 25
+  for (std::size_t i = 1700; i < 1730; ++i)
+    lift(run, i);  // 34.95 to 36.5: uncovered 0.55 mm, no gap
   EXPECT_NEAR(value(run, "coverage"), 1.0 - (14.05 + 0.55) / 50.0, 1e-9);
   EXPECT_EQ(value(run, "gaps"), 1);
   EXPECT_NEAR(value(run, "longest_gap"), 14.05, 1e-9);
@@ -98,8 +105,10 @@ TEST(Metrics, InkOfOtherStrokesCoversNothing) {
 
 TEST(Metrics, InkOutside) {
   MadeUp run = plain_run();
-  // 10 of its 50 mm along the stroke run 2 mm beside it; the jumps there and back are 2 mm each, across 0.05 mm, half of them outside.
-  for (std::size_t i = 1000; i < 2000; ++i) touch(run, i, 0.05 * (i - 1000.0), i >= 1400 && i < 1600 ? 2.0 : 0.0);
+  // 10 of its 50 mm along the stroke run 2 mm beside it; the jumps there and back are 2 mm each,
+  // across 0.05 mm, half of them outside.
+  for (std::size_t i = 1000; i < 2000; ++i)
+    touch(run, i, 0.05 * (i - 1000.0), i >= 1400 && i < 1600 ? 2.0 : 0.0);
   const double jump = std::hypot(2.0, 0.05), beside = 199 * 0.05, on = 399 * 0.05 * 2;
   EXPECT_NEAR(value(run, "ink_outside"), (beside + jump) / (beside + on + 2 * jump), 1e-9);
 }
@@ -122,11 +131,13 @@ TEST(Metrics, ForceAfterSettling) {
   for (std::size_t i = 1101; i < 2000; ++i) touch(run, i, 0.0, 0.0, i < 1101 + 100 ? 7.0 : 4.0);
   const double n = 899.0, m = (100 * 7.0 + 799 * 4.0) / n;
   EXPECT_NEAR(value(run, "force_mean"), m, 1e-12);
-  EXPECT_NEAR(value(run, "force_sd"), std::sqrt((100 * (7 - m) * (7 - m) + 799 * (4 - m) * (4 - m)) / n), 1e-12);
+  EXPECT_NEAR(value(run, "force_sd"),
+              std::sqrt((100 * (7 - m) * (7 - m) + 799 * (4 - m) * (4 - m)) / n), 1e-12);
   EXPECT_NEAR(value(run, "force_rms_error"), std::sqrt((100 * 4.0 + 799 * 1.0) / n), 1e-12);
   EXPECT_EQ(value(run, "force_peak"), 7.0);
   EXPECT_EQ(value(run, "touchdown_peak"), 9.0);
-  // The boundary itself: row 1100 is 0.2 s after the touch, no later; the peak's window includes it.
+  // The boundary itself: row 1100 is 0.2 s after the touch, no later; the peak's window includes
+  // it.
   touch(run, 1100, 0.0, 0.0, 20.0);
   EXPECT_EQ(value(run, "force_peak"), 7.0);
   EXPECT_EQ(value(run, "touchdown_peak"), 20.0);
@@ -137,8 +148,10 @@ TEST(Metrics, ForceAfterSettling) {
 
 TEST(Metrics, ForcesArePooledOverStrokes) {
   MadeUp run = empty_run(4000);
-  for (std::size_t i = 1000; i < 1400; ++i) run.stroke[i] = 0, touch(run, i, 0, 0, 4.0);   // 201 … 399 after the touch: 199 rows
-  for (std::size_t i = 2000; i < 2800; ++i) run.stroke[i] = 1, touch(run, i, 0, 0, 6.0);   // 599 rows
+  for (std::size_t i = 1000; i < 1400; ++i)
+    run.stroke[i] = 0, touch(run, i, 0, 0, 4.0);  // 201 … 399 after the touch: 199 rows
+  for (std::size_t i = 2000; i < 2800; ++i)
+    run.stroke[i] = 1, touch(run, i, 0, 0, 6.0);  // 599 rows
   for (std::size_t i = 2000; i < 2010; ++i) touch(run, i, 0, 0, 11.0);
   EXPECT_NEAR(value(run, "force_mean"), (199 * 4.0 + 599 * 6.0) / 798, 1e-12);
   EXPECT_EQ(value(run, "touchdown_peak"), 11.0);
@@ -173,7 +186,8 @@ TEST(Metrics, NormalError) {
   }
   EXPECT_NEAR(value(run, "normal_error_mean"), 0.3, 1e-9);
   EXPECT_NEAR(value(run, "normal_error_p95"), 0.4, 1e-9);
-  for (std::size_t i = 1500; i < 2000; ++i) run.surface_distance[i] = kNone;  // no estimate: the normal means nothing
+  for (std::size_t i = 1500; i < 2000; ++i)
+    run.surface_distance[i] = kNone;  // no estimate: the normal means nothing
   EXPECT_NEAR(value(run, "normal_error_mean"), 0.2, 1e-9);
 }
 
@@ -225,7 +239,8 @@ TEST(Metrics, TorqueAndJointMargin) {
 
 TEST(Metrics, StepTimeAndRealTimeFactor) {
   MadeUp run = plain_run();
-  for (std::size_t i = 0; i < 3000; ++i) run.step_time[i] = 1e-6 * static_cast<double>((i * 7) % 3000);  // 0 … 2999, shuffled
+  for (std::size_t i = 0; i < 3000; ++i)
+    run.step_time[i] = 1e-6 * static_cast<double>((i * 7) % 3000);  // 0 … 2999, shuffled
   EXPECT_NEAR(value(run, "step_time_p50"), 1499.5, 1e-9);
   EXPECT_NEAR(value(run, "step_time_p99"), 0.99 * 2999, 1e-9);
   EXPECT_NEAR(value(run, "step_time_p999"), 0.999 * 2999, 1e-9);
@@ -239,7 +254,8 @@ TEST(Metrics, StepTimeAndRealTimeFactor) {
 
 TEST(Metrics, NoRowsAtAll) {
   const Json m = metrics_of(empty_run(0));
-  for (const MetricDefinition& d : metric_definitions()) EXPECT_TRUE(m.at(d.name).is_null()) << d.name;
+  for (const MetricDefinition& d : metric_definitions())
+    EXPECT_TRUE(m.at(d.name).is_null()) << d.name;
 }
 
 TEST(Statistics, PercentilesInterpolateLinearly) {
@@ -263,7 +279,8 @@ TEST(Metrics, TwentyMinutesInSeconds) {
   ASSERT_GT(run.target_points.size(), 150000u);
   const auto start = std::chrono::steady_clock::now();
   const Json m = metrics_of(run);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("metrics of 1.2 million rows: %.2f s\n", seconds);
   EXPECT_NEAR(m.at("ink_error_rms").get<double>(), 0.03, 1e-9);
   EXPECT_NEAR(m.at("coverage").get<double>(), (29.95 + std::sqrt(0.25 - 0.0009)) / 37.5, 1e-9);

@@ -20,7 +20,9 @@ namespace {
 using Eigen::Vector3d;
 
 CastRay tilted_plane(const Vector3d& n, double d) {
-  return [=](const Vector3d& origin, const Vector3d& direction) { return (d - n.dot(origin)) / n.dot(direction); };
+  return [=](const Vector3d& origin, const Vector3d& direction) {
+    return (d - n.dot(origin)) / n.dot(direction);
+  };
 }
 
 std::vector<DepthImage> render(const std::vector<DepthCamera>& cameras, const CastRay& cast) {
@@ -40,7 +42,8 @@ TEST(BackProject, EveryPixelsPointLiesOnTheSurfaceAndInItsPixel) {
     EXPECT_EQ(cloud.camera[k], camera);
     EXPECT_NEAR(n.dot(cloud.points[k]), 0.1, 1e-13);
     const Vector3d p_C = cameras[camera].X_WC.inverse() * cloud.points[k];
-    EXPECT_NEAR(f * p_C.x() / p_C.z() + 320, i + 0.5, 1e-9);  // measured from the image's left edge, in pixels
+    EXPECT_NEAR(f * p_C.x() / p_C.z() + 320, i + 0.5,
+                1e-9);  // measured from the image's left edge, in pixels
     EXPECT_NEAR(f * p_C.y() / p_C.z() + 240, j + 0.5, 1e-9);
   }
   for (int c = 0; c < 3; ++c) EXPECT_EQ(cloud.eyes[c], cameras[c].X_WC.p);
@@ -53,7 +56,8 @@ TEST(BackProject, KeepsTheRegionAndLosesTheArm) {
   CloudSettings settings;
   settings.region = {Vector3d(0.4, -0.2, 0.0), Vector3d(0.8, 0.2, 0.2)};
   settings.self_padding = 0.02;
-  const std::vector<Capsule> arm = {{{0.5, 0, 0.2}, {0.7, 0.1, 0.08}, 0.03}, {{0.6, -0.1, 0.1}, {0.6, -0.1, 0.1}, 0.01}};
+  const std::vector<Capsule> arm = {{{0.5, 0, 0.2}, {0.7, 0.1, 0.08}, 0.03},
+                                    {{0.6, -0.1, 0.1}, {0.6, -0.1, 0.1}, 0.01}};
   const PointCloud kept = back_project(images, cameras, settings, arm);
 
   std::size_t next = 0, cropped = 0, hidden = 0;
@@ -63,9 +67,12 @@ TEST(BackProject, KeepsTheRegionAndLosesTheArm) {
       ++cropped;
       continue;
     }
-    double clearance = std::numeric_limits<double>::infinity();  // by 400 spheres along each capsule
+    // by 400 spheres along each capsule
+    double clearance = std::numeric_limits<double>::infinity();
     for (const auto& c : arm) {
-      for (int s = 0; s <= 400; ++s) clearance = std::min(clearance, (c.a_W + (c.b_W - c.a_W) * (s / 400.0) - p).norm() - c.radius);
+      for (int s = 0; s <= 400; ++s)
+        clearance =
+            std::min(clearance, (c.a_W + (c.b_W - c.a_W) * (s / 400.0) - p).norm() - c.radius);
     }
     const bool was_kept = next < kept.points.size() && kept.points[next] == p;
     if (std::abs(clearance - 0.02) > 1e-5) {
@@ -111,7 +118,8 @@ TEST(Thin, OnePointACubeByBruteForce) {
     for (const auto& [key, cube] : cubes) {
       EXPECT_LT((thinned.points[i] - cube.sum / cube.n).norm(), 1e-15);
       EXPECT_EQ(thinned.weight[i], cube.n);
-      EXPECT_EQ(cube.seen[thinned.camera[i]], *std::max_element(cube.seen.begin(), cube.seen.end()));
+      EXPECT_EQ(cube.seen[thinned.camera[i]],
+                *std::max_element(cube.seen.begin(), cube.seen.end()));
       ++i;
     }
     EXPECT_EQ(thin(cloud, 0).points, cloud.points);
@@ -154,9 +162,14 @@ TEST(Fuse, RefusesBadSettingsByName) {
   expect_refused([&] { fuse(images, cameras, {.voxel = -1}); }, "voxel = -1 m");
   expect_refused([&] { fuse(images, cameras, {.voxel = std::nan("")}); }, "voxel = nan m");
   expect_refused([&] { fuse(images, cameras, {.voxel = 1e-9}); }, "too small");
-  expect_refused([&] { fuse(images, cameras, {.region = Eigen::AlignedBox3d()}); }, "region is empty");
+  expect_refused([&] { fuse(images, cameras, {.region = Eigen::AlignedBox3d()}); },
+                 "region is empty");
   expect_refused([&] { fuse(images, cameras, {.self_padding = -0.1}); }, "self_padding = -0.1 m");
-  expect_refused([&] { fuse(images, cameras, {}, {{{0, 0, 0}, {0, 0, std::nan("")}, 0.1}}); }, "capsule 0");
+  expect_refused(
+      [&] {
+        fuse(images, cameras, {}, {{{0, 0, 0}, {0, 0, std::nan("")}, 0.1}});
+      },
+      "capsule 0");
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <string>
 
-#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
 
@@ -33,7 +33,8 @@ TEST(DepthCamera, PixelsLookThroughTheirMiddles) {
   DepthCamera camera;
   camera.width = 4;
   camera.height = 2;
-  camera.fov_y_deg = 90;  // the image plane at z = 1 reaches from y = −1 to 1 and, with square pixels, from x = −2 to 2
+  // the image plane at z = 1 reaches from y = −1 to 1 and, with square pixels, from x = −2 to 2
+  camera.fov_y_deg = 90;
   EXPECT_LT((camera.direction_C(0, 0) - Vector3d(-1.5, -0.5, 1)).norm(), 1e-15);
   EXPECT_LT((camera.direction_C(3, 0) - Vector3d(1.5, -0.5, 1)).norm(), 1e-15);
   EXPECT_LT((camera.direction_C(1, 1) - Vector3d(-0.5, 0.5, 1)).norm(), 1e-15);
@@ -46,7 +47,8 @@ TEST(DepthCamera, LooksAtItsTargetUpright) {
   EXPECT_NEAR(X.R.determinant(), 1, 1e-14);
   const Vector3d target_C = X.inverse() * target;
   EXPECT_LT((target_C - Vector3d(0, 0, (target - eye).norm())).norm(), 1e-14);
-  EXPECT_LT((X.inverse() * (target + Vector3d(0, 0, 0.1))).y(), -0.01);   // up in the world is up in the image: y falls
+  EXPECT_LT((X.inverse() * (target + Vector3d(0, 0, 0.1))).y(),
+            -0.01);  // up in the world is up in the image: y falls
   EXPECT_NEAR((X.inverse() * (target + Vector3d(0, 0, 0.1))).x(), 0, 1e-14);
   const Vector3d right = (target - eye).cross(Vector3d::UnitZ());
   EXPECT_GT((X.inverse() * (target + right)).x(), 0.1);
@@ -62,7 +64,10 @@ TEST(DepthCamera, StandardCamerasStandWhereTheyShould) {
     const Vector3d from_axis = cameras[c].X_WC.p - Vector3d(0.6, 0, 0.9);
     EXPECT_NEAR(from_axis.z(), 0, 1e-15);
     EXPECT_NEAR(from_axis.norm(), 0.5, 1e-14);
-    EXPECT_NEAR(std::remainder(std::atan2(from_axis.y(), from_axis.x()) - c * 2 * std::numbers::pi / 3, 2 * std::numbers::pi), 0, 1e-14);
+    EXPECT_NEAR(
+        std::remainder(std::atan2(from_axis.y(), from_axis.x()) - c * 2 * std::numbers::pi / 3,
+                       2 * std::numbers::pi),
+        0, 1e-14);
     EXPECT_LT((cameras[c].X_WC.inverse() * Vector3d(0.6, 0, 0.1)).head<2>().norm(), 1e-14);
     EXPECT_EQ(cameras[c].width, 640);
     EXPECT_EQ(cameras[c].height, 480);
@@ -81,8 +86,11 @@ TEST(RenderDepth, DepthIsAlongTheCamerasAxis) {
 
 TEST(RenderDepth, NothingIsNaN) {
   DepthCamera camera;
-  camera.X_WC = look_at({0, 0, 1}, {1, 0, 1});  // level: the lower half of the image sees the ground, the upper nothing
-  const DepthImage image = render_depth(camera, plane(Vector3d::UnitZ(), 0), realistic_depth_noise());
+  camera.X_WC =
+      look_at({0, 0, 1},
+              {1, 0, 1});  // level: the lower half of the image sees the ground, the upper nothing
+  const DepthImage image =
+      render_depth(camera, plane(Vector3d::UnitZ(), 0), realistic_depth_noise());
   EXPECT_TRUE(std::isnan(image.at(320, 0)));
   EXPECT_TRUE(std::isnan(image.at(0, 239)));
   EXPECT_TRUE(std::isfinite(image.at(0, 479)));
@@ -93,7 +101,8 @@ TEST(RenderDepth, NoiseGrowsAsTheModelSays) {
   for (const double distance : {0.5, 1.0, 2.0}) {
     SCOPED_TRACE(distance);
     camera.X_WC = look_at({0, 0, distance}, {0, 0, 0});
-    const DepthImage image = render_depth(camera, plane(Vector3d::UnitZ(), 0), realistic_depth_noise(), 42);
+    const DepthImage image =
+        render_depth(camera, plane(Vector3d::UnitZ(), 0), realistic_depth_noise(), 42);
     const double n = double(image.depth.size());
     double mean = 0, second = 0, fourth = 0, neighbours = 0;
     for (const double depth : image.depth) mean += (depth - distance) / n;
@@ -105,9 +114,9 @@ TEST(RenderDepth, NoiseGrowsAsTheModelSays) {
     }
     const double sigma = 0.001 * distance * distance;
     EXPECT_NEAR(mean, 0, 4 * sigma / std::sqrt(n));
-    EXPECT_NEAR(std::sqrt(second), sigma, 0.006 * sigma);             // 4 σ of the estimate
-    EXPECT_NEAR(fourth / (second * second), 3, 0.05);                 // Gaussian
-    EXPECT_NEAR(neighbours / second, 0, 4 / std::sqrt(n));            // independent
+    EXPECT_NEAR(std::sqrt(second), sigma, 0.006 * sigma);   // 4 σ of the estimate
+    EXPECT_NEAR(fourth / (second * second), 3, 0.05);       // Gaussian
+    EXPECT_NEAR(neighbours / second, 0, 4 / std::sqrt(n));  // independent
   }
 }
 
@@ -117,7 +126,8 @@ TEST(RenderDepth, SameSeedSameImageOnAnyNumberOfThreads) {
   camera.height = 90;
   camera.X_WC = look_at({0.3, 0, 1}, {0, 0, 0});
   const auto render = [&](std::uint64_t seed, int threads) {
-    return render_depth(camera, plane(Vector3d::UnitZ(), 0), realistic_depth_noise(), seed, threads).depth;
+    return render_depth(camera, plane(Vector3d::UnitZ(), 0), realistic_depth_noise(), seed, threads)
+        .depth;
   };
   const auto one = render(5, 1);
   for (const int threads : {0, 2, 3, 8}) EXPECT_EQ(render(5, threads), one);
@@ -132,7 +142,9 @@ TEST(RenderDepth, QuantisesDisparity) {
   camera.X_WC = look_at({0.3, 0, 1}, {0, 0, 0});
   const double q = 0.002;
   const auto exact = render_depth(camera, plane(Vector3d::UnitZ(), 0)).depth;
-  const auto coarse = render_depth(camera, plane(Vector3d::UnitZ(), 0), {.sigma_at_1m = 0, .quantum_at_1m = q}).depth;
+  const auto coarse =
+      render_depth(camera, plane(Vector3d::UnitZ(), 0), {.sigma_at_1m = 0, .quantum_at_1m = q})
+          .depth;
   double largest = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const double steps = 1 / coarse[i] / q;
@@ -151,11 +163,17 @@ TEST(RenderDepth, RefusesBadSettingsByName) {
       EXPECT_THAT(e.what(), testing::HasSubstr(what));
     }
   };
-  const auto render = [](DepthCamera camera, DepthNoise noise = {}) { render_depth(camera, plane(Vector3d::UnitZ(), 0), noise); };
+  const auto render = [](DepthCamera camera, DepthNoise noise = {}) {
+    render_depth(camera, plane(Vector3d::UnitZ(), 0), noise);
+  };
   expect_refused([&] { render({.width = 0}); }, "size = 0 × 480 px");
   expect_refused([&] { render({.fov_y_deg = 180}); }, "fov_y_deg = 180");
   expect_refused([&] { render({.fov_y_deg = std::nan("")}); }, "fov_y_deg = nan");
-  expect_refused([&] { render({.X_WC = {{0, 0, kInfinity}, Eigen::Matrix3d::Identity()}}); }, "X_WC");
+  expect_refused(
+      [&] {
+        render({.X_WC = {{0, 0, kInfinity}, Eigen::Matrix3d::Identity()}});
+      },
+      "X_WC");
   expect_refused([&] { render({}, {.sigma_at_1m = -1}); }, "sigma_at_1m = -1 m");
   expect_refused([&] { render({}, {.quantum_at_1m = std::nan("")}); }, "quantum_at_1m = nan m");
   expect_refused([] { look_at({1, 1, 1}, {1, 1, 1}); }, "eye (1, 1, 1)");

@@ -42,7 +42,8 @@ TEST(Neighbours, AreThoseOfBruteForce) {
       }
       for (int q = 0; q < 300; ++q) {
         // In the sheet, above it, beyond its edge, in the hole.
-        const Vector3d p(0.25 * uniform(random), 0.25 * uniform(random), 0.03 * uniform(random) * (q % 3));
+        const Vector3d p(0.25 * uniform(random), 0.25 * uniform(random),
+                         0.03 * uniform(random) * (q % 3));
         const double max_radius = q % 2 ? 1.0 : 0.02;
         std::vector<double> brute;
         for (const auto& point : points) {
@@ -66,7 +67,8 @@ TEST(Neighbours, AreThoseOfBruteForce) {
         expect_same(n);
         EXPECT_TRUE(std::is_sorted(squared.begin(), squared.begin() + n));
         int closest = -2;
-        const int m = tree.nearest_unordered(p, k, max_radius, reach2, index.data(), squared.data(), &closest);
+        const int m = tree.nearest_unordered(p, k, max_radius, reach2, index.data(), squared.data(),
+                                             &closest);
         expect_same(m);
         if (m == k) {
           ASSERT_GE(closest, 0);
@@ -82,7 +84,8 @@ TEST(Neighbours, GuessOfAnySizeGivesTheSamePoints) {
   const NeighbourTree tree(points);
   int index[40], closest;
   double right[40], squared[40];
-  for (const double guess : {0.0, 1e-6, 1e-4, 1.0}) {  // too small: falls back; too large: more than there is room for
+  for (const double guess :
+       {0.0, 1e-6, 1e-4, 1.0}) {  // too small: falls back; too large: more than there is room for
     const std::vector<double> reach2(points.size(), guess);
     for (double x = 0; x < 0.2; x += 0.01) {
       tree.nearest({x, 0.1, 0}, 40, 1, index, right);

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include "impedraw/common/errors.h"
 
@@ -19,11 +19,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-double angle_deg(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi; }
+double angle_deg(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+}
 
-// Points of z = f(x, y) over a square of half side `half`, on a jittered grid of the given spacing, seen from the eye.
-PointCloud sheet(double half, double spacing, const std::function<double(double, double)>& f, const Vector3d& eye = {0, 0, 1},
-                 unsigned seed = 1) {
+// Points of z = f(x, y) over a square of half side `half`, on a jittered grid of the given spacing,
+// seen from the eye.
+PointCloud sheet(double half, double spacing, const std::function<double(double, double)>& f,
+                 const Vector3d& eye = {0, 0, 1}, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-0.4, 0.4);
   PointCloud cloud;
@@ -45,7 +48,8 @@ std::vector<NormalSettings> every_way() {
   std::vector<NormalSettings> all;
   for (const auto mode : {NormalMode::fresh, NormalMode::interpolated}) {
     for (const auto weighting : {NeighbourWeighting::uniform, NeighbourWeighting::smooth}) {
-      for (const auto fit : {SurfaceFit::plane, SurfaceFit::quadric}) all.push_back({.mode = mode, .weighting = weighting, .fit = fit});
+      for (const auto fit : {SurfaceFit::plane, SurfaceFit::quadric})
+        all.push_back({.mode = mode, .weighting = weighting, .fit = fit});
     }
   }
   return all;
@@ -86,15 +90,20 @@ TEST(Normals, TurnTowardsTheCameraThatSawThem) {
 }
 
 TEST(Normals, CylinderAndSaddleMatchTheirClosedForms) {
-  // A groove of radius R 30° from x, and a saddle of that curvature: what a fit of the mean curvature alone would miss.
+  // A groove of radius R 30° from x, and a saddle of that curvature: what a fit of the mean
+  // curvature alone would miss.
   const double R = 0.1, c = std::cos(std::numbers::pi / 6), s = 0.5;
-  const PointCloud groove = sheet(0.06, 0.003, [&](double x, double y) { return R - std::sqrt(R * R - std::pow(-s * x + c * y, 2)); });
+  const PointCloud groove = sheet(0.06, 0.003, [&](double x, double y) {
+    return R - std::sqrt(R * R - std::pow(-s * x + c * y, 2));
+  });
   for (const auto mode : {NormalMode::fresh, NormalMode::interpolated}) {
     const SurfaceEstimator estimator(groove, {.k = 40, .mode = mode});
     for (double t = -0.03; t <= 0.03; t += 0.0011) {
       const Vector3d across(-s, c, 0), along(c, s, 0);
-      const Vector3d n = Vector3d(0, 0, R) - across * t - Vector3d(0, 0, R - std::sqrt(R * R - t * t));
-      const Vector3d on = across * t + Vector3d(0, 0, R - std::sqrt(R * R - t * t)) + along * 0.2 * t;
+      const Vector3d n =
+          Vector3d(0, 0, R) - across * t - Vector3d(0, 0, R - std::sqrt(R * R - t * t));
+      const Vector3d on =
+          across * t + Vector3d(0, 0, R - std::sqrt(R * R - t * t)) + along * 0.2 * t;
       const SurfaceEstimate e = estimator.estimate(on + 0.001 * n.normalized());
       ASSERT_EQ(e.status, SurfaceStatus::ok);
       EXPECT_LT(angle_deg(e.n_W, n), 0.1);
@@ -117,9 +126,11 @@ TEST(Normals, CylinderAndSaddleMatchTheirClosedForms) {
 }
 
 TEST(Normals, UniformPlaneIsThePapersEquation) {
-  const PointCloud cloud = sheet(0.06, 0.003, [](double x, double y) { return 4 * x * x + 2 * x * y + 0.2 * y; });
+  const PointCloud cloud =
+      sheet(0.06, 0.003, [](double x, double y) { return 4 * x * x + 2 * x * y + 0.2 * y; });
   const int k = 33;
-  const SurfaceEstimator estimator(cloud, {.k = k, .weighting = NeighbourWeighting::uniform, .fit = SurfaceFit::plane});
+  const SurfaceEstimator estimator(
+      cloud, {.k = k, .weighting = NeighbourWeighting::uniform, .fit = SurfaceFit::plane});
   for (const unsigned seed : {1u, 2u}) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -127,12 +138,17 @@ TEST(Normals, UniformPlaneIsThePapersEquation) {
     for (int q = 0; q < 100; ++q) {
       const Vector3d p(uniform(random), uniform(random), 0.005);
       std::vector<Vector3d> points = cloud.points;
-      std::sort(points.begin(), points.end(), [&](const Vector3d& a, const Vector3d& b) { return (a - p).norm() < (b - p).norm(); });
+      std::sort(points.begin(), points.end(), [&](const Vector3d& a, const Vector3d& b) {
+        return (a - p).norm() < (b - p).norm();
+      });
       Vector3d mean = Vector3d::Zero();
       for (int i = 0; i < k; ++i) mean += points[i] / k;
       Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-      for (int i = 0; i < k; ++i) covariance += (points[i] - mean) * (points[i] - mean).transpose() / k;
-      Vector3d n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);  // iterative, not closed form
+      for (int i = 0; i < k; ++i)
+        covariance += (points[i] - mean) * (points[i] - mean).transpose() / k;
+      Vector3d n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance)
+                       .eigenvectors()
+                       .col(0);  // iterative, not closed form
       if (n.z() < 0) n = -n;
       const SurfaceEstimate e = estimator.estimate(p);
       ASSERT_EQ(e.status, SurfaceStatus::ok);
@@ -143,7 +159,8 @@ TEST(Normals, UniformPlaneIsThePapersEquation) {
 }
 
 TEST(Normals, DoNotJumpAsTheTipSlides) {
-  const PointCloud cloud = sheet(0.05, 0.003, [](double x, double y) { return 3 * x * x + 3 * y * y; });
+  const PointCloud cloud =
+      sheet(0.05, 0.003, [](double x, double y) { return 3 * x * x + 3 * y * y; });
   const auto largest_step_deg = [&](NormalSettings settings) {
     const SurfaceEstimator estimator(cloud, settings);
     double largest = 0;
@@ -159,11 +176,13 @@ TEST(Normals, DoNotJumpAsTheTipSlides) {
   EXPECT_LT(largest_step_deg({}), 0.0015);
   EXPECT_LT(largest_step_deg({.mode = NormalMode::interpolated}), 0.0015);
   EXPECT_LT(largest_step_deg({.fit = SurfaceFit::plane}), 0.003);
-  EXPECT_GT(largest_step_deg({.weighting = NeighbourWeighting::uniform, .fit = SurfaceFit::plane}), 0.01);  // the paper's jumps
+  EXPECT_GT(largest_step_deg({.weighting = NeighbourWeighting::uniform, .fit = SurfaceFit::plane}),
+            0.01);  // the paper's jumps
 }
 
 TEST(Normals, StandardDeviationUnderNoiseFollowsTheory) {
-  // A plane z = Σ slope fitted by k equal weights over a patch of radius r: slope's σ = σ_z / sqrt(k r²/4), r² = k spacing²/π.
+  // A plane z = Σ slope fitted by k equal weights over a patch of radius r: slope's σ = σ_z /
+  // sqrt(k r²/4), r² = k spacing²/π.
   const double spacing = 0.004, sigma = 0.0003;
   const int k = 60;
   double sum2 = 0;
@@ -171,8 +190,10 @@ TEST(Normals, StandardDeviationUnderNoiseFollowsTheory) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0, sigma);
-    const SurfaceEstimator estimator(sheet(0.15, spacing, [&](double, double) { return noise(random); }, {0, 0, 1}, seed),
-                                     {.k = k, .weighting = NeighbourWeighting::uniform, .fit = SurfaceFit::plane});
+    const SurfaceEstimator estimator(
+        sheet(
+            0.15, spacing, [&](double, double) { return noise(random); }, {0, 0, 1}, seed),
+        {.k = k, .weighting = NeighbourWeighting::uniform, .fit = SurfaceFit::plane});
     for (double x = -0.1; x <= 0.1; x += 0.025) {
       for (double y = -0.1; y <= 0.1; y += 0.025) {
         const SurfaceEstimate e = estimator.estimate({x, y, 0});
@@ -197,7 +218,8 @@ TEST(Normals, WeighPointsByThePixelsBehindThem) {
   unweighted.weight.clear();
   const NormalSettings settings{.fit = SurfaceFit::plane};
   EXPECT_NEAR(SurfaceEstimator(cloud, settings).estimate({0, 0, 0}).distance, -0.001 / 41, 1.2e-5);
-  EXPECT_NEAR(SurfaceEstimator(unweighted, settings).estimate({0, 0, 0}).distance, -0.001 / 5, 5e-5);
+  EXPECT_NEAR(SurfaceEstimator(unweighted, settings).estimate({0, 0, 0}).distance, -0.001 / 5,
+              5e-5);
 }
 
 TEST(Normals, TooFewWithinReach) {
@@ -214,7 +236,8 @@ TEST(Normals, TooFewWithinReach) {
   PointCloud few = cloud;
   few.points.resize(40);
   few.camera.resize(40);
-  EXPECT_EQ(SurfaceEstimator(few, {.k = 60}).estimate(few.points[20]).status, SurfaceStatus::too_few);
+  EXPECT_EQ(SurfaceEstimator(few, {.k = 60}).estimate(few.points[20]).status,
+            SurfaceStatus::too_few);
 }
 
 TEST(Normals, PointsInALineOrABallAreNoSurface) {
@@ -230,14 +253,17 @@ TEST(Normals, PointsInALineOrABallAreNoSurface) {
     cloud->camera.assign(500, 0);
     cloud->eyes.push_back({0, 0, 1});
     for (const auto& settings : every_way()) {
-      EXPECT_EQ(SurfaceEstimator(*cloud, settings).estimate({0.02, 0, 0.001}).status, SurfaceStatus::too_few);
+      EXPECT_EQ(SurfaceEstimator(*cloud, settings).estimate({0.02, 0, 0.001}).status,
+                SurfaceStatus::too_few);
       if (cloud != &ball) continue;
-      EXPECT_EQ(SurfaceEstimator(*cloud, settings).estimate({0, 0, 0}).status, SurfaceStatus::too_few);
+      EXPECT_EQ(SurfaceEstimator(*cloud, settings).estimate({0, 0, 0}).status,
+                SurfaceStatus::too_few);
     }
   }
 }
 
-// From within a straight edge outward: good until the edge, off_edge soon beyond it, never a wild normal on the way.
+// From within a straight edge outward: good until the edge, off_edge soon beyond it, never a wild
+// normal on the way.
 TEST(Normals, OffTheEdgeIsAStatus) {
   const double spacing = 0.003;
   const auto bowl = [](double x, double y) { return 0.3 - std::sqrt(0.09 - x * x - y * y); };
@@ -251,14 +277,17 @@ TEST(Normals, OffTheEdgeIsAStatus) {
   }
   for (const auto& settings : every_way()) {
     const SurfaceEstimator estimator(cloud, settings);
-    const double patch = std::sqrt((settings.mode == NormalMode::fresh ? settings.k : 10) / std::numbers::pi) * spacing;
+    const double patch =
+        std::sqrt((settings.mode == NormalMode::fresh ? settings.k : 10) / std::numbers::pi) *
+        spacing;
     for (double y = -0.03; y <= 0.03; y += 0.0017) {
       double last_ok = -1;
       for (double x = 0; x < 0.055; x += 0.0002) {
         const SurfaceEstimate e = estimator.estimate({x, y, bowl(x, y)});
         if (e.status != SurfaceStatus::ok) continue;
         last_ok = x;
-        EXPECT_LT(angle_deg(e.n_W, Vector3d(-x, -y, std::sqrt(0.09 - x * x - y * y))), settings.fit == SurfaceFit::plane ? 2.5 : 0.2);
+        EXPECT_LT(angle_deg(e.n_W, Vector3d(-x, -y, std::sqrt(0.09 - x * x - y * y))),
+                  settings.fit == SurfaceFit::plane ? 2.5 : 0.2);
       }
       EXPECT_GT(last_ok, 0.02 - spacing);
       EXPECT_LT(last_ok, 0.02 + spacing + 0.2 * patch);
@@ -267,7 +296,8 @@ TEST(Normals, OffTheEdgeIsAStatus) {
 }
 
 TEST(Normals, RefuseBadSettingsByName) {
-  const auto expect_refused = [](const PointCloud& cloud, const NormalSettings& settings, const std::string& what) {
+  const auto expect_refused = [](const PointCloud& cloud, const NormalSettings& settings,
+                                 const std::string& what) {
     try {
       SurfaceEstimator estimator(cloud, settings);
       ADD_FAILURE() << "accepted, though " << what;

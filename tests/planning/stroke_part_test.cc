@@ -62,7 +62,8 @@ TEST(StrokePart, TheRestAndThePartsMakeTheWhole) {
   std::mt19937 random(11);
   for (int round = 0; round < 100; ++round) {
     SCOPED_TRACE("seed 11, round " + std::to_string(round));
-    const std::vector<PlacedStroke> strokes{surfaces::line({{0, 0}, {1, 0}}), surfaces::line({{0, 1}, {1, 1}}, 1)};
+    const std::vector<PlacedStroke> strokes{surfaces::line({{0, 0}, {1, 0}}),
+                                            surfaces::line({{0, 1}, {1, 1}}, 1)};
     std::uniform_int_distribution<int> many(0, 6), at(0, 1000);
     std::vector<StrokePart> parts;
     std::vector<std::vector<bool>> covered(2, std::vector<bool>(1000, false));
@@ -76,14 +77,17 @@ TEST(StrokePart, TheRestAndThePartsMakeTheWhole) {
     std::vector<std::vector<bool>> left(2, std::vector<bool>(1000, false));
     for (const StrokePart& rest : rest_of(strokes, parts))
       for (int k = 0; k < 1000; ++k)
-        if (k / 1000.0 + 5e-4 > rest.from && k / 1000.0 + 5e-4 < rest.to) left[rest.stroke][k] = true;
+        if (k / 1000.0 + 5e-4 > rest.from && k / 1000.0 + 5e-4 < rest.to)
+          left[rest.stroke][k] = true;
     for (int s = 0; s < 2; ++s)
-      for (int k = 0; k < 1000; ++k) ASSERT_NE(covered[s][k], left[s][k]) << "stroke " << s << " at " << k;
+      for (int k = 0; k < 1000; ++k)
+        ASSERT_NE(covered[s][k], left[s][k]) << "stroke " << s << " at " << k;
   }
 }
 
 TEST(StrokePart, AShortGapIsNoneButAStrokeNeverTouchedIs) {
-  const std::vector<PlacedStroke> strokes{surfaces::line({{0, 0}, {1, 0}}), surfaces::line({{0, 1}}, 1)};
+  const std::vector<PlacedStroke> strokes{surfaces::line({{0, 0}, {1, 0}}),
+                                          surfaces::line({{0, 1}}, 1)};
   const auto rest = rest_of(strokes, {{0, 0.0, 0.5}, {0, 0.5009, 1.0}}, 1e-3);
   ASSERT_EQ(rest.size(), 1u);
   EXPECT_EQ(rest[0].stroke, 1);
@@ -103,7 +107,8 @@ TEST(StrokePart, ThePlanKnowsWhereOnTheStrokeItIs) {
       ASSERT_EQ(sample.stroke, 4);
       ASSERT_GE(sample.along, last - 1e-12);
       last = sample.along;
-      ASSERT_LT((place_on(bent, sample.along).world - sample.goal.p_WD.head<2>()).norm(), 1e-4) << t;  // interpolated between knots
+      ASSERT_LT((place_on(bent, sample.along).world - sample.goal.p_WD.head<2>()).norm(), 1e-4)
+          << t;  // interpolated between knots
     }
     EXPECT_NEAR(path.at(times.end - 1e-6).along, to, 1e-6);
   }
@@ -117,7 +122,8 @@ TEST(StrokePart, ATiltedPlaneTurnsThePath) {
   tilted.X_WP.p = {0.1, -0.2, 0.3};
   tilted.start_p_WE = tilted.X_WP * level.start_p_WE;
   tilted.start_n_W = tilted.X_WP.R * level.start_n_W;
-  const TipPath a = plan_tip_path({line}, surfaces::bowl, level), b = plan_tip_path({line}, surfaces::bowl, tilted);
+  const TipPath a = plan_tip_path({line}, surfaces::bowl, level),
+                b = plan_tip_path({line}, surfaces::bowl, tilted);
   ASSERT_NEAR(a.duration(), b.duration(), 1e-12);
   for (double t = 0; t < a.duration(); t += 0.037) {
     const TipGoal x = a.at(t).goal, y = b.at(t).goal;

@@ -5,8 +5,8 @@
 
 #include "impedraw/drawing/placement.h"
 #include "impedraw/drawing/shapes.h"
-#include "impedraw/planning/surface_height.h"
 #include "impedraw/planning/path/tip_planner.h"
+#include "impedraw/planning/surface_height.h"
 
 namespace impedraw::surfaces {
 
@@ -23,12 +23,15 @@ inline std::optional<SurfaceSample> bowl(double x, double y) {
   return SurfaceSample{p, (kBowlCentre - p) / kBowlRadius};
 }
 
-inline std::optional<SurfaceSample> table(double x, double y) { return SurfaceSample{{x, y, 0.1}, Vector3d::UnitZ()}; }
+inline std::optional<SurfaceSample> table(double x, double y) {
+  return SurfaceSample{{x, y, 0.1}, Vector3d::UnitZ()};
+}
 
 // z = 0.1 + 20 mm sin(40 x) cos(30 y): steep up to 39°.
 inline std::optional<SurfaceSample> waves(double x, double y) {
   const double a = 0.02;
-  const Vector3d n(-a * 40 * std::cos(40 * x) * std::cos(30 * y), a * 30 * std::sin(40 * x) * std::sin(30 * y), 1);
+  const Vector3d n(-a * 40 * std::cos(40 * x) * std::cos(30 * y),
+                   a * 30 * std::sin(40 * x) * std::sin(30 * y), 1);
   return SurfaceSample{{x, y, 0.1 + a * std::sin(40 * x) * std::cos(30 * y)}, n.normalized()};
 }
 
@@ -44,6 +47,8 @@ inline PathSettings brisk() {
   return settings;
 }
 
-inline PlacedStroke line(std::vector<Vector2d> world, int number = 0) { return {world, world, number}; }
+inline PlacedStroke line(std::vector<Vector2d> world, int number = 0) {
+  return {world, world, number};
+}
 
 }  // namespace impedraw::surfaces

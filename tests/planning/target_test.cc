@@ -15,7 +15,8 @@ TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
   for (const std::string& name : shape_names()) {
     SCOPED_TRACE(name);
     const Artwork artwork = make_shape(name).target;
-    const TargetLine line = project_target(placed_strokes(artwork, place(artwork, shape_placement())), surfaces::bowl);
+    const TargetLine line =
+        project_target(placed_strokes(artwork, place(artwork, shape_placement())), surfaces::bowl);
     ASSERT_EQ(line.points.size(), line.stroke.size());
     double gap = 0, off = 0;
     for (std::size_t i = 0; i < line.points.size(); ++i) {
@@ -28,7 +29,8 @@ TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
       }
       if (i == 0) continue;
       gap = std::max(gap, (p - line.points[i - 1]).norm());
-      off = std::max(off, surfaces::kBowlRadius - ((p + line.points[i - 1]) / 2 - surfaces::kBowlCentre).norm());
+      off = std::max(off, surfaces::kBowlRadius -
+                              ((p + line.points[i - 1]) / 2 - surfaces::kBowlCentre).norm());
     }
     EXPECT_LE(gap, 5e-4);
     EXPECT_LE(off, 1e-5);
@@ -36,7 +38,8 @@ TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
 }
 
 TEST(Target, FollowsWavesBetweenFarPoints) {
-  const TargetLine line = project_target({surfaces::line({{0.5, -0.1}, {0.7, 0.1}}), surfaces::line({{0.6, 0}}, 1)}, surfaces::waves);
+  const TargetLine line = project_target(
+      {surfaces::line({{0.5, -0.1}, {0.7, 0.1}}), surfaces::line({{0.6, 0}}, 1)}, surfaces::waves);
   EXPECT_EQ(line.stroke.front(), 0);
   EXPECT_EQ(line.stroke.back(), 1);
   for (std::size_t i = 1; i + 1 < line.points.size(); ++i) {
@@ -47,12 +50,15 @@ TEST(Target, FollowsWavesBetweenFarPoints) {
 }
 
 TEST(Target, AStepOfTheCanvasEnds) {
-  const auto step = [](double x, double y) { return std::optional(SurfaceSample{{x, y, x < 0.6 ? 0.1 : 0.2}, Vector3d::UnitZ()}); };
+  const auto step = [](double x, double y) {
+    return std::optional(SurfaceSample{{x, y, x < 0.6 ? 0.1 : 0.2}, Vector3d::UnitZ()});
+  };
   EXPECT_LT(project_target({surfaces::line({{0.5, 0}, {0.7, 0}})}, step).points.size(), 1000u);
 }
 
 TEST(Target, LeavingTheCanvasIsAnError) {
-  EXPECT_THROW(project_target({surfaces::line({{0.6, 0}, {0.6, 0.2}})}, surfaces::bowl), InputError);
+  EXPECT_THROW(project_target({surfaces::line({{0.6, 0}, {0.6, 0.2}})}, surfaces::bowl),
+               InputError);
 }
 
 }  // namespace

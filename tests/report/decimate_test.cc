@@ -19,7 +19,8 @@ double farthest_off(const Line2d& line, const Line2d& thin) {
       double low = 0.0, high = 1.0;  // golden section
       const auto at = [&](double t) { return (p - thin[i] - t * (thin[i + 1] - thin[i])).norm(); };
       for (int k = 0; k < 50; ++k) {
-        const double a = high - 0.618033988749895 * (high - low), b = low + 0.618033988749895 * (high - low);
+        const double a = high - 0.618033988749895 * (high - low),
+                     b = low + 0.618033988749895 * (high - low);
         (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
       }
       nearest = std::min({nearest, at(low), at(0.0), at(1.0)});
@@ -33,9 +34,12 @@ TEST(ThinLine, KnownLines) {
   EXPECT_TRUE(thinned({}, 0.1).empty());
   EXPECT_EQ(thinned({{1, 2}}, 0.1), (Line2d{{1, 2}}));
   EXPECT_EQ(thinned({{0, 0}, {1, 0.05}, {2, -0.05}, {3, 0}}, 0.1), (Line2d{{0, 0}, {3, 0}}));
-  EXPECT_EQ(thinned({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}}, 0.1), (Line2d{{0, 0}, {2, 0}, {2, 2}}));
-  EXPECT_EQ(thinned({{0, 0}, {1, 0}, {2, 0}, {1, 0}, {-1, 0}}, 0.1), (Line2d{{0, 0}, {2, 0}, {-1, 0}}));  // there and back: the tip stays
-  EXPECT_EQ(thinned({{-1, 0}, {-2, 1e-9}, {-3, -1e-9}, {-4, 1e-9}}, 0.1).size(), 2u);                     // where angles jump by a turn
+  EXPECT_EQ(thinned({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}}, 0.1),
+            (Line2d{{0, 0}, {2, 0}, {2, 2}}));
+  EXPECT_EQ(thinned({{0, 0}, {1, 0}, {2, 0}, {1, 0}, {-1, 0}}, 0.1),
+            (Line2d{{0, 0}, {2, 0}, {-1, 0}}));  // there and back: the tip stays
+  EXPECT_EQ(thinned({{-1, 0}, {-2, 1e-9}, {-3, -1e-9}, {-4, 1e-9}}, 0.1).size(),
+            2u);  // where angles jump by a turn
 }
 
 // On a circle of radius r a chord of length c is c²/8r off in the middle.
@@ -48,7 +52,8 @@ TEST(ThinLine, ChordsOfACircle) {
   }
   const Line2d thin = thinned(circle, kTolerance);
   const double chord = std::sqrt(8 * kRadius * kTolerance);
-  EXPECT_NEAR(static_cast<double>(thin.size()), 1 + std::ceil(2 * std::numbers::pi * kRadius / chord), 1.0);
+  EXPECT_NEAR(static_cast<double>(thin.size()),
+              1 + std::ceil(2 * std::numbers::pi * kRadius / chord), 1.0);
 }
 
 TEST(ThinLine, NothingLeftOutIsFartherThanTheTolerance) {
@@ -61,7 +66,8 @@ TEST(ThinLine, NothingLeftOutIsFartherThanTheTolerance) {
     Eigen::Vector2d step(0.1, 0);
     for (int i = 0; i < 400; ++i) {
       step += wander * 0.1 * Eigen::Vector2d(gauss(random), gauss(random));
-      line.push_back(line.back() + (i % 50 == 49 ? -3.0 : 1.0) * step);  // now and then sharply back
+      line.push_back(line.back() +
+                     (i % 50 == 49 ? -3.0 : 1.0) * step);  // now and then sharply back
       if (i % 40 == 0) line.push_back(line.back());
     }
     const Line2d thin = thinned(line, tolerance);

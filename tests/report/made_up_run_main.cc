@@ -4,10 +4,10 @@
 #include <fstream>
 #include <string>
 
-#include "log/made_up_run.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
+#include "log/made_up_run.h"
 
 int main(int argc, char** argv) {
   using namespace impedraw;
@@ -29,8 +29,11 @@ int main(int argc, char** argv) {
   std::ofstream(folder / "metrics.json") << metrics.dump(2) << "\n";
   std::ofstream(folder / "scenario.yaml") << "seed: 1\nshape: sine\ncanvas: bowl\n";
   write_ink_top(run, drawn, folder / "ink_top");
-  const auto to_page = [](const Eigen::Vector3d& p) { return Eigen::Vector2d(-1e3 * p.y(), -1e3 * (p.x() - 0.6)); };
+  const auto to_page = [](const Eigen::Vector3d& p) {
+    return Eigen::Vector2d(-1e3 * p.y(), -1e3 * (p.x() - 0.6));
+  };
   write_ink_page(run, drawn, to_page, {}, folder / "ink_page");
   write_report(folder, run, drawn, metrics,
-               {.limits = {{"ink_error_rms", {{"max", 0.04}}}, {"force_mean", {{"min", 4.95}, {"max", 5.05}}}}});
+               {.limits = {{"ink_error_rms", {{"max", 0.04}}},
+                           {"force_mean", {{"min", 4.95}, {"max", 5.05}}}}});
 }

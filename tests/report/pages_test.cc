@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "log/made_up_folder.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
+#include "log/made_up_folder.h"
 
 namespace impedraw {
 namespace {
@@ -18,7 +18,8 @@ using PagesTest = testing::MadeUpFolder;
 
 // No page may reach for anything outside itself.
 void expect_stands_alone(const std::string& page) {
-  const std::regex reference(R"re((?:src|href|xlink:href)="(?!data:|#)[^"]*"|<script|<link|@import|url\((?!#))re");
+  const std::regex reference(
+      R"re((?:src|href|xlink:href)="(?!data:|#)[^"]*"|<script|<link|@import|url\((?!#))re");
   std::smatch found;
   EXPECT_FALSE(std::regex_search(page, found, reference)) << found[0];
 }
@@ -29,16 +30,21 @@ TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   write_ink_top(run, drawn, folder_ / "ink_top");
   std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
   const auto start = std::chrono::steady_clock::now();
-  write_report(folder_, run, drawn, compute_metrics(run, drawn), {.title = "A <title>", .limits = {{"ink_error_rms", {{"max", 0.001}}}}});
-  std::printf("report: %.2f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  write_report(folder_, run, drawn, compute_metrics(run, drawn),
+               {.title = "A <title>", .limits = {{"ink_error_rms", {{"max", 0.001}}}}});
+  std::printf("report: %.2f s\n",
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   const std::string page = text_of(folder_ / "report.html");
   EXPECT_LT(page.size(), 10u << 20);
   expect_stands_alone(page);
-  for (const MetricDefinition& d : metric_definitions()) EXPECT_NE(page.find(std::string("<code>") + d.name), std::string::npos) << d.name;
+  for (const MetricDefinition& d : metric_definitions())
+    EXPECT_NE(page.find(std::string("<code>") + d.name), std::string::npos) << d.name;
   EXPECT_NE(page.find("A &lt;title&gt;"), std::string::npos);
   EXPECT_NE(page.find("speed: 50 # &lt;mm/s&gt; &amp; more"), std::string::npos);
   EXPECT_NE(page.find("class=\"n bad\""), std::string::npos) << "the missed limit must show";
-  EXPECT_THROW(write_report(folder_, run, drawn, compute_metrics(run, drawn), {.python = "/no/such/python"}), std::runtime_error);
+  EXPECT_THROW(
+      write_report(folder_, run, drawn, compute_metrics(run, drawn), {.python = "/no/such/python"}),
+      std::runtime_error);
 }
 
 TEST_F(PagesTest, ComparisonShowsBothRuns) {
@@ -48,7 +54,8 @@ TEST_F(PagesTest, ComparisonShowsBothRuns) {
   const std::string page = text_of(folder_ / "compare.html");
   expect_stands_alone(page);
   EXPECT_LT(page.size(), 10u << 20);
-  for (const char* text : {"with perception", "without", "tilt_mean", "no cloud"}) EXPECT_NE(page.find(text), std::string::npos) << text;
+  for (const char* text : {"with perception", "without", "tilt_mean", "no cloud"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
   EXPECT_GT(std::filesystem::file_size(folder_ / "compare.png"), 20000u);
 }
 

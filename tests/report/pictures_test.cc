@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/canvas/built_in.h"
-#include "log/made_up_folder.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/plot_series.h"
 #include "impedraw/report/relief.h"
+#include "log/made_up_folder.h"
 
 namespace impedraw {
 namespace {
@@ -22,7 +22,9 @@ using testing::text_of;
 
 using PicturesTest = testing::MadeUpFolder;
 
-Eigen::Vector3d from_above(const Eigen::Vector3d& p) { return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()}; }
+Eigen::Vector3d from_above(const Eigen::Vector3d& p) {
+  return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
+}
 
 TEST(Relief, OfTheBowlIsTheSphere) {
   const TriangleMesh bowl = make_bowl({.edge = 0.003});
@@ -38,7 +40,8 @@ TEST(Relief, OfTheBowlIsTheSphere) {
         EXPECT_TRUE(std::isnan(r.height(i, j)));
       } else if (radius < 179.0) {
         ++inside;
-        ASSERT_NEAR(r.height(i, j), 400.0 - std::sqrt(90000.0 - radius * radius), 0.02) << u << " " << v;
+        ASSERT_NEAR(r.height(i, j), 400.0 - std::sqrt(90000.0 - radius * radius), 0.02)
+            << u << " " << v;
         EXPECT_GE(r.shade(i, j), 0.0);
         EXPECT_LE(r.shade(i, j), 1.0);
       }
@@ -52,10 +55,12 @@ TEST(Relief, OfTheBowlIsTheSphere) {
     const double radius = (line[0] - Eigen::Vector2d(0, -600)).norm();
     const double height = 400.0 - std::sqrt(90000.0 - radius * radius);
     EXPECT_NEAR(height, 10.0 * std::round(height / 10.0), 0.1);
-    for (const Eigen::Vector2d& p : line) EXPECT_NEAR((p - Eigen::Vector2d(0, -600)).norm(), radius, 0.3);
+    for (const Eigen::Vector2d& p : line)
+      EXPECT_NEAR((p - Eigen::Vector2d(0, -600)).norm(), radius, 0.3);
   }
   ASSERT_EQ(r.outline.size(), 1u);
-  for (const Eigen::Vector2d& p : r.outline[0]) EXPECT_NEAR((p - Eigen::Vector2d(0, -600)).norm(), 180.0, 1e-6);
+  for (const Eigen::Vector2d& p : r.outline[0])
+    EXPECT_NEAR((p - Eigen::Vector2d(0, -600)).norm(), 180.0, 1e-6);
 }
 
 TEST(Envelope, KeepsEveryPeak) {
@@ -69,12 +74,14 @@ TEST(Envelope, KeepsEveryPeak) {
   const Envelope e = envelope(t, at, 2000);
   EXPECT_LE(e.t.size(), 2000u);
   EXPECT_TRUE(std::is_sorted(e.t.begin(), e.t.end()));
-  const auto high = std::find(e.v.begin(), e.v.end(), 50.0), low = std::find(e.v.begin(), e.v.end(), -40.0);
+  const auto high = std::find(e.v.begin(), e.v.end(), 50.0),
+             low = std::find(e.v.begin(), e.v.end(), -40.0);
   ASSERT_NE(high, e.v.end());
   ASSERT_NE(low, e.v.end());
   EXPECT_EQ(e.t[high - e.v.begin()], t[31234]);
   EXPECT_EQ(e.t[low - e.v.begin()], t[77777]);
-  for (std::size_t i = 0; i < e.t.size(); ++i) EXPECT_EQ(std::isnan(e.v[i]), e.t[i] >= 50.0 && e.t[i] < 60.0) << e.t[i];
+  for (std::size_t i = 0; i < e.t.size(); ++i)
+    EXPECT_EQ(std::isnan(e.v[i]), e.t[i] >= 50.0 && e.t[i] < 60.0) << e.t[i];
   EXPECT_EQ(envelope(std::span(t).first(1000), at, 2000).v.size(), 1000u);
 }
 
@@ -84,7 +91,8 @@ int count(const std::filesystem::path& png, int red, int green, int blue) {
   EXPECT_EQ(cairo_surface_status(image), CAIRO_STATUS_SUCCESS);
   int found = 0;
   for (int i = 0; i < cairo_image_surface_get_height(image); ++i) {
-    const unsigned char* p = cairo_image_surface_get_data(image) + i * cairo_image_surface_get_stride(image);
+    const unsigned char* p =
+        cairo_image_surface_get_data(image) + i * cairo_image_surface_get_stride(image);
     for (int j = 0; j < cairo_image_surface_get_width(image); ++j, p += 4) {
       found += std::abs(p[2] - red) < 6 && std::abs(p[1] - green) < 6 && std::abs(p[0] - blue) < 6;
     }
@@ -98,7 +106,8 @@ TEST_F(PicturesTest, InkFarOffAndInkInTheAirHaveTheirOwnColours) {
   const auto colours = [&] {
     write_ink_top(run, match_ink(run), folder_ / "ink_top");
     const auto png = folder_ / "ink_top.png";
-    return std::array{count(png, 250, 184, 97), count(png, 23, 61, 133), count(png, 214, 26, 31), count(png, 158, 33, 168)};
+    return std::array{count(png, 250, 184, 97), count(png, 23, 61, 133), count(png, 214, 26, 31),
+                      count(png, 158, 33, 168)};
   };
   const auto [target, ink, none_far, none_stray] = colours();
   EXPECT_GT(target, 500);
@@ -128,19 +137,24 @@ TEST_F(PicturesTest, InkIsAsWideAsThePenIsPressed) {
   const auto pixels = [&](double f, const PenSettings& pen) {
     for (std::size_t i = begin; i < run.rows(); ++i) run.f[i] = run.stroke[i] >= 0 ? f : 0.0;
     for (std::size_t i = 0; i < begin; ++i) run.f[i] = 0.0;
-    write_ink_page(run, match_ink(run), [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
-                   folder_ / "ink_page", {.title = " ", .pen = pen});
+    write_ink_page(run, match_ink(run),
+                   [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); },
+                   {}, folder_ / "ink_page", {.title = " ", .pen = pen});
     return count(folder_ / "ink_page.png", 23, 61, 133);
   };
   const PenSettings pressed{.width = 1.5, .width_per_newton = 0.5, .nominal_force = 5.0};
   const double nominal = pixels(5.0, pressed);
   EXPECT_NEAR(nominal, pixels(5.0, {.width = 1.5}), 0.02 * nominal);
-  EXPECT_NEAR(pixels(7.0, pressed), nominal * 2.5 / 1.5, 0.12 * nominal);   // edges are blended: a pixel or so a side
-  EXPECT_NEAR(pixels(20.0, pressed), nominal * 3.0, 0.25 * nominal);        // three times as wide, no more
+  EXPECT_NEAR(pixels(7.0, pressed), nominal * 2.5 / 1.5,
+              0.12 * nominal);  // edges are blended: a pixel or so a side
+  EXPECT_NEAR(pixels(20.0, pressed), nominal * 3.0,
+              0.25 * nominal);  // three times as wide, no more
   EXPECT_NEAR(pixels(7.0, {.width = 1.5}), nominal, 0.02 * nominal);
   // Half the line pressed harder: both widths are in the SVG.
-  for (std::size_t i = 0; i < run.rows(); ++i) run.f[i] = run.stroke[i] < 0 ? 0.0 : i % 2000 < 1000 ? 5.0 : 7.0;
-  write_ink_page(run, match_ink(run), [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
+  for (std::size_t i = 0; i < run.rows(); ++i)
+    run.f[i] = run.stroke[i] < 0 ? 0.0 : i % 2000 < 1000 ? 5.0 : 7.0;
+  write_ink_page(run, match_ink(run),
+                 [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
                  folder_ / "ink_page", {.pen = pressed});
   const std::string svg = text_of(folder_ / "ink_page.svg");
   EXPECT_NE(svg.find("stroke-width:1.5;"), std::string::npos);
@@ -149,16 +163,20 @@ TEST_F(PicturesTest, InkIsAsWideAsThePenIsPressed) {
 
 TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
   const RunData run = made_up({.time_step = 5e-3}, folder_);
-  const auto to_page = [](const Eigen::Vector3d& p) { return Eigen::Vector2d(-1e3 * p.y(), 1e3 * (0.6 - p.x())); };
+  const auto to_page = [](const Eigen::Vector3d& p) {
+    return Eigen::Vector2d(-1e3 * p.y(), 1e3 * (0.6 - p.x()));
+  };
   write_ink_page(run, match_ink(run), to_page, {}, folder_ / "ink_page");
   const std::string svg = text_of(folder_ / "ink_page.svg");
   std::smatch size;
-  const std::regex head(R"re(width="([0-9.]+)mm" height="([0-9.]+)mm" viewBox="0 0 ([0-9.]+) ([0-9.]+)")re");
+  const std::regex head(
+      R"re(width="([0-9.]+)mm" height="([0-9.]+)mm" viewBox="0 0 ([0-9.]+) ([0-9.]+)")re");
   ASSERT_TRUE(std::regex_search(svg, size, head));
   EXPECT_EQ(size[1], size[3]);
   EXPECT_EQ(size[2], size[4]);
   // The target's band, from the sine's first point (X 150) to its last (X −150).
-  const auto style = svg.find("stroke-width:2.6;"), begin = svg.find("d=\"M ", style), end = svg.find('"', begin + 3);
+  const auto style = svg.find("stroke-width:2.6;"), begin = svg.find("d=\"M ", style),
+             end = svg.find('"', begin + 3);
   ASSERT_NE(style, std::string::npos);
   std::istringstream path(svg.substr(begin + 3, end - begin - 3));
   std::vector<Eigen::Vector2d> points;
@@ -166,7 +184,8 @@ TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
   ASSERT_GT(points.size(), 50u);
   EXPECT_NEAR(points.front().x() - points.back().x(), 300.0, 0.01);
   EXPECT_NEAR(points.front().y() - points.back().y(), 0.0, 0.01);
-  const auto [low, high] = std::minmax_element(points.begin(), points.end(), [](const auto& p, const auto& q) { return p.y() < q.y(); });
+  const auto [low, high] = std::minmax_element(
+      points.begin(), points.end(), [](const auto& p, const auto& q) { return p.y() < q.y(); });
   EXPECT_NEAR(high->y() - low->y(), 100.0, 0.02);
 }
 

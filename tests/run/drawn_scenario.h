@@ -11,9 +11,9 @@
 
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
-#include "impedraw/run/run.h"
-#include "impedraw/metrics/metrics.h"
 #include "impedraw/log/run_data.h"
+#include "impedraw/metrics/metrics.h"
+#include "impedraw/run/run.h"
 
 namespace impedraw {
 
@@ -21,16 +21,21 @@ struct Figures {
   RunOutcome outcome;
   RunRows run;
   nlohmann::ordered_json metrics;
-  double operator[](const char* name) const { return metrics.at(name).is_null() ? std::nan("") : metrics.at(name).get<double>(); }
+  double operator[](const char* name) const {
+    return metrics.at(name).is_null() ? std::nan("") : metrics.at(name).get<double>();
+  }
 };
 
 // `end`: how the run is to end.
-inline Figures draw_scenario(const std::string& name, const std::vector<std::string>& assignments = {}, RunEnd end = RunEnd::finished) {
+inline Figures draw_scenario(const std::string& name,
+                             const std::vector<std::string>& assignments = {},
+                             RunEnd end = RunEnd::finished) {
   DrawOptions options;
   options.scenario = "scenarios/" + name + ".yaml";
   options.assignments = assignments;
   Experiment experiment = prepare(resolve(options));
-  const std::filesystem::path log = std::filesystem::temp_directory_path() / ("impedraw_figures_" + std::to_string(getpid()) + ".h5");
+  const std::filesystem::path log = std::filesystem::temp_directory_path() /
+                                    ("impedraw_figures_" + std::to_string(getpid()) + ".h5");
   const RunOutcome outcome = run(experiment, log, 0.0);
   EXPECT_EQ(outcome.end, end) << name << ": " << outcome.cause;
   Figures figures{outcome, read_rows(log), compute_metrics(read_run(log))};

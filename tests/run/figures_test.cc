@@ -1,4 +1,5 @@
-// The figures that this project promises, on the standard scenarios with their fixed seeds: fails if any gets worse than the table.
+// The figures that this project promises, on the standard scenarios with their fixed seeds: fails
+// if any gets worse than the table.
 #include <algorithm>
 #include <cmath>
 
@@ -37,18 +38,24 @@ Limits at_speed(Limits limits, double speed) {
 }
 
 TEST(Figures, SineWithTheTrueWrench) { expect_within(draw_scenario("bowl-sine"), kTrueWrench); }
-TEST(Figures, MWithTheTrueWrench) { expect_within(draw_scenario("bowl-m"), at_speed(kTrueWrench, 42.0)); }
+TEST(Figures, MWithTheTrueWrench) {
+  expect_within(draw_scenario("bowl-m"), at_speed(kTrueWrench, 42.0));
+}
 TEST(Figures, SineWithoutAWrench) { expect_within(draw_scenario("bowl-sine-natural"), kNoWrench); }
-TEST(Figures, MWithoutAWrench) { expect_within(draw_scenario("bowl-m-natural"), at_speed(kNoWrench, 42.0)); }
+TEST(Figures, MWithoutAWrench) {
+  expect_within(draw_scenario("bowl-m-natural"), at_speed(kNoWrench, 42.0));
+}
 
 // Normals computed once and interpolated lead to the same drawing.
 TEST(Figures, SineWithInterpolatedNormals) {
   expect_within(draw_scenario("bowl-sine", {"perception.normals.mode=interpolated"}), kTrueWrench);
 }
 
-// And so does the paper's own estimate, a plane through k neighbours of equal weight: worse, within what is promised.
+// And so does the paper's own estimate, a plane through k neighbours of equal weight: worse, within
+// what is promised.
 TEST(Figures, SineWithThePapersNormals) {
-  Figures f = draw_scenario("bowl-sine", {"perception.normals.fit=plane", "perception.normals.weighting=uniform"});
+  Figures f = draw_scenario(
+      "bowl-sine", {"perception.normals.fit=plane", "perception.normals.weighting=uniform"});
   expect_within(f, kTrueWrench);
   EXPECT_GT(f["normal_error_mean"], 0.02) << "or it is not the paper's";
 }

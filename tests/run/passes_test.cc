@@ -1,13 +1,14 @@
-// A run in several passes: what got no ink is drawn again, what was interrupted goes on; and planes that are not level.
+// A run in several passes: what got no ink is drawn again, what was interrupted goes on; and planes
+// that are not level.
 #include <algorithm>
 #include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/run/run.h"
-#include "impedraw/common/errors.h"
 #include "drawn_scenario.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/run/run.h"
 
 namespace impedraw {
 namespace {
@@ -27,8 +28,10 @@ TEST(Passes, WhatGotNoInkIsDrawnAgain) {
   ASSERT_EQ(once.outcome.lacking.size(), 1u);
   EXPECT_TRUE(once.outcome.drawn_again.empty());
   EXPECT_LT(once["coverage"], 0.99);
-  // Along the plane there, on the surface in the metric, which counts what lies 0.5 mm from ink as covered.
-  EXPECT_NEAR(length_mm(once.outcome.lacking), once["longest_gap"] + 1.0, 0.2 * once["longest_gap"]);
+  // Along the plane there, on the surface in the metric, which counts what lies 0.5 mm from ink as
+  // covered.
+  EXPECT_NEAR(length_mm(once.outcome.lacking), once["longest_gap"] + 1.0,
+              0.2 * once["longest_gap"]);
 
   const Figures twice = draw_scenario("safety-no-cloud", {"drawing.redraw=true"});
   ASSERT_EQ(twice.outcome.drawn_again.size(), 1u);
@@ -40,9 +43,12 @@ TEST(Passes, WhatGotNoInkIsDrawnAgain) {
   EXPECT_GT(twice.outcome.simulated, once.outcome.simulated + 1.0);
 }
 
-// A perception that fails at the same place always: the second pass is the last, and the rest is told.
+// A perception that fails at the same place always: the second pass is the last, and the rest is
+// told.
 TEST(Passes, WhatStillHasNoneIsTold) {
-  const Figures f = draw_scenario("safety-no-cloud", {"drawing.redraw=true", "faults=[{kind: no_cloud, middle: 0.5, duration: 100}]"});
+  const Figures f = draw_scenario(
+      "safety-no-cloud",
+      {"drawing.redraw=true", "faults=[{kind: no_cloud, middle: 0.5, duration: 100}]"});
   EXPECT_EQ(f.outcome.drawn_again.size(), 1u);
   ASSERT_EQ(f.outcome.lacking.size(), 1u);
   EXPECT_LT(f["coverage"], 0.6);
@@ -52,8 +58,10 @@ TEST(Passes, WhatStillHasNoneIsTold) {
 TEST(Passes, AnInterruptedRunGoesOn) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-m.yaml";
-  const fs::path log = fs::temp_directory_path() / ("impedraw_passes_" + std::to_string(getpid()) + ".h5");
-  for (const double when : {0.5, 4.0, 8.0, 13.0}) {  // before the stroke, within it twice, near its end
+  const fs::path log =
+      fs::temp_directory_path() / ("impedraw_passes_" + std::to_string(getpid()) + ".h5");
+  for (const double when :
+       {0.5, 4.0, 8.0, 13.0}) {  // before the stroke, within it twice, near its end
     SCOPED_TRACE(when);
     double now = 0.0;
     RunHooks hooks;
@@ -71,7 +79,8 @@ TEST(Passes, AnInterruptedRunGoesOn) {
     EXPECT_TRUE(outcome.lacking.empty());
     const RunRows rows = read_rows(log);
     ASSERT_GT(rows.time.size(), kept);
-    for (std::size_t i = 1; i < rows.time.size(); ++i) ASSERT_NEAR(rows.time[i] - rows.time[i - 1], 1e-3, 1e-9) << i;
+    for (std::size_t i = 1; i < rows.time.size(); ++i)
+      ASSERT_NEAR(rows.time[i] - rows.time[i - 1], 1e-3, 1e-9) << i;
     const auto metrics = compute_metrics(read_run(log));
     EXPECT_EQ(metrics.at("coverage"), 1.0);
     EXPECT_EQ(metrics.at("strokes_missed"), 0.0);
@@ -87,7 +96,8 @@ TEST(Passes, AnInterruptedRunGoesOn) {
 }
 
 TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
-  const std::vector<std::string> wide = {"drawing.shape=circle", "drawing.placement.scale=2.5", "drawing.placement.centre=[0.65, 0]"};
+  const std::vector<std::string> wide = {"drawing.shape=circle", "drawing.placement.scale=2.5",
+                                         "drawing.placement.centre=[0.65, 0]"};
   DrawOptions options;
   options.assignments = wide;
   try {
@@ -113,7 +123,8 @@ TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
   for (const Finding& finding : e.preflight.findings) covered += finding.part.length();
   EXPECT_NEAR(covered, plane_length(e.whole[0]), 1e-9);
   for (const PlacedStroke& stroke : e.strokes)
-    for (const Eigen::Vector2d& p : stroke.world) EXPECT_LE((p - Eigen::Vector2d(0.6, 0.0)).norm(), 0.18);
+    for (const Eigen::Vector2d& p : stroke.world)
+      EXPECT_LE((p - Eigen::Vector2d(0.6, 0.0)).norm(), 0.18);
   EXPECT_FALSE(e.notes.empty());
 }
 
@@ -127,7 +138,8 @@ TEST(Passes, ThePlansTimeIsTheRuns) {
 
 // The circle on a wall is the circle on a table.
 TEST(Passes, AWallIsDrawnOnAsATableIs) {
-  const Figures f = draw_scenario("wall", {"drawing.svg=", "drawing.shape=circle", "drawing.placement.fit_radius=0.15"});
+  const Figures f = draw_scenario(
+      "wall", {"drawing.svg=", "drawing.shape=circle", "drawing.placement.fit_radius=0.15"});
   EXPECT_EQ(f["contact_fraction"], 1.0);
   EXPECT_EQ(f["coverage"], 1.0);
   EXPECT_LE(f["ink_error_rms"], 0.04);

@@ -1,10 +1,11 @@
-// Where a drawing comes to lie: a canvas moved before the arm, and a page wrapped round its surface.
+// Where a drawing comes to lie: a canvas moved before the arm, and a page wrapped round its
+// surface.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "impedraw/experiment/place_auto.h"
 #include "drawn_scenario.h"
+#include "impedraw/experiment/place_auto.h"
 
 namespace impedraw {
 namespace {
@@ -22,13 +23,17 @@ TEST(Placing, AMovedSceneIsTheSameScene) {
   const Experiment here = prepare(scenario), there = prepare(moved(scenario, {0.02, -0.05}, 30.0));
   ASSERT_EQ(here.target.points.size(), there.target.points.size());
   const Eigen::Vector3d pivot(0.6, 0.0, 0.0), shift(0.02, -0.05, 0.0);
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(M_PI / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(M_PI / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   for (std::size_t i = 0; i < here.target.points.size(); i += 10)
-    ASSERT_LT((R * (here.target.points[i] - pivot) + pivot + shift - there.target.points[i]).norm(), 1e-4) << i;
+    ASSERT_LT((R * (here.target.points[i] - pivot) + pivot + shift - there.target.points[i]).norm(),
+              1e-4)
+        << i;
   EXPECT_NEAR(here.path.pen_down_length(), there.path.pen_down_length(), 1e-4);
 }
 
-// Out of reach it is refused; where it is put all of it can be drawn, and no pose of a grid of its own is better by much.
+// Out of reach it is refused; where it is put all of it can be drawn, and no pose of a grid of its
+// own is better by much.
 TEST(Placing, FindsWhereTheArmReachesBest) {
   const Scenario far = out_of_reach();
   const Experiment refused = prepare(far, {}, Unreachable::tell);
@@ -40,15 +45,20 @@ TEST(Placing, FindsWhereTheArmReachesBest) {
   const Experiment there = prepare(found.scenario);
   EXPECT_TRUE(there.preflight.findings.empty());
   DrawOptions standard;
-  EXPECT_GE(there.preflight.margins.joint, 0.8 * prepare(resolve(standard)).preflight.margins.joint);
-  EXPECT_GT(found.margin, place_automatically(resolve(standard), {}).margin - 0.05) << "wherever it stood before";
+  EXPECT_GE(there.preflight.margins.joint,
+            0.8 * prepare(resolve(standard)).preflight.margins.joint);
+  EXPECT_GT(found.margin, place_automatically(resolve(standard), {}).margin - 0.05)
+      << "wherever it stood before";
 }
 
-// A sheet round a cylinder keeps its lengths; projected, what runs across it grows by up to 1 / cos(slope).
+// A sheet round a cylinder keeps its lengths; projected, what runs across it grows by up to 1 /
+// cos(slope).
 TEST(Placing, WrappedLengthsAreThePages) {
-  const std::vector<std::string> across = {"canvas.kind=cylinder", "canvas.cylinder.middle=[0.6, 0, 0.2]", "canvas.cylinder.radius=0.15",
-                                           "canvas.cylinder.width=0.26", "canvas.cylinder.length=0.36", "drawing.shape=circle",
-                                           "drawing.placement.scale=1.5"};
+  const std::vector<std::string> across = {
+      "canvas.kind=cylinder",        "canvas.cylinder.middle=[0.6, 0, 0.2]",
+      "canvas.cylinder.radius=0.15", "canvas.cylinder.width=0.26",
+      "canvas.cylinder.length=0.36", "drawing.shape=circle",
+      "drawing.placement.scale=1.5"};
   std::vector<std::string> wrapped = across;
   wrapped.push_back("drawing.mapping=wrap");
   const double page = 2 * M_PI * 0.09;

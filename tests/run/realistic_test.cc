@@ -1,4 +1,5 @@
-// What issue 4 promises of a measured wrench and a model that is wrong, on the standard drawings with their fixed seeds.
+// What issue 4 promises of a measured wrench and a model that is wrong, on the standard drawings
+// with their fixed seeds.
 #include "drawn_scenario.h"
 
 namespace impedraw {
@@ -44,9 +45,11 @@ TEST(Realistic, WithoutTheObserverItIsAnotherDrawing) {
   EXPECT_GT(std::abs(f["force_mean"] - 5.0), 1.0);
 }
 
-// A sensor that could not be tared is not drawn with: here the pen's weight alone is beyond its range.
+// A sensor that could not be tared is not drawn with: here the pen's weight alone is beyond its
+// range.
 TEST(Sensor, ThatCannotBeTaredStopsTheRun) {
-  const Figures f = draw_scenario("bowl-sine-sensor", {"wrench_sensor.range_force=0.3"}, RunEnd::stopped);
+  const Figures f =
+      draw_scenario("bowl-sine-sensor", {"wrench_sensor.range_force=0.3"}, RunEnd::stopped);
   EXPECT_NE(f.outcome.cause.find("tared"), std::string::npos) << f.outcome.cause;
   for (const Eigen::Vector3d& force : f.run.contact_force) ASSERT_EQ(force.norm(), 0.0);
 }

@@ -1,13 +1,14 @@
 // Each scenario named safety-* provokes one thing that goes wrong; here is what the arm then does.
 #include <algorithm>
 
-#include "impedraw/control/contact_mode.h"
 #include "drawn_scenario.h"
+#include "impedraw/control/contact_mode.h"
 
 namespace impedraw {
 namespace {
 
-const int kContact = static_cast<int>(ContactMode::contact), kRetreat = static_cast<int>(ContactMode::retreat);
+const int kContact = static_cast<int>(ContactMode::contact),
+          kRetreat = static_cast<int>(ContactMode::retreat);
 
 double met(const Figures& f, const char* what) {
   const auto it = f.outcome.met.find(what);
@@ -18,7 +19,9 @@ double met(const Figures& f, const char* what) {
 double torque_rate(const Figures& f) {
   double most = 0.0;
   for (int i = 1; i < f.run.joint_torque.rows(); ++i)
-    most = std::max(most, (f.run.joint_torque.row(i) - f.run.joint_torque.row(i - 1)).cwiseAbs().maxCoeff() / 1e-3);
+    most = std::max(
+        most,
+        (f.run.joint_torque.row(i) - f.run.joint_torque.row(i - 1)).cwiseAbs().maxCoeff() / 1e-3);
   return most;
 }
 constexpr double kRate = 4000.0 * (1.0 + 1e-9);  // control.torque_rate
@@ -29,7 +32,9 @@ double highest_force(const Figures& f) {
   return most;
 }
 
-bool ever(const Figures& f, int mode) { return std::find(f.run.mode.begin(), f.run.mode.end(), mode) != f.run.mode.end(); }
+bool ever(const Figures& f, int mode) {
+  return std::find(f.run.mode.begin(), f.run.mode.end(), mode) != f.run.mode.end();
+}
 
 TEST(Safety, AStateThatIsNotANumberPasses) {
   const Figures f = draw_scenario("safety-nan-state");
@@ -76,7 +81,8 @@ TEST(Safety, AStepThatTakesTooLongLiftsThePenAndStops) {
 TEST(Safety, LostContactIsMadeAgainGently) {
   const Figures f = draw_scenario("safety-lost-contact");
   int losses = 0;
-  for (std::size_t i = 1; i < f.run.mode.size(); ++i) losses += f.run.mode[i - 1] == kContact && f.run.mode[i] != kContact && f.run.stroke[i] >= 0;
+  for (std::size_t i = 1; i < f.run.mode.size(); ++i)
+    losses += f.run.mode[i - 1] == kContact && f.run.mode[i] != kContact && f.run.stroke[i] >= 0;
   EXPECT_GE(losses, 1);
   EXPECT_GT(f["contact_fraction"], 0.85);
   EXPECT_LT(highest_force(f), 8.0);
@@ -94,7 +100,9 @@ TEST(Safety, ATorqueLimitIsKeptAndThePenComesBack) {
   const Figures f = draw_scenario("safety-torque-limit");
   EXPECT_GT(met(f, "torque_limited"), 0.0);
   const double limit[] = {320, 320, 176, 176, 110, 40, 40};
-  for (int j = 0; j < 7; ++j) EXPECT_LE(f.run.joint_torque.col(j).cwiseAbs().maxCoeff(), 0.3 * limit[j] + 1e-9) << "joint " << j + 1;
+  for (int j = 0; j < 7; ++j)
+    EXPECT_LE(f.run.joint_torque.col(j).cwiseAbs().maxCoeff(), 0.3 * limit[j] + 1e-9)
+        << "joint " << j + 1;
   EXPECT_LE(torque_rate(f), kRate);
   EXPECT_EQ(f["contact_fraction"], 1.0);
 }
@@ -103,7 +111,8 @@ TEST(Safety, TheTipKeepsItsSpeedLimit) {
   const Figures f = draw_scenario("safety-speed-limit");
   EXPECT_GT(met(f, "speed_limited"), 0.1);
   double fastest = 0.0;
-  for (std::size_t i = 1; i < f.run.rows(); ++i) fastest = std::max(fastest, (f.run.tip_position[i] - f.run.tip_position[i - 1]).norm() / 1e-3);
+  for (std::size_t i = 1; i < f.run.rows(); ++i)
+    fastest = std::max(fastest, (f.run.tip_position[i] - f.run.tip_position[i - 1]).norm() / 1e-3);
   EXPECT_LT(fastest, 0.25 * 1.05);
   EXPECT_GT(fastest, 0.2);
 }
@@ -124,8 +133,10 @@ TEST(Safety, NoSwitchStepsTheTorque) {
     for (std::size_t i = 1; i < f.run.mode.size(); ++i) {
       if (f.run.mode[i] == f.run.mode[i - 1]) continue;
       const auto row = static_cast<int>(i);
-      const double step = (f.run.joint_torque.row(row) - f.run.joint_torque.row(row - 1)).cwiseAbs().maxCoeff();
-      EXPECT_LT(step, 1.5) << name << ": from " << kContactModeNames[f.run.mode[i - 1]] << " to " << kContactModeNames[f.run.mode[i]];
+      const double step =
+          (f.run.joint_torque.row(row) - f.run.joint_torque.row(row - 1)).cwiseAbs().maxCoeff();
+      EXPECT_LT(step, 1.5) << name << ": from " << kContactModeNames[f.run.mode[i - 1]] << " to "
+                           << kContactModeNames[f.run.mode[i]];
     }
   }
 }

@@ -1,10 +1,11 @@
-// The strokes of a file are drawn with short ways in the air, unless asked otherwise; nothing else about them changes.
+// The strokes of a file are drawn with short ways in the air, unless asked otherwise; nothing else
+// about them changes.
 #include <algorithm>
 #include <array>
 
+#include "drawn_scenario.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/order.h"
-#include "drawn_scenario.h"
 
 namespace impedraw {
 namespace {
@@ -37,7 +38,9 @@ TEST(StrokeOrder, ShortensTheWayInTheAirAndKeepsTheStrokes) {
   EXPECT_LT(ordered.path.duration(), kept.path.duration());
   ASSERT_EQ(ordered.artwork.target.strokes.size(), ordered.artwork.drawn.strokes.size());
   for (std::size_t i = 0; i < file.strokes.size(); ++i)
-    EXPECT_EQ(ordered.artwork.target.strokes[i].points.front(), ordered.artwork.drawn.strokes[i].points.front()) << "the target goes with it";
+    EXPECT_EQ(ordered.artwork.target.strokes[i].points.front(),
+              ordered.artwork.drawn.strokes[i].points.front())
+        << "the target goes with it";
 }
 
 }  // namespace

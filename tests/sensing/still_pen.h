@@ -17,7 +17,9 @@ struct Still {
   WrenchEstimator estimator;
   Pose X_WE{{0.5, 0.1, 0.3}, Eigen::Vector3d(1, -1, -1).asDiagonal()};
   explicit Still(const WrenchEstimatorSettings& settings) : estimator(settings) {}
-  const Vector6& read(const Vector6& reading_S, const Vector6& V_WE = Vector6::Zero()) { return estimator.update(reading_S, X_WE, V_WE); }
+  const Vector6& read(const Vector6& reading_S, const Vector6& V_WE = Vector6::Zero()) {
+    return estimator.update(reading_S, X_WE, V_WE);
+  }
   int steps_to_tare(const Vector6& reading_S) {
     for (int i = 1; i < 10000; ++i) {
       read(reading_S);

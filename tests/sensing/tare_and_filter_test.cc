@@ -28,7 +28,8 @@ TEST(TareAndFilter, TareTakesTheBiasOutAndTheNoiseToItsMean) {
     ASSERT_TRUE(still.estimator.tared() || F.isZero(0.0)) << "step " << steps;
   }
   EXPECT_EQ(steps, 401) << "the first reading has no velocity difference";
-  EXPECT_LT((still.estimator.bias() - kBias).cwiseAbs().maxCoeff(), 5.0 * 0.3 / 20.0);  // noise/√400
+  EXPECT_LT((still.estimator.bias() - kBias).cwiseAbs().maxCoeff(),
+            5.0 * 0.3 / 20.0);  // noise/√400
   EXPECT_GT((still.estimator.bias() - kBias).cwiseAbs().maxCoeff(), 1e-4);
 }
 
@@ -38,11 +39,13 @@ TEST(TareAndFilter, DoesNotTareAToolThatMoves) {
     Vector6 V = Vector6::Zero();
     V[axis] = axis < 3 ? 3.0 * still_settings().tare_speed : 3.0 * still_settings().tare_turn_rate;
     for (int i = 0; i < 5000; ++i) {
-      const Vector6 F = still.read(kBias, (i % 90 == 0 ? 1.0 : 0.0) * V);  // at rest for 88 ms, never for 100
+      // at rest for 88 ms, never for 100
+      const Vector6 F = still.read(kBias, (i % 90 == 0 ? 1.0 : 0.0) * V);
       ASSERT_TRUE(F.isZero(0.0)) << "axis " << axis << " step " << i;
     }
     EXPECT_FALSE(still.estimator.tared()) << "axis " << axis;
-    EXPECT_EQ(still.steps_to_tare(kBias), 100 - (4999 - 4951)) << "the last motion was over at step 4951";
+    EXPECT_EQ(still.steps_to_tare(kBias), 100 - (4999 - 4951))
+        << "the last motion was over at step 4951";
     EXPECT_LT((still.estimator.bias() - kBias).norm(), 1e-12);
   }
   Still slow(still_settings());
@@ -59,7 +62,9 @@ TEST(TareAndFilter, RestIsThatOfTheTip) {
   Still about_tip(settings), about_sensor(settings);
   for (int i = 0; i < 200; ++i) {
     about_tip.read(kBias, (Vector6() << 0.0, 0.0, 0.0, 0.5, 0.0, 0.0).finished());
-    about_sensor.read(kBias, (Vector6() << 0.0, 0.1, 0.0, 0.5, 0.0, 0.0).finished());  // ω × (0, 0, 0.2) = (0, −0.1, 0)
+    about_sensor.read(
+        kBias,
+        (Vector6() << 0.0, 0.1, 0.0, 0.5, 0.0, 0.0).finished());  // ω × (0, 0, 0.2) = (0, −0.1, 0)
   }
   EXPECT_TRUE(about_tip.estimator.tared());
   EXPECT_FALSE(about_sensor.estimator.tared());
@@ -95,7 +100,8 @@ TEST(TareAndFilter, TheFilterLagsAsStated) {
     Still still(settings);
     ASSERT_GT(still.steps_to_tare(Vector6::Zero()), 0);
     const double w = 2.0 * M_PI * frequency;
-    const int settle = 2000, period = static_cast<int>(std::lround(10.0 / frequency / settings.dt));  // ten periods, to a step
+    const int settle = 2000, period = static_cast<int>(std::lround(
+                                 10.0 / frequency / settings.dt));  // ten periods, to a step
     std::complex<double> in = 0.0, out = 0.0;
     for (int i = 0; i < settle + period; ++i) {
       Vector6 reading_S = Vector6::Zero();
@@ -106,10 +112,13 @@ TEST(TareAndFilter, TheFilterLagsAsStated) {
       in += turn * std::sin(w * i * settings.dt);
       out += turn * f;
     }
-    const double phase = std::arg(out / in), gain = std::abs(out / in), ratio = w / settings.filter_bandwidth;
-    std::printf("  %6.2f Hz: phase %.5f rad, stated %.5f; gain %.5f, stated %.5f\n", frequency, phase, -2.0 * std::atan(ratio), gain,
-                1.0 / (1.0 + ratio * ratio));
-    EXPECT_NEAR(phase, -2.0 * std::atan(ratio), frequency < 5.0 ? 2e-4 : 1e-2);  // the trapezoidal rule bends frequency by (ωΔt)²/12
+    const double phase = std::arg(out / in), gain = std::abs(out / in),
+                 ratio = w / settings.filter_bandwidth;
+    std::printf("  %6.2f Hz: phase %.5f rad, stated %.5f; gain %.5f, stated %.5f\n", frequency,
+                phase, -2.0 * std::atan(ratio), gain, 1.0 / (1.0 + ratio * ratio));
+    EXPECT_NEAR(
+        phase, -2.0 * std::atan(ratio),
+        frequency < 5.0 ? 2e-4 : 1e-2);  // the trapezoidal rule bends frequency by (ωΔt)²/12
     EXPECT_NEAR(gain, 1.0 / (1.0 + ratio * ratio), 5e-3);
     const double age = settings.sensor_delay - phase / w;
     EXPECT_NEAR(age, still.estimator.group_delay(), frequency < 1.0 ? 1e-5 : 0.3 * age);
@@ -128,13 +137,18 @@ TEST(TareAndFilter, TheFilterTakesWhiteNoiseDownAsStated) {
     ASSERT_GT(still.steps_to_tare(Vector6::Zero()), 0);
     double sum = 0.0;
     const int samples = 200000;
-    for (int i = 0; i < samples; ++i) sum += still.read(Vector6::NullaryExpr([&] { return noise(rng); })).head<3>().squaredNorm() / 3.0;
+    for (int i = 0; i < samples; ++i)
+      sum += still.read(Vector6::NullaryExpr([&] { return noise(rng); })).head<3>().squaredNorm() /
+             3.0;
     const double a = 0.5 * bandwidth * settings.dt;
-    const double exact = a * (1.0 + 2.0 * a) / (2.0 * (1.0 + a) * (1.0 + a));  // ∫ |H|² over all frequencies, by residues
-    std::printf("  ω = %.0f rad/s: noise to %.4f, exact %.4f, stated %.4f\n", bandwidth, std::sqrt(sum / samples), std::sqrt(exact),
+    const double exact = a * (1.0 + 2.0 * a) /
+                         (2.0 * (1.0 + a) * (1.0 + a));  // ∫ |H|² over all frequencies, by residues
+    std::printf("  ω = %.0f rad/s: noise to %.4f, exact %.4f, stated %.4f\n", bandwidth,
+                std::sqrt(sum / samples), std::sqrt(exact),
                 std::sqrt(bandwidth * settings.dt / 4.0));
     EXPECT_NEAR(std::sqrt(sum / samples), std::sqrt(exact), 0.02 * std::sqrt(exact));
-    EXPECT_NEAR(std::sqrt(sum / samples), std::sqrt(bandwidth * settings.dt / 4.0), 0.05 * std::sqrt(exact));
+    EXPECT_NEAR(std::sqrt(sum / samples), std::sqrt(bandwidth * settings.dt / 4.0),
+                0.05 * std::sqrt(exact));
   }
 }
 

@@ -28,11 +28,14 @@ StaticReading pose(const Matrix3d& R_WS) {
   const Vector3d weight_W = kMass * kGravity;
   StaticReading out{R_WS, kBias};
   out.reading_S.head<3>() += R_WS.transpose() * weight_W;
-  out.reading_S.tail<3>() += R_WS.transpose() * (R_WS * kCentre).cross(weight_W);  // in W, where the arm hangs
+  out.reading_S.tail<3>() +=
+      R_WS.transpose() * (R_WS * kCentre).cross(weight_W);  // in W, where the arm hangs
   return out;
 }
 
-Matrix3d tilt(double angle_deg, const Vector3d& axis) { return AngleAxisd(angle_deg * M_PI / 180.0, axis.normalized()).matrix(); }
+Matrix3d tilt(double angle_deg, const Vector3d& axis) {
+  return AngleAxisd(angle_deg * M_PI / 180.0, axis.normalized()).matrix();
+}
 
 // Pen down, and five tilts that a wrist reaches.
 std::vector<StaticReading> six_poses() {
@@ -95,18 +98,23 @@ TEST(ToolIdentification, ItsErrorsAreAsLargeAsItSays) {
     force_square += std::pow(tool.residual_force, 2) / trials;
     torque_square += std::pow(tool.residual_torque, 2) / trials;
   }
-  std::printf("  mass ± %.4f kg, stated %.4f; centre ± (%.2f %.2f %.2f) mm, stated (%.2f %.2f %.2f)\n", std::sqrt(mass_square),
-              std::sqrt(mass_stated), 1e3 * std::sqrt(centre_square[0]), 1e3 * std::sqrt(centre_square[1]), 1e3 * std::sqrt(centre_square[2]),
-              1e3 * std::sqrt(centre_stated[0]), 1e3 * std::sqrt(centre_stated[1]), 1e3 * std::sqrt(centre_stated[2]));
+  std::printf(
+      "  mass ± %.4f kg, stated %.4f; centre ± (%.2f %.2f %.2f) mm, stated (%.2f %.2f %.2f)\n",
+      std::sqrt(mass_square), std::sqrt(mass_stated), 1e3 * std::sqrt(centre_square[0]),
+      1e3 * std::sqrt(centre_square[1]), 1e3 * std::sqrt(centre_square[2]),
+      1e3 * std::sqrt(centre_stated[0]), 1e3 * std::sqrt(centre_stated[1]),
+      1e3 * std::sqrt(centre_stated[2]));
   EXPECT_NEAR(std::sqrt(mass_square / mass_stated), 1.0, 0.1);  // √(1/2000) = 2 % of scatter
-  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(std::sqrt(centre_square[axis] / centre_stated[axis]), 1.0, 0.1) << axis;
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(std::sqrt(centre_square[axis] / centre_stated[axis]), 1.0, 0.1) << axis;
   EXPECT_NEAR(std::sqrt(force_square), noise_force, 0.05 * noise_force);
   EXPECT_NEAR(std::sqrt(torque_square), noise_torque, 0.05 * noise_torque);
 }
 
 TEST(ToolIdentification, ConditionIsAsItsHeaderSays) {
   std::vector<StaticReading> poses;
-  for (const double angle : {0.0, 90.0, 180.0, 270.0}) poses.push_back(pose(tilt(angle, Vector3d::UnitX())));
+  for (const double angle : {0.0, 90.0, 180.0, 270.0})
+    poses.push_back(pose(tilt(angle, Vector3d::UnitX())));
   for (const double angle : {90.0, -90.0}) poses.push_back(pose(tilt(angle, Vector3d::UnitY())));
   EXPECT_NEAR(identify_tool(poses).condition, std::sqrt(1.5), 1e-9);
   poses.clear();
@@ -123,18 +131,22 @@ TEST(ToolIdentification, NamesWhatDegeneratePosesLeaveOpen) {
   EXPECT_THAT(refusal({six_poses()[0], six_poses()[1]}), HasSubstr("2 poses, needs at least 3"));
 
   std::vector<StaticReading> about_the_vertical, about_x, two_ends;
-  for (const double angle : {0.0, 40.0, 90.0, 200.0}) about_the_vertical.push_back(pose(tilt(angle, Vector3d::UnitZ())));
+  for (const double angle : {0.0, 40.0, 90.0, 200.0})
+    about_the_vertical.push_back(pose(tilt(angle, Vector3d::UnitZ())));
   EXPECT_THAT(refusal(about_the_vertical), HasSubstr("mass and force bias"));
   // Upside down and back: gravity has turned, but along one line only.
-  for (const double angle : {0.0, 180.0, 0.0, 180.0}) two_ends.push_back(pose(tilt(angle, Vector3d::UnitX())));
+  for (const double angle : {0.0, 180.0, 0.0, 180.0})
+    two_ends.push_back(pose(tilt(angle, Vector3d::UnitX())));
   EXPECT_THAT(refusal(two_ends), HasSubstr("centre of mass along (0.00, 0.00, "));
-  for (const double angle : {-4.0, 0.0, 4.0}) about_x.push_back(pose(tilt(angle, Vector3d::UnitX())));
+  for (const double angle : {-4.0, 0.0, 4.0})
+    about_x.push_back(pose(tilt(angle, Vector3d::UnitX())));
   EXPECT_THAT(refusal(about_x), HasSubstr("mass and force bias"));
   about_x.push_back(pose(tilt(70.0, Vector3d::UnitX())));
   // Gravity has gone from −z to (0, −sin 70°, −cos 70°).
   EXPECT_THAT(refusal(about_x), HasSubstr("centre of mass along (0.00, 0.82, -0.57)"));
   std::vector<StaticReading> mended = about_x, arc = about_x;
-  mended.push_back(pose(tilt(40.0, {0.0, 0.82, -0.57})));  // gravity goes across, as the message says
+  mended.push_back(
+      pose(tilt(40.0, {0.0, 0.82, -0.57})));  // gravity goes across, as the message says
   EXPECT_EQ(refusal(mended), "taken");
   arc.push_back(pose(tilt(-70.0, Vector3d::UnitX())));
   EXPECT_EQ(refusal(arc), "taken") << "an arc about one axis will do, if it is long";

@@ -1,5 +1,6 @@
-// A rigid body of point masses waved along analytic sines, and what a force-torque sensor reads of it: the momentum of each mass, its
-// position differenced numerically. Knows nothing of Newton–Euler.
+// A rigid body of point masses waved along analytic sines, and what a force-torque sensor reads of
+// it: the momentum of each mass, its position differenced numerically. Knows nothing of
+// Newton–Euler.
 #pragma once
 
 #include <cmath>
@@ -49,15 +50,20 @@ inline Tool tool_of(const std::vector<PointMass>& points) {
 }
 
 inline Pose tip_in_sensor() {
-  return {{0.005, -0.01, 0.18}, (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX())).matrix()};
+  return {{0.005, -0.01, 0.18},
+          (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) *
+           Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()))
+              .matrix()};
 }
 
-// At rest until t = 0, then 3 m/s² and ± 60° of tilt at 3 rad/s (up to 3.1 rad/s), while the tool turns about the vertical and its own axis.
+// At rest until t = 0, then 3 m/s² and ± 60° of tilt at 3 rad/s (up to 3.1 rad/s), while the tool
+// turns about the vertical and its own axis.
 inline Pose sensor_pose(double t) {
   t = std::max(t, 0.0);
   const double degree = M_PI / 180.0, w = 3.0;
   Pose X;
-  X.p << 0.5 - 3.0 / (w * w) * std::cos(w * t), 0.05 * (1.0 - std::cos(4.0 * t)), 0.6 + 0.1 * (1.0 - std::cos(2.0 * t));
+  X.p << 0.5 - 3.0 / (w * w) * std::cos(w * t), 0.05 * (1.0 - std::cos(4.0 * t)),
+      0.6 + 0.1 * (1.0 - std::cos(2.0 * t));
   X.R = (Eigen::AngleAxisd(0.5 * (1.0 - std::cos(2.0 * t)), Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(M_PI - 60.0 * degree * std::cos(w * t), Eigen::Vector3d::UnitY()) *
          Eigen::AngleAxisd(0.3 * (1.0 - std::cos(2.5 * t)), Eigen::Vector3d::UnitZ()))
@@ -69,21 +75,25 @@ inline constexpr double kDifference = 1e-5;  // [s]
 
 // [v; ω] of sensor ∘ X_SF at F's origin, in W.
 inline Vector6 velocity(double t, const Pose& X_SF) {
-  const Pose before = sensor_pose(t - kDifference) * X_SF, after = sensor_pose(t + kDifference) * X_SF;
+  const Pose before = sensor_pose(t - kDifference) * X_SF,
+             after = sensor_pose(t + kDifference) * X_SF;
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(after.R * before.R.transpose()));
   Vector6 V;
   V << (after.p - before.p) / (2.0 * kDifference), turn.axis() * turn.angle() / (2.0 * kDifference);
   return V;
 }
 
-// The sensor's reading over the step that ends at t: weight less rate of momentum of the masses, plus a wrench on the tip, constant in W.
-inline Vector6 reading(double t, const std::vector<PointMass>& points, const Vector6& F_tip_W = Vector6::Zero()) {
+// The sensor's reading over the step that ends at t: weight less rate of momentum of the masses,
+// plus a wrench on the tip, constant in W.
+inline Vector6 reading(double t, const std::vector<PointMass>& points,
+                       const Vector6& F_tip_W = Vector6::Zero()) {
   constexpr int kParts = 10;
   constexpr double h = kDt / kParts;
   const auto momenta = [&](double time) {
     const Pose before = sensor_pose(time - kDifference), after = sensor_pose(time + kDifference);
     std::vector<Eigen::Vector3d> all;
-    for (const PointMass& point : points) all.push_back(point.mass * (after * point.p_S - before * point.p_S) / (2.0 * kDifference));
+    for (const PointMass& point : points)
+      all.push_back(point.mass * (after * point.p_S - before * point.p_S) / (2.0 * kDifference));
     return all;
   };
   Vector6 mean = Vector6::Zero();

@@ -1,4 +1,5 @@
-// The tool's weight and inertia go out of the reading, late or not, and the rest comes to the tip; faults spoil nothing.
+// The tool's weight and inertia go out of the reading, late or not, and the rest comes to the tip;
+// faults spoil nothing.
 #include "impedraw/sensing/wrench_estimator.h"
 
 #include <cstdio>
@@ -23,8 +24,10 @@ struct Worst {
   double force = 0.0, torque = 0.0;
 };
 
-// Rest and tare, then 5 s of waving; the worst error of F_ext from `start` on, against the wrench that acts on the tip.
-Worst wave(const WrenchEstimatorSettings& settings, int late_steps = 0, const Vector6& F_tip_W = Vector6::Zero(), double start = 0.0) {
+// Rest and tare, then 5 s of waving; the worst error of F_ext from `start` on, against the wrench
+// that acts on the tip.
+Worst wave(const WrenchEstimatorSettings& settings, int late_steps = 0,
+           const Vector6& F_tip_W = Vector6::Zero(), double start = 0.0) {
   const std::vector<PointMass> points = point_masses();
   const Pose X_SE = tip_in_sensor();
   WrenchEstimator estimator(settings);
@@ -32,7 +35,8 @@ Worst wave(const WrenchEstimatorSettings& settings, int late_steps = 0, const Ve
   for (int i = -500; i < 5000; ++i) {
     const double t = i * kDt, t_read = t - late_steps * kDt;
     const Vector6 F_W = t_read > 0.5 * kDt ? F_tip_W : Vector6::Zero();
-    const Vector6 F = estimator.update(reading(t_read, points, F_W) + kBias, sensor_pose(t) * X_SE, velocity(t, X_SE));
+    const Vector6 F = estimator.update(reading(t_read, points, F_W) + kBias, sensor_pose(t) * X_SE,
+                                       velocity(t, X_SE));
     EXPECT_FALSE(estimator.fault());
     if (t < start) continue;
     EXPECT_TRUE(estimator.tared());
@@ -42,10 +46,13 @@ Worst wave(const WrenchEstimatorSettings& settings, int late_steps = 0, const Ve
   return worst;
 }
 
-void print(const char* what, const Worst& worst) { std::printf("  %-28s %.6f N  %.6f Nm\n", what, worst.force, worst.torque); }
+void print(const char* what, const Worst& worst) {
+  std::printf("  %-28s %.6f N  %.6f Nm\n", what, worst.force, worst.torque);
+}
 
-constexpr double kForceLimit = 0.05, kTorqueLimit = 0.005;         // asked for
-constexpr double kForceAccuracy = 1e-4, kTorqueAccuracy = 1e-5;    // second order in the step: first order would be 1e-2 N
+constexpr double kForceLimit = 0.05, kTorqueLimit = 0.005;  // asked for
+constexpr double kForceAccuracy = 1e-4,
+                 kTorqueAccuracy = 1e-5;  // second order in the step: first order would be 1e-2 N
 
 TEST(WrenchEstimator, AToolWavedInTheAirReadsNothing) {
   const Worst worst = wave(settings_for(tool_of(point_masses())));
@@ -57,12 +64,15 @@ TEST(WrenchEstimator, AToolWavedInTheAirReadsNothing) {
 TEST(WrenchEstimator, EachTermLeftInShows) {
   for (const int term : {0, 1, 2}) {
     WrenchEstimatorSettings settings = settings_for(tool_of(point_masses()));
-    (term == 0 ? settings.removal.weight : term == 1 ? settings.removal.inertia : settings.removal.coriolis) = false;
+    (term == 0   ? settings.removal.weight
+     : term == 1 ? settings.removal.inertia
+                 : settings.removal.coriolis) = false;
     const Worst worst = wave(settings);
     const char* names[] = {"weight left in", "inertia left in", "coriolis left in"};
     print(names[term], worst);
     EXPECT_GT(worst.force, 10.0 * kForceLimit) << names[term];
-    EXPECT_GT(worst.torque, (term == 2 ? 3.0 : 10.0) * kTorqueLimit) << names[term];  // the Coriolis term is nearly all force here
+    EXPECT_GT(worst.torque, (term == 2 ? 3.0 : 10.0) * kTorqueLimit)
+        << names[term];  // the Coriolis term is nearly all force here
   }
 }
 
@@ -92,18 +102,21 @@ TEST(WrenchEstimator, ADelayThatIsToldDoesNoHarm) {
 
 TEST(WrenchEstimator, ComesToTheTipAsByHand) {
   WrenchEstimatorSettings settings = still_settings();
-  settings.X_ES.p << 0.0, 0.0, -0.2;                                   // 0.2 m up the pen
-  settings.X_ES.R << 0, -1, 0, 1, 0, 0, 0, 0, 1;                       // a quarter turn: x_S = y_E
+  settings.X_ES.p << 0.0, 0.0, -0.2;              // 0.2 m up the pen
+  settings.X_ES.R << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // a quarter turn: x_S = y_E
   Still still(settings);
   ASSERT_GT(still.steps_to_tare(Vector6::Zero()), 0);
-  // 5 N up, 2 N along x_W = x_E and 0.1 Nm about z_W at the tip. In the axes of E: f = (2, 0, −5), about S's origin
-  // m = (0, 0, 0.2) × f + (0, 0, −0.1) = (0, 0.4, −0.1). In S: x_S = y_E, y_S = −x_E.
+  // 5 N up, 2 N along x_W = x_E and 0.1 Nm about z_W at the tip. In the axes of E: f = (2, 0, −5),
+  // about S's origin m = (0, 0, 0.2) × f + (0, 0, −0.1) = (0, 0.4, −0.1). In S: x_S = y_E, y_S =
+  // −x_E.
   const Vector6 F = still.read((Vector6() << 0.0, -2.0, -5.0, 0.4, 0.0, -0.1).finished());
-  EXPECT_LT((F - (Vector6() << 2.0, 0.0, 5.0, 0.0, 0.0, 0.1).finished()).norm(), 1e-12) << F.transpose();
+  EXPECT_LT((F - (Vector6() << 2.0, 0.0, 5.0, 0.0, 0.0, 0.1).finished()).norm(), 1e-12)
+      << F.transpose();
 }
 
 TEST(WrenchEstimator, AFaultKeepsTheLastWrench) {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
   WrenchEstimatorSettings settings = still_settings();
   settings.range_force = 100.0;
   settings.range_torque = 10.0;
@@ -125,7 +138,8 @@ TEST(WrenchEstimator, AFaultKeepsTheLastWrench) {
   EXPECT_FALSE(still.estimator.fault());
   still.read(good);
 
-  // A motion that is not known spoils the readings of its time: 2 steps late, and one for the difference.
+  // A motion that is not known spoils the readings of its time: 2 steps late, and one for the
+  // difference.
   still.read(1.1 * good, Vector6::Constant(nan));
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(still.estimator.fault());
@@ -147,7 +161,8 @@ TEST(WrenchEstimator, NoNanComesOutAndNothingIsAllocated) {
   settings.filter_bandwidth = 300.0;
   settings.sensor_delay = 2e-3;
   WrenchEstimator estimator(settings);
-  const double bad[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
+  const double bad[] = {std::numeric_limits<double>::quiet_NaN(),
+                        std::numeric_limits<double>::infinity()};
   int finite = 0, faults = 0, sound = 0;
   const int made = allocations_in([&] {
     for (int i = 0; i < 20000; ++i) {
@@ -165,7 +180,12 @@ TEST(WrenchEstimator, NoNanComesOutAndNothingIsAllocated) {
     }
   });
   EXPECT_EQ(made, 0);
-  EXPECT_GT(allocations_in([] { std::vector<double> v(10); asm volatile("" : : "r"(v.data()) : "memory"); }), 0) << "the hook catches none";
+  EXPECT_GT(allocations_in([] {
+              std::vector<double> v(10);
+              asm volatile("" : : "r"(v.data()) : "memory");
+            }),
+            0)
+      << "the hook catches none";
   EXPECT_EQ(finite, 20000);
   EXPECT_TRUE(estimator.tared());
   EXPECT_GT(faults, 500);
@@ -188,7 +208,8 @@ TEST(WrenchEstimator, RefusesWhatCannotBe) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refusal([](S&) {}), "taken");
   EXPECT_EQ(refusal([](S& s) { s.sensor_delay = 0.032; }), "taken");
-  EXPECT_THAT(refusal([](S& s) { s.sensor_delay = 0.033; }), HasSubstr("sensor_delay = 0.033 s, must be in 0 … 0.032 s"));
+  EXPECT_THAT(refusal([](S& s) { s.sensor_delay = 0.033; }),
+              HasSubstr("sensor_delay = 0.033 s, must be in 0 … 0.032 s"));
   EXPECT_THAT(refusal([](S& s) { s.sensor_delay = -1e-3; }), HasSubstr("sensor_delay"));
   EXPECT_THAT(refusal([&](S& s) { s.sensor_delay = nan; }), HasSubstr("sensor_delay"));
   EXPECT_THAT(refusal([](S& s) { s.dt = 0.0; }), HasSubstr("dt = 0"));
@@ -202,7 +223,8 @@ TEST(WrenchEstimator, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal([&](S& s) { s.gravity_W[1] = nan; }), HasSubstr("gravity_W"));
   EXPECT_THAT(refusal([](S& s) { s.tool.mass = -0.1; }), HasSubstr("mass = -0.1 kg"));
   EXPECT_THAT(refusal([](S& s) { s.tool.I_SC(0, 1) = 1e-3; }), HasSubstr("symmetric"));
-  EXPECT_THAT(refusal([](S& s) { s.tool.I_SC.diagonal() << 1e-3, 1e-3, 3e-3; }), HasSubstr("principal moments"));
+  EXPECT_THAT(refusal([](S& s) { s.tool.I_SC.diagonal() << 1e-3, 1e-3, 3e-3; }),
+              HasSubstr("principal moments"));
 }
 
 }  // namespace

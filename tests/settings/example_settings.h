@@ -1,4 +1,5 @@
-// A scenario in miniature that uses everything a description can: the worked example of src/app/settings.h.
+// A scenario in miniature that uses everything a description can: the worked example of
+// src/app/settings.h.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +43,10 @@ struct Scenario {
 
 inline void describe(Fields& f, Push& s) {
   f.field("force", s.force, Range{0, 50}, "N", "normal force asked for");
-  f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}}, "where the wrench comes from");
-  f.field("stop_at", s.stop_at, Range::at_least(0), "s", "when to stop; absent: at the end of the drawing");
+  f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}},
+           "where the wrench comes from");
+  f.field("stop_at", s.stop_at, Range::at_least(0), "s",
+          "when to stop; absent: at the end of the drawing");
 }
 
 inline void describe(Fields& f, Camera& s) {
@@ -52,7 +55,9 @@ inline void describe(Fields& f, Camera& s) {
   f.field("noisy", s.noisy, "whether depth is noisy");
 }
 
-inline void describe(Fields& f, Plane& s) { f.field("height", s.height, Range::any(), "m", "above the table"); }
+inline void describe(Fields& f, Plane& s) {
+  f.field("height", s.height, Range::any(), "m", "above the table");
+}
 
 inline void describe(Fields& f, Scenario& s) {
   f.field("seed", s.seed, Range::at_least(0), "", "of all random numbers");

@@ -15,7 +15,8 @@ using ::testing::HasSubstr;
 
 // What parse_number says of text; "" when it took it.
 template <class T>
-std::string complaint(std::string_view text, Range range = Range::any(), std::string_view unit = "") {
+std::string complaint(std::string_view text, Range range = Range::any(),
+                      std::string_view unit = "") {
   T value = 42;
   const auto wrong = parse_number(text, range, unit, value);
   if (wrong) {
@@ -25,8 +26,8 @@ std::string complaint(std::string_view text, Range range = Range::any(), std::st
 }
 
 TEST(ParseNumber, TakesWhatIsANumber) {
-  const std::pair<const char*, double> cases[] = {{"3", 3},    {"-0.5", -0.5}, {"+2", 2},    {"1e-3", 1e-3},
-                                                  {".5", 0.5}, {"5.", 5},      {"1E3", 1000}};
+  const std::pair<const char*, double> cases[] = {
+      {"3", 3}, {"-0.5", -0.5}, {"+2", 2}, {"1e-3", 1e-3}, {".5", 0.5}, {"5.", 5}, {"1E3", 1000}};
   for (const auto& [text, expected] : cases) {
     double value = 0;
     EXPECT_EQ(parse_number(text, Range::any(), "", value), std::nullopt) << text;
@@ -41,19 +42,21 @@ TEST(ParseNumber, TakesWhatIsANumber) {
 }
 
 TEST(ParseNumber, RefusesEverythingThatIsNotFinite) {
-  for (const char* text :
-       {"nan", ".nan", "NaN", ".NaN", "-nan", "inf", ".inf", "-.inf", "+.inf", "Infinity", "-infinity", ".Inf", "1e999", "-1e999"}) {
+  for (const char* text : {"nan", ".nan", "NaN", ".NaN", "-nan", "inf", ".inf", "-.inf", "+.inf",
+                           "Infinity", "-infinity", ".Inf", "1e999", "-1e999"}) {
     EXPECT_NE(complaint<double>(text), "") << text;
     EXPECT_NE(complaint<int>(text), "") << text;
   }
 }
 
 TEST(ParseNumber, RefusesWhatIsNoNumber) {
-  for (const char* text : {"", " ", "abc", "1.2.3", "5 N", "1,5", "0x10", "--3", "+-3", "1e", "true", "~", "nan(1)", "1_000"}) {
+  for (const char* text : {"", " ", "abc", "1.2.3", "5 N", "1,5", "0x10", "--3", "+-3", "1e",
+                           "true", "~", "nan(1)", "1_000"}) {
     EXPECT_NE(complaint<double>(text), "") << '"' << text << '"';
     EXPECT_NE(complaint<int>(text), "") << '"' << text << '"';
   }
-  for (const char* text : {"3.0", "1e3", "0.5"}) EXPECT_THAT(complaint<int>(text), HasSubstr("not a whole number")) << text;
+  for (const char* text : {"3.0", "1e3", "0.5"})
+    EXPECT_THAT(complaint<int>(text), HasSubstr("not a whole number")) << text;
 }
 
 TEST(ParseNumber, NamesValueLimitsAndUnit) {
@@ -62,7 +65,8 @@ TEST(ParseNumber, NamesValueLimitsAndUnit) {
   EXPECT_EQ(complaint<double>("0", Range::positive(), "s"), "is 0 s, allowed is more than 0 s");
   EXPECT_EQ(complaint<double>("-1", Range::at_least(0), ""), "is -1, allowed is at least 0");
   EXPECT_EQ(complaint<double>("2", Range::at_most(1), "m"), "is 2 m, allowed is at most 1 m");
-  EXPECT_EQ(complaint<double>("1", {0, 1, false, true}, ""), "is 1, allowed is at least 0 and less than 1");
+  EXPECT_EQ(complaint<double>("1", {0, 1, false, true}, ""),
+            "is 1, allowed is at least 0 and less than 1");
   EXPECT_EQ(complaint<double>("abc", {0, 50}, "N"), "is 'abc', which is not a number (of N)");
   EXPECT_EQ(complaint<int>("3000000000"), "is 3000000000, allowed is -2147483648 to 2147483647");
   EXPECT_EQ(complaint<unsigned>("-1", {0, 9}), "is -1, allowed is 0 to 9");
@@ -88,9 +92,10 @@ TEST(NumberText, ReadsBackAsTheSameBits) {
 // The definition, without a table: exponential, but plainly right.
 int slow_distance(std::string_view a, std::string_view b) {
   if (a.empty() || b.empty()) return static_cast<int>(a.size() + b.size());
-  int best = std::min(
-      {slow_distance(a.substr(1), b) + 1, slow_distance(a, b.substr(1)) + 1, slow_distance(a.substr(1), b.substr(1)) + (a[0] != b[0])});
-  if (a.size() > 1 && b.size() > 1 && a[0] == b[1] && a[1] == b[0]) best = std::min(best, slow_distance(a.substr(2), b.substr(2)) + 1);
+  int best = std::min({slow_distance(a.substr(1), b) + 1, slow_distance(a, b.substr(1)) + 1,
+                       slow_distance(a.substr(1), b.substr(1)) + (a[0] != b[0])});
+  if (a.size() > 1 && b.size() > 1 && a[0] == b[1] && a[1] == b[0])
+    best = std::min(best, slow_distance(a.substr(2), b.substr(2)) + 1);
   return best;
 }
 

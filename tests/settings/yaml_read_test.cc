@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/common/errors.h"
 #include "example_settings.h"
+#include "impedraw/common/errors.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -98,34 +98,51 @@ TEST(YamlRead, LeavesOutWhatIsNotGiven) {
 }
 
 TEST(YamlRead, NamesLineKeyAndNearestKey) {
-  EXPECT_EQ(yaml_error("seed: 3\npush:\n  frce: 5\n"), "s.yaml:3: unknown key 'frce' in push; did you mean 'force'?");
-  EXPECT_EQ(yaml_error("push: {banana: 5}"), "s.yaml:1: unknown key 'banana' in push; valid here: force, sensor, stop_at");
+  EXPECT_EQ(yaml_error("seed: 3\npush:\n  frce: 5\n"),
+            "s.yaml:3: unknown key 'frce' in push; did you mean 'force'?");
+  EXPECT_EQ(yaml_error("push: {banana: 5}"),
+            "s.yaml:1: unknown key 'banana' in push; valid here: force, sensor, stop_at");
   EXPECT_EQ(yaml_error("\n\npsh: {}"), "s.yaml:3: unknown key 'psh'; did you mean 'push'?");
-  EXPECT_EQ(yaml_error("cameras:\n  - width: 3\n  - wdth: 3\n"), "s.yaml:3: unknown key 'wdth' in cameras.1; did you mean 'width'?");
-  EXPECT_EQ(yaml_error("push: {<<: {force: 3}}"), "s.yaml:1: unknown key '<<' in push; valid here: force, sensor, stop_at");
+  EXPECT_EQ(yaml_error("cameras:\n  - width: 3\n  - wdth: 3\n"),
+            "s.yaml:3: unknown key 'wdth' in cameras.1; did you mean 'width'?");
+  EXPECT_EQ(yaml_error("push: {<<: {force: 3}}"),
+            "s.yaml:1: unknown key '<<' in push; valid here: force, sensor, stop_at");
 }
 
 TEST(YamlRead, NamesWhatIsWrongWithAValue) {
   EXPECT_EQ(yaml_error("push:\n  force: 70"), "s.yaml:2: push.force is 70 N, allowed is 0 to 50 N");
-  EXPECT_EQ(yaml_error("push:\n  force: abc"), "s.yaml:2: push.force is 'abc', which is not a number (of N)");
-  EXPECT_EQ(yaml_error("push: {force: .nan}"), "s.yaml:1: push.force is .nan, but must be a finite number, 0 to 50 N");
-  EXPECT_EQ(yaml_error("plane: {height: -.inf}"), "s.yaml:1: plane.height is -.inf, but must be a finite number");
-  EXPECT_EQ(yaml_error("push: {stop_at: -1}"), "s.yaml:1: push.stop_at is -1 s, allowed is at least 0 s");
-  EXPECT_EQ(yaml_error("push: {sensor: ture}"), "s.yaml:1: push.sensor is 'ture'; did you mean 'true'? Valid: none, true");
-  EXPECT_EQ(yaml_error("cameras: [{noisy: yes}]"), "s.yaml:1: cameras.0.noisy is 'yes'; valid: true, false");
-  EXPECT_EQ(yaml_error("home: [0, 0,\n  0, 9, 0, 0, 0]"), "s.yaml:2: home.3 is 9 rad, allowed is -3 to 3 rad");
-  EXPECT_EQ(yaml_error("home: [0, 0, 0, .nan, 0, 0, 0]"), "s.yaml:1: home.3 is .nan, but must be a finite number, -3 to 3 rad");
+  EXPECT_EQ(yaml_error("push:\n  force: abc"),
+            "s.yaml:2: push.force is 'abc', which is not a number (of N)");
+  EXPECT_EQ(yaml_error("push: {force: .nan}"),
+            "s.yaml:1: push.force is .nan, but must be a finite number, 0 to 50 N");
+  EXPECT_EQ(yaml_error("plane: {height: -.inf}"),
+            "s.yaml:1: plane.height is -.inf, but must be a finite number");
+  EXPECT_EQ(yaml_error("push: {stop_at: -1}"),
+            "s.yaml:1: push.stop_at is -1 s, allowed is at least 0 s");
+  EXPECT_EQ(yaml_error("push: {sensor: ture}"),
+            "s.yaml:1: push.sensor is 'ture'; did you mean 'true'? Valid: none, true");
+  EXPECT_EQ(yaml_error("cameras: [{noisy: yes}]"),
+            "s.yaml:1: cameras.0.noisy is 'yes'; valid: true, false");
+  EXPECT_EQ(yaml_error("home: [0, 0,\n  0, 9, 0, 0, 0]"),
+            "s.yaml:2: home.3 is 9 rad, allowed is -3 to 3 rad");
+  EXPECT_EQ(yaml_error("home: [0, 0, 0, .nan, 0, 0, 0]"),
+            "s.yaml:1: home.3 is .nan, but must be a finite number, -3 to 3 rad");
   EXPECT_EQ(yaml_error("home: [0, 0]"), "s.yaml:1: home must be a list of 7 numbers, not 2");
   EXPECT_EQ(yaml_error("home: 3"), "s.yaml:1: home must be a list of 7 numbers");
-  EXPECT_EQ(yaml_error("speeds: [1, 0]"), "s.yaml:1: speeds.1 is 0 m/s, allowed is more than 0 m/s");
+  EXPECT_EQ(yaml_error("speeds: [1, 0]"),
+            "s.yaml:1: speeds.1 is 0 m/s, allowed is more than 0 m/s");
   EXPECT_EQ(yaml_error("speeds: 1"), "s.yaml:1: speeds must be a list");
   EXPECT_EQ(yaml_error("seed: 1.5"), "s.yaml:1: seed is '1.5', which is not a whole number");
   EXPECT_EQ(yaml_error("seed: [1]"), "s.yaml:1: seed must be one value (whole number), not a list");
-  EXPECT_EQ(yaml_error("seed: {a: 1}"), "s.yaml:1: seed must be one value (whole number), not a map");
+  EXPECT_EQ(yaml_error("seed: {a: 1}"),
+            "s.yaml:1: seed must be one value (whole number), not a map");
   EXPECT_EQ(yaml_error("seed:"), "s.yaml:1: seed has no value (whole number)");
-  EXPECT_EQ(yaml_error("push: 5"), "s.yaml:1: push must hold settings of its own: force, sensor, stop_at");
-  EXPECT_EQ(yaml_error("cameras: [5]"), "s.yaml:1: cameras.0 must hold settings of its own: position, width, noisy");
-  EXPECT_THAT(yaml_error("- 1\n- 2"), StartsWith("s.yaml:1: a scenario must hold settings of its own: seed, text"));
+  EXPECT_EQ(yaml_error("push: 5"),
+            "s.yaml:1: push must hold settings of its own: force, sensor, stop_at");
+  EXPECT_EQ(yaml_error("cameras: [5]"),
+            "s.yaml:1: cameras.0 must hold settings of its own: position, width, noisy");
+  EXPECT_THAT(yaml_error("- 1\n- 2"),
+              StartsWith("s.yaml:1: a scenario must hold settings of its own: seed, text"));
 }
 
 TEST(YamlRead, RefusesWhatYamlWouldLetPass) {
@@ -136,7 +153,8 @@ TEST(YamlRead, RefusesWhatYamlWouldLetPass) {
   EXPECT_THAT(yaml_error("seed: 1\nhome: [1, 2\n"), StartsWith("s.yaml:3: is not valid YAML: "));
   EXPECT_THAT(yaml_error("seed: 1\n\tpush: 2\n"), HasSubstr("is not valid YAML: "));
   EXPECT_THAT(yaml_error("push: *nobody"), HasSubstr("is not valid YAML: "));
-  EXPECT_THAT(yaml_error("seed: |\n  first\n  second\n"), HasSubstr("is 'first second ', which is not a whole number"));
+  EXPECT_THAT(yaml_error("seed: |\n  first\n  second\n"),
+              HasSubstr("is 'first second ', which is not a whole number"));
   EXPECT_THAT(yaml_error(std::string("\0\x01\xff", 3)), StartsWith("s.yaml"));
 }
 
@@ -151,9 +169,11 @@ class YamlFiles : public ScratchFolder {
 };
 
 TEST_F(YamlFiles, ExtendsAnother) {
-  write("base.yaml", "push: {force: 7, stop_at: 2}\ncameras: [{width: 1}, {width: 2}]\nsvg: art/a.svg\n");
+  write("base.yaml",
+        "push: {force: 7, stop_at: 2}\ncameras: [{width: 1}, {width: 2}]\nsvg: art/a.svg\n");
   write("sub/middle.yaml", "extends: ../base.yaml\npush: {sensor: true}\n");
-  const auto top = write("top.yaml", "push:\n  stop_at: null\ncameras: [{width: 9}]\nextends: sub/middle.yaml\n");
+  const auto top = write(
+      "top.yaml", "push:\n  stop_at: null\ncameras: [{width: 9}]\nextends: sub/middle.yaml\n");
   Scenario s;
   const Places places = read_settings(s, top, {"push.force=8"});
   EXPECT_EQ(s.push.force, 8);
@@ -166,7 +186,8 @@ TEST_F(YamlFiles, ExtendsAnother) {
   EXPECT_EQ(places.of("push.stop_at"), top.string() + ":2");
   EXPECT_EQ(places.of("svg"), (folder_ / "base.yaml").string() + ":3");
   EXPECT_EQ(places.of("cameras.0.width"), top.string() + ":3");
-  EXPECT_EQ(places.of("cameras.1.width"), top.string() + ":3") << "the list as a whole: its old second element is gone";
+  EXPECT_EQ(places.of("cameras.1.width"), top.string() + ":3")
+      << "the list as a whole: its old second element is gone";
   EXPECT_EQ(places.of("seed"), "default of seed");
   EXPECT_EQ(places.of("push"), "--set push.force=8") << "something in the group";
 }
@@ -174,12 +195,15 @@ TEST_F(YamlFiles, ExtendsAnother) {
 TEST_F(YamlFiles, ErrorsNameTheRightFile) {
   const auto base = write("base.yaml", "seed: 1\npush: {frce: 7}\n");
   const auto top = write("top.yaml", "# top\nextends: base.yaml\n");
-  EXPECT_EQ(file_error(top), base.string() + ":2: unknown key 'frce' in push; did you mean 'force'?");
+  EXPECT_EQ(file_error(top),
+            base.string() + ":2: unknown key 'frce' in push; did you mean 'force'?");
   const auto lost = write("lost.yaml", "extends: nowhere.yaml\n");
-  EXPECT_EQ(file_error(lost), lost.string() + ":1: extends " + (folder_ / "nowhere.yaml").string() + ": no such file");
+  EXPECT_EQ(file_error(lost), lost.string() + ":1: extends " + (folder_ / "nowhere.yaml").string() +
+                                  ": no such file");
   const auto ring = write("ring.yaml", "extends: ring2.yaml\n");
   const auto ring2 = write("ring2.yaml", "seed: 1\nextends: ring.yaml\n");
-  EXPECT_EQ(file_error(ring), ring2.string() + ":2: extends " + ring.string() + ", which extends this file");
+  EXPECT_EQ(file_error(ring),
+            ring2.string() + ":2: extends " + ring.string() + ", which extends this file");
   const auto self = write("self.yaml", "extends: self.yaml\n");
   EXPECT_THAT(file_error(self), HasSubstr("which extends this file"));
   const auto list = write("list.yaml", "extends: [a.yaml, b.yaml]\n");
@@ -199,8 +223,9 @@ TEST_F(YamlFiles, MissingOrBrokenFile) {
 
 TEST(Assignments, TakeEveryKindOfSetting) {
   const Scenario s =
-      with({"seed=5", "text=Hello: [world]", "svg=art/a.svg", "home=[1, 0, 0, 0, 0, 0, 0]", "home.6=0.5", "speeds=[0.1]",
-            "push.sensor=true", "push.stop_at=4", "cameras=[{width: 1}, {width: 2}]", "cameras.1.noisy=true", "plane.height=0.3"});
+      with({"seed=5", "text=Hello: [world]", "svg=art/a.svg", "home=[1, 0, 0, 0, 0, 0, 0]",
+            "home.6=0.5", "speeds=[0.1]", "push.sensor=true", "push.stop_at=4",
+            "cameras=[{width: 1}, {width: 2}]", "cameras.1.noisy=true", "plane.height=0.3"});
   EXPECT_EQ(s.seed, 5u);
   EXPECT_EQ(s.text, "Hello: [world]");
   EXPECT_EQ(s.svg, std::filesystem::current_path() / "art/a.svg");
@@ -219,24 +244,37 @@ TEST(Assignments, TakeEveryKindOfSetting) {
 }
 
 TEST(Assignments, SaySoWhenTheyCannotBe) {
-  EXPECT_EQ(set_error("push.force=70"), "--set push.force=70: push.force is 70 N, allowed is 0 to 50 N");
-  EXPECT_EQ(set_error("push.force=nan"), "--set push.force=nan: push.force is nan, but must be a finite number, 0 to 50 N");
-  EXPECT_EQ(set_error("push.frce=7"), "--set push.frce=7: unknown key 'frce' in push; did you mean 'force'?");
+  EXPECT_EQ(set_error("push.force=70"),
+            "--set push.force=70: push.force is 70 N, allowed is 0 to 50 N");
+  EXPECT_EQ(set_error("push.force=nan"),
+            "--set push.force=nan: push.force is nan, but must be a finite number, 0 to 50 N");
+  EXPECT_EQ(set_error("push.frce=7"),
+            "--set push.frce=7: unknown key 'frce' in push; did you mean 'force'?");
   EXPECT_EQ(set_error("psh.force=7"), "--set psh.force=7: unknown key 'psh'; did you mean 'push'?");
   EXPECT_EQ(set_error("push"), "--set push: expected NAME=VALUE, as in control.push=3");
   EXPECT_EQ(set_error("=3"), "--set =3: expected NAME=VALUE, as in control.push=3");
-  EXPECT_EQ(set_error("push.force.x=3"), "--set push.force.x=3: push.force is a single value and has no 'x'");
-  EXPECT_EQ(set_error("cameras.1.width=3"), "--set cameras.1.width=3: cameras has no element '1': there are 1, counted from 0");
-  EXPECT_EQ(set_error("cameras.-1.width=3"), "--set cameras.-1.width=3: cameras has no element '-1': there are 1, counted from 0");
-  EXPECT_EQ(set_error("home.7=0"), "--set home.7=0: home has no element '7': there are 7, counted from 0");
+  EXPECT_EQ(set_error("push.force.x=3"),
+            "--set push.force.x=3: push.force is a single value and has no 'x'");
+  EXPECT_EQ(set_error("cameras.1.width=3"),
+            "--set cameras.1.width=3: cameras has no element '1': there are 1, counted from 0");
+  EXPECT_EQ(set_error("cameras.-1.width=3"),
+            "--set cameras.-1.width=3: cameras has no element '-1': there are 1, counted from 0");
+  EXPECT_EQ(set_error("home.7=0"),
+            "--set home.7=0: home has no element '7': there are 7, counted from 0");
   EXPECT_EQ(set_error("home.0=9"), "--set home.0=9: home.0 is 9 rad, allowed is -3 to 3 rad");
-  EXPECT_EQ(set_error("home=[1"), "--set home=[1: is not valid YAML: end of sequence flow not found");
-  EXPECT_EQ(set_error("push=3"), "--set push=3: push must hold settings of its own: force, sensor, stop_at");
-  EXPECT_EQ(set_error("push..force=3"), "--set push..force=3: unknown key '' in push; valid here: force, sensor, stop_at");
+  EXPECT_EQ(set_error("home=[1"),
+            "--set home=[1: is not valid YAML: end of sequence flow not found");
+  EXPECT_EQ(set_error("push=3"),
+            "--set push=3: push must hold settings of its own: force, sensor, stop_at");
+  EXPECT_EQ(set_error("push..force=3"),
+            "--set push..force=3: unknown key '' in push; valid here: force, sensor, stop_at");
   EXPECT_EQ(set_error("extends=a.yaml"),
-            "--set extends=a.yaml: unknown key 'extends'; valid here: seed, text, svg, home, speeds, push, cameras, plane");
-  EXPECT_EQ(set_error("push.stop_at=soon"), "--set push.stop_at=soon: push.stop_at is 'soon', which is not a number (of s)");
-  EXPECT_THAT(set_error("text.a=" + std::string(10000, 'x')), ::testing::SizeIs(::testing::Lt(200u)));
+            "--set extends=a.yaml: unknown key 'extends'; valid here: seed, text, svg, home, "
+            "speeds, push, cameras, plane");
+  EXPECT_EQ(set_error("push.stop_at=soon"),
+            "--set push.stop_at=soon: push.stop_at is 'soon', which is not a number (of s)");
+  EXPECT_THAT(set_error("text.a=" + std::string(10000, 'x')),
+              ::testing::SizeIs(::testing::Lt(200u)));
 }
 
 }  // namespace

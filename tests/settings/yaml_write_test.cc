@@ -7,9 +7,9 @@
 #include <cstring>
 #include <random>
 
+#include "example_settings.h"
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
-#include "example_settings.h"
 
 namespace impedraw {
 namespace {
@@ -27,20 +27,27 @@ Scenario read_back(const std::string& yaml) {
 }
 
 Scenario random_scenario(std::mt19937_64& random) {
-  const auto number = [&](double lowest, double highest) { return std::uniform_real_distribution<double>(lowest, highest)(random); };
+  const auto number = [&](double lowest, double highest) {
+    return std::uniform_real_distribution<double>(lowest, highest)(random);
+  };
   Scenario s;
   s.seed = random();
   s.text.clear();
-  for (int i = static_cast<int>(random() % 12); i > 0; --i) s.text += "aZ0:#\"'\\ \n\t{}[],&*!|>%@-?~\x01\x7f"[random() % 29];
+  for (int i = static_cast<int>(random() % 12); i > 0; --i)
+    s.text += "aZ0:#\"'\\ \n\t{}[],&*!|>%@-?~\x01\x7f"[random() % 29];
   if (random() % 2) s.text += "ü…";
   if (random() % 2) s.svg = "/some where/a #1.svg";
   for (double& q : s.home) q = number(-3, 3);
-  for (int i = static_cast<int>(random() % 4); i > 0; --i) s.speeds.push_back(number(1e-300, 1e-290));
+  for (int i = static_cast<int>(random() % 4); i > 0; --i)
+    s.speeds.push_back(number(1e-300, 1e-290));
   s.push.force = number(0, 50);
   s.push.sensor = random() % 2 ? Sensor::truth : Sensor::none;
   if (random() % 2) s.push.stop_at = number(0, 1e9);
   s.cameras.assign(random() % 3, Camera{});
-  for (Camera& c : s.cameras) c = {{number(-10, 10), number(-10, 10), -0.0}, static_cast<int>(random() % 4096) + 1, random() % 2 == 0};
+  for (Camera& c : s.cameras)
+    c = {{number(-10, 10), number(-10, 10), -0.0},
+         static_cast<int>(random() % 4096) + 1,
+         random() % 2 == 0};
   if (random() % 2) s.plane.emplace().height = number(-1, 1);
   return s;
 }
@@ -67,7 +74,8 @@ TEST(YamlWrite, ReadsBackAsTheSame) {
     ASSERT_EQ(a.push.stop_at, b.push.stop_at);
     ASSERT_EQ(a.cameras.size(), b.cameras.size());
     for (std::size_t j = 0; j < a.cameras.size(); ++j) {
-      for (int k = 0; k < 3; ++k) ASSERT_TRUE(same(a.cameras[j].position[k], b.cameras[j].position[k]));
+      for (int k = 0; k < 3; ++k)
+        ASSERT_TRUE(same(a.cameras[j].position[k], b.cameras[j].position[k]));
       ASSERT_EQ(a.cameras[j].width, b.cameras[j].width);
       ASSERT_EQ(a.cameras[j].noisy, b.cameras[j].noisy);
     }
@@ -82,10 +90,11 @@ TEST(YamlWrite, ReadsBackAsTheSame) {
 TEST(YamlWrite, IsPlainYamlWithUnits) {
   Scenario s;
   s.push.stop_at = 2.5;
-  EXPECT_EQ(settings_yaml(s.push),
-            "force: 5                            # N: normal force asked for\n"
-            "sensor: none                        # where the wrench comes from\n"
-            "stop_at: 2.5                        # s: when to stop; absent: at the end of the drawing\n");
+  EXPECT_EQ(
+      settings_yaml(s.push),
+      "force: 5                            # N: normal force asked for\n"
+      "sensor: none                        # where the wrench comes from\n"
+      "stop_at: 2.5                        # s: when to stop; absent: at the end of the drawing\n");
   // Another reader than ours sees the same.
   const YAML::Node node = YAML::Load(settings_yaml(s));
   EXPECT_EQ(node["push"]["force"].as<double>(), 5);
@@ -115,9 +124,12 @@ TEST(SettingsDoc, ListsEverySettingWithUnitLimitsAndDefault) {
   EXPECT_FALSE(s.plane) << "documenting an optional does not engage it";
   EXPECT_EQ(rows.size(), 15u);
 
-  EXPECT_THAT(settings_markdown<Scenario>(), HasSubstr("| `push.force` | `5` | N | number, 0 to 50 N | normal force asked for |\n"));
+  EXPECT_THAT(
+      settings_markdown<Scenario>(),
+      HasSubstr("| `push.force` | `5` | N | number, 0 to 50 N | normal force asked for |\n"));
   EXPECT_THAT(settings_markdown<Scenario>(), HasSubstr("none \\| true"));
-  EXPECT_THAT(settings_help<Scenario>(), HasSubstr("normal force asked for; number, 0 to 50 N; default 5\n"));
+  EXPECT_THAT(settings_help<Scenario>(),
+              HasSubstr("normal force asked for; number, 0 to 50 N; default 5\n"));
 }
 
 // Every name that the documentation gives can be set, at its default.

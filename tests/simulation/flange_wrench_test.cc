@@ -1,4 +1,5 @@
-// The wrench at the flange of the iiwa: its pen is a rod of 50 g and 0.12 m, c.o.m. at 0.06 m, typed in here by hand.
+// The wrench at the flange of the iiwa: its pen is a rod of 50 g and 0.12 m, c.o.m. at 0.06 m,
+// typed in here by hand.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -12,7 +13,8 @@ using namespace testing_worlds;
 using Eigen::Vector3d;
 
 constexpr double kMass = 0.05, kGravity = 9.81, kCentre = 0.06, kLength = 0.12;
-const Vector3d kInertia(6e-5, 6e-5, 6.25e-7);  // about the c.o.m., along x, y, z of the pen, which are those of S and E
+const Vector3d kInertia(
+    6e-5, 6e-5, 6.25e-7);  // about the c.o.m., along x, y, z of the pen, which are those of S and E
 
 WorldSettings sensing(double dt = 1e-3, const ModelErrors& errors = {}) {
   WorldSettings settings = with(errors, dt);
@@ -29,7 +31,9 @@ Vector6 in_flange(const Vector3d& f_W, const Vector3d& m_S_W, const Eigen::Matri
 // Weight of the pen, and a wrench at E.
 Vector6 static_wrench(const Pose& X_WE, const Vector6& F_W, double mass = kMass) {
   const Vector3d z = X_WE.R.col(2), weight(0.0, 0.0, -mass * kGravity);
-  return in_flange(weight + F_W.head<3>(), kCentre * z.cross(weight) + kLength * z.cross(F_W.head<3>()) + F_W.tail<3>(), X_WE.R);
+  return in_flange(weight + F_W.head<3>(),
+                   kCentre * z.cross(weight) + kLength * z.cross(F_W.head<3>()) + F_W.tail<3>(),
+                   X_WE.R);
 }
 
 TEST(FlangeWrench, AtRestIsTheWeightOfThePen) {
@@ -41,12 +45,17 @@ TEST(FlangeWrench, AtRestIsTheWeightOfThePen) {
   for (int i = 0; i < 20; ++i) {
     const JointVector q = random_vector(rng, 7, 2.0);
     world.set_state(q, JointVector::Zero(7));
-    EXPECT_LT((world.flange_wrench() - static_wrench(world.state().X_WE, Vector6::Zero())).norm(), 1e-12);
+    EXPECT_LT((world.flange_wrench() - static_wrench(world.state().X_WE, Vector6::Zero())).norm(),
+              1e-12);
     for (int k = 0; k < 10; ++k) world.step(world.terms().bias, Vector3d::Zero());
-    EXPECT_LT((world.flange_wrench() - static_wrench(world.state().X_WE, Vector6::Zero())).norm(), 1e-8);
+    EXPECT_LT((world.flange_wrench() - static_wrench(world.state().X_WE, Vector6::Zero())).norm(),
+              1e-8);
     EXPECT_NEAR(world.flange_wrench().head<3>().norm(), 0.4905, 1e-8);
     heavy.set_state(q, JointVector::Zero(7));
-    EXPECT_LT((heavy.flange_wrench() - static_wrench(world.state().X_WE, Vector6::Zero(), 1.3 * kMass)).norm(), 1e-8);
+    EXPECT_LT(
+        (heavy.flange_wrench() - static_wrench(world.state().X_WE, Vector6::Zero(), 1.3 * kMass))
+            .norm(),
+        1e-8);
   }
 }
 
@@ -73,11 +82,14 @@ struct Rod {
 };
 
 // From the states before and after a step alone: what acts on the rod less what its momentum took.
-Vector6 balance(const WorldState& before, const WorldState& after, const TipContact& contact, const Vector6& push, double dt) {
+Vector6 balance(const WorldState& before, const WorldState& after, const TipContact& contact,
+                const Vector6& push, double dt) {
   const Rod a(before), b(after);
   const Vector3d p_WS = before.X_WE.p - kLength * before.X_WE.R.col(2);
-  const Vector3d f = contact.f_W + push.head<3>() + Vector3d(0, 0, -kMass * kGravity) - (b.P - a.P) / dt;
-  const Vector3d m_c = (contact.p_WC - a.c).cross(contact.f_W) + (before.X_WE.p - a.c).cross(push.head<3>()) + push.tail<3>() -
+  const Vector3d f =
+      contact.f_W + push.head<3>() + Vector3d(0, 0, -kMass * kGravity) - (b.P - a.P) / dt;
+  const Vector3d m_c = (contact.p_WC - a.c).cross(contact.f_W) +
+                       (before.X_WE.p - a.c).cross(push.head<3>()) + push.tail<3>() -
                        (b.L - a.L) / dt;
   return in_flange(f, m_c + (a.c - p_WS).cross(f), before.X_WE.R);
 }
@@ -112,7 +124,8 @@ TEST(FlangeWrench, InMotionAndContactBalancesTheRodsMomentum) {
   EXPECT_GT(inertial, 1.0);  // the motion counts
 }
 
-// Against no finite difference at all: the arm turns about the vertical at constant speed, so the pen pulls outward.
+// Against no finite difference at all: the arm turns about the vertical at constant speed, so the
+// pen pulls outward.
 TEST(FlangeWrench, TurningSteadilyIsTheCentrifugalWrench) {
   const double w = 1.2, dt = 1e-5;
   World world(kArm, nullptr, sensing(dt));
@@ -130,7 +143,8 @@ TEST(FlangeWrench, TurningSteadilyIsTheCentrifugalWrench) {
   EXPECT_GT(expected.head<3>().norm(), 0.02);
 }
 
-// The last joint's axis is the pen's: started with a known angular acceleration, its rod resists with −I_zz α.
+// The last joint's axis is the pen's: started with a known angular acceleration, its rod resists
+// with −I_zz α.
 TEST(FlangeWrench, SpunUpAboutItsAxisResistsWithItsInertia) {
   World world(kArm, nullptr, sensing());
   world.set_state(working_posture(), JointVector::Zero(7));

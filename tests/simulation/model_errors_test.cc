@@ -1,4 +1,5 @@
-// What the true arm does against its URDF: each error against a closed form, the balance of a step, or a table typed in by hand.
+// What the true arm does against its URDF: each error against a closed form, the balance of a step,
+// or a table typed in by hand.
 #include "impedraw/simulation/model_errors.h"
 
 #include <cmath>
@@ -16,8 +17,12 @@ namespace {
 using namespace testing_worlds;
 const Eigen::Vector3d kNoPush = Eigen::Vector3d::Zero();
 
-World iiwa(const ModelErrors& errors, double dt = 1e-3) { return World(kArm, nullptr, with(errors, dt)); }
-World slider(const ModelErrors& errors, double dt = 1e-3) { return World(kSlider, nullptr, with(errors, dt)); }
+World iiwa(const ModelErrors& errors, double dt = 1e-3) {
+  return World(kArm, nullptr, with(errors, dt));
+}
+World slider(const ModelErrors& errors, double dt = 1e-3) {
+  return World(kSlider, nullptr, with(errors, dt));
+}
 
 TEST(ModelErrors, MassScaleMultipliesInertiaAndBiasOfEveryLink) {
   World urdf = iiwa({}), heavy = iiwa({.mass_scale = 1.07});
@@ -34,7 +39,8 @@ TEST(ModelErrors, MassScaleMultipliesInertiaAndBiasOfEveryLink) {
   }
 }
 
-// Potential energy of the iiwa with its pen, typed from the table in its URDF, every link's c.o.m. moved by `shift` along (1,1,1)/√3.
+// Potential energy of the iiwa with its pen, typed from the table in its URDF, every link's c.o.m.
+// moved by `shift` along (1,1,1)/√3.
 double potential_energy(const JointVector& q, double shift, double mass_scale) {
   struct Link {
     Eigen::Vector3d origin;
@@ -43,18 +49,23 @@ double potential_energy(const JointVector& q, double shift, double mass_scale) {
     Eigen::Vector3d com;
   };
   const double right = M_PI / 2, half = M_PI;
-  const std::vector<Link> links = {
-      {{0, 0, 0.1575}, 0, 0, 5.76, {0, -0.03, 0.12}},          {{0, 0, 0.2025}, right, half, 6.35, {0.0003, 0.059, 0.042}},
-      {{0, 0.2045, 0}, right, half, 3.5, {0, 0.03, 0.13}},     {{0, 0, 0.2155}, right, 0, 3.5, {0, 0.067, 0.034}},
-      {{0, 0.1845, 0}, right, half, 3.5, {0.0001, 0.021, 0.076}}, {{0, 0, 0.2155}, right, 0, 1.8, {0, 0.0006, 0.0004}},
-      {{0, 0.081, 0}, right, half, 1.2, {0, 0, 0.02}}};
+  const std::vector<Link> links = {{{0, 0, 0.1575}, 0, 0, 5.76, {0, -0.03, 0.12}},
+                                   {{0, 0, 0.2025}, right, half, 6.35, {0.0003, 0.059, 0.042}},
+                                   {{0, 0.2045, 0}, right, half, 3.5, {0, 0.03, 0.13}},
+                                   {{0, 0, 0.2155}, right, 0, 3.5, {0, 0.067, 0.034}},
+                                   {{0, 0.1845, 0}, right, half, 3.5, {0.0001, 0.021, 0.076}},
+                                   {{0, 0, 0.2155}, right, 0, 1.8, {0, 0.0006, 0.0004}},
+                                   {{0, 0.081, 0}, right, half, 1.2, {0, 0, 0.02}}};
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   double energy = 0.0;
   for (int j = 0; j < 7; ++j) {
     const Link& link = links[static_cast<std::size_t>(j)];
-    X = X * Eigen::Translation3d(link.origin) * Eigen::AngleAxisd(link.yaw, Eigen::Vector3d::UnitZ()) *
-        Eigen::AngleAxisd(link.roll, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(q[j], Eigen::Vector3d::UnitZ());
-    energy += mass_scale * link.mass * 9.81 * (X * (link.com + Eigen::Vector3d::Constant(shift / std::sqrt(3.0)))).z();
+    X = X * Eigen::Translation3d(link.origin) *
+        Eigen::AngleAxisd(link.yaw, Eigen::Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(link.roll, Eigen::Vector3d::UnitX()) *
+        Eigen::AngleAxisd(q[j], Eigen::Vector3d::UnitZ());
+    energy += mass_scale * link.mass * 9.81 *
+              (X * (link.com + Eigen::Vector3d::Constant(shift / std::sqrt(3.0)))).z();
   }
   return energy + mass_scale * 0.05 * 9.81 * (X * Eigen::Vector3d(0, 0, 0.045 + 0.06)).z();
 }
@@ -76,7 +87,10 @@ TEST(ModelErrors, CentreShiftChangesTheHoldingTorqueAsPotentialEnergySays) {
         JointVector a = q, b = q;
         a[j] += 1e-5;
         b[j] -= 1e-5;
-        EXPECT_NEAR(g[j], (potential_energy(a, shift, 1.05) - potential_energy(b, shift, 1.05)) / 2e-5, 1e-6) << "joint " << j;
+        EXPECT_NEAR(g[j],
+                    (potential_energy(a, shift, 1.05) - potential_energy(b, shift, 1.05)) / 2e-5,
+                    1e-6)
+            << "joint " << j;
       }
     }
   }
@@ -88,10 +102,12 @@ TEST(ModelErrors, RotorInertiaStandsOnTheDiagonalAndWeighsNothing) {
   const JointVector q = working_posture(), v = JointVector::Constant(7, 0.5);
   urdf.set_state(q, v);
   geared.set_state(q, v);
-  EXPECT_LT((geared.terms().M - urdf.terms().M - 0.4 * Eigen::MatrixXd::Identity(7, 7)).norm(), 1e-12);
+  EXPECT_LT((geared.terms().M - urdf.terms().M - 0.4 * Eigen::MatrixXd::Identity(7, 7)).norm(),
+            1e-12);
   EXPECT_LT((geared.terms().bias - urdf.terms().bias).norm(), 1e-12);
 
-  World world = slider({.rotor_inertia = 0.5});  // 2.5 kg along x, and 0.5 kg that only the joint feels
+  // 2.5 kg along x, and 0.5 kg that only the joint feels
+  World world = slider({.rotor_inertia = 0.5});
   world.step(JointVector::Unit(3, 0), kNoPush);
   EXPECT_NEAR(world.state().v[0], 1e-3 / 3.0, 1e-15);
 }
@@ -105,9 +121,11 @@ double coast(double b, double time, double dt) {
 
 TEST(ModelErrors, AJointCoastsDownExponentiallyUnderViscousFriction) {
   const double m = 2.5, b = 5.0, time = 1.0, exact = 0.5 * std::exp(-b * time / m);
-  EXPECT_NEAR(coast(b, time, 1e-3), 0.5 * std::pow(1.0 + 1e-3 * b / m, -1000.0), 1e-12);  // implicit Euler, by its own formula
+  EXPECT_NEAR(coast(b, time, 1e-3), 0.5 * std::pow(1.0 + 1e-3 * b / m, -1000.0),
+              1e-12);  // implicit Euler, by its own formula
   EXPECT_NEAR(coast(b, time, 1e-3), exact, 0.0025 * exact);
-  EXPECT_NEAR((coast(b, time, 1e-3) - exact) / (coast(b, time, 0.5e-3) - exact), 2.0, 0.01);  // first order
+  EXPECT_NEAR((coast(b, time, 1e-3) - exact) / (coast(b, time, 0.5e-3) - exact), 2.0,
+              0.01);  // first order
 }
 
 TEST(ModelErrors, ViscousFrictionIsNoInertia) {
@@ -119,7 +137,8 @@ TEST(ModelErrors, ViscousFrictionIsNoInertia) {
 }
 
 TEST(ModelErrors, ViscousFrictionFarBeyondTheWristsInertiaIsStable) {
-  for (const double b : {1.0, 100.0, 1e4}) {  // explicitly, 2 I/h ≈ 2 Nm s/rad on the last joint would blow up
+  for (const double b :
+       {1.0, 100.0, 1e4}) {  // explicitly, 2 I/h ≈ 2 Nm s/rad on the last joint would blow up
     World world = iiwa({.viscous_friction = b});
     world.set_state(working_posture(), JointVector::Constant(7, 1.0));
     double energy = 1e9;
@@ -164,17 +183,20 @@ TEST(ModelErrors, DryAndViscousFrictionTogetherStopWhereTheClosedFormSays) {
   EXPECT_NEAR(world.state().v[0], 0.1, 1e-4);
 }
 
-// The whole step at once, on the arm: whatever is left of the balance of momentum must be dry friction that obeys its law.
+// The whole step at once, on the arm: whatever is left of the balance of momentum must be dry
+// friction that obeys its law.
 TEST(ModelErrors, FrictionAndContactFitTheSameNewVelocity) {
   const double b = 0.5, dry = 0.4, h = 1e-3;
   std::mt19937 rng(3);
   SCOPED_TRACE("seed 3");
-  WorldSettings settings = with({.mass_scale = 1.05, .centre_shift = 0.003, .viscous_friction = b, .rotor_inertia = 0.1});
+  WorldSettings settings = with(
+      {.mass_scale = 1.05, .centre_shift = 0.003, .viscous_friction = b, .rotor_inertia = 0.1});
   settings.joint_friction = dry;
   World probe(kArm, nullptr, settings);
   int stuck = 0, sliding = 0;
   for (int i = 0; i < 200; ++i) {
-    const JointVector q = working_posture() + random_vector(rng, 7, 0.3), v = random_vector(rng, 7, i % 2 ? 0.3 : 1e-3);
+    const JointVector q = working_posture() + random_vector(rng, 7, 0.3),
+                      v = random_vector(rng, 7, i % 2 ? 0.3 : 1e-3);
     probe.set_state(q, v);
     const Canvas canvas = plane_under(probe.state().X_WE.p, 0.3e-3);
     World world(kArm, &canvas, settings);
@@ -191,9 +213,12 @@ TEST(ModelErrors, FrictionAndContactFitTheSameNewVelocity) {
     Vector6 F = push;
     F.head<3>() += contact.f_W;
     F.tail<3>() += (contact.p_WC - p_WE).cross(contact.f_W);
-    const JointVector friction = terms.M * (after - v) / h - (tau - terms.bias + terms.J.transpose() * F) + b * after;
+    const JointVector friction =
+        terms.M * (after - v) / h - (tau - terms.bias + terms.J.transpose() * F) + b * after;
     for (int j = 0; j < 7; ++j) {
-      const bool moves = std::abs(after[j]) > 1e-5;  // rad/s: what a search cut off at 200 sweeps may leave of a joint that sticks
+      const bool moves =
+          std::abs(after[j]) >
+          1e-5;  // rad/s: what a search cut off at 200 sweeps may leave of a joint that sticks
       (moves ? sliding : stuck) += 1;
       EXPECT_LE(std::abs(friction[j]), dry + 1e-6);
       if (moves) {
@@ -202,8 +227,11 @@ TEST(ModelErrors, FrictionAndContactFitTheSameNewVelocity) {
     }
     const Vector6 V = terms.J * after;
     const Eigen::Vector3d v_C = V.head<3>() + V.tail<3>().cross(contact.p_WC - p_WE);
-    const double depth = settings.tip.radius - (p_WE - settings.tip.radius * probe.state().X_WE.R.col(2) - contact.p_WC).norm();
-    const double expected = settings.tip.stiffness * depth - settings.tip.damping * contact.n_W.dot(v_C);
+    const double depth =
+        settings.tip.radius -
+        (p_WE - settings.tip.radius * probe.state().X_WE.R.col(2) - contact.p_WC).norm();
+    const double expected =
+        settings.tip.stiffness * depth - settings.tip.damping * contact.n_W.dot(v_C);
     EXPECT_NEAR(contact.f_W.dot(contact.n_W), std::max(0.0, expected), 1e-5);
   }
   EXPECT_GT(stuck, 100);
@@ -220,7 +248,8 @@ TEST(ModelErrors, RippleHasThirtyPeriodsATurnAndItsOwnPhaseOnEachJoint) {
     return world.applied_torque() - tau;
   };
   const int samples = 3600;
-  JointVector mean_square = JointVector::Zero(7), most = JointVector::Zero(7), last = ripple(0.0003 - M_PI);
+  JointVector mean_square = JointVector::Zero(7), most = JointVector::Zero(7),
+              last = ripple(0.0003 - M_PI);
   Eigen::VectorXi sign_changes = Eigen::VectorXi::Zero(7);
   for (int i = 1; i <= samples; ++i) {
     const JointVector r = ripple(0.0003 - M_PI + 2.0 * M_PI * i / samples);
@@ -233,14 +262,17 @@ TEST(ModelErrors, RippleHasThirtyPeriodsATurnAndItsOwnPhaseOnEachJoint) {
     EXPECT_NEAR(most[j], amplitude, 0.01 * amplitude);
     EXPECT_NEAR(mean_square[j], amplitude * amplitude / 2.0, 1e-6);  // that of a sinus
     EXPECT_NEAR(sign_changes[j], 60, 1);
-    for (int k = 0; k < j; ++k) EXPECT_GT((ripple(0.1) - ripple(0.1)[k] * JointVector::Ones(7)).cwiseAbs()[j], 0.01 * amplitude);
+    for (int k = 0; k < j; ++k)
+      EXPECT_GT((ripple(0.1) - ripple(0.1)[k] * JointVector::Ones(7)).cwiseAbs()[j],
+                0.01 * amplitude);
   }
   EXPECT_LT((ripple(0.3) - ripple(0.3 + 2.0 * M_PI / 30.0)).norm(), 1e-12);
 
   World light = slider({.torque_ripple = amplitude});
   light.set_state(JointVector::Constant(3, 0.01), JointVector::Zero(3));
   light.step(JointVector::Zero(3), kNoPush);
-  EXPECT_NEAR(light.state().v[0], 1e-3 * amplitude * std::sin(0.3) / 2.5, 1e-12);  // φ_0 = 0; and the arm feels it
+  EXPECT_NEAR(light.state().v[0], 1e-3 * amplitude * std::sin(0.3) / 2.5,
+              1e-12);  // φ_0 = 0; and the arm feels it
 }
 
 TEST(ModelErrors, TorqueActsInMultiplesOfTheQuantum) {
@@ -267,12 +299,15 @@ TEST(ModelErrors, TorqueActsExactlySoManyStepsLater) {
     for (const double dt : {1e-3, 0.5e-3}) {
       SCOPED_TRACE(testing::Message() << delay << " steps of " << dt << " s");
       World world = slider({.loop_delay = delay * dt}, dt);
-      for (int run = 0; run < 2; ++run) {  // the second one after other torques, which set_state() must forget
+      for (int run = 0; run < 2;
+           ++run) {  // the second one after other torques, which set_state() must forget
         world.set_state(JointVector::Zero(3), JointVector::Zero(3));
         EXPECT_EQ(world.applied_torque(), JointVector(JointVector::Zero(3)));
         double v = 0.0;
         for (int i = 0; i < 40; ++i) {
-          const auto command = [&](int k) { return 1.0 + 0.1 * run + std::max(0, k); };  // the first acts from the start
+          const auto command = [&](int k) {
+            return 1.0 + 0.1 * run + std::max(0, k);
+          };  // the first acts from the start
           world.step(command(i) * JointVector::Unit(3, 0), kNoPush);
           EXPECT_EQ(world.applied_torque()[0], command(i - delay));
           v += dt * command(i - delay) / 2.5;
@@ -300,7 +335,9 @@ TEST(ModelErrors, ALongerPenPutsTheTrueTipFurtherOutAlongIt) {
     EXPECT_LT((urdf.terms().M - world.terms().M).norm(), 1e-12);
   }
 
-  const Canvas canvas = plane_under(Eigen::Vector3d::Zero(), 0.0);  // the slider's tip points down: it touches while the URDF's is above
+  const Canvas canvas =
+      plane_under(Eigen::Vector3d::Zero(),
+                  0.0);  // the slider's tip points down: it touches while the URDF's is above
   World touching(kSlider, &canvas, with({.pen_longer = longer}));
   touching.set_state((longer - 1e-4) * JointVector::Unit(3, 2), JointVector::Zero(3));
   EXPECT_NEAR(touching.state().X_WE.p.z(), -1e-4, 1e-12);
@@ -310,13 +347,15 @@ TEST(ModelErrors, ALongerPenPutsTheTrueTipFurtherOutAlongIt) {
 
 TEST(ModelErrors, APushIsAForceOrAWholeWrench) {
   World a = iiwa({}), b = iiwa({});
-  const JointVector q = working_posture(), v = JointVector::Constant(7, 0.2), tau = JointVector::Constant(7, 1.0);
+  const JointVector q = working_posture(), v = JointVector::Constant(7, 0.2),
+                    tau = JointVector::Constant(7, 1.0);
   Vector6 push;
   push << 3.0, -2.0, 1.0, 0.3, 0.2, -0.1;
   a.set_state(q, v);
   const World::Terms terms = a.terms();
   a.step(tau, push);
-  const JointVector expected = v + 1e-3 * terms.M.ldlt().solve(tau - terms.bias + terms.J.transpose() * push);
+  const JointVector expected =
+      v + 1e-3 * terms.M.ldlt().solve(tau - terms.bias + terms.J.transpose() * push);
   EXPECT_LT((a.state().v - expected).norm(), 1e-10);
 
   push.tail<3>().setZero();
@@ -343,7 +382,8 @@ TEST(ModelErrors, AreRefusedByNameWhenOutOfRange) {
   EXPECT_THAT(message({.rotor_inertia = -0.1}), testing::HasSubstr("rotor_inertia"));
   EXPECT_THAT(message({.torque_ripple = nan}), testing::HasSubstr("torque_ripple"));
   EXPECT_THAT(message({.torque_quantum = -0.1}), testing::HasSubstr("torque_quantum"));
-  EXPECT_THAT(message({.loop_delay = 0.017}), testing::HasSubstr("loop_delay is 0.017 s, allowed is 0 to 16 steps"));
+  EXPECT_THAT(message({.loop_delay = 0.017}),
+              testing::HasSubstr("loop_delay is 0.017 s, allowed is 0 to 16 steps"));
   EXPECT_THAT(message({.loop_delay = -0.001}), testing::HasSubstr("loop_delay"));
   EXPECT_THAT(message({.pen_longer = nan}), testing::HasSubstr("pen_longer"));
   EXPECT_EQ(message({.loop_delay = 0.016}), "accepted");

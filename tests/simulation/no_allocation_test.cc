@@ -1,4 +1,5 @@
-// A step of the world and a sample of the sensor allocate nothing, with every error on: malloc itself is hooked.
+// A step of the world and a sample of the sensor allocate nothing, with every error on: malloc
+// itself is hooked.
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -14,12 +15,22 @@ using namespace testing_worlds;
 
 TEST(NoAllocation, TheHookCatchesOne) {
   EXPECT_GT(allocations_in([] { free(std::malloc(10)); }), 0);
-  EXPECT_GT(allocations_in([] { Eigen::MatrixXd m(3, 3); asm volatile("" : : "r"(m.data()) : "memory"); }), 0);
+  EXPECT_GT(allocations_in([] {
+              Eigen::MatrixXd m(3, 3);
+              asm volatile("" : : "r"(m.data()) : "memory");
+            }),
+            0);
 }
 
 TEST(NoAllocation, AStepWithEveryErrorAndTheSensorMakesNone) {
-  WorldSettings settings = with({.mass_scale = 1.05, .centre_shift = 0.003, .viscous_friction = 0.5, .rotor_inertia = 0.1,
-                                 .torque_ripple = 0.1, .torque_quantum = 0.01, .loop_delay = 2e-3, .pen_longer = 1e-3});
+  WorldSettings settings = with({.mass_scale = 1.05,
+                                 .centre_shift = 0.003,
+                                 .viscous_friction = 0.5,
+                                 .rotor_inertia = 0.1,
+                                 .torque_ripple = 0.1,
+                                 .torque_quantum = 0.01,
+                                 .loop_delay = 2e-3,
+                                 .pen_longer = 1e-3});
   settings.joint_friction = 0.5;
   settings.flange_sensor = true;
   World probe(kArm, nullptr, settings);

@@ -1,4 +1,5 @@
-// The contact by itself, before any controller: a tip on three slides over exact triangles, against closed forms.
+// The contact by itself, before any controller: a tip on three slides over exact triangles, against
+// closed forms.
 #include "impedraw/simulation/world.h"
 
 #include <cmath>
@@ -34,10 +35,12 @@ double mass_along(const World& world, int axis) { return world.terms().M(axis, a
 double rest_height(double force) { return -force / TipMaterial{}.stiffness; }
 
 struct SlideResult {
-  double touching = 0.0, normal_mean = 0.0, friction_ratio = 0.0, friction_max = 0.0, angle_max = 0.0;
+  double touching = 0.0, normal_mean = 0.0, friction_ratio = 0.0, friction_max = 0.0,
+         angle_max = 0.0;
 };
 
-// Driven at `speed` by a force that only acts along the slide, pressed by a constant force along −z; the direction is oblique to the slides.
+// Driven at `speed` by a force that only acts along the slide, pressed by a constant force along
+// −z; the direction is oblique to the slides.
 SlideResult slide(double speed, double friction, double dt) {
   const Canvas canvas = plane();
   World world = slider(canvas, friction, dt);
@@ -52,7 +55,8 @@ SlideResult slide(double speed, double friction, double dt) {
   double friction_sum = 0.0;
   for (int i = 0; i < steps; ++i) {
     JointVector tau = JointVector::Zero(3);
-    tau.head<3>() = 200.0 * (speed * direction - world.state().v.head<3>()) + friction * kPush * direction;
+    tau.head<3>() =
+        200.0 * (speed * direction - world.state().v.head<3>()) + friction * kPush * direction;
     tau[2] = -kPush;
     const TipContact& contact = world.step(tau, Eigen::Vector3d::Zero());
     const double f_n = contact.f_W.dot(contact.n_W);
@@ -61,7 +65,9 @@ SlideResult slide(double speed, double friction, double dt) {
     result.normal_mean += f_n / steps;
     friction_sum += f_t.norm() / steps;
     result.friction_max = std::max(result.friction_max, f_t.norm());
-    if (friction > 0.0) result.angle_max = std::max(result.angle_max, std::acos(std::min(1.0, -f_t.normalized().dot(direction))));
+    if (friction > 0.0)
+      result.angle_max =
+          std::max(result.angle_max, std::acos(std::min(1.0, -f_t.normalized().dot(direction))));
   }
   result.touching /= steps;
   result.friction_ratio = friction_sum / result.normal_mean;
@@ -85,12 +91,14 @@ TEST(TipContact, SlidesInContactWithTheForceAskedAndCoulombFriction) {
 
       const SlideResult finer = slide(speed, friction, 0.5e-3);
       EXPECT_NEAR(finer.normal_mean, result.normal_mean, 0.01 * result.normal_mean);
-      if (friction > 0.0) EXPECT_NEAR(finer.friction_ratio, result.friction_ratio, 0.01 * result.friction_ratio);
+      if (friction > 0.0)
+        EXPECT_NEAR(finer.friction_ratio, result.friction_ratio, 0.01 * result.friction_ratio);
     }
   }
 }
 
-// The same on the inside of the bowl, where the normal turns and a convex hull would lift the tip off.
+// The same on the inside of the bowl, where the normal turns and a convex hull would lift the tip
+// off.
 TEST(TipContact, StaysOnAConcaveBowl) {
   const BowlSettings bowl;
   const Canvas canvas(make_bowl(bowl));
@@ -114,8 +122,10 @@ TEST(TipContact, StaysOnAConcaveBowl) {
       const Eigen::Vector3d vel = world.state().v.head<3>();
       const double m = mass_along(world, 0);
       JointVector tau = JointVector::Zero(3);
-      // push along −n, drive along the tangent, and the centripetal force of the arc so that the push alone presses
-      tau.head<3>() = -kPush * n + (200.0 * (speed - t.dot(vel)) + 0.3 * kPush) * t + m * vel.squaredNorm() / r * n;
+      // push along −n, drive along the tangent, and the centripetal force of the arc so that the
+      // push alone presses
+      tau.head<3>() = -kPush * n + (200.0 * (speed - t.dot(vel)) + 0.3 * kPush) * t +
+                      m * vel.squaredNorm() / r * n;
       const TipContact& contact = world.step(tau, Eigen::Vector3d::Zero());
       touching += contact.f_W.dot(contact.n_W) > 0.1;
       normal_mean += contact.f_W.dot(contact.n_W) / steps;
@@ -158,7 +168,7 @@ TEST(TipContact, InsideTheConeItHardlyCreeps) {
   tau << 0.9 * 0.3 * kPush, 0.0, -kPush;
   for (int i = 0; i < 1000; ++i) world.step(tau, Eigen::Vector3d::Zero());
   EXPECT_LT(std::abs(world.state().q[0] - q[0]), 1e-5);  // 0.01 mm/s
-  tau[0] = 1.1 * 0.3 * kPush;  // and beyond the cone it goes
+  tau[0] = 1.1 * 0.3 * kPush;                            // and beyond the cone it goes
   for (int i = 0; i < 1000; ++i) world.step(tau, Eigen::Vector3d::Zero());
   EXPECT_GT(world.state().q[0] - q[0], 0.01);
 }
@@ -181,7 +191,8 @@ TEST(TipContact, ADroppedMassPeaksAsTheDampedOscillator) {
   const TipMaterial tip;
   for (const double speed : {0.01, 0.05, 0.2}) {
     // x = v/ω_d e^{−ζω t} sin ω_d t;  the largest k x + b ẋ, by a fine search
-    const double w = std::sqrt(tip.stiffness / m), zeta = tip.damping / (2.0 * std::sqrt(tip.stiffness * m)),
+    const double w = std::sqrt(tip.stiffness / m),
+                 zeta = tip.damping / (2.0 * std::sqrt(tip.stiffness * m)),
                  wd = w * std::sqrt(1 - zeta * zeta);
     double expected = 0.0;
     for (double t = 0.0; t < M_PI / wd; t += 1e-6) {
@@ -191,7 +202,8 @@ TEST(TipContact, ADroppedMassPeaksAsTheDampedOscillator) {
       expected = std::max(expected, tip.stiffness * x + tip.damping * x_dot);
     }
     EXPECT_NEAR(drop_peak(speed, 1e-3), expected, 0.02 * expected) << "speed " << speed;
-    EXPECT_NEAR(drop_peak(speed, 0.5e-3), drop_peak(speed, 1e-3), 0.01 * expected) << "speed " << speed;
+    EXPECT_NEAR(drop_peak(speed, 0.5e-3), drop_peak(speed, 1e-3), 0.01 * expected)
+        << "speed " << speed;
   }
 }
 

@@ -20,7 +20,8 @@ Vector6 some_wrench() {
 
 TEST(WrenchSensor, WithoutFaultsReadsTheWrench) {
   WrenchSensor sensor({}, 1e-3, 1);
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(sensor.sample(i * some_wrench()), Vector6(i * some_wrench()));
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(sensor.sample(i * some_wrench()), Vector6(i * some_wrench()));
   EXPECT_FALSE(sensor.saturated());
 }
 
@@ -44,10 +45,11 @@ TEST(WrenchSensor, NoiseIsWhiteNormalAndOfTheSdAskedFor) {
       fourth += z.cwiseAbs2().cwiseAbs2() / samples;
       last = z;
     }
-    EXPECT_LT(mean.cwiseAbs().maxCoeff(), 0.01);                                    // SD of these: 0.0022
-    EXPECT_LT((covariance - Matrix6::Identity()).cwiseAbs().maxCoeff(), 0.015);     // 0.0032
+    EXPECT_LT(mean.cwiseAbs().maxCoeff(), 0.01);  // SD of these: 0.0022
+    EXPECT_LT((covariance - Matrix6::Identity()).cwiseAbs().maxCoeff(), 0.015);  // 0.0032
     EXPECT_LT(lagged.cwiseAbs().maxCoeff(), 0.01);
-    EXPECT_LT((fourth - Vector6::Constant(3.0)).cwiseAbs().maxCoeff(), 0.1);        // a normal distribution's; 0.022
+    EXPECT_LT((fourth - Vector6::Constant(3.0)).cwiseAbs().maxCoeff(),
+              0.1);  // a normal distribution's; 0.022
   }
 }
 
@@ -114,7 +116,8 @@ TEST(WrenchSensor, StopsAtTheEndOfItsRangeAndSaysSo) {
   EXPECT_FALSE(sensor.saturated());
 }
 
-// Bias is on the signal that saturates, and a range that is no multiple of the quantum is still read as a multiple.
+// Bias is on the signal that saturates, and a range that is no multiple of the quantum is still
+// read as a multiple.
 TEST(WrenchSensor, AddsThenSaturatesThenQuantises) {
   WrenchSensorSettings settings;
   settings.bias_force = 1.0;
@@ -139,8 +142,10 @@ TEST(WrenchSensor, ReadsExactlySoManySamplesLate) {
     settings.range_force = 100.5;
     WrenchSensor sensor(settings, 1e-3, 7);
     for (int i = 0; i < 150; ++i) {
-      EXPECT_EQ(sensor.sample(i * Vector6::Unit(0))[0], std::min(100.5, std::max(0.0, 1.0 * i - delay)));
-      EXPECT_EQ(sensor.saturated(), i - delay > 100);  // of the reading, not of what is still under way
+      EXPECT_EQ(sensor.sample(i * Vector6::Unit(0))[0],
+                std::min(100.5, std::max(0.0, 1.0 * i - delay)));
+      EXPECT_EQ(sensor.saturated(),
+                i - delay > 100);  // of the reading, not of what is still under way
     }
   }
 }
@@ -183,9 +188,12 @@ TEST(WrenchSensor, RefusesASettingOutOfRangeByName) {
     }
     return "accepted";
   };
-  EXPECT_THAT(message(&WrenchSensorSettings::noise_torque, -0.1), testing::HasSubstr("noise_torque is -0.1, allowed is 0"));
-  EXPECT_THAT(message(&WrenchSensorSettings::range_force, std::nan("")), testing::HasSubstr("range_force"));
-  EXPECT_THAT(message(&WrenchSensorSettings::delay, 1.5), testing::HasSubstr("delay is 1.5, allowed is 0 to 1"));
+  EXPECT_THAT(message(&WrenchSensorSettings::noise_torque, -0.1),
+              testing::HasSubstr("noise_torque is -0.1, allowed is 0"));
+  EXPECT_THAT(message(&WrenchSensorSettings::range_force, std::nan("")),
+              testing::HasSubstr("range_force"));
+  EXPECT_THAT(message(&WrenchSensorSettings::delay, 1.5),
+              testing::HasSubstr("delay is 1.5, allowed is 0 to 1"));
   EXPECT_EQ(message(&WrenchSensorSettings::delay, 1.0), "accepted");
 }
 

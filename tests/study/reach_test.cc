@@ -1,4 +1,5 @@
-// ./impedraw reach: every combination is there, the judge counts right, and the ten quickest meet their limits.
+// ./impedraw reach: every combination is there, the judge counts right, and the ten quickest meet
+// their limits.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -26,7 +27,9 @@ Cell named(const std::string& name) {
   return {};
 }
 
-Experiment prepared(const std::string& name) { return prepare(cell_scenario(named(name)), {}, Unreachable::tell); }
+Experiment prepared(const std::string& name) {
+  return prepare(cell_scenario(named(name)), {}, Unreachable::tell);
+}
 
 TEST(ReachCells, EveryDrawingOnEveryCanvas) {
   std::set<std::string> names, drawings;
@@ -44,7 +47,8 @@ TEST(ReachCells, EveryDrawingOnEveryCanvas) {
   EXPECT_EQ(names.size(), 100u);
   EXPECT_EQ(drawings.size(), 10u);
   EXPECT_EQ(canvases.size(), 10u);
-  const auto meshes = std::count_if(canvases.begin(), canvases.end(), [](const auto& c) { return c.second == CanvasKind::mesh; });
+  const auto meshes = std::count_if(canvases.begin(), canvases.end(),
+                                    [](const auto& c) { return c.second == CanvasKind::mesh; });
   EXPECT_GE(meshes, 2);
 }
 
@@ -54,8 +58,9 @@ TEST(ReachJudge, LengthThatIsNeitherPromisedNorNamedIsFound) {
   ASSERT_FALSE(e.preflight.findings.empty());
   ASSERT_FALSE(e.preflight.drawable.empty());
   EXPECT_LE(unnamed_mm(e), kMostUnnamed);
-  const auto longest = std::max_element(e.preflight.findings.begin(), e.preflight.findings.end(),
-                                        [](const Finding& a, const Finding& b) { return a.part.length() < b.part.length(); });
+  const auto longest = std::max_element(
+      e.preflight.findings.begin(), e.preflight.findings.end(),
+      [](const Finding& a, const Finding& b) { return a.part.length() < b.part.length(); });
   const double named_length = 1e3 * longest->part.length();
   ASSERT_GT(named_length, 5.0);
   e.preflight.findings.erase(longest);
@@ -68,8 +73,13 @@ TEST(ReachJudge, LengthThatIsNeitherPromisedNorNamedIsFound) {
 // On a sphere a point's slope is known: asin of its distance from the axis over the radius.
 TEST(ReachJudge, InkErrorCountsWhereTheCanvasIsGentle) {
   DrawOptions options;
-  options.assignments = {"canvas.kind=dome", "canvas.cap.radius=0.15", "canvas.cap.centre=[0.6, 0, 0]", "canvas.cap.opening_radius=0.14",
-                         "drawing.shape=circle", "drawing.placement.scale=0.5", "preflight.arm=false"};
+  options.assignments = {"canvas.kind=dome",
+                         "canvas.cap.radius=0.15",
+                         "canvas.cap.centre=[0.6, 0, 0]",
+                         "canvas.cap.opening_radius=0.14",
+                         "drawing.shape=circle",
+                         "drawing.placement.scale=0.5",
+                         "preflight.arm=false"};
   const Experiment e = prepare(resolve(options));
   RunData run;
   Drawn drawn;
@@ -79,7 +89,8 @@ TEST(ReachJudge, InkErrorCountsWhereTheCanvasIsGentle) {
     const double slope = i * M_PI / 180.0 + 0.005, around = 0.7 * i;
     const double error = 1e-5 * (1 + i);
     run.time.push_back(1e-3 * i);
-    const Eigen::Vector3d n(std::sin(slope) * std::cos(around), std::sin(slope) * std::sin(around), std::cos(slope));
+    const Eigen::Vector3d n(std::sin(slope) * std::cos(around), std::sin(slope) * std::sin(around),
+                            std::cos(slope));
     run.contact_point.push_back(Eigen::Vector3d(0.6, 0, 0) + 0.15 * n);
     drawn.error.push_back(i % 7 == 0 ? std::nan("") : error);
     if (i % 7 == 0 || slope >= M_PI / 4) continue;
@@ -95,15 +106,18 @@ TEST(ReachJudge, ACrashIsALineWithItsCause) {
   EXPECT_EQ(r.at("verdict"), "crashed");
   EXPECT_EQ(r.at("cause"), "crashed: signal 11");
   EXPECT_EQ(r.at("failed"), "1");
-  for (const auto& [name, value] : r) EXPECT_EQ(std::count(reach_columns().begin(), reach_columns().end(), name), 1) << name;
+  for (const auto& [name, value] : r)
+    EXPECT_EQ(std::count(reach_columns().begin(), reach_columns().end(), name), 1) << name;
 }
 
 class Reach : public ScratchFolder {};
 
 TEST_F(Reach, TheTenQuickestMeetTheirLimits) {
   std::vector<Cell> ten;
-  for (const char* name : {"hand-on-ball", "hand-on-cone", "hand-on-leaning", "hand-on-wall", "hand-on-bowl", "hand-on-terrain",
-                           "hand-on-cylinder", "hand-on-tile", "logo-on-cone", "logo-on-ball"}) ten.push_back(named(name));
+  for (const char* name :
+       {"hand-on-ball", "hand-on-cone", "hand-on-leaning", "hand-on-wall", "hand-on-bowl",
+        "hand-on-terrain", "hand-on-cylinder", "hand-on-tile", "logo-on-cone", "logo-on-ball"})
+    ten.push_back(named(name));
   ASSERT_EQ(ten.size(), 10u);
   CellTableOptions options;
   options.out = folder_ / "out";
@@ -114,7 +128,8 @@ TEST_F(Reach, TheTenQuickestMeetTheirLimits) {
   for (const Record& r : lines) {
     SCOPED_TRACE(r.at("cell"));
     EXPECT_EQ(r.at("failed"), "0") << r.at("verdict") << ": " << r.at("cause");
-    EXPECT_NEAR(std::stod(r.at("promised")) + std::stod(r.at("undrawable")), std::stod(r.at("asked")), 0.2);
+    EXPECT_NEAR(std::stod(r.at("promised")) + std::stod(r.at("undrawable")),
+                std::stod(r.at("asked")), 0.2);
     EXPECT_EQ(r.at("reasons").empty(), std::stod(r.at("undrawable")) == 0.0);
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out/ink" / (r.at("cell") + ".json")));
     if (r.at("verdict") == "nothing") continue;
@@ -126,7 +141,8 @@ TEST_F(Reach, TheTenQuickestMeetTheirLimits) {
     EXPECT_EQ(r.at("lacking"), "0");
     EXPECT_GT(std::stod(r.at("simulated_time")), 1.0);
   }
-  EXPECT_THAT(content_of(folder_ / "out/reach.md"), HasSubstr("10 of 100 combinations run, **0 missed a limit**"));
+  EXPECT_THAT(content_of(folder_ / "out/reach.md"),
+              HasSubstr("10 of 100 combinations run, **0 missed a limit**"));
   EXPECT_GT(std::filesystem::file_size(folder_ / "out/reach.png"), 10000u);
 
   // Kept, unless its picture is gone.
@@ -139,7 +155,8 @@ TEST_F(Reach, TheListAndBadInput) {
   const Ended list = Process(folder_, {"reach", "--list"}).wait();
   EXPECT_EQ(list.code, 0);
   EXPECT_EQ(std::count(list.out.begin(), list.out.end(), '\n'), 200);
-  EXPECT_THAT(list.out, HasSubstr("./impedraw draw scenarios/reach-wall.yaml --svg artwork/koi.svg\n"));
+  EXPECT_THAT(list.out,
+              HasSubstr("./impedraw draw scenarios/reach-wall.yaml --svg artwork/koi.svg\n"));
   const Ended none = Process(folder_, {"reach", "--only", "no-such-cell"}).wait();
   EXPECT_EQ(none.code, 2);
   EXPECT_EQ(std::count(none.err.begin(), none.err.end(), '\n'), 1) << none.err;

@@ -1,4 +1,5 @@
-// The matrix of ./impedraw robustness: all cells that were asked for, each a scenario that can be run alone, and a table that loses none.
+// The matrix of ./impedraw robustness: all cells that were asked for, each a scenario that can be
+// run alone, and a table that loses none.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,11 +10,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "impedraw/metrics/metrics.h"
 #include "impedraw/study/robustness.h"
 #include "impedraw/study/robustness_run.h"
 #include "impedraw/study/robustness_table.h"
 #include "process.h"
-#include "impedraw/metrics/metrics.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -37,8 +38,8 @@ std::vector<Cell> named(const std::set<std::string>& names) {
 }
 
 bool is_realistic(const Scenario& s) {
-  return s.control.source == WrenchSource::realistic && s.perception.noise.sigma_at_1m == 0.001 && s.world.joint_friction == 1.0 &&
-         s.world.errors.mass_scale == 1.1;
+  return s.control.source == WrenchSource::realistic && s.perception.noise.sigma_at_1m == 0.001 &&
+         s.world.joint_friction == 1.0 && s.world.errors.mass_scale == 1.1;
 }
 
 TEST(RobustnessCells, TheMatrixHasEveryCombinationOnce) {
@@ -51,24 +52,28 @@ TEST(RobustnessCells, TheMatrixHasEveryCombinationOnce) {
         for (const bool realistic : {false, true}) {
           const auto is_it = [&](const Scenario& s) {
             const double angle = std::acos(s.canvas.plane.normal.normalized().z()) * 180.0 / M_PI;
-            return s.canvas.kind == CanvasKind::plane && s.path.draw_speed == speed && std::abs(angle - slope) < 1e-5 &&
-                   s.control.push_force == push && is_realistic(s) == realistic;
+            return s.canvas.kind == CanvasKind::plane && s.path.draw_speed == speed &&
+                   std::abs(angle - slope) < 1e-5 && s.control.push_force == push &&
+                   is_realistic(s) == realistic;
           };
           EXPECT_EQ(std::count_if(scenarios.begin(), scenarios.end(), is_it), 1)
               << speed << " " << slope << " " << push << " " << realistic;
         }
 }
 
-// Read off the resolved settings: what is at another value than the standard sine's, and nothing else.
+// Read off the resolved settings: what is at another value than the standard sine's, and nothing
+// else.
 TEST(RobustnessCells, EachErrorStandsAloneAtThreeValues) {
   std::map<std::string, std::set<std::string>> values;
   for (const Cell& cell : group("error")) {
     Cell without = cell;  // but for what is said of all cells
-    const auto own = std::find(without.assignments.begin(), without.assignments.end(), "drawing.redraw=false");
+    const auto own =
+        std::find(without.assignments.begin(), without.assignments.end(), "drawing.redraw=false");
     ASSERT_NE(own, without.assignments.end());
     const bool none = own == without.assignments.begin();
     without.assignments.erase(without.assignments.begin(), own);
-    const auto right = flat_settings(cell_scenario(without)), wrong = flat_settings(cell_scenario(cell));
+    const auto right = flat_settings(cell_scenario(without)),
+               wrong = flat_settings(cell_scenario(cell));
     int changed = 0;
     for (const auto& [name, value] : wrong) {
       if (value == right.at(name)) continue;
@@ -77,11 +82,11 @@ TEST(RobustnessCells, EachErrorStandsAloneAtThreeValues) {
     }
     EXPECT_EQ(changed, none ? 0 : 1) << cell.name;
   }
-  for (const char* name : {"mass_scale", "centre_shift", "viscous_friction", "rotor_inertia", "torque_ripple", "torque_quantum",
-                           "loop_delay", "pen_longer"})
+  for (const char* name : {"mass_scale", "centre_shift", "viscous_friction", "rotor_inertia",
+                           "torque_ripple", "torque_quantum", "loop_delay", "pen_longer"})
     EXPECT_EQ(values[std::string("world.errors.") + name].size(), 3u) << name;
-  for (const char* name : {"world.joint_friction", "world.tip.friction", "world.tip.stiffness", "perception.noise.sigma_at_1m",
-                           "wrench_sensor.noise_force"})
+  for (const char* name : {"world.joint_friction", "world.tip.friction", "world.tip.stiffness",
+                           "perception.noise.sigma_at_1m", "wrench_sensor.noise_force"})
     EXPECT_EQ(values[name].size(), 3u) << name;
 }
 
@@ -94,8 +99,9 @@ TEST(RobustnessCells, EveryKindOfCanvasNominalAndRealistic) {
     EXPECT_EQ(is_realistic(s), cell.realistic) << cell.name;
     kinds[s.canvas.kind].insert(cell.realistic);
   }
-  for (const CanvasKind kind : {CanvasKind::bowl, CanvasKind::dome, CanvasKind::plane, CanvasKind::wave, CanvasKind::saddle,
-                                CanvasKind::cylinder, CanvasKind::trough, CanvasKind::cone, CanvasKind::terrain})
+  for (const CanvasKind kind :
+       {CanvasKind::bowl, CanvasKind::dome, CanvasKind::plane, CanvasKind::wave, CanvasKind::saddle,
+        CanvasKind::cylinder, CanvasKind::trough, CanvasKind::cone, CanvasKind::terrain})
     EXPECT_EQ(kinds[kind].size(), 2u);
 }
 
@@ -103,9 +109,9 @@ TEST(RobustnessCells, EachSwitchIsOffAndOn) {
   std::map<std::string, std::set<std::string>> rows;
   for (const Cell& cell : group("switch")) {
     const Scenario s = cell_scenario(cell);
-    const bool on = cell.row.starts_with("observer")  ? s.control.observer.enabled
-                    : cell.row.starts_with("force")   ? s.control.force_integral.enabled
-                                                      : s.control.friction > 0.0;
+    const bool on = cell.row.starts_with("observer") ? s.control.observer.enabled
+                    : cell.row.starts_with("force")  ? s.control.force_integral.enabled
+                                                     : s.control.friction > 0.0;
     EXPECT_EQ(on, cell.column == "on") << cell.name;
     rows[cell.row].insert(cell.column);
   }
@@ -125,7 +131,8 @@ TEST(RobustnessCells, NamesAndPlacesInTheTableAreUnique) {
 
 // RFC 4180, by hand.
 TEST(RobustnessCsv, FieldsAreQuotedAndReadBack) {
-  EXPECT_EQ(csv_line({"a", "", "b,c", "say \"no\"", "two\nlines", "[1, 2]"}), "a,,\"b,c\",\"say \"\"no\"\"\",two lines,\"[1, 2]\"\n");
+  EXPECT_EQ(csv_line({"a", "", "b,c", "say \"no\"", "two\nlines", "[1, 2]"}),
+            "a,,\"b,c\",\"say \"\"no\"\"\",two lines,\"[1, 2]\"\n");
 }
 
 class Robustness : public ScratchFolder {
@@ -139,59 +146,72 @@ class Robustness : public ScratchFolder {
   }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out")) names.push_back(entry.path().filename());
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out"))
+      names.push_back(entry.path().filename());
     std::sort(names.begin(), names.end());
     return names;
   }
 };
 
 TEST_F(Robustness, WhatIsCutOffIsNotRead) {
-  write("torn.csv", "cell,failed,cause\nfirst,0,\nsecond,1,\"slow: \"\"so\"\", so\"\nthird,0\nfourth,1,re");
+  write("torn.csv",
+        "cell,failed,cause\nfirst,0,\nsecond,1,\"slow: \"\"so\"\", so\"\nthird,0\nfourth,1,re");
   const std::vector<Record> records = read_csv(folder_ / "torn.csv");
   ASSERT_EQ(records.size(), 2u);
   EXPECT_EQ(records[1].at("cause"), "slow: \"so\", so");
 }
 
 TEST_F(Robustness, TenCellsAreRunAndThenKept) {
-  const std::vector<Cell> ten = named(
-      {"matrix-nominal-200mm_s-0deg-5N", "matrix-nominal-200mm_s-60deg-20N", "matrix-nominal-100mm_s-45deg-1N",
-       "matrix-realistic-200mm_s-30deg-5N", "matrix-realistic-100mm_s-60deg-1N", "canvas-plane_at_30_deg-nominal",
-       "canvas-sphere_outside_to_60_deg-nominal", "canvas-cone_around_it-realistic", "error-mass_scale-1.2", "error-loop_delay-0.002"});
+  const std::vector<Cell> ten =
+      named({"matrix-nominal-200mm_s-0deg-5N", "matrix-nominal-200mm_s-60deg-20N",
+             "matrix-nominal-100mm_s-45deg-1N", "matrix-realistic-200mm_s-30deg-5N",
+             "matrix-realistic-100mm_s-60deg-1N", "canvas-plane_at_30_deg-nominal",
+             "canvas-sphere_outside_to_60_deg-nominal", "canvas-cone_around_it-realistic",
+             "error-mass_scale-1.2", "error-loop_delay-0.002"});
   const std::vector<Cell> all = robustness_cells();
   ASSERT_EQ(run_matrix(all, ten, options()), 0);
   const std::vector<Record> first = csv();
   ASSERT_EQ(first.size(), 10u);
   for (const Record& r : first) {
     EXPECT_EQ(r.at("failed"), "0") << r.at("cell") << ": " << r.at("cause");
-    for (const char* name : {"control.push", "path.draw_speed", "canvas.kind", "world.errors.mass_scale", "world.tip.friction", "set",
-                             "control.observer.enabled", "ink_error_rms", "force_sd", "speed_mean", "tilt_mean", "slope", "wall_time"})
+    for (const char* name :
+         {"control.push", "path.draw_speed", "canvas.kind", "world.errors.mass_scale",
+          "world.tip.friction", "set", "control.observer.enabled", "ink_error_rms", "force_sd",
+          "speed_mean", "tilt_mean", "slope", "wall_time"})
       EXPECT_NE(r.at(name), "") << r.at("cell") << ": " << name;
-    for (const MetricDefinition& m : metric_definitions()) EXPECT_TRUE(r.contains(m.name)) << m.name;
+    for (const MetricDefinition& m : metric_definitions())
+      EXPECT_TRUE(r.contains(m.name)) << m.name;
     EXPECT_GE(std::stod(r.at("speed_mean")), 0.9 * std::stod(r.at("speed")));
     if (r.at("cell").starts_with("matrix")) {
-      EXPECT_THAT(r.at("cell"), HasSubstr("-" + std::to_string(std::lround(std::stod(r.at("slope")))) + "deg-"));
+      EXPECT_THAT(r.at("cell"),
+                  HasSubstr("-" + std::to_string(std::lround(std::stod(r.at("slope")))) + "deg-"));
     }
   }
-  EXPECT_EQ(files(), (std::vector<std::string>{"robustness.csv", "robustness.md", "robustness.png"}));
+  EXPECT_EQ(files(),
+            (std::vector<std::string>{"robustness.csv", "robustness.md", "robustness.png"}));
   const std::string page = content_of(folder_ / "out/robustness.md");
   EXPECT_THAT(page, HasSubstr("not run"));
   EXPECT_THAT(page, HasSubstr(std::to_string(all.size()) + " cells, of which 10 have been run"));
 
   // The same scenario by itself, in this process, gives what the cell's own process found.
   const CellResult alone = run_cell(ten.front(), folder_ / "alone.h5");
-  const auto same = std::find_if(first.begin(), first.end(), [&](const Record& r) { return r.at("cell") == ten.front().name; });
+  const auto same = std::find_if(first.begin(), first.end(),
+                                 [&](const Record& r) { return r.at("cell") == ten.front().name; });
   const double rms = alone.metrics.at("ink_error_rms").get<double>();
   EXPECT_NEAR(std::stod(same->at("ink_error_rms")), rms, 1e-5 * rms);
 
-  // Kept: not a character differs, times included. But for a line that was cut off: its cell is run again.
+  // Kept: not a character differs, times included. But for a line that was cut off: its cell is run
+  // again.
   const std::string whole = content_of(folder_ / "out/robustness.csv");
   ASSERT_EQ(run_matrix(all, ten, options()), 0);
   EXPECT_EQ(content_of(folder_ / "out/robustness.csv"), whole);
-  std::ofstream(folder_ / "out/robustness.csv", std::ios::binary) << whole.substr(0, whole.size() - 40);
+  std::ofstream(folder_ / "out/robustness.csv", std::ios::binary)
+      << whole.substr(0, whole.size() - 40);
   ASSERT_EQ(run_matrix(all, ten, options()), 0);
   const std::string mended = content_of(folder_ / "out/robustness.csv");
   EXPECT_EQ(csv().size(), 10u);
-  EXPECT_EQ(mended.substr(0, mended.find('\n', whole.size() / 2)), whole.substr(0, whole.find('\n', whole.size() / 2)));
+  EXPECT_EQ(mended.substr(0, mended.find('\n', whole.size() / 2)),
+            whole.substr(0, whole.find('\n', whole.size() / 2)));
 }
 
 Cell invented(const std::string& name, const std::vector<std::string>& assignments) {
@@ -211,13 +231,15 @@ TEST_F(Robustness, WhatFailsIsALineWithItsCause) {
   const std::vector<Record> lines = csv();
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_THAT(lines[0].at("cause"), StartsWith("refused: "));
-  EXPECT_THAT(lines[0].at("cause"), Not(HasSubstr(IMPEDRAW_SOURCE))) << "the table is to be the same wherever it is made";
+  EXPECT_THAT(lines[0].at("cause"), Not(HasSubstr(IMPEDRAW_SOURCE)))
+      << "the table is to be the same wherever it is made";
   EXPECT_EQ(lines[0].at("ink_error_rms"), "");
   EXPECT_EQ(lines[0].at("drawing.placement.centre"), "[0.6, 1.5]");
   EXPECT_THAT(lines[1].at("cause"), StartsWith("slow: "));
   EXPECT_GT(std::stod(lines[1].at("speed_mean")), 0.0);
   for (const Record& line : lines) EXPECT_EQ(line.at("failed"), "1") << line.at("cell");
-  EXPECT_THAT(content_of(folder_ / "out/robustness.md"), HasSubstr("--set 'drawing.placement.centre=[0.6, 1.5]'"));
+  EXPECT_THAT(content_of(folder_ / "out/robustness.md"),
+              HasSubstr("--set 'drawing.placement.centre=[0.6, 1.5]'"));
 }
 
 TEST_F(Robustness, WhatTakesTooLongIsEnded) {
@@ -225,7 +247,9 @@ TEST_F(Robustness, WhatTakesTooLongIsEnded) {
   ProcessHooks hooks;
   hooks.finished = [&](std::size_t, const ProcessEnd& end) { ends.push_back(end); };
   const Cell cell = named({"matrix-nominal-10mm_s-60deg-5N"}).front();
-  const auto work = [&](std::size_t, const std::filesystem::path& log) { return result_text(run_cell(cell, log)); };
+  const auto work = [&](std::size_t, const std::filesystem::path& log) {
+    return result_text(run_cell(cell, log));
+  };
   EXPECT_TRUE(run_processes(1, work, {1, 0.05, folder_}, hooks));
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_THAT(result_of(ends[0]).cause, StartsWith("timeout"));
@@ -233,7 +257,8 @@ TEST_F(Robustness, WhatTakesTooLongIsEnded) {
 }
 
 TEST_F(Robustness, CtrlCKeepsWhatWasDone) {
-  Process program(folder_, {"robustness", "--only", "^matrix-nominal-200mm_s", "--out", "out", "--jobs", "1"});
+  Process program(
+      folder_, {"robustness", "--only", "^matrix-nominal-200mm_s", "--out", "out", "--jobs", "1"});
   const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (program.running() && std::chrono::steady_clock::now() < limit && csv().empty())
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -249,7 +274,9 @@ TEST_F(Robustness, CtrlCKeepsWhatWasDone) {
 TEST_F(Robustness, BadInputIsOneLine) {
   std::filesystem::create_directories(folder_ / "out");
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"robustness", "--only", "no-such-cell"}, {"robustness", "--only", "("}, {"robustness", "--jobs", "0"}}) {
+       {std::vector<std::string>{"robustness", "--only", "no-such-cell"},
+        {"robustness", "--only", "("},
+        {"robustness", "--jobs", "0"}}) {
     const Ended ended = Process(folder_, arguments).wait();
     EXPECT_EQ(ended.code, 2) << ended.err;
     EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;

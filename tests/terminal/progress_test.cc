@@ -14,10 +14,14 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST(ProgressText, TellsTimeStrokeShareLeftAndFactor) {
-  EXPECT_EQ(progress_line({12.4, 2, 5, 0.63}, 0.5), "drawing   12.4 s  stroke 2/5   63 %  0:00 left  25x real time");
-  EXPECT_EQ(progress_line({400, 3, 5, 0.25}, 10), "drawing  400.0 s  stroke 3/5   25 %  0:30 left  40x real time");
-  EXPECT_EQ(progress_line({12.4, 2, 5, 0.63, 0.312, 0.46}, 0.5), "drawing   12.4 s  stroke 2/5  0.31/0.46 m   63 %  0:00 left  25x real time");
-  EXPECT_THAT(progress_line({12.4, 2, 5, 0.63, 0.312, 0.46, true}, 0.5), HasSubstr("again     12.4 s  stroke 2/5"));
+  EXPECT_EQ(progress_line({12.4, 2, 5, 0.63}, 0.5),
+            "drawing   12.4 s  stroke 2/5   63 %  0:00 left  25x real time");
+  EXPECT_EQ(progress_line({400, 3, 5, 0.25}, 10),
+            "drawing  400.0 s  stroke 3/5   25 %  0:30 left  40x real time");
+  EXPECT_EQ(progress_line({12.4, 2, 5, 0.63, 0.312, 0.46}, 0.5),
+            "drawing   12.4 s  stroke 2/5  0.31/0.46 m   63 %  0:00 left  25x real time");
+  EXPECT_THAT(progress_line({12.4, 2, 5, 0.63, 0.312, 0.46, true}, 0.5),
+              HasSubstr("again     12.4 s  stroke 2/5"));
   EXPECT_THAT(progress_line({0, 0, 1, 0}, 0), HasSubstr("stroke 0/1    0 %  -:-- left"));
   EXPECT_THAT(progress_line({1, 1, 1, 0.999}, 1), HasSubstr(" 99 %")) << "100 % is when it is done";
   EXPECT_THAT(progress_line({1, 1, 1, 1}, 1), HasSubstr("100 %  0:00 left"));

@@ -14,18 +14,25 @@ PathSpline::PathSpline(const std::vector<SurfaceSample>& knots, const std::vecto
   double u = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (i > 0) u += (knots[i].p_W - knots[i - 1].p_W).norm();
-    knots_[i] = {u, knots[i].p_W, knots[i].n_W, Vector3d::Zero(), Vector3d::Zero(), along.empty() ? u : along[i]};
+    knots_[i] = {u,
+                 knots[i].p_W,
+                 knots[i].n_W,
+                 Vector3d::Zero(),
+                 Vector3d::Zero(),
+                 along.empty() ? u : along[i]};
   }
   if (n < 3) return;
 
-  // Second derivatives M: h₀ M₀ + 2 (h₀ + h₁) M₁ + h₁ M₂ = 6 (slope₁ − slope₀) at each inner knot, with M₀ = M₁ and Mₙ = Mₙ₋₁ at the ends.
+  // Second derivatives M: h₀ M₀ + 2 (h₀ + h₁) M₁ + h₁ M₂ = 6 (slope₁ − slope₀) at each inner knot,
+  // with M₀ = M₁ and Mₙ = Mₙ₋₁ at the ends.
   std::vector<double> diagonal(n), upper(n);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const Knot &a = knots_[i - 1], &c = knots_[i + 1];
     Knot& b = knots_[i];
     const double h0 = b.u - a.u, h1 = c.u - b.u;
     double d = 2 * (h0 + h1);
-    Vector3d rp = 6 * ((c.p - b.p) / h1 - (b.p - a.p) / h0), rm = 6 * ((c.m - b.m) / h1 - (b.m - a.m) / h0);
+    Vector3d rp = 6 * ((c.p - b.p) / h1 - (b.p - a.p) / h0),
+             rm = 6 * ((c.m - b.m) / h1 - (b.m - a.m) / h0);
     if (i == 1) {
       d += h0;
     } else {
@@ -66,14 +73,19 @@ SplinePoint PathSpline::raw(std::size_t span, double u) const noexcept {
   const double h = l.u - k.u, b = (u - k.u) / h, a = 1 - b;
   const double pa = h * h / 6 * (a * a * a - a), pb = h * h / 6 * (b * b * b - b);
   const double da = h / 6 * (1 - 3 * a * a), db = h / 6 * (3 * b * b - 1);
-  return {a * k.p + b * l.p + pa * k.p2 + pb * l.p2, (l.p - k.p) / h + da * k.p2 + db * l.p2, a * k.p2 + b * l.p2,
-          a * k.m + b * l.m + pa * k.m2 + pb * l.m2, (l.m - k.m) / h + da * k.m2 + db * l.m2, a * k.m2 + b * l.m2,
+  return {a * k.p + b * l.p + pa * k.p2 + pb * l.p2,
+          (l.p - k.p) / h + da * k.p2 + db * l.p2,
+          a * k.p2 + b * l.p2,
+          a * k.m + b * l.m + pa * k.m2 + pb * l.m2,
+          (l.m - k.m) / h + da * k.m2 + db * l.m2,
+          a * k.m2 + b * l.m2,
           a * k.along + b * l.along};
 }
 
 SplinePoint PathSpline::at(double u) const noexcept {
   u = std::clamp(u, 0.0, length());
-  const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u, [](double value, const Knot& k) { return value < k.u; });
+  const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
+                                      [](double value, const Knot& k) { return value < k.u; });
   SplinePoint s = raw(static_cast<std::size_t>(after - knots_.begin()) - 1, u);
   // n = m/|m|, from |m|² n·… : each derivative of m with its part along n taken out.
   const double size = s.n.norm();
@@ -88,8 +100,11 @@ SplinePoint PathSpline::at(double u) const noexcept {
 double PathSpline::arc_length() const {
   double sum = 0;
   for (std::size_t i = 0; i < spans(); ++i) {
-    const double middle = (start(i) + end(i)) / 2, half = (end(i) - start(i)) / 2, x = half * 0.7745966692414834;  // Gauss, three points
-    sum += half / 9 * (5 * raw(i, middle - x).dp.norm() + 8 * raw(i, middle).dp.norm() + 5 * raw(i, middle + x).dp.norm());
+    const double middle = (start(i) + end(i)) / 2, half = (end(i) - start(i)) / 2,
+                 x = half * 0.7745966692414834;  // Gauss, three points
+    sum += half / 9 *
+           (5 * raw(i, middle - x).dp.norm() + 8 * raw(i, middle).dp.norm() +
+            5 * raw(i, middle + x).dp.norm());
   }
   return sum;
 }

@@ -20,7 +20,8 @@ void take_lowest_near(std::vector<SpeedSpan>& spans, double reach) {
     std::size_t next = 0;
     for (std::size_t i = 0; i < spans.size(); ++i) {
       for (; next < spans.size() && (next <= i || start(next) < end[i] + reach); ++next) {
-        while (!candidates.empty() && limit(spans[candidates.back()]) >= limit(spans[next])) candidates.pop_back();
+        while (!candidates.empty() && limit(spans[candidates.back()]) >= limit(spans[next]))
+          candidates.pop_back();
         candidates.push_back(next);
       }
       while (end[candidates.front()] < start(i) - reach) candidates.pop_front();
@@ -29,13 +30,16 @@ void take_lowest_near(std::vector<SpeedSpan>& spans, double reach) {
     return result;
   };
   const std::vector<double> speed = lowest([](const SpeedSpan& s) { return s.speed; });
-  const std::vector<double> acceleration = lowest([](const SpeedSpan& s) { return s.acceleration; });
-  for (std::size_t i = 0; i < spans.size(); ++i) spans[i].speed = speed[i], spans[i].acceleration = acceleration[i];
+  const std::vector<double> acceleration =
+      lowest([](const SpeedSpan& s) { return s.acceleration; });
+  for (std::size_t i = 0; i < spans.size(); ++i)
+    spans[i].speed = speed[i], spans[i].acceleration = acceleration[i];
 }
 
 }  // namespace
 
-SpeedProfile::SpeedProfile(std::vector<SpeedSpan> spans, double smoothing_time) : smoothing_(smoothing_time) {
+SpeedProfile::SpeedProfile(std::vector<SpeedSpan> spans, double smoothing_time)
+    : smoothing_(smoothing_time) {
   std::erase_if(spans, [](const SpeedSpan& s) { return !(s.length > 0); });
   if (spans.empty()) return;
   double fastest = 0;
@@ -46,9 +50,12 @@ SpeedProfile::SpeedProfile(std::vector<SpeedSpan> spans, double smoothing_time) 
   std::vector<double> at(n + 1, 0.0);  // speed at the joints
   for (std::size_t i = 1; i < n; ++i) {
     const SpeedSpan& s = spans[i - 1];
-    at[i] = std::min({s.speed, spans[i].speed, std::sqrt(at[i - 1] * at[i - 1] + 2 * s.acceleration * s.length)});
+    at[i] = std::min({s.speed, spans[i].speed,
+                      std::sqrt(at[i - 1] * at[i - 1] + 2 * s.acceleration * s.length)});
   }
-  for (std::size_t i = n; i-- > 0;) at[i] = std::min(at[i], std::sqrt(at[i + 1] * at[i + 1] + 2 * spans[i].acceleration * spans[i].length));
+  for (std::size_t i = n; i-- > 0;)
+    at[i] = std::min(
+        at[i], std::sqrt(at[i + 1] * at[i + 1] + 2 * spans[i].acceleration * spans[i].length));
   for (std::size_t i = 0; i < n; ++i) {
     const auto& [length, speed, a] = spans[i];
     const double v0 = at[i], v1 = at[i + 1];
@@ -63,7 +70,8 @@ SpeedProfile::SpeedProfile(std::vector<SpeedSpan> spans, double smoothing_time) 
 
 void SpeedProfile::add(double duration, double speed, double acceleration) {
   if (!(duration > 0)) return;
-  if (pieces_.empty() || acceleration != 0 || pieces_.back().acceleration != 0 || std::abs(pieces_.back().speed - speed) > 1e-12 * speed) {
+  if (pieces_.empty() || acceleration != 0 || pieces_.back().acceleration != 0 ||
+      std::abs(pieces_.back().speed - speed) > 1e-12 * speed) {
     pieces_.push_back({end_, length_, speed, acceleration, area_});
   }
   end_ += duration;
@@ -76,11 +84,13 @@ void SpeedProfile::add(double duration, double speed, double acceleration) {
 SpeedProfile::Raw SpeedProfile::raw(double t) const noexcept {
   if (t <= 0) return {0, 0, 0, 0};
   if (t >= end_) return {area_ + length_ * (t - end_), length_, 0, 0};
-  const auto after = std::upper_bound(pieces_.begin(), pieces_.end(), t, [](double time, const Piece& p) { return time < p.start; });
+  const auto after = std::upper_bound(pieces_.begin(), pieces_.end(), t,
+                                      [](double time, const Piece& p) { return time < p.start; });
   const Piece& p = *std::prev(after);
   const double s = t - p.start;
-  return {p.area + s * (p.x + s * (p.speed / 2 + s * p.acceleration / 6)), p.x + s * (p.speed + s * p.acceleration / 2),
-          p.speed + s * p.acceleration, p.acceleration};
+  return {p.area + s * (p.x + s * (p.speed / 2 + s * p.acceleration / 6)),
+          p.x + s * (p.speed + s * p.acceleration / 2), p.speed + s * p.acceleration,
+          p.acceleration};
 }
 
 SpeedState SpeedProfile::at(double t) const noexcept {
@@ -89,7 +99,8 @@ SpeedState SpeedProfile::at(double t) const noexcept {
   const Raw now = raw(t);
   if (!(smoothing_ > 0)) return {now.x, now.speed, now.acceleration};
   const Raw before = raw(t - smoothing_);
-  return {(now.area - before.area) / smoothing_, (now.x - before.x) / smoothing_, (now.speed - before.speed) / smoothing_};
+  return {(now.area - before.area) / smoothing_, (now.x - before.x) / smoothing_,
+          (now.speed - before.speed) / smoothing_};
 }
 
 }  // namespace impedraw

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
+#include <Eigen/Cholesky>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/polyline.h"
@@ -13,8 +13,8 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kSamePoint = 1e-7;    // [m]
-constexpr double kShortestSpan = 1e-6; // [m]
+constexpr double kSamePoint = 1e-7;     // [m]
+constexpr double kShortestSpan = 1e-6;  // [m]
 constexpr int kMostRounds = 60;
 
 struct Line {  // one part between corners, in the world and on the page
@@ -42,12 +42,15 @@ class Fit {
 
   // Knots enough for the spline to keep the line. The normals have no part in that.
   void find_knots() {
-    // Vertices at least half a spacing apart to begin with; where that is too coarse, the rounds below find out.
+    // Vertices at least half a spacing apart to begin with; where that is too coarse, the rounds
+    // below find out.
     const double total = line_.along.back();
     double last = -1;
     for (std::size_t i = 0; i + 1 < line_.world.size(); ++i) {
       const double s = line_.along[i];
-      if (i > 0 && (s - last < settings_.knot_spacing / 2 || total - s < settings_.knot_spacing / 4)) continue;
+      if (i > 0 &&
+          (s - last < settings_.knot_spacing / 2 || total - s < settings_.knot_spacing / 4))
+        continue;
       knots_.push_back(knot_at(s));
       last = s;
     }
@@ -86,9 +89,13 @@ class Fit {
   Knot knot_at(double s) const {
     const auto after = std::upper_bound(line_.along.begin() + 1, line_.along.end() - 1, s);
     const auto i = static_cast<std::size_t>(after - line_.along.begin());
-    const double part = std::clamp((s - line_.along[i - 1]) / (line_.along[i] - line_.along[i - 1]), 0.0, 1.0);
-    return sampled({s, line_.place[i - 1] + part * (line_.place[i] - line_.place[i - 1]), line_.world[i - 1] + part * (line_.world[i] - line_.world[i - 1]),
-                    line_.page[i - 1] + part * (line_.page[i] - line_.page[i - 1]), {}});
+    const double part =
+        std::clamp((s - line_.along[i - 1]) / (line_.along[i] - line_.along[i - 1]), 0.0, 1.0);
+    return sampled({s,
+                    line_.place[i - 1] + part * (line_.place[i] - line_.place[i - 1]),
+                    line_.world[i - 1] + part * (line_.world[i] - line_.world[i - 1]),
+                    line_.page[i - 1] + part * (line_.page[i] - line_.page[i - 1]),
+                    {}});
   }
 
   Knot sampled(Knot k) const {
@@ -96,17 +103,20 @@ class Fit {
     return k;
   }
 
-  // The parabola through the normals about here, Gaussian weights: what turns at an even rate, or at one that changes evenly, stays, ends
-  // included. A straight line would cut the crests of a sine by 0.1°.
+  // The parabola through the normals about here, Gaussian weights: what turns at an even rate, or
+  // at one that changes evenly, stays, ends included. A straight line would cut the crests of a
+  // sine by 0.1°.
   Eigen::Vector3d smoothed_normal(std::size_t i) const {
     const double sigma = settings_.normal_smoothing, s = knots_[i].along;
     if (!(sigma > 0.0)) return knots_[i].sample.n_W;
-    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(), normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(),
+                    normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)
     int used = 0;
     const auto add = [&](std::size_t k) {
       const double x = (knots_[k].along - s) / sigma;
       if (std::abs(x) > 4.5) return false;  // where a weight of 4e-5 is cut off nobody notices
-      // Weighed by the way to both neighbours too, so that knots close together do not count for more.
+      // Weighed by the way to both neighbours too, so that knots close together do not count for
+      // more.
       const double before = k > 0 ? knots_[k].along - knots_[k - 1].along : 0.0;
       const double after = k + 1 < knots_.size() ? knots_[k + 1].along - knots_[k].along : 0.0;
       const double w = (before + after) / sigma * std::exp(-0.5 * x * x);
@@ -116,29 +126,42 @@ class Fit {
       ++used;
       return true;
     };
-    for (std::size_t k = i; k < knots_.size() && add(k); ++k) {}
-    for (std::size_t k = i; k-- > 0 && add(k);) {}
+    for (std::size_t k = i; k < knots_.size() && add(k); ++k) {
+    }
+    for (std::size_t k = i; k-- > 0 && add(k);) {
+    }
     const Eigen::LDLT<Eigen::Matrix3d> factor(moments);
-    if (used < 4 || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff())) return knots_[i].sample.n_W;  // too few
+    if (used < 4 || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff()))
+      return knots_[i].sample.n_W;  // too few
     return Eigen::Vector3d(factor.solve(normals).row(0)).normalized();
   }
 
   // The polyline's vertices from the one before s0 to the one after s1.
   std::pair<std::size_t, std::size_t> vertices(double s0, double s1) const {
     const auto& along = line_.along;
-    auto first = static_cast<std::size_t>(std::upper_bound(along.begin(), along.end(), s0 + kSamePoint / 2) - along.begin()) - 1;
-    auto last = static_cast<std::size_t>(std::lower_bound(along.begin(), along.end(), s1 - kSamePoint / 2) - along.begin());
+    auto first =
+        static_cast<std::size_t>(std::upper_bound(along.begin(), along.end(), s0 + kSamePoint / 2) -
+                                 along.begin()) -
+        1;
+    auto last = static_cast<std::size_t>(
+        std::lower_bound(along.begin(), along.end(), s1 - kSamePoint / 2) - along.begin());
     last = std::min(last, along.size() - 1);
     return {std::min(first, last - 1), last};
   }
 
   bool keeps(const PathSpline& spline, std::size_t span) const {
     constexpr int kSamples = 8;
-    const double allowed = 0.75 * settings_.tolerance;  // the rest went into simplifying, and into what lies between the samples
+    const double allowed =
+        0.75 *
+        settings_
+            .tolerance;  // the rest went into simplifying, and into what lies between the samples
     const auto [first, last] = vertices(knots_[span].along, knots_[span + 1].along);
     std::vector<Vector2d> curve;
     for (int i = 0; i <= kSamples; ++i) {
-      curve.push_back(spline.point(span, spline.start(span) + (spline.end(span) - spline.start(span)) * i / kSamples).head<2>());
+      curve.push_back(spline
+                          .point(span, spline.start(span) +
+                                           (spline.end(span) - spline.start(span)) * i / kSamples)
+                          .head<2>());
       if (distance(curve.back(), line_.world, first, last) > allowed) return false;
     }
     for (std::size_t v = first + 1; v < last; ++v) {
@@ -158,7 +181,9 @@ class Fit {
       const auto [first, last] = vertices(s0, s1);
       double s = (s0 + s1) / 2;
       if (last - first > 1) {  // the vertex nearest to the middle
-        const auto nearer = [&](std::size_t a, std::size_t b) { return std::abs(line_.along[a] - s) < std::abs(line_.along[b] - s); };
+        const auto nearer = [&](std::size_t a, std::size_t b) {
+          return std::abs(line_.along[a] - s) < std::abs(line_.along[b] - s);
+        };
         std::size_t best = first + 1;
         for (std::size_t v = first + 2; v < last; ++v) best = nearer(v, best) ? v : best;
         s = line_.along[best];
@@ -171,7 +196,8 @@ class Fit {
     return grown;
   }
 
-  // Where knots are far apart, more of them on the spline itself: they leave its shape seen from above and follow the surface.
+  // Where knots are far apart, more of them on the spline itself: they leave its shape seen from
+  // above and follow the surface.
   bool insert_between(const PathSpline& spline) {
     std::vector<Knot> result;
     for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
@@ -200,14 +226,17 @@ class Fit {
 
 }  // namespace
 
-FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface, const FitSettings& settings) {
+FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface,
+                        const FitSettings& settings) {
   const int number = stroke.number;
   Line whole;
   double place = stroke.start;
   for (std::size_t i = 0; i < stroke.world.size(); ++i) {
-    if (!stroke.world[i].allFinite()) throw InputError(fmt::format("stroke {}: point {} is not a finite number", number, i));
+    if (!stroke.world[i].allFinite())
+      throw InputError(fmt::format("stroke {}: point {} is not a finite number", number, i));
     if (i > 0) place += (stroke.world[i] - stroke.world[i - 1]).norm();
-    if (!whole.world.empty() && (stroke.world[i] - whole.world.back()).norm() < kSamePoint) continue;
+    if (!whole.world.empty() && (stroke.world[i] - whole.world.back()).norm() < kSamePoint)
+      continue;
     whole.place.push_back(place);
     whole.world.push_back(stroke.world[i]);
     whole.page.push_back(stroke.page[i]);
@@ -217,7 +246,8 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
   FittedStroke fitted;
   fitted.number = number;
   fitted.from = fitted.to = stroke.start;
-  fitted.first = fitted.last = sample_or_throw(surface, whole.world.front(), whole.page.front(), number);
+  fitted.first = fitted.last =
+      sample_or_throw(surface, whole.world.front(), whole.page.front(), number);
   if (whole.world.size() == 1) return fitted;
 
   Line line;
@@ -226,7 +256,8 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
     line.page.push_back(whole.page[i]);
     line.place.push_back(whole.place[i]);
   }
-  if (line.world.size() == 2 && (line.world[1] - line.world[0]).norm() < kSamePoint) return fitted;  // closed on itself
+  if (line.world.size() == 2 && (line.world[1] - line.world[0]).norm() < kSamePoint)
+    return fitted;  // closed on itself
   std::vector<std::size_t> cuts = corners(line.world, settings.corner_angle);
   cuts.push_back(line.world.size() - 1);
   std::size_t from = 0;

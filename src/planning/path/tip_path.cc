@@ -14,7 +14,8 @@ const char* name_of(Phase phase) noexcept {
   return kNames[static_cast<int>(phase)];
 }
 
-TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines, const std::vector<int>& numbers, const Pose& X_WP)
+TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
+                 const std::vector<int>& numbers, const Pose& X_WP)
     : legs_(std::move(legs)), splines_(std::move(splines)), strokes_(numbers.size()), X_WP_(X_WP) {
   for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
   std::vector<char> started(numbers.size(), 0);
@@ -22,7 +23,8 @@ TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines, con
   for (std::size_t i = 0; i < legs_.size(); ++i) {
     const PathLeg& leg = legs_[i];
     starts_.push_back(t);
-    if (leg.phase == Phase::approach && (i == 0 || legs_[i - 1].phase != Phase::approach)) approach = t;
+    if (leg.phase == Phase::approach && (i == 0 || legs_[i - 1].phase != Phase::approach))
+      approach = t;
     if (leg.stroke >= 0) {
       StrokeTimes& s = strokes_[leg.stroke];
       if (!started[leg.stroke]) s.approach = approach, s.start = t, started[leg.stroke] = 1;
@@ -82,7 +84,8 @@ PathSample TipPath::at(double t) const noexcept {
     goal.alpha_WD = turn.acceleration * leg.turn_axis;
   }
   goal.p_WD = X_WP_.p + X_WP_.R * goal.p_WD;
-  for (Eigen::Vector3d* v : {&goal.v_WD, &goal.a_WD, &goal.n_WD, &goal.w_WD, &goal.alpha_WD}) *v = X_WP_.R * *v;
+  for (Eigen::Vector3d* v : {&goal.v_WD, &goal.a_WD, &goal.n_WD, &goal.w_WD, &goal.alpha_WD})
+    *v = X_WP_.R * *v;
   return sample;
 }
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/planning/path/stroke_fit.h"
@@ -13,19 +13,27 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kCentripetalShare = 0.8;  // of the acceleration, at most; 0.6 are then left along the path
-constexpr double kMargin = 0.999;          // of limits, for what lies between the samples of PathSpline::bounds
-constexpr double kSteepest = 0.5;          // n_z below which a lift goes straight up after clearing the surface
-constexpr double kClearance = 0.01;        // how far along n it does so [m]
-constexpr double kStill = 1e-9;            // [m] or [rad]; shorter moves are none
+// of the acceleration, at most; 0.6 are then left along the path
+constexpr double kCentripetalShare = 0.8;
+// of limits, for what lies between the samples of PathSpline::bounds
+constexpr double kMargin = 0.999;
+// n_z below which a lift goes straight up after clearing the surface
+constexpr double kSteepest = 0.5;
+constexpr double kClearance = 0.01;  // how far along n it does so [m]
+constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are none
 
 void require(bool good, const char* name, double value, const char* valid) {
-  if (!good || !std::isfinite(value)) throw InputError(fmt::format("path {}: {}; must be {}", name, value, valid));
+  if (!good || !std::isfinite(value))
+    throw InputError(fmt::format("path {}: {}; must be {}", name, value, valid));
 }
 
 void validate(const PathSettings& s) {
-  const auto positive = [](const char* name, double value) { require(value > 0, name, value, "> 0"); };
-  const auto not_negative = [](const char* name, double value) { require(value >= 0, name, value, ">= 0"); };
+  const auto positive = [](const char* name, double value) {
+    require(value > 0, name, value, "> 0");
+  };
+  const auto not_negative = [](const char* name, double value) {
+    require(value >= 0, name, value, ">= 0");
+  };
   positive("hover_height", s.hover_height);
   positive("approach_speed", s.approach_speed);
   positive("draw_speed", s.draw_speed);
@@ -44,7 +52,8 @@ void validate(const PathSettings& s) {
   not_negative("dot_time", s.dot_time);
   not_negative("smoothing_time", s.smoothing_time);
   not_negative("sink", s.sink);
-  require(s.corner_angle_deg > 0 && s.corner_angle_deg < 90, "corner_angle_deg", s.corner_angle_deg, "> 0 and < 90");
+  require(s.corner_angle_deg > 0 && s.corner_angle_deg < 90, "corner_angle_deg", s.corner_angle_deg,
+          "> 0 and < 90");
   if (s.highest_z) require(true, "highest_z", *s.highest_z, "finite");
   require(s.start_p_WE.allFinite(), "start_p_WE", s.start_p_WE.sum(), "finite");
   require(std::abs(s.start_n_W.norm() - 1) < 1e-6, "start_n_W length", s.start_n_W.norm(), "1");
@@ -54,7 +63,8 @@ void validate(const PathSettings& s) {
 class Planner {
  public:
   explicit Planner(const PathSettings& settings)
-      : s_(settings), p_(settings.X_WP.R.transpose() * (settings.start_p_WE - settings.X_WP.p)),
+      : s_(settings),
+        p_(settings.X_WP.R.transpose() * (settings.start_p_WE - settings.X_WP.p)),
         n_(settings.X_WP.R.transpose() * settings.start_n_W) {
     if (s_.vertical_pen) n_ = Vector3d::UnitZ();
   }
@@ -78,7 +88,9 @@ class Planner {
   }
 
  private:
-  Vector3d normal(const SurfaceSample& sample) const { return s_.vertical_pen ? Vector3d(Vector3d::UnitZ()) : sample.n_W.normalized(); }
+  Vector3d normal(const SurfaceSample& sample) const {
+    return s_.vertical_pen ? Vector3d(Vector3d::UnitZ()) : sample.n_W.normalized();
+  }
   Vector3d sunk() const { return {0, 0, s_.sink}; }
 
   static double highest(const std::vector<FittedStroke>& strokes) {
@@ -86,7 +98,8 @@ class Planner {
     for (const FittedStroke& stroke : strokes) {
       z = std::max({z, stroke.first.p_W.z(), stroke.last.p_W.z()});
       for (const PathSpline& part : stroke.parts) {
-        for (std::size_t i = 0; i < part.spans(); ++i) z = std::max(z, part.point(i, part.start(i)).z());
+        for (std::size_t i = 0; i < part.spans(); ++i)
+          z = std::max(z, part.point(i, part.start(i)).z());
       }
     }
     return z;
@@ -117,7 +130,8 @@ class Planner {
   }
 
   // Straight to q; n turns to `n` meanwhile.
-  void move(const Vector3d& q, const Vector3d& n, Phase phase, double speed, double acceleration, bool pen_down = false) {
+  void move(const Vector3d& q, const Vector3d& n, Phase phase, double speed, double acceleration,
+            bool pen_down = false) {
     const Vector3d way = q - p_;
     const Vector3d across = n_.cross(n);
     const double angle = std::atan2(across.norm(), n_.dot(n));
@@ -180,10 +194,12 @@ class Planner {
     spans.reserve(part.spans());
     for (std::size_t i = 0; i < part.spans(); ++i) {
       const auto [slope, bend, stretch] = part.bounds(i);
-      const double v = std::min(kMargin * s_.draw_speed / slope, bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
+      const double v = std::min(kMargin * s_.draw_speed / slope,
+                                bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
       // |u̇² p'' + ü p'|² ≤ (bend v²)² + 2 stretch v² ü + (slope ü)² = A²
       const double c = bend * v * v, half = stretch * v * v;
-      const double a = (std::sqrt(half * half + slope * slope * (A * A - c * c)) - half) / (slope * slope);
+      const double a =
+          (std::sqrt(half * half + slope * slope * (A * A - c * c)) - half) / (slope * slope);
       spans.push_back({part.end(i) - part.start(i), v, a});
     }
     return SpeedProfile(std::move(spans), s_.smoothing_time);
@@ -192,7 +208,8 @@ class Planner {
   void lift() {
     const Vector3d out = clear_of(p_, n_);
     move(out, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
-    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
+    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, n_, Phase::lift, s_.travel_speed,
+         s_.travel_acceleration);
   }
 
   const PathSettings& s_;
@@ -204,11 +221,12 @@ class Planner {
 
 }  // namespace
 
-TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, const PathSettings& settings) {
+TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
+                      const PathSettings& settings) {
   validate(settings);
   if (strokes.empty()) throw InputError("path: there are no strokes to plan");
-  const FitSettings fit{settings.tolerance, settings.knot_spacing, settings.corner_angle_deg * M_PI / 180,
-                        settings.normal_smoothing};
+  const FitSettings fit{settings.tolerance, settings.knot_spacing,
+                        settings.corner_angle_deg * M_PI / 180, settings.normal_smoothing};
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
   for (const PlacedStroke& stroke : strokes) fitted.push_back(fit_stroke(stroke, surface, fit));

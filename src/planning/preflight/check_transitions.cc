@@ -13,28 +13,34 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLook = 0.01;       // [s]; the tip moves far less than kStep in it
-constexpr double kStep = 0.01;       // [m]
-constexpr double kTurn = 0.1;        // of the pen [rad]
-constexpr double kTipFree = 1e-3;    // a tip that is nearer to the canvas, or below it, is on it or pressed into it [m]
+constexpr double kLook = 0.01;  // [s]; the tip moves far less than kStep in it
+constexpr double kStep = 0.01;  // [m]
+constexpr double kTurn = 0.1;   // of the pen [rad]
+// a tip that is nearer to the canvas, or below it, is on it or pressed into it [m]
+constexpr double kTipFree = 1e-3;
 
-double angle(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+double angle(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 }  // namespace
 
-std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStroke>& strokes, ArmModel& arm, const Canvas* obstacle,
-                                const JointVector& start_q, const PreflightSettings& settings) {
+std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStroke>& strokes,
+                                ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+                                const PreflightSettings& settings) {
   std::vector<Finding> findings;
   if (strokes.empty() || path.duration() == 0) return findings;
   PostureCheck check(arm, obstacle, start_q, settings);
   check.asked.torque = false;
 
-  std::vector<double> amounts;       // of the findings
-  std::size_t way_begins = 0;        // index of the present way's first finding
-  std::size_t next = 0;              // stroke that the way leads to
-  bool lift = false;                 // still off the stroke before
-  bool lift_barred = false;          // then that stroke is to blame: the rest of the way is another once it is left out
-  const auto report = [&](Problem problem, double amount, const std::string& text, const Vector3d& p) {
+  std::vector<double> amounts;  // of the findings
+  std::size_t way_begins = 0;   // index of the present way's first finding
+  std::size_t next = 0;         // stroke that the way leads to
+  bool lift = false;            // still off the stroke before
+  // then that stroke is to blame: the rest of the way is another once it is left out
+  bool lift_barred = false;
+  const auto report = [&](Problem problem, double amount, const std::string& text,
+                          const Vector3d& p) {
     if (lift_barred && !lift) return;
     lift_barred = lift;
     std::size_t i = way_begins;
@@ -43,9 +49,15 @@ std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStr
     if (i == findings.size()) findings.emplace_back(), amounts.emplace_back();
     const bool back = next >= strokes.size();
     const PlacedStroke& stroke = back ? strokes.back() : strokes[lift ? next - 1 : next];
-    findings[i] = {{stroke.number, stroke.start, stroke.start + plane_length(stroke)}, problem,
-                   fmt::format("{}: {}", lift ? "on the way off it" : back ? "on the way back" : "on the way there", text),
-                   stroke.page.front(), p};
+    findings[i] = {{stroke.number, stroke.start, stroke.start + plane_length(stroke)},
+                   problem,
+                   fmt::format("{}: {}",
+                               lift   ? "on the way off it"
+                               : back ? "on the way back"
+                                      : "on the way there",
+                               text),
+                   stroke.page.front(),
+                   p};
     amounts[i] = amount;
   };
 
@@ -70,7 +82,8 @@ std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStr
     check.asked.pen = !(below && below->distance < kTipFree);
     const PenPlacement pen{p, -n};
     Posture posture = last ? check.follow(pen, *last, moved) : check.enter(pen, start_q);
-    // A way on which the arm is lost is that way's fault alone: what comes after begins anew where its stroke does.
+    // A way on which the arm is lost is that way's fault alone: what comes after begins anew where
+    // its stroke does.
     if (last && !posture.reached && (last->reached || (change && !way))) {
       Posture anew = check.enter(pen, start_q);
       if (anew.reached) posture = std::move(anew);
@@ -78,10 +91,13 @@ std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStr
     if (last && posture.reached && last->reached) {
       const PostureCheck::Change by = PostureCheck::change(*last, posture);
       // A turn of the pen may take a wrist joint several times as far.
-      const bool jumped = by.by > settings.max_joint_step + 3 * turned + moved / settings.step * settings.max_joint_step / 2;
+      const bool jumped = by.by > settings.max_joint_step + 3 * turned +
+                                      moved / settings.step * settings.max_joint_step / 2;
       if (jumped && way)
         report(Problem::joint_jump, by.by,
-               fmt::format("joint {} would turn by {:.2f} rad within {:.0f} mm", by.joint + 1, by.by, 1e3 * moved), p);
+               fmt::format("joint {} would turn by {:.2f} rad within {:.0f} mm", by.joint + 1,
+                           by.by, 1e3 * moved),
+               p);
     }
     if (way && posture.problem) report(*posture.problem, posture.amount, posture.text, p);
     last = std::move(posture);

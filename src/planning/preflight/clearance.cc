@@ -10,15 +10,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kAhead = 0.03;  // the canvas is looked for so much farther than is asked, so that the answer lasts a while [m]
+// the canvas is looked for so much farther than is asked, so that the answer lasts a while [m]
+constexpr double kAhead = 0.03;
 
 double distance_to_box(const Eigen::AlignedBox3d& box, const Vector3d& a, const Vector3d& b) {
   return box.exteriorDistance(Vector3d((a + b) / 2)) - (b - a).norm() / 2;
 }
 
-// Distance of the segment a–b to the canvas, at most `best`; too large by at most a tenth of what is over `radius`, and 1 mm, where it is
-// over `enough`. Halves are left out once their middle's distance says that they hold nothing nearer.
-double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d& b, double radius, double enough, double best) {
+// Distance of the segment a–b to the canvas, at most `best`; too large by at most a tenth of what
+// is over `radius`, and 1 mm, where it is over `enough`. Halves are left out once their middle's
+// distance says that they hold nothing nearer.
+double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d& b, double radius,
+                        double enough, double best) {
   const Vector3d middle = (a + b) / 2;
   const double half = (b - a).norm() / 2;
   const auto nearest = canvas.closest(middle, best + half);
@@ -33,10 +36,12 @@ double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d&
 
 }  // namespace
 
-Clearance::Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z, double wanted, const JointVector& q)
+Clearance::Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
+                     double wanted, const JointVector& q)
     : arm_(arm), canvas_(canvas), table_z_(table_z), wanted_(wanted) {
   const Vector3d tip = arm.tip_pose(q).p;
-  const std::vector<BodyCapsule> here = arm.body_capsules(q), moved = arm.body_capsules((q.array() + 0.1).matrix());
+  const std::vector<BodyCapsule> here = arm.body_capsules(q),
+                                 moved = arm.body_capsules((q.array() + 0.1).matrix());
   double nearest = 0.05;
   for (std::size_t i = 0; i < here.size(); ++i) {
     Body body;
@@ -57,8 +62,10 @@ double Clearance::canvas_distance(Body& body, const BodyCapsule& at, double near
   body.a_W = at.a_W;
   body.b_W = at.b_W;
   if (body.distance >= near_enough) return near_enough;
-  const double found = segment_distance(*canvas_, at.a_W, at.b_W, at.radius, at.radius + wanted_, ahead);
-  body.distance = found < ahead ? at.radius + 0.9 * (found - at.radius) - 1.2e-3 : ahead;  // no axis point is nearer
+  const double found =
+      segment_distance(*canvas_, at.a_W, at.b_W, at.radius, at.radius + wanted_, ahead);
+  body.distance = found < ahead ? at.radius + 0.9 * (found - at.radius) - 1.2e-3
+                                : ahead;  // no axis point is nearer
   return std::min(found, near_enough);
 }
 
@@ -70,8 +77,11 @@ Gap Clearance::arm(const JointVector& q) {
   };
   for (std::size_t i = 0; i < at.size(); ++i) {
     if (static_cast<int>(i) == pen_) continue;
-    if (canvas_) take(canvas_distance(bodies_[i], at[i], at[i].radius + kFarEnough) - at[i].radius, at[i], "canvas");
-    if (table_z_ && !bodies_[i].fixed) take(std::min(at[i].a_W.z(), at[i].b_W.z()) - at[i].radius - *table_z_, at[i], "table");
+    if (canvas_)
+      take(canvas_distance(bodies_[i], at[i], at[i].radius + kFarEnough) - at[i].radius, at[i],
+           "canvas");
+    if (table_z_ && !bodies_[i].fixed)
+      take(std::min(at[i].a_W.z(), at[i].b_W.z()) - at[i].radius - *table_z_, at[i], "table");
   }
   return result;
 }
@@ -84,7 +94,9 @@ Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
   const Vector3d far = to_a > to_b ? shaft.a_W : shaft.b_W, along = (far - X_WE.p).normalized();
   const double length = std::max(to_a, to_b), bare = std::min(to_a, to_b);
   const double widens = shaft.radius / std::hypot(shaft.radius, bare);  // sin α
-  const auto asked = [&](double h) { return std::min(shaft.radius, h * widens) + std::min(wanted_, h * kPenOpening); };
+  const auto asked = [&](double h) {
+    return std::min(shaft.radius, h * widens) + std::min(wanted_, h * kPenOpening);
+  };
   const auto take = [&](double gap, double h, const char* obstacle) {
     if (gap < result.gap) result = {gap, shaft.link, obstacle, h};
   };
@@ -95,7 +107,8 @@ Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
     }
   }
   if (!canvas_) return result;
-  // The gap falls by no more than this per metre of axis: steps are as long as nothing can be missed in them.
+  // The gap falls by no more than this per metre of axis: steps are as long as nothing can be
+  // missed in them.
   const double fastest = 1 + widens + kPenOpening;
   for (double h = std::min(kTipLength, length);;) {
     const double look = asked(h) + kFarEnough;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
 
@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRelax = 0.05;         // tip path over which the spare joint comes to rest [m]
-constexpr double kMostDrift = 0.1;      // a step [rad]
+constexpr double kRelax = 0.05;     // tip path over which the spare joint comes to rest [m]
+constexpr double kMostDrift = 0.1;  // a step [rad]
 constexpr int kFollowSteps = 30, kEnterSteps = 100, kLostSteps = 20;
 
 double limit_distance(const ArmLimits& limits, const JointVector& q, int j) {
@@ -33,15 +33,20 @@ TipJacobian without_spin(const ArmTerms& terms) {
 
 JointVector sized(const JointVector& q, const ArmModel& arm, const char* name) {
   if (q.size() == arm.joints()) return q;
-  throw InputError(fmt::format("preflight: {} has {} entries, the arm {} joints", name, q.size(), arm.joints()));
+  throw InputError(
+      fmt::format("preflight: {} has {} entries, the arm {} joints", name, q.size(), arm.joints()));
 }
 
 }  // namespace
 
-PostureCheck::PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q, const PreflightSettings& settings)
-    : arm_(arm), settings_(settings), start_(sized(start_q, arm, "start_q")),
+PostureCheck::PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+                           const PreflightSettings& settings)
+    : arm_(arm),
+      settings_(settings),
+      start_(sized(start_q, arm, "start_q")),
       rest_(settings.rest_q ? sized(*settings.rest_q, arm, "rest_q") : start_),
-      clearance_(arm, obstacle, settings.table_z, settings.clearance, start_), terms_(arm.joints()) {}
+      clearance_(arm, obstacle, settings.table_z, settings.clearance, start_),
+      terms_(arm.joints()) {}
 
 PostureCheck::Change PostureCheck::change(const Posture& a, const Posture& b) {
   Change change;
@@ -68,8 +73,10 @@ double PostureCheck::effective_mass() const {
 void PostureCheck::say_unreached(const PenPlacement& pen, const IkResult& found, Posture* posture) {
   const Vector3d z = terms_.X_WE.R.col(2), cross = z.cross(pen.z_WE);
   Vector6 e;
-  e << pen.p_WE - terms_.X_WE.p, (cross.norm() > 1e-12 ? found.axis_error / cross.norm() : 0) * cross;
-  // What would stay of the error if there were no limits: little, and it is a limit that is in the way.
+  e << pen.p_WE - terms_.X_WE.p,
+      (cross.norm() > 1e-12 ? found.axis_error / cross.norm() : 0) * cross;
+  // What would stay of the error if there were no limits: little, and it is a limit that is in the
+  // way.
   const TipJacobian J = without_spin(terms_);
   constexpr double kDamping = 1e-3, kAtLimit = 0.02;
   const Matrix6 A = J * J.transpose() + kDamping * Matrix6::Identity();
@@ -82,12 +89,14 @@ void PostureCheck::say_unreached(const PenPlacement& pen, const IkResult& found,
   posture->amount = found.position_error + 0.3 * found.axis_error;
   if (at_limit >= 0 && stays < 0.5) {
     posture->problem = Problem::joint_limit;
-    posture->text = fmt::format("joint {} at its limit of {:.2f} rad, the pen stays {:.0f} mm and {:.0f}° off", at_limit + 1,
-                                found.q[at_limit], mm, degrees);
+    posture->text =
+        fmt::format("joint {} at its limit of {:.2f} rad, the pen stays {:.0f} mm and {:.0f}° off",
+                    at_limit + 1, found.q[at_limit], mm, degrees);
   } else {
     posture->problem = Problem::out_of_reach;
-    posture->text =
-        degrees < 1 ? fmt::format("{:.0f} mm too far", mm) : fmt::format("the pen stays {:.0f} mm and {:.0f}° off", mm, degrees);
+    posture->text = degrees < 1
+                        ? fmt::format("{:.0f} mm too far", mm)
+                        : fmt::format("the pen stays {:.0f} mm and {:.0f}° off", mm, degrees);
   }
 }
 
@@ -109,12 +118,14 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
   }
   if (p.margins.joint < settings_.joint_margin)
     report(Problem::joint_limit, -p.margins.joint,
-           fmt::format("joint {} at {:.2f} rad, {:.3f} rad from its limit", nearest + 1, p.q[nearest], p.margins.joint));
+           fmt::format("joint {} at {:.2f} rad, {:.3f} rad from its limit", nearest + 1,
+                       p.q[nearest], p.margins.joint));
 
   p.margins.effective_mass = effective_mass();
   if (p.margins.effective_mass > settings_.space.max_effective_mass)
     report(Problem::near_singular, p.margins.effective_mass,
-           fmt::format("effective mass {:.0f} kg, allowed {:.0f} kg", p.margins.effective_mass, settings_.space.max_effective_mass));
+           fmt::format("effective mass {:.0f} kg, allowed {:.0f} kg", p.margins.effective_mass,
+                       settings_.space.max_effective_mass));
 
   if (asked.torque) {
     const Vector3d axis = pen.z_WE;
@@ -123,7 +134,8 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
     for (int j = 0; j < n; ++j) {
       const Vector3d column = terms_.J.col(j).head<3>();
       const double push = settings_.push_force * column.dot(axis);
-      const double across = settings_.friction * settings_.push_force * (column - column.dot(axis) * axis).norm();
+      const double across =
+          settings_.friction * settings_.push_force * (column - column.dot(axis) * axis).norm();
       const double torque = std::abs(terms_.g[j] + push) + across;
       if (torque <= p.margins.torque_share * limits.torque[j]) continue;
       p.margins.torque_share = torque / limits.torque[j];
@@ -132,20 +144,22 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
     }
     if (p.margins.torque_share > settings_.torque_share)
       report(Problem::torque, p.margins.torque_share,
-             fmt::format("joint {} needs {:.0f} Nm, allowed {:.0f} Nm", worst + 1, needed, settings_.torque_share * limits.torque[worst]));
+             fmt::format("joint {} needs {:.0f} Nm, allowed {:.0f} Nm", worst + 1, needed,
+                         settings_.torque_share * limits.torque[worst]));
   }
 
   const Gap arm = clearance_.arm(p.q);
   p.margins.clearance = arm.gap;
   if (arm.gap < settings_.clearance)
     report(Problem::arm_collision, -arm.gap,
-           fmt::format("{} {:.0f} mm {} the {}", arm.body, 1e3 * std::abs(arm.gap), arm.gap < 0 ? "into" : "from", arm.obstacle));
+           fmt::format("{} {:.0f} mm {} the {}", arm.body, 1e3 * std::abs(arm.gap),
+                       arm.gap < 0 ? "into" : "from", arm.obstacle));
   if (!asked.pen || p.problem) return;
   const Gap shaft = clearance_.pen(p.q, terms_.X_WE);
   if (shaft.gap < 0)
     report(Problem::pen_collision, -shaft.gap,
-           fmt::format("the pen {:.0f} mm above its tip is {:.1f} mm too near the {}", 1e3 * shaft.above_tip, -1e3 * shaft.gap,
-                       shaft.obstacle));
+           fmt::format("the pen {:.0f} mm above its tip is {:.1f} mm too near the {}",
+                       1e3 * shaft.above_tip, -1e3 * shaft.gap, shaft.obstacle));
 }
 
 Posture PostureCheck::solve(const PenPlacement& pen, const JointVector& seed, int max_steps) {
@@ -164,8 +178,10 @@ Posture PostureCheck::solve(const PenPlacement& pen, const JointVector& seed, in
 
 Posture PostureCheck::follow(const PenPlacement& pen, const Posture& last, double moved) {
   JointVector pull = (1 - std::exp(-moved / kRelax)) * last.drift;
-  if (!last.reached) pull.setZero();
-  else pull *= std::min(1.0, kMostDrift / std::max(pull.cwiseAbs().maxCoeff(), 1e-12));
+  if (!last.reached)
+    pull.setZero();
+  else
+    pull *= std::min(1.0, kMostDrift / std::max(pull.cwiseAbs().maxCoeff(), 1e-12));
   Posture posture = solve(pen, last.q + pull, last.reached ? kFollowSteps : kLostSteps);
   if (posture.reached) examine(pen, &posture);
   return posture;
@@ -177,7 +193,8 @@ Posture PostureCheck::enter(const PenPlacement& pen, const JointVector& last) {
     Posture posture = solve(pen, seed, kEnterSteps);
     for (int i = 0; posture.reached && i < 15 && posture.drift.norm() > 0.05; ++i) {
       const double most = std::max(posture.drift.cwiseAbs().maxCoeff(), 1e-12);
-      Posture rested = solve(pen, posture.q + std::min(0.5, 3 * kMostDrift / most) * posture.drift, kFollowSteps);
+      Posture rested = solve(pen, posture.q + std::min(0.5, 3 * kMostDrift / most) * posture.drift,
+                             kFollowSteps);
       if (!rested.reached) break;
       posture = std::move(rested);
     }

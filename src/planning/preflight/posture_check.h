@@ -1,7 +1,9 @@
-// One posture of the arm with its pen on a point: found by inverse kinematics from the last, and checked.
+// One posture of the arm with its pen on a point: found by inverse kinematics from the last, and
+// checked.
 //
 // Seed   q + (1 − exp(−moved/kRelax)) N (q_0 − q),  N = I − J⁺ J
-// as the controller's null space draws the spare joint (impedance.h); N is the kinematic projector, for one spare joint the same line.
+// as the controller's null space draws the spare joint (impedance.h); N is the kinematic projector,
+// for one spare joint the same line.
 #pragma once
 
 #include <optional>
@@ -15,23 +17,26 @@
 namespace impedraw {
 
 struct Posture {
-  JointVector q;                    // best, where the point is not reached
+  JointVector q;  // best, where the point is not reached
   bool reached = false;
-  JointVector drift;                // N (q_0 − q) [rad]
-  std::optional<Problem> problem;   // out_of_reach to pen_collision, the first that applies
-  double amount = 0;                // of it; larger is worse
+  JointVector drift;               // N (q_0 − q) [rad]
+  std::optional<Problem> problem;  // out_of_reach to pen_collision, the first that applies
+  double amount = 0;               // of it; larger is worse
   std::string text;
-  PreflightMargins margins;         // of this posture; no slope
+  PreflightMargins margins;  // of this posture; no slope
 };
 
 // What of the surface the tip is on: n is the pen's axis, outward. World frame W.
 class PostureCheck {
  public:
-  // Canvas and arm must outlive it. InputError: start_q or rest_q has not as many entries as the arm has joints.
-  PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q, const PreflightSettings& settings);
+  // Canvas and arm must outlive it. InputError: start_q or rest_q has not as many entries as the
+  // arm has joints.
+  PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+               const PreflightSettings& settings);
 
-  // The arm comes to the point anew, from `last` or else from the rest or the start posture, and comes to rest there: the first posture
-  // without a problem, or the first that reaches, or the one that gets nearest.
+  // The arm comes to the point anew, from `last` or else from the rest or the start posture, and
+  // comes to rest there: the first posture without a problem, or the first that reaches, or the one
+  // that gets nearest.
   Posture enter(const PenPlacement& pen, const JointVector& last);
 
   // On from the last posture, the tip having moved by so much [m].

@@ -33,7 +33,8 @@ struct Node {
 // Walks the arm over what of a stroke the surface allows.
 class ArmWalk {
  public:
-  ArmWalk(PostureCheck& check, const PreflightSettings& settings, const SurfaceSpan& span, const JointVector& last)
+  ArmWalk(PostureCheck& check, const PreflightSettings& settings, const SurfaceSpan& span,
+          const JointVector& last)
       : check_(check), settings_(settings), profile_(span, settings.normal_smoothing), last_(last) {
     Node left = node(span.from);
     left.posture = check_.enter(left.pen, last_);
@@ -87,7 +88,8 @@ class ArmWalk {
     const bool same = l.posture.problem == r.posture.problem;
     const double length = r.along - l.along;
     const PostureCheck::Change change = PostureCheck::change(l.posture, r.posture);
-    const bool jump = same && !l.posture.problem && change.by > settings_.max_joint_step * length / settings_.step + kLeastJump;
+    const bool jump = same && !l.posture.problem &&
+                      change.by > settings_.max_joint_step * length / settings_.step + kLeastJump;
     if (same && !jump) return extend(r);
     if (length > settings_.edge_tolerance) {
       const Node middle = between(l, r);
@@ -105,19 +107,28 @@ class ArmWalk {
   void add_jump(const Node& l, const Node& r, const PostureCheck::Change& change) {
     // Where the arm turns too fast for a while, that is one jump.
     const std::size_t n = stretches.size();
-    const bool goes_on = n >= 2 && stretches[n - 1].from == stretches[n - 1].to && stretches[n - 2].problem == Problem::joint_jump;
-    if (goes_on) stretches.pop_back();
-    else stretches.push_back({l.along, l.along, Problem::joint_jump, 0, l.along, l.pen.p_WE, {}});
+    const bool goes_on = n >= 2 && stretches[n - 1].from == stretches[n - 1].to &&
+                         stretches[n - 2].problem == Problem::joint_jump;
+    if (goes_on)
+      stretches.pop_back();
+    else
+      stretches.push_back({l.along, l.along, Problem::joint_jump, 0, l.along, l.pen.p_WE, {}});
     Stretch& jump = stretches.back();
     jump.to = r.along;
     jump.amount += change.by;
-    jump.text = fmt::format("joint {} would turn by {:.2f} rad within {:.1f} mm", change.joint + 1, jump.amount,
-                            1e3 * (jump.to - jump.from));
+    jump.text = fmt::format("joint {} would turn by {:.2f} rad within {:.1f} mm", change.joint + 1,
+                            jump.amount, 1e3 * (jump.to - jump.from));
     open(r, r.along);
   }
 
   void open(const Node& first, double from) {
-    stretches.push_back({from, first.along, first.posture.problem, -std::numeric_limits<double>::infinity(), from, first.pen.p_WE, {}});
+    stretches.push_back({from,
+                         first.along,
+                         first.posture.problem,
+                         -std::numeric_limits<double>::infinity(),
+                         from,
+                         first.pen.p_WE,
+                         {}});
     extend(first);
   }
 
@@ -149,10 +160,13 @@ class ArmWalk {
 
 void require_settings(const PreflightSettings& s) {
   const auto over_zero = [](const char* name, double value) {
-    if (!(value > 0 && std::isfinite(value))) throw InputError(fmt::format("preflight: {} is {}, valid is more than 0", name, value));
+    if (!(value > 0 && std::isfinite(value)))
+      throw InputError(fmt::format("preflight: {} is {}, valid is more than 0", name, value));
   };
   const auto within = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high)) throw InputError(fmt::format("preflight: {} is {}, valid is {} to {}", name, value, low, high));
+    if (!(value >= low && value <= high))
+      throw InputError(
+          fmt::format("preflight: {} is {}, valid is {} to {}", name, value, low, high));
   };
   over_zero("step", s.step);
   over_zero("surface_step", s.surface_step);
@@ -187,23 +201,36 @@ void drop_short(std::vector<Stretch>& stretches, double shortest) {
 
 const char* name_of(Problem problem) noexcept {
   switch (problem) {
-    case Problem::off_canvas: return "off_canvas";
-    case Problem::fold: return "fold";
-    case Problem::too_steep: return "too_steep";
-    case Problem::out_of_reach: return "out_of_reach";
-    case Problem::joint_limit: return "joint_limit";
-    case Problem::near_singular: return "near_singular";
-    case Problem::torque: return "torque";
-    case Problem::arm_collision: return "arm_collision";
-    case Problem::pen_collision: return "pen_collision";
-    case Problem::joint_jump: return "joint_jump";
-    case Problem::too_short: return "too_short";
+    case Problem::off_canvas:
+      return "off_canvas";
+    case Problem::fold:
+      return "fold";
+    case Problem::too_steep:
+      return "too_steep";
+    case Problem::out_of_reach:
+      return "out_of_reach";
+    case Problem::joint_limit:
+      return "joint_limit";
+    case Problem::near_singular:
+      return "near_singular";
+    case Problem::torque:
+      return "torque";
+    case Problem::arm_collision:
+      return "arm_collision";
+    case Problem::pen_collision:
+      return "pen_collision";
+    case Problem::joint_jump:
+      return "joint_jump";
+    case Problem::too_short:
+      return "too_short";
   }
   return "unknown";
 }
 
-Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, ArmModel& arm, const Canvas* obstacle,
-                        const JointVector& start_q, const PreflightSettings& settings, const std::function<void(double)>& progress) {
+Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
+                        ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+                        const PreflightSettings& settings,
+                        const std::function<void(double)>& progress) {
   require_settings(settings);
   PostureCheck check(arm, obstacle, start_q, settings);
   Preflight result;
@@ -215,7 +242,8 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
     std::vector<Stretch> stretches;
     for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
       if (span.problem) {
-        stretches.push_back({span.from, span.to, span.problem, 0, span.worst, settings.X_WP * span.p_PW, span.text});
+        stretches.push_back({span.from, span.to, span.problem, 0, span.worst,
+                             settings.X_WP * span.p_PW, span.text});
         continue;
       }
       margins.slope_deg = std::max(margins.slope_deg, span.slope * 180 / M_PI);
@@ -234,8 +262,11 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
     drop_short(stretches, settings.shortest);
     for (Stretch& stretch : stretches) {
       const StrokePart part{stroke.number, stretch.from, stretch.to};
-      if (!stretch.problem) result.drawable.push_back(part);
-      else result.findings.push_back({part, *stretch.problem, std::move(stretch.text), place_on(stroke, stretch.worst).page, stretch.p_W});
+      if (!stretch.problem)
+        result.drawable.push_back(part);
+      else
+        result.findings.push_back({part, *stretch.problem, std::move(stretch.text),
+                                   place_on(stroke, stretch.worst).page, stretch.p_W});
     }
   }
   return result;

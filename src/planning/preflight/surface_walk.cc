@@ -12,8 +12,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kSharp = 1e-5;    // a step in height that does not shrink down to this width is a fold [m]
-constexpr double kRetreat = 1e-6;  // so far ends stay clear of edges: nobody's rounding puts them on the other side [m]
+// a step in height that does not shrink down to this width is a fold [m]
+constexpr double kSharp = 1e-5;
+// so far ends stay clear of edges: nobody's rounding puts them on the other side [m]
+constexpr double kRetreat = 1e-6;
 
 struct Look {
   double along = 0;
@@ -25,7 +27,8 @@ struct Look {
 
 class Walk {
  public:
-  Walk(const SurfaceHeight& surface, const PreflightSettings& settings) : surface_(surface), settings_(settings) {}
+  Walk(const SurfaceHeight& surface, const PreflightSettings& settings)
+      : surface_(surface), settings_(settings) {}
 
   std::vector<SurfaceSpan> along(const PlacedStroke& stroke) {
     double from = stroke.start;
@@ -63,12 +66,16 @@ class Walk {
     return look;
   }
 
-  // By how much the height between l and r differs from what the slopes at both say, beyond what a bend in between explains [m].
+  // By how much the height between l and r differs from what the slopes at both say, beyond what a
+  // bend in between explains [m].
   static double step_in_height(const Look& l, const Look& r) {
     const Vector2d way = r.at - l.at;
-    const auto rise = [&way](const SurfaceSample& s) { return -way.dot(s.n_W.head<2>()) / s.n_W.z(); };
+    const auto rise = [&way](const SurfaceSample& s) {
+      return -way.dot(s.n_W.head<2>()) / s.n_W.z();
+    };
     const double before = rise(*l.sample), after = rise(*r.sample);
-    return std::abs(r.sample->p_W.z() - l.sample->p_W.z() - (before + after) / 2) - std::abs(after - before) / 2;
+    return std::abs(r.sample->p_W.z() - l.sample->p_W.z() - (before + after) / 2) -
+           std::abs(after - before) / 2;
   }
 
   void advance(const Look& l, const Look& r) {
@@ -81,8 +88,10 @@ class Walk {
       advance(l, middle);
       advance(middle, r);
     } else if (same) {
-      if (step_in_height(l, r) > settings_.fold_height) fold(l, r);
-      else extend(r);
+      if (step_in_height(l, r) > settings_.fold_height)
+        fold(l, r);
+      else
+        extend(r);
     } else {
       const double boundary = l.problem ? r.along : l.along;
       spans_.back().to = boundary;
@@ -97,7 +106,8 @@ class Walk {
     span.problem = Problem::fold;
     span.p_PW = r.sample->p_W;
     const double rise = r.sample->p_W.z() - l.sample->p_W.z();
-    span.text = fmt::format("the surface {} by {:.1f} mm", rise > 0 ? "rises" : "drops", 1e3 * std::abs(rise));
+    span.text = fmt::format("the surface {} by {:.1f} mm", rise > 0 ? "rises" : "drops",
+                            1e3 * std::abs(rise));
     spans_.push_back(std::move(span));
     open(r, r.along);
   }
@@ -119,19 +129,23 @@ class Walk {
     } else if (next.sample && next.slope >= span.slope) {
       span.worst = next.along;
       span.p_PW = next.sample->p_W;
-      span.text = fmt::format("slope {:.0f}°, allowed {:.0f}°", next.slope * 180 / M_PI, settings_.max_slope_deg);
+      span.text = fmt::format("slope {:.0f}°, allowed {:.0f}°", next.slope * 180 / M_PI,
+                              settings_.max_slope_deg);
     }
     span.slope = std::max(span.slope, next.slope);
   }
 
-  // Takes the ends of what can be drawn on, but the stroke's own, back from where the surface changes: a hair, or from where it ends by
-  // edge_margin. What is shorter than that lies all too near.
+  // Takes the ends of what can be drawn on, but the stroke's own, back from where the surface
+  // changes: a hair, or from where it ends by edge_margin. What is shorter than that lies all too
+  // near.
   void retreat() {
     for (std::size_t i = 0; i < spans_.size(); ++i) {
       SurfaceSpan& span = spans_[i];
       if (span.problem || span.along.size() < 2) continue;
       const auto distance = [&](std::size_t neighbour) {
-        return spans_[neighbour].problem == Problem::off_canvas ? std::max(kRetreat, settings_.edge_margin) : kRetreat;
+        return spans_[neighbour].problem == Problem::off_canvas
+                   ? std::max(kRetreat, settings_.edge_margin)
+                   : kRetreat;
       };
       const double from = i > 0 ? span.from + distance(i - 1) : span.from;
       const double to = i + 1 < spans_.size() ? span.to - distance(i + 1) : span.to;
@@ -139,7 +153,8 @@ class Walk {
         span.problem = Problem::too_short;
         span.worst = (span.from + span.to) / 2;
         span.p_PW = span.samples[span.samples.size() / 2].p_W;
-        span.text = fmt::format("{:.2f} mm are left within {:.1f} mm of the canvas's edges", 1e3 * (span.to - span.from), 1e3 * settings_.edge_margin);
+        span.text = fmt::format("{:.2f} mm are left within {:.1f} mm of the canvas's edges",
+                                1e3 * (span.to - span.from), 1e3 * settings_.edge_margin);
         continue;
       }
       if (i > 0) spans_[i - 1].to = from;
@@ -152,10 +167,13 @@ class Walk {
   static void trim(SurfaceSpan& span, double from, double to) {
     const auto at = [&span](double along) {
       const auto after = std::upper_bound(span.along.begin(), span.along.end(), along);
-      const auto next = std::clamp<std::size_t>(static_cast<std::size_t>(after - span.along.begin()), 1, span.along.size() - 1);
-      const double share = (along - span.along[next - 1]) / (span.along[next] - span.along[next - 1]);
+      const auto next = std::clamp<std::size_t>(
+          static_cast<std::size_t>(after - span.along.begin()), 1, span.along.size() - 1);
+      const double share =
+          (along - span.along[next - 1]) / (span.along[next] - span.along[next - 1]);
       const SurfaceSample &a = span.samples[next - 1], &b = span.samples[next];
-      return SurfaceSample{a.p_W + share * (b.p_W - a.p_W), ((1 - share) * a.n_W + share * b.n_W).normalized()};
+      return SurfaceSample{a.p_W + share * (b.p_W - a.p_W),
+                           ((1 - share) * a.n_W + share * b.n_W).normalized()};
     };
     std::vector<double> along{from};
     std::vector<SurfaceSample> samples{at(from)};
@@ -180,8 +198,10 @@ class Walk {
     if (!leaves) places.push_back(span.to);
     if (enters == leaves) places.push_back((span.from + span.to) / 2);
     double z = 0;
-    if (enters && !spans_[i - 1].samples.empty()) z = spans_[i - 1].samples.back().p_W.z();
-    else if (leaves && !spans_[i + 1].samples.empty()) z = spans_[i + 1].samples.front().p_W.z();
+    if (enters && !spans_[i - 1].samples.empty())
+      z = spans_[i - 1].samples.back().p_W.z();
+    else if (leaves && !spans_[i + 1].samples.empty())
+      z = spans_[i + 1].samples.front().p_W.z();
     double farthest = -1;
     for (double place : places) {
       const Vector2d at = place_on(stroke, place).world;
@@ -191,7 +211,9 @@ class Walk {
       farthest = by;
       span.worst = place;
       span.p_PW << at, z;
-      span.text = fmt::format("{} mm off the canvas", off ? fmt::format("{:.1f}", 1e3 * by) : fmt::format("over {:.0f}", 1e3 * kSearched));
+      span.text =
+          fmt::format("{} mm off the canvas", off ? fmt::format("{:.1f}", 1e3 * by)
+                                                  : fmt::format("over {:.0f}", 1e3 * kSearched));
       if (!off) break;
     }
   }
@@ -205,20 +227,23 @@ class Walk {
 
 }  // namespace
 
-std::vector<SurfaceSpan> walk_surface(const PlacedStroke& stroke, const SurfaceHeight& surface, const PreflightSettings& settings) {
+std::vector<SurfaceSpan> walk_surface(const PlacedStroke& stroke, const SurfaceHeight& surface,
+                                      const PreflightSettings& settings) {
   return Walk(surface, settings).along(stroke);
 }
 
-SurfaceProfile::SurfaceProfile(const SurfaceSpan& span, double smoothing) : span_(span), smoothing_(smoothing) {
+SurfaceProfile::SurfaceProfile(const SurfaceSpan& span, double smoothing)
+    : span_(span), smoothing_(smoothing) {
   integral_.assign(span.along.size(), Vector3d::Zero());
   for (std::size_t i = 1; i < integral_.size(); ++i) {
-    integral_[i] =
-        integral_[i - 1] + (span.along[i] - span.along[i - 1]) / 2 * (span.samples[i - 1].n_W + span.samples[i].n_W);
+    integral_[i] = integral_[i - 1] + (span.along[i] - span.along[i - 1]) / 2 *
+                                          (span.samples[i - 1].n_W + span.samples[i].n_W);
   }
 }
 
 std::size_t SurfaceProfile::interval(double along) const {
-  const auto after = std::upper_bound(span_.along.begin(), span_.along.end(), along) - span_.along.begin();
+  const auto after =
+      std::upper_bound(span_.along.begin(), span_.along.end(), along) - span_.along.begin();
   return std::clamp<std::size_t>(after, 1, span_.along.size() - 1);
 }
 
@@ -235,8 +260,10 @@ SurfaceSample SurfaceProfile::at(double along) const {
   const std::size_t i = interval(along);
   const double share = (along - span_.along[i - 1]) / (span_.along[i] - span_.along[i - 1]);
   const SurfaceSample &a = span_.samples[i - 1], &b = span_.samples[i];
-  // A window that is cut at an end of the span is cut on the other side as well: cut on one side, it would tell of another place.
-  const double half = std::min({smoothing_ / 2, along - span_.along.front(), span_.along.back() - along});
+  // A window that is cut at an end of the span is cut on the other side as well: cut on one side,
+  // it would tell of another place.
+  const double half =
+      std::min({smoothing_ / 2, along - span_.along.front(), span_.along.back() - along});
   Vector3d n = (1 - share) * a.n_W + share * b.n_W;
   if (half > 1e-9) n = normal_integral(along + half) - normal_integral(along - half);
   return {a.p_W + share * (b.p_W - a.p_W), n.normalized()};

@@ -30,7 +30,8 @@ std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
   const auto add_chain = [&hull](auto first, auto last) {
     const std::size_t base = hull.size();
     for (auto p = first; p != last; ++p) {
-      while (hull.size() >= base + 2 && turn(hull[hull.size() - 2], hull.back(), *p) <= 0) hull.pop_back();
+      while (hull.size() >= base + 2 && turn(hull[hull.size() - 2], hull.back(), *p) <= 0)
+        hull.pop_back();
       hull.push_back(*p);
     }
     hull.pop_back();  // the other chain begins with it

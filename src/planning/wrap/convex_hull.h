@@ -7,7 +7,8 @@
 
 namespace impedraw {
 
-// Corners counter-clockwise (Andrew's monotone chain); one or two points where that is all there is.
+// Corners counter-clockwise (Andrew's monotone chain); one or two points where that is all there
+// is.
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 
 // 0 inside. The hull has at least one corner.

@@ -21,7 +21,9 @@ Matrix2d metric(const SurfaceSample& sample) {
 
 LocalStretch stretch_of(const SurfaceSample& sample, const Matrix2d& J) {
   const Matrix2d to_plane = J.inverse();
-  const Vector2d squares = Eigen::SelfAdjointEigenSolver<Matrix2d>(to_plane.transpose() * metric(sample) * to_plane).eigenvalues();
+  const Vector2d squares =
+      Eigen::SelfAdjointEigenSolver<Matrix2d>(to_plane.transpose() * metric(sample) * to_plane)
+          .eigenvalues();
   return {std::sqrt(squares.y()), std::sqrt(squares.x())};
 }
 
@@ -71,7 +73,8 @@ Distortion over_strokes(const std::vector<PlacedStroke>& strokes, const Onto& on
         const std::optional<SurfaceSample> next = onto(stroke.world[k - 1] + along * i / chords);
         if (last && next) {
           gathering.lengths((next->p_W - last->p_W).norm() / length, length);
-          if (const auto middle = onto(stroke.world[k - 1] + along * (i - 0.5) / chords)) gathering.shapes(stretch(*middle));
+          if (const auto middle = onto(stroke.world[k - 1] + along * (i - 0.5) / chords))
+            gathering.shapes(stretch(*middle));
         }
         last = next;
       }
@@ -82,7 +85,8 @@ Distortion over_strokes(const std::vector<PlacedStroke>& strokes, const Onto& on
   return result;
 }
 
-Distortion over_patch(const SurfacePatch& patch, const std::function<Matrix2d(const Vector2d&)>& differential) {
+Distortion over_patch(const SurfacePatch& patch,
+                      const std::function<Matrix2d(const Vector2d&)>& differential) {
   Gathering gathering;
   for (const SurfaceSample& sample : patch.samples) {
     const Matrix2d J = differential(sample.p_W.head<2>());
@@ -96,19 +100,28 @@ Distortion over_patch(const SurfacePatch& patch, const std::function<Matrix2d(co
 
 }  // namespace
 
-double LocalStretch::angle() const { return 2 * std::asin((largest - smallest) / (largest + smallest)); }
-double LocalStretch::length_error() const { return std::max(std::abs(largest - 1), std::abs(smallest - 1)); }
+double LocalStretch::angle() const {
+  return 2 * std::asin((largest - smallest) / (largest + smallest));
+}
+double LocalStretch::length_error() const {
+  return std::max(std::abs(largest - 1), std::abs(smallest - 1));
+}
 
-LocalStretch stretch_of_projection(const SurfaceSample& sample) { return stretch_of(sample, Matrix2d::Identity()); }
+LocalStretch stretch_of_projection(const SurfaceSample& sample) {
+  return stretch_of(sample, Matrix2d::Identity());
+}
 LocalStretch stretch_of_wrap(const SurfaceSample& sample, const FlatChart& chart) {
   return stretch_of(sample, chart.differential(sample.p_W.head<2>()));
 }
 
-Distortion distortion_of_projection(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface) {
-  return over_strokes(strokes, [&](const Vector2d& p) { return surface(p.x(), p.y()); }, stretch_of_projection);
+Distortion distortion_of_projection(const std::vector<PlacedStroke>& strokes,
+                                    const SurfaceHeight& surface) {
+  return over_strokes(
+      strokes, [&](const Vector2d& p) { return surface(p.x(), p.y()); }, stretch_of_projection);
 }
 
-Distortion distortion_of_wrap(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, const FlatChart& chart) {
+Distortion distortion_of_wrap(const std::vector<PlacedStroke>& strokes,
+                              const SurfaceHeight& surface, const FlatChart& chart) {
   return over_strokes(
       strokes,
       [&](const Vector2d& flat) -> std::optional<SurfaceSample> {

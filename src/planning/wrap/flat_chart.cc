@@ -12,9 +12,9 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-constexpr double kBucket = 1.5;         // [spacings]
-constexpr double kOnEdge = 1e-9;        // of a triangle: barycentric coordinates from −this on are inside
-constexpr double kSolved = 1e-12;       // [m]
+constexpr double kBucket = 1.5;  // [spacings]
+constexpr double kOnEdge = 1e-9;  // of a triangle: barycentric coordinates from −this on are inside
+constexpr double kSolved = 1e-12;  // [m]
 constexpr int kNewtonSteps = 12;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -25,11 +25,14 @@ struct Weights {
 
 // Catmull-Rom's weights of the four nodes at −1, 0, 1, 2 for the value and the derivative at t.
 Weights catmull_rom(double t) {
-  return {{0.5 * t * (-1 + t * (2 - t)), 1 + t * t * (-2.5 + 1.5 * t), 0.5 * t * (1 + t * (4 - 3 * t)), 0.5 * t * t * (t - 1)},
-          {-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t), 0.5 + t * (4 - 4.5 * t), t * (1.5 * t - 1)}};
+  return {
+      {0.5 * t * (-1 + t * (2 - t)), 1 + t * t * (-2.5 + 1.5 * t), 0.5 * t * (1 + t * (4 - 3 * t)),
+       0.5 * t * t * (t - 1)},
+      {-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t), 0.5 + t * (4 - 4.5 * t), t * (1.5 * t - 1)}};
 }
 
-// The rotation by which a differential of positive determinant exceeds a symmetric one (polar decomposition in the plane).
+// The rotation by which a differential of positive determinant exceeds a symmetric one (polar
+// decomposition in the plane).
 Matrix2d turn_of(const Matrix2d& J) {
   return Eigen::Rotation2Dd(std::atan2(J(1, 0) - J(0, 1), J(0, 0) + J(1, 1))).toRotationMatrix();
 }
@@ -46,10 +49,12 @@ FlatChart::FlatChart(SurfacePatch patch, std::vector<Vector2d> flat, const Vecto
   fill_buckets();
 }
 
-// Nodes next to the patch that have no vertex get what the nearest ones inside go on to, so that its last cells are bicubic too.
+// Nodes next to the patch that have no vertex get what the nearest ones inside go on to, so that
+// its last cells are bicubic too.
 void FlatChart::fill_nodes(const std::vector<Vector2d>& flat) {
   const int columns = patch_.columns + 2, rows = patch_.rows + 2;
-  node_.assign(static_cast<std::size_t>(columns) * rows, Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
+  node_.assign(static_cast<std::size_t>(columns) * rows,
+               Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
   for (int j = 0; j < patch_.rows; ++j) {
     for (int i = 0; i < patch_.columns; ++i) {
       const int v = patch_.vertex[patch_.node(i, j)];
@@ -69,7 +74,8 @@ void FlatChart::fill_nodes(const std::vector<Vector2d>& flat) {
       int count[2] = {0, 0};
       for (int b = -1; b <= 1; ++b) {
         for (int a = -1; a <= 1; ++a) {
-          const Vector2d *f1 = at(i + a, j + b), *f2 = at(i + 2 * a, j + 2 * b), *f3 = at(i + 3 * a, j + 3 * b);
+          const Vector2d *f1 = at(i + a, j + b), *f2 = at(i + 2 * a, j + 2 * b),
+                         *f3 = at(i + 3 * a, j + 3 * b);
           if (!f1 || !f2) continue;
           sum[f3 ? 1 : 0] += f3 ? Vector2d(3 * *f1 - 3 * *f2 + *f3) : Vector2d(2 * *f1 - *f2);
           ++count[f3 ? 1 : 0];
@@ -96,9 +102,11 @@ void FlatChart::fill_buckets() {
     const Eigen::Vector3i& v = patch_.triangles[t];
     const Vector2d from = flat_[v[0]].cwiseMin(flat_[v[1]]).cwiseMin(flat_[v[2]]);
     const Vector2d to = flat_[v[0]].cwiseMax(flat_[v[1]]).cwiseMax(flat_[v[2]]);
-    const Eigen::Vector2i first = ((from - low_) / size).cast<int>(), last = ((to - low_) / size).cast<int>();
+    const Eigen::Vector2i first = ((from - low_) / size).cast<int>(),
+                          last = ((to - low_) / size).cast<int>();
     for (int b = first.y(); b <= last.y(); ++b) {
-      for (int a = first.x(); a <= last.x(); ++a) buckets_[a + bucket_columns_ * b].push_back(static_cast<int>(t));
+      for (int a = first.x(); a <= last.x(); ++a)
+        buckets_[a + bucket_columns_ * b].push_back(static_cast<int>(t));
     }
   }
 }
@@ -162,11 +170,13 @@ std::optional<Vector2d> FlatChart::to_plane(const Vector2d& flat) const {
   if (where < 0) return std::nullopt;
   for (const int t : buckets_[where]) {
     const Eigen::Vector3i& v = patch_.triangles[t];
-    const Vector2d a = flat_[v[1]] - flat_[v[0]], b = flat_[v[2]] - flat_[v[0]], c = flat - flat_[v[0]];
+    const Vector2d a = flat_[v[1]] - flat_[v[0]], b = flat_[v[2]] - flat_[v[0]],
+                   c = flat - flat_[v[0]];
     const double area = cross(a, b), s = cross(c, b) / area, r = cross(a, c) / area;
     if (s < -kOnEdge || r < -kOnEdge || s + r > 1 + kOnEdge) continue;
     const auto plane_of = [&](int k) -> Vector2d { return patch_.samples[v[k]].p_W.head<2>(); };
-    Vector2d plane = plane_of(0) + s * (plane_of(1) - plane_of(0)) + r * (plane_of(2) - plane_of(0));
+    Vector2d plane =
+        plane_of(0) + s * (plane_of(1) - plane_of(0)) + r * (plane_of(2) - plane_of(0));
     const Vector2d start = plane;
     for (int k = 0; k < kNewtonSteps; ++k) {
       const Place at = place(plane, 1);

@@ -24,7 +24,8 @@ using Eigen::Vector2d;
 struct ScratchFolder {
   ScratchFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "impedraw_wrap_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw InputError(fmt::format("wrap: no temporary folder can be made as {}", name));
+    if (mkdtemp(name.data()) == nullptr)
+      throw InputError(fmt::format("wrap: no temporary folder can be made as {}", name));
     path = name;
   }
   ~ScratchFolder() {
@@ -39,10 +40,11 @@ struct ScratchFolder {
 void write_patch(const SurfacePatch& patch, const std::filesystem::path& file) {
   std::ofstream out(file, std::ios::binary);
   const auto put = [&out](const auto* values, std::size_t count) {
-    out.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof *values));
+    out.write(reinterpret_cast<const char*>(values),
+              static_cast<std::streamsize>(count * sizeof *values));
   };
-  const std::int64_t head[] = {static_cast<std::int64_t>(patch.samples.size()), static_cast<std::int64_t>(patch.triangles.size()),
-                               patch.centre};
+  const std::int64_t head[] = {static_cast<std::int64_t>(patch.samples.size()),
+                               static_cast<std::int64_t>(patch.triangles.size()), patch.centre};
   put(head, 3);
   for (const SurfaceSample& s : patch.samples) put(s.p_W.data(), 3);
   for (const Eigen::Vector3i& t : patch.triangles) {
@@ -65,13 +67,15 @@ std::string last_line(const std::filesystem::path& file) {
 void run_script(const std::filesystem::path& folder, const std::filesystem::path& wanted_python) {
   const std::string python = wanted_python.empty() ? IMPEDRAW_PYTHON : wanted_python.string();
   const std::string argument = folder.string(), said = (folder / "said.txt").string();
-  const char* const arguments[] = {python.c_str(), "-I", IMPEDRAW_FLATTEN_SCRIPT, argument.c_str(), nullptr};
+  const char* const arguments[] = {python.c_str(), "-I", IMPEDRAW_FLATTEN_SCRIPT, argument.c_str(),
+                                   nullptr};
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 1, said.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   posix_spawn_file_actions_adddup2(&actions, 1, 2);
   pid_t child = 0;
-  const int spawned = posix_spawnp(&child, python.c_str(), &actions, nullptr, const_cast<char* const*>(arguments), environ);
+  const int spawned = posix_spawnp(&child, python.c_str(), &actions, nullptr,
+                                   const_cast<char* const*>(arguments), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (spawned != 0) throw InputError(fmt::format("wrap: {} does not start", python));
   int status = 0;
@@ -79,7 +83,8 @@ void run_script(const std::filesystem::path& folder, const std::filesystem::path
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
   const std::string why = last_line(said);
-  throw InputError(fmt::format("wrap: {} failed: {}", IMPEDRAW_FLATTEN_SCRIPT, why.empty() ? "it said nothing" : why));
+  throw InputError(fmt::format("wrap: {} failed: {}", IMPEDRAW_FLATTEN_SCRIPT,
+                               why.empty() ? "it said nothing" : why));
 }
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -92,22 +97,27 @@ void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& fl
     if (folded++ == 0) first = patch.samples[t[0]].p_W;
   }
   if (folded == 0) return;
-  throw InputError(fmt::format("wrap: the surface cannot be laid flat, {} of {} triangles fold over, the first at ({:.4f}, {:.4f}) m in "
-                               "the drawing plane; a smaller drawing, another place or the mapping `project` does without",
-                               folded, patch.triangles.size(), first.x(), first.y()));
+  throw InputError(fmt::format(
+      "wrap: the surface cannot be laid flat, {} of {} triangles fold over, the first at ({:.4f}, "
+      "{:.4f}) m in "
+      "the drawing plane; a smaller drawing, another place or the mapping `project` does without",
+      folded, patch.triangles.size(), first.x(), first.y()));
 }
 
 }  // namespace
 
-std::vector<Vector2d> flatten_patch(const SurfacePatch& patch, const std::filesystem::path& python) {
+std::vector<Vector2d> flatten_patch(const SurfacePatch& patch,
+                                    const std::filesystem::path& python) {
   const ScratchFolder scratch;
   write_patch(patch, scratch.path / "patch.bin");
   run_script(scratch.path, python);
   std::vector<Vector2d> flat(patch.samples.size());
   std::ifstream in(scratch.path / "flat.bin", std::ios::binary);
   const auto size = static_cast<std::streamsize>(flat.size() * sizeof(Vector2d));
-  if (!in.read(reinterpret_cast<char*>(flat.data()), size) || in.peek() != std::ifstream::traits_type::eof()) {
-    throw InputError(fmt::format("wrap: {} left no flat.bin of {} bytes", IMPEDRAW_FLATTEN_SCRIPT, size));
+  if (!in.read(reinterpret_cast<char*>(flat.data()), size) ||
+      in.peek() != std::ifstream::traits_type::eof()) {
+    throw InputError(
+        fmt::format("wrap: {} left no flat.bin of {} bytes", IMPEDRAW_FLATTEN_SCRIPT, size));
   }
   require_unfolded(patch, flat);
   return flat;

@@ -18,9 +18,12 @@ const double kSteepest = std::tan(80 * M_PI / 180);
 
 using Samples = std::vector<std::optional<SurfaceSample>>;  // by node
 
-std::array<int, 4> corners(const SurfacePatch& patch, int cell) { return {cell, cell + 1, cell + 1 + patch.columns, cell + patch.columns}; }
+std::array<int, 4> corners(const SurfacePatch& patch, int cell) {
+  return {cell, cell + 1, cell + 1 + patch.columns, cell + patch.columns};
+}
 
-Samples sample(const SurfacePatch& patch, const SurfaceHeight& surface, const std::function<bool(const Vector2d&)>& wanted) {
+Samples sample(const SurfacePatch& patch, const SurfaceHeight& surface,
+               const std::function<bool(const Vector2d&)>& wanted) {
   Samples samples(static_cast<std::size_t>(patch.columns) * patch.rows);
   for (int j = 0; j < patch.rows; ++j) {
     for (int k = 0; k < patch.columns; ++k) {
@@ -44,7 +47,8 @@ bool passable(const SurfacePatch& patch, const Samples& samples, int cell) {
   return true;
 }
 
-// Length of the shortest way from `start` to every node along edges and diagonals of cells (Dijkstra).
+// Length of the shortest way from `start` to every node along edges and diagonals of cells
+// (Dijkstra).
 std::vector<double> ways(const SurfacePatch& patch, const Samples& samples, int start) {
   std::vector<double> way(samples.size(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, int>;
@@ -71,7 +75,8 @@ std::vector<double> ways(const SurfacePatch& patch, const Samples& samples, int 
   return way;
 }
 
-// Of the cells only those that can be reached from the four about `start` across edges: pieces joined by a mere corner could turn about it.
+// Of the cells only those that can be reached from the four about `start` across edges: pieces
+// joined by a mere corner could turn about it.
 void keep_connected(SurfacePatch& patch, int start) {
   std::vector<char> kept(patch.cell.size(), false);
   std::vector<int> open;
@@ -122,12 +127,15 @@ void triangulate(SurfacePatch& patch, const Samples& samples) {
 
 }  // namespace
 
-SurfacePatch make_patch(const SurfaceHeight& surface, const Vector2d& centre, double spacing, double half_width, double reach,
+SurfacePatch make_patch(const SurfaceHeight& surface, const Vector2d& centre, double spacing,
+                        double half_width, double reach,
                         const std::function<bool(const Vector2d&)>& wanted) {
   if (!surface(centre.x(), centre.y())) {
-    throw InputError(fmt::format("wrap: the surface has no point above the drawing's centre, ({:.4f}, {:.4f}) m in the drawing plane, "
-                                 "to lay the page on",
-                                 centre.x(), centre.y()));
+    throw InputError(
+        fmt::format("wrap: the surface has no point above the drawing's centre, ({:.4f}, {:.4f}) m "
+                    "in the drawing plane, "
+                    "to lay the page on",
+                    centre.x(), centre.y()));
   }
   const int half = std::max(1, static_cast<int>(std::ceil(half_width / spacing)));
   SurfacePatch patch;
@@ -139,20 +147,24 @@ SurfacePatch make_patch(const SurfaceHeight& surface, const Vector2d& centre, do
   const Samples samples = sample(patch, surface, wanted);
   patch.cell.assign(samples.size(), false);
   for (int j = 0; j + 1 < patch.rows; ++j) {
-    for (int i = 0; i + 1 < patch.columns; ++i) patch.cell[patch.node(i, j)] = passable(patch, samples, patch.node(i, j));
+    for (int i = 0; i + 1 < patch.columns; ++i)
+      patch.cell[patch.node(i, j)] = passable(patch, samples, patch.node(i, j));
   }
   const std::vector<double> way = ways(patch, samples, start);
   for (std::size_t c = 0; c < patch.cell.size(); ++c) {
     if (!patch.cell[c]) continue;
-    for (const int node : corners(patch, static_cast<int>(c))) patch.cell[c] = patch.cell[c] && way[node] <= reach;
+    for (const int node : corners(patch, static_cast<int>(c)))
+      patch.cell[c] = patch.cell[c] && way[node] <= reach;
   }
   keep_connected(patch, start);
   triangulate(patch, samples);
   patch.centre = patch.vertex[start];
   if (patch.centre < 0) {
-    throw InputError(fmt::format("wrap: at the drawing's centre, ({:.4f}, {:.4f}) m in the drawing plane, the surface ends or "
-                                 "is steeper than 80° within {:g} mm: the page cannot be laid on it there",
-                                 centre.x(), centre.y(), 1e3 * spacing));
+    throw InputError(
+        fmt::format("wrap: at the drawing's centre, ({:.4f}, {:.4f}) m in the drawing plane, the "
+                    "surface ends or "
+                    "is steeper than 80° within {:g} mm: the page cannot be laid on it there",
+                    centre.x(), centre.y(), 1e3 * spacing));
   }
   return patch;
 }

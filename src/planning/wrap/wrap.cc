@@ -13,25 +13,30 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kCoarse = 2;        // spacings of the first patch, which only tells where the second one has to be
-constexpr double kDetour = 1.1;      // ways along a grid are up to 1.08 times as long as straight ones
-constexpr int kWidenings = 3;        // of the margin, where the first patch misled
-constexpr double kCutTo = 1e-6;      // how close to the patch's edge a stroke is cut [m]
-constexpr int kDeepest = 20;         // halvings of a segment
+// spacings of the first patch, which only tells where the second one has to be
+constexpr double kCoarse = 2;
+constexpr double kDetour = 1.1;  // ways along a grid are up to 1.08 times as long as straight ones
+constexpr int kWidenings = 3;    // of the margin, where the first patch misled
+constexpr double kCutTo = 1e-6;  // how close to the patch's edge a stroke is cut [m]
+constexpr int kDeepest = 20;     // halvings of a segment
 
 void check(const WrapSettings& s) {
   if (!(s.spacing >= 5e-4 && s.spacing <= 0.02)) {
-    throw InputError(fmt::format("wrap: spacing is {:g} mm, allowed is 0.5 to 20 mm", 1e3 * s.spacing));
+    throw InputError(
+        fmt::format("wrap: spacing is {:g} mm, allowed is 0.5 to 20 mm", 1e3 * s.spacing));
   }
   if (!(s.margin >= 2 * s.spacing && s.margin <= 1)) {
-    throw InputError(fmt::format("wrap: margin is {:g} mm, allowed is two spacings ({:g} mm) to 1000 mm", 1e3 * s.margin, 2e3 * s.spacing));
+    throw InputError(
+        fmt::format("wrap: margin is {:g} mm, allowed is two spacings ({:g} mm) to 1000 mm",
+                    1e3 * s.margin, 2e3 * s.spacing));
   }
   if (!(s.tolerance > 0 && std::isfinite(s.tolerance))) {
     throw InputError(fmt::format("wrap: tolerance is {:g} m, must be > 0", s.tolerance));
   }
 }
 
-std::shared_ptr<const FlatChart> chart_of(SurfacePatch patch, const Vector2d& centre, const WrapSettings& settings) {
+std::shared_ptr<const FlatChart> chart_of(SurfacePatch patch, const Vector2d& centre,
+                                          const WrapSettings& settings) {
   std::vector<Vector2d> flat = flatten_patch(patch, settings.python);
   return std::make_shared<const FlatChart>(std::move(patch), std::move(flat), centre);
 }
@@ -40,7 +45,10 @@ std::shared_ptr<const FlatChart> chart_of(SurfacePatch patch, const Vector2d& ce
 class Follower {
  public:
   Follower(const FlatChart& chart, const WrapSettings& settings, WrappedStrokes& result)
-      : chart_(chart), tolerance_(settings.tolerance), step_(chart.patch().spacing / 2), result_(result) {}
+      : chart_(chart),
+        tolerance_(settings.tolerance),
+        step_(chart.patch().spacing / 2),
+        result_(result) {}
 
   void follow(const PlacedStroke& stroke) {
     number_ = stroke.number;
@@ -52,7 +60,8 @@ class Follower {
     begin(last);
     for (std::size_t k = 1; k < stroke.world.size(); ++k) {
       const Point next = point(stroke.world[k], stroke.page[k]);
-      const int pieces = std::max(1, static_cast<int>(std::ceil((next.flat - last.flat).norm() / (4 * step_))));
+      const int pieces =
+          std::max(1, static_cast<int>(std::ceil((next.flat - last.flat).norm() / (4 * step_))));
       Point from = last;
       for (int i = 1; i <= pieces; ++i) {
         const Point to = i == pieces ? next : between(last, next, static_cast<double>(i) / pieces);
@@ -70,7 +79,9 @@ class Follower {
     std::optional<Vector2d> plane;
   };
 
-  Point point(const Vector2d& flat, const Vector2d& page) const { return {flat, page, chart_.to_plane(flat)}; }
+  Point point(const Vector2d& flat, const Vector2d& page) const {
+    return {flat, page, chart_.to_plane(flat)};
+  }
   Point between(const Point& a, const Point& b, double share) const {
     return point(a.flat + share * (b.flat - a.flat), a.page + share * (b.page - a.page));
   }
@@ -127,7 +138,8 @@ class Follower {
     part_.page.push_back(p.page);
   }
   void finish_part() {
-    if (part_.world.size() > 1 || (dot_ && !part_.world.empty())) result_.strokes.push_back(std::move(part_));
+    if (part_.world.size() > 1 || (dot_ && !part_.world.empty()))
+      result_.strokes.push_back(std::move(part_));
     part_ = {};
   }
   void end() {
@@ -146,31 +158,38 @@ class Follower {
 
 }  // namespace
 
-Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre, const std::vector<PlacedStroke>& strokes, const WrapSettings& settings)
+Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
+           const std::vector<PlacedStroke>& strokes, const WrapSettings& settings)
     : settings_(settings) {
   check(settings);
   std::vector<Vector2d> points;
-  for (const PlacedStroke& stroke : strokes) points.insert(points.end(), stroke.world.begin(), stroke.world.end());
+  for (const PlacedStroke& stroke : strokes)
+    points.insert(points.end(), stroke.world.begin(), stroke.world.end());
   if (points.empty()) throw InputError("wrap: there are no strokes to wrap");
   points.push_back(centre);
   const std::vector<Vector2d> hull = convex_hull(points);
   double farthest = 0;
   for (const Vector2d& p : hull) farthest = std::max(farthest, (p - centre).norm());
 
-  // A way along the surface is never shorter than its shadow in the plane, so that a disc there holds all that can be needed.
+  // A way along the surface is never shorter than its shadow in the plane, so that a disc there
+  // holds all that can be needed.
   const double radius = farthest + settings.margin;
-  const auto coarse = chart_of(make_patch(surface, centre, kCoarse * settings.spacing, kDetour * radius, kDetour * radius,
-                                          [&](const Vector2d& p) { return (p - centre).norm() <= kDetour * radius; }), centre, settings);
+  const auto coarse = chart_of(
+      make_patch(surface, centre, kCoarse * settings.spacing, kDetour * radius, kDetour * radius,
+                 [&](const Vector2d& p) { return (p - centre).norm() <= kDetour * radius; }),
+      centre, settings);
   double margin = settings.margin;
   for (int k = 0; k < kWidenings; ++k, margin *= 2) {
     const auto wanted = [&](const Vector2d& p) {
       const std::optional<Vector2d> flat = coarse->to_flat(p, true);
       return flat && distance_to_hull(hull, *flat) <= margin;
     };
-    chart_ = chart_of(make_patch(surface, centre, settings.spacing, kDetour * radius, std::numeric_limits<double>::infinity(), wanted),
+    chart_ = chart_of(make_patch(surface, centre, settings.spacing, kDetour * radius,
+                                 std::numeric_limits<double>::infinity(), wanted),
                       centre, settings);
     bool missed = false;  // though there is surface
-    for (const Vector2d& p : points) missed = missed || (!chart_->to_plane(p) && coarse->to_plane(p));
+    for (const Vector2d& p : points)
+      missed = missed || (!chart_->to_plane(p) && coarse->to_plane(p));
     if (!missed) return;
   }
 }

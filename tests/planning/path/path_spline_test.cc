@@ -13,22 +13,25 @@ using Eigen::Vector3d;
 
 TEST(PathSpline, CircleOnTheBowl) {
   std::vector<SurfaceSample> knots;
-  for (int i = 0; i <= 600; ++i) knots.push_back(*surfaces::bowl(0.60 + 0.1 * std::cos(i * 0.01), 0.1 * std::sin(i * 0.01)));
+  for (int i = 0; i <= 600; ++i)
+    knots.push_back(*surfaces::bowl(0.60 + 0.1 * std::cos(i * 0.01), 0.1 * std::sin(i * 0.01)));
   const PathSpline spline(knots);
   EXPECT_NEAR(spline.arc_length(), 0.6, 1e-8);
   for (double u = 0; u <= spline.length(); u += 1.234e-3) {
     const SplinePoint s = spline.at(u);
     EXPECT_NEAR((s.p - Vector3d(0.60, 0, s.p.z())).norm(), 0.1, 1e-9);
     EXPECT_NEAR(s.dp.norm(), 1, 5e-5);
-    EXPECT_NEAR(s.ddp.norm(), 10, 0.02);                                // 1/r
+    EXPECT_NEAR(s.ddp.norm(), 10, 0.02);  // 1/r
     EXPECT_NEAR(s.n.cross((surfaces::kBowlCentre - s.p).normalized()).norm(), 0, 1e-7);
-    EXPECT_NEAR(s.n.cross(s.dn).norm(), 1 / surfaces::kBowlRadius, 1e-4);  // the normal turns as the sphere does
+    EXPECT_NEAR(s.n.cross(s.dn).norm(), 1 / surfaces::kBowlRadius,
+                1e-4);  // the normal turns as the sphere does
   }
 }
 
 TEST(PathSpline, StraightLinesStayStraight) {
   std::vector<SurfaceSample> knots;
-  for (double x : {0.0, 0.1, 0.1001, 0.15, 0.4}) knots.push_back({{x, 2 * x, 0.5}, Vector3d::UnitZ()});
+  for (double x : {0.0, 0.1, 0.1001, 0.15, 0.4})
+    knots.push_back({{x, 2 * x, 0.5}, Vector3d::UnitZ()});
   const PathSpline spline(knots);
   for (double u = 0; u <= spline.length(); u += 1e-3) {
     const SplinePoint s = spline.at(u);
@@ -58,12 +61,15 @@ TEST(PathSpline, DerivativesAreThose) {
       EXPECT_LT(((b.n - a.n) / (2 * h) - s.dn).norm(), 1e-4 * (1 + s.dn.norm()));
       EXPECT_LT(((b.dn - a.dn) / (2 * h) - s.ddn).norm(), 1e-4 * (1 + s.ddn.norm()) + 20);
     }
-    for (std::size_t i = 0; i < spline.spans(); ++i) EXPECT_LT((spline.at(spline.start(i)).p - knots[i].p_W).norm(), 1e-14);
+    for (std::size_t i = 0; i < spline.spans(); ++i)
+      EXPECT_LT((spline.at(spline.start(i)).p - knots[i].p_W).norm(), 1e-14);
     // The bounds hold inside each span.
     for (std::size_t i = 0; i < spline.spans(); ++i) {
       const PathSpline::Bounds bounds = spline.bounds(i);
       for (int k = 0; k <= 50; ++k) {
-        EXPECT_LE(spline.at(spline.start(i) + (spline.end(i) - spline.start(i)) * k / 50).ddp.norm(), bounds.bend * (1 + 1e-12));
+        EXPECT_LE(
+            spline.at(spline.start(i) + (spline.end(i) - spline.start(i)) * k / 50).ddp.norm(),
+            bounds.bend * (1 + 1e-12));
       }
     }
   }

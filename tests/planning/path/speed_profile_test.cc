@@ -26,7 +26,8 @@ TEST(SpeedProfile, TrapezoidAndTriangleInClosedForm) {
 }
 
 TEST(SpeedProfile, ManySpansOfOneLimitAreOneSpan) {
-  const SpeedProfile one({{0.5, 0.05, 1}}, 0.04), many(std::vector<SpeedSpan>(1000, {0.0005, 0.05, 1}), 0.04);
+  const SpeedProfile one({{0.5, 0.05, 1}}, 0.04),
+      many(std::vector<SpeedSpan>(1000, {0.0005, 0.05, 1}), 0.04);
   EXPECT_NEAR(one.duration(), many.duration(), 1e-10);
   for (double t = 0; t < one.duration(); t += 0.0137) EXPECT_NEAR(one.at(t).x, many.at(t).x, 1e-10);
 }
@@ -40,7 +41,8 @@ TEST(SpeedProfile, RandomSpansKeepTheirLimitsAndTheirDerivatives) {
     const int count = 1 + static_cast<int>(60 * any(random));
     double highest_acceleration = 0, length = 0;
     for (int i = 0; i < count; ++i) {
-      spans.push_back({std::pow(10.0, -5 + 3 * any(random)), 0.005 + 0.1 * any(random), 0.3 + any(random)});
+      spans.push_back(
+          {std::pow(10.0, -5 + 3 * any(random)), 0.005 + 0.1 * any(random), 0.3 + any(random)});
       highest_acceleration = std::max(highest_acceleration, spans.back().acceleration);
       length += spans.back().length;
     }
@@ -57,7 +59,8 @@ TEST(SpeedProfile, RandomSpansKeepTheirLimitsAndTheirDerivatives) {
       ASSERT_LE(s.speed, spans[in].speed + 1e-9);
       ASSERT_LE(std::abs(s.acceleration), spans[in].acceleration + 1e-9);
       ASSERT_NEAR((after.x - before.x) / (2 * h), s.speed, 1e-7);
-      ASSERT_NEAR((after.speed - before.speed) / (2 * h), s.acceleration, 2 * highest_acceleration / T * h + 1e-7);
+      ASSERT_NEAR((after.speed - before.speed) / (2 * h), s.acceleration,
+                  2 * highest_acceleration / T * h + 1e-7);
     }
     EXPECT_NEAR(profile.at(profile.duration() - 1e-6).x, length, 1e-9);
     EXPECT_NEAR(profile.at(profile.duration() - 1e-6).speed, 0, 1e-6);
@@ -73,7 +76,8 @@ TEST(SpeedProfile, NoFasterProfileExistsBeforeSmoothing) {
   const SpeedProfile profile(spans, 0);
   for (double t = 1e-4; t < profile.duration(); t += 1e-3) {
     const SpeedState s = profile.at(t);
-    const double limit = spans[std::min<std::size_t>(static_cast<std::size_t>(s.x / 0.002), 49)].speed;
+    const double limit =
+        spans[std::min<std::size_t>(static_cast<std::size_t>(s.x / 0.002), 49)].speed;
     EXPECT_TRUE(std::abs(s.acceleration) > 0.499 || s.speed > limit - 1e-9) << t;
   }
 }

@@ -1,4 +1,5 @@
-// What a large drawing costs: planning in seconds, asking in a fraction of a microsecond, without touching the heap.
+// What a large drawing costs: planning in seconds, asking in a fraction of a microsecond, without
+// touching the heap.
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -26,14 +27,19 @@ namespace {
 using Eigen::Vector2d;
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 TEST(TipCost, HundredFiftyThousandPoints) {
   std::vector<PlacedStroke> strokes;
   for (int k = 0; k < 1500; ++k) {
     std::vector<Vector2d> points;
-    const Vector2d centre = 0.12 * std::sqrt(k / 1500.0) * Vector2d(std::cos(2.4 * k), std::sin(2.4 * k)) + Vector2d(0.6, 0);
-    for (int i = 0; i < 100; ++i) points.push_back(centre + 0.004 * Vector2d(std::cos(0.063 * i), std::sin(0.126 * i)));
+    const Vector2d centre =
+        0.12 * std::sqrt(k / 1500.0) * Vector2d(std::cos(2.4 * k), std::sin(2.4 * k)) +
+        Vector2d(0.6, 0);
+    for (int i = 0; i < 100; ++i)
+      points.push_back(centre + 0.004 * Vector2d(std::cos(0.063 * i), std::sin(0.126 * i)));
     strokes.push_back(surfaces::line(points));
   }
   const auto start = Clock::now();
@@ -56,7 +62,8 @@ TEST(TipCost, HundredFiftyThousandPoints) {
   EXPECT_EQ(allocations, before + 2);  // the count does count
   EXPECT_GT(sum, 0);
   RecordProperty("at_ns", static_cast<int>(1e9 * best));
-  std::printf("planned in %.0f ms, %.0f s of drawing, %.0f ns a call\n", 1e3 * planning, path.duration(), 1e9 * best);
+  std::printf("planned in %.0f ms, %.0f s of drawing, %.0f ns a call\n", 1e3 * planning,
+              path.duration(), 1e9 * best);
   EXPECT_LT(best, 2e-6);
 }
 

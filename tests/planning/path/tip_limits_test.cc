@@ -1,4 +1,5 @@
-// p, v, a and n, w, alpha are each other's derivatives, and no limit is passed, on drawings of every kind.
+// p, v, a and n, w, alpha are each other's derivatives, and no limit is passed, on drawings of
+// every kind.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -14,7 +15,8 @@ using Eigen::Vector3d;
 
 void check(const TipPath& path, const PathSettings& s) {
   const double h = 2e-6, step = std::max(1e-3, path.duration() / 15000);
-  const double most = std::max({s.draw_acceleration, s.travel_acceleration}), jerk = 40 * most / s.smoothing_time;
+  const double most = std::max({s.draw_acceleration, s.travel_acceleration}),
+               jerk = 40 * most / s.smoothing_time;
   for (double t = 0.77e-3; t < path.duration(); t += step) {
     SCOPED_TRACE(t);
     const PathSample now = path.at(t);
@@ -27,8 +29,12 @@ void check(const TipPath& path, const PathSettings& s) {
     ASSERT_LT(((b.w_WD - a.w_WD) / (2 * h) - g.alpha_WD).norm(), 1e-2 + 1e-2 * g.alpha_WD.norm());
     const double speed = g.v_WD.norm(), acceleration = g.a_WD.norm();
     const bool drawing = now.phase == Phase::draw, approaching = now.phase == Phase::approach;
-    ASSERT_LE(speed, (drawing ? s.draw_speed : approaching ? s.approach_speed : s.travel_speed) * (1 + 1e-9));
-    ASSERT_LE(acceleration, (drawing || approaching ? s.draw_acceleration : s.travel_acceleration) * (1 + 1e-9));
+    ASSERT_LE(speed, (drawing       ? s.draw_speed
+                      : approaching ? s.approach_speed
+                                    : s.travel_speed) *
+                         (1 + 1e-9));
+    ASSERT_LE(acceleration,
+              (drawing || approaching ? s.draw_acceleration : s.travel_acceleration) * (1 + 1e-9));
     ASSERT_TRUE(drawing || g.w_WD.norm() <= s.turn_speed * (1 + 1e-9));
   }
 }
@@ -59,7 +65,8 @@ std::vector<PlacedStroke> random_strokes(unsigned seed) {
   for (int k = 0; k < 4; ++k) {
     std::vector<Vector2d> points{{0.6 + 0.1 * any(random), 0.1 * any(random)}};
     double direction = 3 * any(random), bend = 0;
-    const double side = std::pow(10.0, -4.2 + 1.2 * any(random)), wildness = 0.1 * (1 + any(random));
+    const double side = std::pow(10.0, -4.2 + 1.2 * any(random)),
+                 wildness = 0.1 * (1 + any(random));
     const int count = k == 3 ? 0 : 60;
     for (int i = 0; i < count; ++i) {
       bend = 0.9 * bend + wildness * any(random);

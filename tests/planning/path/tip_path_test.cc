@@ -36,9 +36,11 @@ std::vector<Phase> phases(const TipPath& path) {
 }
 
 TEST(TipPath, PhasesFollowOneAnother) {
-  const TipPath path = plan_tip_path({line({{0.55, 0}, {0.6, 0.05}}), line({{0.6, -0.05}, {0.65, -0.05}})}, surfaces::bowl);
+  const TipPath path = plan_tip_path(
+      {line({{0.55, 0}, {0.6, 0.05}}), line({{0.6, -0.05}, {0.65, -0.05}})}, surfaces::bowl);
   using enum Phase;
-  EXPECT_THAT(phases(path), testing::ElementsAre(travel, approach, draw, lift, travel, approach, draw, lift, done));
+  EXPECT_THAT(phases(path), testing::ElementsAre(travel, approach, draw, lift, travel, approach,
+                                                 draw, lift, done));
 }
 
 TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
@@ -49,11 +51,13 @@ TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
   const TipPath path = plan_tip_path({line({{0.55, 0}, {0.6, 0.05}})}, surfaces::bowl, settings);
   EXPECT_LT((path.at(0).goal.p_WD - settings.start_p_WE).norm(), 1e-12);
   EXPECT_LT((path.at(0).goal.n_WD - settings.start_n_W).norm(), 1e-12);
-  EXPECT_LT((path.at(0.2).goal.p_WD.head<2>() - settings.start_p_WE.head<2>()).norm(), 1e-12);  // straight up first
+  EXPECT_LT((path.at(0.2).goal.p_WD.head<2>() - settings.start_p_WE.head<2>()).norm(),
+            1e-12);  // straight up first
   const PathSample end = path.at(path.duration() + 5);
   const SurfaceSample last = *surfaces::bowl(0.6, 0.05);
   EXPECT_NEAR(end.goal.p_WD.z(), 0.16 + settings.safe_height, 1e-9);
-  EXPECT_LT((end.goal.p_WD - last.p_W).normalized().cross(last.n_W).norm(), 5e-5);  // along the normal
+  EXPECT_LT((end.goal.p_WD - last.p_W).normalized().cross(last.n_W).norm(),
+            5e-5);  // along the normal
   EXPECT_EQ(end.phase, Phase::done);
   EXPECT_EQ(end.stroke, -1);
   EXPECT_FALSE(end.goal.pen_down);
@@ -61,21 +65,25 @@ TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
 }
 
 TEST(TipPath, StrokeAndPenDownAreTimedAsMeasured) {
-  const std::vector<PlacedStroke> strokes{line({{0.55, 0}, {0.6, 0.05}}), line({{0.6, -0.05}, {0.65, -0.05}, {0.65, 0}}, 1)};
+  const std::vector<PlacedStroke> strokes{line({{0.55, 0}, {0.6, 0.05}}),
+                                          line({{0.6, -0.05}, {0.65, -0.05}, {0.65, 0}}, 1)};
   const PathSettings settings;
   const TipPath path = plan_tip_path(strokes, surfaces::bowl, settings);
   ASSERT_EQ(path.strokes().size(), 2u);
   for (int k = 0; k < 2; ++k) {
     const StrokeTimes& s = path.strokes()[k];
-    const Vector3d first = surfaces::bowl(strokes[k].world.front().x(), strokes[k].world.front().y())->p_W;
-    const Vector3d last = surfaces::bowl(strokes[k].world.back().x(), strokes[k].world.back().y())->p_W;
+    const Vector3d first =
+        surfaces::bowl(strokes[k].world.front().x(), strokes[k].world.front().y())->p_W;
+    const Vector3d last =
+        surfaces::bowl(strokes[k].world.back().x(), strokes[k].world.back().y())->p_W;
     EXPECT_EQ(path.at(s.start - 1e-6).stroke, -1);
     EXPECT_EQ(path.at(s.start + 1e-6).stroke, k);
     EXPECT_EQ(path.at(s.end - 1e-6).stroke, k);
     EXPECT_EQ(path.at(s.end + 1e-6).stroke, -1);
     EXPECT_LT((path.at(s.start).goal.p_WD - first).norm(), 1e-9);
     EXPECT_LT((path.at(s.end).goal.p_WD - last).norm(), 1e-9);
-    EXPECT_GT((path.at(s.start + 0.03).goal.p_WD - first).norm(), 1e-6);   // it does leave at that instant
+    EXPECT_GT((path.at(s.start + 0.03).goal.p_WD - first).norm(),
+              1e-6);  // it does leave at that instant
     EXPECT_GT((path.at(s.end - 0.03).goal.p_WD - last).norm(), 1e-6);
     // Down from the approach's start to the lift's, settled before drawing.
     EXPECT_FALSE(path.at(s.approach - 1e-6).goal.pen_down);
@@ -97,9 +105,11 @@ TEST(TipPath, SineKeepsToItsFormulaAndItsSpeed) {
   for (double t = s.start; t <= s.end; t += 1e-3) {
     const TipGoal goal = path.at(t).goal;
     const Vector3d& p = goal.p_WD;
-    ASSERT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 2.4e-5);  // 0.01 mm across, slope up to 2.1
+    ASSERT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15),
+                2.4e-5);  // 0.01 mm across, slope up to 2.1
     ASSERT_NEAR((p - surfaces::kBowlCentre).norm(), surfaces::kBowlRadius, 1e-7);
-    ASSERT_LT(goal.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(), 5e-4);  // smoothing takes up to 0.03° off, at the ends
+    ASSERT_LT(goal.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(),
+              5e-4);  // smoothing takes up to 0.03° off, at the ends
     arc += (p - last).norm();
     last = p;
   }
@@ -117,7 +127,8 @@ TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
     std::uniform_real_distribution<double> noise(-kNoise, kNoise);
     const auto noisy = [&](double x, double y) {
       std::optional<SurfaceSample> sample = surfaces::bowl(x, y);
-      if (sample) sample->n_W = (sample->n_W + Vector3d(noise(bits), noise(bits), noise(bits))).normalized();
+      if (sample)
+        sample->n_W = (sample->n_W + Vector3d(noise(bits), noise(bits), noise(bits))).normalized();
       return sample;
     };
     PathSettings settings;
@@ -158,7 +169,8 @@ TEST(TipPath, MStopsAtItsCorners) {
 
 TEST(TipPath, DotsAreHeld) {
   const PathSettings settings;
-  const TipPath path = plan_tip_path({line({{0.6, 0.02}}), line({{0.6, 0.05}, {0.6, 0.05}})}, surfaces::bowl, settings);
+  const TipPath path = plan_tip_path({line({{0.6, 0.02}}), line({{0.6, 0.05}, {0.6, 0.05}})},
+                                     surfaces::bowl, settings);
   for (const StrokeTimes& s : path.strokes()) {
     EXPECT_NEAR(s.end - s.start, settings.dot_time, 1e-12);
     EXPECT_EQ(s.length, 0);
@@ -183,13 +195,17 @@ TEST(TipPath, BlindDrawsSunkWithAnUprightPen) {
   // Sunk gradually: straight down through the surface at the approach's speed.
   const double down = (settings.hover_height + settings.sink) / settings.approach_speed;
   EXPECT_NEAR(s.start - s.approach, down + settings.settle_time, 0.06);
-  for (double t = s.approach; t < s.start; t += 1e-3) ASSERT_LE(path.at(t).goal.v_WD.norm(), settings.approach_speed + 1e-9);
+  for (double t = s.approach; t < s.start; t += 1e-3)
+    ASSERT_LE(path.at(t).goal.v_WD.norm(), settings.approach_speed + 1e-9);
 }
 
 TEST(TipPath, PolygonsSmallTurnsAreRoundedWithinTheTolerance) {
-  // Ten-sided turns of 20° with sides of 10 mm: no stop, never further off than 0.01 mm, seen from above.
+  // Ten-sided turns of 20° with sides of 10 mm: no stop, never further off than 0.01 mm, seen from
+  // above.
   std::vector<Vector2d> polygon{{0.58, -0.03}};
-  for (int i = 0; i < 10; ++i) polygon.push_back(polygon.back() + 0.01 * Vector2d(std::cos(i * M_PI / 9), std::sin(i * M_PI / 9)));
+  for (int i = 0; i < 10; ++i)
+    polygon.push_back(polygon.back() +
+                      0.01 * Vector2d(std::cos(i * M_PI / 9), std::sin(i * M_PI / 9)));
   const TipPath path = plan_tip_path({line(polygon)}, surfaces::bowl, surfaces::brisk());
   const StrokeTimes& s = path.strokes().at(0);
   double slowest = 1;
@@ -206,12 +222,14 @@ TEST(TipPath, JitterOfFinePointsIsNotDrawn) {
   std::vector<Vector2d> points;
   for (int i = 0; i <= 5000; ++i) {
     const double a = i * 2e-4;
-    points.push_back({std::round(1e6 * (0.6 + 0.1 * std::cos(a))) / 1e6, std::round(1e6 * 0.1 * std::sin(a)) / 1e6});
+    points.push_back({std::round(1e6 * (0.6 + 0.1 * std::cos(a))) / 1e6,
+                      std::round(1e6 * 0.1 * std::sin(a)) / 1e6});
   }
   const TipPath path = plan_tip_path({line(points)}, surfaces::bowl, surfaces::brisk());
   const StrokeTimes& s = path.strokes().at(0);
   EXPECT_GE(1e3 * s.length / (s.end - s.start), 47.0);
-  for (double t = s.start; t <= s.end; t += 1e-3) ASSERT_NEAR((path.at(t).goal.p_WD.head<2>() - Vector2d(0.6, 0)).norm(), 0.1, 1.1e-5);
+  for (double t = s.start; t <= s.end; t += 1e-3)
+    ASSERT_NEAR((path.at(t).goal.p_WD.head<2>() - Vector2d(0.6, 0)).norm(), 0.1, 1.1e-5);
 }
 
 TEST(TipPath, LeavingTheCanvasSaysWhereAndByHowMuch) {
@@ -219,12 +237,16 @@ TEST(TipPath, LeavingTheCanvasSaysWhereAndByHowMuch) {
   out.page = {{-100, 0}, {-200, 0}};
   out.number = 1;
   EXPECT_EQ(message({line({{0.6, 0}, {0.6, 0.1}}), out}),
-            "stroke 1 leaves the canvas at page (-200.00, 0.00) mm, world (0.6000, 0.2000) m, 20.0 mm off it");
+            "stroke 1 leaves the canvas at page (-200.00, 0.00) mm, world (0.6000, 0.2000) m, 20.0 "
+            "mm off it");
   EXPECT_NE(message({line({{5, 5}})}).find("more than 500 mm off it"), std::string::npos);
   // Also where only the way between two of its points does.
-  EXPECT_NE(message({line({{0.6, -0.05}, {0.6, 0.05}})}, {}, [](double x, double y) {
-              return std::abs(y) < 0.004 ? std::nullopt : surfaces::table(x, y);
-            }).find("stroke 0 leaves the canvas at"), std::string::npos);
+  EXPECT_NE(message({line({{0.6, -0.05}, {0.6, 0.05}})}, {},
+                    [](double x, double y) {
+                      return std::abs(y) < 0.004 ? std::nullopt : surfaces::table(x, y);
+                    })
+                .find("stroke 0 leaves the canvas at"),
+            std::string::npos);
 }
 
 TEST(TipPath, BadSettingsAreNamed) {
@@ -239,7 +261,8 @@ TEST(TipPath, BadSettingsAreNamed) {
   settings.corner_angle_deg = 120;
   EXPECT_EQ(message(strokes, settings), "path corner_angle_deg: 120; must be > 0 and < 90");
   EXPECT_EQ(message({}), "path: there are no strokes to plan");
-  EXPECT_EQ(message({line({{0.6, 0}, {std::nan(""), 0}})}), "stroke 0: point 1 is not a finite number");
+  EXPECT_EQ(message({line({{0.6, 0}, {std::nan(""), 0}})}),
+            "stroke 0: point 1 is not a finite number");
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ inline SurfaceHeight flat(double z) {
 
 // A wall of no thickness: x = at, from y = −half to half, z = low to high.
 inline TriangleMesh wall(double at, double half, double low, double high) {
-  return {{{at, -half, low}, {at, half, low}, {at, half, high}, {at, -half, high}}, {{0, 1, 2}, {0, 2, 3}}};
+  return {{{at, -half, low}, {at, half, low}, {at, half, high}, {at, -half, high}},
+          {{0, 1, 2}, {0, 2, 3}}};
 }
 
 }  // namespace impedraw::surfaces

@@ -4,17 +4,19 @@
 #include <gtest/gtest.h>
 
 #include "arm_on_surface.h"
-#include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/path/tip_planner.h"
+#include "impedraw/planning/preflight/preflight.h"
 #include "planning/surfaces.h"
 
 namespace impedraw {
 namespace {
 
-std::vector<Finding> ways(ArmModel& arm, const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, const Canvas* obstacle) {
+std::vector<Finding> ways(ArmModel& arm, const std::vector<PlacedStroke>& strokes,
+                          const SurfaceHeight& surface, const Canvas* obstacle) {
   PathSettings path;
   path.start_p_WE = {0.5, 0, 0.3};
-  return check_ways(plan_tip_path(strokes, surface, path), strokes, arm, obstacle, surfaces::start_posture(arm));
+  return check_ways(plan_tip_path(strokes, surface, path), strokes, arm, obstacle,
+                    surfaces::start_posture(arm));
 }
 
 TEST(PreflightWays, AreFreeOverAnEmptyTable) {
@@ -25,13 +27,18 @@ TEST(PreflightWays, AreFreeOverAnEmptyTable) {
 
 TEST(PreflightWays, AWallOnTheWayIsSaidOfTheStrokeBehindIt) {
   ArmModel arm(surfaces::kArm);
-  auto first = surfaces::line({{0.60, 0.02}, {0.60, 0.06}}), second = surfaces::line({{0.60, -0.06}, {0.60, -0.10}});
+  auto first = surfaces::line({{0.60, 0.02}, {0.60, 0.06}}),
+       second = surfaces::line({{0.60, -0.06}, {0.60, -0.10}});
   first.number = 4;
   second.number = 7;
   // Across y = −0.02, too high for the safe height of 30 mm and too low for the flange.
-  const TriangleMesh mesh{{{0.4, -0.02, 0}, {0.8, -0.02, 0}, {0.8, -0.02, 0.16}, {0.4, -0.02, 0.16}}, {{0, 1, 2}, {0, 2, 3}}};
+  const TriangleMesh mesh{
+      {{0.4, -0.02, 0}, {0.8, -0.02, 0}, {0.8, -0.02, 0.16}, {0.4, -0.02, 0.16}},
+      {{0, 1, 2}, {0, 2, 3}}};
   const Canvas wall(mesh);
-  EXPECT_TRUE(check_strokes({first, second}, surfaces::flat(0.1), arm, &wall, surfaces::start_posture(arm)).findings.empty());
+  EXPECT_TRUE(
+      check_strokes({first, second}, surfaces::flat(0.1), arm, &wall, surfaces::start_posture(arm))
+          .findings.empty());
   const auto findings = ways(arm, {first, second}, surfaces::flat(0.1), &wall);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].part.stroke, 7);
@@ -48,8 +55,8 @@ TEST(PreflightWays, AWayOutOfReachIsSaid) {
   PathSettings path;
   path.start_p_WE = {0.5, 0, 0.3};
   path.highest_z = 0.75;
-  const auto findings =
-      check_ways(plan_tip_path({stroke}, surfaces::flat(0.1), path), {stroke}, arm, nullptr, surfaces::start_posture(arm));
+  const auto findings = check_ways(plan_tip_path({stroke}, surfaces::flat(0.1), path), {stroke},
+                                   arm, nullptr, surfaces::start_posture(arm));
   std::set<Problem> seen;
   for (const Finding& finding : findings) seen.insert(finding.problem);
   EXPECT_TRUE(seen.count(Problem::out_of_reach));
@@ -57,13 +64,16 @@ TEST(PreflightWays, AWayOutOfReachIsSaid) {
 
 TEST(PreflightWays, ALiftOutOfReachIsSaidOfTheStrokeThatItIsOffAndOfNoOther) {
   ArmModel arm(surfaces::kArm);
-  // Both on a table within reach; at 0.6 m and upright the arm gets to where the second is, but not to where the first is.
-  const auto far = surfaces::line({{0.72, 0}, {0.74, 0}}, 0), near = surfaces::line({{0.5, 0.02}, {0.5, -0.02}}, 1);
+  // Both on a table within reach; at 0.6 m and upright the arm gets to where the second is, but not
+  // to where the first is.
+  const auto far = surfaces::line({{0.72, 0}, {0.74, 0}}, 0),
+             near = surfaces::line({{0.5, 0.02}, {0.5, -0.02}}, 1);
   PathSettings path;
   path.start_p_WE = {0.5, 0, 0.3};
   path.highest_z = 0.57;
   const auto asked = [&](const std::vector<PlacedStroke>& strokes) {
-    return check_ways(plan_tip_path(strokes, surfaces::flat(0.1), path), strokes, arm, nullptr, surfaces::start_posture(arm));
+    return check_ways(plan_tip_path(strokes, surfaces::flat(0.1), path), strokes, arm, nullptr,
+                      surfaces::start_posture(arm));
   };
   EXPECT_TRUE(asked({near}).empty());
   const auto findings = asked({far, near});

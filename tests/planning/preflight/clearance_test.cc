@@ -17,7 +17,8 @@ using Eigen::Vector3d;
 JointVector random_posture(std::mt19937& rng, const ArmLimits& limits) {
   std::uniform_real_distribution<double> share(0.1, 0.9);
   JointVector q(limits.lower.size());
-  for (int j = 0; j < q.size(); ++j) q[j] = limits.lower[j] + share(rng) * (limits.upper[j] - limits.lower[j]);
+  for (int j = 0; j < q.size(); ++j)
+    q[j] = limits.lower[j] + share(rng) * (limits.upper[j] - limits.lower[j]);
   return q;
 }
 
@@ -91,7 +92,8 @@ TEST(Clearance, WallAndTableAtAKnownDistance) {
     EXPECT_EQ(table.body, undermost);
     EXPECT_EQ(table.obstacle, "table");
   }
-  EXPECT_EQ(Clearance(arm, nullptr, 0.0, 5e-3, q).arm(q).gap, kFarEnough) << "the base stands on its table";
+  EXPECT_EQ(Clearance(arm, nullptr, 0.0, 5e-3, q).arm(q).gap, kFarEnough)
+      << "the base stands on its table";
 }
 
 TEST(Clearance, PenAndAWallBesideIt) {
@@ -108,25 +110,29 @@ TEST(Clearance, PenAndAWallBesideIt) {
   const Gap gap = Clearance(arm, &low, {}, 5e-3, q).pen(q, X_WE);
   EXPECT_GT(gap.gap, 0.002);
   EXPECT_LT(gap.gap, 0.003 + 1e-6);
-  EXPECT_GT(Clearance(arm, nullptr, X_WE.p.z(), 5e-3, q).pen(q, X_WE).gap, 0) << "drawing on the table itself";
+  EXPECT_GT(Clearance(arm, nullptr, X_WE.p.z(), 5e-3, q).pen(q, X_WE).gap, 0)
+      << "drawing on the table itself";
 }
 
 TEST(Clearance, PenStandsOnASlopeOfUpTo60Degrees) {
   ArmModel arm(surfaces::kArm);
   const JointVector q = surfaces::start_posture(arm);
   const Pose X_WE = arm.tip_pose(q);
-  // 5 mm thick from 10 mm up: the cone is as wide as its spheres, sin α = 5/√125; touching is cos θ = sin α, 63.4°.
+  // 5 mm thick from 10 mm up: the cone is as wide as its spheres, sin α = 5/√125; touching is cos θ
+  // = sin α, 63.4°.
   for (double degrees : {0.0, 30.0, 45.0, 59.0, 60.0, 60.5, 62.0, 75.0}) {
     for (double turn : {0.0, 1.0, 2.5, 4.0}) {
       const double slope = degrees * M_PI / 180;
       PlaneSettings plane;
       plane.centre = X_WE.p;
-      plane.normal = {std::sin(slope) * std::cos(turn), std::sin(slope) * std::sin(turn), std::cos(slope)};
+      plane.normal = {std::sin(slope) * std::cos(turn), std::sin(slope) * std::sin(turn),
+                      std::cos(slope)};
       plane.width = plane.height = 1;
       plane.edge = 0.1;
       const Canvas canvas(make_plane(plane));
       const Gap gap = Clearance(arm, &canvas, {}, 5e-3, q).pen(q, X_WE);
-      EXPECT_EQ(gap.gap < 0, std::cos(slope) < 5 / std::sqrt(125.0) + kPenOpening) << degrees << "°, turned " << turn << ": " << gap.gap;
+      EXPECT_EQ(gap.gap < 0, std::cos(slope) < 5 / std::sqrt(125.0) + kPenOpening)
+          << degrees << "°, turned " << turn << ": " << gap.gap;
     }
   }
 }

@@ -20,7 +20,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // The arm's description with the first `text` after `joint` replaced.
-std::filesystem::path changed_arm(const std::string& name, const std::string& joint, const std::string& text, const std::string& by) {
+std::filesystem::path changed_arm(const std::string& name, const std::string& joint,
+                                  const std::string& text, const std::string& by) {
   std::stringstream all;
   all << std::ifstream(surfaces::kArm).rdbuf();
   std::string urdf = all.str();
@@ -40,7 +41,8 @@ std::vector<Problem> problems(const Preflight& preflight) {
 
 class PreflightTest : public testing::Test {
  protected:
-  Preflight check(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface, const Canvas* obstacle = nullptr) {
+  Preflight check(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
+                  const Canvas* obstacle = nullptr) {
     return check_strokes(strokes, surface, arm, obstacle, surfaces::start_posture(arm), settings);
   }
 
@@ -54,7 +56,8 @@ TEST_F(PreflightTest, PassesADrawingInTheBowl) {
   const Preflight done = check(strokes, surfaces::bowl);
   EXPECT_TRUE(done.findings.empty()) << done.findings.front().text;
   ASSERT_EQ(done.drawable.size(), strokes.size());
-  for (std::size_t i = 0; i < strokes.size(); ++i) EXPECT_NEAR(done.drawable[i].length(), plane_length(strokes[i]), 1e-12);
+  for (std::size_t i = 0; i < strokes.size(); ++i)
+    EXPECT_NEAR(done.drawable[i].length(), plane_length(strokes[i]), 1e-12);
   EXPECT_GT(done.margins.joint, 0.2);
   EXPECT_LT(done.margins.torque_share, 0.5);
   EXPECT_LT(done.margins.effective_mass, 100);
@@ -64,7 +67,8 @@ TEST_F(PreflightTest, ReachEndsWhereTheArmIsStretched) {
   settings.space.max_effective_mass = 1e9;
   for (double z : {0.10, 0.25}) {
     const Preflight done = check({surfaces::line({{0.60, 0}, {0.95, 0}})}, surfaces::flat(z));
-    // Shoulder 0.36 m up, 0.42 + 0.40 m to the wrist, which the upright pen holds 0.246 m above its tip.
+    // Shoulder 0.36 m up, 0.42 + 0.40 m to the wrist, which the upright pen holds 0.246 m above its
+    // tip.
     const double radius = std::sqrt(0.82 * 0.82 - std::pow(z + 0.246 - 0.36, 2));
     ASSERT_EQ(problems(done), std::vector{Problem::out_of_reach});
     EXPECT_NEAR(0.60 + done.drawable.at(0).to, radius, 1e-3);
@@ -82,7 +86,8 @@ TEST_F(PreflightTest, SingularityIsSaidBeforeTheReachEnds) {
   // The loop's own criterion, at a posture on either side of the cut.
   for (double by : {-1e-3, 1e-3}) {
     const double x = 0.60 + done.drawable.at(0).to + by;
-    const IkResult at = find_posture(arm, {{x, 0, 0.1}, -Vector3d::UnitZ()}, surfaces::start_posture(arm));
+    const IkResult at =
+        find_posture(arm, {{x, 0, 0.1}, -Vector3d::UnitZ()}, surfaces::start_posture(arm));
     ASSERT_TRUE(at.reached);
     ArmTerms terms(7);
     arm.compute(at.q, JointVector::Zero(7), &terms);
@@ -97,18 +102,24 @@ TEST_F(PreflightTest, NarrowedJointEndsTheStroke) {
   ArmModel narrow(changed_arm("narrow.urdf", "joint_4", "lower=\"-2.0944\"", "lower=\"-1.5\""));
   settings.joint_margin = margin;
   settings.rest_q = JointVector::Zero(7);
-  const JointVector start = find_posture(narrow, {{0.70, 0, 0.1}, -Vector3d::UnitZ()}, surfaces::start_posture(arm)).q;
-  const Preflight done = check_strokes({surfaces::line({{0.72, 0}, {0.48, 0}})}, surfaces::flat(0.1), narrow, nullptr, start, settings);
+  const JointVector start =
+      find_posture(narrow, {{0.70, 0, 0.1}, -Vector3d::UnitZ()}, surfaces::start_posture(arm)).q;
+  const Preflight done = check_strokes({surfaces::line({{0.72, 0}, {0.48, 0}})},
+                                       surfaces::flat(0.1), narrow, nullptr, start, settings);
   ASSERT_EQ(problems(done), std::vector{Problem::joint_limit});
-  const double angle = limit - margin, reach2 = 0.42 * 0.42 + 0.40 * 0.40 + 2 * 0.42 * 0.40 * std::cos(angle);
+  const double angle = limit - margin,
+               reach2 = 0.42 * 0.42 + 0.40 * 0.40 + 2 * 0.42 * 0.40 * std::cos(angle);
   const double x = std::sqrt(reach2 - std::pow(0.1 + 0.246 - 0.36, 2));
   EXPECT_NEAR(0.72 - done.drawable.at(0).to, x, 3e-4);
-  EXPECT_EQ(done.findings[0].text.find("joint 4 at its limit of -1.50 rad, the pen stays"), 0u) << done.findings[0].text;
+  EXPECT_EQ(done.findings[0].text.find("joint 4 at its limit of -1.50 rad, the pen stays"), 0u)
+      << done.findings[0].text;
   EXPECT_NEAR(done.margins.joint, margin, 1e-3);
   // Short of the limit itself all is reached: only the margin is gone.
-  const double within = 0.72 - std::sqrt(0.42 * 0.42 + 0.40 * 0.40 + 2 * 0.42 * 0.40 * std::cos(limit - 0.02) - 0.014 * 0.014);
+  const double within = 0.72 - std::sqrt(0.42 * 0.42 + 0.40 * 0.40 +
+                                         2 * 0.42 * 0.40 * std::cos(limit - 0.02) - 0.014 * 0.014);
   const PlacedStroke shorter = part_of(surfaces::line({{0.72, 0}, {0.48, 0}}), 0, within);
-  const Preflight near = check_strokes({shorter}, surfaces::flat(0.1), narrow, nullptr, start, settings);
+  const Preflight near =
+      check_strokes({shorter}, surfaces::flat(0.1), narrow, nullptr, start, settings);
   ASSERT_EQ(problems(near), std::vector{Problem::joint_limit});
   EXPECT_EQ(near.findings[0].text, "joint 4 at -1.48 rad, 0.020 rad from its limit");
 }
@@ -120,9 +131,12 @@ TEST_F(PreflightTest, TorqueIsWhatVirtualWorkSays) {
   const Preflight done = check({dot}, surfaces::flat(0.1));
   ASSERT_TRUE(done.findings.empty());
   // A posture that is its own rest posture is kept.
-  const JointVector q = find_posture(arm, {{0.65, 0.05, 0.1}, -Vector3d::UnitZ()}, surfaces::start_posture(arm)).q;
-  const double share = check_strokes({dot}, surfaces::flat(0.1), arm, nullptr, q, settings).margins.torque_share;
-  // Gravity by the arm's terms; the push by differences of the tip's position, friction in the worst of many directions.
+  const JointVector q =
+      find_posture(arm, {{0.65, 0.05, 0.1}, -Vector3d::UnitZ()}, surfaces::start_posture(arm)).q;
+  const double share =
+      check_strokes({dot}, surfaces::flat(0.1), arm, nullptr, q, settings).margins.torque_share;
+  // Gravity by the arm's terms; the push by differences of the tip's position, friction in the
+  // worst of many directions.
   ArmTerms terms(7);
   arm.compute(q, JointVector::Zero(7), &terms);
   double worst = 0;
@@ -133,7 +147,8 @@ TEST_F(PreflightTest, TorqueIsWhatVirtualWorkSays) {
     const Vector3d moved = (arm.tip_pose(b).p - arm.tip_pose(a).p) / 2e-6;
     for (int k = 0; k < 720; ++k) {
       const double way = 2 * M_PI * k / 720;
-      const Vector3d force = 60 * Vector3d(0.4 * std::cos(way), 0.4 * std::sin(way), -1);  // of the pen on the surface
+      // of the pen on the surface
+      const Vector3d force = 60 * Vector3d(0.4 * std::cos(way), 0.4 * std::sin(way), -1);
       worst = std::max(worst, std::abs(terms.g[j] + moved.dot(force)) / arm.limits().torque[j]);
     }
   }
@@ -145,16 +160,19 @@ TEST_F(PreflightTest, TorqueIsWhatVirtualWorkSays) {
 }
 
 TEST_F(PreflightTest, PenStopsShortOfAWall) {
-  // Upright pen towards a wall that ends 50 mm above the tip: 5 mm of shaft, and 2.5 mm of clearance there.
+  // Upright pen towards a wall that ends 50 mm above the tip: 5 mm of shaft, and 2.5 mm of
+  // clearance there.
   const Canvas wall(surfaces::wall(0.66, 0.5, 0, 0.15));
-  const Preflight done = check({surfaces::line({{0.60, 0}, {0.66, 0}})}, surfaces::flat(0.1), &wall);
+  const Preflight done =
+      check({surfaces::line({{0.60, 0}, {0.66, 0}})}, surfaces::flat(0.1), &wall);
   ASSERT_EQ(problems(done), std::vector{Problem::pen_collision});
   EXPECT_NEAR(done.drawable.at(0).to, 0.0525, settings.edge_tolerance + 5e-5);
   EXPECT_NE(done.findings[0].text.find("the pen "), std::string::npos);
   EXPECT_NE(done.findings[0].text.find("too near the canvas"), std::string::npos);
   // A higher one keeps the flange away, which is wider.
   const Canvas high(surfaces::wall(0.66, 0.5, 0, 0.8));
-  const Preflight wide = check({surfaces::line({{0.58, 0}, {0.66, 0}})}, surfaces::flat(0.1), &high);
+  const Preflight wide =
+      check({surfaces::line({{0.58, 0}, {0.66, 0}})}, surfaces::flat(0.1), &high);
   ASSERT_FALSE(wide.findings.empty());
   EXPECT_EQ(wide.findings[0].problem, Problem::arm_collision);
   EXPECT_GE(wide.margins.clearance, settings.clearance);
@@ -163,9 +181,11 @@ TEST_F(PreflightTest, PenStopsShortOfAWall) {
 
 TEST_F(PreflightTest, ArmKeepsOffATable) {
   settings.table_z = 0.4;  // above the drawing: the arm comes through it
-  EXPECT_EQ(problems(check({surfaces::line({{0.58, 0}, {0.62, 0}})}, surfaces::flat(0.1))), std::vector{Problem::arm_collision});
+  EXPECT_EQ(problems(check({surfaces::line({{0.58, 0}, {0.62, 0}})}, surfaces::flat(0.1))),
+            std::vector{Problem::arm_collision});
   settings.table_z = 0.1;
-  EXPECT_TRUE(check({surfaces::line({{0.58, 0}, {0.62, 0}})}, surfaces::flat(0.1)).findings.empty()) << "drawing on the table";
+  EXPECT_TRUE(check({surfaces::line({{0.58, 0}, {0.62, 0}})}, surfaces::flat(0.1)).findings.empty())
+      << "drawing on the table";
 }
 
 TEST_F(PreflightTest, ASuddenTurnIsAJumpAndCutsTheStroke) {
@@ -173,12 +193,14 @@ TEST_F(PreflightTest, ASuddenTurnIsAJumpAndCutsTheStroke) {
   settings.normal_smoothing = 0;
   const SurfaceHeight ridge = [](double x, double y) {
     const double side = x < 0.6 ? -1 : 1;
-    return SurfaceSample{{x, y, 0.2 - std::tan(0.5) * std::abs(x - 0.6)}, Vector3d(side * std::sin(0.5), 0, std::cos(0.5))};
+    return SurfaceSample{{x, y, 0.2 - std::tan(0.5) * std::abs(x - 0.6)},
+                         Vector3d(side * std::sin(0.5), 0, std::cos(0.5))};
   };
   const Preflight done = check({surfaces::line({{0.57, 0}, {0.63, 0}})}, ridge);
   ASSERT_EQ(done.findings.size(), 1u);
   EXPECT_EQ(done.findings[0].problem, Problem::joint_jump) << done.findings[0].text;
-  EXPECT_NEAR(done.findings[0].part.from, 0.03, 1.1e-3);  // between the samples on both sides of the ridge
+  EXPECT_NEAR(done.findings[0].part.from, 0.03,
+              1.1e-3);  // between the samples on both sides of the ridge
   EXPECT_LT(done.findings[0].part.length(), 1.2e-3);
   EXPECT_EQ(done.drawable.size(), 2u);
 }
@@ -190,9 +212,11 @@ TEST_F(PreflightTest, NamesWhatIsLeftTooShort) {
     return SurfaceSample{{x, y, 0.1}, Vector3d::UnitZ()};
   };
   const Preflight done = check({surfaces::line({{0.55, 0}, {0.65, 0}})}, ribbed);
-  EXPECT_EQ(problems(done), (std::vector{Problem::off_canvas, Problem::too_short, Problem::off_canvas}));
+  EXPECT_EQ(problems(done),
+            (std::vector{Problem::off_canvas, Problem::too_short, Problem::off_canvas}));
   EXPECT_EQ(done.drawable.size(), 2u);
-  EXPECT_EQ(check({surfaces::line({{0.5998, 0}, {0.6002, 0}})}, ribbed).drawable.size(), 1u) << "a short stroke is no remnant";
+  EXPECT_EQ(check({surfaces::line({{0.5998, 0}, {0.6002, 0}})}, ribbed).drawable.size(), 1u)
+      << "a short stroke is no remnant";
 }
 
 TEST_F(PreflightTest, TurnedDrawingFrameIsTheSame) {
@@ -254,10 +278,13 @@ TEST_F(PreflightTest, FindingsAndDrawablePartsCoverEveryStroke) {
     EXPECT_LT(nearest, 0.51);
     EXPECT_LT((1e-3 * finding.page_mm - finding.p_W.head<2>()).norm(), 1e-4);
   }
-  for (Problem problem : {Problem::off_canvas, Problem::fold, Problem::too_steep, Problem::out_of_reach, Problem::pen_collision})
+  for (Problem problem : {Problem::off_canvas, Problem::fold, Problem::too_steep,
+                          Problem::out_of_reach, Problem::pen_collision})
     EXPECT_TRUE(seen.count(problem)) << name_of(problem);
   std::stable_sort(parts.begin(), parts.end(), [](const StrokePart& a, const StrokePart& b) {
-    return a.stroke != b.stroke ? a.stroke < b.stroke : a.from != b.from ? a.from < b.from : a.to < b.to;
+    return a.stroke != b.stroke ? a.stroke < b.stroke
+           : a.from != b.from   ? a.from < b.from
+                                : a.to < b.to;
   });
   std::size_t i = 0;
   for (const PlacedStroke& stroke : strokes) {

@@ -29,7 +29,8 @@ SurfaceHeight stepped(double step, double width) {
   return [step, width](double x, double y) -> std::optional<SurfaceSample> {
     if (x < 0.6) return level(x, y, 0.1);
     if (x >= 0.6 + width) return level(x, y, 0.1 + step);
-    return SurfaceSample{{x, y, 0.1 + step * (x - 0.6) / width}, Vector3d(-step / width, 0, 1).normalized()};
+    return SurfaceSample{{x, y, 0.1 + step * (x - 0.6) / width},
+                         Vector3d(-step / width, 0, 1).normalized()};
   };
 }
 
@@ -86,7 +87,8 @@ TEST(SurfaceWalk, EndsOnTheGoodSideCanBePlannedFrom) {
                                                 {0.6 + 0.05 * unit(rng), 0.05 * unit(rng)}});
     for (const SurfaceSpan& span : walk_surface(stroke, surface, {})) {
       if (span.problem) continue;
-      for (const Vector2d& p : part_of(stroke, span.from, span.to).world) EXPECT_TRUE(surface(p.x(), p.y()));
+      for (const Vector2d& p : part_of(stroke, span.from, span.to).world)
+        EXPECT_TRUE(surface(p.x(), p.y()));
     }
   }
 }
@@ -97,14 +99,17 @@ TEST(SurfaceWalk, EndsStayClearOfAnEdgeThatASampleFallsOn) {
     return level(x, y, 0.1);
   };
   for (int i = 1; i < 200; ++i) {
-    const PlacedStroke stroke = surfaces::line({{0.6 - 1e-3 * i, 0.001 * i}, {0.6 - 0.5e-3 * i, 0}, {0.6 + 1e-3 * i, 0.003 * i}});
+    const PlacedStroke stroke = surfaces::line(
+        {{0.6 - 1e-3 * i, 0.001 * i}, {0.6 - 0.5e-3 * i, 0}, {0.6 + 1e-3 * i, 0.003 * i}});
     const auto spans = walk_surface(stroke, half, {});
     ASSERT_EQ(spans.size(), 2u);
-    for (const Vector2d& p : part_of(stroke, spans[0].from, spans[0].to).world) EXPECT_TRUE(half(p.x(), p.y())) << i;
+    for (const Vector2d& p : part_of(stroke, spans[0].from, spans[0].to).world)
+      EXPECT_TRUE(half(p.x(), p.y())) << i;
     const PlacedStroke back = surfaces::line({stroke.world[2], stroke.world[1], stroke.world[0]});
     const auto reversed = walk_surface(back, half, {});
     ASSERT_EQ(reversed.size(), 2u);
-    for (const Vector2d& p : part_of(back, reversed[1].from, reversed[1].to).world) EXPECT_TRUE(half(p.x(), p.y())) << i;
+    for (const Vector2d& p : part_of(back, reversed[1].from, reversed[1].to).world)
+      EXPECT_TRUE(half(p.x(), p.y())) << i;
   }
 }
 
@@ -119,16 +124,20 @@ TEST(SurfaceWalk, FindsTheFoldAndKeepsBothSides) {
     EXPECT_DOUBLE_EQ(spans[0].samples.back().p_W.z(), 0.1);
     EXPECT_DOUBLE_EQ(spans[2].samples.front().p_W.z(), 0.1 + step);
   }
-  EXPECT_EQ(walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), stepped(0.0004, 0), {}).size(), 1u) << "a step that the tip rides over";
+  EXPECT_EQ(walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), stepped(0.0004, 0), {}).size(), 1u)
+      << "a step that the tip rides over";
 }
 
 TEST(SurfaceWalk, ASteepRampIsNoFold) {
-  const auto steep = walk_surface(surfaces::line({{0.5503, 0}, {0.65, 0}}), stepped(0.004, 0.0007), {});  // 80°, narrower than a step
+  const auto steep = walk_surface(surfaces::line({{0.5503, 0}, {0.65, 0}}), stepped(0.004, 0.0007),
+                                  {});  // 80°, narrower than a step
   ASSERT_EQ(problems(steep), std::vector{Problem::too_steep});
   EXPECT_NEAR(steep[1].to - steep[1].from, 0.0007, 2.1e-4);
   EXPECT_NEAR(steep[1].slope, std::atan2(0.004, 0.0007), 1e-9);
   EXPECT_EQ(steep[1].text, "slope 80°, allowed 75°");
-  EXPECT_TRUE(problems(walk_surface(surfaces::line({{0.5503, 0}, {0.65, 0}}), stepped(0.002, 0.0007), {})).empty());  // 71°
+  EXPECT_TRUE(
+      problems(walk_surface(surfaces::line({{0.5503, 0}, {0.65, 0}}), stepped(0.002, 0.0007), {}))
+          .empty());  // 71°
 }
 
 TEST(SurfaceWalk, CutsTheBowlWhereItReachesTheSlope) {
@@ -136,7 +145,8 @@ TEST(SurfaceWalk, CutsTheBowlWhereItReachesTheSlope) {
   settings.max_slope_deg = 25;
   const auto spans = walk_surface(surfaces::line({{0.6, 0}, {0.77, 0}}), surfaces::bowl, settings);
   ASSERT_EQ(problems(spans), std::vector{Problem::too_steep});
-  EXPECT_NEAR(spans[0].to, surfaces::kBowlRadius * std::sin(25 * kDegree), settings.edge_tolerance + 2e-6);
+  EXPECT_NEAR(spans[0].to, surfaces::kBowlRadius * std::sin(25 * kDegree),
+              settings.edge_tolerance + 2e-6);
   EXPECT_NEAR(spans[1].worst, 0.17, 1e-12);
   EXPECT_NEAR(spans[1].slope, std::asin(0.17 / surfaces::kBowlRadius), 1e-9);
 }
@@ -146,7 +156,8 @@ TEST(SurfaceWalk, SaysSoWhereAllIsOff) {
   ASSERT_EQ(spans.size(), 1u);
   EXPECT_EQ(spans[0].problem, Problem::off_canvas);
   EXPECT_NEAR(spans[0].worst, 0.05, 1e-12);
-  EXPECT_NEAR(std::atof(spans[0].text.c_str()), 120, 0.5) << spans[0].text;  // the bowl ends at 0.78
+  EXPECT_NEAR(std::atof(spans[0].text.c_str()), 120, 0.5)
+      << spans[0].text;  // the bowl ends at 0.78
 }
 
 TEST(SurfaceWalk, ADotIsOnePlace) {
@@ -167,7 +178,8 @@ TEST(SurfaceWalk, ProfileIsTheSurface) {
   for (double s = 0; s <= plane_length(stroke); s += 0.7e-3) {
     const Vector2d at = place_on(stroke, s).world;
     const SurfaceSample truth = *surfaces::waves(at.x(), at.y());
-    EXPECT_LT((exact.at(s).p_W - truth.p_W).norm(), 5e-6);  // curvature 32/m over a millimetre: 4 µm
+    EXPECT_LT((exact.at(s).p_W - truth.p_W).norm(),
+              5e-6);  // curvature 32/m over a millimetre: 4 µm
     EXPECT_LT((exact.at(s).n_W - truth.n_W).norm(), 2e-4);
     EXPECT_LT((smooth.at(s).n_W - truth.n_W).norm(), 5e-3);  // n'' w²/24 with n'' about 32 × 40 /m²
   }
@@ -194,11 +206,13 @@ TEST(SurfaceWalk, SpansCoverTheStrokeFromEndToEnd) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int i = 0; i < 300; ++i) {
-    const double hole = 0.04 * std::abs(unit(rng)), step = 0.01 * unit(rng), a = 3 * unit(rng), edge = 0.05 * unit(rng);
+    const double hole = 0.04 * std::abs(unit(rng)), step = 0.01 * unit(rng), a = 3 * unit(rng),
+                 edge = 0.05 * unit(rng);
     const SurfaceHeight surface = [&](double x, double y) -> std::optional<SurfaceSample> {
       if (std::hypot(x - 0.6, y) < hole || y > 0.08) return std::nullopt;
       const double ramp = x > 0.6 + edge ? a * (x - 0.6 - edge) : 0;
-      return SurfaceSample{{x, y, 0.1 + ramp + (y > edge ? step : 0)}, Vector3d(x > 0.6 + edge ? -a : 0, 0, 1).normalized()};
+      return SurfaceSample{{x, y, 0.1 + ramp + (y > edge ? step : 0)},
+                           Vector3d(x > 0.6 + edge ? -a : 0, 0, 1).normalized()};
     };
     PlacedStroke stroke;
     stroke.start = i % 3 * 0.01;

@@ -16,14 +16,19 @@ using surfaces::line;
 const Vector2d kCentre(0.60, 0);
 
 void print(const char* name, const Distortion& d) {
-  fmt::print("{:26} stretch {:.4f} to {:.4f}, rms {:.4f}; area {:.4f} to {:.4f}; angle {:.2f}°; {:.3f} m\n", name, d.stretch_min,
-             d.stretch_max, d.stretch_rms, d.area_min, d.area_max, d.angle_max * 180 / M_PI, d.page_length);
+  fmt::print(
+      "{:26} stretch {:.4f} to {:.4f}, rms {:.4f}; area {:.4f} to {:.4f}; angle {:.2f}°; {:.3f} "
+      "m\n",
+      name, d.stretch_min, d.stretch_max, d.stretch_rms, d.area_min, d.area_max,
+      d.angle_max * 180 / M_PI, d.page_length);
 }
 
 TEST(Distortion, OfATiltedPlaneIsThatOfItsSlope) {
   const double slope = 30 * M_PI / 180, s = 1 / std::cos(slope);
-  const SurfaceHeight surface = surfaces::height_field([&](double x, double) { return std::tan(slope) * x; });
-  const PlacedStroke up = line({kCentre, kCentre + Vector2d(0.05, 0)}), across = line({kCentre, kCentre + Vector2d(0, 0.15)});
+  const SurfaceHeight surface =
+      surfaces::height_field([&](double x, double) { return std::tan(slope) * x; });
+  const PlacedStroke up = line({kCentre, kCentre + Vector2d(0.05, 0)}),
+                     across = line({kCentre, kCentre + Vector2d(0, 0.15)});
   const Distortion d = distortion_of_projection({up, across}, surface);
   EXPECT_NEAR(d.stretch_max, s, 1e-9);
   EXPECT_NEAR(d.stretch_min, 1, 1e-9);
@@ -34,7 +39,8 @@ TEST(Distortion, OfATiltedPlaneIsThatOfItsSlope) {
   EXPECT_NEAR(d.page_length, 0.20, 1e-12);
 
   const Wrap wrap(surface, kCentre, {up, across});
-  for (const Distortion& w : {distortion_of_wrap({up, across}, surface, wrap.chart()), patch_distortion_of_wrap(wrap.chart())}) {
+  for (const Distortion& w : {distortion_of_wrap({up, across}, surface, wrap.chart()),
+                              patch_distortion_of_wrap(wrap.chart())}) {
     EXPECT_NEAR(w.stretch_min, 1, 1e-8);
     EXPECT_NEAR(w.stretch_max, 1, 1e-8);
     EXPECT_LT(w.stretch_rms, 1e-8);
@@ -47,23 +53,30 @@ TEST(Distortion, OfATiltedPlaneIsThatOfItsSlope) {
   EXPECT_NEAR(patch.stretch_max, s, 1e-9);
 }
 
-// The two directions that stretch most and least, as told, against chords on the surface in many directions.
+// The two directions that stretch most and least, as told, against chords on the surface in many
+// directions.
 TEST(Distortion, SingularValuesAreTheExtremesOverDirections) {
   const Wrap wrap(surfaces::waves, kCentre, {circle(kCentre, 0.08)});
   const double d = 1e-5;
-  for (const Vector2d& flat : {Vector2d(0.63, 0.02), Vector2d(0.57, -0.045), Vector2d(0.61, 0.05)}) {
+  for (const Vector2d& flat :
+       {Vector2d(0.63, 0.02), Vector2d(0.57, -0.045), Vector2d(0.61, 0.05)}) {
     const Vector2d plane = *wrap.to_plane(flat);
-    const LocalStretch wrapped = stretch_of_wrap(*surfaces::waves(plane.x(), plane.y()), wrap.chart());
+    const LocalStretch wrapped =
+        stretch_of_wrap(*surfaces::waves(plane.x(), plane.y()), wrap.chart());
     const LocalStretch projected = stretch_of_projection(*surfaces::waves(flat.x(), flat.y()));
     double least = 9, most = 0, least_projected = 9, most_projected = 0;
     for (int k = 0; k < 720; ++k) {
       const Vector2d step = d * Vector2d(std::cos(k * M_PI / 720), std::sin(k * M_PI / 720));
       const Vector2d a = *wrap.to_plane(flat - step), b = *wrap.to_plane(flat + step);
-      const double stretch = (surfaces::waves(b.x(), b.y())->p_W - surfaces::waves(a.x(), a.y())->p_W).norm() / (2 * d);
+      const double stretch =
+          (surfaces::waves(b.x(), b.y())->p_W - surfaces::waves(a.x(), a.y())->p_W).norm() /
+          (2 * d);
       least = std::min(least, stretch);
       most = std::max(most, stretch);
       const Vector2d p = flat - step, q = flat + step;
-      const double direct = (surfaces::waves(q.x(), q.y())->p_W - surfaces::waves(p.x(), p.y())->p_W).norm() / (2 * d);
+      const double direct =
+          (surfaces::waves(q.x(), q.y())->p_W - surfaces::waves(p.x(), p.y())->p_W).norm() /
+          (2 * d);
       least_projected = std::min(least_projected, direct);
       most_projected = std::max(most_projected, direct);
     }
@@ -77,18 +90,21 @@ TEST(Distortion, SingularValuesAreTheExtremesOverDirections) {
 
 TEST(Distortion, OfAMeridianOfTheBowlIsItsSecant) {
   const double R = surfaces::kBowlRadius, r = 0.15;
-  const Distortion d = distortion_of_projection({line({kCentre, kCentre + Vector2d(r, 0)})}, surfaces::bowl);
+  const Distortion d =
+      distortion_of_projection({line({kCentre, kCentre + Vector2d(r, 0)})}, surfaces::bowl);
   // ∫ (sec φ − 1)² dr over the stroke, r = R sin φ.
   double squares = 0;
   const int n = 20000;
-  for (int i = 0; i < n; ++i) squares += std::pow(1 / std::sqrt(1 - std::pow((i + 0.5) / n * r / R, 2)) - 1, 2) / n;
+  for (int i = 0; i < n; ++i)
+    squares += std::pow(1 / std::sqrt(1 - std::pow((i + 0.5) / n * r / R, 2)) - 1, 2) / n;
   EXPECT_NEAR(d.stretch_rms, std::sqrt(squares), 1e-5);
   EXPECT_NEAR(d.stretch_max, 1 / std::sqrt(1 - r * r / (R * R)), 1e-3);
   EXPECT_NEAR(d.stretch_min, 1, 1e-5);
 }
 
 TEST(Distortion, TheWrapStretchesTheBowlFarLess) {
-  const std::vector<PlacedStroke> strokes = {circle(kCentre, 0.14), circle(kCentre, 0.07), line({{0.46, 0}, {0.74, 0}}),
+  const std::vector<PlacedStroke> strokes = {circle(kCentre, 0.14), circle(kCentre, 0.07),
+                                             line({{0.46, 0}, {0.74, 0}}),
                                              line({{0.6, -0.14}, {0.6, 0.14}})};
   const Wrap wrap(surfaces::bowl, kCentre, strokes);
   const Distortion projected = distortion_of_projection(strokes, surfaces::bowl);
@@ -102,7 +118,8 @@ TEST(Distortion, TheWrapStretchesTheBowlFarLess) {
   EXPECT_LT(wrapped.stretch_rms, 0.7 * projected.stretch_rms);
   EXPECT_LT(patch_wrapped.stretch_rms, 0.25 * patch_projected.stretch_rms);
   EXPECT_LT(patch_wrapped.angle_max, 0.5 * patch_projected.angle_max);
-  // Gauss: a sphere cannot be laid flat. Equal areas would need stretches apart, equal angles areas apart.
+  // Gauss: a sphere cannot be laid flat. Equal areas would need stretches apart, equal angles areas
+  // apart.
   EXPECT_GT(patch_wrapped.stretch_max - patch_wrapped.stretch_min, 0.02);
   EXPECT_GT(patch_wrapped.stretch_min, 0.93);
   EXPECT_LT(patch_wrapped.stretch_max, 1.07);

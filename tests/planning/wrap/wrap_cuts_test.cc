@@ -21,12 +21,13 @@ using surfaces::line;
 using testing::HasSubstr;
 const Vector2d kCentre(0.60, 0);
 
-SurfaceHeight without(const SurfaceHeight& surface, const std::function<bool(const Vector2d&)>& hole) {
+SurfaceHeight without(const SurfaceHeight& surface,
+                      const std::function<bool(const Vector2d&)>& hole) {
   return [=](double x, double y) { return hole({x, y}) ? std::nullopt : surface(x, y); };
 }
 
-std::string refusal(const SurfaceHeight& surface, const Vector2d& centre, const std::vector<PlacedStroke>& strokes,
-                    const WrapSettings& settings = {}) {
+std::string refusal(const SurfaceHeight& surface, const Vector2d& centre,
+                    const std::vector<PlacedStroke>& strokes, const WrapSettings& settings = {}) {
   try {
     const Wrap wrap(surface, centre, strokes, settings);
   } catch (const InputError& error) {
@@ -46,17 +47,20 @@ TEST(WrapCuts, AtTheRimAndCountsWhatIsLost) {
   ASSERT_EQ(wrapped.lost.size(), 1u);
   EXPECT_EQ(wrapped.strokes[0].number, 4);
   EXPECT_EQ(wrapped.lost[0].stroke, 4);
-  // Whole cells only, so it may end a spacing before the rim (0.18 m away seen along z), and not beyond it.
+  // Whole cells only, so it may end a spacing before the rim (0.18 m away seen along z), and not
+  // beyond it.
   const double end = (wrapped.strokes[0].world.back() - kCentre).norm();
   EXPECT_LE(end, 0.18 + 1e-9);
   EXPECT_GT(end, 0.18 - 0.0031);
   EXPECT_NEAR(wrapped.lost[0].to, 0.30, 1e-12);
-  EXPECT_NEAR(wrapped.strokes[0].page.back().x(), 1e3 * wrapped.lost[0].from, 3e-3);  // kept and lost meet within the cut's 1 µm
+  EXPECT_NEAR(wrapped.strokes[0].page.back().x(), 1e3 * wrapped.lost[0].from,
+              3e-3);  // kept and lost meet within the cut's 1 µm
 }
 
 TEST(WrapCuts, AHoleMakesTwoParts) {
   const Vector2d hole(0.64, 0.001);
-  const SurfaceHeight surface = without(surfaces::table, [&](const Vector2d& p) { return (p - hole).norm() < 0.01; });
+  const SurfaceHeight surface =
+      without(surfaces::table, [&](const Vector2d& p) { return (p - hole).norm() < 0.01; });
   PlacedStroke stroke = line({kCentre - Vector2d(0.05, 0), kCentre + Vector2d(0.08, 0)});
   stroke.number = 2;
   const WrappedStrokes wrapped = Wrap(surface, kCentre, {stroke}).wrap({stroke});
@@ -68,7 +72,8 @@ TEST(WrapCuts, AHoleMakesTwoParts) {
   for (const PlacedStroke& part : wrapped.strokes) EXPECT_EQ(part.number, 2);
   // On a table flat and plane are one.
   EXPECT_NEAR(wrapped.strokes[1].start, wrapped.lost[0].to, 2e-6);
-  EXPECT_NEAR((wrapped.strokes[0].world.back() - stroke.world[0]).norm(), wrapped.lost[0].from, 2e-6);
+  EXPECT_NEAR((wrapped.strokes[0].world.back() - stroke.world[0]).norm(), wrapped.lost[0].from,
+              2e-6);
 }
 
 TEST(WrapCuts, AtAStepWhichAHeightFieldDoesNotShow) {
@@ -84,7 +89,8 @@ TEST(WrapCuts, AtAStepWhichAHeightFieldDoesNotShow) {
 }
 
 TEST(WrapCuts, ADotStaysADotOrIsLost) {
-  PlacedStroke here = line({kCentre + Vector2d(0.05, 0.02)}), off = line({kCentre + Vector2d(0.25, 0)});
+  PlacedStroke here = line({kCentre + Vector2d(0.05, 0.02)}),
+               off = line({kCentre + Vector2d(0.25, 0)});
   here.number = 0, off.number = 1;
   const WrappedStrokes wrapped = Wrap(surfaces::bowl, kCentre, {here, off}).wrap({here, off});
   ASSERT_EQ(wrapped.strokes.size(), 1u);
@@ -95,18 +101,24 @@ TEST(WrapCuts, ADotStaysADotOrIsLost) {
 }
 
 TEST(WrapCuts, InsertsPointsUntilTheImageIsFollowed) {
-  const PlacedStroke stroke = line({kCentre + Vector2d(-0.08, 0.05), kCentre + Vector2d(0.08, 0.03)});
+  const PlacedStroke stroke =
+      line({kCentre + Vector2d(-0.08, 0.05), kCentre + Vector2d(0.08, 0.03)});
   WrapSettings settings;
   const Wrap wrap(surfaces::waves, kCentre, {stroke}, settings);
   const PlacedStroke wrapped = wrap.wrap({stroke}).strokes.at(0);
   double worst = 0, straight = 0;
   for (std::size_t k = 1; k < wrapped.world.size(); ++k) {
     for (const double share : {0.1, 0.37, 0.5, 0.8}) {
-      const Vector2d flat = wrapped.page[k - 1] + share * (wrapped.page[k] - wrapped.page[k - 1]);  // page points are flat points here
-      const Vector2d chord = wrapped.world[k - 1] + share * (wrapped.world[k] - wrapped.world[k - 1]);
+      const Vector2d flat =
+          wrapped.page[k - 1] +
+          share * (wrapped.page[k] - wrapped.page[k - 1]);  // page points are flat points here
+      const Vector2d chord =
+          wrapped.world[k - 1] + share * (wrapped.world[k] - wrapped.world[k - 1]);
       worst = std::max(worst, (*wrap.to_plane(flat) - chord).norm());
-      const double along = (flat - stroke.world[0]).norm() / (stroke.world[1] - stroke.world[0]).norm();
-      const Vector2d ends = wrapped.world.front() + along * (wrapped.world.back() - wrapped.world.front());
+      const double along =
+          (flat - stroke.world[0]).norm() / (stroke.world[1] - stroke.world[0]).norm();
+      const Vector2d ends =
+          wrapped.world.front() + along * (wrapped.world.back() - wrapped.world.front());
       straight = std::max(straight, (*wrap.to_plane(flat) - ends).norm());
     }
   }
@@ -117,23 +129,34 @@ TEST(WrapCuts, InsertsPointsUntilTheImageIsFollowed) {
 
 TEST(WrapErrors, NameWhatIsWrong) {
   const PlacedStroke stroke = circle(kCentre, 0.05);
-  EXPECT_THAT(refusal(surfaces::bowl, {0.90, 0}, {stroke}),
-              HasSubstr("no point above the drawing's centre, (0.9000, 0.0000) m in the drawing plane"));
+  EXPECT_THAT(
+      refusal(surfaces::bowl, {0.90, 0}, {stroke}),
+      HasSubstr("no point above the drawing's centre, (0.9000, 0.0000) m in the drawing plane"));
   EXPECT_THAT(refusal(surfaces::bowl, kCentre, {}), HasSubstr("no strokes"));
   WrapSettings settings;
   settings.spacing = 1e-4;
-  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings), HasSubstr("spacing is 0.1 mm, allowed is 0.5 to 20 mm"));
+  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings),
+              HasSubstr("spacing is 0.1 mm, allowed is 0.5 to 20 mm"));
   settings = {};
   settings.margin = 0.001;
-  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings), HasSubstr("margin is 1 mm, allowed is two spacings (6 mm)"));
-  const SurfaceHeight thread = without(surfaces::table, [](const Vector2d& p) { return std::abs(p.y()) > 1e-4; });
-  EXPECT_THAT(refusal(thread, kCentre, {stroke}), HasSubstr("the surface ends or is steeper than 80°"));
+  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings),
+              HasSubstr("margin is 1 mm, allowed is two spacings (6 mm)"));
+  const SurfaceHeight thread =
+      without(surfaces::table, [](const Vector2d& p) { return std::abs(p.y()) > 1e-4; });
+  EXPECT_THAT(refusal(thread, kCentre, {stroke}),
+              HasSubstr("the surface ends or is steeper than 80°"));
 }
 
 TEST(WrapErrors, TellWhereTheSurfaceFoldsOver) {
-  const Vector2d apex = kCentre + Vector2d(0.04, 0);  // of a cone of 70°: a third of a turn of paper, and all of it about the apex is page
-  const SurfaceHeight cone = surfaces::height_field([&](double x, double y) { return -2.75 * (Vector2d(x, y) - apex).norm(); });
-  EXPECT_THAT(refusal(cone, kCentre, {circle(kCentre, 0.10)}), testing::ContainsRegex("fold over, the first at \\(0\\.6[34]"));
+  const Vector2d apex =
+      kCentre +
+      Vector2d(
+          0.04,
+          0);  // of a cone of 70°: a third of a turn of paper, and all of it about the apex is page
+  const SurfaceHeight cone = surfaces::height_field(
+      [&](double x, double y) { return -2.75 * (Vector2d(x, y) - apex).norm(); });
+  EXPECT_THAT(refusal(cone, kCentre, {circle(kCentre, 0.10)}),
+              testing::ContainsRegex("fold over, the first at \\(0\\.6[34]"));
 }
 
 TEST(WrapErrors, PassOnWhatTheScriptSays) {
@@ -141,19 +164,24 @@ TEST(WrapErrors, PassOnWhatTheScriptSays) {
   WrapSettings settings;
   settings.python = "/no/such/python";
   EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings), HasSubstr("/no/such/python"));
-  const std::filesystem::path mute = std::filesystem::temp_directory_path() / fmt::format("impedraw_wrap_test_{}.sh", ::getpid());
-  std::ofstream(mute) << "#!/bin/sh\necho 'Traceback' >&2\necho 'ImportError: libigl is not here' >&2\nexit 1\n";
+  const std::filesystem::path mute =
+      std::filesystem::temp_directory_path() / fmt::format("impedraw_wrap_test_{}.sh", ::getpid());
+  std::ofstream(mute)
+      << "#!/bin/sh\necho 'Traceback' >&2\necho 'ImportError: libigl is not here' >&2\nexit 1\n";
   std::filesystem::permissions(mute, std::filesystem::perms::owner_all);
   settings.python = mute;
-  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings), HasSubstr("failed: ImportError: libigl is not here"));
+  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings),
+              HasSubstr("failed: ImportError: libigl is not here"));
   std::filesystem::remove(mute);
   settings.python = "/bin/true";  // says that all is well and writes nothing
   EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings), HasSubstr("left no flat.bin"));
 }
 
 TEST(ConvexHull, HoldsAllPointsAndNothingMore) {
-  const std::vector<Vector2d> hull = convex_hull({{0, 0}, {2, 0}, {1, 0}, {2, 1}, {1, 0.5}, {0, 1}, {0, 0}});
-  EXPECT_THAT(hull, testing::ElementsAre(Vector2d(0, 0), Vector2d(2, 0), Vector2d(2, 1), Vector2d(0, 1)));
+  const std::vector<Vector2d> hull =
+      convex_hull({{0, 0}, {2, 0}, {1, 0}, {2, 1}, {1, 0.5}, {0, 1}, {0, 0}});
+  EXPECT_THAT(hull,
+              testing::ElementsAre(Vector2d(0, 0), Vector2d(2, 0), Vector2d(2, 1), Vector2d(0, 1)));
   EXPECT_EQ(distance_to_hull(hull, {1, 0.7}), 0);
   EXPECT_DOUBLE_EQ(distance_to_hull(hull, {3, 2}), std::sqrt(2));
   EXPECT_DOUBLE_EQ(distance_to_hull(hull, {1, -0.25}), 0.25);

@@ -1,13 +1,14 @@
-// The wrap against surfaces whose flat maps are known: plane, cylinder and cone unroll exactly, the bowl by a one-dimensional minimum.
+// The wrap against surfaces whose flat maps are known: plane, cylinder and cone unroll exactly, the
+// bowl by a one-dimensional minimum.
 #include "impedraw/planning/wrap/wrap.h"
 
 #include <functional>
 #include <random>
 
-#include <Eigen/Dense>
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <Eigen/Dense>
 
 #include "wrap_surfaces.h"
 
@@ -38,7 +39,8 @@ double surface_length(const SurfaceHeight& surface, const PlacedStroke& stroke) 
 }
 
 // A developable surface: where points go, and how long straight strokes become.
-void expect_unrolls(const SurfaceHeight& surface, const Flat& exact, double radius, double place_limit) {
+void expect_unrolls(const SurfaceHeight& surface, const Flat& exact, double radius,
+                    double place_limit) {
   constexpr unsigned seed = 7;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -62,7 +64,8 @@ void expect_unrolls(const SurfaceHeight& surface, const Flat& exact, double radi
     const WrappedStrokes wrapped = wrap.wrap({surfaces::line({a, b})});
     ASSERT_EQ(wrapped.strokes.size(), 1u);
     EXPECT_TRUE(wrapped.lost.empty());
-    stretch = std::max(stretch, std::abs(surface_length(surface, wrapped.strokes[0]) / (b - a).norm() - 1));
+    stretch = std::max(stretch,
+                       std::abs(surface_length(surface, wrapped.strokes[0]) / (b - a).norm() - 1));
   }
   fmt::print("stretch {:.2e}\n", stretch);
   EXPECT_LT(stretch, 1e-3);
@@ -81,15 +84,21 @@ TEST(Wrap, IsAnIsometryOnATiltedPlane) {
       const Vector2d d = flat - kCentre;
       return kCentre + d - (1 - std::cos(30 * M_PI / 180)) * d.dot(uphill) * uphill;
     };
-    expect_unrolls(height_field([&](double x, double y) { return slope * uphill.dot(Vector2d(x, y) - kCentre); }), exact, 0.12, 1e-9);
+    expect_unrolls(height_field([&](double x, double y) {
+                     return slope * uphill.dot(Vector2d(x, y) - kCentre);
+                   }),
+                   exact, 0.12, 1e-9);
   }
 }
 
 TEST(Wrap, UnrollsACylinder) {
   const double R = 0.20, phi0 = 0.25;  // the centre lies down the side
   const double axis = kCentre.x() - R * std::sin(phi0);
-  const SurfaceHeight surface = height_field([&](double x, double) { return std::sqrt(R * R - (x - axis) * (x - axis)); });
-  const auto exact = [&](const Vector2d& flat) -> Vector2d { return {axis + R * std::sin(phi0 + (flat.x() - kCentre.x()) / R), flat.y()}; };
+  const SurfaceHeight surface =
+      height_field([&](double x, double) { return std::sqrt(R * R - (x - axis) * (x - axis)); });
+  const auto exact = [&](const Vector2d& flat) -> Vector2d {
+    return {axis + R * std::sin(phi0 + (flat.x() - kCentre.x()) / R), flat.y()};
+  };
   expect_unrolls(surface, exact, 0.12, 5e-6);
 
   const Wrap wrap(surface, kCentre, {circle(kCentre, 0.10)});
@@ -97,8 +106,10 @@ TEST(Wrap, UnrollsACylinder) {
   double geodesic_error = 0;
   for (std::size_t k = 0; k < wrapped.world.size(); ++k) {
     const Vector2d& p = wrapped.world[k];
-    const double geodesic = std::hypot(R * (std::asin((p.x() - axis) / R) - phi0), p.y() - kCentre.y());
-    geodesic_error = std::max(geodesic_error, std::abs(geodesic - (wrapped.page[k] - kCentre).norm()));
+    const double geodesic =
+        std::hypot(R * (std::asin((p.x() - axis) / R) - phi0), p.y() - kCentre.y());
+    geodesic_error =
+        std::max(geodesic_error, std::abs(geodesic - (wrapped.page[k] - kCentre).norm()));
   }
   fmt::print("geodesic radius error {:.3f} µm\n", 1e6 * geodesic_error);
   EXPECT_LT(geodesic_error, 1e-3 * 0.10);
@@ -107,7 +118,8 @@ TEST(Wrap, UnrollsACylinder) {
 TEST(Wrap, UnrollsACone) {
   const double k = std::tan(35 * M_PI / 180), slant = std::sqrt(1 + k * k), r0 = 0.15;
   const Vector2d apex = kCentre - Vector2d(r0, 0);
-  const SurfaceHeight surface = height_field([&](double x, double y) { return -k * (Vector2d(x, y) - apex).norm(); });
+  const SurfaceHeight surface =
+      height_field([&](double x, double y) { return -k * (Vector2d(x, y) - apex).norm(); });
   const auto exact = [&](const Vector2d& flat) -> Vector2d {
     const Vector2d from_apex = flat - kCentre + Vector2d(slant * r0, 0);
     const double angle = slant * std::atan2(from_apex.y(), from_apex.x());
@@ -116,8 +128,9 @@ TEST(Wrap, UnrollsACone) {
   expect_unrolls(surface, exact, 0.10, 2e-5);
 }
 
-// Among maps of a spherical cap that only move points along meridians, to the distance g(ρ), the least sum of squared stretches less 1 is
-// a quadratic problem in g: finite elements of degree one, solved directly.
+// Among maps of a spherical cap that only move points along meridians, to the distance g(ρ), the
+// least sum of squared stretches less 1 is a quadratic problem in g: finite elements of degree one,
+// solved directly.
 std::vector<double> best_azimuthal(double R, double rho_max, int n) {
   const double h = rho_max / n;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);  // of g_1 … g_n; g_0 = 0
@@ -162,26 +175,33 @@ TEST(Wrap, OnTheBowlIsTheBestAzimuthalMap) {
   double worst = 0, equidistant = 0;
   for (int k = 0; k < 360; ++k) {
     const double rho = low * (k + 1) / 400.0, heading = 2.4 * k;
-    const Vector2d p = centre + R * std::sin(rho / R) * Vector2d(std::cos(heading), std::sin(heading));
+    const Vector2d p =
+        centre + R * std::sin(rho / R) * Vector2d(std::cos(heading), std::sin(heading));
     const std::optional<Vector2d> flat = wrap.to_flat(p);
     ASSERT_TRUE(flat);
-    const Vector2d wanted = centre + flat_radius(rho) * Vector2d(std::cos(heading), std::sin(heading));
+    const Vector2d wanted =
+        centre + flat_radius(rho) * Vector2d(std::cos(heading), std::sin(heading));
     worst = std::max(worst, (*flat - wanted).norm());
     equidistant = std::max(equidistant, std::abs(flat_radius(rho) - rho));
   }
-  fmt::print("off the best azimuthal map {:.1f} µm, which is {:.1f} µm off the equidistant one\n", 1e6 * worst, 1e6 * equidistant);
+  fmt::print("off the best azimuthal map {:.1f} µm, which is {:.1f} µm off the equidistant one\n",
+             1e6 * worst, 1e6 * equidistant);
   EXPECT_LT(worst, 1e-4);
   EXPECT_GT(equidistant, 5e-4) << "the equidistant map would pass too";
 }
 
-// A map that is linear in each triangle turns by a spacing's worth of curvature at every edge, and not at all in between.
+// A map that is linear in each triangle turns by a spacing's worth of curvature at every edge, and
+// not at all in between.
 TEST(Wrap, BendsStraightLinesWithoutKinks) {
   const Vector2d centre(0.60, 0);
   const Wrap wrap(surfaces::waves, centre, {circle(centre, 0.10)});
   const double step = 1e-4;
   std::vector<Vector2d> line;
-  for (int k = 0; k < 1200; ++k) line.push_back(*wrap.to_plane(centre + Vector2d(-0.06 + k * step, 0.013 + 0.3 * k * step)));
-  const auto bend = [&](std::size_t k, std::size_t apart) -> double { return (line[k + apart] - 2 * line[k] + line[k - apart]).norm(); };
+  for (int k = 0; k < 1200; ++k)
+    line.push_back(*wrap.to_plane(centre + Vector2d(-0.06 + k * step, 0.013 + 0.3 * k * step)));
+  const auto bend = [&](std::size_t k, std::size_t apart) -> double {
+    return (line[k + apart] - 2 * line[k] + line[k - apart]).norm();
+  };
   double close = 0, wide = 0;
   for (std::size_t k = 50; k + 50 < line.size(); ++k) {
     close = std::max(close, bend(k, 1));
@@ -202,7 +222,9 @@ TEST(Wrap, DifferentialIsThatOfTheMap) {
     const Eigen::Matrix2d J = wrap.chart().differential(p);
     for (int axis = 0; axis < 2; ++axis) {
       const Vector2d step = d * Vector2d::Unit(axis);
-      EXPECT_LT((J.col(axis) - (*wrap.to_flat(p + step) - *wrap.to_flat(p - step)) / (2 * d)).norm(), 1e-4);
+      EXPECT_LT(
+          (J.col(axis) - (*wrap.to_flat(p + step) - *wrap.to_flat(p - step)) / (2 * d)).norm(),
+          1e-4);
     }
   }
   const Eigen::Matrix2d at_centre = wrap.chart().differential(centre);
@@ -217,7 +239,8 @@ TEST(Wrap, IsTheSameEveryTime) {
   const WrappedStrokes b = Wrap(surfaces::waves, centre, {stroke}).wrap({stroke});
   ASSERT_EQ(a.strokes.size(), 1u);
   ASSERT_EQ(a.strokes[0].world.size(), b.strokes[0].world.size());
-  for (std::size_t k = 0; k < a.strokes[0].world.size(); ++k) EXPECT_EQ(a.strokes[0].world[k], b.strokes[0].world[k]);
+  for (std::size_t k = 0; k < a.strokes[0].world.size(); ++k)
+    EXPECT_EQ(a.strokes[0].world[k], b.strokes[0].world[k]);
 }
 
 // Of this program and of the script, so that what else runs here matters little.
@@ -237,7 +260,8 @@ TEST(Wrap, OfAPatchOf300MillimetresIsQuick) {
   const Vector2d centre(0.60, 0);
   const Wrap wrap(surfaces::bowl, centre, {circle(centre, 0.15)});
   const double taken = processor_seconds() - before;
-  fmt::print("{} vertices, {:.2f} s of the processor\n", wrap.chart().patch().samples.size(), taken);
+  fmt::print("{} vertices, {:.2f} s of the processor\n", wrap.chart().patch().samples.size(),
+             taken);
   EXPECT_LT(taken, 3.0) << "under 2 s where nothing else runs";
 }
 
