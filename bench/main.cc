@@ -89,7 +89,7 @@ class Step {
         terms_(e_.arm.joints()),
         controller_(e_.control, e_.arm.joints()),
         estimator_(e_.estimator),
-        goal_(e_.path.at(0.5 * (e_.path.strokes()[0].start + e_.path.strokes()[0].end)).goal) {
+        goal_(e_.path.at(0.5 * (e_.path.strokes()[0].start + e_.path.strokes()[0].end)).reference) {
     surface_.status = SurfaceStatus::ok;
     surface_.n_W = goal_.n_WD;
     surface_.distance = 0.0;
@@ -112,7 +112,7 @@ class Step {
   ArmTerms terms_;
   ImpedanceController controller_;
   WrenchEstimator estimator_;
-  TipGoal goal_;
+  TipReference goal_;
   SurfaceEstimate surface_;
   std::size_t i_ = 0;
 };

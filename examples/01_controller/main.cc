@@ -19,21 +19,22 @@ int main() {
   arm.X_WE.R.diagonal() << 1.0, -1.0, -1.0;  // the pen points down
 
   ImpedanceSettings settings;  // each has a unit and a default
-  settings.push_force = 5.0;
+  settings.normal_force = 5.0;
   settings.q_0[2] = 0.2;              // the third joint would rather stand there
   settings.observer.enabled = false;  // it would wonder at an arm that no torque moves
   ImpedanceController controller(settings, 7);
 
-  TipGoal goal;
-  goal.p_WD = arm.X_WE.p + Eigen::Vector3d(1e-3, 0.0, 0.0);  // 1 mm further on
-  goal.pen_down = true;
+  TipReference reference;
+  reference.p_WD = arm.X_WE.p + Eigen::Vector3d(1e-3, 0.0, 0.0);  // 1 mm further on
+  reference.pen_down = true;
   const SurfaceEstimate surface{SurfaceStatus::ok, Eigen::Vector3d::UnitZ(),
                                 0.0};          // under the tip, facing up
   const Wrench F_ext = 5.0 * Wrench::Unit(2);  // and it holds the pen
 
   const ImpedanceTorque* out = nullptr;
   for (int i = 0; i < 500; ++i)
-    out = &controller.step(arm, goal, surface, F_ext);  // one a millisecond: the push builds up
+    // one a millisecond: the push builds up
+    out = &controller.step(arm, reference, surface, F_ext);
   std::printf("%s, all well: %s\n", kContactModeNames[static_cast<int>(out->mode)].data(),
               out->status.ok() ? "yes" : "no");
   std::printf("%-18s", "torque [Nm]");

@@ -98,7 +98,7 @@ struct Smooth {
 
 // Down from 10 mm, once around, up again. The plan knows the slope, but has the canvas 2 mm too
 // high: perception finds it where it is.
-TipGoal plan(double t, const Vector3d& n) {
+TipReference plan(double t, const Vector3d& n) {
   const Smooth turn(t - kDraw, kDrawn - kDraw), leave(t - kPenUp, kEnd - kPenUp);
   const double phi = 2.0 * M_PI * turn.s, rate = 2.0 * M_PI * turn.rate,
                acceleration = 2.0 * M_PI * turn.acceleration;
@@ -106,15 +106,15 @@ TipGoal plan(double t, const Vector3d& n) {
   const auto onto_canvas = [&n](const Vector3d& x) -> Vector3d {
     return x - Vector3d::UnitZ() * (n.dot(x) / n.z());
   };
-  TipGoal goal;
-  goal.n_WD = n;
-  goal.pen_down = t >= kPenDown && t < kPenUp;
-  goal.p_WD = onto_canvas(kRadius * out) + Vector3d(0.0, 0.0, 2e-3) +
-              (t < kPenDown ? 0.008 : 0.02 * leave.s) * n;
-  goal.v_WD = onto_canvas(kRadius * rate * ahead) + 0.02 * leave.rate * n;
-  goal.a_WD = onto_canvas(kRadius * (acceleration * ahead - rate * rate * out)) +
-              0.02 * leave.acceleration * n;
-  return goal;
+  TipReference reference;
+  reference.n_WD = n;
+  reference.pen_down = t >= kPenDown && t < kPenUp;
+  reference.p_WD = onto_canvas(kRadius * out) + Vector3d(0.0, 0.0, 2e-3) +
+                   (t < kPenDown ? 0.008 : 0.02 * leave.s) * n;
+  reference.v_WD = onto_canvas(kRadius * rate * ahead) + 0.02 * leave.rate * n;
+  reference.a_WD = onto_canvas(kRadius * (acceleration * ahead - rate * rate * out)) +
+                   0.02 * leave.acceleration * n;
+  return reference;
 }
 
 int main(int argc, char** argv) {
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
 
   ImpedanceSettings settings;
   settings.dt = kStep;
-  settings.push_force = kForce;
+  settings.normal_force = kForce;
   settings.tip_radius = 0.0;
   settings.tip_stiffness = world.canvas.stiffness;
   // six joints leave no null space

@@ -192,7 +192,7 @@ int report(const fs::path& folder) {
   Scenario scenario;
   read_settings(scenario, folder / "scenario.yaml");
   const Places places;
-  const Shape artwork = make_artwork(scenario.drawing, Blame(places));
+  const Shape artwork = make_artwork(scenario.drawing, SettingErrors(places));
   const Placement placement = place(artwork.drawn, placement_settings(scenario.drawing));
   fmt::print("{}report  {}\n",
              metrics_table(write_results(folder, scenario, artwork.target, placement,

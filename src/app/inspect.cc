@@ -51,7 +51,7 @@ void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json&
              found["closed"].get<bool>() ? "closed" : "open", found["components"].get<int>(),
              found["slope_max_deg"].get<double>());
   for (const auto& fault : found["faults"])
-    fmt::print("  {}  {}\n", fault["mended"].get<bool>() ? "mended     " : "fault      ",
+    fmt::print("  {}  {}\n", fault["repaired"].get<bool>() ? "repaired     " : "fault      ",
                fault["message"].get<std::string>());
 }
 

@@ -34,7 +34,7 @@ nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, double u
     found["faults"].push_back(nlohmann::ordered_json{{"kind", fault.kind},
                                                      {"count", fault.count},
                                                      {"first", fault.first},
-                                                     {"mended", fault.mended},
+                                                     {"repaired", fault.repaired},
                                                      {"message", fault.message}});
   }
   return found;

@@ -7,10 +7,11 @@
 
 namespace impedraw {
 
-// triangles: as in the file, polygons cut. Of the welded and mended surface (canvas/mesh_check.h),
-// in the file's own pose, `unit` being the length of one of its units [m]: bbox_m [x0, y0, z0, x1,
-// y1, z1], area_m2, closed, components, slope_max_deg (largest angle of a facet's normal to +z, 0
-// to 180), faults [{kind, count, first, mended, message}]. InputError as load_mesh.
+// triangles: as in the file, polygons cut. Of the merged and repaired surface
+// (canvas/mesh_check.h), in the file's own pose, `unit` being the length of one of its units [m]:
+// bbox_m [x0, y0, z0, x1, y1, z1], area_m2, closed, components, slope_max_deg (largest angle of a
+// facet's normal to +z, 0 to 180), faults [{kind, count, first, repaired, message}]. InputError as
+// load_mesh.
 nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, double unit);
 
 }  // namespace impedraw

@@ -34,9 +34,9 @@ PlanLine plan_line(const PlacedStroke& part, const SurfaceHeight& surface, doubl
   const double length = plane_length(part);
   const int pieces = std::max(1, static_cast<int>(std::ceil(length / kSpacing)));
   for (int i = 0; i <= pieces; ++i) {
-    const Eigen::Vector2d p = place_on(part, part.start + length * i / pieces).world;
+    const Eigen::Vector2d p = place_on(part, part.start + length * i / pieces).p_P;
     const auto sample = surface(p.x(), p.y());
-    line.points.push_back(sample ? sample->p_W : Eigen::Vector3d(p.x(), p.y(), z));
+    line.points.push_back(sample ? sample->p_P : Eigen::Vector3d(p.x(), p.y(), z));
   }
   return line;
 }

@@ -7,7 +7,7 @@
 
 namespace impedraw {
 
-IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed,
+IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVector& seed,
                       const IkSettings& settings) {
   const int n = arm.joints();
   const JointVector lower = arm.limits().lower, upper = arm.limits().upper;
@@ -21,13 +21,13 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVect
   for (int step = 0; step < settings.max_steps; ++step) {
     arm.compute(q, rest, &terms);
     const Eigen::Vector3d z = terms.X_WE.R.col(2);
-    const Eigen::Vector3d cross = z.cross(wanted.z_WE);
-    const double angle = std::atan2(cross.norm(), z.dot(wanted.z_WE));
+    const Eigen::Vector3d cross = z.cross(desired.z_WE);
+    const double angle = std::atan2(cross.norm(), z.dot(desired.z_WE));
     // At exactly opposite axes any normal of z serves as the axis to turn about.
     const Eigen::Vector3d axis =
         cross.norm() > 1e-12 ? Eigen::Vector3d(cross.normalized()) : terms.X_WE.R.col(0);
     Vector6 e;
-    e << wanted.p_WE - terms.X_WE.p, angle * axis;
+    e << desired.p_WE - terms.X_WE.p, angle * axis;
     const double position_error = e.head<3>().norm();
     if (position_error + angle < best) {
       best = position_error + angle;

@@ -9,8 +9,8 @@
 namespace impedraw {
 
 struct PenPlacement {
-  Eigen::Vector3d p_WE;  // wanted tip [m]
-  Eigen::Vector3d z_WE;  // wanted pen axis, unit, out of the tip
+  Eigen::Vector3d p_WE;  // desired tip [m]
+  Eigen::Vector3d z_WE;  // desired pen axis, unit, out of the tip
 };
 
 struct IkSettings {
@@ -29,7 +29,7 @@ struct IkResult {
 
 // Damped least squares from `seed`, clamped to the joint limits at each step; the spare joints stay
 // near the seed.
-IkResult find_posture(ArmModel& arm, const PenPlacement& wanted, const JointVector& seed,
+IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVector& seed,
                       const IkSettings& settings = {});
 
 }  // namespace impedraw

@@ -16,7 +16,7 @@ struct CapSettings {
   Eigen::Vector3d centre = {0.60, 0.0, 0.40};  // of the sphere, p_WC [m]
   // of the circle at which the cap ends, radius sin(slope there) [m], in (0, radius]
   double opening_radius = 0.18;
-  double edge = 0.0015;  // wanted length of a triangle's edge [m], > 0, at most opening_radius
+  double edge = 0.0015;  // desired length of a triangle's edge [m], > 0, at most opening_radius
 };
 using BowlSettings = CapSettings;
 using DomeSettings = CapSettings;
@@ -34,7 +34,7 @@ struct PlaneSettings {
   // along W's x projected onto the plane (W's y where x stands on the plane) [m], > 0
   double width = 0.36;
   double height = 0.36;  // across that [m], > 0
-  double edge = 0.01;    // wanted length of a cell's side [m], > 0
+  double edge = 0.01;    // desired length of a cell's side [m], > 0
 };
 
 // A rectangle. Every vertex lies in the plane to rounding.

@@ -38,7 +38,7 @@ struct ConeSettings {
   // of its side to the level; the cone's half-angle is 90° − slope [deg], in (0, 80]
   double slope_deg = 20.0;
   double base_radius = 0.18;  // of the circle at which it ends [m], > 0
-  double edge = 0.0015;       // wanted length of a triangle's edge [m], > 0, at most base_radius
+  double edge = 0.0015;       // desired length of a triangle's edge [m], > 0, at most base_radius
 };
 
 TriangleMesh make_cone(const ConeSettings& settings = {});

@@ -86,13 +86,13 @@ class Grid {
 
 }  // namespace
 
-TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
+TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance) {
   Eigen::AlignedBox3d bounds;
   for (const auto& t : mesh.triangles)
     for (const int v : t) bounds.extend(mesh.vertices[v]);
-  TriangleMesh welded;
-  welded.triangles.reserve(mesh.triangles.size());
-  Grid grid(bounds, tolerance, welded.vertices);
+  TriangleMesh merged;
+  merged.triangles.reserve(mesh.triangles.size());
+  Grid grid(bounds, tolerance, merged.vertices);
   std::vector<int> now(mesh.vertices.size(), -1);
   for (const auto& t : mesh.triangles) {
     Eigen::Vector3i corners;
@@ -100,15 +100,15 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
       int& v = now[t[k]];
       if (v < 0) v = grid.find(mesh.vertices[t[k]]);
       if (v < 0) {
-        v = static_cast<int>(welded.vertices.size());
-        welded.vertices.push_back(mesh.vertices[t[k]]);
+        v = static_cast<int>(merged.vertices.size());
+        merged.vertices.push_back(mesh.vertices[t[k]]);
         grid.add();
       }
       corners[k] = v;
     }
-    welded.triangles.push_back(corners);
+    merged.triangles.push_back(corners);
   }
-  return welded;
+  return merged;
 }
 
 }  // namespace impedraw

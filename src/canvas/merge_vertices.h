@@ -8,6 +8,6 @@ namespace impedraw {
 // Every vertex that a triangle names becomes the first one, in the triangles' order, within
 // `tolerance` [m] of it; vertices that no triangle names are left out. Triangles keep their number
 // and order. Precondition: finite coordinates, indices in range, tolerance ≥ 0.
-TriangleMesh weld(const TriangleMesh& mesh, double tolerance);
+TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance);
 
 }  // namespace impedraw

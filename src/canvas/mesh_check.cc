@@ -33,7 +33,7 @@ Eigen::AlignedBox3d bounds_of_triangles(const TriangleMesh& mesh) {
 
 bool collapsed(const Vector3i& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// The mesh as it is mended, each of its triangles with the number it had.
+// The mesh as it is repaired, each of its triangles with the number it had.
 struct Mending {
   CheckedMesh* checked;
   std::vector<int> number;
@@ -41,12 +41,13 @@ struct Mending {
   TriangleMesh& mesh() { return checked->mesh; }
 
   // `of`: numbers of the triangles, ascending.
-  void report(std::string kind, const std::vector<int>& of, bool mended, const std::string& say) {
+  void report(std::string kind, const std::vector<int>& of, bool repaired, const std::string& say) {
     if (of.empty()) return;
     std::string message =
         fmt::format("{}: {}, first triangle {}; {}", kind, of.size(), of.front(), say);
     std::replace(message.begin(), message.end(), '_', ' ');
-    checked->faults.push_back({std::move(kind), of.size(), of.front(), mended, std::move(message)});
+    checked->faults.push_back(
+        {std::move(kind), of.size(), of.front(), repaired, std::move(message)});
   }
 
   void drop(const std::vector<bool>& gone) {
@@ -187,7 +188,7 @@ CheckedMesh check_mesh(const TriangleMesh& mesh) {
   checked.given_triangles = mesh.triangles.size();
   checked.bounds = bounds_of_triangles(mesh);
   checked.weld = kWeld * checked.bounds.diagonal().norm();
-  checked.mesh = weld(mesh, checked.weld);
+  checked.mesh = merge_vertices(mesh, checked.weld);
   check_size(checked.bounds.sizes(), &checked);
   Mending mending{&checked, std::vector<int>(mesh.triangles.size())};
   std::iota(mending.number.begin(), mending.number.end(), 0);
@@ -209,7 +210,7 @@ CheckedMesh load_mesh(const std::filesystem::path& file, double unit) {
 
 void require_drawable(const CheckedMesh& mesh, const std::string& name) {
   for (const auto& fault : mesh.faults) {
-    if (!fault.mended) throw InputError(name + ": " + fault.message);
+    if (!fault.repaired) throw InputError(name + ": " + fault.message);
   }
 }
 

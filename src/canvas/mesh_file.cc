@@ -50,7 +50,7 @@ void for_each_face(const aiScene& scene, Do&& visit) {
 
 TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
   const std::string name = file.string();
-  const std::size_t promised = require_whole(file);
+  const std::size_t promised = validate_mesh_file(file);
   if (promised == 0)
     throw InputError(fmt::format("{}: holds no triangle, must hold at least one", name));
   if (promised > kMostTriangles) {

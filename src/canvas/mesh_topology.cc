@@ -14,7 +14,7 @@ namespace impedraw {
 namespace {
 
 // For each vertex the first one at the same place.
-std::vector<int> weld(const std::vector<Eigen::Vector3d>& vertices) {
+std::vector<int> merge_vertices(const std::vector<Eigen::Vector3d>& vertices) {
   const auto before = [&](int a, int b) {
     const auto& p = vertices[a];
     const auto& q = vertices[b];
@@ -92,7 +92,7 @@ void require_valid(const TriangleMesh& mesh) {
 
 MeshTopology make_topology(const TriangleMesh& mesh) {
   require_valid(mesh);
-  const std::vector<int> first = weld(mesh.vertices);
+  const std::vector<int> first = merge_vertices(mesh.vertices);
   MeshTopology topology;
   topology.faces.resize(mesh.triangles.size());
   topology.smooth_normal.assign(mesh.vertices.size(), Eigen::Vector3d::Zero());

@@ -51,12 +51,12 @@ Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edge
           patch.closed = false;
           continue;
         }
-        const bool wanted = turned[f] != against[f][side];
+        const bool desired = turned[f] != against[f][side];
         if (!seen[g]) {
           seen[g] = true;
-          turned[g] = wanted;
+          turned[g] = desired;
           patch.triangles.push_back(g);
-        } else if (turned[g] != wanted) {
+        } else if (turned[g] != desired) {
           winding.twisted.push_back(std::max(f, g));
         }
       }

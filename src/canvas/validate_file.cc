@@ -149,22 +149,22 @@ std::size_t require_whole_text_stl(std::string_view text, const std::string& nam
 std::size_t require_whole_stl(std::string_view text, const std::string& name) {
   const bool has_count = text.size() >= kStlHeader;
   const std::size_t count = has_count ? little_endian_u32(text.substr(kStlHeader - 4)) : 0;
-  const std::size_t wanted = kStlHeader + kStlTriangle * count;
-  if (has_count && text.size() == wanted) return count;
+  const std::size_t desired = kStlHeader + kStlTriangle * count;
+  if (has_count && text.size() == desired) return count;
   if (same_word(text.substr(0, 5), "solid") && is_text(text.substr(0, 512)))
     return require_whole_text_stl(text, name);
   if (!has_count) {
     throw InputError(fmt::format("{}: {} bytes, an STL has a header of {} or opens with 'solid'",
                                  name, text.size(), kStlHeader));
   }
-  if (text.size() < wanted) {
+  if (text.size() < desired) {
     throw InputError(
         fmt::format("{}: cut short within triangle {}, its header promises {} triangles", name,
                     (text.size() - kStlHeader) / kStlTriangle, count));
   }
   throw InputError(
       fmt::format("{}: {} bytes stand behind the {} triangles that its header promises", name,
-                  text.size() - wanted, count));
+                  text.size() - desired, count));
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ bool is_mesh_file(const std::filesystem::path& file) {
   return ending == ".obj" || ending == ".stl" || ending == ".ply";
 }
 
-std::size_t require_whole(const std::filesystem::path& file) {
+std::size_t validate_mesh_file(const std::filesystem::path& file) {
   const std::string ending = lower_extension(file);
   if (!is_mesh_file(file)) {
     throw InputError(fmt::format("{}: ends in '{}', a mesh must be a .obj, .stl or .ply",
@@ -183,7 +183,7 @@ std::size_t require_whole(const std::filesystem::path& file) {
   const std::string text = read_all(file);
   if (ending == ".obj") return require_whole_obj(text, file.string());
   if (ending == ".stl") return require_whole_stl(text, file.string());
-  return require_whole_ply(text, file.string());
+  return validate_ply(text, file.string());
 }
 
 }  // namespace impedraw

@@ -15,6 +15,6 @@ bool is_mesh_file(const std::filesystem::path& file);  // by its name's ending, 
 // runs on, it holds a vertex without three finite numbers (text files) or a face with fewer than
 // three corners, an index of an OBJ is out of range. Not looked at, as importers hand them on:
 // indices of a PLY, and values in binary files.
-std::size_t require_whole(const std::filesystem::path& file);
+std::size_t validate_mesh_file(const std::filesystem::path& file);
 
 }  // namespace impedraw

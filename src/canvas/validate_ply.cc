@@ -166,7 +166,7 @@ struct Body {
 
 }  // namespace
 
-std::size_t require_whole_ply(std::string_view text, const std::string& name) {
+std::size_t validate_ply(std::string_view text, const std::string& name) {
   const Header header = read_header(&text, name);
   Body body{text, header.format, name};
   std::size_t faces = 0;

@@ -1,4 +1,4 @@
-// The part of whole_file.h about PLY.
+// The part of validate_file.h about PLY.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,6 @@ namespace impedraw {
 
 // The faces that the header promises. Throws InputError, opened by `name`, where the body does not
 // hold all that the header promises.
-std::size_t require_whole_ply(std::string_view text, const std::string& name);
+std::size_t validate_ply(std::string_view text, const std::string& name);
 
 }  // namespace impedraw

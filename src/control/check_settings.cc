@@ -64,7 +64,7 @@ void check_settings(const ImpedanceSettings& s, int joints) {
   gain("shaped_inertia", s.shaped_inertia, positive);
   positive("inertia_scale", s.inertia_scale);
   positive("damping_ratio", s.damping_ratio);
-  not_negative("push_force", s.push_force);
+  not_negative("normal_force", s.normal_force);
   positive("switch_time", s.switch_time);
   positive("approach_speed", s.approach_speed);
   not_negative("approach_overtravel", s.approach_overtravel);

@@ -1,9 +1,9 @@
 // The states of a pen that comes down, draws and leaves, as a table.
 //
-//   free ──pen down wanted, surface known──> approach ──touch──> contact ──pen up wanted──> lift
+//   free ──pen down desired, surface known──> approach ──touch──> contact ──pen up desired──> lift
 //   ──clear of the surface──> free
-//   contact ──touch lost──> approach              approach ──pen up wanted──> lift
-//   approach, contact ──surface or wrench lost──> retreat ──pen up wanted──> free
+//   contact ──touch lost──> approach              approach ──pen up desired──> lift
+//   approach, contact ──surface or wrench lost──> retreat ──pen up desired──> free
 //
 // Touch is known when the tip is near the estimated surface *and* something holds it: the measured
 // force along the normal, within `search_distance`, or, without a wrench, the tip that no longer
@@ -35,13 +35,13 @@ struct ContactSettings {
 
 // What one step knows of the contact.
 struct ContactEvidence {
-  bool pen_down = false;  // wanted by the plan
+  bool pen_down = false;  // desired by the plan
   bool surface_known = false;
   double distance = 0.0;  // to the estimated surface [m]
   bool wrench_known = false;
   bool wrench_lost = false;   // it should be there, and is stale
   double normal_force = 0.0;  // measured [N]
-  double approach_gap = 0.0;  // distance minus the distance wanted in the approach [m]
+  double approach_gap = 0.0;  // distance minus the distance desired in the approach [m]
 };
 
 class ContactStates {

@@ -11,11 +11,11 @@
 
 namespace impedraw {
 
-double spectral_radius(const NormalLoop& s) {
+double spectral_radius(const ContactLoop& s) {
   // State: penetration x, its rate v, and the last `delay_steps` forces. The tip's force is the
   // simulator's: spring from the start of the step, damper on the new velocity.
   const int n = 2 + s.delay_steps;
-  const double ratio = s.natural_mass / s.wanted_mass;
+  const double ratio = s.natural_mass / s.desired_mass;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   const double h_m = s.dt / s.natural_mass;
   const double implicit = 1.0 + h_m * s.contact_damping;
@@ -35,14 +35,15 @@ double spectral_radius(const NormalLoop& s) {
 
 namespace {
 
-// Whether the loop holds for every natural mass up to the largest; `wanted` and `damping` as
+// Whether the loop holds for every natural mass up to the largest; `desired` and `damping` as
 // functions of the natural mass.
-template <typename Wanted, typename Damping>
-bool stable(const ImpedanceSettings& settings, const Wanted& wanted, const Damping& damping) {
+template <typename ReferenceMotion, typename Damping>
+bool stable(const ImpedanceSettings& settings, const ReferenceMotion& desired,
+            const Damping& damping) {
   const int steps = std::max(1, static_cast<int>(std::lround(settings.wrench_delay / settings.dt)));
   for (double m = 1.0; m <= settings.natural_mass_max; m += 0.5)
-    if (spectral_radius({m, wanted(m), damping(m), settings.contact_stiffness_max, 0.0, settings.dt,
-                         steps}) >= 1.0)
+    if (spectral_radius({m, desired(m), damping(m), settings.contact_stiffness_max, 0.0,
+                         settings.dt, steps}) >= 1.0)
       return false;
   return true;
 }
@@ -63,22 +64,24 @@ double rounded_up(double x) {
 
 }  // namespace
 
-void check_normal_loop(double wanted_mass, double damping, const ImpedanceSettings& settings) {
+void check_contact_stability(double desired_mass, double damping,
+                             const ImpedanceSettings& settings) {
   const auto holds = [&](double m_d) {
-    const double b = damping * std::sqrt(m_d / wanted_mass);  // as diagonal_damping scales it
+    const double b = damping * std::sqrt(m_d / desired_mass);  // as diagonal_damping scales it
     return stable(
         settings, [=](double) { return m_d; }, [=](double) { return b; });
   };
-  if (holds(wanted_mass)) return;
-  double least = wanted_mass;
+  if (holds(desired_mass)) return;
+  double least = desired_mass;
   while (least < 2.0 * settings.natural_mass_max && !holds(least)) least *= 1.05;
   refuse(
       "inertia along the normal: %.3g kg is unstable on a tip of %.3g N/m with a wrench %.3g ms "
       "late; valid are %.3g kg or more",
-      wanted_mass, settings, least);
+      desired_mass, settings, least);
 }
 
-void check_scaled_normal_loop(double scale, double stiffness, const ImpedanceSettings& settings) {
+void check_scaled_contact_stability(double scale, double stiffness,
+                                    const ImpedanceSettings& settings) {
   const auto holds = [&](double c) {
     return stable(
         settings, [=](double m) { return c * m; },

@@ -1,4 +1,4 @@
-// How small a wanted inertia along the normal may be: the loop of arm, tip spring and a measured
+// How small a desired inertia along the normal may be: the loop of arm, tip spring and a measured
 // wrench that is late.
 //
 // Plant     m v̇ = u + f,  f = k x' + …: tip spring k with damper b, x the penetration
@@ -15,9 +15,9 @@
 
 namespace impedraw {
 
-struct NormalLoop {
+struct ContactLoop {
   double natural_mass;           // m: Λ along the normal [kg]
-  double wanted_mass;            // m_d [kg]
+  double desired_mass;           // m_d [kg]
   double damping;                // B [N s/m]
   double contact_stiffness;      // k [N/m]
   double contact_damping = 0.0;  // b [N s/m]
@@ -25,11 +25,12 @@ struct NormalLoop {
   int delay_steps;               // age of the measured wrench
 };
 
-double spectral_radius(const NormalLoop& loop);  // < 1: stable
+double spectral_radius(const ContactLoop& loop);  // < 1: stable
 
 // Throw InputError naming the axis, its value and the least that would be valid.
-void check_normal_loop(double wanted_mass, double damping, const ImpedanceSettings& settings);
-void check_scaled_normal_loop(
+void check_contact_stability(double desired_mass, double damping,
+                             const ImpedanceSettings& settings);
+void check_scaled_contact_stability(
     double scale, double stiffness,
     const ImpedanceSettings& settings);  // M_d = scale Λ; stiffness: K' along n
 void check_damping_rates(const TipGain& damping, const TipGain& inertia, double dt_and_delay);

@@ -16,7 +16,7 @@ namespace impedraw {
 
 inline constexpr double kDampingLimit = 0.5;  // of max eig(M_d⁻¹ B) (Δt + delay)
 
-// For a wanted inertia that turns with the posture (M_d = Λ): one call a step. Jacobi rotations
+// For a desired inertia that turns with the posture (M_d = Λ): one call a step. Jacobi rotations
 // start from the last call's modes, so that a posture which moves by a step costs one sweep;
 // off-diagonal terms that are left are below 1e-4 of the diagonal's scale: damping ratios hold to
 // 2e-3.
@@ -40,8 +40,8 @@ class ModalDamping {
   double largest_rate_ = 0.0;
 };
 
-// For a wanted inertia that is constant in S and diagonal there, the modes are the axes themselves:
-// b = 2 ζ √(k m).
+// For a desired inertia that is constant in S and diagonal there, the modes are the axes
+// themselves: b = 2 ζ √(k m).
 TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio);
 
 }  // namespace impedraw

@@ -43,17 +43,17 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
   settings_.reference_stiffness = with_reference(settings.stiffness, settings.reference_stiffness);
   if (!measured_ && (shaped_ || scale_ != 1.0))
     throw InputError(std::string("inertia '") + (shaped_ ? "shaped" : "scaled") +
-                     "' needs a measured wrench; without one the wanted inertia must be 'natural' "
+                     "' needs a measured wrench; without one the desired inertia must be 'natural' "
                      "or the force is not the push");
   if (shaped_) {
     shaped_damping_ = diagonal_damping(settings_.reference_stiffness, settings.shaped_inertia,
                                        settings.damping_ratio);
     check_damping_rates(shaped_damping_, settings.shaped_inertia,
                         settings.dt + settings.loop_delay);
-    check_normal_loop(settings.shaped_inertia.linear.normal, shaped_damping_.linear.normal,
-                      settings);
+    check_contact_stability(settings.shaped_inertia.linear.normal, shaped_damping_.linear.normal,
+                            settings);
   } else if (scale_ < 1.0) {
-    check_scaled_normal_loop(scale_, settings_.reference_stiffness.linear.normal, settings);
+    check_scaled_contact_stability(scale_, settings_.reference_stiffness.linear.normal, settings);
   }
   out_.tau = JointVector::Zero(joints);
   out_.terms.setZero(joints, kTorqueTerms);
@@ -79,18 +79,18 @@ void ImpedanceController::forget() noexcept {
 }
 
 // The input has the sizes and the numbers that a step can work with.
-bool ImpedanceController::valid(const ArmTerms& arm, const TipGoal& goal,
+bool ImpedanceController::valid(const ArmTerms& arm, const TipReference& reference,
                                 const SurfaceEstimate& surface,
                                 const Wrench& F_ext) const noexcept {
   const auto n = out_.tau.size();
   if (arm.q.size() != n || arm.v.size() != n || arm.M.rows() != n || arm.M.cols() != n ||
       arm.Cv.size() != n || arm.g.size() != n || arm.J.cols() != n ||
-      !(std::abs(goal.n_WD.squaredNorm() - 1.0) < 1e-6))
+      !(std::abs(reference.n_WD.squaredNorm() - 1.0) < 1e-6))
     return false;
   double sum = arm.q.sum() + arm.v.sum() + arm.M.sum() + arm.Cv.sum() + arm.g.sum() + arm.J.sum() +
                arm.Jdot_v.sum() + arm.X_WE.p.sum() + arm.X_WE.R.sum() + arm.V_WE.sum() +
-               goal.p_WD.sum() + goal.v_WD.sum() + goal.a_WD.sum() + goal.n_WD.sum() +
-               goal.w_WD.sum() + goal.alpha_WD.sum();
+               reference.p_WD.sum() + reference.v_WD.sum() + reference.a_WD.sum() +
+               reference.n_WD.sum() + reference.w_WD.sum() + reference.alpha_WD.sum();
   if (surface.status == SurfaceStatus::ok) {
     if (!(std::abs(surface.n_W.squaredNorm() - 1.0) < 1e-6)) return false;
     sum += surface.n_W.sum() + surface.distance;
@@ -113,7 +113,7 @@ const ImpedanceTorque& ImpedanceController::safe_torque() noexcept {
   return out_;
 }
 
-const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipGoal& goal,
+const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,
                                                  const SurfaceEstimate& surface,
                                                  const Wrench& F_given,
                                                  const InputAges& ages) noexcept {
@@ -122,11 +122,11 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   out_.status.stale_state = !(ages.state <= settings_.max_state_age);
   out_.status.stale_wrench = measured_ && !(ages.wrench <= settings_.max_wrench_age);
   const Wrench F_ext = measured_ && !out_.status.stale_wrench ? F_given : Wrench(Wrench::Zero());
-  out_.status.bad_input = !valid(arm, goal, surface, F_ext);
+  out_.status.bad_input = !valid(arm, reference, surface, F_ext);
   if (out_.status.bad_input || out_.status.stale_state) return safe_torque();
 
   out_.status.near_singular = !space_.update(arm);
-  update_mode(goal, surface, F_ext);
+  update_mode(reference, surface, F_ext);
   if (!was_limited) update_force_integral(F_ext);
 
   const Eigen::Vector3d& n = out_.n_WD;
@@ -137,15 +137,16 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
     const double rate = modal_damping_.largest_rate() / std::sqrt(scale_);
     out_.status.damping_limit = rate * (settings_.dt + settings_.loop_delay) >= kDampingLimit;
   }
-  Wanted wanted = on_surface_ ? want_on_surface(arm, goal, surface) : want_on_plan(arm, goal);
+  ReferenceMotion desired = on_surface_ ? reference_on_surface(arm, reference, surface)
+                                        : reference_on_plan(arm, reference);
 
   // What a switch would change at once is carried over and fades.
   if (out_.mode != last_mode_ || hand_over_)
-    carried_force_ = last_force_ - (wanted.force + wanted.push);
+    carried_force_ = last_force_ - (desired.force + desired.push);
   hand_over_ = false;
   last_mode_ = out_.mode;
-  last_force_ = wanted.force + wanted.push + carried_force_;
-  wanted.force += carried_force_;
+  last_force_ = desired.force + desired.push + carried_force_;
+  desired.force += carried_force_;
   carried_force_ *= 1.0 - settings_.dt / settings_.switch_time;
 
   // F_act of (11), a column a term: Λ (V̇_d − J̇v), and Λ M_d⁻¹ of each force. Λ M_d⁻¹ is 1/c where
@@ -153,24 +154,24 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   Eigen::Matrix<double, 6, kVelocityProduct + 1> F;
   const Vector6 kept =
       measured_ ? Vector6(F_ext - tip_friction(arm, F_ext)) : Vector6(Vector6::Zero());
-  F.col(kFeedforward) = wanted.Vdot_d;
+  F.col(kFeedforward) = desired.Vdot_d;
   F.col(kVelocityProduct) = -arm.Jdot_v;
   if (shaped_) {
     const TipGain mobility = settings_.shaped_inertia.inverse();
-    F.col(kImpedance) = mobility.apply(n, wanted.force);
-    F.col(kPush) = mobility.apply(n, wanted.push);
+    F.col(kImpedance) = mobility.apply(n, desired.force);
+    F.col(kPush) = mobility.apply(n, desired.push);
     F.col(kWrench) = mobility.apply(n, kept);
     F = (space_.inertia() * F).eval();
   } else {
-    F.col(kFeedforward) = space_.inertia() * wanted.Vdot_d;
+    F.col(kFeedforward) = space_.inertia() * desired.Vdot_d;
     F.col(kVelocityProduct) = -(space_.inertia() * arm.Jdot_v);
-    F.col(kImpedance) = wanted.force / scale_;
-    F.col(kPush) = wanted.push / scale_;
+    F.col(kImpedance) = desired.force / scale_;
+    F.col(kPush) = desired.push / scale_;
     F.col(kWrench) = kept / scale_;
   }
   F.col(kWrench) -= F_ext;
   if (!measured_ && settings_.friction_feedforward > 0.0 && out_.mode == ContactMode::contact) {
-    const Eigen::Vector3d v_d = wanted.V_d.head<3>();
+    const Eigen::Vector3d v_d = desired.V_d.head<3>();
     const double speed =
         std::sqrt(v_d.squaredNorm() + settings_.friction_speed * settings_.friction_speed);
     F.col(kFeedforward).head<3>() += settings_.friction_feedforward * out_.push / speed * v_d;
@@ -210,11 +211,11 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipG
   return out_;
 }
 
-void ImpedanceController::update_mode(const TipGoal& goal, const SurfaceEstimate& surface,
+void ImpedanceController::update_mode(const TipReference& reference, const SurfaceEstimate& surface,
                                       const Wrench& F_ext) noexcept {
   const bool known = surface.status == SurfaceStatus::ok;
   ContactEvidence evidence;
-  evidence.pen_down = goal.pen_down;
+  evidence.pen_down = reference.pen_down;
   evidence.surface_known = known;
   evidence.distance = known ? surface.distance : 0.0;
   evidence.wrench_known = measured_;
@@ -226,14 +227,14 @@ void ImpedanceController::update_mode(const TipGoal& goal, const SurfaceEstimate
   const ContactMode mode = contact_.next(evidence);
 
   const bool on_surface = mode == ContactMode::approach || mode == ContactMode::contact;
-  if (on_surface && !on_surface_) tracker_.reset(goal.n_WD, goal.w_WD);
-  if (on_surface) known ? tracker_.update(surface.n_W, goal.alpha_WD) : tracker_.coast();
+  if (on_surface && !on_surface_) tracker_.reset(reference.n_WD, reference.w_WD);
+  if (on_surface) known ? tracker_.update(surface.n_W, reference.alpha_WD) : tracker_.coast();
   if (mode == ContactMode::approach && before != mode)
     approach_distance_ = known ? surface.distance : 0.0;
   on_surface_ = on_surface;
   out_.mode = mode;
-  out_.n_WD = on_surface ? tracker_.n() : goal.n_WD;
-  out_.status.surface_lost = goal.pen_down && !known && surface.status != SurfaceStatus::none;
+  out_.n_WD = on_surface ? tracker_.n() : reference.n_WD;
+  out_.status.surface_lost = reference.pen_down && !known && surface.status != SurfaceStatus::none;
 }
 
 }  // namespace impedraw

@@ -1,16 +1,16 @@
 // Operational-space impedance with inertia shaping, a constant push along the surface normal, and a
 // consistent null space.
 //
-// Law         a     = V̇_d + M_d⁻¹ ( B (V_d − V) + K e + F_push + F_kept )
+// Law         a     = V̇_d + M_d⁻¹ ( B (V_d − V) + K e + F_push + F_compliant )
 //             F_act = Λ ( a − J̇v + J M⁻¹ C v ) − F_ext
 //             (10)–(11)
 //             τ     = Jᵀ F_act + (I − Jᵀ J̄ᵀ) τ_null + g − r,   τ_null = K_q (q_0 − q) − D_q v +
 //                   τ_limit  (12), (14)–(17)
-// Closed loop M_d (V̇ − V̇_d) = B (V_d − V) + K e + F_push + F_kept
+// Closed loop M_d (V̇ − V̇_d) = B (V_d − V) + K e + F_push + F_compliant
 // (1)
-// F_kept is F_ext less what friction at the tip explains, so that the pen gives way to a hand but
-// not to its own friction. Without a measured wrench M_d must be Λ; then F_act needs no F_ext and
-// the plant's own F_ext stands in (1).
+// F_compliant is F_ext less what friction at the tip explains, so that the pen gives way to a hand
+// but not to its own friction. Without a measured wrench M_d must be Λ; then F_act needs no F_ext
+// and the plant's own F_ext stands in (1).
 //
 // r is what a momentum observer finds the model to miss. τ_limit pushes a joint back from its
 // limit, never less the nearer it is: τ_limit = limit_torque ((margin − d)/margin)² for d < margin,
@@ -20,7 +20,7 @@
 //             (13), ErrorProjection;
 //             K has no normal part; F_push = −F_n n; z_E goes to −n, the turn about it is only
 //             damped.
-// At a switch of mode the wanted force stays continuous: the difference is carried over and fades
+// At a switch of mode the desired force stays continuous: the difference is carried over and fades
 // with `switch_time`. The speed on which spring and damper would settle, V_d + B⁻¹ K e, is held
 // within tip_speed_limit (Khatib's velocity saturation). Torque and its rate are limited last, with
 // the task kept as far as it can be (torque_limits.h).
@@ -82,7 +82,7 @@ struct ControlStatus {
   bool torque_limited = false;
   bool speed_limited = false;  // the law asked for more speed than it may
   bool joint_limit = false;    // a joint is within the margin of its limit
-  bool surface_lost = false;   // contact is wanted and perception has no surface here
+  bool surface_lost = false;   // contact is desired and perception has no surface here
   bool damping_limit = false;  // M_d = Λ: max eig(M_d⁻¹B)(Δt + delay) ≥ 0.5 in this posture
   bool ok() const {
     return !(bad_input || near_singular || stale_state || stale_wrench || torque_limited ||
@@ -98,8 +98,8 @@ struct ImpedanceTorque {
   ControlStatus status;
   double push = 0.0;                                // normal force asked for [N]
   double task_share = 1.0;                          // what the torque limits left of the task
-  Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();   // wanted tip, compensation included [m]
-  Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();  // wanted normal: z_D = −n_WD
+  Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();   // desired tip, compensation included [m]
+  Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();  // desired normal: z_D = −n_WD
 };
 
 class ImpedanceController {
@@ -108,35 +108,36 @@ class ImpedanceController {
   // be had or would not be stable, sizes that differ, a shaped inertia without a wrench.
   ImpedanceController(const ImpedanceSettings& settings, int joints);
 
-  // One step. The answer is this object's own, overwritten by the next step. `goal`: the plan at
-  // this instant. `surface`: perception at the tip, status `none` to be blind. `F_ext` needs
+  // One step. The answer is this object's own, overwritten by the next step. `reference`: the plan
+  // at this instant. `surface`: perception at the tip, status `none` to be blind. `F_ext` needs
   // feedback to count.
-  const ImpedanceTorque& step(const ArmTerms& arm, const TipGoal& goal,
+  const ImpedanceTorque& step(const ArmTerms& arm, const TipReference& reference,
                               const SurfaceEstimate& surface, const Wrench& F_ext,
                               const InputAges& ages = {}) noexcept;
 
   void reset() noexcept;  // as new: mode free, nothing carried over
 
  private:
-  // The wanted motion, and the force that acts on M_d, B and K, of one step.
-  struct Wanted {
+  // The desired motion, and the force that acts on M_d, B and K, of one step.
+  struct ReferenceMotion {
     Vector6 V_d, Vdot_d;
     Vector6 force;  // B (V_d − V) + K e
     Vector6 push;   // F_push
   };
 
-  bool valid(const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface,
+  bool valid(const ArmTerms& arm, const TipReference& reference, const SurfaceEstimate& surface,
              const Wrench& F_ext) const noexcept;
   const ImpedanceTorque& safe_torque() noexcept;
   void forget() noexcept;
-  void update_mode(const TipGoal& goal, const SurfaceEstimate& surface,
+  void update_mode(const TipReference& reference, const SurfaceEstimate& surface,
                    const Wrench& F_ext) noexcept;
-  Wanted want_on_plan(const ArmTerms& arm, const TipGoal& goal) noexcept;
-  Wanted want_on_surface(const ArmTerms& arm, const TipGoal& goal,
-                         const SurfaceEstimate& surface) noexcept;
+  ReferenceMotion reference_on_plan(const ArmTerms& arm, const TipReference& reference) noexcept;
+  ReferenceMotion reference_on_surface(const ArmTerms& arm, const TipReference& reference,
+                                       const SurfaceEstimate& surface) noexcept;
   Vector6 damp(const Vector6& V) const noexcept;  // B V
-  void pull(const Vector6& V, const Vector6& Ke,
-            Wanted* wanted) noexcept;  // its force: B (V_d − V) + K e, within the speed limit
+  void pull(
+      const Vector6& V, const Vector6& Ke,
+      ReferenceMotion* desired) noexcept;  // its force: B (V_d − V) + K e, within the speed limit
   Vector6 tip_friction(const ArmTerms& arm, const Wrench& F_ext) const noexcept;
   void update_force_integral(const Wrench& F_ext) noexcept;
   JointVector limit_repulsion(const JointVector& q) noexcept;
@@ -152,11 +153,11 @@ class ImpedanceController {
   TorqueLimits limits_;
   NormalTracker tracker_;
   ContactStates contact_;
-  bool hand_over_ = false;   // the wanted force is to start from zero
+  bool hand_over_ = false;   // the desired force is to start from zero
   bool on_surface_ = false;  // the last step's law was the one for approach and contact
   ContactMode last_mode_ = ContactMode::free;
   double force_integral_ = 0.0;     // [N]
-  double approach_distance_ = 0.0;  // wanted distance to the surface during the approach [m]
+  double approach_distance_ = 0.0;  // desired distance to the surface during the approach [m]
   Vector6 carried_force_ = Vector6::Zero();  // handed over at the last switch, fading
   Vector6 last_force_ = Vector6::Zero();     // force + push of the last step
   ImpedanceTorque out_;

@@ -53,7 +53,7 @@ struct ImpedanceSettings {
   double inertia_scale = 1.0;                               // c, M_d if scaled
   double damping_ratio = 0.8;                               // ζ
 
-  double push_force = 5.0;       // F_n [N]
+  double normal_force = 5.0;     // F_n [N]
   double switch_time = 0.04;     // time constant in which a switch of mode hands over force [s]
   double approach_speed = 0.01;  // along −n [m/s]
   // how far beneath the estimated surface the approach goes on [m]

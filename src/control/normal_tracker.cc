@@ -1,6 +1,7 @@
 #include "impedraw/control/normal_tracker.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -11,7 +12,7 @@ Eigen::Vector3d smallest_rotation(const Eigen::Vector3d& a, const Eigen::Vector3
   const double sine = cross.norm(), cosine = a.dot(b);
   if (sine > 1e-12) return (std::atan2(sine, cosine) / sine) * cross;
   if (cosine > 0.0) return cross;  // to first order
-  return M_PI * a.unitOrthogonal();
+  return std::numbers::pi * a.unitOrthogonal();
 }
 
 NormalTracker::NormalTracker(double bandwidth, double dt) : dt_(dt) {

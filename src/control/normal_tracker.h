@@ -1,5 +1,5 @@
-// Wanted pen axis from the sampled surface normal: a unit vector and its angular velocity, without
-// lag while the normal turns steadily.
+// ReferenceMotion pen axis from the sampled surface normal: a unit vector and its angular velocity,
+// without lag while the normal turns steadily.
 //
 // Law   ω ← ω + ω̇_plan Δt,  n ← exp([ω Δt + α ε]×) n,  ω ← ω + (β/Δt) ε,  ε = the smallest rotation
 //       that takes n to the sample

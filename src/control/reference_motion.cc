@@ -17,30 +17,31 @@ Vector6 stacked(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
 }  // namespace
 
 // Away from the surface: the pose of the plan, in full stiffness.
-ImpedanceController::Wanted ImpedanceController::want_on_plan(const ArmTerms& arm,
-                                                              const TipGoal& goal) noexcept {
-  Wanted w;
-  Eigen::Vector3d p_WD = goal.p_WD;
-  if (out_.mode == ContactMode::retreat) p_WD += settings_.retreat_height * goal.n_WD;
+ImpedanceController::ReferenceMotion ImpedanceController::reference_on_plan(
+    const ArmTerms& arm, const TipReference& reference) noexcept {
+  ReferenceMotion w;
+  Eigen::Vector3d p_WD = reference.p_WD;
+  if (out_.mode == ContactMode::retreat) p_WD += settings_.retreat_height * reference.n_WD;
   out_.push = 0.0;
   out_.p_WD = p_WD;
-  w.V_d = stacked(goal.v_WD, goal.w_WD);
-  w.Vdot_d = stacked(goal.a_WD, goal.alpha_WD);
-  const Vector6 e = stacked(p_WD - arm.X_WE.p, smallest_rotation(arm.X_WE.R.col(2), -goal.n_WD));
-  pull(arm.V_WE, settings_.stiffness.apply(goal.n_WD, e), &w);
+  w.V_d = stacked(reference.v_WD, reference.w_WD);
+  w.Vdot_d = stacked(reference.a_WD, reference.alpha_WD);
+  const Vector6 e =
+      stacked(p_WD - arm.X_WE.p, smallest_rotation(arm.X_WE.R.col(2), -reference.n_WD));
+  pull(arm.V_WE, settings_.stiffness.apply(reference.n_WD, e), &w);
   w.push.setZero();
   return w;
 }
 
 // Approach and contact: along the tangents the plan as seen along the drawing axis, along the
 // normal the estimated surface.
-ImpedanceController::Wanted ImpedanceController::want_on_surface(
-    const ArmTerms& arm, const TipGoal& goal, const SurfaceEstimate& surface) noexcept {
+ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
+    const ArmTerms& arm, const TipReference& reference, const SurfaceEstimate& surface) noexcept {
   const Eigen::Vector3d& n = tracker_.n();
   const Eigen::Vector3d& z = settings_.drawing_axis_W;
   const Eigen::Vector3d n_dot = tracker_.w().cross(n);
   const bool contact = out_.mode == ContactMode::contact;
-  out_.push = contact ? settings_.push_force : 0.0;
+  out_.push = contact ? settings_.normal_force : 0.0;
 
   // The ink lies under the centre of the tip sphere, E sinks with the tip's give: follow the plan
   // with the ink, not with E. The give is that of the push as it builds up, or the tip would be
@@ -49,13 +50,13 @@ ImpedanceController::Wanted ImpedanceController::want_on_surface(
       contact ? std::max(0.0, out_.push - n.dot(carried_force_.head<3>())) : 0.0;
   const double give = settings_.tip_stiffness > 0.0 ? acting_push / settings_.tip_stiffness : 0.0;
   const Eigen::Vector3d p_EC = give * n - settings_.tip_radius * (arm.X_WE.R.col(2) + n);
-  out_.p_WD = goal.p_WD - p_EC;
+  out_.p_WD = reference.p_WD - p_EC;
 
   const double cosine = n.dot(z);
   const bool lifted = settings_.projection == ErrorProjection::lifted &&
                       std::abs(cosine) > settings_.min_axis_cosine;
   const Eigen::Vector3d e = out_.p_WD - arm.X_WE.p;
-  const Eigen::Vector3d& u = goal.v_WD;
+  const Eigen::Vector3d& u = reference.v_WD;
   Eigen::Vector3d e_t, v_t, a_t;
   if (lifted) {
     const double rise =
@@ -64,7 +65,8 @@ ImpedanceController::Wanted ImpedanceController::want_on_surface(
         cosine;
     e_t = e - z * (n.dot(e) / cosine);
     v_t = u - z * rise;
-    a_t = goal.a_WD - z * ((n_dot.dot(u) + n.dot(goal.a_WD) - rise * n_dot.dot(z)) / cosine);
+    a_t = reference.a_WD -
+          z * ((n_dot.dot(u) + n.dot(reference.a_WD) - rise * n_dot.dot(z)) / cosine);
   } else {
     const auto on_page = [&z](const Eigen::Vector3d& x) -> Eigen::Vector3d {
       return x - z * z.dot(x);
@@ -72,7 +74,7 @@ ImpedanceController::Wanted ImpedanceController::want_on_surface(
     e_t = on_page(e);
     e_t -= n * n.dot(e_t);
     v_t = u - n * n.dot(u);
-    a_t = goal.a_WD - n * n.dot(goal.a_WD);
+    a_t = reference.a_WD - n * n.dot(reference.a_WD);
   }
 
   TipGain K = settings_.stiffness;
@@ -93,9 +95,9 @@ ImpedanceController::Wanted ImpedanceController::want_on_surface(
     }
     if (surface.status == SurfaceStatus::ok) e_n = n * (approach_distance_ - surface.distance);
   }
-  Wanted w;
+  ReferenceMotion w;
   w.V_d = stacked(v_t, tracker_.w());
-  w.Vdot_d = stacked(a_t, goal.alpha_WD - n * n.dot(goal.alpha_WD));
+  w.Vdot_d = stacked(a_t, reference.alpha_WD - n * n.dot(reference.alpha_WD));
   pull(arm.V_WE, K.apply(n, stacked(e_t + e_n, smallest_rotation(arm.X_WE.R.col(2), -n))), &w);
   w.push = stacked(-(out_.push + force_integral_) * n, Eigen::Vector3d::Zero());
   return w;
@@ -107,12 +109,13 @@ Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
          modal_damping_.apply(space_.inertia_factor(), V);  // C and Λ⁻¹ are 1/c of the natural ones
 }
 
-void ImpedanceController::pull(const Vector6& V, const Vector6& Ke, Wanted* wanted) noexcept {
+void ImpedanceController::pull(const Vector6& V, const Vector6& Ke,
+                               ReferenceMotion* desired) noexcept {
   const double limit = settings_.tip_speed_limit;
   const double small_pull =
       2e-3 * settings_.stiffness.linear
                  .tangent;  // what can only be a fraction of any limit is not looked at
-  const Vector6& V_d = wanted->V_d;
+  const Vector6& V_d = desired->V_d;
   if (V_d.head<3>().squaredNorm() > 0.64 * limit * limit ||
       Ke.head<3>().squaredNorm() > small_pull * small_pull) {
     const Vector6 follow = shaped_
@@ -127,14 +130,14 @@ void ImpedanceController::pull(const Vector6& V, const Vector6& Ke, Wanted* want
       V_end *=
           limit /
           speed;  // turning with it: a coupled inertia would make speed of what is left of that
-      auto a = wanted->Vdot_d.head<3>();
+      auto a = desired->Vdot_d.head<3>();
       a -= std::max(0.0, a.dot(direction)) *
            direction;  // the plan may go faster yet: the tip may not
-      wanted->force = damp(V_end - V);
+      desired->force = damp(V_end - V);
       return;
     }
   }
-  wanted->force = damp(V_d - V) + Ke;
+  desired->force = damp(V_d - V) + Ke;
 }
 
 // What Coulomb friction at the tip explains of the wrench: along −v_t, up to μ̂ f_n.
@@ -161,7 +164,7 @@ void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
   }
   const Eigen::Vector3d& n = tracker_.n();
   const double asked =
-      settings_.push_force -
+      settings_.normal_force -
       n.dot(carried_force_.head<3>());  // while the push builds up, no more than it is
   force_integral_ =
       std::clamp(force_integral_ + s.rate * settings_.dt * (asked - n.dot(F_ext.head<3>())),

@@ -15,8 +15,8 @@ enum class SurfaceStatus {
 };
 
 // Where perception is to be asked where M_d couples translation and rotation, natural or scaled
-// inertia: at the tip, moved along the surface to where the tip is wanted, by `reach` at most [m].
-// Asked at the tip itself, the wanted normal turns with every deviation of the tip: a stiffness
+// inertia: at the tip, moved along the surface to where the tip is desired, by `reach` at most [m].
+// Asked at the tip itself, the desired normal turns with every deviation of the tip: a stiffness
 // k_r/R from position to torque with none back, R the radius of curvature. On a tight hollow that
 // is not symmetric enough for the natural inertia, which couples both: the pen flutters. With
 // shaped inertia, which couples nothing, ask at the tip itself: it stands larger errors of the

@@ -5,9 +5,9 @@
 
 namespace impedraw {
 
-// World frame W, SI. D is the wanted tip frame: origin p_WD, z_D = −n_WD (the pen points into the
+// World frame W, SI. D is the desired tip frame: origin p_WD, z_D = −n_WD (the pen points into the
 // surface); the turn about z_D is free.
-struct TipGoal {
+struct TipReference {
   Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();  // [m]
   Eigen::Vector3d v_WD = Eigen::Vector3d::Zero();  // [m/s]
   Eigen::Vector3d a_WD = Eigen::Vector3d::Zero();  // [m/s²]
@@ -16,7 +16,7 @@ struct TipGoal {
   // angular velocity of n_WD (no part about n_WD) [rad/s]
   Eigen::Vector3d w_WD = Eigen::Vector3d::Zero();
   Eigen::Vector3d alpha_WD = Eigen::Vector3d::Zero();  // its derivative [rad/s²]
-  // contact is wanted: from the start of the approach to the start of the lift
+  // contact is desired: from the start of the approach to the start of the lift
   bool pen_down = false;
 };
 

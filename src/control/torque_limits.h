@@ -1,7 +1,8 @@
 // Limits on torque and on its rate, applied to the sum after projection, with the task kept as far
 // as it can be.
 //
-// Wanted      τ = τ_hold + τ_task + τ_null,   in the box  |τ_j| ≤ limit_j,  |τ_j − τ_j,last| ≤
+// ReferenceMotion      τ = τ_hold + τ_task + τ_null,   in the box  |τ_j| ≤ limit_j,  |τ_j −
+//                      τ_j,last| ≤
 //             rate_j Δt
 // In order    1. a null-space torque is added, (I − Jᵀ J̄ᵀ) e_j α for the joint j that is furthest
 //             out, the least |α| that brings all in:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace impedraw {
 namespace {
@@ -78,7 +79,8 @@ EllipseArc arc_of_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c,
   if (!(lambda > 1.5)) return arc;
   const double tangent = std::sqrt(1 - 1.5 / lambda);  // tan(φ/4)
   const double phi = 4 * std::atan(tangent);
-  if (phi < 0.05 || phi > M_PI / 2 + 1e-3) return arc;  // below, the cubic is exact to 1e-12
+  if (phi < 0.05 || phi > std::numbers::pi / 2 + 1e-3)
+    return arc;  // below, the cubic is exact to 1e-12
   const double k = 4.0 / 3.0 * tangent;
   arc.v = start / k;
   arc.u = (std::cos(phi) * start - end) / (k * std::sin(phi));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <fmt/core.h>
 #include <polyclipping/clipper.hpp>
@@ -118,9 +119,10 @@ std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings,
   }
   std::vector<Stroke> lines;
   if (settings.spacing_mm == 0) return lines;
-  const double angle = settings.angle_deg * M_PI / 180;
+  const double angle = settings.angle_deg * std::numbers::pi / 180;
   add_lines(area, settings.spacing_mm / scale, angle, lines);
-  if (settings.cross) add_lines(area, settings.spacing_mm / scale, angle + M_PI / 2, lines);
+  if (settings.cross)
+    add_lines(area, settings.spacing_mm / scale, angle + std::numbers::pi / 2, lines);
   return lines;
 }
 

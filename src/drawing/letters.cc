@@ -1,6 +1,7 @@
 #include "impedraw/drawing/letters.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include <fmt/core.h>
@@ -82,7 +83,7 @@ constexpr const char32_t* kPlain[] = {
     U"…...", U"\u00a0 ", U"\u2009 ", U"\u202f ", U"ŉ'n", U"ĳij", U"ĲIJ"};
 constexpr const char32_t* kMovedTogether[] = {U"æae", U"ÆAE", U"œoe", U"ŒOE"};
 
-struct Drawn {
+struct InkMatch {
   char32_t letter;
   Glyph glyph;
 };
@@ -90,14 +91,15 @@ struct Drawn {
 Line circle(const Vector2d& centre, double radius) {
   Line line;
   for (int i = 0; i < 12; ++i)
-    line.push_back(centre + radius * Vector2d(std::sin(i * M_PI / 6), -std::cos(i * M_PI / 6)));
+    line.push_back(centre + radius * Vector2d(std::sin(i * std::numbers::pi / 6),
+                                              -std::cos(i * std::numbers::pi / 6)));
   line.push_back(line.front());
   return line;
 }
 
 // Proportions are those of the plain fonts: x height from −5, stems on whole numbers.
-const std::vector<Drawn>& drawn_here() {
-  static const std::vector<Drawn> all = {
+const std::vector<InkMatch>& drawn_here() {
+  static const std::vector<InkMatch> all = {
       {U'ß',
        {-10,
         9,
@@ -373,7 +375,7 @@ std::optional<Glyph> plain_glyph(const HersheyFont& font, char32_t letter) {
   for (const char32_t* pair : kMovedTogether) {
     if (pair[0] == letter) return row_of(font, pair + 1, true);
   }
-  for (const Drawn& drawn : drawn_here()) {
+  for (const InkMatch& drawn : drawn_here()) {
     if (drawn.letter == letter) return drawn.glyph;
   }
   return std::nullopt;

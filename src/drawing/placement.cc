@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/core.h>
 
@@ -18,12 +19,12 @@ void require_positive(const char* name, double value, const char* unit) {
     throw InputError(fmt::format("placement {}: {}{}; must be a number > 0", name, value, unit));
 }
 
-double fitted(const char* name, double wanted, double present) {
-  require_positive(name, wanted, " mm");
+double fitted(const char* name, double desired, double present) {
+  require_positive(name, desired, " mm");
   if (!(present > 0))
     throw InputError(
         fmt::format("placement {}: the artwork has no extent that way to be scaled", name));
-  return wanted / present;
+  return desired / present;
 }
 
 // All points that are to be placed.
@@ -118,7 +119,7 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
   const Eigen::Matrix2d page_to_world = (Eigen::Matrix2d() << 0, -1, -1, 0).finished();
   const Eigen::Matrix2d flip = Eigen::Vector2d(settings.mirror ? -1 : 1, 1).asDiagonal();
   const Eigen::Matrix2d turn =
-      Eigen::Rotation2Dd(settings.rotate_deg * M_PI / 180).toRotationMatrix();
+      Eigen::Rotation2Dd(settings.rotate_deg * std::numbers::pi / 180).toRotationMatrix();
   const Eigen::Matrix2d turned = turn * page_to_world * flip;
 
   double scale = 1;
@@ -158,8 +159,8 @@ std::vector<PlacedStroke> placed_strokes(const Artwork& artwork, const Placement
     PlacedStroke p;
     p.number = static_cast<int>(placed.size());
     p.page = stroke.points;
-    p.world.reserve(p.page.size());
-    for (const Vector2d& q : p.page) p.world.push_back(placement.to_world(q));
+    p.p_P.reserve(p.page.size());
+    for (const Vector2d& q : p.page) p.p_P.push_back(placement.to_plane(q));
     placed.push_back(std::move(p));
   }
   return placed;

@@ -54,7 +54,7 @@ struct Placement {
   Eigen::Vector2d origin_mm = Eigen::Vector2d::Zero();  // the page point that goes there
   Eigen::Matrix2d A = (Eigen::Matrix2d() << 0, -1e-3, -1e-3, 0).finished();  // [m/mm]
 
-  Eigen::Vector2d to_world(const Eigen::Vector2d& page_mm) const {
+  Eigen::Vector2d to_plane(const Eigen::Vector2d& page_mm) const {
     return centre_m + A * (page_mm - origin_mm);
   }
   Eigen::Vector2d to_page(const Eigen::Vector2d& world_m) const {
@@ -70,9 +70,9 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings);
 // A stroke, or a span of one, where it will be drawn, as the planner takes it: the same points in
 // the world's xy [m] and on the page [mm].
 struct PlacedStroke {
-  std::vector<Eigen::Vector2d> world;
-  std::vector<Eigen::Vector2d> page;
-  int number = 0;  // of the artwork's stroke, counted from 0
+  std::vector<Eigen::Vector2d> p_P;   // in the drawing plane [m]
+  std::vector<Eigen::Vector2d> page;  // [mm]
+  int number = 0;                     // of the artwork's stroke, counted from 0
   // where on that stroke the first point lies: length in the world's xy from the stroke's own first
   // point [m]
   double start = 0;

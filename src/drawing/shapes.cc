@@ -1,6 +1,7 @@
 #include "impedraw/drawing/shapes.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <fmt/core.h>
 
@@ -18,7 +19,7 @@ constexpr double kCircleRadius = 60;  // [mm]
 
 // The sine's point at world y [mm from the centre]; the page's X is −y and its Y is −(x − 600).
 Vector2d sine_at(double y) {
-  return {-y, -kAmplitude * std::sin(2 * M_PI * (y + kHalfWidth) / kPeriod)};
+  return {-y, -kAmplitude * std::sin(2 * std::numbers::pi * (y + kHalfWidth) / kPeriod)};
 }
 
 Artwork one_stroke(const std::string& name, std::vector<Vector2d> points, bool closed = false) {
@@ -42,7 +43,7 @@ std::vector<Vector2d> subdivided(const std::vector<Vector2d>& corners) {
 }
 
 std::vector<Vector2d> smooth_sine() {
-  const double steepest = std::hypot(1.0, kAmplitude * 2 * M_PI / kPeriod);
+  const double steepest = std::hypot(1.0, kAmplitude * 2 * std::numbers::pi / kPeriod);
   const int pieces = static_cast<int>(std::ceil(2 * kHalfWidth * steepest / kSpacing));
   std::vector<Vector2d> points;
   for (int i = 0; i <= pieces; ++i)
@@ -51,10 +52,10 @@ std::vector<Vector2d> smooth_sine() {
 }
 
 std::vector<Vector2d> whole_circle() {
-  const int pieces = static_cast<int>(std::ceil(2 * M_PI * kCircleRadius / kSpacing));
+  const int pieces = static_cast<int>(std::ceil(2 * std::numbers::pi * kCircleRadius / kSpacing));
   std::vector<Vector2d> points;
   for (int i = 0; i < pieces; ++i) {
-    const double angle = 2 * M_PI * i / pieces;
+    const double angle = 2 * std::numbers::pi * i / pieces;
     points.push_back(kCircleRadius * Vector2d(std::cos(angle), std::sin(angle)));
   }
   points.push_back(points.front());

@@ -100,7 +100,7 @@ class Reading {
     const bool first = rows_++ == 0;
     if (csv_ && first && !number_in(fields[0])) return take_header(fields);
     if (page_wanted_ && page_.isEmpty()) return take_page(fields);
-    if (static_cast<int>(fields.size()) != columns_) fail(wanted(line));
+    if (static_cast<int>(fields.size()) != columns_) fail(desired(line));
     if (stroke_column_ >= 0) {
       if (fields[stroke_column_] != stroke_) close();
       stroke_ = fields[stroke_column_];
@@ -136,7 +136,7 @@ class Reading {
     page_ = Eigen::AlignedBox2d(Vector2d::Zero(), Vector2d(*width, *height));
   }
 
-  std::string wanted(std::string_view line) const {
+  std::string desired(std::string_view line) const {
     const std::string shown =
         line.size() > 40 ? std::string(line.substr(0, 40)) + " …" : std::string(line);
     return fmt::format("'{}'; {} numbers or End are to stand there", shown, columns_);
@@ -144,7 +144,7 @@ class Reading {
 
   double coordinate(std::string_view field, std::string_view line) const {
     const auto value = number_in(field);
-    if (!value) fail(wanted(line));
+    if (!value) fail(desired(line));
     if (!(std::abs(*value) * millimetres(unit_) <= kFarthest))
       fail(fmt::format("{} is not within ± {:.0e} mm", field, kFarthest));
     return *value;

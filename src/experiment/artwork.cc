@@ -15,17 +15,18 @@ namespace impedraw {
 
 namespace {
 
-Artwork given_artwork(const DrawingSettings& s, const Blame& blame) {
+Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
   if (s.svg.empty()) {
-    blame.on({"drawing.text.font"}, [&] { read_hershey_font(s.text.font); });
-    return blame.on({"drawing.text.text", "drawing.text", "drawing"},
-                    [&] { return make_text(s.text); });
+    setting_errors.locate({"drawing.text.font"}, [&] { read_hershey_font(s.text.font); });
+    return setting_errors.locate({"drawing.text.text", "drawing.text", "drawing"},
+                                 [&] { return make_text(s.text); });
   }
   if (!s.text.text.empty()) {
-    blame.wrong({"drawing.text.text", "drawing.svg"},
-                "drawing.svg and drawing.text.text are both given; valid is one of them");
+    setting_errors.raise({"drawing.text.text", "drawing.svg"},
+                         "drawing.svg and drawing.text.text are both given; valid is one of them");
   }
-  return blame.on({"drawing.svg", "drawing.unit"}, [&] { return read_artwork(s.svg, {}, s.unit); });
+  return setting_errors.locate({"drawing.svg", "drawing.unit"},
+                               [&] { return read_artwork(s.svg, {}, s.unit); });
 }
 
 void break_dashes(Artwork& artwork, bool apply) {
@@ -51,28 +52,29 @@ PlacementSettings placement_settings(const DrawingSettings& s) {
   return placing;
 }
 
-Shape make_artwork(const DrawingSettings& s, const Blame& blame) {
+Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
   if (s.svg.empty() && s.text.text.empty()) return make_shape(s.shape);
-  Artwork artwork = given_artwork(s, blame);
+  Artwork artwork = given_artwork(s, setting_errors);
   if (!s.dashes) break_dashes(artwork, false);
   if (s.join_gap_mm > 0.0)
     // before the dashes, whose gaps are to stay
     artwork.strokes = joined(artwork.strokes, s.join_gap_mm);
-  blame.on({"drawing.dashes", "drawing.svg"}, [&] { break_dashes(artwork, s.dashes); });
+  setting_errors.locate({"drawing.dashes", "drawing.svg"},
+                        [&] { break_dashes(artwork, s.dashes); });
 
   if (!s.hatch.outline) drop_edges(artwork);
   if (s.hatch.spacing_mm > 0.0 && !artwork.areas.empty()) {
     // The areas count for the size, so that it is the same before and after.
-    const Placement placement = blame.on({"drawing.placement", "drawing"},
-                                         [&] { return place(artwork, placement_settings(s)); });
-    blame.on({"drawing.hatch", "drawing"},
-             [&] { apply_hatch(artwork, s.hatch, placement.scale()); });
+    const Placement placement = setting_errors.locate(
+        {"drawing.placement", "drawing"}, [&] { return place(artwork, placement_settings(s)); });
+    setting_errors.locate({"drawing.hatch", "drawing"},
+                          [&] { apply_hatch(artwork, s.hatch, placement.scale()); });
   } else if (!s.hatch.outline) {
     artwork.areas.clear();
     drop_empty_layers(artwork);
   }
   if (artwork.strokes.empty()) {
-    blame.wrong(
+    setting_errors.raise(
         {"drawing.hatch", "drawing.svg"},
         fmt::format(
             "{}: nothing is left to draw without the outlines of filled areas and dashes that show",

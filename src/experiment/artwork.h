@@ -16,8 +16,8 @@ PlacementSettings placement_settings(const DrawingSettings& settings);
 // The same settings give the same artwork. For a built-in shape it is the shape; else from the file
 // or the text, in this order: ends joined, dashes, hatch (spaced on the canvas, whence the
 // placement's scale counts), simplified, ordered; the target is then what is drawn. Its warnings
-// tell what is not drawn as the artwork asks for. InputError, with where the setting to blame was
-// given.
-Shape make_artwork(const DrawingSettings& settings, const Blame& blame);
+// tell what is not drawn as the artwork asks for. InputError, with where the setting to
+// setting_errors was given.
+Shape make_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors);
 
 }  // namespace impedraw

@@ -29,7 +29,7 @@ void describe_footprint(Fields& f, FootprintSettings& s) {
   f.field("edge", s.edge, kEdge, "m", "longest side of a cell, seen from above");
 }
 
-TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* mended) {
+TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired) {
   if (s.file.empty())
     throw InputError(
         "canvas.mesh.file is empty, must name a .obj, .stl or .ply for canvas.kind mesh");
@@ -41,9 +41,9 @@ TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* mended) 
     }
   }
   require_drawable(checked, s.file.string());
-  if (mended) {
+  if (repaired) {
     for (const MeshFault& fault : checked.faults)
-      mended->push_back(s.file.string() + ": " + fault.message);
+      repaired->push_back(s.file.string() + ": " + fault.message);
   }
   const Eigen::Vector3d angle = s.rotation_deg * std::numbers::pi / 180.0;
   const Eigen::Quaterniond R_WF = Eigen::AngleAxisd(angle.z(), Eigen::Vector3d::UnitZ()) *
@@ -176,7 +176,7 @@ void describe(Fields& f, CanvasSettings& s) {
 
 namespace {
 
-TriangleMesh made_mesh(const CanvasSettings& s, std::vector<std::string>* mended) {
+TriangleMesh made_mesh(const CanvasSettings& s, std::vector<std::string>* repaired) {
   switch (s.kind) {
     case CanvasKind::bowl:
       break;
@@ -197,15 +197,15 @@ TriangleMesh made_mesh(const CanvasSettings& s, std::vector<std::string>* mended
     case CanvasKind::terrain:
       return make_terrain(s.terrain);
     case CanvasKind::mesh:
-      return make_mesh(s.mesh, mended);
+      return make_mesh(s.mesh, repaired);
   }
   return make_bowl(s.cap);
 }
 
 }  // namespace
 
-TriangleMesh make_mesh(const CanvasSettings& s, std::vector<std::string>* mended) {
-  TriangleMesh mesh = made_mesh(s, mended);
+TriangleMesh make_mesh(const CanvasSettings& s, std::vector<std::string>* repaired) {
+  TriangleMesh mesh = made_mesh(s, repaired);
   if (s.turn_deg == 0.0 && s.move.isZero()) return mesh;
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(s.turn_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ())

@@ -46,7 +46,8 @@ struct CanvasSettings {
 void describe(Fields& f, CanvasSettings& s);
 
 // The shape of that kind. Throws InputError, naming the setting, where it is none. What had to be
-// mended in a mesh file is added to `mended`, one line each, if that is given.
-TriangleMesh make_mesh(const CanvasSettings& settings, std::vector<std::string>* mended = nullptr);
+// repaired in a mesh file is added to `repaired`, one line each, if that is given.
+TriangleMesh make_mesh(const CanvasSettings& settings,
+                       std::vector<std::string>* repaired = nullptr);
 
 }  // namespace impedraw

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -50,7 +51,7 @@ PreflightSettings preflight_settings(const Experiment& e) {
   PreflightSettings s = e.scenario.preflight;
   s.X_WP = e.X_WP;
   s.vertical_pen = !e.perception;
-  s.push_force = e.scenario.control.push_force;
+  s.normal_force = e.scenario.control.normal_force;
   s.torque_share = e.scenario.control.torque_share;
   s.friction = e.scenario.control.friction;
   s.normal_smoothing = e.scenario.path.normal_smoothing;
@@ -75,7 +76,7 @@ Finding off_patch(const std::vector<PlacedStroke>& flat, const StrokePart& part,
   const StrokePlace middle =
       place_on(flat[static_cast<std::size_t>(part.stroke)], (part.from + part.to) / 2);
   return {part, Problem::off_canvas, "off the patch of the surface that the wrap lays flat",
-          middle.page, X_WP * Eigen::Vector3d(middle.world.x(), middle.world.y(), 0.0)};
+          middle.page, X_WP * Eigen::Vector3d(middle.p_P.x(), middle.p_P.y(), 0.0)};
 }
 
 // What is promised, from what the pre-flight leaves of the whole; throws or notes what it does not,
@@ -114,11 +115,11 @@ void leave_out(Experiment& e, const OffSurface& off) {
   constexpr double kAbout = 3e-3;  // [m]
   const PlacedStroke& stroke = e.strokes[static_cast<std::size_t>(off.stroke)];
   double along = 0.0, nearest = std::numeric_limits<double>::infinity(), before = 0.0;
-  for (std::size_t i = 0; i < stroke.world.size(); ++i) {
-    if (i > 0) before += (stroke.world[i] - stroke.world[i - 1]).norm();
-    const Eigen::Vector2d a = stroke.world[i], way = i + 1 < stroke.world.size()
-                                                         ? Eigen::Vector2d(stroke.world[i + 1] - a)
-                                                         : Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
+    if (i > 0) before += (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
+    const Eigen::Vector2d a = stroke.p_P[i], way = i + 1 < stroke.p_P.size()
+                                                       ? Eigen::Vector2d(stroke.p_P[i + 1] - a)
+                                                       : Eigen::Vector2d::Zero();
     const double share = way.squaredNorm() > 0.0
                              ? std::clamp((off.p - a).dot(way) / way.squaredNorm(), 0.0, 1.0)
                              : 0.0;
@@ -152,8 +153,8 @@ void plan_path(Experiment& e, Unreachable unreachable) {
     e.path = plan_from(e, e.strokes, e.scenario.arm.start_p_WE, e.X_WP.R.col(2),
                        e.path_settings.start_hold);
     if (!e.scenario.preflight.arm) return;
-    const std::vector<Finding> ways =
-        check_ways(e.path, e.strokes, e.arm, e.canvas.get(), e.start_q, preflight_settings(e));
+    const std::vector<Finding> ways = check_transitions(e.path, e.strokes, e.arm, e.canvas.get(),
+                                                        e.start_q, preflight_settings(e));
     if (ways.empty()) return;
     // Findings are about the numbers of the path; a stroke whose way is barred is one that cannot
     // be drawn.
@@ -179,34 +180,35 @@ void plan_path(Experiment& e, Unreachable unreachable) {
 }
 
 // The rest posture of the null space.
-JointVector rest_posture(Experiment& e, const Blame& blame) {
+JointVector rest_posture(Experiment& e, const SettingErrors& setting_errors) {
   const Scenario& s = e.scenario;
   const int n = e.arm.joints();
   if (!s.arm.q_0.empty()) {
     if (static_cast<int>(s.arm.q_0.size()) != n)
-      blame.wrong({"arm.q_0"},
-                  fmt::format("arm.q_0 has {} entries, the arm {} joints", s.arm.q_0.size(), n));
+      setting_errors.raise({"arm.q_0"}, fmt::format("arm.q_0 has {} entries, the arm {} joints",
+                                                    s.arm.q_0.size(), n));
     const JointVector q_0 = Eigen::Map<const Eigen::VectorXd>(s.arm.q_0.data(), n);
     if (((q_0 - JointVector(e.arm.limits().lower)).array() < 0.0).any() ||
         ((JointVector(e.arm.limits().upper) - q_0).array() < 0.0).any())
-      blame.wrong({"arm.q_0"},
-                  fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges, ({}) to ({}) rad",
-                              joint_text(q_0), joint_text(e.arm.limits().lower),
-                              joint_text(e.arm.limits().upper)));
+      setting_errors.raise(
+          {"arm.q_0"},
+          fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges, ({}) to ({}) rad",
+                      joint_text(q_0), joint_text(e.arm.limits().lower),
+                      joint_text(e.arm.limits().upper)));
     return q_0;
   }
   const Eigen::Vector2d c = s.drawing.placement.centre_m;
   const SurfaceHeight surface = e.surface();
   auto middle = surface(c.x(), c.y());
   for (std::size_t i = 0; i < e.whole.size() && !middle; ++i) {
-    const Eigen::Vector2d p = e.whole[i].world[e.whole[i].world.size() / 2];
+    const Eigen::Vector2d p = e.whole[i].p_P[e.whole[i].p_P.size() / 2];
     middle = surface(p.x(), p.y());
   }
-  const Eigen::Vector3d p_WE = middle ? e.X_WP * middle->p_W : s.arm.start_p_WE;
+  const Eigen::Vector3d p_WE = middle ? e.X_WP * middle->p_P : s.arm.start_p_WE;
   return find_posture(e.arm, {p_WE, -e.X_WP.R.col(2)}, e.start_q).q;
 }
 
-void complete_control(Experiment& e, double wrench_delay, const Blame& blame) {
+void complete_control(Experiment& e, double wrench_delay, const SettingErrors& setting_errors) {
   const Scenario& s = e.scenario;
   const int n = e.arm.joints();
   const JointVector q_0 = e.control.q_0;
@@ -222,8 +224,9 @@ void complete_control(Experiment& e, double wrench_delay, const Blame& blame) {
   control.joint_lower = e.arm.limits().lower;
   control.joint_upper = e.arm.limits().upper;
   control.q_0 = q_0;
-  blame.on(control_settings(),
-           [&] { ImpedanceController(control, n); });  // its checks, before anything is written
+  setting_errors.locate(control_settings(), [&] {
+    ImpedanceController(control, n);
+  });  // its checks, before anything is written
 }
 
 }  // namespace
@@ -237,7 +240,7 @@ SurfaceHeight Experiment::surface() const {
 }
 
 Pose drawing_frame(const DrawingSettings& drawing) {
-  const Eigen::Vector3d a = drawing.tilt_deg * M_PI / 180.0;
+  const Eigen::Vector3d a = drawing.tilt_deg * std::numbers::pi / 180.0;
   return {Eigen::Vector3d::Zero(), (Eigen::AngleAxisd(a.z(), Eigen::Vector3d::UnitZ()) *
                                     Eigen::AngleAxisd(a.y(), Eigen::Vector3d::UnitY()) *
                                     Eigen::AngleAxisd(a.x(), Eigen::Vector3d::UnitX()))
@@ -302,14 +305,14 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
     if (progress) progress(what, share);
   };
   tell("reading and ordering the artwork", 0.0);
-  const Blame blame(places);
+  const SettingErrors setting_errors(places);
   if (unreachable == Unreachable::refuse && given.drawing.skip_unreachable)
     unreachable = Unreachable::skip;
   Scenario s = given;
   const bool seen = s.perception.enabled;
 
   s.drawing.placement = placement_settings(s.drawing);
-  Shape artwork = make_artwork(s.drawing, blame);
+  Shape artwork = make_artwork(s.drawing, setting_errors);
   const std::vector<std::string> where_drawn = {"drawing.placement.scale",
                                                 "drawing.placement.width",
                                                 "drawing.placement.height",
@@ -321,11 +324,11 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
                                                 "canvas",
                                                 "drawing"};
   const Placement placement =
-      blame.on(where_drawn, [&] { return place(artwork.drawn, s.drawing.placement); });
+      setting_errors.locate(where_drawn, [&] { return place(artwork.drawn, s.drawing.placement); });
 
   std::vector<std::string> notes = artwork.drawn.warnings;
-  auto owned_canvas =
-      blame.on({"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
+  auto owned_canvas = setting_errors.locate(
+      {"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
   const Canvas& canvas = *owned_canvas;
 
   // A sensor is tared at rest before anything moves.
@@ -337,35 +340,36 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
   const WrenchEstimatorSettings estimator =
       estimator_settings(s.control.sensing, sensor, s.world.dt, s.world.gravity);
   double wrench_delay = s.world.dt;
-  blame.on({"control.sensing", "wrench_sensor", "control.wrench"}, [&] {
+  setting_errors.locate({"control.sensing", "wrench_sensor", "control.wrench"}, [&] {
     WrenchInput(s.control.source, estimator, sensor, s.world.dt, 0);
     if (sensed) wrench_delay += WrenchEstimator(estimator).group_delay();
   });
 
   // The world first: its reader of URDF says what is wrong, the arm model's prints lines of its
   // own.
-  auto world = blame.on({"arm.urdf"},
-                        [&] { return std::make_unique<World>(urdf_of(s.arm), &canvas, s.world); });
-  Experiment e{.scenario = std::move(s),
-               .notes = std::move(notes),
-               .artwork = std::move(artwork),
-               .placement = placement,
-               .X_WP = drawing_frame(given.drawing),
-               .canvas = std::move(owned_canvas),
-               .arm = blame.on({"arm.urdf"}, [&] { return ArmModel(urdf_of(given.arm)); }),
-               .sensor = sensor,
-               .estimator = estimator,
-               .world = std::move(world)};
+  auto world = setting_errors.locate(
+      {"arm.urdf"}, [&] { return std::make_unique<World>(urdf_of(s.arm), &canvas, s.world); });
+  Experiment e{
+      .scenario = std::move(s),
+      .notes = std::move(notes),
+      .artwork = std::move(artwork),
+      .placement = placement,
+      .X_WP = drawing_frame(given.drawing),
+      .canvas = std::move(owned_canvas),
+      .arm = setting_errors.locate({"arm.urdf"}, [&] { return ArmModel(urdf_of(given.arm)); }),
+      .sensor = sensor,
+      .estimator = estimator,
+      .world = std::move(world)};
   const Scenario& sc = e.scenario;
   const Eigen::Vector3d z_WP = e.X_WP.R.col(2);
   if (sc.arm.posture_seed.size() != e.arm.joints())
-    blame.wrong({"arm.posture_seed", "arm.urdf"},
-                fmt::format("arm.posture_seed has {} entries, the arm {} joints",
-                            sc.arm.posture_seed.size(), e.arm.joints()));
+    setting_errors.raise({"arm.posture_seed", "arm.urdf"},
+                         fmt::format("arm.posture_seed has {} entries, the arm {} joints",
+                                     sc.arm.posture_seed.size(), e.arm.joints()));
   const IkResult start =
       find_posture(e.arm, {sc.arm.start_p_WE, -z_WP}, JointVector(sc.arm.posture_seed));
   if (!start.reached)
-    blame.wrong(
+    setting_errors.raise(
         {"arm.start", "arm"},
         fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm",
                     sc.arm.start_p_WE.x(), sc.arm.start_p_WE.y(), sc.arm.start_p_WE.z(),
@@ -382,14 +386,15 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
                                              "canvas"};
   if (seen) {
     tell("looking at the canvas", 0.3);
-    blame.on(how_seen,
-             [&] { e.perception.emplace(take_snapshot(sc, canvas, *e.world, e.arm, start.q)); });
+    setting_errors.locate(how_seen, [&] {
+      e.perception.emplace(take_snapshot(sc, canvas, *e.world, e.arm, start.q));
+    });
     NormalSettings cautious = sc.perception.normals;
     cautious.max_one_sidedness = std::min(cautious.max_one_sidedness, kEdgeOfPlanning);
     e.planning.emplace(PointCloud(e.perception->cloud()), cautious);
   }
 
-  // Blind, the wanted point lies beneath the surface: the stiffness makes the push.
+  // Blind, the desired point lies beneath the surface: the stiffness makes the push.
   PathSettings& path = e.path_settings;
   path = sc.path;
   path.X_WP = e.X_WP;
@@ -397,11 +402,11 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
   if (!seen) {
     path.vertical_pen = true;
     if (!(sc.control.stiffness.linear.normal > 0.0))
-      blame.wrong(
+      setting_errors.raise(
           {"control.stiffness_normal"},
           "control.stiffness_normal is 0 N/m: blind, it makes the push; valid is more than 0 N/m");
     if (sc.blind.height == BlindHeight::canvas)
-      path.sink = sc.control.push_force / sc.control.stiffness.linear.normal;
+      path.sink = sc.control.normal_force / sc.control.stiffness.linear.normal;
     double highest = -1e9;
     for (const Eigen::Vector3d& v_W : canvas.mesh().vertices)
       highest = std::max(highest, z_WP.dot(v_W - e.X_WP.p));
@@ -413,14 +418,14 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
   const std::vector<PlacedStroke> flat = placed_strokes(e.artwork.drawn, placement);
   WrappedStrokes laid{flat, {}};
   if (wraps) {
-    laid = blame.on({"drawing.wrap", "drawing.mapping", "drawing"}, [&] {
+    laid = setting_errors.locate({"drawing.wrap", "drawing.mapping", "drawing"}, [&] {
       e.wrap.emplace(e.surface(), sc.drawing.placement.centre_m, flat, sc.drawing.wrap);
       return e.wrap->wrap(flat);
     });
   }
   e.whole = renumbered(std::move(laid.strokes), &e.source);
-  e.control.q_0 = rest_posture(e, blame);
-  e.preflight = blame.on({"preflight"}, [&] {
+  e.control.q_0 = rest_posture(e, setting_errors);
+  e.preflight = setting_errors.locate({"preflight"}, [&] {
     return check_strokes(e.whole, e.surface(), e.arm, e.canvas.get(), start.q,
                          preflight_settings(e),
                          [&](double share) { tell("checking the strokes", 0.4 + 0.4 * share); });
@@ -432,20 +437,21 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
   // What ought to come out lies on the true canvas, wherever the cameras saw it.
   const SurfaceHeight truth = canvas_height(canvas, e.X_WP);
   const auto true_target = [&] {
-    std::vector<PlacedStroke> wanted = e.strokes;
+    std::vector<PlacedStroke> desired = e.strokes;
     if (e.preflight.findings.empty() && !wraps) {
-      wanted = placed_strokes(e.artwork.target, placement);
+      desired = placed_strokes(e.artwork.target, placement);
     } else if (wraps && seen) {
-      for (PlacedStroke& stroke : wanted)
+      for (PlacedStroke& stroke : desired)
         for (std::size_t i = 0; i < stroke.page.size(); ++i)
-          stroke.world[i] = placement.to_world(stroke.page[i]);
-      wanted =
-          Wrap(truth, sc.drawing.placement.centre_m, wanted, sc.drawing.wrap).wrap(wanted).strokes;
+          stroke.p_P[i] = placement.to_plane(stroke.page[i]);
+      desired = Wrap(truth, sc.drawing.placement.centre_m, desired, sc.drawing.wrap)
+                    .wrap(desired)
+                    .strokes;
     }
-    return project_target(wanted, truth);
+    return project_target(desired, truth);
   };
   for (bool done = false; !done;) {
-    blame.on(where_drawn, [&] { promise(e, unreachable); });
+    setting_errors.locate(where_drawn, [&] { promise(e, unreachable); });
     try {
       tell("planning the path", 0.8);
       plan_path(e, unreachable);
@@ -454,12 +460,12 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
     } catch (const OffSurface& off) {
       leave_out(e, off);  // an edge that lies finer than the pre-flight looked
     } catch (const InputError& error) {
-      blame.wrong({"path"}, error.what());
+      setting_errors.raise({"path"}, error.what());
     }
   }
   for (Eigen::Vector3d& p : e.target.points) p = e.X_WP * p;
 
-  complete_control(e, wrench_delay, blame);
+  complete_control(e, wrench_delay, setting_errors);
   return e;
 }
 

@@ -24,8 +24,9 @@ namespace impedraw {
 
 struct Experiment {
   Scenario scenario;
-  std::vector<std::string> notes;  // what was mended on the way in, what is not drawn; a line each
-  Shape artwork;                   // as drawn and as wanted, on the page
+  std::vector<std::string>
+      notes;      // what was repaired on the way in, what is not drawn; a line each
+  Shape artwork;  // as drawn and as desired, on the page
   Placement placement;
   Pose
       // drawing frame, z out of the drawing plane: strokes and the planner's surface are in it
@@ -67,8 +68,9 @@ struct Experiment {
 enum class Unreachable { refuse, skip, tell };
 
 // Throws InputError: one line that names what, where, and what would be valid; `places` say where
-// in the YAML or on the command line the settings to blame were given. The same scenario gives the
-// same experiment. `progress`: told what is being done, and about which share of all of it is.
+// in the YAML or on the command line the settings to setting_errors were given. The same scenario
+// gives the same experiment. `progress`: told what is being done, and about which share of all of
+// it is.
 using PrepareProgress = std::function<void(const char* what, double share)>;
 Experiment prepare(const Scenario& scenario, const Places& places = {},
                    Unreachable unreachable = Unreachable::refuse,

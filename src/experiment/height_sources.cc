@@ -62,7 +62,7 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_
     if (!sample)
       sample =
           descend(estimator, X_WP, {x, y, height_of_nearest_column(estimator.cloud(), X_PW, x, y)});
-    if (sample) last = sample->p_W;
+    if (sample) last = sample->p_P;
     return sample;
   };
 }

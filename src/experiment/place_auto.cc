@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -46,9 +47,9 @@ std::vector<Point> points_of(const Experiment& e, int count) {
     const double own = plane_length(stroke);
     const int pieces = std::max(1, static_cast<int>(std::lround(own / step)));
     for (int i = 0; i <= pieces; ++i) {
-      const Vector2d p = place_on(stroke, own * i / pieces).world;
+      const Vector2d p = place_on(stroke, own * i / pieces).p_P;
       if (const auto sample = surface(p.x(), p.y()))
-        points.push_back({sample->p_W, e.perception ? sample->n_W : Vector3d(Vector3d::UnitZ())});
+        points.push_back({sample->p_P, e.perception ? sample->n_P : Vector3d(Vector3d::UnitZ())});
     }
   }
   while (static_cast<int>(points.size()) > 2 * count) {  // many short strokes: every second one
@@ -88,7 +89,8 @@ class Search {
   double margin(const Candidate& c, bool fine,
                 double least = -std::numeric_limits<double>::infinity()) {
     const Eigen::Matrix3d R =
-        Eigen::AngleAxisd(c.turn_deg * M_PI / 180.0, Vector3d::UnitZ()).toRotationMatrix();
+        Eigen::AngleAxisd(c.turn_deg * std::numbers::pi / 180.0, Vector3d::UnitZ())
+            .toRotationMatrix();
     const Vector3d pivot(centre_.x(), centre_.y(), 0.0), shift(c.move.x(), c.move.y(), 0.0);
     IkSettings settings;
     settings.position_tolerance = settings.axis_tolerance = 1e-4;
@@ -173,7 +175,7 @@ Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
   Scenario s = given;
   const Vector2d centre = s.drawing.placement.centre_m;
   const Eigen::Matrix3d R =
-      Eigen::AngleAxisd(turn_deg * M_PI / 180.0, Vector3d::UnitZ()).toRotationMatrix();
+      Eigen::AngleAxisd(turn_deg * std::numbers::pi / 180.0, Vector3d::UnitZ()).toRotationMatrix();
   const Vector3d pivot(centre.x(), centre.y(), 0.0), shift(move.x(), move.y(), 0.0);
   const auto to = [&](const Vector3d& p) -> Vector3d { return R * (p - pivot) + pivot + shift; };
   s.canvas.move = to(s.canvas.move);

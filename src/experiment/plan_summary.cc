@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -21,7 +22,7 @@ struct PathTally {
     for (double t = 0.0; t < path.duration(); t += kLook) {
       const PathSample sample = path.at(t);
       time[static_cast<std::size_t>(sample.phase)] += kLook;
-      if (sample.phase != Phase::draw) pen_up += sample.goal.v_WD.norm() * kLook;
+      if (sample.phase != Phase::draw) pen_up += sample.reference.v_WD.norm() * kLook;
     }
   }
   double in(Phase phase) const { return time[static_cast<std::size_t>(phase)]; }
@@ -30,7 +31,7 @@ struct PathTally {
 nlohmann::ordered_json distortion_json(const Distortion& d) {
   return {{"length_min", d.stretch_min}, {"length_max", d.stretch_max},
           {"length_rms", d.stretch_rms}, {"area_min", d.area_min},
-          {"area_max", d.area_max},      {"angle_max_deg", d.angle_max * 180.0 / M_PI}};
+          {"area_max", d.area_max},      {"angle_max_deg", d.angle_max * 180.0 / std::numbers::pi}};
 }
 
 std::string distortion_text(const char* how, const Distortion& d) {
@@ -39,7 +40,7 @@ std::string distortion_text(const char* how, const Distortion& d) {
       "  {:<10} lengths {:+.1f} to {:+.1f} %, RMS {:.1f} %; areas {:+.1f} to {:+.1f} %; angles up "
       "to {:.1f}°\n",
       how, percent(d.stretch_min), percent(d.stretch_max), 100.0 * d.stretch_rms,
-      percent(d.area_min), percent(d.area_max), d.angle_max * 180.0 / M_PI);
+      percent(d.area_min), percent(d.area_max), d.angle_max * 180.0 / std::numbers::pi);
 }
 
 }  // namespace

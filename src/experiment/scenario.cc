@@ -1,6 +1,7 @@
 #include "impedraw/experiment/scenario.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace impedraw {
 
@@ -9,7 +10,7 @@ constexpr double kReach = 2.0;  // [m], generous bounds of any coordinate
 }
 
 PerceptionSettings::PerceptionSettings() {
-  for (const double azimuth : {0.0, 2.0 * M_PI / 3.0, 4.0 * M_PI / 3.0}) {
+  for (const double azimuth : {0.0, 2.0 * std::numbers::pi / 3.0, 4.0 * std::numbers::pi / 3.0}) {
     CameraSettings camera;
     camera.p_WC = {0.6 + 0.5 * std::cos(azimuth), 0.5 * std::sin(azimuth), 0.9};
     cameras.push_back(camera);
@@ -203,7 +204,7 @@ void describe(Fields& f, PathSettings& s) {
   f.field("settle_time", s.settle_time, Range{0.0, 10.0}, "s", "at the first point before drawing");
   f.field("draw_speed", s.draw_speed, Range{1e-4, 1.0}, "m/s", "along the stroke, on the surface");
   f.field("draw_acceleration", s.draw_acceleration, Range{0.01, 20.0}, "m/s²",
-          "of the wanted tip along a stroke");
+          "of the desired tip along a stroke");
   f.field("end_hold", s.end_hold, Range{0.0, 10.0}, "s", "at the last point before the lift");
   f.field("dot_time", s.dot_time, Range{0.0, 10.0}, "s", "that a dot is held");
   f.field("travel_speed", s.travel_speed, Range{1e-3, 2.0}, "m/s", "between strokes");
@@ -221,7 +222,7 @@ void describe(Fields& f, PathSettings& s) {
           "a sharper turn is a corner: full stop");
   f.field("normal_smoothing", s.normal_smoothing, Range{0.0, 0.1}, "m",
           "over which the normals along a stroke are averaged");
-  f.field("tolerance", s.tolerance, Range{1e-7, 1e-2}, "m", "of the wanted line to the artwork");
+  f.field("tolerance", s.tolerance, Range{1e-7, 1e-2}, "m", "of the desired line to the artwork");
 }
 
 namespace {
@@ -313,7 +314,7 @@ void describe(Fields& f, ControlSettings& s) {
   f.field("inertia_scale", s.inertia_scale, Range{0.01, 100.0}, "",
           "M_d over the arm's own, if scaled");
   f.field("damping_ratio", s.damping_ratio, Range{0.05, 3.0}, "", "of every mode");
-  f.field("push", s.push_force, Range{0.0, 50.0}, "N", "along the normal, in contact");
+  f.field("push", s.normal_force, Range{0.0, 50.0}, "N", "along the normal, in contact");
   f.field("switch_time", s.switch_time, Range{0.001, 5.0}, "s",
           "time constant in which a switch of mode hands over force");
   f.field("approach_speed", s.approach_speed, Range{1e-4, 0.2}, "m/s",

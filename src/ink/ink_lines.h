@@ -2,7 +2,8 @@
 // ranges.
 //
 // Ink      f > 0.1 N, f = contact force · outward normal of the canvas
-// Stroke   s ≥ 0 from the instant the wanted point leaves the stroke's first point until it reaches
+// Stroke   s ≥ 0 from the instant the desired point leaves the stroke's first point until it
+//          reaches
 //          its last, else −1 (from the plan alone)
 #pragma once
 

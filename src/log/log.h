@@ -65,7 +65,7 @@ struct LogRow {
   double push = 0.0;  // normal force asked for [N]
   int mode = 0;       // index into RunLogHeader::mode_names
   int stroke = -1;    // from the plan alone; −1 between strokes; may come back later
-  // length of the stroke in the drawing plane, from its first point to the wanted one [m]; NaN
+  // length of the stroke in the drawing plane, from its first point to the desired one [m]; NaN
   // where stroke < 0
   double stroke_along = kNone;
   double step_time = 0.0;  // wall time of the controller step [s]

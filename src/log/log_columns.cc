@@ -21,9 +21,9 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
        "true orientation of E, quaternion w x y z; z_E points out of the pen"},
       {"/tip/velocity", 6, false, "m/s, rad/s", "world", "true velocity of E, linear part first"},
       {"/desired/position", 3, false, "m", "world",
-       "wanted position of E as the controller was given it, compensation included"},
+       "desired position of E as the controller was given it, compensation included"},
       {"/desired/orientation", 4, false, "1", "world",
-       "wanted orientation of E as the controller was given it, quaternion w x y z"},
+       "desired orientation of E as the controller was given it, quaternion w x y z"},
       {"/contact/force", 3, false, "N", "world",
        "true force of the canvas on the tip, acting until the next row; zero out of contact"},
       {"/contact/point", 3, false, "m", "world",
@@ -43,7 +43,8 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
       {"/stroke", 1, true, "1", "none",
        "stroke that the plan is drawing, from the plan alone; -1 between strokes"},
       {"/stroke_along", 1, false, "m", "drawing plane",
-       "length along the stroke, in the drawing plane from the stroke's first point, of the wanted "
+       "length along the stroke, in the drawing plane from the stroke's first point, of the "
+       "desired "
        "point; NaN between strokes"},
       {"/controller/step_time", 1, false, "s", "none", "wall time of the controller step"},
   };

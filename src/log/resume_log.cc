@@ -7,9 +7,9 @@
 
 namespace impedraw {
 
-DrawnBefore read_drawn(const std::filesystem::path& path) {
+ResumeLog read_resume_log(const std::filesystem::path& path) {
   const LogReader log(path);
-  DrawnBefore drawn;
+  ResumeLog drawn;
   drawn.rows.reserve(log.rows());
   std::vector<double> time, along;
   std::vector<int> stroke, mode;

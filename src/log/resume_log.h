@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-struct DrawnRow {
+struct ResumeRow {
   double time = 0.0;          // [s]
   double stroke_along = 0.0;  // in the drawing plane [m]; NaN where stroke < 0
   // measured wrench's force · the controller's own normal [N]; NaN where it had no estimate
@@ -18,13 +18,13 @@ struct DrawnRow {
   int mode = 0;  // index into RunLogHeader::mode_names
 };
 
-struct DrawnBefore {
-  std::vector<DrawnRow> rows;      // 32 bytes each
+struct ResumeLog {
+  std::vector<ResumeRow> rows;     // 32 bytes each
   Eigen::VectorXd joint_position;  // of the last row [rad]; empty where there is none
 };
 
 // Rows as RunLog::append_to finds them. Throws InputError naming the file when it is no log, and
 // the dataset that it lacks.
-DrawnBefore read_drawn(const std::filesystem::path& path);
+ResumeLog read_resume_log(const std::filesystem::path& path);
 
 }  // namespace impedraw

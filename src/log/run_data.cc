@@ -80,9 +80,9 @@ void add_rows(const RunRows& rows, RunData* run) {
                below = (-(rows.joint_position.rowwise() - upper)).minCoeff();
   run->joint_margin = std::min({run->joint_margin, above, below});
   if (rows.torque_before_limits.rows() != static_cast<Eigen::Index>(n)) return;
-  const auto wanted = rows.torque_before_limits.array();
+  const auto desired = rows.torque_before_limits.array();
   const auto clipped =
-      ((wanted - rows.joint_torque.array()).abs() > 1e-9 * wanted.abs().max(1.0)).rowwise().any();
+      ((desired - rows.joint_torque.array()).abs() > 1e-9 * desired.abs().max(1.0)).rowwise().any();
   run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(clipped.count());
 }
 

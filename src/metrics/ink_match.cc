@@ -11,9 +11,9 @@ constexpr double kSampleSpacing = 0.25e-3;
 
 }  // namespace
 
-Drawn match_ink(const RunData& run) {
+InkMatch match_ink(const RunData& run) {
   const std::size_t n = run.rows();
-  Drawn d;
+  InkMatch d;
   d.lines = ink_lines(run.f, run.stroke);
   d.spans = stroke_spans(run.time, run.f, run.stroke);
 
@@ -44,7 +44,7 @@ Drawn match_ink(const RunData& run) {
   return d;
 }
 
-std::vector<bool> pen_must_be_up(const RunData& run, const Drawn& drawn) {
+std::vector<bool> pen_must_be_up(const RunData& run, const InkMatch& drawn) {
   constexpr double kAllowed = 0.5 + 1e-9;  // [s]
   std::vector<bool> up(run.rows());
   std::vector<double> ends;  // ascending

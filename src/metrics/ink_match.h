@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-struct Drawn {
+struct InkMatch {
   std::vector<InkLine> lines;     // ink, cut where it ends and where /stroke changes
   std::vector<StrokeSpan> spans;  // the plan's passes over strokes, in order of time
   std::vector<int> strokes;       // every stroke that target or plan know of, ascending
@@ -21,10 +21,10 @@ struct Drawn {
       error;
 };
 
-Drawn match_ink(const RunData& run);
+InkMatch match_ink(const RunData& run);
 
 // True where /stroke is −1 and the row's time is more than 0.5 s from both ends of every stroke:
 // ink here is a fault.
-std::vector<bool> pen_must_be_up(const RunData& run, const Drawn& drawn);
+std::vector<bool> pen_must_be_up(const RunData& run, const InkMatch& drawn);
 
 }  // namespace impedraw

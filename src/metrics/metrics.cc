@@ -67,7 +67,7 @@ double length_of(const RunData& run, std::size_t i) {
   return (run.contact_point[i + 1] - run.contact_point[i]).norm();
 }
 
-void contact(const RunData& run, const Drawn& d, Sheet& sheet) {
+void contact(const RunData& run, const InkMatch& d, Sheet& sheet) {
   std::size_t down = 0, ink = 0;
   for (std::size_t i = 0; i < run.rows(); ++i) {
     down += run.stroke[i] >= 0;
@@ -89,7 +89,7 @@ void contact(const RunData& run, const Drawn& d, Sheet& sheet) {
   sheet.set("strokes_missed", static_cast<std::size_t>(missed));
 }
 
-void accuracy(const RunData& run, const Drawn& d, Sheet& sheet) {
+void accuracy(const RunData& run, const InkMatch& d, Sheet& sheet) {
   const std::vector<double> error = finite(d.error, 1e3);
   const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(),
                                    [](const InkLine& line) { return line.stroke >= 0; });
@@ -121,7 +121,7 @@ void accuracy(const RunData& run, const Drawn& d, Sheet& sheet) {
   }
 }
 
-void coverage(const RunData& run, const Drawn& d, Sheet& sheet) {
+void coverage(const RunData& run, const InkMatch& d, Sheet& sheet) {
   double length = 0.0, uncovered = 0.0, longest = 0.0;
   std::size_t gaps = 0;
   for (std::size_t s = 0; s < d.strokes.size(); ++s) {
@@ -149,7 +149,7 @@ void coverage(const RunData& run, const Drawn& d, Sheet& sheet) {
   sheet.set("longest_gap", 1e3 * longest);
 }
 
-void stray_ink(const RunData& run, const Drawn& d, Sheet& sheet) {
+void stray_ink(const RunData& run, const InkMatch& d, Sheet& sheet) {
   if (run.rows() == 0) return sheet.lack({"ink_up"}, "no rows");
   const std::vector<bool> up = pen_must_be_up(run, d);
   double length = 0.0;
@@ -161,7 +161,7 @@ void stray_ink(const RunData& run, const Drawn& d, Sheet& sheet) {
   sheet.set("ink_up", 1e3 * length);
 }
 
-void force(const RunData& run, const Drawn& d, Sheet& sheet) {
+void force(const RunData& run, const InkMatch& d, Sheet& sheet) {
   std::vector<double> settled, error;
   double touchdown = -1.0;
   for (const StrokeSpan& span : d.spans) {  // each pass over a stroke touches down for itself
@@ -234,7 +234,7 @@ void cloud(const RunData& run, Sheet& sheet) {
   }
 }
 
-void motion(const RunData& run, const Drawn& d, Sheet& sheet) {
+void motion(const RunData& run, const InkMatch& d, Sheet& sheet) {
   std::vector<double> speed;
   for (const InkLine& line : d.lines) {
     if (line.stroke < 0) continue;
@@ -297,7 +297,7 @@ void step_time(const RunData& run, Sheet& sheet) {
 
 Json compute_metrics(const RunData& run) { return compute_metrics(run, match_ink(run)); }
 
-Json compute_metrics(const RunData& run, const Drawn& drawn) {
+Json compute_metrics(const RunData& run, const InkMatch& drawn) {
   Sheet sheet;
   contact(run, drawn, sheet);
   accuracy(run, drawn, sheet);

@@ -36,6 +36,6 @@ const std::vector<MetricDefinition>& metric_definitions();
 
 nlohmann::ordered_json compute_metrics(const RunData& run);
 nlohmann::ordered_json compute_metrics(const RunData& run,
-                                       const Drawn& drawn);  // `drawn` = match_ink(run)
+                                       const InkMatch& drawn);  // `drawn` = match_ink(run)
 
 }  // namespace impedraw

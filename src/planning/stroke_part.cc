@@ -6,20 +6,20 @@
 
 namespace impedraw {
 
-double plane_length(const PlacedStroke& stroke) { return length(stroke.world); }
+double plane_length(const PlacedStroke& stroke) { return length(stroke.p_P); }
 
 StrokePlace place_on(const PlacedStroke& stroke, double along) {
   double before = stroke.start;
-  for (std::size_t i = 1; i < stroke.world.size(); ++i) {
-    const double step = (stroke.world[i] - stroke.world[i - 1]).norm();
+  for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+    const double step = (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
     if (along <= before + step && step > 0) {
       const double share = std::max(0.0, (along - before) / step);
-      return {stroke.world[i - 1] + share * (stroke.world[i] - stroke.world[i - 1]),
+      return {stroke.p_P[i - 1] + share * (stroke.p_P[i] - stroke.p_P[i - 1]),
               stroke.page[i - 1] + share * (stroke.page[i] - stroke.page[i - 1])};
     }
     before += step;
   }
-  return {stroke.world.back(), stroke.page.back()};
+  return {stroke.p_P.back(), stroke.page.back()};
 }
 
 PlacedStroke part_of(const PlacedStroke& stroke, double from, double to) {
@@ -30,14 +30,14 @@ PlacedStroke part_of(const PlacedStroke& stroke, double from, double to) {
   part.number = stroke.number;
   part.start = from;
   const auto add = [&part](const StrokePlace& place) {
-    part.world.push_back(place.world);
+    part.p_P.push_back(place.p_P);
     part.page.push_back(place.page);
   };
   add(place_on(stroke, from));
   double at = stroke.start;
-  for (std::size_t i = 1; i < stroke.world.size(); ++i) {
-    at += (stroke.world[i] - stroke.world[i - 1]).norm();
-    if (at > from && at < to) add({stroke.world[i], stroke.page[i]});
+  for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+    at += (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
+    if (at > from && at < to) add({stroke.p_P[i], stroke.page[i]});
   }
   if (to > from) add(place_on(stroke, to));
   return part;

@@ -25,7 +25,8 @@ PlacedStroke part_of(const PlacedStroke& stroke, double from, double to);
 
 // Point of the stroke at that place, and its page point; held at its ends.
 struct StrokePlace {
-  Eigen::Vector2d world, page;
+  Eigen::Vector2d p_P;   // in the drawing plane [m]
+  Eigen::Vector2d page;  // [mm]
 };
 StrokePlace place_on(const PlacedStroke& stroke, double along);
 

@@ -1,6 +1,7 @@
 #include "impedraw/planning/surface_height.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <fmt/core.h>
 
@@ -26,8 +27,8 @@ std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d&
   for (double r = kRing; r <= searched; r += kRing) {
     double nearest = r + 1;
     for (int i = 0; i < kDirections; ++i) {
-      const Vector2d ray(std::cos(2 * M_PI * i / kDirections),
-                         std::sin(2 * M_PI * i / kDirections));
+      const Vector2d ray(std::cos(2 * std::numbers::pi * i / kDirections),
+                         std::sin(2 * std::numbers::pi * i / kDirections));
       if (!has(surface, p + r * ray)) continue;
       double without = r - kRing, with = r;
       for (int k = 0; k < 12; ++k)

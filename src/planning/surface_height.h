@@ -12,8 +12,8 @@
 namespace impedraw {
 
 struct SurfaceSample {
-  Eigen::Vector3d p_W;                             // on the surface, at the x and y asked for [m]
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // unit, outward
+  Eigen::Vector3d p_P;                             // on the surface, at the x and y asked for [m]
+  Eigen::Vector3d n_P = Eigen::Vector3d::UnitZ();  // unit, outward
 };
 
 // Nothing where there is no surface at (x, y) [m].

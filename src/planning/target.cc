@@ -9,7 +9,7 @@ constexpr int kDeepest = 12;       // halvings below the spacing, at a fold of t
 constexpr double kClosest = 1e-8;  // [m] seen along z; a gap that remains is a step of the canvas
 
 struct Point {
-  Vector2d world, page;
+  Vector2d p_P, page;
   Vector3d on_canvas;
 };
 
@@ -20,18 +20,18 @@ class Projection {
 
   void add(const PlacedStroke& stroke, int number) {
     number_ = number;
-    Point last = projected(stroke.world.front(), stroke.page.front());
+    Point last = projected(stroke.p_P.front(), stroke.page.front());
     push(last);
-    for (std::size_t i = 1; i < stroke.world.size(); ++i) {
-      const Point next = projected(stroke.world[i], stroke.page[i]);
+    for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+      const Point next = projected(stroke.p_P[i], stroke.page[i]);
       join(last, next, 0);
       last = next;
     }
   }
 
  private:
-  Point projected(const Vector2d& world, const Vector2d& page) const {
-    return {world, page, sample_or_throw(canvas_, world, page, number_).p_W};
+  Point projected(const Vector2d& p_P, const Vector2d& page) const {
+    return {p_P, page, sample_or_throw(canvas_, p_P, page, number_).p_P};
   }
   void push(const Point& p) {
     line_.points.push_back(p.on_canvas);
@@ -42,9 +42,9 @@ class Projection {
   void join(const Point& a, const Point& b, int depth) {
     const double gap = (b.on_canvas - a.on_canvas).norm();
     if (gap == 0) return;
-    const bool wide = gap > settings_.spacing && (b.world - a.world).norm() > kClosest;
+    const bool wide = gap > settings_.spacing && (b.p_P - a.p_P).norm() > kClosest;
     if (wide || depth < kDeepest) {
-      const Point middle = projected((a.world + b.world) / 2, (a.page + b.page) / 2);
+      const Point middle = projected((a.p_P + b.p_P) / 2, (a.page + b.page) / 2);
       if (wide ||
           (middle.on_canvas - (a.on_canvas + b.on_canvas) / 2).norm() > settings_.tolerance) {
         join(a, middle, wide ? 0 : depth + 1);
@@ -68,7 +68,7 @@ TargetLine project_target(const std::vector<PlacedStroke>& strokes, const Surfac
   TargetLine line;
   Projection projection(canvas, settings, line);
   for (std::size_t i = 0; i < strokes.size(); ++i) {
-    if (!strokes[i].world.empty()) projection.add(strokes[i], strokes[i].number);
+    if (!strokes[i].p_P.empty()) projection.add(strokes[i], strokes[i].number);
   }
   return line;
 }

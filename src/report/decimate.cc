@@ -6,7 +6,7 @@
 
 namespace impedraw {
 
-Line2d thinned(const Line2d& line, double tolerance) {
+Line2d decimated(const Line2d& line, double tolerance) {
   constexpr double kPi = std::numbers::pi;
   Line2d out;
   if (line.empty()) return out;
@@ -41,12 +41,12 @@ Line2d thinned(const Line2d& line, double tolerance) {
   return out;
 }
 
-double thin_to(std::vector<Line2d>& lines, double finest, std::size_t most) {
+double decimate_to(std::vector<Line2d>& lines, double finest, std::size_t most) {
   std::vector<Line2d> thin(lines.size());
   for (double tolerance = finest;; tolerance *= std::numbers::sqrt2) {
     std::size_t points = 0;
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      thin[k] = thinned(lines[k], tolerance);
+      thin[k] = decimated(lines[k], tolerance);
       points += thin[k].size();
     }
     if (points > most && tolerance < 200.0 * finest) continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include <cairo-svg.h>
@@ -110,10 +111,10 @@ void draw_strokes(cairo_t* cr, const std::vector<PlacedStroke>& strokes, double 
   cairo_set_line_width(cr, width);
   set_colour(cr, kStroke);
   for (const PlacedStroke& stroke : strokes) {
-    for (std::size_t k = 0; k < stroke.world.size(); ++k) {
-      const Vector2d p = view(stroke.world[k]);
+    for (std::size_t k = 0; k < stroke.p_P.size(); ++k) {
+      const Vector2d p = view(stroke.p_P[k]);
       k == 0 ? cairo_move_to(cr, p.x(), p.y()) : cairo_line_to(cr, p.x(), p.y());
-      if (stroke.world.size() == 1) cairo_line_to(cr, p.x(), p.y());
+      if (stroke.p_P.size() == 1) cairo_line_to(cr, p.x(), p.y());
     }
   }
   cairo_stroke(cr);
@@ -122,7 +123,7 @@ void draw_strokes(cairo_t* cr, const std::vector<PlacedStroke>& strokes, double 
 Eigen::AlignedBox2d extent(const DistortionPicture& picture) {
   Eigen::AlignedBox2d box;
   for (const SurfaceSample& sample : picture.chart.patch().samples)
-    box.extend(view(sample.p_W.head<2>()));
+    box.extend(view(sample.p_P.head<2>()));
   const double air = 0.02 * box.sizes().maxCoeff();
   return {box.min() - Vector2d::Constant(air), box.max() + Vector2d::Constant(air)};
 }
@@ -200,7 +201,7 @@ void draw_panel(cairo_t* cr, const Layout& l, double left, const std::string& na
       0.85 * l.font);
   say(cr, left, below + 3.0 * l.font,
       fmt::format("areas {} to {} %, angles up to {:.1f}°", signed_percent(d.area_min),
-                  signed_percent(d.area_max), d.angle_max * 180 / M_PI),
+                  signed_percent(d.area_max), d.angle_max * 180 / std::numbers::pi),
       0.85 * l.font);
   cairo_save(cr);
   cairo_rectangle(cr, left, l.top, size.x(), size.y());

@@ -55,7 +55,7 @@ double drawn_width(const PenSettings& pen, double f, double before) {
   return std::abs(width - before) <= step ? before : step * std::round(width / step);
 }
 
-InkDrawing prepare(const RunData& run, const Drawn& drawn, const View& view,
+InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
                    const PictureSettings& settings) {
   InkDrawing out;
   for (const auto& target : drawn.targets) {
@@ -64,7 +64,7 @@ InkDrawing prepare(const RunData& run, const Drawn& drawn, const View& view,
       extend(line, view(target[i]), kSpacing, i + 1 == target.size());
     out.targets.push_back(std::move(line));
   }
-  thin_to(out.targets, kFinest, kMostPoints);
+  decimate_to(out.targets, kFinest, kMostPoints);
   const std::vector<bool> up = pen_must_be_up(run, drawn);
   // The width may change every millimetre: a noisy force must not cut the line into crumbs.
   const auto style_at = [&](std::size_t i, const Style& before, double length) {
@@ -99,7 +99,7 @@ InkDrawing prepare(const RunData& run, const Drawn& drawn, const View& view,
     }
     keep(style, std::move(line));
   }
-  thin_to(out.ink, kFinest, kMostPoints);
+  decimate_to(out.ink, kFinest, kMostPoints);
   return out;
 }
 
@@ -125,7 +125,7 @@ void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings)
   }
 }
 
-Sheet common_sheet(const RunData& run, const Drawn& drawn, const InkDrawing& ink,
+Sheet common_sheet(const RunData& run, const InkMatch& drawn, const InkDrawing& ink,
                    const PictureSettings& settings) {
   Sheet sheet;
   const auto scenario = run.attributes.find("scenario");
@@ -168,7 +168,7 @@ Eigen::AlignedBox2d extent(const InkDrawing& d) {
 
 }  // namespace
 
-void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem::path& stem,
+void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesystem::path& stem,
                    const PictureSettings& settings) {
   const Eigen::Matrix3d R_PW = settings.R_WP.transpose();
   const auto view = [&R_PW](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
@@ -197,7 +197,7 @@ void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem
   write_sheet(sheet, stem, settings.png_width);
 }
 
-void write_ink_page(const RunData& run, const Drawn& drawn,
+void write_ink_page(const RunData& run, const InkMatch& drawn,
                     const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
                     const Eigen::AlignedBox2d& page, const std::filesystem::path& stem,
                     const PictureSettings& settings) {

@@ -42,12 +42,12 @@ struct PictureSettings {
 
 // Write `stem`.svg and `stem`.png. Throw std::runtime_error naming the file when it cannot be
 // written.
-void write_ink_top(const RunData& run, const Drawn& drawn, const std::filesystem::path& stem,
+void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesystem::path& stem,
                    const PictureSettings& settings = {});
 
 // `to_page` takes a point on the canvas [m, W] to the page [mm]; `page` is what to show, the
 // drawing's own extent where it is empty.
-void write_ink_page(const RunData& run, const Drawn& drawn,
+void write_ink_page(const RunData& run, const InkMatch& drawn,
                     const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
                     const Eigen::AlignedBox2d& page, const std::filesystem::path& stem,
                     const PictureSettings& settings = {});

@@ -34,7 +34,7 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
     for (const Eigen::Vector2d& p : thin) box.extend(p);
     of_problem[line.problem].push_back(std::move(thin));
   }
-  for (auto& [problem, lines] : of_problem) thin_to(lines, 0.02, 150000);
+  for (auto& [problem, lines] : of_problem) decimate_to(lines, 0.02, 150000);
   const Relief relief = make_relief(plan.canvas_vertices, plan.canvas_triangles, view);
   if (relief.columns > 0) box.extend(relief.area);
   if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());

@@ -25,7 +25,7 @@ Json to_json(const Envelope& e, double decimals) {
 
 // Seen from above, in mm to a hundredth.
 Json lines_to_json(std::vector<Line2d> lines) {
-  thin_to(lines, 0.02, 20000);
+  decimate_to(lines, 0.02, 20000);
   Json out = Json::array();
   for (const Line2d& line : lines) {
     Json points = Json::array();
@@ -99,7 +99,7 @@ Envelope envelope(std::span<const double> t, const std::function<double(std::siz
   return e;
 }
 
-Json plot_series(const RunData& run, const Drawn& drawn, std::size_t points) {
+Json plot_series(const RunData& run, const InkMatch& drawn, std::size_t points) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   std::vector<double> speed(run.rows(), LogRow::kNone);
   std::vector<Line2d> ink, target;

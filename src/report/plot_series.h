@@ -25,6 +25,6 @@ Envelope envelope(std::span<const double> t, const std::function<double(std::siz
 // force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of its limit,
 // the joint where that is most], mode: {t, v}; mode_names; strokes: [[begin, end] in s]; step_time:
 // {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
-nlohmann::json plot_series(const RunData& run, const Drawn& drawn, std::size_t points = 3000);
+nlohmann::json plot_series(const RunData& run, const InkMatch& drawn, std::size_t points = 3000);
 
 }  // namespace impedraw

@@ -65,7 +65,7 @@ void make_page(const Json& page, const std::filesystem::path& out, const ReportS
 
 }  // namespace
 
-void write_report(const std::filesystem::path& folder, const RunData& run, const Drawn& drawn,
+void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
                   const Json& metrics, const ReportSettings& settings) {
   Json page;
   page["kind"] = "run";
@@ -92,7 +92,7 @@ void write_comparison(const ComparedRun& left, const ComparedRun& right,
   page["runs"] = Json::array();
   for (const ComparedRun* compared : {&left, &right}) {
     const RunData run = read_run(compared->folder / "run.h5");
-    const Drawn drawn = match_ink(run);
+    const InkMatch drawn = match_ink(run);
     if (page["runs"].empty()) page["title"] = title_of(run, settings.title);
     Json one;
     one["name"] = compared->name;

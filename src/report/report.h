@@ -28,7 +28,7 @@ struct ReportSettings {
 // Writes folder/report.html. Shows folder/ink_top.svg, folder/ink_page.svg and folder/scenario.yaml
 // where they exist. `metrics` as of compute_metrics. Throws std::runtime_error with one line when
 // the page could not be made.
-void write_report(const std::filesystem::path& folder, const RunData& run, const Drawn& drawn,
+void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
                   const nlohmann::ordered_json& metrics, const ReportSettings& settings = {});
 
 struct ComparedRun {
@@ -37,7 +37,7 @@ struct ComparedRun {
 };
 
 // Writes out/compare.html and out/compare.png: both runs side by side on equal axes, as figures 4
-// to 6 of the paper (drawn against wanted line, normal force, tilt), and their metrics in one
+// to 6 of the paper (drawn against desired line, normal force, tilt), and their metrics in one
 // table. Throws InputError when a log cannot be read, else as above.
 void write_comparison(const ComparedRun& left, const ComparedRun& right,
                       const std::filesystem::path& out, const ReportSettings& settings = {});

@@ -1,6 +1,7 @@
 #include "impedraw/report/sheet.h"
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include <cairo-svg.h>
@@ -101,7 +102,7 @@ void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   say(cr, left + 0.5 * size.x(), bottom + 2.9 * l.font, sheet.u_name, 0.5);
   cairo_save(cr);
   cairo_translate(cr, 1.3 * l.font, top + 0.5 * size.y());
-  cairo_rotate(cr, -0.5 * M_PI);
+  cairo_rotate(cr, -0.5 * std::numbers::pi);
   say(cr, 0.0, 0.0, sheet.v_name, 0.5);
   cairo_restore(cr);
 }

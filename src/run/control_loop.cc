@@ -27,7 +27,8 @@ ControlLoop::ControlLoop(Experiment& e, bool faults)
       q_(e.start_q),
       v_(JointVector::Zero(e.arm.joints())) {}
 
-const ImpedanceTorque& ControlLoop::step(const World& world, const TipGoal& goal) noexcept {
+const ImpedanceTorque& ControlLoop::step(const World& world,
+                                         const TipReference& reference) noexcept {
   const double t = world.state().time;
   wrench_.sample(world);
   InputAges ages;
@@ -43,7 +44,7 @@ const ImpedanceTorque& ControlLoop::step(const World& world, const TipGoal& goal
   if (e_.perception) {
     const bool coupled = e_.control.inertia != InertiaShaping::shaped;
     surface_ = e_.perception->estimate(
-        coupled && on_surface_ ? surface_query(terms_.X_WE.p, goal.p_WD, n_) : terms_.X_WE.p);
+        coupled && on_surface_ ? surface_query(terms_.X_WE.p, reference.p_WD, n_) : terms_.X_WE.p);
   }
   if (e_.perception && fault(t, FaultKind::no_cloud)) surface_.status = SurfaceStatus::too_few;
   if (!fault(t, FaultKind::stale_wrench)) {
@@ -52,7 +53,7 @@ const ImpedanceTorque& ControlLoop::step(const World& world, const TipGoal& goal
   }
   ages.wrench = t - wrench_time_;
   if (fault(t, FaultKind::nan_wrench)) F_ext_[2] = std::nan("");
-  const ImpedanceTorque& out = controller_.step(terms_, goal, surface_, F_ext_, ages);
+  const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages);
   on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
   n_ = out.n_WD;
   return out;

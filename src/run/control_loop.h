@@ -21,7 +21,7 @@ class ControlLoop {
   ControlLoop(Experiment& e, bool faults);
 
   // One control step on the world as it is. The answer is the controller's own.
-  const ImpedanceTorque& step(const World& world, const TipGoal& goal) noexcept;
+  const ImpedanceTorque& step(const World& world, const TipReference& reference) noexcept;
 
   WrenchInput& wrench() { return wrench_; }
   const Wrench& F_ext() const { return F_ext_; }

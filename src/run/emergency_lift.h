@@ -7,24 +7,25 @@
 
 namespace impedraw {
 
-class LiftOut {
+class EmergencyLift {
  public:
   static constexpr double kDuration = 1.0;  // [s]
   static constexpr double kHeight = 0.03;   // [m]
 
-  LiftOut(double start, const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W)
+  EmergencyLift(double start, const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W)
       : start_(start), p_(p_WE), n_(n_W) {}
 
   bool done(double t) const { return t >= start_ + kDuration; }
   // Minimum-jerk from rest to rest.
-  TipGoal at(double t) const {
+  TipReference at(double t) const {
     const double s = std::clamp((t - start_) / kDuration, 0.0, 1.0);
-    TipGoal goal;
-    goal.n_WD = n_;
-    goal.p_WD = p_ + kHeight * s * s * s * (10.0 + s * (6.0 * s - 15.0)) * n_;
-    goal.v_WD = kHeight / kDuration * 30.0 * s * s * (1.0 - s) * (1.0 - s) * n_;
-    goal.a_WD = kHeight / (kDuration * kDuration) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * n_;
-    return goal;
+    TipReference reference;
+    reference.n_WD = n_;
+    reference.p_WD = p_ + kHeight * s * s * s * (10.0 + s * (6.0 * s - 15.0)) * n_;
+    reference.v_WD = kHeight / kDuration * 30.0 * s * s * (1.0 - s) * (1.0 - s) * n_;
+    reference.a_WD =
+        kHeight / (kDuration * kDuration) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * n_;
+    return reference;
   }
 
  private:

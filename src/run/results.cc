@@ -13,7 +13,7 @@ nlohmann::ordered_json write_results(const std::filesystem::path& folder, const 
                                      const Artwork& artwork, const Placement& placement,
                                      const Pose& X_WP) {
   const RunData run = read_run(folder / "run.h5");
-  const Drawn drawn = match_ink(run);
+  const InkMatch drawn = match_ink(run);
   const nlohmann::ordered_json metrics = compute_metrics(run, drawn);
   write_file(folder / "metrics.json", metrics.dump(2) + "\n");
   PictureSettings picture;

@@ -11,7 +11,7 @@
 namespace impedraw {
 
 Resumption read_resumption(const Experiment& e, const std::filesystem::path& log_file) {
-  const DrawnBefore before = read_drawn(log_file);
+  const ResumeLog before = read_resume_log(log_file);
   if (before.rows.empty())
     throw InputError(
         fmt::format("{}: holds no step to go on from; start without --resume", log_file.string()));
@@ -19,7 +19,7 @@ Resumption read_resumption(const Experiment& e, const std::filesystem::path& log
     throw InputError(fmt::format("{}: is of an arm with {} joints, this one has {}",
                                  log_file.string(), before.joint_position.size(), e.arm.joints()));
   Resumption resumption;
-  for (const DrawnRow& row : before.rows) {
+  for (const ResumeRow& row : before.rows) {
     if (row.stroke >= static_cast<int>(e.strokes.size()))
       throw InputError(fmt::format("{}: has a stroke {}, the drawing only {}", log_file.string(),
                                    row.stroke, e.strokes.size()));

@@ -113,9 +113,9 @@ class Runner {
     for (long i = 0; i < steps || lifting_; ++i) {
       const double t = e_.world->state().time;
       if (lifting_ && lifting_->done(t)) return;
-      PathSample wanted = path.at(t - begin);
-      if (lifting_) wanted = {lifting_->at(t), -1, std::nan(""), Phase::lift};
-      if (!step(wanted)) return;
+      PathSample desired = path.at(t - begin);
+      if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
+      if (!step(desired)) return;
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
@@ -135,7 +135,7 @@ class Runner {
 
  private:
   // One control step, logged. False where the run is over.
-  bool step(const PathSample& wanted) {
+  bool step(const PathSample& desired) {
     World& world = *e_.world;
     const double dt = e_.scenario.world.dt, t = world.state().time;
     const auto step_start = Clock::now();
@@ -146,7 +146,7 @@ class Runner {
     if (first_time_ == 0.0 && fault_at(e_, t, FaultKind::slow_step)) {
       stalled_ += dt;
     } else {
-      out_ = loop_.step(world, wanted.goal);
+      out_ = loop_.step(world, desired.reference);
       step_time = std::exchange(stalled_, 0.0);
     }
     row_.step_time = seconds_since(step_start);
@@ -154,7 +154,7 @@ class Runner {
     Eigen::Vector3d push = Eigen::Vector3d::Zero();
     if (!e_.scenario.pushes.empty() && first_time_ == 0.0)
       push = push_on_pen(e_, t, e_.canvas->closest(world.state().X_WE.p).n_W);
-    fill_row(world.state(), wanted);
+    fill_row(world.state(), desired);
     const Eigen::Vector3d p_WE = world.state().X_WE.p;
     const TipContact& contact = world.step(out_.tau, push);
     row_.disturbance_force = push;
@@ -167,7 +167,7 @@ class Runner {
     F_true << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
     loop_.wrench().set_true(F_true);
     count_status(out_.status, dt, &outcome_.met);
-    ink_.add(wanted.stroke, wanted.along,
+    ink_.add(desired.stroke, desired.along,
              writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)));
 
     const std::string lost = lost_control(t);
@@ -183,7 +183,7 @@ class Runner {
     return true;
   }
 
-  void fill_row(const WorldState& state, const PathSample& wanted) {
+  void fill_row(const WorldState& state, const PathSample& desired) {
     row_.time = first_time_ + state.time;
     row_.joint_position = state.q;
     row_.joint_velocity = state.v;
@@ -193,7 +193,7 @@ class Runner {
     row_.tip_orientation = Eigen::Quaterniond(state.X_WE.R);
     row_.tip_velocity = state.V_WE;
     row_.desired_position = out_.p_WD;
-    // The frame that the tip is asked into: −z along the wanted normal, turned about it as the tip
+    // The frame that the tip is asked into: −z along the desired normal, turned about it as the tip
     // is now.
     row_.desired_orientation =
         Eigen::Quaterniond::FromTwoVectors(state.X_WE.R.col(2), -out_.n_WD) * row_.tip_orientation;
@@ -203,10 +203,11 @@ class Runner {
     row_.surface_normal = known ? loop_.surface().n_W : LogRow::no_vector();
     row_.surface_distance = known ? loop_.surface().distance : LogRow::kNone;
     // Blind, the stiffness is to make the push that the set-point's depth was chosen for.
-    row_.push = e_.perception ? out_.push : (wanted.goal.pen_down ? e_.control.push_force : 0.0);
+    row_.push =
+        e_.perception ? out_.push : (desired.reference.pen_down ? e_.control.normal_force : 0.0);
     row_.mode = static_cast<int>(out_.mode);
-    row_.stroke = wanted.stroke;
-    row_.stroke_along = wanted.along;
+    row_.stroke = desired.stroke;
+    row_.stroke_along = desired.along;
   }
 
   // Why the run cannot go on, beyond what lifting the pen could mend; empty: it can.
@@ -256,7 +257,7 @@ class Runner {
   ImpedanceTorque out_;
   InkWatch ink_;
   RunOutcome outcome_;
-  std::optional<LiftOut> lifting_;
+  std::optional<EmergencyLift> lifting_;
   double bad_state_ = 0.0, stalled_ = 0.0;
 };
 
@@ -273,7 +274,7 @@ std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<Stro
 
 bool writes(const Experiment& e, ContactMode mode, double normal_force) {
   const bool measured = e.control.wrench == WrenchFeedback::measured;
-  if (measured && !(normal_force >= InkWatch::least_force(e.control.push_force))) return false;
+  if (measured && !(normal_force >= InkWatch::least_force(e.control.normal_force))) return false;
   // Blind, the law knows no contact; without a wrench either, nobody can tell.
   return !e.perception || mode == ContactMode::contact;
 }
@@ -301,9 +302,9 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
   if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw &&
       !(outcome.drawn_again = lacking()).empty()) {
     const PathSample last = path.at(path.duration());
-    runner.follow(
-        plan_from(e, strokes_of(e, outcome.drawn_again), last.goal.p_WD, last.goal.n_WD, 0.0),
-        true);
+    runner.follow(plan_from(e, strokes_of(e, outcome.drawn_again), last.reference.p_WD,
+                            last.reference.n_WD, 0.0),
+                  true);
   }
   if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
   outcome.simulated = e.world->state().time;

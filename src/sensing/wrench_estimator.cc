@@ -9,11 +9,11 @@
 namespace impedraw {
 namespace {
 
-void require(bool valid, const char* name, double value, const char* unit, const char* wanted) {
+void require(bool valid, const char* name, double value, const char* unit, const char* desired) {
   if (valid) return;
   char message[256];
   std::snprintf(message, sizeof message, "wrench sensor: %s = %g %s, must be %s", name, value, unit,
-                wanted);
+                desired);
   throw InputError(message);
 }
 

@@ -10,13 +10,13 @@
 
 namespace impedraw {
 
-class Blame {
+class SettingErrors {
  public:
-  explicit Blame(const Places& places) : places_(places) {}
+  explicit SettingErrors(const Places& places) : places_(places) {}
 
   // Throws `what`, opened by the place of the first of `names` that anybody gave ("x.yaml:3: ...");
   // as it is where all have their defaults.
-  [[noreturn]] void wrong(const std::vector<std::string>& names, const std::string& what) const {
+  [[noreturn]] void raise(const std::vector<std::string>& names, const std::string& what) const {
     for (const std::string& name : names) {
       const std::string place = places_.of(name);
       if (!place.starts_with("default of ")) throw InputError(place + ": " + what);
@@ -26,11 +26,11 @@ class Blame {
 
   // What step() returns; its InputErrors as above.
   template <class Step>
-  decltype(auto) on(const std::vector<std::string>& names, Step&& step) const {
+  decltype(auto) locate(const std::vector<std::string>& names, Step&& step) const {
     try {
       return std::forward<Step>(step)();
     } catch (const InputError& error) {
-      wrong(names, error.what());
+      raise(names, error.what());
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ JointDrive::JointDrive(const ModelErrors& errors, double dt)
     throw InputError(fmt::format("model errors: torque_ripple is {}, allowed is any torque [Nm]",
                                  errors.torque_ripple));
   delay_ = static_cast<int>(steps);
-  for (int j = 0; j < kMaxJoints; ++j) ripple_phase_[j] = 2.0 * M_PI * 0.381966 * j;
+  for (int j = 0; j < kMaxJoints; ++j) ripple_phase_[j] = 2.0 * std::numbers::pi * 0.381966 * j;
 }
 
 void JointDrive::reset() noexcept { started_ = false; }

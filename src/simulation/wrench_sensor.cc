@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -105,7 +106,8 @@ double WrenchSensor::uniform() noexcept {
 
 // Box and Muller (1958).
 Eigen::Vector2d WrenchSensor::normal_pair() noexcept {
-  const double radius = std::sqrt(-2.0 * std::log(uniform())), angle = 2.0 * M_PI * uniform();
+  const double radius = std::sqrt(-2.0 * std::log(uniform())),
+               angle = 2.0 * std::numbers::pi * uniform();
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 

@@ -125,19 +125,19 @@ void print_cells(const std::vector<Cell>& cells) {
   for (const Cell& cell : cells) fmt::print("{}\n    {}\n", cell.name, cell_command(cell));
 }
 
-int run_table(const CellTable& table, const std::vector<Cell>& all, const std::vector<Cell>& wanted,
-              const CellTableOptions& options) {
+int run_table(const CellTable& table, const std::vector<Cell>& all,
+              const std::vector<Cell>& desired, const CellTableOptions& options) {
   const fs::path folder = table_folder(table.name, options);
   const fs::path csv = folder / (table.name + ".csv");
   require_table_folder(folder, csv.filename().string());
   Records records;
   if (!options.again && fs::exists(csv)) records = kept_records(table, csv, all);
   std::vector<Cell> left;
-  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left),
+  std::copy_if(desired.begin(), desired.end(), std::back_inserter(left),
                [&](const Cell& c) { return !records.contains(c.name); });
-  if (left.size() < wanted.size())
+  if (left.size() < desired.size())
     fmt::print("{} of {} cells are kept from an earlier run; --again runs them anew\n",
-               wanted.size() - left.size(), wanted.size());
+               desired.size() - left.size(), desired.size());
   make_folder(folder);
   write_csv(table, csv, all, records);
 
@@ -174,8 +174,8 @@ int run_table(const CellTable& table, const std::vector<Cell>& all, const std::v
   write_file(folder / (table.name + ".md"), table.page(records));
   plot(table.name, csv, folder / (table.name + ".png"));
   std::size_t failed = 0;
-  for (const Cell& cell : wanted) failed += field(records.at(cell.name), "failed") == "1";
-  fmt::print("{} cells, {} failed\n", wanted.size(), failed);
+  for (const Cell& cell : desired) failed += field(records.at(cell.name), "failed") == "1";
+  fmt::print("{} cells, {} failed\n", desired.size(), failed);
   for (const char* extension : {".csv", ".md", ".png"})
     fmt::print("  {}\n",
                fs::absolute(folder / (table.name + extension)).lexically_normal().string());

@@ -50,9 +50,9 @@ std::vector<Cell> matching(const std::vector<Cell>& cells, const std::string& pa
 
 void print_cells(const std::vector<Cell>& cells);  // name and command of each
 
-// The program's exit code: 0 when every cell of `wanted` was run, also where some failed; `all`
+// The program's exit code: 0 when every cell of `desired` was run, also where some failed; `all`
 // sets the order. Throws InputError.
-int run_table(const CellTable& table, const std::vector<Cell>& all, const std::vector<Cell>& wanted,
-              const CellTableOptions& options);
+int run_table(const CellTable& table, const std::vector<Cell>& all,
+              const std::vector<Cell>& desired, const CellTableOptions& options);
 
 }  // namespace impedraw

@@ -21,7 +21,7 @@ std::string today() {
 
 }  // namespace
 
-int run_reach(const std::vector<Cell>& wanted, const CellTableOptions& options) {
+int run_reach(const std::vector<Cell>& desired, const CellTableOptions& options) {
   const std::filesystem::path folder = table_folder("reach", options), ink = folder / "ink";
   const std::vector<Cell> all = reach_cells();
   const auto ink_file = [&](const Cell& cell) { return ink / (cell.name + ".json"); };
@@ -39,13 +39,13 @@ int run_reach(const std::vector<Cell>& wanted, const CellTableOptions& options) 
   table.record = reach_record;
   table.page = [&](const Records& records) { return reach_page(all, records, today()); };
   table.time_limit = 900.0;
-  return run_table(table, all, wanted, options);
+  return run_table(table, all, desired, options);
 }
 
 int reach(const CellTableOptions& options) {
-  const std::vector<Cell> wanted = matching(reach_cells(), options.only);
-  if (!options.list) return run_reach(wanted, options);
-  print_cells(wanted);
+  const std::vector<Cell> desired = matching(reach_cells(), options.only);
+  if (!options.list) return run_reach(desired, options);
+  print_cells(desired);
   return kFinished;
 }
 

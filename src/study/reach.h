@@ -12,7 +12,7 @@ namespace impedraw {
 // InputError.
 int reach(const CellTableOptions& options);
 
-// The same of the cells `wanted`, as reach_cells() has them.
-int run_reach(const std::vector<Cell>& wanted, const CellTableOptions& options);
+// The same of the cells `desired`, as reach_cells() has them.
+int run_reach(const std::vector<Cell>& desired, const CellTableOptions& options);
 
 }  // namespace impedraw

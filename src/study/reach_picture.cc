@@ -21,7 +21,7 @@ nlohmann::json point(const Eigen::Vector2d& p) {
 
 }  // namespace
 
-void write_reach_picture(const Experiment& e, const RunData* run, const Drawn* drawn,
+void write_reach_picture(const Experiment& e, const RunData* run, const InkMatch* drawn,
                          const std::filesystem::path& file) {
   const Pose X_PW = e.X_WP.inverse();
   const Eigen::Vector2d centre = e.placement.centre_m;
@@ -35,7 +35,7 @@ void write_reach_picture(const Experiment& e, const RunData* run, const Drawn* d
     json[name] = nlohmann::json::array();
     for (const PlacedStroke& stroke : strokes) {
       nlohmann::json line = nlohmann::json::array();
-      for (const Eigen::Vector2d& p : stroke.world) line.push_back(point(right_up(p)));
+      for (const Eigen::Vector2d& p : stroke.p_P) line.push_back(point(right_up(p)));
       json[name].push_back(line);
     }
   };

@@ -16,7 +16,7 @@ namespace impedraw {
 
 // `run` and `drawn` null: nothing was drawn. Throws std::runtime_error where the file cannot be
 // written.
-void write_reach_picture(const Experiment& experiment, const RunData* run, const Drawn* drawn,
+void write_reach_picture(const Experiment& experiment, const RunData* run, const InkMatch* drawn,
                          const std::filesystem::path& file);
 
 }  // namespace impedraw

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -92,7 +93,7 @@ Record drawn_record(Experiment& e, const fs::path& log, double start_up, const f
   }
   const RunOutcome outcome = run(e, log, start_up);
   const RunData data = read_run(log);
-  const Drawn drawn = match_ink(data);
+  const InkMatch drawn = match_ink(data);
   const nlohmann::ordered_json metrics = compute_metrics(data, drawn);
   put(&r, "coverage", metrics, "coverage");
   put(&r, "rms", metrics, "ink_error_rms");
@@ -167,9 +168,9 @@ double unnamed_mm(const Experiment& e) {
   return sum;
 }
 
-double gentle_error_mm(const Experiment& e, const RunData& run, const Drawn& drawn,
+double gentle_error_mm(const Experiment& e, const RunData& run, const InkMatch& drawn,
                        double slope_deg) {
-  const double least = std::cos(slope_deg * M_PI / 180.0);
+  const double least = std::cos(slope_deg * std::numbers::pi / 180.0);
   double sum = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < run.rows(); ++i) {

@@ -44,7 +44,7 @@ double unnamed_mm(const Experiment& experiment);
 
 // Root mean square of the ink's error where the canvas leans by less than `slope` [mm]; NaN where
 // no ink does.
-double gentle_error_mm(const Experiment& experiment, const RunData& run, const Drawn& drawn,
+double gentle_error_mm(const Experiment& experiment, const RunData& run, const InkMatch& drawn,
                        double slope_deg);
 
 // In this process; throws nothing. `ink_file` gets the picture's lines. What comes back is for

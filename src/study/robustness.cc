@@ -6,7 +6,7 @@
 
 namespace impedraw {
 
-int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted,
+int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& desired,
                const CellTableOptions& options) {
   const RecordColumns columns(all);
   CellTable table;
@@ -22,14 +22,14 @@ int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted,
     return columns.record(cell, result_of(end));
   };
   table.page = [&](const Records& records) { return robustness_page(all, records); };
-  return run_table(table, all, wanted, options);
+  return run_table(table, all, desired, options);
 }
 
 int robustness(const CellTableOptions& options) {
   const std::vector<Cell> all = robustness_cells();
-  const std::vector<Cell> wanted = matching(all, options.only);
-  if (!options.list) return run_matrix(all, wanted, options);
-  print_cells(wanted);
+  const std::vector<Cell> desired = matching(all, options.only);
+  if (!options.list) return run_matrix(all, desired, options);
+  print_cells(desired);
   return kFinished;
 }
 

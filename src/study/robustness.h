@@ -11,8 +11,8 @@ namespace impedraw {
 // The program's exit code: 0 when every cell was run, also where some failed. Throws InputError.
 int robustness(const CellTableOptions& options);
 
-// The same of other cells; `all` sets the columns, `wanted` is run.
-int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& wanted,
+// The same of other cells; `all` sets the columns, `desired` is run.
+int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& desired,
                const CellTableOptions& options);
 
 }  // namespace impedraw

@@ -1,6 +1,7 @@
 #include "impedraw/study/robustness_cells.h"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -27,7 +28,7 @@ void add_matrix(std::vector<Cell>& cells) {
           cell.base = fmt::format("scenarios/robustness-{}.yaml", state(realistic));
           // Sideways, where the arm reaches every slope; towards or away from its foot the wrist
           // ends before 60°.
-          const double angle = slope * M_PI / 180.0;
+          const double angle = slope * std::numbers::pi / 180.0;
           cell.assignments = {fmt::format("path.draw_speed={}", speed / 1000.0),
                               fmt::format("control.push={}", push),
                               fmt::format("canvas.plane.normal=[0, {:.9f}, {:.9f}]",

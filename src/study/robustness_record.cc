@@ -36,7 +36,7 @@ Record RecordColumns::settings(const Cell& cell) const {
                    {"group", cell.group},
                    {"base", cell.base},
                    {"speed", fmt::format("{:.6g}", 1e3 * scenario.path.draw_speed)},
-                   {"push", number_text(scenario.control.push_force)},
+                   {"push", number_text(scenario.control.normal_force)},
                    {"realistic", cell.realistic ? "1" : "0"}};
   for (const std::string& assignment : cell.assignments)
     record["set"] += (record["set"].empty() ? "" : "; ") + assignment;
@@ -62,11 +62,11 @@ Record RecordColumns::record(const Cell& cell, const CellResult& result) const {
 }
 
 bool RecordColumns::same_settings(const Record& line, const Cell& cell) const {
-  const Record wanted = settings(cell);
+  const Record desired = settings(cell);
   for (const char* name : {"cell", "group", "base", "set", "realistic"})
-    if (field(line, name) != field(wanted, name)) return false;
+    if (field(line, name) != field(desired, name)) return false;
   return std::all_of(varied_.begin(), varied_.end(), [&](const std::string& name) {
-    return field(line, name) == field(wanted, name);
+    return field(line, name) == field(desired, name);
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ double steepest_slope_deg(const Experiment& e) {
   double least = 1.0;
   for (const Eigen::Vector3d& p_W : e.target.points)
     least = std::min(least, e.canvas->closest(p_W).n_W.z());
-  return std::acos(std::clamp(least, -1.0, 1.0)) * 180.0 / M_PI;
+  return std::acos(std::clamp(least, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
 double value_of(const nlohmann::ordered_json& metrics, const char* name) {

@@ -1,5 +1,4 @@
-// The program as its user meets it at the terminal: what is wrong with the input, what it leaves
-// behind, how it ends.
+// The program as its user meets it at the terminal: what is wrong with the input, what it leaves behind, how it ends.
 #include <pty.h>
 #include <sys/resource.h>
 
@@ -28,9 +27,7 @@ using Clock = std::chrono::steady_clock;
 const Words kShort = {"--set", "path.draw_speed=0.3", "--set", "path.draw_acceleration=5"};
 const Words kLong = {"--set", "path.draw_speed=0.0015"};  // 200 s of simulated time and more
 const char* const kLine =
-    // www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><path d="M5 5H15M5 35H35"
-    // fill="none" stroke="black"/></svg>)";
-    R"(<svg xmlns="http:
+    R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><path d="M5 5H15M5 35H35" fill="none" stroke="black"/></svg>)";
 
 Words operator+(Words a, const Words& b) {
   a.insert(a.end(), b.begin(), b.end());
@@ -96,18 +93,18 @@ TEST_F(CommandLine, WrongSettings) {
 TEST_F(CommandLine, WrongFiles) {
   write("broken.yaml", "drawing: {shape: sine\n  foo: [");
   write("empty.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"/>)");
-write("broken.svg", "<svg><path d=\"M 1");
-write("text", "x");
-write("svg.yaml", "drawing:\n  svg: gone.svg\n");
-refused({"draw", "gone.yaml"}, {"gone.yaml: no such file"});
-refused({"draw", "."}, {"is a folder"});
-refused({"draw", "broken.yaml"}, {"broken.yaml:2: is not valid YAML"});
-refused({"draw", "--svg", "gone.svg"}, {"gone.svg: no such file"});
-refused({"draw", "svg.yaml"}, {"svg.yaml:2: ", "gone.svg: no such file"});
-refused({"draw", "--svg", "broken.svg"}, {"broken.svg: not an SVG that can be read"});
-refused({"draw", "--svg", "empty.svg"}, {"empty.svg: nothing in it draws a line"});
-refused({"draw", "--set", "arm.urdf=text"}, {"--set arm.urdf=text", "text"});
-refused({"report", "."}, {"holds no run.h5"});
+  write("broken.svg", "<svg><path d=\"M 1");
+  write("text", "x");
+  write("svg.yaml", "drawing:\n  svg: gone.svg\n");
+  refused({"draw", "gone.yaml"}, {"gone.yaml: no such file"});
+  refused({"draw", "."}, {"is a folder"});
+  refused({"draw", "broken.yaml"}, {"broken.yaml:2: is not valid YAML"});
+  refused({"draw", "--svg", "gone.svg"}, {"gone.svg: no such file"});
+  refused({"draw", "svg.yaml"}, {"svg.yaml:2: ", "gone.svg: no such file"});
+  refused({"draw", "--svg", "broken.svg"}, {"broken.svg: not an SVG that can be read"});
+  refused({"draw", "--svg", "empty.svg"}, {"empty.svg: nothing in it draws a line"});
+  refused({"draw", "--set", "arm.urdf=text"}, {"--set arm.urdf=text", "text"});
+  refused({"report", "."}, {"holds no run.h5"});
 }
 
 TEST_F(CommandLine, DrawingWhereItCannotBe) {
@@ -252,8 +249,7 @@ print('cloud/points' in different('noisy_a', 'other'), 'tip/position' in differe
   EXPECT_EQ(compared.out, "same same\nTrue True True\n");
 }
 
-// 200 N on the pen, and gravity ten times what the controller knows: both beyond what the arm can
-// hold.
+// 200 N on the pen, and gravity ten times what the controller knows: both beyond what the arm can hold.
 TEST_F(CommandLine, AnUnstableRunStopsAndKeepsItsLog) {
   for (const char* cause : {"pushes=[{force: 200, direction: [0, 0, 1], middle: 0.5, duration: 3}]",
                             "world.gravity=100"}) {

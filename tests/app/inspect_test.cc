@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -27,7 +28,7 @@ TEST(Inspect, Svg) {
     <g inkscape:label="ring"><circle cx="20" cy="20" r="10" fill="white" stroke="red"/></g>
     <g id="box"><path d="M-20 60 h60 v20 h-60 z M0 70 h10" fill="none" stroke="#000" stroke-dasharray="1"/><path d="M0 0H9"/></g></svg>)");
   EXPECT_EQ(found["strokes"], 3);
-  EXPECT_NEAR(found["length_mm"].get<double>(), (20 * M_PI + 160 + 10) / 2, 1e-4 * 100);
+  EXPECT_NEAR(found["length_mm"].get<double>(), (20 * std::numbers::pi + 160 + 10) / 2, 1e-4 * 100);
   const double expected[] = {-10, 5, 20, 40};
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(found["bbox_mm"][i].get<double>(), expected[i], 1e-3);
   EXPECT_EQ(found["layers"].dump(), R"([{"name":"ring","strokes":1},{"name":"box","strokes":2}])");
@@ -46,7 +47,8 @@ TEST(Inspect, LengthOfManySmallArcs) {
       <path fill="none" stroke="red" d=")" +
           d + "\"/></svg>");
   EXPECT_EQ(found["strokes"], 1000);
-  EXPECT_NEAR(found["length_mm"].get<double>(), 200 * M_PI, 1e-3 * 200 * M_PI);
+  EXPECT_NEAR(found["length_mm"].get<double>(), 200 * std::numbers::pi,
+              1e-3 * 200 * std::numbers::pi);
 }
 
 TEST(Inspect, StrokesDotsAndNothing) {

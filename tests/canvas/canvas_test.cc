@@ -164,9 +164,9 @@ TEST(Canvas, RayMeetsTheSphere) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 5000; ++i) {
-    const Vector3d goal =
+    const Vector3d reference =
         s.centre + 0.3 * Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -1).normalized();
-    const Vector3d d = 1.7 * (goal - eye).normalized();
+    const Vector3d d = 1.7 * (reference - eye).normalized();
     const auto hit = canvas.ray(eye, d);
     ASSERT_TRUE(hit);
     // The far one of the line's two meetings with the sphere: this eye looks into the bowl over its

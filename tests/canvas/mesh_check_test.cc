@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -39,12 +40,12 @@ double volume(const TriangleMesh& m) {
 
 // The only fault, of that kind.
 void expect_fault(const CheckedMesh& checked, const std::string& kind, std::size_t count, int first,
-                  bool mended) {
+                  bool repaired) {
   ASSERT_EQ(checked.faults.size(), 1u);
   EXPECT_EQ(checked.faults[0].kind, kind);
   EXPECT_EQ(checked.faults[0].count, count);
   EXPECT_EQ(checked.faults[0].first, first);
-  EXPECT_EQ(checked.faults[0].mended, mended);
+  EXPECT_EQ(checked.faults[0].repaired, repaired);
 }
 
 // A sheet of n × n cells of 0.1 m.
@@ -78,14 +79,14 @@ TEST(Weld, AgreesWithEveryPairCompared) {
       m.vertices.push_back(p + Vector3d(shift(random), shift(random), shift(random)));
     }
     for (int i = 0; i + 2 < 600; ++i) m.triangles.push_back({i, i + 1, i + 2});
-    const TriangleMesh welded = weld(m, tolerance);
-    ASSERT_EQ(welded.triangles.size(), m.triangles.size());
-    EXPECT_EQ(welded.vertices.size(), std::set<int>(places.begin(), places.end()).size());
+    const TriangleMesh merged = merge_vertices(m, tolerance);
+    ASSERT_EQ(merged.triangles.size(), m.triangles.size());
+    EXPECT_EQ(merged.vertices.size(), std::set<int>(places.begin(), places.end()).size());
     std::map<int, int> of;
     for (std::size_t i = 0; i < m.triangles.size(); ++i)
       for (int k = 0; k < 3; ++k) {
-        const auto [at, fresh] = of.insert({places[m.triangles[i][k]], welded.triangles[i][k]});
-        EXPECT_EQ(at->second, welded.triangles[i][k]);
+        const auto [at, fresh] = of.insert({places[m.triangles[i][k]], merged.triangles[i][k]});
+        EXPECT_EQ(at->second, merged.triangles[i][k]);
       }
   }
 }
@@ -219,7 +220,7 @@ TEST(MeshCheck, AMoebiusStripHasNoSide) {
   TriangleMesh m;
   constexpr int n = 20;
   for (int i = 0; i < n; ++i) {
-    const double a = 2 * M_PI * i / n;
+    const double a = 2 * std::numbers::pi * i / n;
     for (const double w : {-0.05, 0.05}) {
       const double r = 0.2 + w * std::cos(a / 2);
       m.vertices.push_back({r * std::cos(a), r * std::sin(a), w * std::sin(a / 2)});

@@ -44,14 +44,14 @@ std::string refusal(const std::string& file) {
 class MeshFile : public MeshFiles {};
 
 TEST_F(MeshFile, GivesEveryTriangleOfEveryKindInItsPlaceAndUnit) {
-  const TriangleMesh wanted = box(0.1, 0.25, 0.4);
-  for (const auto& [name, text] : every_kind(wanted)) {
+  const TriangleMesh desired = box(0.1, 0.25, 0.4);
+  for (const auto& [name, text] : every_kind(desired)) {
     SCOPED_TRACE(name);
     const TriangleMesh got = read_mesh(write(name, text), 1e-3);
-    ASSERT_EQ(got.triangles.size(), wanted.triangles.size());
-    for (std::size_t i = 0; i < wanted.triangles.size(); ++i)
+    ASSERT_EQ(got.triangles.size(), desired.triangles.size());
+    for (std::size_t i = 0; i < desired.triangles.size(); ++i)
       for (int k = 0; k < 3; ++k) {
-        const Vector3d p = 1e-3 * wanted.vertices[wanted.triangles[i][k]];
+        const Vector3d p = 1e-3 * desired.vertices[desired.triangles[i][k]];
         EXPECT_LT((got.vertices[got.triangles[i][k]] - p).norm(), 1e-10)
             << "triangle " << i << " corner " << k;
       }

@@ -1,6 +1,7 @@
-// The closed loop that the controller promises, on the simulated arm: the wanted
+// The closed loop that the controller promises, on the simulated arm: the desired
 // mass-spring-damper, gravity counted once, safe answers.
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -31,12 +32,12 @@ TEST(ClosedLoop, AShapedTipIsTheWantedMassOnASpring) {
   for (const bool along_normal : {false, true}) {
     FreeArm free(s);
     const Eigen::Vector3d direction =
-        along_normal ? free.goal.n_WD : free.goal.n_WD.unitOrthogonal();
-    const Eigen::Vector3d start = free.goal.p_WD;
+        along_normal ? free.reference.n_WD : free.reference.n_WD.unitOrthogonal();
+    const Eigen::Vector3d start = free.reference.p_WD;
     const double x_0 = 0.01, m = along_normal ? s.shaped_inertia.linear.normal
                                               : s.shaped_inertia.linear.tangent;
     const double k = along_normal ? s.stiffness.linear.normal : s.stiffness.linear.tangent;
-    free.goal.p_WD += x_0 * direction;
+    free.reference.p_WD += x_0 * direction;
     for (int i = 0; i < 1000; ++i) {
       const Eigen::Vector3d moved = free.world.state().X_WE.p - start;
       ASSERT_NEAR(moved.dot(direction), response(i * 1e-3, m, k, s.damping_ratio, x_0), 0.01 * x_0)
@@ -57,7 +58,8 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
     s.contact_stiffness_max = 5e3;  // soft as this arm is, a stiffer tip would be refused
     s.stiffness.linear = {50.0, 50.0};
     FreeArm free(s);
-    const Eigen::Vector3d direction = free.goal.n_WD.unitOrthogonal(), start = free.goal.p_WD;
+    const Eigen::Vector3d direction = free.reference.n_WD.unitOrthogonal(),
+                          start = free.reference.p_WD;
     const double F = 1.0, k = s.stiffness.linear.tangent, x_0 = F / k;
     worst[fine] = 0.0;
     for (double t = 0.0; t < 1.0; t += s.dt) {
@@ -82,16 +84,16 @@ TEST(ClosedLoop, ANaturalTipIsTheArmsOwnInertiaOnASpring) {
   s.stiffness.angular.tangent = 5.0;
   s.reference_stiffness.angular = {5.0, 0.3};
   FreeArm free(s);
-  const Eigen::Vector3d start = free.goal.p_WD;
+  const Eigen::Vector3d start = free.reference.p_WD;
   const Eigen::Matrix3d R_start = free.terms.X_WE.R;
   OperationalSpace space;
   space.update(free.terms);
   const Matrix6 A = space.inverse_inertia();
   Matrix6 K = Matrix6::Zero(), K_damping = Matrix6::Zero();
-  K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(free.goal.n_WD);
-  K.bottomRightCorner<3, 3>() = s.stiffness.angular.matrix(free.goal.n_WD);
+  K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(free.reference.n_WD);
+  K.bottomRightCorner<3, 3>() = s.stiffness.angular.matrix(free.reference.n_WD);
   K_damping = K;
-  K_damping.bottomRightCorner<3, 3>() = s.reference_stiffness.angular.matrix(free.goal.n_WD);
+  K_damping.bottomRightCorner<3, 3>() = s.reference_stiffness.angular.matrix(free.reference.n_WD);
   ModalDamping modal;
   modal.design(space.inverse_inertia_factor(), K_damping.topLeftCorner<3, 3>(),
                K_damping.bottomRightCorner<3, 3>(), s.damping_ratio);
@@ -100,7 +102,7 @@ TEST(ClosedLoop, ANaturalTipIsTheArmsOwnInertiaOnASpring) {
   // Small motion, so that Λ stays: the reference is the linear 6-D oscillator, integrated finely.
   Vector6 x = Vector6::Zero(), x_dot = Vector6::Zero(), x_D = Vector6::Zero();
   x_D.head<3>() = Eigen::Vector3d(1e-3, -5e-4, 8e-4);
-  free.goal.p_WD += x_D.head<3>();
+  free.reference.p_WD += x_D.head<3>();
   for (int i = 0; i < 600; ++i) {
     const Pose& X = free.world.state().X_WE;
     ASSERT_LT((X.p - start - x.head<3>()).norm(), 0.01 * x_D.norm()) << "at " << i << " ms";
@@ -119,7 +121,7 @@ TEST(ClosedLoop, HoldsStillUnderGravityWithoutDrift) {
   ArmModel arm(kArm);
   for (const ImpedanceSettings& s : {shaped_settings(arm), natural_settings(arm)}) {
     FreeArm free(s);
-    const Eigen::Vector3d start = free.goal.p_WD;
+    const Eigen::Vector3d start = free.reference.p_WD;
     for (int i = 0; i < 2000; ++i) free.step();
     EXPECT_LT((free.world.state().X_WE.p - start).norm(), 1e-9);
   }
@@ -129,7 +131,8 @@ TEST(ClosedLoop, GravityIsCountedOnce) {
   ArmModel arm(kArm);
   FreeArm free(shaped_settings(arm));
   const ImpedanceTorque& out = free.step();
-  // At rest, on the goal, in the rest posture, nothing but gravity is left; and it is all of it.
+  // At rest, on the reference, in the rest posture, nothing but gravity is left; and it is all of
+  // it.
   EXPECT_LT((out.tau - free.terms.g).norm(), 1e-9);
   EXPECT_LT((out.terms.col(kGravity) - free.terms.g).norm(), 1e-12);
   EXPECT_LT((out.terms.rowwise().sum() - out.tau).norm(), 1e-12);
@@ -140,7 +143,7 @@ TEST(ClosedLoop, TheNullSpaceMovesTheElbowAndNotTheTip) {
   ImpedanceSettings s = shaped_settings(arm);
   s.q_0[2] += 0.6;
   FreeArm free(s);
-  const Eigen::Vector3d start = free.goal.p_WD;
+  const Eigen::Vector3d start = free.reference.p_WD;
   double away = 0.0;
   const double before = free.world.state().q[2];
   for (int i = 0; i < 2000; ++i) {
@@ -155,16 +158,16 @@ TEST(ClosedLoop, TurnsThroughHalfATurnOfThePen) {
   ArmModel arm(kArm);
   // The pen is asked to point up to 3.1 rad away from where it points: finite, bounded, and on the
   // short way.
-  for (const double angle : {1.0, 3.1, M_PI, -3.1}) {
+  for (const double angle : {1.0, 3.1, std::numbers::pi, -3.1}) {
     FreeArm turned(soft(shaped_settings(arm)));
-    const Eigen::Vector3d axis = turned.goal.n_WD.unitOrthogonal();
-    turned.goal.n_WD = Eigen::AngleAxisd(angle, axis) * turned.goal.n_WD;
+    const Eigen::Vector3d axis = turned.reference.n_WD.unitOrthogonal();
+    turned.reference.n_WD = Eigen::AngleAxisd(angle, axis) * turned.reference.n_WD;
     const ImpedanceTorque& out = turned.step();
     EXPECT_TRUE(out.tau.allFinite());
     EXPECT_FALSE(out.status.bad_input);
-    const double asked =
-        Vector6(turned.F_ext).norm() + std::min(std::abs(angle), 2 * M_PI - std::abs(angle));
-    EXPECT_LE(asked, M_PI + 1e-9);
+    const double asked = Vector6(turned.F_ext).norm() +
+                         std::min(std::abs(angle), 2 * std::numbers::pi - std::abs(angle));
+    EXPECT_LE(asked, std::numbers::pi + 1e-9);
   }
 }
 
@@ -175,15 +178,15 @@ TEST(ClosedLoop, PassesASingularPostureWithBoundedTorque) {
   ImpedanceSettings s = shaped_settings(arm);
   s.q_0 = q;
   FreeArm free(s, q);
-  const Eigen::Vector3d outward =
-                            Eigen::Vector3d(free.goal.p_WD.x(), 0.0, free.goal.p_WD.z() - 0.36)
-                                .normalized(),
-                        start = free.goal.p_WD;
+  const Eigen::Vector3d outward = Eigen::Vector3d(free.reference.p_WD.x(), 0.0,
+                                                  free.reference.p_WD.z() - 0.36)
+                                      .normalized(),
+                        start = free.reference.p_WD;
   bool told = false;
   for (int i = 0; i < 4000; ++i) {  // out to beyond the arm's reach, and back
     const double way = i < 2000 ? 0.1e-3 * i : 0.1e-3 * (4000 - i);
-    free.goal.p_WD = start + way * outward;
-    free.goal.v_WD = (i < 2000 ? 0.1 : -0.1) * outward;
+    free.reference.p_WD = start + way * outward;
+    free.reference.v_WD = (i < 2000 ? 0.1 : -0.1) * outward;
     const ImpedanceTorque& out = free.step();
     told |= out.status.near_singular;
     ASSERT_TRUE(out.tau.allFinite());
@@ -201,13 +204,13 @@ TEST(ClosedLoop, BadInputGivesASafeTorqueAndAStatus) {
   SurfaceEstimate surface;
   for (int what = 0; what < 4; ++what) {
     ArmTerms terms = free.terms;
-    TipGoal goal = free.goal;
+    TipReference reference = free.reference;
     Wrench F = Wrench::Zero();
     if (what == 0) terms.v[3] = nan;
-    if (what == 1) goal.p_WD.y() = nan;
+    if (what == 1) reference.p_WD.y() = nan;
     if (what == 2) F[2] = nan;
     if (what == 3) terms.g[0] = INFINITY;
-    const ImpedanceTorque& out = free.controller.step(terms, goal, surface, F);
+    const ImpedanceTorque& out = free.controller.step(terms, reference, surface, F);
     EXPECT_TRUE(out.status.bad_input) << what;
     EXPECT_LT((out.tau - good).norm(), 1e-12) << what;
   }

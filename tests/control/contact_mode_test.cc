@@ -2,6 +2,8 @@
 // normal.
 #include "impedraw/control/contact_mode.h"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -137,23 +139,24 @@ TEST(NormalTracker, FollowsAChangingTurnByThePlan) {
 }
 
 TEST(SmallestRotation, IsGeodesicEverywhere) {
-  for (const double angle : {0.0, 1e-13, 1e-8, 0.5, 3.0, M_PI - 1e-8, M_PI}) {
+  for (const double angle :
+       {0.0, 1e-13, 1e-8, 0.5, 3.0, std::numbers::pi - 1e-8, std::numbers::pi}) {
     const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 0).normalized();
     const Eigen::Vector3d b = Eigen::AngleAxisd(angle, axis) * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d r = smallest_rotation(Eigen::Vector3d::UnitZ(), b);
     EXPECT_NEAR(r.norm(), angle, 1e-7);
     EXPECT_TRUE(r.allFinite());
-    const bool axis_is_defined = angle > 1e-7 && angle < M_PI - 1e-7;
+    const bool axis_is_defined = angle > 1e-7 && angle < std::numbers::pi - 1e-7;
     EXPECT_TRUE(!axis_is_defined || (r.normalized() - axis).norm() < 1e-6);
   }
 }
 
 // Runs the sampled loop that spectral_radius() judges, with its own few lines.
-bool settles(const NormalLoop& s) {
+bool settles(const ContactLoop& s) {
   double x = 1e-4, v = 0.0;
   std::vector<double> late(s.delay_steps, s.contact_stiffness * x);
   for (int i = 0; i < 20000; ++i) {
-    const double ratio = s.natural_mass / s.wanted_mass;
+    const double ratio = s.natural_mass / s.desired_mass;
     const double u = -ratio * s.damping * v - (ratio - 1.0) * late.back();
     const double v_next = (v + s.dt / s.natural_mass * (u - s.contact_stiffness * x)) /
                           (1.0 + s.dt * s.contact_damping / s.natural_mass);
@@ -167,12 +170,12 @@ bool settles(const NormalLoop& s) {
   return std::abs(x) < 1e-4;
 }
 
-TEST(NormalLoop, SpectralRadiusTellsWhatARunDoes) {
+TEST(ContactLoop, SpectralRadiusTellsWhatARunDoes) {
   int stable = 0, unstable = 0;
   for (const double m_d : {0.05, 0.2, 0.5, 1.0, 3.0, 8.0}) {
     for (const double k : {5e3, 2e4, 5e4, 2e5}) {
       for (const int delay : {1, 2, 5}) {
-        NormalLoop loop{6.0, m_d, 1.6 * std::sqrt(1500.0 * m_d), k, 20.0, 1e-3, delay};
+        ContactLoop loop{6.0, m_d, 1.6 * std::sqrt(1500.0 * m_d), k, 20.0, 1e-3, delay};
         const double radius = spectral_radius(loop);
         if (std::abs(radius - 1.0) < 2e-3) continue;  // too close for a run of 20 s to tell
         EXPECT_EQ(settles(loop), radius < 1.0)
@@ -185,11 +188,11 @@ TEST(NormalLoop, SpectralRadiusTellsWhatARunDoes) {
   EXPECT_GT(unstable, 10);
 }
 
-TEST(NormalLoop, RefusesAnInertiaThatCannotBeAndNamesOneThatCan) {
+TEST(ContactLoop, RefusesAnInertiaThatCannotBeAndNamesOneThatCan) {
   ImpedanceSettings settings;
-  EXPECT_NO_THROW(check_normal_loop(3.0, 107.0, settings));
+  EXPECT_NO_THROW(check_contact_stability(3.0, 107.0, settings));
   try {
-    check_normal_loop(0.05, 2.0 * 0.8 * std::sqrt(1500 * 0.05), settings);
+    check_contact_stability(0.05, 2.0 * 0.8 * std::sqrt(1500 * 0.05), settings);
     FAIL() << "an unstable inertia was taken";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("along the normal"), std::string::npos);

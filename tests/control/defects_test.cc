@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing_arm;
 
-// The arm at a random posture at rest, or at one that is given; the goal is where the tip is.
+// The arm at a random posture at rest, or at one that is given; the reference is where the tip is.
 struct Still {
   FreeArm free;
 
@@ -28,8 +28,8 @@ struct Still {
   void rest_at(const JointVector& q) {
     free.world.set_state(q, JointVector::Zero(7));
     free.measure();
-    free.goal.p_WD = free.terms.X_WE.p;
-    free.goal.n_WD = -free.terms.X_WE.R.col(2);
+    free.reference.p_WD = free.terms.X_WE.p;
+    free.reference.n_WD = -free.terms.X_WE.R.col(2);
     free.controller.reset();
   }
   // Of the tip, at rest.
@@ -49,10 +49,10 @@ TEST(Defects,
   Still still(s, working_posture());
   for (int i = 0; i < 20; ++i) {
     still.random_rest(rng);
-    still.free.goal.a_WD = Eigen::Vector3d(1.0, -2.0, 1.5);
-    still.free.goal.alpha_WD = Eigen::Vector3d(3.0, 2.0, -1.0);
+    still.free.reference.a_WD = Eigen::Vector3d(1.0, -2.0, 1.5);
+    still.free.reference.alpha_WD = Eigen::Vector3d(3.0, 2.0, -1.0);
     Vector6 asked;
-    asked << still.free.goal.a_WD, still.free.goal.alpha_WD;
+    asked << still.free.reference.a_WD, still.free.reference.alpha_WD;
     EXPECT_LT((still.acceleration(still.free.control().tau) - asked).norm(), 1e-6 * asked.norm());
     const Eigen::MatrixXd J = still.free.terms.J,
                           whole = Eigen::MatrixXd(still.free.terms.M).inverse();
@@ -82,7 +82,7 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
       for (int axis = 0; axis < 3; ++axis) {
         still.rest_at(q);
         const Eigen::Vector3d shift = 1e-3 * Eigen::Vector3d::Unit(axis);
-        still.free.goal.p_WD += shift;
+        still.free.reference.p_WD += shift;
         Vector6 expected = Vector6::Zero();
         expected.head<3>() = 500.0 / 3.0 * shift;
         EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(),
@@ -100,8 +100,8 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
             << "the defect would show";
       }
       still.rest_at(q);
-      const Eigen::Vector3d about = still.free.goal.n_WD.unitOrthogonal();
-      still.free.goal.n_WD = Eigen::AngleAxisd(1e-3, about) * still.free.goal.n_WD;
+      const Eigen::Vector3d about = still.free.reference.n_WD.unitOrthogonal();
+      still.free.reference.n_WD = Eigen::AngleAxisd(1e-3, about) * still.free.reference.n_WD;
       Vector6 expected = Vector6::Zero();
       expected.tail<3>() = 30.0 / 0.05 * 1e-3 * about;
       EXPECT_LT((still.acceleration(still.free.control().tau) - expected).norm(),
@@ -117,26 +117,26 @@ TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
   s.null_stiffness.setConstant(60.0);
   s.q_0[2] += 1.0;
   Still free_of_limits(s, working_posture());
-  free_of_limits.free.goal.a_WD = Eigen::Vector3d(1.0, 0.0, 1.0);
+  free_of_limits.free.reference.a_WD = Eigen::Vector3d(1.0, 0.0, 1.0);
   Vector6 asked = Vector6::Zero();
-  asked.head<3>() = free_of_limits.free.goal.a_WD;
-  const ImpedanceTorque wanted = free_of_limits.free.control();
+  asked.head<3>() = free_of_limits.free.reference.a_WD;
+  const ImpedanceTorque desired = free_of_limits.free.control();
   int limited = 0;
   for (int j = 0; j < 7; ++j) {
     // So much that the joint cannot have all of its null-space torque, but all that the task needs.
-    const double with = wanted.tau[j], without = with - wanted.terms(j, kNullSpace);
+    const double with = desired.tau[j], without = with - desired.terms(j, kNullSpace);
     if (std::abs(with) < std::abs(without) + 0.5 || with * without < 0.0) continue;
     ++limited;
     ImpedanceSettings tight = s;
     tight.torque_limit[j] = 0.5 * std::abs(with + without);
     Still still(tight, working_posture());
-    still.free.goal.a_WD = asked.head<3>();
+    still.free.reference.a_WD = asked.head<3>();
     const ImpedanceTorque& out = still.free.control();
     EXPECT_TRUE(out.status.torque_limited);
     EXPECT_EQ(out.task_share, 1.0);
     EXPECT_LT((still.acceleration(out.tau) - asked).norm(), 1e-6 * asked.norm())
         << "joint " << j + 1;
-    JointVector clipped = wanted.tau;
+    JointVector clipped = desired.tau;
     clipped[j] = std::copysign(tight.torque_limit[j], clipped[j]);
     EXPECT_GT((still.acceleration(clipped) - asked).norm(), 0.01 * asked.norm())
         << "the defect would show";
@@ -184,13 +184,13 @@ TEST(Defects, GainsTurnedAndNeverUsed) {
   for (int i = 0; i < 20; ++i) {
     still.random_rest(rng);
     const Eigen::Vector3d e(1e-3, -0.6e-3, 0.4e-3);
-    still.free.goal.p_WD += e;
+    still.free.reference.p_WD += e;
     OperationalSpace space;
     space.update(still.free.terms);
     for (const Eigen::Vector3d& n :
-         {still.free.goal.n_WD, Eigen::Vector3d(Eigen::Vector3d::UnitX()),
+         {still.free.reference.n_WD, Eigen::Vector3d(Eigen::Vector3d::UnitX()),
           Eigen::Vector3d(0.6, 0.0, 0.8)}) {
-      still.free.goal.n_WD = n;
+      still.free.reference.n_WD = n;
       still.free.controller.reset();
       const Eigen::Vector3d force =
           space.project_to_tip(still.free.control().terms.col(kImpedance)).head<3>();
@@ -234,7 +234,7 @@ TEST(Defects, ATorqueCheckThatNothingCalls) {
     Still still(s, working_posture());
     JointVector last = still.free.control().tau;
     for (int i = 0; i < 400; ++i) {
-      still.free.goal.a_WD = 1e4 * Eigen::Vector3d(i % 100 < 50 ? 1.0 : -1.0, 0.5, -1.0);
+      still.free.reference.a_WD = 1e4 * Eigen::Vector3d(i % 100 < 50 ? 1.0 : -1.0, 0.5, -1.0);
       const ImpedanceTorque& out = still.free.control();
       ASSERT_LE((out.tau.cwiseAbs() - s.torque_limit).maxCoeff(), 0.0);
       ASSERT_LE((out.tau - last).cwiseAbs().maxCoeff(), 2.0 + 1e-9);
@@ -261,7 +261,7 @@ TEST(Defects, DampingThatForgetsTheEffectiveMass) {
       const JointVector q = still.random_rest(rng);
       const World::Terms t = still.free.world.terms();
       const Matrix6 Lambda = (t.J * t.M.inverse() * t.J.transpose()).inverse();
-      const Eigen::Vector3d n = still.free.goal.n_WD;
+      const Eigen::Vector3d n = still.free.reference.n_WD;
       Matrix6 M_d = scale * Lambda, K = Matrix6::Zero(), B;
       if (scale == 0.0) {
         M_d.topLeftCorner<3, 3>() = s.shaped_inertia.linear.matrix(n);
@@ -331,9 +331,9 @@ TEST(Defects, AForceThatIsOffByAWrongPayload) {
       mean += on.n_W.dot(on.free.F_ext.head<3>()) / 500.0;
     }
     if (observed)
-      EXPECT_NEAR(mean, s.push_force, 0.01 * s.push_force);
+      EXPECT_NEAR(mean, s.normal_force, 0.01 * s.normal_force);
     else
-      EXPECT_GT(std::abs(mean - s.push_force), 0.1 * s.push_force)
+      EXPECT_GT(std::abs(mean - s.normal_force), 0.1 * s.normal_force)
           << "or there was nothing to observe";
   }
 }

@@ -37,9 +37,9 @@ TEST(ForceIntegral, MendsTheForceThatAWrongModelLeaves) {
     PlaneArm plane(s, 0.2, heavy);
     plane.draw(4000);
     if (on)
-      EXPECT_NEAR(steady_force(plane), s.push_force, 0.01 * s.push_force);
+      EXPECT_NEAR(steady_force(plane), s.normal_force, 0.01 * s.normal_force);
     else
-      EXPECT_GT(std::abs(steady_force(plane) - s.push_force), 0.05 * s.push_force)
+      EXPECT_GT(std::abs(steady_force(plane) - s.normal_force), 0.05 * s.normal_force)
           << "or there was nothing to mend";
   }
 }
@@ -63,11 +63,11 @@ TEST(ForceIntegral, IsBoundedAndDoesNotWindUp) {
   double most = 0.0;
   for (int i = 0; i < 5000; ++i) most = std::max(most, lie(3.0));
   const double believed = most;
-  EXPECT_LT(believed, s.push_force + 3.0 + s.force_integral.limit + 0.5)
+  EXPECT_LT(believed, s.normal_force + 3.0 + s.force_integral.limit + 0.5)
       << "what it is told is missing, and its bound";
   double last = 0.0;
   for (int i = 0; i < 1500; ++i) last = lie(0.0);
-  EXPECT_NEAR(last, s.push_force, 0.05) << "1 N at 5 1/s is gone in a second and a half";
+  EXPECT_NEAR(last, s.normal_force, 0.05) << "1 N at 5 1/s is gone in a second and a half";
 }
 
 TEST(ForceIntegral, IsGoneOutOfContact) {
@@ -77,16 +77,16 @@ TEST(ForceIntegral, IsGoneOutOfContact) {
   const ImpedanceSettings s = integrating(arm, 5.0);
   PlaneArm plane(s, 0.2, heavy);
   plane.draw(4000);
-  plane.free.goal.pen_down = false;
-  plane.free.goal.p_WD = plane.p_WS + 0.02 * plane.n_W;
+  plane.free.reference.pen_down = false;
+  plane.free.reference.p_WD = plane.p_WS + 0.02 * plane.n_W;
   for (int i = 0; i < 1500; ++i) plane.step();
   // In the air the tip hangs where stiffness holds it, as without an integral.
   ImpedanceSettings without = s;
   without.force_integral.enabled = false;
   PlaneArm other(without, 0.2, heavy);
   other.draw(4000);
-  other.free.goal.pen_down = false;
-  other.free.goal.p_WD = plane.free.goal.p_WD;
+  other.free.reference.pen_down = false;
+  other.free.reference.p_WD = plane.free.reference.p_WD;
   for (int i = 0; i < 1500; ++i) other.step();
   EXPECT_LT((plane.free.world.state().X_WE.p - other.free.world.state().X_WE.p).norm(), 2e-5);
 }

@@ -8,14 +8,14 @@
 
 namespace impedraw::testing_arm {
 
-// From `q` at rest; the goal is where the tip starts unless the test moves it. The controller is
-// told the wrench of the step before.
+// From `q` at rest; the reference is where the tip starts unless the test moves it. The controller
+// is told the wrench of the step before.
 struct FreeArm {
   ArmModel arm;
   World world;
   ArmTerms terms;
   ImpedanceController controller;
-  TipGoal goal;
+  TipReference reference;
   SurfaceEstimate surface;  // blind
   Wrench F_ext = Wrench::Zero();
   InputAges ages;
@@ -36,8 +36,8 @@ struct FreeArm {
     const JointVector rest = JointVector::Zero(arm.joints());
     world.set_state(q, rest);
     arm.compute(q, rest, &terms);
-    goal.p_WD = terms.X_WE.p;
-    goal.n_WD = -terms.X_WE.R.col(2);
+    reference.p_WD = terms.X_WE.p;
+    reference.n_WD = -terms.X_WE.R.col(2);
   }
   explicit FreeArm(const ImpedanceSettings& settings, const JointVector& q = working_posture())
       : FreeArm(settings, q, at_step(settings.dt)) {}
@@ -45,7 +45,9 @@ struct FreeArm {
   void measure() { arm.compute(world.state().q, world.state().v, &terms); }
 
   // The controller alone, at the state just measured; the test may spoil its inputs in between.
-  const ImpedanceTorque& control() { return controller.step(terms, goal, surface, F_ext, ages); }
+  const ImpedanceTorque& control() {
+    return controller.step(terms, reference, surface, F_ext, ages);
+  }
 
   const ImpedanceTorque& step_under(const Wrench& push) {
     measure();
@@ -97,7 +99,7 @@ struct PlaneArm {
         canvas(plane(p_WS, n_W)),
         free(settings, over(p_WS + height * n_W, n_W), world_settings(settings.dt, errors),
              &canvas) {
-    free.goal.n_WD = n_W;
+    free.reference.n_WD = n_W;
     look();
   }
   static WorldSettings world_settings(double dt, const ModelErrors& errors) {
@@ -120,7 +122,7 @@ struct PlaneArm {
   }
   // Pen down until the push has built up.
   void draw(int steps = 1500) {
-    free.goal.pen_down = true;
+    free.reference.pen_down = true;
     for (int i = 0; i < steps; ++i) step();
   }
 };

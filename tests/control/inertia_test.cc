@@ -50,11 +50,11 @@ Vector6 tip_acceleration(World& world, const JointVector& tau, const Wrench& F) 
   return t.J * t.M.llt().solve(force) + drift;
 }
 
-Matrix6 wanted_inertia(const FreeArm& free, const Case& c, const ImpedanceSettings& s) {
+Matrix6 desired_inertia(const FreeArm& free, const Case& c, const ImpedanceSettings& s) {
   Matrix6 M_d = Matrix6::Zero();
   if (c.inertia == InertiaShaping::shaped) {
-    M_d.topLeftCorner<3, 3>() = s.shaped_inertia.linear.matrix(free.goal.n_WD);
-    M_d.bottomRightCorner<3, 3>() = s.shaped_inertia.angular.matrix(free.goal.n_WD);
+    M_d.topLeftCorner<3, 3>() = s.shaped_inertia.linear.matrix(free.reference.n_WD);
+    M_d.bottomRightCorner<3, 3>() = s.shaped_inertia.angular.matrix(free.reference.n_WD);
     return M_d;
   }
   const World::Terms t = free.world.terms();
@@ -63,7 +63,7 @@ Matrix6 wanted_inertia(const FreeArm& free, const Case& c, const ImpedanceSettin
 
 Wrench push(int axis) { return (axis < 3 ? 8.0 : 0.5) * Wrench::Unit(axis); }
 
-TEST(WantedInertia, IsWhatAPushMeetsInAllSixAxes) {
+TEST(DesiredInertia, IsWhatAPushMeetsInAllSixAxes) {
   ArmModel arm(kArm);
   const unsigned seed = 12;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -79,16 +79,16 @@ TEST(WantedInertia, IsWhatAPushMeetsInAllSixAxes) {
         if (moving) {
           free.world.set_state(start.q, start.v);
           free.measure();
-          free.goal.v_WD = free.terms.V_WE.head<3>();
-          free.goal.w_WD = free.terms.V_WE.tail<3>();
+          free.reference.v_WD = free.terms.V_WE.head<3>();
+          free.reference.w_WD = free.terms.V_WE.tail<3>();
         }
         ImpedanceSettings fast = s;
         fast.tip_speed_limit = 100.0;
-        const Matrix6 M_d = wanted_inertia(free, c, s);
+        const Matrix6 M_d = desired_inertia(free, c, s);
         for (int axis = 0; axis < 6; ++axis) {
           ImpedanceController fresh(fast, 7);
           free.measure();
-          const JointVector tau = fresh.step(free.terms, free.goal, {}, push(axis)).tau;
+          const JointVector tau = fresh.step(free.terms, free.reference, {}, push(axis)).tau;
           const Vector6 expected = M_d.inverse() * push(axis),
                         V_dot = tip_acceleration(free.world, tau, push(axis));
           const double error = (V_dot - expected).norm() / expected.norm();
@@ -97,7 +97,8 @@ TEST(WantedInertia, IsWhatAPushMeetsInAllSixAxes) {
                                  << (moving ? ", moving" : ", at rest");
           if (c.scale != 1.0) {  // without the wrench the arm's own inertia would show
             ImpedanceController deaf(fast, 7);
-            const JointVector unaware = deaf.step(free.terms, free.goal, {}, Wrench::Zero()).tau;
+            const JointVector unaware =
+                deaf.step(free.terms, free.reference, {}, Wrench::Zero()).tau;
             EXPECT_GT((tip_acceleration(free.world, unaware, push(axis)) - expected).norm(),
                       0.1 * expected.norm())
                 << c.name;
@@ -109,7 +110,7 @@ TEST(WantedInertia, IsWhatAPushMeetsInAllSixAxes) {
   RecordProperty("worst_relative_error", std::to_string(worst));
 }
 
-TEST(WantedInertia, IsWhatTheSimulatedTipMovesBy) {
+TEST(DesiredInertia, IsWhatTheSimulatedTipMovesBy) {
   ArmModel arm(kArm);
   for (const Case& c : kCases) {
     ImpedanceSettings s = settings_of(arm, c);
@@ -119,7 +120,7 @@ TEST(WantedInertia, IsWhatTheSimulatedTipMovesBy) {
     s.contact_stiffness_max = 1.0;
     for (int axis = 0; axis < 6; ++axis) {
       FreeArm free(s);
-      const Vector6 expected = wanted_inertia(free, c, s).inverse() * (0.1 * push(axis));
+      const Vector6 expected = desired_inertia(free, c, s).inverse() * (0.1 * push(axis));
       const int steps = 5;
       for (int i = 0; i < steps; ++i) {
         free.F_ext = 0.1 * push(axis);  // the wrench of this very step
@@ -131,17 +132,18 @@ TEST(WantedInertia, IsWhatTheSimulatedTipMovesBy) {
   }
 }
 
-TEST(WantedInertia, AScaleOfOneIsTheNaturalOne) {
+TEST(DesiredInertia, AScaleOfOneIsTheNaturalOne) {
   ArmModel arm(kArm);
   std::mt19937 rng(13);
   ImpedanceSettings scaled = settings_of(arm, kCases[2]), natural = settings_of(arm, kCases[5]);
   for (int i = 0; i < 20; ++i) {
     const ArmTerms terms = random_terms(arm, rng);
-    TipGoal goal;
-    goal.p_WD = terms.X_WE.p + 0.01 * Eigen::Vector3d::Random();
-    goal.n_WD = -terms.X_WE.R.col(2);
+    TipReference reference;
+    reference.p_WD = terms.X_WE.p + 0.01 * Eigen::Vector3d::Random();
+    reference.n_WD = -terms.X_WE.R.col(2);
     ImpedanceController a(scaled, 7), b(natural, 7);
-    EXPECT_LT((a.step(terms, goal, {}, push(i % 6)).tau - b.step(terms, goal, {}, push(i % 6)).tau)
+    EXPECT_LT((a.step(terms, reference, {}, push(i % 6)).tau -
+               b.step(terms, reference, {}, push(i % 6)).tau)
                   .norm(),
               1e-9);
   }

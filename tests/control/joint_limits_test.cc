@@ -23,10 +23,10 @@ JointVector repulsion(ArmModel& arm, int joint, double distance, bool upper, con
   else
     s.joint_lower[joint] = terms.q[joint] - distance;
   ImpedanceController controller(s, 7);
-  TipGoal goal;
-  goal.p_WD = terms.X_WE.p;
-  goal.n_WD = -terms.X_WE.R.col(2);
-  const ImpedanceTorque& out = controller.step(terms, goal, {}, Wrench::Zero());
+  TipReference reference;
+  reference.p_WD = terms.X_WE.p;
+  reference.n_WD = -terms.X_WE.R.col(2);
+  const ImpedanceTorque& out = controller.step(terms, reference, {}, Wrench::Zero());
   if (status) *status = out.status;
   return out.terms.col(kNullSpace);
 }
@@ -95,7 +95,7 @@ TEST(JointLimits, KeepAJointOffThatItsRestPostureLiesBeyond) {
     for (int i = 0; i < 4000; ++i) {
       told |= free.step().status.joint_limit;
       furthest = std::max(furthest, free.world.state().q[2]);
-      away = std::max(away, (free.world.state().X_WE.p - free.goal.p_WD).norm());
+      away = std::max(away, (free.world.state().X_WE.p - free.reference.p_WD).norm());
     }
     EXPECT_EQ(told, guarded);
     EXPECT_LT(away, 1e-4) << "the pen stays where it is";

@@ -60,25 +60,25 @@ TEST(NoAllocation, AStepMakesNone) {
     ImpedanceController controller(natural ? natural_settings(arm) : shaped_settings(arm), 7);
     ArmTerms terms = random_terms(arm, rng);
     const JointVector q = terms.q, v = terms.v;
-    TipGoal goal;
-    goal.p_WD = terms.X_WE.p;
+    TipReference reference;
+    reference.p_WD = terms.X_WE.p;
     SurfaceEstimate surface;
     surface.status = SurfaceStatus::ok;
     surface.distance = 0.0;
     Wrench F = Wrench::Zero();
     const int made = allocations_in([&] {
       for (int i = 0; i < 600; ++i) {
-        goal.pen_down = i > 100 && i < 500;  // through every mode
+        reference.pen_down = i > 100 && i < 500;  // through every mode
         surface.distance = i > 520 ? 0.01 : 0.0;
         surface.status = i > 300 && i < 310 ? SurfaceStatus::too_few : SurfaceStatus::ok;
         F[2] = i > 110 ? 5.0 : 0.0;
         arm.compute(q, v, &terms);
-        controller.step(terms, goal, surface, F);
+        controller.step(terms, reference, surface, F);
       }
       // and through the release of a singular posture
       JointVector stretched = JointVector::Zero(7);
       arm.compute(stretched, v, &terms);
-      controller.step(terms, goal, surface, F);
+      controller.step(terms, reference, surface, F);
     });
     EXPECT_EQ(made, 0) << (natural ? "natural" : "shaped");
   }
@@ -107,7 +107,7 @@ TEST(NoAllocation, AStepInTroubleMakesNone) {
     ArmTerms terms = random_terms(arm, rng);
     const JointVector q = terms.q;
     JointVector v = terms.v;
-    TipGoal goal;
+    TipReference reference;
     SurfaceEstimate surface;
     surface.status = SurfaceStatus::ok;
     surface.distance = 0.0;
@@ -118,18 +118,18 @@ TEST(NoAllocation, AStepInTroubleMakesNone) {
       for (int i = 0; i < 1000; ++i) {
         v[1] = 0.01 * (i % 3);  // the momentum changes, and nothing explains it
         arm.compute(q, v, &terms);
-        goal.p_WD = terms.X_WE.p;
-        if (i % 50 > 40) goal.p_WD.y() += 0.2;
+        reference.p_WD = terms.X_WE.p;
+        if (i % 50 > 40) reference.p_WD.y() += 0.2;
         if (i % 50 > 45)
-          goal.a_WD.x() = 1e3;
+          reference.a_WD.x() = 1e3;
         else
-          goal.a_WD.x() = 0.0;
-        goal.pen_down = i % 200 > 20;
+          reference.a_WD.x() = 0.0;
+        reference.pen_down = i % 200 > 20;
         if (i % 97 == 0) terms.v[3] = std::nan("");
         InputAges ages;
         if (i % 89 == 0) ages.state = 1.0;
         if (i % 200 > 150) ages.wrench = 1.0;
-        const ImpedanceTorque& out = controller.step(terms, goal, surface, F, ages);
+        const ImpedanceTorque& out = controller.step(terms, reference, surface, F, ages);
         limited += out.status.torque_limited;
         observed += out.terms.col(kDisturbance).norm() > 0.1;
         bad += out.status.bad_input;

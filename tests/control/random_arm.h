@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -33,7 +34,7 @@ class RandomArm {
         axis = vector().normalized();  // neighbours well apart
       last_axis = axis;
       const Eigen::Vector3d offset = (0.225 + 0.125 * unit(rng)) * vector().normalized(),
-                            rpy = M_PI * vector();
+                            rpy = std::numbers::pi * vector();
       // A cloud of point masses has an inertia that is positive definite and keeps the triangle
       // inequality.
       const double mass = 2.5 + 1.5 * unit(rng);
@@ -43,7 +44,7 @@ class RandomArm {
         I += mass / 8.0 * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
       }
       I += 2e-3 * Eigen::Matrix3d::Identity();
-      const Eigen::Vector3d centre = 0.08 * vector(), turned = M_PI * vector();
+      const Eigen::Vector3d centre = 0.08 * vector(), turned = std::numbers::pi * vector();
       text += fmt::format(
           "<joint name=\"j{0}\" type=\"revolute\"><parent link=\"{1}\"/><child link=\"l{0}\"/>"
           "<origin xyz=\"{2:.6f} {3:.6f} {4:.6f}\" rpy=\"{5:.6f} {6:.6f} {7:.6f}\"/>"
@@ -62,7 +63,7 @@ class RandomArm {
           I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
       parent = fmt::format("l{}", j);
     }
-    const Eigen::Vector3d pen = 0.15 * vector().normalized(), rpy = M_PI * vector();
+    const Eigen::Vector3d pen = 0.15 * vector().normalized(), rpy = std::numbers::pi * vector();
     text += fmt::format(
         "<joint name=\"pen\" type=\"fixed\"><parent link=\"{}\"/><child link=\"tip\"/><origin "
         "xyz=\"{:.6f} {:.6f} {:.6f}\" "

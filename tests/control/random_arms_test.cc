@@ -1,5 +1,5 @@
 // Nothing here is made for one arm: serial arms at random, of 6 and 7 joints, against MuJoCo and
-// against the wanted motion.
+// against the desired motion.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector
   const int n = static_cast<int>(q.size());
   FreeArm free(s, q, FreeArm::at_step(s.dt), nullptr, file.path());
   const World::Terms t = free.world.terms();
-  const Eigen::Vector3d n_W = free.goal.n_WD, start = free.goal.p_WD;
+  const Eigen::Vector3d n_W = free.reference.n_WD, start = free.reference.p_WD;
   Matrix6 M_d = Matrix6::Zero(), K = Matrix6::Zero(), K_damping = Matrix6::Zero();
   if (s.inertia == InertiaShaping::shaped) {
     M_d.topLeftCorner<3, 3>() = s.shaped_inertia.linear.matrix(n_W);
@@ -108,7 +108,7 @@ void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector
 
   Vector6 x = Vector6::Zero(), x_dot = Vector6::Zero(), x_D = Vector6::Zero();
   x_D.head<3>() = Eigen::Vector3d(1e-3, -0.5e-3, 0.8e-3);
-  free.goal.p_WD += x_D.head<3>();
+  free.reference.p_WD += x_D.head<3>();
   const Matrix6 A = M_d.inverse();
   for (int i = 0; i < 800; ++i) {
     ASSERT_LT((free.world.state().X_WE.p - start - x.head<3>()).norm(), 0.02 * x_D.norm())

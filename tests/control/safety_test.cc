@@ -53,10 +53,10 @@ TEST(TorqueRate, HoldsAcrossEverySwitchOfState) {
         on.look();
         on.free.measure();
         const Wrench F = on.free.F_ext;
-        const TipGoal goal = on.free.goal;
+        const TipReference reference = on.free.reference;
         spoil();
         const ImpedanceTorque out = on.free.control();
-        on.free.goal = goal;
+        on.free.reference = reference;
         on.free.F_ext = F;
         on.free.ages = {};
         watch.look(out.tau, where);
@@ -65,38 +65,38 @@ TEST(TorqueRate, HoldsAcrossEverySwitchOfState) {
       }
     };
     go(200, "free");
-    on.free.goal.pen_down = true;
+    on.free.reference.pen_down = true;
     go(1500, "approach and contact");
-    on.free.goal.p_WD += Eigen::Vector3d(0.0, 0.03, 0.0);
-    go(500, "a jump of the goal in contact");
+    on.free.reference.p_WD += Eigen::Vector3d(0.0, 0.03, 0.0);
+    go(500, "a jump of the reference in contact");
     spoilt(1, "one NaN", [&] { on.free.terms.v[2] = kNaN; });
     go(1000, "after one NaN");
-    spoilt(20, "NaN for 20 ms", [&] { on.free.goal.p_WD.x() = kNaN; });
+    spoilt(20, "NaN for 20 ms", [&] { on.free.reference.p_WD.x() = kNaN; });
     go(1000, "after NaN");
     spoilt(20, "stale state", [&] { on.free.ages.state = 1.0; });
     go(1000, "after a stale state");
-    on.free.goal.pen_down = false;
+    on.free.reference.pen_down = false;
     go(600, "lift");
-    on.free.goal.pen_down = true;
+    on.free.reference.pen_down = true;
     go(1500, "down again");
     spoilt(50, "stale wrench", [&] { on.free.ages.wrench = 1.0; });
     go(1000, "after a stale wrench");
-    on.free.goal.pen_down = false;
+    on.free.reference.pen_down = false;
     go(600, "up after a stale wrench");
-    on.free.goal.pen_down = true;
+    on.free.reference.pen_down = true;
     go(1500, "and down");
     on.free.surface.status = SurfaceStatus::too_few;
     go(600, "no surface: retreat");
     on.look();
-    on.free.goal.pen_down = false;
-    on.free.goal.p_WD += 0.05 * on.n_W;
+    on.free.reference.pen_down = false;
+    on.free.reference.p_WD += 0.05 * on.n_W;
     go(300, "free again");
-    on.free.goal.p_WD += Eigen::Vector3d(-0.1, 0.1, 0.1);
-    go(2000, "a jump of the goal");
+    on.free.reference.p_WD += Eigen::Vector3d(-0.1, 0.1, 0.1);
+    go(2000, "a jump of the reference");
     for (const bool mode : seen) EXPECT_TRUE(mode) << "the story misses a mode";
     EXPECT_TRUE(limited);
     EXPECT_GT(watch.largest, 0.99) << "or the limit was not needed";
-    EXPECT_LT((on.free.world.state().X_WE.p - on.free.goal.p_WD).norm(), 1e-3)
+    EXPECT_LT((on.free.world.state().X_WE.p - on.free.reference.p_WD).norm(), 1e-3)
         << "and the pen still is where it should be";
   }
 }
@@ -112,7 +112,7 @@ TEST(TipSpeed, StaysWithinItsLimitAndTheTipArrives) {
       ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
       s.tip_speed_limit = 0.3;
       FreeArm free(s);
-      free.goal.p_WD += way;
+      free.reference.p_WD += way;
       double fastest = 0.0;
       bool told = false;
       for (int i = 0; i < 4000; ++i) {
@@ -122,7 +122,7 @@ TEST(TipSpeed, StaysWithinItsLimitAndTheTipArrives) {
       EXPECT_TRUE(told);
       EXPECT_LE(fastest, 1.05 * s.tip_speed_limit);
       EXPECT_GT(fastest, 0.8 * s.tip_speed_limit) << "it need not creep either";
-      EXPECT_LT((free.world.state().X_WE.p - free.goal.p_WD).norm(), 1e-3);
+      EXPECT_LT((free.world.state().X_WE.p - free.reference.p_WD).norm(), 1e-3);
     }
   }
 }
@@ -137,14 +137,14 @@ TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
     // 5000 will do, 3000 will not: Λ changes fast here
     s.torque_rate_limit = Eigen::VectorXd::Constant(7, 10000.0);
     FreeArm free(s, q);
-    const Eigen::Vector3d start = free.goal.p_WD,
+    const Eigen::Vector3d start = free.reference.p_WD,
                           outward = (start - Eigen::Vector3d(0.0, 0.0, 0.36)).normalized();
     bool told = false;
     RateWatch watch{10.0, {}};
     for (int i = 0; i < 4000; ++i) {  // out to beyond the arm's reach, and back
       const double way = 0.1e-3 * (i < 2000 ? i : 4000 - i);
-      free.goal.p_WD = start + way * outward;
-      free.goal.v_WD = (i < 2000 ? 0.1 : -0.1) * outward;
+      free.reference.p_WD = start + way * outward;
+      free.reference.v_WD = (i < 2000 ? 0.1 : -0.1) * outward;
       const ImpedanceTorque& out = free.step();
       told |= out.status.near_singular;
       watch.look(out.tau, "stretched");
@@ -153,7 +153,7 @@ TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
       ASSERT_FALSE(free.world.failure()) << *free.world.failure();
     }
     EXPECT_TRUE(told);
-    free.goal.v_WD.setZero();
+    free.reference.v_WD.setZero();
     for (int i = 0; i < 1000; ++i) free.step();
     EXPECT_LT((free.world.state().X_WE.p - start).norm(), 1e-3) << "and it comes back";
   }
@@ -165,7 +165,7 @@ TEST(BadInput, GoesToTheLastGravityTorqueAsFastAsTheRateLets) {
     ImpedanceSettings s = shaped_settings(arm);
     s.torque_rate_limit = Eigen::VectorXd::Constant(7, 500.0);
     FreeArm free(s);
-    free.goal.p_WD += Eigen::Vector3d(0.05, -0.05, 0.05);
+    free.reference.p_WD += Eigen::Vector3d(0.05, -0.05, 0.05);
     for (int i = 0; i < 60; ++i) free.step();
     JointVector left = free.control().tau - free.terms.g;
     const JointVector gravity = free.terms.g;
@@ -214,7 +214,7 @@ TEST(StaleWrench, EndsTheContactUntilThePenWasUp) {
   on.free.ages.wrench = 0.0;
   for (int i = 0; i < 300; ++i)
     ASSERT_EQ(on.step().mode, ContactMode::retreat) << "the wrench is back, the pen was not lifted";
-  on.free.goal.pen_down = false;
+  on.free.reference.pen_down = false;
   for (int i = 0; i < 300; ++i) ASSERT_EQ(on.step().mode, ContactMode::free);
   on.draw();
   EXPECT_EQ(on.step().mode, ContactMode::contact);
@@ -229,7 +229,7 @@ TEST(StaleWrench, LeavesTheObserverInPeace) {
   double largest = 0.0;
   for (int i = 0; i < 600; ++i) {
     if (i == 100)
-      free.goal.p_WD +=
+      free.reference.p_WD +=
           Eigen::Vector3d(0.05, -0.05, 0.05);  // it moves off while the wrench is away
     free.ages.wrench = i > 100 && i < 160 ? 1.0 : 0.0;
     largest = std::max(largest, free.step().terms.col(kDisturbance).cwiseAbs().maxCoeff());
@@ -251,7 +251,7 @@ TEST(LostCloud, EndsInRetreat) {
     const ImpedanceTorque& out = on.step();
     ASSERT_TRUE(out.status.surface_lost);
     ASSERT_EQ(out.mode, ContactMode::contact);
-    ASSERT_NEAR(on.n_W.dot(on.free.F_ext.head<3>()), s.push_force, 0.25)
+    ASSERT_NEAR(on.n_W.dot(on.free.F_ext.head<3>()), s.normal_force, 0.25)
         << "on the last normal the push goes on";
   }
   for (int i = 0; i < 500; ++i) on.step();

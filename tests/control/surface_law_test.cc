@@ -17,7 +17,7 @@ struct OnSlope {
   ArmModel arm{kArm};
   ArmTerms terms{7};
   ImpedanceController controller;
-  TipGoal goal;
+  TipReference reference;
   SurfaceEstimate surface;
   Wrench F_ext = Wrench::Zero();
 
@@ -32,9 +32,9 @@ struct OnSlope {
     const IkResult ik = find_posture(arm, {{0.6, 0.0, 0.2}, -n}, working_posture());
     EXPECT_TRUE(ik.reached);
     arm.compute(ik.q, JointVector::Zero(7), &terms);
-    goal.p_WD = terms.X_WE.p;
-    goal.n_WD = n;
-    goal.pen_down = true;
+    reference.p_WD = terms.X_WE.p;
+    reference.n_WD = n;
+    reference.pen_down = true;
     surface.status = SurfaceStatus::ok;
     surface.n_W = n;
     surface.distance = 0.0;
@@ -43,7 +43,7 @@ struct OnSlope {
   const ImpedanceTorque& settle() {  // in contact, at rest, nothing left to fade
     F_ext.head<3>() = 5.0 * surface.n_W;
     const ImpedanceTorque* out = nullptr;
-    for (int i = 0; i < 2000; ++i) out = &controller.step(terms, goal, surface, F_ext);
+    for (int i = 0; i < 2000; ++i) out = &controller.step(terms, reference, surface, F_ext);
     return *out;
   }
 
@@ -57,7 +57,7 @@ struct OnSlope {
 
 ImpedanceSettings natural_measured(const ArmModel& arm) {
   ImpedanceSettings s = shaped_settings(arm);
-  s.inertia = InertiaShaping::natural;  // M_d = Λ: F_act is the wanted force itself
+  s.inertia = InertiaShaping::natural;  // M_d = Λ: F_act is the desired force itself
   return s;
 }
 
@@ -80,7 +80,7 @@ TEST(SurfaceLaw, LiftsTheErrorToFullStiffnessOnASlope) {
     s.projection = projection;
     OnSlope on(slope, s);
     const Vector6 before = on.wrench(on.settle(), kImpedance);
-    on.goal.p_WD.x() +=
+    on.reference.p_WD.x() +=
         shift;  // up the slope as seen along z; the way along the slope is shift/cos θ
     const Vector6 force = on.wrench(on.settle(), kImpedance) - before;
     const Eigen::Vector3d uphill(std::cos(slope), 0.0, std::sin(slope));
@@ -96,7 +96,7 @@ TEST(SurfaceLaw, TheHeightOfThePlanDoesNotMatterInContact) {
   ArmModel arm(kArm);
   OnSlope on(0.5, natural_measured(arm));
   const Vector6 before = on.wrench(on.settle(), kImpedance);
-  on.goal.p_WD.z() += 0.01;
+  on.reference.p_WD.z() += 0.01;
   EXPECT_LT((on.wrench(on.settle(), kImpedance) - before).norm(), 1e-9);
 }
 
@@ -114,7 +114,7 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
   const auto friction_term = [&](double along, double hand) {
     Wrench F = Wrench::Zero();
     F.head<3>() = 5.0 * n - along * Eigen::Vector3d::UnitY() + hand * across;
-    return Vector6(on.wrench(on.controller.step(on.terms, on.goal, on.surface, F), kWrench));
+    return Vector6(on.wrench(on.controller.step(on.terms, on.reference, on.surface, F), kWrench));
   };
   // With M_d = Λ the wrench term is minus the friction that is left out: it cancels it.
   const double limit = s.friction * 5.0, smooth = 0.05 / std::hypot(0.05, s.friction_speed);
@@ -130,19 +130,19 @@ TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {
   ArmModel arm(kArm);
   for (const bool natural : {false, true}) {
     OnSlope on(0.4, natural ? natural_measured(arm) : shaped_settings(arm));
-    on.goal.pen_down = false;
-    on.goal.p_WD += 2e-4 * Eigen::Vector3d(1, 1, 1);
+    on.reference.pen_down = false;
+    on.reference.p_WD += 2e-4 * Eigen::Vector3d(1, 1, 1);
     on.surface.distance = 2e-4;
-    JointVector last = on.controller.step(on.terms, on.goal, on.surface, on.F_ext).tau;
+    JointVector last = on.controller.step(on.terms, on.reference, on.surface, on.F_ext).tau;
     ContactMode mode = ContactMode::free;
     int switches = 0;
     double largest = 0.0;
     for (int i = 0; i < 1200; ++i) {
-      on.goal.pen_down = i > 100 && i < 900;
+      on.reference.pen_down = i > 100 && i < 900;
       on.F_ext.head<3>() =
-          (on.goal.pen_down ? std::min(5.0, 0.02 * (i - 100)) : 0.0) * on.surface.n_W;
+          (on.reference.pen_down ? std::min(5.0, 0.02 * (i - 100)) : 0.0) * on.surface.n_W;
       if (i >= 900) on.surface.distance = 1e-5 * (i - 900);
-      const ImpedanceTorque& out = on.controller.step(on.terms, on.goal, on.surface, on.F_ext);
+      const ImpedanceTorque& out = on.controller.step(on.terms, on.reference, on.surface, on.F_ext);
       const double jump = (out.tau - last).cwiseAbs().maxCoeff();
       switches += out.mode != mode;
       largest = std::max(largest, i == 900 ? 0.0 : jump);  // there the made-up wrench itself steps
@@ -161,11 +161,12 @@ TEST(SurfaceLaw, ALostSurfaceKeepsTheLastNormalAndThenRetreats) {
   on.settle();
   on.surface.status = SurfaceStatus::too_few;
   on.surface.n_W = Eigen::Vector3d::UnitX();  // wild, and must not be used
-  const ImpedanceTorque* out = &on.controller.step(on.terms, on.goal, on.surface, on.F_ext);
+  const ImpedanceTorque* out = &on.controller.step(on.terms, on.reference, on.surface, on.F_ext);
   EXPECT_TRUE(out->status.surface_lost);
   EXPECT_EQ(out->mode, ContactMode::contact);
-  EXPECT_LT((out->n_WD - on.goal.n_WD).norm(), 1e-6);
-  for (int i = 0; i < 400; ++i) out = &on.controller.step(on.terms, on.goal, on.surface, on.F_ext);
+  EXPECT_LT((out->n_WD - on.reference.n_WD).norm(), 1e-6);
+  for (int i = 0; i < 400; ++i)
+    out = &on.controller.step(on.terms, on.reference, on.surface, on.F_ext);
   EXPECT_EQ(out->mode, ContactMode::retreat);
   EXPECT_EQ(out->push, 0.0);
 }

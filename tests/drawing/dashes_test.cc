@@ -1,6 +1,7 @@
 // Dashes against lengths in closed form.
 #include "impedraw/drawing/dashes.h"
 
+#include <numbers>
 #include <random>
 
 #include <fmt/core.h>
@@ -68,7 +69,7 @@ TEST(Dashes, GoOnRoundCornersAndAnewInEachSubpath) {
 
 TEST(Dashes, ClosedOutlines) {
   // 2π 50 mm in 10 periods of which 0.7 is drawn.
-  const double period = 2 * M_PI * 50 / 10;
+  const double period = 2 * std::numbers::pi * 50 / 10;
   const auto circle = drawn(fmt::format(
       "<circle cx='100' cy='100' r='50' stroke-dasharray='{} {}'/>", 0.7 * period, 0.3 * period));
   ASSERT_EQ(circle.size(), 10u);

@@ -1,5 +1,6 @@
 #include "impedraw/drawing/flatten.h"
 
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -66,7 +67,7 @@ TEST(Flatten, QuadraticIsNoFinerThanItNeeds) {
 TEST(Flatten, SmallCurvesStaySmooth) {
   // A semicircle of 0.05 mm radius is within 0.01 mm of a triangle, yet no corner of it turns by
   // more than the setting.
-  const double k = 4.0 / 3.0 * std::tan(M_PI / 8) * 0.05;
+  const double k = 4.0 / 3.0 * std::tan(std::numbers::pi / 8) * 0.05;
   std::vector<Vector2d> line{{0.05, 0}};
   flatten_cubic({0.05, 0}, {0.05, k}, {k, 0.05}, {0, 0.05}, {}, line);
   flatten_cubic({0, 0.05}, {-k, 0.05}, {-0.05, k}, {-0.05, 0}, {}, line);
@@ -87,7 +88,7 @@ TEST(Flatten, ArcOfACubicIsFoundAgain) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> coordinate(-100, 100);
-    std::uniform_real_distribution<double> turn(0.1, M_PI / 2);
+    std::uniform_real_distribution<double> turn(0.1, std::numbers::pi / 2);
     const auto point = [&] { return Vector2d(coordinate(random), coordinate(random)); };
     const EllipseArc arc{point(), point(), point(), turn(random)};
     const double k = 4.0 / 3.0 * std::tan(arc.angle / 4);

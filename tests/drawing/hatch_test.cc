@@ -1,6 +1,7 @@
 // Hatching against areas in closed form and a winding number of its own.
 #include "impedraw/drawing/hatch.h"
 
+#include <numbers>
 #include <random>
 
 #include <fmt/core.h>
@@ -19,7 +20,7 @@ using Eigen::Vector2d;
 std::vector<Vector2d> circle(const Vector2d& centre, double radius, bool reversed = false) {
   std::vector<Vector2d> line;
   for (int i = 0; i < 720; ++i) {
-    const double a = (reversed ? -1 : 1) * 2 * M_PI * i / 720;
+    const double a = (reversed ? -1 : 1) * 2 * std::numbers::pi * i / 720;
     line.push_back(centre + radius * Vector2d(std::cos(a), std::sin(a)));
   }
   return line;
@@ -34,7 +35,7 @@ int winding(const Vector2d& p, const std::vector<std::vector<Vector2d>>& outline
       sum += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
     }
   }
-  return static_cast<int>(std::lround(sum / (2 * M_PI)));
+  return static_cast<int>(std::lround(sum / (2 * std::numbers::pi)));
 }
 
 bool inside(const Vector2d& p, const Area& area) {
@@ -52,7 +53,7 @@ double perimeter(const Area& area) {
 }
 
 TEST(Hatch, RingWithAHole) {
-  const double area = M_PI * (40 * 40 - 15 * 15);
+  const double area = std::numbers::pi * (40 * 40 - 15 * 15);
   for (const bool even_odd : {true, false}) {
     for (const double angle : {0.0, 45.0, 90.0, 123.0}) {
       for (const double spacing : {0.5, 2.0}) {
@@ -65,7 +66,8 @@ TEST(Hatch, RingWithAHole) {
         EXPECT_NEAR(pen_down_length(lines) * spacing, area, 0.02 * area);
         EXPECT_NEAR(static_cast<double>(lines.size()), (80 + 30) / spacing,
                     3);  // twice where the hole is
-        const Vector2d along(std::cos(angle * M_PI / 180), -std::sin(angle * M_PI / 180));
+        const Vector2d along(std::cos(angle * std::numbers::pi / 180),
+                             -std::sin(angle * std::numbers::pi / 180));
         for (const Stroke& line : lines) {
           ASSERT_EQ(line.points.size(), 2u);
           EXPECT_NEAR(std::abs((line.points[1] - line.points[0]).normalized().dot(along)), 1, 1e-6);
@@ -92,9 +94,9 @@ TEST(Hatch, RandomPolygonsHaveNoLineOutsideAndNoneMissing) {
       for (int i = 0; i < 7; ++i)
         area.outlines.back().push_back({any(random), any(random)});  // crosses itself
     }
-    const double spacing = 0.7, angle = any(random) * M_PI / 25;
-    const auto lines =
-        hatch_lines(area, {.spacing_mm = 2 * spacing, .angle_deg = angle * 180 / M_PI}, 2);
+    const double spacing = 0.7, angle = any(random) * std::numbers::pi / 25;
+    const auto lines = hatch_lines(
+        area, {.spacing_mm = 2 * spacing, .angle_deg = angle * 180 / std::numbers::pi}, 2);
     for (const Stroke& line : lines) {
       for (const double s : {0.002, 0.37, 0.998})
         EXPECT_TRUE(inside(line.points[0] + s * (line.points[1] - line.points[0]), area));
@@ -164,7 +166,7 @@ TEST(Hatch, FillsOfAnSvg) {
   };
   EXPECT_NEAR(length(nonzero.areas[0]), 1600, 20);
   EXPECT_NEAR(length(even_odd.areas[0]), 1200, 20);
-  EXPECT_NEAR(length(even_odd.areas[1]), 100 * M_PI, 10);
+  EXPECT_NEAR(length(even_odd.areas[1]), 100 * std::numbers::pi, 10);
 
   // Lines stand behind their layer's strokes; without outlines what is stroked stays, and the white
   // page's layer is gone.

@@ -17,8 +17,7 @@ using Eigen::Vector2d;
 Artwork
 letter_f() {  // stem downwards, then the upper arm to the right, then the shorter one below it
   return parse_svg(
-      // www.w3.org/2000/svg" viewBox="0 0 100 100"><g fill="none" stroke="black">
-      R"(<svg xmlns="http:
+      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><g fill="none" stroke="black">
     <path d="M30 10 V90"/><path d="M30 10 H80"/><path d="M30 45 H60"/></g></svg>)",
       "F");
 }
@@ -31,12 +30,12 @@ TEST(Placement, LetterFIsNotMirroredSeenFromAbove) {
   const Artwork f = letter_f();
   const auto strokes = placed_strokes(f, place(f, {}));
   ASSERT_EQ(strokes.size(), 3u);
-  const auto& stem = strokes[0].world;
+  const auto& stem = strokes[0].p_P;
   EXPECT_GT(up(stem.front()), up(stem.back()) + 0.1);  // upright, drawn downwards
-  for (int arm : {1, 2}) EXPECT_GT(right(strokes[arm].world.back()), right(stem.front()) + 0.05);
-  EXPECT_GT(up(strokes[1].world.front()),
-            up(strokes[2].world.front()) + 0.05);  // the long arm on top
-  EXPECT_GT(right(strokes[1].world.back()), right(strokes[2].world.back()) + 0.02);
+  for (int arm : {1, 2}) EXPECT_GT(right(strokes[arm].p_P.back()), right(stem.front()) + 0.05);
+  EXPECT_GT(up(strokes[1].p_P.front()),
+            up(strokes[2].p_P.front()) + 0.05);  // the long arm on top
+  EXPECT_GT(right(strokes[1].p_P.back()), right(strokes[2].p_P.back()) + 0.02);
 }
 
 TEST(Placement, MirrorSwapsLeftAndRightOnly) {
@@ -44,12 +43,11 @@ TEST(Placement, MirrorSwapsLeftAndRightOnly) {
   PlacementSettings settings;
   settings.mirror = true;
   const auto strokes = placed_strokes(f, place(f, settings));
-  EXPECT_LT(right(strokes[1].world.back()), right(strokes[0].world.front()) - 0.05);
-  EXPECT_GT(up(strokes[0].world.front()), up(strokes[0].world.back()) + 0.1);
+  EXPECT_LT(right(strokes[1].p_P.back()), right(strokes[0].p_P.front()) - 0.05);
+  EXPECT_GT(up(strokes[0].p_P.front()), up(strokes[0].p_P.back()) + 0.1);
 }
 
-// The turn from the stem's way down to the top arm's way right, as seen from above:
-// counter-clockwise (> 0) on an F that can be read.
+// The turn from the stem's way down to the top arm's way right, as seen from above: counter-clockwise (> 0) on an F that can be read.
 double turn_of(const Vector2d& stem_down, const Vector2d& arm_out) {
   const Vector2d a(right(stem_down), up(stem_down)), b(right(arm_out), up(arm_out));
   return a.x() * b.y() - a.y() * b.x();
@@ -66,16 +64,14 @@ TEST(Placement, LetterFFromSvgAndFromTextReadsFromAbove) {
         settings.rotate_deg = rotate;
         settings.mirror = mirror;
         const Placement placement = place(f, settings);
-        // Page (Y down) to seen from above (up): a turn keeps the sense of rotation, page → world
-        // xy has determinant < 0.
+        // Page (Y down) to seen from above (up): a turn keeps the sense of rotation, page → world xy has determinant < 0.
         EXPECT_EQ(placement.A.determinant() < 0, !mirror);
         const auto strokes = placed_strokes(f, placement);
         ASSERT_EQ(strokes.size(), 3u);
-        // By position alone: the stem is the longest, of the arms the top one begins where the stem
-        // does.
-        const Vector2d top = strokes[0].world.front(), bottom = strokes[0].world.back();
-        const auto& arm_1 = strokes[1].world;
-        const auto& arm_2 = strokes[2].world;
+        // By position alone: the stem is the longest, of the arms the top one begins where the stem does.
+        const Vector2d top = strokes[0].p_P.front(), bottom = strokes[0].p_P.back();
+        const auto& arm_1 = strokes[1].p_P;
+        const auto& arm_2 = strokes[2].p_P;
         EXPECT_LT((arm_1.front() - top).norm(), 1e-9);
         EXPECT_GT((arm_2.front() - top).norm(), 0.02);
         EXPECT_GT((bottom - top).norm(), (arm_1.back() - arm_1.front()).norm());
@@ -98,8 +94,8 @@ TEST(Placement, RotationTurnsCounterClockwiseSeenFromAbove) {
   settings.rotate_deg = 90;
   const auto strokes = placed_strokes(f, place(f, settings));
   // What pointed right (the arms) points up, what pointed down (the stem) points right.
-  EXPECT_GT(up(strokes[1].world.back()), up(strokes[1].world.front()) + 0.05);
-  EXPECT_GT(right(strokes[0].world.back()), right(strokes[0].world.front()) + 0.1);
+  EXPECT_GT(up(strokes[1].p_P.back()), up(strokes[1].p_P.front()) + 0.05);
+  EXPECT_GT(right(strokes[0].p_P.back()), right(strokes[0].p_P.front()) + 0.1);
 }
 
 TEST(Placement, FitPutsTheFarthestPointOnTheCircle) {
@@ -110,7 +106,7 @@ TEST(Placement, FitPutsTheFarthestPointOnTheCircle) {
   double farthest = 0;
   Eigen::AlignedBox2d box;
   for (const auto& stroke : placed_strokes(f, place(f, settings))) {
-    for (const Vector2d& p : stroke.world)
+    for (const Vector2d& p : stroke.p_P)
       farthest = std::max(farthest, (p - settings.centre_m).norm()), box.extend(p);
   }
   EXPECT_NEAR(farthest, 0.12, 1e-12);
@@ -123,7 +119,7 @@ TEST(Placement, WidthAndHeightAreThoseOfTheBox) {
   settings.width_mm = 70;
   Eigen::AlignedBox2d box;
   for (const auto& stroke : placed_strokes(f, place(f, settings))) {
-    for (const Vector2d& p : stroke.world) box.extend(p);
+    for (const Vector2d& p : stroke.p_P) box.extend(p);
   }
   EXPECT_NEAR(box.sizes().y(), 0.070, 1e-9);  // the page's X lies along world −y
   EXPECT_NEAR(box.sizes().x(), 0.070 * 80 / 50, 1e-6);
@@ -135,7 +131,7 @@ TEST(Placement, WidthAndHeightAreThoseOfTheBox) {
 Eigen::AlignedBox2d world_box(const Artwork& artwork, const PlacementSettings& settings) {
   Eigen::AlignedBox2d box;
   for (const auto& stroke : placed_strokes(artwork, place(artwork, settings))) {
-    for (const Vector2d& p : stroke.world) box.extend(p);
+    for (const Vector2d& p : stroke.p_P) box.extend(p);
   }
   return box;
 }
@@ -206,7 +202,7 @@ TEST(Placement, ToPageUndoesToWorld) {
     settings.scale = 2 + any(random);
     const Placement placement = place(letter_f(), settings);
     const Vector2d p(100 * any(random), 100 * any(random));
-    EXPECT_LT((placement.to_page(placement.to_world(p)) - p).norm(), 1e-9);
+    EXPECT_LT((placement.to_page(placement.to_plane(p)) - p).norm(), 1e-9);
     EXPECT_NEAR(placement.scale(), *settings.scale, 1e-12);
   }
 }

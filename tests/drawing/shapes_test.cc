@@ -1,5 +1,7 @@
 #include "impedraw/drawing/shapes.h"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
@@ -12,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 
 std::vector<Vector2d> in_world(const Artwork& artwork) {
-  return placed_strokes(artwork, place(artwork, shape_placement())).at(0).world;
+  return placed_strokes(artwork, place(artwork, shape_placement())).at(0).p_P;
 }
 
 double largest_step(const std::vector<Vector2d>& line) {
@@ -29,7 +31,8 @@ TEST(Shapes, SineFollowsItsFormulaInTheWorld) {
     EXPECT_NEAR(line.front().y(), -0.15, 1e-12);
     EXPECT_NEAR(line.back().y(), 0.15, 1e-12);
     for (const Vector2d& p : line)
-      EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 1e-12);
+      EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * std::numbers::pi * (p.y() + 0.15) / 0.15),
+                  1e-12);
     EXPECT_LE(largest_step(line), 1e-4);
   }
 }
@@ -54,7 +57,8 @@ TEST(Shapes, TenSetPointsAreJoinedAndTheTargetStaysSmooth) {
   for (int i = 0; i < 10; ++i) {
     const double y = -0.15 + i / 30.0;
     EXPECT_LT(
-        (points[i] - Vector2d(0.60 + 0.05 * std::sin(2 * M_PI * (y + 0.15) / 0.15), y)).norm(),
+        (points[i] - Vector2d(0.60 + 0.05 * std::sin(2 * std::numbers::pi * (y + 0.15) / 0.15), y))
+            .norm(),
         1e-12);
   }
   EXPECT_EQ(shape.target.strokes.at(0).points, make_shape("sine").target.strokes.at(0).points);
@@ -70,7 +74,7 @@ TEST(Shapes, CircleIsClosedAndOnItsRadius) {
     EXPECT_LT(line[1].x(), 0.60);
     for (const Vector2d& p : line) EXPECT_NEAR((p - Vector2d(0.60, 0.0)).norm(), 0.06, 1e-12);
     EXPECT_LE(largest_step(line), 1e-4);
-    EXPECT_NEAR(lines::length(line), 2 * M_PI * 0.06, 1e-6) << "once around";
+    EXPECT_NEAR(lines::length(line), 2 * std::numbers::pi * 0.06, 1e-6) << "once around";
   }
 }
 

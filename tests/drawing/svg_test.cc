@@ -1,5 +1,6 @@
 #include "impedraw/drawing/svg.h"
 
+#include <numbers>
 #include <random>
 
 #include <fmt/core.h>
@@ -58,9 +59,10 @@ TEST(Svg, CircleIsTheCircle) {
     SCOPED_TRACE(body);
     const auto& line = only(stroked(body));
     for (const Vector2d& p : line) EXPECT_NEAR((p - Vector2d(100, 90)).norm(), 80, 1e-3);
-    EXPECT_NEAR(lines::length(line), 2 * M_PI * 80, 0.02);
+    EXPECT_NEAR(lines::length(line), 2 * std::numbers::pi * 80, 0.02);
     const auto circle = [](double s) {
-      return Vector2d(100 + 80 * std::cos(2 * M_PI * s), 90 + 80 * std::sin(2 * M_PI * s));
+      return Vector2d(100 + 80 * std::cos(2 * std::numbers::pi * s),
+                      90 + 80 * std::sin(2 * std::numbers::pi * s));
     };
     EXPECT_LT(lines::worst(circle, line), 4e-3);
   }
@@ -70,9 +72,11 @@ TEST(Svg, TransformedEllipse) {
   const auto& line =
       only(stroked("<ellipse rx='60' ry='20' transform='translate(100 80) rotate(30) skewX(20) "
                    "scale(1 -1.5)'/>"));
-  const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6), t = std::tan(M_PI / 9);
+  const double c = std::cos(std::numbers::pi / 6), s = std::sin(std::numbers::pi / 6),
+               t = std::tan(std::numbers::pi / 9);
   const auto curve = [&](double f) {
-    const Vector2d e(60 * std::cos(2 * M_PI * f), -30 * std::sin(2 * M_PI * f));
+    const Vector2d e(60 * std::cos(2 * std::numbers::pi * f),
+                     -30 * std::sin(2 * std::numbers::pi * f));
     const Vector2d skewed(e.x() + t * e.y(), e.y());
     return Vector2d(100 + c * skewed.x() - s * skewed.y(), 80 + s * skewed.x() + c * skewed.y());
   };
@@ -88,7 +92,7 @@ TEST(Svg, ArcsOfThePathCommand) {
         fmt::format("<path d='M{} 100 A50 50 0 {} 1 {} 100'/>", 100 - h / 2, large, 100 + h / 2)));
     const Vector2d centre(100, 100 + (large ? -25 : 25));
     for (const Vector2d& p : line) EXPECT_NEAR((p - centre).norm(), 50, 1e-3);
-    EXPECT_NEAR(lines::length(line), 50 * 2 * M_PI * (large ? 2 : 1) / 3, 0.01);
+    EXPECT_NEAR(lines::length(line), 50 * 2 * std::numbers::pi * (large ? 2 : 1) / 3, 0.01);
   }
 }
 
@@ -110,7 +114,7 @@ TEST(Svg, BezierCurvesKeepTheirShape) {
 
 TEST(Svg, RoundedRectangle) {
   const auto& line = only(stroked("<rect x='20' y='30' width='100' height='60' rx='10'/>"));
-  EXPECT_NEAR(lines::length(line), 2 * (80 + 40) + 2 * M_PI * 10, 0.02);
+  EXPECT_NEAR(lines::length(line), 2 * (80 + 40) + 2 * std::numbers::pi * 10, 0.02);
   for (const Vector2d& p : line) {
     const Vector2d d = ((p - Vector2d(70, 60)).cwiseAbs() - Vector2d(40, 20))
                            .cwiseMax(0);  // beyond the straight sides' span
@@ -130,8 +134,8 @@ TEST(Svg, NestedTransformsCompose) {
                    s = 1 + 0.3 * any(random);
       open += fmt::format("<g transform='translate({},{}) rotate({}) scale({})'>", tx, ty, a, s);
       close += "</g>";
-      expected = expected * Eigen::Translation2d(tx, ty) * Eigen::Rotation2Dd(a * M_PI / 180) *
-                 Eigen::Scaling(s);
+      expected = expected * Eigen::Translation2d(tx, ty) *
+                 Eigen::Rotation2Dd(a * std::numbers::pi / 180) * Eigen::Scaling(s);
     }
     const auto& line = only(stroked(open + "<line x1='3' y1='-4' x2='50' y2='7'/>" + close));
     expect_points(line, {expected * Vector2d(3, -4), expected * Vector2d(50, 7)}, 2e-4);

@@ -1,5 +1,6 @@
 // The second example's arm against differences of its own pose and energy: what people copy from
 // must be right.
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -21,9 +22,10 @@ ArmTerms at(const JointVector& q, const JointVector& v) {
 
 // By quaternions: the wrist's orientation without the axes that the gantry uses.
 Pose pose(const JointVector& q) {
-  const Eigen::Quaterniond turn =
-      Eigen::AngleAxisd(q[3], Vector3d::UnitX()) * Eigen::AngleAxisd(q[4], Vector3d::UnitY()) *
-      Eigen::AngleAxisd(q[5], Vector3d::UnitZ()) * Eigen::AngleAxisd(M_PI, Vector3d::UnitX());
+  const Eigen::Quaterniond turn = Eigen::AngleAxisd(q[3], Vector3d::UnitX()) *
+                                  Eigen::AngleAxisd(q[4], Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(q[5], Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX());
   return {q.head<3>() + kGantry.tip * (turn * Vector3d::UnitZ()), turn.toRotationMatrix()};
 }
 Vector3d pen_centre(const JointVector& q) {

@@ -15,14 +15,12 @@ namespace {
 
 using testing::HasSubstr;
 
-// A filled square of 80 mm with a hole of 40, and a dashed line of 90: 10 drawn, 5 left out, six
-// times.
+// A filled square of 80 mm with a hole of 40, and a dashed line of 90: 10 drawn, 5 left out, six times.
 class MadeArtwork : public testing::Test {
  protected:
   MadeArtwork() {
     std::ofstream(file_)
-        // www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
-        << R"(<svg xmlns="http:
+        << R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
       <path d="M10 10h80v80h-80z M30 30v40h40v-40z" fill="green"/>
       <path d="M5 95 h90" fill="none" stroke="black" stroke-dasharray="10 5"/></svg>)";
     settings_.svg = file_;
@@ -30,7 +28,7 @@ class MadeArtwork : public testing::Test {
   ~MadeArtwork() override { std::filesystem::remove(file_); }
 
   Artwork made() const {
-    const Shape shape = make_artwork(settings_, Blame(places_));
+    const Shape shape = make_artwork(settings_, SettingErrors(places_));
     EXPECT_EQ(shape.drawn.strokes.size(), shape.target.strokes.size());
     return shape.drawn;
   }
@@ -77,8 +75,8 @@ TEST_F(MadeArtwork, HatchIsSpacedOnTheCanvas) {
   EXPECT_NEAR(length() - 60, area * 2, 0.02 * area);
   // The placement of what comes out is the one that the spacing was made for.
   settings_.placement.scale.reset();
-  // 85 mm from the first dash to the end of the last: scale 2
-  settings_.placement.fit_width_m = 0.17;
+  settings_.placement.fit_width_m =
+      0.17;  // 85 mm from the first dash to the end of the last: scale 2
   EXPECT_NEAR(place(made(), placement_settings(settings_)).scale(), 2, 1e-6);
   EXPECT_NEAR(length() - 60, area * 2, 0.02 * area);
   settings_.hatch.spacing_mm = 0;
@@ -105,7 +103,7 @@ TEST_F(MadeArtwork, TextIsAnArtworkToo) {
   const PlacementSettings placing = placement_settings(settings_);
   EXPECT_EQ(placing.scale, 1.0);
   settings_.keep_order = true;
-  const auto stem = placed_strokes(made(), place(made(), placing)).at(0).world;
+  const auto stem = placed_strokes(made(), place(made(), placing)).at(0).p_P;
   EXPECT_NEAR(stem.front().x() - stem.back().x(), 0.020, 1e-9);
   settings_.placement.width_mm = 30;
   EXPECT_FALSE(placement_settings(settings_).scale.has_value());

@@ -218,11 +218,11 @@ TEST_F(AppendTest, AnotherHeaderIsRefusedAndNamed) {
 TEST_F(AppendTest, DrawnBeforeHoldsWhatTheRowsHold) {
   constexpr int kRows = 9000;
   write(path(), kRows);
-  const DrawnBefore drawn = read_drawn(path());
+  const ResumeLog drawn = read_resume_log(path());
   ASSERT_EQ(drawn.rows.size(), static_cast<std::size_t>(kRows));
   for (int i = 0; i < kRows; i += 7) {
     const LogRow row = numbered_row(i);
-    const DrawnRow& d = drawn.rows[i];
+    const ResumeRow& d = drawn.rows[i];
     EXPECT_EQ(d.time, row.time);
     EXPECT_EQ(d.stroke, row.stroke);
     EXPECT_EQ(d.stroke_along, row.stroke_along);
@@ -233,9 +233,9 @@ TEST_F(AppendTest, DrawnBeforeHoldsWhatTheRowsHold) {
   }
   EXPECT_EQ(drawn.joint_position, Eigen::VectorXd(numbered_row(kRows - 1).joint_position));
   write(path("empty.h5"), 0);
-  EXPECT_TRUE(read_drawn(path("empty.h5")).rows.empty());
-  EXPECT_EQ(read_drawn(path("empty.h5")).joint_position.size(), 0);
-  EXPECT_THROW(read_drawn(path("none.h5")), InputError);
+  EXPECT_TRUE(read_resume_log(path("empty.h5")).rows.empty());
+  EXPECT_EQ(read_resume_log(path("empty.h5")).joint_position.size(), 0);
+  EXPECT_THROW(read_resume_log(path("none.h5")), InputError);
 }
 
 }  // namespace

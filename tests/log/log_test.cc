@@ -130,11 +130,11 @@ f.visititems(lambda name, o: names.append(name) if isinstance(o, h5py.Dataset) e
 for name in names:
     for a in ('unit', 'frame', 'description'):
         assert f[name].attrs[a], (name, a)
-wanted = '''time joint/position joint/velocity joint/torque tip/position tip/orientation tip/velocity desired/position desired/orientation
+desired = '''time joint/position joint/velocity joint/torque tip/position tip/orientation tip/velocity desired/position desired/orientation
 contact/force contact/point contact/normal wrench/measured disturbance/force surface/normal surface/distance push mode stroke stroke_along
 controller/step_time canvas/vertices canvas/triangles cloud/points cloud/normals cloud/camera target/points target/stroke torque/gravity
 torque/impedance torque/push torque/null_space torque/coriolis torque/feedback torque/friction'''.split()
-assert sorted(wanted) == sorted(names), set(wanted) ^ set(names)
+assert sorted(desired) == sorted(names), set(desired) ^ set(names)
 width = {'joint/position': 7, 'torque/push': 7, 'tip/orientation': 4, 'tip/velocity': 6, 'contact/force': 3, 'wrench/measured': 6}
 for name, w in width.items():
     assert f[name].shape == (5000, w) and f[name].dtype == 'f8', name

@@ -91,8 +91,8 @@ void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow
     const auto k = std::min<std::size_t>(
         std::upper_bound(length.begin(), length.end(), s) - length.begin(), path.size() - 1);
     const Eigen::Vector3d along = (path[k] - path[k - 1]).normalized();
-    const Eigen::Vector3d wanted = path[k - 1] + (s - length[k - 1]) * along;
-    const Eigen::Vector3d normal = (kCentre - wanted).normalized(), across = normal.cross(along);
+    const Eigen::Vector3d desired = path[k - 1] + (s - length[k - 1]) * along;
+    const Eigen::Vector3d normal = (kCentre - desired).normalized(), across = normal.cross(along);
     const double up = 0.02 * std::max({0.0, (kApproach - 0.15 - t) / kApproach,
                                        (t - kApproach - drawing - 0.1) / kLift});
     const double touch = t - (kApproach - 0.15);  // since the tip came down
@@ -112,7 +112,7 @@ void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow
       }
       if (f < 0.0) f = 0.0;
     }
-    const Eigen::Vector3d contact = wanted + error * across;
+    const Eigen::Vector3d contact = desired + error * across;
     const Eigen::Vector3d true_normal = (kCentre - contact).normalized();
     row.joint_position.setConstant(0.5 + 0.2 * std::sin(t));
     row.joint_velocity.setConstant(0.2 * std::cos(t));
@@ -127,7 +127,7 @@ void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow
         Eigen::AngleAxisd(settings.perception ? tilt * (1.0 + std::sin(3.0 * t)) : 0.0, along) *
         facing(settings.perception ? true_normal : Eigen::Vector3d::UnitZ());
     row.tip_velocity << (drawn ? kSpeed : 0.0) * along, Eigen::Vector3d::Zero();
-    row.desired_position = wanted + up * normal;
+    row.desired_position = desired + up * normal;
     row.desired_orientation = facing(settings.perception ? normal : Eigen::Vector3d::UnitZ());
     row.contact_force = f > 0.0 ? Eigen::Vector3d(f * true_normal - 0.3 * f * along)
                                 : Eigen::Vector3d(Eigen::Vector3d::Zero());

@@ -18,7 +18,7 @@ PlacedStroke random_stroke(std::mt19937& random, int number) {
   PlacedStroke stroke{{}, {}, number};
   Vector2d p(0.6, 0.0);
   for (int i = 0; i < 12; ++i) {
-    stroke.world.push_back(p);
+    stroke.p_P.push_back(p);
     stroke.page.push_back(1e3 * p);
     p += Vector2d(step(random), step(random));
   }
@@ -40,21 +40,21 @@ TEST(StrokePart, PartsOfAPartAreThoseOfTheWhole) {
     EXPECT_NEAR(plane_length(inner), c - b, 1e-12);
     EXPECT_EQ(inner.number, 3);
     EXPECT_NEAR(inner.start, b, 1e-15);
-    EXPECT_NEAR((inner.world.front() - place_on(whole, b).world).norm(), 0, 1e-12);
-    EXPECT_NEAR((inner.world.back() - place_on(whole, c).world).norm(), 0, 1e-12);
-    for (std::size_t i = 0; i < inner.world.size(); ++i) {
-      EXPECT_NEAR(distance(inner.world[i], whole.world, 0, whole.world.size() - 1), 0, 1e-12);
-      EXPECT_NEAR((inner.page[i] - 1e3 * inner.world[i]).norm(), 0, 1e-9);
+    EXPECT_NEAR((inner.p_P.front() - place_on(whole, b).p_P).norm(), 0, 1e-12);
+    EXPECT_NEAR((inner.p_P.back() - place_on(whole, c).p_P).norm(), 0, 1e-12);
+    for (std::size_t i = 0; i < inner.p_P.size(); ++i) {
+      EXPECT_NEAR(distance(inner.p_P[i], whole.p_P, 0, whole.p_P.size() - 1), 0, 1e-12);
+      EXPECT_NEAR((inner.page[i] - 1e3 * inner.p_P[i]).norm(), 0, 1e-9);
     }
   }
 }
 
 TEST(StrokePart, BeyondItsEndsAStrokeIsCutOff) {
   const PlacedStroke line = surfaces::line({{0.6, 0}, {0.7, 0}});
-  EXPECT_EQ(part_of(line, -1, 1).world, line.world);
+  EXPECT_EQ(part_of(line, -1, 1).p_P, line.p_P);
   const PlacedStroke dot = part_of(line, 0.2, 0.3);
-  ASSERT_EQ(dot.world.size(), 1u);
-  EXPECT_EQ(dot.world[0], Vector2d(0.7, 0));
+  ASSERT_EQ(dot.p_P.size(), 1u);
+  EXPECT_EQ(dot.p_P[0], Vector2d(0.7, 0));
 }
 
 // Against a table of which millionth is covered.
@@ -107,7 +107,7 @@ TEST(StrokePart, ThePlanKnowsWhereOnTheStrokeItIs) {
       ASSERT_EQ(sample.stroke, 4);
       ASSERT_GE(sample.along, last - 1e-12);
       last = sample.along;
-      ASSERT_LT((place_on(bent, sample.along).world - sample.goal.p_WD.head<2>()).norm(), 1e-4)
+      ASSERT_LT((place_on(bent, sample.along).p_P - sample.reference.p_WD.head<2>()).norm(), 1e-4)
           << t;  // interpolated between knots
     }
     EXPECT_NEAR(path.at(times.end - 1e-6).along, to, 1e-6);
@@ -126,7 +126,7 @@ TEST(StrokePart, ATiltedPlaneTurnsThePath) {
                 b = plan_tip_path({line}, surfaces::bowl, tilted);
   ASSERT_NEAR(a.duration(), b.duration(), 1e-12);
   for (double t = 0; t < a.duration(); t += 0.037) {
-    const TipGoal x = a.at(t).goal, y = b.at(t).goal;
+    const TipReference x = a.at(t).reference, y = b.at(t).reference;
     EXPECT_LT((tilted.X_WP * x.p_WD - y.p_WD).norm(), 1e-12);
     EXPECT_LT((tilted.X_WP.R * x.v_WD - y.v_WD).norm(), 1e-12);
     EXPECT_LT((tilted.X_WP.R * x.n_WD - y.n_WD).norm(), 1e-12);

@@ -1,5 +1,7 @@
 #include "impedraw/planning/target.h"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
@@ -25,7 +27,8 @@ TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
       if (name == "circle") {
         EXPECT_NEAR((p - Vector3d(0.60, 0.0, p.z())).norm(), 0.06, 1e-6);
       } else if (name != "M") {
-        EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15), 1e-6);
+        EXPECT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * std::numbers::pi * (p.y() + 0.15) / 0.15),
+                    1e-6);
       }
       if (i == 0) continue;
       gap = std::max(gap, (p - line.points[i - 1]).norm());
@@ -45,7 +48,7 @@ TEST(Target, FollowsWavesBetweenFarPoints) {
   for (std::size_t i = 1; i + 1 < line.points.size(); ++i) {
     const Vector3d middle = (line.points[i] + line.points[i - 1]) / 2;
     EXPECT_LE((line.points[i] - line.points[i - 1]).norm(), 5e-4);
-    EXPECT_NEAR(middle.z(), surfaces::waves(middle.x(), middle.y())->p_W.z(), 1e-5);
+    EXPECT_NEAR(middle.z(), surfaces::waves(middle.x(), middle.y())->p_P.z(), 1e-5);
   }
 }
 

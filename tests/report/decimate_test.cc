@@ -31,14 +31,14 @@ double farthest_off(const Line2d& line, const Line2d& thin) {
 }
 
 TEST(ThinLine, KnownLines) {
-  EXPECT_TRUE(thinned({}, 0.1).empty());
-  EXPECT_EQ(thinned({{1, 2}}, 0.1), (Line2d{{1, 2}}));
-  EXPECT_EQ(thinned({{0, 0}, {1, 0.05}, {2, -0.05}, {3, 0}}, 0.1), (Line2d{{0, 0}, {3, 0}}));
-  EXPECT_EQ(thinned({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}}, 0.1),
+  EXPECT_TRUE(decimated({}, 0.1).empty());
+  EXPECT_EQ(decimated({{1, 2}}, 0.1), (Line2d{{1, 2}}));
+  EXPECT_EQ(decimated({{0, 0}, {1, 0.05}, {2, -0.05}, {3, 0}}, 0.1), (Line2d{{0, 0}, {3, 0}}));
+  EXPECT_EQ(decimated({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}}, 0.1),
             (Line2d{{0, 0}, {2, 0}, {2, 2}}));
-  EXPECT_EQ(thinned({{0, 0}, {1, 0}, {2, 0}, {1, 0}, {-1, 0}}, 0.1),
+  EXPECT_EQ(decimated({{0, 0}, {1, 0}, {2, 0}, {1, 0}, {-1, 0}}, 0.1),
             (Line2d{{0, 0}, {2, 0}, {-1, 0}}));  // there and back: the tip stays
-  EXPECT_EQ(thinned({{-1, 0}, {-2, 1e-9}, {-3, -1e-9}, {-4, 1e-9}}, 0.1).size(),
+  EXPECT_EQ(decimated({{-1, 0}, {-2, 1e-9}, {-3, -1e-9}, {-4, 1e-9}}, 0.1).size(),
             2u);  // where angles jump by a turn
 }
 
@@ -50,7 +50,7 @@ TEST(ThinLine, ChordsOfACircle) {
     const double a = 2 * std::numbers::pi * i / 20000;
     circle.emplace_back(kRadius * std::cos(a), kRadius * std::sin(a));
   }
-  const Line2d thin = thinned(circle, kTolerance);
+  const Line2d thin = decimated(circle, kTolerance);
   const double chord = std::sqrt(8 * kRadius * kTolerance);
   EXPECT_NEAR(static_cast<double>(thin.size()),
               1 + std::ceil(2 * std::numbers::pi * kRadius / chord), 1.0);
@@ -70,7 +70,7 @@ TEST(ThinLine, NothingLeftOutIsFartherThanTheTolerance) {
                      (i % 50 == 49 ? -3.0 : 1.0) * step);  // now and then sharply back
       if (i % 40 == 0) line.push_back(line.back());
     }
-    const Line2d thin = thinned(line, tolerance);
+    const Line2d thin = decimated(line, tolerance);
     EXPECT_EQ(thin.front(), line.front());
     EXPECT_EQ(thin.back(), line.back());
     EXPECT_LE(farthest_off(line, thin), tolerance + 1e-9);
@@ -87,7 +87,7 @@ TEST(ThinLine, ManyLinesAreThinnedUntilTheyAreFew) {
     for (int i = 0; i < 500; ++i) line.emplace_back(0.1 * i, k + 0.1 * gauss(random));
   }
   const std::vector<Line2d> before = lines;
-  const double off = thin_to(lines, 0.02, 1000);
+  const double off = decimate_to(lines, 0.02, 1000);
   std::size_t points = 0;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     points += lines[k].size();
@@ -96,7 +96,7 @@ TEST(ThinLine, ManyLinesAreThinnedUntilTheyAreFew) {
   EXPECT_LE(points, 1000u);
   EXPECT_LT(off, 1.3);
   EXPECT_GT(off, 0.02);
-  EXPECT_NEAR(thin_to(lines, 1e-6, 1000), 1e-6, 1e-12) << "few enough at once";
+  EXPECT_NEAR(decimate_to(lines, 1e-6, 1000), 1e-6, 1e-12) << "few enough at once";
 }
 
 }  // namespace

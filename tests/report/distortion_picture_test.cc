@@ -32,8 +32,8 @@ double share_of_colour(cairo_surface_t* png, double from, double to, int r, int 
     const auto* row = reinterpret_cast<const std::uint32_t*>(
         cairo_image_surface_get_data(png) + i * cairo_image_surface_get_stride(png));
     for (int j = static_cast<int>(from * width); j < to * width; ++j, ++all) {
-      const auto near = [&](int shift, int wanted) {
-        return std::abs(static_cast<int>(row[j] >> shift & 255) - wanted) <= 3;
+      const auto near = [&](int shift, int desired) {
+        return std::abs(static_cast<int>(row[j] >> shift & 255) - desired) <= 3;
       };
       count += near(16, r) && near(8, g) && near(0, b);
     }

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   testing::sine_rows(settings, [&](const LogRow& row) { log.append(row); });
   log.close({0.4, 0.25, 0.0});
   const RunData run = read_run(folder / "run.h5");
-  const Drawn drawn = match_ink(run);
+  const InkMatch drawn = match_ink(run);
   const auto metrics = compute_metrics(run, drawn);
   std::ofstream(folder / "metrics.json") << metrics.dump(2) << "\n";
   std::ofstream(folder / "scenario.yaml") << "seed: 1\nshape: sine\ncanvas: bowl\n";

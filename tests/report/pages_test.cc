@@ -26,7 +26,7 @@ void expect_stands_alone(const std::string& page) {
 
 TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   const RunData run = made_up({}, folder_);
-  const Drawn drawn = match_ink(run);
+  const InkMatch drawn = match_ink(run);
   write_ink_top(run, drawn, folder_ / "ink_top");
   std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
   const auto start = std::chrono::steady_clock::now();
@@ -66,7 +66,7 @@ TEST_F(PagesTest, ARunWithoutAnythingStillGetsItsPage) {
   log.close();
   RunData run = read_run(folder_ / "run.h5");
   run.stroke[0] = -1;
-  const Drawn drawn = match_ink(run);
+  const InkMatch drawn = match_ink(run);
   write_ink_top(run, drawn, folder_ / "ink_top");
   write_report(folder_, run, drawn, compute_metrics(run, drawn));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "report.html"));

@@ -123,7 +123,7 @@ TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
   for (const Finding& finding : e.preflight.findings) covered += finding.part.length();
   EXPECT_NEAR(covered, plane_length(e.whole[0]), 1e-9);
   for (const PlacedStroke& stroke : e.strokes)
-    for (const Eigen::Vector2d& p : stroke.world)
+    for (const Eigen::Vector2d& p : stroke.p_P)
       EXPECT_LE((p - Eigen::Vector2d(0.6, 0.0)).norm(), 0.18);
   EXPECT_FALSE(e.notes.empty());
 }

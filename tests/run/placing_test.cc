@@ -1,6 +1,7 @@
 // Where a drawing comes to lie: a canvas moved before the arm, and a page wrapped round its
 // surface.
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,7 @@ TEST(Placing, AMovedSceneIsTheSameScene) {
   ASSERT_EQ(here.target.points.size(), there.target.points.size());
   const Eigen::Vector3d pivot(0.6, 0.0, 0.0), shift(0.02, -0.05, 0.0);
   const Eigen::Matrix3d R =
-      Eigen::AngleAxisd(M_PI / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      Eigen::AngleAxisd(std::numbers::pi / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   for (std::size_t i = 0; i < here.target.points.size(); i += 10)
     ASSERT_LT((R * (here.target.points[i] - pivot) + pivot + shift - there.target.points[i]).norm(),
               1e-4)
@@ -61,7 +62,7 @@ TEST(Placing, WrappedLengthsAreThePages) {
       "drawing.placement.scale=1.5"};
   std::vector<std::string> wrapped = across;
   wrapped.push_back("drawing.mapping=wrap");
-  const double page = 2 * M_PI * 0.09;
+  const double page = 2 * std::numbers::pi * 0.09;
   DrawOptions options;
   options.scenario = "scenarios/bowl.yaml";
   options.assignments = across;

@@ -66,7 +66,7 @@ TEST(Safety, ALostCloudLiftsThePenAfterAWhile) {
   EXPECT_NEAR(met(f, "surface_lost"), 1.0, 0.01);
   EXPECT_LE(torque_rate(f), kRate);
   EXPECT_LT(highest_force(f), 8.0);
-  // Drawn on with the last normal for lost_surface_time, 0.25 s of a stroke of near 10 s.
+  // InkMatch on with the last normal for lost_surface_time, 0.25 s of a stroke of near 10 s.
   EXPECT_NEAR(f["contact_fraction"], 0.525, 0.01);
 }
 

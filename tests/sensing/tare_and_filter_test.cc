@@ -2,6 +2,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -96,10 +97,10 @@ TEST(TareAndFilter, TheFilterLagsAsStated) {
   WrenchEstimatorSettings settings = still_settings();
   settings.filter_bandwidth = 200.0;
   settings.sensor_delay = 3e-3;
-  for (const double frequency : {0.5, 2.0, 10.0, 200.0 / (2.0 * M_PI)}) {
+  for (const double frequency : {0.5, 2.0, 10.0, 200.0 / (2.0 * std::numbers::pi)}) {
     Still still(settings);
     ASSERT_GT(still.steps_to_tare(Vector6::Zero()), 0);
-    const double w = 2.0 * M_PI * frequency;
+    const double w = 2.0 * std::numbers::pi * frequency;
     const int settle = 2000, period = static_cast<int>(std::lround(
                                  10.0 / frequency / settings.dt));  // ten periods, to a step
     std::complex<double> in = 0.0, out = 0.0;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -34,7 +35,7 @@ StaticReading pose(const Matrix3d& R_WS) {
 }
 
 Matrix3d tilt(double angle_deg, const Vector3d& axis) {
-  return AngleAxisd(angle_deg * M_PI / 180.0, axis.normalized()).matrix();
+  return AngleAxisd(angle_deg * std::numbers::pi / 180.0, axis.normalized()).matrix();
 }
 
 // Pen down, and five tilts that a wrist reaches.
@@ -144,10 +145,10 @@ TEST(ToolIdentification, NamesWhatDegeneratePosesLeaveOpen) {
   about_x.push_back(pose(tilt(70.0, Vector3d::UnitX())));
   // Gravity has gone from −z to (0, −sin 70°, −cos 70°).
   EXPECT_THAT(refusal(about_x), HasSubstr("centre of mass along (0.00, 0.82, -0.57)"));
-  std::vector<StaticReading> mended = about_x, arc = about_x;
-  mended.push_back(
+  std::vector<StaticReading> repaired = about_x, arc = about_x;
+  repaired.push_back(
       pose(tilt(40.0, {0.0, 0.82, -0.57})));  // gravity goes across, as the message says
-  EXPECT_EQ(refusal(mended), "taken");
+  EXPECT_EQ(refusal(repaired), "taken");
   arc.push_back(pose(tilt(-70.0, Vector3d::UnitX())));
   EXPECT_EQ(refusal(arc), "taken") << "an arc about one axis will do, if it is long";
 }

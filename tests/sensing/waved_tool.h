@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -60,12 +61,13 @@ inline Pose tip_in_sensor() {
 // turns about the vertical and its own axis.
 inline Pose sensor_pose(double t) {
   t = std::max(t, 0.0);
-  const double degree = M_PI / 180.0, w = 3.0;
+  const double degree = std::numbers::pi / 180.0, w = 3.0;
   Pose X;
   X.p << 0.5 - 3.0 / (w * w) * std::cos(w * t), 0.05 * (1.0 - std::cos(4.0 * t)),
       0.6 + 0.1 * (1.0 - std::cos(2.0 * t));
   X.R = (Eigen::AngleAxisd(0.5 * (1.0 - std::cos(2.0 * t)), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(M_PI - 60.0 * degree * std::cos(w * t), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(std::numbers::pi - 60.0 * degree * std::cos(w * t),
+                           Eigen::Vector3d::UnitY()) *
          Eigen::AngleAxisd(0.3 * (1.0 - std::cos(2.5 * t)), Eigen::Vector3d::UnitZ()))
             .matrix();
   return X;

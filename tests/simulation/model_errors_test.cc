@@ -3,6 +3,7 @@
 #include "impedraw/simulation/model_errors.h"
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -48,7 +49,7 @@ double potential_energy(const JointVector& q, double shift, double mass_scale) {
     double mass;
     Eigen::Vector3d com;
   };
-  const double right = M_PI / 2, half = M_PI;
+  const double right = std::numbers::pi / 2, half = std::numbers::pi;
   const std::vector<Link> links = {{{0, 0, 0.1575}, 0, 0, 5.76, {0, -0.03, 0.12}},
                                    {{0, 0, 0.2025}, right, half, 6.35, {0.0003, 0.059, 0.042}},
                                    {{0, 0.2045, 0}, right, half, 3.5, {0, 0.03, 0.13}},
@@ -249,10 +250,10 @@ TEST(ModelErrors, RippleHasThirtyPeriodsATurnAndItsOwnPhaseOnEachJoint) {
   };
   const int samples = 3600;
   JointVector mean_square = JointVector::Zero(7), most = JointVector::Zero(7),
-              last = ripple(0.0003 - M_PI);
+              last = ripple(0.0003 - std::numbers::pi);
   Eigen::VectorXi sign_changes = Eigen::VectorXi::Zero(7);
   for (int i = 1; i <= samples; ++i) {
-    const JointVector r = ripple(0.0003 - M_PI + 2.0 * M_PI * i / samples);
+    const JointVector r = ripple(0.0003 - std::numbers::pi + 2.0 * std::numbers::pi * i / samples);
     mean_square += r.cwiseAbs2() / samples;
     most = most.cwiseMax(r.cwiseAbs());
     for (int j = 0; j < 7; ++j) sign_changes[j] += r[j] * last[j] < 0.0;
@@ -266,7 +267,7 @@ TEST(ModelErrors, RippleHasThirtyPeriodsATurnAndItsOwnPhaseOnEachJoint) {
       EXPECT_GT((ripple(0.1) - ripple(0.1)[k] * JointVector::Ones(7)).cwiseAbs()[j],
                 0.01 * amplitude);
   }
-  EXPECT_LT((ripple(0.3) - ripple(0.3 + 2.0 * M_PI / 30.0)).norm(), 1e-12);
+  EXPECT_LT((ripple(0.3) - ripple(0.3 + 2.0 * std::numbers::pi / 30.0)).norm(), 1e-12);
 
   World light = slider({.torque_ripple = amplitude});
   light.set_state(JointVector::Constant(3, 0.01), JointVector::Zero(3));

@@ -3,6 +3,7 @@
 #include "impedraw/simulation/world.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -87,7 +88,7 @@ TEST(TipContact, SlidesInContactWithTheForceAskedAndCoulombFriction) {
       } else {
         EXPECT_NEAR(result.friction_ratio, friction, 0.01 * friction);
       }
-      EXPECT_LT(result.angle_max, M_PI / 180.0);
+      EXPECT_LT(result.angle_max, std::numbers::pi / 180.0);
 
       const SlideResult finer = slide(speed, friction, 0.5e-3);
       EXPECT_NEAR(finer.normal_mean, result.normal_mean, 0.01 * result.normal_mean);
@@ -195,7 +196,7 @@ TEST(TipContact, ADroppedMassPeaksAsTheDampedOscillator) {
                  zeta = tip.damping / (2.0 * std::sqrt(tip.stiffness * m)),
                  wd = w * std::sqrt(1 - zeta * zeta);
     double expected = 0.0;
-    for (double t = 0.0; t < M_PI / wd; t += 1e-6) {
+    for (double t = 0.0; t < std::numbers::pi / wd; t += 1e-6) {
       const double decay = std::exp(-zeta * w * t);
       const double x = speed / wd * decay * std::sin(wd * t);
       const double x_dot = speed * decay * (std::cos(wd * t) - zeta * w / wd * std::sin(wd * t));

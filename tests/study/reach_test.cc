@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -82,18 +83,18 @@ TEST(ReachJudge, InkErrorCountsWhereTheCanvasIsGentle) {
                          "preflight.arm=false"};
   const Experiment e = prepare(resolve(options));
   RunData run;
-  Drawn drawn;
+  InkMatch drawn;
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < 60; ++i) {
-    const double slope = i * M_PI / 180.0 + 0.005, around = 0.7 * i;
+    const double slope = i * std::numbers::pi / 180.0 + 0.005, around = 0.7 * i;
     const double error = 1e-5 * (1 + i);
     run.time.push_back(1e-3 * i);
     const Eigen::Vector3d n(std::sin(slope) * std::cos(around), std::sin(slope) * std::sin(around),
                             std::cos(slope));
     run.contact_point.push_back(Eigen::Vector3d(0.6, 0, 0) + 0.15 * n);
     drawn.error.push_back(i % 7 == 0 ? std::nan("") : error);
-    if (i % 7 == 0 || slope >= M_PI / 4) continue;
+    if (i % 7 == 0 || slope >= std::numbers::pi / 4) continue;
     sum += error * error;
     ++count;
   }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <set>
 #include <thread>
 
@@ -51,9 +52,10 @@ TEST(RobustnessCells, TheMatrixHasEveryCombinationOnce) {
       for (const double push : {1.0, 5.0, 20.0})
         for (const bool realistic : {false, true}) {
           const auto is_it = [&](const Scenario& s) {
-            const double angle = std::acos(s.canvas.plane.normal.normalized().z()) * 180.0 / M_PI;
+            const double angle =
+                std::acos(s.canvas.plane.normal.normalized().z()) * 180.0 / std::numbers::pi;
             return s.canvas.kind == CanvasKind::plane && s.path.draw_speed == speed &&
-                   std::abs(angle - slope) < 1e-5 && s.control.push_force == push &&
+                   std::abs(angle - slope) < 1e-5 && s.control.normal_force == push &&
                    is_realistic(s) == realistic;
           };
           EXPECT_EQ(std::count_if(scenarios.begin(), scenarios.end(), is_it), 1)
@@ -95,7 +97,7 @@ TEST(RobustnessCells, EveryKindOfCanvasNominalAndRealistic) {
   for (const Cell& cell : group("canvas")) {
     const Scenario s = cell_scenario(cell);
     EXPECT_EQ(s.path.draw_speed, 0.05);
-    EXPECT_EQ(s.control.push_force, 5.0);
+    EXPECT_EQ(s.control.normal_force, 5.0);
     EXPECT_EQ(is_realistic(s), cell.realistic) << cell.name;
     kinds[s.canvas.kind].insert(cell.realistic);
   }
@@ -208,9 +210,9 @@ TEST_F(Robustness, TenCellsAreRunAndThenKept) {
   std::ofstream(folder_ / "out/robustness.csv", std::ios::binary)
       << whole.substr(0, whole.size() - 40);
   ASSERT_EQ(run_matrix(all, ten, options()), 0);
-  const std::string mended = content_of(folder_ / "out/robustness.csv");
+  const std::string repaired = content_of(folder_ / "out/robustness.csv");
   EXPECT_EQ(csv().size(), 10u);
-  EXPECT_EQ(mended.substr(0, mended.find('\n', whole.size() / 2)),
+  EXPECT_EQ(repaired.substr(0, repaired.find('\n', whole.size() / 2)),
             whole.substr(0, whole.find('\n', whole.size() / 2)));
 }
 

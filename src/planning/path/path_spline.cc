@@ -13,10 +13,10 @@ PathSpline::PathSpline(const std::vector<SurfaceSample>& knots, const std::vecto
   knots_.resize(n);
   double u = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (i > 0) u += (knots[i].p_W - knots[i - 1].p_W).norm();
+    if (i > 0) u += (knots[i].p_P - knots[i - 1].p_P).norm();
     knots_[i] = {u,
-                 knots[i].p_W,
-                 knots[i].n_W,
+                 knots[i].p_P,
+                 knots[i].n_P,
                  Vector3d::Zero(),
                  Vector3d::Zero(),
                  along.empty() ? u : along[i]};

@@ -17,8 +17,8 @@ constexpr double kSamePoint = 1e-7;     // [m]
 constexpr double kShortestSpan = 1e-6;  // [m]
 constexpr int kMostRounds = 60;
 
-struct Line {  // one part between corners, in the world and on the page
-  std::vector<Vector2d> world, page;
+struct Line {  // one part between corners, in the drawing plane and on the page
+  std::vector<Vector2d> p_P, page;
   std::vector<double> place;  // of each vertex on the stroke (stroke_part.h) [m]
   std::vector<double> along;  // length up to each vertex [m]
 };
@@ -35,8 +35,8 @@ class Fit {
   Fit(Line line, int stroke, const SurfaceHeight& surface, const FitSettings& settings)
       : line_(std::move(line)), stroke_(stroke), surface_(surface), settings_(settings) {
     line_.along.assign(1, 0.0);
-    for (std::size_t i = 1; i < line_.world.size(); ++i) {
-      line_.along.push_back(line_.along.back() + (line_.world[i] - line_.world[i - 1]).norm());
+    for (std::size_t i = 1; i < line_.p_P.size(); ++i) {
+      line_.along.push_back(line_.along.back() + (line_.p_P[i] - line_.p_P[i - 1]).norm());
     }
   }
 
@@ -46,7 +46,7 @@ class Fit {
     // below find out.
     const double total = line_.along.back();
     double last = -1;
-    for (std::size_t i = 0; i + 1 < line_.world.size(); ++i) {
+    for (std::size_t i = 0; i + 1 < line_.p_P.size(); ++i) {
       const double s = line_.along[i];
       if (i > 0 &&
           (s - last < settings_.knot_spacing / 2 || total - s < settings_.knot_spacing / 4))
@@ -67,11 +67,11 @@ class Fit {
   void smooth_normals() {
     std::vector<Eigen::Vector3d> normals;
     for (std::size_t i = 0; i < knots_.size(); ++i) normals.push_back(smoothed_normal(i));
-    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i].sample.n_W = normals[i];
+    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i].sample.n_P = normals[i];
   }
 
-  Eigen::Vector3d& first_normal() { return knots_.front().sample.n_W; }
-  Eigen::Vector3d& last_normal() { return knots_.back().sample.n_W; }
+  Eigen::Vector3d& first_normal() { return knots_.front().sample.n_P; }
+  Eigen::Vector3d& last_normal() { return knots_.back().sample.n_P; }
 
   PathSpline through_knots() const {
     std::vector<SurfaceSample> samples;
@@ -93,7 +93,7 @@ class Fit {
         std::clamp((s - line_.along[i - 1]) / (line_.along[i] - line_.along[i - 1]), 0.0, 1.0);
     return sampled({s,
                     line_.place[i - 1] + part * (line_.place[i] - line_.place[i - 1]),
-                    line_.world[i - 1] + part * (line_.world[i] - line_.world[i - 1]),
+                    line_.p_P[i - 1] + part * (line_.p_P[i] - line_.p_P[i - 1]),
                     line_.page[i - 1] + part * (line_.page[i] - line_.page[i - 1]),
                     {}});
   }
@@ -108,7 +108,7 @@ class Fit {
   // sine by 0.1°.
   Eigen::Vector3d smoothed_normal(std::size_t i) const {
     const double sigma = settings_.normal_smoothing, s = knots_[i].along;
-    if (!(sigma > 0.0)) return knots_[i].sample.n_W;
+    if (!(sigma > 0.0)) return knots_[i].sample.n_P;
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(),
                     normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)
     int used = 0;
@@ -122,7 +122,7 @@ class Fit {
       const double w = (before + after) / sigma * std::exp(-0.5 * x * x);
       const Eigen::Vector3d b(1.0, x, x * x);
       moments += w * b * b.transpose();
-      normals += w * b * knots_[k].sample.n_W.transpose();
+      normals += w * b * knots_[k].sample.n_P.transpose();
       ++used;
       return true;
     };
@@ -132,7 +132,7 @@ class Fit {
     }
     const Eigen::LDLT<Eigen::Matrix3d> factor(moments);
     if (used < 4 || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff()))
-      return knots_[i].sample.n_W;  // too few
+      return knots_[i].sample.n_P;  // too few
     return Eigen::Vector3d(factor.solve(normals).row(0)).normalized();
   }
 
@@ -162,10 +162,10 @@ class Fit {
                           .point(span, spline.start(span) +
                                            (spline.end(span) - spline.start(span)) * i / kSamples)
                           .head<2>());
-      if (distance(curve.back(), line_.world, first, last) > allowed) return false;
+      if (distance(curve.back(), line_.p_P, first, last) > allowed) return false;
     }
     for (std::size_t v = first + 1; v < last; ++v) {
-      if (distance(line_.world[v], curve, 0, kSamples) > allowed) return false;
+      if (distance(line_.p_P[v], curve, 0, kSamples) > allowed) return false;
     }
     return true;
   }
@@ -231,40 +231,39 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
   const int number = stroke.number;
   Line whole;
   double place = stroke.start;
-  for (std::size_t i = 0; i < stroke.world.size(); ++i) {
-    if (!stroke.world[i].allFinite())
+  for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
+    if (!stroke.p_P[i].allFinite())
       throw InputError(fmt::format("stroke {}: point {} is not a finite number", number, i));
-    if (i > 0) place += (stroke.world[i] - stroke.world[i - 1]).norm();
-    if (!whole.world.empty() && (stroke.world[i] - whole.world.back()).norm() < kSamePoint)
-      continue;
+    if (i > 0) place += (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
+    if (!whole.p_P.empty() && (stroke.p_P[i] - whole.p_P.back()).norm() < kSamePoint) continue;
     whole.place.push_back(place);
-    whole.world.push_back(stroke.world[i]);
+    whole.p_P.push_back(stroke.p_P[i]);
     whole.page.push_back(stroke.page[i]);
   }
-  if (whole.world.empty()) throw InputError(fmt::format("stroke {}: has no points", number));
+  if (whole.p_P.empty()) throw InputError(fmt::format("stroke {}: has no points", number));
 
   FittedStroke fitted;
   fitted.number = number;
   fitted.from = fitted.to = stroke.start;
   fitted.first = fitted.last =
-      sample_or_throw(surface, whole.world.front(), whole.page.front(), number);
-  if (whole.world.size() == 1) return fitted;
+      sample_or_throw(surface, whole.p_P.front(), whole.page.front(), number);
+  if (whole.p_P.size() == 1) return fitted;
 
   Line line;
-  for (std::size_t i : simplified(whole.world, settings.tolerance / 5)) {
-    line.world.push_back(whole.world[i]);
+  for (std::size_t i : simplified(whole.p_P, settings.tolerance / 5)) {
+    line.p_P.push_back(whole.p_P[i]);
     line.page.push_back(whole.page[i]);
     line.place.push_back(whole.place[i]);
   }
-  if (line.world.size() == 2 && (line.world[1] - line.world[0]).norm() < kSamePoint)
+  if (line.p_P.size() == 2 && (line.p_P[1] - line.p_P[0]).norm() < kSamePoint)
     return fitted;  // closed on itself
-  std::vector<std::size_t> cuts = corners(line.world, settings.corner_angle);
-  cuts.push_back(line.world.size() - 1);
+  std::vector<std::size_t> cuts = corners(line.p_P, settings.corner_angle);
+  cuts.push_back(line.p_P.size() - 1);
   std::size_t from = 0;
   std::vector<Fit> fits;
   for (std::size_t to : cuts) {
     Line part;
-    part.world.assign(line.world.begin() + from, line.world.begin() + to + 1);
+    part.p_P.assign(line.p_P.begin() + from, line.p_P.begin() + to + 1);
     part.page.assign(line.page.begin() + from, line.page.begin() + to + 1);
     part.place.assign(line.place.begin() + from, line.place.begin() + to + 1);
     Fit& fit = fits.emplace_back(std::move(part), number, surface, settings);
@@ -279,9 +278,9 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
     fits[i - 1].last_normal() = fits[i].first_normal() = n;
   }
   for (const Fit& fit : fits) fitted.parts.push_back(fit.through_knots());
-  fitted.last = sample_or_throw(surface, whole.world.back(), whole.page.back(), number);
-  fitted.first.n_W = fits.front().first_normal();
-  fitted.last.n_W = fits.back().last_normal();
+  fitted.last = sample_or_throw(surface, whole.p_P.back(), whole.page.back(), number);
+  fitted.first.n_P = fits.front().first_normal();
+  fitted.last.n_P = fits.back().last_normal();
   return fitted;
 }
 

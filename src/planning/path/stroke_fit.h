@@ -15,7 +15,7 @@ struct FitSettings {
   double knot_spacing = 1e-3;  // the surface is asked at least this often along the stroke [m]
   double corner_angle = 0.44;  // a turn above this is a corner, at which the pen stops [rad]
   // The normals along the line are smoothed, by a local parabola with Gaussian weights of this
-  // standard deviation: what the wanted frame's angular acceleration is fed forward from must not
+  // standard deviation: what the desired frame's angular acceleration is fed forward from must not
   // have the noise of a cloud, which two derivatives make large [m]; 0: none.
   double normal_smoothing = 5e-3;
 };

@@ -56,35 +56,36 @@ PathSample TipPath::at(double t) const noexcept {
     sample.along = leg.along;
   }
   sample.phase = done ? Phase::done : leg.phase;
-  TipGoal& goal = sample.goal;
-  goal.pen_down = leg.pen_down && !done;
+  TipReference& reference = sample.reference;
+  reference.pen_down = leg.pen_down && !done;
 
   const SpeedState along = leg.progress.at(since);
-  goal.p_WD = leg.p + along.x * leg.direction;
-  goal.v_WD = along.speed * leg.direction;
-  goal.a_WD = along.acceleration * leg.direction;
-  goal.n_WD = leg.n;
+  reference.p_WD = leg.p + along.x * leg.direction;
+  reference.v_WD = along.speed * leg.direction;
+  reference.a_WD = along.acceleration * leg.direction;
+  reference.n_WD = leg.n;
   if (leg.spline >= 0) {
     const SplinePoint s = splines_[leg.spline].at(along.x);
     if (sample.stroke >= 0) sample.along = s.along;
     const double squared = along.speed * along.speed;
-    goal.p_WD = leg.p + s.p;
-    goal.v_WD = along.speed * s.dp;
-    goal.a_WD = along.acceleration * s.dp + squared * s.ddp;
+    reference.p_WD = leg.p + s.p;
+    reference.v_WD = along.speed * s.dp;
+    reference.a_WD = along.acceleration * s.dp + squared * s.ddp;
     if (!leg.fixed_normal) {
-      goal.n_WD = s.n;
-      goal.w_WD = along.speed * s.n.cross(s.dn);
-      goal.alpha_WD = s.n.cross(along.acceleration * s.dn + squared * s.ddn);
+      reference.n_WD = s.n;
+      reference.w_WD = along.speed * s.n.cross(s.dn);
+      reference.alpha_WD = s.n.cross(along.acceleration * s.dn + squared * s.ddn);
     }
   }
   if (leg.turn.duration() > 0) {
     const SpeedState turn = leg.turn.at(since);
-    goal.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * leg.turn_axis.cross(leg.n);
-    goal.w_WD = turn.speed * leg.turn_axis;
-    goal.alpha_WD = turn.acceleration * leg.turn_axis;
+    reference.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * leg.turn_axis.cross(leg.n);
+    reference.w_WD = turn.speed * leg.turn_axis;
+    reference.alpha_WD = turn.acceleration * leg.turn_axis;
   }
-  goal.p_WD = X_WP_.p + X_WP_.R * goal.p_WD;
-  for (Eigen::Vector3d* v : {&goal.v_WD, &goal.a_WD, &goal.n_WD, &goal.w_WD, &goal.alpha_WD})
+  reference.p_WD = X_WP_.p + X_WP_.R * reference.p_WD;
+  for (Eigen::Vector3d* v :
+       {&reference.v_WD, &reference.a_WD, &reference.n_WD, &reference.w_WD, &reference.alpha_WD})
     *v = X_WP_.R * *v;
   return sample;
 }

@@ -29,8 +29,8 @@ enum class Phase { travel, approach, draw, lift, done };
 const char* name_of(Phase phase) noexcept;
 
 struct PathSample {
-  TipGoal goal;
-  // PlacedStroke::number, ≥ 0, from the instant the wanted point leaves the stroke's first point
+  TipReference reference;
+  // PlacedStroke::number, ≥ 0, from the instant the desired point leaves the stroke's first point
   // until it reaches its last; a dot: while it is held.
   int stroke = -1;
   double along = std::numeric_limits<double>::quiet_NaN();  // and where on it (stroke_part.h) [m]
@@ -40,7 +40,7 @@ struct PathSample {
 struct StrokeTimes {
   int number = 0;       // PlacedStroke::number
   double approach = 0;  // start of the approach [s]
-  double start = 0;     // the wanted point leaves the first point
+  double start = 0;     // the desired point leaves the first point
   double end = 0;       // and has reached the last
   double length = 0;    // pen-down, on the surface [m]
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/core.h>
 #include <Eigen/Geometry>
@@ -74,7 +75,7 @@ class Planner {
     hold(s_.start_hold, Phase::travel, -1, false);
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
-      const Vector3d first = strokes[i].first.p_W, hover = first + s_.hover_height * n;
+      const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
       travel_to(above(hover, n), hover, n);
       approach(first - sunk());
       draw(strokes[i], static_cast<int>(i));
@@ -89,14 +90,14 @@ class Planner {
 
  private:
   Vector3d normal(const SurfaceSample& sample) const {
-    return s_.vertical_pen ? Vector3d(Vector3d::UnitZ()) : sample.n_W.normalized();
+    return s_.vertical_pen ? Vector3d(Vector3d::UnitZ()) : sample.n_P.normalized();
   }
   Vector3d sunk() const { return {0, 0, s_.sink}; }
 
   static double highest(const std::vector<FittedStroke>& strokes) {
     double z = -1e9;
     for (const FittedStroke& stroke : strokes) {
-      z = std::max({z, stroke.first.p_W.z(), stroke.last.p_W.z()});
+      z = std::max({z, stroke.first.p_P.z(), stroke.last.p_P.z()});
       for (const PathSpline& part : stroke.parts) {
         for (std::size_t i = 0; i < part.spans(); ++i)
           z = std::max(z, part.point(i, part.start(i)).z());
@@ -226,7 +227,8 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
   validate(settings);
   if (strokes.empty()) throw InputError("path: there are no strokes to plan");
   const FitSettings fit{settings.tolerance, settings.knot_spacing,
-                        settings.corner_angle_deg * M_PI / 180, settings.normal_smoothing};
+                        settings.corner_angle_deg * std::numbers::pi / 180,
+                        settings.normal_smoothing};
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
   for (const PlacedStroke& stroke : strokes) fitted.push_back(fit_stroke(stroke, surface, fit));

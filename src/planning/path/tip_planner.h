@@ -37,12 +37,12 @@ struct PathSettings {
       highest_z;                 // of the surface [m]; left out, the highest that the strokes touch
   double smoothing_time = 0.04;  // over which an acceleration builds up [s]
   double corner_angle_deg = 25;  // a turn above this is a corner: full stop
-  double tolerance = 1e-5;  // largest distance of the wanted line to the artwork, seen along z [m]
+  double tolerance = 1e-5;  // largest distance of the desired line to the artwork, seen along z [m]
   double knot_spacing = 1e-3;  // the surface is asked at least this often along a stroke [m]
   // normals are averaged over so much of the stroke (stroke_fit.h) [m]
   double normal_smoothing = 5e-3;
   bool vertical_pen = false;  // n = +z always (blind)
-  // the wanted point lies this far beneath the surface while the pen is down (blind) [m]
+  // the desired point lies this far beneath the surface while the pen is down (blind) [m]
   double sink = 0;
 };
 

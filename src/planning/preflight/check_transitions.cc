@@ -1,4 +1,4 @@
-// check_ways of preflight.h.
+// check_transitions of preflight.h.
 #include <algorithm>
 #include <cmath>
 
@@ -25,9 +25,10 @@ double angle(const Vector3d& a, const Vector3d& b) {
 
 }  // namespace
 
-std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStroke>& strokes,
-                                ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
-                                const PreflightSettings& settings) {
+std::vector<Finding> check_transitions(const TipPath& path,
+                                       const std::vector<PlacedStroke>& strokes, ArmModel& arm,
+                                       const Canvas* obstacle, const JointVector& start_q,
+                                       const PreflightSettings& settings) {
   std::vector<Finding> findings;
   if (strokes.empty() || path.duration() == 0) return findings;
   PostureCheck check(arm, obstacle, start_q, settings);
@@ -37,7 +38,7 @@ std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStr
   std::size_t way_begins = 0;   // index of the present way's first finding
   std::size_t next = 0;         // stroke that the way leads to
   bool lift = false;            // still off the stroke before
-  // then that stroke is to blame: the rest of the way is another once it is left out
+  // then that stroke is to setting_errors: the rest of the way is another once it is left out
   bool lift_barred = false;
   const auto report = [&](Problem problem, double amount, const std::string& text,
                           const Vector3d& p) {
@@ -66,7 +67,7 @@ std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStr
   bool was_way = false;
   const auto ask = [&](double t) {
     const PathSample sample = path.at(t);
-    const Vector3d p = sample.goal.p_WD, n = sample.goal.n_WD;
+    const Vector3d p = sample.reference.p_WD, n = sample.reference.n_WD;
     const bool way = sample.phase != Phase::draw;
     const bool change = way != was_way;
     was_way = way;

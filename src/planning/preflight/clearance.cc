@@ -28,8 +28,8 @@ double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d&
   if (!nearest) return best;
   const double distance = std::abs(nearest->distance);
   best = std::min(best, distance);
-  const double wanted = std::max(enough, radius + 0.9 * (best - radius) - 1e-3);
-  if (half < 1e-4 || distance - half >= wanted) return best;
+  const double desired = std::max(enough, radius + 0.9 * (best - radius) - 1e-3);
+  if (half < 1e-4 || distance - half >= desired) return best;
   best = segment_distance(canvas, a, middle, radius, enough, best);
   return segment_distance(canvas, middle, b, radius, enough, best);
 }
@@ -37,8 +37,8 @@ double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d&
 }  // namespace
 
 Clearance::Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
-                     double wanted, const JointVector& q)
-    : arm_(arm), canvas_(canvas), table_z_(table_z), wanted_(wanted) {
+                     double desired, const JointVector& q)
+    : arm_(arm), canvas_(canvas), table_z_(table_z), desired_(desired) {
   const Vector3d tip = arm.tip_pose(q).p;
   const std::vector<BodyCapsule> here = arm.body_capsules(q),
                                  moved = arm.body_capsules((q.array() + 0.1).matrix());
@@ -63,7 +63,7 @@ double Clearance::canvas_distance(Body& body, const BodyCapsule& at, double near
   body.b_W = at.b_W;
   if (body.distance >= near_enough) return near_enough;
   const double found =
-      segment_distance(*canvas_, at.a_W, at.b_W, at.radius, at.radius + wanted_, ahead);
+      segment_distance(*canvas_, at.a_W, at.b_W, at.radius, at.radius + desired_, ahead);
   body.distance = found < ahead ? at.radius + 0.9 * (found - at.radius) - 1.2e-3
                                 : ahead;  // no axis point is nearer
   return std::min(found, near_enough);
@@ -95,13 +95,13 @@ Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
   const double length = std::max(to_a, to_b), bare = std::min(to_a, to_b);
   const double widens = shaft.radius / std::hypot(shaft.radius, bare);  // sin α
   const auto asked = [&](double h) {
-    return std::min(shaft.radius, h * widens) + std::min(wanted_, h * kPenOpening);
+    return std::min(shaft.radius, h * widens) + std::min(desired_, h * kPenOpening);
   };
   const auto take = [&](double gap, double h, const char* obstacle) {
     if (gap < result.gap) result = {gap, shaft.link, obstacle, h};
   };
   if (table_z_) {  // both sides of the gap are straight between these places
-    for (double h : {kTipLength, shaft.radius / widens, wanted_ / kPenOpening, length}) {
+    for (double h : {kTipLength, shaft.radius / widens, desired_ / kPenOpening, length}) {
       h = std::clamp(h, std::min(kTipLength, length), length);
       take((X_WE.p + h * along).z() - *table_z_ - asked(h), h, "table");
     }

@@ -6,7 +6,7 @@
 //                  table, less ρ(h) + c(h)
 //                  ρ(h) = min(r, h sin α)        balls in the cone from the tip to the shaft's end,
 //                  tan α = r / h_0, then the shaft's
-//                  c(h) = min(c, kPenOpening h)  wanted clearance: the tip is to touch
+//                  c(h) = min(c, kPenOpening h)  desired clearance: the tip is to touch
 // The pen: the body whose end is nearest to the tip, no more than 50 mm off; r its radius, h_0 how
 // far above the tip it begins. On a plane whose normal stands at θ to the pen its gap is over 0 up
 // to cos θ = sin α + kPenOpening: 60° for a pen of 5 mm that begins 10 mm up.
@@ -39,14 +39,15 @@ struct Gap {
 class Clearance {
  public:
   // The canvas (in W, null: none) must outlive it, and the arm. `q`: any posture of the arm.
-  // `wanted`: c [m], under kFarEnough.
-  Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z, double wanted,
+  // `desired`: c [m], under kFarEnough.
+  Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z, double desired,
             const JointVector& q);
 
   // At that posture. Quick where it has moved little since the last: distances change by no more
   // than the bodies move.
-  Gap arm(const JointVector& q);                    // without the pen
-  Gap pen(const JointVector& q, const Pose& X_WE);  // less what is wanted; X_WE the tip's pose at q
+  Gap arm(const JointVector& q);  // without the pen
+  Gap pen(const JointVector& q,
+          const Pose& X_WE);  // less what is desired; X_WE the tip's pose at q
 
  private:
   struct Body {
@@ -59,7 +60,7 @@ class Clearance {
   ArmModel& arm_;
   const Canvas* canvas_;
   std::optional<double> table_z_;
-  double wanted_;
+  double desired_;
   std::vector<Body> bodies_;  // as body_capsules()
   int pen_ = -1;              // of bodies_
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -85,7 +86,7 @@ void PostureCheck::say_unreached(const PenPlacement& pen, const IkResult& found,
   for (int j = 0; j < found.q.size(); ++j) {
     if (limit_distance(arm_.limits(), found.q, j) < kAtLimit) at_limit = j;
   }
-  const double degrees = found.axis_error * 180 / M_PI, mm = 1e3 * found.position_error;
+  const double degrees = found.axis_error * 180 / std::numbers::pi, mm = 1e3 * found.position_error;
   posture->amount = found.position_error + 0.3 * found.axis_error;
   if (at_limit >= 0 && stays < 0.5) {
     posture->problem = Problem::joint_limit;
@@ -133,9 +134,9 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
     double needed = 0;
     for (int j = 0; j < n; ++j) {
       const Vector3d column = terms_.J.col(j).head<3>();
-      const double push = settings_.push_force * column.dot(axis);
+      const double push = settings_.normal_force * column.dot(axis);
       const double across =
-          settings_.friction * settings_.push_force * (column - column.dot(axis) * axis).norm();
+          settings_.friction * settings_.normal_force * (column - column.dot(axis) * axis).norm();
       const double torque = std::abs(terms_.g[j] + push) + across;
       if (torque <= p.margins.torque_share * limits.torque[j]) continue;
       p.margins.torque_share = torque / limits.torque[j];

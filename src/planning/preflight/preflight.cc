@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -66,8 +67,8 @@ class ArmWalk {
   Node node(double along) const {
     const SurfaceSample at = profile_.at(along);
     const Pose& X_WP = settings_.X_WP;
-    const Vector3d n = X_WP.R * (settings_.vertical_pen ? Vector3d::UnitZ() : at.n_W);
-    return {along, {X_WP * at.p_W, -n}, {}};
+    const Vector3d n = X_WP.R * (settings_.vertical_pen ? Vector3d::UnitZ() : at.n_P);
+    return {along, {X_WP * at.p_P, -n}, {}};
   }
 
   // A posture between two, from the left one, or where that does not do from the right one.
@@ -182,7 +183,7 @@ void require_settings(const PreflightSettings& s) {
   within("edge_margin", s.edge_margin, 0, 1);
   within("normal_smoothing", s.normal_smoothing, 0, 1);
   within("joint_margin", s.joint_margin, 0, 1);
-  within("push_force", s.push_force, 0, 1e4);
+  within("normal_force", s.normal_force, 0, 1e4);
   within("friction", s.friction, 0, 10);
 }
 
@@ -243,10 +244,10 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
     for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
       if (span.problem) {
         stretches.push_back({span.from, span.to, span.problem, 0, span.worst,
-                             settings.X_WP * span.p_PW, span.text});
+                             settings.X_WP * span.p_P, span.text});
         continue;
       }
-      margins.slope_deg = std::max(margins.slope_deg, span.slope * 180 / M_PI);
+      margins.slope_deg = std::max(margins.slope_deg, span.slope * 180 / std::numbers::pi);
       if (!settings.arm) {
         stretches.push_back({span.from, span.to, std::nullopt, 0, span.from, Vector3d::Zero(), {}});
         continue;

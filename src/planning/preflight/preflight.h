@@ -16,7 +16,7 @@
 //
 // Parts that can be drawn and findings together cover each stroke from end to end: nothing is left
 // out unsaid. Where a drawable part begins the arm comes anew, through the air: what leads there is
-// check_ways' to check, once the path is planned.
+// check_transitions' to check, once the path is planned.
 //
 // Not seen: what lies between two samples and is narrower than they are apart; torque of motion;
 // the arm against itself; other postures than those that inverse kinematics finds from the last,
@@ -76,7 +76,7 @@ struct PreflightSettings {
   double max_joint_step = 0.35;    // of any joint per `step` [rad]
   OperationalSpaceSettings space;  // the controller's
   double torque_share = 1.0;       // of the arm's limits that may be used
-  double push_force = 5.0;         // F [N]
+  double normal_force = 5.0;       // F [N]
   double friction = 0.3;           // μ
 
   // of arm and pen from canvas and table [m]; the pen's grows from none at the tip (clearance.h)
@@ -123,8 +123,9 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
 // leads to (the way back from the last: that stroke's), or of the one before where the lift off
 // that is barred, and then of that alone; page_mm is its first point; at most one a problem and
 // way. Torque is not asked: in the air the arm only holds itself.
-std::vector<Finding> check_ways(const TipPath& path, const std::vector<PlacedStroke>& strokes,
-                                ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
-                                const PreflightSettings& settings = {});
+std::vector<Finding> check_transitions(const TipPath& path,
+                                       const std::vector<PlacedStroke>& strokes, ArmModel& arm,
+                                       const Canvas* obstacle, const JointVector& start_q,
+                                       const PreflightSettings& settings = {});
 
 }  // namespace impedraw

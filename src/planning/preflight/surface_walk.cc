@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -32,10 +33,10 @@ class Walk {
 
   std::vector<SurfaceSpan> along(const PlacedStroke& stroke) {
     double from = stroke.start;
-    Look last = look(from, stroke.world.front());
+    Look last = look(from, stroke.p_P.front());
     open(last, from);
-    for (std::size_t i = 1; i < stroke.world.size(); ++i) {
-      const Vector2d a = stroke.world[i - 1], b = stroke.world[i];
+    for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+      const Vector2d a = stroke.p_P[i - 1], b = stroke.p_P[i];
       const double length = (b - a).norm();
       if (length == 0) continue;
       const int pieces = static_cast<int>(std::ceil(length / settings_.surface_step));
@@ -61,8 +62,9 @@ class Walk {
       look.problem = Problem::off_canvas;
       return look;
     }
-    look.slope = std::acos(std::clamp(look.sample->n_W.z(), -1.0, 1.0));
-    if (look.slope > settings_.max_slope_deg * M_PI / 180) look.problem = Problem::too_steep;
+    look.slope = std::acos(std::clamp(look.sample->n_P.z(), -1.0, 1.0));
+    if (look.slope > settings_.max_slope_deg * std::numbers::pi / 180)
+      look.problem = Problem::too_steep;
     return look;
   }
 
@@ -71,10 +73,10 @@ class Walk {
   static double step_in_height(const Look& l, const Look& r) {
     const Vector2d way = r.at - l.at;
     const auto rise = [&way](const SurfaceSample& s) {
-      return -way.dot(s.n_W.head<2>()) / s.n_W.z();
+      return -way.dot(s.n_P.head<2>()) / s.n_P.z();
     };
     const double before = rise(*l.sample), after = rise(*r.sample);
-    return std::abs(r.sample->p_W.z() - l.sample->p_W.z() - (before + after) / 2) -
+    return std::abs(r.sample->p_P.z() - l.sample->p_P.z() - (before + after) / 2) -
            std::abs(after - before) / 2;
   }
 
@@ -104,8 +106,8 @@ class Walk {
     span.from = span.worst = l.along;
     span.to = r.along;
     span.problem = Problem::fold;
-    span.p_PW = r.sample->p_W;
-    const double rise = r.sample->p_W.z() - l.sample->p_W.z();
+    span.p_P = r.sample->p_P;
+    const double rise = r.sample->p_P.z() - l.sample->p_P.z();
     span.text = fmt::format("the surface {} by {:.1f} mm", rise > 0 ? "rises" : "drops",
                             1e3 * std::abs(rise));
     spans_.push_back(std::move(span));
@@ -128,8 +130,8 @@ class Walk {
       span.samples.push_back(*next.sample);
     } else if (next.sample && next.slope >= span.slope) {
       span.worst = next.along;
-      span.p_PW = next.sample->p_W;
-      span.text = fmt::format("slope {:.0f}°, allowed {:.0f}°", next.slope * 180 / M_PI,
+      span.p_P = next.sample->p_P;
+      span.text = fmt::format("slope {:.0f}°, allowed {:.0f}°", next.slope * 180 / std::numbers::pi,
                               settings_.max_slope_deg);
     }
     span.slope = std::max(span.slope, next.slope);
@@ -152,7 +154,7 @@ class Walk {
       if (to - from < kRetreat) {
         span.problem = Problem::too_short;
         span.worst = (span.from + span.to) / 2;
-        span.p_PW = span.samples[span.samples.size() / 2].p_W;
+        span.p_P = span.samples[span.samples.size() / 2].p_P;
         span.text = fmt::format("{:.2f} mm are left within {:.1f} mm of the canvas's edges",
                                 1e3 * (span.to - span.from), 1e3 * settings_.edge_margin);
         continue;
@@ -172,8 +174,8 @@ class Walk {
       const double share =
           (along - span.along[next - 1]) / (span.along[next] - span.along[next - 1]);
       const SurfaceSample &a = span.samples[next - 1], &b = span.samples[next];
-      return SurfaceSample{a.p_W + share * (b.p_W - a.p_W),
-                           ((1 - share) * a.n_W + share * b.n_W).normalized()};
+      return SurfaceSample{a.p_P + share * (b.p_P - a.p_P),
+                           ((1 - share) * a.n_P + share * b.n_P).normalized()};
     };
     std::vector<double> along{from};
     std::vector<SurfaceSample> samples{at(from)};
@@ -199,18 +201,18 @@ class Walk {
     if (enters == leaves) places.push_back((span.from + span.to) / 2);
     double z = 0;
     if (enters && !spans_[i - 1].samples.empty())
-      z = spans_[i - 1].samples.back().p_W.z();
+      z = spans_[i - 1].samples.back().p_P.z();
     else if (leaves && !spans_[i + 1].samples.empty())
-      z = spans_[i + 1].samples.front().p_W.z();
+      z = spans_[i + 1].samples.front().p_P.z();
     double farthest = -1;
     for (double place : places) {
-      const Vector2d at = place_on(stroke, place).world;
+      const Vector2d at = place_on(stroke, place).p_P;
       const std::optional<double> off = distance_off(surface_, at, kSearched);
       const double by = off.value_or(2 * kSearched);
       if (by <= farthest) continue;
       farthest = by;
       span.worst = place;
-      span.p_PW << at, z;
+      span.p_P << at, z;
       span.text =
           fmt::format("{} mm off the canvas", off ? fmt::format("{:.1f}", 1e3 * by)
                                                   : fmt::format("over {:.0f}", 1e3 * kSearched));
@@ -237,7 +239,7 @@ SurfaceProfile::SurfaceProfile(const SurfaceSpan& span, double smoothing)
   integral_.assign(span.along.size(), Vector3d::Zero());
   for (std::size_t i = 1; i < integral_.size(); ++i) {
     integral_[i] = integral_[i - 1] + (span.along[i] - span.along[i - 1]) / 2 *
-                                          (span.samples[i - 1].n_W + span.samples[i].n_W);
+                                          (span.samples[i - 1].n_P + span.samples[i].n_P);
   }
 }
 
@@ -250,7 +252,7 @@ std::size_t SurfaceProfile::interval(double along) const {
 Vector3d SurfaceProfile::normal_integral(double along) const {
   const std::size_t i = interval(along);
   const double h = span_.along[i] - span_.along[i - 1], x = along - span_.along[i - 1];
-  const Vector3d before = span_.samples[i - 1].n_W, after = span_.samples[i].n_W;
+  const Vector3d before = span_.samples[i - 1].n_P, after = span_.samples[i].n_P;
   return integral_[i - 1] + x * before + x * x / (2 * h) * (after - before);
 }
 
@@ -264,9 +266,9 @@ SurfaceSample SurfaceProfile::at(double along) const {
   // it would tell of another place.
   const double half =
       std::min({smoothing_ / 2, along - span_.along.front(), span_.along.back() - along});
-  Vector3d n = (1 - share) * a.n_W + share * b.n_W;
+  Vector3d n = (1 - share) * a.n_P + share * b.n_P;
   if (half > 1e-9) n = normal_integral(along + half) - normal_integral(along - half);
-  return {a.p_W + share * (b.p_W - a.p_W), n.normalized()};
+  return {a.p_P + share * (b.p_P - a.p_P), n.normalized()};
 }
 
 }  // namespace impedraw

@@ -16,11 +16,11 @@ struct SurfaceSpan {
   std::optional<Problem> problem;  // off_canvas, fold, too_steep, or too_short between edges
   std::vector<double>
       along;  // no problem: places of the samples, rising, the first at `from`, the last at `to` …
-  std::vector<SurfaceSample> samples;              // … and the surface there
-  double slope = 0;                                // steepest [rad]; no problem or too_steep
-  double worst = 0;                                // a problem: place of the worst …
-  Eigen::Vector3d p_PW = Eigen::Vector3d::Zero();  // … point there …
-  std::string text;                                // … and what of it
+  std::vector<SurfaceSample> samples;             // … and the surface there
+  double slope = 0;                               // steepest [rad]; no problem or too_steep
+  double worst = 0;                               // a problem: place of the worst …
+  Eigen::Vector3d p_P = Eigen::Vector3d::Zero();  // … point there …
+  std::string text;                               // … and what of it
 };
 
 // Without gaps from the stroke's start to its end. A fold's span is at most some 10 µm long: the

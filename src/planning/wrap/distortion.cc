@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 constexpr double kChord = 5e-4;  // [m]
 
 Matrix2d metric(const SurfaceSample& sample) {
-  const Vector2d slope = -sample.n_W.head<2>() / sample.n_W.z();
+  const Vector2d slope = -sample.n_P.head<2>() / sample.n_P.z();
   return Matrix2d::Identity() + slope * slope.transpose();
 }
 
@@ -63,17 +63,17 @@ Distortion over_strokes(const std::vector<PlacedStroke>& strokes, const Onto& on
                         const std::function<LocalStretch(const SurfaceSample&)>& stretch) {
   Gathering gathering;
   for (const PlacedStroke& stroke : strokes) {
-    for (std::size_t k = 1; k < stroke.world.size(); ++k) {
-      const Vector2d along = stroke.world[k] - stroke.world[k - 1];
+    for (std::size_t k = 1; k < stroke.p_P.size(); ++k) {
+      const Vector2d along = stroke.p_P[k] - stroke.p_P[k - 1];
       const int chords = std::max(1, static_cast<int>(std::ceil(along.norm() / kChord)));
       const double length = along.norm() / chords;
       if (length == 0) continue;
-      std::optional<SurfaceSample> last = onto(stroke.world[k - 1]);
+      std::optional<SurfaceSample> last = onto(stroke.p_P[k - 1]);
       for (int i = 1; i <= chords; ++i) {
-        const std::optional<SurfaceSample> next = onto(stroke.world[k - 1] + along * i / chords);
+        const std::optional<SurfaceSample> next = onto(stroke.p_P[k - 1] + along * i / chords);
         if (last && next) {
-          gathering.lengths((next->p_W - last->p_W).norm() / length, length);
-          if (const auto middle = onto(stroke.world[k - 1] + along * (i - 0.5) / chords))
+          gathering.lengths((next->p_P - last->p_P).norm() / length, length);
+          if (const auto middle = onto(stroke.p_P[k - 1] + along * (i - 0.5) / chords))
             gathering.shapes(stretch(*middle));
         }
         last = next;
@@ -89,7 +89,7 @@ Distortion over_patch(const SurfacePatch& patch,
                       const std::function<Matrix2d(const Vector2d&)>& differential) {
   Gathering gathering;
   for (const SurfaceSample& sample : patch.samples) {
-    const Matrix2d J = differential(sample.p_W.head<2>());
+    const Matrix2d J = differential(sample.p_P.head<2>());
     const LocalStretch s = stretch_of(sample, J);
     gathering.lengths(s.largest, J.determinant());
     gathering.lengths(s.smallest, J.determinant());
@@ -111,7 +111,7 @@ LocalStretch stretch_of_projection(const SurfaceSample& sample) {
   return stretch_of(sample, Matrix2d::Identity());
 }
 LocalStretch stretch_of_wrap(const SurfaceSample& sample, const FlatChart& chart) {
-  return stretch_of(sample, chart.differential(sample.p_W.head<2>()));
+  return stretch_of(sample, chart.differential(sample.p_P.head<2>()));
 }
 
 Distortion distortion_of_projection(const std::vector<PlacedStroke>& strokes,

@@ -174,7 +174,7 @@ std::optional<Vector2d> FlatChart::to_plane(const Vector2d& flat) const {
                    c = flat - flat_[v[0]];
     const double area = cross(a, b), s = cross(c, b) / area, r = cross(a, c) / area;
     if (s < -kOnEdge || r < -kOnEdge || s + r > 1 + kOnEdge) continue;
-    const auto plane_of = [&](int k) -> Vector2d { return patch_.samples[v[k]].p_W.head<2>(); };
+    const auto plane_of = [&](int k) -> Vector2d { return patch_.samples[v[k]].p_P.head<2>(); };
     Vector2d plane =
         plane_of(0) + s * (plane_of(1) - plane_of(0)) + r * (plane_of(2) - plane_of(0));
     const Vector2d start = plane;

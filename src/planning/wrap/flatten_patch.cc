@@ -46,7 +46,7 @@ void write_patch(const SurfacePatch& patch, const std::filesystem::path& file) {
   const std::int64_t head[] = {static_cast<std::int64_t>(patch.samples.size()),
                                static_cast<std::int64_t>(patch.triangles.size()), patch.centre};
   put(head, 3);
-  for (const SurfaceSample& s : patch.samples) put(s.p_W.data(), 3);
+  for (const SurfaceSample& s : patch.samples) put(s.p_P.data(), 3);
   for (const Eigen::Vector3i& t : patch.triangles) {
     const std::int64_t row[] = {t[0], t[1], t[2]};
     put(row, 3);
@@ -94,7 +94,7 @@ void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& fl
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3i& t : patch.triangles) {
     if (cross(flat[t[1]] - flat[t[0]], flat[t[2]] - flat[t[0]]) > 0) continue;
-    if (folded++ == 0) first = patch.samples[t[0]].p_W;
+    if (folded++ == 0) first = patch.samples[t[0]].p_P;
   }
   if (folded == 0) return;
   throw InputError(fmt::format(

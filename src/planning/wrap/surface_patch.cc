@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 #include <fmt/core.h>
@@ -14,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-const double kSteepest = std::tan(80 * M_PI / 180);
+const double kSteepest = std::tan(80 * std::numbers::pi / 180);
 
 using Samples = std::vector<std::optional<SurfaceSample>>;  // by node
 
@@ -23,13 +24,13 @@ std::array<int, 4> corners(const SurfacePatch& patch, int cell) {
 }
 
 Samples sample(const SurfacePatch& patch, const SurfaceHeight& surface,
-               const std::function<bool(const Vector2d&)>& wanted) {
+               const std::function<bool(const Vector2d&)>& desired) {
   Samples samples(static_cast<std::size_t>(patch.columns) * patch.rows);
   for (int j = 0; j < patch.rows; ++j) {
     for (int k = 0; k < patch.columns; ++k) {
       const int i = j % 2 == 0 ? k : patch.columns - 1 - k;
       const Vector2d p = patch.corner + patch.spacing * Vector2d(i, j);
-      if (wanted(p)) samples[patch.node(i, j)] = surface(p.x(), p.y());
+      if (desired(p)) samples[patch.node(i, j)] = surface(p.x(), p.y());
     }
   }
   return samples;
@@ -38,10 +39,10 @@ Samples sample(const SurfacePatch& patch, const SurfaceHeight& surface,
 bool passable(const SurfacePatch& patch, const Samples& samples, int cell) {
   const std::array<int, 4> c = corners(patch, cell);
   for (const int node : c) {
-    if (!samples[node] || !samples[node]->p_W.allFinite()) return false;
+    if (!samples[node] || !samples[node]->p_P.allFinite()) return false;
   }
   for (int k = 0; k < 4; ++k) {
-    const double rise = samples[c[k]]->p_W.z() - samples[c[(k + 1) % 4]]->p_W.z();
+    const double rise = samples[c[k]]->p_P.z() - samples[c[(k + 1) % 4]]->p_P.z();
     if (std::abs(rise) > kSteepest * patch.spacing) return false;
   }
   return true;
@@ -64,7 +65,7 @@ std::vector<double> ways(const SurfacePatch& patch, const Samples& samples, int 
       for (int a = std::max(0, i - 1); a <= std::min(i, patch.columns - 2); ++a) {
         if (!patch.cell[patch.node(a, b)]) continue;
         for (const int next : corners(patch, patch.node(a, b))) {
-          const double other = length + (samples[next]->p_W - samples[node]->p_W).norm();
+          const double other = length + (samples[next]->p_P - samples[node]->p_P).norm();
           if (other >= way[next]) continue;
           way[next] = other;
           open.push({other, next});
@@ -129,7 +130,7 @@ void triangulate(SurfacePatch& patch, const Samples& samples) {
 
 SurfacePatch make_patch(const SurfaceHeight& surface, const Vector2d& centre, double spacing,
                         double half_width, double reach,
-                        const std::function<bool(const Vector2d&)>& wanted) {
+                        const std::function<bool(const Vector2d&)>& desired) {
   if (!surface(centre.x(), centre.y())) {
     throw InputError(
         fmt::format("wrap: the surface has no point above the drawing's centre, ({:.4f}, {:.4f}) m "
@@ -144,7 +145,7 @@ SurfacePatch make_patch(const SurfaceHeight& surface, const Vector2d& centre, do
   patch.columns = patch.rows = 2 * half + 1;
   const int start = patch.node(half, half);
 
-  const Samples samples = sample(patch, surface, wanted);
+  const Samples samples = sample(patch, surface, desired);
   patch.cell.assign(samples.size(), false);
   for (int j = 0; j + 1 < patch.rows; ++j) {
     for (int i = 0; i + 1 < patch.columns; ++i)

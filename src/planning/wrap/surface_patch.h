@@ -29,7 +29,7 @@ struct SurfacePatch {
 };
 
 // The part of the surface that hangs together with the point above `centre`, which becomes a node:
-// cells of which all four corners have surface and lie where `wanted` says so, within `half_width`
+// cells of which all four corners have surface and lie where `desired` says so, within `half_width`
 // of the centre in x and y and within `reach` of it along the surface (the length of a way along
 // edges and diagonals: up to 8 % longer than the shortest). Cells with an edge steeper than 80° are
 // left out: a height field does not tell a wall from two surfaces, one above the other.
@@ -38,6 +38,6 @@ struct SurfacePatch {
 // InputError: centre without surface or cells.
 SurfacePatch make_patch(const SurfaceHeight& surface, const Eigen::Vector2d& centre, double spacing,
                         double half_width, double reach,
-                        const std::function<bool(const Eigen::Vector2d&)>& wanted);
+                        const std::function<bool(const Eigen::Vector2d&)>& desired);
 
 }  // namespace impedraw

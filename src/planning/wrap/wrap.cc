@@ -52,14 +52,14 @@ class Follower {
 
   void follow(const PlacedStroke& stroke) {
     number_ = stroke.number;
-    dot_ = stroke.world.size() == 1;  // else a lone point is where the line but touches the patch
+    dot_ = stroke.p_P.size() == 1;  // else a lone point is where the line but touches the patch
     page_length_ = wrapped_length_ = stroke.start;
     lost_from_ = -1;
     part_ = {};
-    Point last = point(stroke.world.front(), stroke.page.front());
+    Point last = point(stroke.p_P.front(), stroke.page.front());
     begin(last);
-    for (std::size_t k = 1; k < stroke.world.size(); ++k) {
-      const Point next = point(stroke.world[k], stroke.page[k]);
+    for (std::size_t k = 1; k < stroke.p_P.size(); ++k) {
+      const Point next = point(stroke.p_P[k], stroke.page[k]);
       const int pieces =
           std::max(1, static_cast<int>(std::ceil((next.flat - last.flat).norm() / (4 * step_))));
       Point from = last;
@@ -134,11 +134,11 @@ class Follower {
     add(p);
   }
   void add(const Point& p) {
-    part_.world.push_back(*p.plane);
+    part_.p_P.push_back(*p.plane);
     part_.page.push_back(p.page);
   }
   void finish_part() {
-    if (part_.world.size() > 1 || (dot_ && !part_.world.empty()))
+    if (part_.p_P.size() > 1 || (dot_ && !part_.p_P.empty()))
       result_.strokes.push_back(std::move(part_));
     part_ = {};
   }
@@ -164,7 +164,7 @@ Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
   check(settings);
   std::vector<Vector2d> points;
   for (const PlacedStroke& stroke : strokes)
-    points.insert(points.end(), stroke.world.begin(), stroke.world.end());
+    points.insert(points.end(), stroke.p_P.begin(), stroke.p_P.end());
   if (points.empty()) throw InputError("wrap: there are no strokes to wrap");
   points.push_back(centre);
   const std::vector<Vector2d> hull = convex_hull(points);
@@ -180,12 +180,12 @@ Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
       centre, settings);
   double margin = settings.margin;
   for (int k = 0; k < kWidenings; ++k, margin *= 2) {
-    const auto wanted = [&](const Vector2d& p) {
+    const auto desired = [&](const Vector2d& p) {
       const std::optional<Vector2d> flat = coarse->to_flat(p, true);
       return flat && distance_to_hull(hull, *flat) <= margin;
     };
     chart_ = chart_of(make_patch(surface, centre, settings.spacing, kDetour * radius,
-                                 std::numeric_limits<double>::infinity(), wanted),
+                                 std::numeric_limits<double>::infinity(), desired),
                       centre, settings);
     bool missed = false;  // though there is surface
     for (const Vector2d& p : points)
@@ -198,7 +198,7 @@ WrappedStrokes Wrap::wrap(const std::vector<PlacedStroke>& strokes) const {
   WrappedStrokes result;
   Follower follower(*chart_, settings_, result);
   for (const PlacedStroke& stroke : strokes) {
-    if (!stroke.world.empty()) follower.follow(stroke);
+    if (!stroke.p_P.empty()) follower.follow(stroke);
   }
   return result;
 }

@@ -62,7 +62,7 @@ TEST(PathSpline, DerivativesAreThose) {
       EXPECT_LT(((b.dn - a.dn) / (2 * h) - s.ddn).norm(), 1e-4 * (1 + s.ddn.norm()) + 20);
     }
     for (std::size_t i = 0; i < spline.spans(); ++i)
-      EXPECT_LT((spline.at(spline.start(i)).p - knots[i].p_W).norm(), 1e-14);
+      EXPECT_LT((spline.at(spline.start(i)).p - knots[i].p_P).norm(), 1e-14);
     // The bounds hold inside each span.
     for (std::size_t i = 0; i < spline.spans(); ++i) {
       const PathSpline::Bounds bounds = spline.bounds(i);

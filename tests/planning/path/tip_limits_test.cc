@@ -20,7 +20,8 @@ void check(const TipPath& path, const PathSettings& s) {
   for (double t = 0.77e-3; t < path.duration(); t += step) {
     SCOPED_TRACE(t);
     const PathSample now = path.at(t);
-    const TipGoal &g = now.goal, a = path.at(t - h).goal, b = path.at(t + h).goal;
+    const TipReference &g = now.reference, a = path.at(t - h).reference,
+                       b = path.at(t + h).reference;
     ASSERT_LT(((b.p_WD - a.p_WD) / (2 * h) - g.v_WD).norm(), 1e-6);
     ASSERT_LT(((b.v_WD - a.v_WD) / (2 * h) - g.a_WD).norm(), jerk * h + 1e-6);  // a is continuous
     ASSERT_NEAR(g.n_WD.norm(), 1, 1e-12);
@@ -88,19 +89,19 @@ TEST(TipLimits, RandomStrokesOnWaves) {
     const std::vector<PlacedStroke> strokes = random_strokes(seed);
     const TipPath path = plan_tip_path(strokes, surfaces::waves, settings);
     check(path, settings);
-    // The wanted point stays within the tolerance of the artwork, and on the surface.
+    // The desired point stays within the tolerance of the artwork, and on the surface.
     for (std::size_t k = 0; k < strokes.size(); ++k) {
       const StrokeTimes& s = path.strokes()[k];
       for (double t = s.start; t < s.end; t += std::max(1e-3, (s.end - s.start) / 500)) {
-        const Vector3d p = path.at(t).goal.p_WD;
-        double nearest = (p.head<2>() - strokes[k].world[0]).norm();
-        for (std::size_t i = 1; i < strokes[k].world.size(); ++i) {
-          const Vector2d a = strokes[k].world[i - 1], side = strokes[k].world[i] - a;
+        const Vector3d p = path.at(t).reference.p_WD;
+        double nearest = (p.head<2>() - strokes[k].p_P[0]).norm();
+        for (std::size_t i = 1; i < strokes[k].p_P.size(); ++i) {
+          const Vector2d a = strokes[k].p_P[i - 1], side = strokes[k].p_P[i] - a;
           const double f = std::clamp((p.head<2>() - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
           nearest = std::min(nearest, (p.head<2>() - a - f * side).norm());
         }
         ASSERT_LE(nearest, settings.tolerance) << k;
-        ASSERT_NEAR(p.z(), surfaces::waves(p.x(), p.y())->p_W.z(), 2e-6) << k;
+        ASSERT_NEAR(p.z(), surfaces::waves(p.x(), p.y())->p_P.z(), 2e-6) << k;
       }
     }
   }

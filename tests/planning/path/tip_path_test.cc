@@ -1,5 +1,6 @@
 // What the path does when: phases, strokes, corners, dots, blind drawing, errors.
 #include <gmock/gmock.h>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -49,19 +50,19 @@ TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
   settings.start_n_W = Vector3d(0.1, 0.2, 1).normalized();
   settings.highest_z = 0.16;
   const TipPath path = plan_tip_path({line({{0.55, 0}, {0.6, 0.05}})}, surfaces::bowl, settings);
-  EXPECT_LT((path.at(0).goal.p_WD - settings.start_p_WE).norm(), 1e-12);
-  EXPECT_LT((path.at(0).goal.n_WD - settings.start_n_W).norm(), 1e-12);
-  EXPECT_LT((path.at(0.2).goal.p_WD.head<2>() - settings.start_p_WE.head<2>()).norm(),
+  EXPECT_LT((path.at(0).reference.p_WD - settings.start_p_WE).norm(), 1e-12);
+  EXPECT_LT((path.at(0).reference.n_WD - settings.start_n_W).norm(), 1e-12);
+  EXPECT_LT((path.at(0.2).reference.p_WD.head<2>() - settings.start_p_WE.head<2>()).norm(),
             1e-12);  // straight up first
   const PathSample end = path.at(path.duration() + 5);
   const SurfaceSample last = *surfaces::bowl(0.6, 0.05);
-  EXPECT_NEAR(end.goal.p_WD.z(), 0.16 + settings.safe_height, 1e-9);
-  EXPECT_LT((end.goal.p_WD - last.p_W).normalized().cross(last.n_W).norm(),
+  EXPECT_NEAR(end.reference.p_WD.z(), 0.16 + settings.safe_height, 1e-9);
+  EXPECT_LT((end.reference.p_WD - last.p_P).normalized().cross(last.n_P).norm(),
             5e-5);  // along the normal
   EXPECT_EQ(end.phase, Phase::done);
   EXPECT_EQ(end.stroke, -1);
-  EXPECT_FALSE(end.goal.pen_down);
-  EXPECT_EQ(path.at(-1).goal.p_WD, path.at(0).goal.p_WD);
+  EXPECT_FALSE(end.reference.pen_down);
+  EXPECT_EQ(path.at(-1).reference.p_WD, path.at(0).reference.p_WD);
 }
 
 TEST(TipPath, StrokeAndPenDownAreTimedAsMeasured) {
@@ -73,25 +74,24 @@ TEST(TipPath, StrokeAndPenDownAreTimedAsMeasured) {
   for (int k = 0; k < 2; ++k) {
     const StrokeTimes& s = path.strokes()[k];
     const Vector3d first =
-        surfaces::bowl(strokes[k].world.front().x(), strokes[k].world.front().y())->p_W;
-    const Vector3d last =
-        surfaces::bowl(strokes[k].world.back().x(), strokes[k].world.back().y())->p_W;
+        surfaces::bowl(strokes[k].p_P.front().x(), strokes[k].p_P.front().y())->p_P;
+    const Vector3d last = surfaces::bowl(strokes[k].p_P.back().x(), strokes[k].p_P.back().y())->p_P;
     EXPECT_EQ(path.at(s.start - 1e-6).stroke, -1);
     EXPECT_EQ(path.at(s.start + 1e-6).stroke, k);
     EXPECT_EQ(path.at(s.end - 1e-6).stroke, k);
     EXPECT_EQ(path.at(s.end + 1e-6).stroke, -1);
-    EXPECT_LT((path.at(s.start).goal.p_WD - first).norm(), 1e-9);
-    EXPECT_LT((path.at(s.end).goal.p_WD - last).norm(), 1e-9);
-    EXPECT_GT((path.at(s.start + 0.03).goal.p_WD - first).norm(),
+    EXPECT_LT((path.at(s.start).reference.p_WD - first).norm(), 1e-9);
+    EXPECT_LT((path.at(s.end).reference.p_WD - last).norm(), 1e-9);
+    EXPECT_GT((path.at(s.start + 0.03).reference.p_WD - first).norm(),
               1e-6);  // it does leave at that instant
-    EXPECT_GT((path.at(s.end - 0.03).goal.p_WD - last).norm(), 1e-6);
+    EXPECT_GT((path.at(s.end - 0.03).reference.p_WD - last).norm(), 1e-6);
     // Down from the approach's start to the lift's, settled before drawing.
-    EXPECT_FALSE(path.at(s.approach - 1e-6).goal.pen_down);
-    EXPECT_TRUE(path.at(s.approach + 1e-6).goal.pen_down);
-    EXPECT_NEAR((path.at(s.approach).goal.p_WD - first).norm(), settings.hover_height, 1e-9);
-    EXPECT_LT((path.at(s.start - settings.settle_time + 1e-6).goal.p_WD - first).norm(), 1e-9);
-    EXPECT_TRUE(path.at(s.end + settings.end_hold - 1e-6).goal.pen_down);
-    EXPECT_FALSE(path.at(s.end + settings.end_hold + 1e-6).goal.pen_down);
+    EXPECT_FALSE(path.at(s.approach - 1e-6).reference.pen_down);
+    EXPECT_TRUE(path.at(s.approach + 1e-6).reference.pen_down);
+    EXPECT_NEAR((path.at(s.approach).reference.p_WD - first).norm(), settings.hover_height, 1e-9);
+    EXPECT_LT((path.at(s.start - settings.settle_time + 1e-6).reference.p_WD - first).norm(), 1e-9);
+    EXPECT_TRUE(path.at(s.end + settings.end_hold - 1e-6).reference.pen_down);
+    EXPECT_FALSE(path.at(s.end + settings.end_hold + 1e-6).reference.pen_down);
     EXPECT_EQ(path.at(s.end + settings.end_hold + 1e-6).phase, Phase::lift);
   }
 }
@@ -101,14 +101,14 @@ TEST(TipPath, SineKeepsToItsFormulaAndItsSpeed) {
   const StrokeTimes& s = path.strokes().at(0);
   EXPECT_GE(1e3 * s.length / (s.end - s.start), 49.0);  // mm/s
   double arc = 0;
-  Vector3d last = path.at(s.start).goal.p_WD;
+  Vector3d last = path.at(s.start).reference.p_WD;
   for (double t = s.start; t <= s.end; t += 1e-3) {
-    const TipGoal goal = path.at(t).goal;
-    const Vector3d& p = goal.p_WD;
-    ASSERT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * M_PI * (p.y() + 0.15) / 0.15),
+    const TipReference reference = path.at(t).reference;
+    const Vector3d& p = reference.p_WD;
+    ASSERT_NEAR(p.x(), 0.60 + 0.05 * std::sin(2 * std::numbers::pi * (p.y() + 0.15) / 0.15),
                 2.4e-5);  // 0.01 mm across, slope up to 2.1
     ASSERT_NEAR((p - surfaces::kBowlCentre).norm(), surfaces::kBowlRadius, 1e-7);
-    ASSERT_LT(goal.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(),
+    ASSERT_LT(reference.n_WD.cross((surfaces::kBowlCentre - p).normalized()).norm(),
               5e-4);  // smoothing takes up to 0.03° off, at the ends
     arc += (p - last).norm();
     last = p;
@@ -128,7 +128,7 @@ TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
     const auto noisy = [&](double x, double y) {
       std::optional<SurfaceSample> sample = surfaces::bowl(x, y);
       if (sample)
-        sample->n_W = (sample->n_W + Vector3d(noise(bits), noise(bits), noise(bits))).normalized();
+        sample->n_P = (sample->n_P + Vector3d(noise(bits), noise(bits), noise(bits))).normalized();
       return sample;
     };
     PathSettings settings;
@@ -139,9 +139,9 @@ TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
     double most = 0.0;
     *error = 0.0;
     for (double t = path.strokes()[0].start; t <= path.strokes()[0].end; t += 1e-3) {
-      const TipGoal goal = path.at(t).goal;
-      most = std::max(most, goal.alpha_WD.norm());
-      *error += goal.n_WD.cross((surfaces::kBowlCentre - goal.p_WD).normalized()).norm();
+      const TipReference reference = path.at(t).reference;
+      most = std::max(most, reference.alpha_WD.norm());
+      *error += reference.n_WD.cross((surfaces::kBowlCentre - reference.p_WD).normalized()).norm();
     }
     return most;
   };
@@ -158,9 +158,9 @@ TEST(TipPath, MStopsAtItsCorners) {
   for (const Vector2d& corner : {Vector2d(0.68, 0.08), Vector2d(0.60, 0), Vector2d(0.68, -0.08)}) {
     double nearest = 1, speed = 1;
     for (double t = s.start; t < s.end; t += 1e-4) {
-      const TipGoal goal = path.at(t).goal;
-      const double d = (goal.p_WD.head<2>() - corner).norm();
-      if (d < nearest) nearest = d, speed = goal.v_WD.norm();
+      const TipReference reference = path.at(t).reference;
+      const double d = (reference.p_WD.head<2>() - corner).norm();
+      if (d < nearest) nearest = d, speed = reference.v_WD.norm();
     }
     EXPECT_LT(nearest, 1e-8);
     EXPECT_LT(speed, 1e-3);
@@ -174,7 +174,7 @@ TEST(TipPath, DotsAreHeld) {
   for (const StrokeTimes& s : path.strokes()) {
     EXPECT_NEAR(s.end - s.start, settings.dot_time, 1e-12);
     EXPECT_EQ(s.length, 0);
-    EXPECT_EQ(path.at(s.start + 0.01).goal.v_WD.norm(), 0);
+    EXPECT_EQ(path.at(s.start + 0.01).reference.v_WD.norm(), 0);
   }
 }
 
@@ -186,17 +186,17 @@ TEST(TipPath, BlindDrawsSunkWithAnUprightPen) {
   const StrokeTimes& s = path.strokes().at(0);
   for (double t = 0; t < path.duration(); t += 1e-3) {
     const PathSample sample = path.at(t);
-    ASSERT_EQ(sample.goal.n_WD, Vector3d(Vector3d::UnitZ()));
-    ASSERT_EQ(sample.goal.w_WD.norm(), 0);
+    ASSERT_EQ(sample.reference.n_WD, Vector3d(Vector3d::UnitZ()));
+    ASSERT_EQ(sample.reference.w_WD.norm(), 0);
     if (sample.stroke < 0) continue;
-    const Vector3d& p = sample.goal.p_WD;
-    ASSERT_NEAR(p.z(), surfaces::bowl(p.x(), p.y())->p_W.z() - 0.01, 1e-6);
+    const Vector3d& p = sample.reference.p_WD;
+    ASSERT_NEAR(p.z(), surfaces::bowl(p.x(), p.y())->p_P.z() - 0.01, 1e-6);
   }
   // Sunk gradually: straight down through the surface at the approach's speed.
   const double down = (settings.hover_height + settings.sink) / settings.approach_speed;
   EXPECT_NEAR(s.start - s.approach, down + settings.settle_time, 0.06);
   for (double t = s.approach; t < s.start; t += 1e-3)
-    ASSERT_LE(path.at(t).goal.v_WD.norm(), settings.approach_speed + 1e-9);
+    ASSERT_LE(path.at(t).reference.v_WD.norm(), settings.approach_speed + 1e-9);
 }
 
 TEST(TipPath, PolygonsSmallTurnsAreRoundedWithinTheTolerance) {
@@ -204,15 +204,15 @@ TEST(TipPath, PolygonsSmallTurnsAreRoundedWithinTheTolerance) {
   // above.
   std::vector<Vector2d> polygon{{0.58, -0.03}};
   for (int i = 0; i < 10; ++i)
-    polygon.push_back(polygon.back() +
-                      0.01 * Vector2d(std::cos(i * M_PI / 9), std::sin(i * M_PI / 9)));
+    polygon.push_back(polygon.back() + 0.01 * Vector2d(std::cos(i * std::numbers::pi / 9),
+                                                       std::sin(i * std::numbers::pi / 9)));
   const TipPath path = plan_tip_path({line(polygon)}, surfaces::bowl, surfaces::brisk());
   const StrokeTimes& s = path.strokes().at(0);
   double slowest = 1;
   for (double t = s.start; t <= s.end; t += 5e-4) {
-    const TipGoal goal = path.at(t).goal;
-    ASSERT_LE(distance(goal.p_WD.head<2>(), polygon, 0, polygon.size() - 1), 1e-5);
-    if (t > s.start + 0.2 && t < s.end - 0.2) slowest = std::min(slowest, goal.v_WD.norm());
+    const TipReference reference = path.at(t).reference;
+    ASSERT_LE(distance(reference.p_WD.head<2>(), polygon, 0, polygon.size() - 1), 1e-5);
+    if (t > s.start + 0.2 && t < s.end - 0.2) slowest = std::min(slowest, reference.v_WD.norm());
   }
   EXPECT_GT(slowest, 0.01);
 }
@@ -229,7 +229,7 @@ TEST(TipPath, JitterOfFinePointsIsNotDrawn) {
   const StrokeTimes& s = path.strokes().at(0);
   EXPECT_GE(1e3 * s.length / (s.end - s.start), 47.0);
   for (double t = s.start; t <= s.end; t += 1e-3)
-    ASSERT_NEAR((path.at(t).goal.p_WD.head<2>() - Vector2d(0.6, 0)).norm(), 0.1, 1.1e-5);
+    ASSERT_NEAR((path.at(t).reference.p_WD.head<2>() - Vector2d(0.6, 0)).norm(), 0.1, 1.1e-5);
 }
 
 TEST(TipPath, LeavingTheCanvasSaysWhereAndByHowMuch) {

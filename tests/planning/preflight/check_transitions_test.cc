@@ -15,8 +15,8 @@ std::vector<Finding> ways(ArmModel& arm, const std::vector<PlacedStroke>& stroke
                           const SurfaceHeight& surface, const Canvas* obstacle) {
   PathSettings path;
   path.start_p_WE = {0.5, 0, 0.3};
-  return check_ways(plan_tip_path(strokes, surface, path), strokes, arm, obstacle,
-                    surfaces::start_posture(arm));
+  return check_transitions(plan_tip_path(strokes, surface, path), strokes, arm, obstacle,
+                           surfaces::start_posture(arm));
 }
 
 TEST(PreflightWays, AreFreeOverAnEmptyTable) {
@@ -55,8 +55,8 @@ TEST(PreflightWays, AWayOutOfReachIsSaid) {
   PathSettings path;
   path.start_p_WE = {0.5, 0, 0.3};
   path.highest_z = 0.75;
-  const auto findings = check_ways(plan_tip_path({stroke}, surfaces::flat(0.1), path), {stroke},
-                                   arm, nullptr, surfaces::start_posture(arm));
+  const auto findings = check_transitions(plan_tip_path({stroke}, surfaces::flat(0.1), path),
+                                          {stroke}, arm, nullptr, surfaces::start_posture(arm));
   std::set<Problem> seen;
   for (const Finding& finding : findings) seen.insert(finding.problem);
   EXPECT_TRUE(seen.count(Problem::out_of_reach));
@@ -72,8 +72,8 @@ TEST(PreflightWays, ALiftOutOfReachIsSaidOfTheStrokeThatItIsOffAndOfNoOther) {
   path.start_p_WE = {0.5, 0, 0.3};
   path.highest_z = 0.57;
   const auto asked = [&](const std::vector<PlacedStroke>& strokes) {
-    return check_ways(plan_tip_path(strokes, surfaces::flat(0.1), path), strokes, arm, nullptr,
-                      surfaces::start_posture(arm));
+    return check_transitions(plan_tip_path(strokes, surfaces::flat(0.1), path), strokes, arm,
+                             nullptr, surfaces::start_posture(arm));
   };
   EXPECT_TRUE(asked({near}).empty());
   const auto findings = asked({far, near});

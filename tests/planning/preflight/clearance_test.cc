@@ -1,6 +1,7 @@
 // Distances of the arm's bodies to meshes against closed forms and brute force.
 #include "impedraw/planning/preflight/clearance.h"
 
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -122,7 +123,7 @@ TEST(Clearance, PenStandsOnASlopeOfUpTo60Degrees) {
   // = sin α, 63.4°.
   for (double degrees : {0.0, 30.0, 45.0, 59.0, 60.0, 60.5, 62.0, 75.0}) {
     for (double turn : {0.0, 1.0, 2.5, 4.0}) {
-      const double slope = degrees * M_PI / 180;
+      const double slope = degrees * std::numbers::pi / 180;
       PlaneSettings plane;
       plane.centre = X_WE.p;
       plane.normal = {std::sin(slope) * std::cos(turn), std::sin(slope) * std::sin(turn),

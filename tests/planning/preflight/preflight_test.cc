@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <set>
 #include <sstream>
@@ -125,7 +126,7 @@ TEST_F(PreflightTest, NarrowedJointEndsTheStroke) {
 }
 
 TEST_F(PreflightTest, TorqueIsWhatVirtualWorkSays) {
-  settings.push_force = 60;
+  settings.normal_force = 60;
   settings.friction = 0.4;
   const PlacedStroke dot = surfaces::line({{0.65, 0.05}});
   const Preflight done = check({dot}, surfaces::flat(0.1));
@@ -146,7 +147,7 @@ TEST_F(PreflightTest, TorqueIsWhatVirtualWorkSays) {
     b[j] += 1e-6;
     const Vector3d moved = (arm.tip_pose(b).p - arm.tip_pose(a).p) / 2e-6;
     for (int k = 0; k < 720; ++k) {
-      const double way = 2 * M_PI * k / 720;
+      const double way = 2 * std::numbers::pi * k / 720;
       // of the pen on the surface
       const Vector3d force = 60 * Vector3d(0.4 * std::cos(way), 0.4 * std::sin(way), -1);
       worst = std::max(worst, std::abs(terms.g[j] + moved.dot(force)) / arm.limits().torque[j]);
@@ -224,17 +225,17 @@ TEST_F(PreflightTest, TurnedDrawingFrameIsTheSame) {
   settings.max_slope_deg = 25;
   const PlacedStroke stroke = surfaces::line({{0.6, 0}, {0.77, 0}});
   const Preflight plain = check({stroke}, surfaces::bowl);
-  settings.X_WP.R = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ()).toRotationMatrix();
+  settings.X_WP.R = Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitZ()).toRotationMatrix();
   settings.X_WP.p = {0.1, -0.2, 0.05};
   const Pose X_PW = settings.X_WP.inverse();
   const auto moved = [&](double x, double y) -> std::optional<SurfaceSample> {
     const Vector3d p = settings.X_WP * Vector3d(x, y, 0);
     const auto s = surfaces::bowl(p.x(), p.y());
     if (!s) return std::nullopt;
-    return SurfaceSample{X_PW * s->p_W, X_PW.R * s->n_W};
+    return SurfaceSample{X_PW * s->p_P, X_PW.R * s->n_P};
   };
   PlacedStroke turned = stroke;
-  for (Vector2d& p : turned.world) p = (X_PW * Vector3d(p.x(), p.y(), 0)).head<2>();
+  for (Vector2d& p : turned.p_P) p = (X_PW * Vector3d(p.x(), p.y(), 0)).head<2>();
   const Preflight other = check({turned}, moved);
   ASSERT_EQ(problems(plain), problems(other));
   EXPECT_NEAR(plain.drawable.at(0).to, other.drawable.at(0).to, 1e-9);
@@ -257,8 +258,8 @@ TEST_F(PreflightTest, FindingsAndDrawablePartsCoverEveryStroke) {
     PlacedStroke stroke;
     stroke.number = 2 * i;  // any, rising
     for (int k = 0; k < 1 + i % 4; ++k) {
-      stroke.world.push_back({0.65 + 0.35 * unit(rng), 0.3 * unit(rng)});
-      stroke.page.push_back(1e3 * stroke.world.back());
+      stroke.p_P.push_back({0.65 + 0.35 * unit(rng), 0.3 * unit(rng)});
+      stroke.page.push_back(1e3 * stroke.p_P.back());
     }
     strokes.push_back(stroke);
   }

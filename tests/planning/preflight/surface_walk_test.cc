@@ -1,6 +1,7 @@
 // Where a stroke is cut on surfaces in closed form.
 #include "impedraw/planning/preflight/surface_walk.h"
 
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-constexpr double kDegree = M_PI / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 
 SurfaceSample level(double x, double y, double z) { return {{x, y, z}, Vector3d::UnitZ()}; }
 
@@ -52,7 +53,7 @@ TEST(SurfaceWalk, KeepsItsMarginFromAHole) {
     EXPECT_EQ(spans[0].along.back(), spans[0].to);
     EXPECT_EQ(spans[0].from, 0.0) << "a stroke's own end is no edge";
     EXPECT_NEAR(spans[2].from, 0.13 + margin, settings.edge_tolerance + 2e-6);
-    EXPECT_NEAR(spans[2].samples.front().p_W.x(), 0.5 + spans[2].from, 1e-9);
+    EXPECT_NEAR(spans[2].samples.front().p_P.x(), 0.5 + spans[2].from, 1e-9);
     EXPECT_EQ(spans[1].from, spans[0].to);
     EXPECT_EQ(spans[1].to, spans[2].from);
   }
@@ -87,7 +88,7 @@ TEST(SurfaceWalk, EndsOnTheGoodSideCanBePlannedFrom) {
                                                 {0.6 + 0.05 * unit(rng), 0.05 * unit(rng)}});
     for (const SurfaceSpan& span : walk_surface(stroke, surface, {})) {
       if (span.problem) continue;
-      for (const Vector2d& p : part_of(stroke, span.from, span.to).world)
+      for (const Vector2d& p : part_of(stroke, span.from, span.to).p_P)
         EXPECT_TRUE(surface(p.x(), p.y()));
     }
   }
@@ -103,12 +104,12 @@ TEST(SurfaceWalk, EndsStayClearOfAnEdgeThatASampleFallsOn) {
         {{0.6 - 1e-3 * i, 0.001 * i}, {0.6 - 0.5e-3 * i, 0}, {0.6 + 1e-3 * i, 0.003 * i}});
     const auto spans = walk_surface(stroke, half, {});
     ASSERT_EQ(spans.size(), 2u);
-    for (const Vector2d& p : part_of(stroke, spans[0].from, spans[0].to).world)
+    for (const Vector2d& p : part_of(stroke, spans[0].from, spans[0].to).p_P)
       EXPECT_TRUE(half(p.x(), p.y())) << i;
-    const PlacedStroke back = surfaces::line({stroke.world[2], stroke.world[1], stroke.world[0]});
+    const PlacedStroke back = surfaces::line({stroke.p_P[2], stroke.p_P[1], stroke.p_P[0]});
     const auto reversed = walk_surface(back, half, {});
     ASSERT_EQ(reversed.size(), 2u);
-    for (const Vector2d& p : part_of(back, reversed[1].from, reversed[1].to).world)
+    for (const Vector2d& p : part_of(back, reversed[1].from, reversed[1].to).p_P)
       EXPECT_TRUE(half(p.x(), p.y())) << i;
   }
 }
@@ -121,8 +122,8 @@ TEST(SurfaceWalk, FindsTheFoldAndKeepsBothSides) {
     EXPECT_LT(spans[1].to - spans[1].from, 2e-5);
     EXPECT_LT(spans[1].from, 0.05);
     EXPECT_GT(spans[1].to, 0.05);
-    EXPECT_DOUBLE_EQ(spans[0].samples.back().p_W.z(), 0.1);
-    EXPECT_DOUBLE_EQ(spans[2].samples.front().p_W.z(), 0.1 + step);
+    EXPECT_DOUBLE_EQ(spans[0].samples.back().p_P.z(), 0.1);
+    EXPECT_DOUBLE_EQ(spans[2].samples.front().p_P.z(), 0.1 + step);
   }
   EXPECT_EQ(walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), stepped(0.0004, 0), {}).size(), 1u)
       << "a step that the tip rides over";
@@ -176,12 +177,12 @@ TEST(SurfaceWalk, ProfileIsTheSurface) {
   ASSERT_EQ(spans.size(), 1u);
   const SurfaceProfile exact(spans[0], 0), smooth(spans[0], 5e-3);
   for (double s = 0; s <= plane_length(stroke); s += 0.7e-3) {
-    const Vector2d at = place_on(stroke, s).world;
+    const Vector2d at = place_on(stroke, s).p_P;
     const SurfaceSample truth = *surfaces::waves(at.x(), at.y());
-    EXPECT_LT((exact.at(s).p_W - truth.p_W).norm(),
+    EXPECT_LT((exact.at(s).p_P - truth.p_P).norm(),
               5e-6);  // curvature 32/m over a millimetre: 4 µm
-    EXPECT_LT((exact.at(s).n_W - truth.n_W).norm(), 2e-4);
-    EXPECT_LT((smooth.at(s).n_W - truth.n_W).norm(), 5e-3);  // n'' w²/24 with n'' about 32 × 40 /m²
+    EXPECT_LT((exact.at(s).n_P - truth.n_P).norm(), 2e-4);
+    EXPECT_LT((smooth.at(s).n_P - truth.n_P).norm(), 5e-3);  // n'' w²/24 with n'' about 32 × 40 /m²
   }
 }
 
@@ -195,9 +196,9 @@ TEST(SurfaceWalk, ProfileAveragesNormals) {
   ASSERT_EQ(spans.size(), 1u);
   const SurfaceProfile smooth(spans[0], 5e-3);
   const Vector3d after = Vector3d(-0.2, 0, 1).normalized();
-  EXPECT_LT((smooth.at(0.0474).n_W - Vector3d::UnitZ()).norm(), 0.02);
-  EXPECT_LT((smooth.at(0.0526).n_W - after).norm(), 0.02);
-  EXPECT_LT((smooth.at(0.05).n_W - (Vector3d::UnitZ() + after).normalized()).norm(), 0.02);
+  EXPECT_LT((smooth.at(0.0474).n_P - Vector3d::UnitZ()).norm(), 0.02);
+  EXPECT_LT((smooth.at(0.0526).n_P - after).norm(), 0.02);
+  EXPECT_LT((smooth.at(0.05).n_P - (Vector3d::UnitZ() + after).normalized()).norm(), 0.02);
 }
 
 TEST(SurfaceWalk, SpansCoverTheStrokeFromEndToEnd) {
@@ -217,8 +218,8 @@ TEST(SurfaceWalk, SpansCoverTheStrokeFromEndToEnd) {
     PlacedStroke stroke;
     stroke.start = i % 3 * 0.01;
     for (int k = 0; k < 2 + i % 5; ++k) {
-      stroke.world.push_back({0.6 + 0.1 * unit(rng), 0.1 * unit(rng)});
-      stroke.page.push_back(stroke.world.back());
+      stroke.p_P.push_back({0.6 + 0.1 * unit(rng), 0.1 * unit(rng)});
+      stroke.page.push_back(stroke.p_P.back());
     }
     PreflightSettings settings;
     settings.max_slope_deg = 60;
@@ -234,10 +235,10 @@ TEST(SurfaceWalk, SpansCoverTheStrokeFromEndToEnd) {
       EXPECT_EQ(spans[k].along.back(), spans[k].to);
       // Asked anew, every place of it can be drawn on.
       for (double s = spans[k].from; s <= spans[k].to; s += 0.37e-3) {
-        const Vector2d at = place_on(stroke, s).world;
+        const Vector2d at = place_on(stroke, s).p_P;
         const auto sample = surface(at.x(), at.y());
         ASSERT_TRUE(sample) << i;
-        EXPECT_LT(std::acos(sample->n_W.z()), 60.001 * kDegree);
+        EXPECT_LT(std::acos(sample->n_P.z()), 60.001 * kDegree);
       }
     }
   }

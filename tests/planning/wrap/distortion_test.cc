@@ -1,6 +1,8 @@
 // Distortion against closed forms, and what the wrap gains over the projection.
 #include "impedraw/planning/wrap/distortion.h"
 
+#include <numbers>
+
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
@@ -20,11 +22,11 @@ void print(const char* name, const Distortion& d) {
       "{:26} stretch {:.4f} to {:.4f}, rms {:.4f}; area {:.4f} to {:.4f}; angle {:.2f}°; {:.3f} "
       "m\n",
       name, d.stretch_min, d.stretch_max, d.stretch_rms, d.area_min, d.area_max,
-      d.angle_max * 180 / M_PI, d.page_length);
+      d.angle_max * 180 / std::numbers::pi, d.page_length);
 }
 
 TEST(Distortion, OfATiltedPlaneIsThatOfItsSlope) {
-  const double slope = 30 * M_PI / 180, s = 1 / std::cos(slope);
+  const double slope = 30 * std::numbers::pi / 180, s = 1 / std::cos(slope);
   const SurfaceHeight surface =
       surfaces::height_field([&](double x, double) { return std::tan(slope) * x; });
   const PlacedStroke up = line({kCentre, kCentre + Vector2d(0.05, 0)}),
@@ -66,16 +68,17 @@ TEST(Distortion, SingularValuesAreTheExtremesOverDirections) {
     const LocalStretch projected = stretch_of_projection(*surfaces::waves(flat.x(), flat.y()));
     double least = 9, most = 0, least_projected = 9, most_projected = 0;
     for (int k = 0; k < 720; ++k) {
-      const Vector2d step = d * Vector2d(std::cos(k * M_PI / 720), std::sin(k * M_PI / 720));
+      const Vector2d step =
+          d * Vector2d(std::cos(k * std::numbers::pi / 720), std::sin(k * std::numbers::pi / 720));
       const Vector2d a = *wrap.to_plane(flat - step), b = *wrap.to_plane(flat + step);
       const double stretch =
-          (surfaces::waves(b.x(), b.y())->p_W - surfaces::waves(a.x(), a.y())->p_W).norm() /
+          (surfaces::waves(b.x(), b.y())->p_P - surfaces::waves(a.x(), a.y())->p_P).norm() /
           (2 * d);
       least = std::min(least, stretch);
       most = std::max(most, stretch);
       const Vector2d p = flat - step, q = flat + step;
       const double direct =
-          (surfaces::waves(q.x(), q.y())->p_W - surfaces::waves(p.x(), p.y())->p_W).norm() /
+          (surfaces::waves(q.x(), q.y())->p_P - surfaces::waves(p.x(), p.y())->p_P).norm() /
           (2 * d);
       least_projected = std::min(least_projected, direct);
       most_projected = std::max(most_projected, direct);

@@ -49,7 +49,7 @@ TEST(WrapCuts, AtTheRimAndCountsWhatIsLost) {
   EXPECT_EQ(wrapped.lost[0].stroke, 4);
   // Whole cells only, so it may end a spacing before the rim (0.18 m away seen along z), and not
   // beyond it.
-  const double end = (wrapped.strokes[0].world.back() - kCentre).norm();
+  const double end = (wrapped.strokes[0].p_P.back() - kCentre).norm();
   EXPECT_LE(end, 0.18 + 1e-9);
   EXPECT_GT(end, 0.18 - 0.0031);
   EXPECT_NEAR(wrapped.lost[0].to, 0.30, 1e-12);
@@ -72,8 +72,7 @@ TEST(WrapCuts, AHoleMakesTwoParts) {
   for (const PlacedStroke& part : wrapped.strokes) EXPECT_EQ(part.number, 2);
   // On a table flat and plane are one.
   EXPECT_NEAR(wrapped.strokes[1].start, wrapped.lost[0].to, 2e-6);
-  EXPECT_NEAR((wrapped.strokes[0].world.back() - stroke.world[0]).norm(), wrapped.lost[0].from,
-              2e-6);
+  EXPECT_NEAR((wrapped.strokes[0].p_P.back() - stroke.p_P[0]).norm(), wrapped.lost[0].from, 2e-6);
 }
 
 TEST(WrapCuts, AtAStepWhichAHeightFieldDoesNotShow) {
@@ -83,8 +82,8 @@ TEST(WrapCuts, AtAStepWhichAHeightFieldDoesNotShow) {
   const PlacedStroke stroke = line({kCentre, kCentre + Vector2d(0.10, 0)});
   const WrappedStrokes wrapped = Wrap(surface, kCentre, {stroke}).wrap({stroke});
   ASSERT_EQ(wrapped.strokes.size(), 1u);
-  EXPECT_LT(wrapped.strokes[0].world.back().x(), 0.65);
-  EXPECT_GT(wrapped.strokes[0].world.back().x(), 0.65 - 0.0031);
+  EXPECT_LT(wrapped.strokes[0].p_P.back().x(), 0.65);
+  EXPECT_GT(wrapped.strokes[0].p_P.back().x(), 0.65 - 0.0031);
   EXPECT_THAT(wrapped.lost, testing::SizeIs(1));
 }
 
@@ -94,7 +93,7 @@ TEST(WrapCuts, ADotStaysADotOrIsLost) {
   here.number = 0, off.number = 1;
   const WrappedStrokes wrapped = Wrap(surfaces::bowl, kCentre, {here, off}).wrap({here, off});
   ASSERT_EQ(wrapped.strokes.size(), 1u);
-  EXPECT_EQ(wrapped.strokes[0].world.size(), 1u);
+  EXPECT_EQ(wrapped.strokes[0].p_P.size(), 1u);
   ASSERT_EQ(wrapped.lost.size(), 1u);
   EXPECT_EQ(wrapped.lost[0].stroke, 1);
   EXPECT_EQ(wrapped.lost[0].length(), 0);
@@ -107,24 +106,22 @@ TEST(WrapCuts, InsertsPointsUntilTheImageIsFollowed) {
   const Wrap wrap(surfaces::waves, kCentre, {stroke}, settings);
   const PlacedStroke wrapped = wrap.wrap({stroke}).strokes.at(0);
   double worst = 0, straight = 0;
-  for (std::size_t k = 1; k < wrapped.world.size(); ++k) {
+  for (std::size_t k = 1; k < wrapped.p_P.size(); ++k) {
     for (const double share : {0.1, 0.37, 0.5, 0.8}) {
       const Vector2d flat =
           wrapped.page[k - 1] +
           share * (wrapped.page[k] - wrapped.page[k - 1]);  // page points are flat points here
-      const Vector2d chord =
-          wrapped.world[k - 1] + share * (wrapped.world[k] - wrapped.world[k - 1]);
+      const Vector2d chord = wrapped.p_P[k - 1] + share * (wrapped.p_P[k] - wrapped.p_P[k - 1]);
       worst = std::max(worst, (*wrap.to_plane(flat) - chord).norm());
-      const double along =
-          (flat - stroke.world[0]).norm() / (stroke.world[1] - stroke.world[0]).norm();
+      const double along = (flat - stroke.p_P[0]).norm() / (stroke.p_P[1] - stroke.p_P[0]).norm();
       const Vector2d ends =
-          wrapped.world.front() + along * (wrapped.world.back() - wrapped.world.front());
+          wrapped.p_P.front() + along * (wrapped.p_P.back() - wrapped.p_P.front());
       straight = std::max(straight, (*wrap.to_plane(flat) - ends).norm());
     }
   }
   EXPECT_LT(worst, 1.2 * settings.tolerance);
   EXPECT_GT(straight, 1e-3) << "nothing to follow";
-  EXPECT_LT(wrapped.world.size(), 200u);
+  EXPECT_LT(wrapped.p_P.size(), 200u);
 }
 
 TEST(WrapErrors, NameWhatIsWrong) {

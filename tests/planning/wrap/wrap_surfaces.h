@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "planning/surfaces.h"
@@ -21,7 +22,8 @@ inline SurfaceHeight height_field(const std::function<double(double, double)>& z
 inline PlacedStroke circle(const Vector2d& centre, double radius) {
   std::vector<Vector2d> points;
   for (int k = 0; k <= 72; ++k)
-    points.push_back(centre + radius * Vector2d(std::cos(k * M_PI / 36), std::sin(k * M_PI / 36)));
+    points.push_back(centre + radius * Vector2d(std::cos(k * std::numbers::pi / 36),
+                                                std::sin(k * std::numbers::pi / 36)));
   return line(points);
 }
 

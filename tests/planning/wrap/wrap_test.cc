@@ -3,6 +3,7 @@
 #include "impedraw/planning/wrap/wrap.h"
 
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include <fmt/core.h>
@@ -26,11 +27,11 @@ const Vector2d kCentre(0.60, 0.05);
 // Of the polyline's image on the surface, sampled finely.
 double surface_length(const SurfaceHeight& surface, const PlacedStroke& stroke) {
   double length = 0;
-  for (std::size_t k = 1; k < stroke.world.size(); ++k) {
-    Vector3d last = surface(stroke.world[k - 1].x(), stroke.world[k - 1].y())->p_W;
+  for (std::size_t k = 1; k < stroke.p_P.size(); ++k) {
+    Vector3d last = surface(stroke.p_P[k - 1].x(), stroke.p_P[k - 1].y())->p_P;
     for (int i = 1; i <= 50; ++i) {
-      const Vector2d p = stroke.world[k - 1] + (stroke.world[k] - stroke.world[k - 1]) * i / 50.0;
-      const Vector3d next = surface(p.x(), p.y())->p_W;
+      const Vector2d p = stroke.p_P[k - 1] + (stroke.p_P[k] - stroke.p_P[k - 1]) * i / 50.0;
+      const Vector3d next = surface(p.x(), p.y())->p_P;
       length += (next - last).norm();
       last = next;
     }
@@ -76,13 +77,14 @@ TEST(Wrap, IsAnIsometryOnATiltedPlane) {
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   for (int k = 0; k < 3; ++k) {
-    const double heading = std::uniform_real_distribution<double>(-M_PI, M_PI)(random);
+    const double heading =
+        std::uniform_real_distribution<double>(-std::numbers::pi, std::numbers::pi)(random);
     SCOPED_TRACE(heading);
     const Vector2d uphill(std::cos(heading), std::sin(heading));
-    const double slope = std::tan(30 * M_PI / 180);
+    const double slope = std::tan(30 * std::numbers::pi / 180);
     const auto exact = [&](const Vector2d& flat) -> Vector2d {
       const Vector2d d = flat - kCentre;
-      return kCentre + d - (1 - std::cos(30 * M_PI / 180)) * d.dot(uphill) * uphill;
+      return kCentre + d - (1 - std::cos(30 * std::numbers::pi / 180)) * d.dot(uphill) * uphill;
     };
     expect_unrolls(height_field([&](double x, double y) {
                      return slope * uphill.dot(Vector2d(x, y) - kCentre);
@@ -104,8 +106,8 @@ TEST(Wrap, UnrollsACylinder) {
   const Wrap wrap(surface, kCentre, {circle(kCentre, 0.10)});
   const PlacedStroke wrapped = wrap.wrap({circle(kCentre, 0.10)}).strokes.at(0);
   double geodesic_error = 0;
-  for (std::size_t k = 0; k < wrapped.world.size(); ++k) {
-    const Vector2d& p = wrapped.world[k];
+  for (std::size_t k = 0; k < wrapped.p_P.size(); ++k) {
+    const Vector2d& p = wrapped.p_P[k];
     const double geodesic =
         std::hypot(R * (std::asin((p.x() - axis) / R) - phi0), p.y() - kCentre.y());
     geodesic_error =
@@ -116,7 +118,7 @@ TEST(Wrap, UnrollsACylinder) {
 }
 
 TEST(Wrap, UnrollsACone) {
-  const double k = std::tan(35 * M_PI / 180), slant = std::sqrt(1 + k * k), r0 = 0.15;
+  const double k = std::tan(35 * std::numbers::pi / 180), slant = std::sqrt(1 + k * k), r0 = 0.15;
   const Vector2d apex = kCentre - Vector2d(r0, 0);
   const SurfaceHeight surface =
       height_field([&](double x, double y) { return -k * (Vector2d(x, y) - apex).norm(); });
@@ -179,9 +181,9 @@ TEST(Wrap, OnTheBowlIsTheBestAzimuthalMap) {
         centre + R * std::sin(rho / R) * Vector2d(std::cos(heading), std::sin(heading));
     const std::optional<Vector2d> flat = wrap.to_flat(p);
     ASSERT_TRUE(flat);
-    const Vector2d wanted =
+    const Vector2d desired =
         centre + flat_radius(rho) * Vector2d(std::cos(heading), std::sin(heading));
-    worst = std::max(worst, (*flat - wanted).norm());
+    worst = std::max(worst, (*flat - desired).norm());
     equidistant = std::max(equidistant, std::abs(flat_radius(rho) - rho));
   }
   fmt::print("off the best azimuthal map {:.1f} µm, which is {:.1f} µm off the equidistant one\n",
@@ -238,9 +240,9 @@ TEST(Wrap, IsTheSameEveryTime) {
   const WrappedStrokes a = Wrap(surfaces::waves, centre, {stroke}).wrap({stroke});
   const WrappedStrokes b = Wrap(surfaces::waves, centre, {stroke}).wrap({stroke});
   ASSERT_EQ(a.strokes.size(), 1u);
-  ASSERT_EQ(a.strokes[0].world.size(), b.strokes[0].world.size());
-  for (std::size_t k = 0; k < a.strokes[0].world.size(); ++k)
-    EXPECT_EQ(a.strokes[0].world[k], b.strokes[0].world[k]);
+  ASSERT_EQ(a.strokes[0].p_P.size(), b.strokes[0].p_P.size());
+  for (std::size_t k = 0; k < a.strokes[0].p_P.size(); ++k)
+    EXPECT_EQ(a.strokes[0].p_P[k], b.strokes[0].p_P[k]);
 }
 
 // Of this program and of the script, so that what else runs here matters little.

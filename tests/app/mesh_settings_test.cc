@@ -55,10 +55,10 @@ TEST_F(MeshCanvas, SaysWhatItMendedAndWhatToSetWhereItCannot) {
     EXPECT_THAT(error.what(), HasSubstr("canvas.mesh.unit"));
   }
   s.mesh.unit = LengthUnit::mm;
-  std::vector<std::string> mended;
-  make_mesh(s, &mended);
-  ASSERT_EQ(mended.size(), 1u);
-  EXPECT_THAT(mended[0], HasSubstr("wrong winding: 1, first triangle 3"));
+  std::vector<std::string> repaired;
+  make_mesh(s, &repaired);
+  ASSERT_EQ(repaired.size(), 1u);
+  EXPECT_THAT(repaired[0], HasSubstr("wrong winding: 1, first triangle 3"));
   s.mesh.file.clear();
   EXPECT_THROW(make_mesh(s), InputError);
 }
