@@ -76,7 +76,7 @@ Ended InstalledLibrary::installed_{};
 
 TEST_F(InstalledLibrary, ItsHeadersIncludeEachOtherEigenAndTheStandardLibrary) {
   const fs::path include = folder_ / "prefix/include/impedraw";
-  const std::regex own("#include \"(.*)\""), eigen("#include <Eigen/\\w+>"),
+  const std::regex own("#include \"impedraw/(.*)\""), eigen("#include <Eigen/\\w+>"),
       standard("#include <[a-z_]+>");
   int headers = 0;
   for (const auto& entry : fs::recursive_directory_iterator(include)) {
