@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -17,6 +16,7 @@
 #include "impedraw/run/draw_into.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/settings/json_schema.h"
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
@@ -45,8 +45,10 @@ Scenario begun(const fs::path& folder, Places* places) {
 
 // A run goes on with the settings that it was begun with, or not at all.
 void require_same(const Scenario& scenario, const fs::path& folder) {
-  std::istringstream now(settings_yaml(scenario));
-  std::ifstream then(folder / "scenario.yaml");
+  // Written anew: the file may be of a version with other names and comments.
+  Scenario earlier;
+  read_settings(earlier, folder / "scenario.yaml");
+  std::istringstream now(settings_yaml(scenario)), then(settings_yaml(earlier));
   for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
     if (a != b)
       throw InputError(
@@ -145,14 +147,16 @@ namespace {
 // docs/settings.md, which is this program's own output.
 std::string settings_page() {
   return "# Settings\n\n"
-         "Every setting of a scenario, as `./impedraw settings --markdown` prints them. A YAML "
-         "file names those that differ from the "
-         "default "
-         "(`control: {push: 3}`), the command line any one of them (`--set control.push=3`, `--set "
-         "perception.cameras.0.width=320`). "
-         "`extends: other.yaml` takes everything from another file first. Where a name has an N, a "
-         "list of them is given, counted from "
-         "0.\n\n" +
+         "This page lists every setting of a scenario. `./impedraw settings --markdown` prints "
+         "it.\n\n"
+         "A YAML file names the settings that differ from their default "
+         "(`control: {normal_force: 3}`). `extends: other.yaml` takes everything from another file "
+         "first. The command line sets any one of them (`--set control.normal_force=3`, `--set "
+         "perception.cameras.0.width=320`). An N in a name stands for the index of a list's "
+         "element, counted from 0.\n\n"
+         "Editors complete and check scenario files with the JSON Schema "
+         "[scenario.schema.json](scenario.schema.json). Settings that have been renamed are listed "
+         "in [migration.md](migration.md).\n\n" +
          settings_markdown<Scenario>();
 }
 
@@ -201,8 +205,18 @@ int report(const fs::path& folder) {
   return kFinished;
 }
 
-int print_settings(bool markdown) {
-  fmt::print("{}", markdown ? settings_page() : settings_help<Scenario>());
+int print_settings(SettingsForm form) {
+  switch (form) {
+    case SettingsForm::text:
+      fmt::print("{}", settings_help<Scenario>());
+      break;
+    case SettingsForm::markdown:
+      fmt::print("{}", settings_page());
+      break;
+    case SettingsForm::json_schema:
+      fmt::print("{}", settings_json_schema<Scenario>("impedraw scenario"));
+      break;
+  }
   return kFinished;
 }
 

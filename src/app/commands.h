@@ -22,7 +22,9 @@ int compare(const DrawOptions& options);  // with and without perception, side b
 int report(const std::filesystem::path&
                folder);  // metrics, pictures and report of a run again, from its log
 int calibrate_tool(const DrawOptions& options,
-                   int poses);      // mass and centre of mass of the tool, on the simulated arm
-int print_settings(bool markdown);  // every setting; markdown: as docs/settings.md has them
+                   int poses);  // mass and centre of mass of the tool, on the simulated arm
+// Every setting: for a terminal, as docs/settings.md, or as docs/scenario.schema.json.
+enum class SettingsForm { text, markdown, json_schema };
+int print_settings(SettingsForm form);
 
 }  // namespace impedraw

@@ -38,7 +38,7 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
                       "folder of the run, made if missing (default: runs/NAME)");
   command
       ->add_option("--set", options->assignments,
-                   "override one setting, as in --set control.push=3; may be given again")
+                   "override one setting, as in --set control.normal_force=3; may be given again")
       ->take_all()
       ->allow_extra_args(false);
 }
@@ -196,12 +196,20 @@ int run_program(int argc, char** argv) {
 
   CLI::App* settings =
       app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
-  bool markdown = false;
-  settings->add_flag("--markdown", markdown, "as docs/settings.md has them");
+  impedraw::SettingsForm form = impedraw::SettingsForm::text;
+  CLI::Option* markdown = settings->add_flag(
+      "--markdown", [&](auto) { form = impedraw::SettingsForm::markdown; },
+      "as docs/settings.md has them");
+  settings
+      ->add_flag(
+          "--json-schema", [&](auto) { form = impedraw::SettingsForm::json_schema; },
+          "as a JSON Schema of scenario files, as docs/scenario.schema.json has it")
+      ->excludes(markdown);
   settings->footer(
       "Examples:\n  ./impedraw settings | less\n  ./impedraw settings | grep control\n"
-      "  ./impedraw settings --markdown > docs/settings.md");
-  settings->callback([&] { code = impedraw::print_settings(markdown); });
+      "  ./impedraw settings --markdown > docs/settings.md\n"
+      "  ./impedraw settings --json-schema > docs/scenario.schema.json");
+  settings->callback([&] { code = impedraw::print_settings(form); });
 
   CLI::App* bench = app.add_subcommand("bench",
                                        "speed as ratios against floors measured in the same run; "

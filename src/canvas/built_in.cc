@@ -16,10 +16,11 @@ namespace impedraw {
 namespace {
 
 void validate(std::string_view shape, const CapSettings& s) {
-  require_positive(shape, "radius", s.radius);
-  require_positive(shape, "opening_radius", s.opening_radius);
-  require_positive(shape, "edge", s.edge);
-  require_finite(shape, "centre", s.centre);
+  using Limits = CapSettings::Limits;
+  require(shape, "radius", s.radius, Limits::radius);
+  require(shape, "opening_radius", s.opening_radius, Limits::opening_radius);
+  require(shape, "edge", s.edge, Limits::edge);
+  require(shape, "centre", s.centre, Limits::centre);
   require_at_most(shape, "opening_radius", s.opening_radius, "the radius", s.radius);
   require_at_most(shape, "edge", s.edge, "the opening_radius", s.opening_radius);
 }
@@ -60,12 +61,14 @@ TriangleMesh make_bowl(const BowlSettings& settings) { return cap("bowl", settin
 TriangleMesh make_dome(const DomeSettings& settings) { return cap("dome", settings, 1.0); }
 
 TriangleMesh make_plane(const PlaneSettings& s) {
-  require_positive("plane", "width", s.width);
-  require_positive("plane", "height", s.height);
-  require_positive("plane", "edge", s.edge);
-  require_finite("plane", "centre", s.centre);
-  require_finite("plane", "normal", s.normal);
-  if (s.normal.norm() < 1e-9) throw InputError("plane: normal = (0, 0, 0), must have a direction");
+  using Limits = PlaneSettings::Limits;
+  require("plane", "width", s.width, Limits::side);
+  require("plane", "height", s.height, Limits::side);
+  require("plane", "edge", s.edge, Limits::edge);
+  require("plane", "centre", s.centre, Limits::centre);
+  require("plane", "normal", s.normal, Range::any());
+  if (s.normal.norm() < 1e-9)
+    throw InputError("plane.normal is (0, 0, 0), allowed is any other direction");
   require_fair_size("plane", s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
 
   const Eigen::Vector3d z = s.normal.normalized();

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "impedraw/canvas/triangle_mesh.h"
+#include "impedraw/common/range.h"
 
 namespace impedraw {
 
@@ -12,11 +13,18 @@ namespace impedraw {
 // under 35°), in rings about the cap's pole. Between vertices the triangles leave the sphere by at
 // most edge²/(4 radius): 1.9 µm on the standard bowl.
 struct CapSettings {
-  double radius = 0.30;                        // of the sphere [m], > 0
+  double radius = 0.30;                        // of the sphere [m]
   Eigen::Vector3d centre = {0.60, 0.0, 0.40};  // of the sphere, p_WC [m]
-  // of the circle at which the cap ends, radius sin(slope there) [m], in (0, radius]
+  // of the circle at which the cap ends, radius sin(slope there) [m], at most radius
   double opening_radius = 0.18;
-  double edge = 0.0015;  // desired length of a triangle's edge [m], > 0, at most opening_radius
+  double edge = 0.0015;  // desired length of a triangle's edge [m], at most opening_radius
+
+  struct Limits {
+    static constexpr Range radius = {0.01, 10.0};
+    static constexpr Range centre = {-10.0, 10.0};
+    static constexpr Range opening_radius = {0.005, 10.0};
+    static constexpr Range edge = {2e-4, 0.2};
+  };
 };
 using BowlSettings = CapSettings;
 using DomeSettings = CapSettings;
@@ -31,10 +39,16 @@ TriangleMesh make_dome(const DomeSettings& settings = {});
 struct PlaneSettings {
   Eigen::Vector3d centre = {0.60, 0.0, 0.10};         // p_WC [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the side drawn on; any length but zero
-  // along W's x projected onto the plane (W's y where x stands on the plane) [m], > 0
+  // along W's x projected onto the plane (W's y where x stands on the plane) [m]
   double width = 0.36;
-  double height = 0.36;  // across that [m], > 0
-  double edge = 0.01;    // desired length of a cell's side [m], > 0
+  double height = 0.36;  // across that [m]
+  double edge = 0.01;    // desired length of a cell's side [m]
+
+  struct Limits {
+    static constexpr Range centre = {-10.0, 10.0};
+    static constexpr Range side = {0.01, 10.0};
+    static constexpr Range edge = {2e-4, 1.0};
+  };
 };
 
 // A rectangle. Every vertex lies in the plane to rounding.

@@ -16,11 +16,12 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 void validate(std::string_view shape, const FootprintSettings& s) {
-  require_finite(shape, "centre", s.centre);
-  require_finite(shape, "heading", s.heading_deg, "deg");
-  require_positive(shape, "width", s.width);
-  require_positive(shape, "height", s.height);
-  require_positive(shape, "edge", s.edge);
+  using Limits = FootprintSettings::Limits;
+  require(shape, "centre", s.centre, Limits::centre);
+  require(shape, "heading", s.heading_deg, Limits::heading, "deg");
+  require(shape, "width", s.width, Limits::side);
+  require(shape, "height", s.height, Limits::side);
+  require(shape, "edge", s.edge, Limits::edge);
   require_fair_size(shape, s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
 }
 
@@ -47,8 +48,8 @@ TriangleMesh graph(const FootprintSettings& s, const Height& h) {
 
 TriangleMesh make_wave(const WaveSettings& s) {
   validate("wave", s.footprint);
-  require_positive("wave", "amplitude", s.amplitude);
-  require_positive("wave", "wavelength", s.wavelength);
+  require("wave", "amplitude", s.amplitude, WaveSettings::Limits::amplitude);
+  require("wave", "wavelength", s.wavelength, WaveSettings::Limits::wavelength);
   require_fine_edge("wave", s.footprint, "an eighth of the wavelength", s.wavelength);
   return graph(s.footprint, [&](double x, double) {
     return s.amplitude * std::sin(2.0 * kPi * x / s.wavelength);
@@ -57,14 +58,14 @@ TriangleMesh make_wave(const WaveSettings& s) {
 
 TriangleMesh make_saddle(const SaddleSettings& s) {
   validate("saddle", s.footprint);
-  require_positive("saddle", "radius", s.radius);
+  require("saddle", "radius", s.radius, SaddleSettings::Limits::radius);
   return graph(s.footprint, [&](double x, double y) { return (x * x - y * y) / (2.0 * s.radius); });
 }
 
 TriangleMesh make_terrain(const TerrainSettings& s) {
   validate("terrain", s.footprint);
-  require_positive("terrain", "amplitude", s.amplitude);
-  require_positive("terrain", "feature", s.feature);
+  require("terrain", "amplitude", s.amplitude, TerrainSettings::Limits::amplitude);
+  require("terrain", "feature", s.feature, TerrainSettings::Limits::feature);
   require_fine_edge("terrain", s.footprint, "an eighth of the feature", s.feature);
 
   struct Wave {

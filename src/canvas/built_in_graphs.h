@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "impedraw/canvas/triangle_mesh.h"
+#include "impedraw/common/range.h"
 
 namespace impedraw {
 
@@ -20,9 +21,16 @@ namespace impedraw {
 struct FootprintSettings {
   Eigen::Vector3d centre = {0.60, 0.0, 0.10};  // of the rectangle, at height h = 0, p_WC [m]
   double heading_deg = 0.0;                    // of e_x about W's z [deg]
-  double width = 0.36;                         // along e_x [m], > 0
-  double height = 0.36;                        // along e_y [m], > 0
-  double edge = 0.0015;                        // longest side of a cell, seen from above [m], > 0
+  double width = 0.36;                         // along e_x [m]
+  double height = 0.36;                        // along e_y [m]
+  double edge = 0.0015;                        // longest side of a cell, seen from above [m]
+
+  struct Limits {
+    static constexpr Range centre = {-10.0, 10.0};
+    static constexpr Range heading = {-360.0, 360.0};
+    static constexpr Range side = {0.01, 10.0};
+    static constexpr Range edge = {2e-4, 0.1};
+  };
 };
 
 // h = amplitude sin(2π x/wavelength). Steepest: 2π amplitude/wavelength, 25° as it stands; tightest
@@ -30,8 +38,13 @@ struct FootprintSettings {
 // the curvature: 4.2 µm as it stands.
 struct WaveSettings {
   FootprintSettings footprint;
-  double amplitude = 0.015;  // [m], > 0
-  double wavelength = 0.20;  // [m], > 0, at least 8 edges
+  double amplitude = 0.015;  // [m]
+  double wavelength = 0.20;  // [m], at least 8 edges
+
+  struct Limits {
+    static constexpr Range amplitude = {1e-4, 1.0};
+    static constexpr Range wavelength = {0.005, 10.0};
+  };
 };
 
 TriangleMesh make_wave(const WaveSettings& settings = {});
@@ -40,7 +53,11 @@ TriangleMesh make_wave(const WaveSettings& settings = {});
 // centre. Facets leave it by at most edge²/(8 radius): 0.7 µm as it stands.
 struct SaddleSettings {
   FootprintSettings footprint;
-  double radius = 0.40;  // [m], > 0
+  double radius = 0.40;  // [m]
+
+  struct Limits {
+    static constexpr Range radius = {0.01, 100.0};
+  };
 };
 
 TriangleMesh make_saddle(const SaddleSettings& settings = {});
@@ -55,8 +72,14 @@ struct TerrainSettings {
   static constexpr int kWaves = 8;
   FootprintSettings footprint;
   int seed = 1;
-  double amplitude = 0.04;  // [m], > 0
-  double feature = 0.20;    // shortest wavelength [m], > 0, at least 8 edges
+  double amplitude = 0.04;  // [m]
+  double feature = 0.20;    // shortest wavelength [m], at least 8 edges
+
+  struct Limits {
+    static constexpr Range seed = {0, 1e9};
+    static constexpr Range amplitude = {1e-4, 1.0};
+    static constexpr Range feature = {0.005, 10.0};
+  };
 };
 
 TriangleMesh make_terrain(const TerrainSettings& settings = {});

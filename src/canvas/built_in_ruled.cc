@@ -6,11 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "impedraw/canvas/mesh_patterns.h"
 #include "impedraw/canvas/shape_checks.h"
-#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {
@@ -19,12 +16,13 @@ constexpr double kPi = std::numbers::pi;
 
 // up = 1: outside of the upper part; −1: inside of the lower part. Normals point up in both.
 TriangleMesh part_of_cylinder(std::string_view shape, const CylinderSettings& s, double up) {
-  require_finite(shape, "middle", s.middle);
-  require_finite(shape, "heading", s.heading_deg, "deg");
-  require_positive(shape, "radius", s.radius);
-  require_positive(shape, "length", s.length);
-  require_positive(shape, "width", s.width);
-  require_positive(shape, "edge", s.edge);
+  using Limits = CylinderSettings::Limits;
+  require(shape, "middle", s.middle, Limits::middle);
+  require(shape, "heading", s.heading_deg, Limits::heading, "deg");
+  require(shape, "radius", s.radius, Limits::size);
+  require(shape, "length", s.length, Limits::size);
+  require(shape, "width", s.width, Limits::size);
+  require(shape, "edge", s.edge, Limits::edge);
   require_at_most(shape, "width", s.width, "twice the radius", 2.0 * s.radius);
   require_at_most(shape, "edge", s.edge, "the width", s.width);
   const double half_angle = std::asin(std::min(1.0, 0.5 * s.width / s.radius));
@@ -54,14 +52,12 @@ TriangleMesh make_trough(const CylinderSettings& settings) {
 }
 
 TriangleMesh make_cone(const ConeSettings& s) {
-  require_finite("cone", "apex", s.apex);
-  require_positive("cone", "base_radius", s.base_radius);
-  require_positive("cone", "edge", s.edge);
+  using Limits = ConeSettings::Limits;
+  require("cone", "apex", s.apex, Limits::apex);
+  require("cone", "slope", s.slope_deg, Limits::slope, "deg");
+  require("cone", "base_radius", s.base_radius, Limits::base_radius);
+  require("cone", "edge", s.edge, Limits::edge);
   require_at_most("cone", "edge", s.edge, "the base_radius", s.base_radius);
-  if (!(s.slope_deg > 0.0 && s.slope_deg <= 80.0)) {
-    throw InputError(
-        fmt::format("cone: slope = {} deg, must be above 0 and at most 80 deg", s.slope_deg));
-  }
   const double slope = s.slope_deg * kPi / 180.0;
   const double slant = s.base_radius / std::cos(slope);
   require_fair_size("cone", s.edge,

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "impedraw/canvas/triangle_mesh.h"
+#include "impedraw/common/range.h"
 
 namespace impedraw {
 
@@ -15,10 +16,17 @@ struct CylinderSettings {
   Eigen::Vector3d middle = {0.60, 0.0,
                             0.10};  // of its top line (cylinder) or bottom line (trough), p_WM [m]
   double heading_deg = 0.0;         // of the axis about W's z [deg]
-  double radius = 0.30;             // [m], > 0
-  double length = 0.36;             // along the axis [m], > 0
-  double width = 0.36;              // across, seen from above [m], in (0, 2 radius]
-  double edge = 0.0015;             // longest side of a cell [m], > 0, at most width
+  double radius = 0.30;             // [m]
+  double length = 0.36;             // along the axis [m]
+  double width = 0.36;              // across, seen from above [m], at most 2 radius
+  double edge = 0.0015;             // longest side of a cell [m], at most width
+
+  struct Limits {
+    static constexpr Range middle = {-10.0, 10.0};
+    static constexpr Range heading = {-360.0, 360.0};
+    static constexpr Range size = {0.01, 10.0};
+    static constexpr Range edge = {2e-4, 0.1};
+  };
 };
 
 // The upper part, drawn on from outside: the axis lies `radius` beneath the middle, and normals
@@ -35,10 +43,17 @@ TriangleMesh make_trough(const CylinderSettings& settings = {});
 // by at most edge² sin(slope)/base_radius: 4.3 µm as it stands.
 struct ConeSettings {
   Eigen::Vector3d apex = {0.60, 0.0, 0.14};  // p_WA [m]
-  // of its side to the level; the cone's half-angle is 90° − slope [deg], in (0, 80]
+  // of its side to the level; the cone's half-angle is 90° − slope [deg]
   double slope_deg = 20.0;
-  double base_radius = 0.18;  // of the circle at which it ends [m], > 0
-  double edge = 0.0015;       // desired length of a triangle's edge [m], > 0, at most base_radius
+  double base_radius = 0.18;  // of the circle at which it ends [m]
+  double edge = 0.0015;       // desired length of a triangle's edge [m], at most base_radius
+
+  struct Limits {
+    static constexpr Range apex = {-10.0, 10.0};
+    static constexpr Range slope = {0.1, 80.0};
+    static constexpr Range base_radius = {0.005, 10.0};
+    static constexpr Range edge = {2e-4, 0.1};
+  };
 };
 
 TriangleMesh make_cone(const ConeSettings& settings = {});

@@ -6,13 +6,14 @@
 
 #include <Eigen/Core>
 
+#include "impedraw/common/range.h"
+
 namespace impedraw {
 
-void require_positive(std::string_view shape, std::string_view name,
-                      double value);  // a finite length [m] above 0
-void require_finite(std::string_view shape, std::string_view name, double value,
-                    std::string_view unit);
-void require_finite(std::string_view shape, std::string_view name, const Eigen::Vector3d& value);
+void require(std::string_view shape, std::string_view name, double value, const Range& range,
+             std::string_view unit = "m");
+void require(std::string_view shape, std::string_view name, const Eigen::Vector3d& value,
+             const Range& range);  // each component [m]
 void require_at_most(std::string_view shape, std::string_view name, double value,
                      std::string_view what, double most);  // [m]
 void require_fair_size(std::string_view shape, double edge,

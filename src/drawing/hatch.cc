@@ -9,6 +9,7 @@
 #include <polyclipping/clipper.hpp>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
@@ -110,13 +111,9 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
 }  // namespace
 
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale) {
-  if (!(settings.spacing_mm >= 0) || !std::isfinite(settings.spacing_mm) || !(scale > 0) ||
-      !std::isfinite(scale) || !std::isfinite(settings.angle_deg)) {
-    throw InputError(
-        fmt::format("hatch: a spacing of {} mm at {}° and scale {}; finite numbers are needed, the "
-                    "spacing ≥ 0, the scale > 0",
-                    settings.spacing_mm, settings.angle_deg, scale));
-  }
+  require_in_range("hatch.spacing", settings.spacing_mm, HatchSettings::Limits::spacing, "mm");
+  require_in_range("hatch.angle", settings.angle_deg, HatchSettings::Limits::angle, "deg");
+  require_in_range("the hatch's scale", scale, Range::positive(), "");
   std::vector<Stroke> lines;
   if (settings.spacing_mm == 0) return lines;
   const double angle = settings.angle_deg * std::numbers::pi / 180;

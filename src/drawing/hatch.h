@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "impedraw/common/range.h"
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
@@ -20,10 +21,15 @@ struct HatchSettings {
   bool cross = false;     // a second set, at right angles
   // outlines of filled areas are drawn, too (those that are stroked always are)
   bool outline = true;
+
+  struct Limits {
+    static constexpr Range spacing = {0.0, 1000.0};  // [mm]
+    static constexpr Range angle = {-360.0, 360.0};  // [deg]
+  };
 };
 
 // The area's lines, at settings.spacing_mm / scale on the page; `scale` is of the placement. None
-// for a spacing of 0. InputError: a spacing, scale or angle that is no such number, more than
+// for a spacing of 0. InputError: a spacing, scale or angle out of range, more than
 // 100,000 lines across an area.
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale);
 

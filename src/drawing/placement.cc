@@ -8,22 +8,20 @@
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
 
-void require_positive(const char* name, double value, const char* unit) {
-  if (!(value > 0) || !std::isfinite(value))
-    throw InputError(fmt::format("placement {}: {}{}; must be a number > 0", name, value, unit));
-}
+using Limits = PlacementSettings::Limits;
 
 double fitted(const char* name, double desired, double present) {
-  require_positive(name, desired, " mm");
+  require_in_range(std::string("placement.") + name, desired, Limits::size, "mm");
   if (!(present > 0))
     throw InputError(
-        fmt::format("placement {}: the artwork has no extent that way to be scaled", name));
+        fmt::format("placement.{}: the artwork has no extent that way to be scaled", name));
   return desired / present;
 }
 
@@ -55,11 +53,12 @@ void require_one_size(const PlacementSettings& s) {
 
 // Half of a side of the rectangle, less the margin [mm].
 double half_side(const char* name, double side_m, double margin_mm) {
-  require_positive(name, side_m, " m");
+  require_in_range(std::string("placement.") + name, side_m, Limits::fit, "m");
+  require_in_range("placement.margin", margin_mm, Limits::margin, "mm");
   const double half = 500 * side_m - margin_mm;
-  if (!(margin_mm >= 0) || !(half > 0)) {
+  if (!(half > 0)) {
     throw InputError(
-        fmt::format("placement margin: {} mm; must be ≥ 0 and less than {:.6g} mm, half of {}",
+        fmt::format("placement.margin is {} mm, allowed is less than {:.6g} mm, half of {}",
                     margin_mm, 500 * side_m, name));
   }
   return half;
@@ -78,7 +77,7 @@ double rectangle_scale(const std::vector<Vector2d>& points, const Eigen::Matrix2
     scale = std::min(scale, half_side("fit_height", *s.fit_height_m, s.margin_mm) / reach.x());
   if (!std::isfinite(scale)) {
     if (reach.isZero()) return 1;  // a lone dot has no size
-    throw InputError(fmt::format("placement {}: the artwork has no extent that way to be scaled",
+    throw InputError(fmt::format("placement.{}: the artwork has no extent that way to be scaled",
                                  s.fit_width_m ? "fit_width" : "fit_height"));
   }
   return scale;
@@ -105,9 +104,9 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
   if (box.isEmpty())
     throw InputError(fmt::format("{}: there are no strokes to place", artwork.name));
   require_one_size(settings);
-  if (!settings.centre_m.allFinite() || !std::isfinite(settings.rotate_deg)) {
-    throw InputError("placement: centre_m and rotate_deg must be finite numbers");
-  }
+  for (const double x : settings.centre_m)
+    require_in_range("placement.centre", x, Limits::centre, "m");
+  require_in_range("placement.rotate", settings.rotate_deg, Limits::rotate, "deg");
 
   Placement placement;
   placement.centre_m = settings.centre_m;
@@ -124,12 +123,12 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
 
   double scale = 1;
   if (settings.scale) {
-    require_positive("scale", *settings.scale, "");
+    require_in_range("placement.scale", *settings.scale, Limits::size, "");
     scale = *settings.scale;
   } else if (settings.width_mm) {
-    scale = fitted("width_mm", *settings.width_mm, box.sizes().x());
+    scale = fitted("width", *settings.width_mm, box.sizes().x());
   } else if (settings.height_mm) {
-    scale = fitted("height_mm", *settings.height_mm, box.sizes().y());
+    scale = fitted("height", *settings.height_mm, box.sizes().y());
   } else if (settings.fit_width_m || settings.fit_height_m) {
     std::vector<Vector2d> fitted_points = points;
     if (settings.fit_page) {
@@ -141,7 +140,7 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
     for (Vector2d& p : fitted_points) p -= placement.origin_mm;
     scale = rectangle_scale(fitted_points, turned, settings);
   } else {
-    require_positive("fit_radius_m", settings.fit_radius_m, " m");
+    require_in_range("placement.fit_radius", settings.fit_radius_m, Limits::fit, "m");
     double farthest = 0;
     for (const Vector2d& p : points)
       farthest = std::max(farthest, (p - placement.origin_mm).norm());

@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "impedraw/common/range.h"
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
@@ -41,6 +42,14 @@ struct PlacementSettings {
   bool about_page_origin = false;
   double rotate_deg = 0;
   bool mirror = false;
+
+  struct Limits {
+    static constexpr Range centre = {-2.0, 2.0};           // [m]
+    static constexpr Range size = Range::positive();       // scale, and width and height [mm]
+    static constexpr Range fit = Range::positive_to(2.0);  // rectangle and radius [m]
+    static constexpr Range margin = Range::to_below(0.0, 1000.0);  // [mm], half of the largest side
+    static constexpr Range rotate = {-360.0, 360.0};               // [deg]
+  };
 };
 
 // Is any size given, so that it is not for the circle to say?
@@ -63,7 +72,7 @@ struct Placement {
   double scale() const { return 1e3 * std::sqrt(std::abs(A.determinant())); }
 };
 
-// InputError: a size that is not positive and finite, two sizes at once, a margin that leaves
+// InputError: a setting out of range, two sizes at once, a margin that leaves
 // nothing, a margin or page without a rectangle, nothing to fit.
 Placement place(const Artwork& artwork, const PlacementSettings& settings);
 

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/drawing/letters.h"
 
 namespace impedraw {
@@ -103,17 +104,13 @@ class Typesetter {
   int lacking_ = 0;
 };
 
-void require_positive(const char* name, double value, const char* unit) {
-  if (!(value > 0) || !std::isfinite(value))
-    throw InputError(fmt::format("text {}: {}{}; must be a number > 0", name, value, unit));
-}
-
 }  // namespace
 
 Artwork make_text(const TextSettings& settings) {
   const double size = settings.size_mm.value_or(10);
-  require_positive("size", size, " mm");
-  require_positive("line_spacing", settings.line_spacing, "");
+  require_in_range("text.size", size, TextSettings::Limits::size, "mm");
+  require_in_range("text.line_spacing", settings.line_spacing, TextSettings::Limits::line_spacing,
+                   "");
   const std::u32string text = decoded_utf8(settings.text);
   if (text.size() > kMostCharacters) {
     throw InputError(

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "impedraw/common/range.h"
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
@@ -22,11 +23,16 @@ struct TextSettings {
       size_mm;  // height of the capitals on the page; absent: 10, for a text that is fitted anyway
   TextAlign align = TextAlign::left;
   double line_spacing = 1.8;  // from baseline to baseline, in heights of the capitals
+
+  struct Limits {
+    static constexpr Range size = Range::positive_to(1e4);  // [mm]
+    static constexpr Range line_spacing = {0.1, 100.0};
+  };
 };
 
 // Strokes in reading order, on one layer, "text". InputError: unknown font, invalid UTF-8,
 // characters that the font has not (each named, with where it stands), nothing to draw, a size or
-// spacing that is no number > 0.
+// spacing out of range.
 Artwork make_text(const TextSettings& settings);
 
 }  // namespace impedraw

@@ -13,20 +13,18 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kPlace = 10.0;  // [m], generous bounds of any coordinate of a canvas's middle
-const Range kEdge{2e-4, 0.1};
-const Range kLength{0.01, 10.0};
-const Range kHeading{-360.0, 360.0};
+constexpr double kPlace = 10.0;  // [m], generous bounds of any coordinate of a canvas
 
 // Straight into the shape's own group: canvas.wave.centre.
 void describe_footprint(Fields& f, FootprintSettings& s) {
-  f.field("centre", s.centre, Range{-kPlace, kPlace}, "m",
-          "of the rectangle that it stands over; z: where its height is 0");
-  f.field("heading", s.heading_deg, kHeading, "deg",
-          "of its x, counter-clockwise, seen from above");
-  f.field("width", s.width, kLength, "m", "along its x");
-  f.field("height", s.height, kLength, "m", "along its y");
-  f.field("edge", s.edge, kEdge, "m", "longest side of a cell, seen from above");
+  using Limits = FootprintSettings::Limits;
+  f.field("centre", s.centre, Limits::centre, "m",
+          "Centre of the rectangle that the surface stands on; z is where its height is 0.");
+  f.field("heading", s.heading_deg, Limits::heading, "deg",
+          "Direction of the surface's x axis, counter-clockwise as seen from above.");
+  f.field("width", s.width, Limits::side, "m", "Size along its x axis.");
+  f.field("height", s.height, Limits::side, "m", "Size along its y axis.");
+  f.field("edge", s.edge, Limits::edge, "m", "Longest side of a mesh cell, as seen from above.");
 }
 
 TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired) {
@@ -73,77 +71,86 @@ double metres(LengthUnit unit) {
 }
 
 void describe(Fields& f, CapSettings& s) {
-  f.field("radius", s.radius, Range{0.01, 10.0}, "m", "of the sphere");
-  f.field("centre", s.centre, Range{-10.0, 10.0}, "m", "of the sphere");
-  f.field("opening_radius", s.opening_radius, Range{0.005, 10.0}, "m",
-          "of the circle at which the cap ends: radius × sin(slope there)");
-  f.field("edge", s.edge, kEdge, "m", "of a triangle");
+  using Limits = CapSettings::Limits;
+  f.field("radius", s.radius, Limits::radius, "m", "Radius of the sphere.");
+  f.field("centre", s.centre, Limits::centre, "m", "Centre of the sphere.");
+  f.field("opening_radius", s.opening_radius, Limits::opening_radius, "m",
+          "Radius of the circle at which the cap ends: radius × sin(slope there).");
+  f.field("edge", s.edge, Limits::edge, "m", "Edge length of a mesh triangle.");
 }
 
 void describe(Fields& f, PlaneSettings& s) {
-  f.field("centre", s.centre, Range{-2.0, 2.0}, "m", "of the rectangle");
-  f.field("normal", s.normal, Range{-1.0, 1.0}, "", "of the side drawn on");
-  f.field("width", s.width, kLength, "m", "along x");
-  f.field("height", s.height, kLength, "m", "across");
-  f.field("edge", s.edge, Range{2e-4, 1.0}, "m", "of a cell");
+  using Limits = PlaneSettings::Limits;
+  f.field("centre", s.centre, Limits::centre, "m", "Centre of the rectangle.");
+  f.field("normal", s.normal, Range{-1.0, 1.0}, "", "Normal of the side that is drawn on.");
+  f.field("width", s.width, Limits::side, "m", "Size along x.");
+  f.field("height", s.height, Limits::side, "m", "Size at right angles to that.");
+  f.field("edge", s.edge, Limits::edge, "m", "Side of a mesh cell.");
 }
 
 void describe(Fields& f, WaveSettings& s) {
+  using Limits = WaveSettings::Limits;
   describe_footprint(f, s.footprint);
-  f.field("amplitude", s.amplitude, Range{1e-4, 1.0}, "m",
-          "height = amplitude × sin(2π x/wavelength)");
-  f.field("wavelength", s.wavelength, Range{0.005, 10.0}, "m", "along its x");
+  f.field("amplitude", s.amplitude, Limits::amplitude, "m",
+          "Amplitude of the wave: height = amplitude × sin(2π x/wavelength).");
+  f.field("wavelength", s.wavelength, Limits::wavelength, "m", "Wavelength along its x axis.");
 }
 
 void describe(Fields& f, SaddleSettings& s) {
   describe_footprint(f, s.footprint);
-  f.field("radius", s.radius, Range{0.01, 100.0}, "m",
-          "of curvature at the centre: height = (x² - y²)/(2 radius)");
+  f.field("radius", s.radius, SaddleSettings::Limits::radius, "m",
+          "Radius of curvature at the centre: height = (x² - y²)/(2 radius).");
 }
 
 void describe(Fields& f, CylinderSettings& s) {
-  f.field("middle", s.middle, Range{-kPlace, kPlace}, "m",
-          "of its top line (cylinder) or bottom line (trough)");
-  f.field("heading", s.heading_deg, kHeading, "deg",
-          "of its level axis, counter-clockwise from x, seen from above");
-  f.field("radius", s.radius, kLength, "m", "of the cylinder");
-  f.field("length", s.length, kLength, "m", "along the axis");
-  f.field("width", s.width, kLength, "m",
-          "across, seen from above: 2 radius × sin(slope at its sides)");
-  f.field("edge", s.edge, kEdge, "m", "longest side of a cell");
+  using Limits = CylinderSettings::Limits;
+  f.field("middle", s.middle, Limits::middle, "m",
+          "Middle of the top line of a cylinder, or of the bottom line of a trough.");
+  f.field("heading", s.heading_deg, Limits::heading, "deg",
+          "Direction of the level axis, counter-clockwise from x as seen from above.");
+  f.field("radius", s.radius, Limits::size, "m", "Radius of the cylinder.");
+  f.field("length", s.length, Limits::size, "m", "Length along the axis.");
+  f.field("width", s.width, Limits::size, "m",
+          "Width as seen from above: 2 radius × sin(slope at its sides).");
+  f.field("edge", s.edge, Limits::edge, "m", "Longest side of a mesh cell.");
 }
 
 void describe(Fields& f, ConeSettings& s) {
-  f.field("apex", s.apex, Range{-kPlace, kPlace}, "m", "its top");
-  f.field("slope", s.slope_deg, Range{0.1, 80.0}, "deg",
-          "of its side; the half-angle is 90° less that");
-  f.field("base_radius", s.base_radius, Range{0.005, 10.0}, "m", "of the circle at which it ends");
-  f.field("edge", s.edge, kEdge, "m", "of a triangle");
+  using Limits = ConeSettings::Limits;
+  f.field("apex", s.apex, Limits::apex, "m", "Apex of the cone.");
+  f.field("slope", s.slope_deg, Limits::slope, "deg",
+          "Slope of its side; the half-angle is 90° minus the slope.");
+  f.field("base_radius", s.base_radius, Limits::base_radius, "m",
+          "Radius of the circle at which the cone ends.");
+  f.field("edge", s.edge, Limits::edge, "m", "Edge length of a mesh triangle.");
 }
 
 void describe(Fields& f, TerrainSettings& s) {
+  using Limits = TerrainSettings::Limits;
   describe_footprint(f, s.footprint);
-  f.field("seed", s.seed, Range{0, 1e9}, "", "another seed, another terrain");
-  f.field("amplitude", s.amplitude, Range{1e-4, 1.0}, "m", "heights stay within it, up and down");
-  f.field("feature", s.feature, Range{0.005, 10.0}, "m",
-          "shortest wavelength of its hills; the longest is twice that");
+  f.field("seed", s.seed, Limits::seed, "", "Seed of the terrain.");
+  f.field("amplitude", s.amplitude, Limits::amplitude, "m",
+          "Bound on the heights, above and below zero.");
+  f.field("feature", s.feature, Limits::feature, "m",
+          "Shortest wavelength of the hills; the longest is twice that.");
 }
 
 void describe(Fields& f, MeshSettings& s) {
-  f.field("file", s.file, ".obj, .stl or .ply");
+  f.field("file", s.file, "Mesh file: .obj, .stl or .ply.");
   f.choice("unit", s.unit,
            {{"m", LengthUnit::m},
             {"mm", LengthUnit::mm},
             {"cm", LengthUnit::cm},
             {"in", LengthUnit::in}},
-           "of the file's numbers");
-  f.field("position", s.position, Range{-kPlace, kPlace}, "m", "of the file's origin");
+           "Unit of the numbers in the file.");
+  f.field("position", s.position, Range{-kPlace, kPlace}, "m", "Position of the file's origin.");
   f.field("rotation", s.rotation_deg, Range{-360.0, 360.0}, "deg",
-          "roll, pitch, yaw: about x, then y, then z, all of them the world's");
+          "Roll, pitch and yaw: rotations about the world's x, then y, then z axis.");
   f.choice(
       "side", s.side,
       {{"outward", MeshSettings::Side::outward}, {"inward", MeshSettings::Side::inward}},
-      "drawn on; outward: as its triangles are wound, and away from the inside of a closed mesh");
+      "Side that is drawn on; outward: the front of its triangles, and the outside of a closed "
+      "mesh.");
 }
 
 void describe(Fields& f, CanvasSettings& s) {
@@ -158,20 +165,21 @@ void describe(Fields& f, CanvasSettings& s) {
             {"cone", CanvasKind::cone},
             {"terrain", CanvasKind::terrain},
             {"mesh", CanvasKind::mesh}},
-           "what is drawn on; mesh: from a file; a sphere from inside is a bowl, from outside a "
-           "dome, up to a slope of 90°");
-  f.field("cap", s.cap, "of a bowl or dome");
-  f.field("plane", s.plane, "of a plane");
-  f.field("wave", s.wave, "of a wave");
-  f.field("saddle", s.saddle, "of a saddle");
-  f.field("cylinder", s.cylinder, "of a cylinder, drawn on from outside, or a trough, from inside");
-  f.field("cone", s.cone, "of a cone, apex up, drawn on from outside");
-  f.field("terrain", s.terrain, "of hills and hollows from a seed");
-  f.field("mesh", s.mesh, "of a mesh from a file");
+           "Shape of the canvas. A bowl is a sphere from inside, a dome one from outside; a mesh "
+           "comes from a file.");
+  f.field("cap", s.cap, "Size of a bowl or dome.");
+  f.field("plane", s.plane, "Size of a plane.");
+  f.field("wave", s.wave, "Size of a wave.");
+  f.field("saddle", s.saddle, "Size of a saddle.");
+  f.field("cylinder", s.cylinder,
+          "Size of a cylinder, drawn on from outside, or a trough, from inside.");
+  f.field("cone", s.cone, "Size of a cone, apex up, drawn on from outside.");
+  f.field("terrain", s.terrain, "Size of a terrain of random hills and hollows.");
+  f.field("mesh", s.mesh, "Mesh from a file.");
   f.field("move", s.move, Range{-kPlace, kPlace}, "m",
-          "of the whole canvas, once it is made and turned");
+          "Translation of the whole canvas, after its rotation.");
   f.field("turn", s.turn_deg, Range{-360.0, 360.0}, "deg",
-          "of the whole canvas about the world's z");
+          "Rotation of the whole canvas about the world's z axis.");
 }
 
 namespace {

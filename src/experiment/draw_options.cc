@@ -1,6 +1,8 @@
 #include "impedraw/experiment/draw_options.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -10,6 +12,17 @@
 namespace impedraw {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Once for each former name, whatever number of scenarios a command reads.
+void tell_renamed(const Places& places) {
+  static std::set<std::string> told;
+  for (const auto& [former, note] : places.notes())
+    if (told.insert(former).second) std::fprintf(stderr, "impedraw: %s\n", note.c_str());
+}
+
+}  // namespace
 
 Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
@@ -22,6 +35,7 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
   };
   Places places = read_settings(scenario, file, options.assignments);
+  tell_renamed(places);
   if (!options.shape.empty()) {
     scenario.drawing.shape = options.shape;
     scenario.drawing.svg.clear();

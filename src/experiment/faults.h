@@ -17,7 +17,7 @@ enum class FaultKind {
 struct FaultSettings {
   FaultKind kind = FaultKind::nan_state;
   // when it begins: share of the time from the first stroke's start to the last one's end
-  double middle = 0.5;
+  double start = 0.5;
   double duration = 0.05;  // [s]
 };
 

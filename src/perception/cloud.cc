@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
@@ -34,10 +35,8 @@ void validate(const std::vector<DepthImage>& images, const std::vector<DepthCame
   }
   if (settings.region.isEmpty())
     throw InputError("cloud: region is empty, its min must be below its max along x, y and z");
-  if (!(settings.self_padding >= 0.0)) {
-    throw InputError(
-        fmt::format("cloud: self_padding = {} m, must be at least 0", settings.self_padding));
-  }
+  require_in_range("cloud.self_padding", settings.self_padding, CloudSettings::Limits::self_padding,
+                   "m");
   for (std::size_t i = 0; i < arm.size(); ++i) {
     if (!arm[i].a_W.allFinite() || !arm[i].b_W.allFinite() || !(arm[i].radius >= 0.0)) {
       throw InputError(fmt::format(
@@ -83,8 +82,7 @@ PointCloud back_project(const std::vector<DepthImage>& images,
 }
 
 PointCloud thin(const PointCloud& cloud, double voxel) {
-  if (!(voxel >= 0.0) || !std::isfinite(voxel))
-    throw InputError(fmt::format("cloud: voxel = {} m, must be finite and at least 0", voxel));
+  require_in_range("cloud.voxel", voxel, CloudSettings::Limits::voxel, "m");
   if (voxel == 0.0 || cloud.points.empty()) return cloud;
   const auto cube = [&](const Vector3d& p) { return Vector3d((p / voxel).array().floor()); };
   Vector3d lowest = cube(cloud.points.front()), highest = lowest;

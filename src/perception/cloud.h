@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "impedraw/common/range.h"
 #include "impedraw/perception/depth_camera.h"
 
 namespace impedraw {
@@ -39,9 +40,14 @@ struct CloudSettings {
   // Region of interest [m], W: only points inside are kept. Everywhere by default.
   Eigen::AlignedBox3d region{Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity()),
                              Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity())};
-  // Points nearer than this to a capsule of the arm go with it [m], ≥ 0: covers depth noise, and
+  // Points nearer than this to a capsule of the arm go with it [m]: covers depth noise, and
   // what the capsules leave of the arm.
   double self_padding = 0.01;
+
+  struct Limits {
+    static constexpr Range voxel = {0.0, 0.1};
+    static constexpr Range self_padding = {0.0, 0.2};
+  };
 };
 
 // Every point of every image that is inside the region and outside the arm, in the order of images

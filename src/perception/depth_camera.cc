@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
@@ -43,14 +44,9 @@ double disturbed(double depth, const DepthNoise& noise, std::uint64_t seed, std:
 }
 
 void validate(const DepthNoise& noise) {
-  const auto check = [](const char* name, double value) {
-    if (!(value >= 0.0) || !std::isfinite(value)) {
-      throw InputError(
-          fmt::format("depth noise: {} = {} m, must be finite and at least 0", name, value));
-    }
-  };
-  check("sigma_at_1m", noise.sigma_at_1m);
-  check("quantum_at_1m", noise.quantum_at_1m);
+  using Limits = DepthNoise::Limits;
+  require_in_range("noise.sigma_at_1m", noise.sigma_at_1m, Limits::at_1m, "m");
+  require_in_range("noise.quantum_at_1m", noise.quantum_at_1m, Limits::at_1m, "m");
 }
 
 }  // namespace
@@ -65,14 +61,10 @@ Vector3d DepthCamera::direction_C(int i, int j) const {
 }
 
 void validate(const DepthCamera& camera) {
-  if (camera.width < 1 || camera.height < 1) {
-    throw InputError(fmt::format("depth camera: size = {} × {} px, must be at least 1 × 1",
-                                 camera.width, camera.height));
-  }
-  if (!(camera.fov_y_deg > 0.0 && camera.fov_y_deg < 180.0)) {
-    throw InputError(fmt::format("depth camera: fov_y_deg = {}, must be between 0 and 180 degrees",
-                                 camera.fov_y_deg));
-  }
+  using Limits = DepthCamera::Limits;
+  require_in_range("camera.width", camera.width, Limits::size, "px");
+  require_in_range("camera.height", camera.height, Limits::size, "px");
+  require_in_range("camera.fov_y", camera.fov_y_deg, Limits::fov_y, "deg");
   if (!camera.X_WC.p.allFinite() || !camera.X_WC.R.allFinite())
     throw InputError("depth camera: its pose X_WC must be finite");
 }

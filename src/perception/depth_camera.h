@@ -17,21 +17,27 @@
 #include <Eigen/Core>
 
 #include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
 
 namespace impedraw {
 
 struct DepthCamera {
   int width = 640;          // [px]
   int height = 480;         // [px]
-  double fov_y_deg = 60.0;  // whole vertical field of view [deg], in (0, 180)
+  double fov_y_deg = 60.0;  // whole vertical field of view [deg]
   Pose X_WC = {};
+
+  struct Limits {
+    static constexpr Range size = {1, 8192};
+    static constexpr Range fov_y = {1.0, 170.0};
+  };
 
   double focal_length() const;                      // f [px]
   Eigen::Vector3d direction_C(int i, int j) const;  // d_C of pixel (i, j): z is 1
 };
 
-// Throws InputError naming the value: size below 1 × 1, field of view outside (0, 180), a pose that
-// is not finite.
+// Throws InputError naming the value: size or field of view out of range, a pose that is not
+// finite.
 void validate(const DepthCamera& camera);
 
 // The pose X_WC of a camera at eye which has target in the middle of its image and W's z upward in
@@ -56,8 +62,12 @@ struct DepthImage {
 //   whole multiples of quantum_at_1m.
 // Depths in metres. All zero, the default, is a perfect camera.
 struct DepthNoise {
-  double sigma_at_1m = 0.0;    // [m], ≥ 0
-  double quantum_at_1m = 0.0;  // step of the depth at 1 m [m], ≥ 0; 0: none
+  double sigma_at_1m = 0.0;    // [m]
+  double quantum_at_1m = 0.0;  // step of the depth at 1 m [m]; 0: none
+
+  struct Limits {
+    static constexpr Range at_1m = {0.0, 0.1};
+  };
 };
 
 // 1 mm at 1 m, not quantised.

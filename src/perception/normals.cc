@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/perception/neighbours.h"
 
 namespace impedraw {
@@ -19,24 +20,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kFewestNeighbours = 8;  // a quadric has six coefficients
-constexpr int kInterpolated = 10;     // precomputed normals that one query reads
+constexpr int kInterpolated = 10;  // precomputed normals that one query reads
 // one-sidedness of so few points scatters: 0.4 within the cloud, 0.6 ± 0.1 on its edge
 constexpr double kInterpolatedEdge = 0.8;
 
 void validate(const PointCloud& cloud, const NormalSettings& s) {
-  if (s.k < kFewestNeighbours || s.k > kMostNeighbours) {
-    throw InputError(fmt::format("normals: k = {}, must be in {} … {}", s.k, kFewestNeighbours,
-                                 kMostNeighbours));
-  }
-  if (!(s.max_radius > 0.0) || !std::isfinite(s.max_radius)) {
-    throw InputError(
-        fmt::format("normals: max_radius = {} m, must be finite and above 0", s.max_radius));
-  }
-  if (!(s.max_one_sidedness > 0.0 && s.max_one_sidedness <= 1.0)) {
-    throw InputError(fmt::format("normals: max_one_sidedness = {}, must be above 0 and at most 1",
-                                 s.max_one_sidedness));
-  }
+  using Limits = NormalSettings::Limits;
+  require_in_range("normals.k", s.k, Limits::k, "");
+  require_in_range("normals.max_radius", s.max_radius, Limits::max_radius, "m");
+  require_in_range("normals.max_one_sidedness", s.max_one_sidedness, Limits::max_one_sidedness, "");
   if (cloud.points.empty()) {
     throw InputError(
         "normals: the cloud has no points: do the cameras see the canvas, and does the region hold "

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "impedraw/common/range.h"
 #include "impedraw/control/surface_estimate.h"
 #include "impedraw/perception/cloud.h"
 #include "impedraw/perception/local_surface.h"
@@ -37,17 +38,23 @@ enum class NeighbourWeighting {
 //   realistic noise, voxel 8 mm:    k = 60: 0.17 | 0.6, 0.05        k = 90: 0.10 | 0.3, 0.04
 // Wider patches average more noise and follow fine shape less; only on a sphere is that free.
 struct NormalSettings {
-  // neighbours N(p) of the query, in 8 … 128 (18)
+  // neighbours N(p) of the query (18); a quadric has six coefficients
   int k = 60;
-  // how far from the query they may lie [m]; > 0. Fewer than k within it: too_few
+  // how far from the query they may lie [m]. Fewer than k within it: too_few
   double max_radius = 0.06;
   NormalMode mode = NormalMode::fresh;
   NeighbourWeighting weighting = NeighbourWeighting::smooth;
   SurfaceFit fit = SurfaceFit::quadric;
   // More one-sided than this (LocalSurface::one_sidedness), and the query lies off the cloud's
-  // edge; in (0, 1]. On a straight edge that holds 0.59; 0.66 lets the tip go about a tenth of the
+  // edge. On a straight edge that holds 0.59; 0.66 lets the tip go about a tenth of the
   // patch's radius beyond it.
   double max_one_sidedness = 0.66;
+
+  struct Limits {
+    static constexpr Range k = {8, kMostNeighbours};
+    static constexpr Range max_radius = {0.001, 1.0};
+    static constexpr Range max_one_sidedness = Range::positive_to(1.0);
+  };
 };
 
 // The cloud, its kd-tree and the settings. estimate() is const, may run in any number of threads,

@@ -11,7 +11,7 @@ double time_at(const Experiment& e, double share) {
 
 const FaultSettings* fault_at(const Experiment& e, double time, FaultKind kind) {
   for (const FaultSettings& fault : e.scenario.faults) {
-    const double start = time_at(e, fault.middle);
+    const double start = time_at(e, fault.start);
     if (fault.kind == kind && time >= start && time < start + fault.duration) return &fault;
   }
   return nullptr;

@@ -29,6 +29,9 @@
 //   bool, std::string, std::filesystem::path;
 //   choice(): an enum, written by name;
 //   a struct with a describe() of its own, std::optional of one, std::vector of them.
+// A setting or a word of a choice that is renamed keeps its old name as an alias:
+//   f.field("normal_force", s.force, ...);  f.formerly("push");
+//   f.choice("sensor", s.sensor, ...);      f.formerly("true", "ground_truth");
 // A path in a file is relative to that file's folder, in --set to the working directory; an empty
 // path stays empty.
 #pragma once
@@ -65,6 +68,9 @@ struct Scalar {
   std::string type;  // for the documentation: "number", "none | true"
   // Text and paths are quoted where YAML needs it; a path is made absolute.
   enum class Kind { word, text, path } kind = Kind::word;
+  std::vector<std::string> words{};  // of a choice: all that is valid
+  // What a word of a choice was called before, and what it is called now.
+  std::vector<std::pair<std::string, std::string>> former_words{};
 };
 
 struct Numbers {  // a fixed count of doubles
@@ -98,6 +104,7 @@ struct Setting {
   std::string unit;
   Range range = Range::any();
   std::variant<Scalar, Numbers, Group, Optional, List> value;
+  std::vector<std::string> former_names{};  // still read, with a note that says what it is now
 };
 
 template <class T>
@@ -165,6 +172,13 @@ class Fields {
     add(std::move(name), std::move(help), "", Range::any(), list(value, element));
   }
 
+  // What the setting described last, or a word of that choice, was called before.
+  void formerly(std::string name) { settings_.back().former_names.push_back(std::move(name)); }
+  void formerly(std::string word, std::string now) {
+    std::get<Scalar>(settings_.back().value)
+        .former_words.emplace_back(std::move(word), std::move(now));
+  }
+
   std::vector<Setting> take() && { return std::move(settings_); }
 
  private:
@@ -219,13 +233,14 @@ requires std::is_enum_v<E>
 void Fields::choice(std::string name, E& value, Names<E> names, std::string help) {
   std::vector<std::pair<std::string, E>> table(names.begin(), names.end());
   std::string type;
-  for (const auto& [word, e] : table) type += (type.empty() ? "" : " | ") + word;
-  auto take = [&value, table](std::string_view text) -> std::optional<std::string> {
-    std::vector<std::string> words;
-    for (const auto& [word, e] : table) {
+  std::vector<std::string> words;
+  for (const auto& [word, e] : table) {
+    type += (type.empty() ? "" : " | ") + word;
+    words.push_back(word);
+  }
+  auto take = [&value, table, words](std::string_view text) -> std::optional<std::string> {
+    for (const auto& [word, e] : table)
       if (word == text) return value = e, std::nullopt;
-      words.push_back(word);
-    }
     return not_among(text, words);
   };
   auto text = [&value, table] {
@@ -233,7 +248,8 @@ void Fields::choice(std::string name, E& value, Names<E> names, std::string help
       if (e == value) return word;
     return std::string("?");
   };
-  add(std::move(name), std::move(help), "", Range::any(), Scalar{take, text, type});
+  add(std::move(name), std::move(help), "", Range::any(),
+      Scalar{take, text, type, Scalar::Kind::word, words});
 }
 
 }  // namespace impedraw

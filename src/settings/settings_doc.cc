@@ -62,6 +62,29 @@ void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& 
   }
 }
 
+void put_renamed(std::vector<RenamedSetting>& renamed, const std::string& name,
+                 const Setting& setting) {
+  if (const auto* group = std::get_if<Group>(&setting.value)) {
+    const std::string head = name.empty() ? "" : name + ".";
+    for (const Setting& field : group->fields) {
+      for (const std::string& former : field.former_names)
+        renamed.push_back({head + former, head + field.name});
+      put_renamed(renamed, head + field.name, field);
+    }
+  } else if (const auto* list = std::get_if<List>(&setting.value)) {
+    const auto [owner, element] = list->sample();
+    put_renamed(renamed, name + ".N", element);
+  } else if (const auto* optional = std::get_if<Optional>(&setting.value)) {
+    const bool engaged = optional->engaged();
+    optional->engage(true);
+    put_renamed(renamed, name, optional->value());
+    optional->engage(engaged);
+  } else if (const auto* scalar = std::get_if<Scalar>(&setting.value)) {
+    for (const auto& [former, now] : scalar->former_words)
+      renamed.push_back({name + ": " + former, name + ": " + now});
+  }
+}
+
 std::string cell(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
     text.insert(at, "\\");
@@ -74,6 +97,12 @@ std::vector<SettingRow> setting_rows(const Group& settings) {
   std::vector<SettingRow> rows;
   put_fields(rows, "", settings);
   return rows;
+}
+
+std::vector<RenamedSetting> renamed_settings(const Group& settings) {
+  std::vector<RenamedSetting> renamed;
+  put_renamed(renamed, "", Setting{"", "", "", Range::any(), settings});
+  return renamed;
 }
 
 std::string rows_markdown(const std::vector<SettingRow>& rows) {
@@ -103,7 +132,7 @@ std::string rows_text(const std::vector<SettingRow>& rows) {
       continue;
     }
     const std::string unit = r.unit.empty() ? "" : " of " + r.unit;  // which limits name already
-    text += fmt::format("{:<{}}  {}; {}{}; default {}\n", r.name, width, r.help, r.type,
+    text += fmt::format("{:<{}}  {} [{}{}; default {}]\n", r.name, width, r.help, r.type,
                         r.limits.empty() ? unit : ", " + r.limits,
                         r.initial.empty() ? "empty" : r.initial);
   }

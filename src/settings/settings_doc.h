@@ -1,5 +1,5 @@
-// What can be set, for docs/settings.md and --help-settings: from the same description that reads
-// them.
+// What can be set, for docs/settings.md and the settings command: from the same description that
+// reads them.
 #pragma once
 
 #include <string>
@@ -21,6 +21,13 @@ struct SettingRow {
 
 // In the order of the description. `settings` must be bound to defaults; it is left as it was.
 std::vector<SettingRow> setting_rows(const Group& settings);
+
+// What has another name than before: a setting, or "control.wrench: true", a word of a choice.
+struct RenamedSetting {
+  std::string former;
+  std::string now;
+};
+std::vector<RenamedSetting> renamed_settings(const Group& settings);
 
 std::string rows_markdown(const std::vector<SettingRow>& rows);
 std::string rows_text(const std::vector<SettingRow>& rows);  // for a terminal, one setting a line

@@ -11,11 +11,6 @@ namespace impedraw {
 
 namespace {
 
-std::string with_unit(std::string text, std::string_view unit) {
-  if (!unit.empty()) text.append(" ").append(unit);
-  return text;
-}
-
 std::string outside(const std::string& number, const Range& range, std::string_view unit) {
   return fmt::format("is {}, allowed is {}", with_unit(number, unit), range_text(range, unit));
 }
@@ -56,25 +51,6 @@ bool has_another_meaning(std::string_view text) {
 }
 
 }  // namespace
-
-std::string range_text(const Range& range, std::string_view unit) {
-  const bool from = std::isfinite(range.lowest), to = std::isfinite(range.highest);
-  const std::string lowest = shortest(range.lowest), highest = shortest(range.highest);
-  const char* low = range.above ? "more than" : "at least";
-  const char* high = range.below ? "less than" : "at most";
-  std::string text;
-  if (from && to && !range.above && !range.below)
-    text = lowest + " to " + highest;
-  else if (from && to)
-    text = fmt::format("{} {} and {} {}", low, lowest, high, highest);
-  else if (from)
-    text = fmt::format("{} {}", low, lowest);
-  else if (to)
-    text = fmt::format("{} {}", high, highest);
-  else
-    return text;
-  return with_unit(text, unit);
-}
 
 std::string number_text(double x) { return shortest(x); }
 std::string number_text(std::int64_t x) { return shortest(x); }

@@ -10,28 +10,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "impedraw/common/range.h"
+#include "impedraw/common/range_check.h"
+
 namespace impedraw {
-
-// Closed limits, open ones where it says so.
-struct Range {
-  double lowest;
-  double highest;
-  bool above = false;  // lowest itself is not allowed
-  bool below = false;  // highest itself is not allowed
-
-  static constexpr double infinity = std::numeric_limits<double>::infinity();
-  static constexpr Range any() { return {-infinity, infinity}; }
-  static constexpr Range at_least(double lowest) { return {lowest, infinity}; }
-  static constexpr Range at_most(double highest) { return {-infinity, highest}; }
-  static constexpr Range positive() { return {0, infinity, true}; }
-
-  bool holds(double x) const {
-    return (above ? x > lowest : x >= lowest) && (below ? x < highest : x <= highest);
-  }
-};
-
-// "0 to 50 N", "more than 0 s", "at least 1"; empty where everything finite is allowed.
-std::string range_text(const Range& range, std::string_view unit);
 
 // Shortest text that reads back as the very same number.
 std::string number_text(double x);

@@ -32,12 +32,28 @@ std::vector<std::string> names_of(const Group& group) {
   return names;
 }
 
-std::string unknown_key(std::string_view key, const std::string& group,
-                        const std::vector<std::string>& valid) {
-  const auto nearest = nearest_word(key, valid);
-  return fmt::format(
-      "unknown key '{}'{}; {}", shown(key), group.empty() ? "" : " in " + group,
-      nearest ? fmt::format("did you mean '{}'?", *nearest) : "valid here: " + joined(valid));
+bool is_called(const Setting& field, const std::string& name) {
+  const auto& former = field.former_names;
+  return field.name == name || std::find(former.begin(), former.end(), name) != former.end();
+}
+
+// By its name or a former one; the end where there is none.
+auto find_field(const Group& group, const std::string& key) {
+  return std::find_if(group.fields.begin(), group.fields.end(),
+                      [&](const Setting& f) { return is_called(f, key); });
+}
+
+std::string unknown_key(std::string_view key, const std::string& name, const Group& group) {
+  std::vector<std::string> valid = names_of(group), known = valid;
+  for (const Setting& field : group.fields)
+    known.insert(known.end(), field.former_names.begin(), field.former_names.end());
+  std::string hint = "valid here: " + joined(valid);
+  if (const auto nearest = nearest_word(key, known)) {
+    const std::string& now = find_field(group, *nearest)->name;
+    hint = fmt::format("did you mean '{}'{}?", now,
+                       now == *nearest ? "" : fmt::format(", formerly '{}'", *nearest));
+  }
+  return fmt::format("unknown key '{}'{}; {}", shown(key), name.empty() ? "" : " in " + name, hint);
 }
 
 // An index below size, or nothing.
@@ -75,18 +91,26 @@ class Reader {
         wrong(place(key_line),
               fmt::format("a key{} is not a word", name.empty() ? "" : " in " + name));
       const std::string& key = pair.first.Scalar();
-      if (!seen.insert(key).second)
-        wrong(place(key_line), fmt::format("{} is given twice", shown(below(name, key))));
+      const auto field = find_field(group, key);
+      const std::string& now = field == group.fields.end() ? key : field->name;
+      if (!seen.insert(now).second)
+        wrong(place(key_line), fmt::format("{} is given twice{}", shown(below(name, now)),
+                                           now == key ? "" : ", here by its former name " + key));
       if (name.empty() && key == "extends" && has_lines_) continue;
-      const auto field = std::find_if(group.fields.begin(), group.fields.end(),
-                                      [&](const Setting& f) { return f.name == key; });
-      if (field == group.fields.end())
-        wrong(place(key_line), unknown_key(key, name, names_of(group)));
+      if (field == group.fields.end()) wrong(place(key_line), unknown_key(key, name, group));
+      // An error speaks of the setting by the name that was given.
       read(pair.second, key_line, *field, below(name, key));
+      if (now != key) places_.rename(below(name, key), below(name, now), place(key_line));
     }
   }
 
   void take(std::string_view text, int line, const Scalar& scalar, const std::string& name) {
+    for (const auto& [former, now] : scalar.former_words) {
+      if (text != former) continue;
+      places_.note(name + ": " + former, now, place(line));
+      text = now;
+      break;
+    }
     if (scalar.kind == Scalar::Kind::path && !text.empty() && fs::path(text).is_relative()) {
       scalar.take((fs::absolute(folder_) / text).lexically_normal().string());
     } else if (const auto error = scalar.take(text)) {
@@ -219,6 +243,23 @@ std::string Places::of(const std::string& setting) const {
   return "default of " + setting;
 }
 
+void Places::rename(const std::string& given, const std::string& now, const std::string& place) {
+  forget(now);
+  std::map<std::string, std::string> moved;
+  for (const auto& [name, where] : places_)
+    if (name == given || name.starts_with(given + "."))
+      moved[now + name.substr(given.size())] = where;
+  forget(given);
+  places_.merge(moved);
+  note(given, now, place);
+}
+
+void Places::note(const std::string& given, const std::string& now, const std::string& place) {
+  std::string former = given;  // less its indices: a list's first element speaks for all
+  std::erase_if(former, [](char c) { return c >= '0' && c <= '9'; });
+  notes_.emplace(former, fmt::format("{}: {} is now called {}", place, given, now));
+}
+
 void Places::forget(const std::string& setting) {
   std::erase_if(places_, [&](const auto& place) {
     return place.first == setting || place.first.starts_with(setting + ".");
@@ -239,24 +280,25 @@ void read_assignment(const std::string& assignment, const Group& settings, Place
   const std::string source = "--set " + shown(assignment);
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    wrong(source, "expected NAME=VALUE, as in control.push=3");
+    wrong(source, "expected NAME=VALUE, as in control.normal_force=3");
   const std::string path = assignment.substr(0, equals), text = assignment.substr(equals + 1);
   Reader reader(source, false, ".", places);
 
   Setting setting{"", "", "", Range::any(), settings};
-  std::string name;
+  std::string name, now;  // as given, and as it is called now
   for (std::size_t from = 0; from <= path.size();) {
     const std::size_t dot = std::min(path.find('.', from), path.size());
     const std::string key = path.substr(from, dot - from);
+    std::string current = key;
     from = dot + 1;
     if (const auto* optional = std::get_if<Optional>(&setting.value)) {
       optional->engage(true);
       setting = Setting(optional->value());
     }
     if (const auto* group = std::get_if<Group>(&setting.value)) {
-      const auto field = std::find_if(group->fields.begin(), group->fields.end(),
-                                      [&](const Setting& f) { return f.name == key; });
-      if (field == group->fields.end()) wrong(source, unknown_key(key, name, names_of(*group)));
+      const auto field = find_field(*group, key);
+      if (field == group->fields.end()) wrong(source, unknown_key(key, name, *group));
+      current = field->name;
       setting = Setting(*field);
     } else if (const auto* list = std::get_if<List>(&setting.value)) {
       const auto i = index(key, list->size());
@@ -274,6 +316,7 @@ void read_assignment(const std::string& assignment, const Group& settings, Place
       wrong(source, fmt::format("{} is a single value and has no '{}'", name, shown(key)));
     }
     name = below(name, key);
+    now = below(now, current);
   }
 
   if (const auto* optional = std::get_if<Optional>(&setting.value);
@@ -285,6 +328,7 @@ void read_assignment(const std::string& assignment, const Group& settings, Place
     reader.take(text, 0, *scalar, name);
   else
     reader.read(parse(text, source, false), 0, setting, name);
+  if (now != name) places.rename(name, now, source);
 }
 
 }  // namespace impedraw

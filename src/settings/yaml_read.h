@@ -9,6 +9,8 @@
 // file need not name every setting: what it leaves out keeps the value that the object had.
 // `extends` stands at the top level only, and may go on over several files.
 //
+// A former name of a setting is read as the setting; Places::notes() says what it is called now.
+//
 // Every error is an InputError of one line, which opens with where it stands:
 //   scenarios/bowl-m.yaml:12: unknown key 'frce' in push; did you mean 'force'?
 //   scenarios/bowl-m.yaml:12: push.force is 70 N, allowed is 0 to 50 N
@@ -35,8 +37,16 @@ class Places {
   void put(const std::string& setting, std::string place) { places_[setting] = std::move(place); }
   void forget(const std::string& setting);  // with all that lies in it
 
+  // A setting, with all that lies in it, that was given at `place` by a former name.
+  void rename(const std::string& given, const std::string& now, const std::string& place);
+  // By former name, a line for the user about the first place where it was given:
+  //   x.yaml:3: control.push is now called control.normal_force
+  void note(const std::string& given, const std::string& now, const std::string& place);
+  const std::map<std::string, std::string>& notes() const { return notes_; }
+
  private:
   std::map<std::string, std::string> places_;
+  std::map<std::string, std::string> notes_;
 };
 
 void read_yaml_file(const std::filesystem::path& file, const Group& settings, Places& places);

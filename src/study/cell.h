@@ -14,7 +14,7 @@ struct Cell {
   std::string name;   // "matrix-nominal-50mm_s-30deg-5N"; unique
   std::string group;  // "matrix"; what it is one of
   std::string base;   // "scenarios/robustness-nominal.yaml", from the root of the tree
-  std::vector<std::string> assignments;  // "control.push=5", as --set takes them
+  std::vector<std::string> assignments;  // "control.normal_force=5", as --set takes them
   // Where it stands in the page: a heading, the row and the column under it, and what is written
   // before its figures.
   std::string table, row, column, value;
@@ -29,7 +29,7 @@ Scenario cell_scenario(const Cell& cell, Places* places = nullptr);
 // "./impedraw draw scenarios/… --set …", quoted for a shell.
 std::string cell_command(const Cell& cell);
 
-// Every setting that is no group, by its full name: "control.push" → "5".
+// Every setting that is no group, by its full name: "control.normal_force" → "5".
 std::map<std::string, std::string> flat_settings(Scenario scenario);
 
 // The tree's own files by their names in it: a table is to be the same wherever it was made.

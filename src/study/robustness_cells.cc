@@ -30,7 +30,7 @@ void add_matrix(std::vector<Cell>& cells) {
           // ends before 60°.
           const double angle = slope * std::numbers::pi / 180.0;
           cell.assignments = {fmt::format("path.draw_speed={}", speed / 1000.0),
-                              fmt::format("control.push={}", push),
+                              fmt::format("control.normal_force={}", push),
                               fmt::format("canvas.plane.normal=[0, {:.9f}, {:.9f}]",
                                           std::sin(angle), std::cos(angle))};
           cell.table = fmt::format("Speed, slope and push: {}", state(realistic));
@@ -143,7 +143,8 @@ void add_canvases(std::vector<Cell>& cells) {
                 state(realistic),
                 "",
                 realistic};
-      cell.assignments.insert(cell.assignments.end(), {"path.draw_speed=0.05", "control.push=5"});
+      cell.assignments.insert(cell.assignments.end(),
+                              {"path.draw_speed=0.05", "control.normal_force=5"});
       cells.push_back(cell);
     }
 }

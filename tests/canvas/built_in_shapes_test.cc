@@ -312,36 +312,37 @@ TEST(Terrain, StaysTheSurfaceThatItWas) {
 TEST(BuiltInShapes, RefuseWhatMakesNoCanvas) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expect_refused([] { make_wave({.footprint = {}, .amplitude = 0}); },
-                 "wave: amplitude = 0 m, must be a finite length above 0");
+                 "wave.amplitude is 0 m, allowed is 1e-04 to 1 m");
   expect_refused([&] { make_wave({.footprint = {}, .wavelength = nan}); },
-                 "wave: wavelength = nan m");
+                 "wave.wavelength is nan m");
   expect_refused([] { make_wave({.footprint = {}, .wavelength = 0.008}); },
-                 "wave: edge = 0.0015 m, must be at most an eighth of the wavelength, 0.001 m");
+                 "wave.edge is 0.0015 m, allowed is at most an eighth of the wavelength, 0.001 m");
   expect_refused(
       [&] {
         make_wave({.footprint = {.centre = {0, nan, 0}}});
       },
-      "wave: centre = (0, nan, 0)");
+      "wave.centre is nan m");
   expect_refused([&] { make_wave({.footprint = {.heading_deg = nan}}); },
-                 "wave: heading = nan deg, must be finite");
-  expect_refused([] { make_wave({.footprint = {.edge = 1e-6}}); }, "take a longer edge");
-  expect_refused([] { make_saddle({.footprint = {}, .radius = -0.1}); }, "saddle: radius = -0.1 m");
-  expect_refused([] { make_saddle({.footprint = {.height = 0}}); }, "saddle: height = 0 m");
+                 "wave.heading is nan deg");
+  expect_refused([] { make_wave({.footprint = {.width = 10, .height = 10, .edge = 2e-4}}); },
+                 "take a longer edge");
+  expect_refused([] { make_saddle({.footprint = {}, .radius = -0.1}); }, "saddle.radius is -0.1 m");
+  expect_refused([] { make_saddle({.footprint = {.height = 0}}); }, "saddle.height is 0 m");
   expect_refused([] { make_terrain({.footprint = {}, .amplitude = -1}); },
-                 "terrain: amplitude = -1 m");
-  expect_refused([] { make_terrain({.footprint = {}, .feature = 0.004}); },
-                 "terrain: edge = 0.0015 m, must be at most an eighth of the feature, 0.0005 m");
+                 "terrain.amplitude is -1 m");
+  expect_refused([] { make_terrain({.footprint = {}, .feature = 0.008}); },
+                 "terrain.edge is 0.0015 m, allowed is at most an eighth of the feature, 0.001 m");
   expect_refused([] { make_cylinder({.width = 0.61}); },
-                 "cylinder: width = 0.61 m, must be at most twice the radius, 0.6 m");
-  expect_refused([] { make_trough({.length = 0}); }, "trough: length = 0 m");
-  expect_refused([] { make_trough({.edge = 0.5}); },
-                 "trough: edge = 0.5 m, must be at most the width, 0.36 m");
+                 "cylinder.width is 0.61 m, allowed is at most twice the radius, 0.6 m");
+  expect_refused([] { make_trough({.length = 0}); }, "trough.length is 0 m");
+  expect_refused([] { make_trough({.width = 0.05, .edge = 0.1}); },
+                 "trough.edge is 0.1 m, allowed is at most the width, 0.05 m");
   expect_refused([] { make_cone({.slope_deg = 0}); },
-                 "cone: slope = 0 deg, must be above 0 and at most 80 deg");
-  expect_refused([&] { make_cone({.slope_deg = nan}); }, "cone: slope = nan deg");
-  expect_refused([] { make_cone({.slope_deg = 81}); }, "cone: slope = 81 deg");
-  expect_refused([] { make_cone({.edge = 0.2}); },
-                 "cone: edge = 0.2 m, must be at most the base_radius, 0.18 m");
+                 "cone.slope is 0 deg, allowed is 0.1 to 80 deg");
+  expect_refused([&] { make_cone({.slope_deg = nan}); }, "cone.slope is nan deg");
+  expect_refused([] { make_cone({.slope_deg = 81}); }, "cone.slope is 81 deg");
+  expect_refused([] { make_cone({.base_radius = 0.09, .edge = 0.1}); },
+                 "cone.edge is 0.1 m, allowed is at most the base_radius, 0.09 m");
 }
 
 }  // namespace

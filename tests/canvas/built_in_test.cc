@@ -96,16 +96,19 @@ TEST(BuiltIn, RefusesWhatMakesNoCanvas) {
       make_bowl(s);
     };
   };
-  expect_refused(bowl([](auto& s) { s.radius = 0; }), "bowl: radius = 0 m");
-  expect_refused(bowl([&](auto& s) { s.edge = nan; }), "bowl: edge = nan m");
+  expect_refused(bowl([](auto& s) { s.radius = 0; }),
+                 "bowl.radius is 0 m, allowed is 0.01 to 10 m");
+  expect_refused(bowl([&](auto& s) { s.edge = nan; }), "bowl.edge is nan m");
   expect_refused(bowl([](auto& s) { s.opening_radius = 0.31; }),
-                 "opening_radius = 0.31 m, must be at most the radius, 0.3 m");
+                 "opening_radius is 0.31 m, allowed is at most the radius, 0.3 m");
   expect_refused(bowl([](auto& s) { s.edge = 0.2; }),
-                 "edge = 0.2 m, must be at most the opening_radius");
-  expect_refused(bowl([](auto& s) { s.edge = 1e-6; }), "take a longer edge");
-  expect_refused(bowl([&](auto& s) { s.centre.y() = nan; }), "bowl: centre = (0.6, nan, 0.4)");
-  expect_refused([] { make_plane({.normal = Vector3d::Zero()}); }, "plane: normal");
-  expect_refused([] { make_plane({.width = -1}); }, "plane: width = -1 m");
+                 "edge is 0.2 m, allowed is at most the opening_radius");
+  expect_refused(bowl([](auto& s) { s.edge = 1e-6; }), "bowl.edge is 1e-06 m");
+  expect_refused([] { make_bowl({.radius = 10, .opening_radius = 10, .edge = 2e-4}); },
+                 "take a longer edge");
+  expect_refused(bowl([&](auto& s) { s.centre.y() = nan; }), "bowl.centre is nan m");
+  expect_refused([] { make_plane({.normal = Vector3d::Zero()}); }, "plane.normal");
+  expect_refused([] { make_plane({.width = -1}); }, "plane.width is -1 m");
 }
 
 }  // namespace

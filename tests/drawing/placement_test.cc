@@ -220,7 +220,7 @@ TEST(Placement, BadSettingsAreNamed) {
   negative.scale = -1;
   two.scale = 1, two.width_mm = 100;
   nan.fit_radius_m = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(message(negative), "placement scale: -1; must be a number > 0");
+  EXPECT_EQ(message(negative), "placement.scale is -1, allowed is more than 0");
   EXPECT_EQ(message(two),
             "placement: of scale, width, height and the rectangle fit_width × fit_height only one "
             "can be given");
@@ -231,12 +231,12 @@ TEST(Placement, BadSettingsAreNamed) {
   lone_page.fit_page = true;
   EXPECT_EQ(message(both), message(two));
   EXPECT_EQ(message(wide_margin),
-            "placement margin: 50 mm; must be ≥ 0 and less than 50 mm, half of fit_width");
+            "placement.margin is 50 mm, allowed is less than 50 mm, half of fit_width");
   EXPECT_EQ(message(lone_margin),
             "placement: margin is for a rectangle; fit_width or fit_height must be given, too");
   EXPECT_EQ(message(lone_page),
             "placement: fit_page is for a rectangle; fit_width or fit_height must be given, too");
-  EXPECT_EQ(message(nan), "placement fit_radius_m: nan m; must be a number > 0");
+  EXPECT_EQ(message(nan), "placement.fit_radius is nan m, allowed is more than 0 and at most 2 m");
 }
 
 }  // namespace

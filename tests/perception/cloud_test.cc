@@ -159,12 +159,13 @@ TEST(Fuse, RefusesBadSettingsByName) {
   EXPECT_NO_THROW(fuse(images, cameras));
   expect_refused([&] { fuse(images, {}); }, "1 depth images for 0 cameras");
   expect_refused([&] { fuse({{2, 1, {1, 1}}}, cameras); }, "image 0 has 2 × 1 px");
-  expect_refused([&] { fuse(images, cameras, {.voxel = -1}); }, "voxel = -1 m");
-  expect_refused([&] { fuse(images, cameras, {.voxel = std::nan("")}); }, "voxel = nan m");
+  expect_refused([&] { fuse(images, cameras, {.voxel = -1}); }, "cloud.voxel is -1 m");
+  expect_refused([&] { fuse(images, cameras, {.voxel = std::nan("")}); }, "cloud.voxel is nan m");
   expect_refused([&] { fuse(images, cameras, {.voxel = 1e-9}); }, "too small");
   expect_refused([&] { fuse(images, cameras, {.region = Eigen::AlignedBox3d()}); },
                  "region is empty");
-  expect_refused([&] { fuse(images, cameras, {.self_padding = -0.1}); }, "self_padding = -0.1 m");
+  expect_refused([&] { fuse(images, cameras, {.self_padding = -0.1}); },
+                 "cloud.self_padding is -0.1 m");
   expect_refused(
       [&] {
         fuse(images, cameras, {}, {{{0, 0, 0}, {0, 0, std::nan("")}, 0.1}});

@@ -166,16 +166,17 @@ TEST(RenderDepth, RefusesBadSettingsByName) {
   const auto render = [](DepthCamera camera, DepthNoise noise = {}) {
     render_depth(camera, plane(Vector3d::UnitZ(), 0), noise);
   };
-  expect_refused([&] { render({.width = 0}); }, "size = 0 × 480 px");
-  expect_refused([&] { render({.fov_y_deg = 180}); }, "fov_y_deg = 180");
-  expect_refused([&] { render({.fov_y_deg = std::nan("")}); }, "fov_y_deg = nan");
+  expect_refused([&] { render({.width = 0}); }, "camera.width is 0 px");
+  expect_refused([&] { render({.fov_y_deg = 180}); }, "camera.fov_y is 180 deg");
+  expect_refused([&] { render({.fov_y_deg = std::nan("")}); }, "camera.fov_y is nan deg");
   expect_refused(
       [&] {
         render({.X_WC = {{0, 0, kInfinity}, Eigen::Matrix3d::Identity()}});
       },
       "X_WC");
-  expect_refused([&] { render({}, {.sigma_at_1m = -1}); }, "sigma_at_1m = -1 m");
-  expect_refused([&] { render({}, {.quantum_at_1m = std::nan("")}); }, "quantum_at_1m = nan m");
+  expect_refused([&] { render({}, {.sigma_at_1m = -1}); }, "noise.sigma_at_1m is -1 m");
+  expect_refused([&] { render({}, {.quantum_at_1m = std::nan("")}); },
+                 "noise.quantum_at_1m is nan m");
   expect_refused([] { look_at({1, 1, 1}, {1, 1, 1}); }, "eye (1, 1, 1)");
 }
 

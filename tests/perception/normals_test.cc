@@ -307,10 +307,10 @@ TEST(Normals, RefuseBadSettingsByName) {
   };
   PointCloud cloud = sheet(0.02, 0.003, kFlat);
   EXPECT_NO_THROW(SurfaceEstimator{cloud});
-  expect_refused(cloud, {.k = 7}, "k = 7, must be in 8 … 128");
-  expect_refused(cloud, {.k = 129}, "k = 129");
-  expect_refused(cloud, {.max_radius = std::nan("")}, "max_radius = nan m");
-  expect_refused(cloud, {.max_one_sidedness = 1.5}, "max_one_sidedness = 1.5");
+  expect_refused(cloud, {.k = 7}, "normals.k is 7, allowed is 8 to 128");
+  expect_refused(cloud, {.k = 129}, "normals.k is 129");
+  expect_refused(cloud, {.max_radius = std::nan("")}, "normals.max_radius is nan m");
+  expect_refused(cloud, {.max_one_sidedness = 1.5}, "normals.max_one_sidedness is 1.5");
   expect_refused({}, {}, "no points");
   PointCloud broken = cloud;
   broken.camera[3] = 1;

@@ -48,7 +48,7 @@ TEST(Passes, WhatGotNoInkIsDrawnAgain) {
 TEST(Passes, WhatStillHasNoneIsTold) {
   const Figures f = draw_scenario(
       "safety-no-cloud",
-      {"drawing.redraw=true", "faults=[{kind: no_cloud, middle: 0.5, duration: 100}]"});
+      {"drawing.redraw=true", "faults=[{kind: no_cloud, start: 0.5, duration: 100}]"});
   EXPECT_EQ(f.outcome.drawn_again.size(), 1u);
   ASSERT_EQ(f.outcome.lacking.size(), 1u);
   EXPECT_LT(f["coverage"], 0.6);

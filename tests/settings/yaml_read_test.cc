@@ -251,8 +251,8 @@ TEST(Assignments, SaySoWhenTheyCannotBe) {
   EXPECT_EQ(set_error("push.frce=7"),
             "--set push.frce=7: unknown key 'frce' in push; did you mean 'force'?");
   EXPECT_EQ(set_error("psh.force=7"), "--set psh.force=7: unknown key 'psh'; did you mean 'push'?");
-  EXPECT_EQ(set_error("push"), "--set push: expected NAME=VALUE, as in control.push=3");
-  EXPECT_EQ(set_error("=3"), "--set =3: expected NAME=VALUE, as in control.push=3");
+  EXPECT_EQ(set_error("push"), "--set push: expected NAME=VALUE, as in control.normal_force=3");
+  EXPECT_EQ(set_error("=3"), "--set =3: expected NAME=VALUE, as in control.normal_force=3");
   EXPECT_EQ(set_error("push.force.x=3"),
             "--set push.force.x=3: push.force is a single value and has no 'x'");
   EXPECT_EQ(set_error("cameras.1.width=3"),

@@ -129,7 +129,7 @@ TEST(SettingsDoc, ListsEverySettingWithUnitLimitsAndDefault) {
       HasSubstr("| `push.force` | `5` | N | number, 0 to 50 N | normal force asked for |\n"));
   EXPECT_THAT(settings_markdown<Scenario>(), HasSubstr("none \\| true"));
   EXPECT_THAT(settings_help<Scenario>(),
-              HasSubstr("normal force asked for; number, 0 to 50 N; default 5\n"));
+              HasSubstr("normal force asked for [number, 0 to 50 N; default 5]\n"));
 }
 
 // Every name that the documentation gives can be set, at its default.

@@ -177,7 +177,7 @@ TEST_F(Robustness, TenCellsAreRunAndThenKept) {
   for (const Record& r : first) {
     EXPECT_EQ(r.at("failed"), "0") << r.at("cell") << ": " << r.at("cause");
     for (const char* name :
-         {"control.push", "path.draw_speed", "canvas.kind", "world.errors.mass_scale",
+         {"control.normal_force", "path.draw_speed", "canvas.kind", "world.errors.mass_scale",
           "world.tip.friction", "set", "control.observer.enabled", "ink_error_rms", "force_sd",
           "speed_mean", "tilt_mean", "slope", "wall_time"})
       EXPECT_NE(r.at(name), "") << r.at("cell") << ": " << name;

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/planning/path/stroke_fit.h"
 
 namespace impedraw {
@@ -22,43 +23,6 @@ constexpr double kMargin = 0.999;
 constexpr double kSteepest = 0.5;
 constexpr double kClearance = 0.01;  // how far along n it does so [m]
 constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are none
-
-void require(bool good, const char* name, double value, const char* valid) {
-  if (!good || !std::isfinite(value))
-    throw InputError(fmt::format("path {}: {}; must be {}", name, value, valid));
-}
-
-void validate(const PathSettings& s) {
-  const auto positive = [](const char* name, double value) {
-    require(value > 0, name, value, "> 0");
-  };
-  const auto not_negative = [](const char* name, double value) {
-    require(value >= 0, name, value, ">= 0");
-  };
-  positive("hover_height", s.hover_height);
-  positive("approach_speed", s.approach_speed);
-  positive("draw_speed", s.draw_speed);
-  positive("draw_acceleration", s.draw_acceleration);
-  positive("travel_speed", s.travel_speed);
-  positive("travel_acceleration", s.travel_acceleration);
-  positive("turn_speed", s.turn_speed);
-  positive("turn_acceleration", s.turn_acceleration);
-  positive("safe_height", s.safe_height);
-  positive("tolerance", s.tolerance);
-  positive("knot_spacing", s.knot_spacing);
-  not_negative("start_hold", s.start_hold);
-  not_negative("normal_smoothing", s.normal_smoothing);
-  not_negative("settle_time", s.settle_time);
-  not_negative("end_hold", s.end_hold);
-  not_negative("dot_time", s.dot_time);
-  not_negative("smoothing_time", s.smoothing_time);
-  not_negative("sink", s.sink);
-  require(s.corner_angle_deg > 0 && s.corner_angle_deg < 90, "corner_angle_deg", s.corner_angle_deg,
-          "> 0 and < 90");
-  if (s.highest_z) require(true, "highest_z", *s.highest_z, "finite");
-  require(s.start_p_WE.allFinite(), "start_p_WE", s.start_p_WE.sum(), "finite");
-  require(std::abs(s.start_n_W.norm() - 1) < 1e-6, "start_n_W length", s.start_n_W.norm(), "1");
-}
 
 // Lays leg after leg, each beginning where the one before ended, at rest.
 class Planner {
@@ -221,6 +185,35 @@ class Planner {
 };
 
 }  // namespace
+
+void validate(const PathSettings& s) {
+  using Limits = PathSettings::Limits;
+  require_in_range("path.start_hold", s.start_hold, Limits::start_hold, "s");
+  require_in_range("path.hover_height", s.hover_height, Limits::hover_height, "m");
+  require_in_range("path.approach_speed", s.approach_speed, Limits::approach_speed, "m/s");
+  require_in_range("path.settle_time", s.settle_time, Limits::settle_time, "s");
+  require_in_range("path.draw_speed", s.draw_speed, Limits::draw_speed, "m/s");
+  require_in_range("path.draw_acceleration", s.draw_acceleration, Limits::draw_acceleration,
+                   "m/s²");
+  require_in_range("path.end_hold", s.end_hold, Limits::end_hold, "s");
+  require_in_range("path.dot_time", s.dot_time, Limits::dot_time, "s");
+  require_in_range("path.travel_speed", s.travel_speed, Limits::travel_speed, "m/s");
+  require_in_range("path.travel_acceleration", s.travel_acceleration, Limits::travel_acceleration,
+                   "m/s²");
+  require_in_range("path.turn_speed", s.turn_speed, Limits::turn_speed, "rad/s");
+  require_in_range("path.turn_acceleration", s.turn_acceleration, Limits::turn_acceleration,
+                   "rad/s²");
+  require_in_range("path.safe_height", s.safe_height, Limits::safe_height, "m");
+  require_in_range("path.smoothing_time", s.smoothing_time, Limits::smoothing_time, "s");
+  require_in_range("path.corner_angle", s.corner_angle_deg, Limits::corner_angle, "deg");
+  require_in_range("path.tolerance", s.tolerance, Limits::tolerance, "m");
+  require_in_range("path.knot_spacing", s.knot_spacing, Limits::knot_spacing, "m");
+  require_in_range("path.normal_smoothing", s.normal_smoothing, Limits::normal_smoothing, "m");
+  require_in_range("path.sink", s.sink, Limits::sink, "m");
+  if (s.highest_z) require_in_range("path.highest_z", *s.highest_z, Range::any(), "m");
+  for (const double x : s.start_p_WE) require_in_range("path.start_p_WE", x, Range::any(), "m");
+  require_in_range("path.start_n_W length", s.start_n_W.norm(), {1 - 1e-6, 1 + 1e-6}, "");
+}
 
 TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
                       const PathSettings& settings) {

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/path/tip_path.h"
 #include "impedraw/planning/surface_height.h"
@@ -44,7 +45,33 @@ struct PathSettings {
   bool vertical_pen = false;  // n = +z always (blind)
   // the desired point lies this far beneath the surface while the pen is down (blind) [m]
   double sink = 0;
+
+  struct Limits {
+    // A tare, of up to 60 s, lengthens it.
+    static constexpr Range start_hold = {0.0, 120.0};
+    static constexpr Range hover_height = Range::positive_to(0.1);
+    static constexpr Range approach_speed = {1e-4, 0.2};
+    static constexpr Range settle_time = {0.0, 10.0};
+    static constexpr Range draw_speed = {1e-4, 1.0};
+    static constexpr Range draw_acceleration = {0.01, 20.0};
+    static constexpr Range end_hold = {0.0, 10.0};
+    static constexpr Range dot_time = {0.0, 10.0};
+    static constexpr Range travel_speed = {1e-3, 2.0};
+    static constexpr Range travel_acceleration = {0.01, 20.0};
+    static constexpr Range turn_speed = {0.01, 10.0};
+    static constexpr Range turn_acceleration = {0.01, 100.0};
+    static constexpr Range safe_height = Range::positive_to(1.0);
+    static constexpr Range smoothing_time = {0.0, 1.0};
+    static constexpr Range corner_angle = Range::to_below(1.0, 90.0);
+    static constexpr Range tolerance = {1e-7, 1e-2};
+    static constexpr Range knot_spacing = Range::positive();
+    static constexpr Range normal_smoothing = {0.0, 0.1};
+    static constexpr Range sink = Range::at_least(0.0);
+  };
 };
+
+// Throws InputError: the setting, its value and what is allowed.
+void validate(const PathSettings& settings);
 
 // InputError: a setting out of range (name, value, limit), a stroke point without surface (stroke,
 // place, distance), no strokes.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/preflight/surface_walk.h"
 
@@ -159,34 +160,6 @@ class ArmWalk {
   JointVector last_;
 };
 
-void require_settings(const PreflightSettings& s) {
-  const auto over_zero = [](const char* name, double value) {
-    if (!(value > 0 && std::isfinite(value)))
-      throw InputError(fmt::format("preflight: {} is {}, valid is more than 0", name, value));
-  };
-  const auto within = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw InputError(
-          fmt::format("preflight: {} is {}, valid is {} to {}", name, value, low, high));
-  };
-  over_zero("step", s.step);
-  over_zero("surface_step", s.surface_step);
-  over_zero("edge_tolerance", s.edge_tolerance);
-  over_zero("fold_height", s.fold_height);
-  over_zero("max_joint_step", s.max_joint_step);
-  over_zero("torque_share", s.torque_share);
-  over_zero("space.max_effective_mass", s.space.max_effective_mass);
-  over_zero("space.characteristic_length", s.space.characteristic_length);
-  within("max_slope_deg", s.max_slope_deg, 1, 89);
-  within("clearance", s.clearance, 0, kFarEnough / 2);
-  within("shortest", s.shortest, 0, 1);
-  within("edge_margin", s.edge_margin, 0, 1);
-  within("normal_smoothing", s.normal_smoothing, 0, 1);
-  within("joint_margin", s.joint_margin, 0, 1);
-  within("normal_force", s.normal_force, 0, 1e4);
-  within("friction", s.friction, 0, 10);
-}
-
 // What is left too short between what cannot be drawn.
 void drop_short(std::vector<Stretch>& stretches, double shortest) {
   if (stretches.size() == 1) return;
@@ -228,11 +201,35 @@ const char* name_of(Problem problem) noexcept {
   return "unknown";
 }
 
+void validate(const PreflightSettings& s) {
+  using Limits = PreflightSettings::Limits;
+  static_assert(Limits::clearance.highest <= kFarEnough / 2);
+  require_in_range("preflight.step", s.step, Limits::step, "m");
+  require_in_range("preflight.surface_step", s.surface_step, Limits::surface_step, "m");
+  require_in_range("preflight.edge_tolerance", s.edge_tolerance, Limits::edge_tolerance, "m");
+  require_in_range("preflight.edge_margin", s.edge_margin, Limits::edge_margin, "m");
+  require_in_range("preflight.shortest", s.shortest, Limits::shortest, "m");
+  require_in_range("preflight.max_slope", s.max_slope_deg, Limits::max_slope, "deg");
+  require_in_range("preflight.fold_height", s.fold_height, Limits::fold_height, "m");
+  require_in_range("preflight.normal_smoothing", s.normal_smoothing, Limits::normal_smoothing, "m");
+  require_in_range("preflight.joint_margin", s.joint_margin, Limits::joint_margin, "rad");
+  require_in_range("preflight.max_joint_step", s.max_joint_step, Limits::max_joint_step, "rad");
+  require_in_range("preflight.torque_share", s.torque_share, Limits::torque_share, "");
+  require_in_range("preflight.normal_force", s.normal_force, Limits::normal_force, "N");
+  require_in_range("preflight.friction", s.friction, Limits::friction, "");
+  require_in_range("preflight.clearance", s.clearance, Limits::clearance, "m");
+  if (s.table_z) require_in_range("preflight.table_z", *s.table_z, Limits::table_z, "m");
+  require_in_range("preflight.space.max_effective_mass", s.space.max_effective_mass,
+                   Range::positive(), "kg");
+  require_in_range("preflight.space.characteristic_length", s.space.characteristic_length,
+                   Range::positive(), "m");
+}
+
 Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
                         ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                         const PreflightSettings& settings,
                         const std::function<void(double)>& progress) {
-  require_settings(settings);
+  validate(settings);
   PostureCheck check(arm, obstacle, start_q, settings);
   Preflight result;
   PreflightMargins& margins = result.margins;
@@ -243,8 +240,8 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
     std::vector<Stretch> stretches;
     for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
       if (span.problem) {
-        stretches.push_back({span.from, span.to, span.problem, 0, span.worst,
-                             settings.X_WP * span.p_P, span.text});
+        stretches.push_back(
+            {span.from, span.to, span.problem, 0, span.worst, settings.X_WP * span.p_P, span.text});
         continue;
       }
       margins.slope_deg = std::max(margins.slope_deg, span.slope * 180 / std::numbers::pi);

@@ -31,6 +31,7 @@
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
+#include "impedraw/common/range.h"
 #include "impedraw/control/operational_space.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/path/tip_path.h"
@@ -82,7 +83,28 @@ struct PreflightSettings {
   // of arm and pen from canvas and table [m]; the pen's grows from none at the tip (clearance.h)
   double clearance = 5e-3;
   std::optional<double> table_z;  // height of a table that fills the plane [m], W; left out, none
+
+  struct Limits {
+    static constexpr Range step = {1e-4, 0.1};
+    static constexpr Range surface_step = Range::positive();
+    static constexpr Range edge_tolerance = {1e-6, 0.01};
+    static constexpr Range edge_margin = {0.0, 0.1};
+    static constexpr Range shortest = {0.0, 1.0};
+    static constexpr Range max_slope = {1.0, 89.0};
+    static constexpr Range fold_height = {1e-6, 0.1};
+    static constexpr Range normal_smoothing = {0.0, 1.0};
+    static constexpr Range joint_margin = {0.0, 1.0};
+    static constexpr Range max_joint_step = {0.001, 3.0};
+    static constexpr Range torque_share = Range::positive();
+    static constexpr Range normal_force = {0.0, 1e4};
+    static constexpr Range friction = {0.0, 10.0};
+    static constexpr Range clearance = {0.0, 0.015};  // half of kFarEnough (clearance.h)
+    static constexpr Range table_z = {-2.0, 2.0};
+  };
 };
+
+// Throws InputError: the setting, its value and what is allowed.
+void validate(const PreflightSettings& settings);
 
 struct Finding {
   StrokePart part;

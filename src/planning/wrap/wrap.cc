@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/planning/wrap/convex_hull.h"
 #include "impedraw/planning/wrap/flatten_patch.h"
 
@@ -19,21 +20,6 @@ constexpr double kDetour = 1.1;  // ways along a grid are up to 1.08 times as lo
 constexpr int kWidenings = 3;    // of the margin, where the first patch misled
 constexpr double kCutTo = 1e-6;  // how close to the patch's edge a stroke is cut [m]
 constexpr int kDeepest = 20;     // halvings of a segment
-
-void check(const WrapSettings& s) {
-  if (!(s.spacing >= 5e-4 && s.spacing <= 0.02)) {
-    throw InputError(
-        fmt::format("wrap: spacing is {:g} mm, allowed is 0.5 to 20 mm", 1e3 * s.spacing));
-  }
-  if (!(s.margin >= 2 * s.spacing && s.margin <= 1)) {
-    throw InputError(
-        fmt::format("wrap: margin is {:g} mm, allowed is two spacings ({:g} mm) to 1000 mm",
-                    1e3 * s.margin, 2e3 * s.spacing));
-  }
-  if (!(s.tolerance > 0 && std::isfinite(s.tolerance))) {
-    throw InputError(fmt::format("wrap: tolerance is {:g} m, must be > 0", s.tolerance));
-  }
-}
 
 std::shared_ptr<const FlatChart> chart_of(SurfacePatch patch, const Vector2d& centre,
                                           const WrapSettings& settings) {
@@ -158,10 +144,20 @@ class Follower {
 
 }  // namespace
 
+void validate(const WrapSettings& s) {
+  using Limits = WrapSettings::Limits;
+  require_in_range("wrap.spacing", s.spacing, Limits::spacing, "m");
+  require_in_range("wrap.margin", s.margin, Limits::margin, "m");
+  require_in_range("wrap.tolerance", s.tolerance, Limits::tolerance, "m");
+  if (s.margin < 2 * s.spacing)
+    throw InputError(fmt::format("wrap.margin is {} m, allowed is two spacings or more: {} m",
+                                 s.margin, 2 * s.spacing));
+}
+
 Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
            const std::vector<PlacedStroke>& strokes, const WrapSettings& settings)
     : settings_(settings) {
-  check(settings);
+  validate(settings);
   std::vector<Vector2d> points;
   for (const PlacedStroke& stroke : strokes)
     points.insert(points.end(), stroke.p_P.begin(), stroke.p_P.end());

@@ -19,6 +19,7 @@
 
 #include <Eigen/Core>
 
+#include "impedraw/common/range.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/stroke_part.h"
 #include "impedraw/planning/surface_height.h"
@@ -27,14 +28,23 @@
 namespace impedraw {
 
 struct WrapSettings {
-  double spacing = 3e-3;  // of the grid in the drawing plane [m], 0.5 to 20 mm
+  double spacing = 3e-3;  // of the grid in the drawing plane [m]
   // of the patch about the drawing's hull, in flat lengths [m], at least two spacings
   double margin = 0.02;
-  // between a page line's image and the polyline that stands for it, in the drawing plane [m], > 0
+  // between a page line's image and the polyline that stands for it, in the drawing plane [m]
   double tolerance = 1e-5;
   std::filesystem::path
       python{};  // an interpreter with libigl; empty: the venv that impedraw was built with
+
+  struct Limits {
+    static constexpr Range spacing = {5e-4, 0.02};
+    static constexpr Range margin = {0.001, 0.5};
+    static constexpr Range tolerance = {1e-7, 1e-2};
+  };
 };
+
+// Throws InputError: the setting, its value and what is allowed.
+void validate(const WrapSettings& settings);
 
 struct WrappedStrokes {
   std::vector<PlacedStroke>

@@ -253,13 +253,14 @@ TEST(TipPath, BadSettingsAreNamed) {
   const std::vector<PlacedStroke> strokes{line({{0.6, 0}, {0.6, 0.1}})};
   PathSettings settings;
   settings.draw_speed = 0;
-  EXPECT_EQ(message(strokes, settings), "path draw_speed: 0; must be > 0");
+  EXPECT_EQ(message(strokes, settings), "path.draw_speed is 0 m/s, allowed is 1e-04 to 1 m/s");
   settings = {};
   settings.sink = std::nan("");
-  EXPECT_EQ(message(strokes, settings), "path sink: nan; must be >= 0");
+  EXPECT_EQ(message(strokes, settings), "path.sink is nan m, allowed is at least 0 m");
   settings = {};
   settings.corner_angle_deg = 120;
-  EXPECT_EQ(message(strokes, settings), "path corner_angle_deg: 120; must be > 0 and < 90");
+  EXPECT_EQ(message(strokes, settings),
+            "path.corner_angle is 120 deg, allowed is at least 1 and less than 90 deg");
   EXPECT_EQ(message({}), "path: there are no strokes to plan");
   EXPECT_EQ(message({line({{0.6, 0}, {std::nan(""), 0}})}),
             "stroke 0: point 1 is not a finite number");

@@ -310,7 +310,7 @@ TEST_F(PreflightTest, SettingsOutOfRangeAreNamed) {
     check({surfaces::line({{0.6, 0}})}, surfaces::flat(0.1));
     FAIL() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()), "preflight: max_slope_deg is 95, valid is 1 to 89");
+    EXPECT_EQ(std::string(error.what()), "preflight.max_slope is 95 deg, allowed is 1 to 89 deg");
   }
 }
 

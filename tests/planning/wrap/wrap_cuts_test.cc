@@ -133,11 +133,11 @@ TEST(WrapErrors, NameWhatIsWrong) {
   WrapSettings settings;
   settings.spacing = 1e-4;
   EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings),
-              HasSubstr("spacing is 0.1 mm, allowed is 0.5 to 20 mm"));
+              HasSubstr("wrap.spacing is 1e-04 m, allowed is 5e-04 to 0.02 m"));
   settings = {};
   settings.margin = 0.001;
   EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings),
-              HasSubstr("margin is 1 mm, allowed is two spacings (6 mm)"));
+              HasSubstr("wrap.margin is 0.001 m, allowed is two spacings or more: 0.006 m"));
   const SurfaceHeight thread =
       without(surfaces::table, [](const Vector2d& p) { return std::abs(p.y()) > 1e-4; });
   EXPECT_THAT(refusal(thread, kCentre, {stroke}),

@@ -1,0 +1,51 @@
+// A library's own check of its settings against their ranges, worded as the schema words it.
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/common/range.h"
+
+namespace impedraw {
+
+// Shortest text that reads back as the very same number.
+inline std::string shortest_text(double x) {
+  std::array<char, 40> buffer;
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), x);
+  return {buffer.data(), end};
+}
+
+inline std::string with_unit(std::string text, std::string_view unit) {
+  if (!unit.empty()) text.append(" ").append(unit);
+  return text;
+}
+
+// "0 to 50 N", "more than 0 s", "at least 1"; empty where everything finite is allowed.
+inline std::string range_text(const Range& range, std::string_view unit) {
+  const bool from = std::isfinite(range.lowest), to = std::isfinite(range.highest);
+  const std::string lowest = shortest_text(range.lowest), highest = shortest_text(range.highest);
+  const std::string low = range.above ? "more than " : "at least ";
+  const std::string high = range.below ? "less than " : "at most ";
+  if (!from && !to) return {};
+  if (from && to && !range.above && !range.below) return with_unit(lowest + " to " + highest, unit);
+  std::string text = from ? low + lowest : "";
+  if (from && to) text += " and ";
+  if (to) text += high + highest;
+  return with_unit(text, unit);
+}
+
+// Throws InputError, "path.draw_speed is 7 m/s, allowed is 1e-04 to 1 m/s", for a value that is out
+// of range or not finite.
+inline void require_in_range(std::string_view name, double value, const Range& range,
+                             std::string_view unit) {
+  if (std::isfinite(value) && range.holds(value)) return;
+  const std::string allowed = range_text(range, unit);
+  throw InputError(std::string(name) + " is " + with_unit(shortest_text(value), unit) +
+                   ", allowed is " + (allowed.empty() ? "any finite number" : allowed));
+}
+
+}  // namespace impedraw
