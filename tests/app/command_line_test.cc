@@ -85,8 +85,8 @@ TEST_F(CommandLine, WrongSettings) {
           {"--set control.push=nan: control.push is nan", "finite"});
   refused({"draw", "--set", "arm.start=[0.4, .inf, 0.5]"}, {"arm.start.1 is .inf"});
   refused({"draw", "--set", "control.psh=3"},
-          {"--set control.psh=3: unknown key 'psh' in control", "'push'"});
-  refused({"draw", "--set", "control.push"}, {"NAME=VALUE", "control.push=3"});
+          {"--set control.psh=3: unknown key 'psh' in control", "'normal_force', formerly 'push'"});
+  refused({"draw", "--set", "control.push"}, {"NAME=VALUE", "control.normal_force=3"});
   refused({"draw", "--set", "name=a/b"}, {"name is 'a/b'"});
 }
 
@@ -134,8 +134,8 @@ TEST_F(CommandLine, SettingsThatDoNotGoTogether) {
           {"none.yaml:3: ", "'shaped' needs a measured wrench", "'natural'"});
   refused({"draw", "--set", "control.mass_normal=0.05"},
           {"--set control.mass_normal=0.05: inertia along the normal", "limit"});
-  refused({"draw", "--set", "control.contact.leave_distance=0"},
-          {"control.contact.leave_distance=0: ", "enter_distance"});
+  refused({"draw", "--set", "control.contact.leave_distance=0.0005"},
+          {"control.contact.leave_distance=0.0005: ", "enter_distance"});
   refused({"draw", "--set", "arm.q_0=[0, 0]"}, {"arm.q_0 has 2 entries, the arm 7"});
   refused({"draw", "--set", "perception.region_lower=[0.95, -0.3, 0]"}, {"region"});
   refused({"draw", "--set", "perception.region_lower=[0.6, -0.3, 0]"}, {"as the cameras see it"});
@@ -187,7 +187,27 @@ TEST_F(CommandLine, SettingsPageIsTheProgramsOwn) {
   EXPECT_EQ(page.code, 0);
   EXPECT_EQ(content_of(fs::path(IMPEDRAW_SOURCE) / "docs/settings.md"), page.out)
       << "write it anew: ./impedraw settings --markdown > docs/settings.md";
-  EXPECT_THAT(call({"settings"}).out, HasSubstr("control.push "));
+  EXPECT_THAT(call({"settings"}).out, HasSubstr("control.normal_force "));
+}
+
+TEST_F(CommandLine, ScenarioSchemaIsTheProgramsOwn) {
+  const Ended schema = call({"settings", "--json-schema"});
+  EXPECT_EQ(schema.code, 0);
+  EXPECT_EQ(content_of(fs::path(IMPEDRAW_SOURCE) / "docs/scenario.schema.json"), schema.out)
+      << "write it anew: ./impedraw settings --json-schema > docs/scenario.schema.json";
+}
+
+TEST_F(CommandLine, FormerNamesAreReadAndToldOnce) {
+  write("old.yaml", "name: old\ncontrol:\n  push: 4\n  wrench: true\n");
+  const Words plan = {"plan", "old.yaml", "--set", "preflight.arm=false", "--out", "plan"};
+  const Ended old = call(plan + Words{"--set", "control.push=3"});
+  EXPECT_EQ(old.code, 0);
+  EXPECT_EQ(old.err,
+            "impedraw: old.yaml:3: control.push is now called control.normal_force\n"
+            "impedraw: old.yaml:4: control.wrench: true is now called ground_truth\n");
+  const Ended now = call({"plan", "--set", "preflight.arm=false", "--out", "plan", "--set",
+                          "control.normal_force=3", "--set", "control.wrench=ground_truth"});
+  EXPECT_THAT(now.err, IsEmpty());
 }
 
 TEST_F(CommandLine, DrawsIntoRunsBesideTheUserAndReportsAgain) {

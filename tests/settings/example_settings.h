@@ -1,5 +1,5 @@
 // A scenario in miniature that uses everything a description can: the worked example of
-// src/app/settings.h.
+// src/settings/schema.h.
 #pragma once
 
 #include <cstdint>
@@ -43,8 +43,10 @@ struct Scenario {
 
 inline void describe(Fields& f, Push& s) {
   f.field("force", s.force, Range{0, 50}, "N", "normal force asked for");
+  f.formerly("strength");
   f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}},
            "where the wrench comes from");
+  f.formerly("real", "true");
   f.field("stop_at", s.stop_at, Range::at_least(0), "s",
           "when to stop; absent: at the end of the drawing");
 }
@@ -53,6 +55,7 @@ inline void describe(Fields& f, Camera& s) {
   f.field("position", s.position, Range{-10, 10}, "m", "p_WC");
   f.field("width", s.width, Range{1, 4096}, "px", "columns");
   f.field("noisy", s.noisy, "whether depth is noisy");
+  f.formerly("grainy");
 }
 
 inline void describe(Fields& f, Plane& s) {

@@ -1,0 +1,317 @@
+// Every bound of every number in a scenario: the library takes what the schema allows, and the
+// schema refuses what lies just beyond. Where settings bound one another, the others are set so
+// that they leave room.
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <regex>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/control/check_settings.h"
+#include "impedraw/control/contact_mode.h"
+#include "impedraw/control/momentum_observer.h"
+#include "impedraw/drawing/simplify.h"
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/settings/settings_doc.h"
+#include "impedraw/settings/yaml_read.h"
+#include "impedraw/settings/yaml_write.h"
+
+namespace impedraw {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+const fs::path kRoot = IMPEDRAW_SOURCE;
+
+struct Bounded {
+  std::string name;  // as --set takes it
+  Range range;
+  bool whole = false;
+};
+
+void collect(std::vector<Bounded>& all, const std::string& name, const Setting& setting,
+             const Range& range) {
+  if (const auto* group = std::get_if<Group>(&setting.value)) {
+    for (const Setting& field : group->fields)
+      collect(all, name.empty() ? field.name : name + "." + field.name, field, field.range);
+  } else if (const auto* optional = std::get_if<Optional>(&setting.value)) {
+    optional->engage(true);
+    collect(all, name, optional->value(), range);
+    optional->engage(false);
+  } else if (const auto* list = std::get_if<List>(&setting.value)) {
+    const auto [owner, element] = list->sample();
+    collect(all, name + ".0", element, element.range);
+  } else if (std::holds_alternative<Numbers>(setting.value)) {
+    all.push_back({name + ".0", range});
+  } else if (const std::string type = std::get<Scalar>(setting.value).type;
+             type == "number" || type == "whole number") {
+    all.push_back({name, range, type == "whole number"});
+  }
+}
+
+std::vector<Bounded> all_bounded() {
+  Scenario scenario;
+  std::vector<Bounded> all;
+  collect(all, "", Setting{"", "", "", Range::any(), described(scenario)}, Range::any());
+  return all;
+}
+
+// What else has to be set for a value at that bound to make sense, by "NAME lowest" or "NAME
+// highest", else by the longest beginning of the name.
+const std::map<std::string, Words> kCompanions = {
+    {"arm.q_0", {"arm.q_0=[0]"}},
+    {"pushes", {"pushes=[{}]"}},
+    {"faults", {"faults=[{}]"}},
+    {"drawing.placement.margin", {"drawing.placement.fit_width=2"}},
+    {"drawing.wrap.spacing", {"drawing.wrap.margin=0.04"}},
+    {"drawing.wrap.margin", {"drawing.wrap.spacing=0.0005"}},
+    {"perception.region_lower", {"perception.region_upper=[10, 10, 10]"}},
+    {"perception.region_upper", {"perception.region_lower=[-10, -10, -10]"}},
+    {"control.contact.enter_distance", {"control.contact.leave_distance=0.1"}},
+    {"control.contact.leave_distance", {"control.contact.enter_distance=0"}},
+    {"canvas.cap", {"canvas.cap.edge=0.005"}},
+    {"canvas.cap.radius lowest", {"canvas.cap.opening_radius=0.005", "canvas.cap.edge=0.001"}},
+    {"canvas.cap.opening_radius lowest", {"canvas.cap.edge=0.001"}},
+    {"canvas.cap.opening_radius highest", {"canvas.cap.radius=10", "canvas.cap.edge=0.1"}},
+    {"canvas.cap.edge lowest", {"canvas.cap.opening_radius=0.005"}},
+    {"canvas.cap.edge highest", {"canvas.cap.radius=1", "canvas.cap.opening_radius=0.5"}},
+    {"canvas.plane.edge lowest", {"canvas.plane.width=0.01", "canvas.plane.height=0.01"}},
+    {"canvas.wave", {"canvas.wave.edge=0.01"}},
+    {"canvas.wave.edge lowest", {"canvas.wave.width=0.01", "canvas.wave.height=0.01"}},
+    {"canvas.wave.edge highest", {"canvas.wave.wavelength=1"}},
+    {"canvas.wave.wavelength lowest",
+     {"canvas.wave.width=0.01", "canvas.wave.height=0.01", "canvas.wave.edge=0.0005"}},
+    {"canvas.saddle", {"canvas.saddle.edge=0.01"}},
+    {"canvas.saddle.edge lowest", {"canvas.saddle.width=0.01", "canvas.saddle.height=0.01"}},
+    {"canvas.terrain", {"canvas.terrain.edge=0.01"}},
+    {"canvas.terrain.edge lowest", {"canvas.terrain.width=0.01", "canvas.terrain.height=0.01"}},
+    {"canvas.terrain.edge highest", {"canvas.terrain.feature=1"}},
+    {"canvas.terrain.feature lowest",
+     {"canvas.terrain.width=0.01", "canvas.terrain.height=0.01", "canvas.terrain.edge=0.0005"}},
+    {"canvas.cylinder", {"canvas.cylinder.edge=0.01"}},
+    {"canvas.cylinder.radius lowest", {"canvas.cylinder.width=0.01", "canvas.cylinder.edge=0.01"}},
+    {"canvas.cylinder.width highest", {"canvas.cylinder.radius=10", "canvas.cylinder.edge=0.1"}},
+    {"canvas.cylinder.edge lowest", {"canvas.cylinder.width=0.01", "canvas.cylinder.length=0.01"}},
+    {"canvas.cone", {"canvas.cone.edge=0.005"}},
+    {"canvas.cone.base_radius highest", {"canvas.cone.edge=0.1"}},
+    {"canvas.cone.edge lowest", {"canvas.cone.base_radius=0.005"}},
+    {"canvas.mesh",
+     {"canvas.mesh.unit=mm",
+      "canvas.mesh.file=" + (kRoot / "tests/data/flower_tile.obj").string()}},
+};
+
+Words companions(const std::string& name, const char* end) {
+  if (const auto exact = kCompanions.find(name + " " + end); exact != kCompanions.end())
+    return exact->second;
+  for (std::string head = name; !head.empty();) {
+    if (const auto found = kCompanions.find(head); found != kCompanions.end()) return found->second;
+    head.resize(head.rfind('.') == std::string::npos ? 0 : head.rfind('.'));
+  }
+  return {};
+}
+
+Scenario with(const Bounded& b, const char* end, double value) {
+  Words assignments = companions(b.name, end);
+  // The canvas is of the kind whose sizes are set.
+  std::smatch kind;
+  if (std::regex_search(
+          b.name, kind,
+          std::regex("^canvas\\.(cap|plane|wave|saddle|cylinder|cone|terrain|mesh)\\.")))
+    assignments.push_back("canvas.kind=" + (kind[1] == "cap" ? "bowl" : kind[1].str()));
+  assignments.push_back(
+      b.name + "=" +
+      (b.whole ? number_text(static_cast<std::int64_t>(value)) : number_text(value)));
+  Scenario scenario;
+  read_settings(scenario, "", assignments);
+  return scenario;
+}
+
+Artwork made_artwork() {
+  Artwork artwork;
+  artwork.name = "square";
+  artwork.layers = {"all"};
+  artwork.strokes.push_back({{{0, 0}, {10, 0}, {10, 20}, {0, 20}, {0, 0}}, true});
+  artwork.page.extend(Eigen::Vector2d(0, 0));
+  artwork.page.extend(Eigen::Vector2d(10, 20));
+  artwork.areas.push_back({{artwork.strokes[0].points}});
+  return artwork;
+}
+
+PointCloud made_cloud() {
+  PointCloud cloud;
+  for (int i = 0; i < 30; ++i)
+    for (int j = 0; j < 30; ++j) cloud.points.emplace_back(0.6 + 1e-3 * i, 1e-3 * j, 0.1);
+  cloud.camera.assign(cloud.points.size(), 0);
+  cloud.eyes = {{0.6, 0.0, 0.9}};
+  return cloud;
+}
+
+void check_drawing(const DrawingSettings& s) {
+  const Artwork artwork = made_artwork();
+  PlacementSettings placement = s.placement;
+  place(artwork, placement);
+  if (!s.text.text.empty()) make_text(s.text);
+  TextSettings text = s.text;
+  text.text = "A";
+  make_text(text);
+  hatch_lines(artwork.areas[0], s.hatch, 1.0);
+  simplified(artwork.strokes[0], s.simplify_mm);
+  joined(artwork.strokes, s.join_gap_mm);
+  validate(s.wrap);
+}
+
+void check_perception(const PerceptionSettings& s) {
+  DepthCamera camera;
+  for (const CameraSettings& c : s.cameras) {
+    camera = {c.width, c.height, c.fov_y_deg, look_at(c.p_WC, c.target_W)};
+    validate(camera);
+  }
+  camera = {1, 1, 60.0, camera.X_WC};
+  const auto nothing = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return 1.0; };
+  const DepthImage image = render_depth(camera, nothing, s.noise);
+  CloudSettings cloud;
+  cloud.voxel = s.voxel;
+  cloud.self_padding = s.self_padding;
+  cloud.region = {s.region_lower, s.region_upper};
+  fuse({image}, {camera}, cloud);
+  SurfaceEstimator(made_cloud(), s.normals);
+}
+
+void check_control(const Scenario& s) {
+  const ControlSettings& c = s.control;
+  ImpedanceSettings settings = c;
+  settings.torque_limit = Eigen::VectorXd::Constant(7, 100.0 * c.torque_share);
+  settings.torque_rate_limit = Eigen::VectorXd::Constant(7, c.torque_rate);
+  check_settings(settings, 7);
+  ContactStates(settings.contact, s.world.dt);
+  const WrenchEstimatorSettings estimator =
+      estimator_settings(c.sensing, s.wrench_sensor, s.world.dt, s.world.gravity);
+  MomentumObserver(settings.observer, 7, s.world.dt, estimator.sensor_delay, settings.torque_delay);
+  WrenchInput(WrenchSource::sensor, estimator, s.wrench_sensor, s.world.dt, 1);
+}
+
+// All that the library has to say about the part of the scenario that `name` lies in. What nothing
+// checks by itself (arm.start, blind, pen, pushes, faults) only goes into a calculation.
+void check_by_library(const std::string& name, const Scenario& s) {
+  const std::string group = name.substr(0, name.find('.'));
+  if (group == "drawing") check_drawing(s.drawing);
+  if (group == "canvas") make_mesh(s.canvas);
+  if (group == "perception") check_perception(s.perception);
+  if (group == "path") validate(s.path);
+  if (group == "preflight") validate(s.preflight);
+  if (group == "control" || group == "wrench_sensor") check_control(s);
+  if (group == "world") World(kRoot / "tests/data/slider.urdf", nullptr, s.world);
+}
+
+std::string error_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Limits, LibraryTakesWhatTheSchemaAllows) {
+  int bounds = 0;
+  for (const Bounded& b : all_bounded()) {
+    const double step = b.whole ? 1.0 : 1e-9;
+    for (const auto& [end, bound, open, inward] :
+         {std::tuple{"lowest", b.range.lowest, b.range.above, 1.0},
+          std::tuple{"highest", b.range.highest, b.range.below, -1.0}}) {
+      if (!std::isfinite(bound)) continue;
+      ++bounds;
+      const double nudge = inward * step * std::max(1.0, b.whole ? 1.0 : std::abs(bound));
+      SCOPED_TRACE(fmt::format("{} {} {}", b.name, end, bound));
+      EXPECT_EQ(error_of([&, e = end, at = open ? bound + nudge : bound] {
+                  check_by_library(b.name, with(b, e, at));
+                }),
+                "");
+      EXPECT_THAT(error_of([&, e = end, at = open ? bound : bound - nudge] { with(b, e, at); }),
+                  testing::HasSubstr("allowed is"));
+    }
+  }
+  EXPECT_GT(bounds, 300) << "the description was walked in part only";
+}
+
+// What used to be documented and then refused, or refused under another name.
+TEST(Limits, LibraryRefusesWhatTheSchemaRefuses) {
+  const auto path = [](auto change) {
+    return error_of([&] {
+      PathSettings s;
+      change(s);
+      validate(s);
+    });
+  };
+  const auto preflight = [](auto change) {
+    return error_of([&] {
+      PreflightSettings s;
+      change(s);
+      validate(s);
+    });
+  };
+  const auto schema = [](const std::string& assignment) {
+    return error_of([&] {
+      Scenario s;
+      read_settings(s, "", {assignment});
+    });
+  };
+  for (const auto& [name, refusal, value] :
+       {std::tuple{"path.corner_angle", path([](auto& s) { s.corner_angle_deg = 90; }), "90"},
+        std::tuple{"path.hover_height", path([](auto& s) { s.hover_height = 0; }), "0"},
+        std::tuple{"path.safe_height", path([](auto& s) { s.safe_height = 0; }), "0"},
+        std::tuple{"preflight.clearance", preflight([](auto& s) { s.clearance = 0.02; }), "0.02"},
+        std::tuple{"preflight.max_slope", preflight([](auto& s) { s.max_slope_deg = 0.5; }),
+                   "0.5"}}) {
+    const std::string assignment = std::string(name) + "=" + value;
+    EXPECT_THAT(refusal, testing::StartsWith(std::string(name) + " is " + value));
+    EXPECT_EQ(schema(assignment), "--set " + assignment + ": " + refusal);
+  }
+}
+
+TEST(Migration, PageListsWhatWasRenamed) {
+  Scenario scenario;
+  Words renamed, listed;
+  for (const RenamedSetting& r : renamed_settings(described(scenario)))
+    renamed.push_back(fmt::format("| `{}` | `{}` |", r.former, r.now));
+  std::ifstream page(kRoot / "docs/migration.md");
+  for (std::string line; std::getline(page, line);)
+    if (std::regex_match(line, std::regex("\\| `[^`]*` \\| `[^`]*` \\|"))) listed.push_back(line);
+  EXPECT_THAT(listed, testing::UnorderedElementsAreArray(renamed));
+}
+
+TEST(Migration, ScenariosNameTheSchemaAndUseTheNewNames) {
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(kRoot / "scenarios")) {
+    SCOPED_TRACE(entry.path());
+    std::ifstream file(entry.path());
+    std::string first;
+    std::getline(file, first);
+    EXPECT_EQ(first, "# yaml-language-server: $schema=../docs/scenario.schema.json");
+    Scenario scenario;
+    EXPECT_TRUE(read_settings(scenario, entry.path()).notes().empty());
+    ++files;
+  }
+  EXPECT_GT(files, 30);
+}
+
+// A run's scenario.yaml from before the renamings is the same scenario.
+TEST(Migration, FormerNamesGiveTheSameScenario) {
+  Scenario former, now;
+  read_settings(
+      former, "",
+      {"control.push=3", "control.wrench=true", "faults=[{kind: no_cloud, middle: 0.2}]"});
+  read_settings(now, "",
+                {"control.normal_force=3", "control.wrench=ground_truth",
+                 "faults=[{kind: no_cloud, start: 0.2}]"});
+  EXPECT_EQ(settings_yaml(former), settings_yaml(now));
+  EXPECT_EQ(former.control.normal_force, 3);
+}
+
+}  // namespace
+}  // namespace impedraw
