@@ -297,7 +297,7 @@ void describe(Fields& f, ControlSettings& s) {
             {"realistic", WrenchSource::realistic}},
            "F_ext that the controller is given: none, the simulator's, a sensor's (wrench_sensor), "
            "a real sensor's");
-  f.choice("projection", s.projection,
+  f.choice("projection", s.surface.projection,
            {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}},
            "of the error in contact (13)");
   describe_axial(f, "stiffness", s.stiffness.linear, "N/m", Range{0.0, 20000.0}, "K;");
@@ -317,48 +317,50 @@ void describe(Fields& f, ControlSettings& s) {
   f.field("push", s.normal_force, Range{0.0, 50.0}, "N", "along the normal, in contact");
   f.field("switch_time", s.switch_time, Range{0.001, 5.0}, "s",
           "time constant in which a switch of mode hands over force");
-  f.field("approach_speed", s.approach_speed, Range{1e-4, 0.2}, "m/s",
+  f.field("approach_speed", s.approach.speed, Range{1e-4, 0.2}, "m/s",
           "along the normal, until touch");
-  f.field("approach_overtravel", s.approach_overtravel, Range{0.0, 0.1}, "m",
+  f.field("approach_overtravel", s.approach.overtravel, Range{0.0, 0.1}, "m",
           "beneath the estimated surface, then the approach waits");
-  f.field("approach_lag", s.approach_lag, Range{1e-4, 0.05}, "m",
+  f.field("approach_lag", s.approach.lag, Range{1e-4, 0.05}, "m",
           "the approach waits for a tip that is held back by more");
-  f.field("retreat_height", s.retreat_height, Range{0.0, 0.5}, "m",
+  f.field("retreat_height", s.approach.retreat_height, Range{0.0, 0.5}, "m",
           "above the plan once the surface was lost");
-  f.field("normal_bandwidth", s.normal_bandwidth, Range{1.0, 500.0}, "rad/s",
+  f.field("normal_bandwidth", s.surface.normal_bandwidth, Range{1.0, 500.0}, "rad/s",
           "of the tracker of the surface normal");
-  f.field("tip_radius", s.tip_radius, Range{0.0, 0.05}, "m", "believed");
-  f.field("tip_stiffness", s.tip_stiffness, Range{0.0, 1e7}, "N/m",
+  f.field("tip_radius", s.tip.radius, Range{0.0, 0.05}, "m", "believed");
+  f.field("tip_stiffness", s.tip.stiffness, Range{0.0, 1e7}, "N/m",
           "believed, along the normal; 0: rigid");
-  f.field("friction", s.friction, Range{0.0, 3.0}, "",
+  f.field("friction", s.friction.coefficient, Range{0.0, 3.0}, "",
           "believed: what of a measured wrench tip friction may explain");
-  f.field("friction_feedforward", s.friction_feedforward, Range{0.0, 3.0}, "",
+  f.field("friction_feedforward", s.friction.feedforward, Range{0.0, 3.0}, "",
           "believed: foreseen along the stroke without a wrench");
-  f.field("contact_stiffness_max", s.contact_stiffness_max, Range{1.0, 1e7}, "N/m",
+  f.field("contact_stiffness_max", s.stability_check.contact_stiffness_max, Range{1.0, 1e7}, "N/m",
           "stiffest tip and canvas that the set-up is checked against");
-  f.field("natural_mass_max", s.natural_mass_max, Range{0.1, 1000.0}, "kg",
+  f.field("natural_mass_max", s.stability_check.natural_mass_max, Range{0.1, 1000.0}, "kg",
           "largest natural mass along the normal in that check");
-  f.field("null_stiffness", s.null_stiffness, Range{0.0, 500.0}, "Nm/rad",
+  f.field("null_stiffness", s.null_space.stiffness, Range{0.0, 500.0}, "Nm/rad",
           "K_q of the null space (15)");
-  f.field("null_damping_ratio", s.null_damping_ratio, Range{0.0, 3.0}, "", "of the null space");
+  f.field("null_damping_ratio", s.null_space.damping_ratio, Range{0.0, 3.0}, "",
+          "of the null space");
   f.field("observer", s.observer, "of what the model of the arm misses");
-  f.field("torque_delay", s.torque_delay, Range{0.0, 0.02}, "s",
-          "of the drives, as the observer believes");
-  f.field("loop_delay", s.loop_delay, Range{0.0, 0.02}, "s",
-          "age of the state when a torque acts, that damping is checked against");
+  f.field(
+      "torque_delay", s.torque_delay, Range{0.0, 0.02}, "s",
+      "of the drives; loop_delay is then at least one step longer; null: loop_delay alone counts");
+  f.field("loop_delay", s.timing.loop_delay, Range{0.0, 0.02}, "s",
+          "greatest age of the state while a torque acts: one step, and the delay of the drives");
   f.field("force_integral", s.force_integral, "of the force error, along the normal");
   f.field("sensing", s.sensing, "from the sensor's readings to the wrench at the tip");
   f.field("torque_share", s.torque_share, Range{0.01, 1.0}, "",
           "of the arm's torque limits that is used");
   f.field("torque_rate", s.torque_rate, Range{1.0, 1e6}, "Nm/s", "that no joint's torque exceeds");
-  f.field("limit_margin", s.limit_margin, Range{0.001, 1.0}, "rad",
+  f.field("limit_margin", s.joint_range.margin, Range{0.001, 1.0}, "rad",
           "so near to its limit a joint is pushed back, in the null space");
-  f.field("limit_torque", s.limit_torque, Range{0.0, 300.0}, "Nm", "by this at the limit");
-  f.field("tip_speed_limit", s.tip_speed_limit, Range{0.001, 5.0}, "m/s",
+  f.field("limit_torque", s.joint_range.torque, Range{0.0, 300.0}, "Nm", "by this at the limit");
+  f.field("tip_speed_limit", s.limits.tip_speed, Range{0.001, 5.0}, "m/s",
           "of the speed that the law asks for");
-  f.field("max_state_age", s.max_state_age, Range{0.0, 1.0}, "s",
+  f.field("max_state_age", s.timing.max_state_age, Range{0.0, 1.0}, "s",
           "joints read longer ago are stale");
-  f.field("max_wrench_age", s.max_wrench_age, Range{0.0, 1.0}, "s", "and so is a wrench");
+  f.field("max_wrench_age", s.timing.max_wrench_age, Range{0.0, 1.0}, "s", "and so is a wrench");
   f.field("contact", s.contact, "when contact begins and ends");
 }
 
