@@ -46,7 +46,7 @@ std::vector<Posture> postures(const Experiment& e) {
   std::vector<Posture> all;
   for (int k = 0; k < 2 * kSteps; ++k) {
     const int i = std::min(k, 2 * kSteps - 1 - k);
-    JointVector q = e.control.q_0, v(q.size());
+    JointVector q = e.control.null_space.q_0, v(q.size());
     for (int j = 0; j < q.size(); ++j) {
       q[j] += 0.1 * std::sin(0.002 * i + j);
       v[j] = 0.2 * std::cos(0.002 * i + j);
@@ -93,7 +93,7 @@ class Step {
     surface_.status = SurfaceStatus::ok;
     surface_.n_W = goal_.n_WD;
     surface_.distance = 0.0;
-    e_.arm.compute(e_.control.q_0, JointVector::Zero(e_.arm.joints()), &terms_);
+    e_.arm.compute(e_.control.null_space.q_0, JointVector::Zero(e_.arm.joints()), &terms_);
     while (!estimator_.tared()) estimator_.update(Vector6::Zero(), terms_.X_WE, Vector6::Zero());
   }
   const ImpedanceTorque& operator()() {

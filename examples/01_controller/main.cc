@@ -20,7 +20,7 @@ int main() {
 
   ImpedanceSettings settings;  // each has a unit and a default
   settings.normal_force = 5.0;
-  settings.q_0[2] = 0.2;              // the third joint would rather stand there
+  settings.null_space.q_0 = 0.2 * Eigen::VectorXd::Unit(7, 2);  // the third joint rests there
   settings.observer.enabled = false;  // it would wonder at an arm that no torque moves
   ImpedanceController controller(settings, 7);
 

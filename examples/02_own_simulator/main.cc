@@ -127,13 +127,11 @@ int main(int argc, char** argv) {
   ArmTerms arm(6);
 
   ImpedanceSettings settings;
-  settings.dt = kStep;
+  settings.timing.dt = kStep;
   settings.normal_force = kForce;
-  settings.tip_radius = 0.0;
-  settings.tip_stiffness = world.canvas.stiffness;
-  // six joints leave no null space
-  settings.q_0 = settings.null_stiffness = Eigen::VectorXd::Zero(6);
-  settings.torque_limit = Eigen::VectorXd::Constant(6, 200.0);
+  settings.tip.radius = 0.0;
+  settings.tip.stiffness = world.canvas.stiffness;
+  settings.limits.torque = Eigen::VectorXd::Constant(6, 200.0);
   ImpedanceController controller(settings, 6);
 
   WrenchEstimatorSettings sensing;

@@ -1,6 +1,8 @@
-// Gains of the surface frame S (z = n) that are equal along both tangents, turned to W:  R_WS
-// diag(t, t, n) R_WSᵀ = t (I − n nᵀ) + n n nᵀ.
-// The heading of S about n then drops out, so no frame has to be carried across the surface.
+// Gains of the surface frame S (z = n) that are equal along both tangents, turned to W:
+//
+//   R_WS diag(k_t, k_t, k_n) R_WSᵀ = k_t (I − n nᵀ) + k_n n nᵀ
+//
+// The heading of S about n drops out, so no frame has to be carried across the surface.
 // n must be a unit vector.
 #pragma once
 

@@ -37,12 +37,16 @@ constexpr Transition kTable[] = {
 
 }  // namespace
 
-ContactStates::ContactStates(const ContactSettings& settings, double dt)
-    : settings_(settings), dt_(dt) {
-  if (!(settings.leave_distance > settings.enter_distance))
+void ContactSettings::validate() const {
+  if (!(leave_distance > enter_distance))
     throw InputError(
         "contact.leave_distance must lie above contact.enter_distance: without hysteresis the "
         "contact chatters");
+}
+
+ContactStates::ContactStates(const ContactSettings& settings, double dt)
+    : settings_(settings), dt_(dt) {
+  settings_.validate();
 }
 
 void ContactStates::reset() noexcept {

@@ -1,9 +1,13 @@
 // The states of a pen that comes down, draws and leaves, as a table.
 //
-//   free ──pen down desired, surface known──> approach ──touch──> contact ──pen up desired──> lift
-//   ──clear of the surface──> free
-//   contact ──touch lost──> approach              approach ──pen up desired──> lift
-//   approach, contact ──surface or wrench lost──> retreat ──pen up desired──> free
+//   free              ──pen down desired, surface known──> approach
+//   approach          ──touch──>                           contact
+//   contact           ──touch lost──>                      approach
+//   approach, contact ──pen up desired──>                  lift
+//   lift              ──clear of the surface──>            free
+//   lift              ──pen down desired, surface known──> approach
+//   approach, contact ──surface or wrench lost──>          retreat
+//   retreat           ──pen up desired──>                  free
 //
 // Touch is known when the tip is near the estimated surface *and* something holds it: the measured
 // force along the normal, within `search_distance`, or, without a wrench, the tip that no longer
@@ -31,6 +35,8 @@ struct ContactSettings {
   double loss_time = 0.03;    // below loss_force for so long: lost [s]
   // how long the last normal is trusted when perception has none [s]
   double lost_surface_time = 0.25;
+
+  void validate() const;  // throws InputError where there is no hysteresis
 };
 
 // What one step knows of the contact.
@@ -41,12 +47,12 @@ struct ContactEvidence {
   bool wrench_known = false;
   bool wrench_lost = false;   // it should be there, and is stale
   double normal_force = 0.0;  // measured [N]
-  double approach_gap = 0.0;  // distance minus the distance desired in the approach [m]
+  double approach_gap = 0.0;  // distance minus the one that the approach asks for [m]
 };
 
 class ContactStates {
  public:
-  // dt: step [s]. Throws InputError where there is no hysteresis.
+  // dt: step [s]. Throws InputError as ContactSettings::validate() does.
   ContactStates(const ContactSettings& settings, double dt);
   ContactMode next(const ContactEvidence& evidence) noexcept;
   ContactMode mode() const { return mode_; }

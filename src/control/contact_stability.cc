@@ -37,13 +37,13 @@ namespace {
 
 // Whether the loop holds for every natural mass up to the largest; `desired` and `damping` as
 // functions of the natural mass.
-template <typename ReferenceMotion, typename Damping>
-bool stable(const ImpedanceSettings& settings, const ReferenceMotion& desired,
-            const Damping& damping) {
-  const int steps = std::max(1, static_cast<int>(std::lround(settings.wrench_delay / settings.dt)));
-  for (double m = 1.0; m <= settings.natural_mass_max; m += 0.5)
-    if (spectral_radius({m, desired(m), damping(m), settings.contact_stiffness_max, 0.0,
-                         settings.dt, steps}) >= 1.0)
+template <typename DesiredMass, typename Damping>
+bool stable(const ImpedanceSettings& settings, const DesiredMass& desired, const Damping& damping) {
+  const int steps =
+      std::max(1, static_cast<int>(std::lround(settings.timing.wrench_delay / settings.timing.dt)));
+  for (double m = 1.0; m <= settings.stability_check.natural_mass_max; m += 0.5)
+    if (spectral_radius({m, desired(m), damping(m), settings.stability_check.contact_stiffness_max,
+                         0.0, settings.timing.dt, steps}) >= 1.0)
       return false;
   return true;
 }
@@ -57,8 +57,9 @@ double rounded_up(double x) {
 [[noreturn]] void refuse(const char* format, double value, const ImpedanceSettings& settings,
                          double least) {
   char message[256];
-  std::snprintf(message, sizeof message, format, value, settings.contact_stiffness_max,
-                1e3 * settings.wrench_delay, rounded_up(least));
+  std::snprintf(message, sizeof message, format, value,
+                settings.stability_check.contact_stiffness_max, 1e3 * settings.timing.wrench_delay,
+                rounded_up(least));
   throw InputError(message);
 }
 
@@ -73,7 +74,7 @@ void check_contact_stability(double desired_mass, double damping,
   };
   if (holds(desired_mass)) return;
   double least = desired_mass;
-  while (least < 2.0 * settings.natural_mass_max && !holds(least)) least *= 1.05;
+  while (least < 2.0 * settings.stability_check.natural_mass_max && !holds(least)) least *= 1.05;
   refuse(
       "inertia along the normal: %.3g kg is unstable on a tip of %.3g N/m with a wrench %.3g ms "
       "late; valid are %.3g kg or more",

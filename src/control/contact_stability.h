@@ -2,10 +2,9 @@
 // wrench that is late.
 //
 // Plant     m v̇ = u + f,  f = k x' + …: tip spring k with damper b, x the penetration
-// Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier
-//            (11)
-// To first order in the delay T the late force takes (1 − m_d/m) k T of damping away: stable while
-// B + b m_d/m > (1 − m_d/m) k T.
+// Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier     (11)
+// Bound     B + b m_d/m > (1 − m_d/m) k T, to first order in the delay T: the late force takes
+//           (1 − m_d/m) k T of damping away
 // The check here is exact instead: the spectral radius of the sampled loop (semi-implicit Euler,
 // whole steps of delay) lies below 1. Needs masses, stiffness and dt above 0, delay_steps of 0 or
 // more.
@@ -27,12 +26,13 @@ struct ContactLoop {
 
 double spectral_radius(const ContactLoop& loop);  // < 1: stable
 
-// Throw InputError naming the axis, its value and the least that would be valid.
+// Throw InputError naming the axis, its value and the least that would be valid. They use the
+// timing, the damping ratio and stability_check of the settings.
 void check_contact_stability(double desired_mass, double damping,
                              const ImpedanceSettings& settings);
-void check_scaled_contact_stability(
-    double scale, double stiffness,
-    const ImpedanceSettings& settings);  // M_d = scale Λ; stiffness: K' along n
+// M_d = scale Λ; stiffness: K' along n.
+void check_scaled_contact_stability(double scale, double stiffness,
+                                    const ImpedanceSettings& settings);
 void check_damping_rates(const TipGain& damping, const TipGain& inertia, double dt_and_delay);
 
 }  // namespace impedraw

@@ -1,7 +1,7 @@
 // Damping from stiffness and inertia, mode by mode.
 //
 // Law      K' Q = M_d Q diag(k),  Qᵀ M_d Q = I,  B = M_d Q diag(2 ζ √k) Qᵀ M_d
-//          (docs/decisions/0006)
+//          Why not a scalar recipe: docs/decisions/0006.
 // Gives    every mode of M_d ẍ + B ẋ + K' x = 0 the same damping ratio ζ
 // With     M_d = A⁻¹, A = U Uᵀ, this is B = 2 ζ U⁻ᵀ C^½ U⁻¹, C = Uᵀ K' U.
 //
@@ -30,9 +30,8 @@ class ModalDamping {
   Vector6 apply(const Matrix6& U_inverse, const Vector6& V) const noexcept;
   // B⁻¹ F, for the factor of design().
   Vector6 solve(const Matrix6& U, const Vector6& F) const noexcept;
-  double largest_rate() const {
-    return largest_rate_;
-  }  // max eig(M_d⁻¹ B) of the last design [1/s]
+  // max eig(M_d⁻¹ B) of the last design [1/s]
+  double largest_rate() const { return largest_rate_; }
 
  private:
   Matrix6 Z_ = Matrix6::Identity();  // eigenvectors of C

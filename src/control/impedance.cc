@@ -2,71 +2,88 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-
-#include "impedraw/common/errors.h"
-#include "impedraw/control/check_settings.h"
-#include "impedraw/control/contact_stability.h"
 
 namespace impedraw {
 
-namespace {
-
-// K' of control.md: where a stiffness is zero, the reference sizes the damping.
-TipGain with_reference(const TipGain& k, const TipGain& reference) {
-  const auto pick = [](double value, double fallback) { return value > 0.0 ? value : fallback; };
-  return {{pick(k.linear.tangent, reference.linear.tangent),
-           pick(k.linear.normal, reference.linear.normal)},
-          {pick(k.angular.tangent, reference.angular.tangent),
-           pick(k.angular.normal, reference.angular.normal)}};
-}
-
-}  // namespace
-
 ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int joints)
-    : settings_((check_settings(settings, joints), settings)),
+    : settings_((settings.validate(joints), settings.completed(joints))),
+      K_damping_(settings.damping_stiffness()),
       shaped_(settings.inertia == InertiaShaping::shaped),
       measured_(settings.wrench == WrenchFeedback::measured),
+      observed_(measured_ && settings.observer.enabled),
       scale_(settings.inertia == InertiaShaping::scaled ? settings.inertia_scale : 1.0),
-      q_0_(settings.q_0),
-      null_stiffness_(settings.null_stiffness),
-      lower_(settings.joint_lower),
-      upper_(settings.joint_upper),
+      q_0_(settings_.null_space.q_0),
+      null_stiffness_(settings_.null_space.stiffness),
+      lower_(settings_.joint_range.lower),
+      upper_(settings_.joint_range.upper),
       space_(settings.operational_space),
-      observer_(settings.observer, joints, settings.dt,
-                std::max(0.0, settings.wrench_delay - settings.dt), settings.torque_delay),
-      limits_(settings.torque_limit, settings.torque_rate_limit, settings.dt),
-      tracker_(settings.normal_bandwidth, settings.dt),
-      contact_(settings.contact, settings.dt) {
-  // Across the normal the reference is what holds in contact; the stiffness of free motion must not
-  // change the damping at a switch.
-  settings_.reference_stiffness = with_reference(settings.stiffness, settings.reference_stiffness);
-  if (!measured_ && (shaped_ || scale_ != 1.0))
-    throw InputError(std::string("inertia '") + (shaped_ ? "shaped" : "scaled") +
-                     "' needs a measured wrench; without one the desired inertia must be 'natural' "
-                     "or the force is not the push");
-  if (shaped_) {
-    shaped_damping_ = diagonal_damping(settings_.reference_stiffness, settings.shaped_inertia,
-                                       settings.damping_ratio);
-    check_damping_rates(shaped_damping_, settings.shaped_inertia,
-                        settings.dt + settings.loop_delay);
-    check_contact_stability(settings.shaped_inertia.linear.normal, shaped_damping_.linear.normal,
-                            settings);
-  } else if (scale_ < 1.0) {
-    check_scaled_contact_stability(scale_, settings_.reference_stiffness.linear.normal, settings);
-  }
+      observer_(settings.observer, joints, settings.timing.dt,
+                std::max(0.0, settings.timing.wrench_delay - settings.timing.dt),
+                settings.timing.torque_delay()),
+      limits_(settings_.limits.torque, settings_.limits.torque_rate, settings.timing.dt),
+      tracker_(settings.surface.normal_bandwidth, settings.timing.dt),
+      contact_(settings.contact, settings.timing.dt) {
+  if (shaped_)
+    shaped_damping_ = diagonal_damping(K_damping_, settings.shaped_inertia, settings.damping_ratio);
   out_.tau = JointVector::Zero(joints);
   out_.terms.setZero(joints, kTorqueTerms);
+}
+
+const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,
+                                                 const SurfaceEstimate& surface,
+                                                 const Wrench& F_given,
+                                                 const InputAges& ages) noexcept {
+  const bool was_limited = out_.status.torque_limited;
+  out_.status = input_status(arm, reference, surface, F_given, ages);
+  if (out_.status.bad_input || out_.status.stale_state) return safe_torque();
+  const bool has_wrench = measured_ && !out_.status.stale_wrench;
+  const Wrench F_ext = has_wrench ? F_given : Wrench(Wrench::Zero());
+
+  out_.status.near_singular = !space_.update(arm);  // Λ, J̄
+  update_mode(reference, surface, F_ext);
+  if (!was_limited) update_force_integral(F_ext);
+  update_damping();  // B
+
+  // Reference motion, and the force that acts on M_d beside push and wrench
+  ReferenceMotion desired = on_surface_ ? reference_on_surface(arm, reference, surface)
+                                        : reference_on_plan(arm, reference);
+  const Vector6 F_impedance = handed_over(spring_and_damper(arm.V_WE, &desired), desired.push);
+
+  // F_act (10)–(11): Λ times an acceleration, Λ M_d⁻¹ times a force
+  TaskTerms F_act;
+  F_act.col(kFeedforward) = desired.Vdot_d;
+  F_act.col(kImpedance) = F_impedance;
+  F_act.col(kPush) = desired.push;
+  F_act.col(kWrench) = F_ext - tip_friction(arm, F_ext);
+  F_act.col(kVelocityProduct) = -arm.Jdot_v;
+  apply_inertia(&F_act);
+  F_act.col(kVelocityProduct) += space_.project_to_tip(arm.Cv);
+  F_act.col(kWrench) -= F_ext;
+  F_act.col(kFeedforward).head<3>() += foreseen_friction(desired.V_d);
+
+  // τ (12), (14)–(17)
+  const JointVector tau_null = null_space_torque(arm);
+  out_.terms.leftCols<kVelocityProduct + 1>() = arm.J.transpose().lazyProduct(F_act);
+  out_.terms.col(kNullSpace) =
+      tau_null - arm.J.transpose().lazyProduct(space_.project_to_tip(tau_null));
+  out_.terms.col(kGravity) = arm.g;
+  if (observed_) out_.terms.col(kDisturbance) = -disturbance(arm, F_ext);
+
+  // Finite numbers need not be an arm's: M may not be positive definite.
+  out_.status.bad_input = !std::isfinite(out_.terms.sum());
+  if (out_.status.bad_input) return safe_torque();
+  apply_limits(arm);
+  return out_;
 }
 
 void ImpedanceController::reset() noexcept {
   forget();
   limits_.reset();
-  hand_over_ = false;
+  force_from_zero_ = false;
 }
 
-// What may no longer be so once control was lost for a while. The torque still starts from where it
-// is.
+// Drops what may no longer hold once control was lost for a while. The torque still starts from
+// where it is.
 void ImpedanceController::forget() noexcept {
   contact_.reset();
   observer_.reset();
@@ -75,31 +92,37 @@ void ImpedanceController::forget() noexcept {
   force_integral_ = 0.0;
   carried_force_.setZero();
   last_force_.setZero();
-  hand_over_ = true;
+  force_from_zero_ = true;
 }
 
-// The input has the sizes and the numbers that a step can work with.
-bool ImpedanceController::valid(const ArmTerms& arm, const TipReference& reference,
-                                const SurfaceEstimate& surface,
-                                const Wrench& F_ext) const noexcept {
+// Age, size and finiteness of the inputs.
+ControlStatus ImpedanceController::input_status(const ArmTerms& arm, const TipReference& reference,
+                                                const SurfaceEstimate& surface, const Wrench& F_ext,
+                                                const InputAges& ages) const noexcept {
+  ControlStatus status;
+  status.stale_state = !(ages.state <= settings_.timing.max_state_age);
+  status.stale_wrench = measured_ && !(ages.wrench <= settings_.timing.max_wrench_age);
+  status.bad_input = true;
+  const auto unit = [](const Eigen::Vector3d& n) { return std::abs(n.squaredNorm() - 1.0) < 1e-6; };
   const auto n = out_.tau.size();
   if (arm.q.size() != n || arm.v.size() != n || arm.M.rows() != n || arm.M.cols() != n ||
-      arm.Cv.size() != n || arm.g.size() != n || arm.J.cols() != n ||
-      !(std::abs(reference.n_WD.squaredNorm() - 1.0) < 1e-6))
-    return false;
+      arm.Cv.size() != n || arm.g.size() != n || arm.J.cols() != n || !unit(reference.n_WD))
+    return status;
   double sum = arm.q.sum() + arm.v.sum() + arm.M.sum() + arm.Cv.sum() + arm.g.sum() + arm.J.sum() +
                arm.Jdot_v.sum() + arm.X_WE.p.sum() + arm.X_WE.R.sum() + arm.V_WE.sum() +
                reference.p_WD.sum() + reference.v_WD.sum() + reference.a_WD.sum() +
                reference.n_WD.sum() + reference.w_WD.sum() + reference.alpha_WD.sum();
   if (surface.status == SurfaceStatus::ok) {
-    if (!(std::abs(surface.n_W.squaredNorm() - 1.0) < 1e-6)) return false;
+    if (!unit(surface.n_W)) return status;
     sum += surface.n_W.sum() + surface.distance;
   }
-  if (measured_) sum += F_ext.sum();
-  return std::isfinite(sum);
+  if (measured_ && !status.stale_wrench) sum += F_ext.sum();
+  status.bad_input = !std::isfinite(sum);
+  return status;
 }
 
-// The pen rests on what holds the arm still; a velocity that may be anything is no use for braking.
+// The last gravity torque: the arm rests on what holds it still. A velocity that may be anything is
+// no use for braking.
 const ImpedanceTorque& ImpedanceController::safe_torque() noexcept {
   out_.terms.leftCols<kGravity>().setZero();
   out_.terms.col(kDisturbance).setZero();
@@ -110,104 +133,6 @@ const ImpedanceTorque& ImpedanceController::safe_torque() noexcept {
   out_.push = 0.0;
   out_.task_share = 0.0;
   forget();
-  return out_;
-}
-
-const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,
-                                                 const SurfaceEstimate& surface,
-                                                 const Wrench& F_given,
-                                                 const InputAges& ages) noexcept {
-  const bool was_limited = out_.status.torque_limited;
-  out_.status = {};
-  out_.status.stale_state = !(ages.state <= settings_.max_state_age);
-  out_.status.stale_wrench = measured_ && !(ages.wrench <= settings_.max_wrench_age);
-  const Wrench F_ext = measured_ && !out_.status.stale_wrench ? F_given : Wrench(Wrench::Zero());
-  out_.status.bad_input = !valid(arm, reference, surface, F_ext);
-  if (out_.status.bad_input || out_.status.stale_state) return safe_torque();
-
-  out_.status.near_singular = !space_.update(arm);
-  update_mode(reference, surface, F_ext);
-  if (!was_limited) update_force_integral(F_ext);
-
-  const Eigen::Vector3d& n = out_.n_WD;
-  if (!shaped_) {
-    const TipGain& K = settings_.reference_stiffness;
-    modal_damping_.design(space_.inverse_inertia_factor(), K.linear.matrix(n), K.angular.matrix(n),
-                          settings_.damping_ratio);
-    const double rate = modal_damping_.largest_rate() / std::sqrt(scale_);
-    out_.status.damping_limit = rate * (settings_.dt + settings_.loop_delay) >= kDampingLimit;
-  }
-  ReferenceMotion desired = on_surface_ ? reference_on_surface(arm, reference, surface)
-                                        : reference_on_plan(arm, reference);
-
-  // What a switch would change at once is carried over and fades.
-  if (out_.mode != last_mode_ || hand_over_)
-    carried_force_ = last_force_ - (desired.force + desired.push);
-  hand_over_ = false;
-  last_mode_ = out_.mode;
-  last_force_ = desired.force + desired.push + carried_force_;
-  desired.force += carried_force_;
-  carried_force_ *= 1.0 - settings_.dt / settings_.switch_time;
-
-  // F_act of (11), a column a term: Λ (V̇_d − J̇v), and Λ M_d⁻¹ of each force. Λ M_d⁻¹ is 1/c where
-  // M_d = c Λ.
-  Eigen::Matrix<double, 6, kVelocityProduct + 1> F;
-  const Vector6 kept =
-      measured_ ? Vector6(F_ext - tip_friction(arm, F_ext)) : Vector6(Vector6::Zero());
-  F.col(kFeedforward) = desired.Vdot_d;
-  F.col(kVelocityProduct) = -arm.Jdot_v;
-  if (shaped_) {
-    const TipGain mobility = settings_.shaped_inertia.inverse();
-    F.col(kImpedance) = mobility.apply(n, desired.force);
-    F.col(kPush) = mobility.apply(n, desired.push);
-    F.col(kWrench) = mobility.apply(n, kept);
-    F = (space_.inertia() * F).eval();
-  } else {
-    F.col(kFeedforward) = space_.inertia() * desired.Vdot_d;
-    F.col(kVelocityProduct) = -(space_.inertia() * arm.Jdot_v);
-    F.col(kImpedance) = desired.force / scale_;
-    F.col(kPush) = desired.push / scale_;
-    F.col(kWrench) = kept / scale_;
-  }
-  F.col(kWrench) -= F_ext;
-  if (!measured_ && settings_.friction_feedforward > 0.0 && out_.mode == ContactMode::contact) {
-    const Eigen::Vector3d v_d = desired.V_d.head<3>();
-    const double speed =
-        std::sqrt(v_d.squaredNorm() + settings_.friction_speed * settings_.friction_speed);
-    F.col(kFeedforward).head<3>() += settings_.friction_feedforward * out_.push / speed * v_d;
-  }
-  F.col(kVelocityProduct) += space_.project_to_tip(arm.Cv);
-
-  const JointVector D_q = 2.0 * settings_.null_damping_ratio *
-                          null_stiffness_.cwiseProduct(arm.M.diagonal()).cwiseSqrt();
-  const JointVector tau_null =
-      null_stiffness_.cwiseProduct(q_0_ - arm.q) - D_q.cwiseProduct(arm.v) + limit_repulsion(arm.q);
-
-  const bool observed = measured_ && settings_.observer.enabled;
-  out_.terms.leftCols<kVelocityProduct + 1>() = arm.J.transpose().lazyProduct(F);
-  out_.terms.col(kNullSpace) =
-      tau_null - arm.J.transpose().lazyProduct(space_.project_to_tip(tau_null));
-  out_.terms.col(kGravity) = arm.g;
-  const bool observes = observed && !out_.status.stale_wrench;
-  if (observes)
-    observer_.update(arm, F_ext);
-  else
-    observer_.pause();
-  if (observed) out_.terms.col(kDisturbance) = -observer_.disturbance();
-
-  // Numbers can be finite and still no arm's: an M that is not positive definite.
-  out_.status.bad_input = !std::isfinite(out_.terms.sum());
-  if (out_.status.bad_input) {
-    out_.terms.col(kGravity) = arm.g;
-    return safe_torque();
-  }
-  const LimitedTorque limited = limits_.apply(out_.terms.rightCols<2>().rowwise().sum(),
-                                              out_.terms.leftCols<kNullSpace>().rowwise().sum(),
-                                              out_.terms.col(kNullSpace), arm, space_);
-  out_.tau = limited.tau;
-  out_.task_share = limited.task_share;
-  out_.status.torque_limited = limited.limited;
-  if (observes) observer_.commanded(out_.tau);
   return out_;
 }
 
@@ -235,6 +160,158 @@ void ImpedanceController::update_mode(const TipReference& reference, const Surfa
   out_.mode = mode;
   out_.n_WD = on_surface ? tracker_.n() : reference.n_WD;
   out_.status.surface_lost = reference.pen_down && !known && surface.status != SurfaceStatus::none;
+}
+
+void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
+  const ForceIntegralSettings& s = settings_.force_integral;
+  if (!s.enabled || !measured_) return;
+  if (out_.mode != ContactMode::contact) {
+    force_integral_ = 0.0;  // the hand-over at the switch makes it fade
+    return;
+  }
+  const Eigen::Vector3d& n = tracker_.n();
+  // while the push builds up, no more than it is
+  const double asked = settings_.normal_force - n.dot(carried_force_.head<3>());
+  const double error = asked - n.dot(F_ext.head<3>());
+  force_integral_ =
+      std::clamp(force_integral_ + s.rate * settings_.timing.dt * error, -s.limit, s.limit);
+}
+
+// B of this posture. Only a desired inertia that turns with the arm needs it anew.
+void ImpedanceController::update_damping() noexcept {
+  if (shaped_) return;
+  const Eigen::Vector3d& n = out_.n_WD;
+  modal_damping_.design(space_.inverse_inertia_factor(), K_damping_.linear.matrix(n),
+                        K_damping_.angular.matrix(n), settings_.damping_ratio);
+  const double rate = modal_damping_.largest_rate() / std::sqrt(scale_);
+  out_.status.damping_limit =
+      rate * (settings_.timing.dt + settings_.timing.loop_delay) >= kDampingLimit;
+}
+
+// B V. Where M_d = c Λ, C and Λ⁻¹ of damping.h are 1/c of the natural ones.
+Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
+  if (shaped_) return shaped_damping_.apply(out_.n_WD, V);
+  return std::sqrt(scale_) * modal_damping_.apply(space_.inertia_factor(), V);
+}
+
+// B (V_d − V) + K e. Where the speed V_d + B⁻¹ K e that it settles on is beyond the limit, that
+// speed is scaled down to the limit, and V̇_d loses what would still speed the tip up.
+Vector6 ImpedanceController::spring_and_damper(const Vector6& V,
+                                               ReferenceMotion* desired) noexcept {
+  const double limit = settings_.limits.tip_speed;
+  // a smaller K e can only be a fraction of any limit: saves the solve
+  const double small_pull = 2e-3 * settings_.stiffness.linear.tangent;
+  const Vector6 &V_d = desired->V_d, &Ke = desired->Ke;
+  if (V_d.head<3>().squaredNorm() > 0.64 * limit * limit ||
+      Ke.head<3>().squaredNorm() > small_pull * small_pull) {
+    const Vector6 follow = shaped_
+                               ? shaped_damping_.inverse().apply(out_.n_WD, Ke)
+                               : Vector6(modal_damping_.solve(space_.inverse_inertia_factor(), Ke) /
+                                         std::sqrt(scale_));
+    Vector6 V_end = V_d + follow;
+    const double speed = V_end.head<3>().norm();
+    if (speed > limit) {
+      out_.status.speed_limited = true;
+      const Eigen::Vector3d direction = V_end.head<3>() / speed;
+      // the turning with it: a coupled inertia would make speed of the turning that is left
+      V_end *= limit / speed;
+      auto a = desired->Vdot_d.head<3>();
+      a -= std::max(0.0, a.dot(direction)) * direction;
+      return damp(V_end - V);
+    }
+  }
+  return damp(V_d - V) + Ke;
+}
+
+// `force`, with what a switch of mode would change at once carried over and fading.
+Vector6 ImpedanceController::handed_over(const Vector6& force, const Vector6& push) noexcept {
+  if (out_.mode != last_mode_ || force_from_zero_) carried_force_ = last_force_ - (force + push);
+  force_from_zero_ = false;
+  last_mode_ = out_.mode;
+  last_force_ = force + push + carried_force_;
+  const Vector6 continuous = force + carried_force_;
+  carried_force_ *= 1.0 - settings_.timing.dt / settings_.switch_time;
+  return continuous;
+}
+
+// The part of F_ext that Coulomb friction at the tip can explain: along −v_t, up to μ̂ f_n.
+Wrench ImpedanceController::tip_friction(const ArmTerms& arm, const Wrench& F_ext) const noexcept {
+  Wrench friction = Wrench::Zero();
+  const FrictionSettings& s = settings_.friction;
+  if (!measured_ || out_.mode != ContactMode::contact || s.coefficient <= 0.0) return friction;
+  const Eigen::Vector3d& n = out_.n_WD;
+  const double f_n = std::max(0.0, n.dot(F_ext.head<3>()));
+  const Eigen::Vector3d v = arm.V_WE.head<3>();
+  const Eigen::Vector3d v_t = v - n * n.dot(v);
+  const Eigen::Vector3d slip = v_t / std::sqrt(v_t.squaredNorm() + s.fade_speed * s.fade_speed);
+  const double against_slip = -F_ext.head<3>().dot(slip);
+  friction.head<3>() = -std::clamp(against_slip, 0.0, s.coefficient * f_n) * slip;
+  return friction;
+}
+
+// The force that overcomes friction along the stroke where no wrench is measured.
+Eigen::Vector3d ImpedanceController::foreseen_friction(const Vector6& V_d) const noexcept {
+  const FrictionSettings& s = settings_.friction;
+  if (measured_ || s.feedforward <= 0.0 || out_.mode != ContactMode::contact)
+    return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d v_d = V_d.head<3>();
+  const double speed = std::sqrt(v_d.squaredNorm() + s.fade_speed * s.fade_speed);
+  return s.feedforward * out_.push / speed * v_d;
+}
+
+// Λ times the accelerations, Λ M_d⁻¹ times the forces: 1/c times where M_d = c Λ.
+void ImpedanceController::apply_inertia(TaskTerms* F) const noexcept {
+  const Matrix6& Lambda = space_.inertia();
+  if (shaped_) {
+    const TipGain mobility = settings_.shaped_inertia.inverse();
+    for (const int force : {kImpedance, kPush, kWrench})
+      F->col(force) = mobility.apply(out_.n_WD, F->col(force));
+    *F = (Lambda * *F).eval();
+  } else {
+    for (const int acceleration : {kFeedforward, kVelocityProduct})
+      F->col(acceleration) = (Lambda * F->col(acceleration)).eval();
+    for (const int force : {kImpedance, kPush, kWrench}) F->col(force) /= scale_;
+  }
+}
+
+// K_q (q_0 − q) − D_q v + τ_limit, D_q = 2 ζ √(K_q diag(M)). (14)–(15)
+JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept {
+  const JointVector D_q = 2.0 * settings_.null_space.damping_ratio *
+                          null_stiffness_.cwiseProduct(arm.M.diagonal()).cwiseSqrt();
+  return null_stiffness_.cwiseProduct(q_0_ - arm.q) - D_q.cwiseProduct(arm.v) +
+         limit_repulsion(arm.q);
+}
+
+// τ_limit
+JointVector ImpedanceController::limit_repulsion(const JointVector& q) noexcept {
+  const JointRangeSettings& s = settings_.joint_range;
+  JointVector tau = JointVector::Zero(q.size());
+  for (int j = 0; j < lower_.size(); ++j) {
+    const double above = s.margin - (q[j] - lower_[j]), below = s.margin - (upper_[j] - q[j]);
+    if (above <= 0.0 && below <= 0.0) continue;
+    out_.status.joint_limit = true;
+    const double into = std::max(above, below) / s.margin;
+    tau[j] = (above > below ? 1.0 : -1.0) * s.torque * into * into;
+  }
+  return tau;
+}
+
+// r. Without a wrench to take out of it, it stays as it is.
+const JointVector& ImpedanceController::disturbance(const ArmTerms& arm,
+                                                    const Wrench& F_ext) noexcept {
+  if (!out_.status.stale_wrench) return observer_.update(arm, F_ext);
+  observer_.pause();
+  return observer_.disturbance();
+}
+
+void ImpedanceController::apply_limits(const ArmTerms& arm) noexcept {
+  const LimitedTorque limited = limits_.apply(out_.terms.rightCols<2>().rowwise().sum(),
+                                              out_.terms.leftCols<kNullSpace>().rowwise().sum(),
+                                              out_.terms.col(kNullSpace), arm, space_);
+  out_.tau = limited.tau;
+  out_.task_share = limited.task_share;
+  out_.status.torque_limited = limited.limited;
+  if (observed_ && !out_.status.stale_wrench) observer_.commanded(out_.tau);
 }
 
 }  // namespace impedraw

@@ -8,6 +8,11 @@
 
 namespace impedraw {
 
+void ObserverSettings::validate() const {
+  if (!(bandwidth > 0.0)) throw InputError("observer.bandwidth must lie above 0 rad/s");
+  if (!(limit >= 0.0)) throw InputError("observer.limit must be 0 Nm or more");
+}
+
 MomentumObserver::MomentumObserver(const ObserverSettings& settings, int joints, double dt,
                                    double wrench_age, double torque_delay)
     : settings_(settings),
@@ -20,8 +25,7 @@ MomentumObserver::MomentumObserver(const ObserverSettings& settings, int joints,
       bias_(JointVector::Zero(joints)),
       r_(JointVector::Zero(joints)) {
   const auto in_range = [](int steps) { return steps >= 0 && steps < kHistory - 1; };
-  if (!(settings.bandwidth > 0.0)) throw InputError("observer.bandwidth must lie above 0 rad/s");
-  if (!(settings.limit >= 0.0)) throw InputError("observer.limit must be 0 Nm or more");
+  settings.validate();
   if (!in_range(wrench_steps_) || !in_range(torque_steps_))
     throw InputError("observer: the wrench's age and the torque's delay are " +
                      std::to_string(1e3 * wrench_age) + " and " +

@@ -1,9 +1,9 @@
-// What the model of the arm misses, found from its momentum: joint friction, wrong masses, a
-// payload nobody told of.
+// What the model of the arm misses, found from its momentum: joint friction, wrong masses, an
+// unknown payload.
 //
 // Plant     M v̇ + C v + g = τ + Jᵀ F_ext + d,   d: what the model misses [Nm]
-// Observer  r = K_o ∫ ( M dv − (τ + Jᵀ F_ext − C v − g + r) dt ),   so  ṙ = K_o (d − r): d through
-//           a first-order low-pass of bandwidth K_o
+// Observer  r = K_o ∫ ( M dv − (τ + Jᵀ F_ext − C v − g + r) dt )
+// so        ṙ = K_o (d − r): d through a first-order low-pass of bandwidth K_o
 // Use       the law takes r off its torque. r is bounded joint by joint, and a bounded state of a
 //           low-pass cannot wind up.
 //
@@ -25,13 +25,15 @@ struct ObserverSettings {
   bool enabled = true;       // needs a measured wrench
   double bandwidth = 200.0;  // K_o [rad/s]
   double limit = 40.0;       // of each |r_j| [Nm]
+
+  void validate() const;  // throws InputError naming the setting and what is valid
 };
 
 class MomentumObserver {
  public:
   // The wrench is `wrench_age` old beyond the step that has just ended, the torque acts
-  // `torque_delay` after it was computed; both are rounded to steps. Throws InputError for what is
-  // out of range.
+  // `torque_delay` after it was computed [s]; both are rounded to steps. Throws InputError for what
+  // is out of range.
   MomentumObserver(const ObserverSettings& settings, int joints, double dt, double wrench_age,
                    double torque_delay);
 
@@ -42,10 +44,8 @@ class MomentumObserver {
   void commanded(const JointVector& tau) noexcept;
 
   const JointVector& disturbance() const { return r_; }  // r [Nm]
-  void pause() noexcept {
-    step_ = 0;
-  }                       // a step without a wrench: r stays, and history begins anew after it
-  void reset() noexcept;  // r = 0, history forgotten
+  void pause() noexcept { step_ = 0; }  // a step without a wrench: r stays, history begins anew
+  void reset() noexcept;                // r = 0, history forgotten
 
  private:
   static constexpr int kHistory = 32;  // steps

@@ -1,8 +1,9 @@
-// ReferenceMotion pen axis from the sampled surface normal: a unit vector and its angular velocity,
-// without lag while the normal turns steadily.
+// Desired pen axis from the sampled surface normal: a unit vector and its angular velocity, without
+// lag while the normal turns steadily.
 //
-// Law   ω ← ω + ω̇_plan Δt,  n ← exp([ω Δt + α ε]×) n,  ω ← ω + (β/Δt) ε,  ε = the smallest rotation
-//       that takes n to the sample
+// Law   ω ← ω + ω̇_plan Δt
+//       n ← exp([ω Δt + α ε]×) n      ε: the smallest rotation that takes n to the sample
+//       ω ← ω + (β/Δt) ε
 //       α = 1 − r², β = (1 − r)², r = exp(−bandwidth Δt): critically damped α–β filter
 // A lagging filter of the same bandwidth would tilt the pen by 2 ω/bandwidth (0.5° at 50 mm/s in
 // the bowl). The error left is (ω̇ − ω̇_plan)/bandwidth²: the plan need only know how the normal's

@@ -1,4 +1,4 @@
-// What perception tells the controller of the surface under the tip.
+// The surface under the tip, as perception estimates it for the controller.
 #pragma once
 
 #include <limits>
@@ -14,8 +14,8 @@ enum class SurfaceStatus {
   off_edge,  // the tip lies beyond the edge of the cloud
 };
 
-// Where perception is to be asked where M_d couples translation and rotation, natural or scaled
-// inertia: at the tip, moved along the surface to where the tip is desired, by `reach` at most [m].
+// Where to query perception if M_d couples translation and rotation (natural or scaled inertia): at
+// the tip, moved along the surface towards the desired tip, by `reach` at most [m].
 // Asked at the tip itself, the desired normal turns with every deviation of the tip: a stiffness
 // k_r/R from position to torque with none back, R the radius of curvature. On a tight hollow that
 // is not symmetric enough for the natural inertia, which couples both: the pen flutters. With
@@ -31,10 +31,10 @@ inline Eigen::Vector3d surface_query(const Eigen::Vector3d& p_WE, const Eigen::V
 
 struct SurfaceEstimate {
   SurfaceStatus status = SurfaceStatus::none;
-  Eigen::Vector3d n_W = Eigen::Vector3d::
-      UnitZ();  // unit normal, outward (towards the camera that saw it); meaningful if ok
-  double distance = std::numeric_limits<
-      double>::quiet_NaN();  // of the query point to the fitted surface [m], > 0 outside
+  // unit normal, outward: towards the camera that saw it; meaningful if ok
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
+  // of the query point to the fitted surface [m], > 0 outside; meaningful if ok
+  double distance = std::numeric_limits<double>::quiet_NaN();
 };
 
 }  // namespace impedraw

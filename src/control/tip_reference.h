@@ -1,4 +1,4 @@
-// What the plan wants of the pen tip at one instant.
+// The plan of the pen tip at one instant.
 #pragma once
 
 #include <Eigen/Core>

@@ -53,10 +53,10 @@ PreflightSettings preflight_settings(const Experiment& e) {
   s.vertical_pen = !e.perception;
   s.normal_force = e.scenario.control.normal_force;
   s.torque_share = e.scenario.control.torque_share;
-  s.friction = e.scenario.control.friction;
+  s.friction = e.scenario.control.friction.coefficient;
   s.normal_smoothing = e.scenario.path.normal_smoothing;
   s.space = e.scenario.control.operational_space;
-  s.rest_q = e.control.q_0;
+  s.rest_q = e.control.null_space.q_0;
   return s;
 }
 
@@ -211,19 +211,22 @@ JointVector rest_posture(Experiment& e, const SettingErrors& setting_errors) {
 void complete_control(Experiment& e, double wrench_delay, const SettingErrors& setting_errors) {
   const Scenario& s = e.scenario;
   const int n = e.arm.joints();
-  const JointVector q_0 = e.control.q_0;
+  const JointVector q_0 = e.control.null_space.q_0;
   ImpedanceSettings& control = e.control;
   control = s.control;
-  control.dt = s.world.dt;
+  control.timing.dt = s.world.dt;
   control.wrench =
       s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;
-  control.wrench_delay = wrench_delay;
-  control.drawing_axis_W = e.X_WP.R.col(2);
-  control.torque_limit = s.control.torque_share * e.arm.limits().torque;
-  control.torque_rate_limit = Eigen::VectorXd::Constant(n, s.control.torque_rate);
-  control.joint_lower = e.arm.limits().lower;
-  control.joint_upper = e.arm.limits().upper;
-  control.q_0 = q_0;
+  control.timing.wrench_delay = wrench_delay;
+  if (s.control.torque_delay)
+    control.timing.loop_delay =
+        std::max(control.timing.loop_delay, *s.control.torque_delay + control.timing.dt);
+  control.surface.drawing_axis_W = e.X_WP.R.col(2);
+  control.limits.torque = s.control.torque_share * e.arm.limits().torque;
+  control.limits.torque_rate = Eigen::VectorXd::Constant(n, s.control.torque_rate);
+  control.joint_range.lower = e.arm.limits().lower;
+  control.joint_range.upper = e.arm.limits().upper;
+  control.null_space.q_0 = q_0;
   setting_errors.locate(control_settings(), [&] {
     ImpedanceController(control, n);
   });  // its checks, before anything is written
@@ -424,7 +427,7 @@ Experiment prepare(const Scenario& given, const Places& places, Unreachable unre
     });
   }
   e.whole = renumbered(std::move(laid.strokes), &e.source);
-  e.control.q_0 = rest_posture(e, setting_errors);
+  e.control.null_space.q_0 = rest_posture(e, setting_errors);
   e.preflight = setting_errors.locate({"preflight"}, [&] {
     return check_strokes(e.whole, e.surface(), e.arm, e.canvas.get(), start.q,
                          preflight_settings(e),

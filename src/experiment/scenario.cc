@@ -341,7 +341,7 @@ void describe(Fields& f, ControlSettings& s) {
            "Source of the external wrench F_ext: none, the simulator, a sensor with the faults in "
            "wrench_sensor, or one with the faults of a real sensor.");
   f.formerly("true", "ground_truth");
-  f.choice("projection", s.projection,
+  f.choice("projection", s.surface.projection,
            {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}},
            "Projection of the position error in contact, equation (13): with full stiffness on any "
            "slope, or as in the paper.");
@@ -365,53 +365,55 @@ void describe(Fields& f, ControlSettings& s) {
   f.formerly("push");
   f.field("switch_time", s.switch_time, Range{0.001, 5.0}, "s",
           "Time constant of the transition between contact modes.");
-  f.field("approach_speed", s.approach_speed, Range{1e-4, 0.2}, "m/s",
+  f.field("approach_speed", s.approach.speed, Range{1e-4, 0.2}, "m/s",
           "Speed along the normal until the pen touches.");
-  f.field("approach_overtravel", s.approach_overtravel, Range{0.0, 0.1}, "m",
+  f.field("approach_overtravel", s.approach.overtravel, Range{0.0, 0.1}, "m",
           "Depth below the estimated surface at which the approach stops.");
-  f.field("approach_lag", s.approach_lag, Range{1e-4, 0.05}, "m",
+  f.field("approach_lag", s.approach.lag, Range{1e-4, 0.05}, "m",
           "Lag of the tip above which the approach waits.");
-  f.field("retreat_height", s.retreat_height, Range{0.0, 0.5}, "m",
+  f.field("retreat_height", s.approach.retreat_height, Range{0.0, 0.5}, "m",
           "Height above the plan to which the pen retreats when the surface is lost.");
-  f.field("normal_bandwidth", s.normal_bandwidth, Range{1.0, 500.0}, "rad/s",
+  f.field("normal_bandwidth", s.surface.normal_bandwidth, Range{1.0, 500.0}, "rad/s",
           "Bandwidth of the filter of the surface normal.");
-  f.field("tip_radius", s.tip_radius, Range{0.0, 0.05}, "m", "Modelled radius of the tip.");
-  f.field("tip_stiffness", s.tip_stiffness, Range{0.0, 1e7}, "N/m",
+  f.field("tip_radius", s.tip.radius, Range{0.0, 0.05}, "m", "Modelled radius of the tip.");
+  f.field("tip_stiffness", s.tip.stiffness, Range{0.0, 1e7}, "N/m",
           "Modelled stiffness of the tip along the normal; 0: rigid.");
-  f.field("friction", s.friction, Range{0.0, 3.0}, "",
+  f.field("friction", s.friction.coefficient, Range{0.0, 3.0}, "",
           "Modelled coefficient of friction: the part of a measured wrench that tip friction can "
           "explain.");
-  f.field("friction_feedforward", s.friction_feedforward, Range{0.0, 3.0}, "",
+  f.field("friction_feedforward", s.friction.feedforward, Range{0.0, 3.0}, "",
           "Modelled coefficient of friction that is compensated along a stroke without a measured "
           "wrench.");
-  f.field("contact_stiffness_max", s.contact_stiffness_max, Range{1.0, 1e7}, "N/m",
+  f.field("contact_stiffness_max", s.stability_check.contact_stiffness_max, Range{1.0, 1e7}, "N/m",
           "Stiffest contact of tip and canvas in the stability check at set-up.");
-  f.field("natural_mass_max", s.natural_mass_max, Range{0.1, 1000.0}, "kg",
+  f.field("natural_mass_max", s.stability_check.natural_mass_max, Range{0.1, 1000.0}, "kg",
           "Largest effective mass along the normal in the stability check at set-up.");
-  f.field("null_stiffness", s.null_stiffness, Range{0.0, 500.0}, "Nm/rad",
+  f.field("null_stiffness", s.null_space.stiffness, Range{0.0, 500.0}, "Nm/rad",
           "Stiffness K_q of the null space, equation (15).");
-  f.field("null_damping_ratio", s.null_damping_ratio, Range{0.0, 3.0}, "",
+  f.field("null_damping_ratio", s.null_space.damping_ratio, Range{0.0, 3.0}, "",
           "Damping ratio of the null space.");
   f.field("observer", s.observer, "Momentum observer of the torque that the arm's model misses.");
-  f.field("torque_delay", s.torque_delay, Range{0.0, 0.02}, "s",
-          "Delay of the drives in the observer's model.");
-  f.field("loop_delay", s.loop_delay, Range{0.0, 0.02}, "s",
-          "Age of the state when a torque acts, in the damping check at set-up.");
+  f.field(
+      "torque_delay", s.torque_delay, Range{0.0, 0.02}, "s",
+      "Delay of the drives; loop_delay is then at least one step longer. null: loop_delay alone "
+      "counts.");
+  f.field("loop_delay", s.timing.loop_delay, Range{0.0, 0.02}, "s",
+          "Greatest age of the state while a torque acts: one step and the delay of the drives.");
   f.field("force_integral", s.force_integral, "Integral of the force error along the normal.");
   f.field("sensing", s.sensing, "From the sensor's readings to the wrench at the tip.");
   f.field("torque_share", s.torque_share, Range{0.01, 1.0}, "",
           "Fraction of the arm's torque limits that may be used.");
   f.field("torque_rate", s.torque_rate, Range{1.0, 1e6}, "Nm/s",
           "Largest rate of change of a joint's torque.");
-  f.field("limit_margin", s.limit_margin, Range{0.001, 1.0}, "rad",
+  f.field("limit_margin", s.joint_range.margin, Range{0.001, 1.0}, "rad",
           "Distance from its limit at which a joint is pushed back, in the null space.");
-  f.field("limit_torque", s.limit_torque, Range{0.0, 300.0}, "Nm",
+  f.field("limit_torque", s.joint_range.torque, Range{0.0, 300.0}, "Nm",
           "Torque that pushes a joint back at its limit.");
-  f.field("tip_speed_limit", s.tip_speed_limit, Range{0.001, 5.0}, "m/s",
+  f.field("tip_speed_limit", s.limits.tip_speed, Range{0.001, 5.0}, "m/s",
           "Largest tip speed that the control law may ask for.");
-  f.field("max_state_age", s.max_state_age, Range{0.0, 1.0}, "s",
+  f.field("max_state_age", s.timing.max_state_age, Range{0.0, 1.0}, "s",
           "Age above which a joint state is stale.");
-  f.field("max_wrench_age", s.max_wrench_age, Range{0.0, 1.0}, "s",
+  f.field("max_wrench_age", s.timing.max_wrench_age, Range{0.0, 1.0}, "s",
           "Age above which a wrench is stale.");
   f.field("contact", s.contact, "When contact begins and ends.");
 }

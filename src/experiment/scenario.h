@@ -95,6 +95,10 @@ struct ControlSettings : ImpedanceSettings {
   SensingSettings sensing;
   double torque_share = 1.0;    // of the arm's torque limits
   double torque_rate = 4000.0;  // of every joint [Nm/s]
+  // Of the drives [s]: says that timing.loop_delay is at least one step longer.
+  std::optional<double> torque_delay;
+
+  ControlSettings() { null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0); }  // the iiwa's
 };
 
 // A push on the pen, as a hand would.

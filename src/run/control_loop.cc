@@ -21,7 +21,7 @@ ControlLoop::ControlLoop(Experiment& e, bool faults)
     : e_(e),
       faults_(faults),
       controller_(e.control, e.arm.joints()),
-      wrench_(e.scenario.control.source, e.estimator, e.sensor, e.control.dt,
+      wrench_(e.scenario.control.source, e.estimator, e.sensor, e.control.timing.dt,
               static_cast<std::uint64_t>(e.scenario.seed)),
       terms_(e.arm.joints()),
       q_(e.start_q),

@@ -1,8 +1,8 @@
 // Mass and centre of mass of the tool on a force-torque sensor, and the sensor's bias, from
 // readings at rest in several orientations.
 //
-// Law       f_k = m g_k + b_f,   m_k = h × g_k + b_m,   g_k = R_WSᵀ g_W of pose k,   h = m p_SC
-//            (tool.h at rest)
+// Law       f_k = m g_k + b_f          g_k = R_WSᵀ g_W of pose k          (tool.h at rest)
+//           m_k = h × g_k + b_m        h = m p_SC
 // Both are linear: least squares for (m, b_f), then for (h, b_m). The inertia cannot be seen at
 // rest: take it from the drawing. Orientations must turn gravity in the sensor: in opposite pairs
 // along three axes is best (condition 1.2), tilts of ± 30° about two axes give 5. At condition k

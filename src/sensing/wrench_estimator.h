@@ -1,23 +1,21 @@
 // Wrench of the environment on the pen tip, from the readings of a force-torque sensor between
 // flange and pen.
 //
-// Reading   [f; m]_S = wrench of the environment on the tool + tool_wrench (tool.h) + bias, in the
-//           axes of S, m about S's origin,
-//           mean over the step that ended `sensor_delay` ago
+// Reading   [f; m]_S = wrench of the environment on the tool + tool_wrench (tool.h) + bias,
+//           in the axes of S, m about S's origin, mean over the step that ended `sensor_delay` ago
 // Law       u_S   = filter( reading_S − tool_wrench_S − bias_S )
-//           F_ext = [ R_WS f_u ; R_WS (m_u − p_SE × f_u) ]      at the origin of E, in the axes of
-//           W [N, Nm]
-// Motion    that of the tool over the reading's step: A_WS = ΔV_WS/Δt, pose and velocity the mean
-//           of both ends. Error second order in Δt.
-//           R_WS too is that step's: a force that stands still in W is not turned with the tool.
+//           F_ext = [ R_WS f_u ; R_WS (m_u − p_SE × f_u) ]
+//           at the origin of E, in the axes of W [N, Nm]
+// Motion    That of the tool over the reading's step: A_WS = ΔV_WS/Δt, pose and velocity the mean
+//           of both ends. Error second order in Δt. R_WS too is that step's: a force that stands
+//           still in W is not turned with the tool.
 // Filter    1/(1 + s/ω)², critically damped, ω = `filter_bandwidth`, discretised by the trapezoidal
-//           rule. At frequency f: phase
-//           −2 atan(2πf/ω), gain 1/(1 + (2πf/ω)²): one half at ω, −3 dB at 0.64 ω. Delay 2/ω at low
-//           frequency, exactly.
-//           White noise comes out with √(ωΔt/4) of its standard deviation (ωΔt ≪ 1).
+//           rule. At frequency f: phase −2 atan(2πf/ω), gain 1/(1 + (2πf/ω)²), which is one half
+//           at ω and −3 dB at 0.64 ω. Delay 2/ω at low frequency, exactly. White noise comes out
+//           with √(ωΔt/4) of its standard deviation (ωΔt ≪ 1).
 // Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of unbroken rest. Nothing may
-//           touch the tool meanwhile; that cannot
-//           be seen from here. A term left out by `removal` is in the bias as it is at rest.
+//           touch the tool meanwhile; that cannot be seen from here. A term left out by `removal`
+//           is in the bias as it is at rest.
 // Needs     update() once a step, from the first on; R_WE a rotation; a reading of which
 //           `sensor_delay` is true.
 #pragma once
@@ -38,8 +36,8 @@ struct WrenchEstimatorSettings {
   double sensor_delay = 0.0;      // age of a reading when it is handed in; taken in whole steps [s]
   double filter_bandwidth = 0.0;  // ω, below 2/Δt; 0: no filter [rad/s]
   double tare_time = 0.4;         // [s]
-  double tare_speed = 2.0e-3;     // below both, the tool is at rest: of the tip [m/s]
-  double tare_turn_rate = 1.0e-2;  // and angular [rad/s]
+  // The tool is at rest below both: speed of the tip [m/s], angular speed [rad/s].
+  double tare_speed = 2.0e-3, tare_turn_rate = 1.0e-2;
   // of the sensor, ± on each axis [N]
   double range_force = std::numeric_limits<double>::infinity();
   double range_torque = std::numeric_limits<double>::infinity();  // [Nm]
@@ -89,8 +87,8 @@ class WrenchEstimator {
   double filter_gain_;  // ωΔt/(2 + ωΔt)
   int tare_length_;     // [steps]
 
-  std::array<Motion, kMaxDelaySteps + 2>
-      motions_;  // a ring of motions_kept_: both ends of the reading's step, and all since
+  // a ring of motions_kept_: both ends of the reading's step, and all since
+  std::array<Motion, kMaxDelaySteps + 2> motions_;
   int motions_kept_, newest_ = 0, known_ = 0;
 
   Vector6 tare_sum_ = Vector6::Zero(), bias_S_ = Vector6::Zero();

@@ -31,8 +31,8 @@ inline ArmTerms random_terms(ArmModel& arm, std::mt19937& rng) {
 
 inline ImpedanceSettings shaped_settings(const ArmModel& arm) {
   ImpedanceSettings s;
-  s.q_0 = working_posture();
-  s.torque_limit = arm.limits().torque;
+  s.null_space.q_0 = working_posture();
+  s.limits.torque = arm.limits().torque;
   return s;
 }
 

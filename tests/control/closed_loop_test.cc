@@ -54,15 +54,16 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
   double worst[2];
   for (const bool fine : {false, true}) {
     ImpedanceSettings s = soft(shaped_settings(arm));
-    s.dt = s.wrench_delay = s.loop_delay = fine ? 0.25e-3 : 1e-3;
-    s.contact_stiffness_max = 5e3;  // soft as this arm is, a stiffer tip would be refused
+    s.timing.dt = s.timing.wrench_delay = s.timing.loop_delay = fine ? 0.25e-3 : 1e-3;
+    s.stability_check.contact_stiffness_max =
+        5e3;  // soft as this arm is, a stiffer tip would be refused
     s.stiffness.linear = {50.0, 50.0};
     FreeArm free(s);
     const Eigen::Vector3d direction = free.reference.n_WD.unitOrthogonal(),
                           start = free.reference.p_WD;
     const double F = 1.0, k = s.stiffness.linear.tangent, x_0 = F / k;
     worst[fine] = 0.0;
-    for (double t = 0.0; t < 1.0; t += s.dt) {
+    for (double t = 0.0; t < 1.0; t += s.timing.dt) {
       const double x = direction.dot(free.world.state().X_WE.p - start);
       worst[fine] = std::max(worst[fine], std::abs(x - response(t, s.shaped_inertia.linear.tangent,
                                                                 k, s.damping_ratio, x_0)) /
@@ -141,7 +142,7 @@ TEST(ClosedLoop, GravityIsCountedOnce) {
 TEST(ClosedLoop, TheNullSpaceMovesTheElbowAndNotTheTip) {
   ArmModel arm(kArm);
   ImpedanceSettings s = shaped_settings(arm);
-  s.q_0[2] += 0.6;
+  s.null_space.q_0[2] += 0.6;
   FreeArm free(s);
   const Eigen::Vector3d start = free.reference.p_WD;
   double away = 0.0;
@@ -176,7 +177,7 @@ TEST(ClosedLoop, PassesASingularPostureWithBoundedTorque) {
   JointVector q(7);
   q << 0.0, 0.9, 0.0, -0.6, 0.0, 0.5, 0.0;
   ImpedanceSettings s = shaped_settings(arm);
-  s.q_0 = q;
+  s.null_space.q_0 = q;
   FreeArm free(s, q);
   const Eigen::Vector3d outward = Eigen::Vector3d(free.reference.p_WD.x(), 0.0,
                                                   free.reference.p_WD.z() - 0.36)
@@ -223,7 +224,7 @@ TEST(ClosedLoop, RefusesSettingsThatCannotWork) {
   s.wrench = WrenchFeedback::none;
   EXPECT_THROW(ImpedanceController(s, 7), InputError);
   s = shaped_settings(arm);
-  s.q_0 = Eigen::VectorXd::Zero(6);
+  s.null_space.q_0 = Eigen::VectorXd::Zero(6);
   EXPECT_THROW(ImpedanceController(s, 7), InputError);
   s = shaped_settings(arm);
   s.shaped_inertia.angular.normal = 1e-4;

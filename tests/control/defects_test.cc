@@ -73,7 +73,7 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
   s.stiffness = {{500.0, 500.0},
                  {30.0, 0.0}};  // the same along all axes: the tip goes straight to where it should
   s.shaped_inertia = {{3.0, 3.0}, {0.05, 0.05}};
-  s.contact_stiffness_max = 1e4;
+  s.stability_check.contact_stiffness_max = 1e4;
   Still still(s, working_posture());
   for (int i = 0; i < 20; ++i) {
     JointVector q = still.random_rest(rng);
@@ -114,8 +114,8 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
 TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
   ArmModel arm(kArm);
   ImpedanceSettings s = shaped_settings(arm);
-  s.null_stiffness.setConstant(60.0);
-  s.q_0[2] += 1.0;
+  s.null_space.stiffness = Eigen::VectorXd::Constant(7, 60.0);
+  s.null_space.q_0[2] += 1.0;
   Still free_of_limits(s, working_posture());
   free_of_limits.free.reference.a_WD = Eigen::Vector3d(1.0, 0.0, 1.0);
   Vector6 asked = Vector6::Zero();
@@ -147,14 +147,14 @@ TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
 TEST(Defects, ADampedInverseThatLeaksTheNullSpaceIntoTheTask) {
   ArmModel arm(kArm);
   ImpedanceSettings s = shaped_settings(arm);
-  s.null_stiffness.setConstant(60.0);
+  s.null_space.stiffness = Eigen::VectorXd::Constant(7, 60.0);
   JointVector q(7);
   for (const double bend :
        {-0.5, -0.35, -0.25}) {  // towards the stretched elbow, short of the release
     q << 0.3, 0.5, 0.4, bend, 0.2, 0.7, 0.1;
-    s.q_0 = q;
-    s.q_0[2] += 0.8;
-    s.q_0[5] -= 0.5;
+    s.null_space.q_0 = q;
+    s.null_space.q_0[2] += 0.8;
+    s.null_space.q_0[5] -= 0.5;
     Still still(s, q);
     const ImpedanceTorque& out = still.free.control();
     ASSERT_FALSE(out.status.near_singular) << bend;
@@ -164,7 +164,8 @@ TEST(Defects, ADampedInverseThatLeaksTheNullSpaceIntoTheTask) {
     const Eigen::MatrixXd M_inverse = t.M.inverse(), A = t.J * M_inverse * t.J.transpose();
     EXPECT_LT((t.J * M_inverse * null).norm(), 1e-9 * (M_inverse * null).norm()) << "bend " << bend;
     // λ²/(σ² + λ²) of the torque comes through a damped inverse.
-    const Eigen::VectorXd asked = s.null_stiffness.cwiseProduct(s.q_0 - Eigen::VectorXd(q));
+    const Eigen::VectorXd asked =
+        s.null_space.stiffness.cwiseProduct(s.null_space.q_0 - Eigen::VectorXd(q));
     const double lambda = 0.05;
     const Eigen::MatrixXd damped =
         (A + lambda * lambda * Eigen::MatrixXd::Identity(6, 6)).inverse();
@@ -207,18 +208,18 @@ TEST(Defects, GainsTurnedAndNeverUsed) {
 TEST(Defects, LimitRepulsionThatWeakensTowardsTheLimit) {
   ArmModel arm(kArm);
   ImpedanceSettings s = shaped_settings(arm);
-  s.null_stiffness.setZero();
-  s.joint_lower = Eigen::VectorXd::Constant(7, -3.0);
-  s.joint_upper = Eigen::VectorXd::Constant(7, 3.0);
+  s.null_space.stiffness = Eigen::VectorXd::Zero(7);
+  s.joint_range.lower = Eigen::VectorXd::Constant(7, -3.0);
+  s.joint_range.upper = Eigen::VectorXd::Constant(7, 3.0);
   double last = -1.0;
   for (double distance = 0.16; distance > -0.1; distance -= 0.01) {
-    s.joint_upper[2] = working_posture()[2] + distance;
+    s.joint_range.upper[2] = working_posture()[2] + distance;
     Still still(s, working_posture());
     // The projected torque may well have the other sign on the joint itself: what counts is where
     // it accelerates the joint.
     const Eigen::VectorXd tau = still.free.control().terms.col(kNullSpace);
     const double push = -still.free.world.terms().M.llt().solve(tau)[2];
-    if (distance < s.limit_margin) {
+    if (distance < s.joint_range.margin) {
       EXPECT_GT(push, last) << "at " << distance << " rad";
     }
     last = push;
@@ -230,16 +231,16 @@ TEST(Defects, ATorqueCheckThatNothingCalls) {
   ArmModel arm(kArm);
   for (const bool natural : {false, true}) {
     ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
-    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 2000.0);
+    s.limits.torque_rate = Eigen::VectorXd::Constant(7, 2000.0);
     Still still(s, working_posture());
     JointVector last = still.free.control().tau;
     for (int i = 0; i < 400; ++i) {
       still.free.reference.a_WD = 1e4 * Eigen::Vector3d(i % 100 < 50 ? 1.0 : -1.0, 0.5, -1.0);
       const ImpedanceTorque& out = still.free.control();
-      ASSERT_LE((out.tau.cwiseAbs() - s.torque_limit).maxCoeff(), 0.0);
+      ASSERT_LE((out.tau.cwiseAbs() - s.limits.torque).maxCoeff(), 0.0);
       ASSERT_LE((out.tau - last).cwiseAbs().maxCoeff(), 2.0 + 1e-9);
       ASSERT_TRUE(out.status.torque_limited);
-      ASSERT_GT((out.terms.rowwise().sum().cwiseAbs() - s.torque_limit).maxCoeff(), 0.0)
+      ASSERT_GT((out.terms.rowwise().sum().cwiseAbs() - s.limits.torque).maxCoeff(), 0.0)
           << "or it was not asked for too much";
       last = out.tau;
     }
@@ -300,7 +301,7 @@ TEST(Defects,
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937 rng(seed);
   ImpedanceSettings s = shaped_settings(arm);
-  s.null_stiffness.setZero();
+  s.null_space.stiffness = Eigen::VectorXd::Zero(7);
   for (const bool natural : {false, true}) {
     if (natural) s.inertia = InertiaShaping::natural;
     Still still(s, working_posture());

@@ -40,7 +40,7 @@ struct FreeArm {
     reference.n_WD = -terms.X_WE.R.col(2);
   }
   explicit FreeArm(const ImpedanceSettings& settings, const JointVector& q = working_posture())
-      : FreeArm(settings, q, at_step(settings.dt)) {}
+      : FreeArm(settings, q, at_step(settings.timing.dt)) {}
 
   void measure() { arm.compute(world.state().q, world.state().v, &terms); }
 
@@ -97,7 +97,7 @@ struct PlaneArm {
       : p_WS(0.6, 0.0, 0.2),
         n_W(-std::sin(slope), 0.0, std::cos(slope)),
         canvas(plane(p_WS, n_W)),
-        free(settings, over(p_WS + height * n_W, n_W), world_settings(settings.dt, errors),
+        free(settings, over(p_WS + height * n_W, n_W), world_settings(settings.timing.dt, errors),
              &canvas) {
     free.reference.n_WD = n_W;
     look();

@@ -30,8 +30,8 @@ ImpedanceSettings settings_of(const ArmModel& arm, const Case& c) {
   ImpedanceSettings s = shaped_settings(arm);
   s.inertia = c.inertia;
   if (c.scale > 0.0) s.inertia_scale = c.scale;
-  s.contact_stiffness_max = 2e3;  // the tip is free here
-  s.q_0[2] += 0.3;                // the null space is busy
+  s.stability_check.contact_stiffness_max = 2e3;  // the tip is free here
+  s.null_space.q_0[2] += 0.3;                     // the null space is busy
   return s;
 }
 
@@ -117,7 +117,7 @@ TEST(DesiredInertia, IsWhatTheSimulatedTipMovesBy) {
     s.stiffness = {{1.0, 1.0}, {0.01, 0.0}};  // next to nothing, for the 5 ms that it lasts
     s.reference_stiffness = {{1.0, 1.0}, {0.01, 0.01}};
     s.damping_ratio = 0.05;
-    s.contact_stiffness_max = 1.0;
+    s.stability_check.contact_stiffness_max = 1.0;
     for (int axis = 0; axis < 6; ++axis) {
       FreeArm free(s);
       const Vector6 expected = desired_inertia(free, c, s).inverse() * (0.1 * push(axis));
@@ -126,7 +126,7 @@ TEST(DesiredInertia, IsWhatTheSimulatedTipMovesBy) {
         free.F_ext = 0.1 * push(axis);  // the wrench of this very step
         free.step_under(Wrench(free.F_ext));
       }
-      const Vector6 V_dot = free.world.state().V_WE / (steps * s.dt);
+      const Vector6 V_dot = free.world.state().V_WE / (steps * s.timing.dt);
       EXPECT_LT((V_dot - expected).norm(), 0.01 * expected.norm()) << c.name << ", axis " << axis;
     }
   }
@@ -187,8 +187,8 @@ TEST(RefusedInertia, AnUnstableScaleNamesTheAxisTheCauseAndWhatWouldDo) {
   ImpedanceSettings s = shaped_settings(arm);
   s.inertia = InertiaShaping::scaled;
   s.inertia_scale = 0.2;
-  s.contact_stiffness_max = 50e3;
-  s.wrench_delay = 5e-3;
+  s.stability_check.contact_stiffness_max = 50e3;
+  s.timing.wrench_delay = 5e-3;
   const std::string why = refusal(s);
   for (const char* part : {"normal", "0.2", "5e+04 N/m", "5 ms", "valid are"})
     EXPECT_NE(why.find(part), std::string::npos) << part << ": " << why;
@@ -207,9 +207,9 @@ TEST(RefusedInertia, TheValueNamedIsAlwaysAccepted) {
   for (int i = 0; i < 60; ++i) {
     const bool shaped = i % 2;
     ImpedanceSettings s = shaped_settings(arm);
-    s.contact_stiffness_max = std::pow(10.0, 3.0 + 2.0 * unit(rng));
-    s.wrench_delay = 1e-3 * (1.0 + std::floor(6.0 * unit(rng)));
-    s.natural_mass_max = 6.0;
+    s.stability_check.contact_stiffness_max = std::pow(10.0, 3.0 + 2.0 * unit(rng));
+    s.timing.wrench_delay = 1e-3 * (1.0 + std::floor(6.0 * unit(rng)));
+    s.stability_check.natural_mass_max = 6.0;
     s.inertia = shaped ? InertiaShaping::shaped : InertiaShaping::scaled;
     s.inertia_scale = 0.05 + 0.9 * unit(rng);
     s.shaped_inertia.linear.normal = 0.3 + 4.0 * unit(rng);
@@ -231,7 +231,7 @@ TEST(RefusedInertia, ADampingThatIsTooFastNamesTheFactorThatWouldDo) {
   ArmModel arm(kArm);
   for (int axis = 0; axis < 4; ++axis) {
     ImpedanceSettings s = shaped_settings(arm);
-    s.contact_stiffness_max = 1e3;
+    s.stability_check.contact_stiffness_max = 1e3;
     double* inertia[] = {&s.shaped_inertia.linear.tangent, &s.shaped_inertia.linear.normal,
                          &s.shaped_inertia.angular.tangent, &s.shaped_inertia.angular.normal};
     const char* name[] = {"along the tangents", "along the normal", "about the tangents",

@@ -14,14 +14,14 @@ using namespace testing_arm;
 JointVector repulsion(ArmModel& arm, int joint, double distance, bool upper, const ArmTerms& terms,
                       ControlStatus* status = nullptr) {
   ImpedanceSettings s = shaped_settings(arm);
-  s.null_stiffness.setZero();
-  s.q_0 = terms.q;
-  s.joint_lower = Eigen::VectorXd::Constant(7, -10.0);
-  s.joint_upper = Eigen::VectorXd::Constant(7, 10.0);
+  s.null_space.stiffness = Eigen::VectorXd::Zero(7);
+  s.null_space.q_0 = terms.q;
+  s.joint_range.lower = Eigen::VectorXd::Constant(7, -10.0);
+  s.joint_range.upper = Eigen::VectorXd::Constant(7, 10.0);
   if (upper)
-    s.joint_upper[joint] = terms.q[joint] + distance;
+    s.joint_range.upper[joint] = terms.q[joint] + distance;
   else
-    s.joint_lower[joint] = terms.q[joint] - distance;
+    s.joint_range.lower[joint] = terms.q[joint] - distance;
   ImpedanceController controller(s, 7);
   TipReference reference;
   reference.p_WD = terms.X_WE.p;
@@ -43,14 +43,15 @@ TEST(JointLimits, RepelAsTheFormulaSaysUpToTheLimitAndBeyond) {
   for (const int joint : {0, 2, 4}) {
     for (const bool upper : {false, true}) {
       double last = 0.0;
-      for (double d = 1.2 * s.limit_margin; d > -s.limit_margin; d -= 0.01 * s.limit_margin) {
+      for (double d = 1.2 * s.joint_range.margin; d > -s.joint_range.margin;
+           d -= 0.01 * s.joint_range.margin) {
         ControlStatus status;
         const JointVector tau = repulsion(arm, joint, d, upper, terms, &status);
-        const double into = std::max(0.0, (s.limit_margin - d) / s.limit_margin),
-                     size = s.limit_torque * into * into;
+        const double into = std::max(0.0, (s.joint_range.margin - d) / s.joint_range.margin),
+                     size = s.joint_range.torque * into * into;
         ASSERT_LT((tau - (upper ? -size : size) * N.col(joint)).norm(), 1e-9)
             << "joint " << joint + 1 << " at " << d << " rad";
-        ASSERT_EQ(status.joint_limit, d < s.limit_margin);
+        ASSERT_EQ(status.joint_limit, d < s.joint_range.margin);
         ASSERT_GE(tau.norm(), last - 1e-12) << "it must not weaken towards the limit, nor beyond";
         last = tau.norm();
         ASSERT_LT((J * M_inverse * tau).norm(), 1e-9) << "and the tip does not feel it";
@@ -65,15 +66,16 @@ TEST(JointLimits, RepelSmoothly) {
   ArmTerms terms(7);
   arm.compute(working_posture(), JointVector::Zero(7), &terms);
   const ImpedanceSettings s;
-  const double h = 1e-3, unit = repulsion(arm, 2, 0.0, true, terms).norm() / s.limit_torque;
-  for (double d = 1.2 * s.limit_margin; d > -0.5 * s.limit_margin; d -= 0.7e-3) {
+  const double h = 1e-3, unit = repulsion(arm, 2, 0.0, true, terms).norm() / s.joint_range.torque;
+  for (double d = 1.2 * s.joint_range.margin; d > -0.5 * s.joint_range.margin; d -= 0.7e-3) {
     const JointVector bend =
         (repulsion(arm, 2, d + h, true, terms) - 2.0 * repulsion(arm, 2, d, true, terms) +
          repulsion(arm, 2, d - h, true, terms)) /
         (h * h);
     // No kink: the second difference stays that of the parabola. A kink of slope T/margin would
     // show as T/(margin h), 75 times as much.
-    ASSERT_LE(bend.norm() / unit, 2.0 * s.limit_torque / (s.limit_margin * s.limit_margin) * 1.001)
+    ASSERT_LE(bend.norm() / unit,
+              2.0 * s.joint_range.torque / (s.joint_range.margin * s.joint_range.margin) * 1.001)
         << "at " << d << " rad";
   }
 }
@@ -83,11 +85,11 @@ TEST(JointLimits, KeepAJointOffThatItsRestPostureLiesBeyond) {
   for (const bool guarded : {false, true}) {
     ImpedanceSettings s = shaped_settings(arm);
     const double limit = working_posture()[2] + 0.25;
-    s.q_0[2] = limit + 0.5;
+    s.null_space.q_0[2] = limit + 0.5;
     if (guarded) {
-      s.joint_lower = Eigen::VectorXd::Constant(7, -2.9);
-      s.joint_upper = Eigen::VectorXd::Constant(7, 2.9);
-      s.joint_upper[2] = limit;
+      s.joint_range.lower = Eigen::VectorXd::Constant(7, -2.9);
+      s.joint_range.upper = Eigen::VectorXd::Constant(7, 2.9);
+      s.joint_range.upper[2] = limit;
     }
     FreeArm free(s);
     double furthest = -10.0, away = 0.0;
@@ -101,7 +103,7 @@ TEST(JointLimits, KeepAJointOffThatItsRestPostureLiesBeyond) {
     EXPECT_LT(away, 1e-4) << "the pen stays where it is";
     if (guarded) {
       EXPECT_LT(furthest, limit);
-      EXPECT_GT(furthest, limit - s.limit_margin) << "or it was never near";
+      EXPECT_GT(furthest, limit - s.joint_range.margin) << "or it was never near";
     } else {
       EXPECT_GT(furthest, limit) << "or the limit was not needed";
     }

@@ -71,12 +71,11 @@ JointVector easy_posture(ArmModel& arm, std::mt19937& rng) {
 ImpedanceSettings settings_of(const ArmModel& arm, const JointVector& q) {
   const int n = arm.joints();
   ImpedanceSettings s;
-  s.q_0 = q;
-  s.null_stiffness = Eigen::VectorXd::Constant(n, 10.0);
-  s.torque_limit = arm.limits().torque;
+  s.null_space.q_0 = q;
+  s.limits.torque = arm.limits().torque;
   s.stiffness = {{300.0, 200.0}, {5.0, 0.0}};
   s.reference_stiffness = {{300.0, 200.0}, {5.0, 2.0}};
-  s.contact_stiffness_max = 1e3;
+  s.stability_check.contact_stiffness_max = 1e3;
   return s;
 }
 
@@ -84,7 +83,7 @@ ImpedanceSettings settings_of(const ArmModel& arm, const JointVector& q) {
 // within 2 % of the step asked for.
 void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector& q) {
   const int n = static_cast<int>(q.size());
-  FreeArm free(s, q, FreeArm::at_step(s.dt), nullptr, file.path());
+  FreeArm free(s, q, FreeArm::at_step(s.timing.dt), nullptr, file.path());
   const World::Terms t = free.world.terms();
   const Eigen::Vector3d n_W = free.reference.n_WD, start = free.reference.p_WD;
   Matrix6 M_d = Matrix6::Zero(), K = Matrix6::Zero(), K_damping = Matrix6::Zero();
@@ -115,8 +114,8 @@ void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector
         << "at " << i << " ms, " << n << " joints";
     ASSERT_TRUE(free.step().status.ok());
     for (int k = 0; k < 50; ++k) {
-      x_dot += s.dt / 50.0 * A * (K * (x_D - x) - B * x_dot);
-      x += s.dt / 50.0 * x_dot;
+      x_dot += s.timing.dt / 50.0 * A * (K * (x_D - x) - B * x_dot);
+      x += s.timing.dt / 50.0 * x_dot;
     }
   }
   EXPECT_GT(x.head<3>().norm(), 0.5 * x_D.norm()) << "or it had not moved by then";

@@ -34,7 +34,7 @@ TEST(TorqueRate, HoldsAcrossEverySwitchOfState) {
   for (const bool natural : {false, true}) {
     SCOPED_TRACE(natural ? "natural" : "shaped");
     ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
-    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 1000.0);
+    s.limits.torque_rate = Eigen::VectorXd::Constant(7, 1000.0);
     PlaneArm on(s);
     RateWatch watch{1.0, {}};
     bool seen[5] = {};
@@ -110,7 +110,7 @@ TEST(TipSpeed, StaysWithinItsLimitAndTheTipArrives) {
       SCOPED_TRACE(testing::Message()
                    << (natural ? "natural" : "shaped") << ", by " << way.transpose());
       ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
-      s.tip_speed_limit = 0.3;
+      s.limits.tip_speed = 0.3;
       FreeArm free(s);
       free.reference.p_WD += way;
       double fastest = 0.0;
@@ -120,8 +120,8 @@ TEST(TipSpeed, StaysWithinItsLimitAndTheTipArrives) {
         fastest = std::max(fastest, free.world.state().V_WE.head<3>().norm());
       }
       EXPECT_TRUE(told);
-      EXPECT_LE(fastest, 1.05 * s.tip_speed_limit);
-      EXPECT_GT(fastest, 0.8 * s.tip_speed_limit) << "it need not creep either";
+      EXPECT_LE(fastest, 1.05 * s.limits.tip_speed);
+      EXPECT_GT(fastest, 0.8 * s.limits.tip_speed) << "it need not creep either";
       EXPECT_LT((free.world.state().X_WE.p - free.reference.p_WD).norm(), 1e-3);
     }
   }
@@ -133,9 +133,9 @@ TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
   q << 0.0, 0.9, 0.0, -0.6, 0.0, 0.5, 0.0;
   for (const bool natural : {false, true}) {
     ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
-    s.q_0 = q;
+    s.null_space.q_0 = q;
     // 5000 will do, 3000 will not: Λ changes fast here
-    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 10000.0);
+    s.limits.torque_rate = Eigen::VectorXd::Constant(7, 10000.0);
     FreeArm free(s, q);
     const Eigen::Vector3d start = free.reference.p_WD,
                           outward = (start - Eigen::Vector3d(0.0, 0.0, 0.36)).normalized();
@@ -149,7 +149,7 @@ TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
       told |= out.status.near_singular;
       watch.look(out.tau, "stretched");
       if (HasFatalFailure()) return;
-      ASSERT_LE((out.tau.cwiseAbs() - s.torque_limit).maxCoeff(), 0.0);
+      ASSERT_LE((out.tau.cwiseAbs() - s.limits.torque).maxCoeff(), 0.0);
       ASSERT_FALSE(free.world.failure()) << *free.world.failure();
     }
     EXPECT_TRUE(told);
@@ -163,7 +163,7 @@ TEST(BadInput, GoesToTheLastGravityTorqueAsFastAsTheRateLets) {
   ArmModel arm(kArm);
   for (const bool stale : {false, true}) {
     ImpedanceSettings s = shaped_settings(arm);
-    s.torque_rate_limit = Eigen::VectorXd::Constant(7, 500.0);
+    s.limits.torque_rate = Eigen::VectorXd::Constant(7, 500.0);
     FreeArm free(s);
     free.reference.p_WD += Eigen::Vector3d(0.05, -0.05, 0.05);
     for (int i = 0; i < 60; ++i) free.step();
@@ -246,7 +246,7 @@ TEST(LostCloud, EndsInRetreat) {
   on.free.surface.status = SurfaceStatus::off_edge;
   on.free.surface.n_W = Eigen::Vector3d::UnitX();
   on.free.surface.distance = kNaN;
-  const int trusted = static_cast<int>(s.contact.lost_surface_time / s.dt);
+  const int trusted = static_cast<int>(s.contact.lost_surface_time / s.timing.dt);
   for (int i = 0; i < trusted - 2; ++i) {
     const ImpedanceTorque& out = on.step();
     ASSERT_TRUE(out.status.surface_lost);

@@ -77,7 +77,7 @@ TEST(SurfaceLaw, LiftsTheErrorToFullStiffnessOnASlope) {
   const double slope = 0.7, shift = 1e-3;
   for (const ErrorProjection projection : {ErrorProjection::lifted, ErrorProjection::paper}) {
     ImpedanceSettings s = natural_measured(arm);
-    s.projection = projection;
+    s.surface.projection = projection;
     OnSlope on(slope, s);
     const Vector6 before = on.wrench(on.settle(), kImpedance);
     on.reference.p_WD.x() +=
@@ -117,7 +117,8 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
     return Vector6(on.wrench(on.controller.step(on.terms, on.reference, on.surface, F), kWrench));
   };
   // With M_d = Λ the wrench term is minus the friction that is left out: it cancels it.
-  const double limit = s.friction * 5.0, smooth = 0.05 / std::hypot(0.05, s.friction_speed);
+  const double limit = s.friction.coefficient * 5.0,
+               smooth = 0.05 / std::hypot(0.05, s.friction.fade_speed);
   EXPECT_NEAR(friction_term(1.2, 0.0)[1], 1.2 * smooth * smooth, 1e-6);
   EXPECT_NEAR(friction_term(4.0, 0.0)[1], limit * smooth, 1e-6) << "no more than μ̂ f_n";
   EXPECT_NEAR(friction_term(-4.0, 0.0).norm(), 0.0, 1e-9)

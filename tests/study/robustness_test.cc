@@ -113,7 +113,7 @@ TEST(RobustnessCells, EachSwitchIsOffAndOn) {
     const Scenario s = cell_scenario(cell);
     const bool on = cell.row.starts_with("observer") ? s.control.observer.enabled
                     : cell.row.starts_with("force")  ? s.control.force_integral.enabled
-                                                     : s.control.friction > 0.0;
+                                                     : s.control.friction.coefficient > 0.0;
     EXPECT_EQ(on, cell.column == "on") << cell.name;
     rows[cell.row].insert(cell.column);
   }

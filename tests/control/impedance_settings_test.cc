@@ -1,0 +1,157 @@
+// The settings by themselves: defaults for any number of joints, refusals that name what is wrong,
+// and one belief about the delay of the loop.
+#include "impedraw/control/impedance_settings.h"
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "free_arm.h"
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using namespace testing_arm;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string refusal(const ImpedanceSettings& s, int joints = 7) {
+  try {
+    s.validate(joints);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ImpedanceSettings, DefaultsServeAnyNumberOfJoints) {
+  for (int joints = 1; joints <= kMaxJoints; ++joints) {
+    EXPECT_EQ(refusal({}, joints), "accepted") << joints;
+    const ImpedanceSettings s = ImpedanceSettings().completed(joints);
+    EXPECT_EQ(s.null_space.stiffness, Eigen::VectorXd::Constant(joints, 10.0));
+    EXPECT_EQ(s.null_space.q_0, Eigen::VectorXd::Zero(joints));
+    EXPECT_EQ(s.limits.torque, Eigen::VectorXd::Constant(joints, 1000.0));
+    EXPECT_EQ(s.limits.torque_rate.size(), 0);
+    EXPECT_EQ(refusal(s, joints), "accepted");
+  }
+  EXPECT_THAT(refusal({}, 0), HasSubstr("the number of joints is 0"));
+  EXPECT_THAT(refusal({}, kMaxJoints + 1), HasSubstr("the number of joints is 13"));
+}
+
+TEST(ImpedanceSettings, AJointRestsInTheMiddleOfItsRangeUnlessToldOtherwise) {
+  ImpedanceSettings s;
+  s.joint_range.lower = Eigen::VectorXd::Constant(6, -3.0);
+  s.joint_range.upper = Eigen::VectorXd::Constant(6, -0.2);  // as the elbow of some arms has it
+  EXPECT_EQ(s.completed(6).null_space.q_0, Eigen::VectorXd::Constant(6, -1.6));
+  s.null_space.q_0 = Eigen::VectorXd::Constant(6, -1.0);
+  EXPECT_EQ(s.completed(6).null_space.q_0, s.null_space.q_0);
+}
+
+TEST(ImpedanceSettings, DefaultsLeftEmptyActAsTheSameValuesGiven) {
+  ArmModel arm(kArm);
+  std::mt19937 rng(5);
+  const ImpedanceSettings s;
+  ImpedanceController left_out(s, 7), given(s.completed(7), 7);
+  for (int i = 0; i < 20; ++i) {
+    const ArmTerms terms = random_terms(arm, rng);
+    TipReference reference;
+    reference.p_WD = terms.X_WE.p;
+    reference.n_WD = -terms.X_WE.R.col(2);
+    EXPECT_EQ(left_out.step(terms, reference, {}, Wrench::Zero()).tau,
+              given.step(terms, reference, {}, Wrench::Zero()).tau);
+  }
+}
+
+TEST(ImpedanceSettings, ARefusalNamesSettingAndValue) {
+  using S = ImpedanceSettings;
+  const double nan = std::nan("");
+  const struct {
+    const char *name, *value;
+    std::function<void(S&)> spoil;
+  } cases[] = {
+      {"timing.dt", "0", [](S& s) { s.timing.dt = 0.0; }},
+      {"timing.loop_delay", "-0.001", [](S& s) { s.timing.loop_delay = -1e-3; }},
+      {"timing.wrench_delay", "nan", [=](S& s) { s.timing.wrench_delay = nan; }},
+      {"timing.max_state_age", "-1", [](S& s) { s.timing.max_state_age = -1.0; }},
+      {"stiffness along the tangents", "-5", [](S& s) { s.stiffness.linear.tangent = -5.0; }},
+      {"shaped_inertia about the normal", "0", [](S& s) { s.shaped_inertia.angular.normal = 0.0; }},
+      {"damping_ratio", "0", [](S& s) { s.damping_ratio = 0.0; }},
+      {"surface.drawing_axis_W length", "2", [](S& s) { s.surface.drawing_axis_W *= 2.0; }},
+      {"surface.min_axis_cosine", "1.5", [](S& s) { s.surface.min_axis_cosine = 1.5; }},
+      {"surface.normal_bandwidth", "0", [](S& s) { s.surface.normal_bandwidth = 0.0; }},
+      {"approach.speed", "0", [](S& s) { s.approach.speed = 0.0; }},
+      {"approach.lag", "-0.1", [](S& s) { s.approach.lag = -0.1; }},
+      {"contact.leave_distance", "", [](S& s) { s.contact.leave_distance = 0.0; }},
+      {"tip.radius", "-0.001", [](S& s) { s.tip.radius = -1e-3; }},
+      {"friction.coefficient", "-0.3", [](S& s) { s.friction.coefficient = -0.3; }},
+      {"friction.fade_speed", "0", [](S& s) { s.friction.fade_speed = 0.0; }},
+      {"observer.bandwidth", "", [](S& s) { s.observer.bandwidth = 0.0; }},
+      {"force_integral.limit", "-1", [](S& s) { s.force_integral.limit = -1.0; }},
+      {"stability_check.natural_mass_max", "0",
+       [](S& s) { s.stability_check.natural_mass_max = 0.0; }},
+      {"null_space.stiffness", "6 entries",
+       [](S& s) { s.null_space.stiffness = Eigen::VectorXd::Ones(6); }},
+      {"null_space.q_0", "nan",
+       [=](S& s) { s.null_space.q_0 = Eigen::VectorXd::Constant(7, nan); }},
+      {"joint_range.upper", "without the other",
+       [](S& s) { s.joint_range.lower = Eigen::VectorXd::Ones(7); }},
+      {"joint_range.margin", "0", [](S& s) { s.joint_range.margin = 0.0; }},
+      {"limits.torque", "-1", [](S& s) { s.limits.torque = -Eigen::VectorXd::Ones(7); }},
+      {"limits.torque_rate", "8 entries",
+       [](S& s) { s.limits.torque_rate = Eigen::VectorXd::Ones(8); }},
+      {"limits.tip_speed", "inf", [](S& s) { s.limits.tip_speed = INFINITY; }},
+      {"inertia 'shaped'", "measured wrench", [](S& s) { s.wrench = WrenchFeedback::none; }},
+      {"along the normal", "unstable", [](S& s) { s.timing.wrench_delay = 10e-3; }},
+  };
+  for (const auto& c : cases) {
+    ImpedanceSettings s;
+    c.spoil(s);
+    EXPECT_THAT(refusal(s), AllOf(HasSubstr(c.name), HasSubstr(c.value)));
+    EXPECT_THROW(ImpedanceController(s, 7), InputError) << c.name;
+  }
+}
+
+// The largest part of r over half a second of motion through the air, where the model is exact but
+// torque acts so many steps late.
+double unexplained(double loop_delay, int steps_late) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.inertia = InertiaShaping::natural;
+  s.stiffness = {{300.0, 200.0}, {5.0, 0.0}};
+  s.reference_stiffness = {{300.0, 200.0}, {5.0, 2.0}};
+  s.timing.loop_delay = loop_delay;
+  WorldSettings world = FreeArm::at_step(s.timing.dt);
+  world.errors.loop_delay = steps_late * s.timing.dt;
+  FreeArm free(s, working_posture(), world);
+  free.reference.p_WD += Eigen::Vector3d(0.02, -0.01, 0.01);
+  double largest = 0.0;
+  for (int i = 0; i < 500; ++i)
+    largest = std::max(largest, free.step().terms.col(kDisturbance).cwiseAbs().maxCoeff());
+  return largest;
+}
+
+TEST(LoopDelay, TheObserverPutsATorqueWhereTheLoopDelayHasItAct) {
+  for (const int late : {0, 1, 4}) {
+    EXPECT_LT(unexplained((1 + late) * 1e-3, late), 1e-6) << late << " steps late";
+    EXPECT_GT(unexplained((2 + late) * 1e-3, late), 0.1) << "told another delay";
+  }
+}
+
+TEST(LoopDelay, TheSameDelayBoundsTheDamping) {
+  ArmModel arm(kArm);
+  for (const double late : {0.0, 5e-3}) {
+    ImpedanceSettings s = natural_settings(arm);
+    s.timing.loop_delay = 1e-3 + late;
+    FreeArm free(s);
+    EXPECT_EQ(free.step().status.damping_limit, late > 0.0);
+    ImpedanceSettings shaped = shaped_settings(arm);
+    shaped.timing.loop_delay = 1e-3 + late;
+    EXPECT_EQ(refusal(shaped) == "accepted", late == 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace impedraw
