@@ -46,7 +46,7 @@ std::vector<Posture> postures(const Experiment& e) {
   std::vector<Posture> all;
   for (int k = 0; k < 2 * kSteps; ++k) {
     const int i = std::min(k, 2 * kSteps - 1 - k);
-    JointVector q = e.control.null_space.q_0, v(q.size());
+    JointVector q = e.control.impedance.null_space.q_0, v(q.size());
     for (int j = 0; j < q.size(); ++j) {
       q[j] += 0.1 * std::sin(0.002 * i + j);
       v[j] = 0.2 * std::cos(0.002 * i + j);
@@ -70,10 +70,10 @@ void BM_floor(benchmark::State& state) {
 void BM_arm_terms(benchmark::State& state) {
   Experiment& e = experiment("bowl-sine");
   const auto all = postures(e);
-  ArmTerms terms(e.arm.joints());
+  ArmTerms terms(e.scene.arm.joints());
   std::size_t i = 0;
   for (auto _ : state) {
-    e.arm.compute(all[i].q, all[i].v, &terms);
+    e.scene.arm.compute(all[i].q, all[i].v, &terms);
     benchmark::DoNotOptimize(terms);
     i = (i + 1) % all.size();
   }
@@ -86,20 +86,23 @@ class Step {
   explicit Step(const std::string& name)
       : e_(experiment(name)),
         all_(postures(e_)),
-        terms_(e_.arm.joints()),
-        controller_(e_.control, e_.arm.joints()),
-        estimator_(e_.estimator),
-        goal_(e_.path.at(0.5 * (e_.path.strokes()[0].start + e_.path.strokes()[0].end)).reference) {
+        terms_(e_.scene.arm.joints()),
+        controller_(e_.control.impedance, e_.scene.arm.joints()),
+        estimator_(e_.control.estimator),
+        goal_(
+            e_.plan.path.at(0.5 * (e_.plan.path.strokes()[0].start + e_.plan.path.strokes()[0].end))
+                .reference) {
     surface_.status = SurfaceStatus::ok;
     surface_.n_W = goal_.n_WD;
     surface_.distance = 0.0;
-    e_.arm.compute(e_.control.null_space.q_0, JointVector::Zero(e_.arm.joints()), &terms_);
+    e_.scene.arm.compute(e_.control.impedance.null_space.q_0,
+                         JointVector::Zero(e_.scene.arm.joints()), &terms_);
     while (!estimator_.tared()) estimator_.update(Vector6::Zero(), terms_.X_WE, Vector6::Zero());
   }
   const ImpedanceTorque& operator()() {
     const Posture& p = all_[i_];
     i_ = (i_ + 1) % all_.size();
-    e_.arm.compute(p.q, p.v, &terms_);
+    e_.scene.arm.compute(p.q, p.v, &terms_);
     Vector6 reading = Vector6::Zero();
     reading.head<3>() = terms_.X_WE.R.transpose() * (5.0 * surface_.n_W);
     return controller_.step(terms_, goal_, surface_,

@@ -196,11 +196,8 @@ int report(const fs::path& folder) {
   Scenario scenario;
   read_settings(scenario, folder / "scenario.yaml");
   const Places places;
-  const Shape artwork = make_artwork(scenario.drawing, SettingErrors(places));
-  const Placement placement = place(artwork.drawn, placement_settings(scenario.drawing));
-  fmt::print("{}report  {}\n",
-             metrics_table(write_results(folder, scenario, artwork.target, placement,
-                                         drawing_frame(scenario.drawing))),
+  const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(places));
+  fmt::print("{}report  {}\n", metrics_table(write_results(folder, scenario, artwork)),
              fs::absolute(folder / "report.html").lexically_normal().string());
   return kFinished;
 }

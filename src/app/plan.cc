@@ -41,26 +41,25 @@ PlanLine plan_line(const PlacedStroke& part, const SurfaceHeight& surface, doubl
   return line;
 }
 
-void write_picture(const Experiment& e, const fs::path& stem) {
+void write_picture(const PlannedDrawing& e, const fs::path& stem) {
   PlanPicture picture;
   picture.title = e.scenario.name;
-  picture.subtitle =
-      fmt::format("{} strokes, {:.2f} m; {}", e.whole.size(), e.path.pen_down_length(),
-                  e.preflight.findings.empty()
-                      ? "all can be drawn"
-                      : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
-  const Pose X_PW = e.X_WP.inverse();
-  for (const Eigen::Vector3d& v_W : e.canvas->mesh().vertices)
+  picture.subtitle = fmt::format(
+      "{} strokes, {:.2f} m; {}", e.plan.requested.size(), e.plan.path.pen_down_length(),
+      e.plan.preflight.findings.empty()
+          ? "all can be drawn"
+          : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
+  const Pose X_PW = e.artwork.X_WP.inverse();
+  for (const Eigen::Vector3d& v_W : e.scene.canvas->mesh().vertices)
     picture.canvas_vertices.push_back(X_PW * v_W);
-  picture.canvas_triangles = e.canvas->mesh().triangles;
+  picture.canvas_triangles = e.scene.canvas->mesh().triangles;
   const SurfaceHeight surface = e.surface();
-  const std::vector<PlacedStroke> flat = placed_strokes(e.artwork.drawn, e.placement);
-  for (const PlacedStroke& stroke : e.strokes)
+  for (const PlacedStroke& stroke : e.plan.strokes)
     picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
-  for (const Finding& f : e.preflight.findings)
-    picture.lines.push_back(
-        plan_line(part_of(flat[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to),
-                  surface, (X_PW * f.p_W).z(), words_of(f.problem)));
+  for (const Finding& f : e.plan.preflight.findings)
+    picture.lines.push_back(plan_line(
+        part_of(e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to),
+        surface, (X_PW * f.p_W).z(), words_of(f.problem)));
   write_plan(picture, stem);
 }
 
@@ -73,21 +72,20 @@ int plan(const DrawOptions& options, bool as_json) {
       options.out.empty() ? fs::path("runs") / (scenario.name + "-plan") : options.out;
   require_plan_folder(folder);
   scenario = placed(options, scenario, places);
-  const Experiment e = prepare_visibly(scenario, places, Unreachable::tell);
+  const PlannedDrawing e = prepare_plan_visibly(scenario, places);
   make_folder(folder);
   const std::string json = plan_json(e).dump(2) + "\n";
   write_file(folder / "plan.json", json);
   write_picture(e, folder / "plan");
   fmt::print("{}", as_json ? json : plan_text(e));
-  if (e.wrap) {
-    const std::vector<PlacedStroke> flat = placed_strokes(e.artwork.drawn, e.placement);
-    write_distortion({e.scenario.name, e.wrap->chart(), flat, e.whole, projected_distortion(e),
-                      wrapped_distortion(e)},
+  if (e.plan.wrap) {
+    write_distortion({e.scenario.name, e.plan.wrap->chart(), e.artwork.strokes, e.plan.requested,
+                      projected_distortion(e), wrapped_distortion(e)},
                      folder / "distortion");
   }
   if (!as_json)
     fmt::print("picture  {}\n", fs::absolute(folder / "plan.png").lexically_normal().string());
-  return e.preflight.findings.empty() ? kFinished : kMissed;
+  return e.plan.preflight.findings.empty() ? kFinished : kMissed;
 }
 
 }  // namespace impedraw

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/roll_pitch_yaw.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/hershey.h"
@@ -86,6 +87,36 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
   }
   if (!s.keep_order) artwork.strokes = in_order(artwork.strokes, shortest_order(artwork.strokes));
   return {artwork, artwork};
+}
+
+Pose drawing_frame(const DrawingSettings& s) {
+  return {Eigen::Vector3d::Zero(), rotation_from_roll_pitch_yaw(s.tilt_deg).toRotationMatrix()};
+}
+
+const std::vector<std::string>& placement_setting_names() {
+  static const std::vector<std::string> names = {"drawing.placement.scale",
+                                                 "drawing.placement.width",
+                                                 "drawing.placement.height",
+                                                 "drawing.placement.fit_width",
+                                                 "drawing.placement.fit_height",
+                                                 "drawing.placement.fit_radius",
+                                                 "drawing.placement.centre",
+                                                 "drawing.placement",
+                                                 "canvas",
+                                                 "drawing"};
+  return names;
+}
+
+PlacedArtwork load_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
+  PlacedArtwork artwork;
+  artwork.shape = make_artwork(s, setting_errors);
+  artwork.placement = setting_errors.locate(
+      placement_setting_names(), [&] { return place(artwork.shape.drawn, placement_settings(s)); });
+  artwork.X_WP = drawing_frame(s);
+  artwork.strokes = placed_strokes(artwork.shape.drawn, artwork.placement);
+  artwork.desired = placed_strokes(artwork.shape.target, artwork.placement);
+  artwork.notes = artwork.shape.drawn.warnings;
+  return artwork;
 }
 
 }  // namespace impedraw

@@ -8,6 +8,7 @@
 
 #include "impedraw/canvas/mesh_check.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/roll_pitch_yaw.h"
 
 namespace impedraw {
 
@@ -43,10 +44,7 @@ TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired
     for (const MeshFault& fault : checked.faults)
       repaired->push_back(s.file.string() + ": " + fault.message);
   }
-  const Eigen::Vector3d angle = s.rotation_deg * std::numbers::pi / 180.0;
-  const Eigen::Quaterniond R_WF = Eigen::AngleAxisd(angle.z(), Eigen::Vector3d::UnitZ()) *
-                                  Eigen::AngleAxisd(angle.y(), Eigen::Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(angle.x(), Eigen::Vector3d::UnitX());
+  const Eigen::Quaterniond R_WF = rotation_from_roll_pitch_yaw(s.rotation_deg);
   for (Eigen::Vector3d& p : checked.mesh.vertices) p = R_WF * p + s.position;
   if (s.side == MeshSettings::Side::inward) {
     for (Eigen::Vector3i& t : checked.mesh.triangles) std::swap(t[1], t[2]);

@@ -37,19 +37,20 @@ struct Point {
 };
 
 // About evenly along all that can be drawn on at all.
-std::vector<Point> points_of(const Experiment& e, int count) {
+std::vector<Point> points_of(const PlannedDrawing& e, int count) {
   const SurfaceHeight surface = e.surface();
   double length = 0.0;
-  for (const PlacedStroke& stroke : e.whole) length += plane_length(stroke);
+  for (const PlacedStroke& stroke : e.plan.requested) length += plane_length(stroke);
   const double step = std::max(length / count, 1e-3);
   std::vector<Point> points;
-  for (const PlacedStroke& stroke : e.whole) {
+  for (const PlacedStroke& stroke : e.plan.requested) {
     const double own = plane_length(stroke);
     const int pieces = std::max(1, static_cast<int>(std::lround(own / step)));
     for (int i = 0; i <= pieces; ++i) {
       const Vector2d p = place_on(stroke, own * i / pieces).p_P;
       if (const auto sample = surface(p.x(), p.y()))
-        points.push_back({sample->p_P, e.perception ? sample->n_P : Vector3d(Vector3d::UnitZ())});
+        points.push_back(
+            {sample->p_P, e.scene.perception ? sample->n_P : Vector3d(Vector3d::UnitZ())});
     }
   }
   while (static_cast<int>(points.size()) > 2 * count) {  // many short strokes: every second one
@@ -76,9 +77,9 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
 
 class Search {
  public:
-  explicit Search(Experiment& e)
+  explicit Search(PlannedDrawing& e)
       : e_(e),
-        terms_(e.arm.joints()),
+        terms_(e.scene.arm.joints()),
         centre_(e.scenario.drawing.placement.centre_m),
         coarse_(points_of(e, kCoarse)),
         fine_(points_of(e, kFine)) {
@@ -95,14 +96,14 @@ class Search {
     IkSettings settings;
     settings.position_tolerance = settings.axis_tolerance = 1e-4;
     settings.max_steps = 60;
-    JointVector q = e_.start_q;
+    JointVector q = e_.scene.start_q;
     double worst = 1.0;
     for (const Point& point : fine ? fine_ : coarse_) {
       const Vector3d p_WE = R * (point.p_W - pivot) + pivot + shift;
-      const IkResult posture = find_posture(e_.arm, {p_WE, -(R * point.n_W)}, q, settings);
+      const IkResult posture = find_posture(e_.scene.arm, {p_WE, -(R * point.n_W)}, q, settings);
       if (posture.reached) {
         q = posture.q;
-        worst = std::min(worst, posture_margin(e_.arm, &terms_, q));
+        worst = std::min(worst, posture_margin(e_.scene.arm, &terms_, q));
       } else {
         worst = std::min(worst, -posture.position_error - kLength * posture.axis_error);
       }
@@ -157,15 +158,15 @@ class Search {
   }
 
  private:
-  Experiment& e_;
+  PlannedDrawing& e_;
   ArmTerms terms_;
   Vector2d centre_;
   std::vector<Point> coarse_, fine_;
 };
 
-double not_drawable(const Experiment& e) {
+double not_drawable(const PlannedDrawing& e) {
   double sum = 0.0;
-  for (const Finding& f : e.preflight.findings) sum += f.part.length() + 1e-6;
+  for (const Finding& f : e.plan.preflight.findings) sum += f.part.length() + 1e-6;
   return sum;
 }
 
@@ -198,7 +199,7 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
   if (!scenario.drawing.tilt_deg.isZero())
     throw InputError(
         "--place auto: moves level drawing planes only; drawing.tilt must be [0, 0, 0]");
-  Experiment e = prepare(scenario, places, Unreachable::tell);
+  PlannedDrawing e = prepare_plan(scenario, places, Unreachable::tell);
   Search search(e);
   const double before = search.margin({}, true);
   std::vector<Candidate> found;
@@ -216,7 +217,7 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
     const Scenario there = moved(scenario, c.move, c.turn_deg);
     double lost = std::numeric_limits<double>::infinity();
     try {
-      lost = not_drawable(prepare(there, places, Unreachable::tell));
+      lost = not_drawable(prepare_plan(there, places, Unreachable::tell));
     } catch (const InputError&) {  // the cameras see nothing of it there, or the like
     }
     if (!(lost < least)) continue;

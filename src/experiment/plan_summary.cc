@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/experiment/finding_text.h"
 #include "impedraw/terminal/progress.h"
 
 namespace impedraw {
@@ -45,30 +46,29 @@ std::string distortion_text(const char* how, const Distortion& d) {
 
 }  // namespace
 
-double length_not_drawable(const Experiment& e) {
+double length_not_drawable(const PlannedDrawing& e) {
   double sum = 0.0;
-  for (const Finding& f : e.preflight.findings) sum += f.part.length();
+  for (const Finding& f : e.plan.preflight.findings) sum += f.part.length();
   return sum;
 }
 
-Distortion projected_distortion(const Experiment& e) {
-  return distortion_of_projection(placed_strokes(e.artwork.drawn, e.placement), e.surface());
+Distortion projected_distortion(const PlannedDrawing& e) {
+  return distortion_of_projection(e.artwork.strokes, e.surface());
 }
-Distortion wrapped_distortion(const Experiment& e) {
-  return distortion_of_wrap(placed_strokes(e.artwork.drawn, e.placement), e.surface(),
-                            e.wrap->chart());
+Distortion wrapped_distortion(const PlannedDrawing& e) {
+  return distortion_of_wrap(e.artwork.strokes, e.surface(), e.plan.wrap->chart());
 }
 
-nlohmann::ordered_json plan_json(const Experiment& e) {
+nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
   nlohmann::ordered_json json;
-  json["strokes"] = e.whole.size();
-  json["drawable_parts"] = e.strokes.size();
-  json["pen_down_m"] = e.path.pen_down_length();
-  json["pen_up_m"] = PathTally(e.path).pen_up;
-  json["time_s"] = e.path.duration();
+  json["strokes"] = e.plan.requested.size();
+  json["drawable_parts"] = e.plan.strokes.size();
+  json["pen_down_m"] = e.plan.path.pen_down_length();
+  json["pen_up_m"] = PathTally(e.plan.path).pen_up;
+  json["time_s"] = e.plan.path.duration();
   json["distortion"] = {{"projected", distortion_json(projected_distortion(e))}};
-  if (e.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped_distortion(e));
-  const PreflightMargins& m = e.preflight.margins;
+  if (e.plan.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped_distortion(e));
+  const PreflightMargins& m = e.plan.preflight.margins;
   const auto number = [](double x) {
     return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
   };
@@ -78,7 +78,7 @@ nlohmann::ordered_json plan_json(const Experiment& e) {
                      {"clearance_m", number(m.clearance)},
                      {"slope_deg", number(m.slope_deg)}};
   json["not_drawable"] = nlohmann::ordered_json::array();
-  for (const Finding& f : e.preflight.findings)
+  for (const Finding& f : e.plan.preflight.findings)
     json["not_drawable"].push_back({{"stroke", f.part.stroke},
                                     {"from_mm", 1e3 * f.part.from},
                                     {"to_mm", 1e3 * f.part.to},
@@ -89,19 +89,19 @@ nlohmann::ordered_json plan_json(const Experiment& e) {
   return json;
 }
 
-std::string plan_text(const Experiment& e) {
-  const PathTally tally(e.path);
+std::string plan_text(const PlannedDrawing& e) {
+  const PathTally tally(e.plan.path);
   std::string text = fmt::format("{}: {} strokes; {} parts to draw\n", e.scenario.name,
-                                 e.whole.size(), e.strokes.size());
+                                 e.plan.requested.size(), e.plan.strokes.size());
   text += fmt::format("  pen down {:.3f} m on the surface, pen up {:.3f} m\n",
-                      e.path.pen_down_length(), tally.pen_up);
+                      e.plan.path.pen_down_length(), tally.pen_up);
   text += fmt::format(
       "  time     {} ({:.1f} s): drawing {:.1f} s, approach {:.1f} s, lift {:.1f} s, travel {:.1f} "
       "s\n",
-      clock_text(e.path.duration()), e.path.duration(), tally.in(Phase::draw),
+      clock_text(e.plan.path.duration()), e.plan.path.duration(), tally.in(Phase::draw),
       tally.in(Phase::approach), tally.in(Phase::lift), tally.in(Phase::travel));
-  const PreflightMargins& m = e.preflight.margins;
-  if (!e.strokes.empty())
+  const PreflightMargins& m = e.plan.preflight.margins;
+  if (!e.plan.strokes.empty())
     text += fmt::format(
         "  margins  joints {:.2f} rad, torque {:.0f} % of the limits, tip's greatest effective "
         "mass {:.1f} kg, arm to canvas {}, slope {:.1f}°\n",
@@ -109,13 +109,13 @@ std::string plan_text(const Experiment& e) {
         std::isfinite(m.clearance) ? fmt::format("{:.0f} mm", 1e3 * m.clearance) : "far",
         m.slope_deg);
   text += distortion_text("projected", projected_distortion(e));
-  if (e.wrap) text += distortion_text("wrapped", wrapped_distortion(e));
-  if (e.preflight.findings.empty()) return text + "  all of it can be drawn\n";
+  if (e.plan.wrap) text += distortion_text("wrapped", wrapped_distortion(e));
+  if (e.plan.preflight.findings.empty()) return text + "  all of it can be drawn\n";
   text +=
       fmt::format("  cannot be drawn: {} part{}, {:.1f} mm; --skip-unreachable draws the rest\n",
-                  e.preflight.findings.size(), e.preflight.findings.size() == 1 ? "" : "s",
-                  1e3 * length_not_drawable(e));
-  for (const Finding& f : e.preflight.findings) text += "    " + finding_text(f) + "\n";
+                  e.plan.preflight.findings.size(),
+                  e.plan.preflight.findings.size() == 1 ? "" : "s", 1e3 * length_not_drawable(e));
+  for (const Finding& f : e.plan.preflight.findings) text += "    " + finding_text(f) + "\n";
   return text;
 }
 

@@ -11,16 +11,16 @@
 namespace impedraw {
 
 // Lengths, areas and angles on the surface over those on the page.
-Distortion projected_distortion(const Experiment& experiment);
-Distortion wrapped_distortion(const Experiment& experiment);  // of a drawing that is wrapped
+Distortion projected_distortion(const PlannedDrawing& drawing);
+Distortion wrapped_distortion(const PlannedDrawing& drawing);  // of a drawing that is wrapped
 
-double length_not_drawable(const Experiment& experiment);  // in the drawing plane [m]
+double length_not_drawable(const PlannedDrawing& drawing);  // in the drawing plane [m]
 
 // strokes, drawable_parts, pen_down_m, pen_up_m, time_s, distortion, margins, not_drawable:
 // [{stroke, from_mm, to_mm, problem, text, page_mm, world_m}].
-nlohmann::ordered_json plan_json(const Experiment& experiment);
+nlohmann::ordered_json plan_json(const PlannedDrawing& drawing);
 
 // The same for a reader.
-std::string plan_text(const Experiment& experiment);
+std::string plan_text(const PlannedDrawing& drawing);
 
 }  // namespace impedraw

@@ -20,20 +20,4 @@ WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing,
   return s;
 }
 
-WrenchInput::WrenchInput(WrenchSource source, const WrenchEstimatorSettings& estimator,
-                         const WrenchSensorSettings& sensor, double dt, std::uint64_t seed)
-    : source_(source) {
-  if (!has_sensor(source)) return;
-  sensor_.emplace(sensor, dt, seed);
-  estimator_.emplace(estimator);
-}
-
-void WrenchInput::sample(const World& world) noexcept {
-  if (sensor_) reading_ = sensor_->sample(world.flange_wrench());
-}
-
-const Vector6& WrenchInput::estimate(const Pose& X_WE, const Vector6& V_WE) noexcept {
-  return estimator_ ? estimator_->update(reading_, X_WE, V_WE) : true_;
-}
-
 }  // namespace impedraw

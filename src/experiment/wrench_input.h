@@ -1,11 +1,9 @@
-// The wrench that the controller is given: the true one, or a simulated sensor's, cleaned of tool
-// and bias by the library.
+// Where the wrench that the controller is given comes from, and what is believed of its sensor.
 #pragma once
 
 #include <optional>
 
 #include "impedraw/sensing/wrench_estimator.h"
-#include "impedraw/simulation/world.h"
 #include "impedraw/simulation/wrench_sensor.h"
 
 namespace impedraw {
@@ -37,28 +35,5 @@ struct SensingSettings {
 WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing,
                                            const WrenchSensorSettings& sensor, double dt,
                                            double gravity);
-
-class WrenchInput {
- public:
-  // Throws InputError. `estimator` and `sensor` are looked at only if the source is a sensor.
-  WrenchInput(WrenchSource source, const WrenchEstimatorSettings& estimator,
-              const WrenchSensorSettings& sensor, double dt, std::uint64_t seed);
-
-  // The simulator's side, once a step before the controller's: what the sensor gives out now.
-  void sample(const World& world) noexcept;
-  // The controller's side: F_ext at E in W, from that reading and the arm's own belief of where its
-  // tip is.
-  const Vector6& estimate(const Pose& X_WE, const Vector6& V_WE) noexcept;
-  // After the world's step: the true wrench at E where the tip was.
-  void set_true(const Vector6& F_ext) noexcept { true_ = F_ext; }
-
-  bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
-
- private:
-  WrenchSource source_;
-  std::optional<WrenchSensor> sensor_;
-  std::optional<WrenchEstimator> estimator_;
-  Vector6 reading_ = Vector6::Zero(), true_ = Vector6::Zero();
-};
 
 }  // namespace impedraw

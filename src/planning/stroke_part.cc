@@ -1,6 +1,7 @@
 #include "impedraw/planning/stroke_part.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "impedraw/drawing/polyline.h"
 
@@ -20,6 +21,23 @@ StrokePlace place_on(const PlacedStroke& stroke, double along) {
     before += step;
   }
   return {stroke.p_P.back(), stroke.page.back()};
+}
+
+double nearest_place(const PlacedStroke& stroke, const Eigen::Vector2d& p_P) {
+  double place = stroke.start, nearest = std::numeric_limits<double>::infinity();
+  double before = stroke.start;
+  for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
+    if (i > 0) before += (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
+    const Eigen::Vector2d a = stroke.p_P[i], way = i + 1 < stroke.p_P.size()
+                                                       ? Eigen::Vector2d(stroke.p_P[i + 1] - a)
+                                                       : Eigen::Vector2d::Zero();
+    const double share = way.squaredNorm() > 0.0
+                             ? std::clamp((p_P - a).dot(way) / way.squaredNorm(), 0.0, 1.0)
+                             : 0.0;
+    const double distance = (a + share * way - p_P).norm();
+    if (distance < nearest) nearest = distance, place = before + share * way.norm();
+  }
+  return place;
 }
 
 PlacedStroke part_of(const PlacedStroke& stroke, double from, double to) {

@@ -30,6 +30,9 @@ struct StrokePlace {
 };
 StrokePlace place_on(const PlacedStroke& stroke, double along);
 
+// The place on the stroke that is nearest to p_P, measured as in StrokePart [m].
+double nearest_place(const PlacedStroke& stroke, const Eigen::Vector2d& p_P);
+
 // In order, those of one stroke that touch or overlap, or lie within `gap` of one another, made
 // one.
 std::vector<StrokePart> merged(std::vector<StrokePart> parts, double gap = 0);

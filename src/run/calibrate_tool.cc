@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
 
@@ -25,59 +26,89 @@ Eigen::Vector3d wrist_turn(int i) {
   return kTurn * x;
 }
 
-}  // namespace
+// Holds the arm by joint stiffness, and averages what the sensor reads.
+class Mover {
+ public:
+  Mover(ArmModel& arm, Driver& driver)
+      : arm_(arm),
+        driver_(driver),
+        dt_(driver.info().period),
+        terms_(arm.joints()),
+        state_(&driver.read()) {}
 
-ToolCalibration calibrate_tool(Experiment& e, int poses, double rest) {
-  if (!has_sensor(e.scenario.control.source))
-    throw InputError("control.wrench: there is no sensor to read; valid are sensor, realistic");
-  const int n = e.arm.joints();
-  if (n < 3)
-    throw InputError(
-        fmt::format("arm.urdf: {} joints cannot turn the tool; at least 3 are needed", n));
-  const double dt = e.scenario.world.dt;
-  WrenchSensor sensor(e.sensor, dt, static_cast<std::uint64_t>(e.scenario.seed));
-  World& world = *e.world;
-  world.set_state(e.start_q, JointVector::Zero(n));
-  ArmTerms terms(n);
-
-  ToolCalibration calibration;
-  JointVector from = e.start_q;
-  for (int i = 0; i < poses; ++i) {
-    JointVector to = e.start_q;
-    to.tail<3>() += wrist_turn(i);
-    to = to.cwiseMax(JointVector(e.arm.limits().lower).array().matrix() +
-                     JointVector::Constant(n, 0.1))
-             .cwiseMin(JointVector(e.arm.limits().upper) - JointVector::Constant(n, 0.1));
+  // From rest to rest, then still for `rest` seconds; the mean reading over the last half of them.
+  Vector6 move(const JointVector& from, const JointVector& to, double rest) {
     Vector6 sum = Vector6::Zero();
     int count = 0;
-    const long moving = std::lround(kMoveTime / dt), steps = moving + std::lround(rest / dt),
-               averaging = steps - std::lround(0.5 * rest / dt);
+    const long moving = std::lround(kMoveTime / dt_), steps = moving + std::lround(rest / dt_),
+               averaging = steps - std::lround(0.5 * rest / dt_);
     for (long k = 0; k < steps; ++k) {
       const double s = std::min(1.0, static_cast<double>(k) / moving),
                    ds = s < 1.0 ? 1.0 / kMoveTime : 0.0;
       const JointVector q_d = from + s * s * s * (10.0 + s * (6.0 * s - 15.0)) * (to - from);
       const JointVector v_d = 30.0 * s * s * (1.0 - s) * (1.0 - s) * ds * (to - from);
-      const WorldState& state = world.state();
-      e.arm.compute(state.q, state.v, &terms);
-      const JointVector damping = 1.4 * (kStiffness * terms.M.diagonal()).cwiseSqrt();
+      arm_.compute(state_->q, state_->v, &terms_);
+      const JointVector damping = 1.4 * (kStiffness * terms_.M.diagonal()).cwiseSqrt();
       const JointVector tau =
-          terms.g + kStiffness * (q_d - state.q) + damping.cwiseProduct(v_d - state.v);
-      const Vector6 reading = sensor.sample(world.flange_wrench());
+          terms_.g + kStiffness * (q_d - state_->q) + damping.cwiseProduct(v_d - state_->v);
       if (k >= averaging) {
-        sum += reading;
+        sum += state_->wrench;
         ++count;
       }
-      world.step(tau, Eigen::Vector3d::Zero().eval());
-      if (world.failure()) throw std::runtime_error(*world.failure());
+      driver_.command(tau, terms_.g);
+      state_ = &driver_.read();
+      if (!driver_.fault().empty()) throw std::runtime_error(driver_.fault());
     }
-    if (world.state().v.cwiseAbs().maxCoeff() > kAtRest)
+    return sum / count;
+  }
+  const ArmState& state() const { return *state_; }
+
+ private:
+  ArmModel& arm_;
+  Driver& driver_;
+  double dt_;
+  ArmTerms terms_;
+  const ArmState* state_;
+};
+
+JointVector within_range(const JointVector& q, const ArmLimits& limits) {
+  const JointVector margin = JointVector::Constant(q.size(), 0.1);
+  return q.cwiseMax(JointVector(limits.lower) + margin)
+      .cwiseMin(JointVector(limits.upper) - margin);
+}
+
+}  // namespace
+
+ToolCalibration calibrate_tool(Experiment& e, Driver& driver, int poses, double rest) {
+  if (driver.info().wrench != WrenchReading::sensor)
+    throw InputError("control.wrench: there is no sensor to read; valid are sensor, realistic");
+  ArmModel& arm = e.scene.arm;
+  if (arm.joints() < 3)
+    throw InputError(fmt::format("arm.urdf: {} joints cannot turn the tool; at least 3 are needed",
+                                 arm.joints()));
+  const StartedDriver started(driver);
+  Mover mover(arm, driver);
+
+  ToolCalibration calibration;
+  JointVector from = e.scene.start_q;
+  for (int i = 0; i < poses; ++i) {
+    JointVector to = e.scene.start_q;
+    to.tail<3>() += wrist_turn(i);
+    to = within_range(to, arm.limits());
+    const Vector6 reading = mover.move(from, to, rest);
+    if (mover.state().v.cwiseAbs().maxCoeff() > kAtRest)
       throw std::runtime_error(fmt::format(
           "pose {} of {}: the arm did not come to rest within {:.1f} s", i + 1, poses, rest));
-    calibration.poses.push_back({e.arm.tip_pose(world.state().q).R, sum / count});
+    calibration.poses.push_back({arm.tip_pose(mover.state().q).R, reading});
     from = to;
   }
   calibration.found = identify_tool(calibration.poses, {0.0, 0.0, -e.scenario.world.gravity});
   return calibration;
+}
+
+ToolCalibration calibrate_tool(Experiment& e, int poses, double rest) {
+  SimulatedArm arm(e, e.scene.start_q, Disturbances());
+  return calibrate_tool(e, arm, poses, rest);
 }
 
 }  // namespace impedraw

@@ -1,62 +1,80 @@
 #include "impedraw/run/control_loop.h"
 
 #include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 
-double time_at(const Experiment& e, double share) {
-  const auto& strokes = e.path.strokes();
-  return strokes.front().start + share * (strokes.back().end - strokes.front().start);
-}
+namespace {
 
-const FaultSettings* fault_at(const Experiment& e, double time, FaultKind kind) {
-  for (const FaultSettings& fault : e.scenario.faults) {
-    const double start = time_at(e, fault.start);
-    if (fault.kind == kind && time >= start && time < start + fault.duration) return &fault;
+const char* name_of(WrenchReading wrench) {
+  switch (wrench) {
+    case WrenchReading::none:
+      return "no wrench";
+    case WrenchReading::sensor:
+      return "a sensor's reading";
+    case WrenchReading::tip:
+      return "the wrench at the tip";
   }
-  return nullptr;
+  return "?";
 }
 
-ControlLoop::ControlLoop(Experiment& e, bool faults)
-    : e_(e),
-      faults_(faults),
-      controller_(e.control, e.arm.joints()),
-      wrench_(e.scenario.control.source, e.estimator, e.sensor, e.control.timing.dt,
-              static_cast<std::uint64_t>(e.scenario.seed)),
-      terms_(e.arm.joints()),
-      q_(e.start_q),
-      v_(JointVector::Zero(e.arm.joints())) {}
+void require_fit(const ControlSetup& setup, int joints, const DriverInfo& driver) {
+  if (driver.joints != joints)
+    throw InputError(
+        fmt::format("driver: its arm has {} joints, the model {}", driver.joints, joints));
+  if (!(std::abs(driver.period - setup.impedance.timing.dt) <= 1e-9))
+    throw InputError(fmt::format("driver: its period is {} s, the controller's step {} s",
+                                 driver.period, setup.impedance.timing.dt));
+  const WrenchReading needed = setup.source == WrenchSource::none ? WrenchReading::none
+                               : has_sensor(setup.source)         ? WrenchReading::sensor
+                                                                  : WrenchReading::tip;
+  if (needed != WrenchReading::none && driver.wrench != needed)
+    throw InputError(fmt::format("driver: it gives {}, control.wrench needs {}",
+                                 name_of(driver.wrench), name_of(needed)));
+}
 
-const ImpedanceTorque& ControlLoop::step(const World& world,
+}  // namespace
+
+ControlLoop::ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
+                         SurfaceSource surface)
+    : arm_(arm),
+      surface_source_(std::move(surface)),
+      controller_(setup.impedance, arm.joints()),
+      coupled_(setup.impedance.inertia != InertiaShaping::shaped),
+      terms_(arm.joints()) {
+  require_fit(setup, arm.joints(), driver);
+  if (has_sensor(setup.source)) estimator_.emplace(setup.estimator);
+}
+
+const ImpedanceTorque& ControlLoop::step(const ArmState& state,
                                          const TipReference& reference) noexcept {
-  const double t = world.state().time;
-  wrench_.sample(world);
-  InputAges ages;
-  if (!fault(t, FaultKind::stale_state)) {
-    q_ = world.state().q;
-    v_ = world.state().v;
-    state_time_ = t;
+  arm_.compute(state.q, state.v, &terms_);
+  if (surface_source_) {
+    const Eigen::Vector3d& p_WE = terms_.X_WE.p;
+    const bool ahead = coupled_ && on_surface_;
+    surface_ = surface_source_(ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE, state.time);
   }
-  ages.state = t - state_time_;
-  if (fault(t, FaultKind::nan_state)) v_[0] = std::nan("");
-
-  e_.arm.compute(q_, v_, &terms_);
-  if (e_.perception) {
-    const bool coupled = e_.control.inertia != InertiaShaping::shaped;
-    surface_ = e_.perception->estimate(
-        coupled && on_surface_ ? surface_query(terms_.X_WE.p, reference.p_WD, n_) : terms_.X_WE.p);
-  }
-  if (e_.perception && fault(t, FaultKind::no_cloud)) surface_.status = SurfaceStatus::too_few;
-  if (!fault(t, FaultKind::stale_wrench)) {
-    F_ext_ = wrench_.estimate(terms_.X_WE, terms_.V_WE);
-    wrench_time_ = t;
-  }
-  ages.wrench = t - wrench_time_;
-  if (fault(t, FaultKind::nan_wrench)) F_ext_[2] = std::nan("");
+  update_wrench(state);
+  const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
   const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages);
   on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
   n_ = out.n_WD;
   return out;
+}
+
+// An old reading is not taken in twice: it would look as if nothing moved.
+void ControlLoop::update_wrench(const ArmState& state) noexcept {
+  if (state.wrench_time != wrench_time_) {
+    F_ext_ = estimator_ ? estimator_->update(state.wrench, terms_.X_WE, terms_.V_WE) : state.wrench;
+    wrench_time_ = state.wrench_time;
+  }
+  // The estimator passes over a reading that is not finite; the controller is to know of it.
+  if (!state.wrench.allFinite()) F_ext_.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 }  // namespace impedraw

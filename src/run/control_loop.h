@@ -1,48 +1,53 @@
-// The controller and all that feeds it, with the faults that the scenario puts in between.
+// The controller and all that feeds it: from a driver's state to a torque.
 #pragma once
 
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "impedraw/arm/arm_model.h"
 #include "impedraw/control/impedance.h"
-#include "impedraw/experiment/experiment.h"
-#include "impedraw/experiment/faults.h"
-#include "impedraw/experiment/wrench_input.h"
+#include "impedraw/experiment/control_setup.h"
+#include "impedraw/run/driver.h"
+#include "impedraw/sensing/wrench_estimator.h"
 
 namespace impedraw {
 
-// When that share of the way from the plan's first stroke's start to its last one's end is over
-// [s].
-double time_at(const Experiment& e, double share);
-
-// The scenario's fault of that kind that is on at that time, or none.
-const FaultSettings* fault_at(const Experiment& e, double time, FaultKind kind);
+// The surface as perception has it near a point at a time [s] of the driver's clock. Called once in
+// every control step: allocates nothing.
+using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_W, double time)>;
 
 class ControlLoop {
  public:
-  // `faults`: whether those of the scenario come; their times are the plan's.
-  ControlLoop(Experiment& e, bool faults);
+  // `surface` empty: blind. Throws InputError where the driver's joints, period or wrench are not
+  // those that the set-up is for. `arm` must outlive the loop.
+  ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
+              SurfaceSource surface);
 
-  // One control step on the world as it is. The answer is the controller's own.
-  const ImpedanceTorque& step(const World& world, const TipReference& reference) noexcept;
+  // One control step. The answer is the controller's own.
+  const ImpedanceTorque& step(const ArmState& state, const TipReference& reference) noexcept;
 
-  WrenchInput& wrench() { return wrench_; }
+  // Of the last step.
+  const ArmTerms& terms() const { return terms_; }
   const Wrench& F_ext() const { return F_ext_; }
   const SurfaceEstimate& surface() const { return surface_; }
+  // A sensor has found its bias, or there is none.
+  bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
 
  private:
-  const FaultSettings* fault(double time, FaultKind kind) const {
-    return faults_ ? fault_at(e_, time, kind) : nullptr;
-  }
+  void update_wrench(const ArmState& state) noexcept;
 
-  Experiment& e_;
-  bool faults_;
+  ArmModel& arm_;
+  SurfaceSource surface_source_;
   ImpedanceController controller_;
-  WrenchInput wrench_;
+  std::optional<WrenchEstimator> estimator_;
+  bool coupled_;  // M_d couples translation and rotation
   ArmTerms terms_;
   SurfaceEstimate surface_;
   Wrench F_ext_ = Wrench::Zero();
-  Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();  // of the last step
+  double wrench_time_ = std::numeric_limits<double>::quiet_NaN();  // of F_ext_ [s]
+  Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();                   // of the last step
   bool on_surface_ = false;
-  JointVector q_, v_;
-  double state_time_ = 0.0, wrench_time_ = 0.0;
 };
 
 }  // namespace impedraw

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 nlohmann::ordered_json parts_json(const Experiment& e, const std::vector<StrokePart>& parts) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const StrokePart& part : parts) {
-    const StrokePlace from = place_on(e.strokes[static_cast<std::size_t>(part.stroke)], part.from);
+    const StrokePlace from =
+        place_on(e.plan.strokes[static_cast<std::size_t>(part.stroke)], part.from);
     list.push_back({{"stroke", part.stroke},
                     {"from_mm", 1e3 * part.from},
                     {"to_mm", 1e3 * part.to},
@@ -76,24 +77,35 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     }
   }
   write_strokes(folder, experiment, drawing.outcome);
-  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork.target,
-                                  experiment.placement, experiment.X_WP);
+  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork);
   return drawing;
 }
 
-Experiment prepare_visibly(const Scenario& scenario, const Places& places,
-                           Unreachable unreachable) {
-  ProgressLine line;
-  return prepare(scenario, places, unreachable,
-                 [&line](const char* what, double share) { line.update(what, share); });
+namespace {
+
+PrepareProgress shown_on(ProgressLine& line) {
+  return [&line](const char* what, double share) { line.update(what, share); };
 }
 
-void print_notes(const Experiment& experiment) {
+}  // namespace
+
+Experiment prepare_visibly(const Scenario& scenario, const Places& places) {
+  ProgressLine line;
+  return prepare(scenario, places, Unreachable::refuse, shown_on(line));
+}
+
+PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places) {
+  ProgressLine line;
+  return prepare_plan(scenario, places, Unreachable::tell, shown_on(line));
+}
+
+void print_notes(const PlannedDrawing& drawing) {
   constexpr std::size_t kMost = 20;
-  for (std::size_t i = 0; i < experiment.notes.size() && i < kMost; ++i)
-    fmt::print(stderr, "note: {}\n", experiment.notes[i]);
-  if (experiment.notes.size() > kMost)
-    fmt::print(stderr, "note: and {} more, in strokes.json\n", experiment.notes.size() - kMost);
+  const std::vector<std::string> notes = notes_of(drawing);
+  for (std::size_t i = 0; i < notes.size() && i < kMost; ++i)
+    fmt::print(stderr, "note: {}\n", notes[i]);
+  if (notes.size() > kMost)
+    fmt::print(stderr, "note: and {} more, in strokes.json\n", notes.size() - kMost);
 }
 
 std::string met_line(const RunOutcome& outcome) {
@@ -118,7 +130,8 @@ std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {
     text = fmt::format("ink     {}, {:.1f} mm, got none:\n", counted(outcome.lacking.size()),
                        total_mm(outcome.lacking));
   for (const StrokePart& part : outcome.lacking) {
-    const StrokePlace from = place_on(e.strokes[static_cast<std::size_t>(part.stroke)], part.from);
+    const StrokePlace from =
+        place_on(e.plan.strokes[static_cast<std::size_t>(part.stroke)], part.from);
     text +=
         fmt::format("        stroke {}, {:.1f} to {:.1f} mm of it, from page ({:.1f}, {:.1f}) mm\n",
                     part.stroke, 1e3 * part.from, 1e3 * part.to, from.page.x(), from.page.y());

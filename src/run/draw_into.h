@@ -19,11 +19,12 @@ struct Drawing {
 Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
                   bool resume = false);
 
-// As prepare() with a line on a terminal that tells how far it is.
-Experiment prepare_visibly(const Scenario& scenario, const Places& places,
-                           Unreachable unreachable = Unreachable::refuse);
+// As prepare(), and prepare_plan() that tells what cannot be drawn, with a line on a terminal that
+// tells how far it is.
+Experiment prepare_visibly(const Scenario& scenario, const Places& places);
+PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places);
 
-void print_notes(const Experiment& experiment);  // on stderr
+void print_notes(const PlannedDrawing& drawing);  // on stderr
 std::string met_line(
     const RunOutcome&
         outcome);  // what the controller said of itself while it drew, where that was not all well

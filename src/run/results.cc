@@ -10,8 +10,7 @@
 namespace impedraw {
 
 nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                                     const Artwork& artwork, const Placement& placement,
-                                     const Pose& X_WP) {
+                                     const PlacedArtwork& artwork) {
   const RunData run = read_run(folder / "run.h5");
   const InkMatch drawn = match_ink(run);
   const nlohmann::ordered_json metrics = compute_metrics(run, drawn);
@@ -19,13 +18,13 @@ nlohmann::ordered_json write_results(const std::filesystem::path& folder, const 
   PictureSettings picture;
   picture.pen = scenario.pen;
   picture.target_width = 2.6 * scenario.pen.width;
-  picture.R_WP = X_WP.R;
+  picture.R_WP = artwork.X_WP.R;
   write_ink_top(run, drawn, folder / "ink_top", picture);
-  const auto to_page = [&placement,
-                        X_PW = X_WP.inverse()](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
+  const auto to_page = [&placement = artwork.placement, X_PW = artwork.X_WP.inverse()](
+                           const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     return placement.to_page((X_PW * p_W).head<2>());
   };
-  write_ink_page(run, drawn, to_page, artwork.page, folder / "ink_page", picture);
+  write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
   write_report(folder, run, drawn, metrics);
   return metrics;
 }

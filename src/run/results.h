@@ -7,16 +7,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "impedraw/drawing/placement.h"
+#include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/scenario.h"
 
 namespace impedraw {
 
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5;
-// returns the metrics. X_WP: the drawing frame, along whose z the pictures look.
+// returns the metrics. The pictures look along the artwork's drawing axis.
 nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                                     const Artwork& artwork, const Placement& placement,
-                                     const Pose& X_WP);
+                                     const PlacedArtwork& artwork);
 
 // The numbers as a table for the terminal.
 std::string metrics_table(const nlohmann::ordered_json& metrics);

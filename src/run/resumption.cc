@@ -15,22 +15,23 @@ Resumption read_resumption(const Experiment& e, const std::filesystem::path& log
   if (before.rows.empty())
     throw InputError(
         fmt::format("{}: holds no step to go on from; start without --resume", log_file.string()));
-  if (before.joint_position.size() != e.arm.joints())
+  if (before.joint_position.size() != e.scene.arm.joints())
     throw InputError(fmt::format("{}: is of an arm with {} joints, this one has {}",
-                                 log_file.string(), before.joint_position.size(), e.arm.joints()));
+                                 log_file.string(), before.joint_position.size(),
+                                 e.scene.arm.joints()));
   Resumption resumption;
   for (const ResumeRow& row : before.rows) {
-    if (row.stroke >= static_cast<int>(e.strokes.size()))
+    if (row.stroke >= static_cast<int>(e.plan.strokes.size()))
       throw InputError(fmt::format("{}: has a stroke {}, the drawing only {}", log_file.string(),
-                                   row.stroke, e.strokes.size()));
+                                   row.stroke, e.plan.strokes.size()));
     // Blind, the log has no normal to tell the force along: it is taken to have written.
     const double force =
-        !e.perception && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
+        !e.scene.perception && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
     resumption.ink.add(row.stroke, row.stroke_along,
                        writes(e, static_cast<ContactMode>(row.mode), force));
   }
   resumption.q = before.joint_position;
-  resumption.time = before.rows.back().time + e.scenario.world.dt;
+  resumption.time = before.rows.back().time + e.control.impedance.timing.dt;
   return resumption;
 }
 

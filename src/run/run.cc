@@ -1,7 +1,6 @@
 #include "impedraw/run/run.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -10,46 +9,16 @@
 
 #include "impedraw/control/step_watchdog.h"
 #include "impedraw/run/control_loop.h"
+#include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
+#include "impedraw/run/log_row.h"
+#include "impedraw/run/odometer.h"
+#include "impedraw/run/simulated_arm.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
 
 namespace {
-
-constexpr double kRunaway = 20.0;  // joint speed [rad/s], near ten times what such an arm can
-
-RunLogHeader make_header(const Experiment& e) {
-  RunLogHeader h;
-  h.joint_names = e.arm.joint_names();
-  h.joint_lower = e.arm.limits().lower;
-  h.joint_upper = e.arm.limits().upper;
-  h.torque_limit = e.arm.limits().torque;
-  for (const std::string_view name : kTorqueTermNames) h.torque_terms.emplace_back(name);
-  for (const std::string_view name : kContactModeNames) h.mode_names.emplace_back(name);
-  h.canvas_vertices = e.canvas->mesh().vertices;
-  h.canvas_triangles = e.canvas->mesh().triangles;
-  if (e.perception) {
-    h.cloud_points = e.perception->cloud().points;
-    h.cloud_normals = e.perception->cloud().normals;
-    h.cloud_camera = e.perception->cloud().camera;
-  }
-  h.target_points = e.target.points;
-  h.target_stroke = e.target.stroke;
-  h.attributes = {{"scenario", e.scenario.name}, {"seed", std::to_string(e.scenario.seed)}};
-  return h;
-}
-
-Eigen::Vector3d push_on_pen(const Experiment& e, double time, const Eigen::Vector3d& n_W) {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  for (const PushSettings& push : e.scenario.pushes) {
-    if (std::abs(time - time_at(e, push.middle)) > 0.5 * push.duration) continue;
-    const Eigen::Vector3d along = push.direction_W - n_W * n_W.dot(push.direction_W);
-    if (along.norm() > 1e-9) force += push.force * along.normalized();
-    force += push.lift * n_W;
-  }
-  return force;
-}
 
 void count_status(const ControlStatus& status, double dt, std::map<std::string, double>* met) {
   if (status.ok()) return;
@@ -63,55 +32,48 @@ void count_status(const ControlStatus& status, double dt, std::map<std::string, 
     if (set) (*met)[name] += dt;
 }
 
-// How far along the path the pen has come: strokes begun, and pen-down length.
-class Odometer {
- public:
-  explicit Odometer(const TipPath& path) : path_(path), before_(1, 0.0) {
-    for (const StrokeTimes& s : path.strokes()) before_.push_back(before_.back() + s.length);
-  }
-  void read(double t, RunProgress* progress) const {
-    const auto& strokes = path_.strokes();
-    const auto begun =
-        std::upper_bound(strokes.begin(), strokes.end(), t,
-                         [](double at, const StrokeTimes& s) { return at < s.approach; });
-    const auto i = static_cast<std::size_t>(begun - strokes.begin());
-    progress->stroke = static_cast<int>(i);
-    progress->strokes = static_cast<int>(strokes.size());
-    progress->length = before_.back();
-    progress->drawn = before_[i];
-    if (i == 0) return;
-    const StrokeTimes& s = strokes[i - 1];
-    const double share = s.end > s.start ? std::clamp((t - s.start) / (s.end - s.start), 0.0, 1.0)
-                                         : (t >= s.end ? 1.0 : 0.0);
-    progress->drawn -= (1.0 - share) * s.length;
-  }
+// Those of a run that goes on with an earlier one have been.
+Disturbances disturbances_of(const Experiment& e, const Resumption* resumption) {
+  return resumption ? Disturbances() : Disturbances(e.scenario, e.plan.path);
+}
 
- private:
-  const TipPath& path_;
-  std::vector<double> before_;  // [m]
-};
+SurfaceSource surface_source(const Experiment& e, Disturbances disturbances) {
+  if (!e.scene.perception) return {};
+  return [&cloud = *e.scene.perception, disturbances = std::move(disturbances)](
+             const Eigen::Vector3d& p_W, double time) {
+    SurfaceEstimate surface = cloud.estimate(p_W);
+    if (disturbances.fault(FaultKind::no_cloud, time)) surface.status = SurfaceStatus::too_few;
+    return surface;
+  };
+}
 
 class Runner {
  public:
-  Runner(Experiment& e, const std::filesystem::path& log_file, const RunHooks& hooks,
-         const Resumption* resumption)
+  Runner(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
+         const RunHooks& hooks, const Resumption* resumption)
       : e_(e),
+        driver_(driver),
         hooks_(hooks),
         first_time_(resumption ? resumption->time : 0.0),
-        loop_(e, !resumption),
+        loop_(e.control, e.scene.arm, driver.info(),
+              surface_source(e, disturbances_of(e, resumption))),
+        started_(driver),
+        state_(&driver.read()),
         log_(resumption ? RunLog::append_to(log_file, make_header(e))
                         : RunLog(log_file, make_header(e))),
-        row_(e.arm.joints()) {
+        row_(e.scene.arm.joints()) {
+    out_.tau = JointVector::Zero(e.scene.arm.joints());
+    out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
     if (resumption) ink_ = resumption->ink;
   }
 
   // Follows the path from its beginning to its end, or until something stops the run.
   void follow(const TipPath& path, bool again) {
-    const double dt = e_.scenario.world.dt, begin = e_.world->state().time;
+    const double begin = time();
     const Odometer odometer(path);
-    const long steps = std::lround(std::ceil(path.duration() / dt));
+    const long steps = std::lround(std::ceil(path.duration() / dt()));
     for (long i = 0; i < steps || lifting_; ++i) {
-      const double t = e_.world->state().time;
+      const double t = time();
       if (lifting_ && lifting_->done(t)) return;
       PathSample desired = path.at(t - begin);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
@@ -129,47 +91,31 @@ class Runner {
     }
   }
 
+  double time() const { return state_->time; }
   RunOutcome& outcome() { return outcome_; }
   RunLog& log() { return log_; }
   const InkWatch& ink() const { return ink_; }
 
  private:
-  // One control step, logged. False where the run is over.
+  double dt() const { return e_.control.impedance.timing.dt; }
+
+  // One control cycle, logged. False where the run is over.
   bool step(const PathSample& desired) {
-    World& world = *e_.world;
-    const double dt = e_.scenario.world.dt, t = world.state().time;
+    const double t = time(), step_time = state_->step_time;
     const auto step_start = Clock::now();
-    // A step that takes long leaves the drives with the torque that they have; the loop's next
-    // input is what there is then.
-    // as the watchdog is told: the simulator waits for the controller, so only what a fault adds
-    double step_time = 0.0;
-    if (first_time_ == 0.0 && fault_at(e_, t, FaultKind::slow_step)) {
-      stalled_ += dt;
-    } else {
-      out_ = loop_.step(world, desired.reference);
-      step_time = std::exchange(stalled_, 0.0);
-    }
+    if (!state_->stalled) out_ = loop_.step(*state_, desired.reference);
     row_.step_time = seconds_since(step_start);
+    row_.time = first_time_ + t;
+    fill_state(e_, *state_, driver_.truth(), desired, loop_, out_, &row_);
 
-    Eigen::Vector3d push = Eigen::Vector3d::Zero();
-    if (!e_.scenario.pushes.empty() && first_time_ == 0.0)
-      push = push_on_pen(e_, t, e_.canvas->closest(world.state().X_WE.p).n_W);
-    fill_row(world.state(), desired);
-    const Eigen::Vector3d p_WE = world.state().X_WE.p;
-    const TipContact& contact = world.step(out_.tau, push);
-    row_.disturbance_force = push;
-    row_.contact_force = contact.f_W;
-    row_.contact_point = contact.touching ? contact.p_WC : LogRow::no_vector();
-    row_.contact_normal = contact.touching ? contact.n_W : LogRow::no_vector();
+    driver_.command(out_.tau, out_.terms.col(kGravity));
+    fill_contact(driver_.truth(), &row_);
     log_.append(row_);
-
-    Wrench F_true;
-    F_true << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
-    loop_.wrench().set_true(F_true);
-    count_status(out_.status, dt, &outcome_.met);
+    count_status(out_.status, dt(), &outcome_.met);
     ink_.add(desired.stroke, desired.along,
              writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)));
 
+    state_ = &driver_.read();
     const std::string lost = lost_control(t);
     if (!lost.empty()) {
       stop(RunEnd::stopped, lost);
@@ -183,57 +129,23 @@ class Runner {
     return true;
   }
 
-  void fill_row(const WorldState& state, const PathSample& desired) {
-    row_.time = first_time_ + state.time;
-    row_.joint_position = state.q;
-    row_.joint_velocity = state.v;
-    row_.joint_torque = out_.tau;
-    for (int k = 0; k < kTorqueTerms; ++k) row_.torque_terms[k] = out_.terms.col(k);
-    row_.tip_position = state.X_WE.p;
-    row_.tip_orientation = Eigen::Quaterniond(state.X_WE.R);
-    row_.tip_velocity = state.V_WE;
-    row_.desired_position = out_.p_WD;
-    // The frame that the tip is asked into: −z along the desired normal, turned about it as the tip
-    // is now.
-    row_.desired_orientation =
-        Eigen::Quaterniond::FromTwoVectors(state.X_WE.R.col(2), -out_.n_WD) * row_.tip_orientation;
-    row_.wrench_measured =
-        e_.control.wrench == WrenchFeedback::measured ? loop_.F_ext() : Wrench(Wrench::Zero());
-    const bool known = loop_.surface().status == SurfaceStatus::ok;
-    row_.surface_normal = known ? loop_.surface().n_W : LogRow::no_vector();
-    row_.surface_distance = known ? loop_.surface().distance : LogRow::kNone;
-    // Blind, the stiffness is to make the push that the set-point's depth was chosen for.
-    row_.push =
-        e_.perception ? out_.push : (desired.reference.pen_down ? e_.control.normal_force : 0.0);
-    row_.mode = static_cast<int>(out_.mode);
-    row_.stroke = desired.stroke;
-    row_.stroke_along = desired.along;
-  }
-
-  // Why the run cannot go on, beyond what lifting the pen could mend; empty: it can.
+  // Why the run cannot go on, beyond what lifting the pen could mend; empty: it can. t: of the
+  // cycle that was commanded last [s].
   std::string lost_control(double t) {
-    const World& world = *e_.world;
-    Eigen::Index fastest = 0;
-    const double speed = world.state().v.cwiseAbs().maxCoeff(&fastest);
     const bool blind_to_state = out_.status.bad_input || out_.status.stale_state;
-    bad_state_ = blind_to_state ? bad_state_ + e_.scenario.world.dt : 0.0;
-    if (world.failure()) return *world.failure();
-    if (!(speed < kRunaway))
-      return fmt::format(
-          "the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} "
-          "rad/s",
-          world.state().time, e_.arm.joint_names()[static_cast<std::size_t>(fastest)], speed,
-          kRunaway);
+    bad_state_ = blind_to_state ? bad_state_ + dt() : 0.0;
+    if (!driver_.fault().empty()) return driver_.fault();
     if (bad_state_ > kBadStateTime)
       return fmt::format(
           "the controller was given {} for {:.1f} s up to t = {:.3f} s",
           out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale",
           kBadStateTime, t);
-    if (t > e_.start_hold && !loop_.wrench().tared())
+    const double hold = e_.plan.path_settings.start_hold;
+    if (t > hold && !loop_.tared())
       return fmt::format(
           "the wrench sensor could not be tared: within the first {:.2g} s the arm must rest for "
           "{:.2g} s, with no reading at its range",
-          e_.start_hold, e_.estimator.tare_time);
+          hold, e_.control.estimator.tare_time);
     return {};
   }
 
@@ -244,13 +156,16 @@ class Runner {
   }
 
   void lift() {
-    if (!lifting_) lifting_.emplace(e_.world->state().time, e_.world->state().X_WE.p, out_.n_WD);
+    if (!lifting_) lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q).p, out_.n_WD);
   }
 
   Experiment& e_;
+  Driver& driver_;
   const RunHooks& hooks_;
   double first_time_;  // of the log, where an earlier run left off [s]
   ControlLoop loop_;
+  StartedDriver started_;
+  const ArmState* state_;  // the driver's last
   StepWatchdog watchdog_;
   RunLog log_;
   LogRow row_;
@@ -258,59 +173,66 @@ class Runner {
   InkWatch ink_;
   RunOutcome outcome_;
   std::optional<EmergencyLift> lifting_;
-  double bad_state_ = 0.0, stalled_ = 0.0;
+  double bad_state_ = 0.0;  // [s]
 };
 
-// What to draw for those parts to have ink, begun and ended in the ink beside them.
-std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
+// A path that gives those parts ink, begun and ended in the ink beside them.
+TipPath plan_parts(const Experiment& e, const std::vector<StrokePart>& parts,
+                   const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W, double hold) {
   std::vector<PlacedStroke> strokes;
   for (const StrokePart& part : parts)
-    strokes.push_back(part_of(e.strokes[static_cast<std::size_t>(part.stroke)],
+    strokes.push_back(part_of(e.plan.strokes[static_cast<std::size_t>(part.stroke)],
                               part.from - kRedrawOverlap, part.to + kRedrawOverlap));
-  return strokes;
+  return plan_from(e.plan.path_settings, e.surface(), strokes, p_WE, n_W, hold);
+}
+
+// What an earlier run left, from its last posture.
+TipPath plan_rest(Experiment& e, const Resumption& resumption) {
+  const std::vector<StrokePart> parts =
+      rest_of(e.plan.strokes, resumption.ink.parts(), kShortestGap);
+  if (parts.empty()) return {};
+  const Pose X_WE = e.scene.arm.tip_pose(resumption.q);
+  return plan_parts(e, parts, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold);
 }
 
 }  // namespace
 
 bool writes(const Experiment& e, ContactMode mode, double normal_force) {
-  const bool measured = e.control.wrench == WrenchFeedback::measured;
-  if (measured && !(normal_force >= InkWatch::least_force(e.control.normal_force))) return false;
+  const ImpedanceSettings& control = e.control.impedance;
+  const bool measured = control.wrench == WrenchFeedback::measured;
+  if (measured && !(normal_force >= InkWatch::least_force(control.normal_force))) return false;
   // Blind, the law knows no contact; without a wrench either, nobody can tell.
-  return !e.perception || mode == ContactMode::contact;
+  return !e.scene.perception || mode == ContactMode::contact;
+}
+
+RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
+               double start_up, const RunHooks& hooks, const Resumption* resumption) {
+  const auto before_log = Clock::now();
+  const TipPath rest = resumption ? plan_rest(e, *resumption) : TipPath();
+  const TipPath& path = resumption ? rest : e.plan.path;
+  Runner runner(e, driver, log_file, hooks, resumption);
+  RunOutcome& outcome = runner.outcome();
+  outcome.wall.start_up = start_up + seconds_since(before_log);
+
+  const auto loop_start = Clock::now();
+  runner.follow(path, false);
+  const auto lacking = [&] { return rest_of(e.plan.strokes, runner.ink().parts(), kShortestGap); };
+  if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw &&
+      !(outcome.drawn_again = lacking()).empty()) {
+    const TipReference last = path.at(path.duration()).reference;
+    runner.follow(plan_parts(e, outcome.drawn_again, last.p_WD, last.n_WD, 0.0), true);
+  }
+  if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
+  outcome.simulated = runner.time();
+  outcome.wall.loop = seconds_since(loop_start);
+  outcome.wall = runner.log().close(outcome.wall);
+  return outcome;
 }
 
 RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks, const Resumption* resumption) {
-  const auto before_log = Clock::now();
-  const JointVector q = resumption ? resumption->q : e.start_q;
-  e.world->set_state(q, JointVector::Zero(e.arm.joints()));
-  Runner runner(e, log_file, hooks, resumption);
-  RunOutcome& outcome = runner.outcome();
-  TipPath rest;
-  if (resumption) {
-    const Pose X_WE = e.arm.tip_pose(q);
-    const std::vector<StrokePart> parts = rest_of(e.strokes, resumption->ink.parts(), kShortestGap);
-    if (!parts.empty())
-      rest = plan_from(e, strokes_of(e, parts), X_WE.p, -X_WE.R.col(2), e.start_hold);
-  }
-  outcome.wall.start_up = start_up + seconds_since(before_log);
-
-  const auto loop_start = Clock::now();
-  const TipPath& path = resumption ? rest : e.path;
-  runner.follow(path, false);
-  const auto lacking = [&] { return rest_of(e.strokes, runner.ink().parts(), kShortestGap); };
-  if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw &&
-      !(outcome.drawn_again = lacking()).empty()) {
-    const PathSample last = path.at(path.duration());
-    runner.follow(plan_from(e, strokes_of(e, outcome.drawn_again), last.reference.p_WD,
-                            last.reference.n_WD, 0.0),
-                  true);
-  }
-  if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
-  outcome.simulated = e.world->state().time;
-  outcome.wall.loop = seconds_since(loop_start);
-  outcome.wall = runner.log().close(outcome.wall);
-  return outcome;
+  SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption));
+  return run(e, arm, log_file, start_up, hooks, resumption);
 }
 
 }  // namespace impedraw

@@ -1,4 +1,5 @@
-// Runs an experiment at 1 kHz of simulated time and logs every step.
+// The control loop: follows an experiment's path with the arm behind a driver (driver.h), and logs
+// every step.
 //
 // After the last stroke, parts that got no ink by the arm's own signals (ink_watch.h) are drawn
 // once more, and what still has none is told.
@@ -17,6 +18,7 @@
 
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/log/log.h"
+#include "impedraw/run/driver.h"
 #include "impedraw/run/ink_watch.h"
 
 namespace impedraw {
@@ -24,7 +26,7 @@ namespace impedraw {
 enum class RunEnd { finished, stopped, interrupted };
 
 struct RunProgress {
-  double time;  // simulated [s]
+  double time;  // of the driver's clock [s]
   int stroke;   // how many strokes of the pass were begun
   int strokes;
   double drawn;   // pen-down length of the pass, on the surface [m]
@@ -34,7 +36,7 @@ struct RunProgress {
 };
 
 struct RunHooks {
-  std::function<void(const RunProgress&)> progress;  // called every 10 ms of simulated time
+  std::function<void(const RunProgress&)> progress;  // called every ten control steps
   std::function<bool()> interrupted;                 // looked at as often
 };
 
@@ -46,7 +48,7 @@ inline constexpr double kRedrawOverlap = 1e-3;
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
   std::string cause;       // of a stop
-  double simulated = 0.0;  // [s]
+  double simulated = 0.0;  // of the driver's clock [s]
   std::map<std::string, double>
       met;  // how long the controller said what of itself: a limit met, an input that was bad [s]
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
@@ -65,8 +67,19 @@ struct Resumption {
 // The log's; InputError where it is none.
 Resumption read_resumption(const Experiment& experiment, const std::filesystem::path& log_file);
 
-// Streams to `log_file`. Throws LogError when the log cannot be written. start_up: wall seconds
-// already spent [s].
+// Whether the pen writes, by what the arm itself knows (ink_watch.h): contact state, and measured
+// force along the estimated normal [N].
+bool writes(const Experiment& experiment, ContactMode mode, double normal_force);
+
+// Drives the arm from where it stands: at the beginning of the plan's path, or for a resumption at
+// its last posture. Streams to `log_file`. Throws LogError when the log cannot be written, InputError
+// for a driver of another arm, whatever Driver::start() throws. start_up: wall seconds already spent
+// [s].
+RunOutcome run(Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
+               double start_up, const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
+
+// The same with the simulated arm, which starts where the path does. Pushes and faults of the
+// scenario come in the first run, not in one that goes on with it.
 RunOutcome run(Experiment& experiment, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 

@@ -23,8 +23,8 @@ nlohmann::json point(const Eigen::Vector2d& p) {
 
 void write_reach_picture(const Experiment& e, const RunData* run, const InkMatch* drawn,
                          const std::filesystem::path& file) {
-  const Pose X_PW = e.X_WP.inverse();
-  const Eigen::Vector2d centre = e.placement.centre_m;
+  const Pose X_PW = e.artwork.X_WP.inverse();
+  const Eigen::Vector2d centre = e.artwork.placement.centre_m;
   const auto right_up = [&](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(1e3 * (centre.y() - p.y()), 1e3 * (p.x() - centre.x()));
   };
@@ -39,10 +39,10 @@ void write_reach_picture(const Experiment& e, const RunData* run, const InkMatch
       json[name].push_back(line);
     }
   };
-  parts("promised", e.strokes);
-  const std::vector<PlacedStroke> asked = placed_strokes(e.artwork.drawn, e.placement);
+  parts("promised", e.plan.strokes);
+  const std::vector<PlacedStroke>& asked = e.artwork.strokes;
   std::vector<PlacedStroke> lost;
-  for (const Finding& f : e.preflight.findings)
+  for (const Finding& f : e.plan.preflight.findings)
     lost.push_back(part_of(asked[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to));
   parts("undrawable", lost);
 
@@ -63,8 +63,8 @@ void write_reach_picture(const Experiment& e, const RunData* run, const InkMatch
     const Eigen::Vector2d q = right_up(p.head<2>());
     return Eigen::Vector3d(q.x(), -q.y(), 1e3 * p.z());
   };
-  const Relief relief =
-      make_relief(e.canvas->mesh().vertices, e.canvas->mesh().triangles, view, 2 * kCells);
+  const Relief relief = make_relief(e.scene.canvas->mesh().vertices,
+                                    e.scene.canvas->mesh().triangles, view, 2 * kCells);
   json["shade"] = nlohmann::json::array();
   for (int i = 0; i < kCells; ++i) {
     nlohmann::json row = nlohmann::json::array();

@@ -26,11 +26,6 @@ double total_mm(const std::vector<PlacedStroke>& strokes) {
   return sum;
 }
 
-// Whose number is the artwork's, as the findings have it.
-std::vector<PlacedStroke> asked_strokes(const Experiment& e) {
-  return placed_strokes(e.artwork.drawn, e.placement);
-}
-
 void put(Record* record, const char* name, const nlohmann::ordered_json& metrics,
          const char* metric) {
   if (const auto& value = metrics.at(metric); value.is_number())
@@ -42,20 +37,20 @@ Record promise_record(const Experiment& e) {
   Record r;
   std::map<std::string, int> reasons;
   double undrawable = 0.0;
-  for (const Finding& f : e.preflight.findings) {
+  for (const Finding& f : e.plan.preflight.findings) {
     ++reasons[name_of(f.problem)];
     undrawable += 1e3 * f.part.length();
   }
   for (const auto& [name, count] : reasons)
     r["reasons"] += fmt::format("{}{} {}", r["reasons"].empty() ? "" : "; ", name, count);
-  const std::vector<PlacedStroke> asked = asked_strokes(e);
+  const std::vector<PlacedStroke>& asked = e.artwork.strokes;
   r["strokes"] = std::to_string(asked.size());
   r["asked"] = fmt::format("{:.1f}", total_mm(asked));
-  r["parts"] = std::to_string(e.strokes.size());
-  r["promised"] = fmt::format("{:.1f}", total_mm(e.strokes));
+  r["parts"] = std::to_string(e.plan.strokes.size());
+  r["promised"] = fmt::format("{:.1f}", total_mm(e.plan.strokes));
   r["undrawable"] = fmt::format("{:.1f}", undrawable);
   r["unnamed"] = fmt::format("{:.2f}", unnamed_mm(e));
-  r["planned_time"] = fmt::format("{:.2f}", e.path.duration());
+  r["planned_time"] = fmt::format("{:.2f}", e.plan.path.duration());
   return r;
 }
 
@@ -84,7 +79,7 @@ void judge(Record* r, const RunOutcome& outcome) {
 
 Record drawn_record(Experiment& e, const fs::path& log, double start_up, const fs::path& ink_file) {
   Record r = promise_record(e);
-  if (e.strokes.empty()) {
+  if (e.plan.strokes.empty()) {
     const bool named = unnamed_mm(e) <= kMostUnnamed;
     r["verdict"] = named ? "nothing" : "missed";
     if (!named) r["cause"] = fmt::format("{} mm neither promised nor named", r["unnamed"]);
@@ -158,13 +153,13 @@ std::string settings_digest(const Cell& cell) {
 
 double unnamed_mm(const Experiment& e) {
   std::vector<StrokePart> told;
-  for (StrokePart part : e.preflight.drawable) {
-    part.stroke = e.source[static_cast<std::size_t>(part.stroke)];
+  for (StrokePart part : e.plan.preflight.drawable) {
+    part.stroke = e.plan.source[static_cast<std::size_t>(part.stroke)];
     told.push_back(part);
   }
-  for (const Finding& f : e.preflight.findings) told.push_back(f.part);
+  for (const Finding& f : e.plan.preflight.findings) told.push_back(f.part);
   double sum = 0.0;
-  for (const StrokePart& part : rest_of(asked_strokes(e), told)) sum += 1e3 * part.length();
+  for (const StrokePart& part : rest_of(e.artwork.strokes, told)) sum += 1e3 * part.length();
   return sum;
 }
 
@@ -175,8 +170,8 @@ double gentle_error_mm(const Experiment& e, const RunData& run, const InkMatch& 
   std::size_t count = 0;
   for (std::size_t i = 0; i < run.rows(); ++i) {
     if (!std::isfinite(drawn.error[i])) continue;
-    const auto there = e.canvas->closest(run.contact_point[i], 1e-3);
-    if (!there || there->n_W.dot(e.X_WP.R.col(2)) <= least) continue;
+    const auto there = e.scene.canvas->closest(run.contact_point[i], 1e-3);
+    if (!there || there->n_W.dot(e.artwork.X_WP.R.col(2)) <= least) continue;
     sum += drawn.error[i] * drawn.error[i];
     ++count;
   }

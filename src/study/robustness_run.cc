@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 
 double steepest_slope_deg(const Experiment& e) {
   double least = 1.0;
-  for (const Eigen::Vector3d& p_W : e.target.points)
-    least = std::min(least, e.canvas->closest(p_W).n_W.z());
+  for (const Eigen::Vector3d& p_W : e.plan.target.points)
+    least = std::min(least, e.scene.canvas->closest(p_W).n_W.z());
   return std::acos(std::clamp(least, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 

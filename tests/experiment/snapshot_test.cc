@@ -20,8 +20,8 @@ Experiment prepared(std::vector<std::string> assignments) {
 // them.
 int strangers(const Experiment& e) {
   int count = 0;
-  for (const Eigen::Vector3d& p : e.perception->cloud().points)
-    count += std::abs(e.canvas->closest(p).distance) > 2e-3;
+  for (const Eigen::Vector3d& p : e.scene.perception->cloud().points)
+    count += std::abs(e.scene.canvas->closest(p).distance) > 2e-3;
   return count;
 }
 
@@ -35,20 +35,20 @@ TEST(Snapshot, SeesTheArmAndCutsItOut) {
   for (int j = 0; j < camera.height; j += 4) {
     for (int i = 0; i < camera.width; i += 4) {
       const Eigen::Vector3d ray = (camera.X_WC.R * camera.direction_C(i, j)).normalized();
-      pixels_of_arm += std::isfinite(filtered.world->ray_to_arm(camera.X_WC.p, ray));
+      pixels_of_arm += std::isfinite(filtered.scene.world->ray_to_arm(camera.X_WC.p, ray));
     }
   }
   EXPECT_GT(pixels_of_arm, 300) << "the arm stands in the picture";
-  EXPECT_GT(filtered.perception->cloud().points.size(), 5000u);
+  EXPECT_GT(filtered.scene.perception->cloud().points.size(), 5000u);
   EXPECT_EQ(strangers(filtered), 0);
 }
 
 TEST(Snapshot, TheCloudLiesOnTheCanvas) {
   const Experiment e = prepared({});
   double sum = 0.0;
-  for (const Eigen::Vector3d& p : e.perception->cloud().points)
-    sum += e.canvas->closest(p).distance;
-  EXPECT_NEAR(sum / e.perception->cloud().points.size(), 0.0, 5e-5)
+  for (const Eigen::Vector3d& p : e.scene.perception->cloud().points)
+    sum += e.scene.canvas->closest(p).distance;
+  EXPECT_NEAR(sum / e.scene.perception->cloud().points.size(), 0.0, 5e-5)
       << "half a pixel off, it would float 0.4 mm";
 }
 
@@ -56,9 +56,9 @@ TEST(Snapshot, RealisticNoiseIsSeenAndStillDrawn) {
   const Experiment e = prepared(
       {"perception.noise.sigma_at_1m=0.001", "perception.voxel=0.006", "perception.normals.k=120"});
   double sum = 0.0, squares = 0.0;
-  const auto& points = e.perception->cloud().points;
+  const auto& points = e.scene.perception->cloud().points;
   for (const Eigen::Vector3d& p : points) {
-    const double d = e.canvas->closest(p).distance;
+    const double d = e.scene.canvas->closest(p).distance;
     sum += d;
     squares += d * d;
   }

@@ -25,6 +25,30 @@ PlacedStroke random_stroke(std::mt19937& random, int number) {
   return stroke;
 }
 
+// Against a search over closely spaced places.
+TEST(StrokePart, NearestPlaceIsWhereTheStrokeComesClosest) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> aside(-0.03, 0.03);
+  for (int round = 0; round < 50; ++round) {
+    SCOPED_TRACE("seed 11, round " + std::to_string(round));
+    const PlacedStroke whole = random_stroke(random, 0);
+    const double length = plane_length(whole);
+    const PlacedStroke stroke = part_of(whole, 0.2 * length, 0.9 * length);
+    const Vector2d p = whole.p_P[6] + Vector2d(aside(random), aside(random));
+    double least = 1.0;
+    for (int i = 0; i <= 20000; ++i) {
+      const double along = (0.2 + 0.7 * i / 20000) * length;
+      least = std::min(least, (place_on(stroke, along).p_P - p).norm());
+    }
+    const double along = nearest_place(stroke, p);
+    EXPECT_GE(along, stroke.start - 1e-12);
+    EXPECT_LE(along, 0.9 * length + 1e-12);
+    EXPECT_NEAR((place_on(stroke, along).p_P - p).norm(), least, 1e-5);
+    EXPECT_LE((place_on(stroke, along).p_P - p).norm(), least + 1e-12);
+  }
+  EXPECT_EQ(nearest_place({{Vector2d(1, 2)}, {Vector2d(0, 0)}, 0}, Vector2d(5, 5)), 0.0) << "a dot";
+}
+
 TEST(StrokePart, PartsOfAPartAreThoseOfTheWhole) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {

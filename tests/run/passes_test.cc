@@ -90,7 +90,7 @@ TEST(Passes, AnInterruptedRunGoesOn) {
 
     Experiment third = prepare(resolve(options));  // nothing is left
     const Resumption all = read_resumption(third, log);
-    EXPECT_TRUE(rest_of(third.strokes, all.ink.parts(), kShortestGap).empty());
+    EXPECT_TRUE(rest_of(third.plan.strokes, all.ink.parts(), kShortestGap).empty());
   }
   fs::remove(log);
 }
@@ -119,20 +119,20 @@ TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
   options.assignments = skip;
   const Experiment e = prepare(resolve(options));
   double covered = 0.0;
-  for (const StrokePart& part : e.preflight.drawable) covered += part.length();
-  for (const Finding& finding : e.preflight.findings) covered += finding.part.length();
-  EXPECT_NEAR(covered, plane_length(e.whole[0]), 1e-9);
-  for (const PlacedStroke& stroke : e.strokes)
+  for (const StrokePart& part : e.plan.preflight.drawable) covered += part.length();
+  for (const Finding& finding : e.plan.preflight.findings) covered += finding.part.length();
+  EXPECT_NEAR(covered, plane_length(e.plan.requested[0]), 1e-9);
+  for (const PlacedStroke& stroke : e.plan.strokes)
     for (const Eigen::Vector2d& p : stroke.p_P)
       EXPECT_LE((p - Eigen::Vector2d(0.6, 0.0)).norm(), 0.18);
-  EXPECT_FALSE(e.notes.empty());
+  EXPECT_FALSE(notes_of(e).empty());
 }
 
 // The time that the plan tells is the time that the run takes.
 TEST(Passes, ThePlansTimeIsTheRuns) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-m-natural.yaml";
-  const double planned = prepare(resolve(options)).path.duration();
+  const double planned = prepare(resolve(options)).plan.path.duration();
   EXPECT_NEAR(draw_scenario("bowl-m-natural").outcome.simulated, planned, 0.001 * planned);
 }
 

@@ -22,15 +22,17 @@ TEST(Placing, AMovedSceneIsTheSameScene) {
   DrawOptions options;
   const Scenario scenario = resolve(options);
   const Experiment here = prepare(scenario), there = prepare(moved(scenario, {0.02, -0.05}, 30.0));
-  ASSERT_EQ(here.target.points.size(), there.target.points.size());
+  ASSERT_EQ(here.plan.target.points.size(), there.plan.target.points.size());
   const Eigen::Vector3d pivot(0.6, 0.0, 0.0), shift(0.02, -0.05, 0.0);
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(std::numbers::pi / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  for (std::size_t i = 0; i < here.target.points.size(); i += 10)
-    ASSERT_LT((R * (here.target.points[i] - pivot) + pivot + shift - there.target.points[i]).norm(),
-              1e-4)
+  for (std::size_t i = 0; i < here.plan.target.points.size(); i += 10)
+    ASSERT_LT(
+        (R * (here.plan.target.points[i] - pivot) + pivot + shift - there.plan.target.points[i])
+            .norm(),
+        1e-4)
         << i;
-  EXPECT_NEAR(here.path.pen_down_length(), there.path.pen_down_length(), 1e-4);
+  EXPECT_NEAR(here.plan.path.pen_down_length(), there.plan.path.pen_down_length(), 1e-4);
 }
 
 // Out of reach it is refused; where it is put all of it can be drawn, and no pose of a grid of its
@@ -38,16 +40,16 @@ TEST(Placing, AMovedSceneIsTheSameScene) {
 TEST(Placing, FindsWhereTheArmReachesBest) {
   const Scenario far = out_of_reach();
   const Experiment refused = prepare(far, {}, Unreachable::tell);
-  ASSERT_FALSE(refused.preflight.findings.empty());
+  ASSERT_FALSE(refused.plan.preflight.findings.empty());
   const PlacedCanvas found = place_automatically(far, {});
   EXPECT_TRUE(found.passes);
   EXPECT_LT(found.margin_before, 0.0);
   EXPECT_GT(found.margin, 0.25);
   const Experiment there = prepare(found.scenario);
-  EXPECT_TRUE(there.preflight.findings.empty());
+  EXPECT_TRUE(there.plan.preflight.findings.empty());
   DrawOptions standard;
-  EXPECT_GE(there.preflight.margins.joint,
-            0.8 * prepare(resolve(standard)).preflight.margins.joint);
+  EXPECT_GE(there.plan.preflight.margins.joint,
+            0.8 * prepare(resolve(standard)).plan.preflight.margins.joint);
   EXPECT_GT(found.margin, place_automatically(resolve(standard), {}).margin - 0.05)
       << "wherever it stood before";
 }
@@ -66,10 +68,10 @@ TEST(Placing, WrappedLengthsAreThePages) {
   DrawOptions options;
   options.scenario = "scenarios/bowl.yaml";
   options.assignments = across;
-  EXPECT_GT(prepare(resolve(options)).path.pen_down_length(), 1.02 * page);
+  EXPECT_GT(prepare(resolve(options)).plan.path.pen_down_length(), 1.02 * page);
   options.assignments = wrapped;
   const Experiment e = prepare(resolve(options));
-  EXPECT_NEAR(e.path.pen_down_length(), page, 1e-3 * page);
+  EXPECT_NEAR(e.plan.path.pen_down_length(), page, 1e-3 * page);
   const Figures f = draw_scenario("bowl", wrapped);
   EXPECT_EQ(f["coverage"], 1.0);
   EXPECT_LE(f["ink_error_rms"], 0.05);

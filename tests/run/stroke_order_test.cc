@@ -32,14 +32,15 @@ std::vector<std::array<double, 4>> ends(const std::vector<Stroke>& strokes) {
 TEST(StrokeOrder, ShortensTheWayInTheAirAndKeepsTheStrokes) {
   const Artwork file = read_artwork("artwork/koi.svg");
   const Experiment kept = koi(true), ordered = koi(false);
-  EXPECT_NEAR(pen_up_length(kept.artwork.drawn.strokes), pen_up_length(file.strokes), 1e-9);
-  EXPECT_LT(pen_up_length(ordered.artwork.drawn.strokes), 0.9 * pen_up_length(file.strokes));
-  EXPECT_EQ(ends(ordered.artwork.drawn.strokes), ends(file.strokes));
-  EXPECT_LT(ordered.path.duration(), kept.path.duration());
-  ASSERT_EQ(ordered.artwork.target.strokes.size(), ordered.artwork.drawn.strokes.size());
+  EXPECT_NEAR(pen_up_length(kept.artwork.shape.drawn.strokes), pen_up_length(file.strokes), 1e-9);
+  EXPECT_LT(pen_up_length(ordered.artwork.shape.drawn.strokes), 0.9 * pen_up_length(file.strokes));
+  EXPECT_EQ(ends(ordered.artwork.shape.drawn.strokes), ends(file.strokes));
+  EXPECT_LT(ordered.plan.path.duration(), kept.plan.path.duration());
+  ASSERT_EQ(ordered.artwork.shape.target.strokes.size(),
+            ordered.artwork.shape.drawn.strokes.size());
   for (std::size_t i = 0; i < file.strokes.size(); ++i)
-    EXPECT_EQ(ordered.artwork.target.strokes[i].points.front(),
-              ordered.artwork.drawn.strokes[i].points.front())
+    EXPECT_EQ(ordered.artwork.shape.target.strokes[i].points.front(),
+              ordered.artwork.shape.drawn.strokes[i].points.front())
         << "the target goes with it";
 }
 

@@ -56,18 +56,18 @@ TEST(ReachCells, EveryDrawingOnEveryCanvas) {
 // Whatever is taken away from what is promised or named, its length is missed.
 TEST(ReachJudge, LengthThatIsNeitherPromisedNorNamedIsFound) {
   Experiment e = prepared("leaf-on-leaning");
-  ASSERT_FALSE(e.preflight.findings.empty());
-  ASSERT_FALSE(e.preflight.drawable.empty());
+  ASSERT_FALSE(e.plan.preflight.findings.empty());
+  ASSERT_FALSE(e.plan.preflight.drawable.empty());
   EXPECT_LE(unnamed_mm(e), kMostUnnamed);
   const auto longest = std::max_element(
-      e.preflight.findings.begin(), e.preflight.findings.end(),
+      e.plan.preflight.findings.begin(), e.plan.preflight.findings.end(),
       [](const Finding& a, const Finding& b) { return a.part.length() < b.part.length(); });
   const double named_length = 1e3 * longest->part.length();
   ASSERT_GT(named_length, 5.0);
-  e.preflight.findings.erase(longest);
+  e.plan.preflight.findings.erase(longest);
   EXPECT_NEAR(unnamed_mm(e), named_length, kMostUnnamed);
-  const double promised = 1e3 * e.preflight.drawable.back().length();
-  e.preflight.drawable.pop_back();
+  const double promised = 1e3 * e.plan.preflight.drawable.back().length();
+  e.plan.preflight.drawable.pop_back();
   EXPECT_NEAR(unnamed_mm(e), named_length + promised, 2 * kMostUnnamed);
 }
 

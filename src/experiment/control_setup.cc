@@ -1,0 +1,70 @@
+#include "impedraw/experiment/control_setup.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "impedraw/control/impedance.h"
+
+namespace impedraw {
+
+namespace {
+
+// What the controller's checks look at, the likeliest culprit first.
+std::vector<std::string> control_setting_names() {
+  std::vector<std::string> names;
+  for (const char* name :
+       {"wrench", "inertia", "mass_normal", "mass_tangent", "rotational_inertia_tangent",
+        "rotational_inertia_normal", "contact.leave_distance", "contact.enter_distance",
+        "contact_stiffness_max", "natural_mass_max", "damping_ratio", "stiffness_normal",
+        "stiffness_tangent"})
+    names.push_back(std::string("control.") + name);
+  names.push_back("control");
+  return names;
+}
+
+ImpedanceSettings impedance_settings(const Scenario& s, const ArmLimits& limits, const Plan& plan,
+                                     double wrench_delay) {
+  ImpedanceSettings settings = s.control;
+  settings.timing.dt = s.world.dt;
+  settings.wrench =
+      s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;
+  settings.timing.wrench_delay = wrench_delay;
+  if (s.control.torque_delay)
+    settings.timing.loop_delay =
+        std::max(settings.timing.loop_delay, *s.control.torque_delay + settings.timing.dt);
+  settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
+  settings.limits.torque = s.control.torque_share * limits.torque;
+  settings.limits.torque_rate =
+      Eigen::VectorXd::Constant(limits.torque.size(), s.control.torque_rate);
+  settings.joint_range.lower = limits.lower;
+  settings.joint_range.upper = limits.upper;
+  settings.null_space.q_0 = plan.rest_q;
+  return settings;
+}
+
+}  // namespace
+
+ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Plan& plan,
+                                const SettingErrors& setting_errors) {
+  ControlSetup setup;
+  setup.source = s.control.source;
+  setup.sensor =
+      setup.source == WrenchSource::realistic ? WrenchSensorSettings::realistic() : s.wrench_sensor;
+  setup.estimator =
+      estimator_settings(s.control.sensing, setup.sensor, s.world.dt, s.world.gravity);
+  double wrench_delay = s.world.dt;
+  if (has_sensor(setup.source)) {
+    setting_errors.locate({"control.sensing", "wrench_sensor", "control.wrench"}, [&] {
+      WrenchSensor(setup.sensor, s.world.dt, 0);
+      wrench_delay += WrenchEstimator(setup.estimator).group_delay();
+    });
+  }
+  setup.impedance = impedance_settings(s, scene.arm.limits(), plan, wrench_delay);
+  setting_errors.locate(control_setting_names(), [&] {
+    ImpedanceController(setup.impedance, scene.arm.joints());
+  });  // its checks, before anything is written
+  return setup;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,289 @@
+#include "impedraw/experiment/plan.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/experiment/finding_text.h"
+#include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/rest_posture.h"
+
+namespace impedraw {
+
+namespace {
+
+// Each with a number of its own, in their order; `source`: of which stroke of the artwork each is.
+std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, std::vector<int>* source) {
+  source->clear();
+  for (PlacedStroke& stroke : strokes) {
+    source->push_back(stroke.number);
+    stroke.number = static_cast<int>(source->size()) - 1;
+    stroke.start = 0.0;
+  }
+  return strokes;
+}
+
+// What the wrap has no surface for.
+Finding off_patch(const std::vector<PlacedStroke>& flat, const StrokePart& part, const Pose& X_WP) {
+  const StrokePlace middle =
+      place_on(flat[static_cast<std::size_t>(part.stroke)], (part.from + part.to) / 2);
+  return {part, Problem::off_canvas, "off the patch of the surface that the wrap lays flat",
+          middle.page, X_WP * Eigen::Vector3d(middle.p_P.x(), middle.p_P.y(), 0.0)};
+}
+
+class Planning {
+ public:
+  Planning(const Scenario& s, const PlacedArtwork& artwork, Scene& scene, Unreachable unreachable,
+           const SettingErrors& setting_errors, const PrepareProgress& progress)
+      : s_(s),
+        artwork_(artwork),
+        scene_(scene),
+        unreachable_(unreachable == Unreachable::refuse && s.drawing.skip_unreachable
+                         ? Unreachable::skip
+                         : unreachable),
+        setting_errors_(setting_errors),
+        progress_(progress),
+        seen_(scene.perception.has_value()),
+        true_surface_(canvas_height(*scene.canvas, artwork.X_WP)) {}
+
+  Plan make() {
+    plan_.path_settings = path_settings();
+    const std::vector<StrokePart> lost = lay_on_surface();
+    plan_.rest_q = rest_posture(s_.arm, artwork_, plan_.requested, scene_, setting_errors_);
+    check(lost);
+    for (bool done = false; !done;) {
+      setting_errors_.locate(placement_setting_names(), [&] { promise(); });
+      try {
+        tell("planning the path", 0.8);
+        plan_path();
+        plan_.target = project_target(desired_strokes(), true_surface_);
+        done = true;
+      } catch (const OffSurface& off) {
+        leave_out(off);  // an edge that lies finer than the pre-flight looked
+      } catch (const InputError& error) {
+        setting_errors_.raise({"path"}, error.what());
+      }
+    }
+    for (Eigen::Vector3d& p : plan_.target.points) p = artwork_.X_WP * p;
+    return std::move(plan_);
+  }
+
+ private:
+  void tell(const char* what, double share) const {
+    if (progress_) progress_(what, share);
+  }
+  SurfaceHeight surface() const { return scene_.surface(artwork_.X_WP); }
+  Eigen::Vector3d z_WP() const { return artwork_.X_WP.R.col(2); }
+  const PlacedStroke& requested(int number) const {
+    return plan_.requested[static_cast<std::size_t>(number)];
+  }
+  int source(int number) const { return plan_.source[static_cast<std::size_t>(number)]; }
+
+  PathSettings path_settings() const;
+  PreflightSettings preflight_settings() const;
+  std::vector<StrokePart> lay_on_surface();
+  void check(const std::vector<StrokePart>& lost);
+  void promise();
+  void plan_path();
+  void leave_out_barred(const std::vector<Finding>& transitions);
+  void leave_out(const OffSurface& off);
+  std::vector<PlacedStroke> desired_strokes() const;
+
+  const Scenario& s_;
+  const PlacedArtwork& artwork_;
+  Scene& scene_;
+  Unreachable unreachable_;
+  const SettingErrors& setting_errors_;
+  const PrepareProgress& progress_;
+  bool seen_;
+  SurfaceHeight true_surface_;
+  Plan plan_;
+};
+
+PathSettings Planning::path_settings() const {
+  PathSettings path = s_.path;
+  path.X_WP = artwork_.X_WP;
+  // A sensor is tared at rest before anything moves.
+  if (has_sensor(s_.control.source))
+    path.start_hold = std::max(path.start_hold, s_.control.sensing.tare_time + 1.0);
+  if (seen_) return path;
+  // Blind, the desired point lies beneath the surface: the stiffness makes the push.
+  path.vertical_pen = true;
+  if (!(s_.control.stiffness.linear.normal > 0.0))
+    setting_errors_.raise(
+        {"control.stiffness_normal"},
+        "control.stiffness_normal is 0 N/m: blind, it makes the push; valid is more than 0 N/m");
+  if (s_.blind.height == BlindHeight::canvas)
+    path.sink = s_.control.normal_force / s_.control.stiffness.linear.normal;
+  double highest = -1e9;
+  for (const Eigen::Vector3d& v_W : scene_.canvas->mesh().vertices)
+    highest = std::max(highest, z_WP().dot(v_W - artwork_.X_WP.p));
+  path.highest_z = highest;
+  return path;
+}
+
+// The pre-flight's settings, completed from the rest of the scenario.
+PreflightSettings Planning::preflight_settings() const {
+  PreflightSettings s = s_.preflight;
+  s.X_WP = artwork_.X_WP;
+  s.vertical_pen = !seen_;
+  s.normal_force = s_.control.normal_force;
+  s.torque_share = s_.control.torque_share;
+  s.friction = s_.control.friction.coefficient;
+  s.normal_smoothing = s_.path.normal_smoothing;
+  s.space = s_.control.operational_space;
+  s.rest_q = plan_.rest_q;
+  return s;
+}
+
+// Projected or wrapped; what a wrap has no surface for is returned, by the artwork's numbers.
+std::vector<StrokePart> Planning::lay_on_surface() {
+  WrappedStrokes laid{artwork_.strokes, {}};
+  if (s_.drawing.mapping == Mapping::wrap) {
+    laid = setting_errors_.locate({"drawing.wrap", "drawing.mapping", "drawing"}, [&] {
+      plan_.wrap.emplace(surface(), s_.drawing.placement.centre_m, artwork_.strokes,
+                         s_.drawing.wrap);
+      return plan_.wrap->wrap(artwork_.strokes);
+    });
+  }
+  plan_.requested = renumbered(std::move(laid.strokes), &plan_.source);
+  return std::move(laid.lost);
+}
+
+void Planning::check(const std::vector<StrokePart>& lost) {
+  plan_.preflight = setting_errors_.locate({"preflight"}, [&] {
+    return check_strokes(plan_.requested, surface(), scene_.arm, scene_.canvas.get(),
+                         scene_.start_q, preflight_settings(),
+                         [&](double share) { tell("checking the strokes", 0.4 + 0.4 * share); });
+  });
+  for (Finding& f : plan_.preflight.findings) f.part.stroke = source(f.part.stroke);
+  for (const StrokePart& part : lost)
+    plan_.preflight.findings.push_back(off_patch(artwork_.strokes, part, artwork_.X_WP));
+}
+
+// What is promised, from what the pre-flight leaves of what was requested; throws or notes what it
+// does not, as `unreachable_` says.
+void Planning::promise() {
+  plan_.notes.clear();
+  const std::vector<Finding>& findings = plan_.preflight.findings;
+  if (!findings.empty() && unreachable_ != Unreachable::tell) {
+    const std::string first = refusal_text(findings.front(), seen_);
+    const std::string more =
+        findings.size() == 1 ? "" : fmt::format(", and {} more such places", findings.size() - 1);
+    if (unreachable_ == Unreachable::refuse)
+      throw InputError(
+          fmt::format("{}{}; ./impedraw plan shows all of them, --skip-unreachable draws the rest",
+                      first, more));
+    if (plan_.preflight.drawable.empty())
+      throw InputError(fmt::format("nothing can be drawn: {}{}; ./impedraw plan shows all of them",
+                                   first, more));
+    for (const Finding& f : findings) plan_.notes.push_back("not drawn: " + finding_text(f));
+  }
+  plan_.strokes.clear();
+  for (const StrokePart& part : plan_.preflight.drawable) {
+    PlacedStroke stroke = part_of(requested(part.stroke), part.from, part.to);
+    stroke.number = static_cast<int>(plan_.strokes.size());
+    stroke.start = 0.0;
+    plan_.strokes.push_back(std::move(stroke));
+  }
+}
+
+// Plans the path, and leaves out what no way leads to.
+void Planning::plan_path() {
+  while (!plan_.strokes.empty()) {  // each round leaves out at least one
+    plan_.path = plan_from(plan_.path_settings, surface(), plan_.strokes, s_.arm.start_p_WE, z_WP(),
+                           plan_.path_settings.start_hold);
+    if (!s_.preflight.arm) return;
+    const std::vector<Finding> transitions =
+        check_transitions(plan_.path, plan_.strokes, scene_.arm, scene_.canvas.get(),
+                          scene_.start_q, preflight_settings());
+    if (transitions.empty()) return;
+    leave_out_barred(transitions);
+    promise();
+  }
+  plan_.path = TipPath();
+}
+
+// Findings are about the numbers of the path; a stroke whose way is barred is one that cannot be
+// drawn.
+void Planning::leave_out_barred(const std::vector<Finding>& transitions) {
+  Preflight& preflight = plan_.preflight;
+  std::vector<StrokePart> left;
+  for (std::size_t i = 0; i < preflight.drawable.size(); ++i) {
+    const auto barred = std::find_if(transitions.begin(), transitions.end(), [&](const Finding& f) {
+      return f.part.stroke == static_cast<int>(i);
+    });
+    if (barred == transitions.end()) {
+      left.push_back(preflight.drawable[i]);
+    } else {
+      Finding f = *barred;
+      f.part = preflight.drawable[i];
+      f.part.stroke = source(f.part.stroke);
+      preflight.findings.push_back(std::move(f));
+    }
+  }
+  if (left.size() == preflight.drawable.size()) throw InputError(finding_text(transitions.front()));
+  preflight.drawable = std::move(left);
+}
+
+// Takes a point that turned out to have no surface, and a little on both sides of it, out of what
+// is drawn.
+void Planning::leave_out(const OffSurface& off) {
+  constexpr double kAbout = 3e-3;  // [m]
+  const PlacedStroke& stroke = plan_.strokes[static_cast<std::size_t>(off.stroke)];
+  const double along = nearest_place(stroke, off.p);
+  std::vector<StrokePart>& drawable = plan_.preflight.drawable;
+  const StrokePart whole = drawable[static_cast<std::size_t>(off.stroke)];
+  StrokePart gone{whole.stroke, whole.from + std::max(0.0, along - kAbout),
+                  std::min(whole.to, whole.from + along + kAbout)};
+  std::vector<StrokePart> left;
+  for (const StrokePart& part : {StrokePart{whole.stroke, whole.from, gone.from},
+                                 StrokePart{whole.stroke, gone.to, whole.to}}) {
+    if (part.length() > s_.preflight.shortest)
+      left.push_back(part);
+    else
+      (part.from == whole.from ? gone.from : gone.to) =
+          part.from == whole.from ? part.from : part.to;
+  }
+  drawable.erase(drawable.begin() + off.stroke);
+  drawable.insert(drawable.begin() + off.stroke, left.begin(), left.end());
+  gone.stroke = source(whole.stroke);
+  plan_.preflight.findings.push_back({gone, Problem::off_canvas, "at an edge of the canvas",
+                                      place_on(stroke, along).page,
+                                      artwork_.X_WP * Eigen::Vector3d(off.p.x(), off.p.y(), 0.0)});
+}
+
+// What ought to come out lies on the true canvas, wherever the cameras saw it.
+std::vector<PlacedStroke> Planning::desired_strokes() const {
+  if (!plan_.wrap) return plan_.preflight.findings.empty() ? artwork_.desired : plan_.strokes;
+  std::vector<PlacedStroke> desired = plan_.strokes;
+  if (!seen_) return desired;
+  for (PlacedStroke& stroke : desired)
+    for (std::size_t i = 0; i < stroke.page.size(); ++i)
+      stroke.p_P[i] = artwork_.placement.to_plane(stroke.page[i]);
+  return Wrap(true_surface_, s_.drawing.placement.centre_m, desired, s_.drawing.wrap)
+      .wrap(desired)
+      .strokes;
+}
+
+}  // namespace
+
+Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& scene,
+               Unreachable unreachable, const SettingErrors& setting_errors,
+               const PrepareProgress& progress) {
+  return Planning(scenario, artwork, scene, unreachable, setting_errors, progress).make();
+}
+
+TipPath plan_from(const PathSettings& planned, const SurfaceHeight& surface,
+                  const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE,
+                  const Eigen::Vector3d& n_W, double hold) {
+  PathSettings settings = planned;
+  settings.start_p_WE = p_WE;
+  settings.start_n_W = n_W;
+  settings.start_hold = hold;
+  return plan_tip_path(strokes, surface, settings);
+}
+
+}  // namespace impedraw

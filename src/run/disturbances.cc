@@ -1,0 +1,39 @@
+#include "impedraw/run/disturbances.h"
+
+#include <cmath>
+
+namespace impedraw {
+
+double time_at(const TipPath& path, double share) {
+  const auto& strokes = path.strokes();
+  return strokes.front().start + share * (strokes.back().end - strokes.front().start);
+}
+
+Disturbances::Disturbances(const Scenario& scenario, const TipPath& path) {
+  if (path.strokes().empty()) return;
+  for (const FaultSettings& fault : scenario.faults) {
+    const double start = time_at(path, fault.start);
+    faults_.push_back({fault.kind, start, start + fault.duration});
+  }
+  for (const PushSettings& push : scenario.pushes)
+    pushes_.push_back({push, time_at(path, push.middle)});
+}
+
+bool Disturbances::fault(FaultKind kind, double time) const noexcept {
+  for (const TimedFault& fault : faults_)
+    if (fault.kind == kind && time >= fault.start && time < fault.end) return true;
+  return false;
+}
+
+Eigen::Vector3d Disturbances::push(double time, const Eigen::Vector3d& n_W) const noexcept {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  for (const auto& [push, middle] : pushes_) {
+    if (std::abs(time - middle) > 0.5 * push.duration) continue;
+    const Eigen::Vector3d along = push.direction_W - n_W * n_W.dot(push.direction_W);
+    if (along.norm() > 1e-9) force += push.force * along.normalized();
+    force += push.lift * n_W;
+  }
+  return force;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,38 @@
+// What a scenario does to its own run, at shares of the plan's time: pushes on the pen, and faults.
+#pragma once
+
+#include <vector>
+
+#include "impedraw/experiment/faults.h"
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/planning/path/tip_path.h"
+
+namespace impedraw {
+
+// When that share of the way from the path's first stroke's start to its last one's end is over [s].
+double time_at(const TipPath& path, double share);
+
+class Disturbances {
+ public:
+  Disturbances() = default;  // none
+  Disturbances(const Scenario& scenario, const TipPath& path);
+
+  bool fault(FaultKind kind, double time) const noexcept;
+  bool any_push() const noexcept { return !pushes_.empty(); }
+  // On the pen where the canvas has the normal n_W [N].
+  Eigen::Vector3d push(double time, const Eigen::Vector3d& n_W) const noexcept;
+
+ private:
+  struct TimedFault {
+    FaultKind kind;
+    double start, end;  // [s]
+  };
+  struct TimedPush {
+    PushSettings push;
+    double middle;  // [s]
+  };
+  std::vector<TimedFault> faults_;
+  std::vector<TimedPush> pushes_;
+};
+
+}  // namespace impedraw

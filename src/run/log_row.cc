@@ -1,0 +1,66 @@
+#include "impedraw/run/log_row.h"
+
+#include <string>
+
+namespace impedraw {
+
+RunLogHeader make_header(const Experiment& e) {
+  RunLogHeader h;
+  h.joint_names = e.scene.arm.joint_names();
+  h.joint_lower = e.scene.arm.limits().lower;
+  h.joint_upper = e.scene.arm.limits().upper;
+  h.torque_limit = e.scene.arm.limits().torque;
+  for (const std::string_view name : kTorqueTermNames) h.torque_terms.emplace_back(name);
+  for (const std::string_view name : kContactModeNames) h.mode_names.emplace_back(name);
+  h.canvas_vertices = e.scene.canvas->mesh().vertices;
+  h.canvas_triangles = e.scene.canvas->mesh().triangles;
+  if (e.scene.perception) {
+    h.cloud_points = e.scene.perception->cloud().points;
+    h.cloud_normals = e.scene.perception->cloud().normals;
+    h.cloud_camera = e.scene.perception->cloud().camera;
+  }
+  h.target_points = e.plan.target.points;
+  h.target_stroke = e.plan.target.stroke;
+  h.attributes = {{"scenario", e.scenario.name}, {"seed", std::to_string(e.scenario.seed)}};
+  return h;
+}
+
+void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* truth,
+                const PathSample& desired, const ControlLoop& loop, const ImpedanceTorque& out,
+                LogRow* row) {
+  const Pose& X_WE = truth ? truth->X_WE : loop.terms().X_WE;
+  row->joint_position = truth ? truth->q : state.q;
+  row->joint_velocity = truth ? truth->v : state.v;
+  row->joint_torque = out.tau;
+  for (int k = 0; k < kTorqueTerms; ++k) row->torque_terms[k] = out.terms.col(k);
+  row->tip_position = X_WE.p;
+  row->tip_orientation = Eigen::Quaterniond(X_WE.R);
+  row->tip_velocity = truth ? truth->V_WE : loop.terms().V_WE;
+  row->desired_position = out.p_WD;
+  // The frame that the tip is asked into: −z along the desired normal, turned about it as the tip
+  // is now.
+  row->desired_orientation =
+      Eigen::Quaterniond::FromTwoVectors(X_WE.R.col(2), -out.n_WD) * row->tip_orientation;
+  const ImpedanceSettings& control = e.control.impedance;
+  row->wrench_measured =
+      control.wrench == WrenchFeedback::measured ? loop.F_ext() : Wrench(Wrench::Zero());
+  const bool known = loop.surface().status == SurfaceStatus::ok;
+  row->surface_normal = known ? loop.surface().n_W : LogRow::no_vector();
+  row->surface_distance = known ? loop.surface().distance : LogRow::kNone;
+  // Blind, the stiffness is to make the push that the set-point's depth was chosen for.
+  row->push =
+      e.scene.perception ? out.push : (desired.reference.pen_down ? control.normal_force : 0.0);
+  row->mode = static_cast<int>(out.mode);
+  row->stroke = desired.stroke;
+  row->stroke_along = desired.along;
+}
+
+void fill_contact(const GroundTruth* truth, LogRow* row) {
+  if (!truth) return;
+  row->disturbance_force = truth->disturbance_force;
+  row->contact_force = truth->contact_force;
+  row->contact_point = truth->contact_point;
+  row->contact_normal = truth->contact_normal;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,115 @@
+#include "impedraw/run/simulated_arm.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kRunaway = 20.0;  // joint speed [rad/s], near ten times what such an arm can
+
+}  // namespace
+
+SimulatedArm::SimulatedArm(Experiment& e, const JointVector& start_q, Disturbances disturbances)
+    : world_(*e.scene.world),
+      canvas_(*e.scene.canvas),
+      start_q_(start_q),
+      joint_names_(e.scene.arm.joint_names()),
+      dt_(e.scenario.world.dt),
+      disturbances_(std::move(disturbances)),
+      source_(e.control.source),
+      sensor_settings_(e.control.sensor),
+      seed_(static_cast<std::uint64_t>(e.scenario.seed)),
+      state_(world_.joints()) {}
+
+DriverInfo SimulatedArm::info() const {
+  const WrenchReading wrench = source_ == WrenchSource::none ? WrenchReading::none
+                               : has_sensor(source_)         ? WrenchReading::sensor
+                                                             : WrenchReading::tip;
+  return {world_.joints(), dt_, wrench};
+}
+
+void SimulatedArm::start() {
+  world_.set_state(start_q_, JointVector::Zero(world_.joints()));
+  if (has_sensor(source_)) sensor_.emplace(sensor_settings_, dt_, seed_);
+  state_ = ArmState(world_.joints());
+  truth_ = GroundTruth();
+  tip_wrench_.setZero();
+  stalled_ = 0.0;
+  fault_.clear();
+}
+
+const ArmState& SimulatedArm::read() noexcept {
+  const WorldState& now = world_.state();
+  truth_.q = now.q;
+  truth_.v = now.v;
+  truth_.X_WE = now.X_WE;
+  truth_.V_WE = now.V_WE;
+  look_for_faults();
+
+  state_.time = now.time;
+  state_.stalled = disturbances_.fault(FaultKind::slow_step, now.time);
+  // The simulator waits for the controller: only what the fault adds is told.
+  state_.step_time = state_.stalled ? 0.0 : std::exchange(stalled_, 0.0);
+  if (state_.stalled) {
+    stalled_ += dt_;
+  } else {
+    read_joints(now);
+    read_wrench(now.time);
+  }
+  return state_;
+}
+
+void SimulatedArm::read_joints(const WorldState& now) noexcept {
+  if (!disturbances_.fault(FaultKind::stale_state, now.time)) {
+    state_.q = now.q;
+    state_.v = now.v;
+    state_.state_time = now.time;
+  }
+  if (disturbances_.fault(FaultKind::nan_state, now.time))
+    state_.v[0] = std::numeric_limits<double>::quiet_NaN();
+}
+
+void SimulatedArm::read_wrench(double time) noexcept {
+  const Vector6 wrench = sensor_ ? sensor_->sample(world_.flange_wrench()) : tip_wrench_;
+  if (source_ == WrenchSource::none) return;
+  if (!disturbances_.fault(FaultKind::stale_wrench, time)) {
+    state_.wrench = wrench;
+    state_.wrench_time = time;
+  }
+  if (disturbances_.fault(FaultKind::nan_wrench, time))
+    state_.wrench[2] = std::numeric_limits<double>::quiet_NaN();
+}
+
+void SimulatedArm::look_for_faults() {
+  if (!fault_.empty()) return;
+  const WorldState& now = world_.state();
+  Eigen::Index fastest = 0;
+  const double speed = now.v.cwiseAbs().maxCoeff(&fastest);
+  if (world_.failure())
+    fault_ = *world_.failure();
+  else if (!(speed < kRunaway))
+    fault_ = fmt::format(
+        "the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} "
+        "rad/s",
+        now.time, joint_names_[static_cast<std::size_t>(fastest)], speed, kRunaway);
+}
+
+void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept {
+  Eigen::Vector3d push = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d p_WE = truth_.X_WE.p;
+  if (disturbances_.any_push())
+    push = disturbances_.push(world_.state().time, canvas_.closest(p_WE).n_W);
+  const TipContact& contact = world_.step(tau, push);
+  truth_.contact_force = contact.f_W;
+  truth_.contact_point = contact.touching ? contact.p_WC : GroundTruth::no_vector();
+  truth_.contact_normal = contact.touching ? contact.n_W : GroundTruth::no_vector();
+  truth_.disturbance_force = push;
+  tip_wrench_ << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
+}
+
+}  // namespace impedraw

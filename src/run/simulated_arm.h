@@ -1,0 +1,53 @@
+// The simulated world as a driver, in lock-step: the arm with its true masses and drives, its pen on
+// the true canvas, the wrench sensor, and what the scenario does to them (disturbances.h).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/run/disturbances.h"
+#include "impedraw/run/driver.h"
+#include "impedraw/simulation/wrench_sensor.h"
+
+namespace impedraw {
+
+class SimulatedArm : public Driver {
+ public:
+  // Refers to the experiment's world and canvas. start() puts the arm at rest at start_q.
+  SimulatedArm(Experiment& experiment, const JointVector& start_q, Disturbances disturbances);
+
+  DriverInfo info() const override;
+  void start() override;
+  const ArmState& read() noexcept override;
+  void command(const JointVector& tau, const JointVector& gravity) noexcept override;
+  // The motion went unstable: not finite, or a joint faster than any such arm can turn.
+  const std::string& fault() const noexcept override { return fault_; }
+  void stop() noexcept override {}
+  const GroundTruth* truth() const noexcept override { return &truth_; }
+
+ private:
+  void read_joints(const WorldState& now) noexcept;
+  void read_wrench(double time) noexcept;
+  void look_for_faults();
+
+  World& world_;
+  const Canvas& canvas_;
+  JointVector start_q_;
+  std::vector<std::string> joint_names_;
+  double dt_;
+  Disturbances disturbances_;
+  WrenchSource source_;
+  WrenchSensorSettings sensor_settings_;
+  std::uint64_t seed_;
+  std::optional<WrenchSensor> sensor_;
+  ArmState state_;
+  GroundTruth truth_;
+  Vector6 tip_wrench_ = Vector6::Zero();  // true, over the last step, at E where the tip was
+  double stalled_ = 0.0;                  // [s]
+  std::string fault_;
+};
+
+}  // namespace impedraw

@@ -1,0 +1,75 @@
+// The stages of an experiment: each needs those before it and nothing else.
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/common/roll_pitch_yaw.h"
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+
+namespace impedraw {
+namespace {
+
+Scenario scenario(const std::vector<std::string>& assignments) {
+  DrawOptions options;
+  options.scenario = "scenarios/bowl.yaml";
+  options.assignments = assignments;
+  return resolve(options);
+}
+
+// A shaped inertia without a wrench is refused by the controller, which a plan does not ask.
+TEST(Stages, APlanNeedsNoController) {
+  const Scenario s = scenario({"control.wrench=none", "control.inertia=shaped"});
+  EXPECT_THROW(prepare(s), InputError);
+  const PlannedDrawing planned = prepare_plan(s);
+  EXPECT_GT(planned.plan.path.duration(), 1.0);
+  EXPECT_TRUE(planned.plan.preflight.findings.empty());
+}
+
+TEST(Stages, TheStrokesArePlacedOnceForAll) {
+  const PlannedDrawing e = prepare_plan(scenario({"drawing.svg=artwork/koi.svg"}));
+  const std::vector<PlacedStroke> placed =
+      placed_strokes(e.artwork.shape.drawn, e.artwork.placement);
+  ASSERT_EQ(e.artwork.strokes.size(), placed.size());
+  ASSERT_EQ(e.plan.requested.size(), placed.size());
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    EXPECT_EQ(e.artwork.strokes[i].p_P, placed[i].p_P);
+    EXPECT_EQ(e.plan.requested[i].p_P, placed[i].p_P) << "projected, it lies where it was placed";
+    EXPECT_EQ(e.plan.source[i], static_cast<int>(i));
+  }
+}
+
+// Stage by stage comes to the same as all at once.
+TEST(Stages, TheStagesAreThePreparation) {
+  Scenario s = scenario({"drawing.shape=M"});
+  const Experiment whole = prepare(s);
+  const Places places;
+  const SettingErrors setting_errors(places);
+  const PlacedArtwork artwork = load_artwork(s.drawing, setting_errors);
+  Scene scene = build_scene(s, artwork.X_WP, setting_errors);
+  const Plan plan = make_plan(s, artwork, scene, Unreachable::refuse, setting_errors);
+  const ControlSetup control = make_control_setup(s, scene, plan, setting_errors);
+  EXPECT_EQ(plan.path.duration(), whole.plan.path.duration());
+  EXPECT_EQ(plan.target.points, whole.plan.target.points);
+  EXPECT_EQ(control.impedance.null_space.q_0, whole.control.impedance.null_space.q_0);
+  EXPECT_EQ(control.impedance.limits.torque, scene.arm.limits().torque);
+}
+
+// Against the product written out.
+TEST(RollPitchYaw, TurnsAboutXThenYThenZ) {
+  const Eigen::Vector3d rpy(20.0, -35.0, 110.0);
+  const Eigen::Vector3d a = rpy * std::numbers::pi / 180.0;
+  const double cr = std::cos(a.x()), sr = std::sin(a.x()), cp = std::cos(a.y()),
+               sp = std::sin(a.y()), cy = std::cos(a.z()), sy = std::sin(a.z());
+  Eigen::Matrix3d R;
+  R << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
+      sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,   //
+      -sp, cp * sr, cp * cr;
+  EXPECT_TRUE(rotation_from_roll_pitch_yaw(rpy).toRotationMatrix().isApprox(R, 1e-14));
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,216 @@
+// The seam between loop and arm: what a driver is told and when, and that the loop needs no more
+// than it says.
+#include "impedraw/run/driver.h"
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "allocations.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/log/run_rows.h"
+#include "impedraw/run/calibrate_tool.h"
+#include "impedraw/run/control_loop.h"
+#include "impedraw/run/log_row.h"
+#include "impedraw/run/run.h"
+#include "impedraw/run/simulated_arm.h"
+
+namespace impedraw {
+namespace {
+
+using ::testing::HasSubstr;
+
+namespace fs = std::filesystem;
+
+Experiment prepared(const std::string& name, const std::vector<std::string>& assignments = {}) {
+  DrawOptions options;
+  options.scenario = "scenarios/" + name + ".yaml";
+  options.assignments = assignments;
+  return prepare(resolve(options));
+}
+
+// The simulated arm, with what a test changes about it; keeps the order of the calls.
+class TestDriver : public Driver {
+ public:
+  explicit TestDriver(Experiment& e)
+      : inner_(e, e.scene.start_q, Disturbances(e.scenario, e.plan.path)), info_(inner_.info()) {}
+
+  DriverInfo info() const override { return info_; }
+  void start() override {
+    called("start");
+    if (!start_failure.empty()) throw std::runtime_error(start_failure);
+    inner_.start();
+  }
+  const ArmState& read() noexcept override {
+    called("read");
+    const ArmState& state = inner_.read();
+    if (fault_time >= 0.0 && state.time >= fault_time) fault_ = "the cable was pulled";
+    return state;
+  }
+  void command(const JointVector& tau, const JointVector& gravity) noexcept override {
+    called("command");
+    finite &= tau.allFinite() && gravity.allFinite();
+    last_tau = tau;
+    last_gravity = gravity;
+    inner_.command(tau, gravity);
+  }
+  const std::string& fault() const noexcept override {
+    return fault_.empty() ? inner_.fault() : fault_;
+  }
+  void stop() noexcept override {
+    called("stop");
+    inner_.stop();
+  }
+  const GroundTruth* truth() const noexcept override { return truthful ? inner_.truth() : nullptr; }
+
+  DriverInfo& changed_info() { return info_; }
+
+  bool truthful = true, finite = true;
+  double fault_time = -1.0;
+  std::string start_failure;
+  std::string order;  // "start (read command)* read stop", where it is kept
+  JointVector last_tau, last_gravity;
+
+ private:
+  void called(const char* what) {
+    const std::string name = what;
+    // read after read or command after command would show
+    if (name == last_ || order.empty() || name == "start" || name == "stop") order += name + " ";
+    last_ = name;
+  }
+
+  SimulatedArm inner_;
+  DriverInfo info_;
+  std::string fault_, last_;
+};
+
+class DriverTest : public ::testing::Test {
+ protected:
+  ~DriverTest() override { fs::remove(log_); }
+  fs::path log_ =
+      fs::temp_directory_path() / ("impedraw_driver_" + std::to_string(getpid()) + ".h5");
+};
+
+// Without the simulator's truth the same torques come out, to the last bit: nothing of it finds its
+// way into the control.
+TEST_F(DriverTest, TheLoopDrawsTheSameWithoutTheTruth) {
+  for (const char* name : {"bowl-m", "bowl-sine-realistic", "bowl-m-blind"}) {
+    SCOPED_TRACE(name);
+    Experiment e = prepared(name);
+    const auto drawn = [&](bool truthful) {
+      TestDriver driver(e);
+      driver.truthful = truthful;
+      EXPECT_EQ(run(e, driver, log_, 0.0).end, RunEnd::finished);
+      EXPECT_EQ(driver.order, "start stop ");
+      EXPECT_TRUE(driver.finite);
+      return read_rows(log_);
+    };
+    const RunRows with = drawn(true), without = drawn(false);
+    ASSERT_EQ(with.time, without.time);
+    EXPECT_EQ(with.joint_torque, without.joint_torque);
+    EXPECT_EQ(with.mode, without.mode);
+    // Where it is not known, the arm's own belief of its tip is logged.
+    for (std::size_t i = 0; i < with.time.size(); i += 100)
+      ASSERT_LT((with.tip_position[i] - without.tip_position[i]).norm(), 1e-9) << i;
+  }
+}
+
+TEST_F(DriverTest, GravityIsThePartThatHoldsTheArm) {
+  Experiment e = prepared("bowl-sine");
+  TestDriver driver(e);
+  ASSERT_EQ(run(e, driver, log_, 0.0).end, RunEnd::finished);
+  // At rest over its last point the arm does little but carry itself.
+  EXPECT_GT(driver.last_gravity.norm(), 20.0);
+  EXPECT_LT((driver.last_tau - driver.last_gravity).norm(), 2.0);
+}
+
+TEST_F(DriverTest, AFaultEndsTheRunByItsName) {
+  Experiment e = prepared("bowl-sine");
+  TestDriver driver(e);
+  driver.fault_time = 2.0;
+  const RunOutcome outcome = run(e, driver, log_, 0.0);
+  EXPECT_EQ(outcome.end, RunEnd::stopped);
+  EXPECT_EQ(outcome.cause, "the cable was pulled");
+  EXPECT_NEAR(outcome.simulated, 2.0, 1e-6);
+  EXPECT_EQ(driver.order, "start stop ");
+}
+
+TEST_F(DriverTest, IsStoppedWhateverHappens) {
+  Experiment e = prepared("bowl-sine");
+  TestDriver unwritable(e);
+  EXPECT_THROW(run(e, unwritable, "/no/such/folder/run.h5", 0.0), LogError);
+  EXPECT_THAT(unwritable.order, ::testing::EndsWith("stop "));
+  TestDriver absent(e);
+  absent.start_failure = "no arm at 127.0.0.1";
+  EXPECT_THROW(run(e, absent, log_, 0.0), std::runtime_error);
+  EXPECT_FALSE(fs::exists(log_)) << "nothing was begun";
+}
+
+TEST_F(DriverTest, OfAnotherArmIsRefused) {
+  Experiment e = prepared("bowl-sine");
+  const auto refusal = [&](auto change) -> std::string {
+    TestDriver driver(e);
+    change(driver.changed_info());
+    try {
+      run(e, driver, log_, 0.0);
+    } catch (const InputError& error) {
+      EXPECT_EQ(driver.order, "") << "it is not even started";
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(refusal([](DriverInfo& info) { info.joints = 6; }),
+            "driver: its arm has 6 joints, the model 7");
+  EXPECT_EQ(refusal([](DriverInfo& info) { info.period = 0.005; }),
+            "driver: its period is 0.005 s, the controller's step 0.001 s");
+  EXPECT_THAT(refusal([](DriverInfo& info) { info.wrench = WrenchReading::none; }),
+              HasSubstr("it gives no wrench, control.wrench needs the wrench at the tip"));
+}
+
+TEST_F(DriverTest, TheToolIsFoundThroughIt) {
+  Experiment e = prepared("bowl-sine-sensor");
+  TestDriver driver(e);
+  const ToolIdentification through = calibrate_tool(e, driver, 4, 0.5).found,
+                           simulated = calibrate_tool(e, 4, 0.5).found;
+  EXPECT_EQ(through.mass, simulated.mass);
+  EXPECT_NEAR(through.mass, 0.05, 1e-3);
+  EXPECT_EQ(driver.order, "start stop ");
+}
+
+// From a state to a torque to the world's next state and the log's row.
+TEST(Driver, ACycleAllocatesNothing) {
+  for (const char* name : {"bowl-m", "bowl-sine-realistic", "bowl-push"}) {
+    SCOPED_TRACE(name);
+    Experiment e = prepared(name);
+    SimulatedArm arm(e, e.scene.start_q, Disturbances(e.scenario, e.plan.path));
+    ControlLoop loop(e.control, e.scene.arm, arm.info(), [&](const Eigen::Vector3d& p_W, double) {
+      return e.scene.perception->estimate(p_W);
+    });
+    LogRow row(e.scene.arm.joints());
+    arm.start();
+    const ArmState* state = &arm.read();
+    const auto cycles = [&](int count) {
+      for (int i = 0; i < count; ++i) {
+        const PathSample desired = e.plan.path.at(state->time);
+        const ImpedanceTorque& out = loop.step(*state, desired.reference);
+        fill_state(e, *state, arm.truth(), desired, loop, out, &row);
+        arm.command(out.tau, out.terms.col(kGravity));
+        fill_contact(arm.truth(), &row);
+        state = &arm.read();
+      }
+    };
+    cycles(10);
+    const int most = static_cast<int>(e.plan.path.duration() / 1e-3) - 100;
+    EXPECT_EQ(allocations_in([&] { cycles(most); }), 0);
+    EXPECT_TRUE(arm.fault().empty()) << arm.fault();
+  }
+}
+
+}  // namespace
+}  // namespace impedraw
