@@ -7,7 +7,7 @@
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"
-#include "impedraw/canvas/validate_file.h"
+#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/drawing/artwork_file.h"
 
 namespace impedraw {

@@ -1,114 +1,88 @@
 #include "impedraw/canvas/mesh_file.h"
 
-#include <cmath>
-#include <string>
-#include <utility>
+#include <fstream>
 
-#include <assimp/DefaultIOSystem.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
 
-#include "impedraw/canvas/validate_file.h"
+#include "impedraw/canvas/polygon_mesh.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/file_extension.h"
 
 namespace impedraw {
 namespace {
 
 constexpr std::size_t kMostTriangles = 20'000'000;
+constexpr double kFarthest = 1e30;  // [file's unit]; areas and volumes stay finite
 
-// An OBJ names other files; only the mesh itself is opened.
-class OneFile : public Assimp::IOSystem {
- public:
-  explicit OneFile(std::string name) : name_(std::move(name)) {}
-  bool Exists(const char* file) const override { return name_ == file && disk_.Exists(file); }
-  char getOsSeparator() const override { return disk_.getOsSeparator(); }
-  Assimp::IOStream* Open(const char* file, const char* mode) override {
-    return name_ == file ? disk_.Open(file, mode) : nullptr;
+std::string read_all(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InputError(fmt::format("{}: no such file", file.string()));
+  const auto size = std::filesystem::file_size(file, error);
+  if (size > (std::size_t{1} << 31)) {
+    throw InputError(fmt::format("{}: {:.1f} GiB, at most 2 GiB are read: thin the mesh out",
+                                 file.string(), static_cast<double>(size) / 1073741824.0));
   }
-  void Close(Assimp::IOStream* stream) override { disk_.Close(stream); }
+  std::string text(size, '\0');
+  std::ifstream in(file, std::ios::binary);
+  if (!in.read(text.data(), static_cast<std::streamsize>(size)))
+    throw InputError(fmt::format("{}: cannot be read", file.string()));
+  return text;
+}
 
- private:
-  std::string name_;
-  Assimp::DefaultIOSystem disk_;
-};
-
-// Faces with an area: lines and points, which an OBJ may hold too, have fewer corners.
-template <class Do>
-void for_each_face(const aiScene& scene, Do&& visit) {
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    const aiMesh& part = *scene.mMeshes[m];
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      if (part.mFaces[f].mNumIndices >= 3) visit(part, part.mFaces[f]);
+void require_valid_corners(const PolygonMesh& mesh, const std::string& name) {
+  const auto count = static_cast<long>(mesh.vertices.size());
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    for (const int v : mesh.face(f)) {
+      if (v < 0 || v >= count) {
+        throw InputError(
+            fmt::format("{}: face {} names vertex {}, must be in 0 … {}", name, f, v, count - 1));
+      }
+      const Eigen::Vector3d& p = mesh.vertices[v];
+      if (!(p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFarthest)) {
+        throw InputError(
+            fmt::format("{}: face {} has a corner at ({}, {}, {}), must be finite and within ± {}",
+                        name, f, p.x(), p.y(), p.z(), kFarthest));
+      }
     }
   }
 }
 
 }  // namespace
 
-TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
-  const std::string name = file.string();
-  const std::size_t promised = validate_mesh_file(file);
-  if (promised == 0)
-    throw InputError(fmt::format("{}: holds no triangle, must hold at least one", name));
-  if (promised > kMostTriangles) {
-    throw InputError(fmt::format("{}: holds {} faces, at most {} are read: thin the mesh out", name,
-                                 promised, kMostTriangles));
-  }
-  Assimp::Importer importer;
-  importer.SetIOHandler(new OneFile(name));  // the importer's from here on
-  const aiScene* scene = importer.ReadFile(name, 0);
-  if (!scene) throw InputError(fmt::format("{}: {}", name, importer.GetErrorString()));
+bool is_mesh_file(const std::filesystem::path& file) {
+  const std::string ending = lower_extension(file);
+  return ending == ".obj" || ending == ".stl" || ending == ".ply";
+}
 
-  std::size_t faces = 0;
-  bool polygons = false;
-  for_each_face(*scene, [&](const aiMesh& part, const aiFace& face) {
-    for (unsigned k = 0; k < face.mNumIndices; ++k) {
-      const unsigned v = face.mIndices[k];
-      if (v >= part.mNumVertices) {
-        throw InputError(fmt::format("{}: face {} names vertex {}, must be in 0 … {}", name, faces,
-                                     static_cast<int>(v), part.mNumVertices - 1));
-      }
-      const aiVector3D& p = part.mVertices[v];
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-        throw InputError(fmt::format("{}: face {} has a corner at ({}, {}, {}), must be finite",
-                                     name, faces, p.x, p.y, p.z));
-      }
-    }
-    polygons = polygons || face.mNumIndices > 3;
-    ++faces;
-  });
-  if (faces != promised)
+TriangleMesh parse_mesh(std::string_view text, const std::string& name, double unit) {
+  const std::string ending = lower_extension(name);
+  if (!is_mesh_file(name)) {
     throw InputError(
-        fmt::format("{}: {} of its {} faces could be read, must be all", name, faces, promised));
-  if (polygons) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-  if (!scene) throw InputError(fmt::format("{}: {}", name, importer.GetErrorString()));
-
-  TriangleMesh mesh;
-  std::size_t triangles = 0, vertices = 0;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    triangles += scene->mMeshes[m]->mNumFaces;
-    vertices += scene->mMeshes[m]->mNumVertices;
+        fmt::format("{}: ends in '{}', a mesh must be a .obj, .stl or .ply", name, ending));
   }
-  mesh.triangles.reserve(triangles);
-  mesh.vertices.reserve(vertices);
-  const aiMesh* last = nullptr;
-  int offset = 0;
-  for_each_face(*scene, [&](const aiMesh& part, const aiFace& face) {
-    if (&part != last) {
-      offset = static_cast<int>(mesh.vertices.size());
-      for (unsigned i = 0; i < part.mNumVertices; ++i) {
-        const aiVector3D& p = part.mVertices[i];
-        mesh.vertices.push_back(unit * Eigen::Vector3d(p.x, p.y, p.z));
-      }
-      last = &part;
-    }
-    mesh.triangles.push_back(Eigen::Vector3i(offset + face.mIndices[0], offset + face.mIndices[1],
-                                             offset + face.mIndices[2]));
-  });
+  if (text.empty())
+    throw InputError(fmt::format("{}: the file is empty, must hold triangles", name));
+  const auto parse = ending == ".obj" ? parse_obj : ending == ".stl" ? parse_stl : parse_ply;
+  PolygonMesh polygons = parse(text, name);
+  if (polygons.faces() == 0)
+    throw InputError(fmt::format("{}: holds no triangle, must hold at least one", name));
+  const std::size_t triangles = polygons.corners.size() - 2 * polygons.faces();
+  if (triangles > kMostTriangles) {
+    throw InputError(fmt::format("{}: holds {} triangles, at most {} are read: thin the mesh out",
+                                 name, triangles, kMostTriangles));
+  }
+  require_valid_corners(polygons, name);
+  TriangleMesh mesh;
+  mesh.triangles = triangulate(polygons, name);
+  mesh.vertices = std::move(polygons.vertices);
+  for (Eigen::Vector3d& p : mesh.vertices) p *= unit;
   return mesh;
+}
+
+TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
+  if (!is_mesh_file(file)) return parse_mesh("", file.string(), unit);  // the ending's error
+  return parse_mesh(read_all(file), file.string(), unit);
 }
 
 }  // namespace impedraw

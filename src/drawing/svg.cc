@@ -1,5 +1,6 @@
 #include "impedraw/drawing/svg.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -18,6 +19,7 @@ constexpr double kFarthest = 1e6;  // [mm]; usvg's single precision has lost 0.1
 // by how much two pieces of one arc may disagree on their ellipse, as a part of its size
 constexpr double kSameArc = 1e-5;
 constexpr double kSamePoint = 1e-6;  // [mm]
+constexpr double kSamePage = 1e-4;   // of a white page's edge to the page's, of its diagonal
 constexpr std::size_t kMostPoints = 6'000'000;
 
 struct Segment {
@@ -152,6 +154,20 @@ bool has_area(const std::vector<Vector2d>& line) {
   return widest > 1e-6 * longest * longest;
 }
 
+// The path is a page's ground: a white rectangle that covers all of the page.
+bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
+               const Eigen::AlignedBox2d& page) {
+  if (!path.white || path.stroked || lines.size() != 1 || lines[0].size() < 4) return false;
+  Eigen::AlignedBox2d box;
+  for (const Vector2d& p : lines[0]) box.extend(p);
+  const double hair = kSamePage * page.diagonal().norm();
+  const Vector2d spare = Vector2d::Constant(hair);
+  if (!Eigen::AlignedBox2d(box.min() - spare, box.max() + spare).contains(page)) return false;
+  return std::all_of(lines[0].begin(), lines[0].end(), [&](const Vector2d& p) {
+    return ((p - box.min()).cwiseAbs().cwiseMin((p - box.max()).cwiseAbs()).array() <= hair).all();
+  });
+}
+
 // The subpath as a stroke; without points if it leaves nothing to see.
 Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
   Stroke stroke;
@@ -228,16 +244,26 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     flatten_settings.tolerance =
         std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
   }
-  std::size_t points = 0;
+  std::size_t points = 0, grounds = 0, flat = 0;
+  Vector2d first_flat = Vector2d::Zero();
   const double* dash_lengths = svg->dashes;
   auto subpath = subpaths.begin();
   for (const ImpedrawSvgPath* path = svg->paths; path != svg->paths + svg->path_count; ++path) {
     const int dash = add_dash(*path, dash_lengths, artwork);
     dash_lengths += path->dash_count;
     std::vector<std::vector<Vector2d>> lines;
-    for (; subpath != subpaths.end() && subpath->path == path; ++subpath) {
+    const auto first_subpath = subpath;
+    for (; subpath != subpaths.end() && subpath->path == path; ++subpath)
       lines.push_back(flatten(*subpath, flatten_settings, name));
-      Stroke stroke = stroke_of(*subpath, lines.back());
+    if (is_ground(lines, *path, artwork.page)) {
+      ++grounds;
+      continue;
+    }
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const Subpath& outline = first_subpath[static_cast<std::ptrdiff_t>(i)];
+      Stroke stroke = stroke_of(outline, lines[i]);
+      if (!path->stroked && stroke.points.empty() && !outline.segments.empty() && flat++ == 0)
+        first_flat = outline.start;
       stroke.dash = dash;
       points += stroke.points.size();
       require_few(points, flatten_settings, name);
@@ -247,6 +273,17 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     add_area(lines, *path, artwork);
   }
   drop_empty_layers(artwork);
+  if (grounds > 0) {
+    artwork.warnings.push_back(fmt::format(
+        "{} white rectangle{} over the whole page: left out, as the page's ground is not drawn",
+        grounds, grounds == 1 ? "" : "s"));
+  }
+  if (flat > 0) {
+    artwork.warnings.push_back(
+        fmt::format("{} filled shape{} left out, as {} no area (the first at {:.4g}, {:.4g} mm)",
+                    flat, flat == 1 ? "" : "s", flat == 1 ? "it encloses" : "they enclose",
+                    first_flat.x(), first_flat.y()));
+  }
   const std::string nothing = "nothing in it draws a line: no visible path or shape";
   if (artwork.strokes.empty() && !settings.may_be_empty) {
     std::string why;

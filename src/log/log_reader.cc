@@ -10,6 +10,7 @@ namespace impedraw {
 namespace {
 
 constexpr std::size_t kChunk = LogFile::kChunkRows;
+constexpr double kMostCompressed = 1100;  // deflate makes nothing smaller than to 1/1032
 
 Eigen::VectorXd to_vector(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
@@ -68,6 +69,7 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     header_.torque_terms = members(file_, "/torque");
     header_.attributes = texts(file_);
     const Eigen::Index j = joints();
+    if (j == 0) fail("attribute lower of /joint/position is empty; one number a joint is needed");
     if (header_.joint_upper.size() != j || header_.torque_limit.size() != j ||
         header_.joint_names.size() != static_cast<std::size_t>(j)) {
       fail("attributes names, lower, upper and torque_limit of /joint/position differ in length");
@@ -96,6 +98,10 @@ const LogReader::Dataset& LogReader::open(const std::string& name) const {
   const int rank = H5Sget_simple_extent_ndims(space);
   hsize_t shape[2] = {0, 1};
   if (rank == 1 || rank == 2) H5Sget_simple_extent_dims(space, shape, nullptr);
+  const double bytes = 4.0 * static_cast<double>(shape[0]) * static_cast<double>(shape[1]);
+  if (bytes > kMostCompressed * static_cast<double>(std::filesystem::file_size(path_)))
+    fail("dataset " + name + " has " + std::to_string(shape[0]) +
+         " rows, more than the file holds");
   dataset.rows = shape[0];
   dataset.width = rank == 1 || rank == 2 ? static_cast<int>(shape[1]) : 0;
   return datasets_.emplace(name, std::move(dataset)).first->second;

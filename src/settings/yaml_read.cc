@@ -1,12 +1,14 @@
 #include "impedraw/settings/yaml_read.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <set>
+#include <sstream>
 
 #include "impedraw/common/errors.h"
 
@@ -193,11 +195,41 @@ std::string content(const fs::path& file, const std::string& asked_by) {
   return text;
 }
 
+// Notes where a document starts, and passes over what it holds.
+struct DocumentStart : YAML::EventHandler {
+  YAML::Mark mark = YAML::Mark::null_mark();
+
+  void OnDocumentStart(const YAML::Mark& start) override { mark = start; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+// Not by YAML::LoadAll: of a text that begins with a comma the parser takes nothing, and finds one
+// empty document after the other there without end.
+void require_one_document(const std::string& text, const std::string& name) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStart start;
+  for (int last = -1; parser.HandleNextDocument(start); last = start.mark.pos) {
+    if (last == start.mark.pos)
+      throw YAML::ParserException(start.mark, "a value cannot begin like this");
+    if (last >= 0) wrong(name, "holds more than one YAML document");
+  }
+}
+
 YAML::Node parse(const std::string& text, const std::string& name, bool has_lines) {
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) wrong(name, "holds more than one YAML document");
-    return documents.empty() ? YAML::Node() : documents.front();
+    require_one_document(text, name);
+    return YAML::Load(text);
   } catch (const YAML::Exception& e) {
     const std::string place =
         has_lines && e.mark.line >= 0 ? fmt::format("{}:{}", name, e.mark.line + 1) : name;

@@ -78,6 +78,125 @@ TEST_F(MeshFile, CutsPolygonsAndKeepsGroupsTogether) {
   for (const auto& t : checked.mesh.triangles) EXPECT_GT(cross(checked.mesh, t).z(), 0.0);
 }
 
+// Two unit squares, one of them 1 m above the other: 4 triangles, 2 m².
+TEST_F(MeshFile, ReadsSeveralSolidsOfOneStl) {
+  std::string text;
+  for (const int z : {0, 1}) {
+    text += fmt::format("solid square {}\n", z);
+    for (const bool lower : {true, false}) {
+      text += fmt::format(
+          "facet normal 0 0 1\nouter loop\nvertex 0 0 {0}\nvertex {1} {0}\n"
+          "vertex {2} {0}\nendloop\nendfacet\n",
+          z, lower ? "1 0" : "1 1", lower ? "1 1" : "0 1");
+    }
+    text += fmt::format("endsolid square {}\n\n", z);
+  }
+  const CheckedMesh checked = load_mesh(write("two.stl", text), 1.0);
+  EXPECT_EQ(checked.mesh.triangles.size(), 4u);
+  EXPECT_EQ(checked.mesh.vertices.size(), 8u);
+  EXPECT_EQ(checked.components, 2);
+  EXPECT_NEAR(area(checked.mesh), 2, 1e-9);
+}
+
+TEST_F(MeshFile, ReadsAnObjsContinuedLines) {
+  const std::string text =
+      "v 0 0 \\\n 0\nv \\\r\n2 \\\r\n0 0\nv 2 3 0\nv 0 3 0\nf 1 2 \\\n3\nf 1 \\\n\\\n 3 4 # half\n";
+  const CheckedMesh checked = load_mesh(write("lines.obj", text), 1.0);
+  EXPECT_EQ(checked.mesh.triangles.size(), 2u);
+  EXPECT_EQ(checked.mesh.vertices.size(), 4u);
+  EXPECT_NEAR(area(checked.mesh), 6, 1e-9);
+}
+
+TEST_F(MeshFile, ReadsAPlyWhoseFacesStandFirst) {
+  const TriangleMesh desired = box(0.1, 0.25, 0.4);
+  for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    SCOPED_TRACE(format);
+    const std::string text = ply(desired, format);
+    const std::size_t vertex = text.find("element vertex"), face = text.find("element face"),
+                      end = text.find("end_header\n"), body = end + 11;
+    std::size_t faces = format == "ascii" ? body : body + 12 * desired.vertices.size();
+    for (std::size_t i = 0; format == "ascii" && i < desired.vertices.size(); ++i)
+      faces = text.find('\n', faces) + 1;
+    const std::string turned = text.substr(0, vertex) + text.substr(face, end - face) +
+                               text.substr(vertex, face - vertex) + "end_header\n" +
+                               text.substr(faces) + text.substr(body, faces - body);
+    const CheckedMesh checked = load_mesh(write("turned.ply", turned), 1.0);
+    EXPECT_EQ(checked.mesh.triangles.size(), 12u);
+    EXPECT_EQ(checked.mesh.vertices.size(), 8u);
+    EXPECT_TRUE(checked.closed);
+    EXPECT_NEAR(area(checked.mesh), 2 * (0.1 * 0.25 + 0.25 * 0.4 + 0.4 * 0.1), 1e-8);
+  }
+}
+
+TEST_F(MeshFile, ReadsEveryTypeOfAPly) {
+  // A right triangle of 3 × 4 m in whole numbers, its corners named by bytes, and what may stand
+  // beside: colours, lists of other things, elements of other names.
+  const std::string header =
+      "element edge 1\nproperty ushort a\nelement vertex 3\nproperty uchar red\nproperty double "
+      "x\nproperty list char short who\nproperty int16 y\nproperty uint z\nelement face "
+      "1\nproperty float quality\nproperty list uchar int8 vertex_index\nend_header\n";
+  const std::string text = "ply\nformat ascii 1.0\n" + header +
+                           "7\n255 0 2 5 6 0 0\n255 3 0 0 0\n255 0 1 9 4 0\n.5 3 0 1 2\n";
+  std::string big = "ply\nformat binary_big_endian 1.0\n" + header + bytes<std::uint16_t>(7, true);
+  const auto vertex = [&](double x, const std::vector<std::int16_t>& who, std::int16_t y) {
+    big += '\xff' + bytes(x, true) + static_cast<char>(who.size());
+    for (const std::int16_t w : who) big += bytes(w, true);
+    big += bytes(y, true) + bytes<std::uint32_t>(0, true);
+  };
+  vertex(0, {5, 6}, 0);
+  vertex(3, {}, 0);
+  vertex(0, {9}, 4);
+  big += bytes(0.5f, true) + std::string("\3\0\1\2", 4);
+  for (const auto& file : {write("text.ply", text), write("big.ply", big)}) {
+    const TriangleMesh mesh = read_mesh(file, 1.0);
+    ASSERT_EQ(mesh.triangles.size(), 1u);
+    EXPECT_NEAR(area(mesh), 6, 1e-12);
+  }
+}
+
+// Its triangles cover a polygon's area once: as many square metres as the shoelace formula gives,
+// all wound alike.
+TEST_F(MeshFile, CutsAnySimplePolygon) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> radius(0.1, 1), tilt(-1, 1);
+    const int n = 4 + static_cast<int>(seed % 40);
+    const Eigen::Matrix3d R = Eigen::Quaterniond(tilt(random), tilt(random), tilt(random), 0.5)
+                                  .normalized()
+                                  .toRotationMatrix();
+    std::vector<Eigen::Vector2d> outline;
+    std::string text, face = "f";
+    double desired = 0;
+    for (int i = 0; i < n; ++i) {  // a star about the origin, seen from its third corner on
+      const double a = 2 * std::numbers::pi * i / n, r = radius(random);
+      outline.emplace_back(r * std::cos(a), r * std::sin(a));
+      const Vector3d p = R * Vector3d(outline[i].x(), outline[i].y(), 0.3);
+      text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+      face += fmt::format(" {}", (i + 2) % n + 1);
+    }
+    for (int i = 0; i < n; ++i) {
+      const auto &a = outline[i], &b = outline[(i + 1) % n];
+      desired += 0.5 * (a.x() * b.y() - a.y() * b.x());
+    }
+    const TriangleMesh mesh = read_mesh(write("star.obj", text + face + "\n"), 1.0);
+    EXPECT_EQ(mesh.triangles.size(), n - 2u);
+    EXPECT_NEAR(area(mesh), desired, 1e-9);
+    for (const auto& t : mesh.triangles) EXPECT_GT(cross(mesh, t).dot(R.col(2)), 0.0);
+  }
+}
+
+TEST_F(MeshFile, RefusesAHollowFaceOfTooManyCorners) {
+  std::string text, face = "f";
+  for (int i = 0; i < 3000; ++i) {
+    const double a = 2 * std::numbers::pi * i / 3000, r = 1 + i % 2;
+    text += fmt::format("v {} {} 0\n", r * std::cos(a), r * std::sin(a));
+    face += fmt::format(" {}", i + 1);
+  }
+  EXPECT_THAT(refusal(write("cog.obj", text + face + "\n")),
+              HasSubstr("face 0 has 3000 corners and is not convex, at most 2000"));
+}
+
 TEST_F(MeshFile, NoPrefixOfAFileIsTakenForTheWhole) {
   const TriangleMesh m = box(0.1, 0.25, 0.4);
   for (const auto& [name, text] : every_kind(m)) {

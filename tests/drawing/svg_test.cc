@@ -159,6 +159,58 @@ TEST(Svg, UnitsAndViewBox) {
   expect_points(only(parse_svg(xmlns + ">" + body, "d")), {{0, 0}, {96 * kPx, 48 * kPx}});
 }
 
+TEST(Svg, QuarterMillimetres) {
+  const std::string body = "<line x1='0' y1='0' x2='20' y2='10' stroke='black'/></svg>";
+  const std::string xmlns = "<svg xmlns='http://www.w3.org/2000/svg' ";
+  // 40 Q are 1 cm: a page of 20 × 10 mm, one unit of which is 1 mm.
+  const Artwork a =
+      parse_svg(xmlns + "width='80Q' height=' 40q ' viewBox='0 0 20 10'>" + body, "a");
+  EXPECT_LT((a.page.max() - Vector2d(20, 10)).norm(), 1e-4);
+  expect_points(only(a), {{0, 0}, {20, 10}}, 1e-3);
+  expect_points(only(stroked("<line x1='4Q' y1='-.8Q' x2='1e1Q' y2='2'/>")),
+                {{96 / 25.4, -0.2 * 96 / 25.4}, {2.5 * 96 / 25.4, 2}}, 1e-3);
+  // A path's Q is a curve.
+  EXPECT_NEAR(lines::length(only(stroked("<path d='M0 0 Q 5 0 10 0'/>"))), 10, 1e-3);
+}
+
+TEST(Svg, ShapesWithoutAnAreaAreCounted) {
+  std::string body = "<path d='M0 0 H10 V10 Z'/>";
+  for (int i = 0; i < 6000; ++i) body += fmt::format("<path d='M{} 7 h3 z'/>", i % 100 + 1);
+  const Artwork a = on_mm_page(body);
+  EXPECT_EQ(a.strokes.size(), 1u);
+  EXPECT_EQ(a.warnings, (std::vector<std::string>{
+                            "6000 filled shapes left out, as they enclose no area (the first at 1, "
+                            "7 mm)"}));
+  EXPECT_EQ(on_mm_page("<path d='M0 0 H10 V10 Z M5 6 L 7 8 z'/>").warnings,
+            (std::vector<std::string>{
+                "1 filled shape left out, as it encloses no area (the first at 5, 6 mm)"}));
+  EXPECT_TRUE(stroked("<path d='M5 6 L 7 8 z'/>").warnings.empty());  // a line is drawn
+}
+
+TEST(Svg, AWhitePageIsNotDrawn) {
+  const std::string seen = "<line x2='7' y2='0' stroke='black'/>";
+  const std::vector<std::string> told{
+      "1 white rectangle over the whole page: left out, as the page's ground is not drawn"};
+  for (const std::string ground :
+       {"<rect width='100%' height='100%' fill='white'/>",
+        "<rect x='-5' y='-5' width='210' height='210' style='fill:#ffffff;stroke:none'/>",
+        "<path d='M0 0 H200 V200 H0 Z' fill='#fff'/>",
+        "<polygon points='0,200 0,0 200,0 200,200 0,200' fill='white'/>"}) {
+    SCOPED_TRACE(ground);
+    const Artwork a = on_mm_page(ground + seen);
+    EXPECT_NEAR(lines::length(only(a)), 7, 1e-4);
+    EXPECT_EQ(a.warnings, told);
+  }
+  // A smaller one, one that is stroked, one of another colour and a white disc are drawn.
+  for (const std::string shape : {"<rect width='199' height='200' fill='white'/>",
+                                  "<rect width='200' height='200' fill='white' stroke='black'/>",
+                                  "<rect width='200' height='200' fill='#eee'/>",
+                                  "<circle cx='100' cy='100' r='150' fill='white'/>"}) {
+    SCOPED_TRACE(shape);
+    EXPECT_EQ(on_mm_page(shape + seen).strokes.size(), 2u);
+  }
+}
+
 TEST(Svg, FillAndStrokeDrawOneOutline) {
   const std::string d = "d='M10 10 H50 V50 Z'";
   for (const std::string style :

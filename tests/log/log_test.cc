@@ -253,6 +253,33 @@ TEST_F(RunLogTest, BadFilesAreNamed) {
   EXPECT_THAT(message(folder_ / "other.h5"), HasSubstr("/joint/position is missing"));
 }
 
+TEST_F(RunLogTest, ForgedFilesAreRefused) {
+  // A log after a change by h5py.
+  const auto message = [&](const std::string& change) -> std::string {
+    std::filesystem::remove(path());
+    RunLog log(path(), small_header());
+    log.append(LogRow(2));
+    log.close();
+    const std::string command = std::string(IMPEDRAW_PYTHON) +
+                                " -c \"import h5py; f = h5py.File('" + path().string() +
+                                "', 'a'); " + change + "\"";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    try {
+      read_run(path());
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message("f.attrs['x'] = 1"), "");
+  EXPECT_THAT(
+      message("del f['/canvas/vertices']; "
+              "f.create_dataset('/canvas/vertices', (2**40, 3))"),
+      HasSubstr("dataset /canvas/vertices has 1099511627776 rows, more than the file holds"));
+  EXPECT_THAT(message("f['/joint/position'].attrs.create('lower', [], dtype='f8')"),
+              HasSubstr("attribute lower of /joint/position is empty"));
+}
+
 TEST_F(RunLogTest, AppendCostsTheLoopLittle) {
   std::vector<LogRow> rows;
   sine_rows(MadeUpSine{.repeat = 2}, [&](const LogRow& row) { rows.push_back(row); });

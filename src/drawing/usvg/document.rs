@@ -107,9 +107,13 @@ pub fn check_uses(xml: &Document) -> Result<(), String> {
     Ok(())
 }
 
+fn is_length(name: &str) -> bool {
+    matches!(name, "x" | "y" | "width" | "height" | "cx" | "cy" | "r" | "rx" | "ry" | "x1" | "y1" | "x2" | "y2")
+}
+
 fn fault_of(name: &str, value: &str) -> Option<String> {
     let many = matches!(name, "d" | "points" | "transform" | "viewBox");
-    if !many && !matches!(name, "x" | "y" | "width" | "height" | "cx" | "cy" | "r" | "rx" | "ry" | "x1" | "y1" | "x2" | "y2") {
+    if !many && !is_length(name) {
         return None;
     }
     let word = |w: &str| value.as_bytes().windows(3).any(|three| three.eq_ignore_ascii_case(w.as_bytes()));
@@ -122,6 +126,32 @@ fn fault_of(name: &str, value: &str) -> Option<String> {
         return too_large.map(|n| format!("holds {n}, beyond ± {LARGEST:e}"));
     }
     None
+}
+
+/// The document with its quarter-millimetres (40Q, a CSS unit that usvg does not know) in millimetres. None: it has none.
+pub fn without_q(text: &str, xml: &Document) -> Option<String> {
+    let mut inserts = Vec::new();
+    for attribute in xml.descendants().flat_map(|n| n.attributes()).filter(|a| a.namespace().is_none()) {
+        let length = is_length(attribute.name()) || matches!(attribute.name(), "stroke-width" | "stroke-dashoffset" | "font-size");
+        let value = attribute.value().trim();
+        let Some(number) = value.strip_suffix(['Q', 'q']).filter(|_| length) else { continue };
+        let within = attribute.range_value();
+        if let (Ok(quarters), true) = (number.parse::<f64>(), text.get(within.clone()) == Some(attribute.value())) {
+            inserts.push((within, format!("{:e}mm", quarters / 4.0)));
+        }
+    }
+    if inserts.is_empty() {
+        return None;
+    }
+    let mut changed = String::with_capacity(text.len() + 2 * inserts.len());
+    let mut from = 0;
+    for (within, value) in inserts {
+        changed.push_str(&text[from..within.start]);
+        changed.push_str(&value);
+        from = within.end;
+    }
+    changed.push_str(&text[from..]);
+    Some(changed)
 }
 
 /// Groups at the top of the document. Illustrator's stand within a switch and a group that it calls extraneous.

@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
+use std::sync::{mpsc, Arc};
 use std::time::{Duration, Instant};
 
 const STACK_BYTES: usize = 64 << 20; // the libraries recurse
@@ -19,7 +19,7 @@ const SECONDS_PER_MB: f64 = 0.4; // for what a document has beyond two megabytes
 
 thread_local! {
     static USED: Cell<isize> = const { Cell::new(0) };
-    static BOUND: Cell<Option<&'static AtomicBool>> = const { Cell::new(None) }; // to be set when the bound is reached
+    static BOUND: Cell<Option<*const AtomicBool>> = const { Cell::new(None) }; // to be set when the bound is reached
 }
 
 struct Counting;
@@ -29,7 +29,7 @@ fn count(bytes: isize) {
     USED.set(used);
     if used > MOST_BYTES {
         if let Some(reached) = BOUND.get() {
-            reached.store(true, Ordering::Release);
+            unsafe { &*reached }.store(true, Ordering::Release); // the thread that set BOUND holds it
             loop {
                 std::thread::sleep(Duration::from_secs(3600));
             }
@@ -64,10 +64,11 @@ pub fn within<T: Send + 'static>(document: Vec<u8>, read: fn(&[u8]) -> Result<T,
     let gave_up = || "usvg gave up on it".to_string();
     let megabytes = document.len() as f64 / 1e6;
     let seconds = SECONDS + SECONDS_PER_MB * (megabytes - 2.0).max(0.0);
-    let reached: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false))); // a sleeping thread keeps it
+    let reached = Arc::new(AtomicBool::new(false)); // a sleeping thread keeps it
+    let in_thread = reached.clone();
     let (sender, receiver) = mpsc::channel();
     let work = move || {
-        BOUND.set(Some(reached));
+        BOUND.set(Some(Arc::as_ptr(&in_thread)));
         let result = catch_unwind(AssertUnwindSafe(|| read(&document))).unwrap_or_else(|_| Err(gave_up()));
         BOUND.set(None);
         let _ = sender.send(result);

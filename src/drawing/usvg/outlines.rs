@@ -76,11 +76,16 @@ fn is_white(paint: &Paint) -> bool {
 impl Outlines {
     pub fn read(data: &[u8]) -> Result<Outlines, String> {
         complaints::listen();
-        let text = document::text_of(data)?;
-        let mut xml = document::parse(&text)?;
+        let given = document::text_of(data)?;
+        let mut xml = document::parse(&given)?;
+        let changed = document::without_q(&given, &xml);
+        let text = changed.as_deref().unwrap_or(&given);
+        if changed.is_some() {
+            xml = document::parse(text)?;
+        }
         document::check(&xml)?;
         document::check_uses(&xml)?;
-        let (named, names) = document::name_layers(&text, &xml);
+        let (named, names) = document::name_layers(text, &xml);
         if let Some(named) = &named {
             xml = document::parse(named)?;
         }

@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "impedraw/canvas/mesh_tokens.h"
+#include "impedraw/canvas/polygon_mesh.h"
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+namespace {
+
+struct Property {
+  std::string_view name;
+  int count_size = 0;  // bytes of a list's count; 0: not a list
+  bool count_signed = false;
+  int size = 0;        // bytes
+  bool whole = false;  // not a float
+  bool has_sign = false;
+};
+
+struct Element {
+  std::string_view name;
+  std::size_t count = 0;
+  std::vector<Property> properties;
+};
+
+struct Header {
+  enum class Format { text, little_endian, big_endian } format = Format::text;
+  std::vector<Element> elements;
+};
+
+int size_of(std::string_view type) {
+  if (type == "char" || type == "uchar" || type == "int8" || type == "uint8") return 1;
+  if (type == "short" || type == "ushort" || type == "int16" || type == "uint16") return 2;
+  if (type == "int" || type == "uint" || type == "int32" || type == "uint32" || type == "float" ||
+      type == "float32")
+    return 4;
+  return type == "double" || type == "float64" ? 8 : 0;
+}
+
+bool is_whole(std::string_view type) {
+  return size_of(type) > 0 && !type.starts_with("float") && !type.starts_with("double");
+}
+
+bool is_signed(std::string_view type) { return is_whole(type) && !type.starts_with('u'); }
+
+[[noreturn]] void wrong_line(const std::string& name, std::size_t number, std::string_view line) {
+  throw InputError(
+      fmt::format("{}:{}: the header of a PLY cannot hold '{}'", name, number, line.substr(0, 60)));
+}
+
+// Takes the header off the front of `text`.
+Header read_header(std::string_view* text, const std::string& name) {
+  Header header;
+  for (std::size_t number = 1;; ++number) {
+    const std::size_t end = text->find('\n');
+    if (end == text->npos)
+      throw InputError(fmt::format("{}: cut short within its header, or no PLY at all", name));
+    const std::string_view line = text->substr(0, end);
+    text->remove_prefix(end + 1);
+    std::string_view rest = line;
+    const std::string_view key = next_word(&rest);
+    if (number == 1) {
+      if (key != "ply")
+        throw InputError(
+            fmt::format("{}: opens with '{}', a PLY with 'ply'", name, line.substr(0, 20)));
+    } else if (key == "end_header") {
+      return header;
+    } else if (key == "format") {
+      const std::string_view format = next_word(&rest);
+      if (format == "binary_little_endian")
+        header.format = Header::Format::little_endian;
+      else if (format == "binary_big_endian")
+        header.format = Header::Format::big_endian;
+      else if (format != "ascii")
+        wrong_line(name, number, line);
+    } else if (key == "element") {
+      Element element;
+      element.name = next_word(&rest);
+      if (!whole_number(next_word(&rest), &element.count)) wrong_line(name, number, line);
+      header.elements.push_back(element);
+    } else if (key == "property") {
+      if (header.elements.empty()) wrong_line(name, number, line);
+      Property property;
+      std::string_view type = next_word(&rest);
+      if (type == "list") {
+        const std::string_view count_type = next_word(&rest);
+        property.count_size = size_of(count_type);
+        property.count_signed = is_signed(count_type);
+        if (!is_whole(count_type)) wrong_line(name, number, line);
+        type = next_word(&rest);
+      }
+      property.size = size_of(type);
+      property.whole = is_whole(type);
+      property.has_sign = is_signed(type);
+      property.name = next_word(&rest);
+      if (property.size == 0 || property.name.empty()) wrong_line(name, number, line);
+      header.elements.back().properties.push_back(property);
+    }
+  }
+}
+
+bool names_corners(const Element& element, const Property& property) {
+  return element.name == "face" && property.count_size > 0 &&
+         (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+template <class T>
+double value_as(std::string_view bytes, bool big_endian) {
+  char raw[sizeof(T)];
+  for (std::size_t i = 0; i < sizeof(T); ++i) raw[i] = bytes[big_endian ? sizeof(T) - 1 - i : i];
+  T value;
+  std::memcpy(&value, raw, sizeof(T));
+  return static_cast<double>(value);
+}
+
+int as_index(double value) {  // what no mesh can have where it is beyond an int
+  constexpr int most = std::numeric_limits<int>::max();
+  return value >= 0 && value < most ? static_cast<int>(value) : value < 0 ? -1 : most;
+}
+
+struct Body {
+  std::string_view text;
+  Header::Format format;
+  const std::string& name;
+  PolygonMesh mesh = {};
+
+  [[noreturn]] void cut_short(const Element& element, std::size_t i) const {
+    throw InputError(fmt::format("{}: cut short within {} {}, its header promises {}", name,
+                                 element.name, i, element.count));
+  }
+
+  // Takes one number off the front.
+  double number(const Element& element, std::size_t i, int size, bool whole, bool has_sign) {
+    if (format == Header::Format::text) {
+      const std::string_view word = next_word(&text);
+      if (word.empty()) cut_short(element, i);
+      double value;
+      if (!finite_number(word, &value) || (whole && value != std::floor(value))) {
+        throw InputError(fmt::format("{}: {} {} holds '{}', must be a {} number", name,
+                                     element.name, i, word.substr(0, 60),
+                                     whole ? "whole" : "finite"));
+      }
+      return value;
+    }
+    if (text.size() < static_cast<std::size_t>(size)) cut_short(element, i);
+    const bool big = format == Header::Format::big_endian;
+    const std::string_view bytes = text.substr(0, size);
+    text.remove_prefix(size);
+    if (size == 8) return value_as<double>(bytes, big);
+    if (!whole) return value_as<float>(bytes, big);
+    if (!has_sign) return unsigned_bytes(bytes, size, big);
+    return size == 4   ? value_as<std::int32_t>(bytes, big)
+           : size == 2 ? value_as<std::int16_t>(bytes, big)
+                       : value_as<std::int8_t>(bytes, big);
+  }
+
+  std::size_t list_count(const Element& element, std::size_t i, const Property& property) {
+    const double count = number(element, i, property.count_size, true, property.count_signed);
+    if (count < 0) {
+      throw InputError(
+          fmt::format("{}: {} {} has a list of {} values", name, element.name, i, count));
+    }
+    if (count > static_cast<double>(text.size())) cut_short(element, i);
+    return static_cast<std::size_t>(count);
+  }
+
+  void take(const Element& element) {
+    std::array<std::size_t, 3> xyz;  // among the properties of a vertex
+    xyz.fill(element.properties.size());
+    bool has_corners = false;
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      const Property& property = element.properties[k];
+      has_corners = has_corners || names_corners(element, property);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (property.count_size == 0 && property.name == std::string_view("xyz").substr(axis, 1))
+          xyz[axis] = k;
+      }
+    }
+    const bool vertex = element.name == "vertex";
+    for (std::size_t i = 0; i < element.count; ++i) {
+      Eigen::Vector3d p = Eigen::Vector3d::Zero();
+      for (std::size_t k = 0; k < element.properties.size(); ++k) {
+        const Property& property = element.properties[k];
+        const bool corners = names_corners(element, property);
+        const std::size_t count =
+            property.count_size > 0 ? list_count(element, i, property) : std::size_t{1};
+        if (corners && count < 3) {
+          throw InputError(
+              fmt::format("{}: face {} has {} corners, must have at least 3", name, i, count));
+        }
+        for (std::size_t j = 0; j < count; ++j) {
+          const double value = number(element, i, property.size, property.whole, property.has_sign);
+          if (corners) mesh.corners.push_back(as_index(value));
+          if (!vertex) continue;
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (xyz[axis] == k) p[static_cast<Eigen::Index>(axis)] = value;
+          }
+        }
+        if (corners) mesh.ends.push_back(mesh.corners.size());
+      }
+      if (vertex) mesh.vertices.push_back(p);
+    }
+    if (vertex && std::max({xyz[0], xyz[1], xyz[2]}) == element.properties.size())
+      throw InputError(fmt::format("{}: its vertices have no x, y and z", name));
+    if (element.name == "face" && !has_corners)
+      throw InputError(fmt::format("{}: its faces have no list vertex_indices", name));
+  }
+};
+
+}  // namespace
+
+PolygonMesh parse_ply(std::string_view text, const std::string& name) {
+  const Header header = read_header(&text, name);
+  Body body{text, header.format, name};
+  for (const auto& element : header.elements) {  // in whatever order
+    if (element.properties.empty())
+      throw InputError(
+          fmt::format("{}: element {} of its header has no property", name, element.name));
+    body.take(element);
+  }
+  return std::move(body.mesh);
+}
+
+}  // namespace impedraw
