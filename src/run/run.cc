@@ -308,6 +308,7 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
   }
   if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
   outcome.simulated = e.world->state().time;
+  outcome.cutoffs = e.world->cutoffs();
   outcome.wall.loop = seconds_since(loop_start);
   outcome.wall = runner.log().close(outcome.wall);
   return outcome;
