@@ -21,7 +21,6 @@ namespace impedraw {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::MadeUpSine;
 using testing::numbered_row;
 using testing::small_header;
 using Clock = std::chrono::steady_clock;
@@ -251,29 +250,6 @@ TEST_F(RunLogTest, BadFilesAreNamed) {
       std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; h5py.File('" + other + "', 'w')\"";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_THAT(message(folder_ / "other.h5"), HasSubstr("/joint/position is missing"));
-}
-
-TEST_F(RunLogTest, AppendCostsTheLoopLittle) {
-  std::vector<LogRow> rows;
-  sine_rows(MadeUpSine{.repeat = 2}, [&](const LogRow& row) { rows.push_back(row); });
-  RunLog log(path(), testing::sine_header({}));
-  const Clock::time_point start = Clock::now();
-  double longest = 0.0;
-  for (std::size_t i = 0; i < 16000;
-       ++i) {  // what the ring holds: the cost of the call, not of the disk
-    const Clock::time_point before = Clock::now();
-    log.append(rows[i]);
-    longest =
-        std::max(longest, std::chrono::duration<double, std::micro>(Clock::now() - before).count());
-  }
-  const double each =
-      std::chrono::duration<double, std::micro>(Clock::now() - start).count() / 16000;
-  const WallTimes wall = log.close();
-  RecordProperty("append_us", std::to_string(each));
-  std::printf(
-      "append: %.2f us a row, longest %.0f us; left for close: %.3f s for 16000 rows, %.1f MB\n",
-      each, longest, wall.writing, static_cast<double>(std::filesystem::file_size(path())) / 1e6);
-  EXPECT_LT(each, 3.0);
 }
 
 }  // namespace
