@@ -108,11 +108,22 @@ void print_notes(const PlannedDrawing& drawing) {
     fmt::print(stderr, "note: and {} more, in strokes.json\n", notes.size() - kMost);
 }
 
+namespace {
+
+std::string cutoff_line(const SolverCutoffs& cutoffs) {
+  if (cutoffs.tip == 0 && cutoffs.joints == 0) return {};
+  return fmt::format(
+      "solver  cut off before its tolerance: {} steps of the tip contact, {} of joints and tip\n",
+      cutoffs.tip, cutoffs.joints);
+}
+
+}  // namespace
+
 std::string met_line(const RunOutcome& outcome) {
   std::string text;
   for (const auto& [name, seconds] : outcome.met)
     text += fmt::format("{}{} {:.3g} s", text.empty() ? "status  " : ", ", name, seconds);
-  return text.empty() ? text : text + "\n";
+  return (text.empty() ? text : text + "\n") + cutoff_line(outcome.cutoffs);
 }
 
 std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {

@@ -232,7 +232,9 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
 RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks, const Resumption* resumption) {
   SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption));
-  return run(e, arm, log_file, start_up, hooks, resumption);
+  RunOutcome outcome = run(e, arm, log_file, start_up, hooks, resumption);
+  outcome.cutoffs = e.scene.world->cutoffs();
+  return outcome;
 }
 
 }  // namespace impedraw

@@ -20,6 +20,7 @@
 #include "impedraw/log/log.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/run/ink_watch.h"
+#include "impedraw/simulation/world.h"
 
 namespace impedraw {
 
@@ -51,6 +52,7 @@ struct RunOutcome {
   double simulated = 0.0;  // of the driver's clock [s]
   std::map<std::string, double>
       met;  // how long the controller said what of itself: a limit met, an input that was bad [s]
+  SolverCutoffs cutoffs;                // of the simulated contact
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
   std::vector<StrokePart>
       lacking;  // have none now; without those that an interrupted run never came to

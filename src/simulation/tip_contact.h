@@ -31,9 +31,15 @@ struct TipContactStep {
   double dt;               // h [s]
 };
 
-// The impulse h f on the tip [N s]. Zero where the tip is out of contact or leaves. The search for
-// a sliding one starts from `guess`.
-Eigen::Vector3d solve_tip_contact(const TipContactStep& step, const TipMaterial& tip,
-                                  const Eigen::Vector3d& guess = Eigen::Vector3d::Zero()) noexcept;
+inline constexpr int kTipContactSweeps = 500;  // at most, for a sliding tip
+
+struct TipImpulse {
+  Eigen::Vector3d p;      // h f on the tip [N s]; zero where it is out of contact or leaves
+  bool converged = true;  // false: cut off after kTipContactSweeps
+};
+
+// The search for a sliding tip's impulse starts from `guess`.
+TipImpulse solve_tip_contact(const TipContactStep& step, const TipMaterial& tip,
+                             const Eigen::Vector3d& guess = Eigen::Vector3d::Zero()) noexcept;
 
 }  // namespace impedraw

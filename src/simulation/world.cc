@@ -102,6 +102,7 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   std::copy_n(q.data(), q.size(), mujoco_->shape_data->qpos);
   mj_kinematics(mujoco_->shape, mujoco_->shape_data);
   failure_.reset();
+  cutoffs_ = {};
   last_warning[0] = '\0';
   mujoco_->joint_impulse.setZero();
   mujoco_->friction.setZero();
@@ -208,6 +209,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
   RowMatrix3X J_C(3, n);                                  // of the contact point, in C
   Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
+  bool tip_converged = true;
   if (canvas_) {
     const double radius = settings_.tip.radius;
     const Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
@@ -230,7 +232,9 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
     }
     tip.G.noalias() = J_C.lazyProduct(w.M_inverse_Jt);
     tip.v_free = J_C.lazyProduct(w.v);
-    tip_impulse = solve_tip_contact(tip, settings_.tip);
+    const TipImpulse found = solve_tip_contact(tip, settings_.tip);
+    tip_impulse = found.p;
+    tip_converged = found.converged;
     w.v += w.M_inverse_Jt.lazyProduct(tip_impulse);
   }
 
@@ -251,7 +255,8 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   if (joints_act) {
     if (!dry) invert_inertia();
     JointVector limit = JointVector::Zero(n);
-    for (int sweep = 0; sweep < 200; ++sweep) {
+    bool converged = false;
+    for (int sweep = 0; sweep < kJointSweeps && !converged; ++sweep) {
       double change = 0.0;
       const auto add = [&](int j, double* impulse, double value) {
         const double delta = value - *impulse;
@@ -271,15 +276,19 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       }
       if (contact_.touching) {
         tip.v_free = J_C.lazyProduct(w.v) - tip.G * tip_impulse;
-        const Eigen::Vector3d next = solve_tip_contact(tip, settings_.tip, tip_impulse);
+        const TipImpulse found = solve_tip_contact(tip, settings_.tip, tip_impulse);
+        const Eigen::Vector3d& next = found.p;
+        tip_converged = found.converged;
         w.v += w.M_inverse_Jt.lazyProduct(next - tip_impulse);
         change = std::max(change, (next - tip_impulse).cwiseAbs().maxCoeff());
         tip_impulse = next;
       }
-      if (change < 1e-12) break;
+      converged = change < 1e-12;
     }
+    cutoffs_.joints += !converged;
     w.joint_impulse = w.friction + limit;
   }
+  cutoffs_.tip += !tip_converged;
   if (!contact_.touching) return;
   contact_.f_W = R_WC * tip_impulse / h;
 }

@@ -41,6 +41,13 @@ struct TipContact {
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // outward normal there
 };
 
+// Steps since set_state() whose impulses the solvers left short of their tolerance.
+struct SolverCutoffs {
+  long tip = 0;     // the sliding tip's own search: kTipContactSweeps (tip_contact.h)
+  long joints = 0;  // joint friction, joint limits and tip together: kJointSweeps
+};
+inline constexpr int kJointSweeps = 200;
+
 struct WorldState {
   double time = 0.0;  // [s]
   JointVector q, v;   // [rad], [rad/s]
@@ -80,6 +87,8 @@ class World {
   const Vector6& flange_wrench() const { return flange_wrench_; }
   bool has_flange() const;  // a link `flange` with `tip` below it, sensor or not
 
+  const SolverCutoffs& cutoffs() const { return cutoffs_; }
+
   // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of
   // no more use.
   const std::optional<std::string>& failure() const { return failure_; }
@@ -110,6 +119,7 @@ class World {
   JointDrive drive_;
   JointVector applied_torque_;
   Vector6 flange_wrench_ = Vector6::Zero();
+  SolverCutoffs cutoffs_;
   std::optional<std::string> failure_;
 };
 

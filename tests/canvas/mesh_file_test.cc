@@ -1,6 +1,5 @@
 #include "impedraw/canvas/mesh_file.h"
 
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -281,7 +280,7 @@ TEST_F(MeshFile, RefusesWhatIsEmptyOrNoMesh) {
   EXPECT_THAT(refusal(write("b.ply", "solid\n")), HasSubstr("a PLY with 'ply'"));
 }
 
-// 2,000,000 triangles within 10 s and 2 GiB, closest points included.
+// 2,000,000 triangles within 2 GiB, closest points included; how fast is `bench`'s business.
 TEST_F(MeshFile, TwoMillionTrianglesLoadAndAnswer) {
   constexpr int n = 1000;
   const std::string file = (folder_ / "big.stl").string();
@@ -301,7 +300,6 @@ TEST_F(MeshFile, TwoMillionTrianglesLoadAndAnswer) {
         out << normal << a << b << c << end << normal << a << c << d << end;
       }
   }
-  const auto start = std::chrono::steady_clock::now();
   CheckedMesh checked = load_mesh(file, 1.0);
   EXPECT_EQ(checked.mesh.triangles.size(), 2u * n * n);
   EXPECT_EQ(checked.mesh.vertices.size(), (n + 1u) * (n + 1u));
@@ -322,12 +320,8 @@ TEST_F(MeshFile, TwoMillionTrianglesLoadAndAnswer) {
     EXPECT_NEAR(point.distance, h, 1e-6);
     EXPECT_LT((point.p_W - Vector3d(x, y, height(x, y))).norm(), 5e-5);
   }
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
-  RecordProperty("seconds", std::to_string(seconds));
-  EXPECT_LT(seconds, 10.0);
   EXPECT_LT(usage.ru_maxrss, 2l << 20);  // KiB
 }
 

@@ -140,19 +140,22 @@ TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {
     double largest = 0.0;
     for (int i = 0; i < 1200; ++i) {
       on.reference.pen_down = i > 100 && i < 900;
-      on.F_ext.head<3>() =
-          (on.reference.pen_down ? std::min(5.0, 0.02 * (i - 100)) : 0.0) * on.surface.n_W;
+      // The tip's spring takes up the push as the pen sinks in and gives it back as it leaves.
+      const double taken_up = std::clamp(0.02 * (i - 100), 0.0, 5.0);
+      const double given_back = std::clamp(0.02 * (i - 900), 0.0, 5.0);
+      on.F_ext.head<3>() = (taken_up - given_back) * on.surface.n_W;
       if (i >= 900) on.surface.distance = 1e-5 * (i - 900);
       const ImpedanceTorque& out = on.controller.step(on.terms, on.reference, on.surface, on.F_ext);
       const double jump = (out.tau - last).cwiseAbs().maxCoeff();
       switches += out.mode != mode;
-      largest = std::max(largest, i == 900 ? 0.0 : jump);  // there the made-up wrench itself steps
+      largest = std::max(largest, jump);
       mode = out.mode;
       last = out.tau;
     }
     EXPECT_EQ(switches, 4);
-    EXPECT_LT(largest, 0.35)
-        << "0.35 Nm a step: 5 N handed over in 40 ms at up to 0.8 m, and no more";
+    // As measured: 5 N that fade in and out over the switch time of 40 ms, at up to 0.8 m.
+    const double measured = natural ? 0.121 : 0.202;
+    EXPECT_LT(largest, 1.3 * measured);
   }
 }
 

@@ -21,7 +21,6 @@ namespace impedraw {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::MadeUpSine;
 using testing::numbered_row;
 using testing::small_header;
 using Clock = std::chrono::steady_clock;
@@ -278,29 +277,6 @@ TEST_F(RunLogTest, ForgedFilesAreRefused) {
       HasSubstr("dataset /canvas/vertices has 1099511627776 rows, more than the file holds"));
   EXPECT_THAT(message("f['/joint/position'].attrs.create('lower', [], dtype='f8')"),
               HasSubstr("attribute lower of /joint/position is empty"));
-}
-
-TEST_F(RunLogTest, AppendCostsTheLoopLittle) {
-  std::vector<LogRow> rows;
-  sine_rows(MadeUpSine{.repeat = 2}, [&](const LogRow& row) { rows.push_back(row); });
-  RunLog log(path(), testing::sine_header({}));
-  const Clock::time_point start = Clock::now();
-  double longest = 0.0;
-  for (std::size_t i = 0; i < 16000;
-       ++i) {  // what the ring holds: the cost of the call, not of the disk
-    const Clock::time_point before = Clock::now();
-    log.append(rows[i]);
-    longest =
-        std::max(longest, std::chrono::duration<double, std::micro>(Clock::now() - before).count());
-  }
-  const double each =
-      std::chrono::duration<double, std::micro>(Clock::now() - start).count() / 16000;
-  const WallTimes wall = log.close();
-  RecordProperty("append_us", std::to_string(each));
-  std::printf(
-      "append: %.2f us a row, longest %.0f us; left for close: %.3f s for 16000 rows, %.1f MB\n",
-      each, longest, wall.writing, static_cast<double>(std::filesystem::file_size(path())) / 1e6);
-  EXPECT_LT(each, 3.0);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // report.html and compare.html: they stand alone, and hold what they must.
-#include <chrono>
 #include <fstream>
 #include <regex>
 
@@ -29,11 +28,8 @@ TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   const InkMatch drawn = match_ink(run);
   write_ink_top(run, drawn, folder_ / "ink_top");
   std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
-  const auto start = std::chrono::steady_clock::now();
   write_report(folder_, run, drawn, compute_metrics(run, drawn),
                {.title = "A <title>", .limits = {{"ink_error_rms", {{"max", 0.001}}}}});
-  std::printf("report: %.2f s\n",
-              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   const std::string page = text_of(folder_ / "report.html");
   EXPECT_LT(page.size(), 10u << 20);
   expect_stands_alone(page);

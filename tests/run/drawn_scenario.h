@@ -14,6 +14,7 @@
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/run.h"
+#include "run/bounds.h"
 
 namespace impedraw {
 
@@ -40,6 +41,20 @@ inline Figures draw_scenario(const std::string& name,
   EXPECT_EQ(outcome.end, end) << name << ": " << outcome.cause;
   Figures figures{outcome, read_rows(log), compute_metrics(read_run(log))};
   std::filesystem::remove(log);
+  return figures;
+}
+
+// Draws a run of bounds.json with each of its seeds, and holds it to the table. The last one drawn.
+inline Figures draw_within_bounds(const std::string& run) {
+  const nlohmann::json& entry = bounds().at("runs").at(run);
+  Figures figures;
+  for (const int seed : entry.at("seeds")) {
+    SCOPED_TRACE(run + ", seed " + std::to_string(seed));
+    auto assignments = entry.at("set").get<std::vector<std::string>>();
+    assignments.push_back("seed=" + std::to_string(seed));
+    figures = draw_scenario(entry.at("scenario"), assignments);
+    expect_within_bounds(run, [&](const std::string& metric) { return figures[metric.c_str()]; });
+  }
   return figures;
 }
 

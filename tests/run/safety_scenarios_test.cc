@@ -127,17 +127,27 @@ TEST(Safety, AStretchedArmLetsADirectionGo) {
 
 // Whatever the mode changes to, in every standard drawing.
 TEST(Safety, NoSwitchStepsTheTorque) {
-  for (const char* name : {"bowl-m", "bowl-m-natural", "bowl-m-blind", "bowl-m-realistic"}) {
+  // The largest that was measured between two steps at a switch [Nm]: where touch is felt, and a
+  // wrench appears from one step to the next. Blind, the law knows no contact and never switches.
+  const std::pair<const char*, double> all[] = {{"bowl-m", 0.656},
+                                                {"bowl-m-natural", 0.068},
+                                                {"bowl-m-blind", 0.0},
+                                                {"bowl-m-realistic", 0.0458}};
+  for (const auto& [name, measured] : all) {
     const Figures f = draw_scenario(name);
+    double largest = 0.0;
     EXPECT_LE(torque_rate(f), kRate) << name;
     for (std::size_t i = 1; i < f.run.mode.size(); ++i) {
       if (f.run.mode[i] == f.run.mode[i - 1]) continue;
       const auto row = static_cast<int>(i);
       const double step =
           (f.run.joint_torque.row(row) - f.run.joint_torque.row(row - 1)).cwiseAbs().maxCoeff();
-      EXPECT_LT(step, 1.5) << name << ": from " << kContactModeNames[f.run.mode[i - 1]] << " to "
-                           << kContactModeNames[f.run.mode[i]];
+      EXPECT_LE(step, kRegression * measured)
+          << name << ": from " << kContactModeNames[f.run.mode[i - 1]] << " to "
+          << kContactModeNames[f.run.mode[i]];
+      largest = std::max(largest, step);
     }
+    RecordProperty(name, std::to_string(largest));
   }
 }
 

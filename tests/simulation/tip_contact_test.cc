@@ -99,40 +99,43 @@ TEST(TipContact, SlidesInContactWithTheForceAskedAndCoulombFriction) {
 }
 
 // The same on the inside of the bowl, where the normal turns and a convex hull would lift the tip
-// off.
+// off. The slides do not turn the pen: the centre of the tip sphere is always one radius above E and
+// goes round the bowl's centre on an arc of R − r. Along that arc's normal the push and the
+// centripetal force are all that acts, so that the canvas answers with the push itself; the facets
+// make it rattle.
 TEST(TipContact, StaysOnAConcaveBowl) {
   const BowlSettings bowl;
   const Canvas canvas(make_bowl(bowl));
   for (const double speed : {0.05, 0.20}) {
     World world = slider(canvas, 0.3);
-    const double r = bowl.radius;
-    const double start = -0.12;
+    const double tip = TipMaterial{}.radius, arc = bowl.radius - tip, start = -0.12;
+    const Eigen::Vector3d to_centre(0.0, 0.0, tip);  // from E to the centre of the tip sphere
+    const double sink = kPush / TipMaterial{}.stiffness;
     JointVector q = JointVector::Zero(3), v = JointVector::Zero(3);
-    const double z0 = bowl.centre.z() - std::sqrt(r * r - start * start);
-    q << bowl.centre.x() + start, 0.0, z0 - 1e-4;
-    const Eigen::Vector3d n0 = (bowl.centre - Eigen::Vector3d(q[0], q[1], q[2])).normalized();
-    const Eigen::Vector3d t0(n0.z(), 0.0, -n0.x());
-    v.head<3>() = speed * t0;
+    const Eigen::Vector3d n0(-start / arc, 0.0, std::sqrt(1.0 - start * start / (arc * arc)));
+    q.head<3>() = bowl.centre - (arc + sink) * n0 - to_centre;
+    v.head<3>() = speed * Eigen::Vector3d(n0.z(), 0.0, -n0.x());
     world.set_state(q, v);
     int touching = 0, steps = static_cast<int>(0.2 / speed * 1000);
     double normal_mean = 0.0;
     for (int i = 0; i < steps; ++i) {
-      const Eigen::Vector3d p = world.state().q.head<3>();
+      const Eigen::Vector3d p = world.state().q.head<3>() + to_centre;
       const Eigen::Vector3d n = (bowl.centre - p).normalized();
       const Eigen::Vector3d t(n.z(), 0.0, -n.x());
       const Eigen::Vector3d vel = world.state().v.head<3>();
-      const double m = mass_along(world, 0);
+      const Eigen::Matrix3d M = world.terms().M;  // the slides carry each other: not m times one
       JointVector tau = JointVector::Zero(3);
       // push along −n, drive along the tangent, and the centripetal force of the arc so that the
       // push alone presses
       tau.head<3>() = -kPush * n + (200.0 * (speed - t.dot(vel)) + 0.3 * kPush) * t +
-                      m * vel.squaredNorm() / r * n;
+                      M * (vel.squaredNorm() / arc * n);
       const TipContact& contact = world.step(tau, Eigen::Vector3d::Zero());
       touching += contact.f_W.dot(contact.n_W) > 0.1;
       normal_mean += contact.f_W.dot(contact.n_W) / steps;
     }
     EXPECT_EQ(touching, steps) << "speed " << speed;
-    EXPECT_NEAR(normal_mean, kPush, 0.03 * kPush) << "speed " << speed;
+    // 1.3 times what is measured: 4.99998 N at 0.05 m/s, 4.99963 N at 0.20 m/s
+    EXPECT_NEAR(normal_mean, kPush, speed < 0.1 ? 3e-5 : 5e-4) << "speed " << speed;
   }
 }
 

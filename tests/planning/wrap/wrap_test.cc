@@ -8,7 +8,6 @@
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 #include <Eigen/Dense>
 
 #include "wrap_surfaces.h"
@@ -243,28 +242,6 @@ TEST(Wrap, IsTheSameEveryTime) {
   ASSERT_EQ(a.strokes[0].p_P.size(), b.strokes[0].p_P.size());
   for (std::size_t k = 0; k < a.strokes[0].p_P.size(); ++k)
     EXPECT_EQ(a.strokes[0].p_P[k], b.strokes[0].p_P[k]);
-}
-
-// Of this program and of the script, so that what else runs here matters little.
-double processor_seconds() {
-  double sum = 0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    getrusage(who, &usage);
-    sum += static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-           1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-  }
-  return sum;
-}
-
-TEST(Wrap, OfAPatchOf300MillimetresIsQuick) {
-  const double before = processor_seconds();
-  const Vector2d centre(0.60, 0);
-  const Wrap wrap(surfaces::bowl, centre, {circle(centre, 0.15)});
-  const double taken = processor_seconds() - before;
-  fmt::print("{} vertices, {:.2f} s of the processor\n", wrap.chart().patch().samples.size(),
-             taken);
-  EXPECT_LT(taken, 3.0) << "under 2 s where nothing else runs";
 }
 
 }  // namespace

@@ -1,0 +1,156 @@
+"""The tables that `./impedraw figures` fills in: each a function from the figures to Markdown."""
+import shlex
+from typing import Callable
+
+import quotes
+
+SHAPES = ("sine", "m")
+STANDARD = [f"bowl-{s}{kind}" for kind in ("", "-natural", "-blind") for s in SHAPES]
+DRAWINGS = "koi koi-blind".split()
+GALLERY = "gallery-wall gallery-island gallery-cyl gallery-text gallery-tile gallery-leaf".split()
+
+# A metric, its decimals, how a table calls it.
+METRICS = [
+    ("contact_fraction", 3, "`contact_fraction`"),
+    ("strokes_missed", 0, "`strokes_missed`"),
+    ("ink_up", 2, "`ink_up` [mm]"),
+    ("ink_error_rms", 3, "`ink_error_rms` [mm]"),
+    ("ink_error_max", 2, "`ink_error_max` [mm]"),
+    ("coverage", 3, "`coverage`"),
+    ("force_mean", 3, "`force_mean` [N], 5 asked"),
+    ("force_sd", 3, "`force_sd` [N]"),
+    ("touchdown_peak", 2, "`touchdown_peak` [N]"),
+    ("tilt_mean", 3, "`tilt_mean` [deg]"),
+    ("tilt_max", 2, "`tilt_max` [deg]"),
+    ("speed_mean", 1, "`speed_mean` [mm/s]"),
+]
+
+SWITCHES = {
+    "bowl-sine": "the standard sine",
+    "bowl-sine-interpolated": "normals computed once and interpolated",
+    "bowl-sine-plane": "the paper's normals: a plane through neighbours of equal weight",
+    "noise": "1 mm of depth noise at 1 m",
+    "noise-wide": "the same, a 6 mm voxel, 120 neighbours",
+    "fast": "200 mm/s, 5 m/s²",
+    "slow-tracker": "normal tracker at 10 rad/s instead of 40",
+    "bowl-sine-natural": "no wrench, natural inertia",
+    "natural-foreseen": "the same, tip friction 0.3 fed forward",
+    "natural-dry-friction": "no wrench, 0.1 Nm of dry friction in every joint",
+    "bowl-sine-realistic": "realistic",
+    "realistic-unobserved": "realistic, observer off",
+    "bowl-sine10": "the paper's ten set-points, joined by straight lines",
+}
+
+
+class Tables:
+    """figure(id): its entry in figures.json, None where there is none. bounds: bounds.json."""
+
+    def __init__(self, figure: Callable[[str], dict | None], bounds: dict, commands: dict[str, str]):
+        self.figure, self.bounds, self.commands = figure, bounds, commands
+
+    def __call__(self, name: str) -> str:
+        if name not in TABLES:
+            raise KeyError("tables are " + ", ".join(TABLES))
+        return "".join("| " + " | ".join(row) + " |\n" for row in TABLES[name](self))
+
+    def number(self, key: str, decimals: int) -> str:
+        entry = self.figure(key)
+        return f"{entry['value']:.{decimals}f}" if entry else "–"
+
+    def pair(self, kind: str, metric: str, decimals: int) -> str:
+        return " / ".join(self.number(f"bowl-{s}{kind}.{metric}", decimals) for s in SHAPES)
+
+    def promised(self, run: str, metric: str) -> str:
+        low, high = self.bounds["runs"][run]["bounds"][metric]["promised"]
+        if low is None:
+            return "–" if high is None else f"≤ {high:g}"
+        if high is None:
+            return f"≥ {low:g}"
+        return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+    def promised_pair(self, kind: str, metric: str) -> str:
+        both = [self.promised(f"bowl-{s}{kind}", metric) for s in SHAPES]
+        return both[0] if both[0] == both[1] else " / ".join(both)
+
+    def lines(self, runs: dict[str, str], columns: str) -> list[list[str]]:
+        """A row a run. columns: METRIC:DECIMALS …"""
+        asked = [c.split(":") for c in columns.split()]
+        return [[words, *(self.number(f"{run}.{m}", int(d)) for m, d in asked)]
+                for run, words in runs.items()]
+
+
+def head(*cells: str) -> list[list[str]]:
+    return [list(cells), ["---"] * len(cells)]
+
+
+def readme(t: Tables) -> list[list[str]]:
+    """Five rows against one baseline."""
+    kinds = ["", "-realistic", "-blind"]
+
+    def force(kind):
+        return " / ".join(f"{t.number(f'bowl-{s}{kind}.force_mean', 2)} ± "
+                          f"{t.number(f'bowl-{s}{kind}.force_sd', 2)}" for s in SHAPES)
+
+    rows = head("sine / M", "ideal model and sensing", "realistic sensing and model errors",
+                "baseline: no perception")
+    for words, metric, decimals in [("ink error, RMS [mm]", "ink_error_rms", 3),
+                                    ("ink error, largest [mm]", "ink_error_max", 2),
+                                    ("touchdown peak [N]", "touchdown_peak", 1),
+                                    ("pen tilt, mean [deg]", "tilt_mean", 2)]:
+        rows.append([words, *(t.pair(kind, metric, decimals) for kind in kinds)])
+    rows.insert(4, ["force, 5 N asked: mean ± SD [N]", *map(force, kinds)])
+    return rows
+
+
+def standard(t: Tables) -> list[list[str]]:
+    rows = head("sine / M", "true wrench", "limit", "no wrench", "limit", "no perception", "limit")
+    for metric, decimals, words in METRICS:
+        rows.append([words])
+        for kind in ("", "-natural", "-blind"):
+            rows[-1] += [t.pair(kind, metric, decimals), t.promised_pair(kind, metric)]
+    return rows
+
+
+def realistic(t: Tables) -> list[list[str]]:
+    rows = head("sine / M", "ideal sensor", "limit", "realistic, seed 1", "worst of 5 seeds", "limit")
+    for metric, decimals, words in METRICS:
+        rows.append([words, t.pair("-sensor", metric, decimals), t.promised_pair("-sensor", metric),
+                     t.pair("-realistic", metric, decimals),
+                     t.pair("-realistic@worst", metric, decimals),
+                     t.promised_pair("-realistic", metric)])
+    return rows
+
+
+def seeds(t: Tables) -> list[list[str]]:
+    all_seeds = t.bounds["runs"]["bowl-sine-realistic"]["seeds"]
+    rows = head("sine / M", *(f"seed {s}" for s in all_seeds))
+    for metric, decimals, words in METRICS:
+        if metric not in ("strokes_missed", "ink_up"):
+            rows.append([words, *(t.pair(f"-realistic@{s}", metric, decimals) for s in all_seeds)])
+    return rows
+
+
+def switches(t: Tables) -> list[list[str]]:
+    return head("", "RMS [mm]", "max [mm]", "force [N]", "SD [N]", "touchdown [N]", "tilt [deg]",
+                "normal error [deg]") + t.lines(
+        SWITCHES, "ink_error_rms:3 ink_error_max:2 force_mean:3 force_sd:3 touchdown_peak:2 "
+                  "tilt_mean:3 normal_error_mean:3")
+
+
+def drawings(t: Tables) -> list[list[str]]:
+    runs = {run: f"`{t.commands[run]}`" for run in DRAWINGS + GALLERY}
+    return head("", "RMS [mm]", "max [mm]", "coverage", "ink up [mm]", "force [N]", "SD [N]",
+                "tilt, max [deg]") + t.lines(
+        runs, "ink_error_rms:3 ink_error_max:2 coverage:3 ink_up:1 force_mean:3 force_sd:3 tilt_max:2")
+
+
+def speeds(t: Tables) -> list[list[str]]:
+    rows = head("", "median of 7", "slowest", "machine")
+    for run in STANDARD:
+        median, slowest = (t.figure(f"{run}.real_time_factor_{w}") for w in ("median", "slowest"))
+        rows.append([f"`{run}`", quotes.sized(median["value"]), quotes.sized(slowest["value"]),
+                     median["machine"]] if median and slowest else [f"`{run}`", "–", "–", "–"])
+    return rows
+
+
+TABLES = {f.__name__: f for f in (readme, standard, realistic, seeds, switches, drawings, speeds)}

@@ -1,0 +1,457 @@
+"""Measures what README and docs quote, and writes it where it is quoted.
+
+    ./impedraw figures                 run everything that README.md and docs quote, write
+                                       docs/figures.json, fill the documents
+    ./impedraw figures --check         run it and write nothing; exit code 1 where a quoted number
+                                       is off by more than one in its last digit
+    ./impedraw figures --rows readme   only what README.md quotes
+    ./impedraw figures --fill          run nothing: fill the documents from docs/figures.json
+    ./impedraw figures --speeds        also measure how fast each standard scenario runs, seven
+                                       times each; speeds are never compared
+    ./impedraw figures --bounds        measure again what the tests compare with:
+                                       tests/run/bounds.json
+    ./impedraw figures --list          every figure and table that a document can quote
+
+A figure's id is RUN.METRIC: bowl-sine.ink_error_rms. METRIC is a key of metrics.json. Of a run with
+seeds, RUN is the first of them, RUN@3 that of seed 3, and RUN@worst the worst of all. quotes.py has
+the markers.
+"""
+
+import argparse
+import concurrent.futures
+import json
+import math
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+sys.dont_write_bytecode = True
+import quotes
+from figure_tables import STANDARD, TABLES, Tables
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BOUNDS = ROOT / "tests/run/bounds.json"
+FIGURES = ROOT / "docs/figures.json"
+
+UNITS = {
+    "mm": "ink_error_rms ink_error_p95 ink_error_max longest_gap ink_up cloud_bias_mean "
+    "cloud_bias_sd yield yield_last back back_early",
+    "N": "force_mean force_sd force_rms_error force_peak touchdown_peak",
+    "deg": "tilt_mean tilt_p95 tilt_max normal_error_mean normal_error_p95",
+    "mm/s": "speed_mean speed_p95",
+    "s": "draw_time",
+    "rad": "joint_margin_min",
+}
+UNIT_OF = {metric: unit for unit, metrics in UNITS.items() for metric in metrics.split()}
+# These depend on the machine.
+WALL_TIMES = set("step_time_p50 step_time_p99 step_time_p999 real_time_factor".split())
+
+# What README and docs quote besides the runs of the tests' table: a name, and what follows `draw`.
+MORE_RUNS = r"""
+realistic-unobserved  scenarios/bowl-sine-realistic.yaml --set control.observer.enabled=false
+natural-dry-friction  scenarios/bowl-sine-natural.yaml --set world.joint_friction=0.1
+natural-foreseen      scenarios/bowl-sine-natural.yaml --set control.friction_feedforward=0.3
+noise                 scenarios/bowl-sine.yaml --set perception.noise.sigma_at_1m=0.001
+noise-wide            scenarios/bowl-sine.yaml --set perception.noise.sigma_at_1m=0.001 \
+                      --set perception.voxel=0.006 --set perception.normals.k=120
+fast                  scenarios/bowl-sine.yaml --set path.draw_speed=0.2 \
+                      --set path.draw_acceleration=5
+slow-tracker          scenarios/bowl-sine.yaml --set control.normal_bandwidth=10
+koi                   --svg artwork/koi.svg
+koi-blind             --svg artwork/koi.svg --no-perception
+gallery-wall          scenarios/wall.yaml --set drawing.placement.fit_radius=0.2
+gallery-island        scenarios/reach-terrain.yaml --svg artwork/island.svg \
+                      --set drawing.placement.fit_radius=0.16
+gallery-cyl           scenarios/reach-cylinder.yaml --svg artwork/koi.svg \
+                      --set drawing.mapping=wrap
+gallery-text          scenarios/reach-wave.yaml --text 'drawn by\nan arm' \
+                      --set drawing.text.font=scripts --set drawing.placement.fit_radius=0.15
+gallery-tile          scenarios/reach-tile.yaml --svg tests/data/spiral.csv
+gallery-leaf          scenarios/reach-saddle.yaml --svg artwork/leaf.svg \
+                      --set drawing.hatch.spacing=3 --set drawing.placement.fit_radius=0.16
+"""
+
+
+@dataclass
+class Run:
+    """One call of `impedraw draw`, or one for each seed."""
+
+    arguments: list[str]
+    seeds: list[int] = field(default_factory=lambda: [1])
+
+    def command(self, seed: int) -> list[str]:
+        return ["draw", *self.arguments] + (
+            ["--set", f"seed={seed}"] if seed != self.seeds[0] or len(self.seeds) > 1 else []
+        )
+
+
+def bounds() -> dict:
+    return json.loads(BOUNDS.read_text())
+
+
+def runs() -> dict[str, Run]:
+    """Every run that a document can quote: the tests' table, and what README and docs add."""
+    table = {}
+    for name, entry in bounds()["runs"].items():
+        arguments = [f"scenarios/{entry['scenario']}.yaml"] + [
+            a for s in entry["set"] for a in ("--set", s)
+        ]
+        table[name] = Run(arguments, entry["seeds"])
+
+    for line in MORE_RUNS.replace("\\\n", " ").strip().splitlines():
+        name, *arguments = shlex.split(line)
+        table[name] = Run(arguments)
+    return table
+
+
+# --- Running --------------------------------------------------------------------------------------
+
+
+REUSE = False  # --reuse: for work on the documents; what was run may be of another commit
+
+
+class RunFailed(Exception):
+    pass
+
+
+def draw(name: str, seed: int, run: Run, folder: pathlib.Path) -> dict:
+    """metrics.json of one run, with what only this script measures."""
+    out = folder / (name if len(run.seeds) == 1 else f"{name}@{seed}")
+    if REUSE and (out / "metrics.json").exists():
+        return json.loads((out / "metrics.json").read_text())
+    shutil.rmtree(out, ignore_errors=True)
+    program = os.environ.get("IMPEDRAW_PROGRAM", str(ROOT / "build/release/src/app/impedraw"))
+    done = subprocess.run(
+        [program, *run.command(seed), "--out", str(out)], cwd=ROOT, capture_output=True, text=True
+    )
+    if done.returncode != 0:
+        raise RunFailed(
+            f"./impedraw {shlex.join(run.command(seed))} ended with {done.returncode}: "
+            f"{done.stderr.strip()}"
+        )
+    return json.loads((out / "metrics.json").read_text())
+
+
+def push_response(folder: pathlib.Path) -> dict:
+    """How far the pen yields to the hand of bowl-push against bowl-sine, and what is left [mm]."""
+    import h5py
+    import numpy as np
+
+    with h5py.File(folder / "bowl-push/run.h5") as pushed, h5py.File(
+        folder / "bowl-sine/run.h5"
+    ) as alone:
+        force = pushed["disturbance/force"][:]
+        moved = 1e3 * (pushed["tip/position"][:] - alone["tip/position"][:])
+    rows = np.flatnonzero(np.linalg.norm(force, axis=1) > 1.0)
+    first, last = rows[0], rows[-1]
+    unit = force[first : last + 1] / np.linalg.norm(force[first : last + 1], axis=1, keepdims=True)
+    along = np.einsum("ij,ij->i", moved[first : last + 1], unit)
+    away = np.linalg.norm(moved, axis=1)
+    return {
+        "yield": along[300:].mean(),
+        "yield_last": along[-1],
+        "back": away[last + 300 : last + 1300].max(),
+        "back_early": away[last + 200 : last + 1300].max(),
+    }
+
+
+def measure(names: set[str], folder: pathlib.Path) -> dict[str, dict]:
+    """RUN or RUN@SEED -> its metrics."""
+    table = runs()
+    if "bowl-push" in names:
+        names = names | {"bowl-sine"}
+    jobs = [(name, seed) for name in table if name in names for seed in table[name].seeds]
+    folder.mkdir(parents=True, exist_ok=True)
+    measured = {}
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        futures = {
+            pool.submit(draw, name, seed, table[name], folder): (name, seed) for name, seed in jobs
+        }
+        for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
+            name, seed = futures[future]
+            try:
+                metrics = future.result()
+            except RunFailed:
+                pool.shutdown(cancel_futures=True)
+                raise
+            if len(table[name].seeds) > 1:
+                measured[f"{name}@{seed}"] = metrics
+            if seed == table[name].seeds[0]:
+                measured[name] = metrics
+            print(
+                f"figures: {done}/{len(jobs)} {name}"
+                + (f", seed {seed}" if len(table[name].seeds) > 1 else ""),
+                file=sys.stderr,
+            )
+    if "bowl-push" in measured:
+        measured["bowl-push"].update(push_response(folder))
+    for name in names:
+        if len(table[name].seeds) > 1:
+            measured[f"{name}@worst"] = worst(
+                [measured[f"{name}@{seed}"] for seed in table[name].seeds]
+            )
+    return measured
+
+
+def worst(of: list[dict]) -> dict:
+    """Each metric of the run in which it is furthest from its best value."""
+    best = bounds()["best"]
+    return {
+        metric: max((m[metric] for m in of), key=lambda v: abs(v - best[metric]))
+        for metric in best
+        if all(isinstance(m.get(metric), (int, float)) for m in of)
+    }
+
+
+def commit() -> str:
+    """HEAD, with a + where what a drawing depends on differs from it."""
+
+    def git(*arguments):
+        return subprocess.run(
+            ["git", *arguments], cwd=ROOT, capture_output=True, text=True
+        ).stdout.strip()
+
+    return git("rev-parse", "--short", "HEAD") + (
+        "+" if git("status", "--porcelain", "--", "src", "scenarios", "models", "artwork") else ""
+    )
+
+
+def machine() -> str:
+    model = "unknown processor"
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            model = line.partition(":")[2].strip()
+            break
+    return f"{model}, {os.cpu_count()} cores"
+
+
+# --- Figures --------------------------------------------------------------------------------------
+
+
+def page_figures() -> dict[str, dict]:
+    """What the long studies' own pages hold: they are generated, too."""
+    figures = {}
+    page = ROOT / "docs/reach.md"
+    cells, rows = [], []
+    for line in page.read_text().splitlines() if page.exists() else []:
+        if line.startswith("## "):
+            rows = cells if line == "## Ink error [mm] / coverage" else []
+        rows += [c.split("/") for c in line.split("|") if "/" in c and line.startswith("|")]
+    if cells:
+        for name, pick, column, unit in (
+            ("worst_rms", max, 0, "mm"),
+            ("least_coverage", min, 1, "1"),
+        ):
+            figures[f"reach.{name}"] = {
+                "value": pick(float(c[column]) for c in cells),
+                "unit": unit,
+                "command": "./impedraw reach",
+                "scenario": "docs/reach.md",
+                "commit": None,
+            }
+    return figures
+
+
+def as_figures(measured: dict[str, dict]) -> dict[str, dict]:
+    table, at = runs(), commit()
+    figures = page_figures()
+    for key, metrics in measured.items():
+        name, _, which = key.partition("@")
+        run = table[name]
+        seed = int(which) if which.isdigit() else run.seeds[0]
+        command = (
+            shlex.join(["./impedraw", *run.command(seed)])
+            if which != "worst"
+            else shlex.join(["./impedraw", "draw", *run.arguments, "--set"])
+            + " seed="
+            + "|".join(map(str, run.seeds))
+        )
+        scenario = next(
+            (a for a in run.arguments if a.startswith("scenarios/")), "scenarios/bowl.yaml"
+        )
+        for metric, value in metrics.items():
+            if isinstance(value, (int, float)) and metric not in WALL_TIMES:
+                figures[f"{key}.{metric}"] = {
+                    "value": float(f"{value:.6g}"),
+                    "unit": UNIT_OF.get(metric, "1"),
+                    "command": command,
+                    "scenario": scenario,
+                    "commit": at,
+                }
+    return figures
+
+
+def speeds(folder: pathlib.Path) -> dict[str, dict]:
+    """One run after the other, so that they do not slow each other."""
+    table, at, figures = runs(), commit(), {}
+    for name in STANDARD:
+        factors = sorted(draw(name, 1, table[name], folder)["real_time_factor"] for _ in range(7))
+        for which, value in (("median", factors[3]), ("slowest", factors[0])):
+            figures[f"{name}.real_time_factor_{which}"] = {
+                "value": float(f"{value:.3g}"),
+                "unit": "1",
+                "command": shlex.join(["./impedraw", *table[name].command(1)]),
+                "scenario": f"scenarios/{name}.yaml",
+                "commit": at,
+                "machine": machine(),
+                "compared": False,
+            }
+    return figures
+
+
+# --- Documents ------------------------------------------------------------------------------------
+
+
+def documents(rows: str) -> list[pathlib.Path]:
+    return [ROOT / "README.md"] + (
+        [] if rows == "readme" else sorted((ROOT / "docs").rglob("*.md"))
+    )
+
+
+def tables(figure: Callable[[str], dict | None]) -> Tables:
+    commands = {n: shlex.join(["./impedraw", *r.command(r.seeds[0])]) for n, r in runs().items()}
+    return Tables(figure, bounds(), commands)
+
+
+def needed_runs(pages: list[pathlib.Path]) -> set[str]:
+    """The runs that the documents quote: tables tell by what they ask for."""
+    asked = set()
+    table = tables(lambda key: asked.add(key))
+    for page in pages:
+        numbers, names = quotes.wanted(page.read_text())
+        asked |= set(numbers)
+        for name in set(names) & set(TABLES):
+            table(name)
+    return {key.rpartition(".")[0].partition("@")[0] for key in asked} & set(runs())
+
+
+def fill_all(pages: list[pathlib.Path], figures: dict[str, dict], write: bool) -> list[str]:
+    stale = []
+
+    def value(key):
+        if key not in figures:
+            raise KeyError("./impedraw figures --list has those that there are")
+        return figures[key]["value"]
+
+    for page in pages:
+        text = page.read_text()
+        name = str(page.relative_to(ROOT))
+        filled, old = quotes.fill(name, text, value, tables(figures.get))
+        stale += old
+        if write and filled != text:
+            page.write_text(filled)
+    return stale
+
+
+def write_figures(figures: dict[str, dict]) -> None:
+    lines = ",\n".join(
+        "  " + json.dumps({"id": key, **figures[key]}, ensure_ascii=False)
+        for key in sorted(figures)
+    )
+    FIGURES.write_text("[\n" + lines + "\n]\n")
+
+
+def read_figures() -> dict[str, dict]:
+    entries = json.loads(FIGURES.read_text()) if FIGURES.exists() else []
+    return {e.pop("id"): e for e in entries}
+
+
+def write_bounds(measured: dict[str, dict]) -> None:
+    table = bounds()
+    for name, entry in table["runs"].items():
+        of = measured.get(f"{name}@worst", measured[name])
+        for metric, bound in entry["bounds"].items():
+            bound["measured"] = float(f"{of[metric]:.6g}")
+    lines = []
+    for name, entry in table["runs"].items():
+        inner = ",\n".join(
+            f'        "{metric}": {json.dumps(b)}' for metric, b in entry["bounds"].items()
+        )
+        lines.append(
+            f'    "{name}": {{\n      "scenario": {json.dumps(entry["scenario"])}, '
+            f'"set": {json.dumps(entry["set"])}, '
+            f'"seeds": {json.dumps(entry["seeds"])},\n      "bounds": {{\n{inner}\n      }}\n    }}'
+        )
+    BOUNDS.write_text(
+        '{\n  "best": '
+        + json.dumps(table["best"])
+        + ',\n  "resolution": '
+        + json.dumps(table["resolution"])
+        + ',\n  "runs": {\n'
+        + ",\n".join(lines)
+        + "\n  }\n}\n"
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        prog="impedraw figures",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--rows", choices=["readme", "all"], default="all")
+    parser.add_argument("--fill", action="store_true")
+    parser.add_argument("--speeds", action="store_true")
+    parser.add_argument("--bounds", action="store_true")
+    parser.add_argument("--list", action="store_true")
+    parser.add_argument(
+        "--out", type=pathlib.Path, default=ROOT / "build/figures", help="where the runs go"
+    )
+    parser.add_argument("--reuse", action="store_true", help="take runs that are there already")
+    options = parser.parse_args()
+    global REUSE
+    REUSE = options.reuse
+    try:
+        return work(options)
+    except (quotes.QuoteError, RunFailed, KeyError) as error:
+        print(f"impedraw figures: {error}", file=sys.stderr)
+        return 2 if isinstance(error, quotes.QuoteError) else 3
+
+
+def work(options) -> int:
+    if options.list:
+        for key, f in sorted(read_figures().items()):
+            print(f"{key:<48} {f['value']:>12g} {f['unit']:<5} {f['command']}")
+        print("tables: " + ", ".join(TABLES))
+        return 0
+    if options.bounds:
+        write_bounds(measure(set(bounds()["runs"]), options.out))
+        print(f"wrote {BOUNDS.relative_to(ROOT)}")
+        return 0
+    pages = documents(options.rows)
+    before = read_figures()
+    if options.fill:
+        figures = before
+    else:
+        figures = as_figures(measure(needed_runs(pages), options.out))
+        if options.speeds and not options.check:
+            figures |= speeds(options.out)
+        figures |= {
+            key: f
+            for key, f in before.items()
+            if key not in figures and (options.rows == "readme" or not f.get("compared", True))
+        }
+    stale = fill_all(pages, figures, write=not options.check)
+    for line in stale:
+        print(line)
+    if options.check:
+        print(
+            f"{len(stale)} quoted numbers are stale; ./impedraw figures writes them again"
+            if stale
+            else "every quoted number holds"
+        )
+        return 1 if stale else 0
+    if not options.fill:
+        write_figures(figures)
+    print(f"{len(figures)} figures; {len(stale)} stale numbers in the documents were replaced")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
