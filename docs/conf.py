@@ -34,8 +34,6 @@ nitpick_ignore_regex = [
     ("cpp:identifier", r"Canvas|FlatChart|Index|JointDrive|Mujoco|PathSpline|Workspace"),
     ("cpp:identifier", r"kMostNeighbours|kTorqueTerms"),
 ]
-# Pages that other commands generate may be absent from a fresh tree.
-suppress_warnings = ["toc.empty_glob"]
 
 html_theme = "furo"
 html_title = "impedraw"
