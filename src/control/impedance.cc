@@ -12,7 +12,7 @@ namespace impedraw {
 
 namespace {
 
-// K' of control.md: where a stiffness is zero, the reference sizes the damping.
+// K' of docs/theory.md, Damping: where a stiffness is zero, the reference sizes the damping.
 TipGain with_reference(const TipGain& k, const TipGain& reference) {
   const auto pick = [](double value, double fallback) { return value > 0.0 ? value : fallback; };
   return {{pick(k.linear.tangent, reference.linear.tangent),
