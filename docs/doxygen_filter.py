@@ -29,7 +29,12 @@ def main():
     else:
         out = ["/** \\file", *map(escaped, text), "*/"]
     last_code = ";"  # what ends the last line of code
+    private = False
     for line in lines[head:]:
+        private = (private or line == " private:") and line != "};"
+        if private:  # Doxygen's XML would have it
+            out.append("")
+            continue
         if line in ("namespace impedraw {", "}  // namespace impedraw"):
             out.append("")  # all of it is; names are shorter without
             continue
