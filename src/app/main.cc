@@ -23,39 +23,42 @@ namespace {
 
 void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("scenario", options->scenario,
-                      "YAML file; without one the sine on the standard bowl");
+                      "YAML file (default: the sine in the standard bowl)");
   command->add_option("--shape", options->shape, "built-in drawing: sine, M, sine10, circle");
   command
       ->add_option("--svg", options->svg,
-                   "a drawing of your own: .svg, or strokes as .txt, .strokes or .csv")
+                   "your own drawing: .svg, or strokes as .txt, .strokes or .csv")
       ->excludes("--shape");
-  command->add_option("--text", options->text, "a text to write in single strokes; \\n ends a line")
+  command->add_option("--text", options->text, "text to write in single strokes; \\n ends a line")
       ->excludes("--shape")
       ->excludes("--svg");
-  command->add_flag("--keep-order", options->keep_order,
-                    "draw the strokes of a file as it lists them, not with short ways in the air");
+  command->add_flag(
+      "--keep-order", options->keep_order,
+      "keep the order of the file's strokes (default: ordered for short ways in the air)");
   command->add_option("--out", options->out,
-                      "folder of the run, made if missing (default: runs/NAME)");
+                      "folder for the run, created if missing (default: runs/NAME)");
   command
       ->add_option("--set", options->assignments,
-                   "override one setting, as in --set control.normal_force=3; may be given again")
+                   "override a setting, as in --set path.draw_speed=0.1; may be repeated")
       ->take_all()
       ->allow_extra_args(false);
 }
 
 void add_table_options(CLI::App* command, impedraw::CellTableOptions* options) {
   command->add_option("--out", options->out,
-                      "folder of the table and the picture, made if missing (default: runs/" +
+                      "folder for the table and the picture, created if missing (default: runs/" +
                           command->get_name() + ")");
-  command->add_option("--jobs", options->jobs, "cells at a time (default: the number of cores)")
+  command
+      ->add_option("--jobs", options->jobs,
+                   "number of cells to run at a time (default: the number of cores)")
       ->check(CLI::Range(1, 1024));
   command->add_option("--only", options->only,
-                      "only cells whose name matches this regular expression");
+                      "run only cells whose name matches this regular expression");
   command->add_flag(
       "--again", options->again,
-      "run anew what an earlier run in that folder has done; without it that is kept");
+      "run all cells again (default: keep what an earlier run in that folder finished)");
   command->add_flag("--list", options->list,
-                    "print each cell's name and the command that runs it alone");
+                    "print the name of each cell and the command that runs it alone");
 }
 
 // Some libraries' messages are longer.
@@ -67,40 +70,41 @@ std::string one_line(std::string text) {
 
 int run_program(int argc, char** argv) {
   CLI::App app(
-      "impedraw: an iiwa draws with a pen on surfaces that nobody measured, held there by "
+      "impedraw: a pen on a simulated robot arm draws on unknown curved surfaces, held there by "
       "operational-space impedance control.");
   app.name("./impedraw");
   app.require_subcommand(1);
-  app.footer("Each has examples: ./impedraw draw --help");
+  app.footer("Each command has its own help with examples: ./impedraw draw --help");
   app.failure_message(CLI::FailureMessage::simple);
   impedraw::DrawOptions options;
   int code = 0;
 
   CLI::App* draw = app.add_subcommand(
-      "draw", "draw artwork on a canvas; leaves the drawing, its numbers and a report");
+      "draw", "draw artwork on a canvas; writes the drawing, its metrics and a report");
   add_scenario_options(draw, &options);
   draw->add_flag("--no-perception", options.no_perception,
-                 "blind: stiffness control with the set-point beneath the surface");
-  draw->add_flag("--skip-unreachable", options.skip_unreachable,
-                 "draw what passes the pre-flight and name the rest; without it nothing is drawn");
+                 "stiffness control without perception, with the set-point beneath the surface");
+  draw->add_flag(
+      "--skip-unreachable", options.skip_unreachable,
+      "draw what passes the pre-flight and list the rest (default: draw all or nothing)");
   draw->add_flag("--resume", options.resume,
-                 "go on with an interrupted run: what it drew is kept, what has no ink is drawn");
+                 "continue an interrupted run: keep what it drew, draw what has no ink");
   draw->footer(
       "Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw "
       "draw --svg flower.svg --set "
       "drawing.placement.fit_radius=0.12\n"
       "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind\n"
-      "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: goes on where it was");
+      "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run");
   draw->callback([&] { code = impedraw::draw(options); });
 
   bool plan_json = false;
   CLI::App* plan = app.add_subcommand("plan",
-                                      "the pre-flight: which strokes can be drawn, which not, "
-                                      "where and why, how long it takes; a picture");
+                                      "check which strokes can be drawn, without moving: what "
+                                      "fails, where and why, how long it takes; draws a picture");
   add_scenario_options(plan, &options);
-  plan->add_flag("--json", plan_json, "as JSON");
+  plan->add_flag("--json", plan_json, "print JSON");
   plan->footer(
-      "Exit code 0 when all of it can be drawn, 1 when some of it cannot.\n"
+      "The exit code is 0 if everything can be drawn, else 1.\n"
       "Examples:\n  ./impedraw plan --svg artwork/koi.svg\n  ./impedraw plan --svg flower.svg "
       "--set drawing.placement.fit_radius=0.3\n"
       "  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.3 "
@@ -110,12 +114,12 @@ int run_program(int argc, char** argv) {
   for (CLI::App* command : {draw, plan})
     command
         ->add_option("--place", options.place,
-                     "fixed: the canvas stands where the scenario says; auto: where the arm "
-                     "reaches the drawing best")
+                     "where the canvas stands: fixed, as the scenario says; auto, where the "
+                     "arm reaches the drawing best")
         ->check(CLI::IsMember({"fixed", "auto"}));
 
-  CLI::App* compare =
-      app.add_subcommand("compare", "the same drawing with and without perception, side by side");
+  CLI::App* compare = app.add_subcommand(
+      "compare", "draw the same with and without perception and compare side by side");
   add_scenario_options(compare, &options);
   compare->footer(
       "Examples:\n  ./impedraw compare\n  ./impedraw compare scenarios/bowl-m.yaml --out /tmp/m\n"
@@ -124,26 +128,26 @@ int run_program(int argc, char** argv) {
 
   std::filesystem::path folder;
   CLI::App* report = app.add_subcommand(
-      "report", "make metrics, pictures and report of a run again, from its log");
-  report->add_option("folder", folder, "of a run")->required();
+      "report", "compute metrics, pictures and report of a run again from its log");
+  report->add_option("folder", folder, "folder of a run")->required();
   report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
   report->callback([&] { code = impedraw::report(folder); });
 
   std::filesystem::path inspected;
   bool as_json = false;
   CLI::App* inspect = app.add_subcommand("inspect",
-                                         "what an artwork or a mesh holds, without drawing it: "
-                                         "strokes, length, layers; triangles, faults");
+                                         "describe an artwork or mesh file: strokes, length, "
+                                         "layers; triangles, faults");
   inspect
       ->add_option("file", inspected,
                    "artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: .obj, .stl, .ply")
       ->required();
-  inspect->add_flag("--json", as_json, "as JSON");
+  inspect->add_flag("--json", as_json, "print JSON");
   using impedraw::LengthUnit;
   const std::map<std::string, LengthUnit> units{
       {"m", LengthUnit::m}, {"mm", LengthUnit::mm}, {"cm", LengthUnit::cm}, {"in", LengthUnit::in}};
   std::string unit = "m";
-  inspect->add_option("--unit", unit, "of a mesh's numbers: m, mm, cm, in (default: m)")
+  inspect->add_option("--unit", unit, "unit of a mesh's coordinates: m, mm, cm, in (default: m)")
       ->check(CLI::IsMember({"m", "mm", "cm", "in"}));
   inspect->footer(
       "Examples:\n  ./impedraw inspect artwork/koi.svg\n  ./impedraw inspect --json flower.svg\n"
@@ -153,15 +157,15 @@ int run_program(int argc, char** argv) {
   int poses = 8;
   CLI::App* calibrate = app.add_subcommand(
       "calibrate-tool",
-      "find mass and centre of mass of the tool on the wrench sensor, on the simulated arm");
+      "identify mass and centre of mass of the tool on the simulated wrench sensor");
   calibrate->add_option(
       "scenario", options.scenario,
-      "YAML file with control.wrench sensor or realistic (default: bowl-sine-realistic)");
-  calibrate->add_option("--poses", poses, "how many orientations it holds the tool in")
+      "YAML file whose control.wrench is sensor or realistic (default: bowl-sine-realistic)");
+  calibrate->add_option("--poses", poses, "number of orientations in which the tool is held")
       ->check(CLI::Range(3, 100));
   calibrate
       ->add_option("--set", options.assignments,
-                   "override one setting, as in --set wrench_sensor.noise_force=0.2")
+                   "override a setting, as in --set wrench_sensor.noise_force=0.2; may be repeated")
       ->take_all()
       ->allow_extra_args(false);
   calibrate->footer(
@@ -173,37 +177,37 @@ int run_program(int argc, char** argv) {
   impedraw::CellTableOptions table;
   CLI::App* robustness = app.add_subcommand(
       "robustness",
-      "speeds, slopes, pushes, canvases and model errors, cell by cell; leaves a table and a plot");
+      "vary speed, slope, force, canvas and model errors cell by cell; writes a table and a plot");
   robustness->footer(
-      "Stopped by ctrl-C it goes on where it was when started again. Cells that fail are findings: "
-      "the exit code is 0 once all were run.\n"
+      "After ctrl-C, the same command continues. Cells that fail are findings: the exit code is 0 "
+      "once all have run.\n"
       "Examples:\n  ./impedraw robustness\n  ./impedraw robustness --only "
       "'^matrix-nominal-200mm_s' --out /tmp/fast\n"
       "  ./impedraw robustness --list | grep -A1 wave");
   robustness->callback([&] { code = impedraw::robustness(table); });
 
-  CLI::App* reach = app.add_subcommand("reach",
-                                       "ten drawings on ten canvases: what is drawn, how well, "
-                                       "what is not and why; leaves a table and pictures");
+  CLI::App* reach =
+      app.add_subcommand("reach",
+                         "draw ten drawings on ten canvases: what is drawn, how well, "
+                         "what is not and why; writes a table and pictures");
   reach->footer(
-      "Stopped by ctrl-C it goes on where it was when started again. Combinations that miss a "
-      "limit are findings: the exit code is 0 once\n"
-      "all were run.\n"
+      "After ctrl-C, the same command continues. Combinations that miss a limit are findings: the "
+      "exit code is 0 once all have run.\n"
       "Examples:\n  ./impedraw reach\n  ./impedraw reach --only '^koi-on' --out /tmp/koi\n  "
       "./impedraw reach --list | grep -A1 wall");
   reach->callback([&] { code = impedraw::reach(table); });
   for (CLI::App* command : {robustness, reach}) add_table_options(command, &table);
 
-  CLI::App* settings =
-      app.add_subcommand("settings", "every setting of a scenario: default, limits, unit, meaning");
+  CLI::App* settings = app.add_subcommand(
+      "settings", "list every setting of a scenario: default, limits, unit, meaning");
   impedraw::SettingsForm form = impedraw::SettingsForm::text;
   CLI::Option* markdown = settings->add_flag(
       "--markdown", [&](auto) { form = impedraw::SettingsForm::markdown; },
-      "as docs/settings.md has them");
+      "print Markdown, as in docs/settings.md");
   settings
       ->add_flag(
           "--json-schema", [&](auto) { form = impedraw::SettingsForm::json_schema; },
-          "as a JSON Schema of scenario files, as docs/scenario.schema.json has it")
+          "print a JSON Schema of scenario files, as in docs/scenario.schema.json")
       ->excludes(markdown);
   settings->footer(
       "Examples:\n  ./impedraw settings | less\n  ./impedraw settings | grep control\n"
@@ -212,8 +216,8 @@ int run_program(int argc, char** argv) {
   settings->callback([&] { code = impedraw::print_settings(form); });
 
   CLI::App* bench = app.add_subcommand("bench",
-                                       "speed as ratios against floors measured in the same run; "
-                                       "exit code 1 when a limit is missed");
+                                       "measure speed as ratios to floors of the same run; exit "
+                                       "code 1 if a limit is missed");
   bench->prefix_command();
   bench->footer("Examples:\n  ./impedraw bench\n  ./impedraw bench --benchmark_filter=normal");
   bench->callback([&] {
@@ -233,7 +237,7 @@ int run_program(int argc, char** argv) {
       if (option->get_items_expected_max() > 0)
         option->check(
             [](const std::string& text) {
-              return text.empty() ? std::string("nothing is given") : std::string();
+              return text.empty() ? std::string("a value is missing") : std::string();
             },
             "", "");
 

@@ -1,4 +1,4 @@
-// Population statistics as measures.md means them. Each needs at least one value.
+// Population statistics as docs/metrics.md defines them. Each needs at least one value.
 #pragma once
 
 #include <algorithm>

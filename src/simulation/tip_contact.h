@@ -9,7 +9,7 @@
 //
 // The spring from the start of the step with an implicit damper follows the oscillator (k, b, m)
 // within 1 % at 1 ms on this tip; stable while √(k/m) h < 2. MuJoCo's own convex cone couples
-// normal and tangential motion instead, and throws a sliding tip off (simulation.md).
+// normal and tangential motion instead, and throws a sliding tip off (docs/decisions/0002).
 #pragma once
 
 #include <Eigen/Core>

@@ -164,7 +164,7 @@ TEST_F(CommandLine, WrongArguments) {
   refused({"draw", "--bogus"}, {"--bogus", "draw --help"});
   refused({"draw", "a.yaml", "b.yaml"}, {"b.yaml", "draw --help"});
   refused({"draw", "--shape", "M", "--svg", "x.svg"}, {"--shape excludes --svg"});
-  refused({"draw", "--shape", ""}, {"--shape: nothing is given"});
+  refused({"draw", "--shape", ""}, {"--shape: a value is missing"});
   refused({"report"}, {"folder is required"});
   const Ended none = call({});
   EXPECT_EQ(none.code, 2);

@@ -32,7 +32,7 @@ TEST(Metrics, PlainRun) {
   expect("draw_time", 1.0);
   expect("joint_margin_min", 1.0);
   expect("step_time_p50", 10.0);
-  // Every name of measures.md is there, and each null has its reason.
+  // Every name of docs/metrics.md is there, and each null has its reason.
   EXPECT_EQ(metric_definitions().size(), 31u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));

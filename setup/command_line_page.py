@@ -1,0 +1,47 @@
+"""docs/command-line.md from the program's own --help.
+
+usage: command_line_page.py [--check] PROGRAM PAGE
+
+Writes PAGE; with --check compares instead, and fails where it differs.
+"""
+
+import re
+import subprocess
+import sys
+
+INTRODUCTION = """\
+# Command line
+
+<!-- Made by setup/command_line_page.py from the program's --help: ./impedraw docs writes it anew. -->
+
+`./impedraw` installs and builds what is missing, then runs the program. `./impedraw docs` builds this
+documentation. The other commands:
+"""
+
+
+def help_of(program, *command):
+    text = subprocess.run([program, *command, "--help"], check=True, capture_output=True, text=True).stdout
+    return "\n".join(line.rstrip() for line in text.strip().splitlines())
+
+
+def page(program):
+    whole = help_of(program)
+    commands = re.findall(r"^  ([a-z][\w-]*) ", whole.split("Subcommands:")[1], re.MULTILINE)
+    parts = [INTRODUCTION, f"```text\n{whole}\n```\n"]
+    for command in commands:
+        parts.append(f"## {command}\n\n```text\n{help_of(program, command)}\n```\n")
+    return "\n".join(parts)
+
+
+def main():
+    arguments = [argument for argument in sys.argv[1:] if argument != "--check"]
+    program, path = arguments
+    text = page(program)
+    if "--check" not in sys.argv:
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+    elif open(path, encoding="utf-8").read() != text:
+        sys.exit(f"impedraw: {path} is not what the program's --help says; write it anew: ./impedraw docs")
+
+
+main()
