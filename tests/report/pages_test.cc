@@ -31,7 +31,7 @@ TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
   const auto start = std::chrono::steady_clock::now();
   write_report(folder_, run, drawn, compute_metrics(run, drawn),
-               {.title = "A <title>", .limits = {{"ink_error_rms", {{"max", 0.001}}}}});
+               {.title = "A <title>", .limits = {{"ink_error_rms", {.most = 0.001}}}});
   std::printf("report: %.2f s\n",
               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   const std::string page = text_of(folder_ / "report.html");
