@@ -437,6 +437,12 @@ void describe(Fields& f, FaultSettings& s) {
   f.field("duration", s.duration, Range{0.0, 1000.0}, "s", "how long");
 }
 
+void describe(Fields& f, LogSettings& s) {
+  f.choice("rate", s.rate, {{"reduced", LogRate::reduced}, {"full", LogRate::full}},
+           "full: everything of every control step; reduced: a sixth of its size, the same "
+           "metrics.json, and rows at 62.5 Hz and at the extremes of the force");
+}
+
 void describe(Fields& f, Scenario& s) {
   f.field("name", s.name, "of the run");
   f.field("seed", s.seed, Range{0, 1e9}, "", "of everything random");
@@ -452,6 +458,7 @@ void describe(Fields& f, Scenario& s) {
   f.field("wrench_sensor", s.wrench_sensor,
           "between flange and pen, where control.wrench is sensor");
   f.field("pen", s.pen, "the line it leaves, for the pictures");
+  f.field("log", s.log, "how much of the run it keeps");
   f.field("pushes", s.pushes, "disturbances");
   f.field("faults", s.faults, "put on purpose");
 }
