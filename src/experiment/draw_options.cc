@@ -34,7 +34,12 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   const auto name_after = [&](const std::string& artwork) {
     scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
   };
-  Places places = read_settings(scenario, file, options.assignments);
+  // The standard sine keeps its whole log, being judged from it; artwork drawn in its place does
+  // not unless told to.
+  std::vector<std::string> assignments = options.assignments;
+  if (options.scenario.empty() && !(options.svg.empty() && options.text.empty()))
+    assignments.insert(assignments.begin(), "log.rate=reduced");
+  Places places = read_settings(scenario, file, assignments);
   tell_renamed(places);
   if (!options.shape.empty()) {
     scenario.drawing.shape = options.shape;

@@ -511,6 +511,12 @@ void describe(Fields& f, FaultSettings& s) {
   f.field("duration", s.duration, Range{0.0, 1000.0}, "s", "Duration of the fault.");
 }
 
+void describe(Fields& f, LogSettings& s) {
+  f.choice("rate", s.rate, {{"reduced", LogRate::reduced}, {"full", LogRate::full}},
+           "full: everything of every control step; reduced: a sixth of its size, the same "
+           "metrics.json, and rows at 62.5 Hz and at the extremes of the force");
+}
+
 void describe(Fields& f, Scenario& s) {
   f.field("name", s.name, "Name of the run, and of its folder.");
   f.field("seed", s.seed, Range{0, 1e9}, "", "Seed of all random numbers.");
@@ -526,6 +532,7 @@ void describe(Fields& f, Scenario& s) {
   f.field("wrench_sensor", s.wrench_sensor,
           "Faults of the sensor between flange and pen, for control.wrench: sensor.");
   f.field("pen", s.pen, "The line that the pen leaves in the pictures.");
+  f.field("log", s.log, "How much of the run the log keeps.");
   f.field("pushes", s.pushes, "Pushes on the pen, as by a hand.");
   f.field("faults", s.faults, "Faults that are injected on purpose.");
 }

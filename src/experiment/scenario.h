@@ -15,6 +15,7 @@
 #include "impedraw/experiment/canvas_settings.h"
 #include "impedraw/experiment/faults.h"
 #include "impedraw/experiment/wrench_input.h"
+#include "impedraw/log/log_settings.h"
 #include "impedraw/perception/cloud.h"
 #include "impedraw/perception/normals.h"
 #include "impedraw/planning/path/tip_planner.h"
@@ -126,6 +127,7 @@ struct Scenario {
   WorldSettings world;
   WrenchSensorSettings wrench_sensor;
   PenSettings pen;
+  LogSettings log;
   std::vector<PushSettings> pushes;
   std::vector<FaultSettings> faults;
 };

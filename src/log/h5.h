@@ -1,4 +1,4 @@
-// The few HDF5 calls that this folder needs, with errors as exceptions. Private to src/report.
+// The few HDF5 calls that this folder needs, with errors as exceptions. Private to src/log.
 #pragma once
 
 #include <functional>

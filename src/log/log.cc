@@ -1,19 +1,21 @@
 #include "impedraw/log/log.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "impedraw/log/log_file.h"
 #include "impedraw/log/log_reader.h"
+#include "impedraw/log/log_step.h"
+#include "impedraw/log/row_selection.h"
 
 namespace impedraw {
 namespace {
 
-constexpr std::size_t kChunk = LogFile::kChunkRows;
-constexpr std::size_t kRing = 4 * kChunk;  // rows
 constexpr auto kFlushInterval = std::chrono::milliseconds(400);
 
 using Clock = std::chrono::steady_clock;
@@ -37,18 +39,40 @@ const RunLogHeader& checked(const RunLogHeader& h) {
   return h;
 }
 
+// Rows of one table on their way to the file. The loop owns [tail, head) growing at the head, the
+// thread owns shrinking it at the tail, one full chunk at a time.
+struct Stream {
+  LogTable table;
+  std::vector<LogColumn> columns;
+  std::size_t chunk, size;                     // rows, of a chunk and of the ring
+  std::vector<std::size_t> row_bytes{};        // of each column
+  std::vector<std::vector<std::byte>> ring{};  // `size` rows of each column
+  std::atomic<std::size_t> head{0}, tail{0};   // rows appended, rows that need not be kept
+
+  Stream(LogTable which, LogRate rate, const std::vector<LogColumn>& all)
+      : table(which), columns(all), chunk(LogFile::chunk_rows(which, rate)), size(4 * chunk) {
+    for (const LogColumn& column : columns) {
+      row_bytes.push_back(column.row_bytes());
+      ring.emplace_back(size * column.row_bytes());
+    }
+  }
+  std::byte* slot(std::size_t column, std::size_t row) {
+    return ring[column].data() + row % size * row_bytes[column];
+  }
+  bool has_chunk() const { return head.load() - tail.load() >= chunk; }
+};
+
 }  // namespace
 
-// The loop owns [tail, head) growing at the head, the thread owns shrinking it at the tail, one
-// full chunk at a time.
 struct RunLog::Writer {
   std::filesystem::path path;
   int joints, terms;
-  std::vector<LogColumn> columns;
   std::unique_ptr<LogFile> file;
-  std::vector<std::size_t> row_bytes;         // of each column
-  std::vector<std::vector<std::byte>> ring;   // kRing rows of each column
-  std::atomic<std::size_t> head{0}, tail{0};  // rows appended, rows that need not be kept
+  // In the order of LogTable: the rows, and of a reduced log the steps.
+  std::vector<std::unique_ptr<Stream>> streams;
+  std::optional<RowSelection> selection;  // of a reduced log
+  LogSteps measured;
+  std::size_t steps = 0;
   std::atomic<bool> closing{false}, failed{false};
   std::string cause;  // of the failure; written before `failed`
   std::mutex mutex;
@@ -59,11 +83,17 @@ struct RunLog::Writer {
       : path(log),
         joints(static_cast<int>(header.joint_names.size())),
         terms(static_cast<int>(header.torque_terms.size())),
-        columns(log_columns(header)) {
-    for (const LogColumn& column : columns) {
-      row_bytes.push_back(column.row_bytes());
-      ring.emplace_back(kRing * column.row_bytes());
-    }
+        measured(header) {
+    streams.push_back(std::make_unique<Stream>(LogTable::rows, header.rate, log_columns(header)));
+    if (header.rate == LogRate::full) return;
+    streams.push_back(std::make_unique<Stream>(LogTable::steps, header.rate, step_columns()));
+    selection.emplace(joints);
+  }
+
+  std::vector<std::size_t> heads() const {
+    std::vector<std::size_t> rows;
+    for (const auto& stream : streams) rows.push_back(stream->head.load(std::memory_order_acquire));
+    return rows;
   }
 
   // Opens the file (as LogFile's arguments say) and begins to write.
@@ -75,44 +105,87 @@ struct RunLog::Writer {
     } catch (const h5::Error& e) {
       throw LogError("cannot write " + path.string() + ": " + e.what());
     }
-    thread = std::thread([this, rows = head.load()] { run(rows); });  // what the file holds already
+    thread = std::thread([this, rows = heads()] { run(rows); });  // what the file holds already
   }
 
-  void write_rows(std::size_t from, std::size_t to) {
-    const std::size_t slot = from % kRing;
-    for (std::size_t c = 0; c < ring.size(); ++c)
-      file->write_chunk(c, from / kChunk, ring[c].data() + slot * row_bytes[c], to - from);
+  void add(Stream& stream, const auto& visit) {
+    const std::size_t head = stream.head.load(std::memory_order_relaxed);
+    if (head - stream.tail.load(std::memory_order_acquire) == stream.size) {
+      std::unique_lock lock(mutex);
+      room.wait(lock, [&] { return failed || head - stream.tail.load() < stream.size; });
+      if (failed) throw LogError(cause);
+    }
+    std::size_t c = 0;
+    visit([&](const void* data, int count, std::size_t size) {
+      std::memcpy(stream.slot(c++, head), data, static_cast<std::size_t>(count) * size);
+    });
+    stream.head.store(head + 1, std::memory_order_release);
+    if ((head + 1) % stream.chunk == 0) {
+      const std::scoped_lock lock(mutex);
+      more.notify_one();
+    }
   }
 
-  void run(std::size_t flushed) {
+  void add_row(const LogRow& row) {
+    add(*streams[0], [&](const auto& put) { put_row(row, terms, put); });
+  }
+
+  void append(const LogRow& row) {
+    ++steps;
+    if (!selection) return add_row(row);
+    const LogStep step = measured.measure(row);
+    add(*streams[1], [&](const auto& put) { put_step(step, put); });
+    selection->add(row, step.force, [this](const LogRow& kept) { add_row(kept); });
+  }
+
+  void write_rows(Stream& stream, std::size_t from, std::size_t to) {
+    for (std::size_t c = 0; c < stream.columns.size(); ++c)
+      file->write_chunk(stream.table, c, from / stream.chunk, stream.slot(c, from), to - from);
+  }
+
+  void write_chunks(Stream& stream) {
+    const std::size_t end = stream.head.load(std::memory_order_acquire);
+    std::size_t begin = stream.tail.load();
+    if (end - begin >= stream.chunk) file->resize(stream.table, end);
+    for (; end - begin >= stream.chunk; begin += stream.chunk) {
+      write_rows(stream, begin, begin + stream.chunk);
+      {
+        const std::scoped_lock lock(mutex);
+        stream.tail = begin + stream.chunk;
+      }
+      room.notify_one();
+    }
+  }
+
+  // What does not fill a chunk yet, too. Returns how many rows the file then has.
+  std::size_t write_rest(Stream& stream) {
+    const std::size_t begin = stream.tail.load();
+    const std::size_t end =
+        std::min(stream.head.load(std::memory_order_acquire), begin + stream.chunk);
+    file->resize(stream.table, end);
+    if (end > begin) write_rows(stream, begin, end);
+    return end;
+  }
+
+  void run(std::vector<std::size_t> flushed) {
     h5::quiet_errors();
     try {
       Clock::time_point last_flush = Clock::now();
       for (bool last = false; !last;) {
         {
           std::unique_lock lock(mutex);
-          more.wait_for(lock, std::chrono::milliseconds(50),
-                        [&] { return closing || head.load() - tail.load() >= kChunk; });
+          more.wait_for(lock, std::chrono::milliseconds(50), [&] {
+            return closing || std::any_of(streams.begin(), streams.end(),
+                                          [](const auto& s) { return s->has_chunk(); });
+          });
         }
         last = closing;
-        std::size_t end = head.load(std::memory_order_acquire), begin = tail.load();
-        if (end - begin >= kChunk) file->resize(end);
-        for (; end - begin >= kChunk; begin += kChunk) {
-          write_rows(begin, begin + kChunk);
-          {
-            const std::scoped_lock lock(mutex);
-            tail = begin + kChunk;
-          }
-          room.notify_one();
-        }
+        for (const auto& stream : streams) write_chunks(*stream);
         if (!last && Clock::now() - last_flush < kFlushInterval) continue;
         last_flush = Clock::now();
-        end = std::min(head.load(std::memory_order_acquire), begin + kChunk);
-        if (end == flushed) continue;
-        file->resize(end);
-        if (end > begin) write_rows(begin, end);
+        if (heads() == flushed) continue;
+        for (std::size_t s = 0; s < streams.size(); ++s) flushed[s] = write_rest(*streams[s]);
         file->flush();
-        flushed = end;
       }
     } catch (const std::exception& e) {
       cause = "cannot write " + path.string() + ": " + e.what();
@@ -141,26 +214,29 @@ RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& header)
 RunLog::RunLog(std::unique_ptr<Writer> writer) : writer_(std::move(writer)) {}
 RunLog::RunLog(RunLog&&) noexcept = default;
 
-RunLog RunLog::append_to(const std::filesystem::path& path, const RunLogHeader& header) {
+RunLog RunLog::append_to(const std::filesystem::path& path, const RunLogHeader& given) {
+  auto in = std::make_unique<LogReader>(path);
+  in->require(given);
+  RunLogHeader header = given;
+  header.rate = in->rate();
   RunLog log(std::make_unique<Writer>(path, checked(header)));
   Writer& w = *log.writer_;
-  std::size_t rows = 0;
-  {
-    const LogReader in(path);
-    in.require(header);
-    rows = in.rows();
+  for (const auto& stream : w.streams) {
+    const std::size_t rows = stream->table == LogTable::rows ? in->rows() : in->steps();
     // A chunk is written whole: the rows of the last one, where it is not full, come back into the
     // ring.
-    const std::size_t begin = rows / kChunk * kChunk;
-    for (std::size_t c = 0; c < w.columns.size() && rows > begin; ++c) {
-      if (!in.read(w.columns[c], begin, rows - begin,
-                   w.ring[c].data() + begin % kRing * w.row_bytes[c]))
-        in.fail("cannot be read");
+    const std::size_t begin = rows / stream->chunk * stream->chunk;
+    for (std::size_t c = 0; c < stream->columns.size() && rows > begin; ++c) {
+      if (!in->read(stream->columns[c], begin, rows - begin, stream->slot(c, begin)))
+        in->fail("cannot be read");
     }
-    w.tail = begin;
+    stream->tail = begin;
+    stream->head = rows;
   }
-  w.head = rows;
-  w.start(header, rows);
+  w.steps = in->steps();
+  if (header.rate == LogRate::reduced) w.measured.set_joint_margin(in->joint_margin());
+  in.reset();  // the file is opened once at a time
+  w.start(header, w.heads());
   return log;
 }
 
@@ -180,28 +256,13 @@ void RunLog::append(const LogRow& row) {
   if (!fits)
     throw std::invalid_argument("run log: a row's joint vectors must have " +
                                 std::to_string(w.joints) + " values");
-  const std::size_t head = w.head.load(std::memory_order_relaxed);
-  if (head - w.tail.load(std::memory_order_acquire) == kRing) {
-    std::unique_lock lock(w.mutex);
-    w.room.wait(lock, [&] { return w.failed || head - w.tail.load() < kRing; });
-    if (w.failed) throw LogError(w.cause);
-  }
-  const std::size_t slot = head % kRing;
-  std::size_t c = 0;
-  put_row(row, w.terms, [&](const void* data, int count, std::size_t size) {
-    std::memcpy(w.ring[c].data() + slot * w.row_bytes[c], data, count * size);
-    ++c;
-  });
-  w.head.store(head + 1, std::memory_order_release);
-  if ((head + 1) % kChunk == 0) {
-    const std::scoped_lock lock(w.mutex);
-    w.more.notify_one();
-  }
+  w.append(row);
 }
 
 WallTimes RunLog::close(WallTimes wall) {
   Writer& w = *writer_;
   const Clock::time_point start = Clock::now();
+  if (w.selection && !w.failed) w.selection->finish([&](const LogRow& row) { w.add_row(row); });
   w.stop();
   if (w.failed) {
     if (w.file) w.file->abandon();
@@ -221,6 +282,6 @@ WallTimes RunLog::close(WallTimes wall) {
   return wall;
 }
 
-long RunLog::rows() const noexcept { return static_cast<long>(writer_->head.load()); }
+long RunLog::steps() const noexcept { return static_cast<long>(writer_->steps); }
 
 }  // namespace impedraw

@@ -1,14 +1,15 @@
 // run.h5: what happened in every control step, streamed while it happens.
 //
 // One row a step (row i: the state at t_i, the torque computed from it, the contact force acting
-// over [t_i, t_i+1)). SI, world frame W, quaternions w x y z. docs of every dataset: columns() in
+// over [t_i, t_i+1)); a reduced log has rows of some steps (row_selection.h) and of every step what
+// metrics, plots and a resumed run need (/every_step, log_step.h). SI, world frame W, quaternions w x y z. docs of every dataset: columns() in
 // log_columns.cc, written into the file as attributes unit, frame, description.
 //
 //   loop ── append(): copies the row into a ring of columns ──> writer thread: shuffle, deflate,
 //   HDF5 chunk, flush
 //
 // append() allocates nothing and does no I/O; it waits only when the disk has fallen a whole ring
-// (16,384 rows) behind. Rows reach the file at least every half second of wall time, so kill -9
+// (16,384 steps) behind. Rows reach the file at least every half second of wall time, so kill -9
 // loses less than the last second: between flushes nothing that the file on disk refers to is
 // touched (metadata is held back, freed space is never used again). Memory does not grow with the
 // run.
@@ -29,6 +30,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/log/log_settings.h"
 
 namespace impedraw {
 
@@ -94,6 +96,8 @@ struct RunLogHeader {
   std::vector<Eigen::Vector3d> target_points;     // the artwork projected on the true canvas [m]
   std::vector<int> target_stroke;                 // whose stroke each point is; non-decreasing
   std::map<std::string, std::string> attributes;  // of the file's root: scenario, seed, version …
+  LogRate rate = LogRate::full;
+  double dt = 1e-3;  // of a control step [s]
 };
 
 // Wall seconds of the parts of a run [s]; NaN where not measured. `writing` is what close() still
@@ -118,7 +122,8 @@ class RunLog {
   // may lack its last ones). `header` must be that of the log (joints and their limits, terms,
   // contact states; sizes of canvas, cloud and target): InputError, also for what is no log, naming
   // what differs. LogError when the file cannot be written. What the log holds of canvas, cloud,
-  // target and attributes stays. The caller sees to it that times go on rising.
+  // target and attributes stays, and so does its rate. The caller sees to it that times go on
+  // rising.
   static RunLog append_to(const std::filesystem::path& path, const RunLogHeader& header);
   ~RunLog();  // closes without wall times, if close() was not called; says nothing of errors
   RunLog(RunLog&&) noexcept;
@@ -135,7 +140,7 @@ class RunLog {
   // its runs, NaN when one of them was killed.
   WallTimes close(WallTimes wall = {});
 
-  long rows() const noexcept;  // of the log so far, those found by append_to() included
+  long steps() const noexcept;  // of the log so far, those found by append_to() included
 
  private:
   struct Writer;

@@ -52,4 +52,37 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
   return columns;
 }
 
+const std::vector<LogColumn>& step_columns() {
+  static const std::vector<LogColumn> columns = {
+      {"/every_step/time", 1, false, "s", "none",
+       "simulated time at the start of the control step"},
+      {"/every_step/normal_force", 1, false, "N", "contact normal",
+       "true force of the canvas on the tip along the outward normal; zero out of contact"},
+      {"/every_step/contact_point", 3, false, "m", "world",
+       "point of the canvas closest to the centre of the tip sphere; NaN out of contact"},
+      {"/every_step/tilt", 1, false, "rad", "none",
+       "angle between the pen and the canvas's true normal; NaN but on pen-down ink"},
+      {"/every_step/normal_error", 1, false, "rad", "none",
+       "angle between the estimated and the true normal; NaN but on pen-down ink"},
+      {"/every_step/push", 1, false, "N", "surface normal", "normal force asked for"},
+      {"/every_step/torque_share", 1, false, "1", "none",
+       "largest joint torque against its limit, to a float's precision"},
+      {"/every_step/joint_margin", 1, false, "rad", "joint axes",
+       "smallest distance of a joint to its limits up to this step"},
+      {"/every_step/clipped", 1, true, "1", "none", "1 where a joint's torque was limited"},
+      {"/every_step/mode", 1, true, "1", "none",
+       "contact state of the controller; attribute names of /mode says which"},
+      {"/every_step/stroke", 1, true, "1", "none",
+       "stroke that the plan is drawing, from the plan alone; -1 between strokes"},
+      {"/every_step/stroke_along", 1, false, "m", "drawing plane",
+       "length along the stroke of the desired point; NaN between strokes"},
+      {"/every_step/felt_force", 1, false, "N", "surface normal",
+       "measured force along the estimated normal, to a float's precision; NaN without an "
+       "estimate"},
+      {"/every_step/step_time", 1, false, "s", "none",
+       "wall time of the controller step, to a float's precision"},
+  };
+  return columns;
+}
+
 }  // namespace impedraw

@@ -1,5 +1,5 @@
-// The datasets of run.h5 that grow with the run: one list, from which the log is written. Private
-// to src/report.
+// The datasets of run.h5 that grow with the run: two lists, from which the log is written. Private
+// to src/log.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "impedraw/log/log.h"
+#include "impedraw/log/log_step.h"
 
 namespace impedraw {
 
@@ -24,8 +25,11 @@ struct LogColumn {
   }
 };
 
-// In the order in which put_row() visits them.
+// In the order in which put_row() visits them; the first is the time.
 std::vector<LogColumn> log_columns(const RunLogHeader& header);
+
+// Of a reduced log, in the order in which put_step() visits them; the first is the time.
+const std::vector<LogColumn>& step_columns();
 
 // Calls put(pointer to first value, count, size of one value) for each column of log_columns().
 template <typename Put>
@@ -60,6 +64,26 @@ void put_row(const LogRow& row, int terms, Put&& put) {
   number(row.stroke);
   number(row.stroke_along);
   number(row.step_time);
+}
+
+// The same for step_columns(). Step: LogStep, const or not.
+template <typename Step, typename Put>
+void put_step(Step& step, Put&& put) {
+  const auto number = [&](auto& v) { put(&v, 1, sizeof(v)); };
+  number(step.time);
+  number(step.force);
+  put(step.contact_point.data(), 3, sizeof(double));
+  number(step.tilt);
+  number(step.normal_error);
+  number(step.push);
+  number(step.torque_share);
+  number(step.joint_margin);
+  number(step.clipped);
+  number(step.mode);
+  number(step.stroke);
+  number(step.stroke_along);
+  number(step.felt_force);
+  number(step.step_time);
 }
 
 }  // namespace impedraw

@@ -6,18 +6,21 @@
 
 #include <zlib.h>
 
+#include "impedraw/log/row_selection.h"
+
 namespace impedraw {
 namespace {
 
-constexpr std::size_t kTime = 0;  // place of /time among the columns
+constexpr std::size_t kTime = 0;  // place of the time among the columns
 
-h5::Id file_creation() {
+h5::Id file_creation(LogRate rate) {
   h5::Id list = h5::own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file settings");
   // Freed space stays free: a chunk on which the file on disk still relies is never overwritten.
   h5::check(H5Pset_file_space_strategy(list, H5F_FSPACE_STRATEGY_NONE, false, 1), "file settings");
   // 2,048 chunks in an index node: no node is split, and so no index is inconsistent for an
-  // instant, within 8 million rows (2.3 hours).
-  h5::check(H5Pset_istore_k(list, 1024), "file settings");
+  // instant, within 8 million rows (2.3 hours). A node takes 80 kB for each dataset from the start,
+  // which a reduced log cannot afford: 512 chunks, 131,000 rows (28 minutes).
+  h5::check(H5Pset_istore_k(list, rate == LogRate::full ? 1024 : 256), "file settings");
   return list;
 }
 
@@ -125,15 +128,55 @@ std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
 }
 
 LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header)
-    : deflater_(std::make_unique<Deflater>()), columns_(log_columns(header)) {
-  file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, file_creation(), file_access()), H5Fclose,
-                  "create");
+    : deflater_(std::make_unique<Deflater>()) {
+  file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, file_creation(header.rate), file_access()),
+                  H5Fclose, "create");
+  make_tables(header);
+  for (Table& table : tables_) create_datasets(table, header);
+  write_static(header);
+  flush();
+}
+
+LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
+                 const std::vector<std::size_t>& rows)
+    : deflater_(std::make_unique<Deflater>()) {
+  file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, file_access()), H5Fclose, "open");
+  make_tables(header);
+  for (Table& table : tables_) {
+    for (const LogColumn& column : table.columns)
+      table.datasets.push_back(
+          h5::own(H5Dopen2(file_, column.name.c_str(), H5P_DEFAULT), H5Dclose, column.name));
+  }
+  for (const auto& [name, seconds] : wall_attributes(before_)) {
+    *seconds = h5::read_number(file_, name);
+    if (H5Aexists(file_, name) > 0)
+      h5::check(H5Adelete(file_, name), name);  // of what is appended now, they know nothing
+  }
+  for (std::size_t t = 0; t < tables_.size(); ++t) resize(static_cast<LogTable>(t), rows[t]);
+  flush();
+}
+
+void LogFile::make_tables(const RunLogHeader& header) {
+  tables_.push_back({log_columns(header), chunk_rows(LogTable::rows, header.rate)});
+  if (header.rate == LogRate::reduced)
+    tables_.push_back({step_columns(), chunk_rows(LogTable::steps, header.rate)});
+  std::size_t largest = 0;
+  for (const Table& table : tables_) {
+    for (const LogColumn& column : table.columns)
+      largest = std::max(largest, table.chunk_rows * column.row_bytes());
+  }
+  padded_.resize(largest);
+  shuffled_.resize(largest);
+  deflated_.resize(compressBound(largest) + 1024);
+}
+
+void LogFile::create_datasets(Table& table, const RunLogHeader& header) {
   const h5::Id links = link_creation();
-  for (const LogColumn& column : columns_) {
+  for (const LogColumn& column : table.columns) {
     const int rank = column.width == 1 ? 1 : 2;
     const hsize_t width = static_cast<hsize_t>(column.width);
     const hsize_t none[2] = {0, width}, unlimited[2] = {H5S_UNLIMITED, width},
-                  chunk[2] = {kChunkRows, width};
+                  chunk[2] = {table.chunk_rows, width};
     const h5::Id space = h5::own(H5Screate_simple(rank, none, unlimited), H5Sclose, column.name);
     const h5::Id creation = dataset_creation();
     h5::check(H5Pset_chunk(creation, rank, chunk), column.name);
@@ -146,50 +189,22 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header)
         H5Pset_fill_value(creation, type,
                           column.integer ? static_cast<const void*>(&no_integer) : &no_number),
         column.name);
-    datasets_.push_back(
+    table.datasets.push_back(
         h5::own(H5Dcreate2(file_, column.name.c_str(), type, space, links, creation, H5P_DEFAULT),
                 H5Dclose, column.name));
-    describe(datasets_.back(), column.unit, column.frame, column.description);
-    if (column.name == "/mode") h5::write_attribute(datasets_.back(), "names", header.mode_names);
+    const h5::Id& dataset = table.datasets.back();
+    describe(dataset, column.unit, column.frame, column.description);
+    if (column.name == "/mode") h5::write_attribute(dataset, "names", header.mode_names);
     if (column.name == "/joint/position") {
       const auto limits = [&](const Eigen::VectorXd& v) {
         return std::vector<double>(v.data(), v.data() + v.size());
       };
-      h5::write_attribute(datasets_.back(), "lower", limits(header.joint_lower));
-      h5::write_attribute(datasets_.back(), "upper", limits(header.joint_upper));
-      h5::write_attribute(datasets_.back(), "torque_limit", limits(header.torque_limit));
-      h5::write_attribute(datasets_.back(), "names", header.joint_names);
+      h5::write_attribute(dataset, "lower", limits(header.joint_lower));
+      h5::write_attribute(dataset, "upper", limits(header.joint_upper));
+      h5::write_attribute(dataset, "torque_limit", limits(header.torque_limit));
+      h5::write_attribute(dataset, "names", header.joint_names);
     }
   }
-  make_room();
-  write_static(header);
-  flush();
-}
-
-LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header, std::size_t rows)
-    : deflater_(std::make_unique<Deflater>()), columns_(log_columns(header)) {
-  file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, file_access()), H5Fclose, "open");
-  for (const LogColumn& column : columns_) {
-    datasets_.push_back(
-        h5::own(H5Dopen2(file_, column.name.c_str(), H5P_DEFAULT), H5Dclose, column.name));
-  }
-  make_room();
-  for (const auto& [name, seconds] : wall_attributes(before_)) {
-    *seconds = h5::read_number(file_, name);
-    if (H5Aexists(file_, name) > 0)
-      h5::check(H5Adelete(file_, name), name);  // of what is appended now, they know nothing
-  }
-  resize(rows);
-  flush();
-}
-
-void LogFile::make_room() {
-  std::size_t largest = 0;
-  for (const LogColumn& column : columns_)
-    largest = std::max(largest, kChunkRows * column.row_bytes());
-  padded_.resize(largest);
-  shuffled_.resize(largest);
-  deflated_.resize(compressBound(largest) + 1024);
 }
 
 void LogFile::write_static(const RunLogHeader& h) {
@@ -215,36 +230,41 @@ void LogFile::write_static(const RunLogHeader& h) {
               h.target_stroke.size(), 1, "1", "none",
               "index of the stroke that the target point belongs to");
   for (const auto& [name, text] : h.attributes) h5::write_attribute(file_, name, text);
+  if (h.rate == LogRate::reduced)
+    h5::write_attribute(file_, "rate_hz", 1.0 / (RowSelection::kStride * h.dt));
 }
 
 LogFile::~LogFile() = default;
 
-void LogFile::resize(std::size_t rows) {
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    if (c != kTime) resize_one(c, rows);
+void LogFile::resize(LogTable which, std::size_t rows) {
+  Table& table = at(which);
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (c != kTime) resize_one(table, c, rows);
   }
-  rows_ = rows;
+  table.rows = rows;
 }
 
-void LogFile::resize_one(std::size_t c, std::size_t rows) {
-  const hsize_t shape[2] = {rows, static_cast<hsize_t>(columns_[c].width)};
-  h5::check(H5Dset_extent(datasets_[c], shape), columns_[c].name);
+void LogFile::resize_one(Table& table, std::size_t c, std::size_t rows) {
+  const hsize_t shape[2] = {rows, static_cast<hsize_t>(table.columns[c].width)};
+  h5::check(H5Dset_extent(table.datasets[c], shape), table.columns[c].name);
 }
 
-void LogFile::write_chunk(std::size_t c, std::size_t chunk, const std::byte* data,
+void LogFile::write_chunk(LogTable which, std::size_t c, std::size_t chunk, const std::byte* data,
                           std::size_t rows) {
+  Table& table = at(which);
   if (c == kTime) {
-    held_back_.emplace_back(chunk,
-                            std::vector<std::byte>(data, data + rows * columns_[c].row_bytes()));
+    table.held_back.emplace_back(
+        chunk, std::vector<std::byte>(data, data + rows * table.columns[c].row_bytes()));
   } else {
-    put_chunk(c, chunk, data, rows);
+    put_chunk(table, c, chunk, data, rows);
   }
 }
 
-void LogFile::put_chunk(std::size_t c, std::size_t chunk, const std::byte* data, std::size_t rows) {
-  const LogColumn& column = columns_[c];
-  const std::size_t bytes = kChunkRows * column.row_bytes(), used = rows * column.row_bytes();
-  if (rows < kChunkRows) {
+void LogFile::put_chunk(Table& table, std::size_t c, std::size_t chunk, const std::byte* data,
+                        std::size_t rows) {
+  const LogColumn& column = table.columns[c];
+  const std::size_t bytes = table.chunk_rows * column.row_bytes(), used = rows * column.row_bytes();
+  if (rows < table.chunk_rows) {
     std::copy_n(data, used, padded_.data());
     std::fill(padded_.begin() + used, padded_.begin() + bytes, std::byte{0});
     data = padded_.data();
@@ -252,17 +272,19 @@ void LogFile::put_chunk(std::size_t c, std::size_t chunk, const std::byte* data,
   const std::size_t size = column.integer ? sizeof(int) : sizeof(double);
   shuffle(data, shuffled_.data(), bytes / size, size);
   const std::size_t packed = deflate_planes(bytes / size, size);
-  const hsize_t offset[2] = {chunk * kChunkRows, 0};
-  h5::check(H5Dwrite_chunk(datasets_[c], H5P_DEFAULT, 0, offset, packed, deflated_.data()),
+  const hsize_t offset[2] = {chunk * table.chunk_rows, 0};
+  h5::check(H5Dwrite_chunk(table.datasets[c], H5P_DEFAULT, 0, offset, packed, deflated_.data()),
             column.name);
 }
 
 void LogFile::flush() {
   h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
-  resize_one(kTime, rows_);
-  for (const auto& [chunk, data] : held_back_)
-    put_chunk(kTime, chunk, data.data(), data.size() / columns_[kTime].row_bytes());
-  held_back_.clear();
+  for (Table& table : tables_) {
+    resize_one(table, kTime, table.rows);
+    for (const auto& [chunk, data] : table.held_back)
+      put_chunk(table, kTime, chunk, data.data(), data.size() / table.columns[kTime].row_bytes());
+    table.held_back.clear();
+  }
   h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
 }
 
@@ -272,12 +294,14 @@ void LogFile::close(const WallTimes& wall) {
   for (const auto& [name, seconds] : wall_attributes(sum))
     h5::write_attribute(file_, name, *seconds);
   flush();
-  datasets_.clear();
+  tables_.clear();
   file_.reset();
 }
 
 void LogFile::abandon() {
-  for (h5::Id& dataset : datasets_) dataset.release();
+  for (Table& table : tables_) {
+    for (h5::Id& dataset : table.datasets) dataset.release();
+  }
   file_.release();
 }
 

@@ -9,7 +9,6 @@
 namespace impedraw {
 namespace {
 
-constexpr std::size_t kChunk = LogFile::kChunkRows;
 constexpr double kMostCompressed = 1100;  // deflate makes nothing smaller than to 1/1032
 
 Eigen::VectorXd to_vector(const std::vector<double>& v) {
@@ -74,11 +73,20 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
         header_.joint_names.size() != static_cast<std::size_t>(j)) {
       fail("attributes names, lower, upper and torque_limit of /joint/position differ in length");
     }
-    columns_ = log_columns(header_);
-    std::erase_if(columns_, [&](const LogColumn& column) {
+    header_.rate = has("/every_step") ? LogRate::reduced : LogRate::full;
+    std::vector<LogColumn> columns = log_columns(header_);
+    std::erase_if(columns, [&](const LogColumn& column) {
       return column.name == "/stroke_along" && !has(column.name);
     });
-    rows_ = count_rows();
+    rows_ = count_rows(columns, LogFile::chunk_rows(LogTable::rows, rate()));
+    if (rate() == LogRate::reduced) {
+      // Both tables up to the last time that both have.
+      steps_ = count_rows(step_columns(), LogFile::chunk_rows(LogTable::steps, rate()));
+      if (steps_ == 0) rows_ = 0;
+      if (rows_ > 0) rows_ = rows_until("/time", rows_, number_at("/every_step/time", steps_ - 1));
+      steps_ =
+          rows_ == 0 ? 0 : rows_until("/every_step/time", steps_, number_at("/time", rows_ - 1));
+    }
   } catch (const h5::Error& e) {
     fail(e.what());
   }
@@ -131,13 +139,14 @@ bool LogReader::read(const std::string& name, int width, bool integer, std::size
 
 // A dataset may have been extended when the kill came, and its chunks not yet entered: they would
 // read as nothing but fill values.
-std::size_t LogReader::written_rows(const Dataset& dataset, std::size_t rows) const {
+std::size_t LogReader::written_rows(const Dataset& dataset, std::size_t chunk,
+                                    std::size_t rows) const {
   const h5::Id creation = h5::own(H5Dget_create_plist(dataset.id), H5Pclose, "dataset settings");
-  hsize_t chunk[2] = {0, 0};
-  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_chunk(creation, 2, chunk) < 1 ||
-      chunk[0] != kChunk)
+  hsize_t shape[2] = {0, 0};
+  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_chunk(creation, 2, shape) < 1 ||
+      shape[0] != chunk)
     return rows;
-  for (std::size_t begin = 0; begin < rows; begin += kChunk) {
+  for (std::size_t begin = 0; begin < rows; begin += chunk) {
     const hsize_t offset[2] = {begin, 0};
     hsize_t bytes = 0;
     if (H5Dget_chunk_storage_size(dataset.id, offset, &bytes) < 0 || bytes == 0) return begin;
@@ -145,24 +154,23 @@ std::size_t LogReader::written_rows(const Dataset& dataset, std::size_t rows) co
   return rows;
 }
 
-bool LogReader::readable(std::size_t begin, std::size_t n) const {
-  std::vector<std::byte> rows;
-  return std::all_of(columns_.begin(), columns_.end(), [&](const LogColumn& column) {
-    rows.resize(n * column.row_bytes());
-    return read(column, begin, n, rows.data());
-  });
-}
-
-std::size_t LogReader::count_rows() const {
+std::size_t LogReader::count_rows(const std::vector<LogColumn>& columns, std::size_t chunk) const {
   std::size_t rows = static_cast<std::size_t>(-1);
-  for (const LogColumn& column : columns_)
+  for (const LogColumn& column : columns)
     rows = std::min(rows, open(column.name, column.width).rows);
-  for (const LogColumn& column : columns_)
-    rows = std::min(rows, written_rows(open(column.name), rows));
+  for (const LogColumn& column : columns)
+    rows = std::min(rows, written_rows(open(column.name), chunk, rows));
+  const auto readable = [&](std::size_t begin, std::size_t n) {
+    std::vector<std::byte> values;
+    return std::all_of(columns.begin(), columns.end(), [&](const LogColumn& column) {
+      values.resize(n * column.row_bytes());
+      return read(column, begin, n, values.data());
+    });
+  };
   while (rows > 0) {
-    const std::size_t begin = (rows - 1) / kChunk * kChunk;
+    const std::size_t begin = (rows - 1) / chunk * chunk;
     std::vector<double> time(rows - begin);
-    if (readable(begin, time.size()) && read("/time", 1, false, begin, time.size(), time.data()) &&
+    if (readable(begin, time.size()) && read(columns[0], begin, time.size(), time.data()) &&
         std::isfinite(time[0])) {
       std::size_t n = time.size();
       while (n > 1 && !(time[n - 1] > time[0]))
@@ -172,6 +180,32 @@ std::size_t LogReader::count_rows() const {
     rows = begin;
   }
   return 0;
+}
+
+// How many of the first `rows` of a dataset of times are not later than `time`. Few are: counted
+// from the end.
+std::size_t LogReader::rows_until(const std::string& name, std::size_t rows, double time) const {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<double> times;
+  while (rows > 0) {
+    const std::size_t n = std::min(rows, kBlock), begin = rows - n;
+    times.resize(n);
+    if (!read(name, 1, false, begin, n, times.data())) fail("dataset " + name + " cannot be read");
+    while (rows > begin && !(times[rows - begin - 1] <= time)) --rows;
+    if (rows > begin) return rows;
+  }
+  return 0;
+}
+
+double LogReader::number_at(const std::string& name, std::size_t row) const {
+  double value = LogRow::kNone;
+  if (!read(name, 1, false, row, 1, &value)) fail("dataset " + name + " cannot be read");
+  return value;
+}
+
+double LogReader::joint_margin() const {
+  return steps_ == 0 ? std::numeric_limits<double>::infinity()
+                     : number_at("/every_step/joint_margin", steps_ - 1);
 }
 
 void LogReader::require(const RunLogHeader& given) const {

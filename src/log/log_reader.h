@@ -1,9 +1,9 @@
 // run.h5 read back, some rows at a time, so that a long log need not fit into memory. Private to
-// src/report.
+// src/log.
 //
 // A log that a kill cut off may lack rows in some datasets, or hold them extended but not written.
 // rows() counts those that every dataset holds whole; what comes after them is as if it were not
-// there.
+// there. A reduced log's rows and steps end at the same time.
 #pragma once
 
 #include <filesystem>
@@ -31,7 +31,10 @@ class LogReader {
   // canvas, cloud nor target.
   const RunLogHeader& header() const { return header_; }
   int joints() const { return static_cast<int>(header_.joint_lower.size()); }
+  LogRate rate() const { return header_.rate; }
   std::size_t rows() const { return rows_; }
+  std::size_t steps() const { return rate() == LogRate::full ? rows_ : steps_; }
+  double joint_margin() const;  // of a reduced log: the smallest of all its steps; inf without any
   WallTimes wall() const;
 
   // Throws InputError naming what of `header` is not as in this log.
@@ -63,9 +66,10 @@ class LogReader {
   };
   const Dataset& open(const std::string& name) const;
   const Dataset& open(const std::string& name, int width) const;
-  std::size_t written_rows(const Dataset& dataset, std::size_t rows) const;
-  bool readable(std::size_t begin, std::size_t n) const;
-  std::size_t count_rows() const;
+  std::size_t written_rows(const Dataset& dataset, std::size_t chunk, std::size_t rows) const;
+  std::size_t count_rows(const std::vector<LogColumn>& columns, std::size_t chunk) const;
+  std::size_t rows_until(const std::string& name, std::size_t rows, double time) const;
+  double number_at(const std::string& name, std::size_t row) const;
   template <typename T>
   std::vector<T> whole(const std::string& name, int width, bool integer) const;
 
@@ -73,8 +77,7 @@ class LogReader {
   h5::Id file_;
   mutable std::map<std::string, Dataset> datasets_;  // opened so far
   RunLogHeader header_;
-  std::vector<LogColumn> columns_;
-  std::size_t rows_ = 0;
+  std::size_t rows_ = 0, steps_ = 0;
 };
 
 }  // namespace impedraw

@@ -9,32 +9,42 @@ namespace impedraw {
 
 ResumeLog read_resume_log(const std::filesystem::path& path) {
   const LogReader log(path);
+  const bool reduced = log.rate() == LogRate::reduced;
+  const std::string steps = reduced ? "/every_step" : "";
   ResumeLog drawn;
-  drawn.rows.reserve(log.rows());
-  std::vector<double> time, along;
+  drawn.rows.reserve(log.steps());
+  std::vector<double> time, along, felt;
   std::vector<int> stroke, mode;
   std::vector<Eigen::Matrix<double, 6, 1>> wrench;
   std::vector<Eigen::Vector3d> normal;
-  Eigen::MatrixXd position;  // a column a row
-  for (std::size_t begin = 0; begin < log.rows(); begin += LogFile::kChunkRows) {
-    const std::size_t n = std::min(LogFile::kChunkRows, log.rows() - begin);
-    const auto read = [&](const char* name, int width, bool integer, void* out) {
-      if (!log.read(name, width, integer, begin, n, out))
-        log.fail(std::string("dataset ") + name + " is broken before its last rows");
+  const auto read = [&](const std::string& name, int width, bool integer, std::size_t begin,
+                        std::size_t n, void* out) {
+    if (!log.read(name, width, integer, begin, n, out))
+      log.fail("dataset " + name + " is broken before its last rows");
+  };
+  for (std::size_t begin = 0; begin < log.steps(); begin += LogFile::kChunkRows) {
+    const std::size_t n = std::min(LogFile::kChunkRows, log.steps() - begin);
+    const auto take = [&](const std::string& name, int width, bool integer, void* out) {
+      read(name, width, integer, begin, n, out);
     };
-    read("/time", 1, false, (time.resize(n), time.data()));
-    read("/stroke", 1, true, (stroke.resize(n), stroke.data()));
-    read("/stroke_along", 1, false, (along.resize(n), along.data()));
-    read("/mode", 1, true, (mode.resize(n), mode.data()));
-    read("/wrench/measured", 6, false, (wrench.resize(n), wrench.data()));
-    read("/surface/normal", 3, false, (normal.resize(n), normal.data()));
+    take(steps + "/time", 1, false, (time.resize(n), time.data()));
+    take(steps + "/stroke", 1, true, (stroke.resize(n), stroke.data()));
+    take(steps + "/stroke_along", 1, false, (along.resize(n), along.data()));
+    take(steps + "/mode", 1, true, (mode.resize(n), mode.data()));
+    felt.resize(n);
+    if (reduced) {
+      take(steps + "/felt_force", 1, false, felt.data());
+    } else {
+      take("/wrench/measured", 6, false, (wrench.resize(n), wrench.data()));
+      take("/surface/normal", 3, false, (normal.resize(n), normal.data()));
+      for (std::size_t i = 0; i < n; ++i) felt[i] = wrench[i].head<3>().dot(normal[i]);
+    }
     for (std::size_t i = 0; i < n; ++i)
-      drawn.rows.push_back(
-          {time[i], along[i], wrench[i].head<3>().dot(normal[i]), stroke[i], mode[i]});
-    if (begin + n < log.rows()) continue;
-    read("/joint/position", log.joints(), false,
-         (position.resize(log.joints(), static_cast<Eigen::Index>(n)), position.data()));
-    drawn.joint_position = position.rightCols<1>();
+      drawn.rows.push_back({time[i], along[i], felt[i], stroke[i], mode[i]});
+  }
+  if (log.rows() > 0) {
+    drawn.joint_position.resize(log.joints());
+    read("/joint/position", log.joints(), false, log.rows() - 1, 1, drawn.joint_position.data());
   }
   return drawn;
 }

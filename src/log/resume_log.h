@@ -19,11 +19,11 @@ struct ResumeRow {
 };
 
 struct ResumeLog {
-  std::vector<ResumeRow> rows;     // 32 bytes each
+  std::vector<ResumeRow> rows;     // one a step, 32 bytes each
   Eigen::VectorXd joint_position;  // of the last row [rad]; empty where there is none
 };
 
-// Rows as RunLog::append_to finds them. Throws InputError naming the file when it is no log, and
+// Every step as RunLog::append_to finds them. Throws InputError naming the file when it is no log, and
 // the dataset that it lacks.
 ResumeLog read_resume_log(const std::filesystem::path& path);
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
-#include "impedraw/ink/ink_lines.h"
 #include "impedraw/log/log_file.h"
 #include "impedraw/log/log_reader.h"
+#include "impedraw/log/log_step.h"
 
 namespace impedraw {
 namespace {
@@ -57,44 +58,78 @@ void add_rows(const RunRows& rows, RunData* run) {
   append(rows.push, run->push);
   append(rows.step_time, run->step_time);
   append(rows.stroke, run->stroke);
+  const bool terms = rows.torque_before_limits.rows() == static_cast<Eigen::Index>(n);
+  if (terms) run->clipped = run->clipped.value_or(0);
   for (std::size_t i = 0; i < n; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
     const Eigen::Vector3d& normal = rows.contact_normal[i];
-    const double f = rows.contact_force[i].dot(normal);
-    run->f.push_back(std::isfinite(f) ? f : 0.0);
-    const bool pen_down_ink = rows.stroke[i] >= 0 && is_ink(run->f.back());
-    const bool estimate =
-        std::isfinite(rows.surface_distance[i]) && rows.surface_normal[i].allFinite();
-    run->tilt.push_back(
-        pen_down_ink ? angle_between(-(rows.tip_orientation[i] * Eigen::Vector3d::UnitZ()), normal)
-                     : LogRow::kNone);
+    const int stroke = rows.stroke[i];
+    const double f = normal_force(rows.contact_force[i], normal);
+    run->f.push_back(f);
+    run->tilt.push_back(tilt_angle(rows.tip_orientation[i], normal, stroke, f));
     run->normal_error.push_back(
-        pen_down_ink && estimate ? angle_between(rows.surface_normal[i], normal) : LogRow::kNone);
+        normal_error_angle(rows.surface_normal[i], rows.surface_distance[i], normal, stroke, f));
     run->mode.push_back(static_cast<std::int8_t>(rows.mode[i]));
-    const auto torque = rows.joint_torque.row(static_cast<Eigen::Index>(i)).transpose().array();
-    run->torque_share.push_back(
-        static_cast<float>((torque.abs() / run->torque_limit.array()).maxCoeff()));
+    const JointReference torque = rows.joint_torque.row(k).transpose();
+    run->torque_share.push_back(static_cast<float>(torque_share(torque, run->torque_limit)));
+    run->joint_margin = std::min(
+        run->joint_margin,
+        joint_margin(rows.joint_position.row(k).transpose(), run->joint_lower, run->joint_upper));
+    if (terms && is_clipped(rows.torque_before_limits.row(k).transpose(), torque)) ++*run->clipped;
   }
-  const Eigen::RowVectorXd lower = run->joint_lower.transpose(),
-                           upper = run->joint_upper.transpose();
-  const double above = (rows.joint_position.rowwise() - lower).minCoeff(),
-               below = (-(rows.joint_position.rowwise() - upper)).minCoeff();
-  run->joint_margin = std::min({run->joint_margin, above, below});
-  if (rows.torque_before_limits.rows() != static_cast<Eigen::Index>(n)) return;
-  const auto desired = rows.torque_before_limits.array();
-  const auto clipped =
-      ((desired - rows.joint_torque.array()).abs() > 1e-9 * desired.abs().max(1.0)).rowwise().any();
-  run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(clipped.count());
 }
+
+namespace {
+
+// Steps [begin, begin + n) of a reduced log; false where they are there but cannot be read.
+bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, RunData* run) {
+  // Columns first: they are read as they lie in the file.
+  std::vector<LogStep> steps(n);
+  std::vector<std::byte> values;
+  for (std::size_t c = 0; c < step_columns().size(); ++c) {
+    const LogColumn& column = step_columns()[c];
+    values.resize(n * column.row_bytes());
+    if (!log.read(column, begin, n, values.data())) return false;
+    for (std::size_t i = 0; i < n; ++i) {
+      std::size_t k = 0;
+      put_step(steps[i], [&](void* to, int, std::size_t) {
+        if (k++ == c) std::memcpy(to, values.data() + i * column.row_bytes(), column.row_bytes());
+      });
+    }
+  }
+  for (const LogStep& step : steps) {
+    run->time.push_back(step.time);
+    run->f.push_back(step.force);
+    run->contact_point.push_back(step.contact_point);
+    run->tilt.push_back(step.tilt);
+    run->normal_error.push_back(step.normal_error);
+    run->push.push_back(step.push);
+    run->step_time.push_back(step.step_time);
+    run->torque_share.push_back(static_cast<float>(step.torque_share));
+    run->stroke.push_back(step.stroke);
+    run->mode.push_back(static_cast<std::int8_t>(step.mode));
+    run->joint_margin = std::min(run->joint_margin, step.joint_margin);
+    if (!log.header().torque_terms.empty())
+      run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(step.clipped > 0);
+  }
+  return true;
+}
+
+}  // namespace
 
 RunData read_run(const std::filesystem::path& path) {
   const LogReader log(path);
   try {
     RunData run;
     static_cast<RunConstants&>(run) = constants(log);
-    reserve(&run, log.rows());
+    reserve(&run, log.steps());
     RunRows chunk;
-    for (std::size_t begin = 0; begin < log.rows(); begin += LogFile::kChunkRows) {
-      const std::size_t n = std::min(LogFile::kChunkRows, log.rows() - begin);
+    for (std::size_t begin = 0; begin < log.steps(); begin += LogFile::kChunkRows) {
+      const std::size_t n = std::min(LogFile::kChunkRows, log.steps() - begin);
+      if (log.rate() == LogRate::reduced) {
+        if (!add_steps(log, begin, n, &run)) break;
+        continue;
+      }
       if (!read_rows(log, begin, n, Columns::of_results, &chunk)) break;  // broken from here on
       add_rows(chunk, &run);
     }

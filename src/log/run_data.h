@@ -1,9 +1,10 @@
 // A run read back from run.h5: what the metrics and pictures need of it, 81 bytes a row.
 //
-// The log is read chunk by chunk. What feeds one number alone (joint margin, clipped torques) is
-// counted while reading; what the metrics take of forces, normals and orientations is worked out
-// row by row. All in doubles, so that no metric differs from one worked out on the whole log; only
-// torque_share, which is plotted to a hundredth of a percent, is a float (its error: 6e-8).
+// The log is read chunk by chunk; of a reduced one what it holds of every step. What feeds one
+// number alone (joint margin, clipped torques) is counted while reading; what the metrics take of
+// forces, normals and orientations is worked out step by step (log_step.h). All in doubles, so that
+// no metric differs from one worked out on the whole log; only torque_share, which is plotted to a
+// hundredth of a percent, is a float (its error: 6e-8).
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ struct RunConstants {
   std::map<std::string, std::string> attributes;  // the root's text attributes
 };
 
-// n rows.
+// n control steps.
 struct RunData : RunConstants {
   std::vector<double> time;  // [s]
   std::vector<double> f;     // contact force · outward normal [N], 0 out of contact
@@ -52,16 +53,16 @@ struct RunData : RunConstants {
   std::vector<int> stroke;
   std::vector<std::int8_t> mode;
 
-  // Over all rows.
+  // Over all steps.
   std::optional<std::size_t>
-      clipped;  // rows in which a joint's torque was; none where the log has no terms
+      clipped;  // steps in which a joint's torque was; none where the log has no terms
   // smallest distance to a joint limit [rad]
   double joint_margin = std::numeric_limits<double>::infinity();
 
   std::size_t rows() const { return time.size(); }
 };
 
-// Takes the rows in, after those that are there; the limits must be set.
+// Takes the rows of a full log in, after those that are there; the limits must be set.
 void add_rows(const RunRows& rows, RunData* run);
 
 // Throws InputError as read_rows does. A log that was cut off by a kill is read as far as every

@@ -1,4 +1,4 @@
-// Rows of run.h5 column by column, as they stand there. 0.6 kB a row: a whole long run is read as
+// Rows of run.h5 column by column, as they stand there; of a reduced log those of some steps. 0.6 kB a row: a whole long run is read as
 // RunData, which is a sixth of that.
 #pragma once
 

@@ -1,42 +1,109 @@
 #include "impedraw/metrics/metrics.h"
 
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 namespace impedraw {
+
+Metric::Metric(double value) {
+  if (std::isfinite(value)) {
+    value_ = value;
+    reason_.clear();
+  } else {
+    reason_ = "not a finite number";
+  }
+}
+
+Metric Metric::missing(std::string reason) {
+  Metric metric;
+  metric.reason_ = std::move(reason);
+  return metric;
+}
+
+double Metric::or_nan() const { return value_.value_or(std::numeric_limits<double>::quiet_NaN()); }
 
 const std::vector<MetricDefinition>& metric_definitions() {
   static const std::vector<MetricDefinition> definitions = {
-      {"contact_fraction", "1", "pen-down samples with ink / all pen-down samples"},
-      {"strokes_missed", "1", "strokes without any ink"},
-      {"ink_error_rms", "mm", "distance of the ink to its own target line, root mean square"},
-      {"ink_error_p95", "mm", "the same, 95th percentile"},
-      {"ink_error_max", "mm", "the same, largest"},
-      {"coverage", "1", "share of the target's length with ink within 0.5 mm"},
-      {"gaps", "1", "uncovered spans longer than 1 mm"},
-      {"longest_gap", "mm", "the longest of them"},
-      {"ink_outside", "1", "share of the ink's length further than 1 mm from its target"},
-      {"ink_up", "mm", "ink while the pen had to be up"},
-      {"force_mean", "N", "normal force, from 0.2 s after the first touch on"},
-      {"force_sd", "N", "the same, standard deviation"},
-      {"force_rms_error", "N", "the same against the force asked for, root mean square"},
-      {"force_peak", "N", "the same, largest"},
-      {"touchdown_peak", "N", "largest normal force in the 0.2 s from a first touch"},
-      {"tilt_mean", "deg", "pen against the canvas's normal, mean"},
-      {"tilt_p95", "deg", "the same, 95th percentile"},
-      {"tilt_max", "deg", "the same, largest"},
-      {"normal_error_mean", "deg", "estimated against true normal, mean"},
-      {"normal_error_p95", "deg", "the same, 95th percentile"},
-      {"cloud_bias_mean", "mm", "cloud above the true canvas, mean"},
-      {"cloud_bias_sd", "mm", "the same, standard deviation"},
-      {"speed_mean", "mm/s", "speed of the contact point along the ink, mean"},
-      {"speed_p95", "mm/s", "the same, 95th percentile"},
-      {"draw_time", "s", "pen-down time"},
-      {"torque_saturated", "1", "share of steps in which a joint's torque was clipped"},
-      {"joint_margin_min", "rad", "smallest distance to a joint limit"},
-      {"step_time_p50", "µs", "controller step, median"},
-      {"step_time_p99", "µs", "the same, 99th percentile"},
-      {"step_time_p999", "µs", "the same, 99.9th percentile"},
-      {"real_time_factor", "1", "simulated seconds per wall second of the loop, logging included"},
+      {"contact_fraction", "1", "pen-down samples with ink / all pen-down samples",
+       &Metrics::contact_fraction},
+      {"strokes_missed", "1", "strokes without any ink", &Metrics::strokes_missed, true},
+      {"ink_error_rms", "mm", "distance of the ink to its own target line, root mean square",
+       &Metrics::ink_error_rms},
+      {"ink_error_p95", "mm", "the same, 95th percentile", &Metrics::ink_error_p95},
+      {"ink_error_max", "mm", "the same, largest", &Metrics::ink_error_max},
+      {"coverage", "1", "share of the target's length with ink within 0.5 mm", &Metrics::coverage},
+      {"gaps", "1", "uncovered spans longer than 1 mm", &Metrics::gaps, true},
+      {"longest_gap", "mm", "the longest of them", &Metrics::longest_gap},
+      {"ink_outside", "1", "share of the ink's length further than 1 mm from its target",
+       &Metrics::ink_outside},
+      {"ink_up", "mm", "ink while the pen had to be up", &Metrics::ink_up},
+      {"force_mean", "N", "normal force, from 0.2 s after the first touch on",
+       &Metrics::force_mean},
+      {"force_sd", "N", "the same, standard deviation", &Metrics::force_sd},
+      {"force_rms_error", "N", "the same against the force asked for, root mean square",
+       &Metrics::force_rms_error},
+      {"force_peak", "N", "the same, largest", &Metrics::force_peak},
+      {"touchdown_peak", "N", "largest normal force in the 0.2 s from a first touch",
+       &Metrics::touchdown_peak},
+      {"tilt_mean", "deg", "pen against the canvas's normal, mean", &Metrics::tilt_mean},
+      {"tilt_p95", "deg", "the same, 95th percentile", &Metrics::tilt_p95},
+      {"tilt_max", "deg", "the same, largest", &Metrics::tilt_max},
+      {"normal_error_mean", "deg", "estimated against true normal, mean",
+       &Metrics::normal_error_mean},
+      {"normal_error_p95", "deg", "the same, 95th percentile", &Metrics::normal_error_p95},
+      {"cloud_bias_mean", "mm", "cloud above the true canvas, mean", &Metrics::cloud_bias_mean},
+      {"cloud_bias_sd", "mm", "the same, standard deviation", &Metrics::cloud_bias_sd},
+      {"speed_mean", "mm/s", "speed of the contact point along the ink, mean",
+       &Metrics::speed_mean},
+      {"speed_p95", "mm/s", "the same, 95th percentile", &Metrics::speed_p95},
+      {"draw_time", "s", "pen-down time", &Metrics::draw_time},
+      {"torque_saturated", "1", "share of steps in which a joint's torque was clipped",
+       &Metrics::torque_saturated},
+      {"joint_margin_min", "rad", "smallest distance to a joint limit", &Metrics::joint_margin_min},
+      {"step_time_p50", "µs", "controller step, median", &Metrics::step_time_p50},
+      {"step_time_p99", "µs", "the same, 99th percentile", &Metrics::step_time_p99},
+      {"step_time_p999", "µs", "the same, 99.9th percentile", &Metrics::step_time_p999},
+      {"real_time_factor", "1", "simulated seconds per wall second of the loop, logging included",
+       &Metrics::real_time_factor},
   };
   return definitions;
+}
+
+nlohmann::ordered_json metrics_json(const Metrics& metrics) {
+  using Json = nlohmann::ordered_json;
+  const auto number = [](const std::optional<double>& value, bool count) {
+    if (!value) return Json(nullptr);
+    return count ? Json(std::llround(*value)) : Json(*value);
+  };
+  const auto seconds = [](double s) { return std::isfinite(s) ? Json(s) : Json(nullptr); };
+  Json out;
+  Json reasons = Json::object();
+  for (const MetricDefinition& d : metric_definitions()) {
+    const Metric& metric = metrics.*d.member;
+    out[d.name] = number(metric.value(), d.count);
+    if (!metric.value()) reasons[d.name] = metric.reason();
+  }
+  out["reasons"] = reasons;
+  // Start-up and reports stand apart from the real-time factor.
+  out["wall_seconds"] = {{"start_up", seconds(metrics.wall.start_up)},
+                         {"loop", seconds(metrics.wall.loop)},
+                         {"writing", seconds(metrics.wall.writing)}};
+  return out;
+}
+
+std::string metrics_table(const Metrics& metrics) {
+  std::string text;
+  for (const MetricDefinition& d : metric_definitions()) {
+    const auto& value = (metrics.*d.member).value();
+    const std::string number = value ? fmt::format("{:.5g}", *value) : "-";
+    const std::string unit = std::string_view(d.unit) == "1" ? "" : d.unit;
+    text += fmt::format("  {:<20} {:>10} {}\n", d.name, number, unit);
+  }
+  return text;
 }
 
 }  // namespace impedraw

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <initializer_list>
 #include <numbers>
 
 #include "impedraw/canvas/canvas.h"
@@ -13,8 +13,6 @@
 namespace impedraw {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kReach = 0.5e-3;      // of ink, for coverage [m]
 constexpr double kShortestGap = 1e-3;  // [m]
 constexpr double kOutside = 1e-3;      // [m]
@@ -23,37 +21,11 @@ constexpr double kSettling = 0.2 + 1e-9;
 constexpr double kSampleSpacing = 0.25e-3;  // of the search trees [m]
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// Collects values and the reasons for those that are missing.
-class Sheet {
- public:
-  void set(const char* name, double value) {
-    values_[name] = std::isfinite(value) ? Json(value) : Json(nullptr);
-  }
-  void set(const char* name, std::size_t count) { values_[name] = count; }
-  void lack(std::initializer_list<const char*> names, const std::string& reason) {
-    for (const char* name : names) {
-      values_[name] = nullptr;
-      reasons_[name] = reason;
-    }
-  }
-  Json finish() const {
-    Json out;
-    Json reasons = Json::object();
-    for (const MetricDefinition& metric : metric_definitions()) {
-      const auto found = values_.find(metric.name);
-      out[metric.name] = found == values_.end() ? Json(nullptr) : found->second;
-      if (!out[metric.name].is_null()) continue;
-      const auto reason = reasons_.find(metric.name);
-      reasons[metric.name] = reason == reasons_.end() ? "not a finite number" : reason->second;
-    }
-    out["reasons"] = reasons;
-    return out;
-  }
-
- private:
-  std::map<std::string, Json> values_;
-  std::map<std::string, std::string> reasons_;
-};
+// One reason for several that are missing.
+void lack(Metrics& metrics, std::initializer_list<Metric Metrics::*> members,
+          const std::string& reason) {
+  for (const auto member : members) metrics.*member = Metric::missing(reason);
+}
 
 std::vector<double> finite(const std::vector<double>& x, double scale) {
   std::vector<double> out;
@@ -67,39 +39,39 @@ double length_of(const RunData& run, std::size_t i) {
   return (run.contact_point[i + 1] - run.contact_point[i]).norm();
 }
 
-void contact(const RunData& run, const InkMatch& d, Sheet& sheet) {
+void contact(const RunData& run, const InkMatch& d, Metrics& m) {
   std::size_t down = 0, ink = 0;
   for (std::size_t i = 0; i < run.rows(); ++i) {
     down += run.stroke[i] >= 0;
     ink += run.stroke[i] >= 0 && is_ink(run.f[i]);
   }
   if (down == 0) {
-    sheet.lack({"contact_fraction"}, "no pen-down sample");
+    lack(m, {&Metrics::contact_fraction}, "no pen-down sample");
   } else {
-    sheet.set("contact_fraction", static_cast<double>(ink) / static_cast<double>(down));
+    m.contact_fraction = static_cast<double>(ink) / static_cast<double>(down);
   }
   if (d.strokes.empty()) {
-    sheet.lack({"strokes_missed"}, "no stroke in target or plan");
+    lack(m, {&Metrics::strokes_missed}, "no stroke in target or plan");
     return;
   }
   const auto missed = std::count_if(d.strokes.begin(), d.strokes.end(), [&](int stroke) {
     return std::none_of(d.lines.begin(), d.lines.end(),
                         [&](const InkLine& line) { return line.stroke == stroke; });
   });
-  sheet.set("strokes_missed", static_cast<std::size_t>(missed));
+  m.strokes_missed = static_cast<double>(missed);
 }
 
-void accuracy(const RunData& run, const InkMatch& d, Sheet& sheet) {
+void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
   const std::vector<double> error = finite(d.error, 1e3);
   const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(),
                                    [](const InkLine& line) { return line.stroke >= 0; });
   if (error.empty()) {
-    sheet.lack({"ink_error_rms", "ink_error_p95", "ink_error_max"},
-               any_ink ? "no target for the strokes with ink" : "no pen-down ink");
+    lack(m, {&Metrics::ink_error_rms, &Metrics::ink_error_p95, &Metrics::ink_error_max},
+         any_ink ? "no target for the strokes with ink" : "no pen-down ink");
   } else {
-    sheet.set("ink_error_rms", root_mean_square(error));
-    sheet.set("ink_error_p95", percentile(error, 0.95));
-    sheet.set("ink_error_max", maximum(error));
+    m.ink_error_rms = root_mean_square(error);
+    m.ink_error_p95 = percentile(error, 0.95);
+    m.ink_error_max = maximum(error);
   }
   double length = 0.0, outside = 0.0;
   for (const InkLine& line : d.lines) {
@@ -115,13 +87,13 @@ void accuracy(const RunData& run, const InkMatch& d, Sheet& sheet) {
     }
   }
   if (length == 0.0) {
-    sheet.lack({"ink_outside"}, "no pen-down ink of any length with a target");
+    lack(m, {&Metrics::ink_outside}, "no pen-down ink of any length with a target");
   } else {
-    sheet.set("ink_outside", outside / length);
+    m.ink_outside = outside / length;
   }
 }
 
-void coverage(const RunData& run, const InkMatch& d, Sheet& sheet) {
+void coverage(const RunData& run, const InkMatch& d, Metrics& m) {
   double length = 0.0, uncovered = 0.0, longest = 0.0;
   std::size_t gaps = 0;
   for (std::size_t s = 0; s < d.strokes.size(); ++s) {
@@ -141,16 +113,16 @@ void coverage(const RunData& run, const InkMatch& d, Sheet& sheet) {
     }
   }
   if (length == 0.0) {
-    sheet.lack({"coverage", "gaps", "longest_gap"}, "no target of any length");
+    lack(m, {&Metrics::coverage, &Metrics::gaps, &Metrics::longest_gap}, "no target of any length");
     return;
   }
-  sheet.set("coverage", 1.0 - uncovered / length);  // exactly 1 when nothing is left out
-  sheet.set("gaps", gaps);
-  sheet.set("longest_gap", 1e3 * longest);
+  m.coverage = 1.0 - uncovered / length;  // exactly 1 when nothing is left out
+  m.gaps = static_cast<double>(gaps);
+  m.longest_gap = 1e3 * longest;
 }
 
-void stray_ink(const RunData& run, const InkMatch& d, Sheet& sheet) {
-  if (run.rows() == 0) return sheet.lack({"ink_up"}, "no rows");
+void stray_ink(const RunData& run, const InkMatch& d, Metrics& m) {
+  if (run.rows() == 0) return lack(m, {&Metrics::ink_up}, "no rows");
   const std::vector<bool> up = pen_must_be_up(run, d);
   double length = 0.0;
   for (const InkLine& line : d.lines) {
@@ -158,10 +130,10 @@ void stray_ink(const RunData& run, const InkMatch& d, Sheet& sheet) {
       if (up[i] && up[i + 1]) length += length_of(run, i);
     }
   }
-  sheet.set("ink_up", 1e3 * length);
+  m.ink_up = 1e3 * length;
 }
 
-void force(const RunData& run, const InkMatch& d, Sheet& sheet) {
+void force(const RunData& run, const InkMatch& d, Metrics& m) {
   std::vector<double> settled, error;
   double touchdown = -1.0;
   for (const StrokeSpan& span : d.spans) {  // each pass over a stroke touches down for itself
@@ -178,63 +150,66 @@ void force(const RunData& run, const InkMatch& d, Sheet& sheet) {
     }
   }
   if (touchdown < 0.0) {
-    sheet.lack({"touchdown_peak"}, "no stroke was touched");
+    lack(m, {&Metrics::touchdown_peak}, "no stroke was touched");
   } else {
-    sheet.set("touchdown_peak", touchdown);
+    m.touchdown_peak = touchdown;
   }
   if (settled.empty()) {
-    sheet.lack({"force_mean", "force_sd", "force_rms_error", "force_peak"},
-               "no pen-down ink later than 0.2 s after a first touch");
+    lack(
+        m,
+        {&Metrics::force_mean, &Metrics::force_sd, &Metrics::force_rms_error, &Metrics::force_peak},
+        "no pen-down ink later than 0.2 s after a first touch");
     return;
   }
-  sheet.set("force_mean", mean(settled));
-  sheet.set("force_sd", standard_deviation(settled));
-  sheet.set("force_peak", maximum(settled));
+  m.force_mean = mean(settled);
+  m.force_sd = standard_deviation(settled);
+  m.force_peak = maximum(settled);
   if (error.empty()) {
-    sheet.lack({"force_rms_error"}, "no normal force was asked for");
+    lack(m, {&Metrics::force_rms_error}, "no normal force was asked for");
   } else {
-    sheet.set("force_rms_error", root_mean_square(error));
+    m.force_rms_error = root_mean_square(error);
   }
 }
 
-void angles(const RunData& run, Sheet& sheet) {
+void angles(const RunData& run, Metrics& m) {
   const std::vector<double> tilt = finite(run.tilt, kDegrees);
   if (tilt.empty()) {
-    sheet.lack({"tilt_mean", "tilt_p95", "tilt_max"}, "no pen-down ink");
+    lack(m, {&Metrics::tilt_mean, &Metrics::tilt_p95, &Metrics::tilt_max}, "no pen-down ink");
   } else {
-    sheet.set("tilt_mean", mean(tilt));
-    sheet.set("tilt_p95", percentile(tilt, 0.95));
-    sheet.set("tilt_max", maximum(tilt));
+    m.tilt_mean = mean(tilt);
+    m.tilt_p95 = percentile(tilt, 0.95);
+    m.tilt_max = maximum(tilt);
   }
   const std::vector<double> normal = finite(run.normal_error, kDegrees);
   if (normal.empty()) {
     const char* reason =
         tilt.empty() ? "no pen-down ink" : "the controller had no estimate of the surface";
-    sheet.lack({"normal_error_mean", "normal_error_p95"}, reason);
+    lack(m, {&Metrics::normal_error_mean, &Metrics::normal_error_p95}, reason);
   } else {
-    sheet.set("normal_error_mean", mean(normal));
-    sheet.set("normal_error_p95", percentile(normal, 0.95));
+    m.normal_error_mean = mean(normal);
+    m.normal_error_p95 = percentile(normal, 0.95);
   }
 }
 
-void cloud(const RunData& run, Sheet& sheet) {
+void cloud(const RunData& run, Metrics& m) {
   if (run.cloud_points.empty())
-    return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "no cloud: the run had no perception");
+    return lack(m, {&Metrics::cloud_bias_mean, &Metrics::cloud_bias_sd},
+                "no cloud: the run had no perception");
   if (run.canvas_triangles.empty())
-    return sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, "the log holds no canvas");
+    return lack(m, {&Metrics::cloud_bias_mean, &Metrics::cloud_bias_sd}, "the log holds no canvas");
   try {
     const Canvas canvas(TriangleMesh{run.canvas_vertices, run.canvas_triangles});
     std::vector<double> distance;
     for (const Eigen::Vector3d& p : run.cloud_points)
       distance.push_back(1e3 * canvas.closest(p).distance);
-    sheet.set("cloud_bias_mean", mean(distance));
-    sheet.set("cloud_bias_sd", standard_deviation(distance));
+    m.cloud_bias_mean = mean(distance);
+    m.cloud_bias_sd = standard_deviation(distance);
   } catch (const InputError& e) {
-    sheet.lack({"cloud_bias_mean", "cloud_bias_sd"}, e.what());
+    lack(m, {&Metrics::cloud_bias_mean, &Metrics::cloud_bias_sd}, e.what());
   }
 }
 
-void motion(const RunData& run, const InkMatch& d, Sheet& sheet) {
+void motion(const RunData& run, const InkMatch& d, Metrics& m) {
   std::vector<double> speed;
   for (const InkLine& line : d.lines) {
     if (line.stroke < 0) continue;
@@ -244,14 +219,14 @@ void motion(const RunData& run, const InkMatch& d, Sheet& sheet) {
     }
   }
   if (speed.empty()) {
-    sheet.lack({"speed_mean", "speed_p95"}, "no pen-down ink of two rows");
+    lack(m, {&Metrics::speed_mean, &Metrics::speed_p95}, "no pen-down ink of two rows");
   } else {
-    sheet.set("speed_mean", mean(speed));
-    sheet.set("speed_p95", percentile(speed, 0.95));
+    m.speed_mean = mean(speed);
+    m.speed_p95 = percentile(speed, 0.95);
   }
   const std::size_t n = run.rows();
   if (n < 2) {
-    sheet.lack({"draw_time", "real_time_factor"}, "fewer than two rows");
+    lack(m, {&Metrics::draw_time, &Metrics::real_time_factor}, "fewer than two rows");
     return;
   }
   const double last_step = run.time[n - 1] - run.time[n - 2];
@@ -260,63 +235,58 @@ void motion(const RunData& run, const InkMatch& d, Sheet& sheet) {
     drawing +=
         (span.end < n ? run.time[span.end] : run.time[n - 1] + last_step) - run.time[span.begin];
   }
-  sheet.set("draw_time", drawing);
+  m.draw_time = drawing;
   const double wall = run.wall.loop + (std::isfinite(run.wall.writing) ? run.wall.writing : 0.0);
   if (std::isfinite(wall) && wall > 0.0) {
-    sheet.set("real_time_factor", (run.time[n - 1] + last_step - run.time[0]) / wall);
+    m.real_time_factor = (run.time[n - 1] + last_step - run.time[0]) / wall;
   } else {
-    sheet.lack({"real_time_factor"}, "the log was not closed, or the loop not timed");
+    lack(m, {&Metrics::real_time_factor}, "the log was not closed, or the loop not timed");
   }
 }
 
-void arm(const RunData& run, Sheet& sheet) {
-  if (run.rows() == 0) return sheet.lack({"torque_saturated", "joint_margin_min"}, "no rows");
+void arm(const RunData& run, Metrics& m) {
+  if (run.rows() == 0)
+    return lack(m, {&Metrics::torque_saturated, &Metrics::joint_margin_min}, "no rows");
   if (run.clipped) {
-    sheet.set("torque_saturated",
-              static_cast<double>(*run.clipped) / static_cast<double>(run.rows()));
+    m.torque_saturated = static_cast<double>(*run.clipped) / static_cast<double>(run.rows());
   } else {
-    sheet.lack({"torque_saturated"}, "the log holds no torque terms");
+    lack(m, {&Metrics::torque_saturated}, "the log holds no torque terms");
   }
   if (std::isfinite(run.joint_margin)) {
-    sheet.set("joint_margin_min", run.joint_margin);
+    m.joint_margin_min = run.joint_margin;
   } else {
-    sheet.lack({"joint_margin_min"}, "the arm has no joint limits");
+    lack(m, {&Metrics::joint_margin_min}, "the arm has no joint limits");
   }
 }
 
-void step_time(const RunData& run, Sheet& sheet) {
+void step_time(const RunData& run, Metrics& m) {
   const std::vector<double> micros = finite(run.step_time, 1e6);
   if (micros.empty())
-    return sheet.lack({"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
-  sheet.set("step_time_p50", percentile(micros, 0.5));
-  sheet.set("step_time_p99", percentile(micros, 0.99));
-  sheet.set("step_time_p999", percentile(micros, 0.999));
+    return lack(m, {&Metrics::step_time_p50, &Metrics::step_time_p99, &Metrics::step_time_p999},
+                "no step was timed");
+  m.step_time_p50 = percentile(micros, 0.5);
+  m.step_time_p99 = percentile(micros, 0.99);
+  m.step_time_p999 = percentile(micros, 0.999);
 }
 
 }  // namespace
 
-Json compute_metrics(const RunData& run) { return compute_metrics(run, match_ink(run)); }
+Metrics compute_metrics(const RunData& run) { return compute_metrics(run, match_ink(run)); }
 
-Json compute_metrics(const RunData& run, const InkMatch& drawn) {
-  Sheet sheet;
-  contact(run, drawn, sheet);
-  accuracy(run, drawn, sheet);
-  coverage(run, drawn, sheet);
-  stray_ink(run, drawn, sheet);
-  force(run, drawn, sheet);
-  angles(run, sheet);
-  cloud(run, sheet);
-  motion(run, drawn, sheet);
-  arm(run, sheet);
-  step_time(run, sheet);
-  Json out = sheet.finish();
-  Json wall;  // start-up and reports apart from the real-time factor
-  const auto seconds = [](double s) { return std::isfinite(s) ? Json(s) : Json(nullptr); };
-  wall["start_up"] = seconds(run.wall.start_up);
-  wall["loop"] = seconds(run.wall.loop);
-  wall["writing"] = seconds(run.wall.writing);
-  out["wall_seconds"] = wall;
-  return out;
+Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
+  Metrics m;
+  contact(run, drawn, m);
+  accuracy(run, drawn, m);
+  coverage(run, drawn, m);
+  stray_ink(run, drawn, m);
+  force(run, drawn, m);
+  angles(run, m);
+  cloud(run, m);
+  motion(run, drawn, m);
+  arm(run, m);
+  step_time(run, m);
+  m.wall = run.wall;
+  return m;
 }
 
 }  // namespace impedraw

@@ -4,8 +4,8 @@
 //              ink/ink_lines.h.
 //              SD is the population's; percentiles interpolate linearly; forces are pooled over
 //              strokes.
-// Keys         in the order of metric_definitions(), then `reasons`: {name: why it is null}. What
-//              cannot be computed is null, never 0.
+// Keys         in the order of metric_definitions(), then `reasons`: {name: why it is null}, then
+//              `wall_seconds`. What cannot be computed is null, never 0.
 //
 // A stroke may be drawn in several passes: each has its own first touch, settling and touchdown;
 // ink of all of them covers the target.
@@ -16,26 +16,62 @@
 // counts as the loop what of the log was left to write when it ended (wall_loop + wall_writing).
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
 
 namespace impedraw {
 
+// A number, or why there is none.
+class Metric {
+ public:
+  Metric() = default;
+  Metric(double value);  // one that is not finite is none
+  static Metric missing(std::string reason);
+
+  const std::optional<double>& value() const { return value_; }
+  const std::string& reason() const { return reason_; }  // empty where there is a value
+  double or_nan() const;
+
+ private:
+  std::optional<double> value_;
+  std::string reason_ = "not computed";
+};
+
+// Units and meanings: metric_definitions().
+struct Metrics {
+  Metric contact_fraction, strokes_missed;
+  Metric ink_error_rms, ink_error_p95, ink_error_max;
+  Metric coverage, gaps, longest_gap, ink_outside, ink_up;
+  Metric force_mean, force_sd, force_rms_error, force_peak, touchdown_peak;
+  Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;
+  Metric cloud_bias_mean, cloud_bias_sd;
+  Metric speed_mean, speed_p95, draw_time;
+  Metric torque_saturated, joint_margin_min;
+  Metric step_time_p50, step_time_p99, step_time_p999, real_time_factor;
+  WallTimes wall;
+};
+
 struct MetricDefinition {
   const char* name;
   const char* unit;  // "1": a plain number
   const char* meaning;
+  Metric Metrics::*member;
+  bool count = false;  // a whole number
 };
 
 const std::vector<MetricDefinition>& metric_definitions();
 
-nlohmann::ordered_json compute_metrics(const RunData& run);
-nlohmann::ordered_json compute_metrics(const RunData& run,
-                                       const InkMatch& drawn);  // `drawn` = match_ink(run)
+Metrics compute_metrics(const RunData& run);
+Metrics compute_metrics(const RunData& run, const InkMatch& drawn);  // `drawn` = match_ink(run)
+
+nlohmann::ordered_json metrics_json(const Metrics& metrics);  // what metrics.json holds
+std::string metrics_table(const Metrics& metrics);            // for the terminal
 
 }  // namespace impedraw

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "impedraw/metrics/statistics.h"
 #include "impedraw/report/decimate.h"
 

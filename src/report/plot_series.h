@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"

@@ -8,6 +8,7 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/plot_series.h"
@@ -29,6 +30,16 @@ Json definitions() {
   Json out = Json::array();
   for (const MetricDefinition& d : metric_definitions())
     out.push_back({{"name", d.name}, {"unit", d.unit}, {"meaning", d.meaning}});
+  return out;
+}
+
+Json limits_json(const std::map<std::string, MetricLimit>& limits) {
+  Json out = Json::object();
+  for (const auto& [name, limit] : limits) {
+    out[name] = Json::object();
+    if (limit.least) out[name]["min"] = *limit.least;
+    if (limit.most) out[name]["max"] = *limit.most;
+  }
   return out;
 }
 
@@ -66,15 +77,15 @@ void make_page(const Json& page, const std::filesystem::path& out, const ReportS
 }  // namespace
 
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
-                  const Json& metrics, const ReportSettings& settings) {
+                  const Metrics& metrics, const ReportSettings& settings) {
   Json page;
   page["kind"] = "run";
   page["out"] = (folder / "report.html").string();
   page["title"] = title_of(run, settings.title);
   page["attributes"] = run.attributes;
   page["definitions"] = definitions();
-  page["metrics"] = metrics;
-  page["limits"] = settings.limits.is_object() ? settings.limits : Json::object();
+  page["metrics"] = metrics_json(metrics);
+  page["limits"] = limits_json(settings.limits);
   page["series"] = plot_series(run, drawn);
   page["pictures"] = {existing(folder / "ink_top.svg"), existing(folder / "ink_page.svg")};
   page["scenario"] = existing(folder / "scenario.yaml");
@@ -88,7 +99,7 @@ void write_comparison(const ComparedRun& left, const ComparedRun& right,
   page["out"] = (out / "compare.html").string();
   page["picture"] = (out / "compare.png").string();
   page["definitions"] = definitions();
-  page["limits"] = settings.limits.is_object() ? settings.limits : Json::object();
+  page["limits"] = limits_json(settings.limits);
   page["runs"] = Json::array();
   for (const ComparedRun* compared : {&left, &right}) {
     const RunData run = read_run(compared->folder / "run.h5");
@@ -96,7 +107,7 @@ void write_comparison(const ComparedRun& left, const ComparedRun& right,
     if (page["runs"].empty()) page["title"] = title_of(run, settings.title);
     Json one;
     one["name"] = compared->name;
-    one["metrics"] = compute_metrics(run, drawn);
+    one["metrics"] = metrics_json(compute_metrics(run, drawn));
     one["series"] = plot_series(run, drawn);
     one["scenario"] = existing(compared->folder / "scenario.yaml");
     page["runs"].push_back(one);

@@ -6,30 +6,34 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
-
-#include <nlohmann/json.hpp>
 
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
+#include "impedraw/metrics/metrics.h"
 
 namespace impedraw {
 
+// What a metric must reach; either may be missing.
+struct MetricLimit {
+  std::optional<double> least{}, most{};
+};
+
 struct ReportSettings {
   std::string title{};  // empty: the log's attribute `scenario`
-  nlohmann::ordered_json
-      // {metric: {"min": a, "max": b}}, either may be missing; shown beside the value, with whether
-      // it holds
-      limits{};
+  // by the metric's name; shown beside the value, with whether it holds
+  std::map<std::string, MetricLimit> limits{};
   std::filesystem::path
       python{};  // interpreter with matplotlib; empty: the venv that impedraw was built with
 };
 
 // Writes folder/report.html. Shows folder/ink_top.svg, folder/ink_page.svg and folder/scenario.yaml
-// where they exist. `metrics` as of compute_metrics. Throws std::runtime_error with one line when
+// where they exist. Throws std::runtime_error with one line when
 // the page could not be made.
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
-                  const nlohmann::ordered_json& metrics, const ReportSettings& settings = {});
+                  const Metrics& metrics, const ReportSettings& settings = {});
 
 struct ComparedRun {
   std::string name;              // "with perception"

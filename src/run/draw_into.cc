@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"

@@ -4,15 +4,14 @@
 #include <filesystem>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "impedraw/metrics/metrics.h"
 #include "impedraw/run/run.h"
 
 namespace impedraw {
 
 struct Drawing {
   RunOutcome outcome;
-  nlohmann::ordered_json metrics;
+  Metrics metrics;
 };
 
 // start_up: seconds it took to prepare. `resume`: go on with the run that the folder holds.

@@ -21,6 +21,8 @@ RunLogHeader make_header(const Experiment& e) {
   }
   h.target_points = e.plan.target.points;
   h.target_stroke = e.plan.target.stroke;
+  h.rate = e.scenario.log.rate;
+  h.dt = e.scenario.world.dt;
   h.attributes = {{"scenario", e.scenario.name}, {"seed", std::to_string(e.scenario.seed)}};
   return h;
 }

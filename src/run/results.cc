@@ -1,20 +1,19 @@
 #include "impedraw/run/results.h"
 
-#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include "impedraw/metrics/metrics.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
 #include "impedraw/run/run_folder.h"
 
 namespace impedraw {
 
-nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                                     const PlacedArtwork& artwork) {
+Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
+                      const PlacedArtwork& artwork) {
   const RunData run = read_run(folder / "run.h5");
   const InkMatch drawn = match_ink(run);
-  const nlohmann::ordered_json metrics = compute_metrics(run, drawn);
-  write_file(folder / "metrics.json", metrics.dump(2) + "\n");
+  const Metrics metrics = compute_metrics(run, drawn);
+  write_file(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
   PictureSettings picture;
   picture.pen = scenario.pen;
   picture.target_width = 2.6 * scenario.pen.width;
@@ -27,17 +26,6 @@ nlohmann::ordered_json write_results(const std::filesystem::path& folder, const 
   write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
   write_report(folder, run, drawn, metrics);
   return metrics;
-}
-
-std::string metrics_table(const nlohmann::ordered_json& metrics) {
-  std::string text;
-  for (const MetricDefinition& m : metric_definitions()) {
-    const auto& value = metrics.at(m.name);
-    const std::string number = value.is_null() ? "-" : fmt::format("{:.5g}", value.get<double>());
-    const std::string unit = std::string_view(m.unit) == "1" ? "" : m.unit;
-    text += fmt::format("  {:<20} {:>10} {}\n", m.name, number, unit);
-  }
-  return text;
 }
 
 }  // namespace impedraw

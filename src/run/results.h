@@ -3,21 +3,16 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-
-#include <nlohmann/json.hpp>
 
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/metrics/metrics.h"
 
 namespace impedraw {
 
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5;
 // returns the metrics. The pictures look along the artwork's drawing axis.
-nlohmann::ordered_json write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                                     const PlacedArtwork& artwork);
-
-// The numbers as a table for the terminal.
-std::string metrics_table(const nlohmann::ordered_json& metrics);
+Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
+                      const PlacedArtwork& artwork);
 
 }  // namespace impedraw

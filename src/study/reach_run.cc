@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/log/run_data.h"
@@ -26,10 +27,8 @@ double total_mm(const std::vector<PlacedStroke>& strokes) {
   return sum;
 }
 
-void put(Record* record, const char* name, const nlohmann::ordered_json& metrics,
-         const char* metric) {
-  if (const auto& value = metrics.at(metric); value.is_number())
-    (*record)[name] = fmt::format("{:.6g}", value.get<double>());
+void put(Record* record, const char* name, const Metric& metric) {
+  if (metric.value()) (*record)[name] = fmt::format("{:.6g}", *metric.value());
 }
 
 // What the pre-flight said.
@@ -89,11 +88,11 @@ Record drawn_record(Experiment& e, const fs::path& log, double start_up, const f
   const RunOutcome outcome = run(e, log, start_up);
   const RunData data = read_run(log);
   const InkMatch drawn = match_ink(data);
-  const nlohmann::ordered_json metrics = compute_metrics(data, drawn);
-  put(&r, "coverage", metrics, "coverage");
-  put(&r, "rms", metrics, "ink_error_rms");
-  put(&r, "contact_fraction", metrics, "contact_fraction");
-  put(&r, "strokes_missed", metrics, "strokes_missed");
+  const Metrics metrics = compute_metrics(data, drawn);
+  put(&r, "coverage", metrics.coverage);
+  put(&r, "rms", metrics.ink_error_rms);
+  put(&r, "contact_fraction", metrics.contact_fraction);
+  put(&r, "strokes_missed", metrics.strokes_missed);
   const double gentle = gentle_error_mm(e, data, drawn, kGentleSlope);
   if (std::isfinite(gentle)) r["rms_to_45"] = fmt::format("{:.6g}", gentle);
   r["redrawn"] = std::to_string(outcome.drawn_again.size());

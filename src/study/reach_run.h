@@ -18,8 +18,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/metrics/ink_match.h"
 #include "impedraw/run/run.h"

@@ -53,10 +53,8 @@ Record RecordColumns::record(const Cell& cell, const CellResult& result) const {
   record["slope"] = result.slope;
   record["wall_time"] = fmt::format("{:.2f}", result.wall_time);
   for (const MetricDefinition& m : metric_definitions()) {
-    const auto value =
-        result.metrics.is_object() ? result.metrics.find(m.name) : result.metrics.end();
-    if (value != result.metrics.end() && value->is_number())
-      record[m.name] = fmt::format("{:.6g}", value->get<double>());
+    if (const auto value = result.metrics.find(m.name); value != result.metrics.end())
+      record[m.name] = fmt::format("{:.6g}", value->second);
   }
   return record;
 }

@@ -8,10 +8,9 @@
 //           before that was known
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "impedraw/study/csv.h"
 #include "impedraw/study/robustness_cells.h"
@@ -20,10 +19,10 @@ namespace impedraw {
 
 // What became of a cell.
 struct CellResult {
-  std::string cause;       // of failure; empty: it did not fail
-  nlohmann::json metrics;  // null where there was no run
-  std::string slope;       // [deg], as above
-  double wall_time = 0.0;  // [s]
+  std::string cause;                      // of failure; empty: it did not fail
+  std::map<std::string, double> metrics;  // by name, those that there are
+  std::string slope;                      // [deg], as above
+  double wall_time = 0.0;                 // [s]
 };
 
 class RecordColumns {

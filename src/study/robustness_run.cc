@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/experiment.h"
@@ -27,17 +28,10 @@ double steepest_slope_deg(const Experiment& e) {
   return std::acos(std::clamp(least, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-double value_of(const nlohmann::ordered_json& metrics, const char* name) {
-  const auto& value = metrics.at(name);
-  return value.is_number() ? value.get<double>() : std::nan("");
-}
-
-std::string failure(const RunOutcome& outcome, const nlohmann::ordered_json& metrics,
-                    double speed) {
-  const double missed = value_of(metrics, "strokes_missed"),
-               contact = value_of(metrics, "contact_fraction");
-  const double astray = value_of(metrics, "ink_outside");
-  const double reached = value_of(metrics, "speed_mean") / (1e3 * speed);
+std::string failure(const RunOutcome& outcome, const Metrics& metrics, double speed) {
+  const double missed = metrics.strokes_missed.or_nan(),
+               contact = metrics.contact_fraction.or_nan(), astray = metrics.ink_outside.or_nan();
+  const double reached = metrics.speed_mean.or_nan() / (1e3 * speed);
   if (outcome.end != RunEnd::finished) return "stopped: " + outcome.cause;
   if (!(missed == 0.0)) return fmt::format("missed: {:.0f} strokes without ink", missed);
   if (!(contact >= kLeastContact))
@@ -61,9 +55,10 @@ CellResult run_cell(const Cell& cell, const fs::path& log) {
     Experiment experiment = prepare(scenario, places);
     result.slope = fmt::format("{:.1f}", steepest_slope_deg(experiment));
     const RunOutcome outcome = run(experiment, log, seconds_since(start));
-    const nlohmann::ordered_json metrics = compute_metrics(read_run(log));
+    const Metrics metrics = compute_metrics(read_run(log));
     result.cause = failure(outcome, metrics, experiment.scenario.path.draw_speed);
-    result.metrics = metrics;
+    for (const MetricDefinition& d : metric_definitions())
+      if (const auto& value = (metrics.*d.member).value()) result.metrics[d.name] = *value;
   } catch (const InputError& error) {
     result.cause = "refused: " + within_tree(error.what());
   } catch (const std::exception& error) {
@@ -88,7 +83,7 @@ CellResult result_of(const ProcessEnd& end) {
   if (!end.cause.empty()) return result;
   const nlohmann::json whole = nlohmann::json::parse(end.text);
   result.cause = whole.at("cause").get<std::string>();
-  result.metrics = whole.at("metrics");
+  result.metrics = whole.at("metrics").get<std::map<std::string, double>>();
   result.slope = whole.at("slope").get<std::string>();
   return result;
 }

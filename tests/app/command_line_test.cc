@@ -232,6 +232,22 @@ TEST_F(CommandLine, DrawsIntoRunsBesideTheUserAndReportsAgain) {
   EXPECT_EQ(is.at("ink_error_rms"), was.at("ink_error_rms"));
 }
 
+TEST_F(CommandLine, AReducedLogGivesTheSameMetricsAndReportKeepsThem) {
+  for (const std::string rate : {"full", "reduced"})
+    EXPECT_EQ(call(Words{"draw", "--out", rate, "--set", "log.rate=" + rate} + kShort).code, 0);
+  auto full = json_of(folder_ / "full/metrics.json"),
+       reduced = json_of(folder_ / "reduced/metrics.json");
+  for (const char* wall :
+       {"step_time_p50", "step_time_p99", "step_time_p999", "real_time_factor", "wall_seconds"})
+    full.erase(wall), reduced.erase(wall);
+  EXPECT_EQ(full.dump(), reduced.dump());
+  EXPECT_LT(fs::file_size(folder_ / "reduced/run.h5"), fs::file_size(folder_ / "full/run.h5") / 2)
+      << "most of so short a run's is the canvas";
+  const std::string metrics = content_of(folder_ / "reduced/metrics.json");
+  EXPECT_EQ(call({"report", "reduced"}).code, 0);
+  EXPECT_EQ(content_of(folder_ / "reduced/metrics.json"), metrics);
+}
+
 TEST_F(CommandLine, ComparesBothWays) {
   const Ended ended = call(Words{"compare", "--out", "both"} + kShort);
   EXPECT_EQ(ended.code, 0) << ended.err;

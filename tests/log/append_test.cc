@@ -47,9 +47,9 @@ class AppendTest : public ::testing::Test {
   void go_on(const std::filesystem::path& file, int from, int to,
              const WallTimes& wall = {1.0, 2.0, 0.0}) const {
     RunLog log = RunLog::append_to(file, small_header());
-    ASSERT_EQ(log.rows(), from);
+    ASSERT_EQ(log.steps(), from);
     append(log, from, to);
-    EXPECT_EQ(log.rows(), to);
+    EXPECT_EQ(log.steps(), to);
     log.close(wall);
   }
 

@@ -66,7 +66,7 @@ TEST_F(RunLogTest, EveryRowComesBack) {
     SCOPED_TRACE(n);
     RunLog log(path(), small_header());
     for (int i = 0; i < n; ++i) log.append(numbered_row(i));
-    EXPECT_EQ(log.rows(), n);
+    EXPECT_EQ(log.steps(), n);
     const WallTimes wall = log.close({.start_up = 1.5, .loop = 2.5});
     const RunRows rows = read_rows(path());
     ASSERT_EQ(rows.rows(), n);

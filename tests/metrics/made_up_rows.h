@@ -14,6 +14,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "impedraw/metrics/metrics.h"
 
 namespace impedraw::testing {
@@ -59,10 +61,10 @@ inline Json metrics_of(const MadeUp& made_up) {
   RunData run;
   static_cast<RunConstants&>(run) = made_up;
   const std::size_t half = made_up.rows() / 2;
-  if (made_up.rows() == 0) return compute_metrics(run);
+  if (made_up.rows() == 0) return metrics_json(compute_metrics(run));
   add_rows(part(made_up, 0, half), &run);  // in two, as a log is read in chunks
   add_rows(part(made_up, half, made_up.rows()), &run);
-  return compute_metrics(run);
+  return metrics_json(compute_metrics(run));
 }
 
 // n rows without contact, the pen upright and up, nothing asked for.

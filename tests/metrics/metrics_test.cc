@@ -251,6 +251,16 @@ TEST(Metrics, StepTimeAndRealTimeFactor) {
   expect_null(run, {"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
 }
 
+TEST(Metrics, EveryFieldIsDefinedOnce) {
+  Metrics m;
+  for (const MetricDefinition& d : metric_definitions()) {
+    EXPECT_FALSE((m.*d.member).value()) << d.name << " has the field of another";
+    m.*d.member = 1.0;
+  }
+  EXPECT_EQ(metric_definitions().size() * sizeof(Metric) + sizeof(WallTimes), sizeof(Metrics));
+  EXPECT_EQ(metrics_json(m).size(), metric_definitions().size() + 2) << "two share a name";
+}
+
 TEST(Metrics, NoRowsAtAll) {
   const Json m = metrics_of(empty_run(0));
   for (const MetricDefinition& d : metric_definitions())

@@ -4,6 +4,8 @@
 #include <fstream>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
@@ -26,7 +28,7 @@ int main(int argc, char** argv) {
   const RunData run = read_run(folder / "run.h5");
   const InkMatch drawn = match_ink(run);
   const auto metrics = compute_metrics(run, drawn);
-  std::ofstream(folder / "metrics.json") << metrics.dump(2) << "\n";
+  std::ofstream(folder / "metrics.json") << metrics_json(metrics).dump(2) << "\n";
   std::ofstream(folder / "scenario.yaml") << "seed: 1\nshape: sine\ncanvas: bowl\n";
   write_ink_top(run, drawn, folder / "ink_top");
   const auto to_page = [](const Eigen::Vector3d& p) {
@@ -34,6 +36,6 @@ int main(int argc, char** argv) {
   };
   write_ink_page(run, drawn, to_page, {}, folder / "ink_page");
   write_report(folder, run, drawn, metrics,
-               {.limits = {{"ink_error_rms", {{"max", 0.04}}},
-                           {"force_mean", {{"min", 4.95}, {"max", 5.05}}}}});
+               {.limits = {{"ink_error_rms", {.most = 0.04}},
+                           {"force_mean", {.least = 4.95, .most = 5.05}}}});
 }

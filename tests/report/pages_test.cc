@@ -29,7 +29,7 @@ TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   write_ink_top(run, drawn, folder_ / "ink_top");
   std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
   write_report(folder_, run, drawn, compute_metrics(run, drawn),
-               {.title = "A <title>", .limits = {{"ink_error_rms", {{"max", 0.001}}}}});
+               {.title = "A <title>", .limits = {{"ink_error_rms", {.most = 0.001}}}});
   const std::string page = text_of(folder_ / "report.html");
   EXPECT_LT(page.size(), 10u << 20);
   expect_stands_alone(page);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,11 @@ namespace impedraw {
 struct Figures {
   RunOutcome outcome;
   RunRows run;
-  nlohmann::ordered_json metrics;
-  double operator[](const char* name) const {
-    return metrics.at(name).is_null() ? std::nan("") : metrics.at(name).get<double>();
+  Metrics metrics;
+  double operator[](const std::string& name) const {  // NaN: there is none
+    for (const MetricDefinition& d : metric_definitions())
+      if (d.name == name) return (metrics.*d.member).or_nan();
+    throw std::out_of_range("no metric " + name);
   }
 };
 

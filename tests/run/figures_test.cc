@@ -27,7 +27,7 @@ TEST(Figures, BlindDrawsAndIsWorse) {
   for (const char* name : {"bowl-sine-blind", "bowl-m-blind"}) {
     const Figures f = draw_within_bounds(name);
     EXPECT_GT(f["tilt_mean"], 5.0) << name << ": the pen stands upright on slopes";
-    EXPECT_TRUE(f.metrics["normal_error_mean"].is_null()) << name;
+    EXPECT_TRUE(!f.metrics.normal_error_mean.value()) << name;
     EXPECT_GT(f["force_sd"], 0.1) << name;
   }
 }
