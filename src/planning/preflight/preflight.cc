@@ -243,8 +243,8 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
     std::vector<Stretch> stretches;
     for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
       if (span.problem) {
-        stretches.push_back({span.from, span.to, span.problem, 0, span.worst,
-                             settings.X_WP * span.p_P, span.text});
+        stretches.push_back(
+            {span.from, span.to, span.problem, 0, span.worst, settings.X_WP * span.p_P, span.text});
         continue;
       }
       margins.slope_deg = std::max(margins.slope_deg, span.slope * 180 / std::numbers::pi);
