@@ -1,5 +1,5 @@
-// Reads a URDF into Pinocchio's model. Only this folder's sources include this header. Reading has a
-// unit of its own because Pinocchio's parser and its algorithms are each slow to compile.
+// Reads a URDF into Pinocchio's model. Only sources of this folder include this header. Reading has
+// a unit of its own because Pinocchio's parser and its algorithms are each slow to compile.
 #pragma once
 
 #include <filesystem>

@@ -248,7 +248,8 @@ def different(a, b):
     return sorted(key for key in a if a[key] != b[key])
 print(set(different('a', 'b')) - {'controller/step_time'} or 'same',
       set(different('noisy_a', 'noisy_b')) - {'controller/step_time'} or 'same')
-print('cloud/points' in different('noisy_a', 'other'), 'tip/position' in different('noisy_a', 'other'),
+print('cloud/points' in different('noisy_a', 'other'),
+      'tip/position' in different('noisy_a', 'other'),
       'tip/position' in different('a', 'noisy_a'))
 )");
   EXPECT_EQ(compared.out, "same same\nTrue True True\n");
