@@ -1,5 +1,9 @@
 # What impedraw is built from. The venv holds the pinned wheels (Pinocchio with its own Eigen and Boost, MuJoCo); Debian has the rest.
-set(IMPEDRAW_VENV ${PROJECT_SOURCE_DIR}/.venv CACHE PATH "venv with the wheels of requirements.txt")
+set(venv "$ENV{IMPEDRAW_VENV}")
+if(NOT venv)
+  set(venv ${PROJECT_SOURCE_DIR}/.venv)
+endif()
+set(IMPEDRAW_VENV ${venv} CACHE PATH "venv with the wheels of requirements.txt")
 file(GLOB IMPEDRAW_SITE_PACKAGES ${IMPEDRAW_VENV}/lib/python3.*/site-packages)
 if(NOT EXISTS ${IMPEDRAW_SITE_PACKAGES}/cmeel.prefix)
   message(FATAL_ERROR "${IMPEDRAW_VENV} lacks Pinocchio's wheel: run ./impedraw once, it installs what is missing")

@@ -1,9 +1,12 @@
 # Sourced by ./impedraw and ./check: `prepare TARGET` installs what is missing and builds TARGET where anything is newer than it.
-# Expects $root (the repository) and `set -euo pipefail`. Speaks on stderr; details go to build/install.log and build/build.log.
+# Expects $root (the repository) and `set -euo pipefail`. $preset is one of CMakePresets.json (release where it is not set), and
+# $package_lists the lists of Debian packages (apt-packages.txt). IMPEDRAW_VENV names another venv than .venv. Speaks on stderr; details go to build/install.log and build/build.log.
 # Nothing here needs the network once everything is installed, and a call with nothing to do starts no compiler, pip or apt.
 
-venv=$root/.venv
-out=$root/build/release
+venv=${IMPEDRAW_VENV:-$root/.venv}
+preset=${preset:-release}
+out=$root/build/$preset
+package_lists=("${package_lists[@]:-$root/apt-packages.txt}")
 log=$root/build/install.log
 [[ -t 2 ]] && terminal=1 || terminal=
 
@@ -49,15 +52,22 @@ prepare() {
   trap - INT
 }
 
+# The packages alone, for modes that build nothing.
+prepare_packages() {
+  mkdir -p "$root/build"
+  has_packages || install_packages
+}
+
 is_ready() { has_packages && has_wheels && is_built "$1"; }
 
 # --- Debian's packages ---------------------------------------------------------------------------------------------
 
 # Stamped with the state of dpkg's own list, so that a removed package or another machine under the same tree is noticed.
-packages_stamp() { stat -c '%Y %s' /var/lib/dpkg/status 2>/dev/null || echo no dpkg; cat "$root/apt-packages.txt"; }
-has_packages() { [[ -r $root/build/.packages && $(<"$root/build/.packages") == "$(packages_stamp)" ]]; }
+packages_stamp() { stat -c '%Y %s' /var/lib/dpkg/status 2>/dev/null || echo no dpkg; cat "${package_lists[@]}"; }
+packages_file() { echo "$root/build/.packages$( (( ${#package_lists[@]} == 1 )) || echo -check)"; }
+has_packages() { [[ -r $(packages_file) && $(<"$(packages_file)") == "$(packages_stamp)" ]]; }
 
-# Prints what of apt-packages.txt is missing or too old, one name a line.
+# Prints what of the lists is missing or too old, one name a line.
 missing_packages() {
   local name least why have cargo
   declare -A version=()
@@ -69,14 +79,14 @@ missing_packages() {
     [[ $name == rustc-web || $name == cargo-web ]] && [[ $cargo ]] && dpkg --compare-versions "$cargo" ge "$least" && continue
     [[ ${version[$name]-} ]] && dpkg --compare-versions "${version[$name]}" ge "$least" && continue
     echo "$name"
-  done <"$root/apt-packages.txt"
+  done < <(cat "${package_lists[@]}")
 }
 
 install_packages() {
   rm -f "$out"/.built-*  # dpkg did something since: ninja is to see whether it matters
   if ! command -v dpkg-query apt-get >/dev/null; then
     say "this is no Debian: install what apt-packages.txt lists by this system's own means; going on without"
-    packages_stamp >"$root/build/.packages"
+    packages_stamp >"$(packages_file)"
     return
   fi
   local missing
@@ -104,7 +114,7 @@ install_packages() {
     (( ${#missing[@]} == 0 )) || fail "still missing or too old for impedraw: ${missing[*]}" "apt-packages.txt tells the least versions; impedraw is made for Debian 12"
     say "installed $all ($SECONDS s so far)"
   fi
-  packages_stamp >"$root/build/.packages"
+  packages_stamp >"$(packages_file)"
 }
 
 follow_apt() {
@@ -159,7 +169,7 @@ follow_pip() {
 
 # --- Build ---------------------------------------------------------------------------------------------------------
 
-sources=("$root"/{CMakeLists.txt,cmake,src,bench,examples})
+sources=("$root"/{CMakeLists.txt,CMakePresets.json,cmake,src,bench,examples})
 
 # A marker of the last good build is compared with every file and folder that goes into one: 3 ms, where asking ninja takes 100.
 is_built() {
@@ -191,7 +201,7 @@ build() {
   if [[ ! -e $out/build.ninja || ! -e $out/CMakeCache.txt ]] || ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$out/CMakeCache.txt"; then
     step "configuring"
     rm -rf "$out/CMakeCache.txt" "$out/CMakeFiles"
-    cmake -S "$root" -B "$out" -G Ninja -DCMAKE_BUILD_TYPE=Release >>"$log" 2>&1 || fail "the build could not be configured" "the whole log: $log"
+    cmake -S "$root" --preset "$preset" >>"$log" 2>&1 || fail "the build could not be configured" "the whole log: $log"
   fi
   local start=$SECONDS
   NINJA_STATUS='[%f/%t] ' ninja -C "$out" -j "$(jobs)" "$1" 2>&1 | follow_ninja || fail "the build failed" "the whole log: $log"

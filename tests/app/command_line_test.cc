@@ -1,4 +1,5 @@
-// The program as its user meets it at the terminal: what is wrong with the input, what it leaves behind, how it ends.
+// The program as its user meets it at the terminal: what is wrong with the input, what it leaves
+// behind, how it ends.
 #include <pty.h>
 #include <sys/resource.h>
 
@@ -27,7 +28,8 @@ using Clock = std::chrono::steady_clock;
 const Words kShort = {"--set", "path.draw_speed=0.3", "--set", "path.draw_acceleration=5"};
 const Words kLong = {"--set", "path.draw_speed=0.0015"};  // 200 s of simulated time and more
 const char* const kLine =
-    R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><path d="M5 5H15M5 35H35" fill="none" stroke="black"/></svg>)";
+    R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40">
+    <path d="M5 5H15M5 35H35" fill="none" stroke="black"/></svg>)";
 
 Words operator+(Words a, const Words& b) {
   a.insert(a.end(), b.begin(), b.end());
@@ -273,19 +275,24 @@ import h5py, os
 def datasets(name):
     found = {}
     with h5py.File(os.path.join(os.path.dirname(__file__), name, 'run.h5')) as f:
-        f.visititems(lambda key, item: found.update({key: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None)
+        f.visititems(lambda key, item: found.update({key: item[()].tobytes()})
+                     if isinstance(item, h5py.Dataset) else None)
     return found
 def different(a, b):
     a, b = datasets(a), datasets(b)
     assert len(a) > 25 and a.keys() == b.keys()
     return sorted(key for key in a if a[key] != b[key])
-print(set(different('a', 'b')) - {'controller/step_time'} or 'same', set(different('noisy_a', 'noisy_b')) - {'controller/step_time'} or 'same')
-print('cloud/points' in different('noisy_a', 'other'), 'tip/position' in different('noisy_a', 'other'), 'tip/position' in different('a', 'noisy_a'))
+print(set(different('a', 'b')) - {'controller/step_time'} or 'same',
+      set(different('noisy_a', 'noisy_b')) - {'controller/step_time'} or 'same')
+print('cloud/points' in different('noisy_a', 'other'),
+      'tip/position' in different('noisy_a', 'other'),
+      'tip/position' in different('a', 'noisy_a'))
 )");
   EXPECT_EQ(compared.out, "same same\nTrue True True\n");
 }
 
-// 200 N on the pen, and gravity ten times what the controller knows: both beyond what the arm can hold.
+// 200 N on the pen, and gravity ten times what the controller knows: both beyond what the arm can
+// hold.
 TEST_F(CommandLine, AnUnstableRunStopsAndKeepsItsLog) {
   for (const char* cause : {"pushes=[{force: 200, direction: [0, 0, 1], middle: 0.5, duration: 3}]",
                             "world.gravity=100"}) {

@@ -26,7 +26,9 @@ TEST(Inspect, Svg) {
       xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
       width="100mm" height="50mm" viewBox="0 0 200 100">
     <g inkscape:label="ring"><circle cx="20" cy="20" r="10" fill="white" stroke="red"/></g>
-    <g id="box"><path d="M-20 60 h60 v20 h-60 z M0 70 h10" fill="none" stroke="#000" stroke-dasharray="1"/><path d="M0 0H9"/></g></svg>)");
+    <g id="box">
+      <path d="M-20 60 h60 v20 h-60 z M0 70 h10" fill="none" stroke="#000" stroke-dasharray="1"/>
+      <path d="M0 0H9"/></g></svg>)");
   EXPECT_EQ(found["strokes"], 3);
   EXPECT_NEAR(found["length_mm"].get<double>(), (20 * std::numbers::pi + 160 + 10) / 2, 1e-4 * 100);
   const double expected[] = {-10, 5, 20, 40};

@@ -148,7 +148,8 @@ TEST(Hatch, FillsOfAnSvg) {
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
     <rect width="100" height="100" fill="white"/>
     <g id="a"><path d="M10 10h40v40h-40z M20 20h20v20h-20z" FILL/></g>
-    <g id="b"><path d="M60 60h30v30h-30z" fill="none" stroke="red"/><circle cx="75" cy="20" r="10" fill="red" stroke="black"/></g></svg>)";
+    <g id="b"><path d="M60 60h30v30h-30z" fill="none" stroke="red"/>
+      <circle cx="75" cy="20" r="10" fill="red" stroke="black"/></g></svg>)";
   const auto with = [&](const std::string& fill) {
     std::string text = svg;
     text.replace(text.find("FILL"), 4, fill);

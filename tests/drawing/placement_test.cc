@@ -17,7 +17,8 @@ using Eigen::Vector2d;
 Artwork
 letter_f() {  // stem downwards, then the upper arm to the right, then the shorter one below it
   return parse_svg(
-      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><g fill="none" stroke="black">
+      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">
+      <g fill="none" stroke="black">
     <path d="M30 10 V90"/><path d="M30 10 H80"/><path d="M30 45 H60"/></g></svg>)",
       "F");
 }
@@ -47,7 +48,8 @@ TEST(Placement, MirrorSwapsLeftAndRightOnly) {
   EXPECT_GT(up(strokes[0].p_P.front()), up(strokes[0].p_P.back()) + 0.1);
 }
 
-// The turn from the stem's way down to the top arm's way right, as seen from above: counter-clockwise (> 0) on an F that can be read.
+// The turn from the stem's way down to the top arm's way right, as seen from above:
+// counter-clockwise (> 0) on an F that can be read.
 double turn_of(const Vector2d& stem_down, const Vector2d& arm_out) {
   const Vector2d a(right(stem_down), up(stem_down)), b(right(arm_out), up(arm_out));
   return a.x() * b.y() - a.y() * b.x();
@@ -64,11 +66,13 @@ TEST(Placement, LetterFFromSvgAndFromTextReadsFromAbove) {
         settings.rotate_deg = rotate;
         settings.mirror = mirror;
         const Placement placement = place(f, settings);
-        // Page (Y down) to seen from above (up): a turn keeps the sense of rotation, page → world xy has determinant < 0.
+        // Page (Y down) to seen from above (up): a turn keeps the sense of rotation, page → world
+        // xy has determinant < 0.
         EXPECT_EQ(placement.A.determinant() < 0, !mirror);
         const auto strokes = placed_strokes(f, placement);
         ASSERT_EQ(strokes.size(), 3u);
-        // By position alone: the stem is the longest, of the arms the top one begins where the stem does.
+        // By position alone: the stem is the longest, of the arms the top one begins where the
+        // stem does.
         const Vector2d top = strokes[0].p_P.front(), bottom = strokes[0].p_P.back();
         const auto& arm_1 = strokes[1].p_P;
         const auto& arm_2 = strokes[2].p_P;

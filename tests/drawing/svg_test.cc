@@ -18,7 +18,8 @@ constexpr double kPx = 25.4 / 96;
 Artwork on_mm_page(const std::string& body) {
   return parse_svg(
       R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
-    xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="200mm" height="200mm" viewBox="0 0 200 200">)" +
+    xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
+    width="200mm" height="200mm" viewBox="0 0 200 200">)" +
           body + "</svg>",
       "test");
 }

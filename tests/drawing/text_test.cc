@@ -1,4 +1,5 @@
-// Text as strokes: sizes and places by what is asked for, letters by what the font's file says, read here in another way.
+// Text as strokes: sizes and places by what is asked for, letters by what the font's file says,
+// read here in another way.
 #include "impedraw/drawing/text.h"
 
 #include <fstream>

@@ -15,12 +15,13 @@ namespace {
 
 using testing::HasSubstr;
 
-// A filled square of 80 mm with a hole of 40, and a dashed line of 90: 10 drawn, 5 left out, six times.
+// A filled square of 80 mm with a hole of 40, and a dashed line of 90: 10 drawn, 5 left out, six
+// times.
 class MadeArtwork : public testing::Test {
  protected:
   MadeArtwork() {
-    std::ofstream(file_)
-        << R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">
+    std::ofstream(file_) << R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm"
+        viewBox="0 0 100 100">
       <path d="M10 10h80v80h-80z M30 30v40h40v-40z" fill="green"/>
       <path d="M5 95 h90" fill="none" stroke="black" stroke-dasharray="10 5"/></svg>)";
     settings_.svg = file_;

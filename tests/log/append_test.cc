@@ -66,7 +66,8 @@ def names(f):
 assert names(a) == names(b) and len(names(a)) > 20
 for n in names(a):
     x, y = a[n][()], b[n][()]
-    assert x.shape == y.shape and x.dtype == y.dtype and x.tobytes() == y.tobytes(), (n, x.shape, y.shape)
+    same = x.shape == y.shape and x.dtype == y.dtype and x.tobytes() == y.tobytes()
+    assert same, (n, x.shape, y.shape)
     assert sorted(a[n].attrs) == sorted(b[n].attrs), n
     for k in a[n].attrs: assert np.all(a[n].attrs[k] == b[n].attrs[k]), (n, k)
 assert sorted(a.attrs) == sorted(b.attrs), (list(a.attrs), list(b.attrs))

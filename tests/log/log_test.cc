@@ -129,19 +129,24 @@ f.visititems(lambda name, o: names.append(name) if isinstance(o, h5py.Dataset) e
 for name in names:
     for a in ('unit', 'frame', 'description'):
         assert f[name].attrs[a], (name, a)
-desired = '''time joint/position joint/velocity joint/torque tip/position tip/orientation tip/velocity desired/position desired/orientation
-contact/force contact/point contact/normal wrench/measured disturbance/force surface/normal surface/distance push mode stroke stroke_along
-controller/step_time canvas/vertices canvas/triangles cloud/points cloud/normals cloud/camera target/points target/stroke torque/gravity
-torque/impedance torque/push torque/null_space torque/coriolis torque/feedback torque/friction'''.split()
+desired = '''time joint/position joint/velocity joint/torque tip/position tip/orientation
+tip/velocity desired/position desired/orientation contact/force contact/point
+contact/normal wrench/measured disturbance/force surface/normal surface/distance
+push mode stroke stroke_along controller/step_time canvas/vertices canvas/triangles
+cloud/points cloud/normals cloud/camera target/points target/stroke torque/gravity
+torque/impedance torque/push torque/null_space torque/coriolis torque/feedback
+torque/friction'''.split()
 assert sorted(desired) == sorted(names), set(desired) ^ set(names)
-width = {'joint/position': 7, 'torque/push': 7, 'tip/orientation': 4, 'tip/velocity': 6, 'contact/force': 3, 'wrench/measured': 6}
+width = {'joint/position': 7, 'torque/push': 7, 'tip/orientation': 4,
+         'tip/velocity': 6, 'contact/force': 3, 'wrench/measured': 6}
 for name, w in width.items():
     assert f[name].shape == (5000, w) and f[name].dtype == 'f8', name
 assert f['stroke'].shape == (5000,) and f['stroke'].dtype.kind == 'i'
 assert f['target/stroke'].dtype.kind == 'i' and f['target/points'].shape[1] == 3
 assert list(f['mode'].attrs['names']) == ['free', 'approach', 'contact', 'lift']
 assert all(len(f['joint/position'].attrs[a]) == 7 for a in ('lower', 'upper', 'torque_limit'))
-assert f.attrs['wall_start_up'] == 1.0 and f.attrs['wall_loop'] == 2.0 and f.attrs['wall_writing'] >= 0
+assert f.attrs['wall_start_up'] == 1.0 and f.attrs['wall_loop'] == 2.0
+assert f.attrs['wall_writing'] >= 0
 assert f['time'].chunks and f['time'].compression == 'gzip' and f['time'].shuffle
 )";
   const std::filesystem::path file = folder_ / "look.py";

@@ -1,0 +1,28 @@
+# Eigen, fmt and the standard library parsed once instead of in every unit: about 2 s of 5.5 s a
+# unit. Two sets, because GCC takes a precompiled header only with the flags that it was made with.
+# Off with a compiler launcher: ccache keeps nothing of a unit with a precompiled header.
+if(CMAKE_CXX_COMPILER_LAUNCHER OR IMPEDRAW_PARTS OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(precompile OFF)
+else()
+  set(precompile ON)
+endif()
+option(IMPEDRAW_PRECOMPILED_HEADERS "Precompile the headers that most units include" ${precompile})
+
+set(IMPEDRAW_COMMON_HEADERS
+  <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <fmt/format.h>
+  <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <optional> <string> <vector>)
+if(IMPEDRAW_PRECOMPILED_HEADERS)
+  set(empty ${PROJECT_BINARY_DIR}/precompiled/empty.cc)
+  file(CONFIGURE OUTPUT ${empty} CONTENT "int main() {}\n")
+
+  add_library(impedraw_library_headers OBJECT EXCLUDE_FROM_ALL ${empty})
+  target_link_libraries(impedraw_library_headers PRIVATE Eigen3::Eigen fmt::fmt)
+  target_precompile_headers(impedraw_library_headers PRIVATE ${IMPEDRAW_COMMON_HEADERS})
+
+  find_package(GTest REQUIRED)
+  add_executable(impedraw_test_headers EXCLUDE_FROM_ALL ${empty})  # as tests are: -fPIE
+  target_compile_options(impedraw_test_headers PRIVATE -O1)
+  target_link_libraries(impedraw_test_headers PRIVATE Eigen3::Eigen fmt::fmt GTest::gtest GTest::gmock)
+  target_precompile_headers(impedraw_test_headers PRIVATE
+    ${IMPEDRAW_COMMON_HEADERS} <gmock/gmock.h> <gtest/gtest.h>)
+endif()
