@@ -1,5 +1,5 @@
-// Stage 3 of an experiment, PlacedArtwork + Scene → Plan: which strokes are drawn, along which path,
-// and what ought to come out. Needs no controller; moves nothing.
+// Stage 3 of an experiment, PlacedArtwork + Scene → Plan: which strokes are drawn, along which
+// path, and what ought to come out. Needs no controller; moves nothing.
 #pragma once
 
 #include <functional>
@@ -27,7 +27,8 @@ struct Plan {
   JointVector rest_q;        // rest posture of the null space [rad]
   // Of `requested`, whose numbers its drawable parts have; findings have the artwork's.
   Preflight preflight;
-  // What is promised: the drawable parts in their order, numbered from 0 as target, path and log do.
+  // What is promised: the drawable parts in their order, numbered from 0 as target, path and log
+  // do.
   std::vector<PlacedStroke> strokes;
   PathSettings path_settings;      // as planned with; start_hold: a sensor must be tared by then
   TipPath path;                    // of no length where nothing can be drawn

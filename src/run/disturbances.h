@@ -9,7 +9,8 @@
 
 namespace impedraw {
 
-// When that share of the way from the path's first stroke's start to its last one's end is over [s].
+// When that share of the way from the path's first stroke's start to its last one's end is over
+// [s].
 double time_at(const TipPath& path, double share);
 
 class Disturbances {

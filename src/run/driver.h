@@ -1,13 +1,13 @@
-// The seam between the control loop and an arm: joint state in, joint torque out, a clock, faults by
-// name. The loop (run.h), the log and the redrawing are the same for every driver; the simulated arm
-// (simulated_arm.h) is the first.
+// The seam between the control loop and an arm: joint state in, joint torque out, a clock, faults
+// by name. The loop (run.h), the log and the redrawing are the same for every driver; the simulated
+// arm (simulated_arm.h) is the first.
 //
 // Law of calls, all from the loop's one thread:
 //
 //   start()                    once: the arm is ready, at rest, and holds itself until a command
 //   read()                     the state at the beginning of a control cycle
-//     command(tau, gravity)    its torque, which holds until the next command; as early in the cycle
-//     read()                   as it is known: the loop logs between command() and read()
+//     command(tau, gravity)    its torque, which holds until the next command; sent as soon as it
+//     read()                   is known: the loop logs between command() and read()
 //     command(…) …
 //   stop()                     once, after whatever ended the run, errors included
 //
@@ -26,8 +26,8 @@
 // What the driver of a real arm must do beyond that: speak the arm's protocol from a thread of its
 // own where that can block; take `gravity` off where the arm compensates its own; keep the arm's
 // limits on torque and its rate with a margin, ramp the first torques up; fill state_time and
-// wrench_time from the arm's own stamps, so that lost packets show as age; watch joint speed and the
-// connection, and name what went wrong in fault(); damp the motion, then send zero, in stop().
+// wrench_time from the arm's own stamps, so that lost packets show as age; watch joint speed and
+// the connection, and name what went wrong in fault(); damp the motion, then send zero, in stop().
 #pragma once
 
 #include <limits>
@@ -56,8 +56,8 @@ struct ArmState {
   JointVector q, v;          // [rad], [rad/s]
   double wrench_time = 0.0;  // when the wrench was measured [s]
   Vector6 wrench = Vector6::Zero();  // as DriverInfo::wrench says [N, Nm]
-  // The control step before is not done yet in this cycle: the drives hold the last torque. The loop
-  // works out nothing, logs, and commands that torque again.
+  // The control step before is not done yet in this cycle: the drives hold the last torque. The
+  // loop works out nothing, logs, and commands that torque again.
   bool stalled = false;
   // How long the control step before took by the driver's clock [s]; 0 in lock-step.
   double step_time = 0.0;

@@ -74,9 +74,9 @@ Resumption read_resumption(const Experiment& experiment, const std::filesystem::
 bool writes(const Experiment& experiment, ContactMode mode, double normal_force);
 
 // Drives the arm from where it stands: at the beginning of the plan's path, or for a resumption at
-// its last posture. Streams to `log_file`. Throws LogError when the log cannot be written, InputError
-// for a driver of another arm, whatever Driver::start() throws. start_up: wall seconds already spent
-// [s].
+// its last posture. Streams to `log_file`. Throws LogError when the log cannot be written,
+// InputError for a driver of another arm, whatever Driver::start() throws. start_up: wall seconds
+// already spent [s].
 RunOutcome run(Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 

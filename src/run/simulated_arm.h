@@ -1,5 +1,5 @@
-// The simulated world as a driver, in lock-step: the arm with its true masses and drives, its pen on
-// the true canvas, the wrench sensor, and what the scenario does to them (disturbances.h).
+// The simulated world as a driver, in lock-step: the arm with its true masses and drives, its pen
+// on the true canvas, the wrench sensor, and what the scenario does to them (disturbances.h).
 #pragma once
 
 #include <cstdint>
