@@ -3,9 +3,9 @@
 //
 //   y = quantise(saturate(F + bias + drift t + noise)), then late by `delay`
 //
-// t = 0 at the first sample. Directions of bias and drift are drawn from the seed, of force and of torque apart. Range and
-// quantum hold for each axis. The same seed, settings and wrenches give the same readings: its
-// random numbers are its own, not the standard library's.
+// t = 0 at the first sample. Directions of bias and drift are drawn from the seed, of force and of
+// torque apart. Range and quantum hold for each axis. The same seed, settings and wrenches give the
+// same readings: its random numbers are its own, not the standard library's.
 #pragma once
 
 #include <cstdint>
