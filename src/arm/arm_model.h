@@ -44,8 +44,8 @@ class ArmModel {
   void compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept;
 
   Pose tip_pose(const JointVector& q);  // X_WE
-  std::vector<BodyCapsule> body_capsules(
-      const JointVector& q);  // the URDF's collision cylinders and spheres
+  // the URDF's collision cylinders and spheres
+  std::vector<BodyCapsule> body_capsules(const JointVector& q);
 
  private:
   struct Workspace;

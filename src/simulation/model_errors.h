@@ -1,10 +1,11 @@
 // What the true arm does that its URDF, and with it the controller, knows nothing of. All off by
 // default. Dry friction: WorldSettings.
 //
-// Plant, true        M' v̇ + C' v + g' = τ_a − b v + …         M', C', g' with mass_scale,
-//                    centre_shift; + rotor_inertia on the diagonal
+// Plant, true        M' v̇ + C' v + g' = τ_a − b v + …
+//                    M', C', g' with mass_scale and centre_shift; M' with rotor_inertia added on
+//                    the diagonal
 // Torque that acts   τ_a = round(τ(t − loop_delay) / quantum) quantum + A sin(30 q_j + φ_j)
-//                    φ_j = 2π · 0.381966 j, so all differ
+//                    φ_j = 2π · 0.381966 j, so that all differ
 #pragma once
 
 namespace impedraw {

@@ -1,11 +1,12 @@
 // One point of contact between a pen tip and the canvas, solved exactly for a time step: a
 // spring-damper along the normal, true Coulomb friction across, rigid there.
 //
-//   v⁺  = v_free + G p                                       contact-point velocity after the step;
-//       G = J M⁻¹ Jᵀ, p = h f
-//   f_n = max(0, k φ − b v_n⁺)                               φ: penetration at the start of the
-//   step; damper on the new velocity
+//   v⁺   = v_free + G p                                       G = J M⁻¹ Jᵀ,  p = h f
+//   f_n  = max(0, k φ − b v_n⁺)
 //   v_t⁺ = 0 with |f_t| ≤ μ f_n,  or  f_t = −μ f_n v_t⁺/|v_t⁺|
+//
+// v⁺: velocity of the contact point after the step; φ: penetration at the start of the step, the
+// damper acts on the new velocity.
 //
 // The spring from the start of the step with an implicit damper follows the oscillator (k, b, m)
 // within 1 % at 1 ms on this tip; stable while √(k/m) h < 2. MuJoCo's own convex cone couples

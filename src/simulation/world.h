@@ -1,8 +1,10 @@
-// The simulated world: an arm under torque, its pen on a canvas that nobody measured. MuJoCo has
-// the arm, tip_contact.h the contact.
+// The simulated world: an arm under torque, its pen on an unknown canvas. MuJoCo has the arm,
+// tip_contact.h the contact.
 //
-// One step of h from t_i:  v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p +
-// p_joint),  q⁺ = q + h v⁺
+// One step of h from t_i
+//   v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p + p_joint)
+//   q⁺ = q + h v⁺
+//
 // The arm that moves need not be the URDF's, nor τ_a the torque asked for: model_errors.h. Viscous
 // friction b v⁺ is implicit. The tip's impulse p and those of the joints, dry friction |p_j| ≤ h
 // τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel): one after the other, the second

@@ -1,11 +1,11 @@
 // A six-axis force/torque sensor with its faults, from the exact wrench [f; m] in the sensor's axes
 // [N, Nm].
 //
-//   y = quantise(saturate(F + bias + drift t + noise)), then late by `delay`         t = 0 at the
-//   first sample
-// Directions of bias and drift are drawn from the seed, of force and of torque apart. Range and
-// quantum hold for each axis. The same seed, settings and wrenches give the same readings: its
-// random numbers are its own, not the standard library's.
+//   y = quantise(saturate(F + bias + drift t + noise)), then late by `delay`
+//
+// t = 0 at the first sample. Directions of bias and drift are drawn from the seed, of force and of
+// torque apart. Range and quantum hold for each axis. The same seed, settings and wrenches give the
+// same readings: its random numbers are its own, not the standard library's.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,8 @@
 namespace impedraw {
 
 struct WrenchSensorSettings {
-  double noise_force = 0.0,
-         // white, each axis: SD of a sample at 1 kHz; at other rates the same density [N, Nm]
-      noise_torque = 0.0;
+  // white, each axis: SD of a sample at 1 kHz; at other rates the same density [N, Nm]
+  double noise_force = 0.0, noise_torque = 0.0;
   double bias_force = 0.0, bias_torque = 0.0;        // length of the vector [N, Nm]
   double drift_force = 0.0, drift_torque = 0.0;      // length of the vector [N/min, Nm/min]
   double quantum_force = 0.0, quantum_torque = 0.0;  // 0: none [N, Nm]
@@ -39,9 +38,8 @@ class WrenchSensor {
   // The reading when F acts. Allocates nothing.
   Vector6 sample(const Vector6& F) noexcept;
 
-  bool saturated() const {
-    return last_.saturated;
-  }  // an axis of the last reading stood at the end of its range
+  // an axis of the last reading stood at the end of its range
+  bool saturated() const { return last_.saturated; }
 
  private:
   struct Reading {

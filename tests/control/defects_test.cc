@@ -128,7 +128,7 @@ TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
     if (std::abs(with) < std::abs(without) + 0.5 || with * without < 0.0) continue;
     ++limited;
     ImpedanceSettings tight = s;
-    tight.torque_limit[j] = 0.5 * std::abs(with + without);
+    tight.limits.torque[j] = 0.5 * std::abs(with + without);
     Still still(tight, working_posture());
     still.free.reference.a_WD = asked.head<3>();
     const ImpedanceTorque& out = still.free.control();
@@ -137,7 +137,7 @@ TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
     EXPECT_LT((still.acceleration(out.tau) - asked).norm(), 1e-6 * asked.norm())
         << "joint " << j + 1;
     JointVector clipped = desired.tau;
-    clipped[j] = std::copysign(tight.torque_limit[j], clipped[j]);
+    clipped[j] = std::copysign(tight.limits.torque[j], clipped[j]);
     EXPECT_GT((still.acceleration(clipped) - asked).norm(), 0.01 * asked.norm())
         << "the defect would show";
   }

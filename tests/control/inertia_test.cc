@@ -83,7 +83,7 @@ TEST(DesiredInertia, IsWhatAPushMeetsInAllSixAxes) {
           free.reference.w_WD = free.terms.V_WE.tail<3>();
         }
         ImpedanceSettings fast = s;
-        fast.tip_speed_limit = 100.0;
+        fast.limits.tip_speed = 100.0;
         const Matrix6 M_d = desired_inertia(free, c, s);
         for (int axis = 0; axis < 6; ++axis) {
           ImpedanceController fresh(fast, 7);

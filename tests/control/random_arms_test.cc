@@ -69,7 +69,6 @@ JointVector easy_posture(ArmModel& arm, std::mt19937& rng) {
 }
 
 ImpedanceSettings settings_of(const ArmModel& arm, const JointVector& q) {
-  const int n = arm.joints();
   ImpedanceSettings s;
   s.null_space.q_0 = q;
   s.limits.torque = arm.limits().torque;

@@ -194,7 +194,8 @@ TEST(BadInput, AnAgeThatIsNotANumberIsTooOld) {
   EXPECT_TRUE(free.control().status.stale_state);
   free.ages = {0.0, kNaN};
   EXPECT_TRUE(free.control().status.stale_wrench);
-  free.ages = {ImpedanceSettings().max_state_age, ImpedanceSettings().max_wrench_age};
+  const TimingSettings timing;
+  free.ages = {timing.max_state_age, timing.max_wrench_age};
   EXPECT_TRUE(free.control().status.ok()) << "old, but not too old";
 }
 
