@@ -1,0 +1,251 @@
+// What large inputs cost, against a floor of the same run: sorting a million numbers, about the
+// least that any of them does with as many. Ratios to hold: main.cc.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/canvas/mesh_check.h"
+#include "impedraw/drawing/order.h"
+#include "impedraw/drawing/svg.h"
+#include "impedraw/log/log.h"
+#include "impedraw/metrics/metrics.h"
+#include "impedraw/planning/path/tip_planner.h"
+#include "impedraw/planning/wrap/wrap.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// Of this program and of those that it started: what else runs on the machine matters little [s].
+double processor_seconds() {
+  double sum = 0.0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    sum += static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  }
+  return sum;
+}
+
+template <typename Work>
+void measure(benchmark::State& state, const Work& work) {
+  for (auto _ : state) {
+    const double before = processor_seconds();
+    work();
+    state.SetIterationTime(processor_seconds() - before);
+  }
+}
+
+std::optional<SurfaceSample> bowl(double x, double y) {
+  const Vector3d centre(0.60, 0.0, 0.40);
+  const double r = std::hypot(x - 0.60, y);
+  if (r > 0.18) return std::nullopt;
+  const Vector3d p(x, y, 0.40 - std::sqrt(0.09 - r * r));
+  return SurfaceSample{p, (centre - p) / 0.30};
+}
+
+PlacedStroke stroke_through(const std::vector<Vector2d>& points) { return {points, points, 0}; }
+
+void BM_sort(benchmark::State& state) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<double> numbers(1000000);
+  for (double& x : numbers) x = uniform(random);
+  measure(state, [&] {
+    std::vector<double> sorted = numbers;
+    std::sort(sorted.begin(), sorted.end());
+    benchmark::DoNotOptimize(sorted.data());
+  });
+}
+
+// 2,000,000 triangles of a wave, from a binary STL to a canvas that can be asked.
+void BM_mesh(benchmark::State& state) {
+  constexpr int kSide = 1000;
+  const std::filesystem::path file = std::filesystem::temp_directory_path() /
+                                     ("impedraw_bench_" + std::to_string(getpid()) + ".stl");
+  {
+    std::ofstream out(file, std::ios::binary);
+    const auto put = [&out](const auto& value) {
+      out.write(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    const auto corner = [&](int i, int j) {
+      const double x = 0.4 * i / kSide, y = 0.4 * j / kSide;
+      for (const double v : {x, y, 0.02 * std::sin(20 * x) * std::cos(17 * y)})
+        put(static_cast<float>(v));
+    };
+    out << std::string(80, ' ');
+    put(std::uint32_t{2 * kSide * kSide});
+    for (int i = 0; i < kSide; ++i)
+      for (int j = 0; j < kSide; ++j)
+        for (const int half : {0, 1}) {
+          out << std::string(12, '\0');
+          corner(i, j);
+          corner(i + 1, half ? j + 1 : j);
+          corner(half ? i : i + 1, j + 1);
+          put(std::uint16_t{0});
+        }
+  }
+  measure(state, [&] {
+    const Canvas canvas(load_mesh(file, 1.0).mesh);
+    benchmark::DoNotOptimize(canvas.closest(Vector3d(0.2, 0.2, 0.0)));
+  });
+  std::filesystem::remove(file);
+}
+
+// 20 minutes of drawing: 1.2 million rows against 150,000 points of target.
+void BM_metrics(benchmark::State& state) {
+  constexpr Eigen::Index kRows = 1200000, kPerStroke = 600;
+  RunData run;
+  run.joint_lower = Eigen::Vector2d(-1.0, -2.0);
+  run.joint_upper = Eigen::Vector2d(1.0, 2.0);
+  run.torque_limit = Eigen::Vector2d(10.0, 20.0);
+  {
+    RunRows rows;
+    const auto n = static_cast<std::size_t>(kRows);
+    rows.joint_position = rows.joint_torque = rows.torque_before_limits =
+        RunRows::Joints::Zero(kRows, 2);
+    rows.contact_force.assign(n, {0.0, 0.0, 5.0});
+    rows.contact_normal.assign(n, Vector3d::UnitZ());
+    rows.surface_normal.assign(n, Vector3d::UnitZ());
+    rows.tip_orientation.assign(n, Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0));
+    rows.surface_distance.assign(n, 0.0);
+    rows.push.assign(n, 5.0);
+    rows.step_time.assign(n, 1e-5);
+    rows.mode.assign(n, 0);
+    for (Eigen::Index i = 0; i < kRows; ++i) {
+      const auto stroke = static_cast<int>(i / kPerStroke);
+      rows.time.push_back(1e-3 * static_cast<double>(i));
+      rows.contact_point.emplace_back(5e-5 * static_cast<double>(i % kPerStroke),
+                                      1e-3 * (stroke % 100) + 3e-5, 0.0);
+      rows.stroke.push_back(stroke);
+    }
+    add_rows(rows, &run);
+  }
+  for (int stroke = 0; stroke < 2000; ++stroke)
+    for (int k = 0; k <= 75; ++k) {
+      run.target_points.emplace_back(5e-4 * k, 1e-3 * (stroke % 100), 0.0);
+      run.target_stroke.push_back(stroke);
+    }
+  measure(state, [&] { benchmark::DoNotOptimize(compute_metrics(run)); });
+}
+
+void BM_order(benchmark::State& state) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(0.0, 200.0);
+  std::vector<Stroke> dots(5000);
+  for (Stroke& dot : dots) dot.points = {Vector2d(place(random), place(random))};
+  measure(state, [&] { benchmark::DoNotOptimize(shortest_order(dots)); });
+}
+
+// 10,000 subpaths with a curve each.
+void BM_svg(benchmark::State& state) {
+  std::string document =
+      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 100 100'>"
+      "<path stroke='red' d='";
+  for (int i = 0; i < 10000; ++i)
+    document += "M" + std::to_string(i % 100) + " " + std::to_string(i / 100) + "c.5 0 0 .5 .3 .3z";
+  document += "'/></svg>";
+  measure(state, [&] { benchmark::DoNotOptimize(parse_svg(document, "a.svg")); });
+}
+
+// A patch of 300 mm laid flat, the process that does it included.
+void BM_wrap(benchmark::State& state) {
+  std::vector<Vector2d> circle;
+  for (int i = 0; i <= 200; ++i)
+    circle.push_back(Vector2d(0.60, 0.0) + 0.15 * Vector2d(std::cos(0.01 * std::numbers::pi * i),
+                                                           std::sin(0.01 * std::numbers::pi * i)));
+  measure(state, [&] {
+    benchmark::DoNotOptimize(Wrap(bowl, Vector2d(0.60, 0.0), {stroke_through(circle)}));
+  });
+}
+
+// 1,500 strokes of 150,000 points.
+std::vector<PlacedStroke> flow_field() {
+  std::vector<PlacedStroke> strokes;
+  for (int k = 0; k < 1500; ++k) {
+    const Vector2d centre = Vector2d(0.6, 0.0) + 0.12 * std::sqrt(k / 1500.0) *
+                                                     Vector2d(std::cos(2.4 * k), std::sin(2.4 * k));
+    std::vector<Vector2d> points;
+    for (int i = 0; i < 100; ++i)
+      points.push_back(centre + 0.004 * Vector2d(std::cos(0.063 * i), std::sin(0.126 * i)));
+    strokes.push_back(stroke_through(points));
+  }
+  return strokes;
+}
+
+void BM_plan(benchmark::State& state) {
+  const std::vector<PlacedStroke> strokes = flow_field();
+  measure(state, [&] { benchmark::DoNotOptimize(plan_tip_path(strokes, bowl)); });
+}
+
+// A million times, in order, as the loop asks.
+void BM_plan_at(benchmark::State& state) {
+  const TipPath path = plan_tip_path(flow_field(), bowl);
+  measure(state, [&] {
+    constexpr int kCalls = 1000000;
+    for (int i = 0; i < kCalls; ++i)
+      benchmark::DoNotOptimize(path.at(path.duration() * i / kCalls));
+  });
+}
+
+// What the loop pays for a row: 16,000 fit the ring, so that the disk has no part in it.
+void BM_append(benchmark::State& state) {
+  RunLogHeader header;
+  for (int j = 0; j < 7; ++j) header.joint_names.push_back("joint_" + std::to_string(j + 1));
+  for (int k = 0; k < 9; ++k) header.torque_terms.push_back("term_" + std::to_string(k + 1));
+  header.mode_names = {"free"};
+  header.joint_lower = Eigen::VectorXd::Constant(7, -1.0);
+  header.joint_upper = header.torque_limit = Eigen::VectorXd::Constant(7, 1.0);
+  const std::filesystem::path file = std::filesystem::temp_directory_path() /
+                                     ("impedraw_bench_" + std::to_string(getpid()) + ".h5");
+  const auto this_thread_seconds = [] {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  };
+  for (auto _ : state) {
+    RunLog log(file, header);
+    LogRow row(7);
+    const double before = this_thread_seconds();
+    for (int i = 0; i < 16000; ++i) {
+      row.time = 1e-3 * i;
+      log.append(row);
+    }
+    state.SetIterationTime(this_thread_seconds() - before);
+    log.close();
+  }
+  std::filesystem::remove(file);
+}
+
+#define IMPEDRAW_COST(name) \
+  BENCHMARK(name)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(3)
+IMPEDRAW_COST(BM_sort)->Repetitions(9);
+IMPEDRAW_COST(BM_mesh);
+IMPEDRAW_COST(BM_metrics);
+IMPEDRAW_COST(BM_order);
+IMPEDRAW_COST(BM_svg);
+IMPEDRAW_COST(BM_wrap);
+IMPEDRAW_COST(BM_plan);
+IMPEDRAW_COST(BM_plan_at);
+IMPEDRAW_COST(BM_append);
+#undef IMPEDRAW_COST
+
+}  // namespace
+}  // namespace impedraw
