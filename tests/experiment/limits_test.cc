@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/control/check_settings.h"
 #include "impedraw/control/contact_mode.h"
+#include "impedraw/control/impedance_settings.h"
 #include "impedraw/control/momentum_observer.h"
 #include "impedraw/drawing/simplify.h"
 #include "impedraw/experiment/scenario.h"
@@ -185,14 +185,16 @@ void check_perception(const PerceptionSettings& s) {
 void check_control(const Scenario& s) {
   const ControlSettings& c = s.control;
   ImpedanceSettings settings = c;
-  settings.torque_limit = Eigen::VectorXd::Constant(7, 100.0 * c.torque_share);
-  settings.torque_rate_limit = Eigen::VectorXd::Constant(7, c.torque_rate);
-  check_settings(settings, 7);
+  settings.limits.torque = Eigen::VectorXd::Constant(7, 100.0 * c.torque_share);
+  settings.limits.torque_rate = Eigen::VectorXd::Constant(7, c.torque_rate);
+  settings.validate(7);
   ContactStates(settings.contact, s.world.dt);
   const WrenchEstimatorSettings estimator =
       estimator_settings(c.sensing, s.wrench_sensor, s.world.dt, s.world.gravity);
-  MomentumObserver(settings.observer, 7, s.world.dt, estimator.sensor_delay, settings.torque_delay);
-  WrenchInput(WrenchSource::sensor, estimator, s.wrench_sensor, s.world.dt, 1);
+  MomentumObserver(settings.observer, 7, s.world.dt, estimator.sensor_delay,
+                   c.torque_delay.value_or(0.0));
+  WrenchSensor(s.wrench_sensor, s.world.dt, 1);
+  WrenchEstimator{estimator};
 }
 
 // All that the library has to say about the part of the scenario that `name` lies in. What nothing
