@@ -34,7 +34,7 @@ TEST(Inspect, Svg) {
   const double expected[] = {-10, 5, 20, 40};
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(found["bbox_mm"][i].get<double>(), expected[i], 1e-3);
   EXPECT_EQ(found["layers"].dump(), R"([{"name":"ring","strokes":1},{"name":"box","strokes":2}])");
-  EXPECT_EQ(found["warnings"].size(), 1u);
+  EXPECT_EQ(found["warnings"].size(), 2u);  // dashes, and a fill without an area
 }
 
 TEST(Inspect, LengthOfManySmallArcs) {

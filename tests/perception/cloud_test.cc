@@ -137,7 +137,7 @@ TEST(Thin, KeepsTheMeanWhenThinnedTwice) {
   }
   Vector3d mean = Vector3d::Zero();
   for (const auto& p : cloud.points) mean += p / 1000;
-  const PointCloud one = thin(thin(cloud, 0.01), 1.0);
+  const PointCloud one = thin(thin(cloud, 0.01), 0.1);
   ASSERT_EQ(one.points.size(), 1u);
   EXPECT_LT((one.points[0] - mean).norm(), 1e-14);
   EXPECT_EQ(one.weight[0], 1000);
