@@ -236,8 +236,8 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"its 99th percentile / median, best of five runs", steps.p99 / steps.median, 2.0, true},
       {"fresh normal / bare k-nearest-neighbour query (k = 60)",
        median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5, true},
-      // costs_bench.cc. What the tests once allowed in seconds, against a sort that takes 0.1 s; less
-      // where less was measured. They catch growth, not percents.
+      // costs_bench.cc. What the tests once allowed in seconds, against a sort that takes 0.1 s;
+      // less where less was measured. They catch growth, not percents.
       {"2,000,000 triangles to a canvas / sort of a million", sorts("BM_mesh"), 100.0, true},
       {"metrics of 1.2 million rows / sort of a million", sorts("BM_metrics"), 40.0, true},
       {"order of 5,000 strokes / sort of a million", sorts("BM_order"), 50.0, true},

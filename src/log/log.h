@@ -2,8 +2,9 @@
 //
 // One row a step (row i: the state at t_i, the torque computed from it, the contact force acting
 // over [t_i, t_i+1)); a reduced log has rows of some steps (row_selection.h) and of every step what
-// metrics, plots and a resumed run need (/every_step, log_step.h). SI, world frame W, quaternions w x y z. docs of every dataset: columns() in
-// log_columns.cc, written into the file as attributes unit, frame, description.
+// metrics, plots and a resumed run need (/every_step, log_step.h). SI, world frame W, quaternions w
+// x y z. docs of every dataset: columns() in log_columns.cc, written into the file as attributes
+// unit, frame, description.
 //
 //   loop ── append(): copies the row into a ring of columns ──> writer thread: shuffle, deflate,
 //   HDF5 chunk, flush

@@ -40,8 +40,8 @@ class LogFile {
   ~LogFile();
 
   void resize(LogTable table, std::size_t rows);  // all its datasets
-  // Writes rows [chunk · chunk_rows, + rows) of column `c`; a chunk that was not full may be written
-  // again.
+  // Writes rows [chunk · chunk_rows, + rows) of column `c`; a chunk that was not full may be
+  // written again.
   void write_chunk(LogTable table, std::size_t c, std::size_t chunk, const std::byte* data,
                    std::size_t rows);
   void flush();

@@ -23,8 +23,8 @@ struct ResumeLog {
   Eigen::VectorXd joint_position;  // of the last row [rad]; empty where there is none
 };
 
-// Every step as RunLog::append_to finds them. Throws InputError naming the file when it is no log, and
-// the dataset that it lacks.
+// Every step as RunLog::append_to finds them. Throws InputError naming the file when it is no log,
+// and the dataset that it lacks.
 ResumeLog read_resume_log(const std::filesystem::path& path);
 
 }  // namespace impedraw

@@ -1,5 +1,5 @@
-// Rows of run.h5 column by column, as they stand there; of a reduced log those of some steps. 0.6 kB a row: a whole long run is read as
-// RunData, which is a sixth of that.
+// Rows of run.h5 column by column, as they stand there; of a reduced log those of some steps. 0.6
+// kB a row: a whole long run is read as RunData, which is a sixth of that.
 #pragma once
 
 #include <filesystem>

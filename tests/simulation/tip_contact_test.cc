@@ -99,8 +99,8 @@ TEST(TipContact, SlidesInContactWithTheForceAskedAndCoulombFriction) {
 }
 
 // The same on the inside of the bowl, where the normal turns and a convex hull would lift the tip
-// off. The slides do not turn the pen: the centre of the tip sphere is always one radius above E and
-// goes round the bowl's centre on an arc of R − r. Along that arc's normal the push and the
+// off. The slides do not turn the pen: the centre of the tip sphere is always one radius above E
+// and goes round the bowl's centre on an arc of R − r. Along that arc's normal the push and the
 // centripetal force are all that acts, so that the canvas answers with the push itself.
 TEST(TipContact, StaysOnAConcaveBowl) {
   const BowlSettings bowl;
