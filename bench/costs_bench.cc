@@ -1,5 +1,5 @@
-// What large inputs cost, against a floor of the same run: sorting a million numbers, about the
-// least that any of them does with as many. Ratios to hold: main.cc.
+// Cost of large inputs relative to a floor measured in the same run: sorting a million numbers. The
+// limits of the ratios are in main.cc.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -32,7 +32,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Of this program and of those that it started: what else runs on the machine matters little [s].
+// Processor time of this process and its children [s]. It hardly depends on the machine's load.
 double processor_seconds() {
   double sum = 0.0;
   for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
@@ -75,7 +75,7 @@ void BM_sort(benchmark::State& state) {
   });
 }
 
-// 2,000,000 triangles of a wave, from a binary STL to a canvas that can be asked.
+// 2,000,000 triangles of a wave, from a binary STL to a canvas ready for queries.
 void BM_mesh(benchmark::State& state) {
   constexpr int kSide = 1000;
   const std::filesystem::path file = std::filesystem::temp_directory_path() /
@@ -109,7 +109,7 @@ void BM_mesh(benchmark::State& state) {
   std::filesystem::remove(file);
 }
 
-// 20 minutes of drawing: 1.2 million rows against 150,000 points of target.
+// 20 minutes of drawing: 1.2 million rows matched to 150,000 target points.
 void BM_metrics(benchmark::State& state) {
   constexpr Eigen::Index kRows = 1200000, kPerStroke = 600;
   RunData run;
@@ -154,7 +154,7 @@ void BM_order(benchmark::State& state) {
   measure(state, [&] { benchmark::DoNotOptimize(shortest_order(dots)); });
 }
 
-// 10,000 subpaths with a curve each.
+// 10,000 subpaths with one curve each.
 void BM_svg(benchmark::State& state) {
   std::string document =
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 100 100'>"
@@ -165,7 +165,7 @@ void BM_svg(benchmark::State& state) {
   measure(state, [&] { benchmark::DoNotOptimize(parse_svg(document, "a.svg")); });
 }
 
-// A patch of 300 mm laid flat, the process that does it included.
+// Flattening of a 300 mm patch, including its process.
 void BM_wrap(benchmark::State& state) {
   std::vector<Vector2d> circle;
   for (int i = 0; i <= 200; ++i)
@@ -176,7 +176,7 @@ void BM_wrap(benchmark::State& state) {
   });
 }
 
-// 1,500 strokes of 150,000 points.
+// 1,500 strokes with 150,000 points in total.
 std::vector<PlacedStroke> flow_field() {
   std::vector<PlacedStroke> strokes;
   for (int k = 0; k < 1500; ++k) {
@@ -195,7 +195,7 @@ void BM_plan(benchmark::State& state) {
   measure(state, [&] { benchmark::DoNotOptimize(plan_tip_path(strokes, bowl)); });
 }
 
-// A million times, in order, as the loop asks.
+// A million queries in order of time, as in the loop.
 void BM_plan_at(benchmark::State& state) {
   const TipPath path = plan_tip_path(flow_field(), bowl);
   measure(state, [&] {
@@ -205,7 +205,7 @@ void BM_plan_at(benchmark::State& state) {
   });
 }
 
-// What the loop pays for a row: 16,000 fit the ring, so that the disk has no part in it.
+// Cost of a row for the loop. The ring holds 16,000 rows, so the disk does not matter.
 void BM_append(benchmark::State& state) {
   RunLogHeader header;
   for (int j = 0; j < 7; ++j) header.joint_names.push_back("joint_" + std::to_string(j + 1));

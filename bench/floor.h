@@ -1,5 +1,5 @@
-// The floor of a controller step: what any operational-space controller on Pinocchio has to
-// compute, each called once.
+// The floor of a controller step: the quantities that any operational-space controller computes
+// with Pinocchio, each computed once.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ class Floor {
   explicit Floor(const char* urdf);
   ~Floor();
   double compute(const Eigen::VectorXd& q,
-                 const Eigen::VectorXd& v);  // a number that depends on all of it
+                 const Eigen::VectorXd& v);  // a number that depends on all results
 
  private:
   struct Model;

@@ -1,9 +1,9 @@
-// ./impedraw bench: speed as ratios against floors of the same run, each beside its limit. Exit
-// code 1 when a limit is missed.
+// ./impedraw bench: times relative to floors measured in the same run, with their limits. The exit
+// code is 1 if a limit is exceeded.
 //
-// A shared machine slows floor and subject alike, but not at the same instant: each is repeated
-// often and briefly, in mixed order, and the medians are compared. The best times would not do: one
-// lucky moment of a faster clock for one of the two is a third of the ratio.
+// A shared machine slows floor and subject equally, but not at the same instant. Both are therefore
+// repeated often and briefly in mixed order, and their medians are compared. Minima are unsuitable:
+// one moment of a faster clock for one of the two changes the ratio by a third.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -36,8 +36,8 @@ Experiment& experiment(const std::string& name) {
   return all.emplace(name, prepare(resolve(options))).first->second;
 }
 
-// Postures as they follow each other at 1 kHz, at 0.2 rad/s; forth and back, for the damping's
-// design starts from the step before.
+// Successive postures at 1 kHz and 0.2 rad/s, back and forth, because the damping design starts
+// from the previous step.
 struct Posture {
   JointVector q, v;
 };
@@ -80,8 +80,8 @@ void BM_arm_terms(benchmark::State& state) {
   }
 }
 
-// A whole controller step in contact: arm terms, wrench from a sensor's reading, observer, damping
-// and law.
+// A whole controller step in contact: arm terms, wrench from the sensor's reading, observer,
+// damping and control law.
 class Step {
  public:
   explicit Step(const std::string& name)
@@ -128,8 +128,8 @@ void step(benchmark::State& state, const std::string& name) {
 void BM_step_shaped(benchmark::State& state) { step(state, "bowl-sine-sensor"); }
 void BM_step_natural(benchmark::State& state) { step(state, "bowl-sine-realistic"); }
 
-// How the steps' times spread: the best of five runs, as others take the core from any of them
-// [ns].
+// Distribution of step times [ns]: the best of five runs, because other processes may disturb any
+// of them.
 struct Spread {
   double median = 0.0, p99 = 1e9, p999 = 1e9;
 };
@@ -152,7 +152,7 @@ Spread spread(const std::string& name) {
   return best;
 }
 
-// A whole run with its log; counts simulated seconds.
+// A whole run with its log; counts simulated time.
 void draw(benchmark::State& state, const std::string& name) {
   Experiment& e = experiment(name);
   const std::filesystem::path log = std::filesystem::temp_directory_path() /
@@ -187,7 +187,7 @@ BENCHMARK(BM_draw_blind)
     ->Iterations(1)
     ->Repetitions(5);
 
-// Collects every repetition beside the usual output.
+// Collects every repetition in addition to the usual output.
 class Repetitions : public benchmark::ConsoleReporter {
  public:
   using benchmark::ConsoleReporter::ConsoleReporter;
@@ -197,7 +197,7 @@ class Repetitions : public benchmark::ConsoleReporter {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
       const std::string name =
           run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
-      // What others take of a core does not count; costs_bench.cc counts its own processor time.
+      // Processor time excludes other processes; costs_bench.cc measures its own.
       time_[name].push_back(run.run_name.time_type == "manual_time" ? run.GetAdjustedRealTime()
                                                                     : run.GetAdjustedCPUTime());
       if (const auto c = run.counters.find("real_time_factor"); c != run.counters.end())
@@ -236,8 +236,8 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"its 99th percentile / median, best of five runs", steps.p99 / steps.median, 2.0, true},
       {"fresh normal / bare k-nearest-neighbour query (k = 60)",
        median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5, true},
-      // costs_bench.cc. What the tests once allowed in seconds, against a sort that takes 0.1 s;
-      // less where less was measured. They catch growth, not percents.
+      // costs_bench.cc. The limits derive from former test limits in seconds and a sort of 0.1 s,
+      // lowered where less was measured. They detect changes in growth, not small slowdowns.
       {"2,000,000 triangles to a canvas / sort of a million", sorts("BM_mesh"), 100.0, true},
       {"metrics of 1.2 million rows / sort of a million", sorts("BM_metrics"), 40.0, true},
       {"order of 5,000 strokes / sort of a million", sorts("BM_order"), 50.0, true},

@@ -1,6 +1,6 @@
-// A normal against its floor, the bare k-nearest-neighbour query: same 50,000 points on the
-// standard bowl, same k and queries (along the sine, at the tip sphere's centre). Ratio to hold:
-// BM_normal_fresh ≤ 1.5 × BM_knn_bare.
+// Time of a normal relative to its floor, the bare k-nearest-neighbour query. Both use the same
+// 50,000 points on the standard bowl, the same k and the same queries (along the sine, at the tip
+// sphere's centre). Limit: BM_normal_fresh ≤ 1.5 × BM_knn_bare.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -25,7 +25,7 @@ PointCloud bowl_cloud() {
   cloud.eyes.push_back({0.6, 0.0, 0.9});
   for (int i = 0; i < 50000; ++i) {
     const double phi = 2.0 * std::numbers::pi * uniform(random);
-    const double cos_theta = 1.0 - 0.2 * uniform(random);  // even over the cap's area
+    const double cos_theta = 1.0 - 0.2 * uniform(random);  // uniform over the cap's area
     const double rho = std::sqrt(1.0 - cos_theta * cos_theta);
     cloud.points.push_back(kCentre +
                            0.30 * Vector3d(rho * std::cos(phi), rho * std::sin(phi), -cos_theta));
@@ -55,7 +55,7 @@ void run(benchmark::State& state, const Query& query) {
   }
 }
 
-// nanoflann as anybody would call it, on the same points in the same order.
+// Plain use of nanoflann on the same points in the same order.
 struct Points {
   std::vector<Vector3d> points;
   std::size_t kdtree_get_point_count() const { return points.size(); }

@@ -1,15 +1,14 @@
-// A made-up arm with closed-form terms: three rails along x, y, z of W carry a wrist of three
-// joints, whose axes meet in one point; in it the pen, downwards at q = 0.
+// A fictitious arm with closed-form terms. Three rails along x, y, z of W carry a wrist of three
+// joints whose axes meet in one point. The wrist holds the pen, which points down at q = 0.
 //
-// Joints      q = [x, y, z; a, b, c]: position of the wrist [m], turns about x, then y, then the
-//             pen [rad]. So the units of M, Cv and g are
-//             those of force for a rail and of torque for a turn.
+// Joints      q = [x, y, z; a, b, c]: position of the wrist [m], rotations about x, then y, then
+//             the pen [rad]. Rows of M v̇, Cv, g: forces for rails, torques for rotations.
 // Tip         R_WE = Rx(a) Ry(b) Rz(c) diag(1, −1, −1),  p_WE = p + ℓ z_E;  ω = A [ȧ, ḃ, ċ], the
 //             columns of A the three axes in W
-// Dynamics    a sum over rails and bodies, as for any arm:  M = Σ (m Jᵀ J + Aᵀ I A),  C v = Σ (m Jᵀ
+// Dynamics    sums over rails and bodies, as for any arm:  M = Σ (m Jᵀ J + Aᵀ I A),  C v = Σ (m Jᵀ
 //             J̇v + Aᵀ I Ȧv),  g = −Σ m Jᵀ gravity,
-//             J here that of a body's centre of mass; I that of a ball, for which ω × I ω = 0
-// J has full rank but at b = ± 90°, where the axes of a and c coincide.
+//             where J is that of a body's centre of mass and I that of a ball, so ω × I ω = 0
+// J has full rank except at b = ± 90°, where the axes of a and c coincide.
 #pragma once
 
 #include <cmath>
@@ -17,11 +16,11 @@
 #include "impedraw/control/arm_terms.h"
 
 struct Gantry {
-  Eigen::Vector3d rail_mass{6.0, 5.0, 3.0};  // what each rail moves, without the pen [kg]
-  // of a ball, about the wrist's centre, where its centre of mass is, too [kg m²]
+  Eigen::Vector3d rail_mass{6.0, 5.0, 3.0};  // mass moved by each rail, without the pen [kg]
+  // inertia of a ball centred at the wrist's centre [kg m²]
   double wrist_inertia = 0.02;
   double pen_mass = 0.2;                       // [kg], a point on the pen's axis ...
-  double pen_centre = 0.05;                    // ... so far from the wrist's centre [m]
+  double pen_centre = 0.05;                    // ... at this distance from the wrist's centre [m]
   double tip = 0.12;                           // ℓ [m]
   Eigen::Vector3d gravity_W{0.0, 0.0, -9.81};  // [m/s²]
 
@@ -30,7 +29,7 @@ struct Gantry {
     using Eigen::Matrix3d, Eigen::Vector3d;
     const double sa = std::sin(q[3]), ca = std::cos(q[3]), sb = std::sin(q[4]), cb = std::cos(q[4]);
     const double sc = std::sin(q[5]), cc = std::cos(q[5]);
-    Matrix3d axes, R_c;     // A: a column each, in W
+    Matrix3d axes, R_c;     // A: one axis per column, in W
     axes << 1.0, 0.0, sb,   //
         0.0, ca, -sa * cb,  //
         0.0, sa, ca * cb;
@@ -38,13 +37,13 @@ struct Gantry {
         sc, -cc, 0.0,    //
         0.0, 0.0, -1.0;
     const Vector3d z_E = -axes.col(2), w = axes * v.tail<3>();
-    Matrix3d R_ab;  // its z is the pen's axis, upwards
+    Matrix3d R_ab;  // its z axis is the pen's axis, upwards
     R_ab << axes.col(1).cross(axes.col(2)), axes.col(1), axes.col(2);
-    // Each axis turns with the joints before it.
+    // Each axis rotates with the preceding joints.
     const Vector3d w_a = axes.col(0) * v[3], w_ab = w_a + axes.col(1) * v[4];
     const Vector3d spin_drift = w_a.cross(axes.col(1)) * v[4] + w_ab.cross(axes.col(2)) * v[5];
 
-    // Of the point at `distance` down the pen: velocity J v, acceleration without v̇.
+    // For the point at `distance` along the pen: J, and the drift J̇ v.
     const auto jacobian = [&](double distance) {
       Eigen::Matrix<double, 3, 6> J;
       J << Matrix3d::Identity(), Matrix3d::Zero();

@@ -1,9 +1,8 @@
-// The loop closed in a simulator of one's own: an arm (gantry.h) with a force-torque sensor above
-// its pen comes down on an inclined canvas, draws a circle at 5 N and leaves. Prints force and
-// line; the exit code is 1 if they are not as asked for.
+// The controller in closed loop with a custom simulator. An arm (gantry.h) with a force-torque
+// sensor above its pen approaches an inclined canvas, draws a circle at 5 N and retracts. Prints
+// statistics of force and line error. The exit code is 1 if they are out of tolerance.
 //
-// usage: own_simulator [FRICTION]    of pen on canvas, 0.25 unless given; the controller believes
-// 0.3
+// usage: own_simulator [FRICTION]    pen on canvas, default 0.25; the controller assumes 0.3
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -15,14 +14,14 @@
 using namespace impedraw;
 using Eigen::Vector3d;
 
-constexpr double kStep = 1e-3;  // of the controller [s]
-// of the simulator in one of the controller's: friction on a light tip is stiff
+constexpr double kStep = 1e-3;  // time step of the controller [s]
+// simulator steps per controller step: friction on a light tip is stiff
 constexpr int kSubsteps = 20;
 constexpr double kForce = 5.0;    // [N]
-constexpr double kRadius = 0.03;  // of the circle, seen along z [m]
+constexpr double kRadius = 0.03;  // of the circle in the x-y plane [m]
 constexpr double kPenDown = 0.6, kDraw = 2.8, kDrawn = 8.6, kPenUp = 8.8, kEnd = 9.6;  // [s]
 
-// A plane through W's origin: spring and damper along n, Coulomb friction that fades below 1 mm/s.
+// A plane through W's origin: spring and damper along n, Coulomb friction smoothed below 1 mm/s.
 struct Canvas {
   Vector3d n_W = Vector3d(-0.2, 0.1, 1.0).normalized();
   double stiffness = 20e3, damping = 50.0, friction = 0.25;  // [N/m], [N s/m]
@@ -44,7 +43,7 @@ struct Simulator {
   Vector6 bias_S = (Vector6() << 2.0, -1.0, 3.0, 0.05, -0.1, 0.02).finished();
   JointVector q{6}, v = JointVector::Zero(6);
   ArmTerms terms{6};
-  Vector6 reading_S;   // of the sensor, mean over the last step
+  Vector6 reading_S;   // sensor reading, mean over the last step
   Vector3d contact_W;  // true force of the canvas, mean over the last step [N]
 
   explicit Simulator(const Vector3d& p_WE) {  // at rest, the pen along −n
@@ -71,7 +70,7 @@ struct Simulator {
   }
 
   Vector6 reading(const Vector3d& f_W, const JointVector& a) const {
-    ToolMotion motion;  // of S: carried by the rails, turning with E
+    ToolMotion motion;  // of S: translates with the rails, rotates with E
     motion.X_WS = {q.head<3>(), terms.X_WE.R};
     motion.V_WS << v.head<3>(), terms.V_WE.tail<3>();
     motion.A_WS << a.head<3>(), terms.J.bottomRows<3>() * a + terms.Jdot_v.tail<3>();
@@ -81,7 +80,7 @@ struct Simulator {
     return contact_S + tool_wrench(pen, motion, arm.gravity_W) + bias_S;
   }
 
-  // The pen's tip gives, the canvas stays: the ink lies above E.
+  // The pen's tip is compliant, the canvas rigid: the ink lies above E.
   Vector3d ink() const { return terms.X_WE.p - canvas.height(terms.X_WE.p) * canvas.n_W; }
 };
 
@@ -96,8 +95,8 @@ struct Smooth {
   }
 };
 
-// Down from 10 mm, once around, up again. The plan knows the slope, but has the canvas 2 mm too
-// high: perception finds it where it is.
+// Down from 10 mm, once around, up again. The plan knows the slope but assumes the canvas 2 mm too
+// high. Perception finds its true height.
 TipReference plan(double t, const Vector3d& n) {
   const Smooth turn(t - kDraw, kDrawn - kDraw), leave(t - kPenUp, kEnd - kPenUp);
   const double phi = 2.0 * M_PI * turn.s, rate = 2.0 * M_PI * turn.rate,
@@ -122,7 +121,7 @@ int main(int argc, char** argv) {
   Simulator world(plan(0.0, n).p_WD);
   if (argc > 1) world.canvas.friction = std::atof(argv[1]);
 
-  Gantry model = world.arm;  // what the controller is told of the arm: rails a tenth too light
+  Gantry model = world.arm;  // the controller's model of the arm: rails 10 % too light
   model.rail_mass *= 0.9;
   ArmTerms arm(6);
 
@@ -139,7 +138,7 @@ int main(int argc, char** argv) {
   sensing.tool = world.pen;
   sensing.X_ES.p = {0.0, 0.0, -world.arm.tip};
   sensing.gravity_W = world.arm.gravity_W;
-  WrenchEstimator wrench(sensing);  // takes the bias while the arm still rests
+  WrenchEstimator wrench(sensing);  // estimates the bias while the arm is at rest
 
   double sum = 0.0, sum_2 = 0.0, peak = 0.0, line_2 = 0.0, line_max = 0.0;
   int drawn = 0, touching = 0, troubled = 0;
@@ -147,7 +146,7 @@ int main(int argc, char** argv) {
     model.compute(world.q, world.v, &arm);
     const Wrench& F_ext = wrench.update(world.reading_S, arm.X_WE, arm.V_WE);
     const SurfaceEstimate surface{SurfaceStatus::ok, n,
-                                  world.canvas.height(arm.X_WE.p)};  // perception, here perfect
+                                  world.canvas.height(arm.X_WE.p)};  // perfect perception
     const ImpedanceTorque& out = controller.step(arm, plan(t, n), surface, F_ext);
     world.step(out.tau);
 

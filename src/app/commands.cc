@@ -33,7 +33,7 @@ fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
   return options.out.empty() ? fs::path("runs") / scenario.name : options.out;
 }
 
-// The scenario of the run in `folder`, which is to go on.
+// The scenario of the run in `folder` that is resumed.
 Scenario begun(const fs::path& folder, Places* places) {
   if (!fs::exists(folder / "run.h5") || !fs::exists(folder / "scenario.yaml"))
     throw InputError(fmt::format(
@@ -43,7 +43,7 @@ Scenario begun(const fs::path& folder, Places* places) {
   return scenario;
 }
 
-// A run goes on with the settings that it was begun with, or not at all.
+// Throws unless the settings equal those of the run in `folder`.
 void require_same(const Scenario& scenario, const fs::path& folder) {
   // Written anew: the file may be of a version with other names and comments.
   Scenario earlier;
@@ -84,7 +84,7 @@ int draw(const DrawOptions& options) {
   require_run_folder(folder);
   const bool given = !options.scenario.empty() || !options.shape.empty() || !options.svg.empty() ||
                      !options.text.empty() || !options.assignments.empty();
-  // A place once found is the run's: it is not looked for again.
+  // A resumed run keeps its placement.
   if (options.resume && (!given || options.place == "auto"))
     scenario = begun(folder, &places);
   else
@@ -114,8 +114,7 @@ int compare(const DrawOptions& options) {
       options.out.empty() ? fs::path("runs") / (seen.name + "-compare") : options.out;
   require_comparison_folder(folder);
 
-  // Both are prepared before either is drawn: what is wrong with the second must not leave the
-  // first behind.
+  // Both are prepared before either is drawn, so that an error in the second leaves no half result.
   struct Side {
     std::string name;
     Experiment experiment;

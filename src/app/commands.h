@@ -1,4 +1,4 @@
-// What the command line does, each as a function that returns the program's exit code.
+// The program's commands. Each returns the exit code.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace impedraw {
 
-// With canvas and drawing moved to where the arm reaches them best, if the options ask for that;
-// says so.
+// With --place auto, moves canvas and drawing to where the arm reaches them best and prints the
+// placement.
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places);
 
 int draw(const DrawOptions& options);

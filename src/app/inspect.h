@@ -1,4 +1,4 @@
-// What a file holds, without drawing it.
+// Describes the contents of a file without drawing it.
 //
 // Artwork (.svg, .txt, .strokes, .csv): strokes, length_mm, bbox_mm [x0, y0, x1, y1] of their
 // centrelines on the page, y down (null without strokes), layers [{name, strokes}] in the
@@ -11,7 +11,7 @@
 
 namespace impedraw {
 
-// InputError as read_artwork. Nothing to draw is no error here, but a warning.
+// Throws InputError like read_artwork(). An empty drawing is a warning, not an error.
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file);
 
 // Prints what an artwork or, by its name's ending, a mesh holds (app/inspect_mesh.h), as JSON or as

@@ -1,4 +1,4 @@
-// What a mesh file holds.
+// Describes the contents of a mesh file.
 #pragma once
 
 #include <filesystem>

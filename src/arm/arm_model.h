@@ -1,5 +1,5 @@
-// Rigid-body model of a serial arm with a pen, read from a URDF. Pinocchio computes; its headers
-// stay in this folder's sources.
+// Rigid-body model of a serial arm with a pen, read from a URDF. Based on Pinocchio, whose headers
+// are included only by this folder's sources.
 #pragma once
 
 #include <filesystem>
@@ -18,19 +18,19 @@ struct ArmLimits {
   Eigen::VectorXd speed;         // ± [rad/s]
 };
 
-// A piece of the arm's body: all points within `radius` of the segment a–b.
+// Collision capsule of a link: all points within `radius` of the segment a–b.
 struct BodyCapsule {
   std::string link;
   Eigen::Vector3d a_W, b_W;  // [m]
   double radius;             // [m]
 };
 
-// One instance serves one thread: queries use a workspace. All are for the joint order of the URDF.
+// Not thread-safe: queries share a workspace. Joints are in the order of the URDF.
 class ArmModel {
  public:
   // `tip_frame` is the frame E of the pen tip: origin at the tip's apex, z out of the tip.
-  // Throws InputError for a file that is missing, broken, has other than single-axis joints, over
-  // kMaxJoints, or no such frame.
+  // Throws InputError if the file is missing or malformed, has a joint with more than one axis or
+  // more than kMaxJoints joints, or lacks the frame.
   explicit ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame = "tip");
   ~ArmModel();
   ArmModel(ArmModel&&) noexcept;
@@ -39,8 +39,8 @@ class ArmModel {
   const std::vector<std::string>& joint_names() const;
   const ArmLimits& limits() const;
 
-  // All terms of the law at (q, v). Allocates nothing. Errors against MuJoCo's own terms: < 1e-9
-  // relative (tests/arm).
+  // Computes all terms at (q, v). Allocates nothing. The relative difference from MuJoCo's terms is
+  // < 1e-9 (tests/arm).
   void compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept;
 
   Pose tip_pose(const JointVector& q);  // X_WE

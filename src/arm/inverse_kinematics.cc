@@ -23,7 +23,7 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVec
     const Eigen::Vector3d z = terms.X_WE.R.col(2);
     const Eigen::Vector3d cross = z.cross(desired.z_WE);
     const double angle = std::atan2(cross.norm(), z.dot(desired.z_WE));
-    // At exactly opposite axes any normal of z serves as the axis to turn about.
+    // For exactly opposite axes, any normal of z can be the rotation axis.
     const Eigen::Vector3d axis =
         cross.norm() > 1e-12 ? Eigen::Vector3d(cross.normalized()) : terms.X_WE.R.col(0);
     Vector6 e;
@@ -39,18 +39,17 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVec
       result.reached = true;
       break;
     }
-    // The turn about the pen carries no error: take it out of the Jacobian, so that it costs no
-    // motion either.
+    // Rotation about the pen is free: remove it from the Jacobian.
     TipJacobian J = terms.J;
     J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
     const double damping = 1e-12 + 1e-2 * std::min(1.0, best * best);
     Matrix6 A = J * J.transpose() + damping * Matrix6::Identity();
-    A.bottomRightCorner<3, 3>() += z * z.transpose();  // there A is singular and e is zero
+    A.bottomRightCorner<3, 3>() += z * z.transpose();  // A is singular along z, where e is zero
     const Eigen::LLT<Matrix6> factor(A);
     const JointVector home = settings.posture_gain * (seed - q);
     JointVector dq = J.transpose() * factor.solve(e - J * home) + home;
     dq *= std::min(
-        1.0, 0.3 / std::max(dq.cwiseAbs().maxCoeff(), 1e-12));  // no leaps across the workspace
+        1.0, 0.3 / std::max(dq.cwiseAbs().maxCoeff(), 1e-12));  // at most 0.3 rad for any joint
     q = (q + dq).cwiseMax(lower).cwiseMin(upper);
   }
   return result;

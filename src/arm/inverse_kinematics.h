@@ -1,5 +1,5 @@
-// Joint posture for a pen that stands on a point along a given axis: five of the six degrees of
-// freedom, the turn about the pen is free.
+// Inverse kinematics for a pen with given tip position and axis: five degrees of freedom. Rotation
+// about the pen is free.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct IkSettings {
   double position_tolerance = 1e-7;  // [m]
   double axis_tolerance = 1e-7;      // [rad]
   int max_steps = 200;
-  double posture_gain = 0.2;  // pull of the spare joints to the seed, a step
+  double posture_gain = 0.2;  // pull of the redundant joints towards the seed, per step
 };
 
 struct IkResult {
@@ -27,8 +27,8 @@ struct IkResult {
   double axis_error = 0.0;      // [rad]
 };
 
-// Damped least squares from `seed`, clamped to the joint limits at each step; the spare joints stay
-// near the seed.
+// Damped least squares from `seed`, clamped to the joint limits at each step. The redundant joints
+// stay near the seed.
 IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVector& seed,
                       const IkSettings& settings = {});
 

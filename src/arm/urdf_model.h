@@ -1,5 +1,5 @@
-// Reads a URDF into Pinocchio's model. Only sources of this folder include this header. Reading has
-// a unit of its own because Pinocchio's parser and its algorithms are each slow to compile.
+// Reads a URDF into a Pinocchio model. Only this folder's sources include this header. Reading is a
+// separate translation unit because Pinocchio's parser and algorithms are each slow to compile.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace impedraw {
 struct LinkCapsule {
   std::string link;
   pinocchio::JointIndex joint;
-  Eigen::Vector3d a_J, b_J;  // in the joint's frame
+  Eigen::Vector3d a_J, b_J;  // ends, in the joint's frame
   double radius;
 };
 

@@ -25,8 +25,8 @@ void validate(std::string_view shape, const CapSettings& s) {
   require_at_most(shape, "edge", s.edge, "the opening_radius", s.opening_radius);
 }
 
-// The cap about +z of the sphere, wound outward. A ring holds as many vertices as its circumference
-// has edges.
+// The cap about the sphere's +z axis, wound outward. A ring has as many vertices as edges fit its
+// circumference.
 TriangleMesh cap_about_z(const CapSettings& s) {
   const double half_angle = std::asin(s.opening_radius / s.radius);
   const int count =
@@ -48,8 +48,8 @@ TriangleMesh cap(std::string_view shape, const CapSettings& s, double up) {
                       (1.0 - std::sqrt(1.0 - std::pow(s.opening_radius / s.radius, 2)));
   require_fair_size(shape, s.edge, area / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
   TriangleMesh mesh = cap_about_z(s);
-  // up = −1 mirrors the cap to the sphere's lowest part; the mirror also turns the winding, so that
-  // the normals come to point inward.
+  // up = −1 mirrors the cap to the sphere's lowest part. The mirror also reverses the winding, so
+  // that the normals point inward.
   for (auto& p : mesh.vertices) p = s.centre + Eigen::Vector3d(p.x(), p.y(), up * p.z());
   return mesh;
 }

@@ -1,5 +1,5 @@
-// Canvases that need no file: sphere and plane. The others: built_in_graphs.h and built_in_ruled.h.
-// Each throws InputError, naming the setting, its value and what would be valid.
+// Built-in canvases: sphere and plane. See built_in_graphs.h and built_in_ruled.h for the others.
+// Each function throws InputError naming the setting, its value and what would be valid.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,13 +9,13 @@
 
 namespace impedraw {
 
-// A cap of a sphere; every vertex lies on the sphere. Triangles are nearly equilateral (no angle
-// under 35°), in rings about the cap's pole. Between vertices the triangles leave the sphere by at
-// most edge²/(4 radius): 1.9 µm on the standard bowl.
+// A spherical cap. Every vertex lies on the sphere. The triangles form rings about the cap's pole
+// and are nearly equilateral (no angle under 35°). Between vertices they deviate from the sphere by
+// at most edge²/(4 radius): 1.9 µm on the standard bowl.
 struct CapSettings {
   double radius = 0.30;                        // of the sphere [m]
   Eigen::Vector3d centre = {0.60, 0.0, 0.40};  // of the sphere, p_WC [m]
-  // of the circle at which the cap ends, radius sin(slope there) [m], at most radius
+  // of the cap's rim: radius sin(slope at the rim) [m], at most radius
   double opening_radius = 0.18;
   double edge = 0.0015;  // desired length of a triangle's edge [m], at most opening_radius
 
@@ -29,8 +29,8 @@ struct CapSettings {
 using BowlSettings = CapSettings;
 using DomeSettings = CapSettings;
 
-// The sphere's lowest part, drawn on from inside: normals point to the centre. The default is the
-// standard bowl.
+// The sphere's lowest part, drawn on from inside: normals point to the centre. The defaults make
+// the standard bowl.
 TriangleMesh make_bowl(const BowlSettings& settings = {});
 
 // The sphere's uppermost part, drawn on from outside: normals point away from the centre.
@@ -39,9 +39,9 @@ TriangleMesh make_dome(const DomeSettings& settings = {});
 struct PlaneSettings {
   Eigen::Vector3d centre = {0.60, 0.0, 0.10};         // p_WC [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the side drawn on; any length but zero
-  // along W's x projected onto the plane (W's y where x stands on the plane) [m]
+  // along W's x projected onto the plane (W's y if x is normal to the plane) [m]
   double width = 0.36;
-  double height = 0.36;  // across that [m]
+  double height = 0.36;  // across the width [m]
   double edge = 0.01;    // desired length of a cell's side [m]
 
   struct Limits {

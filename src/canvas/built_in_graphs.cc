@@ -25,7 +25,7 @@ void validate(std::string_view shape, const FootprintSettings& s) {
   require_fair_size(shape, s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
 }
 
-// A coarser grid would show another wave than the one asked for.
+// A coarser grid would show a different wave.
 void require_fine_edge(std::string_view shape, const FootprintSettings& s, std::string_view what,
                        double wavelength) {
   require_at_most(shape, "edge", s.edge, what, wavelength / 8.0);

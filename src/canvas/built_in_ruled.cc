@@ -67,8 +67,8 @@ TriangleMesh make_cone(const ConeSettings& s) {
   std::vector<Ring> rings;
   for (int k = 1; k <= count; ++k) {
     const double rho = s.base_radius * k / count;
-    // A chord of length l leaves the cone by l² sin(slope)/(8 ρ): shorter ones near the apex keep
-    // to the bound.
+    // A chord of length l deviates from the cone by l² sin(slope)/(8 ρ). Shorter chords near the
+    // apex keep the bound.
     const double chord = s.edge * std::min(1.0, std::sqrt(8.0 * rho / s.base_radius));
     rings.push_back({rho, -std::tan(slope) * rho,
                      std::max(6, static_cast<int>(std::ceil(2.0 * kPi * rho / chord)))});

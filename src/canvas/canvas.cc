@@ -33,7 +33,8 @@ struct OnTriangle {
   Feature feature;
 };
 
-// The region of the triangle's plane that p projects to decides (corner, side or inside).
+// The closest feature (corner, side or inside) follows from the region of the triangle's plane to
+// which p projects.
 OnTriangle closest_on_triangle(const std::array<Vector3d, 3>& corner, const Vector3d& p) {
   const Vector3d& a = corner[0];
   const Vector3d& b = corner[1];
@@ -79,7 +80,7 @@ Vector3d smooth_normal(const MeshTopology& topology, const MeshTopology::Face& f
              : face.normal;  // opposite vertex normals: a fold, where only the face has a normal
 }
 
-// Normal that tells the side of a point whose closest point is the given feature.
+// The normal that determines the side of a point whose closest point lies on the given feature.
 Vector3d side_normal(const MeshTopology& topology, const MeshTopology::Face& face,
                      Feature feature) {
   if (feature == kInside) return face.normal;
@@ -97,7 +98,7 @@ bool on_boundary(const MeshTopology& topology, const MeshTopology::Face& face, F
 struct Nearest {
   const MeshTopology* topology;
   Vector3d p;
-  double slack;  // how far single precision may misjudge a distance [m]
+  double slack;  // largest error of a distance in single precision [m]
   double squared;
   int triangle = -1;
   OnTriangle at;
@@ -127,8 +128,8 @@ struct Canvas::Search {
   TriangleMesh mesh;
   MeshTopology topology;
   Eigen::AlignedBox3d bounds;
-  Vector3d origin = Vector3d::
-      Zero();  // Embree's floats count from the middle of the canvas, where they are finest
+  // Embree's floats are relative to the middle of the canvas, where they are finest.
+  Vector3d origin = Vector3d::Zero();
   double extent = 0.0;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -214,8 +215,8 @@ struct Canvas::Search {
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    // The plane of the triangle that was hit, in double precision; a ray along that very plane
-    // keeps Embree's figure.
+    // Intersect the plane of the hit triangle in double precision. A ray within that plane keeps
+    // Embree's value.
     const int triangle = static_cast<int>(ray.hit.primID);
     const auto& face = topology.faces[triangle];
     const double along = direction.dot(face.normal);

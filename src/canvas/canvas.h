@@ -1,5 +1,4 @@
-// The surface that is drawn on, as exact triangles: closest point, side, normal, and where a ray
-// meets it.
+// The drawing surface as exact triangles: closest points, sides, normals and ray intersections.
 #pragma once
 
 #include <memory>
@@ -12,48 +11,47 @@
 
 namespace impedraw {
 
-// The canvas's point closest to a query point p.
+// The point of the canvas closest to a query point p.
 struct SurfacePoint {
   Eigen::Vector3d p_W;  // [m]
-  Eigen::Vector3d
-      // unit; outward, interpolated between the vertices' normals, so continuous along the surface
-      n_W;
-  double distance = 0.0;  // |p − p_W| [m], > 0 on the side that is drawn on, < 0 behind it
-  // into mesh().triangles; −1 only for a query that is not finite (distance is then NaN)
+  // unit, outward; interpolated between the vertices' normals, so continuous along the surface
+  Eigen::Vector3d n_W;
+  double distance = 0.0;  // ±|p − p_W| [m]; > 0 on the drawing side, < 0 behind it
+  // index into mesh().triangles; −1 only if the query is not finite (distance is then NaN)
   int triangle = -1;
-  // the closest point lies on an edge of the surface: p stands over the rim or beyond it
+  // the closest point lies on the surface's boundary: p is above the rim or beyond it
   bool on_edge = false;
 };
 
-// Where the ray origin + t direction, t ≥ 0, first meets the canvas, from either side.
+// The first intersection of the ray origin + t direction, t ≥ 0, with the canvas, from either side.
 struct RayHit {
-  double t = 0.0;       // in lengths of the direction
+  double t = 0.0;       // in multiples of the direction's length
   Eigen::Vector3d p_W;  // [m]
-  Eigen::Vector3d n_W;  // unit; outward, interpolated as above
+  Eigen::Vector3d n_W;  // unit, outward; interpolated as above
   int triangle = -1;
 };
 
-// Embree finds the candidates in single precision; closest points and intersections are then
-// computed in double precision, on the exact triangles. Of triangles equally close the lowest index
-// is taken, so that answers do not depend on how the search tree was built.
+// Embree finds candidates in single precision. Closest points and intersections are then computed
+// in double precision on the exact triangles. Among equally close triangles the lowest index wins,
+// so results do not depend on how the search tree was built.
 //
-// Queries are const, may run in any number of threads at once, and allocate nothing.
+// Queries are const, thread-safe, and do not allocate.
 class Canvas {
  public:
-  explicit Canvas(
-      TriangleMesh mesh);  // throws InputError naming the vertex or the triangle, see make_topology
+  // Throws InputError naming the vertex or the triangle; see make_topology().
+  explicit Canvas(TriangleMesh mesh);
   ~Canvas();
   Canvas(Canvas&&) noexcept;
   Canvas& operator=(Canvas&&) noexcept;
 
   SurfacePoint closest(const Eigen::Vector3d& p_W) const noexcept;
 
-  // As above, nothing where the canvas is further off than max_distance [m]. Much faster where that
-  // is small: give it in a loop.
+  // As above, but nullopt if the canvas is further away than max_distance [m]. Much faster for a
+  // small max_distance: prefer it in loops.
   std::optional<SurfacePoint> closest(const Eigen::Vector3d& p_W,
                                       double max_distance) const noexcept;
 
-  // The direction need not be of unit length.
+  // The direction need not have unit length.
   std::optional<RayHit> ray(const Eigen::Vector3d& origin_W,
                             const Eigen::Vector3d& direction_W) const noexcept;
 

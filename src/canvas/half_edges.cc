@@ -9,8 +9,8 @@ std::vector<HalfEdge> half_edges(const std::vector<Eigen::Vector3i>& triangles, 
   const auto collapsed = [](const Eigen::Vector3i& t) {
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
   };
-  // By the lower vertex in one pass, as in a counting sort: millions of edges are then sorted a
-  // handful at a time.
+  // Bucket by the lower vertex in one pass, as in a counting sort. Millions of edges are then
+  // sorted a few at a time.
   std::vector<std::size_t> start(vertices + 1, 0);
   for (const auto& t : triangles) {
     if (collapsed(t)) continue;

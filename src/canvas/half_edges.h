@@ -1,4 +1,4 @@
-// The sides of triangles, ordered so that those on one edge stand together.
+// The sides of triangles, sorted so that those on one edge are adjacent.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,11 @@ struct HalfEdge {
   bool forward;    // the triangle runs from low to high
 };
 
-// Of every triangle whose corners are three different vertices, 0 … vertices − 1. Sorted by low,
-// high, face.
+// The half-edges of every triangle whose corners are three different vertices. Vertices are
+// numbered 0 … vertices − 1. Sorted by low, high, face.
 std::vector<HalfEdge> half_edges(const std::vector<Eigen::Vector3i>& triangles, int vertices);
 
-// visit(first, last) for the half-edges [first, last) of each edge.
+// Calls visit(first, last) with the half-edges [first, last) of each edge.
 template <class Visit>
 void for_each_edge(const std::vector<HalfEdge>& edges, Visit&& visit) {
   for (std::size_t i = 0; i < edges.size();) {

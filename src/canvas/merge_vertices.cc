@@ -13,13 +13,13 @@ using Eigen::Vector3d;
 
 constexpr int kBits = 21;  // of a cell's number along each axis
 
-// Kept vertices by the cell of a grid that they lie in: an open hash table of chains.
+// Kept vertices by grid cell: an open hash table of chains.
 class Grid {
  public:
   Grid(const Eigen::AlignedBox3d& bounds, double tolerance, const std::vector<Vector3d>& kept)
       : origin_(bounds.min()), tolerance_(tolerance), kept_(kept), slots_(1024) {
-    // Eight tolerances wide, so that most vertices look into one cell; wider where there would be
-    // too many cells for a key.
+    // Eight tolerances wide, so that most vertices search a single cell; wider if the cells would
+    // exceed the key's range.
     cell_ = std::max({8 * tolerance, bounds.sizes().maxCoeff() / ((1 << kBits) - 8), 1e-300});
   }
 
@@ -40,7 +40,7 @@ class Grid {
     return best;
   }
 
-  // The vertex last put into `kept`.
+  // Adds the last vertex of `kept`.
   void add() {
     const int v = static_cast<int>(kept_.size()) - 1;
     const Eigen::Vector3i at = ((kept_[v] - origin_) / cell_).array().floor().cast<int>();
@@ -57,8 +57,8 @@ class Grid {
     int head = -1;
   };
 
-  static std::uint64_t key(int x, int y,
-                           int z) {  // one more, as a vertex may look into cells before the first
+  // Adds 1, since a vertex may search cells before the first.
+  static std::uint64_t key(int x, int y, int z) {
     return (std::uint64_t(x + 1) << 2 * kBits) | (std::uint64_t(y + 1) << kBits) |
            std::uint64_t(z + 1);
   }

@@ -1,13 +1,13 @@
-// Vertices at nearly the same place made one.
+// Merges vertices that nearly coincide.
 #pragma once
 
 #include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
 
-// Every vertex that a triangle names becomes the first one, in the triangles' order, within
-// `tolerance` [m] of it; vertices that no triangle names are left out. Triangles keep their number
-// and order. Precondition: finite coordinates, indices in range, tolerance ≥ 0.
+// Replaces each vertex that a triangle uses by the first one, in the triangles' order, within
+// `tolerance` [m] of it. Drops unused vertices. Keeps the number and order of the triangles.
+// Precondition: finite coordinates, indices in range, tolerance ≥ 0.
 TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance);
 
 }  // namespace impedraw

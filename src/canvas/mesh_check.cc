@@ -33,7 +33,7 @@ Eigen::AlignedBox3d bounds_of_triangles(const TriangleMesh& mesh) {
 
 bool collapsed(const Vector3i& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// The mesh as it is repaired, each of its triangles with the number it had.
+// The mesh under repair, with the original number of each triangle.
 struct Mending {
   CheckedMesh* checked;
   std::vector<int> number;
@@ -72,8 +72,8 @@ struct Mending {
     if (faulty.empty()) return;
     if (faulty.size() == number.size())
       throw InputError(fmt::format("none of its {} triangles has an area", number.size()));
-    // A thin triangle is a seam between its neighbours, but for one that lies on an edge that is
-    // joined without it.
+    // A thin triangle is a seam between its neighbours, unless it lies on an edge that is joined
+    // without it.
     for_each_edge(half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size())),
                   [&](const HalfEdge* first, const HalfEdge* last) {
                     if (last - first <= 2) return;
@@ -107,7 +107,7 @@ struct Mending {
 
   void edges_and_winding() {
     const auto edges = half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
-    std::vector<int> crowded;  // of each edge with too many, its lowest triangle
+    std::vector<int> crowded;  // lowest triangle of each edge with too many
     std::string at;
     checked->closed = true;
     for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {

@@ -1,4 +1,4 @@
-// What is wrong with a mesh that somebody else made, and the mesh that is left when it is repaired.
+// Finds the faults of an external mesh and repairs those that can be repaired.
 #pragma once
 
 #include <cstddef>
@@ -12,48 +12,46 @@
 
 namespace impedraw {
 
-// Kinds, in the order in which they are looked for, with vertices merged at 1e-6 of the bounding
-// box's diagonal:
-//   too_large, too_small   the longest side of the bounding box is above 5 m or below 1 mm: mostly
+// Kinds of faults, in the order in which they are checked, with vertices merged at 1e-6 of the
+// bounding box's diagonal:
+//   too_large, too_small   the longest side of the bounding box is above 5 m or below 1 mm: usually
 //                          a wrong unit
 //   degenerate_triangle    two corners are one vertex, or it is thinner than the weld. Repaired:
-//                          left
-//                          out, unless its neighbours would then
-//                          have a gap between them; queries pass over it all the same
-//   duplicate_triangle     has the vertices of an earlier one, in whatever order. Repaired: left
-//                          out
-//   non_manifold_edge      more than two triangles share it; `first` is the lowest of them
-//   not_orientable         no winding suits it and all of its neighbours, as on a Möbius strip
-//   wrong_winding          against most of its connected patch; or a closed patch, all of it, is
-//                          inside out, unless it lies within a larger
-//                          one, whose cavity it then is. Repaired: turned
+//                          left out, unless that would leave a gap between its neighbours; queries
+//                          skip it in any case
+//   duplicate_triangle     has the vertices of an earlier one, in any order. Repaired: left out
+//   non_manifold_edge      more than two triangles share an edge; `first` is the lowest of them
+//   not_orientable         no winding agrees with all of its neighbours, as on a Möbius strip
+//   wrong_winding          wound against most of its connected patch; or a whole closed patch is
+//                          inside out, unless it lies within a larger one and is its cavity.
+//                          Repaired: reversed
 struct MeshFault {
   std::string kind;
   std::size_t count = 0;
-  // the lowest triangle it holds for, from 0, as counted before anything was left out
+  // lowest triangle affected, from 0, counted before anything was left out
   int first = 0;
-  bool repaired = false;  // if not, the mesh cannot be drawn on
+  bool repaired = false;  // if false, the mesh cannot be drawn on
   std::string message;    // one line
 };
 
 struct CheckedMesh {
   TriangleMesh mesh;  // merged and repaired
   std::size_t given_triangles = 0;
-  Eigen::AlignedBox3d bounds;  // of all triangles given [m]
+  Eigen::AlignedBox3d bounds;  // of all input triangles [m]
   double weld = 0.0;           // [m]
   std::vector<MeshFault> faults;
   bool closed = false;  // every edge has exactly two triangles
   int components = 0;   // parts that share no vertex
 };
 
-// Throws InputError, naming the vertex or the triangle, where there is nothing to check: no
-// triangle, none with an area, a coordinate that is not finite, an index out of range.
+// Throws InputError naming the vertex or the triangle if there is nothing to check: no triangle,
+// none with an area, a coordinate that is not finite, or an index out of range.
 CheckedMesh check_mesh(const TriangleMesh& mesh);
 
-// The triangle of that mesh is thinner than its weld: its normal says nothing.
+// True if the triangle is thinner than the mesh's weld, so that its normal is meaningless.
 bool is_thin(const CheckedMesh& mesh, const Eigen::Vector3i& triangle);
 
-// read_mesh and check_mesh; messages are opened by the file's name.
+// Calls read_mesh() and check_mesh(). Messages begin with the file's name.
 CheckedMesh load_mesh(const std::filesystem::path& file, double unit);
 
 // Throws InputError with the first fault that was not repaired.

@@ -81,7 +81,7 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, double u
 }
 
 TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
-  if (!is_mesh_file(file)) return parse_mesh("", file.string(), unit);  // the ending's error
+  if (!is_mesh_file(file)) return parse_mesh("", file.string(), unit);  // throws for the extension
   return parse_mesh(read_all(file), file.string(), unit);
 }
 

@@ -26,9 +26,8 @@ TriangleMesh grid_mesh(int columns, int rows,
 }
 
 int cells(double length, double edge) {
-  return std::max(
-      1, static_cast<int>(std::ceil(length / edge *
-                                    (1.0 - 1e-12))));  // 0.36/0.0015 is 240, whatever rounding says
+  // The factor keeps 0.36/0.0015 at 240 despite rounding.
+  return std::max(1, static_cast<int>(std::ceil(length / edge * (1.0 - 1e-12))));
 }
 
 TriangleMesh ring_mesh(double pole_z, const std::vector<Ring>& rings) {
@@ -43,7 +42,7 @@ TriangleMesh ring_mesh(double pole_z, const std::vector<Ring>& rings) {
       const double phi = 2.0 * std::numbers::pi * i / outer_count;
       mesh.vertices.emplace_back(ring.radius * std::cos(phi), ring.radius * std::sin(phi), ring.z);
     }
-    // the pole is no ring: a fan about it
+    // a fan about the pole
     const int inner_steps = inner_count == 1 ? 0 : inner_count;
     int i = 0;
     int j = 0;

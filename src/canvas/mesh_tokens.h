@@ -1,4 +1,4 @@
-// Words and numbers of mesh files.
+// Parses words and numbers of mesh files.
 #pragma once
 
 #include <cctype>
@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-// Takes the next word off the front of `text`; empty at its end.
+// Removes the next word from the front of `text`; empty at its end.
 inline std::string_view next_word(std::string_view* text) {
   const auto space = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
   std::size_t from = 0;
@@ -21,7 +21,7 @@ inline std::string_view next_word(std::string_view* text) {
   return word;
 }
 
-// All of `word` is a number. "+1" is one.
+// Parses all of `word` as a number, with an optional "+".
 template <class T>
 bool whole_number(std::string_view word, T* value) {
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -33,7 +33,7 @@ inline bool finite_number(std::string_view word, double* value) {
   return whole_number(word, value) && std::isfinite(*value);
 }
 
-// In capitals or not; `lower` is in small letters.
+// Compares ignoring case; `lower` is in lower case.
 inline bool same_word(std::string_view word, std::string_view lower) {
   if (word.size() != lower.size()) return false;
   for (std::size_t i = 0; i < word.size(); ++i) {
@@ -42,7 +42,7 @@ inline bool same_word(std::string_view word, std::string_view lower) {
   return true;
 }
 
-// Of the first `size` bytes, at most 4.
+// Reads the first `size` bytes, at most 4.
 inline std::uint32_t unsigned_bytes(std::string_view bytes, int size, bool big_endian) {
   std::uint32_t value = 0;
   for (int i = 0; i < size; ++i)

@@ -13,7 +13,7 @@
 namespace impedraw {
 namespace {
 
-// For each vertex the first one at the same place.
+// For each vertex, the first one at the same position.
 std::vector<int> merge_vertices(const std::vector<Eigen::Vector3d>& vertices) {
   const auto before = [&](int a, int b) {
     const auto& p = vertices[a];

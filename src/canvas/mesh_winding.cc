@@ -8,14 +8,14 @@
 namespace impedraw {
 namespace {
 
-struct Patch {  // triangles joined across edges with exactly two
+struct Patch {  // triangles joined across edges that exactly two share
   std::vector<int> triangles;
   bool closed = true;
   Eigen::AlignedBox3d box;
   double volume = 0.0;  // [m³], < 0: inside out
 };
 
-// closed patches that another may be the cavity of: a bound on the work
+// most closed patches tested for containing another; bounds the work
 constexpr std::size_t kLargest = 64;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which triangles of a mesh are wound the wrong way.
+// Finds the triangles of a mesh that have the wrong winding.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 namespace impedraw {
 
 struct Winding {
-  std::vector<bool> wrong;   // a triangle: see mesh_check.h, wrong_winding
-  std::vector<int> twisted;  // triangles that no winding suits, ascending
+  std::vector<bool> wrong;   // per triangle: see wrong_winding in mesh_check.h
+  std::vector<int> twisted;  // triangles without a consistent winding, ascending
 };
 
-// `edges` are the mesh's; triangles are neighbours across edges with exactly two.
+// `edges` are the mesh's half-edges. Triangles are neighbours across edges that exactly two share.
 Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges);
 
 }  // namespace impedraw

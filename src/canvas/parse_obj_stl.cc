@@ -31,7 +31,7 @@ struct Lines {
   }
 };
 
-// What follows the line's first word.
+// The line after its first word.
 Eigen::Vector3d three_numbers(std::string_view line, const std::string& where, std::size_t vertex) {
   std::string_view rest = line;
   next_word(&rest);
@@ -50,7 +50,7 @@ bool is_text(std::string_view head) {
                       [](unsigned char c) { return c < 32 && !std::isspace(c); });
 }
 
-// Three new vertices that no other face has.
+// Adds three new vertices that no other face shares.
 PolygonMesh soup(std::vector<Eigen::Vector3d> vertices) {
   PolygonMesh mesh;
   mesh.corners.resize(vertices.size());
@@ -122,7 +122,7 @@ PolygonMesh parse_obj(std::string_view text, const std::string& name) {
   std::string joined;
   while (lines.next(&line)) {
     const std::size_t first = lines.number;
-    if (line.ends_with('\\')) {  // goes on in the next line
+    if (line.ends_with('\\')) {  // continues on the next line
       joined.assign(line);
       while (joined.ends_with('\\')) {
         joined.back() = ' ';

@@ -54,7 +54,7 @@ bool is_signed(std::string_view type) { return is_whole(type) && !type.starts_wi
       fmt::format("{}:{}: the header of a PLY cannot hold '{}'", name, number, line.substr(0, 60)));
 }
 
-// Takes the header off the front of `text`.
+// Removes the header from the front of `text`.
 Header read_header(std::string_view* text, const std::string& name) {
   Header header;
   for (std::size_t number = 1;; ++number) {
@@ -119,7 +119,8 @@ double value_as(std::string_view bytes, bool big_endian) {
   return static_cast<double>(value);
 }
 
-int as_index(double value) {  // what no mesh can have where it is beyond an int
+// Returns an invalid index if the value is beyond an int.
+int as_index(double value) {
   constexpr int most = std::numeric_limits<int>::max();
   return value >= 0 && value < most ? static_cast<int>(value) : value < 0 ? -1 : most;
 }
@@ -135,7 +136,7 @@ struct Body {
                                  element.name, i, element.count));
   }
 
-  // Takes one number off the front.
+  // Removes one number from the front.
   double number(const Element& element, std::size_t i, int size, bool whole, bool has_sign) {
     if (format == Header::Format::text) {
       const std::string_view word = next_word(&text);
@@ -218,7 +219,7 @@ struct Body {
 PolygonMesh parse_ply(std::string_view text, const std::string& name) {
   const Header header = read_header(&text, name);
   Body body{text, header.format, name};
-  for (const auto& element : header.elements) {  // in whatever order
+  for (const auto& element : header.elements) {  // in any order
     if (element.properties.empty())
       throw InputError(
           fmt::format("{}: element {} of its header has no property", name, element.name));

@@ -10,7 +10,7 @@
 namespace impedraw {
 
 namespace {
-constexpr double kMostTriangles = 2e7;  // beyond it, a slip of units rather than a wish
+constexpr double kMostTriangles = 2e7;  // more is probably a wrong unit
 }
 
 void require(std::string_view shape, std::string_view name, double value, const Range& range,

@@ -1,4 +1,4 @@
-// What every built-in canvas asks of its sizes. Each throws InputError: the shape, the setting, its
+// Checks the sizes of built-in canvases. Each throws InputError naming the shape, the setting, its
 // value and what would be valid.
 #pragma once
 
@@ -16,7 +16,7 @@ void require(std::string_view shape, std::string_view name, const Eigen::Vector3
              const Range& range);  // each component [m]
 void require_at_most(std::string_view shape, std::string_view name, double value,
                      std::string_view what, double most);  // [m]
-void require_fair_size(std::string_view shape, double edge,
-                       double triangles);  // no more of them than a computer holds with ease
+// Limits the number of triangles to what fits in memory easily.
+void require_fair_size(std::string_view shape, double edge, double triangles);
 
 }  // namespace impedraw

@@ -13,13 +13,13 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr std::size_t kMostCorners = 2000;  // cutting ears takes up to n³ steps
+constexpr std::size_t kMostCorners = 2000;  // ear clipping takes up to n³ steps
 
 double cross(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-// The outline in the plane across its mean normal, counter-clockwise.
+// The outline projected along its mean normal, counter-clockwise.
 std::vector<Vector2d> flattened(const std::vector<Vector3d>& vertices, std::span<const int> face) {
   const Vector3d& origin = vertices[face[0]];
   Vector3d normal = Vector3d::Zero();
@@ -39,7 +39,7 @@ bool is_fan(const std::vector<Vector2d>& outline) {
   return true;
 }
 
-// The triangle at the k-th of the corners `left` lies inside of the outline.
+// True if the triangle at the k-th of the corners `left` lies inside the outline.
 bool is_ear(const std::vector<Vector2d>& outline, const std::vector<int>& left, std::size_t k) {
   const std::size_t n = left.size();
   const Vector2d &a = outline[left[(k + n - 1) % n]], &b = outline[left[k]],
@@ -60,7 +60,7 @@ std::vector<Vector3i> triangulate(const PolygonMesh& mesh, const std::string& na
   triangles.reserve(mesh.corners.size() - 2 * mesh.faces());
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
     const std::span<const int> face = mesh.face(f);
-    std::vector<int> left;  // the corners that are not cut off yet
+    std::vector<int> left;  // corners not cut off yet
     if (face.size() > 3) {
       const std::vector<Vector2d> outline = flattened(mesh.vertices, face);
       if (!is_fan(outline)) {
@@ -69,7 +69,7 @@ std::vector<Vector3i> triangulate(const PolygonMesh& mesh, const std::string& na
                                        name, f, face.size(), kMostCorners));
         }
         for (std::size_t i = 0; i < face.size(); ++i) left.push_back(static_cast<int>(i));
-        std::size_t passed = 0;  // corners since the last ear; all of them: there is none
+        std::size_t passed = 0;  // corners since the last ear; if all, no ear exists
         for (std::size_t k = 1; left.size() > 3 && passed < left.size();) {
           k %= left.size();
           if (!is_ear(outline, left, k)) {

@@ -1,4 +1,4 @@
-// Errors of set-up. The loop at 1 kHz throws nothing: it returns a status.
+// Errors at set-up. The 1 kHz loop throws nothing; it returns a status.
 #pragma once
 
 #include <stdexcept>
@@ -6,8 +6,8 @@
 
 namespace impedraw {
 
-// What the user gave cannot be used. The message is one line that names what, where, and what would
-// be valid. The program ends with exit code 2 and leaves nothing behind.
+// Invalid user input. The message is one line that names the fault, its place and what is valid.
+// The program exits with code 2 and leaves no files behind.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -1,4 +1,4 @@
-// The ending of a file's name, as kinds of file are told apart by it.
+// File extensions, used to distinguish kinds of files.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace impedraw {
 
-// With its dot, in small letters: ".svg". Empty where there is none.
+// The extension in lower case with its dot, such as ".svg"; empty if there is none.
 inline std::string lower_extension(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -9,7 +9,7 @@ namespace impedraw {
 using Vector6 = Eigen::Matrix<double, 6, 1>;  // spatial vectors, linear part first
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// X_AB: takes coordinates in B to coordinates in A, p_A = R p_B + p.
+// X_AB: transforms coordinates in B to coordinates in A, p_A = R p_B + p.
 struct Pose {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();      // p_AB [m]
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // R_AB

@@ -1,17 +1,17 @@
-// The values that a setting may have. A limit stands once, as a Range in the struct that has the
-// setting: the library's own check and a scenario's schema both read it.
+// Valid range of a setting. Each limit is defined once, as a Range in the struct of the setting.
+// The library's checks and the scenario schema both use it.
 #pragma once
 
 #include <limits>
 
 namespace impedraw {
 
-// Closed at both ends, unless it says otherwise.
+// A closed interval, unless `above` or `below` is set.
 struct Range {
   double lowest;
   double highest;
-  bool above = false;  // lowest itself is not allowed
-  bool below = false;  // highest itself is not allowed
+  bool above = false;  // excludes lowest
+  bool below = false;  // excludes highest
 
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   static constexpr Range any() { return {-infinity, infinity}; }

@@ -1,4 +1,4 @@
-// A library's own check of its settings against their ranges, worded as the schema words it.
+// Checks settings against their ranges. Messages have the wording of the scenario schema.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace impedraw {
 
-// Shortest text that reads back as the very same number.
+// Shortest text that parses to exactly the same number.
 inline std::string shortest_text(double x) {
   std::array<char, 40> buffer;
   const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), x);
@@ -24,7 +24,7 @@ inline std::string with_unit(std::string text, std::string_view unit) {
   return text;
 }
 
-// "0 to 50 N", "more than 0 s", "at least 1"; empty where everything finite is allowed.
+// "0 to 50 N", "more than 0 s", "at least 1"; empty if every finite number is allowed.
 inline std::string range_text(const Range& range, std::string_view unit) {
   const bool from = std::isfinite(range.lowest), to = std::isfinite(range.highest);
   const std::string lowest = shortest_text(range.lowest), highest = shortest_text(range.highest);
@@ -38,8 +38,8 @@ inline std::string range_text(const Range& range, std::string_view unit) {
   return with_unit(text, unit);
 }
 
-// Throws InputError, "path.draw_speed is 7 m/s, allowed is 1e-04 to 1 m/s", for a value that is out
-// of range or not finite.
+// Throws InputError if the value is out of range or not finite, with a message such as
+// "path.draw_speed is 7 m/s, allowed is 1e-04 to 1 m/s".
 inline void require_in_range(std::string_view name, double value, const Range& range,
                              std::string_view unit) {
   if (std::isfinite(value) && range.holds(value)) return;

@@ -1,4 +1,4 @@
-// Rotations as settings give them.
+// Rotations given as roll, pitch and yaw.
 #pragma once
 
 #include <numbers>
@@ -8,7 +8,7 @@
 
 namespace impedraw {
 
-// Rz(yaw) Ry(pitch) Rx(roll), from (roll, pitch, yaw) in degrees: turned about the fixed axes x,
+// Rz(yaw) Ry(pitch) Rx(roll), from (roll, pitch, yaw) in degrees: rotations about the fixed axes x,
 // then y, then z.
 inline Eigen::Quaterniond rotation_from_roll_pitch_yaw(const Eigen::Vector3d& rpy_deg) {
   const Eigen::Vector3d angle = rpy_deg * std::numbers::pi / 180.0;

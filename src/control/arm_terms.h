@@ -1,5 +1,5 @@
-// The arm at one instant, as the control law needs it: joint- and task-space terms of the
-// rigid-body dynamics.
+// Joint- and task-space terms of the arm's rigid-body dynamics at one instant, as the control law
+// needs them.
 //
 // Plant (2):  M v̇ + C v + g = τ + Jᵀ F_ext          Task (5)–(7):  V = J v,  V̇ = J v̇ + J̇ v
 #pragma once
@@ -8,7 +8,7 @@
 
 namespace impedraw {
 
-// storage is fixed so that nothing in the loop allocates; the size in use is set at construction
+// Fixed storage: the control loop allocates nothing. The size in use is set at construction.
 inline constexpr int kMaxJoints = 12;
 
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
@@ -16,14 +16,14 @@ using JointMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 using TipJacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJoints>;
 
-// n joints, n ≤ kMaxJoints; M symmetric positive definite. A sliding joint counts in m, m/s, N and
-// kg. Spatial quantities are expressed in W and taken at the origin of E, linear part first
+// n joints, n ≤ kMaxJoints; M symmetric positive definite. A prismatic joint uses m, m/s, N and kg.
+// Spatial quantities are expressed in W and taken at the origin of E, linear part first
 // (LOCAL_WORLD_ALIGNED).
 struct ArmTerms {
   JointVector q, v;  // joint position [rad], velocity [rad/s]
   JointMatrix M;     // joint inertia, n×n, both triangles filled [kg m²]
   JointVector Cv;    // Coriolis and centrifugal torque (paper: V) [Nm]
-  JointVector g;     // gravity torque: what holds the arm still is τ = g [Nm]
+  JointVector g;     // gravity torque: τ = g holds the arm still [Nm]
   TipJacobian J;     // 6×n, V_WE = J v
   Vector6 Jdot_v;    // drift acceleration J̇ v [m/s², rad/s²]
   Pose X_WE;         // pen tip

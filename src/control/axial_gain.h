@@ -1,8 +1,8 @@
-// Gains of the surface frame S (z = n) that are equal along both tangents, turned to W:
+// Gains in the surface frame S (z = n), equal along both tangents, rotated to W:
 //
 //   R_WS diag(k_t, k_t, k_n) R_WSᵀ = k_t (I − n nᵀ) + k_n n nᵀ
 //
-// The heading of S about n drops out, so no frame has to be carried across the surface.
+// The heading of S about n cancels, so no frame has to be transported across the surface.
 // n must be a unit vector.
 #pragma once
 
@@ -22,7 +22,7 @@ struct AxialGain {
   }
 };
 
-// A 6×6 gain that is block-diagonal in linear and angular part.
+// A 6×6 gain, block-diagonal in its linear and angular parts.
 struct TipGain {
   AxialGain linear;   // N/m, N s/m or kg
   AxialGain angular;  // Nm/rad, Nm s/rad or kg m²
@@ -32,7 +32,7 @@ struct TipGain {
     y << linear.apply(n_W, x.head<3>()), angular.apply(n_W, x.tail<3>());
     return y;
   }
-  TipGain inverse() const {  // every gain must differ from 0
+  TipGain inverse() const {  // every gain must be nonzero
     return {{1.0 / linear.tangent, 1.0 / linear.normal},
             {1.0 / angular.tangent, 1.0 / angular.normal}};
   }

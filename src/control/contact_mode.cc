@@ -10,7 +10,7 @@ namespace {
 
 using Mode = ContactMode;
 
-// What the evidence amounts to, one bit an event.
+// Events derived from the evidence, one bit each.
 enum Event : unsigned {
   kPenUp = 1,
   kApproachable = 2,
@@ -27,7 +27,7 @@ struct Transition {
 };
 
 constexpr Transition kTable[] = {
-    // the first match from the top counts
+    // the first match applies
     {Mode::free, kApproachable, Mode::approach},   {Mode::approach, kPenUp, Mode::lift},
     {Mode::approach, kSurfaceLost, Mode::retreat}, {Mode::approach, kTouch, Mode::contact},
     {Mode::contact, kPenUp, Mode::lift},           {Mode::contact, kSurfaceLost, Mode::retreat},

@@ -1,4 +1,4 @@
-// The states of a pen that comes down, draws and leaves, as a table.
+// State machine of the pen's contact with the surface.
 //
 //   free              ──pen down desired, surface known──> approach
 //   approach          ──touch──>                           contact
@@ -9,12 +9,12 @@
 //   approach, contact ──surface or wrench lost──>          retreat
 //   retreat           ──pen up desired──>                  free
 //
-// Touch is known when the tip is near the estimated surface *and* something holds it: the measured
-// force along the normal, within `search_distance`, or, without a wrench, the tip that no longer
-// follows the approach, within `enter_distance`. Distance alone would push before touch: a peak of
-// twice the push. What the distance reads at a measured touch is taken for the error of the
-// estimate, or of the pen's length, and counts no more until the touch is lost: beyond
-// `leave_distance` (hysteresis), or after `loss_time` without measured force.
+// Touch requires the tip to be near the estimated surface *and* something to hold it. With a
+// measured wrench, that is a normal force within `search_distance`. Without one, it is a tip that
+// no longer follows the approach, within `enter_distance`. Distance alone would start the push
+// before touch, with a force peak of twice the push. The distance at a measured touch is treated as
+// an error of the estimate or of the pen's length, and is subtracted until the touch is lost. Touch
+// is lost beyond `leave_distance` (hysteresis) or after `loss_time` without measured force.
 #pragma once
 
 #include <string_view>
@@ -27,27 +27,27 @@ inline constexpr std::string_view kContactModeNames[] = {"free", "approach", "co
 
 struct ContactSettings {
   double enter_distance = 1.0e-3;   // tip to estimated surface [m]
-  double search_distance = 4.0e-3;  // the same with a measured wrench [m]
+  double search_distance = 4.0e-3;  // the same, with a measured wrench [m]
   double leave_distance = 2.5e-3;   // [m], > enter_distance
   double touch_force = 0.3;         // measured, along n [N]
-  double touch_gap = 0.8e-3;  // without a wrench: how far the tip stays behind the approach [m]
+  double touch_gap = 0.8e-3;  // lag of the tip behind the approach at touch, without a wrench [m]
   double loss_force = 0.05;   // measured, along n [N]
-  double loss_time = 0.03;    // below loss_force for so long: lost [s]
-  // how long the last normal is trusted when perception has none [s]
+  double loss_time = 0.03;    // time below loss_force after which touch is lost [s]
+  // time for which the last normal is used while perception has none [s]
   double lost_surface_time = 0.25;
 
-  void validate() const;  // throws InputError where there is no hysteresis
+  void validate() const;  // throws InputError if there is no hysteresis
 };
 
-// What one step knows of the contact.
+// Inputs of one step.
 struct ContactEvidence {
   bool pen_down = false;  // desired by the plan
   bool surface_known = false;
   double distance = 0.0;  // to the estimated surface [m]
   bool wrench_known = false;
-  bool wrench_lost = false;   // it should be there, and is stale
+  bool wrench_lost = false;   // a wrench is expected but stale
   double normal_force = 0.0;  // measured [N]
-  double approach_gap = 0.0;  // distance minus the one that the approach asks for [m]
+  double approach_gap = 0.0;  // distance minus the approach's desired distance [m]
 };
 
 class ContactStates {

@@ -12,8 +12,8 @@
 namespace impedraw {
 
 double spectral_radius(const ContactLoop& s) {
-  // State: penetration x, its rate v, and the last `delay_steps` forces. The tip's force is the
-  // simulator's: spring from the start of the step, damper on the new velocity.
+  // State: penetration x, its rate v, and the last `delay_steps` forces. The tip force is
+  // discretised as in the simulator: explicit spring, implicit damper.
   const int n = 2 + s.delay_steps;
   const double ratio = s.natural_mass / s.desired_mass;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
@@ -35,8 +35,8 @@ double spectral_radius(const ContactLoop& s) {
 
 namespace {
 
-// Whether the loop holds for every natural mass up to the largest; `desired` and `damping` as
-// functions of the natural mass.
+// Returns true if the loop is stable for every natural mass up to the largest. `desired` and
+// `damping` are functions of the natural mass.
 template <typename DesiredMass, typename Damping>
 bool stable(const ImpedanceSettings& settings, const DesiredMass& desired, const Damping& damping) {
   const int steps =
@@ -48,7 +48,7 @@ bool stable(const ImpedanceSettings& settings, const DesiredMass& desired, const
   return true;
 }
 
-// To the three digits that are printed, so that the value named is valid itself.
+// Rounds up to the three digits printed, so that the printed value is itself valid.
 double rounded_up(double x) {
   const double digit = std::pow(10.0, std::floor(std::log10(x)) - 2.0);
   return std::ceil(x / digit) * digit;
@@ -68,7 +68,7 @@ double rounded_up(double x) {
 void check_contact_stability(double desired_mass, double damping,
                              const ImpedanceSettings& settings) {
   const auto holds = [&](double m_d) {
-    const double b = damping * std::sqrt(m_d / desired_mass);  // as diagonal_damping scales it
+    const double b = damping * std::sqrt(m_d / desired_mass);  // scaling of diagonal_damping()
     return stable(
         settings, [=](double) { return m_d; }, [=](double) { return b; });
   };

@@ -1,13 +1,12 @@
-// How small a desired inertia along the normal may be: the loop of arm, tip spring and a measured
-// wrench that is late.
+// Lower bound on the desired inertia along the normal: stability of the loop of arm, tip spring and
+// delayed wrench measurement.
 //
 // Plant     m v̇ = u + f,  f = k x' + …: tip spring k with damper b, x the penetration
 // Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier     (11)
-// Bound     B + b m_d/m > (1 − m_d/m) k T, to first order in the delay T: the late force takes
-//           (1 − m_d/m) k T of damping away
-// The check here is exact instead: the spectral radius of the sampled loop (semi-implicit Euler,
-// whole steps of delay) lies below 1. Needs masses, stiffness and dt above 0, delay_steps of 0 or
-// more.
+// Bound     B + b m_d/m > (1 − m_d/m) k T, to first order in the delay T: the late force removes
+//           (1 − m_d/m) k T of damping
+// This check is exact instead: the spectral radius of the sampled loop (semi-implicit Euler, whole
+// steps of delay) must be below 1. Requires masses, stiffness and dt > 0, and delay_steps ≥ 0.
 #pragma once
 
 #include "impedraw/control/impedance_settings.h"
@@ -26,8 +25,8 @@ struct ContactLoop {
 
 double spectral_radius(const ContactLoop& loop);  // < 1: stable
 
-// Throw InputError naming the axis, its value and the least that would be valid. They use the
-// timing, the damping ratio and stability_check of the settings.
+// These throw InputError, naming the axis, its value and the least valid value. They use the
+// timing, damping ratio and stability_check of the settings.
 void check_contact_stability(double desired_mass, double damping,
                              const ImpedanceSettings& settings);
 // M_d = scale Λ; stiffness: K' along n.

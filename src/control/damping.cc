@@ -14,17 +14,17 @@ bool is_diagonal(const Matrix6& C, double tolerance) {
   return true;
 }
 
-// One sweep of cyclic Jacobi: C ← Gᵀ C G, Z ← Z G for each pair, C towards diagonal.
+// One cyclic Jacobi sweep towards diagonal C: C ← Gᵀ C G, Z ← Z G for each pair.
 void jacobi_sweep(Matrix6& C, Matrix6& Z) {
   for (int p = 0; p < 5; ++p) {
     for (int q = p + 1; q < 6; ++q) {
       const double off = C(p, q);
-      if (off * off <= 1e-11 * std::abs(C(p, p) * C(q, q))) continue;  // warm, that is most pairs
+      if (off * off <= 1e-11 * std::abs(C(p, p) * C(q, q))) continue;  // most pairs on a warm start
       const double theta = (C(q, q) - C(p, p)) / (2.0 * off);
       const double t =
           std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
       const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
-      const Vector6 row_p = C.col(p), row_q = C.col(q);  // C is symmetric: its rows are its columns
+      const Vector6 row_p = C.col(p), row_q = C.col(q);  // C is symmetric: rows equal columns
       Vector6 new_p = c * row_p - s * row_q, new_q = s * row_p + c * row_q;
       new_p[p] = row_p[p] - t * off;
       new_q[q] = row_q[q] + t * off;

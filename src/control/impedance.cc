@@ -44,7 +44,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   if (!was_limited) update_force_integral(F_ext);
   update_damping();  // B
 
-  // Reference motion, and the force that acts on M_d beside push and wrench
+  // Reference motion, and the force on M_d apart from push and wrench
   ReferenceMotion desired = on_surface_ ? reference_on_surface(arm, reference, surface)
                                         : reference_on_plan(arm, reference);
   const Vector6 F_impedance = handed_over(spring_and_damper(arm.V_WE, &desired), desired.push);
@@ -69,7 +69,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   out_.terms.col(kGravity) = arm.g;
   if (observed_) out_.terms.col(kDisturbance) = -disturbance(arm, F_ext);
 
-  // Finite numbers need not be an arm's: M may not be positive definite.
+  // Finite inputs can still be invalid: M may not be positive definite.
   out_.status.bad_input = !std::isfinite(out_.terms.sum());
   if (out_.status.bad_input) return safe_torque();
   apply_limits(arm);
@@ -82,8 +82,8 @@ void ImpedanceController::reset() noexcept {
   force_from_zero_ = false;
 }
 
-// Drops what may no longer hold once control was lost for a while. The torque still starts from
-// where it is.
+// Clears state that may be invalid after a loss of control. Keeps the last torque for the rate
+// limit.
 void ImpedanceController::forget() noexcept {
   contact_.reset();
   observer_.reset();
@@ -95,7 +95,7 @@ void ImpedanceController::forget() noexcept {
   force_from_zero_ = true;
 }
 
-// Age, size and finiteness of the inputs.
+// Checks age, size and finiteness of the inputs.
 ControlStatus ImpedanceController::input_status(const ArmTerms& arm, const TipReference& reference,
                                                 const SurfaceEstimate& surface, const Wrench& F_ext,
                                                 const InputAges& ages) const noexcept {
@@ -121,8 +121,8 @@ ControlStatus ImpedanceController::input_status(const ArmTerms& arm, const TipRe
   return status;
 }
 
-// The last gravity torque: the arm rests on what holds it still. A velocity that may be anything is
-// no use for braking.
+// Returns the last gravity torque, which holds the arm still. No damping: the velocity may be
+// invalid.
 const ImpedanceTorque& ImpedanceController::safe_torque() noexcept {
   out_.terms.leftCols<kGravity>().setZero();
   out_.terms.col(kDisturbance).setZero();
@@ -166,18 +166,18 @@ void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
   const ForceIntegralSettings& s = settings_.force_integral;
   if (!s.enabled || !measured_) return;
   if (out_.mode != ContactMode::contact) {
-    force_integral_ = 0.0;  // the hand-over at the switch makes it fade
+    force_integral_ = 0.0;  // its effect decays with the force carried over at the switch
     return;
   }
   const Eigen::Vector3d& n = tracker_.n();
-  // while the push builds up, no more than it is
+  // while the push builds up, its present value
   const double asked = settings_.normal_force - n.dot(carried_force_.head<3>());
   const double error = asked - n.dot(F_ext.head<3>());
   force_integral_ =
       std::clamp(force_integral_ + s.rate * settings_.timing.dt * error, -s.limit, s.limit);
 }
 
-// B of this posture. Only a desired inertia that turns with the arm needs it anew.
+// Updates B for this posture, if the desired inertia depends on posture.
 void ImpedanceController::update_damping() noexcept {
   if (shaped_) return;
   const Eigen::Vector3d& n = out_.n_WD;
@@ -188,18 +188,18 @@ void ImpedanceController::update_damping() noexcept {
       rate * (settings_.timing.dt + settings_.timing.loop_delay) >= kDampingLimit;
 }
 
-// B V. Where M_d = c Λ, C and Λ⁻¹ of damping.h are 1/c of the natural ones.
+// B V. If M_d = c Λ, C and A of damping.h are 1/c of those for M_d = Λ.
 Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
   if (shaped_) return shaped_damping_.apply(out_.n_WD, V);
   return std::sqrt(scale_) * modal_damping_.apply(space_.inertia_factor(), V);
 }
 
-// B (V_d − V) + K e. Where the speed V_d + B⁻¹ K e that it settles on is beyond the limit, that
-// speed is scaled down to the limit, and V̇_d loses what would still speed the tip up.
+// B (V_d − V) + K e. If the steady-state speed V_d + B⁻¹ K e exceeds the limit, it is scaled to the
+// limit, and the part of V̇_d that accelerates the tip along it is removed.
 Vector6 ImpedanceController::spring_and_damper(const Vector6& V,
                                                ReferenceMotion* desired) noexcept {
   const double limit = settings_.limits.tip_speed;
-  // a smaller K e can only be a fraction of any limit: saves the solve
+  // a smaller K e stays far below any limit: skip the solve
   const double small_pull = 2e-3 * settings_.stiffness.linear.tangent;
   const Vector6 &V_d = desired->V_d, &Ke = desired->Ke;
   if (V_d.head<3>().squaredNorm() > 0.64 * limit * limit ||
@@ -213,7 +213,7 @@ Vector6 ImpedanceController::spring_and_damper(const Vector6& V,
     if (speed > limit) {
       out_.status.speed_limited = true;
       const Eigen::Vector3d direction = V_end.head<3>() / speed;
-      // the turning with it: a coupled inertia would make speed of the turning that is left
+      // scale rotation too: a coupled inertia would turn the remaining rotation into speed
       V_end *= limit / speed;
       auto a = desired->Vdot_d.head<3>();
       a -= std::max(0.0, a.dot(direction)) * direction;
@@ -223,7 +223,7 @@ Vector6 ImpedanceController::spring_and_damper(const Vector6& V,
   return damp(V_d - V) + Ke;
 }
 
-// `force`, with what a switch of mode would change at once carried over and fading.
+// Returns `force` plus the carried force, which cancels the jump at a mode switch and decays.
 Vector6 ImpedanceController::handed_over(const Vector6& force, const Vector6& push) noexcept {
   if (out_.mode != last_mode_ || force_from_zero_) carried_force_ = last_force_ - (force + push);
   force_from_zero_ = false;
@@ -249,7 +249,7 @@ Wrench ImpedanceController::tip_friction(const ArmTerms& arm, const Wrench& F_ex
   return friction;
 }
 
-// The force that overcomes friction along the stroke where no wrench is measured.
+// Feedforward force against friction along the stroke, without a measured wrench.
 Eigen::Vector3d ImpedanceController::foreseen_friction(const Vector6& V_d) const noexcept {
   const FrictionSettings& s = settings_.friction;
   if (measured_ || s.feedforward <= 0.0 || out_.mode != ContactMode::contact)
@@ -259,7 +259,7 @@ Eigen::Vector3d ImpedanceController::foreseen_friction(const Vector6& V_d) const
   return s.feedforward * out_.push / speed * v_d;
 }
 
-// Λ times the accelerations, Λ M_d⁻¹ times the forces: 1/c times where M_d = c Λ.
+// Multiplies accelerations by Λ and forces by Λ M_d⁻¹, which is 1/c if M_d = c Λ.
 void ImpedanceController::apply_inertia(TaskTerms* F) const noexcept {
   const Matrix6& Lambda = space_.inertia();
   if (shaped_) {
@@ -296,7 +296,7 @@ JointVector ImpedanceController::limit_repulsion(const JointVector& q) noexcept 
   return tau;
 }
 
-// r. Without a wrench to take out of it, it stays as it is.
+// r. Held constant while there is no wrench to subtract.
 const JointVector& ImpedanceController::disturbance(const ArmTerms& arm,
                                                     const Wrench& F_ext) noexcept {
   if (!out_.status.stale_wrench) return observer_.update(arm, F_ext);

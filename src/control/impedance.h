@@ -21,33 +21,33 @@
 //   B               6×6    damping from M_d and K: damping.h                   N s/m, Nm s/rad
 //   F_push          6      −F_n n in contact, 0 elsewhere                      N
 //   F_ext           6      wrench of the environment on the tip                N, Nm
-//   F_compliant     6      F_ext less the part that tip friction can explain: the pen gives way to
-//                          a hand but not to its own friction
-//   r               n      what the model misses: momentum_observer.h          Nm
+//   F_compliant     6      F_ext without the part that tip friction can explain, so that the pen
+//                          yields to a hand but not to its own friction       N, Nm
+//   r               n      unmodelled torque: momentum_observer.h              Nm
 //   τ_limit         n      joint_range.torque ((margin − d)/margin)² away from the end of a joint's
-//                          range, where its distance d is below the margin     Nm
+//                          range, if its distance d is below the margin        Nm
 //
-// Without a measured wrench M_d must be Λ. F_act then needs no F_ext, and the plant's own F_ext
-// stands in (1) for F_compliant.
+// Without a measured wrench M_d must be Λ. F_act then needs no F_ext, and the actual F_ext replaces
+// F_compliant in (1).
 //
-// In contact  e is the error seen along the drawing axis z (13), ErrorProjection, of the ink rather
-//             than of the tip. K has no normal part. z_E goes to −n; the turn about it is only
-//             damped.
-// Modes       contact_mode.h. At a switch the desired force stays continuous: the difference is
-//             carried over and fades with `switch_time`.
-// Limits      The speed on which spring and damper would settle, V_d + B⁻¹ K e, stays within
-//             limits.tip_speed (Khatib's velocity saturation). Torque and its rate are limited
-//             last, with the task kept as far as possible (torque_limits.h).
+// In contact  e is the error of the ink, not of the tip, seen along the drawing axis z (13):
+//             ErrorProjection. K has no normal part. z_E is aligned with −n; rotation about z_E is
+//             only damped.
+// Modes       contact_mode.h. The desired force stays continuous at a mode switch: the difference
+//             is carried over and decays with `switch_time`.
+// Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
+//             limits.tip_speed (Khatib's velocity saturation). Torque and torque rate are limited
+//             last and preserve the task as far as possible (torque_limits.h).
 //
-// Needs       M symmetric positive definite; vectors for the number of joints given at set-up;
-//             n_WD and n_W of unit length; one call every timing.dt; J of full row rank: near a
-//             singularity the lost direction is released and `status.near_singular` says so.
+// Requires    M symmetric positive definite; vectors for the number of joints given at set-up;
+//             n_WD and n_W of unit length; one call every timing.dt; J of full row rank. Near a
+//             singularity the lost direction is released and `status.near_singular` is set.
 // Errors      The constructor throws InputError. step() throws nothing, allocates nothing and
-//             reports in `status`: a state that is not finite, or stale, gives the last gravity
-//             torque, approached as fast as the rate limit allows; after a stale wrench the pen
-//             retreats from the surface.
+//             reports in `status`. For a stale or non-finite state it returns the last gravity
+//             torque, approached within the rate limit. After a stale wrench the pen retreats from
+//             the surface.
 // Source      Equation numbers: C. Evagora, S. N. Iqbal, S. C. Feujó Nomeny, "Drawing With
-//             Operation Space Impedance Control". The method: O. Khatib, "A unified approach for
+//             Operation Space Impedance Control". Method: O. Khatib, "A unified approach for
 //             motion and force control of robot manipulators: the operational space formulation",
 //             IEEE J. Robotics and Automation 3(1), 1987.
 #pragma once
@@ -66,7 +66,7 @@ namespace impedraw {
 using Wrench = Vector6;  // [force; torque] at the origin of E, in W [N, Nm]
 
 enum TorqueTerm {
-  kFeedforward,      // Jᵀ Λ V̇_d, and foreseen friction
+  kFeedforward,      // Jᵀ Λ V̇_d and friction feedforward
   kImpedance,        // Jᵀ Λ M_d⁻¹ ( B (V_d − V) + K e )
   kPush,             // Jᵀ Λ M_d⁻¹ F_push
   kWrench,           // Jᵀ ( Λ M_d⁻¹ F_compliant − F_ext )
@@ -80,22 +80,22 @@ inline constexpr std::string_view kTorqueTermNames[] = {
     "feedforward",      "impedance",  "push",    "wrench",
     "velocity_product", "null_space", "gravity", "disturbance"};
 
-// Age of the inputs of a step, beyond what timing.loop_delay and timing.wrench_delay say [s].
+// Age of a step's inputs beyond timing.loop_delay and timing.wrench_delay [s].
 struct InputAges {
   double state = 0.0, wrench = 0.0;
 };
 
 struct ControlStatus {
-  // An input is not finite or of the wrong size, M is not positive definite, or a normal is not of
-  // unit length: the torque goes to the last gravity torque.
+  // An input is not finite or has the wrong size, M is not positive definite, or a normal is not of
+  // unit length. The torque goes to the last gravity torque.
   bool bad_input = false;
   bool near_singular = false;   // a direction of the tip was released
-  bool stale_state = false;     // older than timing.max_state_age: as for bad_input
-  bool stale_wrench = false;    // older than timing.max_wrench_age: no contact without it
-  bool torque_limited = false;  // a limit on torque or its rate was met
-  bool speed_limited = false;   // the law asked for more than limits.tip_speed
+  bool stale_state = false;     // older than timing.max_state_age; torque as for bad_input
+  bool stale_wrench = false;    // older than timing.max_wrench_age; the pen leaves the surface
+  bool torque_limited = false;  // a limit on torque or torque rate was active
+  bool speed_limited = false;   // limits.tip_speed was active
   bool joint_limit = false;     // a joint is within joint_range.margin of its limit
-  bool surface_lost = false;    // contact is desired and perception has no surface here
+  bool surface_lost = false;    // contact is desired but perception has no surface here
   bool damping_limit = false;  // M_d ∝ Λ: max eig(M_d⁻¹B)(Δt + delay) ≥ 0.5 in this posture
   bool ok() const {
     return !(bad_input || near_singular || stale_state || stale_wrench || torque_limited ||
@@ -105,40 +105,40 @@ struct ControlStatus {
 
 struct ImpedanceTorque {
   JointVector tau;  // after limits, n [Nm]
-  // n × kTorqueTerms, a column per term; they sum to the torque before limits [Nm]
+  // n × kTorqueTerms, one column per term. The columns sum to the torque before limits [Nm].
   Eigen::Matrix<double, Eigen::Dynamic, kTorqueTerms, Eigen::ColMajor, kMaxJoints, kTorqueTerms>
       terms;
   ContactMode mode = ContactMode::free;
   ControlStatus status;
-  double push = 0.0;                                // normal force asked for [N]
-  double task_share = 1.0;                          // of the task that the torque limits left
+  double push = 0.0;                                // desired normal force [N]
+  double task_share = 1.0;                          // s of torque_limits.h
   Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();   // desired tip, compensation included [m]
   Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();  // desired normal: z_D = −n_WD
 };
 
 class ImpedanceController {
  public:
-  // Throws InputError as ImpedanceSettings::validate() does, and for delays longer than the
-  // observer's history.
+  // Throws InputError as ImpedanceSettings::validate() does, and if a delay exceeds the observer's
+  // history.
   ImpedanceController(const ImpedanceSettings& settings, int joints);
 
-  // One step. The result belongs to this object and is overwritten by the next step.
-  // `reference`: the plan at this instant. `surface`: perception at the tip; status `none` is
-  // blind. `F_ext` is used only with WrenchFeedback::measured.
+  // Computes one step. The result belongs to this object and is overwritten by the next step.
+  // `reference`: the plan at this instant. `surface`: the estimate at the tip, with status `none`
+  // if there is no perception. `F_ext` is used only with WrenchFeedback::measured.
   const ImpedanceTorque& step(const ArmTerms& arm, const TipReference& reference,
                               const SurfaceEstimate& surface, const Wrench& F_ext,
                               const InputAges& ages = {}) noexcept;
 
-  void reset() noexcept;  // as new: mode free, nothing carried over
+  void reset() noexcept;  // restores the initial state: mode free, no carried force
 
  private:
-  // What (1) follows in one step, all in W.
+  // Reference of (1) in one step, in W.
   struct ReferenceMotion {
     Vector6 V_d, Vdot_d;
     Vector6 Ke;    // K e
     Vector6 push;  // F_push
   };
-  using TaskTerms = Eigen::Matrix<double, 6, kVelocityProduct + 1>;  // a column per TorqueTerm
+  using TaskTerms = Eigen::Matrix<double, 6, kVelocityProduct + 1>;  // one column per TorqueTerm
 
   ControlStatus input_status(const ArmTerms& arm, const TipReference& reference,
                              const SurfaceEstimate& surface, const Wrench& F_ext,
@@ -179,12 +179,12 @@ class ImpedanceController {
   TorqueLimits limits_;
   NormalTracker tracker_;
   ContactStates contact_;
-  bool force_from_zero_ = false;  // the desired force is to start from zero
-  bool on_surface_ = false;       // the last step's law was the one for approach and contact
+  bool force_from_zero_ = false;  // the desired force starts from zero
+  bool on_surface_ = false;       // the last step used the law for approach and contact
   ContactMode last_mode_ = ContactMode::free;
   double force_integral_ = 0.0;     // [N]
   double approach_distance_ = 0.0;  // desired distance to the surface during the approach [m]
-  Vector6 carried_force_ = Vector6::Zero();  // handed over at the last switch, fading
+  Vector6 carried_force_ = Vector6::Zero();  // carried over at the last switch, decaying
   Vector6 last_force_ = Vector6::Zero();     // force + push of the last step
   ImpedanceTorque out_;
 };

@@ -98,7 +98,7 @@ void check_joints(const ImpedanceSettings& s, int joints) {
   positive("limits.tip_speed", s.limits.tip_speed);
 }
 
-// The desired inertia is one that the loop can have.
+// Checks that the loop is stable with the desired inertia.
 void check_inertia(const ImpedanceSettings& s) {
   const bool shaped = s.inertia == InertiaShaping::shaped;
   const bool scaled = s.inertia == InertiaShaping::scaled && s.inertia_scale != 1.0;

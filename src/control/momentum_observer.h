@@ -1,18 +1,17 @@
-// What the model of the arm misses, found from its momentum: joint friction, wrong masses, an
-// unknown payload.
+// Momentum observer: estimates the torque that the arm's model does not explain, such as joint
+// friction, wrong masses or an unknown payload.
 //
-// Plant     M v̇ + C v + g = τ + Jᵀ F_ext + d,   d: what the model misses [Nm]
+// Plant     M v̇ + C v + g = τ + Jᵀ F_ext + d,   d: unmodelled torque [Nm]
 // Observer  r = K_o ∫ ( M dv − (τ + Jᵀ F_ext − C v − g + r) dt )
 // so        ṙ = K_o (d − r): d through a first-order low-pass of bandwidth K_o
-// Use       the law takes r off its torque. r is bounded joint by joint, and a bounded state of a
-//           low-pass cannot wind up.
+// Use       the law subtracts r from its torque. Each r_j is bounded, so that r cannot wind up.
 //
-// ∫ M dv stands for M v − ∫ Ṁ v dt, so that neither C nor Ṁ is formed, and no acceleration: it is
-// summed from the steps' own increments of v, which in a sampled loop is M_i (v_i+1 − v_i). The
-// wrench must be taken out of what is observed, or the observer would cancel the push: without a
-// measured wrench there is none. A wrench that is late, and a torque that acts late, are put beside
-// the motion that they belong to. Source: De Luca, Mattone, "Sensorless robot collision detection
-// and hybrid force/motion control", ICRA 2005.
+// ∫ M dv replaces M v − ∫ Ṁ v dt, so that neither C nor Ṁ nor an acceleration is formed. It is the
+// sum of M_i (v_i+1 − v_i) over the steps. The wrench must be subtracted, or the observer would
+// cancel the push: without a measured wrench the observer is off. Delayed wrenches and torques are
+// aligned with the motion that they belong to.
+// Source: De Luca, Mattone, "Sensorless robot collision detection and hybrid force/motion control",
+// ICRA 2005.
 #pragma once
 
 #include <array>
@@ -31,21 +30,21 @@ struct ObserverSettings {
 
 class MomentumObserver {
  public:
-  // The wrench is `wrench_age` old beyond the step that has just ended, the torque acts
-  // `torque_delay` after it was computed [s]; both are rounded to steps. Throws InputError for what
-  // is out of range.
+  // wrench_age: age of the wrench beyond the step that has just ended [s]. torque_delay: time from
+  // computing a torque until it acts [s]. Both are rounded to steps. Throws InputError for a value
+  // out of range.
   MomentumObserver(const ObserverSettings& settings, int joints, double dt, double wrench_age,
                    double torque_delay);
 
-  // At the start of a step: `arm` is measured now, F_ext [N, Nm] at E in W came in just now.
-  // Returns r.
+  // Call at the start of a step, with the arm's current state and the newest F_ext [N, Nm], taken
+  // at E, in W. Returns r.
   const JointVector& update(const ArmTerms& arm, const Vector6& F_ext) noexcept;
-  // At its end: what was commanded, after all limits.
+  // Call at the end of a step, with the commanded torque after all limits.
   void commanded(const JointVector& tau) noexcept;
 
   const JointVector& disturbance() const { return r_; }  // r [Nm]
-  void pause() noexcept { step_ = 0; }  // a step without a wrench: r stays, history begins anew
-  void reset() noexcept;                // r = 0, history forgotten
+  void pause() noexcept { step_ = 0; }  // for a step without a wrench: keeps r, restarts history
+  void reset() noexcept;                // clears r and the history
 
  private:
   static constexpr int kHistory = 32;  // steps

@@ -21,8 +21,8 @@ bool OperationalSpace::update(const ArmTerms& arm) noexcept {
     A_ += row.transpose() * row;
   }
   factor_inertia();
-  // The trace of the scaled Λ bounds its largest eigenvalue from above; a factor that failed is NaN
-  // and fails the comparison.
+  // The trace of the scaled Λ is an upper bound of its largest eigenvalue. A failed factorisation
+  // gives NaN, which fails the comparison.
   const double per_length2 =
       1.0 / (settings_.characteristic_length * settings_.characteristic_length);
   const double mass_bound =

@@ -1,4 +1,4 @@
-// The reference motion of one step: V_d, V̇_d, K e and F_push of the law in impedance.h.
+// Reference motion of one step: V_d, V̇_d, K e and F_push of the law in impedance.h.
 #include <algorithm>
 #include <cmath>
 
@@ -16,13 +16,13 @@ Vector6 stacked(const Vector3d& linear, const Vector3d& angular) {
   return x;
 }
 
-// Error, velocity and acceleration of the plan, on the tangent plane.
+// Error, velocity and acceleration of the plan in the tangent plane.
 struct TangentMotion {
   Vector3d e, v, a;
 };
 
-// Seen along z, at full stiffness on any slope: x − z (n·x)/(n·z) and its derivatives. The height
-// that the plan itself gains is left out: the surface is where perception finds it.
+// Projection along z, with full stiffness on any slope: x − z (n·x)/(n·z) and its derivatives. The
+// plan's own height is ignored, because perception gives the surface.
 TangentMotion lifted(const Vector3d& e, const Vector3d& v, const Vector3d& a, const Vector3d& n,
                      const Vector3d& n_dot, const Vector3d& z) {
   const double cosine = n.dot(z), rise = n.dot(v) / cosine;
@@ -30,7 +30,7 @@ TangentMotion lifted(const Vector3d& e, const Vector3d& v, const Vector3d& a, co
           a - z * ((n_dot.dot(v) + n.dot(a) - rise * n_dot.dot(z)) / cosine)};
 }
 
-// (13): (z × e) × z, then its part along the tangents.
+// (13): (z × e) × z, then its component in the tangent plane.
 TangentMotion projected(const Vector3d& e, const Vector3d& v, const Vector3d& a, const Vector3d& n,
                         const Vector3d& z) {
   const auto along_tangents = [&n](const Vector3d& x) -> Vector3d { return x - n * n.dot(x); };
@@ -40,7 +40,7 @@ TangentMotion projected(const Vector3d& e, const Vector3d& v, const Vector3d& a,
 
 }  // namespace
 
-// Away from the surface: the pose of the plan, at full stiffness.
+// Away from the surface: follows the pose of the plan with full stiffness.
 ImpedanceController::ReferenceMotion ImpedanceController::reference_on_plan(
     const ArmTerms& arm, const TipReference& reference) noexcept {
   Vector3d p_WD = reference.p_WD;
@@ -57,8 +57,8 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_plan(
   return desired;
 }
 
-// Approach and contact: along the tangents the plan as seen along the drawing axis, along the
-// normal the estimated surface.
+// Approach and contact: follows the plan, projected along the drawing axis, in the tangent plane,
+// and the estimated surface along the normal.
 ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
     const ArmTerms& arm, const TipReference& reference, const SurfaceEstimate& surface) noexcept {
   const Vector3d& n = tracker_.n();
@@ -66,9 +66,9 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
   const bool contact = out_.mode == ContactMode::contact;
   out_.push = contact ? settings_.normal_force : 0.0;
 
-  // The ink lies under the centre of the tip sphere C, and E sinks with the tip's give: the ink
-  // follows the plan, not E. The give is that of the push as it builds up, or the tip would be
-  // asked aside while friction still holds it.
+  // The ink, not E, follows the plan. It lies under the centre C of the tip sphere, and E sinks as
+  // the tip is compressed. The compression uses the push as it builds up. The full push would
+  // command a lateral shift while friction still holds the tip.
   const double acting_push =
       contact ? std::max(0.0, out_.push - n.dot(carried_force_.head<3>())) : 0.0;
   const double give = settings_.tip.stiffness > 0.0 ? acting_push / settings_.tip.stiffness : 0.0;
@@ -90,7 +90,7 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
   } else {
     const ApproachSettings& approach = settings_.approach;
     const bool known = surface.status == SurfaceStatus::ok;
-    // Whoever holds the tip back must not find a spring wound up when they let go.
+    // Someone who holds the tip back must not release a wound-up spring.
     const bool held = known && approach_distance_ < surface.distance - approach.lag;
     if (held) {
       approach_distance_ = surface.distance - approach.lag;

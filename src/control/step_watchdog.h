@@ -1,19 +1,19 @@
-// Watches how long the steps of a control loop take. Knows no clock: it is told.
+// Watchdog for the step times of a control loop. It reads no clock: the caller passes the times.
 #pragma once
 
 namespace impedraw {
 
 struct WatchdogSettings {
   double limit = 1e-3;  // a step that takes longer is late [s]
-  int late_in_row = 5;  // so many one after the other trip it
-  double stall = 0.02;  // and so does a single one of this length [s]
+  int late_in_row = 5;  // number of consecutive late steps that trip the watchdog
+  double stall = 0.02;  // a single step of this length trips it too [s]
 };
 
 class StepWatchdog {
  public:
   explicit StepWatchdog(const WatchdogSettings& settings = {}) : settings_(settings) {}
 
-  // After each step. True from the step on that trips it; it stays so until reset().
+  // Call after each step. Returns true once tripped, until reset().
   bool update(double step_time) noexcept {
     const bool late = !(step_time <= settings_.limit);
     in_row_ = late ? in_row_ + 1 : 0;
@@ -22,7 +22,7 @@ class StepWatchdog {
     return tripped_;
   }
   bool tripped() const noexcept { return tripped_; }
-  long late() const noexcept { return late_; }  // steps so far
+  long late() const noexcept { return late_; }  // number of late steps so far
   void reset() noexcept { *this = StepWatchdog(settings_); }
 
  private:

@@ -14,14 +14,13 @@ enum class SurfaceStatus {
   off_edge,  // the tip lies beyond the edge of the cloud
 };
 
-// Where to query perception if M_d couples translation and rotation (natural or scaled inertia): at
-// the tip, moved along the surface towards the desired tip, by `reach` at most [m].
-// Asked at the tip itself, the desired normal turns with every deviation of the tip: a stiffness
-// k_r/R from position to torque with none back, R the radius of curvature. On a tight hollow that
-// is not symmetric enough for the natural inertia, which couples both: the pen flutters. With
-// shaped inertia, which couples nothing, ask at the tip itself: it stands larger errors of the
-// model. Within the deviations of drawing the distance to the surface is the same at both places,
-// to e²/2R.
+// Query point for perception if M_d couples translation and rotation (natural or scaled inertia):
+// the tip, moved along the surface towards the desired tip by at most `reach` [m].
+// A query at the tip itself makes the desired normal turn with every deviation of the tip. This
+// adds a one-way stiffness k_r/R from position to torque, with R the radius of curvature. On a
+// tight hollow with the natural inertia, which couples both, the pen then flutters. Shaped inertia
+// couples nothing: query at the tip itself, which tolerates larger model errors. The distance to
+// the surface is the same at both points to e²/2R, with e the tip's deviation.
 inline Eigen::Vector3d surface_query(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& p_WD,
                                      const Eigen::Vector3d& n_W, double reach = 3e-3) {
   const Eigen::Vector3d way = p_WD - p_WE, along = way - n_W * n_W.dot(way);
@@ -31,9 +30,9 @@ inline Eigen::Vector3d surface_query(const Eigen::Vector3d& p_WE, const Eigen::V
 
 struct SurfaceEstimate {
   SurfaceStatus status = SurfaceStatus::none;
-  // unit normal, outward: towards the camera that saw it; meaningful if ok
+  // outward unit normal, towards the camera; valid if status is ok
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
-  // of the query point to the fitted surface [m], > 0 outside; meaningful if ok
+  // from the fitted surface to the query point [m], > 0 outside; valid if status is ok
   double distance = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -1,4 +1,4 @@
-// The plan of the pen tip at one instant.
+// Planned motion of the pen tip at one instant.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,14 +6,14 @@
 namespace impedraw {
 
 // World frame W, SI. D is the desired tip frame: origin p_WD, z_D = −n_WD (the pen points into the
-// surface); the turn about z_D is free.
+// surface). The rotation about z_D is free.
 struct TipReference {
   Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();  // [m]
   Eigen::Vector3d v_WD = Eigen::Vector3d::Zero();  // [m/s]
   Eigen::Vector3d a_WD = Eigen::Vector3d::Zero();  // [m/s²]
-  // unit; outward normal of the surface as the plan knows it
+  // outward unit normal of the planned surface
   Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();
-  // angular velocity of n_WD (no part about n_WD) [rad/s]
+  // angular velocity of n_WD, without a component about n_WD [rad/s]
   Eigen::Vector3d w_WD = Eigen::Vector3d::Zero();
   Eigen::Vector3d alpha_WD = Eigen::Vector3d::Zero();  // its derivative [rad/s²]
   // contact is desired: from the start of the approach to the start of the lift

@@ -14,8 +14,8 @@ struct Share {
 };
 
 // The largest s in [0, 1] for which an α exists with lower ≤ τ + s u + α d ≤ upper, and the least
-// such |α|. None: s is NaN. Each joint bounds α from both sides by lines in s; every lower bound
-// must lie below every upper one.
+// such |α|. If there is none, s is NaN. Each joint bounds α from both sides by lines in s. Every
+// lower bound must lie below every upper bound.
 Share largest_share(const JointVector& tau, const JointVector& u, const JointVector& d,
                     const JointVector& lower, const JointVector& upper) {
   constexpr double kNone = 1e-9;
@@ -67,7 +67,7 @@ void TorqueLimits::find_box(int n) noexcept {
   upper_ = limit_;
   if (!started_ || step_.size() == 0) return;
   for (int i = 0; i < n; ++i) {
-    // A last torque outside of the limits cannot be: the two boxes always meet.
+    // The last torque is always within the limits, so the two boxes intersect.
     lower_[i] = std::max(lower_[i], last_[i] - step_[i]);
     upper_[i] = std::min(upper_[i], last_[i] + step_[i]);
   }
@@ -107,7 +107,7 @@ LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& ta
   const Share share = largest_share(hold + null, task, d, lower_, upper_);
   out.task_share = std::isnan(share.s) ? 0.0 : share.s;
   if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
-  out.tau = out.tau.cwiseMax(lower_).cwiseMin(upper_);  // rounding, and case 3
+  out.tau = out.tau.cwiseMax(lower_).cwiseMin(upper_);  // for rounding errors and step 3
   last_ = out.tau;
   started_ = true;
   return out;

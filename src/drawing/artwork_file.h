@@ -1,5 +1,5 @@
-// Artwork from a file, of the kind that its extension says: .svg (svg.h), .txt, .strokes and .csv
-// (stroke_file.h).
+// Reads artwork from a file. The extension selects the format: .svg (svg.h), or .txt, .strokes
+// and .csv (stroke_file.h).
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@
 
 namespace impedraw {
 
-bool is_artwork_file(const std::filesystem::path& file);  // by its extension, in capitals or not
+bool is_artwork_file(const std::filesystem::path& file);  // by extension, ignoring case
 
-// `unit`: of a stroke file's numbers. InputError: of the reader, an extension that is none of
-// these, a unit for an SVG, which has its own.
+// `unit` is the unit of a stroke file's numbers. InputError: an error of the reader, an unknown
+// extension, or a unit for an SVG, which has its own.
 Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings = {},
                      PageUnit unit = PageUnit::file);
 

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 constexpr double kMostDashes = 1e6;
-constexpr double kSame = 1e-6;  // a part of the pattern; less is rounding
+constexpr double kSame = 1e-6;  // fraction of the pattern; less is rounding
 
 double period_of(const Dash& dash) {
   double period = 0;
@@ -31,7 +31,7 @@ double period_of(const Dash& dash) {
   return period;
 }
 
-// A line by the way along it from its beginning, in the pattern's unit.
+// A line parametrised by the length from its start, in the pattern's unit.
 class Walk {
  public:
   Walk(const std::vector<Vector2d>& line, const Eigen::Matrix2d& to_pattern) : line_(line) {
@@ -48,7 +48,7 @@ class Walk {
     return t == 1.0 ? line_[next] : Vector2d(line_[next - 1] + t * (line_[next] - line_[next - 1]));
   }
 
-  // The line from way a to way b.
+  // The part of the line between lengths a and b.
   std::vector<Vector2d> part(double a, double b) const {
     std::vector<Vector2d> points{at(a)};
     const auto first = std::upper_bound(way_.begin(), way_.end(), a) - way_.begin();
@@ -68,8 +68,8 @@ class Walk {
 
 void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& result) {
   const double period = period_of(dash), least = kSame * period;
-  if (stroke.points.size() <
-      2) {  // a dot has its place in the pattern's beginning, which SVG draws whatever it says
+  // A dot lies at the pattern's start, which SVG always draws.
+  if (stroke.points.size() < 2) {
     result.push_back({stroke.points, false, stroke.layer});
     return;
   }
@@ -98,7 +98,7 @@ void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& resul
       if (dash.lengths[entry] == 0 && dash.dots)
         drawn.emplace_back(s, s);
       else if (stop - s > least && touches)
-        drawn.back().second = stop;  // the gap between them has no length
+        drawn.back().second = stop;  // the gap between them has zero length
       else if (stop - s > least)
         drawn.emplace_back(s, stop);
     }

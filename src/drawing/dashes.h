@@ -1,5 +1,5 @@
-// Strokes broken by their dashes, by SVG's rules: lengths drawn and left out in turn along the
-// line, from the offset on, anew for each stroke.
+// Breaks strokes into dashes by SVG's rules: lengths drawn and left out alternate along the line.
+// Every stroke starts the pattern again at its offset.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace impedraw {
 
-// Lengths are taken along the line in the pattern's own unit (Dash::to_pattern), so that a
-// transform which stretches a path stretches its dashes. A closed stroke's last dash goes on in its
-// first where both are drawn at its start; one without any gap stays whole. A dash of no length is
-// a dot where Dash::dots says so, and nothing otherwise. What comes out is unbroken: Stroke::dash
-// is −1. InputError: a pattern that is none (Dash), or one so fine that more than a million dashes
-// come out.
+// Lengths are measured along the line in the pattern's own unit (Dash::to_pattern), so a transform
+// that stretches a path stretches its dashes. If a closed stroke is drawn at both sides of its
+// start, its last dash continues in its first; a closed stroke without a gap stays whole. A dash of
+// zero length is a dot if Dash::dots is set, and nothing otherwise. The results are unbroken:
+// Stroke::dash is −1. InputError: an invalid pattern (see Dash), or one so fine that it makes more
+// than a million dashes.
 std::vector<Stroke> dashed(const std::vector<Stroke>& strokes, const std::vector<Dash>& dashes);
 
 }  // namespace impedraw

@@ -8,7 +8,7 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-// 2^24 pieces; reached only by cusps, whose pieces are then far below any tolerance
+// 2^24 pieces; only cusps reach it, with pieces far below any tolerance
 constexpr int kDeepest = 24;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -58,7 +58,7 @@ void flatten_arc(const EllipseArc& arc, const FlattenSettings& settings,
   const double major = std::sqrt((sum + std::sqrt(std::max(0.0, sum * sum - 4 * area * area))) / 2);
   if (!(major > 0)) return;
   const double minor = std::abs(area) / major;
-  // The tangent turns by at most major/minor a radian of φ. An ellipse as flat as a line is cut by
+  // The tangent turns by at most major/minor per radian of φ. Very flat ellipses are cut by
   // distance alone.
   const double by_turn = settings.turn * std::max(minor / major, 0.02);
   const double step = std::min(std::sqrt(8 * settings.tolerance / major), by_turn);

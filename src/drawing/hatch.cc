@@ -17,12 +17,12 @@ namespace {
 using Eigen::Vector2d;
 namespace cl = ClipperLib;
 constexpr double kMostLines = 100'000;
-// Clipper's whole numbers across half an area; beyond 2^30 it needs longer arithmetic
+// Clipper's integer range across half an area; beyond 2^30 it needs wider arithmetic
 constexpr double kFineness = 5e8;
 constexpr double kShortest = 1e-5;  // [mm]
 
-// One set of lines. In the frame H they stand upright, for Clipper treats horizontal edges apart:
-// y_H along the lines, x_H across.
+// One set of lines. They are vertical in the frame H, because Clipper treats horizontal edges
+// specially: y_H along the lines, x_H across.
 void add_lines(const Area& area, double spacing, double angle, std::vector<Stroke>& result) {
   const Vector2d along(std::cos(angle), -std::sin(angle)), across(std::sin(angle), std::cos(angle));
   Eigen::AlignedBox2d box;
@@ -81,7 +81,7 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
   std::sort(rows.begin(), rows.end(), [](const Piece& a, const Piece& b) {
     return a.k != b.k ? a.k < b.k : a.from < b.from;
   });
-  // Pieces that touch are one: Clipper may cut a line where an outline's corner lies on it.
+  // Joins pieces that touch: Clipper may cut a line where a corner of the outline lies on it.
   std::vector<Piece> whole;
   for (const Piece& piece : rows) {
     const bool touches =

@@ -1,11 +1,11 @@
-// Filled areas as parallel pen strokes.
+// Fills areas with parallel pen strokes.
 //
-// The lines lie at (k + 1/2) · spacing from the page's origin, k whole, so that those of
-// neighbouring areas meet. Each is clipped by the area's outlines and fill rule (Clipper) and drawn
-// the other way round than the one beside it. Crossed, as many again stand across them.
+// The lines lie at (k + 1/2) · spacing from the page's origin for integer k, so the lines of
+// neighbouring areas meet. Each line is clipped by the area's outlines and fill rule (Clipper).
+// Neighbouring lines are drawn in opposite directions. Cross-hatching adds a perpendicular set.
 //
-// An area hides nothing that was painted before it: where areas overlap, each has its lines. One
-// narrower than the spacing may get none.
+// An area does not hide what was painted before it: overlapping areas each keep their lines. An
+// area narrower than the spacing may get none.
 #pragma once
 
 #include <vector>
@@ -16,10 +16,10 @@
 namespace impedraw {
 
 struct HatchSettings {
-  double spacing_mm = 0;  // on the canvas, between neighbouring lines; 0: none
-  double angle_deg = 45;  // of the lines to the page's X, counter-clockwise as the page is seen
+  double spacing_mm = 0;  // between neighbouring lines on the canvas; 0: no hatching
+  double angle_deg = 45;  // from the page's X to the lines, counter-clockwise as seen
   bool cross = false;     // a second set, at right angles
-  // outlines of filled areas are drawn, too (those that are stroked always are)
+  // draw the outlines of filled areas too (stroked outlines are always drawn)
   bool outline = true;
 
   struct Limits {
@@ -28,13 +28,13 @@ struct HatchSettings {
   };
 };
 
-// The area's lines, at settings.spacing_mm / scale on the page; `scale` is of the placement. None
-// for a spacing of 0. InputError: a spacing, scale or angle out of range, more than
-// 100,000 lines across an area.
+// Returns the area's lines at settings.spacing_mm / scale on the page, where `scale` is the
+// placement's; none for a spacing of 0. InputError: a spacing, scale or angle out of range, or more
+// than 100,000 lines across an area.
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale);
 
-// The artwork with every area's lines behind the other strokes of its layer, and without edges
-// where settings.outline says so. The areas stay.
+// apply_hatch() puts each area's lines behind the other strokes of its layer, and drops the edges
+// if settings.outline is false. drop_edges() only drops the edges. Both keep the areas.
 void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale);
 void drop_edges(Artwork& artwork);
 

@@ -62,8 +62,8 @@ HersheyFont parse_jhf(std::string_view text, const std::string& name) {
       down = true;
       glyph.strokes.back().emplace_back(codes[i] - 'R', codes[i + 1] - 'R');
     }
-    if (!glyph.strokes.empty() &&
-        glyph.right <= glyph.left) {  // as rowmant's J: no width is given, the ink says it
+    // Without a width, as in rowmant's J, the ink determines it.
+    if (!glyph.strokes.empty() && glyph.right <= glyph.left) {
       const Eigen::AlignedBox2d ink = glyph.box();
       glyph.left = ink.min().x() - 2, glyph.right = ink.max().x() + 2;
     }

@@ -1,11 +1,11 @@
-// The Hershey fonts: letters as pen strokes, digitised by A. V. Hershey in 1967, as Debian's
-// hershey-fonts-data has them (.jhf).
+// The Hershey fonts: letters as pen strokes, digitised by A. V. Hershey in 1967. The files (.jhf)
+// are those of Debian's hershey-fonts-data.
 //
-// A glyph lies on a grid of its own: x right, y down, capitals from y = −12 to the baseline at y =
-// 9, descenders to about 16. In a .jhf file it is a number (5 columns, not used), a count (3
-// columns), and so many pairs of characters, broken over lines where it is long. A character c
-// stands for c − 'R'; the first pair holds the left and the right edge, " R" lifts the pen. Glyphs
-// follow ASCII from 32, the blank.
+// A glyph has its own grid: x right, y down, capitals from y = −12 to the baseline at y = 9,
+// descenders to about 16. In a .jhf file a glyph is a number (5 columns, unused), a count (3
+// columns), and that many pairs of characters; long glyphs continue on the next line. A character c
+// encodes c − 'R'. The first pair holds the left and the right edge; " R" lifts the pen. Glyphs
+// follow ASCII from 32, the space.
 #pragma once
 
 #include <filesystem>
@@ -22,26 +22,26 @@ constexpr double kCapTop = -12, kBaseline = 9, kCapHeight = kBaseline - kCapTop;
 
 struct Glyph {
   double left = 0, right = 0;  // edges between letters [grid]
-  std::vector<std::vector<Eigen::Vector2d>>
-      strokes;  // [grid], at least one point each; none: a blank
+  // [grid], at least one point each; empty for a space
+  std::vector<std::vector<Eigen::Vector2d>> strokes;
 
   Eigen::AlignedBox2d box() const;
 };
 
 struct HersheyFont {
   std::string name;
-  std::vector<Glyph> glyphs;  // of the characters from 32
+  std::vector<Glyph> glyphs;  // of the characters from 32 on
 
-  const Glyph* find(char32_t c) const;  // null: no such place, or one that the font leaves empty
+  const Glyph* find(char32_t c) const;  // null if the font has no such glyph
 };
 
-// InputError: text that is no .jhf; names the glyph.
+// InputError names the glyph at which the text is not valid .jhf.
 HersheyFont parse_jhf(std::string_view text, const std::string& name);
 
 std::filesystem::path hershey_folder();
-std::vector<std::string>
-hershey_font_names();  // sorted; InputError where the fonts are not installed
-HersheyFont read_hershey_font(
-    const std::string& name);  // "futural"; InputError names those that there are
+// Sorted. InputError if the fonts are not installed.
+std::vector<std::string> hershey_font_names();
+// `name`: "futural". InputError lists the available fonts.
+HersheyFont read_hershey_font(const std::string& name);
 
 }  // namespace impedraw

@@ -60,7 +60,7 @@ constexpr Composed kComposed[] = {
     {Mark::cedilla, U"ÇCçcŞSşsŢTţt¸ "},
     {Mark::ogonek, U"ĄAąaĘEęeĮIįiŲUųu"},
     {Mark::comma, U"ĢGĶKķkĻLļlŅNņnŖRŗrȘSșsȚTțt"},
-    {Mark::apostrophe, U"ďdĽLľlťtģg"},  // for ģ it stands above, where g has room
+    {Mark::apostrophe, U"ďdĽLľlťtģg"},  // above the g in ģ, where there is room
     {Mark::slash, U"ØOøo"},
     {Mark::bar, U"ĐDđdÐDĦHħhŦTŧt"},
     {Mark::short_slash, U"ŁLłl"},
@@ -76,7 +76,7 @@ constexpr std::pair<char32_t, Mark> kCombining[] = {
     {0x307, Mark::dot},       {0x30b, Mark::double_acute}, {0x327, Mark::cedilla},
     {0x328, Mark::ogonek},    {0x326, Mark::comma}};
 
-// What is written with ASCII alone: first the character, then what stands for it.
+// Characters replaced by ASCII: first the character, then its replacement.
 constexpr const char32_t* kPlain[] = {
     U"‘'",   U"’'",      U"‚,",      U"‛'",      U"′'",  U"“\"", U"”\"", U"„\"", U"‟\"",
     U"″\"",  U"‐-",      U"‑-",      U"‒-",      U"–-",  U"—-",  U"―-",  U"−-",  U"\u00ad-",
@@ -97,7 +97,7 @@ Line circle(const Vector2d& centre, double radius) {
   return line;
 }
 
-// Proportions are those of the plain fonts: x height from −5, stems on whole numbers.
+// Proportions follow the plain fonts: x height from −5, stems on integers.
 const std::vector<InkMatch>& drawn_here() {
   static const std::vector<InkMatch> all = {
       {U'ß',
@@ -233,7 +233,7 @@ const std::vector<InkMatch>& drawn_here() {
   return all;
 }
 
-// A mark that stands above, its foot's middle at (0, 0).
+// A mark above a letter, with the middle of its foot at (0, 0).
 std::vector<Line> above(Mark mark) {
   switch (mark) {
     case Mark::acute:
@@ -270,7 +270,7 @@ void put(Glyph& glyph, const std::vector<Line>& lines, const Vector2d& at) {
   }
 }
 
-// Without what lies wholly above the letters without ascenders: the dot of i and j.
+// Drops strokes that lie wholly above the x height: the dots of i and j.
 void take_dot(Glyph& glyph, const HersheyFont& font) {
   const Glyph* x = font.find(U'x');
   const double top = x ? x->box().min().y() : -5;
@@ -285,7 +285,7 @@ void take_dot(Glyph& glyph, const HersheyFont& font) {
   std::erase_if(glyph.strokes, [&](const Line& line) { return lowest(line) < top - 1; });
 }
 
-void turn(Glyph& glyph) {  // by half a turn, about the middle of the x height
+void turn(Glyph& glyph) {  // by 180° about the middle of the x height
   for (Line& line : glyph.strokes) {
     for (Vector2d& p : line) p = Vector2d(-p.x(), 4 - p.y());
   }
@@ -298,7 +298,7 @@ void add_mark(Glyph& glyph, Mark mark, char32_t base, const HersheyFont& font) {
   if (base == 'i' || base == 'j') {
     if (mark == Mark::dotless || !above(mark).empty()) take_dot(glyph, font);
   }
-  // A mark alone, as on a blank, stands where a small letter's would.
+  // A mark on a space has the position that it has on a small letter.
   const Eigen::AlignedBox2d box = glyph.strokes.empty()
                                       ? Eigen::AlignedBox2d(Vector2d(0, -5), Vector2d(0, kBaseline))
                                       : glyph.box();
@@ -339,7 +339,7 @@ void add_mark(Glyph& glyph, Mark mark, char32_t base, const HersheyFont& font) {
   }
 }
 
-// Several letters in a row; together: ink touches ink.
+// Several letters in a row. `together`: their ink touches.
 std::optional<Glyph> row_of(const HersheyFont& font, std::u32string_view letters, bool together) {
   Glyph row;
   for (const char32_t c : letters) {
@@ -418,7 +418,8 @@ std::u32string decoded_utf8(std::string_view text) {
       valid = valid && (byte(i + k) & 0xc0) == 0x80;
       c = c << 6 | (byte(i + k) & 0x3f);
     }
-    constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // what fewer bytes could not say
+    // smallest code point that needs that many bytes
+    constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
     if (!valid || c < kLeast[length] || c > 0x10ffff || (c >= 0xd800 && c < 0xe000)) {
       throw InputError(
           fmt::format("text: byte {} (0x{:02x}) is not valid UTF-8, after {} characters", i + 1,

@@ -1,10 +1,10 @@
-// Letters beyond ASCII, made of a Hershey font's own: é is e with an acute over it.
+// Composes letters beyond ASCII from a Hershey font's glyphs: é is e with an acute above it.
 //
-// Latin-1 and Latin Extended-A are composed of a base letter and marks; a mark above i or j takes
-// their dot's place, marks above one another are stacked. æ and its like are their two letters
+// Latin-1 and Latin Extended-A letters are composed of a base letter and marks. A mark above i or j
+// replaces the dot; marks above one another are stacked. Ligatures such as æ are their two letters
 // moved together. Letters without such parts (ß, þ, ð, ŋ, …) and a few signs (° × ÷ « » € …) are
-// drawn here, in plain single strokes, whatever the font. Typographic quotes, dashes and blanks
-// become ASCII's. Combining marks (U+0300 and on) go onto the letter before them.
+// drawn here in plain single strokes, for every font. Typographic quotes, dashes and spaces become
+// ASCII. Combining marks (from U+0300) attach to the letter before them.
 #pragma once
 
 #include <optional>
@@ -20,9 +20,9 @@ namespace impedraw {
 std::u32string decoded_utf8(std::string_view text);
 std::string encoded_utf8(char32_t c);
 
-bool is_combining_mark(char32_t c);  // one of those that are known
+bool is_combining_mark(char32_t c);  // a supported one
 
-// The letter with the combining marks that follow it; none where the font has not what it takes.
+// The letter with the combining marks that follow it; nullopt if the font lacks a part.
 std::optional<Glyph> glyph_of(const HersheyFont& font, char32_t letter,
                               std::u32string_view combining = {});
 

@@ -18,13 +18,13 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr int kNeighbours = 10;  // of an end, other strokes' ends
+constexpr int kNeighbours = 10;  // per end: ends of other strokes
 constexpr int kLongestMove = 3;  // strokes that Or-opt moves at once
-constexpr int kShakenRun = 30;   // strokes in a run that changes places
+constexpr int kShakenRun = 30;   // strokes in a run that is swapped
 constexpr int kMostShakes = 100000;
 constexpr double kGain = 1e-9;  // [mm]; less is rounding
 
-// Ends of strokes: end 2 s is where stroke s begins, 2 s + 1 where it ends.
+// Ends of strokes: end 2 s is the start of stroke s, end 2 s + 1 its end.
 struct Ends {
   std::vector<Vector2d> p;
   std::size_t kdtree_get_point_count() const { return p.size(); }
@@ -56,7 +56,7 @@ std::vector<std::array<int, kNeighbours>> neighbours_of(const Ends& ends) {
   return neighbours;
 }
 
-// An open tour through strokes; each place of it holds the end that the pen enters by.
+// An open tour through the strokes. Each place holds the end at which the pen enters.
 class Tour {
  public:
   explicit Tour(Ends ends)
@@ -107,7 +107,8 @@ class Tour {
  private:
   int exit(int place) const { return entry_[place] ^ 1; }
   double distance(int a, int b) const { return (ends_.p[a] - ends_.p[b]).norm(); }
-  // The way to the stroke at that place from the one before; the tour's two ends are free.
+  // Length of the link from the previous stroke to the one at that place; the tour's ends cost
+  // nothing.
   double around(int place) const {
     return place <= 0 || place >= count_ ? 0.0 : distance(exit(place - 1), entry_[place]);
   }
@@ -129,8 +130,8 @@ class Tour {
     std::sort(links.begin(), links.end(), [](const Link& x, const Link& y) {
       return std::tie(x.length, x.a, x.b) < std::tie(y.length, y.a, y.b);
     });
-    std::vector<int> partner(2 * count_, -1),
-        far(2 * count_);  // far: of an end that is free, its chain's other free end
+    // far: for a free end, the other free end of its chain
+    std::vector<int> partner(2 * count_, -1), far(2 * count_);
     for (int e = 0; e < 2 * count_; ++e) far[e] = e ^ 1;
     for (const Link& link : links) {
       if (partner[link.a] >= 0 || partner[link.b] >= 0 || far[link.a] == link.b) continue;
@@ -140,7 +141,7 @@ class Tour {
       far[a] = b;
       far[b] = a;
     }
-    // Chains, one after the other, always the one whose end is nearest.
+    // Appends the chains in turn, always the one with the nearest end.
     std::vector<int> free;
     for (int e = 0; e < 2 * count_; ++e) {
       if (partner[e] < 0) free.push_back(e);
@@ -166,7 +167,7 @@ class Tour {
     queue_.push_back(end);
   }
 
-  // Until no end in the queue has anything to gain. Returns what was gained.
+  // Improves the tour until no end in the queue has a gain left. Returns the total gain.
   double settle() {
     double gained = 0;
     while (!queue_.empty()) {
@@ -178,8 +179,8 @@ class Tour {
     return gained;
   }
 
-  // One change for the better that gives the end a nearer neighbour in the tour; what was gained, 0
-  // without any.
+  // Makes one improving change that gives the end a nearer neighbour in the tour. Returns the gain,
+  // 0 if there is none.
   double better_at(int end) {
     const bool is_exit = entry_[place_[end / 2]] != end;
     const int gap = place_[end / 2] + is_exit;  // between the places gap − 1 and gap
@@ -197,7 +198,7 @@ class Tour {
         if (gain > 0) return gain;
       }
       for (int length = 1; length <= kLongestMove; ++length) {
-        // The moved run has c at the side of `end`.
+        // In the moved run, c is next to `end`.
         const int first = c_is_exit ? k - length + 1 : k;
         const double gain = move(first, length, gap, c_is_exit == is_exit);
         if (gain > 0) return gain;
@@ -206,7 +207,7 @@ class Tour {
     return 0;
   }
 
-  // Turns round what lies between two gaps.
+  // Reverses the strokes between two gaps.
   double two_opt(int gap_a, int gap_b) {
     const int i = std::min(gap_a, gap_b), j = std::max(gap_a, gap_b);
     if (i == j) return 0;
@@ -218,7 +219,7 @@ class Tour {
     return gain;
   }
 
-  // Moves `length` strokes from `first` into a gap, turned round or not.
+  // Moves `length` strokes from `first` into a gap, reversed or not.
   double move(int first, int length, int gap, bool turned) {
     const int last = first + length;
     if (first < 0 || last > count_ || (gap >= first && gap <= last)) return 0;
@@ -242,7 +243,7 @@ class Tour {
     return gain;
   }
 
-  // The runs of a and b strokes from `first` change places.
+  // Swaps the adjacent runs of a and b strokes from `first`.
   void exchange(int first, int a, int b) {
     turn(first, first + a + b);
     turn(first, first + b);
@@ -275,7 +276,7 @@ class Tour {
   std::vector<int> entry_, place_;
   std::deque<int> queue_;
   std::vector<char> queued_;
-  std::vector<std::pair<int, int>> done_;  // turns since the last shake
+  std::vector<std::pair<int, int>> done_;  // reversals since the last shake
 };
 
 }  // namespace

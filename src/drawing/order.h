@@ -1,13 +1,13 @@
-// The order and direction in which strokes are drawn, so that the pen travels little in the air.
+// Orders and orients strokes to shorten pen-up travel.
 //
-// Travel is the sum of the straight ways from where a stroke ends to where the next one begins, on
-// the page. A tour is made of the shortest links between ends first (greedy matching), then
-// improved by 2-opt (a run of strokes is turned round) and Or-opt (up to three strokes move
-// elsewhere, either way round) over each end's nearest neighbours, then shaken: a few neighbouring
-// runs change places, what follows is improved again, and taken back where that was longer. Every
-// run of it does the same: the random numbers have a fixed seed.
+// Travel is the sum of the straight lines from each stroke's end to the next one's start, on the
+// page. Greedy matching first builds a tour from the shortest links between ends. Then 2-opt
+// (reverse a run of strokes) and Or-opt (move up to three strokes, either way round) improve it
+// over each end's nearest neighbours. Then it is shaken: a few neighbouring runs swap places, the
+// result is improved again, and kept unless it is longer. The random seed is fixed, so the result
+// is reproducible.
 //
-// Layers are pens: they stay in their order, one after the other, unless told otherwise.
+// Layers are pens. They keep their order unless OrderSettings::keep_layers is false.
 #pragma once
 
 #include <vector>
@@ -20,22 +20,22 @@ namespace impedraw {
 
 struct OrderSettings {
   bool keep_layers = true;
-  int shakes = 10;  // for each stroke, up to 100,000 in all; 0 leaves out the shaking
+  int shakes = 10;  // per stroke, up to 100,000 in all; 0: no shaking
 };
 
 struct Visit {
-  int stroke = 0;  // index into the strokes that came in
+  int stroke = 0;  // index into the input
   bool backwards = false;
 };
 
-// Each stroke once. Strokes need at least one point, consecutive ones in a stroke may be equal.
+// Visits each stroke once. A stroke needs at least one point; consecutive points may be equal.
 std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes,
                                   const OrderSettings& settings = {});
 
-// The same strokes in that order, turned round where it says so.
+// The strokes in that order, reversed where `backwards` is set.
 std::vector<Stroke> in_order(const std::vector<Stroke>& strokes, const std::vector<Visit>& order);
 
-double pen_up_length(const std::vector<Stroke>& strokes);    // in the order they have [mm]
+double pen_up_length(const std::vector<Stroke>& strokes);    // in the given order [mm]
 double pen_down_length(const std::vector<Stroke>& strokes);  // [mm]
 
 }  // namespace impedraw

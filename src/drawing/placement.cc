@@ -25,7 +25,7 @@ double fitted(const char* name, double desired, double present) {
   return desired / present;
 }
 
-// All points that are to be placed.
+// All points to be placed.
 std::vector<Vector2d> points_of(const Artwork& artwork) {
   std::vector<Vector2d> points;
   for (const Stroke& stroke : artwork.strokes)
@@ -51,7 +51,7 @@ void require_one_size(const PlacementSettings& s) {
   }
 }
 
-// Half of a side of the rectangle, less the margin [mm].
+// Half a side of the rectangle, less the margin [mm].
 double half_side(const char* name, double side_m, double margin_mm) {
   require_in_range(std::string("placement.") + name, side_m, Limits::fit, "m");
   require_in_range("placement.margin", margin_mm, Limits::margin, "mm");
@@ -64,7 +64,7 @@ double half_side(const char* name, double side_m, double margin_mm) {
   return half;
 }
 
-// The largest scale with which the points, turned and mirrored by `to_view`, stay in the rectangle
+// The largest scale at which the points, rotated and mirrored by `to_view`, stay in the rectangle
 // about the origin.
 double rectangle_scale(const std::vector<Vector2d>& points, const Eigen::Matrix2d& to_view,
                        const PlacementSettings& s) {
@@ -114,7 +114,7 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
                             ? Vector2d::Zero()
                             : Vector2d(settings.fit_page ? artwork.page.center() : box.center());
 
-  // On the page as seen: X right, Y down, mirrored or not; then up is +x_W and right is −y_W.
+  // As seen on the page: X right, Y down, mirrored or not. Up becomes +x_W, right becomes −y_W.
   const Eigen::Matrix2d page_to_world = (Eigen::Matrix2d() << 0, -1, -1, 0).finished();
   const Eigen::Matrix2d flip = Eigen::Vector2d(settings.mirror ? -1 : 1, 1).asDiagonal();
   const Eigen::Matrix2d turn =

@@ -1,11 +1,12 @@
-// Where a page lies in the world, seen along −z.
+// Places a page in the world, seen along −z.
 //
-//   p_W = centre + s R(rotate) (−Y', −X') / 1000,  (X', Y') = page point − page origin [mm], X' →
-//   −X' first where mirrored
+//   p_W = centre + s R(rotate) (−Y', −X') / 1000,  (X', Y') = page point − page origin [mm]
 //
-// Seen from above with world +x up and −y to the right, the page reads as on a screen: X to the
+// A mirrored page first maps X' to −X'.
+//
+// Seen from above, with world +x up and −y to the right, the page reads as on a screen: X to the
 // right, Y down. `rotate_deg` turns it counter-clockwise in that view. `s` is the scale (1: a
-// page's millimetre is a millimetre in the drawing plane).
+// millimetre on the page is a millimetre in the drawing plane).
 #pragma once
 
 #include <cmath>
@@ -20,47 +21,47 @@
 
 namespace impedraw {
 
-// How large, and which point of the page goes to the centre. At most one of the sizes may be given,
-// fit_width and fit_height being one together; with none the artwork is fitted to the circle. The
-// artwork's extent is that of its strokes and areas.
+// The size, and the page point that goes to the centre. At most one size may be given; fit_width
+// and fit_height count as one. Without a size the artwork is fitted to the circle. The artwork's
+// extent is that of its strokes and areas.
 struct PlacementSettings {
   Eigen::Vector2d centre_m{0.60, 0.0};
-  std::optional<double> scale;      // size: given outright
-  std::optional<double> width_mm;   // size: of the strokes' bounding box on the page's X
-  std::optional<double> height_mm;  // size: on its Y
-  // size: as large as a rectangle about the centre allows, less the margin on each side. It lies
-  // with the world's axes, its width along y_W and its height along x_W, however the artwork is
-  // turned within it.
-  std::optional<double> fit_width_m;  // absent: that way it is not bounded
+  std::optional<double> scale;      // size: the scale
+  std::optional<double> width_mm;   // size: of the strokes' bounding box along the page's X
+  std::optional<double> height_mm;  // size: along its Y
+  // size: the largest that fits a rectangle about the centre, less the margin on each side. The
+  // rectangle is aligned with the world axes, its width along y_W and its height along x_W, however
+  // the artwork is rotated within it.
+  std::optional<double> fit_width_m;  // absent: unbounded in that direction
   std::optional<double> fit_height_m;
   double margin_mm = 0;
-  // the whole page is to lie in it, and its middle at the centre, instead of the artwork's box
+  // fit the whole page, with its middle at the centre, instead of the artwork's box
   bool fit_page = false;
-  // else: the farthest point of a stroke lies on this circle about the centre
+  // without a size: the farthest point of a stroke lies on this circle about the centre
   double fit_radius_m = 0.15;
-  // the page's (0, 0) goes to the centre, else the middle of the strokes' bounding box
+  // the page's (0, 0) goes to the centre; else the middle of the strokes' bounding box does
   bool about_page_origin = false;
   double rotate_deg = 0;
   bool mirror = false;
 
   struct Limits {
-    static constexpr Range centre = {-2.0, 2.0};           // [m]
-    static constexpr Range size = Range::positive();       // scale, and width and height [mm]
-    static constexpr Range fit = Range::positive_to(2.0);  // rectangle and radius [m]
+    static constexpr Range centre = {-2.0, 2.0};                   // [m]
+    static constexpr Range size = Range::positive();               // scale; width and height [mm]
+    static constexpr Range fit = Range::positive_to(2.0);          // rectangle and radius [m]
     static constexpr Range margin = Range::to_below(0.0, 1000.0);  // [mm], half of the largest side
     static constexpr Range rotate = {-360.0, 360.0};               // [deg]
   };
 };
 
-// Is any size given, so that it is not for the circle to say?
+// True if a size is given, so that the circle does not apply.
 bool has_size(const PlacementSettings& settings);
 
-// The built-in shapes': scale 1 about the page's origin.
+// The placement of the built-in shapes: scale 1 about the page's origin.
 PlacementSettings shape_placement(const Eigen::Vector2d& centre_m = {0.60, 0.0});
 
 struct Placement {
   Eigen::Vector2d centre_m{0.60, 0.0};
-  Eigen::Vector2d origin_mm = Eigen::Vector2d::Zero();  // the page point that goes there
+  Eigen::Vector2d origin_mm = Eigen::Vector2d::Zero();  // the page point at the centre
   Eigen::Matrix2d A = (Eigen::Matrix2d() << 0, -1e-3, -1e-3, 0).finished();  // [m/mm]
 
   Eigen::Vector2d to_plane(const Eigen::Vector2d& page_mm) const {
@@ -72,18 +73,17 @@ struct Placement {
   double scale() const { return 1e3 * std::sqrt(std::abs(A.determinant())); }
 };
 
-// InputError: a setting out of range, two sizes at once, a margin that leaves
-// nothing, a margin or page without a rectangle, nothing to fit.
+// InputError: a setting out of range, two sizes at once, a margin that leaves no space, a margin or
+// fit_page without a rectangle, or nothing to fit.
 Placement place(const Artwork& artwork, const PlacementSettings& settings);
 
-// A stroke, or a span of one, where it will be drawn, as the planner takes it: the same points in
-// the world's xy [m] and on the page [mm].
+// A stroke, or a span of one, as the planner takes it: the same points in the world's xy [m] and on
+// the page [mm].
 struct PlacedStroke {
   std::vector<Eigen::Vector2d> p_P;   // in the drawing plane [m]
   std::vector<Eigen::Vector2d> page;  // [mm]
-  int number = 0;                     // of the artwork's stroke, counted from 0
-  // where on that stroke the first point lies: length in the world's xy from the stroke's own first
-  // point [m]
+  int number = 0;                     // index of the artwork's stroke, from 0
+  // arc length in the world's xy from the stroke's first point to this span's first point [m]
   double start = 0;
 };
 std::vector<PlacedStroke> placed_strokes(const Artwork& artwork, const Placement& placement);

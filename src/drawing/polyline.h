@@ -1,4 +1,4 @@
-// Flat polylines: what a stroke is before it is laid on the surface.
+// Flat polylines: strokes before they are mapped to the surface.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,16 @@ namespace impedraw {
 
 double length(const std::vector<Eigen::Vector2d>& line);
 
-// Distance of p to the part of the line between its vertices first and last.
+// Distance from p to the part of the line between vertices `first` and `last`.
 double distance(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& line,
                 std::size_t first, std::size_t last);
 
-// Indices of the vertices that are left when those within `tolerance` of the rest are dropped
-// (Douglas and Peucker); the ends stay.
+// Indices of the vertices that remain after dropping those within `tolerance` of the rest
+// (Douglas and Peucker). The ends stay.
 std::vector<std::size_t> simplified(const std::vector<Eigen::Vector2d>& line, double tolerance);
 
-// Indices into the line where it turns by more than `angle` [rad]; consecutive points differ.
+// Indices of the vertices where the line turns by more than `angle` [rad]. Precondition:
+// consecutive points differ.
 std::vector<std::size_t> corners(const std::vector<Eigen::Vector2d>& line, double angle);
 
 }  // namespace impedraw

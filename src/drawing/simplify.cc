@@ -27,8 +27,8 @@ Stroke simplified(const Stroke& stroke, double tolerance_mm) {
   require_length("simplification's tolerance", tolerance_mm);
   const std::vector<Vector2d>& p = stroke.points;
   if (p.size() < 3 || tolerance_mm == 0) return stroke;
-  // A closed one in two halves, cut at the point farthest from its start, or nothing would be left
-  // of a small one.
+  // A closed stroke is cut in two at the point farthest from its start; otherwise nothing would be
+  // left of a small one.
   std::size_t cut = p.size() - 1;
   if (stroke.closed) {
     const auto nearer = [&](const Vector2d& a, const Vector2d& b) {
@@ -56,7 +56,7 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
     return !strokes[s].closed && strokes[s].points.size() > 1 && strokes[s].dash < 0;
   };
 
-  // Ends in cells as large as the gap: partners lie in neighbouring ones.
+  // Sorts the ends into cells as large as the gap, so that partners lie in neighbouring cells.
   const double cell = std::max(gap_mm, 1e-6);
   const auto cell_of = [&](const Vector2d& p) {
     return std::pair<long, long>(std::lround(p.x() / cell), std::lround(p.y() / cell));
@@ -84,7 +84,7 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
   std::sort(links.begin(), links.end());
 
   std::vector<int> partner(2 * count, -1),
-      far(2 * count);  // far: of an end that is free, its chain's other free end
+      far(2 * count);  // for a free end, the other free end of its chain
   for (int e = 0; e < 2 * count; ++e) far[e] = e ^ 1;
   for (const auto& [length, a, b] : links) {
     if (partner[a] >= 0 || partner[b] >= 0 || far[a] == b) continue;
@@ -99,7 +99,7 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
   std::vector<char> used(count, false);
   for (int s = 0; s < count; ++s) {
     if (used[s]) continue;
-    // Back to where the chain begins, so that its first part keeps its direction if it can.
+    // Go back to the chain's start, so that its first part keeps its direction if possible.
     int e = 2 * s;
     while (partner[e] >= 0) e = partner[e] ^ 1;
     Stroke stroke{{}, strokes[s].closed, strokes[s].layer, strokes[s].dash, strokes[s].edge};

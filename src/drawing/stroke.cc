@@ -14,7 +14,7 @@ void drop_empty_layers(Artwork& artwork) {
     index[i] = static_cast<int>(kept.size());
     if (strokes[i] > 0) kept.push_back(artwork.layers[i]);
   }
-  // Nothing is filled on a layer without strokes: an area's edge is one.
+  // A layer without strokes has no areas to fill: an area's edge is a stroke.
   std::erase_if(artwork.areas, [&](const Area& area) { return strokes[area.layer] == 0; });
   for (Area& area : artwork.areas) area.layer = index[area.layer];
   for (Stroke& stroke : artwork.strokes) stroke.layer = index[stroke.layer];

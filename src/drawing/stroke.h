@@ -1,5 +1,5 @@
-// Artwork as the rest of the program sees it: strokes on a page, and what the page says beyond them
-// of how they look.
+// Artwork in the form that the rest of the program uses: strokes on a page, with their layers,
+// dashes and filled areas.
 #pragma once
 
 #include <string>
@@ -19,42 +19,42 @@ struct Stroke {
   bool edge = false;  // the outline of an area that is filled, not stroked
 };
 
-// How a line is broken: lengths drawn and left out in turn, endlessly.
+// A dash pattern: lengths drawn and left out alternate, and the pattern repeats.
 struct Dash {
-  std::vector<double>
-      lengths;        // [pattern's unit], an even number of them, none negative, their sum > 0
-  double offset = 0;  // where in the pattern a line begins [pattern's unit]
-  Eigen::Matrix2d to_pattern = Eigen::Matrix2d::
-      Identity();     // [pattern's unit per mm]: of a way on the page; its length counts
-  bool dots = false;  // lengths of 0 are drawn, as dots
+  // [pattern's unit]; an even number of them, none negative, their sum > 0
+  std::vector<double> lengths;
+  double offset = 0;  // where in the pattern a line starts [pattern's unit]
+  // maps a displacement on the page to the pattern, which measures its length [pattern's unit/mm]
+  Eigen::Matrix2d to_pattern = Eigen::Matrix2d::Identity();
+  bool dots = false;  // lengths of 0 are drawn as dots
 };
 
-// What a fill covers.
+// A filled region.
 struct Area {
-  std::vector<std::vector<Eigen::Vector2d>>
-      outlines;           // [mm], each closed by a line from its last point to its first
-  bool even_odd = false;  // else by winding number
+  // [mm]; each is closed by a line from its last point to its first
+  std::vector<std::vector<Eigen::Vector2d>> outlines;
+  bool even_odd = false;  // fill rule; else nonzero winding
   int layer = 0;
 };
 
 struct Artwork {
   std::string name = {};  // "sine", or the file's name
   std::vector<Stroke> strokes = {};
-  std::vector<std::string> layers = {};  // at least one where there are strokes
-  // [mm]; of the viewport where the artwork has one, else of its strokes
+  std::vector<std::string> layers = {};  // at least one if there are strokes
+  // the viewport's box if the artwork has one, else that of its strokes [mm]
   Eigen::AlignedBox2d page = {};
-  std::vector<std::string> warnings = {};  // what the artwork asks for and does not get
+  std::vector<std::string> warnings = {};  // features of the artwork that are not drawn
   std::vector<Dash> dashes = {};
-  std::vector<Area> areas = {};  // in the order in which they are painted
+  std::vector<Area> areas = {};  // in painting order
 };
 
-// Layers are pens: one without strokes is none.
+// Removes layers without strokes: layers are pens.
 void drop_empty_layers(Artwork& artwork);
 
 struct StrokeStatistics {
   std::size_t strokes = 0, points = 0;
   double pen_down_mm = 0;  // length of the strokes
-  // of the straight ways from one's end to the next one's start, in the order they have
+  // length of the straight moves from each stroke's end to the next one's start
   double pen_up_mm = 0;
 };
 StrokeStatistics stroke_statistics(const std::vector<Stroke>& strokes);

@@ -58,7 +58,7 @@ class Reading {
     artwork_.name = name;
   }
 
-  // `closed_by_end`: somewhere in the text there is an End.
+  // `closed_by_end`: the text contains an End.
   Artwork read(std::string_view text, bool closed_by_end) {
     page_wanted_ = !csv_ || closed_by_end;
     while (!text.empty()) {
@@ -190,7 +190,7 @@ class Reading {
   bool page_wanted_ = true;
   int line_ = 0, rows_ = 0;
   int columns_ = 2, x_column_ = 0, y_column_ = 1, stroke_column_ = -1;
-  std::string stroke_;  // what its column said last
+  std::string stroke_;  // last value of its column
   Eigen::AlignedBox2d page_;
   std::vector<Vector2d> points_;
   Artwork artwork_;

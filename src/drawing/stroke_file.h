@@ -1,23 +1,22 @@
-// Strokes as lines of text: the stroke files of robot-drawing research, and the same as CSV.
+// Reads strokes from text: the stroke files of robot-drawing research, and CSV.
 //
 //   200 150        width and height of the page
 //   10 20          x y of a point, y down
 //   30.5 20
-//   End            closes a stroke; one of a single point is a dot
+//   End            ends a stroke; a stroke of one point is a dot
 //   …
 //
-// Millimetres, unless StrokeFileSettings::unit says otherwise. Where it does not, and every
-// coordinate lies between 0 and 1 while the page is larger than 1 × 1, the coordinates are shares
-// of the page, as those programs write them, and are scaled to it (told in Artwork::warnings).
+// Coordinates are in millimetres unless StrokeFileSettings::unit is set. If it is not set, every
+// coordinate lies between 0 and 1, and the page is larger than 1 × 1, the coordinates are fractions
+// of the page, as those programs write them. They are then scaled to the page, with a warning.
 //
-// Fields stand apart by blanks, or by commas or semicolons. Blank lines and lines that begin with #
-// say nothing, `End` may be written in any case, and after the last stroke it may be missing
-// (told).
+// Fields are separated by blanks, commas or semicolons. Blank lines and lines that begin with # are
+// ignored. `End` is case-insensitive and may be missing after the last stroke (with a warning).
 //
-// A CSV file may begin with a header, and then has no page of its own: the columns x and y, and
-// perhaps `stroke`, whose value changes with every stroke. Without that column a blank line or
-// `End` closes a stroke. A file of neither header nor `End` is of points alone, too: its first row
-// is a point, and blank lines close its strokes.
+// A CSV file may begin with a header: the columns x and y, and optionally `stroke`, whose value
+// changes with every stroke. It then has no page size. Without that column a blank line or `End`
+// ends a stroke. A file with neither a header nor `End` has only points: its first row is a point,
+// and blank lines end its strokes.
 #pragma once
 
 #include <filesystem>
@@ -28,17 +27,17 @@
 
 namespace impedraw {
 
-enum class PageUnit { file, mm, cm, in, m, px };  // file: as it says itself, or mm; px: 1/96 in
+enum class PageUnit { file, mm, cm, in, m, px };  // file: the file's own, or mm; px: 1/96 in
 double millimetres(PageUnit unit);
 
 struct StrokeFileSettings {
-  PageUnit unit = PageUnit::file;  // of every number in it
+  PageUnit unit = PageUnit::file;  // of every number in the file
   double largest_file_mb = 256;
-  bool may_be_empty = false;  // nothing to draw is no error, but a warning
+  bool may_be_empty = false;  // nothing to draw is a warning, not an error
 };
 
-// InputError names the line: no size of the page, a field that is no number, not finite or beyond ±
-// 1e6 mm, fields too few or too many.
+// InputError names the line: a missing page size, a field that is not a number, not finite or
+// beyond ± 1e6 mm, or a wrong number of fields.
 Artwork read_strokes(const std::filesystem::path& file, const StrokeFileSettings& settings = {});
 Artwork parse_strokes(std::string_view text, const std::string& name, bool csv,
                       const StrokeFileSettings& settings = {});

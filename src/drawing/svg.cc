@@ -15,8 +15,8 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kFarthest = 1e6;  // [mm]; usvg's single precision has lost 0.1 mm there
-// by how much two pieces of one arc may disagree on their ellipse, as a part of its size
+constexpr double kFarthest = 1e6;  // [mm]; usvg's single precision is off by 0.1 mm there
+// tolerance for two pieces of one arc to share an ellipse, relative to its size
 constexpr double kSameArc = 1e-5;
 constexpr double kSamePoint = 1e-6;  // [mm]
 constexpr double kSamePage = 1e-4;   // of a white page's edge to the page's, of its diagonal
@@ -57,7 +57,7 @@ std::vector<Subpath> subpaths_of(const ImpedrawSvg& svg, const std::string& name
     for (const std::uint8_t* end = verb + svg.paths[i].verbs; verb != end; ++verb) {
       const auto v = static_cast<ImpedrawSvgVerb>(*verb);
       if (v == IMPEDRAW_SVG_MOVE || !open) {
-        // After a close, drawing goes on from where that subpath began.
+        // After a close, drawing continues from the start of that subpath.
         const Vector2d start = v == IMPEDRAW_SVG_MOVE ? point() : all.back().start;
         all.push_back({start, {}, false, &svg.paths[i]});
         open = true;
@@ -85,7 +85,7 @@ Eigen::AlignedBox2d box_of(const std::vector<Subpath>& subpaths) {
   return box;
 }
 
-// Does `next` go on along the ellipse on which `arc` ends?
+// True if `next` continues along the ellipse of `arc`.
 bool continues(const EllipseArc& arc, const EllipseArc& next) {
   if (next.angle == 0) return false;
   const double size = std::max(arc.u.norm(), arc.v.norm());
@@ -103,9 +103,9 @@ void require_few(std::size_t points, const FlattenSettings& settings, const std:
                   kMostPoints, settings.tolerance));
 }
 
-// usvg hands circles, ellipses, rounded corners and arcs over as cubics, which are off by up to
-// 2.7e-4 of the radius. Two or more in a row on one ellipse are taken for the arc that they stand
-// for. A lone one is drawn as it is: it may be a cubic of the author's own.
+// usvg converts circles, ellipses, rounded corners and arcs to cubics, which are off by up to
+// 2.7e-4 of the radius. Two or more consecutive cubics on one ellipse are replaced by the arc that
+// they approximate. A single one stays as it is: it may be a cubic of the author's own.
 std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& settings,
                               const std::string& name) {
   std::vector<Vector2d> line{subpath.start};
@@ -154,7 +154,7 @@ bool has_area(const std::vector<Vector2d>& line) {
   return widest > 1e-6 * longest * longest;
 }
 
-// The path is a page's ground: a white rectangle that covers all of the page.
+// True if the path is the page's background: a white rectangle that covers the whole page.
 bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
                const Eigen::AlignedBox2d& page) {
   if (!path.white || path.stroked || lines.size() != 1 || lines[0].size() < 4) return false;
@@ -168,7 +168,7 @@ bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSv
   });
 }
 
-// The subpath as a stroke; without points if it leaves nothing to see.
+// The subpath as a stroke; without points if nothing is visible.
 Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
   Stroke stroke;
   stroke.layer = static_cast<int>(subpath.path->layer);
@@ -181,18 +181,18 @@ Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
     if (stroke.points.empty() || (p - stroke.points.back()).norm() > kSamePoint)
       stroke.points.push_back(p);
   }
-  if (stroke.points.size() == 1) {  // no length: a dot, if the line's caps make one
+  if (stroke.points.size() == 1) {  // zero length: a dot if the line caps make one
     if (!subpath.path->caps || (subpath.segments.empty() && !subpath.closed)) stroke.points.clear();
     return stroke;
   }
-  // Exactly closed, though rounding may have left its two ends a hair apart.
+  // Close exactly: rounding may have separated the two ends slightly.
   stroke.closed = closed || stroke.points.front() == stroke.points.back();
   if (closed) stroke.points.back() = stroke.points.front();
   return stroke;
 }
 
-// What the path fills, if its subpaths are these lines. White is no ink, and it is a page's ground
-// more often than not.
+// The area that the path fills, with these lines as its subpaths. White is not drawn: it is usually
+// the page's background.
 void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
               Artwork& artwork) {
   if (!path.filled || path.white) return;
@@ -203,8 +203,8 @@ void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvg
   if (!area.outlines.empty()) artwork.areas.push_back(std::move(area));
 }
 
-// The dash of a path, as an index into the artwork's; −1 if it has none, or a transform that leaves
-// nothing to measure along.
+// Index of the path's dash in the artwork; −1 if it has none, or if its transform leaves no length
+// to measure.
 int add_dash(const ImpedrawSvgPath& path, const double* lengths, Artwork& artwork) {
   if (path.dash_count == 0) return -1;
   const double* t = path.transform;

@@ -1,24 +1,23 @@
-// SVG documents as strokes.
+// Converts SVG documents to strokes.
 //
-// resvg's usvg interprets the document (styles, units, viewBox, transforms, use, markers, arcs);
-// what is left is flattened here. 1 px is 1/96 inch, and a document without width and height takes
-// its viewBox's units for px.
+// resvg's usvg interprets the document (styles, units, viewBox, transforms, use, markers, arcs).
+// The resulting curves are flattened here. 1 px is 1/96 inch. A document without width and height
+// takes its viewBox's units as px.
 //
-// A path draws if it is painted: filled, stroked or both, in whatever colour, white too (but not as
-// the page's ground, below). Each subpath then is one stroke along its geometry, once, whatever the
-// stroke's width. A subpath that is only filled is drawn closed, for so it looks (Stroke::edge).
-// What a path fills, and how its stroke is dashed, are told beside (Artwork::areas, dashes) for
-// hatch.h and dashes.h to apply; areas that are filled white are left out there, and one painted
-// over another does not hide it. Opacity 0, display none, visibility hidden and elements outside of
-// what is rendered draw nothing. Layers are the groups at the top of the document, by Inkscape
-// label, id or place.
+// A painted path is drawn, whether filled, stroked or both, in any colour, including white (except
+// as the page's background, below). Each subpath becomes one stroke along its geometry, whatever
+// the stroke width. A subpath that is only filled is drawn closed (Stroke::edge). Fills and dashes
+// are returned in Artwork::areas and dashes, for hatch.h and dashes.h to apply. White fills are
+// left out there, and an area painted over another does not hide it. Elements with opacity 0,
+// display none or visibility hidden, and elements that are not rendered, draw nothing. Layers are
+// the document's top-level groups, named by Inkscape label, id or position.
 //
 // Text is drawn as the outlines of its glyphs, in the system's fonts.
 //
-// Not drawn, and told in Artwork::warnings: pictures, markers, text that no font shows, filled
-// shapes without an area, a white rectangle over the whole page, the effect of clip paths and
-// masks, and what usvg could not make sense of. The contents of patterns are not drawn either, only
-// what they fill. But for fonts, nothing except the file itself is read.
+// Not drawn, with a warning in Artwork::warnings: pictures, markers, text that no font can show,
+// filled shapes without area, a white rectangle over the whole page, the effect of clip paths and
+// masks, and anything that usvg could not interpret. Of a pattern fill only the filled area counts,
+// not the pattern's contents. Apart from fonts, only the file itself is read.
 #pragma once
 
 #include <filesystem>
@@ -30,16 +29,17 @@
 namespace impedraw {
 
 struct SvgSettings {
-  double tolerance_mm = 0.01;  // of a chord to its curve, on the page
-  // of the artwork's diagonal; the smaller holds, since a small page is drawn enlarged
+  double tolerance_mm = 0.01;  // largest distance from a chord to its curve, on the page
+  // the same, relative to the artwork's diagonal; the smaller tolerance applies, since a small page
+  // is drawn enlarged
   double relative_tolerance = 1e-5;
-  double turn = 0.15;  // largest turn of a curve from one point to the next [rad]
+  double turn = 0.15;  // largest turn of a curve between points [rad]
   double largest_file_mb = 64;
-  bool may_be_empty = false;  // nothing to draw is no error, but a warning
+  bool may_be_empty = false;  // nothing to draw is a warning, not an error
 };
 
-// InputError: the file is missing or no SVG, has no valid size, nests beyond 1,000 elements, holds
-// numbers that are not finite or a coordinate beyond ± 1e6 mm, or nothing in it draws.
+// InputError: the file is missing or not an SVG, has no valid size, nests more than 1,000 elements
+// deep, holds a number that is not finite or a coordinate beyond ± 1e6 mm, or draws nothing.
 Artwork read_svg(const std::filesystem::path& file, const SvgSettings& settings = {});
 Artwork parse_svg(std::string_view document, const std::string& name,
                   const SvgSettings& settings = {});

@@ -34,8 +34,8 @@ std::string shown(char32_t c) {
 }
 
 struct Line {
-  std::vector<std::vector<Vector2d>> strokes;  // [grid], the pen at 0 at its beginning
-  double left = 0, right = 0;                  // its ink, blanks at its ends with it
+  std::vector<std::vector<Vector2d>> strokes;  // [grid], from the pen at 0
+  double left = 0, right = 0;                  // extent of its ink and of the blanks at its ends
 };
 
 class Typesetter {
@@ -70,7 +70,7 @@ class Typesetter {
     return line;
   }
 
-  // Once every line is set.
+  // Call after every line is set.
   void require_all() const {
     if (lacking_ == 0) return;
     if (lacking_ > kMostNamed) {

@@ -1,9 +1,9 @@
-// Text as single pen strokes, in a Hershey font (hershey.h), with what letters.h adds to it.
+// Sets text in single pen strokes, in a Hershey font (hershey.h) extended by letters.h.
 //
-// Set on a page like any artwork: x right, y down [mm]. The first line's capitals reach from y = 0
-// to y = size, each next line stands line_spacing · size lower. A line ends at a line feed, or at
-// the two characters \n. Lines are aligned by their ink: left at x = 0, centred about it, or right
-// at it; blanks at either end of a line keep their width.
+// The page is that of any artwork: x right, y down [mm]. The first line's capitals reach from y = 0
+// to y = size; each further line lies line_spacing · size lower. A line ends at a line feed, or at
+// the two characters \n. Lines are aligned by their ink: left at x = 0, centred on it, or right at
+// it. Spaces at either end of a line keep their width.
 #pragma once
 
 #include <optional>
@@ -19,10 +19,10 @@ enum class TextAlign { left, centre, right };
 struct TextSettings {
   std::string text;              // UTF-8
   std::string font = "futural";  // a file of hershey_folder()
-  std::optional<double>
-      size_mm;  // height of the capitals on the page; absent: 10, for a text that is fitted anyway
+  // height of the capitals on the page; absent: 10, for text that is fitted later
+  std::optional<double> size_mm;
   TextAlign align = TextAlign::left;
-  double line_spacing = 1.8;  // from baseline to baseline, in heights of the capitals
+  double line_spacing = 1.8;  // between baselines, relative to the capitals' height
 
   struct Limits {
     static constexpr Range size = Range::positive_to(1e4);  // [mm]
@@ -30,9 +30,9 @@ struct TextSettings {
   };
 };
 
-// Strokes in reading order, on one layer, "text". InputError: unknown font, invalid UTF-8,
-// characters that the font has not (each named, with where it stands), nothing to draw, a size or
-// spacing out of range.
+// Returns strokes in reading order, on one layer, "text". InputError: an unknown font, invalid
+// UTF-8, characters that the font lacks (each named with its position), nothing to draw, or a size
+// or spacing out of range.
 Artwork make_text(const TextSettings& settings);
 
 }  // namespace impedraw

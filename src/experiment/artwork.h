@@ -1,6 +1,6 @@
-// Stage 1 of an experiment, Scenario → PlacedArtwork: what is drawn, and where it lies before the
-// arm. The artwork is read or set, broken into dashes, hatched, simplified, put in the order in
-// which it is drawn, and laid on the drawing plane.
+// Stage 1 of an experiment, Scenario → PlacedArtwork: what is drawn, and where. The artwork is read
+// from a file or typeset, split into dashes, hatched, simplified, ordered for drawing, and placed
+// on the drawing plane.
 #pragma once
 
 #include <string>
@@ -17,31 +17,30 @@ struct PlacedArtwork {
   Shape shape;          // as drawn and as desired, on the page
   Placement placement;  // of the page on the drawing plane
   Pose X_WP;            // drawing frame P, z out of the drawing plane
-  // Both flat on the drawing plane and numbered as the artwork's strokes.
+  // Both are flat on the drawing plane and numbered like the artwork's strokes.
   std::vector<PlacedStroke> strokes;  // as drawn
-  std::vector<PlacedStroke> desired;  // as they ought to come out
-  std::vector<std::string> notes;     // what is not drawn as the artwork asks for; a line each
+  std::vector<PlacedStroke> desired;  // the desired result
+  std::vector<std::string> notes;     // deviations from the artwork, one line each
 };
 
-// Throws InputError, with where the setting to setting_errors was given.
+// Throws InputError with the setting's source location, from setting_errors.
 PlacedArtwork load_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors);
 
-// X_WP: the drawing plane turned by its tilt about W's origin.
+// X_WP: the drawing plane, rotated by its tilt about W's origin.
 Pose drawing_frame(const DrawingSettings& settings);
 
-// What a placement is made from: errors about where the drawing lies are about these.
+// The settings that determine the placement. Placement errors refer to these.
 const std::vector<std::string>& placement_setting_names();
 
-// Where the drawing goes. Built-in shapes lie about the page's origin; they, and text whose size is
-// given, keep their size (scale 1) unless the placement says one. Everything else is placed as it
-// is asked for.
+// The placement of the drawing. Built-in shapes lie around the page's origin. Built-in shapes,
+// and text with a given size, keep their size (scale 1) unless the placement sets a scale.
+// Everything else is placed as the settings specify.
 PlacementSettings placement_settings(const DrawingSettings& settings);
 
-// The same settings give the same artwork. For a built-in shape it is the shape; else from the file
-// or the text, in this order: ends joined, dashes, hatch (spaced on the canvas, whence the
-// placement's scale counts), simplified, ordered; the target is then what is drawn. Its warnings
-// tell what is not drawn as the artwork asks for. InputError, with where the setting to
-// setting_errors was given.
+// Makes a built-in shape, or processes the file or text in this order: join ends, dash, hatch,
+// simplify, order. Hatch lines are spaced on the canvas, so the placement's scale matters. The
+// target is then what is drawn. Warnings report deviations from the artwork. Deterministic. Throws
+// InputError with the setting's source location, from setting_errors.
 Shape make_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors);
 
 }  // namespace impedraw

@@ -1,5 +1,5 @@
-// The canvas of an experiment: which of the built-in shapes, and the sizes of each, or a mesh from
-// a file. Only those of its kind are read.
+// The canvas of an experiment: a built-in shape with its dimensions, or a mesh from a file. Only
+// the settings of the selected kind are read.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +25,8 @@ struct MeshSettings {
   LengthUnit unit = LengthUnit::m;                         // of the file's numbers
   Eigen::Vector3d position = Eigen::Vector3d::Zero();      // p_WF [m]
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();  // roll, pitch, yaw
-  Side side = Side::outward;  // drawn on; outward: as wound, and away from a closed mesh's inside
+  // The side drawn on. outward: as wound; for a closed mesh, away from its inside.
+  Side side = Side::outward;
 };
 
 struct CanvasSettings {
@@ -38,15 +39,15 @@ struct CanvasSettings {
   ConeSettings cone;
   TerrainSettings terrain;
   MeshSettings mesh;
-  Eigen::Vector3d move = Eigen::Vector3d::
-      Zero();  // all of it, after it has been turned: p = move + Rz(turn) p_made [m]
+  // Translation of the canvas, after its rotation: p = move + Rz(turn) p_made [m].
+  Eigen::Vector3d move = Eigen::Vector3d::Zero();
   double turn_deg = 0.0;
 };
 
 void describe(Fields& f, CanvasSettings& s);
 
-// The shape of that kind. Throws InputError, naming the setting, where it is none. What had to be
-// repaired in a mesh file is added to `repaired`, one line each, if that is given.
+// Makes the mesh of the selected kind. Throws InputError, naming the setting, if the settings give
+// no valid shape. Repairs to a mesh file are appended to `repaired`, if given, one line each.
 TriangleMesh make_mesh(const CanvasSettings& settings,
                        std::vector<std::string>* repaired = nullptr);
 

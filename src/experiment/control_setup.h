@@ -1,5 +1,5 @@
-// Stage 4 of an experiment, Scene + Plan → ControlSetup: the controller's settings, completed by
-// what follows from the arm, the plan and the wrench sensor.
+// Stage 4 of an experiment, Scene + Plan → ControlSetup: the controller's settings, completed from
+// the arm, the plan and the wrench sensor.
 #pragma once
 
 #include "impedraw/control/impedance_settings.h"
@@ -13,14 +13,14 @@
 namespace impedraw {
 
 struct ControlSetup {
-  ImpedanceSettings impedance;  // with rest posture, limits, and how the wrench is known
+  ImpedanceSettings impedance;  // with rest posture, limits and wrench feedback
   WrenchSource source = WrenchSource::none;
-  // Where that is a sensor:
-  WrenchSensorSettings sensor;        // as it is,
-  WrenchEstimatorSettings estimator;  // as the library reads it
+  // Used only if the source is a sensor:
+  WrenchSensorSettings sensor;        // the simulated sensor
+  WrenchEstimatorSettings estimator;  // the estimator that reads it
 };
 
-// Throws InputError where the controller or the sensor cannot work so.
+// Throws InputError if the controller or the sensor rejects its settings.
 ControlSetup make_control_setup(const Scenario& scenario, const Scene& scene, const Plan& plan,
                                 const SettingErrors& setting_errors);
 

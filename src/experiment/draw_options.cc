@@ -34,8 +34,7 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   const auto name_after = [&](const std::string& artwork) {
     scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
   };
-  // The standard sine keeps its whole log, being judged from it; artwork drawn in its place does
-  // not unless told to.
+  // The standard sine keeps its whole log for evaluation. Other artwork does not unless requested.
   std::vector<std::string> assignments = options.assignments;
   if (options.scenario.empty() && !(options.svg.empty() && options.text.empty()))
     assignments.insert(assignments.begin(), "log.rate=reduced");

@@ -1,4 +1,4 @@
-// What the command line says of one drawing, and the scenario that it comes to.
+// The command-line options of a drawing, and the scenario they resolve to.
 #pragma once
 
 #include <filesystem>
@@ -14,18 +14,18 @@ struct DrawOptions {
   std::filesystem::path scenario;  // empty: the standard sine on the bowl
   std::string shape;
   std::filesystem::path svg;
-  std::string text;  // to write
+  std::string text;  // to draw
   bool no_perception = false;
   bool keep_order = false;               // of a file's strokes
-  bool skip_unreachable = false;         // what fails the pre-flight is left out
-  std::string place = "fixed";           // of the canvas before the arm: fixed, auto
-  bool resume = false;                   // goes on with the run in `out`
+  bool skip_unreachable = false;         // omits what fails the pre-flight
+  std::string place = "fixed";           // placement of the canvas: fixed, auto
+  bool resume = false;                   // continues the run in `out`
   std::filesystem::path out;             // empty: runs/<name> in the working directory
   std::vector<std::string> assignments;  // --set
 };
 
-// The scenario with everything from the command line in it, and in `places` who gave what. Throws
-// InputError.
+// The scenario with all command-line options applied. `places` gets the source location of each
+// setting. Throws InputError.
 Scenario resolve(const DrawOptions& options, Places* places = nullptr);
 
 }  // namespace impedraw

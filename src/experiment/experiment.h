@@ -4,9 +4,8 @@
 //            ─ build_scene ──> Scene ─────────┼─ make_plan ─> Plan ─ make_control_setup ─>
 //            ControlSetup ─ run (run/run.h) ─> RunOutcome
 //
-// Each is a plain struct, made by one function from those before it (artwork.h, scene.h, plan.h,
-// control_setup.h). Everything that can be wrong with a scenario is found here, before any file is
-// written.
+// Each stage is a plain struct, made by one function from earlier stages (artwork.h, scene.h,
+// plan.h, control_setup.h). All errors in a scenario are found here, before any file is written.
 #pragma once
 
 #include <string>
@@ -21,14 +20,14 @@
 
 namespace impedraw {
 
-// As far as it can be told what will be drawn.
+// The stages that determine what will be drawn.
 struct PlannedDrawing {
-  Scenario scenario;  // as given, its placement completed
+  Scenario scenario;  // as given, with the placement completed
   PlacedArtwork artwork;
   Scene scene;
   Plan plan;
 
-  // The surface that the planner goes by, in P. Refers to the scene.
+  // The planner's surface, in P. Refers to the scene.
   SurfaceHeight surface() const { return scene.surface(artwork.X_WP); }
 };
 
@@ -36,9 +35,8 @@ struct Experiment : PlannedDrawing {
   ControlSetup control;
 };
 
-// Throws InputError: one line that names what, where, and what would be valid; `places` say where
-// in the YAML or on the command line the settings were given. The same scenario gives the same
-// experiment.
+// Throws InputError: one line that names the error, its location and what is valid. `places` holds
+// the source location of each setting, in the YAML or on the command line. Deterministic.
 PlannedDrawing prepare_plan(const Scenario& scenario, const Places& places = {},
                             Unreachable unreachable = Unreachable::refuse,
                             const PrepareProgress& progress = {});
@@ -46,7 +44,7 @@ Experiment prepare(const Scenario& scenario, const Places& places = {},
                    Unreachable unreachable = Unreachable::refuse,
                    const PrepareProgress& progress = {});
 
-// What was repaired on the way in, and what is not drawn; a line each.
+// Repairs to the input, and what is not drawn, one line each.
 std::vector<std::string> notes_of(const PlannedDrawing& drawing);
 
 }  // namespace impedraw

@@ -1,4 +1,4 @@
-// What goes wrong in a loop around the controller: put on purpose, to see what the arm then does.
+// Faults injected into the loop around the controller, to test how the arm reacts.
 #pragma once
 
 #include <vector>
@@ -6,17 +6,17 @@
 namespace impedraw {
 
 enum class FaultKind {
-  nan_state,     // a joint's velocity is not a number
-  stale_state,   // the joints are read as they were when the fault began
-  nan_wrench,    // the wrench is not a number
-  stale_wrench,  // it stays as it was
-  no_cloud,      // perception has no surface under the tip
-  slow_step,     // the controller's step takes that long; the drives hold the last torque
+  nan_state,     // a joint velocity is NaN
+  stale_state,   // the joint state stays as it was when the fault began
+  nan_wrench,    // the wrench is NaN
+  stale_wrench,  // the wrench stays as it was when the fault began
+  no_cloud,      // perception finds no surface under the tip
+  slow_step,     // one control step takes `duration`; the drives hold the last torque
 };
 
 struct FaultSettings {
   FaultKind kind = FaultKind::nan_state;
-  // when it begins: share of the time from the first stroke's start to the last one's end
+  // Start, as a fraction of the time from the first stroke's start to the last stroke's end.
   double start = 0.5;
   double duration = 0.05;  // [s]
 };

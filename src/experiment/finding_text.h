@@ -1,4 +1,4 @@
-// What the pre-flight found, as a line for a reader. Strokes have the artwork's numbers.
+// Pre-flight findings as text. Strokes have the artwork's numbers.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace impedraw {
 
-// Which stroke of the artwork, which part of it, what, how much, where.
+// Names the stroke, the part of it, the problem, its size and its location.
 std::string finding_text(const Finding& finding);
 
-// The same for somebody whose drawing is refused because of it. `seen`: by cameras.
+// The same, as the error message of a refused drawing. `seen`: the surface was seen by cameras.
 std::string refusal_text(const Finding& finding, bool seen);
 
 }  // namespace impedraw

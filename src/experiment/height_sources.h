@@ -1,5 +1,5 @@
-// The surface as the planner takes it (planning/surface_height.h), in the drawing frame P whose z
-// points out of the drawing plane: the true canvas, or what the cameras saw of it.
+// Sources of the planner's surface (planning/surface_height.h): the true canvas, or the cameras'
+// cloud. In the drawing frame P, whose z axis points out of the drawing plane.
 #pragma once
 
 #include "impedraw/canvas/canvas.h"
@@ -12,9 +12,9 @@ namespace impedraw {
 // Looking along −z of P. Refers to the canvas, which must outlive it.
 SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP);
 
-// Refers to the estimator, which must outlive it. Starts from the last answer where that is near,
-// else from the cloud's nearest column, and follows the estimated distance down to it (secant steps
-// along z). Nothing off the cloud's edge.
+// Descends to the surface along z by secant steps on the estimated distance. Starts from the last
+// result if that is near, else from the nearest column of the cloud. Returns nothing beyond the
+// cloud's edge. Refers to the estimator, which must outlive it.
 SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP);
 
 }  // namespace impedraw

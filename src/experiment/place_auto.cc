@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLength = 0.3;  // [m]; makes an angle comparable with a way
+constexpr double kLength = 0.3;  // [m]; converts angles to lengths
 // a condition of 4 is as good as a joint in the middle of its range
 constexpr double kCondition = 4.0;
 constexpr int kCoarse = 24, kFine = 90;  // points of the drawing that are asked
@@ -36,7 +36,7 @@ struct Point {
   Vector3d p_W, n_W;
 };
 
-// About evenly along all that can be drawn on at all.
+// Points spaced about evenly along the drawing, where there is a surface.
 std::vector<Point> points_of(const PlannedDrawing& e, int count) {
   const SurfaceHeight surface = e.surface();
   double length = 0.0;
@@ -86,7 +86,7 @@ class Search {
     if (fine_.empty()) throw InputError("--place auto: no point of the drawing lies on the canvas");
   }
 
-  // As margin_of, ended early where it falls under `least`: it is of no interest then.
+  // The margin of a pose. Stops early once it is below `least`.
   double margin(const Candidate& c, bool fine,
                 double least = -std::numeric_limits<double>::infinity()) {
     const Eigen::Matrix3d R =
@@ -218,7 +218,7 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
     double lost = std::numeric_limits<double>::infinity();
     try {
       lost = not_drawable(prepare_plan(there, places, Unreachable::tell));
-    } catch (const InputError&) {  // the cameras see nothing of it there, or the like
+    } catch (const InputError&) {  // for example, out of the cameras' view
     }
     if (!(lost < least)) continue;
     least = lost;

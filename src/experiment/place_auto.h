@@ -1,14 +1,15 @@
-// Where canvas and drawing ought to stand before the arm: moved together, level, to the pose in
-// which the worst point of the drawing is best.
+// Automatic placement: moves canvas and drawing together, level, to the pose that maximises the
+// smallest margin over the drawing's points.
 //
 //   margin of a posture   min( least over the joints of (distance to its nearest limit) / (half its
 //                         range),  4 σ_min / σ_max )
 //
-// σ: singular values of the tip's Jacobian, its angular rows times 0.3 m: small where the arm is
-// stretched out or folded into a singular posture. Margin of a pose: the least over the drawing's
-// points, the pen along the canvas's normal, each posture from the last. A point out of reach
-// counts as minus how far the tip stays off [m]. A grid over (x, y, turn) first, then a pattern
-// search about the best of it; of the best, the first that passes the whole pre-flight is taken.
+// σ: singular values of the tip's Jacobian, with its angular rows multiplied by 0.3 m. σ_min/σ_max
+// is small near singular postures, stretched out or folded. The margin of a pose is the least over
+// the drawing's points, with the pen along the canvas's normal; inverse kinematics starts each
+// posture from the previous one. A point out of reach counts as minus the remaining error [m]. A
+// grid search over (x, y, turn) is followed by a pattern search from its best poses. The best pose
+// that passes the whole pre-flight is chosen.
 #pragma once
 
 #include <functional>
@@ -19,20 +20,20 @@
 namespace impedraw {
 
 struct PlacedCanvas {
-  Scenario scenario;  // with canvas, drawing, cameras and region moved; all else as given
+  Scenario scenario;  // canvas, drawing, cameras and region are moved; the rest is as given
   Eigen::Vector2d move = Eigen::Vector2d::Zero();  // of the drawing's centre [m]
-  double turn_deg = 0.0;                           // about it
+  double turn_deg = 0.0;                           // about the drawing's centre
   double margin = 0.0, margin_before = 0.0;
-  // the pre-flight; where no pose does, the one with the least that cannot be drawn
+  // Passes the pre-flight. If no pose does, the result is the one with the least undrawable length.
   bool passes = false;
 };
 
-// Turned by turn_deg about the vertical through the drawing's centre, then moved: canvas, drawing,
-// cameras with what they look at, and the region that they keep (as large, about its moved middle).
+// Rotates canvas, drawing, cameras and camera targets by turn_deg about the vertical through the
+// drawing's centre, then translates them. The perception region keeps its size; its centre moves.
 Scenario moved(const Scenario& scenario, const Eigen::Vector2d& move, double turn_deg);
 
-// `progress`: share done, 0 to 1. InputError: as prepare() throws; a tilted drawing plane, which is
-// not moved.
+// `progress`: fraction done, 0 to 1. Throws InputError like prepare(), and for a tilted drawing
+// plane.
 PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
                                  const std::function<void(double)>& progress = {});
 

@@ -14,7 +14,7 @@ namespace impedraw {
 
 namespace {
 
-// Each with a number of its own, in their order; `source`: of which stroke of the artwork each is.
+// Numbers the strokes in order. `source` gets the artwork's stroke number of each.
 std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, std::vector<int>* source) {
   source->clear();
   for (PlacedStroke& stroke : strokes) {
@@ -25,7 +25,7 @@ std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, std::vec
   return strokes;
 }
 
-// What the wrap has no surface for.
+// The finding for a part that the wrap has no surface for.
 Finding off_patch(const std::vector<PlacedStroke>& flat, const StrokePart& part, const Pose& X_WP) {
   const StrokePlace middle =
       place_on(flat[static_cast<std::size_t>(part.stroke)], (part.from + part.to) / 2);
@@ -61,7 +61,7 @@ class Planning {
         plan_.target = project_target(desired_strokes(), true_surface_);
         done = true;
       } catch (const OffSurface& off) {
-        leave_out(off);  // an edge that lies finer than the pre-flight looked
+        leave_out(off);  // an edge finer than the pre-flight's sampling
       } catch (const InputError& error) {
         setting_errors_.raise({"path"}, error.what());
       }
@@ -138,7 +138,7 @@ PreflightSettings Planning::preflight_settings() const {
   return s;
 }
 
-// Projected or wrapped; what a wrap has no surface for is returned, by the artwork's numbers.
+// Projects or wraps the strokes. Returns the parts without a surface, by the artwork's numbers.
 std::vector<StrokePart> Planning::lay_on_surface() {
   WrappedStrokes laid{artwork_.strokes, {}};
   if (s_.drawing.mapping == Mapping::wrap) {
@@ -163,8 +163,8 @@ void Planning::check(const std::vector<StrokePart>& lost) {
     plan_.preflight.findings.push_back(off_patch(artwork_.strokes, part, artwork_.X_WP));
 }
 
-// What is promised, from what the pre-flight leaves of what was requested; throws or notes what it
-// does not, as `unreachable_` says.
+// Sets the promised strokes to the drawable parts. Findings are thrown, noted or ignored, depending
+// on `unreachable_`.
 void Planning::promise() {
   plan_.notes.clear();
   const std::vector<Finding>& findings = plan_.preflight.findings;
@@ -190,7 +190,7 @@ void Planning::promise() {
   }
 }
 
-// Plans the path, and leaves out what no way leads to.
+// Plans the path and omits strokes that it cannot reach.
 void Planning::plan_path() {
   while (!plan_.strokes.empty()) {  // each round leaves out at least one
     plan_.path = plan_from(plan_.path_settings, surface(), plan_.strokes, s_.arm.start_p_WE, z_WP(),
@@ -206,8 +206,7 @@ void Planning::plan_path() {
   plan_.path = TipPath();
 }
 
-// Findings are about the numbers of the path; a stroke whose way is barred is one that cannot be
-// drawn.
+// Findings have the path's stroke numbers. A stroke whose approach is blocked cannot be drawn.
 void Planning::leave_out_barred(const std::vector<Finding>& transitions) {
   Preflight& preflight = plan_.preflight;
   std::vector<StrokePart> left;
@@ -228,8 +227,7 @@ void Planning::leave_out_barred(const std::vector<Finding>& transitions) {
   preflight.drawable = std::move(left);
 }
 
-// Takes a point that turned out to have no surface, and a little on both sides of it, out of what
-// is drawn.
+// Removes a point without a surface, and a margin on both sides, from the drawable parts.
 void Planning::leave_out(const OffSurface& off) {
   constexpr double kAbout = 3e-3;  // [m]
   const PlacedStroke& stroke = plan_.strokes[static_cast<std::size_t>(off.stroke)];
@@ -255,7 +253,7 @@ void Planning::leave_out(const OffSurface& off) {
                                       artwork_.X_WP * Eigen::Vector3d(off.p.x(), off.p.y(), 0.0)});
 }
 
-// What ought to come out lies on the true canvas, wherever the cameras saw it.
+// The desired strokes lie on the true canvas, not on the perceived one.
 std::vector<PlacedStroke> Planning::desired_strokes() const {
   if (!plan_.wrap) return plan_.preflight.findings.empty() ? artwork_.desired : plan_.strokes;
   std::vector<PlacedStroke> desired = plan_.strokes;

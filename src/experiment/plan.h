@@ -1,5 +1,5 @@
-// Stage 3 of an experiment, PlacedArtwork + Scene → Plan: which strokes are drawn, along which
-// path, and what ought to come out. Needs no controller; moves nothing.
+// Stage 3 of an experiment, PlacedArtwork + Scene → Plan: the strokes to draw, the tip path and the
+// target line. Needs no controller and moves nothing.
 #pragma once
 
 #include <functional>
@@ -19,38 +19,37 @@
 namespace impedraw {
 
 struct Plan {
-  // What the artwork asks for, in P: its strokes, or what a wrap made of them; numbered from 0.
+  // The artwork's strokes in P, wrapped if the drawing is; numbered from 0.
   std::vector<PlacedStroke> requested;
-  // Of which stroke of the artwork each of `requested` is: the same number unless a wrap cut it.
+  // The artwork's stroke number for each of `requested`: the same number unless a wrap cut it.
   std::vector<int> source;
-  std::optional<Wrap> wrap;  // where the drawing is wrapped: on the planner's surface
+  std::optional<Wrap> wrap;  // onto the planner's surface, if the drawing is wrapped
   JointVector rest_q;        // rest posture of the null space [rad]
-  // Of `requested`, whose numbers its drawable parts have; findings have the artwork's.
+  // Drawable parts have the numbers of `requested`; findings have the artwork's.
   Preflight preflight;
-  // What is promised: the drawable parts in their order, numbered from 0 as target, path and log
-  // do.
+  // The promised strokes: the drawable parts in order, numbered from 0 as in target, path and log.
   std::vector<PlacedStroke> strokes;
-  PathSettings path_settings;      // as planned with; start_hold: a sensor must be tared by then
-  TipPath path;                    // of no length where nothing can be drawn
+  PathSettings path_settings;      // the planner's; a sensor must be tared within start_hold
+  TipPath path;                    // empty if nothing can be drawn
   TargetLine target;               // on the true canvas, in W
-  std::vector<std::string> notes;  // what is not drawn; a line each
+  std::vector<std::string> notes;  // what is not drawn, one line each
 };
 
-// What becomes of strokes that fail the pre-flight: the drawing is refused; they are left out and
-// noted; or left out for the caller to tell, even where nothing is left.
+// How to treat strokes that fail the pre-flight. refuse: throw. skip: omit and note them; throw if
+// nothing is left. tell: omit them, even if nothing is left; the caller reports the findings.
 enum class Unreachable { refuse, skip, tell };
 
-// Told what is being done, and about which share of all of the preparation it is.
+// Receives the current step and the approximate fraction of the preparation done.
 using PrepareProgress = std::function<void(const char* what, double share)>;
 
-// Throws InputError: one line that names what, where, and what would be valid. The same arguments
-// give the same plan. Refusing gives way to the scenario's drawing.skip_unreachable.
+// Throws InputError: one line that names the error, its location and what is valid. Deterministic.
+// The scenario's drawing.skip_unreachable turns `refuse` into `skip`.
 Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& scene,
                Unreachable unreachable, const SettingErrors& setting_errors,
                const PrepareProgress& progress = {});
 
-// A path of its own for some of the strokes or parts of them, from where the tip is, at rest, after
-// `hold` seconds.
+// A separate path for some strokes or parts of strokes. It starts at p_WE, at rest, after `hold`
+// seconds.
 TipPath plan_from(const PathSettings& settings, const SurfaceHeight& surface,
                   const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE,
                   const Eigen::Vector3d& n_W, double hold);

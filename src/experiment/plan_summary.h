@@ -1,4 +1,4 @@
-// What the pre-flight and the path tell of a drawing before anything moves.
+// Summarises the pre-flight and the path of a drawing before anything moves.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace impedraw {
 
-// Lengths, areas and angles on the surface over those on the page.
+// Ratios of lengths, areas and angles on the surface to those on the page.
 Distortion projected_distortion(const PlannedDrawing& drawing);
-Distortion wrapped_distortion(const PlannedDrawing& drawing);  // of a drawing that is wrapped
+Distortion wrapped_distortion(const PlannedDrawing& drawing);  // requires a wrapped drawing
 
 double length_not_drawable(const PlannedDrawing& drawing);  // in the drawing plane [m]
 
@@ -20,7 +20,7 @@ double length_not_drawable(const PlannedDrawing& drawing);  // in the drawing pl
 // [{stroke, from_mm, to_mm, problem, text, page_mm, world_m}].
 nlohmann::ordered_json plan_json(const PlannedDrawing& drawing);
 
-// The same for a reader.
+// The same as text.
 std::string plan_text(const PlannedDrawing& drawing);
 
 }  // namespace impedraw

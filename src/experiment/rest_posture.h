@@ -1,4 +1,4 @@
-// The posture that the null space pulls the arm to.
+// The rest posture of the null space.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace impedraw {
 
-// arm.q_0 where it is given, else with the tip over the middle of the drawing, or where there is no
-// surface there, of the first of `strokes` whose middle has one. Throws InputError: a q_0 that is
+// Returns arm.q_0 if given. Otherwise the tip is on the surface at the drawing's centre, or, if
+// there is none, at the middle of the first of `strokes` that has one. Throws InputError if q_0 is
 // not a posture of the arm.
 JointVector rest_posture(const ArmSettings& settings, const PlacedArtwork& artwork,
                          const std::vector<PlacedStroke>& strokes, Scene& scene,

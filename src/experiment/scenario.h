@@ -1,5 +1,6 @@
-// One experiment, all of it: what is drawn, on what, seen how, by which law, in which world. The
-// struct is its YAML file (settings.h); its initialisers are the standard bowl, drawings and arm.
+// The complete settings of an experiment: drawing, canvas, perception, control law and world. The
+// struct mirrors its YAML file (settings.h). The initialisers give the standard bowl, drawing and
+// arm.
 #pragma once
 
 #include <filesystem>
@@ -27,8 +28,8 @@
 
 namespace impedraw {
 
-// From the page laid on the drawing plane to the surface: straight along the plane's axis, or by a
-// wrap that keeps lengths.
+// Maps the drawing plane to the surface: by projection along the plane's normal, or by a wrap that
+// preserves lengths.
 enum class Mapping { project, wrap };
 
 struct DrawingSettings {
@@ -36,29 +37,29 @@ struct DrawingSettings {
   std::filesystem::path svg;
   TextSettings text;
   PageUnit unit = PageUnit::file;  // of a stroke file's numbers
-  // of a file: ends that lie so near to one another are joined [mm on the page]; 0: none are
+  // Joins stroke ends of a file that are closer than this [mm on the page]; 0: off.
   double join_gap_mm = 0.0;
   bool dashes = true;        // of an SVG's strokes
-  HatchSettings hatch;       // of its fills
-  double simplify_mm = 0.0;  // points are left out that lie so near to the rest [mm on the page]
-  // of a file: drawn as it lists its strokes, not with short ways in the air
+  HatchSettings hatch;       // of an SVG's fills
+  double simplify_mm = 0.0;  // tolerance for removing points [mm on the page]
+  // Draws a file's strokes in the listed order, instead of one with short pen-up moves.
   bool keep_order = false;
   PlacementSettings placement;
-  Eigen::Vector3d tilt_deg = Eigen::Vector3d::
-      Zero();  // roll, pitch, yaw of the drawing plane; placement.centre lies in it
+  // Roll, pitch, yaw of the drawing plane. placement.centre is in this plane.
+  Eigen::Vector3d tilt_deg = Eigen::Vector3d::Zero();
   Mapping mapping = Mapping::project;
   WrapSettings wrap;
-  bool skip_unreachable = false;  // what fails the pre-flight is left out; else nothing is drawn
-  bool redraw = true;             // what got no ink is drawn once more
+  bool skip_unreachable = false;  // omits what fails the pre-flight; else nothing is drawn
+  bool redraw = true;             // redraws once what got no ink
 };
 
 struct ArmSettings {
   std::filesystem::path urdf;    // empty: models/iiwa14_pen.urdf
-  Eigen::VectorXd posture_seed;  // inverse kinematics start here and stay near [rad]
-  std::vector<double>
-      q_0;  // rest posture of the null space (14) [rad]; empty: over the middle of the drawing
-  Eigen::Vector3d start_p_WE{0.45, 0.0,
-                             0.50};  // where the tip is at the snapshot and at the start [m]
+  Eigen::VectorXd posture_seed;  // inverse kinematics starts here and stays near [rad]
+  // Rest posture of the null space (14) [rad]; empty: at the middle of the drawing.
+  std::vector<double> q_0;
+  // Tip position at the snapshot and at the start [m].
+  Eigen::Vector3d start_p_WE{0.45, 0.0, 0.50};
 
   ArmSettings() : posture_seed(7) { posture_seed << 0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0; }
 };
@@ -82,33 +83,33 @@ struct PerceptionSettings {
   PerceptionSettings();
 };
 
-enum class BlindHeight { canvas, plane };  // what is known of the height when nothing is seen
+enum class BlindHeight { canvas, plane };  // the assumed height without perception
 
 struct BlindSettings {
   BlindHeight height = BlindHeight::canvas;
   double plane_z = 0.09;  // [m]
 };
 
-// The law, and where its wrench comes from. control.wrench, dt and what the arm sets (torque
-// limits, joint ranges) follow from the rest.
+// The control law and the source of its wrench. control.wrench, dt, torque limits and joint ranges
+// follow from the other settings and the arm.
 struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
   double torque_share = 1.0;    // of the arm's torque limits
   double torque_rate = 4000.0;  // of every joint [Nm/s]
-  // Of the drives [s]: says that timing.loop_delay is at least one step longer.
+  // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
 
   ControlSettings() { null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0); }  // the iiwa's
 };
 
-// A push on the pen, as a hand would.
+// A push on the pen, like that of a hand.
 struct PushSettings {
   double force = 10.0;  // [N]
-  // taken along the canvas's tangent plane under the pen
+  // Projected onto the canvas's tangent plane under the pen.
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();
-  double lift = 0.0;  // and this along the canvas's outward normal [N]
-  // when: this share of the way from the first stroke's start to the last one's end
+  double lift = 0.0;  // additional force along the canvas's outward normal [N]
+  // Time, as a fraction of the time from the first stroke's start to the last stroke's end.
   double middle = 0.5;
   double duration = 1.0;  // [s]
 };

@@ -69,8 +69,8 @@ Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& sett
   std::vector<std::string> notes;
   auto canvas = setting_errors.locate(
       {"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
-  // The world before the arm model: its reader of URDF says what is wrong, the arm model's prints
-  // lines of its own.
+  // Build the world before the arm model: its URDF reader reports errors, the arm model's reader
+  // prints its own lines.
   WorldSettings settings = s.world;
   settings.flange_sensor = has_sensor(s.control.source);
   auto world = setting_errors.locate({"arm.urdf"}, [&] {

@@ -1,6 +1,5 @@
-// Stage 2 of an experiment, Scenario → Scene: what stands there before anything is planned. The
-// true canvas, the arm as the program knows it, the simulated world around both, and what the depth
-// cameras saw of it.
+// Stage 2 of an experiment, Scenario → Scene: the true canvas, the controller's arm model, the
+// simulated world with both, and the depth cameras' view of the canvas.
 #pragma once
 
 #include <memory>
@@ -20,22 +19,22 @@ namespace impedraw {
 
 struct Scene {
   std::unique_ptr<Canvas> canvas;              // the truth
-  ArmModel arm;                                // as the controller believes it to be
+  ArmModel arm;                                // the controller's model
   JointVector start_q;                         // tip at arm.start, pen along the drawing axis [rad]
   std::unique_ptr<World> world;                // at the start posture
   std::optional<SurfaceEstimator> perception;  // absent: blind
-  // The same cloud for the planner, which is to stay clear of its edges: they are told from nearer.
+  // The same cloud for the planner, with a stricter edge test to keep the plan clear of its edges.
   std::optional<SurfaceEstimator> planning;
-  BlindSettings blind;             // what is known of the height where nothing is seen
-  std::vector<std::string> notes;  // what was repaired in the canvas's file; a line each
+  BlindSettings blind;             // the assumed height without perception
+  std::vector<std::string> notes;  // repairs to the canvas's file, one line each
 
-  // The surface that the planner goes by, in P: the cloud, or blind what is known. Refers to the
-  // scene.
+  // The planner's surface, in P: from the cloud, or without perception the assumed height. Refers
+  // to the scene.
   SurfaceHeight surface(const Pose& X_WP) const;
 };
 
-// The arm starts upright to the drawing plane of X_WP. Throws InputError: a canvas or an arm that
-// cannot be, a start out of reach, too little of the canvas in view.
+// The arm starts with the pen normal to the drawing plane of X_WP. Throws InputError for an invalid
+// canvas or arm, a start out of reach, or too little of the canvas in view.
 Scene build_scene(const Scenario& scenario, const Pose& X_WP, const SettingErrors& setting_errors);
 
 }  // namespace impedraw

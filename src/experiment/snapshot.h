@@ -1,4 +1,4 @@
-// The one look that the depth cameras take at canvas and arm, before anything is drawn.
+// The single snapshot that the depth cameras take of canvas and arm before drawing.
 #pragma once
 
 #include "impedraw/arm/arm_model.h"
@@ -8,7 +8,7 @@
 
 namespace impedraw {
 
-// The arm is seen at q, and its own points are taken out of the cloud. InputError: no cameras, or
+// The arm is at q; its points are removed from the cloud. Throws InputError without cameras or with
 // too little of the canvas in view.
 SurfaceEstimator take_snapshot(const Scenario& scenario, const Canvas& canvas, const World& world,
                                ArmModel& arm, const JointVector& q);

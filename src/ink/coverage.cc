@@ -33,8 +33,8 @@ Interval in_ball(const Eigen::Vector3d& o, const Eigen::Vector3d& u, const Eigen
 
 }  // namespace
 
-// The points within reach of a segment are a capsule, which is convex: two balls and the cylinder
-// between them. So the answer is one interval, and it spans those of the three parts.
+// The points within reach of a segment form a capsule: two balls and the cylinder between them. A
+// capsule is convex, so the result is one interval. It spans the intervals of the three parts.
 std::pair<double, double> within_reach(const Segment& s, const Segment& ink, double reach) {
   const double length = (s.b - s.a).norm();
   const Eigen::Vector3d u = (s.b - s.a) / length;
@@ -65,7 +65,7 @@ std::pair<double, double> within_reach(const Segment& s, const Segment& ink, dou
 
 Coverage cover(const std::vector<Eigen::Vector3d>& target, const Segments& ink, double reach) {
   Coverage result;
-  double open = 0.0;  // length of the uncovered span that reaches up to here
+  double open = 0.0;  // length of the uncovered span that ends here
   bool any = false;   // something was covered
   double leading = 0.0;
   std::vector<Interval> near;
@@ -86,7 +86,7 @@ Coverage cover(const std::vector<Eigen::Vector3d>& target, const Segments& ink, 
       if (part.first <= part.second) near.push_back(part);
     });
     std::sort(near.begin(), near.end());
-    double done = 0.0;  // up to here the segment is dealt with
+    double done = 0.0;  // length of the segment processed so far
     for (const Interval& part : near) {
       if (part.second < done) continue;
       if (part.first > done + 1e-12 * length) {

@@ -1,4 +1,4 @@
-// How much of a target line has ink near it, by length, and which spans have none.
+// Length of a target line that has ink nearby, and the spans that have none.
 #pragma once
 
 #include <vector>
@@ -12,20 +12,17 @@ namespace impedraw {
 // In the unit of the points.
 struct Coverage {
   double length = 0.0;   // of the target
-  double covered = 0.0;  // of it, with ink within reach
-  std::vector<double>
-      // lengths, in order along the target; where its last point repeats the first, the span across
-      // the
-      uncovered_spans;
-  // joint is one
+  double covered = 0.0;  // length with ink within reach
+  // Lengths, in order along the target. If the target's last point repeats the first, a span across
+  // the joint counts as one.
+  std::vector<double> uncovered_spans;
 };
 
-// Exact: a point of the target counts when some point of a segment of ink lies within `reach` of
-// it.
+// Exact: a target point counts as covered if some point of an ink segment is within `reach` of it.
 Coverage cover(const std::vector<Eigen::Vector3d>& target, const Segments& ink, double reach);
 
-// The part [first, second] of the segment s, in lengths along it from s.a, that lies within `reach`
-// of `ink`; first > second: none.
+// Returns the part [first, second] of the segment s that is within `reach` of `ink`, as lengths
+// from s.a; first > second: none.
 std::pair<double, double> within_reach(const Segment& s, const Segment& ink, double reach);
 
 }  // namespace impedraw

@@ -32,7 +32,7 @@ std::vector<StrokeSpan> stroke_spans(std::span<const double> time, std::span<con
       spans.push_back({stroke[i], i, i + 1, std::nullopt});
     }
   }
-  std::size_t before = 0;  // end of the stroke before
+  std::size_t before = 0;  // end of the previous stroke
   for (StrokeSpan& span : spans) {
     const double earliest = time[span.begin] - kEarliest - 1e-9;
     std::size_t i =

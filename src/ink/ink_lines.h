@@ -1,10 +1,8 @@
-// Where the pen left ink, and when the plan was drawing which stroke: rows of a log cut into
-// ranges.
+// Splits the rows of a log into ranges, by ink and by planned stroke.
 //
 // Ink      f > 0.1 N, f = contact force · outward normal of the canvas
 // Stroke   s ≥ 0 from the instant the desired point leaves the stroke's first point until it
-//          reaches
-//          its last, else −1 (from the plan alone)
+//          reaches its last, else −1 (from the plan alone)
 #pragma once
 
 #include <cstddef>
@@ -16,11 +14,11 @@ namespace impedraw {
 
 inline constexpr double kInkForce = 0.1;  // [N]
 
-// f so small, or not a number (out of contact), leaves nothing.
+// A smaller f, or NaN (no contact), leaves no ink.
 inline bool is_ink(double f) { return f > kInkForce; }
 
-// One line of ink: consecutive rows [begin, end), all with ink and all of one stroke (−1: drawn
-// while the plan was drawing none).
+// One line of ink: consecutive rows [begin, end), all with ink and all of the same stroke (−1: no
+// planned stroke).
 struct InkLine {
   int stroke = -1;
   std::size_t begin = 0, end = 0;
@@ -28,19 +26,19 @@ struct InkLine {
 
 std::vector<InkLine> ink_lines(std::span<const double> f, std::span<const int> stroke);
 
-// One pass over a stroke of the plan: rows [begin, end). A stroke that comes back later, to be
-// drawn again or to its end, has one for each.
+// One pass over a planned stroke: rows [begin, end). A stroke that is resumed or drawn again has
+// one span per pass.
 //
-// Its first touch is the first row with ink from the end of the pass before (of whatever stroke)
-// on, or from 2 s before its own start where that is later; none if there is no ink until the pass
-// ends. The pen may touch before the pass begins, while it approaches.
+// The first touch is the first row with ink after the end of the previous pass (of any stroke), but
+// no earlier than 2 s before this pass begins; none if there is no ink until the pass ends. The pen
+// may touch during the approach, before the pass begins.
 struct StrokeSpan {
   int stroke = 0;
   std::size_t begin = 0, end = 0;
   std::optional<std::size_t> first_touch;
 };
 
-// `time` [s] must not decrease. The three have one length.
+// `time` [s] must not decrease. All three must have the same length.
 std::vector<StrokeSpan> stroke_spans(std::span<const double> time, std::span<const double> f,
                                      std::span<const int> stroke);
 

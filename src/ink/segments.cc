@@ -11,7 +11,7 @@ namespace {
 
 struct Samples {
   std::vector<Eigen::Vector3d> points;
-  std::vector<int> segment;  // each sample's segment; the sample is one of its ends or lies on it
+  std::vector<int> segment;  // each sample's segment
 
   std::size_t kdtree_get_point_count() const { return points.size(); }
   double kdtree_get_pt(std::size_t i, std::size_t axis) const {
@@ -26,8 +26,8 @@ struct Samples {
 using KdTree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Samples>, Samples, 3>;
 
-// nanoflann's result set: hears of every sample nearer than worstDist() and may tighten that bound
-// as it goes. Distances squared.
+// nanoflann result set: receives every sample nearer than worstDist() and may tighten that bound.
+// Distances are squared.
 template <typename Hear>
 struct Listener {
   double bound;
@@ -55,7 +55,7 @@ double distance_to_segment(const Eigen::Vector3d& p, const Segment& s) {
 struct Segments::Tree {
   std::vector<Segment> segments;
   Samples samples;
-  double half_spacing;  // every point of a segment has one of its samples this near
+  double half_spacing;  // every point of a segment is within this distance of one of its samples
   std::unique_ptr<KdTree> index;
 
   template <typename Hear>
@@ -74,8 +74,8 @@ Segments::Segments(std::span<const std::vector<Eigen::Vector3d>> polylines, doub
       const Segment s{line[i], line[std::min(i + 1, line.size() - 1)]};
       const int id = static_cast<int>(t.segments.size());
       t.segments.push_back(s);
-      // A sample in the middle of each of the equal parts: no point of the segment is further than
-      // half a part from one.
+      // One sample in the middle of each equal part: every point of the segment is within half a
+      // part of a sample.
       const int parts = std::max(1, static_cast<int>(std::ceil((s.b - s.a).norm() / spacing)));
       for (int k = 0; k < parts; ++k) {
         t.samples.points.push_back(s.a + (k + 0.5) / parts * (s.b - s.a));
@@ -98,8 +98,8 @@ double Segments::distance(const Eigen::Vector3d& p) const {
   const Tree& t = *tree_;
   double best = std::numeric_limits<double>::infinity();
   if (empty() || !p.allFinite()) return best;
-  // The nearest point of all has a sample of its own segment within half_spacing, so samples
-  // further than best + half_spacing are out.
+  // The nearest point has a sample of its own segment within half_spacing. Samples farther than
+  // best + half_spacing can therefore be skipped.
   t.query(p, best, [&](std::size_t sample) {
     best = std::min(best, distance_to_segment(p, t.segments[t.samples.segment[sample]]));
     return square(best + t.half_spacing);

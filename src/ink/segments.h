@@ -1,5 +1,4 @@
-// A set of straight segments in space (polylines, dots) that answers: how far is this point, and
-// which segments are near it?
+// A set of straight segments in space (polylines, dots) with distance and proximity queries.
 #pragma once
 
 #include <functional>
@@ -18,9 +17,8 @@ struct Segment {
 double distance_to_segment(const Eigen::Vector3d& p, const Segment& s);
 
 // Built once from polylines (consecutive points are joined, a single point is a dot), then const
-// and safe to share between threads. Distances are exact, to the segments and not to their points:
-// a kd-tree of samples at most `spacing` apart finds the candidates. Lengths in whatever unit the
-// points have.
+// and safe to share between threads. Distances to the segments are exact; a kd-tree of samples at
+// most `spacing` apart finds the candidates. Lengths are in the unit of the points.
 class Segments {
  public:
   Segments(std::span<const std::vector<Eigen::Vector3d>> polylines, double spacing);
@@ -29,11 +27,10 @@ class Segments {
   Segments& operator=(Segments&&) noexcept;
 
   bool empty() const;
-  double distance(
-      const Eigen::Vector3d& p) const;  // to the nearest segment; infinite where there is none
+  // Distance to the nearest segment; infinity if there is none.
+  double distance(const Eigen::Vector3d& p) const;
 
-  // Visits at least every segment that comes within `reach` of p; some may be visited twice, and
-  // some further ones too.
+  // Visits every segment within `reach` of p. May visit a segment twice, and some farther ones.
   void visit_near(const Eigen::Vector3d& p, double reach,
                   const std::function<void(const Segment&)>& visit) const;
 

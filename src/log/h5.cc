@@ -5,8 +5,8 @@
 namespace impedraw::h5 {
 namespace {
 
-// Keeps what the innermost call said. HDF5 embeds strerror() as: error message = 'No space left on
-// device'.
+// Keeps the message of the innermost call. HDF5 embeds strerror() as: error message = 'No space
+// left on device'.
 herr_t keep_innermost(unsigned, const H5E_error2_t* error, void* out) {
   std::string& cause = *static_cast<std::string*>(out);
   const std::string text = error->desc ? error->desc : "";
@@ -41,7 +41,7 @@ Id array(hsize_t n) { return own(H5Screate_simple(1, &n, nullptr), H5Sclose, "da
 }  // namespace
 
 void quiet_errors() {
-  // a file that a full disk left open would make the tidying loop
+  // HDF5's cleanup would loop on a file that a full disk left open
   static const bool once = H5dont_atexit() >= 0;
   (void)once;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

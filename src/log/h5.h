@@ -1,4 +1,4 @@
-// The few HDF5 calls that this folder needs, with errors as exceptions. Private to src/log.
+// Thin wrappers of HDF5 calls that report errors as exceptions. Private to src/log.
 #pragma once
 
 #include <functional>
@@ -33,19 +33,19 @@ class Id {
     if (id_ >= 0) close_(id_);
     id_ = -1;
   }
-  void release() { id_ = -1; }  // leaves it open
+  void release() { id_ = -1; }  // without closing it
 
  private:
   hid_t id_ = -1;
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-// HDF5 prints its errors by default and tidies up at exit; both are ours to do. To be called once
-// in each thread.
+// Turns off HDF5's error printing and its cleanup at exit, which this folder handles itself. Call
+// once in each thread.
 void quiet_errors();
 
-// Throws Error "<doing>: <cause>" when `result` is negative; the cause is the operating system's
-// message where there is one.
+// Throws Error "<doing>: <cause>" when `result` is negative. The cause is the operating system's
+// message if there is one.
 void check(hid_t result, const std::string& doing);
 Id own(hid_t id, herr_t (*close)(hid_t), const std::string& doing);
 
@@ -54,9 +54,9 @@ void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<double>& values);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& texts);
 
-double read_number(hid_t object, const std::string& name);  // NaN where the attribute is missing
+double read_number(hid_t object, const std::string& name);  // NaN if the attribute is missing
 
-// Each throws Error where the attribute is missing.
+// Each throws Error if the attribute is missing.
 std::string read_text(hid_t object, const std::string& name);
 std::vector<std::string> read_texts(hid_t object, const std::string& name);
 std::vector<double> read_numbers(hid_t object, const std::string& name);

@@ -39,15 +39,15 @@ const RunLogHeader& checked(const RunLogHeader& h) {
   return h;
 }
 
-// Rows of one table on their way to the file. The loop owns [tail, head) growing at the head, the
-// thread owns shrinking it at the tail, one full chunk at a time.
+// Ring of one table's rows waiting to be written: [tail, head). Only the loop advances the head;
+// only the writer thread advances the tail, one full chunk at a time.
 struct Stream {
   LogTable table;
   std::vector<LogColumn> columns;
-  std::size_t chunk, size;                     // rows, of a chunk and of the ring
+  std::size_t chunk, size;                     // of a chunk and of the ring [rows]
   std::vector<std::size_t> row_bytes{};        // of each column
   std::vector<std::vector<std::byte>> ring{};  // `size` rows of each column
-  std::atomic<std::size_t> head{0}, tail{0};   // rows appended, rows that need not be kept
+  std::atomic<std::size_t> head{0}, tail{0};   // rows appended, rows no longer needed
 
   Stream(LogTable which, LogRate rate, const std::vector<LogColumn>& all)
       : table(which), columns(all), chunk(LogFile::chunk_rows(which, rate)), size(4 * chunk) {
@@ -68,13 +68,13 @@ struct RunLog::Writer {
   std::filesystem::path path;
   int joints, terms;
   std::unique_ptr<LogFile> file;
-  // In the order of LogTable: the rows, and of a reduced log the steps.
+  // In the order of LogTable: the rows and, in a reduced log, the steps.
   std::vector<std::unique_ptr<Stream>> streams;
-  std::optional<RowSelection> selection;  // of a reduced log
+  std::optional<RowSelection> selection;  // reduced log only
   LogSteps measured;
   std::size_t steps = 0;
   std::atomic<bool> closing{false}, failed{false};
-  std::string cause;  // of the failure; written before `failed`
+  std::string cause;  // of the failure; set before `failed`
   std::mutex mutex;
   std::condition_variable more, room;
   std::thread thread;
@@ -96,7 +96,7 @@ struct RunLog::Writer {
     return rows;
   }
 
-  // Opens the file (as LogFile's arguments say) and begins to write.
+  // Opens the file with LogFile's arguments and starts the writer thread.
   template <typename... Arguments>
   void start(const Arguments&... arguments) {
     h5::quiet_errors();
@@ -105,7 +105,7 @@ struct RunLog::Writer {
     } catch (const h5::Error& e) {
       throw LogError("cannot write " + path.string() + ": " + e.what());
     }
-    thread = std::thread([this, rows = heads()] { run(rows); });  // what the file holds already
+    thread = std::thread([this, rows = heads()] { run(rows); });  // rows already in the file
   }
 
   void add(Stream& stream, const auto& visit) {
@@ -157,7 +157,7 @@ struct RunLog::Writer {
     }
   }
 
-  // What does not fill a chunk yet, too. Returns how many rows the file then has.
+  // Writes the last, partial chunk as well. Returns the number of rows then in the file.
   std::size_t write_rest(Stream& stream) {
     const std::size_t begin = stream.tail.load();
     const std::size_t end =
@@ -223,8 +223,7 @@ RunLog RunLog::append_to(const std::filesystem::path& path, const RunLogHeader& 
   Writer& w = *log.writer_;
   for (const auto& stream : w.streams) {
     const std::size_t rows = stream->table == LogTable::rows ? in->rows() : in->steps();
-    // A chunk is written whole: the rows of the last one, where it is not full, come back into the
-    // ring.
+    // Chunks are written whole, so the rows of a partial last chunk are read back into the ring.
     const std::size_t begin = rows / stream->chunk * stream->chunk;
     for (std::size_t c = 0; c < stream->columns.size() && rows > begin; ++c) {
       if (!in->read(stream->columns[c], begin, rows - begin, stream->slot(c, begin)))
@@ -235,7 +234,7 @@ RunLog RunLog::append_to(const std::filesystem::path& path, const RunLogHeader& 
   }
   w.steps = in->steps();
   if (header.rate == LogRate::reduced) w.measured.set_joint_margin(in->joint_margin());
-  in.reset();  // the file is opened once at a time
+  in.reset();  // the file must be open only once
   w.start(header, w.heads());
   return log;
 }
@@ -243,7 +242,7 @@ RunLog RunLog::append_to(const std::filesystem::path& path, const RunLogHeader& 
 RunLog::~RunLog() {
   try {
     if (writer_ && writer_->file) close();
-  } catch (const std::exception&) {  // nobody is left to tell
+  } catch (const std::exception&) {  // a destructor must not throw
   }
 }
 

@@ -1,5 +1,4 @@
-// The datasets of run.h5 that grow with the run: two lists, from which the log is written. Private
-// to src/log.
+// The datasets of run.h5 that grow with the run, as two lists of columns. Private to src/log.
 #pragma once
 
 #include <cstddef>
@@ -25,10 +24,10 @@ struct LogColumn {
   }
 };
 
-// In the order in which put_row() visits them; the first is the time.
+// Columns in the order in which put_row() visits them. The first is the time.
 std::vector<LogColumn> log_columns(const RunLogHeader& header);
 
-// Of a reduced log, in the order in which put_step() visits them; the first is the time.
+// Columns of /every_step in the order in which put_step() visits them. The first is the time.
 const std::vector<LogColumn>& step_columns();
 
 // Calls put(pointer to first value, count, size of one value) for each column of log_columns().
@@ -66,7 +65,7 @@ void put_row(const LogRow& row, int terms, Put&& put) {
   number(row.step_time);
 }
 
-// The same for step_columns(). Step: LogStep, const or not.
+// The same for step_columns(). Step is LogStep or const LogStep.
 template <typename Step, typename Put>
 void put_step(Step& step, Put&& put) {
   const auto number = [&](auto& v) { put(&v, 1, sizeof(v)); };

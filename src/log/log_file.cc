@@ -11,11 +11,11 @@
 namespace impedraw {
 namespace {
 
-constexpr std::size_t kTime = 0;  // place of the time among the columns
+constexpr std::size_t kTime = 0;  // index of the time column
 
 h5::Id file_creation(LogRate rate) {
   h5::Id list = h5::own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file settings");
-  // Freed space stays free: a chunk on which the file on disk still relies is never overwritten.
+  // Freed space is not reused: a chunk that the file on disk still refers to is never overwritten.
   h5::check(H5Pset_file_space_strategy(list, H5F_FSPACE_STRATEGY_NONE, false, 1), "file settings");
   // 2,048 chunks in an index node: no node is split, and so no index is inconsistent for an
   // instant, within 8 million rows (2.3 hours). A node takes 80 kB for each dataset from the start,
@@ -29,7 +29,7 @@ h5::Id file_access() {
   H5AC_cache_config_t cache{};
   cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
   h5::check(H5Pget_mdc_config(list, &cache), "file settings");
-  cache.evictions_enabled = false;  // metadata goes to disk when flush() says so
+  cache.evictions_enabled = false;  // only flush() writes metadata
   cache.incr_mode = H5C_incr__off;
   cache.flash_incr_mode = H5C_flash_incr__off;
   cache.decr_mode = H5C_decr__off;
@@ -56,7 +56,7 @@ h5::Id link_creation() {
   return list;
 }
 
-// A dataset that does not grow, n×width, or n where width is 1.
+// A dataset that does not grow: n×width, or n if width is 1.
 void write_fixed(hid_t file, const char* name, hid_t type, const void* data, std::size_t n,
                  int width, const char* unit, const char* frame, const char* description) {
   const hsize_t shape[2] = {n, static_cast<hsize_t>(width)};
@@ -81,7 +81,7 @@ std::array<std::pair<const char*, double*>, 3> wall_attributes(WallTimes& wall) 
            {"wall_writing", &wall.writing}}};
 }
 
-// Puts the first bytes of all values together, then all second ones, …: neighbours in a log share
+// Groups the first bytes of all values, then the second bytes, and so on. Neighbours in a log share
 // sign, exponent and leading digits.
 void shuffle(const std::byte* in, std::byte* out, std::size_t values, std::size_t size) {
   for (std::size_t b = 0; b < size; ++b) {
@@ -89,7 +89,7 @@ void shuffle(const std::byte* in, std::byte* out, std::size_t values, std::size_
   }
 }
 
-// Bits a byte that Huffman coding cannot go below.
+// Entropy [bits per byte]: the lower bound of Huffman coding.
 double entropy(const std::byte* data, std::size_t n) {
   std::array<int, 256> count{};
   for (std::size_t i = 0; i < n; ++i) ++count[static_cast<unsigned char>(data[i])];
@@ -108,11 +108,11 @@ struct LogFile::Deflater {
   ~Deflater() { deflateEnd(&stream); }
 };
 
-// A double's last five bytes or so are noise on which deflate spends nearly all of its time for
-// nothing: such planes are stored as they are (deflate's own stored blocks, so that any reader
-// understands), the others compressed. Four times as fast, a tenth larger.
+// About the last five bytes of a double are noise, on which deflate would spend nearly all its time
+// without gain. Such planes go into deflate's stored blocks, which any reader understands; the
+// others are compressed. This is four times as fast, and the file is a tenth larger.
 std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
-  constexpr double kNoise = 7.5;  // [bits a byte]
+  constexpr double kNoise = 7.5;  // [bits per byte]
   z_stream& stream = deflater_->stream;
   deflateReset(&stream);
   stream.next_out = reinterpret_cast<Bytef*>(deflated_.data());
@@ -150,7 +150,7 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
   for (const auto& [name, seconds] : wall_attributes(before_)) {
     *seconds = h5::read_number(file_, name);
     if (H5Aexists(file_, name) > 0)
-      h5::check(H5Adelete(file_, name), name);  // of what is appended now, they know nothing
+      h5::check(H5Adelete(file_, name), name);  // they do not cover the rows appended now
   }
   for (std::size_t t = 0; t < tables_.size(); ++t) resize(static_cast<LogTable>(t), rows[t]);
   flush();

@@ -1,5 +1,5 @@
-// run.h5 on the disk: its datasets, written chunk by chunk so that the file stays readable whatever
-// happens to the process. Private to src/log; the thread and the ring of rows are in log.cc.
+// run.h5 on disk. Datasets are written chunk by chunk, so the file stays readable even if the
+// process is killed. Private to src/log. The writer thread and the ring of rows are in log.cc.
 #pragma once
 
 #include <cstddef>
@@ -14,40 +14,40 @@
 
 namespace impedraw {
 
-// A log's rows, and of a reduced one every step. Each is a set of datasets of equal length.
+// A log's rows and, in a reduced log, its steps. Each table is a set of datasets of equal length.
 enum class LogTable { rows, steps };
 
-// Chunks are compressed here (shuffle, deflate 1) and handed to HDF5 ready made. Metadata reaches
-// the disk in flush() alone, raw data at once and always into fresh space: a kill between two
-// flushes leaves the file exactly as the first of them wrote it. In a flush the tables' times come
-// after all else: rows that have their time are whole, wherever in a flush the kill comes.
+// This class compresses chunks itself (shuffle, deflate 1) and passes them to HDF5 as raw chunks.
+// Metadata reaches the disk only in flush(). Raw data reaches it at once and always in fresh space.
+// A kill between two flushes therefore leaves the file as the first flush wrote it. A flush writes
+// the tables' times last, so rows that have a time are complete even if the kill comes during a
+// flush.
 class LogFile {
  public:
   static constexpr std::size_t kChunkRows = 4096;
-  // Rows of a reduced log come 12 times as slowly; a part of a chunk is written at every flush, and
-  // its space is not used again.
+  // Rows of a reduced log arrive 12 times more slowly. Each flush writes a partial chunk, whose
+  // space is not reused.
   static constexpr std::size_t kReducedChunkRows = 256;
   static constexpr std::size_t chunk_rows(LogTable table, LogRate rate) {
     return table == LogTable::rows && rate == LogRate::reduced ? kReducedChunkRows : kChunkRows;
   }
 
   LogFile(const std::filesystem::path& path,
-          const RunLogHeader& header);  // makes the file; throws h5::Error
-  // Opens one that a run of the same header and rate left, and keeps the first rows of its tables;
-  // its wall times are taken out until close().
+          const RunLogHeader& header);  // creates the file; throws h5::Error
+  // Opens the file of an earlier run with the same header and rate, and keeps the first `rows` of
+  // each table. Its wall times are removed until close().
   LogFile(const std::filesystem::path& path, const RunLogHeader& header,
           const std::vector<std::size_t>& rows);
   ~LogFile();
 
-  void resize(LogTable table, std::size_t rows);  // all its datasets
-  // Writes rows [chunk · chunk_rows, + rows) of column `c`; a chunk that was not full may be
-  // written again.
+  void resize(LogTable table, std::size_t rows);  // resizes all datasets of the table
+  // Writes rows [chunk · chunk_rows, + rows) of column `c`. A partial chunk may be written again.
   void write_chunk(LogTable table, std::size_t c, std::size_t chunk, const std::byte* data,
                    std::size_t rows);
   void flush();
-  void close(const WallTimes& wall);  // the times are added to those of the runs before
-  // After an error: lets go without touching the file again. (HDF5's own close would write metadata
-  // that refers to data that is not there.)
+  void close(const WallTimes& wall);  // adds the times to those of the earlier runs
+  // Releases the file after an error without touching it again. (HDF5's own close would write
+  // metadata that refers to missing data.)
   void abandon();
 
  private:
@@ -56,7 +56,7 @@ class LogFile {
     std::size_t chunk_rows;
     std::vector<h5::Id> datasets{};
     std::size_t rows = 0;
-    // chunks of the time until the next flush
+    // chunks of the time column, held back until the next flush
     std::vector<std::pair<std::size_t, std::vector<std::byte>>> held_back{};
   };
 
@@ -72,7 +72,7 @@ class LogFile {
   struct Deflater;
   std::unique_ptr<Deflater> deflater_;
   h5::Id file_;
-  std::vector<Table> tables_;  // in the order of LogTable; of a full log the first alone
+  std::vector<Table> tables_;  // in the order of LogTable; a full log has only the first
   WallTimes before_{0.0, 0.0, 0.0};
   std::vector<std::byte> padded_, shuffled_, deflated_;
 };

@@ -9,13 +9,13 @@
 namespace impedraw {
 namespace {
 
-constexpr double kMostCompressed = 1100;  // deflate makes nothing smaller than to 1/1032
+constexpr double kMostCompressed = 1100;  // deflate's ratio is at most 1032
 
 Eigen::VectorXd to_vector(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
-// Names of the links in a group, in alphabetical order.
+// Names of a group's links in alphabetical order.
 std::vector<std::string> members(hid_t file, const std::string& group) {
   std::vector<std::string> names;
   if (H5Lexists(file, group.c_str(), H5P_DEFAULT) <= 0) return names;
@@ -80,7 +80,7 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     });
     rows_ = count_rows(columns, LogFile::chunk_rows(LogTable::rows, rate()));
     if (rate() == LogRate::reduced) {
-      // Both tables up to the last time that both have.
+      // Cuts both tables at the last time that both contain.
       steps_ = count_rows(step_columns(), LogFile::chunk_rows(LogTable::steps, rate()));
       if (steps_ == 0) rows_ = 0;
       if (rows_ > 0) rows_ = rows_until("/time", rows_, number_at("/every_step/time", steps_ - 1));
@@ -137,8 +137,8 @@ bool LogReader::read(const std::string& name, int width, bool integer, std::size
                  H5P_DEFAULT, out) >= 0;
 }
 
-// A dataset may have been extended when the kill came, and its chunks not yet entered: they would
-// read as nothing but fill values.
+// A kill may leave a dataset extended while its chunks are not yet indexed. Those chunks would read
+// as fill values.
 std::size_t LogReader::written_rows(const Dataset& dataset, std::size_t chunk,
                                     std::size_t rows) const {
   const h5::Id creation = h5::own(H5Dget_create_plist(dataset.id), H5Pclose, "dataset settings");
@@ -174,7 +174,7 @@ std::size_t LogReader::count_rows(const std::vector<LogColumn>& columns, std::si
         std::isfinite(time[0])) {
       std::size_t n = time.size();
       while (n > 1 && !(time[n - 1] > time[0]))
-        --n;  // NaN, the fill value, or the zeros of a chunk that was not full
+        --n;  // NaN (the fill value), or the zeros of a partial chunk
       return begin + n;
     }
     rows = begin;
@@ -182,8 +182,8 @@ std::size_t LogReader::count_rows(const std::vector<LogColumn>& columns, std::si
   return 0;
 }
 
-// How many of the first `rows` of a dataset of times are not later than `time`. Few are: counted
-// from the end.
+// Number of the first `rows` entries of a time dataset that are not later than `time`. Searches
+// from the end, because few entries are later.
 std::size_t LogReader::rows_until(const std::string& name, std::size_t rows, double time) const {
   constexpr std::size_t kBlock = 4096;
   std::vector<double> times;

@@ -1,9 +1,8 @@
-// run.h5 read back, some rows at a time, so that a long log need not fit into memory. Private to
-// src/log.
+// Reads run.h5 in blocks of rows, so that a long log need not fit into memory. Private to src/log.
 //
-// A log that a kill cut off may lack rows in some datasets, or hold them extended but not written.
-// rows() counts those that every dataset holds whole; what comes after them is as if it were not
-// there. A reduced log's rows and steps end at the same time.
+// In the log of a killed run, some datasets may lack rows or may be extended but not written.
+// rows() counts the rows that are complete in every dataset; later ones are ignored. The rows and
+// steps of a reduced log end at the same time.
 #pragma once
 
 #include <filesystem>
@@ -21,39 +20,39 @@ namespace impedraw {
 
 class LogReader {
  public:
-  // Throws InputError naming the file, and the dataset where one that grows with the run is missing
-  // or has the wrong shape. (/stroke_along may be missing, in a log of an impedraw that knew none.)
+  // Throws InputError naming the file, and the dataset if one that grows with the run is missing or
+  // has the wrong shape. (Logs of older versions may lack /stroke_along.)
   explicit LogReader(const std::filesystem::path& path);
 
   [[noreturn]] void fail(const std::string& what) const;  // InputError "<path>: <what>"
 
-  // Joint and mode names, limits, torque terms (in alphabetical order), text attributes; neither
-  // canvas, cloud nor target.
+  // Joint and mode names, limits, torque terms (in alphabetical order) and text attributes. Canvas,
+  // cloud and target are empty.
   const RunLogHeader& header() const { return header_; }
   int joints() const { return static_cast<int>(header_.joint_lower.size()); }
   LogRate rate() const { return header_.rate; }
   std::size_t rows() const { return rows_; }
   std::size_t steps() const { return rate() == LogRate::full ? rows_ : steps_; }
-  double joint_margin() const;  // of a reduced log: the smallest of all its steps; inf without any
+  double joint_margin() const;  // reduced log: smallest over all steps; inf without steps
   WallTimes wall() const;
 
-  // Throws InputError naming what of `header` is not as in this log.
+  // Throws InputError naming what differs between `header` and this log.
   void require(const RunLogHeader& header) const;
 
   bool has(const std::string& name) const {
     return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
   }
 
-  // Rows [begin, begin + n) into `out`, n×width; false when they are there but cannot be read. For
-  // data sets that do not grow, too. InputError when the dataset is missing or its rows have
-  // another width.
+  // Reads rows [begin, begin + n) into `out`, n×width. Also works for datasets that do not grow.
+  // Returns false if the rows exist but cannot be read. Throws InputError if the dataset is missing
+  // or has another width.
   bool read(const std::string& name, int width, bool integer, std::size_t begin, std::size_t n,
             void* out) const;
   bool read(const LogColumn& column, std::size_t begin, std::size_t n, void* out) const {
     return read(column.name, column.width, column.integer, begin, n, out);
   }
 
-  // A whole dataset that does not grow with the run.
+  // Read a whole dataset that does not grow with the run.
   std::vector<Eigen::Vector3d> points(const std::string& name) const;
   std::vector<Eigen::Vector3i> triples(const std::string& name) const;
   std::vector<int> integers(const std::string& name) const;
@@ -75,7 +74,7 @@ class LogReader {
 
   std::filesystem::path path_;
   h5::Id file_;
-  mutable std::map<std::string, Dataset> datasets_;  // opened so far
+  mutable std::map<std::string, Dataset> datasets_;  // already opened
   RunLogHeader header_;
   std::size_t rows_ = 0, steps_ = 0;
 };

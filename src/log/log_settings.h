@@ -1,10 +1,10 @@
-// How much of a run its log keeps: scenario group `log`.
+// Settings of the log: scenario group `log`.
 #pragma once
 
 namespace impedraw {
 
-// reduced: every step as far as the metrics need it, the rest at rows 16 ms apart and at the
-// extremes of the force. full: everything of every step.
+// reduced: for every step only what the metrics need; full rows every 16 ms and at the extremes of
+// the force. full: a full row for every step.
 enum class LogRate { reduced, full };
 
 struct LogSettings {

@@ -1,6 +1,6 @@
-// One control step as far as metrics, plots and a resumed run need it. A reduced log holds all of
-// them under /every_step; of a full log they are worked out from its rows. Both go through the
-// functions below, so that both give the same numbers to the last bit.
+// The quantities of one control step that metrics, plots and a resumed run need. A reduced log
+// holds them for every step under /every_step. For a full log they are computed from its rows. Both
+// use the functions below, so the numbers are bitwise equal.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,23 +17,24 @@ struct LogStep {
   double tilt = LogRow::kNone;                          // [rad]
   double normal_error = LogRow::kNone;                  // [rad]
   double push = 0.0;                                    // [N]
-  // largest |torque| of a joint against its limit; a float's precision is kept
+  // largest ratio of a joint's |torque| to its limit; stored in float precision
   double torque_share = 0.0;
-  // smallest distance of a joint to its limits, of this step and all before it [rad]
+  // smallest distance of a joint to its limits, in this step and all before it [rad]
   double joint_margin = std::numeric_limits<double>::infinity();
-  int clipped = 0;  // 1: a joint's torque was
+  int clipped = 0;  // 1: a joint's torque was clipped
   int mode = 0;
   int stroke = -1;
   double stroke_along = LogRow::kNone;  // [m]
-  // measured wrench's force · the controller's own normal [N]; NaN where it had no estimate; a
-  // float's precision is kept
+  // measured force · the controller's estimated normal [N]; NaN without an estimate; stored in
+  // float precision
   double felt_force = LogRow::kNone;
-  double step_time = 0.0;  // [s]; a float's precision is kept
+  double step_time = 0.0;  // [s]; stored in float precision
 };
 
 double normal_force(const Eigen::Vector3d& force, const Eigen::Vector3d& normal);  // 0: no contact
 
-// Both NaN but on pen-down ink: a stroke, and `force` = normal_force() that writes.
+// Angles [rad]. Both are NaN except on pen-down ink: a stroke is planned and `force` =
+// normal_force() is large enough to write.
 double tilt_angle(const Eigen::Quaterniond& tip, const Eigen::Vector3d& contact_normal, int stroke,
                   double force);
 double normal_error_angle(const Eigen::Vector3d& surface_normal, double surface_distance,
@@ -45,11 +46,11 @@ double joint_margin(const JointReference& position, const JointReference& lower,
                     const JointReference& upper);
 bool is_clipped(const JointReference& before_limits, const JointReference& torque);
 
-// Works the steps of a run out while it lasts.
+// Computes the steps during a run.
 class LogSteps {
  public:
   explicit LogSteps(const RunLogHeader& header);
-  // The smallest of all steps before, where the log goes on.
+  // Sets the smallest margin of the earlier steps when a log is continued.
   void set_joint_margin(double before) { joint_margin_ = before; }
 
   LogStep measure(const LogRow& row) noexcept;

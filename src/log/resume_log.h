@@ -1,5 +1,5 @@
-// What a run that goes on must know of the rows already in its log: where the plan was, and whether
-// the pen wrote, by the arm's own senses.
+// Reads what a resumed run needs from its log: the progress along the plan, and the measured
+// contact force, which shows where the pen wrote.
 #pragma once
 
 #include <filesystem>
@@ -11,20 +11,20 @@ namespace impedraw {
 
 struct ResumeRow {
   double time = 0.0;          // [s]
-  double stroke_along = 0.0;  // in the drawing plane [m]; NaN where stroke < 0
-  // measured wrench's force · the controller's own normal [N]; NaN where it had no estimate
+  double stroke_along = 0.0;  // in the drawing plane [m]; NaN if stroke < 0
+  // measured force · the controller's estimated normal [N]; NaN without an estimate
   double f = 0.0;
   int stroke = -1;
   int mode = 0;  // index into RunLogHeader::mode_names
 };
 
 struct ResumeLog {
-  std::vector<ResumeRow> rows;     // one a step, 32 bytes each
-  Eigen::VectorXd joint_position;  // of the last row [rad]; empty where there is none
+  std::vector<ResumeRow> rows;     // one per step, 32 bytes each
+  Eigen::VectorXd joint_position;  // of the last row [rad]; empty if there is none
 };
 
-// Every step as RunLog::append_to finds them. Throws InputError naming the file when it is no log,
-// and the dataset that it lacks.
+// Reads the steps that RunLog::append_to would keep. Throws InputError naming the file if it is no
+// log, and the dataset if one is missing.
 ResumeLog read_resume_log(const std::filesystem::path& path);
 
 }  // namespace impedraw

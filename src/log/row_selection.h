@@ -1,6 +1,6 @@
-// Which steps of a reduced log become rows: every 16th (62.5 Hz at 1 kHz), in each 128 steps those
-// with the least and the largest normal force, each at which stroke or contact state changes, and
-// the last.
+// Selects the steps that become rows of a reduced log: every 16th step (62.5 Hz at 1 kHz), the
+// steps with the smallest and largest normal force among each 128, each step at which the stroke or
+// the contact state changes, and the last step.
 #pragma once
 
 #include <vector>
@@ -12,12 +12,12 @@ namespace impedraw {
 class RowSelection {
  public:
   static constexpr int kStride = 16;
-  static constexpr int kWindow = 8 * kStride;  // steps that are held back until it is known
+  static constexpr int kWindow = 8 * kStride;  // steps buffered before their extremes are known
 
   explicit RowSelection(int joints);
 
-  // Takes the next step, `force` its normal force; allocates nothing. `keep` is called with the
-  // rows that are then known to stay, in order of time.
+  // Adds the next step, whose normal force is `force`. Calls `keep` with each row selected by then,
+  // in order of time. Allocates nothing.
   template <typename Keep>
   void add(const LogRow& row, double force, Keep&& keep) {
     rows_[count_] = row;
@@ -29,7 +29,7 @@ class RowSelection {
     if (++count_ == kWindow) give(keep);
   }
 
-  // With the last step, after which there is none.
+  // Call after the last step, which is always kept.
   template <typename Keep>
   void finish(Keep&& keep) {
     if (count_ == 0) return;

@@ -81,9 +81,9 @@ void add_rows(const RunRows& rows, RunData* run) {
 
 namespace {
 
-// Steps [begin, begin + n) of a reduced log; false where they are there but cannot be read.
+// Adds steps [begin, begin + n) of a reduced log; false if they exist but cannot be read.
 bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, RunData* run) {
-  // Columns first: they are read as they lie in the file.
+  // Column by column, as they are stored in the file.
   std::vector<LogStep> steps(n);
   std::vector<std::byte> values;
   for (std::size_t c = 0; c < step_columns().size(); ++c) {
@@ -130,7 +130,7 @@ RunData read_run(const std::filesystem::path& path) {
         if (!add_steps(log, begin, n, &run)) break;
         continue;
       }
-      if (!read_rows(log, begin, n, Columns::of_results, &chunk)) break;  // broken from here on
+      if (!read_rows(log, begin, n, Columns::of_results, &chunk)) break;  // unreadable from here on
       add_rows(chunk, &run);
     }
     return run;

@@ -1,10 +1,9 @@
-// A run read back from run.h5: what the metrics and pictures need of it, 81 bytes a row.
+// The part of run.h5 that metrics and pictures need: 81 bytes per step.
 //
-// The log is read chunk by chunk; of a reduced one what it holds of every step. What feeds one
-// number alone (joint margin, clipped torques) is counted while reading; what the metrics take of
-// forces, normals and orientations is worked out step by step (log_step.h). All in doubles, so that
-// no metric differs from one worked out on the whole log; only torque_share, which is plotted to a
-// hundredth of a percent, is a float (its error: 6e-8).
+// The log is read chunk by chunk; a reduced log is read from /every_step. Joint margin and clipped
+// torques are reduced to one number each while reading. Forces and angles are computed step by step
+// (log_step.h). All values are doubles, so metrics equal those computed from the whole log. The
+// exception is torque_share, a float (error 6e-8), which is plotted to a hundredth of a percent.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +21,7 @@
 
 namespace impedraw {
 
-// What does not change while a run lasts; units and frames as in log.h.
+// Data that is constant during a run. Units and frames as in log.h.
 struct RunConstants {
   using Points = std::vector<Eigen::Vector3d>;
 
@@ -33,7 +32,7 @@ struct RunConstants {
   Points cloud_points;
   Points target_points;
   std::vector<int> target_stroke;
-  WallTimes wall;  // NaN where the run was killed before it closed its log
+  WallTimes wall;  // NaN if the run was killed before it closed its log
   std::map<std::string, std::string> attributes;  // the root's text attributes
 };
 
@@ -43,30 +42,30 @@ struct RunData : RunConstants {
   std::vector<double> f;     // contact force · outward normal [N], 0 out of contact
   Points contact_point;      // [m]; NaN out of contact
   std::vector<double>
-      tilt;  // angle between −z_E and the canvas's normal [rad]; NaN but on pen-down ink
+      tilt;  // angle between −z_E and the canvas's normal [rad]; NaN except on pen-down ink
   std::vector<double>
-      // angle between the controller's normal and the canvas's [rad]; NaN too without an estimate
+      // angle between the estimated normal and the canvas's [rad]; also NaN without an estimate
       normal_error;
   std::vector<double> push;         // [N]
   std::vector<double> step_time;    // [s]
-  std::vector<float> torque_share;  // largest |torque| of a joint against its limit
+  std::vector<float> torque_share;  // largest ratio of a joint's |torque| to its limit
   std::vector<int> stroke;
   std::vector<std::int8_t> mode;
 
   // Over all steps.
   std::optional<std::size_t>
-      clipped;  // steps in which a joint's torque was; none where the log has no terms
+      clipped;  // steps with a clipped joint torque; none if the log has no terms
   // smallest distance to a joint limit [rad]
   double joint_margin = std::numeric_limits<double>::infinity();
 
   std::size_t rows() const { return time.size(); }
 };
 
-// Takes the rows of a full log in, after those that are there; the limits must be set.
+// Appends rows of a full log to `run`, whose limits must be set.
 void add_rows(const RunRows& rows, RunData* run);
 
-// Throws InputError as read_rows does. A log that was cut off by a kill is read as far as every
-// dataset goes.
+// Throws InputError as read_rows does. The log of a killed run is read up to the last row that is
+// complete in every dataset.
 RunData read_run(const std::filesystem::path& path);
 
 double angle_between(const Eigen::Vector3d& a,

@@ -1,5 +1,5 @@
-// Rows of run.h5 column by column, as they stand there; of a reduced log those of some steps. 0.6
-// kB a row: a whole long run is read as RunData, which is a sixth of that.
+// The rows of run.h5, column by column. A reduced log has rows for selected steps only. A row takes
+// 0.6 kB; for whole long runs use RunData, which takes a sixth of that.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ struct RunRows {
 
   std::vector<double> time;
   Joints joint_position, joint_velocity, joint_torque;
-  Joints torque_before_limits;  // sum of the named terms; no rows where the log has no terms
+  Joints torque_before_limits;  // sum of the named terms; empty if the log has no terms
   Points tip_position;
   std::vector<Eigen::Quaterniond> tip_orientation;
   Points desired_position;
@@ -28,7 +28,7 @@ struct RunRows {
   Points surface_normal;
   std::vector<double> surface_distance, push, step_time;
   std::vector<int> mode, stroke;
-  std::vector<double> stroke_along;  // NaN throughout in a log that has none
+  std::vector<double> stroke_along;  // all NaN if the log has none
 
   std::size_t rows() const { return time.size(); }
 };
@@ -36,16 +36,16 @@ struct RunRows {
 enum class Columns {
   all,
   of_results
-};  // of_results: those that RunData is made from; the others keep what they held
+};  // of_results: only the columns that RunData needs; the others stay unchanged
 
-// Rows [begin, begin + n) of the log; false where they are there but cannot be read. Throws
-// InputError as read_rows.
+// Reads rows [begin, begin + n) of the log. Returns false if they exist but cannot be read. Throws
+// InputError as the overload below.
 bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns,
                RunRows* rows);
 
-// All rows of a log, which must fit into memory. Throws InputError naming the file and the dataset
-// when it is no log, lacks a dataset, or has one of the wrong shape. A log that was cut off by a
-// kill is read as far as every dataset goes.
+// Reads all rows of a log, which must fit into memory. Throws InputError naming the file and the
+// dataset if the file is no log, lacks a dataset, or has one of the wrong shape. The log of a
+// killed run is read up to the last row that is complete in every dataset.
 RunRows read_rows(const std::filesystem::path& path);
 
 }  // namespace impedraw

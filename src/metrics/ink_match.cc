@@ -6,7 +6,7 @@
 namespace impedraw {
 namespace {
 
-// of the search trees [m]; sets their speed, not their answers
+// sample spacing of the search trees [m]; affects their speed, not their results
 constexpr double kSampleSpacing = 0.25e-3;
 
 }  // namespace

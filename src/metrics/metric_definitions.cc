@@ -88,7 +88,7 @@ nlohmann::ordered_json metrics_json(const Metrics& metrics) {
     if (!metric.value()) reasons[d.name] = metric.reason();
   }
   out["reasons"] = reasons;
-  // Start-up and reports stand apart from the real-time factor.
+  // The real-time factor excludes start-up and reports.
   out["wall_seconds"] = {{"start_up", seconds(metrics.wall.start_up)},
                          {"loop", seconds(metrics.wall.loop)},
                          {"writing", seconds(metrics.wall.writing)}};

@@ -13,15 +13,15 @@
 namespace impedraw {
 namespace {
 
-constexpr double kReach = 0.5e-3;      // of ink, for coverage [m]
+constexpr double kReach = 0.5e-3;      // within which ink covers the target [m]
 constexpr double kShortestGap = 1e-3;  // [m]
 constexpr double kOutside = 1e-3;      // [m]
-// after the first touch [s]; half a step's rounding must not decide
+// after the first touch [s]; the margin absorbs the rounding of times
 constexpr double kSettling = 0.2 + 1e-9;
 constexpr double kSampleSpacing = 0.25e-3;  // of the search trees [m]
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// One reason for several that are missing.
+// Gives several missing metrics the same reason.
 void lack(Metrics& metrics, std::initializer_list<Metric Metrics::*> members,
           const std::string& reason) {
   for (const auto member : members) metrics.*member = Metric::missing(reason);
@@ -116,7 +116,7 @@ void coverage(const RunData& run, const InkMatch& d, Metrics& m) {
     lack(m, {&Metrics::coverage, &Metrics::gaps, &Metrics::longest_gap}, "no target of any length");
     return;
   }
-  m.coverage = 1.0 - uncovered / length;  // exactly 1 when nothing is left out
+  m.coverage = 1.0 - uncovered / length;  // exactly 1 if nothing is uncovered
   m.gaps = static_cast<double>(gaps);
   m.longest_gap = 1e3 * longest;
 }
@@ -136,7 +136,7 @@ void stray_ink(const RunData& run, const InkMatch& d, Metrics& m) {
 void force(const RunData& run, const InkMatch& d, Metrics& m) {
   std::vector<double> settled, error;
   double touchdown = -1.0;
-  for (const StrokeSpan& span : d.spans) {  // each pass over a stroke touches down for itself
+  for (const StrokeSpan& span : d.spans) {  // each pass over a stroke has its own touchdown
     if (!span.first_touch) continue;
     const double touched = run.time[*span.first_touch];
     for (std::size_t i = *span.first_touch; i < run.rows() && run.time[i] - touched <= kSettling;

@@ -1,19 +1,19 @@
-// metrics.json: a run in numbers, each computed from run.h5 alone.
+// metrics.json: the metrics of a run, computed from run.h5 alone.
 //
 // Samples      pen-down: /stroke ≥ 0. f = force · normal. Ink: f > 0.1 N. First touch:
 //              ink/ink_lines.h.
-//              SD is the population's; percentiles interpolate linearly; forces are pooled over
-//              strokes.
+//              SD is that of the population. Percentiles interpolate linearly. Forces are pooled
+//              over strokes.
 // Keys         in the order of metric_definitions(), then `reasons`: {name: why it is null}, then
-//              `wall_seconds`. What cannot be computed is null, never 0.
+//              `wall_seconds`. A metric that cannot be computed is null, not 0.
 //
-// A stroke may be drawn in several passes: each has its own first touch, settling and touchdown;
-// ink of all of them covers the target.
+// A stroke may be drawn in several passes. Each pass has its own first touch, settling and
+// touchdown. The ink of all passes covers the target.
 //
-// coverage counts the target's length, exact, against the ink's own line; gaps are along one
-// stroke, and on a closed one may cross its joint. ink_outside interpolates the distance between a
-// line's points. An untouched stroke's target counts in coverage as uncovered. real_time_factor
-// counts as the loop what of the log was left to write when it ended (wall_loop + wall_writing).
+// coverage is the covered share of the target's length, computed exactly against the ink line. An
+// untouched stroke counts as uncovered. Gaps are measured along one stroke; on a closed stroke they
+// may cross its start. ink_outside interpolates the distance between a line's points.
+// real_time_factor includes the time to write the rest of the log (wall_loop + wall_writing).
 #pragma once
 
 #include <optional>
@@ -28,15 +28,15 @@
 
 namespace impedraw {
 
-// A number, or why there is none.
+// A number, or the reason why there is none.
 class Metric {
  public:
   Metric() = default;
-  Metric(double value);  // one that is not finite is none
+  Metric(double value);  // no value if not finite
   static Metric missing(std::string reason);
 
   const std::optional<double>& value() const { return value_; }
-  const std::string& reason() const { return reason_; }  // empty where there is a value
+  const std::string& reason() const { return reason_; }  // empty if there is a value
   double or_nan() const;
 
  private:
@@ -60,7 +60,7 @@ struct Metrics {
 
 struct MetricDefinition {
   const char* name;
-  const char* unit;  // "1": a plain number
+  const char* unit;  // "1": dimensionless
   const char* meaning;
   Metric Metrics::*member;
   bool count = false;  // a whole number
@@ -71,7 +71,7 @@ const std::vector<MetricDefinition>& metric_definitions();
 Metrics compute_metrics(const RunData& run);
 Metrics compute_metrics(const RunData& run, const InkMatch& drawn);  // `drawn` = match_ink(run)
 
-nlohmann::ordered_json metrics_json(const Metrics& metrics);  // what metrics.json holds
+nlohmann::ordered_json metrics_json(const Metrics& metrics);  // content of metrics.json
 std::string metrics_table(const Metrics& metrics);            // for the terminal
 
 }  // namespace impedraw

@@ -17,7 +17,7 @@ inline double root_mean_square(const std::vector<double>& x) {
                    static_cast<double>(x.size()));
 }
 
-// Of the population: divided by n.
+// Population standard deviation: divides by n.
 inline double standard_deviation(const std::vector<double>& x) {
   const double m = mean(x);
   double sum = 0.0;
@@ -29,7 +29,7 @@ inline double maximum(const std::vector<double>& x) {
   return *std::max_element(x.begin(), x.end());
 }
 
-// p in 0 … 1, linear between the order statistics: position p (n − 1) (numpy's default).
+// p in 0 … 1. Interpolates linearly between order statistics at position p (n − 1), as numpy does.
 inline double percentile(std::vector<double> x, double p) {
   const double position = p * static_cast<double>(x.size() - 1);
   const auto k = static_cast<std::size_t>(position);

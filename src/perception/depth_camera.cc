@@ -29,7 +29,7 @@ double uniform(std::uint64_t bits) {
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
 }  // in (0, 1)
 
-// Standard normal number that belongs to (seed, pixel), by Box and Muller.
+// Standard normal number for (seed, pixel), by the Box-Muller transform.
 double normal(std::uint64_t seed, std::uint64_t pixel) {
   const std::uint64_t key = mix(seed) ^ pixel;
   const double radius = std::sqrt(-2.0 * std::log(uniform(mix(2 * key))));

@@ -1,12 +1,12 @@
-// A pinhole depth camera, its image, and how one is rendered.
+// A pinhole depth camera, its image, and rendering.
 //
-// Camera frame C: origin at the pinhole, z forward, x to the right of the image, y down. Focal
-// length in pixels, both ways,
-//   f = (height / 2) / tan(fov_y / 2), principal point in the middle of the image.
-// Pixel (i, j), column i and row j from 0 at the top left, looks through its own middle:
+// Camera frame C: origin at the pinhole, z forward, x to the right of the image, y down. The focal
+// length in pixels, in both directions, is
+//   f = (height / 2) / tan(fov_y / 2). The principal point is the middle of the image.
+// The ray of pixel (i, j), column i and row j from 0 at the top left, passes through its middle:
 //   d_C(i, j) = ((i + ½ − width/2)/f, (j + ½ − height/2)/f, 1),   point p_C = depth · d_C.
-// Leave out the halves and every point stands half a pixel off (1 mm at 1 m), which in a bowl
-// floats the whole cloud.
+// Without the halves, every point is off by half a pixel (1 mm at 1 m). In a bowl this lifts the
+// whole cloud off the surface.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace impedraw {
 struct DepthCamera {
   int width = 640;          // [px]
   int height = 480;         // [px]
-  double fov_y_deg = 60.0;  // whole vertical field of view [deg]
+  double fov_y_deg = 60.0;  // full vertical field of view [deg]
   Pose X_WC = {};
 
   struct Limits {
@@ -36,12 +36,12 @@ struct DepthCamera {
   Eigen::Vector3d direction_C(int i, int j) const;  // d_C of pixel (i, j): z is 1
 };
 
-// Throws InputError naming the value: size or field of view out of range, a pose that is not
-// finite.
+// Throws InputError naming the value if the size or field of view is out of range, or if the pose
+// is not finite.
 void validate(const DepthCamera& camera);
 
-// The pose X_WC of a camera at eye which has target in the middle of its image and W's z upward in
-// it (W's x, where it looks along z). Throws InputError where the two points coincide.
+// Returns the pose X_WC of a camera at eye with target in the middle of its image and W's z upward
+// (W's x if it looks along z). Throws InputError if the two points coincide.
 Pose look_at(const Eigen::Vector3d& eye_W, const Eigen::Vector3d& target_W);
 
 // Three cameras 0.5 m from the standard bowl's axis at azimuths 0°, 120°, 240° from +x, z = 0.90 m,
@@ -51,16 +51,16 @@ std::vector<DepthCamera> standard_cameras();
 struct DepthImage {
   int width = 0;
   int height = 0;
-  std::vector<double> depth;  // row by row: along C's z, not along the ray [m]; NaN: nothing there
+  std::vector<double> depth;  // row by row: along C's z, not along the ray [m]; NaN: no surface
 
   double at(int i, int j) const { return depth[static_cast<std::size_t>(j) * width + i]; }
 };
 
-// Noise of a stereo or structured-light camera, whose native measurement is disparity, 1/depth: a
-// fixed error there grows as depth².
-//   depth ← depth + sigma_at_1m · depth² · N(0, 1),   independent for each pixel;   then 1/depth to
-//   whole multiples of quantum_at_1m.
-// Depths in metres. All zero, the default, is a perfect camera.
+// Noise of a stereo or structured-light camera. Such a camera measures disparity, 1/depth. A
+// constant error of disparity gives an error of depth that grows as depth².
+//   depth ← depth + sigma_at_1m · depth² · N(0, 1),   independent for each pixel;
+//   then 1/depth is rounded to whole multiples of quantum_at_1m.
+// Depths in metres. The default, all zero, is a perfect camera.
 struct DepthNoise {
   double sigma_at_1m = 0.0;    // [m]
   double quantum_at_1m = 0.0;  // step of the depth at 1 m [m]; 0: none
@@ -73,13 +73,13 @@ struct DepthNoise {
 // 1 mm at 1 m, not quantised.
 DepthNoise realistic_depth_noise();
 
-// Distance from the origin along the unit direction to the nearest thing, canvas or arm [m];
-// infinity where there is none. Called from several threads at once.
+// Distance from the origin along the unit direction to the nearest object, canvas or arm [m];
+// infinity if there is none. Called from several threads at once.
 using CastRay =
     std::function<double(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W)>;
 
-// The same seed gives the same image, whatever the number of threads (0: as many as cores): a
-// pixel's noise comes from (seed, pixel) alone. Give each camera its own seed. Throws InputError
+// The same seed gives the same image for any number of threads (0: one per core), because a pixel's
+// noise depends only on (seed, pixel). Use a different seed for each camera. Throws InputError
 // naming a bad setting.
 DepthImage render_depth(const DepthCamera& camera, const CastRay& cast_ray,
                         const DepthNoise& noise = {}, std::uint64_t seed = 0, int threads = 0);

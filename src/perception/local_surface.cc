@@ -15,13 +15,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Variances along the eigenvectors of points that a plane can be laid through: not a line (middle
-// against largest), not a ball (smallest against middle).
+// Ratios of the variances along the eigenvectors for points that define a plane: not a line (middle
+// to largest), not a ball (smallest to middle).
 constexpr double kLeastWidth = 0.01;
 constexpr double kMostThickness = 0.3;
 
-// Coefficients a … f of z = a + b x + c y + d x² + e x y + f y², lengths in units of `scale` so
-// that all are of one size.
+// Coefficients a … f of z = a + b x + c y + d x² + e x y + f y². Lengths are in units of `scale`,
+// so that all coefficients have similar magnitude.
 using Quadric = Eigen::Matrix<double, 6, 1>;
 
 // The normal equations need Σ w x^i y^j for i + j ≤ 4 and Σ w z x^i y^j for i + j ≤ 2.
@@ -60,8 +60,8 @@ bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Qua
   return true;
 }
 
-// Foot of the perpendicular from the origin (the query) to the quadric: one Newton step from above
-// the query, which is all that the small slope against the fitted plane needs.
+// Foot of the perpendicular from the origin (the query) to the quadric: one Newton step starting
+// above the query. One step suffices because the slope relative to the fitted plane is small.
 Vector2d foot(const Quadric& q) {
   Matrix2d H;
   H << 1.0 + 2.0 * q[0] * q[3], q[0] * q[4], q[0] * q[4], 1.0 + 2.0 * q[0] * q[5];

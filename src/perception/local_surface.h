@@ -1,5 +1,5 @@
-// The surface that a few points lie on, as seen from one point beside them: equation (19), and what
-// sharpens it.
+// Local surface fitted to a few points, relative to a query point: equation (19) and a quadric
+// refinement.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,13 +9,13 @@
 namespace impedraw {
 
 enum class SurfaceFit {
-  plane,  // the paper's: through the mean, across the smallest eigenvector
-  // then z = a + b x + c y + d x² + e x y + f y² over that plane by least squares: takes out the
+  plane,  // as in the paper: through the mean, normal to the smallest eigenvector
+  // then z = a + b x + c y + d x² + e x y + f y² over that plane by least squares: removes the
   // plane's curvature bias, r²/4R
   quadric,
 };
 
-// n points relative to the query point, by coordinate, each with its weight ≥ 0 [m, m, m, 1].
+// n points relative to the query point, one array per coordinate, with weights ≥ 0 [m, m, m, 1].
 struct Neighbourhood {
   int n = 0;
   double x[kMostNeighbours], y[kMostNeighbours], z[kMostNeighbours], w[kMostNeighbours];
@@ -24,22 +24,21 @@ struct Neighbourhood {
 // Weighted covariance C = Σ w (p − μ)(p − μ)ᵀ / Σ w with the weighted mean μ; normal = eigenvector
 // of the smallest eigenvalue       (19)
 struct LocalSurface {
-  // false: the points lie along a line, or fill space: the rest is then meaningless
+  // false: the points lie along a line or fill a volume; the other members are then meaningless
   bool is_surface = false;
-  Eigen::Vector3d
-      n;  // unit normal at the surface's point closest to the query, on the side of `towards`
-  Eigen::Matrix3d
-      // dn/dp [1/m], symmetric, within the tangent plane: the normal at p + dp is n + bend dp. Zero
-      // for a plane
-      bend;
-  double distance = 0.0;  // of the query to the surface [m], > 0 on the side of the normal
-  // How one-sided the points lie about the query: |μ_t| / sqrt(Σ w |p_t|² / Σ w), _t within the
-  // plane. 0 in the middle of a patch, 0.58 to 0.60 on its straight edge, 0.8 at a square corner, →
-  // 1 far outside.
+  // unit normal at the surface point closest to the query, on the side of `towards`
+  Eigen::Vector3d n;
+  // dn/dp [1/m], symmetric, within the tangent plane: the normal at p + dp is n + bend dp; zero for
+  // a plane
+  Eigen::Matrix3d bend;
+  double distance = 0.0;  // from the surface to the query [m], > 0 on the side of the normal
+  // How one-sided the points lie around the query: |μ_t| / sqrt(Σ w |p_t|² / Σ w), _t within the
+  // plane. 0 in the middle of a patch, 0.58 to 0.60 on its straight edge, 0.8 at a square corner,
+  // → 1 far outside.
   double one_sidedness = 1.0;
 };
 
-// towards: direction in which to turn the normal, from the points to the camera that saw them.
+// `towards`: the side to which the normal points, from the points to the camera that saw them.
 // Allocates nothing.
 LocalSurface fit_surface(const Neighbourhood& points, SurfaceFit fit,
                          const Eigen::Vector3d& towards) noexcept;

@@ -10,12 +10,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLeaf = 12;  // points in a leaf; on 50,000 points anything from 6 to 12 is as fast
-constexpr int kMostGathered = 3 * kMostNeighbours;  // room for what the guessed reach lets in
-// on the squared reach: too little falls back, too much gathers in vain
+constexpr int kLeaf = 12;  // points per leaf; for 50,000 points, 6 to 12 are equally fast
+constexpr int kMostGathered = 3 * kMostNeighbours;  // capacity for points within the guessed reach
+// factor on the squared reach: too small falls back, too large gathers points needlessly
 constexpr double kGuessMargin = 1.2;
 
-// Looks at the first leaf that the search comes to, the query's own, and ends there.
+// Visits only the first leaf of the search, the query's own.
 struct FirstLeaf {
   int seen = 0;
   int closest = -1;
@@ -82,7 +82,7 @@ int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* ind
                            double* squared) const noexcept {
   nanoflann::KNNResultSet<double, int, int> found(k);
   found.init(index, squared);
-  // the set's worst so far: nothing beyond it is looked at
+  // the set's current worst distance; points beyond it are skipped
   squared[k - 1] = max_radius * max_radius;
   tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
   return found.size();
@@ -94,7 +94,7 @@ int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius
   FirstLeaf leaf;
   tree_->kd.findNeighbors(leaf, p.data(), nanoflann::SearchParams());
   WithinReach found;
-  // A query h above the surface has all its neighbours h² further off, the closest included.
+  // For a query at height h above the surface, h² is added to all squared distances.
   found.limit2 = leaf.closest < 0 ? 0.0
                                   : std::min(max_radius * max_radius,
                                              leaf.squared + kGuessMargin * reach2[leaf.closest]);

@@ -1,5 +1,5 @@
-// The k points of a cloud nearest to a query: N(p), equation (18). A kd-tree (nanoflann) in double
-// precision.
+// The k points of a cloud nearest to a query: N(p), equation (18). Uses a kd-tree (nanoflann) in
+// double precision.
 #pragma once
 
 #include <memory>
@@ -11,26 +11,26 @@ namespace impedraw {
 
 constexpr int kMostNeighbours = 128;
 
-// Order in which the points of one leaf, and leaves of one branch, lie side by side: for a cloud
-// about to be searched a lot.
+// Returns an order that keeps the points of a leaf, and the leaves of a branch, adjacent in memory.
+// Use it for a cloud that is searched often.
 std::vector<int> tree_order(const std::vector<Eigen::Vector3d>& points);
 
-// Refers to the points: they must outlive it, and stay as they are. Queries allocate nothing and
-// may run in any number of threads.
+// Keeps a reference to the points. They must outlive the tree and must not change. Queries allocate
+// nothing and may run in any number of threads.
 class NeighbourTree {
  public:
   explicit NeighbourTree(const std::vector<Eigen::Vector3d>& points);
   ~NeighbourTree();
 
-  // The k nearest points, nearest first, of those nearer than max_radius [m]: index and squared
-  // distance [m²], room for k in both. Returns how many there are, at most k.
+  // Finds the k nearest points within max_radius [m], nearest first. `index` and `squared` (squared
+  // distances [m²]) must have room for k entries. Returns the number found.
   int nearest(const Eigen::Vector3d& p, int k, double max_radius, int* index,
               double* squared) const noexcept;
 
-  // The same points in any order but for the last, which is the furthest: faster by a third to a
-  // half, since nothing is sorted on the way. reach2[i] is the squared distance of point i to its
-  // own k-th neighbour: where the query's own will end, roughly. A query for which that guess is
-  // too small falls back to nearest(). `closest`: the nearest point; −1 without any.
+  // The same points unordered, except that the last one is the furthest. Faster by a third to a
+  // half, because nothing is sorted. reach2[i] is the squared distance of point i to its own k-th
+  // neighbour. It serves as a guess of the query's reach. If the guess is too small, the query
+  // falls back to nearest(). `closest`: the nearest point; −1 if there is none.
   int nearest_unordered(const Eigen::Vector3d& p, int k, double max_radius,
                         const std::vector<double>& reach2, int* index, double* squared,
                         int* closest) const noexcept;

@@ -20,8 +20,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kInterpolated = 10;  // precomputed normals that one query reads
-// one-sidedness of so few points scatters: 0.4 within the cloud, 0.6 ± 0.1 on its edge
+constexpr int kInterpolated = 10;  // precomputed normals per query
+// the one-sidedness of so few points scatters: 0.4 within the cloud, 0.6 ± 0.1 on its edge
 constexpr double kInterpolatedEdge = 0.8;
 
 void validate(const PointCloud& cloud, const NormalSettings& s) {
@@ -56,7 +56,7 @@ void validate(const PointCloud& cloud, const NormalSettings& s) {
   }
 }
 
-// N(p), the last one the furthest.
+// N(p); the last point is the furthest.
 struct Neighbours {
   int n;
   int closest;
@@ -73,10 +73,10 @@ struct SurfaceEstimator::Index {
   std::vector<double>
       reach2;  // of each point: squared distance to its k-th neighbour, or to max_radius [m²]
 
-  struct Known {  // of the surface fitted at a point of the cloud
+  struct Known {  // surface fitted at a point of the cloud
     SurfaceStatus status = SurfaceStatus::none;
     Vector3d n;
-    Vector3d foot;         // of the point on that surface [m]: the point without its noise
+    Vector3d foot;         // projection of the point onto that surface [m]: removes its noise
     Eigen::Matrix3d bend;  // dn/dp [1/m]
   };
   std::vector<Known> known;
@@ -156,10 +156,10 @@ struct SurfaceEstimator::Index {
                                                               : SurfaceStatus::ok;
   }
 
-  // Each neighbour i knows a point f_i of the surface, the normal n_i there and how it turns: at p
-  // it expects n_i + bend_i (p − f_i). Those are averaged into n. Between f_i and the query's foot
-  // the surface bends from n_i to n: along a parabola its rise is the mean of both slopes, so (n_i
-  // + n)/|n_i + n| · (p − f_i) is the distance, exact to second order.
+  // Each neighbour i has a surface point f_i, its normal n_i and the derivative bend_i. It predicts
+  // the normal n_i + bend_i (p − f_i) at p. n is the average of these predictions. Between f_i and
+  // the query's foot the normal changes from n_i to n. The rise of a parabola follows the mean of
+  // both slopes, so the distance is (n_i + n)/|n_i + n| · (p − f_i), exact to second order.
   SurfaceEstimate interpolated(const Vector3d& p) const {
     int index[kInterpolated + 1];
     double squared[kInterpolated + 1];

@@ -1,5 +1,5 @@
-// Normal and distance of the surface under the pen tip, from the point cloud: equations (18) and
-// (19).
+// Estimates the normal and distance of the surface under the pen tip from the point cloud:
+// equations (18) and (19).
 #pragma once
 
 #include <memory>
@@ -14,9 +14,8 @@
 namespace impedraw {
 
 enum class NormalMode {
-  fresh,  // as in the paper: neighbours, covariance and eigenvector anew for each query
-  // fitted once for each point of the cloud, then interpolated at the query: the same answer,
-  // cheaper
+  fresh,  // as in the paper: new neighbours, covariance and eigenvector for each query
+  // fitted once for each point of the cloud, then interpolated at the query: same result, cheaper
   interpolated,
 };
 
@@ -24,7 +23,7 @@ enum class NeighbourWeighting {
   // as in the paper: 1/k each. A point that enters or leaves the set makes the normal jump
   uniform,
   // PointCloud::weight (1 − d²/d_k²)², d_k the distance of the furthest neighbour: a point enters
-  // and leaves with weight 0
+  // and leaves the set with weight 0
   smooth,
 };
 
@@ -36,18 +35,18 @@ enum class NeighbourWeighting {
 //   realistic noise, voxel 6 mm:    k = 60: 0.30 | 0.8, 0.06        k = 90: 0.18 | 0.5, 0.04
 //   k = 120: 0.12 | 0.36, 0.04
 //   realistic noise, voxel 8 mm:    k = 60: 0.17 | 0.6, 0.05        k = 90: 0.10 | 0.3, 0.04
-// Wider patches average more noise and follow fine shape less; only on a sphere is that free.
+// Wider patches average out more noise but lose fine shape. Only on a sphere does this cost
+// nothing.
 struct NormalSettings {
   // neighbours N(p) of the query (18); a quadric has six coefficients
   int k = 60;
-  // how far from the query they may lie [m]. Fewer than k within it: too_few
+  // search radius around the query [m]; fewer than k neighbours within it: too_few
   double max_radius = 0.06;
   NormalMode mode = NormalMode::fresh;
   NeighbourWeighting weighting = NeighbourWeighting::smooth;
   SurfaceFit fit = SurfaceFit::quadric;
-  // More one-sided than this (LocalSurface::one_sidedness), and the query lies off the cloud's
-  // edge. On a straight edge that holds 0.59; 0.66 lets the tip go about a tenth of the
-  // patch's radius beyond it.
+  // Above this value (LocalSurface::one_sidedness) the query is off the cloud's edge. On a straight
+  // edge the value is 0.59; 0.66 permits about a tenth of the patch's radius beyond the edge.
   double max_one_sidedness = 0.66;
 
   struct Limits {
@@ -60,11 +59,12 @@ struct NormalSettings {
 // The cloud, its kd-tree and the settings. estimate() is const, may run in any number of threads,
 // and allocates nothing.
 //
-// Normals point to the camera that saw the nearest neighbour. The distance is that of the query to
-// the fitted surface, not to the nearest point, which can be half a point spacing away along the
-// surface. Status: too_few, fewer than k points within max_radius, or points that no plane can be
-// laid through; off_edge, they lie to one side of the query. n_W and distance mean something only
-// with ok.
+// Normals point to the camera that saw the nearest neighbour. The distance is measured to the
+// fitted surface, not to the nearest point, which can be half a point spacing away along the
+// surface. Status:
+//   too_few   fewer than k points within max_radius, or points that do not define a plane
+//   off_edge  the points lie to one side of the query
+// n_W and distance are valid only with status ok.
 class SurfaceEstimator {
  public:
   // Fits a normal at every point of the cloud (into cloud().normals). Throws InputError naming a
@@ -76,8 +76,8 @@ class SurfaceEstimator {
 
   SurfaceEstimate estimate(const Eigen::Vector3d& p_W) const noexcept;
 
-  const PointCloud& cloud()
-      const noexcept;  // in the tree's order, so that neighbours lie side by side in memory
+  // In the tree's order, so that neighbours are adjacent in memory.
+  const PointCloud& cloud() const noexcept;
 
  private:
   struct Index;

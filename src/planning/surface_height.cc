@@ -21,7 +21,7 @@ bool has(const SurfaceHeight& surface, const Vector2d& p) {
 
 }  // namespace
 
-// The first circle that meets it, then bisection along its rays.
+// Finds the first circle that meets the surface, then bisects along its rays.
 std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d& p,
                                    double searched) {
   for (double r = kRing; r <= searched; r += kRing) {

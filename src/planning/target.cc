@@ -6,7 +6,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr int kDeepest = 12;       // halvings below the spacing, at a fold of the canvas
-constexpr double kClosest = 1e-8;  // [m] seen along z; a gap that remains is a step of the canvas
+constexpr double kClosest = 1e-8;  // [m] seen along z; a remaining gap is a step of the canvas
 
 struct Point {
   Vector2d p_P, page;
@@ -38,7 +38,7 @@ class Projection {
     line_.stroke.push_back(number_);
   }
 
-  // Appends what lies after a up to b.
+  // Appends the points after a, up to and including b.
   void join(const Point& a, const Point& b, int depth) {
     const double gap = (b.on_canvas - a.on_canvas).norm();
     if (gap == 0) return;

@@ -1,5 +1,5 @@
-// The line that ought to be drawn: the artwork itself, before rounding, joining or compensation,
-// projected along z on the true canvas.
+// The ideal line: the artwork before rounding, joining or compensation, projected along z onto the
+// true canvas.
 #pragma once
 
 #include <vector>
@@ -11,16 +11,16 @@ namespace impedraw {
 
 struct TargetLine {
   std::vector<Eigen::Vector3d> points;  // on the canvas, W [m]
-  std::vector<int> stroke;              // of each point, rising
+  std::vector<int> stroke;              // stroke of each point, nondecreasing
 };
 
 struct TargetSettings {
   double spacing = 4e-4;  // largest gap within a stroke [m]
-  // and chords are halved until their middle is this close to the canvas [m]
+  // chords are halved until their midpoint is this close to the canvas [m]
   double tolerance = 2e-6;
 };
 
-// InputError: a point without canvas beneath it (surface_height.h).
+// Throws InputError for a point without canvas below it (surface_height.h).
 TargetLine project_target(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas,
                           const TargetSettings& settings = {});
 

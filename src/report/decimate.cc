@@ -11,7 +11,7 @@ Line2d decimated(const Line2d& line, double tolerance) {
   Line2d out;
   if (line.empty()) return out;
   out.push_back(line.front());
-  // The wedge, as angles from the direction `axis`; none yet where it is wider than half a turn.
+  // The wedge, as angles from the direction `axis`. `open`: no limit yet.
   double axis = 0.0, low = -kPi, high = kPi, farthest = 0.0;
   bool open = true;
   for (std::size_t i = 1; i < line.size(); ++i) {
@@ -30,7 +30,7 @@ Line2d decimated(const Line2d& line, double tolerance) {
       angle = 0.0;
     }
     farthest = distance;
-    if (distance <= tolerance) continue;  // any direction passes it
+    if (distance <= tolerance) continue;  // every direction passes it
     if (open) axis = std::atan2(d.y(), d.x());
     open = false;
     const double half = std::asin(tolerance / distance);

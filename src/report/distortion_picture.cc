@@ -35,7 +35,7 @@ Colour colour_of(double share) {
   return {a.r + s * (b.r - a.r), a.g + s * (b.g - a.g), a.b + s * (b.b - a.b)};
 }
 
-// By vertex of the patch.
+// One value per vertex of the patch.
 struct Errors {
   std::vector<double> projected, wrapped;
 };
@@ -49,8 +49,8 @@ Errors errors_of(const FlatChart& chart) {
   return errors;
 }
 
-// The scale's end: the least round number above nearly all errors, so that a few vertices at a rim
-// do not make all else pale.
+// End of the colour scale: the smallest round number above nearly all errors. A few vertices at a
+// rim must not make the rest of the map pale.
 double scale_end(const Errors& errors) {
   std::vector<double> all = errors.projected;
   all.insert(all.end(), errors.wrapped.begin(), errors.wrapped.end());
@@ -67,7 +67,7 @@ double scale_end(const Errors& errors) {
 
 Vector2d view(const Vector2d& plane) { return {-1e3 * plane.y(), -1e3 * plane.x()}; }
 
-// One pixel a cell, the mean of its corners; up is +x.
+// One pixel per cell, the mean of its corners; up is +x.
 void draw_map(cairo_t* cr, const SurfacePatch& patch, const std::vector<double>& error,
               double end) {
   const int width = patch.rows - 1, height = patch.columns - 1;
@@ -216,7 +216,7 @@ void draw_panel(cairo_t* cr, const Layout& l, double left, const std::string& na
   cairo_stroke(cr);
 }
 
-// A length to compare with: the largest of 1, 2, 5, 10, … mm within a third of a map.
+// Length of the scale bar: the largest of 1, 2, 5, 10, … mm within a third of a map.
 void draw_ruler(cairo_t* cr, const Layout& l) {
   double length = 1;
   for (const double next : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0}) {

@@ -20,8 +20,8 @@ constexpr Colour kTarget{0.98, 0.72, 0.38}, kInk{0.09, 0.24, 0.52}, kFar{0.84, 0
 using View = std::function<Eigen::Vector2d(const Eigen::Vector3d&)>;
 using Line = Line2d;
 
-// [mm] What is thinner than a hair and closer than the pen's own grain cannot be seen; so many
-// points make an SVG of 3 MB.
+// Point spacing and finest tolerance of lines [mm]; smaller details are not visible.
+// kMostPoints points make an SVG of 3 MB.
 constexpr double kSpacing = 0.1, kFinest = 0.02;
 constexpr std::size_t kMostPoints = 150000;
 
@@ -33,20 +33,20 @@ struct Style {
   bool operator==(const Style&) const = default;
 };
 
-// The ink as lines of one style each, thinned to what the eye can tell; neighbours of different
+// The ink as lines of one style each, thinned to the visible detail. Adjacent lines of different
 // style share a point.
 struct InkDrawing {
   std::vector<Line> targets;
   std::vector<Line> ink;
-  std::vector<Style> style;  // of each line of ink
+  std::vector<Style> style;  // of each ink line
   bool any(Kind kind) const {
     return std::any_of(style.begin(), style.end(),
                        [kind](const Style& s) { return s.kind == kind; });
   }
 };
 
-// Width at a force, in steps that the eye hardly sees; the one before stays while it is right to
-// within a step.
+// Line width at force f, quantised to barely visible steps. Keeps the width `before` while it is
+// within one step.
 double drawn_width(const PenSettings& pen, double f, double before) {
   if (pen.width_per_newton == 0.0) return pen.width;
   const double step = 0.05 * pen.width;
@@ -66,7 +66,7 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
   }
   decimate_to(out.targets, kFinest, kMostPoints);
   const std::vector<bool> up = pen_must_be_up(run, drawn);
-  // The width may change every millimetre: a noisy force must not cut the line into crumbs.
+  // The width changes at most once per millimetre, so a noisy force does not fragment the line.
   const auto style_at = [&](std::size_t i, const Style& before, double length) {
     const Kind kind = up[i]                                        ? Kind::stray
                       : drawn.error[i] > 1e-3 * settings.highlight ? Kind::far
@@ -78,7 +78,7 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
     out.style.push_back(style);
     out.ink.push_back(std::move(line));
   };
-  // Touching down and lifting, within half a second of a stroke's ends, belongs to its ink.
+  // A stroke's ink includes touchdown and lift-off within half a second of its ends.
   for (std::size_t k = 0; k < drawn.lines.size(); ++k) {
     const InkLine& ink = drawn.lines[k];
     const bool joined = k > 0 && drawn.lines[k - 1].end == ink.begin;
@@ -153,7 +153,7 @@ Sheet common_sheet(const RunData& run, const InkMatch& drawn, const InkDrawing& 
   return sheet;
 }
 
-// The box of all that is drawn, with some air.
+// Bounding box of the drawing, with a margin.
 Eigen::AlignedBox2d extent(const InkDrawing& d) {
   Eigen::AlignedBox2d box;
   for (const Line& line : d.targets) {

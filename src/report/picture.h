@@ -1,13 +1,12 @@
-// Pictures of what was drawn, each as SVG in true millimetres and as PNG of the same look.
+// Pictures of the drawing, each as SVG in true millimetres and as PNG with the same look.
 //
-//   ink_top   seen along the drawing axis: up is +x, right is −y of the drawing frame; the canvas
-//             with shading, height contours and outline beneath
-//   ink_page  on the page, as the artwork had it: X to the right, Y down
+//   ink_top   seen along the drawing axis: up is +x, right is −y of the drawing frame. The canvas
+//             lies beneath, with shading, height contours and outline.
+//   ink_page  on the artwork's page: X to the right, Y down
 //
-// The target is a pale band, the ink a narrow line over it. Ink further than `highlight` from its
-// target, and ink where the pen had to be up, have colours of their own and then a place in the
-// legend. Lines are thinned: no point left out lies farther than 0.02 mm off, in a drawing of more
-// than 150,000 points as much more as it takes.
+// The target is a pale band, the ink a narrow line over it. Ink farther than `highlight` from its
+// target, and ink where the pen must be up, have their own colours and legend entries. Lines are
+// thinned with a tolerance of 0.02 mm, or more if more than 150,000 points would remain.
 #pragma once
 
 #include <filesystem>
@@ -22,11 +21,11 @@
 
 namespace impedraw {
 
-// Width of the ink's line: width + width_per_newton (f − nominal_force), kept within a quarter and
-// three times `width`.
+// Width of the ink line: width + width_per_newton (f − nominal_force), limited to 0.25 … 3 times
+// `width`.
 struct PenSettings {
   double width = 1.0;             // at the nominal force [mm]
-  double width_per_newton = 0.0;  // [mm/N]; 0: the same throughout
+  double width_per_newton = 0.0;  // [mm/N]; 0: constant width
   double nominal_force = 5.0;     // [N]
 };
 
@@ -40,13 +39,13 @@ struct PictureSettings {
   int png_width = 1600;       // [px]
 };
 
-// Write `stem`.svg and `stem`.png. Throw std::runtime_error naming the file when it cannot be
+// Writes `stem`.svg and `stem`.png. Throws std::runtime_error naming the file if it cannot be
 // written.
 void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesystem::path& stem,
                    const PictureSettings& settings = {});
 
-// `to_page` takes a point on the canvas [m, W] to the page [mm]; `page` is what to show, the
-// drawing's own extent where it is empty.
+// Writes the same files. `to_page` maps a point on the canvas [m, W] to the page [mm]. `page` is
+// the area shown; if empty, the extent of the drawing.
 void write_ink_page(const RunData& run, const InkMatch& drawn,
                     const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
                     const Eigen::AlignedBox2d& page, const std::filesystem::path& stem,

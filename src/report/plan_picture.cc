@@ -19,7 +19,7 @@ constexpr Colour kProblems[] = {{0.84, 0.10, 0.12}, {0.93, 0.49, 0.06}, {0.62, 0
 }  // namespace
 
 void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
-  // As the page reads: right is −y of P, down is −x.
+  // In page orientation: right is −y of P, down is −x.
   const auto view = [](const Eigen::Vector3d& p) -> Eigen::Vector3d {
     return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
   };
@@ -30,7 +30,7 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
     for (const Eigen::Vector3d& p : line.points) thin.push_back(view(p).head<2>());
     if (thin.size() == 1)
       thin.push_back(thin.front() +
-                     Eigen::Vector2d(0.01, 0.0));  // a dot, for the pen's round cap to show
+                     Eigen::Vector2d(0.01, 0.0));  // a dot, drawn by the round line cap
     for (const Eigen::Vector2d& p : thin) box.extend(p);
     of_problem[line.problem].push_back(std::move(thin));
   }
@@ -57,7 +57,7 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
     draw_relief(cr, relief);
     cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
     cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
-    for (const auto& [problem, lines] : of_problem) {  // what cannot be drawn lies on top
+    for (const auto& [problem, lines] : of_problem) {  // strokes that cannot be drawn lie on top
       cairo_set_line_width(cr, problem.empty() ? kWidth : 1.6 * kWidth);
       set_colour(cr, colours[problem]);
       for (const auto& line : lines) trace(cr, line);

@@ -1,5 +1,5 @@
-// A picture of a plan: the strokes on their canvas, looking along the drawing axis, what can be
-// drawn and what cannot in their colours.
+// Picture of a plan: the strokes on their canvas, seen along the drawing axis. Colours distinguish
+// strokes that can be drawn from those that cannot.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace impedraw {
 
 struct PlanLine {
   std::vector<Eigen::Vector3d> points;  // in the drawing frame P [m]
-  std::string problem;                  // why it cannot be drawn; empty: it can
+  std::string problem;                  // why it cannot be drawn; empty if it can
 };
 
 struct PlanPicture {
@@ -23,7 +23,8 @@ struct PlanPicture {
   int png_width = 1400;
 };
 
-// `stem`.svg and `stem`.png. Throws std::runtime_error naming the file when it cannot be written.
+// Writes `stem`.svg and `stem`.png. Throws std::runtime_error naming the file if it cannot be
+// written.
 void write_plan(const PlanPicture& plan, const std::filesystem::path& stem);
 
 }  // namespace impedraw

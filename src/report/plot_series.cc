@@ -25,7 +25,7 @@ Json to_json(const Envelope& e, double decimals) {
   return {{"t", t}, {"v", v}};
 }
 
-// Seen from above, in mm to a hundredth.
+// The line seen from above, rounded to 0.01 mm.
 Json lines_to_json(std::vector<Line2d> lines) {
   decimate_to(lines, 0.02, 20000);
   Json out = Json::array();
@@ -49,7 +49,7 @@ Line2d from_above(std::span<const Eigen::Vector3d> line) {
   return out;
 }
 
-// Equal bins up to the 99.9th percentile; what is slower counts in the last.
+// Equal bins up to the 99.9th percentile. The last bin includes all slower steps.
 Json histogram(const std::vector<double>& seconds) {
   std::vector<double> micros;
   for (const double s : seconds) {

@@ -1,5 +1,5 @@
-// What the plots of a report show, thinned to what a page can show and no peak lost: each bin of
-// rows leaves its least and largest value.
+// The data of a report's plots, thinned without losing peaks: each bin of steps keeps its smallest
+// and largest value.
 #pragma once
 
 #include <functional>
@@ -14,16 +14,16 @@
 namespace impedraw {
 
 struct Envelope {
-  std::vector<double> t, v;  // in order of time; NaN where a whole bin had no value
+  std::vector<double> t, v;  // in order of time; NaN if a whole bin has no value
 };
 
-// At most about `points` points: of each bin the least and the largest value, each at its own time.
-// Short series stay whole. v(i) is the value at t[i].
+// Returns at most about `points` points: the smallest and the largest value of each bin, each at
+// its own time. Short series stay complete. v(i) is the value at t[i].
 Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v,
                   std::size_t points);
 
 // force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of its limit,
-// the joint where that is most], mode: {t, v}; mode_names; strokes: [[begin, end] in s]; step_time:
+// largest of all joints], mode: {t, v}; mode_names; strokes: [[begin, end] in s]; step_time:
 // {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
 nlohmann::json plot_series(const RunData& run, const InkMatch& drawn, std::size_t points = 3000);
 

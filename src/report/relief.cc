@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
-// Joins segments whose ends carry the same key into lines.
+// Joins segments whose ends have the same key into lines.
 class Chains {
  public:
   void add(long key_a, const Eigen::Vector2d& a, long key_b, const Eigen::Vector2d& b) {
@@ -82,7 +82,7 @@ void rasterise(Relief& r, const std::vector<Eigen::Vector3d>& seen,
   }
 }
 
-// Marching squares between the cells' centres.
+// Marching squares on the grid of cell centres.
 std::vector<Relief::Line> contours_at(const Relief& r, double level) {
   Chains chains;
   const double du = r.area.sizes().x() / r.columns, dv = r.area.sizes().y() / r.rows;
@@ -100,7 +100,7 @@ std::vector<Relief::Line> contours_at(const Relief& r, double level) {
         const double t = h0 / (h0 - h1);
         const double row = i0 + 0.5 + t * (i1 - i0), column = j0 + 0.5 + t * (j1 - j0);
         points[crossings] = r.area.min() + Eigen::Vector2d(column * du, row * dv);
-        // An edge's key: its upper left corner, and whether it runs down.
+        // Key of an edge: its upper left corner and its direction (right or down).
         keys[crossings++] =
             2L * (static_cast<long>(std::min(i0, i1)) * r.columns + std::min(j0, j1)) + (i0 != i1);
       }

@@ -1,5 +1,4 @@
-// A mesh seen from above, as a picture's background: what is on top where, its shading, height
-// contours and outline.
+// A mesh seen from above, as background of a picture: heights, shading, contours and outline.
 #pragma once
 
 #include <functional>
@@ -10,24 +9,23 @@
 
 namespace impedraw {
 
-// View coordinates (u to the right, v down) in mm; heights in mm along the line of sight, towards
-// the viewer.
+// View coordinates (u to the right, v down) in mm. Heights in mm along the line of sight, positive
+// towards the viewer.
 struct Relief {
   using Line = std::vector<Eigen::Vector2d>;
 
-  Eigen::AlignedBox2d area;  // that the grid spans
+  Eigen::AlignedBox2d area;  // spanned by the grid
   int columns = 0, rows = 0;
-  Eigen::MatrixXd height;      // rows×columns, at cell centres; NaN where there is nothing
-  std::vector<Line> contours;  // at whole multiples of contour_step
+  Eigen::MatrixXd height;      // rows×columns, at cell centres; NaN off the mesh
+  std::vector<Line> contours;  // at integer multiples of contour_step
   double contour_step = 0.0;
-  std::vector<Line>
-      outline;  // the mesh's edges that belong to one triangle; none for a closed body
+  std::vector<Line> outline;  // edges that belong to one triangle only; empty for a closed body
 
-  // Light on the cell, 0 … 1, from the upper left; NaN where there is nothing.
+  // Brightness of the cell, 0 … 1, lit from the upper left; NaN off the mesh.
   double shade(int row, int column) const;
 };
 
-// `view` takes a vertex to (u, v, height). `cells` along the longer side.
+// `view` maps a vertex to (u, v, height). `cells` is the number of cells along the longer side.
 Relief make_relief(const std::vector<Eigen::Vector3d>& vertices,
                    const std::vector<Eigen::Vector3i>& triangles,
                    const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& view,

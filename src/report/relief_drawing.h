@@ -1,4 +1,4 @@
-// A relief on a Cairo sheet: shading, contours, outline. Private to src/report.
+// Draws a relief with Cairo: shading, contours, outline. Private to src/report.
 #pragma once
 
 #include <cairo.h>
@@ -12,13 +12,13 @@ inline constexpr Colour kContour{0.55, 0.50, 0.42}, kOutline{0.36, 0.33, 0.29};
 
 void draw_relief(cairo_t* cr, const Relief& relief);
 
-// Lines from point to point, in the path that is then stroked.
+// Adds the line to the current Cairo path.
 void trace(cairo_t* cr, const std::vector<Eigen::Vector2d>& line);
 
-// Appends p unless it is nearer than `step` to the last point kept.
+// Appends p unless it is nearer than `step` to the last point of the line.
 void extend(std::vector<Eigen::Vector2d>& line, const Eigen::Vector2d& p, double step, bool always);
 
-// The box with some air about it: that share of its longer side, a millimetre at least.
+// Extends the box by `share` of its longer side, at least 1 mm.
 Eigen::AlignedBox2d with_margin(Eigen::AlignedBox2d box, double share);
 
 }  // namespace impedraw

@@ -47,7 +47,7 @@ std::string existing(const std::filesystem::path& path) {
   return std::filesystem::exists(path) ? path.string() : "";
 }
 
-// Gives report.py its page as JSON in a file, which is removed afterwards.
+// Runs report.py with the page's data in a temporary JSON file.
 void make_page(const Json& page, const std::filesystem::path& out, const ReportSettings& settings) {
   std::string name = (std::filesystem::temp_directory_path() / "impedraw_page_XXXXXX").string();
   const int descriptor = mkstemp(name.data());

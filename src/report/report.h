@@ -1,8 +1,7 @@
-// report.html and compare.html: pages that stand alone, with numbers, pictures and plots over time
-// inside them.
+// report.html and compare.html: self-contained pages with metrics, pictures and plots over time.
 //
-// This side computes everything that is shown; report.py beside it draws the plots (matplotlib) and
-// puts the page together.
+// The C++ code computes all data shown. report.py draws the plots (matplotlib) and assembles the
+// page.
 #pragma once
 
 #include <filesystem>
@@ -16,22 +15,20 @@
 
 namespace impedraw {
 
-// What a metric must reach; either may be missing.
+// Bounds of a metric; either may be absent.
 struct MetricLimit {
   std::optional<double> least{}, most{};
 };
 
 struct ReportSettings {
   std::string title{};  // empty: the log's attribute `scenario`
-  // by the metric's name; shown beside the value, with whether it holds
+  // by metric name; the page shows the limit and whether it is met
   std::map<std::string, MetricLimit> limits{};
-  std::filesystem::path
-      python{};  // interpreter with matplotlib; empty: the venv that impedraw was built with
+  std::filesystem::path python{};  // interpreter with matplotlib; empty: the venv of the build
 };
 
 // Writes folder/report.html. Shows folder/ink_top.svg, folder/ink_page.svg and folder/scenario.yaml
-// where they exist. Throws std::runtime_error with one line when
-// the page could not be made.
+// if they exist. Throws std::runtime_error with one line if the page cannot be made.
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
                   const Metrics& metrics, const ReportSettings& settings = {});
 
@@ -40,9 +37,9 @@ struct ComparedRun {
   std::filesystem::path folder;  // holds run.h5
 };
 
-// Writes out/compare.html and out/compare.png: both runs side by side on equal axes, as figures 4
-// to 6 of the paper (drawn against desired line, normal force, tilt), and their metrics in one
-// table. Throws InputError when a log cannot be read, else as above.
+// Writes out/compare.html and out/compare.png. They show both runs side by side on equal axes, as
+// figures 4 to 6 of the paper (drawn and desired line, normal force, tilt). The page also has their
+// metrics in one table. Throws InputError if a log cannot be read, otherwise as write_report().
 void write_comparison(const ComparedRun& left, const ComparedRun& right,
                       const std::filesystem::path& out, const ReportSettings& settings = {});
 

@@ -12,8 +12,8 @@ namespace {
 
 constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75};
 
-// Sizes follow the picture's width, so that its text reads the same on the first screen of a README
-// whatever was drawn.
+// Sizes scale with the picture's width, so that text in a README has the same size for every
+// drawing.
 struct Layout {
   double width, height;                 // of the whole [mm]
   double font;                          // size [mm]

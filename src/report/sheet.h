@@ -1,4 +1,4 @@
-// A Cairo drawing that is the same on SVG and PNG: a titled frame with millimetre axes and a
+// A Cairo drawing with the same look in SVG and PNG: a titled frame with millimetre axes and a
 // legend. Private to src/report.
 #pragma once
 
@@ -33,12 +33,12 @@ struct Sheet {
   std::function<void(cairo_t*)> content;  // draws in view coordinates, clipped to the frame
 };
 
-// `stem`.svg, one unit a millimetre, and `stem`.png, png_width wide. Throws std::runtime_error
-// naming the file when it cannot be written.
+// Writes `stem`.svg (one unit per millimetre) and `stem`.png (png_width wide). Throws
+// std::runtime_error naming the file if it cannot be written.
 void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width);
 
-// What every such picture is written with: `draw` draws it whole, in millimetres, once for each
-// kind; `size` is [mm]. Throws as write_sheet.
+// Writes a picture of `size` [mm] as SVG and PNG. `draw` draws it in millimetres and is called once
+// for each format. Throws as write_sheet().
 void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size,
                        int png_width, const std::function<void(cairo_t*)>& draw);
 

@@ -1,5 +1,5 @@
-// Finds mass and centre of mass of the tool on the wrench sensor: the arm holds it still in several
-// orientations in the air.
+// Identifies mass and centre of mass of the tool on the wrench sensor. The arm holds the tool still
+// in several orientations in the air.
 #pragma once
 
 #include "impedraw/experiment/experiment.h"
@@ -13,11 +13,11 @@ struct ToolCalibration {
   std::vector<StaticReading> poses;
 };
 
-// Moves the driver's arm, which stands at the experiment's start posture, through `poses`
-// orientations of its last three joints about the start posture, at rest for `rest` seconds each
-// [s], of which the last half is averaged. The arm is held by joint stiffness over the believed
-// gravity: where it comes to rest matters little, only that it does. Throws InputError where the
-// experiment has no sensor, or the joints' ranges leave no room.
+// Moves the driver's arm from the experiment's start posture through `poses` orientations, by
+// turning its last three joints about the start posture. Rests `rest` seconds [s] in each and
+// averages the reading over the last half. Joint stiffness plus modelled gravity hold the arm: it
+// must come to rest, but where matters little. Throws InputError if the experiment has no sensor or
+// the joint ranges leave no room.
 ToolCalibration calibrate_tool(Experiment& experiment, Driver& driver, int poses = 8,
                                double rest = 1.0);
 // The same with the simulated arm.

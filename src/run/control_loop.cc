@@ -67,13 +67,13 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   return out;
 }
 
-// An old reading is not taken in twice: it would look as if nothing moved.
+// Each reading is used once: a repeated one would look as if nothing moved.
 void ControlLoop::update_wrench(const ArmState& state) noexcept {
   if (state.wrench_time != wrench_time_) {
     F_ext_ = estimator_ ? estimator_->update(state.wrench, terms_.X_WE, terms_.V_WE) : state.wrench;
     wrench_time_ = state.wrench_time;
   }
-  // The estimator passes over a reading that is not finite; the controller is to know of it.
+  // The estimator ignores a reading that is not finite, but the controller must see it.
   if (!state.wrench.allFinite()) F_ext_.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 

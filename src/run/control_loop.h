@@ -1,4 +1,4 @@
-// The controller and all that feeds it: from a driver's state to a torque.
+// The controller with its inputs: from a driver's state to a torque.
 #pragma once
 
 #include <functional>
@@ -13,25 +13,25 @@
 
 namespace impedraw {
 
-// The surface as perception has it near a point at a time [s] of the driver's clock. Called once in
-// every control step: allocates nothing.
+// The perceived surface near a point at a time [s] of the driver's clock. Called once per control
+// step; must not allocate.
 using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_W, double time)>;
 
 class ControlLoop {
  public:
-  // `surface` empty: blind. Throws InputError where the driver's joints, period or wrench are not
-  // those that the set-up is for. `arm` must outlive the loop.
+  // `surface` empty: blind. Throws InputError if the driver's joints, period or wrench do not match
+  // the set-up. `arm` must outlive the loop.
   ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
               SurfaceSource surface);
 
-  // One control step. The answer is the controller's own.
+  // One control step. The result refers to the controller's own output.
   const ImpedanceTorque& step(const ArmState& state, const TipReference& reference) noexcept;
 
-  // Of the last step.
+  // Values of the last step.
   const ArmTerms& terms() const { return terms_; }
   const Wrench& F_ext() const { return F_ext_; }
   const SurfaceEstimate& surface() const { return surface_; }
-  // A sensor has found its bias, or there is none.
+  // True once the sensor's bias is known, or if there is no sensor.
   bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
 
  private:

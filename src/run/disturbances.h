@@ -1,4 +1,4 @@
-// What a scenario does to its own run, at shares of the plan's time: pushes on the pen, and faults.
+// The disturbances of a scenario, at fractions of the plan's time: pushes on the pen, and faults.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,7 @@
 
 namespace impedraw {
 
-// When that share of the way from the path's first stroke's start to its last one's end is over
-// [s].
+// The time at `share` of the interval from the first stroke's start to the last stroke's end [s].
 double time_at(const TipPath& path, double share);
 
 class Disturbances {
@@ -20,7 +19,7 @@ class Disturbances {
 
   bool fault(FaultKind kind, double time) const noexcept;
   bool any_push() const noexcept { return !pushes_.empty(); }
-  // On the pen where the canvas has the normal n_W [N].
+  // Force on the pen where the canvas has the normal n_W [N].
   Eigen::Vector3d push(double time, const Eigen::Vector3d& n_W) const noexcept;
 
  private:

@@ -72,7 +72,7 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
       drawing.outcome =
           run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
     } catch (...) {
-      // Without a log it is no run, and the next one would be refused the folder.
+      // Without a log the folder holds no run and would be refused to the next one.
       if (!fs::exists(folder / "run.h5")) fs::remove(folder / "scenario.yaml");
       throw;
     }

@@ -1,4 +1,4 @@
-// One run into a folder, with its results, and what is said of it.
+// Runs an experiment into a folder, with results and messages.
 #pragma once
 
 #include <filesystem>
@@ -14,22 +14,19 @@ struct Drawing {
   Metrics metrics;
 };
 
-// start_up: seconds it took to prepare. `resume`: go on with the run that the folder holds.
+// start_up: preparation time [s]. `resume`: continues the run in the folder.
 Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
                   bool resume = false);
 
-// As prepare(), and prepare_plan() that tells what cannot be drawn, with a line on a terminal that
-// tells how far it is.
+// Like prepare() and prepare_plan() with Unreachable::tell, with a progress line on a terminal.
 Experiment prepare_visibly(const Scenario& scenario, const Places& places);
 PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places);
 
 void print_notes(const PlannedDrawing& drawing);  // on stderr
-std::string met_line(
-    const RunOutcome&
-        outcome);  // what the controller said of itself while it drew, where that was not all well
-std::string ink_lines(
-    const Experiment& experiment,
-    const RunOutcome& outcome);            // what was drawn again, and what still has no ink
-int exit_code(const RunOutcome& outcome);  // says on stderr why it did not finish
+// Limits met and bad inputs during the run; empty if there were none.
+std::string met_line(const RunOutcome& outcome);
+// What was redrawn, and what still has no ink.
+std::string ink_lines(const Experiment& experiment, const RunOutcome& outcome);
+int exit_code(const RunOutcome& outcome);  // prints on stderr why the run did not finish
 
 }  // namespace impedraw

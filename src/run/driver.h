@@ -1,33 +1,35 @@
-// The seam between the control loop and an arm: joint state in, joint torque out, a clock, faults
-// by name. The loop (run.h), the log and the redrawing are the same for every driver; the simulated
-// arm (simulated_arm.h) is the first.
+// The interface between the control loop and an arm: joint state in, joint torque out, a clock, and
+// named faults. The loop (run.h), the log and the redrawing are the same for every driver. The
+// simulated arm (simulated_arm.h) is the first driver.
 //
-// Law of calls, all from the loop's one thread:
+// Call order, all from the loop's single thread:
 //
 //   start()                    once: the arm is ready, at rest, and holds itself until a command
 //   read()                     the state at the beginning of a control cycle
-//     command(tau, gravity)    its torque, which holds until the next command; sent as soon as it
-//     read()                   is known: the loop logs between command() and read()
+//     command(tau, gravity)    the cycle's torque, held until the next command. Send it at once:
+//     read()                   the loop logs between command() and read().
 //     command(…) …
-//   stop()                     once, after whatever ended the run, errors included
+//   stop()                     once, after the run ends for any reason, errors included
 //
-// read() and command() take turns, read() first. They allocate nothing, take no lock that another
-// thread may hold for long, and throw nothing. Between the first pass and the redrawing of gaps the
-// loop plans, and commands nothing for that long: a driver on a wall clock holds the posture then.
+// read() and command() alternate, read() first. They do not allocate, do not throw, and do not take
+// locks that another thread may hold for long. Between the first pass and the redrawing of gaps the
+// loop plans and sends no commands; a driver on a wall clock must hold the posture meanwhile.
 //
-// Clock. A driver in lock-step (simulators) stands still until command() and is then a period
-// further on: however slow the loop is, the run is the same. A driver on a wall clock waits in
-// read() for the next cycle; where the loop came too late for some of them, `step_time` says so.
-// Times count from start().
+// Clock. A driver in lock-step (simulators) waits for command(), then advances by one period. The
+// run does not depend on the loop's speed. A driver on a wall clock waits in read() for the next
+// cycle. If the loop missed cycles, `step_time` shows it. Times count from start().
 //
 // Units and frames: SI; W is the world frame, E the pen tip, S the wrench sensor's frame. n joints,
 // in the order of the arm's URDF.
 //
-// What the driver of a real arm must do beyond that: speak the arm's protocol from a thread of its
-// own where that can block; take `gravity` off where the arm compensates its own; keep the arm's
-// limits on torque and its rate with a margin, ramp the first torques up; fill state_time and
-// wrench_time from the arm's own stamps, so that lost packets show as age; watch joint speed and
-// the connection, and name what went wrong in fault(); damp the motion, then send zero, in stop().
+// The driver of a real arm must also:
+//   - run the arm's protocol in its own thread if it can block;
+//   - subtract `gravity` if the arm compensates gravity;
+//   - limit torque and torque rate with a margin to the arm's limits;
+//   - ramp up the first torques;
+//   - take state_time and wrench_time from the arm's time stamps, so that lost packets show as age;
+//   - monitor joint speed and the connection, and report failures in fault();
+//   - damp the motion in stop(), then send zero torque.
 #pragma once
 
 #include <limits>
@@ -51,21 +53,21 @@ struct DriverInfo {
 };
 
 struct ArmState {
-  double time = 0.0;         // of this cycle, by the driver's clock [s]
-  double state_time = 0.0;   // when q and v were measured; earlier where there is nothing newer [s]
-  JointVector q, v;          // [rad], [rad/s]
-  double wrench_time = 0.0;  // when the wrench was measured [s]
+  double time = 0.0;                 // of this cycle, by the driver's clock [s]
+  double state_time = 0.0;           // when q and v were measured; earlier than `time` if stale [s]
+  JointVector q, v;                  // [rad], [rad/s]
+  double wrench_time = 0.0;          // when the wrench was measured [s]
   Vector6 wrench = Vector6::Zero();  // as DriverInfo::wrench says [N, Nm]
-  // The control step before is not done yet in this cycle: the drives hold the last torque. The
-  // loop works out nothing, logs, and commands that torque again.
+  // The previous control step is still running in this cycle, and the drives hold the last torque.
+  // The loop skips the control law, logs, and commands the same torque again.
   bool stalled = false;
-  // How long the control step before took by the driver's clock [s]; 0 in lock-step.
+  // Duration of the previous control step by the driver's clock [s]; 0 in lock-step.
   double step_time = 0.0;
 
   explicit ArmState(int joints) : q(JointVector::Zero(joints)), v(q) {}
 };
 
-// What only a simulator knows. For the log; the controller never sees it.
+// Data known only to a simulator. For the log; the controller never sees it.
 struct GroundTruth {
   static Eigen::Vector3d no_vector() {
     return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -77,7 +79,7 @@ struct GroundTruth {
   Vector6 V_WE = Vector6::Zero();
   // Over the cycle that the last command() began.
   Eigen::Vector3d contact_force = Eigen::Vector3d::Zero();  // of the canvas on the tip, W [N]
-  // On the canvas, closest to the tip, and its outward normal there, W; NaN out of contact.
+  // The point of the canvas closest to the tip and the outward normal there, W; NaN out of contact.
   Eigen::Vector3d contact_point = no_vector(), contact_normal = no_vector();
   Eigen::Vector3d disturbance_force = Eigen::Vector3d::Zero();  // a push on the pen, W [N]
 };
@@ -88,27 +90,27 @@ class Driver {
 
   virtual DriverInfo info() const = 0;
 
-  // Throws std::runtime_error that names what is missing: no connection, another arm.
+  // Throws std::runtime_error that names the problem: no connection, wrong arm.
   virtual void start() = 0;
 
-  // The answer is the driver's own, overwritten by the next read().
+  // The result belongs to the driver and is overwritten by the next read().
   virtual const ArmState& read() noexcept = 0;
 
-  // tau: joint torque, gravity included [Nm]; gravity: how much of it holds the arm against its
-  // weight.
+  // tau: joint torque, including gravity compensation [Nm]; gravity: the part of tau that
+  // compensates the arm's weight [Nm].
   virtual void command(const JointVector& tau, const JointVector& gravity) noexcept = 0;
 
-  // Why the arm can no longer be driven, in words for a user; empty while it can. Once set it stays
-  // until start(). Looked at after every read().
+  // Why the arm can no longer be driven, as a user message; empty while it can. Stays set until
+  // start(). Checked after every read().
   virtual const std::string& fault() const noexcept = 0;
 
-  // Leaves the arm safe. May be called in any state, more than once.
+  // Leaves the arm in a safe state. May be called in any state and repeatedly.
   virtual void stop() noexcept = 0;
 
   virtual const GroundTruth* truth() const noexcept { return nullptr; }
 };
 
-// Started, and stopped whatever happens.
+// Starts a driver and stops it on destruction.
 class StartedDriver {
  public:
   explicit StartedDriver(Driver& driver) : driver_(driver) { driver_.start(); }

@@ -1,4 +1,4 @@
-// How a run ends that cannot go on: the pen leaves the surface along its normal and stays above.
+// The end of a run that cannot continue: the pen lifts off along the surface normal and stays up.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ class EmergencyLift {
       : start_(start), p_(p_WE), n_(n_W) {}
 
   bool done(double t) const { return t >= start_ + kDuration; }
-  // Minimum-jerk from rest to rest.
+  // Minimum-jerk motion from rest to rest.
   TipReference at(double t) const {
     const double s = std::clamp((t - start_) / kDuration, 0.0, 1.0);
     TipReference reference;

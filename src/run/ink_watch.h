@@ -1,6 +1,6 @@
-// Which parts of the strokes have ink, by what the arm itself knows: contact state and measured
-// force. No simulator's truth in it. A hand that lifts the pen with the force of the push reads as
-// the surface does: until the contact state has noticed, that is taken for ink.
+// Tracks which parts of the strokes have ink, from contact state and measured force. Uses no
+// simulator truth. A hand that lifts the pen with the force of the push reads like the surface and
+// counts as ink until the contact state changes.
 #pragma once
 
 #include <algorithm>
@@ -13,11 +13,10 @@ namespace impedraw {
 
 class InkWatch {
  public:
-  // What counts as a pen that writes: in contact, and where the force is measured, this much of the
-  // push [N].
+  // A pen writes if it is in contact and the force, if measured, is at least this [N].
   static double least_force(double push) { return std::max(0.3, 0.1 * push); }
 
-  // In the order in which they are drawn. `stroke` < 0: the plan is drawing none.
+  // Adds samples in drawing order. `stroke` < 0: the plan is between strokes.
   void add(int stroke, double along, bool writes) {
     if (stroke < 0 || !writes) {
       open_ = false;
@@ -30,7 +29,7 @@ class InkWatch {
     }
   }
 
-  // That have ink.
+  // The parts that have ink.
   const std::vector<StrokePart>& parts() const { return parts_; }
 
  private:

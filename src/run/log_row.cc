@@ -39,8 +39,7 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   row->tip_orientation = Eigen::Quaterniond(X_WE.R);
   row->tip_velocity = truth ? truth->V_WE : loop.terms().V_WE;
   row->desired_position = out.p_WD;
-  // The frame that the tip is asked into: −z along the desired normal, turned about it as the tip
-  // is now.
+  // The desired tip frame: −z along the desired normal, rotated about it like the current tip.
   row->desired_orientation =
       Eigen::Quaterniond::FromTwoVectors(X_WE.R.col(2), -out.n_WD) * row->tip_orientation;
   const ImpedanceSettings& control = e.control.impedance;
@@ -49,7 +48,7 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   const bool known = loop.surface().status == SurfaceStatus::ok;
   row->surface_normal = known ? loop.surface().n_W : LogRow::no_vector();
   row->surface_distance = known ? loop.surface().distance : LogRow::kNone;
-  // Blind, the stiffness is to make the push that the set-point's depth was chosen for.
+  // Blind, the stiffness and the set-point's depth produce the push.
   row->push =
       e.scene.perception ? out.push : (desired.reference.pen_down ? control.normal_force : 0.0);
   row->mode = static_cast<int>(out.mode);

@@ -1,4 +1,4 @@
-// What the loop writes into the log (log/log.h).
+// Fills the log's header and rows (log/log.h).
 #pragma once
 
 #include "impedraw/control/impedance.h"
@@ -12,13 +12,13 @@ namespace impedraw {
 
 RunLogHeader make_header(const Experiment& experiment);
 
-// Of a control step: where the arm is, and what the controller makes of it. Where nobody knows the
-// truth, the arm's own belief stands for it. Leaves time and step_time alone.
+// Fills the arm's state and the controller's output of a control step. Without ground truth, the
+// measured state and the arm model replace it. Does not set time and step_time.
 void fill_state(const Experiment& experiment, const ArmState& state, const GroundTruth* truth,
                 const PathSample& desired, const ControlLoop& loop, const ImpedanceTorque& out,
                 LogRow* row);
 
-// After the command: what then acted on the tip. Without a truth it stays unknown.
+// Fills the forces on the tip, after the command. Without ground truth they remain unknown.
 void fill_contact(const GroundTruth* truth, LogRow* row);
 
 }  // namespace impedraw

@@ -1,4 +1,4 @@
-// How far along a path the pen has come: strokes begun, and pen-down length.
+// Measures progress along a path: strokes begun and pen-down length drawn.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What a run's folder holds beside the log: metrics, pictures, report. All of it made from run.h5
-// and scenario.yaml.
+// The results in a run's folder: metrics, pictures and report, made from run.h5 and scenario.yaml.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +9,8 @@
 
 namespace impedraw {
 
-// Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5;
-// returns the metrics. The pictures look along the artwork's drawing axis.
+// Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5.
+// The pictures are views along the artwork's drawing axis. Returns the metrics.
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
                       const PlacedArtwork& artwork);
 

@@ -24,7 +24,7 @@ Resumption read_resumption(const Experiment& e, const std::filesystem::path& log
     if (row.stroke >= static_cast<int>(e.plan.strokes.size()))
       throw InputError(fmt::format("{}: has a stroke {}, the drawing only {}", log_file.string(),
                                    row.stroke, e.plan.strokes.size()));
-    // Blind, the log has no normal to tell the force along: it is taken to have written.
+    // Blind, the log has no normal to project the force on. Assume that the pen wrote.
     const double force =
         !e.scene.perception && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
     resumption.ink.add(row.stroke, row.stroke_along,

@@ -32,7 +32,7 @@ void count_status(const ControlStatus& status, double dt, std::map<std::string, 
     if (set) (*met)[name] += dt;
 }
 
-// Those of a run that goes on with an earlier one have been.
+// A resumed run has none: they occurred in the first run.
 Disturbances disturbances_of(const Experiment& e, const Resumption* resumption) {
   return resumption ? Disturbances() : Disturbances(e.scenario, e.plan.path);
 }
@@ -99,7 +99,7 @@ class Runner {
  private:
   double dt() const { return e_.control.impedance.timing.dt; }
 
-  // One control cycle, logged. False where the run is over.
+  // Runs and logs one control cycle. Returns false if the run is over.
   bool step(const PathSample& desired) {
     const double t = time(), step_time = state_->step_time;
     const auto step_start = Clock::now();
@@ -129,8 +129,8 @@ class Runner {
     return true;
   }
 
-  // Why the run cannot go on, beyond what lifting the pen could mend; empty: it can. t: of the
-  // cycle that was commanded last [s].
+  // Why the run must end without lifting the pen; empty if it can continue. t: time of the last
+  // commanded cycle [s].
   std::string lost_control(double t) {
     const bool blind_to_state = out_.status.bad_input || out_.status.stale_state;
     bad_state_ = blind_to_state ? bad_state_ + dt() : 0.0;
@@ -176,7 +176,7 @@ class Runner {
   double bad_state_ = 0.0;  // [s]
 };
 
-// A path that gives those parts ink, begun and ended in the ink beside them.
+// A path that draws the parts, overlapping the ink at both ends.
 TipPath plan_parts(const Experiment& e, const std::vector<StrokePart>& parts,
                    const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W, double hold) {
   std::vector<PlacedStroke> strokes;
@@ -186,7 +186,7 @@ TipPath plan_parts(const Experiment& e, const std::vector<StrokePart>& parts,
   return plan_from(e.plan.path_settings, e.surface(), strokes, p_WE, n_W, hold);
 }
 
-// What an earlier run left, from its last posture.
+// A path for what an earlier run left undrawn, from its last posture.
 TipPath plan_rest(Experiment& e, const Resumption& resumption) {
   const std::vector<StrokePart> parts =
       rest_of(e.plan.strokes, resumption.ink.parts(), kShortestGap);
@@ -201,7 +201,7 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force) {
   const ImpedanceSettings& control = e.control.impedance;
   const bool measured = control.wrench == WrenchFeedback::measured;
   if (measured && !(normal_force >= InkWatch::least_force(control.normal_force))) return false;
-  // Blind, the law knows no contact; without a wrench either, nobody can tell.
+  // Blind, the law has no contact state. Without a wrench too, contact is unknown.
   return !e.scene.perception || mode == ContactMode::contact;
 }
 

@@ -1,13 +1,12 @@
-// The control loop: follows an experiment's path with the arm behind a driver (driver.h), and logs
-// every step.
+// The control loop: follows an experiment's path with the arm of a driver (driver.h) and logs every
+// step.
 //
-// After the last stroke, parts that got no ink by the arm's own signals (ink_watch.h) are drawn
-// once more, and what still has none is told.
+// After the last stroke, parts without ink by the arm's own signals (ink_watch.h) are redrawn once.
+// Parts that still have no ink are reported.
 //
-// A run that cannot go on lifts the pen before it ends: interrupted, or with a controller whose
-// steps come too late. It ends at once where there is no control left: the motion went unstable, or
-// the joints' state has been bad for longer than kBadStateTime. What an interrupted run has not
-// drawn, a later one can draw (Resumption).
+// A run lifts the pen before it ends if it is interrupted or its control steps come too late. It
+// ends at once if control is lost: the motion went unstable, or the joint state has been bad for
+// longer than kBadStateTime. A later run can draw what an interrupted run left (Resumption).
 #pragma once
 
 #include <filesystem>
@@ -28,60 +27,60 @@ enum class RunEnd { finished, stopped, interrupted };
 
 struct RunProgress {
   double time;  // of the driver's clock [s]
-  int stroke;   // how many strokes of the pass were begun
+  int stroke;   // number of strokes begun in the pass
   int strokes;
-  double drawn;   // pen-down length of the pass, on the surface [m]
-  double length;  // of all of the pass [m]
-  double share;   // of the pass's time
-  bool again;     // the pass draws what got no ink in the first one
+  double drawn;   // pen-down length drawn in the pass, on the surface [m]
+  double length;  // total pen-down length of the pass [m]
+  double share;   // fraction of the pass's time
+  bool again;     // the pass redraws what got no ink in the first pass
 };
 
 struct RunHooks {
   std::function<void(const RunProgress&)> progress;  // called every ten control steps
-  std::function<bool()> interrupted;                 // looked at as often
+  std::function<bool()> interrupted;                 // polled as often
 };
 
 inline constexpr double kBadStateTime = 0.2;  // [s]
-inline constexpr double kShortestGap = 1e-3;  // a shorter one is none [m]
-// what is drawn again begins and ends that much inside of the ink [m]
+inline constexpr double kShortestGap = 1e-3;  // shorter gaps are ignored [m]
+// Overlap of a redrawn part with the ink at each end [m].
 inline constexpr double kRedrawOverlap = 1e-3;
 
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
   std::string cause;       // of a stop
   double simulated = 0.0;  // of the driver's clock [s]
-  std::map<std::string, double>
-      met;  // how long the controller said what of itself: a limit met, an input that was bad [s]
+  // Duration of each controller status: limits met, bad inputs [s].
+  std::map<std::string, double> met;
   SolverCutoffs cutoffs;                // of the simulated contact
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
-  std::vector<StrokePart>
-      lacking;  // have none now; without those that an interrupted run never came to
+  // Have no ink at the end of a finished run.
+  std::vector<StrokePart> lacking;
   WallTimes wall;
 };
 
-// What an earlier run into the same log left: the run goes on from there.
+// The state in which an earlier run left the log. The run continues from it.
 struct Resumption {
-  InkWatch ink;       // of its rows
-  JointVector q;      // its last posture [rad]
-  double time = 0.0;  // the first that is free [s]
+  InkWatch ink;       // from the log's rows
+  JointVector q;      // last posture [rad]
+  double time = 0.0;  // first free time in the log [s]
 };
 
-// The log's; InputError where it is none.
+// Reads the state from a log. Throws InputError if the log cannot be continued.
 Resumption read_resumption(const Experiment& experiment, const std::filesystem::path& log_file);
 
-// Whether the pen writes, by what the arm itself knows (ink_watch.h): contact state, and measured
-// force along the estimated normal [N].
+// Returns true if the pen writes, by contact state and measured force along the estimated normal
+// [N] (ink_watch.h).
 bool writes(const Experiment& experiment, ContactMode mode, double normal_force);
 
-// Drives the arm from where it stands: at the beginning of the plan's path, or for a resumption at
-// its last posture. Streams to `log_file`. Throws LogError when the log cannot be written,
-// InputError for a driver of another arm, whatever Driver::start() throws. start_up: wall seconds
-// already spent [s].
+// Runs the experiment. The arm must be at the beginning of the plan's path, or at the last posture
+// of a resumption. Streams to `log_file`. start_up: wall time already spent [s]. Throws LogError if
+// the log cannot be written, InputError if the driver does not match the arm, and what
+// Driver::start() throws.
 RunOutcome run(Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 
-// The same with the simulated arm, which starts where the path does. Pushes and faults of the
-// scenario come in the first run, not in one that goes on with it.
+// The same with the simulated arm, which starts at the required posture. The scenario's pushes and
+// faults occur in the first run only, not in a resumed one.
 RunOutcome run(Experiment& experiment, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 

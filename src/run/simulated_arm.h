@@ -1,5 +1,5 @@
 // The simulated world as a driver, in lock-step: the arm with its true masses and drives, its pen
-// on the true canvas, the wrench sensor, and what the scenario does to them (disturbances.h).
+// on the true canvas, the wrench sensor, and the scenario's disturbances (disturbances.h).
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ class SimulatedArm : public Driver {
   void start() override;
   const ArmState& read() noexcept override;
   void command(const JointVector& tau, const JointVector& gravity) noexcept override;
-  // The motion went unstable: not finite, or a joint faster than any such arm can turn.
+  // Set when the motion becomes unstable: not finite, or faster than any such arm can move.
   const std::string& fault() const noexcept override { return fault_; }
   void stop() noexcept override {}
   const GroundTruth* truth() const noexcept override { return &truth_; }
@@ -45,7 +45,7 @@ class SimulatedArm : public Driver {
   std::optional<WrenchSensor> sensor_;
   ArmState state_;
   GroundTruth truth_;
-  Vector6 tip_wrench_ = Vector6::Zero();  // true, over the last step, at E where the tip was
+  Vector6 tip_wrench_ = Vector6::Zero();  // true, over the last step, at the previous E
   double stalled_ = 0.0;                  // [s]
   std::string fault_;
 };

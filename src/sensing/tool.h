@@ -1,16 +1,15 @@
-// What a force-torque sensor between flange and pen reads because of the tool that hangs on it.
+// Wrench that the tool causes in a force-torque sensor between flange and pen.
 //
 // Law       f = m g       − m (a + α × c)               − m ω × (ω × c)
 //           τ = c × m g   − c × m (a + α × c) − I α     − c × m ω × (ω × c) − ω × (I ω)
 //               weight      inertia                       coriolis
 // all in the axes of S, τ about the origin of S, c = p_SC; a, ω, α: acceleration of S's origin,
-// angular velocity and acceleration. With all three it is weight − rate of the tool's momentum: the
-// sensor's sign is that of a wrench of the environment on the tool. The tool is everything on the
-// sensor's far side, half of the sensor itself included: tool_identification.h finds it.
-// Needs     R_WS a rotation, and a tool that check_tool() passes; tool_wrench() itself checks
-//           nothing.
-// Source    Newton's and Euler's equations of one rigid body, moments taken about S's origin
-//           instead of C.
+// angular velocity and angular acceleration. The three terms sum to the weight minus the rate of
+// the tool's momentum. A wrench of the environment on the tool reads positive. The tool is
+// everything on the far side of the sensor, including half of the sensor itself:
+// tool_identification.h identifies it.
+// Requires  R_WS a rotation, and a tool that passes check_tool(). tool_wrench() checks nothing.
+// Source    Newton-Euler equations of one rigid body, moments about S's origin instead of C.
 #pragma once
 
 #include "impedraw/common/pose.h"
@@ -31,7 +30,7 @@ struct ToolMotion {
   Vector6 A_WS = Vector6::Zero();
 };
 
-// Which terms count.
+// Terms included in tool_wrench().
 struct ToolRemoval {
   bool weight = true;
   bool inertia = true;
@@ -42,8 +41,8 @@ struct ToolRemoval {
 Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion, const Eigen::Vector3d& gravity_W,
                     const ToolRemoval& removal = {}) noexcept;
 
-// At set-up. Throws InputError naming what is wrong, its value and what would be valid, unless
-// mass, centre and inertia are finite and those of some rigid body, point masses included.
+// Checks at set-up that mass, centre and inertia are finite and physically possible; point masses
+// are allowed. Throws InputError naming the fault, its value and what is valid.
 void check_tool(const Tool& tool);
 
 }  // namespace impedraw

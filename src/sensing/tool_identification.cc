@@ -12,10 +12,10 @@ namespace impedraw {
 namespace {
 
 struct LeastSquares {
-  Eigen::VectorXd x, unit_error;  // solution, and its standard error for residuals of 1
+  Eigen::VectorXd x, unit_error;  // solution and its standard error for unit residuals
   double residual;                // √(Σ r²/(rows − columns))
   double condition;
-  Eigen::VectorXd weakest;  // unit direction of x that A determines least
+  Eigen::VectorXd weakest;  // unit direction of x that A determines worst
 };
 
 LeastSquares solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
@@ -59,8 +59,8 @@ ToolIdentification identify_tool(const std::vector<StaticReading>& poses,
   check(poses, gravity_W);
   const Eigen::Index rows = 3 * static_cast<Eigen::Index>(poses.size());
   const double g = gravity_W.norm();
-  // Unknowns (m g, b_f) and (g h, b_m), so that the columns are of one size and the condition says
-  // something.
+  // Unknowns (m g, b_f) and (g h, b_m): columns of equal scale make the condition number
+  // meaningful.
   Eigen::MatrixXd A_force(rows, 4), A_torque(rows, 6);
   Eigen::VectorXd f(rows), m(rows);
   for (std::size_t k = 0; k < poses.size(); ++k) {

@@ -102,7 +102,7 @@ ToolMotion WrenchEstimator::motion_of_reading() const noexcept {
   const Motion& end = motions_[(newest_ + 2) % motions_kept_];
   ToolMotion motion;
   motion.X_WS.p = 0.5 * (start.X_WS.p + end.X_WS.p);
-  // short of a rotation by (ωΔt)²/8: 1e-5 at 10 rad/s
+  // deviates from a rotation by (ωΔt)²/8: 1e-5 at 10 rad/s
   motion.X_WS.R = 0.5 * (start.X_WS.R + end.X_WS.R);
   motion.V_WS = 0.5 * (start.V_WS + end.V_WS);
   motion.A_WS = (end.V_WS - start.V_WS) / settings_.dt;

@@ -1,23 +1,23 @@
-// Wrench of the environment on the pen tip, from the readings of a force-torque sensor between
-// flange and pen.
+// Estimates the wrench of the environment on the pen tip from the readings of a force-torque sensor
+// between flange and pen.
 //
 // Reading   [f; m]_S = wrench of the environment on the tool + tool_wrench (tool.h) + bias,
 //           in the axes of S, m about S's origin, mean over the step that ended `sensor_delay` ago
 // Law       u_S   = filter( reading_S − tool_wrench_S − bias_S )
 //           F_ext = [ R_WS f_u ; R_WS (m_u − p_SE × f_u) ]
 //           at the origin of E, in the axes of W [N, Nm]
-// Motion    That of the tool over the reading's step: A_WS = ΔV_WS/Δt, pose and velocity the mean
-//           of both ends. Error second order in Δt. R_WS too is that step's: a force that stands
-//           still in W is not turned with the tool.
+// Motion    The tool's motion over the reading's step: A_WS = ΔV_WS/Δt, with pose and velocity the
+//           mean of both ends. The error is of second order in Δt. R_WS is from the same step, so
+//           that a force constant in W does not rotate with the tool.
 // Filter    1/(1 + s/ω)², critically damped, ω = `filter_bandwidth`, discretised by the trapezoidal
 //           rule. At frequency f: phase −2 atan(2πf/ω), gain 1/(1 + (2πf/ω)²), which is one half
-//           at ω and −3 dB at 0.64 ω. Delay 2/ω at low frequency, exactly. White noise comes out
-//           with √(ωΔt/4) of its standard deviation (ωΔt ≪ 1).
-// Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of unbroken rest. Nothing may
-//           touch the tool meanwhile; that cannot be seen from here. A term left out by `removal`
-//           is in the bias as it is at rest.
-// Needs     update() once a step, from the first on; R_WE a rotation; a reading of which
-//           `sensor_delay` is true.
+//           at ω and −3 dB at 0.64 ω. The low-frequency delay is exactly 2/ω. White noise is
+//           reduced to √(ωΔt/4) of its standard deviation (ωΔt ≪ 1).
+// Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of uninterrupted rest.
+//           Nothing may touch the tool meanwhile; the estimator cannot detect this. The bias
+//           includes the value at rest of any term that `removal` omits.
+// Requires  one update() per step, from the first step on; R_WE a rotation; readings that are
+//           `sensor_delay` old.
 #pragma once
 
 #include <array>
@@ -30,10 +30,10 @@ namespace impedraw {
 struct WrenchEstimatorSettings {
   double dt = 1e-3;  // step [s]
   Tool tool;
-  ToolRemoval removal;                         // what of the tool is taken out of the reading
+  ToolRemoval removal;                         // tool terms subtracted from the reading
   Pose X_ES;                                   // sensor frame in the tip's frame
   Eigen::Vector3d gravity_W{0.0, 0.0, -9.81};  // [m/s²]
-  double sensor_delay = 0.0;      // age of a reading when it is handed in; taken in whole steps [s]
+  double sensor_delay = 0.0;      // age of a reading when passed in, rounded to whole steps [s]
   double filter_bandwidth = 0.0;  // ω, below 2/Δt; 0: no filter [rad/s]
   double tare_time = 0.4;         // [s]
   // The tool is at rest below both: speed of the tip [m/s], angular speed [rad/s].
@@ -50,24 +50,25 @@ class WrenchEstimator {
   // Throws InputError naming the setting, its value and what would be valid.
   explicit WrenchEstimator(const WrenchEstimatorSettings& settings);
 
-  // One step: the newest reading, and pose and velocity [v; ω] of the tip now. Returns F_ext: zero
-  // until tared, that of the step before at a fault. Allocates nothing.
+  // Updates one step with the newest reading and the tip's current pose and velocity [v; ω].
+  // Returns F_ext: zero until tared, and the previous value after a fault. Allocates nothing.
   const Vector6& update(const Vector6& reading_S, const Pose& X_WE, const Vector6& V_WE) noexcept;
 
-  // Begins to tare, at set-up done by itself. The old bias holds until the new one is there.
+  // Starts a tare; the constructor also starts one. The old bias is used until the new one is
+  // complete.
   void start_tare() noexcept;
 
   const Vector6& F_ext() const { return F_ext_; }
-  bool tared() const { return tared_; }            // there is a bias
-  bool taring() const { return taring_; }          // a new one is being taken
+  bool tared() const { return tared_; }            // a bias is available
+  bool taring() const { return taring_; }          // a tare is in progress
   const Vector6& bias() const { return bias_S_; }  // [N, Nm]
 
-  // The last update had no use of its reading: not finite or at the sensor's range, or a motion
-  // that was not finite less than sensor_delay and two steps ago. A tare starts afresh.
+  // The last update rejected its reading: it was not finite or at the sensor's range, or a motion
+  // less than sensor_delay and two steps ago was not finite. A tare in progress restarts.
   bool fault() const { return fault_; }
 
-  // Age of F_ext: sensor_delay + 2/ω, at low frequency [s]. A reading that is a mean over its step
-  // is half a step older.
+  // Age of F_ext at low frequency: sensor_delay + 2/ω [s]. Add half a step if readings are means
+  // over a step.
   double group_delay() const;
 
  private:
@@ -87,7 +88,7 @@ class WrenchEstimator {
   double filter_gain_;  // ωΔt/(2 + ωΔt)
   int tare_length_;     // [steps]
 
-  // a ring of motions_kept_: both ends of the reading's step, and all since
+  // ring buffer of motions_kept_ entries, from the start of the reading's step until now
   std::array<Motion, kMaxDelaySteps + 2> motions_;
   int motions_kept_, newest_ = 0, known_ = 0;
 

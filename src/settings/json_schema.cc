@@ -10,7 +10,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json number(double x) {
-  // 1 rather than 1.0, as a person would write it.
+  // Writes 1 rather than 1.0, as a person would.
   if (x == std::floor(x) && std::abs(x) < 1e15) return static_cast<std::int64_t>(x);
   return x;
 }
@@ -29,7 +29,7 @@ void put_range(Json& json, const Range& range) {
     json[range.below ? "exclusiveMaximum" : "maximum"] = number(range.highest);
 }
 
-// YAML reads `true` as a truth value; the program takes the word.
+// YAML reads `true` as a boolean; the program accepts it as a word.
 Json words(const std::vector<std::string>& texts) {
   Json json = Json::array();
   for (const std::string& text : texts) {
@@ -69,7 +69,7 @@ Json schema_of(const Setting& setting);
 
 Json object(const Group& group) {
   Json json;
-  json["type"] = {"object", "null"};  // `push:` with nothing beneath it
+  json["type"] = {"object", "null"};  // `push:` without content
   json["properties"] = Json::object();
   for (const Setting& field : group.fields) json["properties"][field.name] = schema_of(field);
   for (const Setting& field : group.fields) {
@@ -84,7 +84,7 @@ Json object(const Group& group) {
   return json;
 }
 
-// Valid as null, too.
+// Also accepts null.
 Json nullable(Json json) {
   if (!json.contains("type")) return {{"anyOf", {json, {{"type", "null"}}}}};
   if (!json["type"].is_array()) json["type"] = Json::array({json["type"]});

@@ -1,6 +1,6 @@
-// A description as a JSON Schema (draft 2020-12), with which editors complete and check a scenario.
-// Former names and words are in it, marked as deprecated. What only the program checks: numbers
-// given twice, files that exist, settings that do not go together.
+// Writes a settings description as a JSON Schema (draft 2020-12), with which editors complete and
+// check a scenario. Former names and words are included and marked as deprecated. Only the program
+// checks numbers given twice, whether files exist, and settings that do not go together.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-// `settings` must be bound to defaults; it is left as it was. Ends with a line feed.
+// `settings` must be bound to defaults and is left unchanged. The text ends with a line feed.
 std::string json_schema(const Group& settings, const std::string& title);
 
 template <Described T>

@@ -4,7 +4,7 @@ namespace impedraw {
 
 namespace {
 
-// No text is wrong for a string, whatever stands in it.
+// A string accepts every text.
 Scalar word(std::string& value) {
   auto take = [&value](std::string_view text) {
     return value = text, std::optional<std::string>();

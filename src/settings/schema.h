@@ -1,18 +1,24 @@
-// Settings described once: from one description of a struct come its YAML reader, --set, the
-// resolved YAML and the documentation.
+// Describes settings once. One description of a struct yields its YAML reader, --set, the resolved
+// YAML and the documentation.
 //
 //   enum class Sensor { none, truth };
-//   struct PushSettings  { double force = 5; Sensor sensor = Sensor::none; std::optional<double>
-//                        stop_at; };
-//   struct Scenario      { PushSettings push; std::vector<CameraSettings> cameras;
-//                        std::filesystem::path svg; };
+//   struct PushSettings {
+//     double force = 5;
+//     Sensor sensor = Sensor::none;
+//     std::optional<double> stop_at;
+//   };
+//   struct Scenario {
+//     PushSettings push;
+//     std::vector<CameraSettings> cameras;
+//     std::filesystem::path svg;
+//   };
 //
 //   void describe(Fields& f, PushSettings& s) {
-//     f.field("force", s.force, Range{0, 50}, "N", "normal force asked for");
-//     f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}}, "where the
-//     wrench comes from");
-//     f.field("stop_at", s.stop_at, Range::at_least(0), "s", "end of the run; absent: when the
-//     drawing is done");
+//     f.field("force", s.force, Range{0, 50}, "N", "desired normal force");
+//     f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}},
+//              "source of the wrench");
+//     f.field("stop_at", s.stop_at, Range::at_least(0), "s",
+//             "end of the run; absent: when the drawing is done");
 //   }
 //   void describe(Fields& f, Scenario& s) {
 //     f.field("push", s.push, "the push along the normal");
@@ -20,19 +26,18 @@
 //     f.field("svg", s.svg, "artwork");
 //   }
 //
-// describe() stands in the struct's own namespace. The struct's initialisers are the one set of
-// defaults. A field is
-//   numbers, with a Range and a unit ("" where there is none): double, any integer,
-//   Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of the
-//     length that its default has), and std::optional or std::vector of a number; limits hold for
-//     every component, NaN and inf never pass;
+// describe() belongs to the struct's namespace. The struct's initialisers are the only defaults. A
+// field is one of
+//   a number with a Range and a unit ("" if it has none): double, any integer,
+//     Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of its default's length), or std::optional or
+//     std::vector of a number. Limits apply to every component; NaN and inf are never valid;
 //   bool, std::string, std::filesystem::path;
 //   choice(): an enum, written by name;
-//   a struct with a describe() of its own, std::optional of one, std::vector of them.
-// A setting or a word of a choice that is renamed keeps its old name as an alias:
+//   a struct with its own describe(), or std::optional or std::vector of one.
+// A renamed setting or word of a choice keeps its old name as an alias:
 //   f.field("normal_force", s.force, ...);  f.formerly("push");
 //   f.choice("sensor", s.sensor, ...);      f.formerly("true", "ground_truth");
-// A path in a file is relative to that file's folder, in --set to the working directory; an empty
+// A path in a file is relative to the file's folder; in --set, to the working directory. An empty
 // path stays empty.
 #pragma once
 
@@ -57,19 +62,18 @@ namespace impedraw {
 struct Setting;
 class Fields;
 
-// What a setting can be. Each alternative reaches into the object that was described, which must
-// outlive it.
+// The kinds of setting. Each alternative refers into the described object, which must outlive it.
 
-// One word or number. take() stores the text's value, or leaves the value alone and returns what is
-// wrong ("is not a number").
+// One word or number. take() stores the text's value, or leaves the value unchanged and returns the
+// fault ("is not a number").
 struct Scalar {
   std::function<std::optional<std::string>(std::string_view text)> take;
   std::function<std::string()> text;
   std::string type;  // for the documentation: "number", "none | true"
-  // Text and paths are quoted where YAML needs it; a path is made absolute.
+  // Text and paths are quoted if YAML requires it; paths are made absolute.
   enum class Kind { word, text, path } kind = Kind::word;
-  std::vector<std::string> words{};  // of a choice: all that is valid
-  // What a word of a choice was called before, and what it is called now.
+  std::vector<std::string> words{};  // the valid words of a choice
+  // Former and current names of a choice's words.
   std::vector<std::pair<std::string, std::string>> former_words{};
 };
 
@@ -86,16 +90,16 @@ struct Group {  // a nested struct
 
 struct Optional {
   std::function<bool()> engaged;
-  std::function<void(bool)> engage;  // true: holds a default value, unless it holds one already
-  std::function<Setting()> value;    // call only while engaged
+  std::function<void(bool)> engage;  // true: emplaces a default value if there is none
+  std::function<Setting()> value;    // call only if engaged
 };
 
 struct List {
   std::function<std::size_t()> size;
   std::function<void(std::size_t)> resize;  // new elements have their defaults
   std::function<Setting(std::size_t)> element;
-  std::function<std::pair<std::shared_ptr<void>, Setting>()>
-      sample;  // a default element, for the documentation
+  // a default element, for the documentation
+  std::function<std::pair<std::shared_ptr<void>, Setting>()> sample;
 };
 
 struct Setting {
@@ -104,7 +108,8 @@ struct Setting {
   std::string unit;
   Range range = Range::any();
   std::variant<Scalar, Numbers, Group, Optional, List> value;
-  std::vector<std::string> former_names{};  // still read, with a note that says what it is now
+  // still accepted, with a note that gives the current name
+  std::vector<std::string> former_names{};
 };
 
 template <class T>
@@ -115,11 +120,11 @@ concept Described = requires(Fields& f, T& t) {
 template <class T>
 concept Number = std::is_same_v<T, double> ||(std::is_integral_v<T> && !std::is_same_v<T, bool>);
 
-// An enum's values by name. No part in finding E, so that a plain brace list will do.
+// An enum's values by name. A non-deduced context for E, so that a plain brace list works.
 template <class E>
 using Names = std::type_identity_t<std::initializer_list<std::pair<std::string_view, E>>>;
 
-// Collects what describe() tells.
+// Collects the settings that describe() declares.
 class Fields {
  public:
   template <Number T>
@@ -172,7 +177,7 @@ class Fields {
     add(std::move(name), std::move(help), "", Range::any(), list(value, element));
   }
 
-  // What the setting described last, or a word of that choice, was called before.
+  // Adds a former name of the last setting, or of a word of that choice.
   void formerly(std::string name) { settings_.back().former_names.push_back(std::move(name)); }
   void formerly(std::string word, std::string now) {
     std::get<Scalar>(settings_.back().value)

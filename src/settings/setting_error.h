@@ -1,4 +1,4 @@
-// Says where the setting was given that an error is about.
+// Attaches a setting's source location to an error.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ class SettingErrors {
  public:
   explicit SettingErrors(const Places& places) : places_(places) {}
 
-  // Throws `what`, opened by the place of the first of `names` that anybody gave ("x.yaml:3: ...");
-  // as it is where all have their defaults.
+  // Throws InputError with `what`, preceded by the location of the first of `names` that was given
+  // ("x.yaml:3: ..."). If all have their defaults, throws `what` alone.
   [[noreturn]] void raise(const std::vector<std::string>& names, const std::string& what) const {
     for (const std::string& name : names) {
       const std::string place = places_.of(name);
@@ -24,7 +24,7 @@ class SettingErrors {
     throw InputError(what);
   }
 
-  // What step() returns; its InputErrors as above.
+  // Returns step(); raises its InputErrors as above.
   template <class Step>
   decltype(auto) locate(const std::vector<std::string>& names, Step&& step) const {
     try {

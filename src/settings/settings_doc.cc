@@ -131,7 +131,7 @@ std::string rows_text(const std::vector<SettingRow>& rows) {
                           r.initial.empty() ? "" : " (" + r.initial + ")");
       continue;
     }
-    const std::string unit = r.unit.empty() ? "" : " of " + r.unit;  // which limits name already
+    const std::string unit = r.unit.empty() ? "" : " of " + r.unit;  // limits already contain it
     text += fmt::format("{:<{}}  {} [{}{}; default {}]\n", r.name, width, r.help, r.type,
                         r.limits.empty() ? unit : ", " + r.limits,
                         r.initial.empty() ? "empty" : r.initial);

@@ -1,4 +1,4 @@
-// What can be set, for docs/settings.md and the settings command: from the same description that
+// Lists all settings for docs/settings.md and the settings command, from the description that also
 // reads them.
 #pragma once
 
@@ -19,10 +19,10 @@ struct SettingRow {
   bool group = false;  // a heading: a struct or a list of them
 };
 
-// In the order of the description. `settings` must be bound to defaults; it is left as it was.
+// In the description's order. `settings` must be bound to defaults and is left unchanged.
 std::vector<SettingRow> setting_rows(const Group& settings);
 
-// What has another name than before: a setting, or "control.wrench: true", a word of a choice.
+// A renamed setting, or a renamed word of a choice ("control.wrench: true").
 struct RenamedSetting {
   std::string former;
   std::string now;
@@ -30,7 +30,7 @@ struct RenamedSetting {
 std::vector<RenamedSetting> renamed_settings(const Group& settings);
 
 std::string rows_markdown(const std::vector<SettingRow>& rows);
-std::string rows_text(const std::vector<SettingRow>& rows);  // for a terminal, one setting a line
+std::string rows_text(const std::vector<SettingRow>& rows);  // for a terminal, one setting per line
 
 template <Described T>
 std::string settings_markdown() {

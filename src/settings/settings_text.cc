@@ -15,7 +15,7 @@ std::string outside(const std::string& number, const Range& range, std::string_v
   return fmt::format("is {}, allowed is {}", with_unit(number, unit), range_text(range, unit));
 }
 
-// std::from_chars knows no leading plus.
+// std::from_chars does not accept a leading plus.
 std::string_view without_plus(std::string_view text) {
   return text.size() > 1 && text[0] == '+' && text[1] != '-' ? text.substr(1) : text;
 }
@@ -45,7 +45,7 @@ std::optional<std::string> parse_integer(std::string_view text, const Range& ran
   return std::nullopt;
 }
 
-// YAML reads these words as something else than text, or an optional setting would.
+// YAML, or an optional setting, does not read these words as text.
 bool has_another_meaning(std::string_view text) {
   return text == "null" || text == "Null" || text == "NULL" || text == "true" || text == "false";
 }
@@ -112,7 +112,7 @@ std::optional<std::string> nearest_word(std::string_view word,
                                         const std::vector<std::string>& valid) {
   std::optional<std::string> nearest;
   int best = 0;
-  if (word.size() > 100) return nearest;  // nobody's slip of the finger
+  if (word.size() > 100) return nearest;  // too long for a typing error
   const auto same_letter = [](unsigned char a, unsigned char b) {
     return std::tolower(a) == std::tolower(b);
   };
@@ -121,7 +121,7 @@ std::optional<std::string> nearest_word(std::string_view word,
       return candidate;
   for (const std::string& candidate : valid) {
     int distance = edit_distance(word, candidate);
-    // A word cut short or with a tail is as near as a slip: frict for friction, force_n for force.
+    // A truncated or extended word is as close as a typo: frict for friction, force_n for force.
     const std::string_view shorter =
         word.size() < candidate.size() ? word : std::string_view(candidate);
     const std::string_view longer =
@@ -144,7 +144,7 @@ std::string shown(std::string_view text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   if (text.size() > longest) {
     while (!line.empty() && (static_cast<unsigned char>(line.back()) & 0xc0) == 0x80)
-      line.pop_back();  // no half of a UTF-8 letter
+      line.pop_back();  // never split a UTF-8 character
     if (!line.empty() && static_cast<unsigned char>(line.back()) >= 0xc0) line.pop_back();
     line += "…";
   }

@@ -1,4 +1,4 @@
-// Settings as text: numbers, limits, and the words of errors about them.
+// Converts settings to and from text, and words the errors about them.
 #pragma once
 
 #include <charconv>
@@ -15,7 +15,7 @@
 
 namespace impedraw {
 
-// Shortest text that reads back as the very same number.
+// Shortest text that reads back as exactly the same number.
 std::string number_text(double x);
 std::string number_text(std::int64_t x);
 std::string number_text(std::uint64_t x);
@@ -25,8 +25,8 @@ requires std::is_integral_v<T> std::string number_text(T x) {
       static_cast<std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>>(x));
 }
 
-// Stores the text's number, or leaves value alone and returns what is wrong with it, to stand after
-// the setting's name: "is 70 N, allowed is 0 to 50 N".
+// Stores the text's number, or leaves `value` unchanged and returns the fault, worded to follow the
+// setting's name: "is 70 N, allowed is 0 to 50 N".
 std::optional<std::string> parse_number(std::string_view text, const Range& range,
                                         std::string_view unit, double& value);
 std::optional<std::string> parse_number(std::string_view text, const Range& range,
@@ -49,23 +49,24 @@ requires std::is_integral_v<T> std::optional<std::string> parse_number(std::stri
   return std::nullopt;
 }
 
-// Smallest number of letters to insert, delete, replace or swap with a neighbour (optimal string
-// alignment) that makes a into b.
+// Optimal string alignment distance: the least number of letters to insert, delete, replace or swap
+// with a neighbour to turn a into b.
 int edit_distance(std::string_view a, std::string_view b);
 
-// The valid word that `word` was most likely meant to be; none when all are too far off.
+// The valid word closest to `word`; nullopt if none is close enough.
 std::optional<std::string> nearest_word(std::string_view word,
                                         const std::vector<std::string>& valid);
 
-// "is 'treu'; did you mean 'true'? Valid: none, true" (valid words always, as a choice has few)
+// "is 'treu'; did you mean 'true'? Valid: none, true" (always lists the valid words, since a choice
+// has few)
 std::string not_among(std::string_view word, const std::vector<std::string>& valid);
 
-// The text on one line and of at most 60 characters, to be shown in an error.
+// The text on one line, shortened to 60 characters, for an error message.
 std::string shown(std::string_view text);
 
 std::string joined(const std::vector<std::string>& words);  // "a, b, c"
 
-// As YAML, quoted only where that is needed.
+// As YAML, quoted only if necessary.
 std::string yaml_string(std::string_view text);
 
 }  // namespace impedraw

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t largest_file = 1 << 20;  // bytes; beyond it somebody named the wrong file
+constexpr std::size_t largest_file = 1 << 20;  // bytes; anything larger is the wrong file
 
 [[noreturn]] void wrong(const std::string& place, const std::string& what) {
   throw InputError(place + ": " + what);
@@ -39,7 +39,7 @@ bool is_called(const Setting& field, const std::string& name) {
   return field.name == name || std::find(former.begin(), former.end(), name) != former.end();
 }
 
-// By its name or a former one; the end where there is none.
+// Finds a field by its current or a former name; the end iterator if there is none.
 auto find_field(const Group& group, const std::string& key) {
   return std::find_if(group.fields.begin(), group.fields.end(),
                       [&](const Setting& f) { return is_called(f, key); });
@@ -58,7 +58,7 @@ std::string unknown_key(std::string_view key, const std::string& name, const Gro
   return fmt::format("unknown key '{}'{}; {}", shown(key), name.empty() ? "" : " in " + name, hint);
 }
 
-// An index below size, or nothing.
+// An index below size, or nullopt.
 std::optional<std::size_t> index(std::string_view text, std::size_t size) {
   std::size_t i = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), i);
@@ -66,7 +66,7 @@ std::optional<std::size_t> index(std::string_view text, std::size_t size) {
   return i;
 }
 
-// Takes nodes of one file or one assignment into settings.
+// Reads the nodes of one file or one assignment into settings.
 class Reader {
  public:
   Reader(std::string source, bool has_lines, fs::path folder, Places& places)
@@ -81,7 +81,7 @@ class Reader {
   }
 
   void read(const YAML::Node& node, int line, const Group& group, const std::string& name) {
-    if (node.IsNull()) return;  // `push:` with nothing beneath it
+    if (node.IsNull()) return;  // `push:` without content
     if (!node.IsMap()) {
       wrong(place(line), fmt::format("{} must hold settings of its own: {}",
                                      name.empty() ? "a scenario" : name, joined(names_of(group))));
@@ -100,7 +100,7 @@ class Reader {
                                            now == key ? "" : ", here by its former name " + key));
       if (name.empty() && key == "extends" && has_lines_) continue;
       if (field == group.fields.end()) wrong(place(key_line), unknown_key(key, name, group));
-      // An error speaks of the setting by the name that was given.
+      // Errors use the name that was given.
       read(pair.second, key_line, *field, below(name, key));
       if (now != key) places_.rename(below(name, key), below(name, now), place(key_line));
     }
@@ -195,7 +195,7 @@ std::string content(const fs::path& file, const std::string& asked_by) {
   return text;
 }
 
-// Notes where a document starts, and passes over what it holds.
+// Records where a document starts and skips its content.
 struct DocumentStart : YAML::EventHandler {
   YAML::Mark mark = YAML::Mark::null_mark();
 
@@ -213,8 +213,8 @@ struct DocumentStart : YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-// Not by YAML::LoadAll: of a text that begins with a comma the parser takes nothing, and finds one
-// empty document after the other there without end.
+// Does not use YAML::LoadAll: in a text that begins with a comma its parser consumes nothing and
+// returns empty documents endlessly.
 void require_one_document(const std::string& text, const std::string& name) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -287,7 +287,7 @@ void Places::rename(const std::string& given, const std::string& now, const std:
 }
 
 void Places::note(const std::string& given, const std::string& now, const std::string& place) {
-  std::string former = given;  // less its indices: a list's first element speaks for all
+  std::string former = given;  // without indices: one note covers all elements of a list
   std::erase_if(former, [](char c) { return c >= '0' && c <= '9'; });
   notes_.emplace(former, fmt::format("{}: {} is now called {}", place, given, now));
 }
@@ -317,7 +317,7 @@ void read_assignment(const std::string& assignment, const Group& settings, Place
   Reader reader(source, false, ".", places);
 
   Setting setting{"", "", "", Range::any(), settings};
-  std::string name, now;  // as given, and as it is called now
+  std::string name, now;  // as given, and its current name
   for (std::size_t from = 0; from <= path.size();) {
     const std::size_t dot = std::min(path.find('.', from), path.size());
     const std::string key = path.substr(from, dot - from);

@@ -1,17 +1,17 @@
-// Settings from YAML files and from the command line, strictly: nothing unknown, nothing twice,
-// nothing out of range.
+// Reads settings from YAML files and the command line. Rejects unknown names, duplicates and values
+// out of range.
 //
-//   scenarios/bowl-m.yaml          extends: bowl-sine.yaml      # first everything of that file,
-//   relative to this one's folder
-//                                  drawing: {shape: M}          # then what differs
+// scenarios/bowl-m.yaml:
+//   extends: bowl-sine.yaml      # all settings of that file, relative to this one's folder
+//   drawing: {shape: M}          # then the differences
 //
-// Maps are merged key by key; lists replace as a whole; null makes an optional setting absent. A
-// file need not name every setting: what it leaves out keeps the value that the object had.
-// `extends` stands at the top level only, and may go on over several files.
+// Maps are merged key by key; lists are replaced as a whole; null makes an optional setting absent.
+// Settings that a file omits keep the object's value. `extends` is allowed at the top level only
+// and may chain over several files.
 //
-// A former name of a setting is read as the setting; Places::notes() says what it is called now.
+// A setting may be given by its former name; Places::notes() then gives the current one.
 //
-// Every error is an InputError of one line, which opens with where it stands:
+// Every error is a one-line InputError that begins with its location:
 //   scenarios/bowl-m.yaml:12: unknown key 'frce' in push; did you mean 'force'?
 //   scenarios/bowl-m.yaml:12: push.force is 70 N, allowed is 0 to 50 N
 //   --set push.force=abc: push.force is 'abc', which is not a number (of N)
@@ -26,20 +26,20 @@
 
 namespace impedraw {
 
-// Where each setting that was given got its value: "push.force" → "scenarios/bowl-m.yaml:12" or
-// "--set push.force=3". What stands in no entry has its default. For errors that show only later,
-// when settings are seen together.
+// The source of each given setting: "push.force" → "scenarios/bowl-m.yaml:12" or
+// "--set push.force=3". Settings without an entry have their defaults. Used for errors that only
+// show up later, when settings are checked together.
 class Places {
  public:
-  // The place of the setting or of what lies around or in it, "default of push.force" when nobody
-  // gave it.
+  // The place of the setting, or of a setting that contains it or that it contains; "default of
+  // push.force" if none was given.
   std::string of(const std::string& setting) const;
   void put(const std::string& setting, std::string place) { places_[setting] = std::move(place); }
-  void forget(const std::string& setting);  // with all that lies in it
+  void forget(const std::string& setting);  // with all that it contains
 
-  // A setting, with all that lies in it, that was given at `place` by a former name.
+  // Renames a setting, with all that it contains, that was given at `place` by a former name.
   void rename(const std::string& given, const std::string& now, const std::string& place);
-  // By former name, a line for the user about the first place where it was given:
+  // Adds a note for the user, keyed by former name, about the first place where it was given:
   //   x.yaml:3: control.push is now called control.normal_force
   void note(const std::string& given, const std::string& now, const std::string& place);
   const std::map<std::string, std::string>& notes() const { return notes_; }
@@ -50,19 +50,21 @@ class Places {
 };
 
 void read_yaml_file(const std::filesystem::path& file, const Group& settings, Places& places);
-// `text` stands for a file named `name`; what it extends, and its paths, are relative to `folder`.
+// `text` is the content of a file named `name`. The files it extends and its paths are relative to
+// `folder`.
 void read_yaml_text(const std::string& text, const std::string& name,
                     const std::filesystem::path& folder, const Group& settings, Places& places);
-// "push.force=3", "home=[0, 0.5, 0]", "home.1=0.5", "cameras.0.noise=0.001", "stop_at=null": single
-// values as they are, without YAML's quotes; lists, vectors and structs as YAML.
+// Reads one assignment: "push.force=3", "home=[0, 0.5, 0]", "home.1=0.5", "cameras.0.noise=0.001",
+// "stop_at=null". Single values are taken literally, without YAML quotes; lists, vectors and
+// structs are YAML.
 void read_assignment(const std::string& assignment, const Group& settings, Places& places);
 
-// File first, then the assignments in their order. An empty file name reads none.
+// Reads the file, then the assignments in order. An empty file name reads no file.
 template <Described T>
 Places read_settings(T& settings, const std::filesystem::path& file,
                      const std::vector<std::string>& assignments = {}) {
   Places places;
-  // The description is bound to the object and does not change while it is read: lists describe
+  // The description stays bound to the object and does not change during reading: lists describe
   // their elements anew.
   const Group group = described(settings);
   if (!file.empty()) read_yaml_file(file, group, places);

@@ -38,7 +38,7 @@ void put(std::string& yaml, const std::string& head, std::size_t indent, const S
 void put_group(std::string& yaml, std::string head, std::size_t indent, const Group& group) {
   for (const Setting& field : group.fields) {
     put(yaml, head + field.name + ":", indent, field, field);
-    head = std::string(indent, ' ');  // a dash stands before the first line of an element only
+    head = std::string(indent, ' ');  // only the first line of an element has a dash
   }
 }
 
@@ -57,7 +57,7 @@ void put_list(std::string& yaml, const std::string& head, std::size_t indent, co
               std::get<Group>(list.element(i).value));
 }
 
-// `described_by` has the unit and the meaning: an optional's value has none of its own.
+// `described_by` has the unit and the meaning, which an optional's value lacks.
 void put(std::string& yaml, const std::string& head, std::size_t indent, const Setting& setting,
          const Setting& described_by) {
   if (const auto* group = std::get_if<Group>(&setting.value)) {

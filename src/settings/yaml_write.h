@@ -1,6 +1,5 @@
-// Settings as YAML, every one with its value, each line with its unit and meaning. Read back, they
-// give the same settings exactly: doubles are written as the shortest text that reads back as the
-// same number.
+// Writes all settings as YAML, each line with its unit and meaning. Reading it back gives exactly
+// the same settings: a double is written as the shortest text that reads back as the same number.
 #pragma once
 
 #include <string>

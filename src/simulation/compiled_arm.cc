@@ -31,7 +31,7 @@ void apply(const ModelErrors& e, double dt, mjSpec* spec) {
     body->mass *= e.mass_scale;
     for (double& value : body->inertia) value *= e.mass_scale;
     for (double& value : body->fullinertia)
-      value *= e.mass_scale;  // what a URDF gives; an MJCF either, and NaN stays NaN
+      value *= e.mass_scale;  // a URDF sets fullinertia, an MJCF either; an unset NaN stays NaN
     if (mjs_firstChild(body, mjOBJ_JOINT, 0))
       for (double& value : body->ipos) value += e.centre_shift / std::sqrt(3.0);
   }

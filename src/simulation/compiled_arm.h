@@ -1,5 +1,5 @@
-// The arm's URDF, with its model errors, as MuJoCo models. For this folder's sources alone:
-// MuJoCo's headers stay here.
+// Compiles the arm's URDF, with model errors, into MuJoCo models. Only this folder's sources
+// include this header.
 #pragma once
 
 #include <filesystem>
@@ -11,15 +11,15 @@
 namespace impedraw {
 
 struct CompiledArm {            // owned by the caller
-  mjModel* dynamics = nullptr;  // no body shapes, whose places would cost every step
-  mjModel* shape = nullptr;     // with them, for the cameras
+  mjModel* dynamics = nullptr;  // without body shapes, which would slow every step
+  mjModel* shape = nullptr;     // with body shapes, for the cameras
 };
 
-// Viscous friction is taken into the dynamics as h b of inertia on every joint: with −b v as a
-// torque, Euler's step
+// Viscous friction enters the dynamics as an inertia h b on every joint. With −b v as a torque,
+// Euler's step
 //   (M + h b) (v⁺ − v) = h (τ − C v − g − b v) + p   is   M (v⁺ − v) = h (τ − C v − g − b v⁺) + p,
-// implicit and exact beside whatever impulses p are solved for, however light a joint is.
-// Throws InputError for a file that is missing or broken and for errors out of range.
+// which is implicit and exact for any impulses p, however light a joint is.
+// Throws InputError for a missing or malformed file and for errors out of range.
 CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gravity,
                         const ModelErrors& errors);
 

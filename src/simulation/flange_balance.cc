@@ -34,7 +34,7 @@ CarriedMomentum FlangeBalance::momentum(const mjModel* model, const mjData* data
   for (const int body : carried_)
     sum.c_W += model->body_mass[body] / mass_ * Eigen::Map<const Vector3d>(data->xipos + 3 * body);
   for (const int body : carried_) {
-    double velocity[6];  // of the body's own c.o.m., angular part first
+    double velocity[6];  // of the body's c.o.m., angular part first
     mj_objectVelocity(model, data, mjOBJ_BODY, body, velocity, 0);
     const Eigen::Map<const Vector3d> w(velocity), v(velocity + 3), c(data->xipos + 3 * body),
         inertia(model->body_inertia + 3 * body);

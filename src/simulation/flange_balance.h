@@ -1,12 +1,12 @@
-// The wrench at the flange, from the balance of momentum of all that hangs below it. For this
-// folder's sources alone.
+// Wrench at the flange from the momentum balance of the bodies below it. Only this folder's sources
+// include this header.
 //
-// Over a step of h, bodies below link `flange` together: mass m, c.o.m. c, momentum P, angular
-// momentum L about c, in W:
+// Over a step of h, for all bodies below link `flange` together: mass m, c.o.m. c, momentum P,
+// angular momentum L about c, in W:
 //   f   = f_env + m g − (P⁺ − P)/h            m_c = m_env − (L⁺ − L)/h            m_env about c
 //   m_S = m_c + (c − S) × f                   then into the axes of S
-// c, S and its axes are those at the start of the step, where its forces act too; P and L are exact
-// at both of its ends. [f; m] is what those bodies do to the flange: at rest their weight.
+// c, S and its axes are taken at the start of the step, where the forces act. P and L are exact at
+// both ends. [f; m] is the wrench of those bodies on the flange: at rest, their weight.
 #pragma once
 
 #include <vector>
@@ -28,13 +28,13 @@ class FlangeBalance {
  public:
   explicit FlangeBalance(const mjModel* model);
 
-  bool has_flange() const { return flange_ >= 0; }  // a link `flange` with `tip` below it
+  bool has_flange() const { return flange_ >= 0; }  // a link `flange` exists with `tip` below it
 
-  // At the state whose positions and velocities `data` has. Needs has_flange().
+  // At the positions and velocities in `data`. Requires has_flange().
   CarriedMomentum momentum(const mjModel* model, const mjData* data) const noexcept;
 
-  // Mean over the step from `start` to `end`. F_env: force and moment about start.c_W, in W. With
-  // end = start and no F_env: at rest.
+  // Mean over the step from `start` to `end`. F_env: force and moment about start.c_W, in W. For
+  // the wrench at rest, pass end = start and F_env = 0.
   Vector6 wrench(const CarriedMomentum& start, const CarriedMomentum& end, const Vector6& F_env_W,
                  double dt) const noexcept;
 

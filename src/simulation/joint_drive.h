@@ -1,5 +1,4 @@
-// What becomes of a torque on its way from the controller to the joints: late, in steps, with
-// ripple (model_errors.h has the formula).
+// Joint drives: delay, quantisation and ripple of the commanded torque. Formula: model_errors.h.
 #pragma once
 
 #include <array>
@@ -14,15 +13,15 @@ class JointDrive {
   // Throws InputError for a delay, quantum or ripple out of range.
   JointDrive(const ModelErrors& errors, double dt);
 
-  void reset() noexcept;  // the next command is the first again
+  void reset() noexcept;  // forgets past commands
 
-  // The torque that acts at joint position q when `command` is the newest one.
+  // Returns the torque that acts at joint position q, given the newest command.
   JointVector act(const JointVector& command, const JointVector& q) noexcept;
 
  private:
   ModelErrors errors_;
   JointVector ripple_phase_;                                         // of kMaxJoints
-  std::array<JointVector, ModelErrors::kMostDelaySteps> under_way_;  // a ring of delay_ commands
+  std::array<JointVector, ModelErrors::kMostDelaySteps> under_way_;  // ring of delay_ commands
   int delay_ = 0;                                                    // [steps]
   int oldest_ = 0;
   bool started_ = false;

@@ -37,7 +37,7 @@ TipImpulse solve_tip_contact(const TipContactStep& s, const TipMaterial& tip,
   const Eigen::Vector3d stuck = A.inverse() * rhs;
   if (stuck[2] > 0.0 && stuck.head<2>().norm() <= tip.friction * stuck[2]) return {stuck};
 
-  // Sliding: projected Gauss-Seidel between the normal and the disc of friction.
+  // Sliding: projected Gauss-Seidel between the normal and the friction disc.
   const double trace = G_tt.trace(), det = G_tt.determinant();
   const double largest = 0.5 * trace + std::sqrt(std::max(0.0, 0.25 * trace * trace - det));
   Eigen::Vector2d p_t = guess.head<2>();

@@ -1,16 +1,16 @@
-// One point of contact between a pen tip and the canvas, solved exactly for a time step: a
-// spring-damper along the normal, true Coulomb friction across, rigid there.
+// Point contact between the pen tip and the canvas, solved exactly for one time step: a
+// spring-damper along the normal and exact, rigid Coulomb friction along the tangents.
 //
 //   v⁺   = v_free + G p                                       G = J M⁻¹ Jᵀ,  p = h f
 //   f_n  = max(0, k φ − b v_n⁺)
 //   v_t⁺ = 0 with |f_t| ≤ μ f_n,  or  f_t = −μ f_n v_t⁺/|v_t⁺|
 //
-// v⁺: velocity of the contact point after the step; φ: penetration at the start of the step, the
+// v⁺: velocity of the contact point after the step; φ: penetration at the start of the step. The
 // damper acts on the new velocity.
 //
-// The spring from the start of the step with an implicit damper follows the oscillator (k, b, m)
-// within 1 % at 1 ms on this tip; stable while √(k/m) h < 2. MuJoCo's own convex cone couples
-// normal and tangential motion instead, and throws a sliding tip off (docs/decisions/0002).
+// The explicit spring with an implicit damper follows the oscillator (k, b, m) within 1 % at 1 ms
+// for this tip. It is stable for √(k/m) h < 2. MuJoCo's convex friction cone couples normal and
+// tangential motion instead, and lifts a sliding tip off (docs/decisions/0002).
 #pragma once
 
 #include <Eigen/Core>
@@ -32,14 +32,14 @@ struct TipContactStep {
   double dt;               // h [s]
 };
 
-inline constexpr int kTipContactSweeps = 500;  // at most, for a sliding tip
+inline constexpr int kTipContactSweeps = 500;  // maximum, for a sliding tip
 
 struct TipImpulse {
-  Eigen::Vector3d p;      // h f on the tip [N s]; zero where it is out of contact or leaves
-  bool converged = true;  // false: cut off after kTipContactSweeps
+  Eigen::Vector3d p;      // h f on the tip [N s]; zero if it is out of contact or separating
+  bool converged = true;  // false: stopped after kTipContactSweeps
 };
 
-// The search for a sliding tip's impulse starts from `guess`.
+// For a sliding tip, the iteration starts from `guess`.
 TipImpulse solve_tip_contact(const TipContactStep& step, const TipMaterial& tip,
                              const Eigen::Vector3d& guess = Eigen::Vector3d::Zero()) noexcept;
 

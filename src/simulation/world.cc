@@ -20,8 +20,8 @@ using RowMatrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor, 6,
 using ImpulseColumns =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 
-// MuJoCo prints its warnings by default, at every step. They are kept for the run that stops
-// instead.
+// MuJoCo prints warnings at every step by default. This handler keeps the last one for
+// World::failure().
 thread_local char last_warning[256] = "";
 void keep_warning(const char* text) {
   std::snprintf(last_warning, sizeof last_warning, "%s", text);
@@ -38,21 +38,21 @@ Eigen::Matrix3d contact_frame(const Eigen::Vector3d& n) {
 }  // namespace
 
 struct World::Mujoco {
-  mjModel* model = nullptr;  // dynamics alone: no body shapes, whose places would cost every step
+  mjModel* model = nullptr;  // dynamics without body shapes, which would slow every step
   mjData* data = nullptr;
-  mjModel* shape = nullptr;  // with them, for the cameras
+  mjModel* shape = nullptr;  // with body shapes, for the cameras
   mjData* shape_data = nullptr;
   int tip_body = -1;
   std::optional<FlangeBalance> flange;
-  CarriedMomentum carried;  // at the present state, where the flange's wrench is asked for
+  CarriedMomentum carried;  // at the present state, if flange_sensor is set
 
-  // Of the solve, kept so that a step allocates nothing.
+  // Workspace of the solver, so that a step allocates nothing.
   RowMatrix3X J_tip;
   RowMatrix6X J_push;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
   ImpulseColumns M_inverse;
   JointVector v, joint_impulse,
-      friction;  // friction: its impulses, from which the next step starts its search
+      friction;  // friction: its impulses, the next step's initial guess
 
   ~Mujoco() {
     mj_deleteData(data);
@@ -114,7 +114,7 @@ void World::set_state(const JointVector& q, const JointVector& v) {
         mujoco_->flange->wrench(mujoco_->carried, mujoco_->carried, Vector6::Zero(), settings_.dt);
 }
 
-// Everything that depends on position and velocity alone, at the start of a step.
+// Computes all terms that depend only on position and velocity, for the start of a step.
 void World::observe() noexcept {
   const mjModel* m = mujoco_->model;
   mjData* d = mujoco_->data;
@@ -152,7 +152,7 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
     generalised += mujoco_->J_push.transpose().lazyProduct(F_push_W);
   }
   if (settings_.errors.viscous_friction > 0.0)
-    generalised -= settings_.errors.viscous_friction * state_.v;  // compiled_arm.h has the rest
+    generalised -= settings_.errors.viscous_friction * state_.v;  // implicit: see compiled_arm.h
   const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
@@ -167,7 +167,7 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   const Eigen::Vector3d p_WE = state_.X_WE.p;
   observe();
   if (settings_.flange_sensor && has_flange()) {
-    Vector6 F_env;  // moment about the c.o.m. of what the flange carries
+    Vector6 F_env;  // moment about the c.o.m. of the bodies below the flange
     F_env << contact_.f_W + F_push_W.head<3>(), (contact_.p_WC - start.c_W).cross(contact_.f_W) +
                                                     (p_WE - start.c_W).cross(F_push_W.head<3>()) +
                                                     F_push_W.tail<3>();
@@ -184,8 +184,8 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   return contact_;
 }
 
-// Finds the impulses of the tip and of the joints that fit each other, given the velocity that the
-// step would end with without them.
+// Solves for consistent impulses of the tip and the joints. v_free: velocity after the step without
+// them.
 void World::solve_impulses(const JointVector& v_free) noexcept {
   Mujoco& w = *mujoco_;
   const int n = w.model->nv;
@@ -213,7 +213,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   if (canvas_) {
     const double radius = settings_.tip.radius;
     const Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
-    // A tip that has been pressed through by more than this is no longer on the paper.
+    // A tip pressed through by more than this is no longer in contact.
     if (const auto closest = canvas_->closest(centre, 10.0 * radius);
         closest && !(closest->on_edge && closest->distance <= 0.0)) {
       tip.penetration = radius - closest->distance;
@@ -238,7 +238,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
     w.v += w.M_inverse_Jt.lazyProduct(tip_impulse);
   }
 
-  // Joints that have something to say: dry friction, or a limit that this step would cross.
+  // Joints with an impulse: dry friction, or a limit that this step would cross.
   const auto limit_gap = [&](int j, double* sign) {
     const double* range = w.model->jnt_range + 2 * j;
     if (!w.model->jnt_limited[j]) return std::numeric_limits<double>::infinity();
@@ -309,7 +309,7 @@ World::Terms World::terms() const {
   mj_fullM(m, d, M.data());
   M.diagonal().array() -=
       settings_.dt *
-      settings_.errors.viscous_friction;  // that much is the integrator's (compiled_arm.h)
+      settings_.errors.viscous_friction;  // the integrator's implicit part (compiled_arm.h)
   mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
   return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
 }

@@ -1,14 +1,14 @@
-// The simulated world: an arm under torque, its pen on an unknown canvas. MuJoCo has the arm,
-// tip_contact.h the contact.
+// Simulated world: a torque-controlled arm whose pen touches a canvas. MuJoCo simulates the arm;
+// tip_contact.h simulates the contact.
 //
 // One step of h from t_i
 //   v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p + p_joint)
 //   q⁺ = q + h v⁺
 //
-// The arm that moves need not be the URDF's, nor τ_a the torque asked for: model_errors.h. Viscous
-// friction b v⁺ is implicit. The tip's impulse p and those of the joints, dry friction |p_j| ≤ h
-// τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel): one after the other, the second
-// would change the velocity that the first was found for.
+// The simulated arm can differ from the URDF, and τ_a from the commanded torque: model_errors.h.
+// Viscous friction b v⁺ is implicit. The tip's impulse p and the joints' impulses, dry friction
+// |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel). Solved in sequence,
+// the second would change the velocity on which the first is based.
 #pragma once
 
 #include <filesystem>
@@ -28,13 +28,13 @@ namespace impedraw {
 struct WorldSettings {
   double dt = 1e-3;  // [s]
   TipMaterial tip;
-  double joint_friction = 0.0;  // dry, the same on every joint: ± [Nm]
+  double joint_friction = 0.0;  // dry friction, equal on every joint: ± [Nm]
   double gravity = 9.81;        // along −z [m/s²]
-  ModelErrors errors;           // of the URDF against this arm
-  bool flange_sensor = false;   // flange_wrench() is worked out only then
+  ModelErrors errors;           // differences from the URDF
+  bool flange_sensor = false;   // enables flange_wrench()
 };
 
-// The contact over the step that begins at this state: known once the step is made.
+// Contact over the last step; geometry at the start of that step.
 struct TipContact {
   bool touching = false;
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // of the canvas on the tip [N]
@@ -43,9 +43,9 @@ struct TipContact {
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // outward normal there
 };
 
-// Steps since set_state() whose impulses the solvers left short of their tolerance.
+// Number of steps since set_state() in which a solver stopped before reaching its tolerance.
 struct SolverCutoffs {
-  long tip = 0;     // the sliding tip's own search: kTipContactSweeps (tip_contact.h)
+  long tip = 0;     // sliding tip: kTipContactSweeps (tip_contact.h)
   long joints = 0;  // joint friction, joint limits and tip together: kJointSweeps
 };
 inline constexpr int kJointSweeps = 200;
@@ -59,7 +59,7 @@ struct WorldState {
 
 class World {
  public:
-  // The URDF's frame `tip` is E. The canvas must outlive the world; nullptr: none. Throws
+  // The URDF's frame `tip` is E. The canvas must outlive the world; nullptr means no canvas. Throws
   // InputError.
   World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings);
   ~World();
@@ -78,29 +78,28 @@ class World {
     return advance(tau, F_push_W);
   }
 
-  // τ_a over the last step: what the commands became (late, in steps, with ripple), friction not
-  // yet taken off. Zero after set_state().
+  // τ_a over the last step: the commanded torque after delay, quantisation and ripple, before
+  // friction. Zero after set_state().
   const JointVector& applied_torque() const { return applied_torque_; }
 
-  // [f; m] that pen and environment do to link `flange`, at its origin S in its axes at the start
-  // of the last step, mean over the step: contact + push + weight of all below the flange − rate of
-  // its momentum (flange_balance.h). After set_state(): the weight. Zero without
+  // Wrench [f; m] of pen and environment on link `flange`, taken at its origin S in its axes at the
+  // start of the last step. Mean over the step: contact + push + weight of all below the flange −
+  // rate of its momentum (flange_balance.h). After set_state(): the weight. Zero without
   // WorldSettings::flange_sensor or without such a link.
   const Vector6& flange_wrench() const { return flange_wrench_; }
-  bool has_flange() const;  // a link `flange` with `tip` below it, sensor or not
+  bool has_flange() const;  // a link `flange` exists with `tip` below it
 
   const SolverCutoffs& cutoffs() const { return cutoffs_; }
 
-  // Set when the motion is no longer finite or MuJoCo warned: names the cause. The state is then of
-  // no more use.
+  // Names the cause if the motion became non-finite or MuJoCo warned. The state is then invalid.
   const std::optional<std::string>& failure() const { return failure_; }
 
-  // Distance along a unit ray to the arm's body as set_state() put it, infinite where it is not
-  // met. For the cameras; from any thread.
+  // Distance along a unit ray to the arm's body in the posture of set_state() [m]; infinite if the
+  // ray misses. For the cameras; callable from any thread.
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
 
-  // M, C v + g and J of the true arm by MuJoCo at a state: the second implementation that the
-  // controller's terms are checked against.
+  // MuJoCo's M, C v + g and J of the simulated arm at the current state. Independent reference for
+  // tests of the controller's terms.
   struct Terms {
     Eigen::MatrixXd M, J;
     Eigen::VectorXd bias;

@@ -99,7 +99,7 @@ Vector6 WrenchSensor::sample(const Vector6& F) noexcept {
   return last_.F;
 }
 
-// In (0, 1): the middle of one of 2⁵³ equal parts, so that its logarithm is finite.
+// In (0, 1): the midpoint of one of 2⁵³ equal intervals, so that its logarithm is finite.
 double WrenchSensor::uniform() noexcept {
   return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53;
 }

@@ -1,4 +1,4 @@
-// Cells as Markdown tables: a row and a column each, as the cells name them.
+// Cells as Markdown tables, by the cells' rows and columns.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace impedraw {
 
-// What key(cell) is, each value once, in the order of the cells.
+// The distinct values of key(cell), in the order of the cells.
 template <class Key>
 std::vector<std::string> in_order(const std::vector<const Cell*>& cells, Key key) {
   std::vector<std::string> values;
@@ -20,11 +20,11 @@ std::vector<std::string> in_order(const std::vector<const Cell*>& cells, Key key
   return values;
 }
 
-// A cell's place reads text_of(cell); where there is none, nothing.
+// Each entry is text_of(cell); entries without a cell are empty.
 std::string pivot(const std::vector<const Cell*>& cells,
                   const std::function<std::string(const Cell&)>& text_of);
 
-// Two significant digits, and never in powers of ten; "–" for an empty text.
+// Two significant digits without an exponent; "–" for an empty text.
 std::string short_number(const std::string& text);
 
 }  // namespace impedraw

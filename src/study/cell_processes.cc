@@ -33,7 +33,7 @@ struct Child {
   std::string text;
 };
 
-// A child's whole life: what libraries print does not disturb the progress line, and it does not
+// The child process. Output of libraries does not disturb the progress line, and the child does not
 // outlive its parent.
 [[noreturn]] void live(const Work& work, std::size_t piece, const fs::path& file, int to,
                        pid_t parent) {
@@ -57,7 +57,7 @@ struct Child {
   _exit(0);  // no atexit: what the parent has open is the parent's to flush
 }
 
-// The children that run; those that still do when it goes are killed.
+// The running child processes. The destructor kills those still running.
 class Children {
  public:
   ~Children() {

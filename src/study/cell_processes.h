@@ -1,5 +1,5 @@
-// Work done in processes of its own, several at a time: what hangs, crashes or blows up is one
-// piece of work without a result.
+// Runs pieces of work in separate processes, several at a time. A piece that hangs or crashes only
+// loses its own result.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@ struct ProcessSettings {
 };
 
 struct ProcessEnd {
-  std::string text;        // what the work gave
-  std::string cause;       // why there is none: "timeout: …", "crashed: …"; empty: there is
+  std::string text;        // the result
+  std::string cause;       // why there is no result: "timeout: …", "crashed: …"; empty: success
   double wall_time = 0.0;  // [s]
 };
 
 struct ProcessHooks {
   std::function<void(std::size_t, const ProcessEnd&)> finished;  // as each ends, in no order
   std::function<void()> waiting;                                 // several times a second
-  std::function<bool()> interrupted;  // looked at as often: ends what runs, without a result
+  std::function<bool()> interrupted;  // polled as often; true ends all pieces without a result
 };
 
-// The pieces 0 … count − 1; each may write one file, whose name it is given. False: interrupted.
-// Must be called while the program has one thread. Throws std::runtime_error when no process can be
-// started.
+// Runs the pieces 0 … count − 1. Each may write one file, under the given name. Returns false if
+// interrupted. The program must have a single thread. Throws std::runtime_error if no process can
+// be started.
 bool run_processes(
     std::size_t count,
     const std::function<std::string(std::size_t, const std::filesystem::path&)>& work,

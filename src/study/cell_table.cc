@@ -58,7 +58,7 @@ class CellsLine {
   Clock::time_point next_ = start_;
 };
 
-// What an earlier run left, of the cells that are still the same.
+// The records of an earlier run whose cells are unchanged.
 Records kept_records(const CellTable& table, const fs::path& csv, const std::vector<Cell>& all) {
   std::map<std::string, const Cell*> cells;
   for (const Cell& cell : all) cells[cell.name] = &cell;

@@ -1,9 +1,9 @@
-// A table of experiments, measured cell by cell in processes of their own: ./impedraw robustness,
+// A table of experiments, each cell measured in its own process: ./impedraw robustness,
 // ./impedraw reach.
 //
-// The folder gets NAME.csv, a line as each cell ends, so that whatever ends the program loses none
-// that was done, and at the end NAME.md and NAME.png. Started again with the same folder it keeps
-// the lines whose settings are still the same and runs the rest.
+// Each finished cell appends a line to NAME.csv, so that an abort loses no finished cell. NAME.md
+// and NAME.png are written at the end. A later run into the same folder keeps the lines whose
+// settings are unchanged and runs the rest.
 #pragma once
 
 #include <filesystem>
@@ -22,19 +22,18 @@ struct CellTableOptions {
   std::filesystem::path out;  // empty: runs/NAME in the working directory
   int jobs = 0;               // 0: as many as there are cores
   std::string only;           // a regular expression, somewhere in the name; empty: all
-  bool again = false;         // keeps nothing of an earlier run
+  bool again = false;         // discards the results of an earlier run
   bool list = false;          // prints names and commands, runs nothing
 };
 
 using Records = std::map<std::string, Record>;  // by the cell's name
 
 struct CellTable {
-  std::string
-      // of the command, its files, and src/report/NAME.py, which plots: arguments CSV and PNG
-      name;
+  // Names the command, its files, and the plot script src/report/NAME.py (arguments CSV, PNG).
+  std::string name;
   std::vector<std::string> columns;  // `cell` and `failed` (0, 1) among them
-  std::function<bool(const Record&, const Cell&)>
-      same;  // was the line made of the cell's settings?
+  // True if the line was made with the cell's settings.
+  std::function<bool(const Record&, const Cell&)> same;
   std::function<std::string(const Cell&, const std::filesystem::path& log)>
       measure;                                                   // in a process of its own
   std::function<Record(const Cell&, const ProcessEnd&)> record;  // the line of what that gave
@@ -42,10 +41,10 @@ struct CellTable {
   double time_limit = 120.0;                                     // of a cell, wall time [s]
 };
 
-// The folder that the options ask for.
+// The output folder.
 std::filesystem::path table_folder(const std::string& name, const CellTableOptions& options);
 
-// The cells that --only asks for. InputError where that is no expression, or none.
+// The cells that match --only. Throws InputError if it is not a regular expression or matches none.
 std::vector<Cell> matching(const std::vector<Cell>& cells, const std::string& pattern);
 
 void print_cells(const std::vector<Cell>& cells);  // name and command of each

@@ -15,8 +15,7 @@ std::string csv_line(const std::vector<std::string>& fields);  // with its line 
 std::string csv_line(const std::vector<std::string>& columns,
                      const Record& record);  // empty where the record has nothing
 
-// The lines after the first by the first's names. A line that was cut off, or that has not as many
-// fields, is left out.
+// Reads the lines after the header. Skips truncated lines and lines with a wrong number of fields.
 std::vector<Record> read_csv(const std::filesystem::path& file);
 
 std::string field(const Record& record, const std::string& column);  // empty where there is none

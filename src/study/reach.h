@@ -1,5 +1,5 @@
-// ./impedraw reach: ten drawings on ten canvases. Of each combination every stroke is to be drawn,
-// or named by the pre-flight with its reason, and what is promised is to be covered (reach_run.h).
+// ./impedraw reach: ten drawings on ten canvases. In each combination every stroke must be drawn,
+// or named by the pre-flight with a reason. Ink must cover what is promised (reach_run.h).
 //
 // Beside the table (cell_table.h) the folder gets ink/CELL.json, from which reach.png is drawn.
 #pragma once
@@ -12,7 +12,7 @@ namespace impedraw {
 // InputError.
 int reach(const CellTableOptions& options);
 
-// The same of the cells `desired`, as reach_cells() has them.
+// The same for the cells `desired` of reach_cells().
 int run_reach(const std::vector<Cell>& desired, const CellTableOptions& options);
 
 }  // namespace impedraw

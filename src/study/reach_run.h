@@ -1,4 +1,4 @@
-// A combination of ./impedraw reach, drawn and judged.
+// Draws and judges a combination of ./impedraw reach.
 //
 // strokes        of the artwork, hatched and dashed, and `asked` their length [mm]; all lengths are
 //                in the drawing plane
@@ -33,11 +33,11 @@ inline constexpr double kMostUnnamed = 0.1;   // of rounding [mm]
 
 const std::vector<std::string>& reach_columns();
 
-// Of the settings, of what the artwork's and the mesh's files hold: lines of an earlier table are
-// kept where it is the same.
+// A digest of the settings and of the artwork and mesh files. Lines of an earlier table are kept if
+// it is unchanged.
 std::string settings_digest(const Cell& cell);
 
-// What of the artwork is neither promised nor named [mm].
+// The artwork's length that is neither promised nor named [mm].
 double unnamed_mm(const Experiment& experiment);
 
 // Root mean square of the ink's error where the canvas leans by less than `slope` [mm]; NaN where
@@ -45,8 +45,8 @@ double unnamed_mm(const Experiment& experiment);
 double gentle_error_mm(const Experiment& experiment, const RunData& run, const InkMatch& drawn,
                        double slope_deg);
 
-// In this process; throws nothing. `ink_file` gets the picture's lines. What comes back is for
-// reach_record.
+// Runs in this process; throws nothing. `ink_file` gets the picture's lines. The result is for
+// reach_record().
 std::string measure_reach(const Cell& cell, const std::filesystem::path& log,
                           const std::filesystem::path& ink_file);
 

@@ -1,5 +1,5 @@
-// robustness.csv: one line a cell, appended as cells end, so that whatever ends the program loses
-// none that was done.
+// robustness.csv: one line per cell, appended as cells end, so that an abort loses no finished
+// cell.
 //
 // Columns   cell, group, base, set, failed (0, 1), cause, speed [mm/s], slope [deg], push [N],
 //           realistic (0, 1), every setting in which any
@@ -17,7 +17,7 @@
 
 namespace impedraw {
 
-// What became of a cell.
+// The result of a cell.
 struct CellResult {
   std::string cause;                      // of failure; empty: it did not fail
   std::map<std::string, double> metrics;  // by name, those that there are

@@ -1,4 +1,4 @@
-// A cell of ./impedraw robustness run and judged.
+// Runs and judges a cell of ./impedraw robustness.
 //
 // A cell has failed where it was refused, stopped or took longer than the limit; where a stroke has
 // no ink, under 98 % of the pen-down samples have, over 5 % of the ink's length lies over 1 mm from
@@ -15,10 +15,10 @@ namespace impedraw {
 
 inline constexpr double kLeastContact = 0.98, kMostAstray = 0.05, kLeastSpeed = 0.9;
 
-// In this process. Throws nothing: what goes wrong is the result's cause.
+// Runs in this process. Throws nothing: errors become the result's cause.
 CellResult run_cell(const Cell& cell, const std::filesystem::path& log);
 
-// From the process that ran it to the one that asked for it.
+// Transfers a result from the child process to its parent.
 std::string result_text(const CellResult& result);
 CellResult result_of(const ProcessEnd& end);
 

@@ -1,4 +1,4 @@
-// Wall time of what the program does.
+// Measures wall time.
 #pragma once
 
 #include <chrono>

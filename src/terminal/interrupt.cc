@@ -32,7 +32,7 @@ Interrupt::Interrupt() {
   for (std::size_t i = 0; i < signals.size(); ++i) {
     struct sigaction action {};
     action.sa_handler = note_signal;
-    action.sa_flags = SA_RESTART;  // a write of the log under way is not to fail
+    action.sa_flags = SA_RESTART;  // do not fail a log write in progress
     sigaction(signals[i], &action, &before[i]);
   }
 }

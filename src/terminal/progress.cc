@@ -33,7 +33,7 @@ std::string progress_line(const Progress& progress, double wall_time, int column
   const std::string left = known ? clock_text(wall_time * (1 - share) / share) : "-:--";
   const std::string factor =
       wall_time > 0 ? fmt::format("{:.0f}x real time", progress.simulated_time / wall_time) : "";
-  // Rounded down: 100 % is when it is done.
+  // Rounded down: 100 % only when it is done.
   const std::string metres =
       progress.length > 0 ? fmt::format("  {:.2f}/{:.2f} m", progress.drawn, progress.length) : "";
   std::string line =
@@ -58,7 +58,7 @@ ProgressLine::ProgressLine(std::FILE* out, std::optional<bool> shown, Clock::tim
 ProgressLine::~ProgressLine() { wipe(); }
 
 void ProgressLine::draw(const Progress& progress, Clock::time_point now) {
-  // One column less than there are: a full line would wrap on some terminals.
+  // One column less than available: a full line would wrap on some terminals.
   if (due(now))
     put(progress_line(progress, std::chrono::duration<double>(now - start_).count(),
                       columns_of(out_) - 1));

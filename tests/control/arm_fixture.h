@@ -1,4 +1,4 @@
-// The iiwa and seeded states of it, for the tests of this folder.
+// Test fixture: the iiwa in seeded random states.
 #pragma once
 
 #include <random>

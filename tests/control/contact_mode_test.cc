@@ -1,5 +1,4 @@
-// The table of contact states, the tracker of the normal, and the bound on the loop along the
-// normal.
+// Contact state transitions, the normal tracker, and the stability bound along the normal.
 #include "impedraw/control/contact_mode.h"
 
 #include <numbers>
@@ -151,7 +150,7 @@ TEST(SmallestRotation, IsGeodesicEverywhere) {
   }
 }
 
-// Runs the sampled loop that spectral_radius() judges, with its own few lines.
+// Independent simulation of the sampled loop that spectral_radius() analyses.
 bool settles(const ContactLoop& s) {
   double x = 1e-4, v = 0.0;
   std::vector<double> late(s.delay_steps, s.contact_stiffness * x);

@@ -1,4 +1,4 @@
-// The simulated arm under the controller, in free space or over a plane, one step at a time.
+// Simulates the controlled arm step by step, in free space or over a plane.
 #pragma once
 
 #include "arm_fixture.h"
@@ -8,8 +8,8 @@
 
 namespace impedraw::testing_arm {
 
-// From `q` at rest; the reference is where the tip starts unless the test moves it. The controller
-// is told the wrench of the step before.
+// Starts at rest at `q`. The reference is the tip's initial pose unless the test changes it. The
+// controller receives the wrench of the previous step.
 struct FreeArm {
   ArmModel arm;
   World world;
@@ -44,7 +44,7 @@ struct FreeArm {
 
   void measure() { arm.compute(world.state().q, world.state().v, &terms); }
 
-  // The controller alone, at the state just measured; the test may spoil its inputs in between.
+  // Runs the controller alone at the measured state. A test may first corrupt its inputs.
   const ImpedanceTorque& control() {
     return controller.step(terms, reference, surface, F_ext, ages);
   }
@@ -71,8 +71,8 @@ struct FreeArm {
   }
 };
 
-// A pen over a plane through p_WS with normal n, known exactly; the tip starts `height` above it,
-// at rest, the pen along −n.
+// A pen over an exactly known plane through p_WS with normal n. The tip starts at rest `height`
+// above it, with the pen along −n.
 struct PlaneArm {
   Eigen::Vector3d p_WS, n_W;
   Canvas canvas;
@@ -110,7 +110,7 @@ struct PlaneArm {
 
   double height() const { return n_W.dot(free.world.state().X_WE.p - p_WS); }
 
-  // What perfect perception says of the tip, unless the test has taken it away.
+  // The estimate of perfect perception, unless the test has removed it.
   void look() {
     free.surface.status = SurfaceStatus::ok;
     free.surface.n_W = n_W;
@@ -120,7 +120,7 @@ struct PlaneArm {
     if (free.surface.status == SurfaceStatus::ok) look();
     return free.step();
   }
-  // Pen down until the push has built up.
+  // Keeps the pen down until the normal force has ramped up.
   void draw(int steps = 1500) {
     free.reference.pen_down = true;
     for (int i = 0; i < steps; ++i) step();

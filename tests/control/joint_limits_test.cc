@@ -1,4 +1,4 @@
-// Repulsion from joint limits: never less the nearer, smooth, nothing the tip would feel.
+// Repulsion from joint limits: monotonic, smooth, and without effect on the tip.
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 

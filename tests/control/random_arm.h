@@ -1,4 +1,4 @@
-// Serial arms that nobody built: seeded, of 6 or 7 joints, written as URDF.
+// Random serial arms with 6 or 7 joints, generated from a seed and written as URDF.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@
 
 namespace impedraw::testing_arm {
 
-// The file, gone with it. Links of 0.1 to 0.35 m and 1 to 4 kg with axes any way, full inertia
-// tensors, a pen's frames at the end.
+// Owns the URDF file and deletes it. Links have 0.1 to 0.35 m, 1 to 4 kg, random axes and full
+// inertia tensors. The last link carries the pen's frames.
 class RandomArm {
  public:
   RandomArm(int joints, unsigned seed)

@@ -1,5 +1,5 @@
-// What the controller does where it must not simply follow: speed, torque rate, singular postures,
-// bad and stale input.
+// Safety reactions of the controller: speed and torque rate limits, singular postures, invalid and
+// stale input.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ using namespace testing_arm;
 
 const double kNaN = std::nan("");
 
-// Drives a rate-limited arm through a story and looks at every step of torque.
+// Drives a rate-limited arm through a sequence of events and checks every torque step.
 struct RateWatch {
   double allowed;
   JointVector last;
@@ -221,7 +221,7 @@ TEST(StaleWrench, EndsTheContactUntilThePenWasUp) {
   EXPECT_EQ(on.step().mode, ContactMode::contact);
 }
 
-// What moved while no wrench was known must not be laid to a disturbance once it is known again.
+// Motion during a missing wrench must not count as a disturbance when the wrench returns.
 TEST(StaleWrench, LeavesTheObserverInPeace) {
   ArmModel arm(kArm);
   ImpedanceSettings s = shaped_settings(arm);

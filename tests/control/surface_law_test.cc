@@ -1,5 +1,5 @@
-// The law on the surface, one step at a time: error projections, the push, tip friction, hand-over
-// at a switch.
+// The control law on the surface, step by step: error projections, normal force, tip friction and
+// the transition at a switch.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ struct OnSlope {
     return *out;
   }
 
-  // The wrench at the tip that a term amounts to.
+  // The tip wrench equivalent to a term.
   Vector6 wrench(const ImpedanceTorque& out, TorqueTerm term) {
     OperationalSpace space;
     space.update(terms);

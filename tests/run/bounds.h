@@ -1,9 +1,10 @@
-// What a drawing is compared with: tests/run/bounds.json.
+// Bounds of a drawing's figures: tests/run/bounds.json.
 //
-// Two bounds for each figure. `promised` is the limit that an issue set, [least, most], and stays.
-// `measured` is what the program gave when the table was made; a regression is a figure that is
-// further from its best value than 1.3 times what was measured, and than the resolution at which
-// the figure is quoted. `./impedraw figures --bounds` measures again: the commit says why.
+// Each figure has two bounds. `promised` is the fixed limit [least, most] set by an issue.
+// `measured` is the program's result when the table was made. A figure is a regression if its
+// distance from its best value exceeds 1.3 times the measured distance plus the resolution at which
+// it is quoted.
+// `./impedraw figures --bounds` updates the table; explain the reason in the commit.
 #pragma once
 
 #include <cmath>
@@ -25,14 +26,14 @@ inline const nlohmann::json& bounds() {
 
 inline constexpr double kRegression = 1.3;
 
-// How far the figure may be from its best value without being a regression.
+// Largest distance of the figure from its best value that is not a regression.
 inline double allowed_deviation(const std::string& run, const std::string& metric) {
   const double best = bounds().at("best").at(metric);
   const double measured = bounds().at("runs").at(run).at("bounds").at(metric).at("measured");
   return kRegression * std::abs(measured - best) + bounds().at("resolution").value(metric, 0.0);
 }
 
-// What a figure misses; empty where it holds.
+// Describes the violated bound; empty if the figure holds.
 inline std::vector<std::string> missed_bounds(const std::string& run, const std::string& metric,
                                               double value) {
   std::vector<std::string> missed;
@@ -46,15 +47,15 @@ inline std::vector<std::string> missed_bounds(const std::string& run, const std:
   if (!most.is_null() && value > most.get<double>())
     missed.push_back(fmt::format("{}: {} is {}, promised are {} at most", run, metric, value,
                                  most.get<double>()));
-  // Better than measured is no regression; and a figure that is meant to be bad, as the blind
-  // pen's tilt, is bound from the best value's side alone.
+  // A figure better than measured is no regression. A figure that is bad by design, such as the
+  // blind pen's tilt, is bounded on the best value's side only.
   if (std::abs(value - best) > allowed_deviation(run, metric))
     missed.push_back(fmt::format("{}: {} is {}, was {} when tests/run/bounds.json was made", run,
                                  metric, value, bound.at("measured").get<double>()));
   return missed;
 }
 
-// `figure(metric)`: of the run that was drawn.
+// `figure(metric)` returns the figure of the run.
 template <typename Figure>
 void expect_within_bounds(const std::string& run, const Figure& figure) {
   for (const auto& [metric, bound] : bounds().at("runs").at(run).at("bounds").items())

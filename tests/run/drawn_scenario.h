@@ -1,4 +1,4 @@
-// A scenario of this repository, drawn and measured.
+// Draws and measures a scenario of this repository.
 #pragma once
 
 #include <cmath>
@@ -30,7 +30,7 @@ struct Figures {
   }
 };
 
-// `end`: how the run is to end.
+// `end`: the expected end of the run.
 inline Figures draw_scenario(const std::string& name,
                              const std::vector<std::string>& assignments = {},
                              RunEnd end = RunEnd::finished) {
@@ -47,7 +47,7 @@ inline Figures draw_scenario(const std::string& name,
   return figures;
 }
 
-// Draws a run of bounds.json with each of its seeds, and holds it to the table. The last one drawn.
+// Draws a run of bounds.json with each of its seeds and checks it. Returns the last run.
 inline Figures draw_within_bounds(const std::string& run) {
   const nlohmann::json& entry = bounds().at("runs").at(run);
   Figures figures;

@@ -1,5 +1,5 @@
-// The seam between loop and arm: what a driver is told and when, and that the loop needs no more
-// than it says.
+// Interface between loop and arm: the calls that a driver receives, their order, and that the loop
+// needs no other data.
 #include "impedraw/run/driver.h"
 
 #include <filesystem>
@@ -35,7 +35,7 @@ Experiment prepared(const std::string& name, const std::vector<std::string>& ass
   return prepare(resolve(options));
 }
 
-// The simulated arm, with what a test changes about it; keeps the order of the calls.
+// The simulated arm with a test's modifications. Records the order of the calls.
 class TestDriver : public Driver {
  public:
   explicit TestDriver(Experiment& e)
@@ -97,8 +97,7 @@ class DriverTest : public ::testing::Test {
       fs::temp_directory_path() / ("impedraw_driver_" + std::to_string(getpid()) + ".h5");
 };
 
-// Without the simulator's truth the same torques come out, to the last bit: nothing of it finds its
-// way into the control.
+// Without the simulator's truth the torques are bitwise the same: the control uses none of it.
 TEST_F(DriverTest, TheLoopDrawsTheSameWithoutTheTruth) {
   for (const char* name : {"bowl-m", "bowl-sine-realistic", "bowl-m-blind"}) {
     SCOPED_TRACE(name);
@@ -115,7 +114,7 @@ TEST_F(DriverTest, TheLoopDrawsTheSameWithoutTheTruth) {
     ASSERT_EQ(with.time, without.time);
     EXPECT_EQ(with.joint_torque, without.joint_torque);
     EXPECT_EQ(with.mode, without.mode);
-    // Where it is not known, the arm's own belief of its tip is logged.
+    // Without the true tip, the log holds the arm's estimate of it.
     for (std::size_t i = 0; i < with.time.size(); i += 100)
       ASSERT_LT((with.tip_position[i] - without.tip_position[i]).norm(), 1e-9) << i;
   }
@@ -125,7 +124,7 @@ TEST_F(DriverTest, GravityIsThePartThatHoldsTheArm) {
   Experiment e = prepared("bowl-sine");
   TestDriver driver(e);
   ASSERT_EQ(run(e, driver, log_, 0.0).end, RunEnd::finished);
-  // At rest over its last point the arm does little but carry itself.
+  // At rest over its last point the arm needs little more than gravity compensation.
   EXPECT_GT(driver.last_gravity.norm(), 20.0);
   EXPECT_LT((driver.last_tau - driver.last_gravity).norm(), 2.0);
 }

@@ -1,5 +1,5 @@
-// The figures that this project promises and those that it has, on the standard scenarios with
-// their fixed seeds: fails if any gets worse than bounds.json.
+// Promised and measured figures on the standard scenarios with fixed seeds. Fails if any is worse
+// than bounds.json allows.
 #include <algorithm>
 #include <cmath>
 
@@ -35,7 +35,7 @@ TEST(Figures, BlindDrawsAndIsWorse) {
 // The target stays the smooth sine.
 TEST(Figures, TenSetPointsAreNotASine) { draw_within_bounds("bowl-sine10"); }
 
-// Each bound of the table holds for what was measured, and fails for a little more than it allows.
+// Each bound of the table holds for the measured value and fails just beyond the allowed one.
 TEST(Figures, EveryBoundCanFail) {
   for (const auto& [run, entry] : bounds().at("runs").items()) {
     for (const auto& [metric, bound] : entry.at("bounds").items()) {
@@ -54,7 +54,7 @@ TEST(Figures, EveryBoundCanFail) {
   }
 }
 
-// A hand of 10 N from the side: the pen yields by F / k_t, and comes back.
+// A lateral push of 10 N: the pen yields by F / k_t and returns.
 TEST(Figures, ThePenGivesWayAndComesBack) {
   const Figures pushed = draw_scenario("bowl-push"), left_alone = draw_scenario("bowl-sine");
   int first = -1, last = -1;

@@ -1,5 +1,5 @@
-// A run in several passes: what got no ink is drawn again, what was interrupted goes on; and planes
-// that are not level.
+// Runs in several passes: gaps are redrawn and interrupted runs continue. Also drawings on inclined
+// planes.
 #include <algorithm>
 #include <filesystem>
 
@@ -43,8 +43,7 @@ TEST(Passes, WhatGotNoInkIsDrawnAgain) {
   EXPECT_GT(twice.outcome.simulated, once.outcome.simulated + 1.0);
 }
 
-// A perception that fails at the same place always: the second pass is the last, and the rest is
-// told.
+// Perception always fails at the same place: the second pass is the last, and the rest is reported.
 TEST(Passes, WhatStillHasNoneIsTold) {
   const Figures f = draw_scenario(
       "safety-no-cloud",
@@ -129,7 +128,7 @@ TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
   EXPECT_FALSE(notes_of(e).empty());
 }
 
-// The time that the plan tells is the time that the run takes.
+// The planned duration equals the duration of the run.
 TEST(Passes, ThePlansTimeIsTheRuns) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-m-natural.yaml";
@@ -137,7 +136,7 @@ TEST(Passes, ThePlansTimeIsTheRuns) {
   EXPECT_NEAR(draw_scenario("bowl-m-natural").outcome.simulated, planned, 0.001 * planned);
 }
 
-// The circle on a wall is the circle on a table.
+// A circle on a wall equals a circle on a table.
 TEST(Passes, AWallIsDrawnOnAsATableIs) {
   const Figures f = draw_scenario(
       "wall", {"drawing.svg=", "drawing.shape=circle", "drawing.placement.fit_radius=0.15"});

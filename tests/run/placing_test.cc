@@ -1,5 +1,4 @@
-// Where a drawing comes to lie: a canvas moved before the arm, and a page wrapped round its
-// surface.
+// Placement of drawings: a canvas moved within the arm's reach, and a page wrapped round a surface.
 #include <cmath>
 #include <numbers>
 

@@ -1,5 +1,5 @@
-// What issue 4 promises of a measured wrench and a model that is wrong, on the standard drawings
-// with their fixed seeds, and what is measured: bounds.json.
+// Standard drawings with fixed seeds, a measured wrench and an inaccurate model. The bounds are in
+// bounds.json: those promised by issue 4 and those measured.
 #include "drawn_scenario.h"
 
 namespace impedraw {
@@ -8,7 +8,7 @@ namespace {
 TEST(Sensor, SineAsWithTheTrueWrench) { draw_within_bounds("bowl-sine-sensor"); }
 TEST(Sensor, MAsWithTheTrueWrench) { draw_within_bounds("bowl-m-sensor"); }
 
-// Not one lucky draw of the noise: the same five seeds for both, none of them chosen.
+// Several noise samples: the same five seeds for both, none of them selected.
 TEST(Realistic, Sine) { draw_within_bounds("bowl-sine-realistic"); }
 TEST(Realistic, M) { draw_within_bounds("bowl-m-realistic"); }
 

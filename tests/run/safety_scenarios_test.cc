@@ -1,4 +1,4 @@
-// Each scenario named safety-* provokes one thing that goes wrong; here is what the arm then does.
+// Each scenario safety-* provokes one fault. Tests the arm's reaction.
 #include <algorithm>
 
 #include "drawn_scenario.h"

@@ -1,5 +1,5 @@
-// The strokes of a file are drawn with short ways in the air, unless asked otherwise; nothing else
-// about them changes.
+// Strokes are ordered for short travel in the air unless this is disabled. Nothing else about them
+// changes.
 #include <algorithm>
 #include <array>
 
@@ -17,7 +17,7 @@ Experiment koi(bool keep_order) {
   return prepare(resolve(options));
 }
 
-// Every stroke's ends, whichever way round.
+// The ends of every stroke, regardless of direction.
 std::vector<std::array<double, 4>> ends(const std::vector<Stroke>& strokes) {
   std::vector<std::array<double, 4>> all;
   for (const Stroke& s : strokes) {

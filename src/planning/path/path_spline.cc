@@ -87,7 +87,7 @@ SplinePoint PathSpline::at(double u) const noexcept {
   const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                       [](double value, const Knot& k) { return value < k.u; });
   SplinePoint s = raw(static_cast<std::size_t>(after - knots_.begin()) - 1, u);
-  // n = m/|m|, from |m|² n·… : each derivative of m with its part along n taken out.
+  // Derivatives of n = m/|m|: remove the component along n from each derivative of m.
   const double size = s.n.norm();
   const Vector3d n = s.n / size, m1 = s.dn / size, m2 = s.ddn / size;
   const double along = n.dot(m1);

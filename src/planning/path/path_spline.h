@@ -1,9 +1,8 @@
-// A smooth line on a surface with the surface's normal along it: a cubic spline through knots,
-// continuous to the second derivative.
+// A smooth line on a surface, and the surface normal along it: a C² cubic spline through knots.
 //
-// Coordinate u: chord length through the knots' points, so |dp/du| is 1 but for a small part. At
-// either end the second derivative is that of the next knot, as on a circle, and zero on a line.
-// The normal is the spline of the knots' normals, made unit.
+// The coordinate u is the chord length through the knots' points, so |dp/du| ≈ 1. At either end the
+// second derivative equals that of the neighbouring knot, as on a circle; on a line it is zero. The
+// normal is the spline of the knots' normals, normalised.
 #pragma once
 
 #include <vector>
@@ -15,16 +14,16 @@
 namespace impedraw {
 
 struct SplinePoint {
-  Eigen::Vector3d p, dp, ddp;  // point [m], and by u [1], [1/m]
-  Eigen::Vector3d n, dn, ddn;  // unit normal, and by u [1/m], [1/m²]
-  double along = 0;            // place on the stroke (PathSpline's second argument) [m]
+  Eigen::Vector3d p, dp, ddp;  // point [m], its derivatives by u [1], [1/m]
+  Eigen::Vector3d n, dn, ddn;  // unit normal, its derivatives by u [1/m], [1/m²]
+  double along = 0;            // position on the stroke (PathSpline's second argument) [m]
 };
 
 class PathSpline {
  public:
   PathSpline() = default;
-  // At least two knots; points differ. `along`: of each knot its place on the stroke
-  // (stroke_part.h), interpolated between them; u if empty.
+  // Needs at least two knots with distinct points. `along`: each knot's position on the stroke
+  // (stroke_part.h), interpolated between knots; u if empty.
   explicit PathSpline(const std::vector<SurfaceSample>& knots,
                       const std::vector<double>& along = {});
 
@@ -33,11 +32,11 @@ class PathSpline {
   double start(std::size_t span) const { return knots_[span].u; }
   double end(std::size_t span) const { return knots_[span + 1].u; }
   Eigen::Vector3d point(std::size_t span, double u) const noexcept;
-  SplinePoint at(double u) const noexcept;  // held at its ends outside of [0, length]
+  SplinePoint at(double u) const noexcept;  // u is clamped to [0, length]
 
   double arc_length() const;  // [m]
   // Over one span: the largest |dp/du|, |d²p/du²| and |dp/du · d²p/du²|. The first and last are
-  // sampled, the second exact.
+  // sampled; the second is exact.
   struct Bounds {
     double slope, bend, stretch;
   };

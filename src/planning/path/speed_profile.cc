@@ -8,7 +8,7 @@
 namespace impedraw {
 namespace {
 
-// Each span's limits become the lowest of those within `reach` of it.
+// Replaces each span's limits by the lowest limits within `reach` of it.
 void take_lowest_near(std::vector<SpeedSpan>& spans, double reach) {
   std::vector<double> end(spans.size());
   double x = 0;

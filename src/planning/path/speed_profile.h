@@ -1,14 +1,14 @@
-// How far along a path to be at which time: from rest to rest, as fast as the limits let, without
-// steps in acceleration.
+// Position along a path over time: from rest to rest, as fast as the limits permit, with continuous
+// acceleration.
 //
-// The path is a row of spans, each with a length, a highest speed and a highest acceleration along
-// it. Two steps:
+// The path is a sequence of spans, each with a length, a speed limit and an acceleration limit. Two
+// steps:
 //   1. forward and backward over the spans, v² ≤ v₀² + 2 a l: the fastest profile of constant
 //   accelerations, x(t);
 //   2. its running mean over the time T, x_s(t) = 1/T ∫ x(τ) dτ over [t − T, t], in closed form.
-// The mean of what stays within a limit stays within it. So that it also does where the limit
-// changes, each span first takes the lowest limits within the length that can be covered in T. The
-// jerk is then at most twice the acceleration over T, and the profile ends T later.
+// A running mean of values within a limit stays within that limit. For this to hold where limits
+// change, each span first takes the lowest limits within the length that can be covered in T. The
+// jerk is then at most twice the acceleration divided by T. The profile ends T later.
 #pragma once
 
 #include <vector>
@@ -29,12 +29,12 @@ struct SpeedState {
 
 class SpeedProfile {
  public:
-  SpeedProfile() = default;                                           // of no length and no time
+  SpeedProfile() = default;                                           // zero length and duration
   SpeedProfile(std::vector<SpeedSpan> spans, double smoothing_time);  // T ≥ 0 [s]
 
   double duration() const { return pieces_.empty() ? 0 : end_ + smoothing_; }  // [s]
   double length() const { return length_; }
-  SpeedState at(double t) const noexcept;  // held at its ends outside of [0, duration]
+  SpeedState at(double t) const noexcept;  // t is clamped to [0, duration]
 
  private:
   struct Piece {

@@ -40,10 +40,10 @@ class Fit {
     }
   }
 
-  // Knots enough for the spline to keep the line. The normals have no part in that.
+  // Places enough knots for the spline to stay on the line. Normals do not matter here.
   void find_knots() {
-    // Vertices at least half a spacing apart to begin with; where that is too coarse, the rounds
-    // below find out.
+    // Start with vertices at least half a spacing apart. The loop below refines where that is too
+    // coarse.
     const double total = line_.along.back();
     double last = -1;
     for (std::size_t i = 0; i + 1 < line_.p_P.size(); ++i) {
@@ -103,8 +103,8 @@ class Fit {
     return k;
   }
 
-  // The parabola through the normals about here, Gaussian weights: what turns at an even rate, or
-  // at one that changes evenly, stays, ends included. A straight line would cut the crests of a
+  // Local parabola through the normals with Gaussian weights. It preserves normals that turn at a
+  // constant or linearly changing rate, ends included. A straight line would cut the crests of a
   // sine by 0.1°.
   Eigen::Vector3d smoothed_normal(std::size_t i) const {
     const double sigma = settings_.normal_smoothing, s = knots_[i].along;
@@ -114,9 +114,8 @@ class Fit {
     int used = 0;
     const auto add = [&](std::size_t k) {
       const double x = (knots_[k].along - s) / sigma;
-      if (std::abs(x) > 4.5) return false;  // where a weight of 4e-5 is cut off nobody notices
-      // Weighed by the way to both neighbours too, so that knots close together do not count for
-      // more.
+      if (std::abs(x) > 4.5) return false;  // the weight is below 4e-5: negligible
+      // The weight includes the distance to both neighbours, so that dense knots do not dominate.
       const double before = k > 0 ? knots_[k].along - knots_[k - 1].along : 0.0;
       const double after = k + 1 < knots_.size() ? knots_[k + 1].along - knots_[k].along : 0.0;
       const double w = (before + after) / sigma * std::exp(-0.5 * x * x);
@@ -151,10 +150,7 @@ class Fit {
 
   bool keeps(const PathSpline& spline, std::size_t span) const {
     constexpr int kSamples = 8;
-    const double allowed =
-        0.75 *
-        settings_
-            .tolerance;  // the rest went into simplifying, and into what lies between the samples
+    const double allowed = 0.75 * settings_.tolerance;  // simplification and sampling use the rest
     const auto [first, last] = vertices(knots_[span].along, knots_[span + 1].along);
     std::vector<Vector2d> curve;
     for (int i = 0; i <= kSamples; ++i) {
@@ -170,7 +166,7 @@ class Fit {
     return true;
   }
 
-  // Adds a knot in each span that strays. False once there is none.
+  // Adds a knot in each span that exceeds the tolerance. Returns false if there is none.
   bool refine(const PathSpline& spline) {
     if (++rounds_ > kMostRounds) return false;
     std::vector<Knot> result;
@@ -196,8 +192,8 @@ class Fit {
     return grown;
   }
 
-  // Where knots are far apart, more of them on the spline itself: they leave its shape seen from
-  // above and follow the surface.
+  // Adds knots on the spline itself where knots are far apart. They keep its shape seen along z and
+  // follow the surface.
   bool insert_between(const PathSpline& spline) {
     std::vector<Knot> result;
     for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
@@ -256,7 +252,7 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
     line.place.push_back(whole.place[i]);
   }
   if (line.p_P.size() == 2 && (line.p_P[1] - line.p_P[0]).norm() < kSamePoint)
-    return fitted;  // closed on itself
+    return fitted;  // both points coincide
   std::vector<std::size_t> cuts = corners(line.p_P, settings.corner_angle);
   cuts.push_back(line.p_P.size() - 1);
   std::size_t from = 0;

@@ -1,18 +1,18 @@
-// The whole drawing as a motion of the pen tip in time.
+// The pen tip's motion in time, for the whole drawing.
 //
-// Timed by the plan alone, with no feedback: for each stroke
+// The plan alone sets the timing; there is no feedback. The phases of each stroke are
 //   travel    straight up from a low start, straight across at the safe height, straight down along
-//             the normal; rest to rest each
+//             the normal; each move from rest to rest
 //   approach  from the hover point to the stroke's first point at approach_speed, then held there
 //             for settle_time
 //   draw      along the stroke on the surface; full stop at corners
 //   lift      after end_hold at the last point, along the surface's normal to the safe height
-// and `done` once the last lift has ended. The normal n_WD is the surface's along the stroke and
-// turns about one axis during travel.
+// and `done` after the last lift. The normal n_WD is the surface normal along the stroke. During
+// travel it turns about one axis.
 //
-// p, v and a are each other's exact derivatives, as are n, w and alpha. v and w are continuous, and
-// so is a (no step in acceleration), corners and stops included. Speeds and accelerations stay
-// within their limits everywhere; along a stroke both count on the surface, in 3D.
+// v and a are the exact derivatives of p, as w and alpha are of n. v, w and a are continuous,
+// corners and stops included. Speeds and accelerations always stay within their limits. Along a
+// stroke, both are measured on the surface, in 3D.
 #pragma once
 
 #include <limits>
@@ -31,32 +31,32 @@ const char* name_of(Phase phase) noexcept;
 struct PathSample {
   TipReference reference;
   // PlacedStroke::number, ≥ 0, from the instant the desired point leaves the stroke's first point
-  // until it reaches its last; a dot: while it is held.
+  // until it reaches its last. For a dot: while it is held.
   int stroke = -1;
-  double along = std::numeric_limits<double>::quiet_NaN();  // and where on it (stroke_part.h) [m]
+  double along = std::numeric_limits<double>::quiet_NaN();  // position on it (stroke_part.h) [m]
   Phase phase = Phase::done;
 };
 
 struct StrokeTimes {
   int number = 0;       // PlacedStroke::number
   double approach = 0;  // start of the approach [s]
-  double start = 0;     // the desired point leaves the first point
-  double end = 0;       // and has reached the last
-  double length = 0;    // pen-down, on the surface [m]
+  double start = 0;     // the desired point leaves the first point [s]
+  double end = 0;       // the desired point reaches the last point [s]
+  double length = 0;    // pen-down length on the surface [m]
 };
 
-// One stretch of the path between two instants, during which one rule holds.
+// One segment of the path in time, with a single law of motion.
 struct PathLeg {
   double duration = 0;  // [s]
   Phase phase = Phase::travel;
   int stroke = -1;   // in the order of the path
-  double along = 0;  // of a dot, on its stroke [m]
+  double along = 0;  // for a dot: position on its stroke [m]
   bool pen_down = false;
   int spline = -1;  // ≥ 0: along that spline, moved by `p`; else along the line p + x · direction
   Eigen::Vector3d p = Eigen::Vector3d::Zero();          // [m]
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit, or zero
   SpeedProfile progress;                                // of u or x [m]
-  bool fixed_normal = true;  // n throughout, turned by `turn`; else the spline's
+  bool fixed_normal = true;  // true: n, rotated by `turn`; false: the spline's normal
   Eigen::Vector3d n = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d turn_axis = Eigen::Vector3d::UnitX();  // unit, across n
   SpeedProfile turn;                                     // [rad]
@@ -65,19 +65,19 @@ struct PathLeg {
 class TipPath {
  public:
   TipPath() = default;
-  // `numbers`: of the strokes, in the order of the path. Legs and splines are in the drawing frame
-  // P; samples are in W.
+  // `numbers`: the strokes' numbers, in path order. Legs and splines are in the drawing frame P;
+  // samples are in W.
   TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
           const std::vector<int>& numbers, const Pose& X_WP = {});
 
   double duration() const noexcept {
     return starts_.empty() ? 0 : starts_.back() + legs_.back().duration;
   }  // [s]
-  PathSample at(
-      double t) const noexcept;  // allocates nothing; held at its ends outside of [0, duration]
+  // Allocates nothing. t is clamped to [0, duration].
+  PathSample at(double t) const noexcept;
 
   const std::vector<StrokeTimes>& strokes() const noexcept { return strokes_; }
-  double pen_down_length() const noexcept;  // of all strokes, on the surface [m]
+  double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
 
  private:
   std::vector<PathLeg> legs_;

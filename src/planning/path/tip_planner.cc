@@ -15,16 +15,16 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector3d;
-// of the acceleration, at most; 0.6 are then left along the path
+// largest share of the acceleration across the path; 0.6 remain along it
 constexpr double kCentripetalShare = 0.8;
-// of limits, for what lies between the samples of PathSpline::bounds
+// share of the limits used; the rest covers maxima between the samples of PathSpline::bounds
 constexpr double kMargin = 0.999;
 // n_z below which a lift goes straight up after clearing the surface
 constexpr double kSteepest = 0.5;
-constexpr double kClearance = 0.01;  // how far along n it does so [m]
-constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are none
+constexpr double kClearance = 0.01;  // length of that clearing move along n [m]
+constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are skipped
 
-// Lays leg after leg, each beginning where the one before ended, at rest.
+// Appends legs. Each starts at rest where the previous one ended.
 class Planner {
  public:
   explicit Planner(const PathSettings& settings)
@@ -70,7 +70,8 @@ class Planner {
     return z;
   }
 
-  // Where the pen leaves p along n for the safe height, or p cleared along n and then straight up.
+  // The point that the pen reaches from p along n: at the safe height or, where n is too flat, just
+  // clear of the surface. above() then leads straight up.
   Vector3d clear_of(const Vector3d& p, const Vector3d& n) const {
     const double rise = std::max(0.0, safe_z_ - p.z());
     return p + n * (n.z() >= kSteepest ? rise / n.z() : kClearance);
@@ -94,7 +95,7 @@ class Planner {
     return leg;
   }
 
-  // Straight to q; n turns to `n` meanwhile.
+  // Moves straight to q while the normal turns to `n`.
   void move(const Vector3d& q, const Vector3d& n, Phase phase, double speed, double acceleration,
             bool pen_down = false) {
     const Vector3d way = q - p_;

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kLook = 0.01;  // [s]; the tip moves far less than kStep in it
 constexpr double kStep = 0.01;  // [m]
 constexpr double kTurn = 0.1;   // of the pen [rad]
-// a tip that is nearer to the canvas, or below it, is on it or pressed into it [m]
+// a tip nearer to the canvas than this, or below it, touches it [m]
 constexpr double kTipFree = 1e-3;
 
 double angle(const Vector3d& a, const Vector3d& b) {
@@ -34,11 +34,11 @@ std::vector<Finding> check_transitions(const TipPath& path,
   PostureCheck check(arm, obstacle, start_q, settings);
   check.asked.torque = false;
 
-  std::vector<double> amounts;  // of the findings
-  std::size_t way_begins = 0;   // index of the present way's first finding
-  std::size_t next = 0;         // stroke that the way leads to
-  bool lift = false;            // still off the stroke before
-  // then that stroke is to setting_errors: the rest of the way is another once it is left out
+  std::vector<double> amounts;  // severities of the findings
+  std::size_t way_begins = 0;   // index of the current motion's first finding
+  std::size_t next = 0;         // stroke that the motion leads to
+  bool lift = false;            // still lifting off the previous stroke
+  // The previous stroke is then at fault. Without it, the rest of the motion would be different.
   bool lift_barred = false;
   const auto report = [&](Problem problem, double amount, const std::string& text,
                           const Vector3d& p) {
@@ -83,15 +83,15 @@ std::vector<Finding> check_transitions(const TipPath& path,
     check.asked.pen = !(below && below->distance < kTipFree);
     const PenPlacement pen{p, -n};
     Posture posture = last ? check.follow(pen, *last, moved) : check.enter(pen, start_q);
-    // A way on which the arm is lost is that way's fault alone: what comes after begins anew where
-    // its stroke does.
+    // If the arm loses the path during a motion, only that motion is reported. The next stroke
+    // starts from a new posture.
     if (last && !posture.reached && (last->reached || (change && !way))) {
       Posture anew = check.enter(pen, start_q);
       if (anew.reached) posture = std::move(anew);
     }
     if (last && posture.reached && last->reached) {
       const PostureCheck::Change by = PostureCheck::change(*last, posture);
-      // A turn of the pen may take a wrist joint several times as far.
+      // A turn of the pen can move a wrist joint several times as far.
       const bool jumped = by.by > settings.max_joint_step + 3 * turned +
                                       moved / settings.step * settings.max_joint_step / 2;
       if (jumped && way)

@@ -10,16 +10,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-// the canvas is looked for so much farther than is asked, so that the answer lasts a while [m]
+// extra search distance to the canvas, so that the result stays valid for several calls [m]
 constexpr double kAhead = 0.03;
 
 double distance_to_box(const Eigen::AlignedBox3d& box, const Vector3d& a, const Vector3d& b) {
   return box.exteriorDistance(Vector3d((a + b) / 2)) - (b - a).norm() / 2;
 }
 
-// Distance of the segment a–b to the canvas, at most `best`; too large by at most a tenth of what
-// is over `radius`, and 1 mm, where it is over `enough`. Halves are left out once their middle's
-// distance says that they hold nothing nearer.
+// Distance of the segment a–b from the canvas, at most `best`. Above `enough` it may be too large
+// by a tenth of its excess over `radius`, plus 1 mm. Skips halves whose midpoint distance shows
+// that they contain nothing nearer.
 double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d& b, double radius,
                         double enough, double best) {
   const Vector3d middle = (a + b) / 2;
@@ -100,15 +100,15 @@ Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
   const auto take = [&](double gap, double h, const char* obstacle) {
     if (gap < result.gap) result = {gap, shaft.link, obstacle, h};
   };
-  if (table_z_) {  // both sides of the gap are straight between these places
+  if (table_z_) {  // the gap is linear between these points
     for (double h : {kTipLength, shaft.radius / widens, desired_ / kPenOpening, length}) {
       h = std::clamp(h, std::min(kTipLength, length), length);
       take((X_WE.p + h * along).z() - *table_z_ - asked(h), h, "table");
     }
   }
   if (!canvas_) return result;
-  // The gap falls by no more than this per metre of axis: steps are as long as nothing can be
-  // missed in them.
+  // The gap decreases by at most this per metre of axis. Steps are as long as possible without
+  // missing a contact.
   const double fastest = 1 + widens + kPenOpening;
   for (double h = std::min(kTipLength, length);;) {
     const double look = asked(h) + kFarEnough;

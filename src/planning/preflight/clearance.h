@@ -1,20 +1,21 @@
-// How near the arm comes to a canvas and to a table: its bodies as capsules, its pen as a rod with
-// a taper.
+// Clearance of the arm from a canvas and a table. The arm's bodies are capsules; its pen is a
+// tapered rod.
 //
 // A body's gap     min over its axis of |p − canvas| or p_z − table, less its radius
 // The pen's gap    min over its axis, from kTipLength above the tip, of |p − canvas| or p_z −
 //                  table, less ρ(h) + c(h)
 //                  ρ(h) = min(r, h sin α)        balls in the cone from the tip to the shaft's end,
 //                  tan α = r / h_0, then the shaft's
-//                  c(h) = min(c, kPenOpening h)  desired clearance: the tip is to touch
-// The pen: the body whose end is nearest to the tip, no more than 50 mm off; r its radius, h_0 how
-// far above the tip it begins. On a plane whose normal stands at θ to the pen its gap is over 0 up
-// to cos θ = sin α + kPenOpening: 60° for a pen of 5 mm that begins 10 mm up.
+//                  c(h) = min(c, kPenOpening h)  desired clearance, 0 at the tip, which must touch
+// The pen is the body whose end is nearest to the tip, at most 50 mm away. r is its radius; h_0 is
+// the height above the tip at which it begins. On a plane whose normal is at angle θ to the pen,
+// the gap is positive up to cos θ = sin α + kPenOpening: 60° for a pen of 5 mm that begins 10 mm
+// up.
 //
-// Gaps are exact to a tenth and 1 mm on the far side, and never 0 or more where something touches.
-// Capsules round off the flat ends of cylinders, so an arm's body may seem nearer by up to its
-// radius. Of the canvas, both sides count. Bodies that no joint moves may touch the table: the arm
-// stands on it.
+// A gap may be overestimated by up to a tenth plus 1 mm, but it is always negative where something
+// touches. Capsules round the flat ends of cylinders, so a body may appear nearer by up to its
+// radius. Both sides of the canvas count. Bodies that no joint moves may touch the table, because
+// the arm stands on it.
 #pragma once
 
 #include <optional>
@@ -26,34 +27,34 @@
 
 namespace impedraw {
 
-inline constexpr double kFarEnough = 0.03;   // gaps are not told apart beyond [m]
-inline constexpr double kTipLength = 5e-3;   // of the pen that nothing is asked of [m]
+inline constexpr double kFarEnough = 0.03;   // larger gaps are reported as this value [m]
+inline constexpr double kTipLength = 5e-3;   // unchecked length of the pen above its tip [m]
 inline constexpr double kPenOpening = 0.05;  // [1]
 
 struct Gap {
-  double gap = kFarEnough;     // [m]; < 0: into it
+  double gap = kFarEnough;     // [m]; < 0: penetration
   std::string body, obstacle;  // link; "canvas" or "table"
-  double above_tip = 0;        // of the pen: where on its axis [m]
+  double above_tip = 0;        // for the pen: position on its axis [m]
 };
 
 class Clearance {
  public:
-  // The canvas (in W, null: none) must outlive it, and the arm. `q`: any posture of the arm.
-  // `desired`: c [m], under kFarEnough.
+  // The canvas (in W; null: none) and the arm must outlive this object. `q`: any posture of the
+  // arm. `desired`: c [m], less than kFarEnough.
   Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z, double desired,
             const JointVector& q);
 
-  // At that posture. Quick where it has moved little since the last: distances change by no more
-  // than the bodies move.
+  // Smallest gap at posture q. Fast if q has changed little since the last call: distances change
+  // by no more than the bodies move.
   Gap arm(const JointVector& q);  // without the pen
-  Gap pen(const JointVector& q,
-          const Pose& X_WE);  // less what is desired; X_WE the tip's pose at q
+  // The desired clearance is subtracted. X_WE: the tip's pose at q.
+  Gap pen(const JointVector& q, const Pose& X_WE);
 
  private:
   struct Body {
     bool fixed = false;        // no joint moves it
-    Eigen::Vector3d a_W, b_W;  // where the canvas was last looked for …
-    double distance = 0;       // … and its axis was at least so far from it [m]
+    Eigen::Vector3d a_W, b_W;  // axis ends at the last canvas query [m]
+    double distance = 0;       // lower bound of the axis' distance from the canvas then [m]
   };
   double canvas_distance(Body& body, const BodyCapsule& at, double near_enough);
 

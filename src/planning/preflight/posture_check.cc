@@ -16,15 +16,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRelax = 0.05;     // tip path over which the spare joint comes to rest [m]
-constexpr double kMostDrift = 0.1;  // a step [rad]
+constexpr double kRelax = 0.05;     // tip path over which the redundant joint settles [m]
+constexpr double kMostDrift = 0.1;  // per step [rad]
 constexpr int kFollowSteps = 30, kEnterSteps = 100, kLostSteps = 20;
 
 double limit_distance(const ArmLimits& limits, const JointVector& q, int j) {
   return std::min(q[j] - limits.lower[j], limits.upper[j] - q[j]);
 }
 
-// The pen's turn about its own axis is free: its row is taken out.
+// Rotation about the pen's axis is free, so its row is removed.
 TipJacobian without_spin(const ArmTerms& terms) {
   TipJacobian J = terms.J;
   const Vector3d z = terms.X_WE.R.col(2);
@@ -76,8 +76,7 @@ void PostureCheck::say_unreached(const PenPlacement& pen, const IkResult& found,
   Vector6 e;
   e << pen.p_WE - terms_.X_WE.p,
       (cross.norm() > 1e-12 ? found.axis_error / cross.norm() : 0) * cross;
-  // What would stay of the error if there were no limits: little, and it is a limit that is in the
-  // way.
+  // The error that would remain without joint limits. If it is small, a limit is the cause.
   const TipJacobian J = without_spin(terms_);
   constexpr double kDamping = 1e-3, kAtLimit = 0.02;
   const Matrix6 A = J * J.transpose() + kDamping * Matrix6::Identity();

@@ -1,9 +1,9 @@
-// One posture of the arm with its pen on a point: found by inverse kinematics from the last, and
-// checked.
+// Finds the arm's posture for a pen placement by inverse kinematics, seeded with the previous
+// posture, and checks it.
 //
 // Seed   q + (1 − exp(−moved/kRelax)) N (q_0 − q),  N = I − J⁺ J
-// as the controller's null space draws the spare joint (impedance.h); N is the kinematic projector,
-// for one spare joint the same line.
+// This imitates the null-space pull of the controller on the redundant joint (impedance.h). N is
+// the kinematic projector; for one redundant joint it projects onto the same line.
 #pragma once
 
 #include <optional>
@@ -17,38 +17,37 @@
 namespace impedraw {
 
 struct Posture {
-  JointVector q;  // best, where the point is not reached
+  JointVector q;  // if the point is not reached: the nearest posture found
   bool reached = false;
   JointVector drift;               // N (q_0 − q) [rad]
   std::optional<Problem> problem;  // out_of_reach to pen_collision, the first that applies
-  double amount = 0;               // of it; larger is worse
+  double amount = 0;               // severity of the problem; larger is worse
   std::string text;
-  PreflightMargins margins;  // of this posture; no slope
+  PreflightMargins margins;  // of this posture; slope is not set
 };
 
-// What of the surface the tip is on: n is the pen's axis, outward. World frame W.
+// Checks postures for pen placements. n is the pen's axis, outward. World frame W.
 class PostureCheck {
  public:
-  // Canvas and arm must outlive it. InputError: start_q or rest_q has not as many entries as the
-  // arm has joints.
+  // Canvas and arm must outlive this object. Throws InputError if start_q or rest_q does not have
+  // one entry per joint.
   PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                const PreflightSettings& settings);
 
-  // The arm comes to the point anew, from `last` or else from the rest or the start posture, and
-  // comes to rest there: the first posture without a problem, or the first that reaches, or the one
-  // that gets nearest.
+  // Finds a settled posture at the point, seeded with `last`, then the rest or the start posture.
+  // Returns the first posture without a problem, else the first that reaches, else the nearest.
   Posture enter(const PenPlacement& pen, const JointVector& last);
 
-  // On from the last posture, the tip having moved by so much [m].
+  // Continues from the last posture after the tip has moved by `moved` [m].
   Posture follow(const PenPlacement& pen, const Posture& last, double moved);
 
-  // What is asked. In the air: no torque. With the tip pressed below the surface: no pen.
+  // Enabled checks. Disable torque in the air, and pen with the tip pressed below the surface.
   struct Asked {
     bool torque = true, pen = true;
   };
   Asked asked;
 
-  // Joint that differs most, and by how much [rad].
+  // The joint that differs most, and its difference [rad].
   struct Change {
     int joint = 0;
     double by = 0;

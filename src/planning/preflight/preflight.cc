@@ -17,11 +17,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A stretch of a stroke with one answer.
+// A part of a stroke with one verdict.
 struct Stretch {
   double from = 0, to = 0;
   std::optional<Problem> problem;
-  double amount = 0, worst = 0;  // of the problem, and where that is
+  double amount = 0, worst = 0;  // the problem's severity, and its position on the stroke
   Vector3d p_W = Vector3d::Zero();
   std::string text;
 };
@@ -32,7 +32,7 @@ struct Node {
   Posture posture;
 };
 
-// Walks the arm over what of a stroke the surface allows.
+// Moves the arm along the parts of a stroke that the surface permits.
 class ArmWalk {
  public:
   ArmWalk(PostureCheck& check, const PreflightSettings& settings, const SurfaceSpan& span,
@@ -42,12 +42,12 @@ class ArmWalk {
     left.posture = check_.enter(left.pen, last_);
     open(left, span.from);
     const int pieces = static_cast<int>(std::ceil((span.to - span.from) / settings_.step));
-    int lost = 0;  // postures in a row that cannot be
+    int lost = 0;  // consecutive failed postures
     for (int k = 1; k <= pieces; ++k) {
       Node right = node(k < pieces ? span.from + (span.to - span.from) * k / pieces : span.to);
       right.posture = check_.follow(right.pen, left.posture, right.along - left.along);
       lost = right.posture.problem ? lost + 1 : 0;
-      // Another posture may do where this one has come to an end.
+      // Where this posture fails, another may succeed.
       if (lost % kTryAnew == 1) {
         Posture anew = check_.enter(right.pen, last_);
         if (!anew.problem) right.posture = std::move(anew);
@@ -72,7 +72,7 @@ class ArmWalk {
     return {along, {X_WP * at.p_P, -n}, {}};
   }
 
-  // A posture between two, from the left one, or where that does not do from the right one.
+  // A posture between two others, found from the left one or, if that fails, from the right one.
   Node between(const Node& l, const Node& r) {
     Node middle = node((l.along + r.along) / 2);
     const double half = (r.along - l.along) / 2;
@@ -107,7 +107,7 @@ class ArmWalk {
   }
 
   void add_jump(const Node& l, const Node& r, const PostureCheck::Change& change) {
-    // Where the arm turns too fast for a while, that is one jump.
+    // If the arm turns too fast over several steps, this counts as one jump.
     const std::size_t n = stretches.size();
     const bool goes_on = n >= 2 && stretches[n - 1].from == stretches[n - 1].to &&
                          stretches[n - 2].problem == Problem::joint_jump;
@@ -160,7 +160,7 @@ class ArmWalk {
   JointVector last_;
 };
 
-// What is left too short between what cannot be drawn.
+// Marks drawable parts that are too short between undrawable ones.
 void drop_short(std::vector<Stretch>& stretches, double shortest) {
   if (stretches.size() == 1) return;
   for (Stretch& stretch : stretches) {

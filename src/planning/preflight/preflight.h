@@ -1,26 +1,26 @@
-// Can all of a drawing be drawn? Asked before anything moves.
+// Checks, before anything moves, that every stroke can be drawn.
 //
-// Each stroke is walked twice. Over the surface, at each of its points and every surface_step
-// between: is there a surface, is it whole, how steep is it (surface_walk.h). Then with the arm,
-// every `step` along what that leaves: each posture follows from the last (posture_check.h) and is
-// checked for
-//   reach      the tip gets there, the pen along −n, n the surface's normal averaged over
-//              normal_smoothing, or z_P with `vertical_pen`
-//   joints     every joint joint_margin within its range, and no jump on from the last posture
-//   singular   the tip's greatest effective mass stays under space.max_effective_mass: the loop's
-//              own criterion
-//   torque     |g_j − J_jᵀ n F| + μ F |J_jᵀ across n| ≤ torque_share × limit: at rest, push F and
-//              friction μ F any way across it
+// Each stroke is checked in two passes. The first samples the surface at each point of the stroke
+// and every surface_step between them. It checks that the surface exists, is unbroken and is not
+// too steep (surface_walk.h). The second places the arm every `step` along the parts that pass.
+// Each posture follows from the previous one (posture_check.h) and is checked for
+//   reach      the tip reaches the point with the pen along −n; n is the surface normal averaged
+//              over normal_smoothing, or z_P with `vertical_pen`
+//   joints     every joint is at least joint_margin inside its range and does not jump
+//   singular   the tip's greatest effective mass stays below space.max_effective_mass, the
+//              controller's criterion
+//   torque     |g_j − J_jᵀ n F| + μ F |J_jᵀ across n| ≤ torque_share × limit: at rest, with push F
+//              and friction μ F in any direction across it
 //   collision  the arm's bodies and the pen's shaft against the canvas and the table (clearance.h)
-// Where the answer changes, the place is bisected to edge_tolerance, on the good side.
+// Where the verdict changes, bisection locates the boundary to edge_tolerance, on the good side.
 //
-// Parts that can be drawn and findings together cover each stroke from end to end: nothing is left
-// out unsaid. Where a drawable part begins the arm comes anew, through the air: what leads there is
-// check_transitions' to check, once the path is planned.
+// Drawable parts and findings together cover each stroke from end to end. At the start of a
+// drawable part the arm arrives through the air. check_transitions checks these motions once the
+// path is planned.
 //
-// Not seen: what lies between two samples and is narrower than they are apart; torque of motion;
-// the arm against itself; other postures than those that inverse kinematics finds from the last,
-// from rest_q and from start_q.
+// Not checked: features narrower than the sample spacing; torque of motion; self-collision;
+// postures other than those that inverse kinematics finds from the previous one, from rest_q and
+// from start_q.
 #pragma once
 
 #include <functional>
@@ -41,7 +41,7 @@
 namespace impedraw {
 
 enum class Problem {
-  off_canvas,  // no surface there: past its edge, or a hole
+  off_canvas,  // no surface: beyond its edge, or a hole
   fold,        // the surface jumps in height; both sides may be drawable
   too_steep,
   out_of_reach,
@@ -50,39 +50,39 @@ enum class Problem {
   torque,
   arm_collision,
   pen_collision,
-  joint_jump,  // no continuous posture leads on; both sides may be drawable
-  too_short    // could be drawn, but what lies beside it cannot, and too little is left
+  joint_jump,  // no continuous posture across this point; both sides may be drawable
+  too_short    // drawable, but too short between parts that are not
 };
 const char* name_of(Problem problem) noexcept;
 
 struct PreflightSettings {
   Pose X_WP;                  // drawing frame: strokes and surface are in P
   bool vertical_pen = false;  // pen along −z_P, else along −n
-  std::optional<JointVector>
-      rest_q;  // q_0, to which the controller's null space pulls; left out, start_q [rad]
+  // q_0, to which the controller's null space pulls [rad]; default: start_q
+  std::optional<JointVector> rest_q;
 
-  bool arm = true;  // else only the surface is looked at, and the arm is taken to reach all of it
-  double step = 4e-3;            // between postures, along a stroke [m]
-  double surface_step = 1e-3;    // between looks at the surface, at most [m]
-  double edge_tolerance = 1e-4;  // of the ends of parts [m]
-  // kept from where the surface ends or has a hole, along the stroke [m]
+  bool arm = true;     // false: only the surface is checked; the arm is assumed to reach all of it
+  double step = 4e-3;  // between postures, along a stroke [m]
+  double surface_step = 1e-3;    // largest distance between surface samples [m]
+  double edge_tolerance = 1e-4;  // accuracy of the ends of parts [m]
+  // distance kept from the surface's edges and holes, along the stroke [m]
   double edge_margin = 1e-3;
-  double shortest = 1e-3;  // of what is left of a stroke; no less is worth lifting the pen for [m]
+  double shortest = 1e-3;  // shortest part worth lowering the pen for [m]
 
   double max_slope_deg = 75;       // between the surface's normal and z_P
-  double fold_height = 0.5e-3;     // lower steps the pen's tip rides over [m]
-  double normal_smoothing = 5e-3;  // as PathSettings' [m]
+  double fold_height = 0.5e-3;     // the pen's tip rides over lower steps [m]
+  double normal_smoothing = 5e-3;  // as in PathSettings [m]
 
-  double joint_margin = 0.05;      // the loop keeps to a posture by some 0.03 rad [rad]
+  double joint_margin = 0.05;      // the controller holds a posture to about 0.03 rad [rad]
   double max_joint_step = 0.35;    // of any joint per `step` [rad]
   OperationalSpaceSettings space;  // the controller's
-  double torque_share = 1.0;       // of the arm's limits that may be used
+  double torque_share = 1.0;       // usable share of the arm's limits
   double normal_force = 5.0;       // F [N]
   double friction = 0.3;           // μ
 
-  // of arm and pen from canvas and table [m]; the pen's grows from none at the tip (clearance.h)
+  // of arm and pen from canvas and table [m]; the pen's grows from 0 at the tip (clearance.h)
   double clearance = 5e-3;
-  std::optional<double> table_z;  // height of a table that fills the plane [m], W; left out, none
+  std::optional<double> table_z;  // height of an infinite table [m], W; default: none
 
   struct Limits {
     static constexpr Range step = {1e-4, 0.1};
@@ -103,48 +103,50 @@ struct PreflightSettings {
   };
 };
 
-// Throws InputError: the setting, its value and what is allowed.
+// Throws InputError naming the setting, its value and the allowed range.
 void validate(const PreflightSettings& settings);
 
 struct Finding {
   StrokePart part;
   Problem problem = Problem::off_canvas;
-  std::string text;  // what and by how much, at the worst place: "23 mm too far"
-  Eigen::Vector2d page_mm = Eigen::Vector2d::Zero();  // the worst place
-  Eigen::Vector3d p_W = Eigen::Vector3d::
-      Zero();  // [m]; off the canvas: at the height where the stroke left it, or of P's origin
+  std::string text;  // the problem and its size at the worst point: "23 mm too far"
+  Eigen::Vector2d page_mm = Eigen::Vector2d::Zero();  // the worst point
+  // the worst point [m]; off the canvas: at the height where the stroke left it, or of P's origin
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
 };
 
-// Worst over what can be drawn.
+// Worst values over the drawable parts.
 struct PreflightMargins {
   double joint = std::numeric_limits<double>::infinity();  // to the nearest limit [rad]
   double torque_share = 0;                                 // of the arm's limits
-  double effective_mass = 0;                               // greatest of the tip [kg]
-  double clearance = std::numeric_limits<
-      double>::infinity();  // of the arm less its pen, at most kFarEnough (clearance.h) [m]
+  double effective_mass = 0;                               // the tip's greatest [kg]
+  // of the arm without its pen, at most kFarEnough (clearance.h) [m]
+  double clearance = std::numeric_limits<double>::infinity();
   double slope_deg = 0;
 };
 
 struct Preflight {
-  std::vector<Finding> findings;     // in the strokes' order, along each
-  std::vector<StrokePart> drawable;  // likewise
+  std::vector<Finding> findings;     // ordered by stroke, then along it
+  std::vector<StrokePart> drawable;  // in the same order
   PreflightMargins margins;
 };
 
-// `obstacle`: what the arm must not touch, in W; usually the canvas; null: nothing. `start_q`: the
-// arm's posture before it moves. `progress`: told the share of the strokes that are checked.
-// InputError: a setting out of range (name, value, limit).
+// `obstacle`: the object that the arm must not touch, in W, usually the canvas; null: none.
+// `start_q`: the arm's posture before it moves. `progress`: called with the share of strokes
+// checked so far. Throws InputError for a setting out of range (name, value, limit).
 Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
                         ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                         const PreflightSettings& settings = {},
                         const std::function<void(double)>& progress = {});
 
-// The ways between the strokes of a planned path: travel, approach and lift, asked every centimetre
-// and every 0.1 rad of turn, each posture from the last, the strokes' own included. `strokes` are
-// those the path was planned from. Each finding's part is the whole of the stroke that the way
-// leads to (the way back from the last: that stroke's), or of the one before where the lift off
-// that is barred, and then of that alone; page_mm is its first point; at most one a problem and
-// way. Torque is not asked: in the air the arm only holds itself.
+// Checks the motions between the strokes of a planned path (travel, approach and lift) every
+// centimetre and every 0.1 rad of turn. Each posture follows from the previous one, through the
+// strokes too. `strokes` are those the path was planned from.
+//
+// A finding's part is the whole stroke that the motion leads to; for the way back, the last stroke.
+// If the lift is blocked, only the stroke that it leaves is reported. page_mm is the stroke's first
+// point. There is at most one finding per problem and motion. Torque is not checked: in the air the
+// arm carries only its own weight.
 std::vector<Finding> check_transitions(const TipPath& path,
                                        const std::vector<PlacedStroke>& strokes, ArmModel& arm,
                                        const Canvas* obstacle, const JointVector& start_q,

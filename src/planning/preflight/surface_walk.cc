@@ -13,9 +13,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// a step in height that does not shrink down to this width is a fold [m]
+// a height step that persists down to this width is a fold [m]
 constexpr double kSharp = 1e-5;
-// so far ends stay clear of edges: nobody's rounding puts them on the other side [m]
+// distance of ends from edges, so that rounding cannot put them on the other side [m]
 constexpr double kRetreat = 1e-6;
 
 struct Look {
@@ -68,8 +68,8 @@ class Walk {
     return look;
   }
 
-  // By how much the height between l and r differs from what the slopes at both say, beyond what a
-  // bend in between explains [m].
+  // Height difference between l and r that neither the slopes at both nor a bend in between
+  // explains [m].
   static double step_in_height(const Look& l, const Look& r) {
     const Vector2d way = r.at - l.at;
     const auto rise = [&way](const SurfaceSample& s) {
@@ -137,9 +137,8 @@ class Walk {
     span.slope = std::max(span.slope, next.slope);
   }
 
-  // Takes the ends of what can be drawn on, but the stroke's own, back from where the surface
-  // changes: a hair, or from where it ends by edge_margin. What is shorter than that lies all too
-  // near.
+  // Moves the ends of drawable spans, except the stroke's own, away from where the surface changes:
+  // by a tiny distance, or by edge_margin where the surface ends. Shorter spans are rejected.
   void retreat() {
     for (std::size_t i = 0; i < spans_.size(); ++i) {
       SurfaceSpan& span = spans_[i];
@@ -165,7 +164,7 @@ class Walk {
     }
   }
 
-  // The span's samples between the two places only, its ends interpolated.
+  // Keeps only the span's samples between the two positions and interpolates its ends.
   static void trim(SurfaceSpan& span, double from, double to) {
     const auto at = [&span](double along) {
       const auto after = std::upper_bound(span.along.begin(), span.along.end(), along);
@@ -195,7 +194,7 @@ class Walk {
   void measure_off(std::size_t i, const PlacedStroke& stroke) {
     SurfaceSpan& span = spans_[i];
     const bool enters = i > 0, leaves = i + 1 < spans_.size();
-    std::vector<double> places;  // where it may be farthest off
+    std::vector<double> places;  // candidates for the farthest point
     if (!enters) places.push_back(span.from);
     if (!leaves) places.push_back(span.to);
     if (enters == leaves) places.push_back((span.from + span.to) / 2);
@@ -262,8 +261,8 @@ SurfaceSample SurfaceProfile::at(double along) const {
   const std::size_t i = interval(along);
   const double share = (along - span_.along[i - 1]) / (span_.along[i] - span_.along[i - 1]);
   const SurfaceSample &a = span_.samples[i - 1], &b = span_.samples[i];
-  // A window that is cut at an end of the span is cut on the other side as well: cut on one side,
-  // it would tell of another place.
+  // A window cut at an end of the span is cut on the other side too. Otherwise its mean would
+  // belong to another position.
   const double half =
       std::min({smoothing_ / 2, along - span_.along.front(), span_.along.back() - along});
   Vector3d n = (1 - share) * a.n_P + share * b.n_P;

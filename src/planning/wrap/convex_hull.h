@@ -1,4 +1,4 @@
-// Convex hull of points in the plane, and how far a point is from it.
+// Convex hull of points in the plane, and the distance of a point from it.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace impedraw {
 
-// Corners counter-clockwise (Andrew's monotone chain); one or two points where that is all there
-// is.
+// Returns the corners counter-clockwise (Andrew's monotone chain). Degenerate input gives one or
+// two points.
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 
-// 0 inside. The hull has at least one corner.
+// 0 inside. The hull must have at least one corner.
 double distance_to_hull(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& p);
 
 }  // namespace impedraw

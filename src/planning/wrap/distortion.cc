@@ -27,7 +27,7 @@ LocalStretch stretch_of(const SurfaceSample& sample, const Matrix2d& J) {
   return {std::sqrt(squares.y()), std::sqrt(squares.x())};
 }
 
-// Gathers the extremes and the weighted squares of one Distortion.
+// Accumulates the extremes and weighted squares of one Distortion.
 class Gathering {
  public:
   void lengths(double stretch, double weight) {

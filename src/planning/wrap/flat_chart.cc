@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-constexpr double kBucket = 1.5;  // [spacings]
-constexpr double kOnEdge = 1e-9;  // of a triangle: barycentric coordinates from −this on are inside
+constexpr double kBucket = 1.5;    // [spacings]
+constexpr double kOnEdge = 1e-9;   // barycentric coordinates ≥ −kOnEdge count as inside
 constexpr double kSolved = 1e-12;  // [m]
 constexpr int kNewtonSteps = 12;
 
@@ -31,8 +31,7 @@ Weights catmull_rom(double t) {
       {-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t), 0.5 + t * (4 - 4.5 * t), t * (1.5 * t - 1)}};
 }
 
-// The rotation by which a differential of positive determinant exceeds a symmetric one (polar
-// decomposition in the plane).
+// Rotation part of a differential with positive determinant (polar decomposition in the plane).
 Matrix2d turn_of(const Matrix2d& J) {
   return Eigen::Rotation2Dd(std::atan2(J(1, 0) - J(0, 1), J(0, 0) + J(1, 1))).toRotationMatrix();
 }
@@ -49,8 +48,8 @@ FlatChart::FlatChart(SurfacePatch patch, std::vector<Vector2d> flat, const Vecto
   fill_buckets();
 }
 
-// Nodes next to the patch that have no vertex get what the nearest ones inside go on to, so that
-// its last cells are bicubic too.
+// Extrapolates to nodes next to the patch that have no vertex, so that its last cells are bicubic
+// too.
 void FlatChart::fill_nodes(const std::vector<Vector2d>& flat) {
   const int columns = patch_.columns + 2, rows = patch_.rows + 2;
   node_.assign(static_cast<std::size_t>(columns) * rows,
@@ -117,7 +116,7 @@ int FlatChart::bucket(const Vector2d& flat) const {
   return static_cast<int>(at.x()) + bucket_columns_ * static_cast<int>(at.y());
 }
 
-// The patch's cell that holds p, or else the nearest one up to `beyond` cells away.
+// The patch's cell that contains p, else the nearest one up to `beyond` cells away.
 FlatChart::Place FlatChart::place(const Vector2d& plane, int beyond) const {
   const Vector2d at = (plane - patch_.corner) / patch_.spacing;
   Place best;

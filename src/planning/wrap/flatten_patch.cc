@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// A folder of its own under the system's temporary one, gone with this object.
+// A unique folder under the system's temporary one, removed with this object.
 struct ScratchFolder {
   ScratchFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "impedraw_wrap_XXXXXX").string();
@@ -63,7 +63,7 @@ std::string last_line(const std::filesystem::path& file) {
   return last;
 }
 
-// Runs the script on the folder; what it says goes to a file there.
+// Runs the script on the folder; its output goes to a file there.
 void run_script(const std::filesystem::path& folder, const std::filesystem::path& wanted_python) {
   const std::string python = wanted_python.empty() ? IMPEDRAW_PYTHON : wanted_python.string();
   const std::string argument = folder.string(), said = (folder / "said.txt").string();

@@ -1,5 +1,5 @@
-// Lays a patch of the surface flat: least-squares conformal map, then as rigid as possible. libigl
-// does it, in flatten_patch.py beside this.
+// Flattens a patch of the surface: least-squares conformal map, then as-rigid-as-possible. Uses
+// libigl through flatten_patch.py in this folder.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,11 @@
 
 namespace impedraw {
 
-// Where each of the patch's vertices goes [m], the centre to the origin; turned anyhow, not
-// mirrored. Deterministic. `python` is an interpreter with libigl, empty: the venv that impedraw
-// was built with. InputError: the script fails (its last line tells why), or triangles fold over,
-// with the place of the first one in the drawing plane.
+// Returns the flat position of each of the patch's vertices [m]. The centre goes to the origin. The
+// rotation is arbitrary; the map is not mirrored. Deterministic. `python` is an interpreter with
+// libigl; if empty, the venv that impedraw was built with. Throws InputError if the script fails
+// (with the script's last line) or if triangles fold over (with the position of the first one in
+// the drawing plane).
 std::vector<Eigen::Vector2d> flatten_patch(const SurfacePatch& patch,
                                            const std::filesystem::path& python = {});
 

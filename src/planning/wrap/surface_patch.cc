@@ -48,7 +48,7 @@ bool passable(const SurfacePatch& patch, const Samples& samples, int cell) {
   return true;
 }
 
-// Length of the shortest way from `start` to every node along edges and diagonals of cells
+// Length of the shortest path from `start` to every node along edges and diagonals of cells
 // (Dijkstra).
 std::vector<double> ways(const SurfacePatch& patch, const Samples& samples, int start) {
   std::vector<double> way(samples.size(), std::numeric_limits<double>::infinity());
@@ -76,8 +76,8 @@ std::vector<double> ways(const SurfacePatch& patch, const Samples& samples, int 
   return way;
 }
 
-// Of the cells only those that can be reached from the four about `start` across edges: pieces
-// joined by a mere corner could turn about it.
+// Keeps only the cells connected across edges to the four around `start`. Pieces joined only at a
+// corner could rotate about it.
 void keep_connected(SurfacePatch& patch, int start) {
   std::vector<char> kept(patch.cell.size(), false);
   std::vector<int> open;

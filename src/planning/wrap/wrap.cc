@@ -14,10 +14,10 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-// spacings of the first patch, which only tells where the second one has to be
+// spacings of the first patch, which only locates the second one
 constexpr double kCoarse = 2;
-constexpr double kDetour = 1.1;  // ways along a grid are up to 1.08 times as long as straight ones
-constexpr int kWidenings = 3;    // of the margin, where the first patch misled
+constexpr double kDetour = 1.1;  // grid paths are up to 1.08 times as long as straight ones
+constexpr int kWidenings = 3;    // of the margin, if the first patch was misleading
 constexpr double kCutTo = 1e-6;  // how close to the patch's edge a stroke is cut [m]
 constexpr int kDeepest = 20;     // halvings of a segment
 
@@ -38,7 +38,7 @@ class Follower {
 
   void follow(const PlacedStroke& stroke) {
     number_ = stroke.number;
-    dot_ = stroke.p_P.size() == 1;  // else a lone point is where the line but touches the patch
+    dot_ = stroke.p_P.size() == 1;  // else a single point is where the line only touches the patch
     page_length_ = wrapped_length_ = stroke.start;
     lost_from_ = -1;
     part_ = {};
@@ -72,7 +72,7 @@ class Follower {
     return point(a.flat + share * (b.flat - a.flat), a.page + share * (b.page - a.page));
   }
 
-  // What lies after a up to b.
+  // Appends the points after a, up to and including b.
   void join(const Point& a, const Point& b, int depth) {
     const double length = (b.flat - a.flat).norm();
     bool halve = false;
@@ -167,8 +167,8 @@ Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
   double farthest = 0;
   for (const Vector2d& p : hull) farthest = std::max(farthest, (p - centre).norm());
 
-  // A way along the surface is never shorter than its shadow in the plane, so that a disc there
-  // holds all that can be needed.
+  // A path along the surface is never shorter than its projection on the plane. A disc in the plane
+  // therefore contains everything needed.
   const double radius = farthest + settings.margin;
   const auto coarse = chart_of(
       make_patch(surface, centre, kCoarse * settings.spacing, kDetour * radius, kDetour * radius,
@@ -183,7 +183,7 @@ Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
     chart_ = chart_of(make_patch(surface, centre, settings.spacing, kDetour * radius,
                                  std::numeric_limits<double>::infinity(), desired),
                       centre, settings);
-    bool missed = false;  // though there is surface
+    bool missed = false;  // although there is surface
     for (const Vector2d& p : points)
       missed = missed || (!chart_->to_plane(p) && coarse->to_plane(p));
     if (!missed) return;

@@ -1,15 +1,15 @@
-// The page laid on the surface like a sheet, so that lengths are kept as nearly as the surface lets
-// them; along −z a slope stretches them by up to 1 / cos(slope). On a developable surface (plane,
-// cylinder, cone) nothing is stretched; on any other something must be (Gauss).
+// Lays the page on the surface like a sheet and preserves lengths as far as the surface permits.
+// Projection along −z stretches lengths by up to 1 / cos(slope) instead. A developable surface
+// (plane, cylinder, cone) needs no stretch. Any other surface does (Gauss).
 //
-// Flat coordinates [m] have the drawing plane's axes and origin: a stroke placed as ever
-// (drawing/placement.h) is flat. The wrap takes flat points to the drawing plane, from where the
-// planner projects them on the surface. At the centre a point stays where it is and directions keep
-// those of the plane but for the tangent plane's tilt.
+// Flat coordinates [m] have the drawing plane's axes and origin. Placed strokes
+// (drawing/placement.h) are flat. The wrap maps flat points to the drawing plane, from which the
+// planner projects them onto the surface. The centre is a fixed point. Directions there are those
+// of the plane, up to the tilt of the tangent plane.
 //
-// The patch of the surface beneath the drawing's convex hull (the centre included) and a margin
-// about it is laid flat as one piece, by a least-squares conformal map and then as rigid as
-// possible, so that the stretch is shared out over that patch.
+// The patch below the drawing's convex hull (including the centre) and a margin around it is
+// flattened as one piece: least-squares conformal map, then as-rigid-as-possible. The stretch is
+// thereby distributed over that patch.
 #pragma once
 
 #include <filesystem>
@@ -28,13 +28,13 @@
 namespace impedraw {
 
 struct WrapSettings {
-  double spacing = 3e-3;  // of the grid in the drawing plane [m]
-  // of the patch about the drawing's hull, in flat lengths [m], at least two spacings
+  double spacing = 3e-3;  // grid spacing in the drawing plane [m]
+  // margin of the patch around the drawing's hull, in flat lengths [m], at least two spacings
   double margin = 0.02;
-  // between a page line's image and the polyline that stands for it, in the drawing plane [m]
+  // distance between a page line's image and its polyline, in the drawing plane [m]
   double tolerance = 1e-5;
-  std::filesystem::path
-      python{};  // an interpreter with libigl; empty: the venv that impedraw was built with
+  // an interpreter with libigl; empty: the venv that impedraw was built with
+  std::filesystem::path python{};
 
   struct Limits {
     static constexpr Range spacing = {5e-4, 0.02};
@@ -43,27 +43,25 @@ struct WrapSettings {
   };
 };
 
-// Throws InputError: the setting, its value and what is allowed.
+// Throws InputError naming the setting, its value and the allowed range.
 void validate(const WrapSettings& settings);
 
 struct WrappedStrokes {
-  std::vector<PlacedStroke>
-      // world: in the drawing plane; a stroke that leaves the patch comes as several with the same
-      // number,
-      strokes;
-  // `start` counting what is lost by its flat length
-  std::vector<StrokePart> lost;  // what lies off the patch, measured along the flat strokes [m]
+  // In the drawing plane. A stroke that leaves the patch is split into several with the same
+  // number; `start` counts the lost parts by their flat length.
+  std::vector<PlacedStroke> strokes;
+  std::vector<StrokePart> lost;  // the parts off the patch, measured along the flat strokes [m]
 };
 
 class Wrap {
  public:
-  // `strokes` are flat. Asks the surface in about 1.5 points per node of the patch. InputError:
-  // settings out of bounds, nothing to wrap, no surface above the centre, or the patch cannot be
-  // laid flat (planning/flatten_patch.h).
+  // `strokes` are flat. Queries the surface at about 1.5 points per node of the patch. Throws
+  // InputError if a setting is out of range, there is nothing to wrap, there is no surface above
+  // the centre, or the patch cannot be flattened (flatten_patch.h).
   Wrap(const SurfaceHeight& surface, const Eigen::Vector2d& centre,
        const std::vector<PlacedStroke>& strokes, const WrapSettings& settings = {});
 
-  // Nothing off the patch.
+  // Both return nullopt off the patch.
   std::optional<Eigen::Vector2d> to_plane(const Eigen::Vector2d& flat) const {
     return chart_->to_plane(flat);
   }
