@@ -1,4 +1,5 @@
-# What impedraw is built from. The venv holds the pinned wheels (Pinocchio with its own Eigen and Boost, MuJoCo); Debian has the rest.
+# Dependencies. The venv has the pinned wheels (Pinocchio with its own Eigen and Boost, MuJoCo); the
+# rest comes from Debian.
 set(venv "$ENV{IMPEDRAW_VENV}")
 if(NOT venv)
   set(venv ${PROJECT_SOURCE_DIR}/.venv)
@@ -10,14 +11,15 @@ if(NOT EXISTS ${IMPEDRAW_SITE_PACKAGES}/cmeel.prefix)
 endif()
 set(CMEEL_PREFIX ${IMPEDRAW_SITE_PACKAGES}/cmeel.prefix)
 
-# Only the wheel's Eigen and Boost may stand on an include path beside Pinocchio; everybody uses that Eigen, so that there is one.
+# Pinocchio requires its wheel's Eigen and Boost on the include path. Every target uses that Eigen, so
+# that there is only one.
 list(PREPEND CMAKE_PREFIX_PATH ${CMEEL_PREFIX})
 set(BOOST_ROOT ${CMEEL_PREFIX})
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Threads REQUIRED)
-find_package(fmt REQUIRED)  # g++ 12 has no std::format
+find_package(fmt REQUIRED)  # g++ 12 lacks std::format
 
-# MuJoCo's wheel has headers and a versioned library, but no CMake package.
+# MuJoCo's wheel has headers and a versioned library but no CMake package.
 file(GLOB MUJOCO_LIBRARY ${IMPEDRAW_SITE_PACKAGES}/mujoco/libmujoco.so.*)
 add_library(mujoco SHARED IMPORTED)
 set_target_properties(mujoco PROPERTIES

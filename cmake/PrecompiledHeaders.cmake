@@ -1,6 +1,6 @@
-# Eigen, fmt and the standard library parsed once instead of in every unit: about 2 s of 5.5 s a
-# unit. Two sets, because GCC takes a precompiled header only with the flags that it was made with.
-# Off with a compiler launcher: ccache keeps nothing of a unit with a precompiled header.
+# Precompiles Eigen, fmt and the standard library, which saves about 2 s of 5.5 s per unit. There are
+# two sets because GCC accepts a precompiled header only with the flags that it was made with. Off
+# with a compiler launcher: ccache does not cache a unit with a precompiled header.
 if(CMAKE_CXX_COMPILER_LAUNCHER OR IMPEDRAW_PARTS OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(precompile OFF)
 else()

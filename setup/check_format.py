@@ -1,4 +1,4 @@
-"""Checks the C++ sources that git knows: clang-format 14 leaves them as they are, and no line is
+"""Checks the C++ sources that git tracks: clang-format 14 changes nothing, and no line is
 wider than 100 columns (clang-format leaves raw strings and comments alone).
 
 usage: check_format.py [--fix]

@@ -1,4 +1,4 @@
-"""Links to files in the pages outside of the documentation site: each must lead somewhere.
+"""Checks that links to files in pages outside the documentation site lead to existing files.
 
 Sphinx checks the links between the pages of docs itself; README.md and the like are not among them.
 """

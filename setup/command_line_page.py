@@ -1,4 +1,4 @@
-"""docs/command-line.md from the program's own --help.
+"""Writes docs/command-line.md from the program's --help.
 
 usage: command_line_page.py [--check] PROGRAM PAGE
 

@@ -1,4 +1,4 @@
-"""Counts what the parts of ./check ran: every GoogleTest case by itself, any other test or part as one. Prints the
+"""Counts the results of ./check: each GoogleTest case, and any other test or part as one. Prints the
 slowest programs, the time of each part, and the closing line.
 
 usage: count_tests.py FOLDER PART…    FOLDER/PART has the file part (exit code, seconds) and, of a part with tests,
@@ -12,7 +12,7 @@ import xml.etree.ElementTree as xml
 
 
 def cases(report: pathlib.Path) -> tuple[int, int, int]:
-    """Passed, failed, skipped cases of one GoogleTest program; cases that a filter left out count nowhere."""
+    """Passed, failed and skipped cases of one GoogleTest program. Cases that a filter excludes do not count."""
     passed = failed = skipped = 0
     for suite in json.loads(report.read_text())["testsuites"]:
         for case in suite["testsuite"]:
@@ -28,14 +28,14 @@ def cases(report: pathlib.Path) -> tuple[int, int, int]:
 
 
 def outcome(folder: pathlib.Path, test: xml.Element) -> list[int]:
-    """Passed, failed, skipped cases of one entry of ctest's report."""
+    """Passed, failed and skipped cases of one entry in ctest's report."""
     status = test.get("status")
     good = status == "run"
     try:
         counts = list(cases(folder / f"{test.get('name')}.json"))
-    except (OSError, ValueError, KeyError):  # no GoogleTest program, or one that died before it wrote its report
+    except (OSError, ValueError, KeyError):  # not a GoogleTest program, or it crashed before it wrote its report
         counts = [int(good), int(status == "fail"), int(status not in ("run", "fail"))]
-    if status == "fail" and counts[1] == 0:  # every case passed, but the program crashed on its way out or hung
+    if status == "fail" and counts[1] == 0:  # every case passed, but the program hung or crashed at exit
         counts[1] = 1
     return counts
 
@@ -52,7 +52,7 @@ def main(folder: pathlib.Path, parts: list[str]) -> int:
             for test in xml.parse(here / "ctest.xml").getroot().findall("testcase"):
                 times.append((float(test.get("time") or 0), f"{part}: {test.get('name')}"))
                 counts = [a + b for a, b in zip(counts, outcome(here, test))]
-        if status and not counts[1]:  # no test failed, but the part did: a build, or no test ran
+        if status and not counts[1]:  # no test failed, but the part did: the build failed, or no test ran
             counts[1] = 1
         elif not status and not any(counts):
             counts[0] = 1

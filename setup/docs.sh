@@ -1,8 +1,8 @@
 #!/bin/bash
 # ./impedraw docs: builds the documentation site, build/docs/html/index.html. Warnings are errors.
-# Installs what apt-packages-docs.txt and docs/requirements.txt list, the latter into build/docs-venv.
-# No C++ is built. Where the program is built and up to date, docs/command-line.md is made from its
-# --help first; with --check that page is compared instead, as CI does.
+# Installs the packages of apt-packages-docs.txt, and docs/requirements.txt into build/docs-venv.
+# Builds no C++. If the program is built and up to date, writes docs/command-line.md from its --help
+# first; with --check, compares that page instead, as CI does.
 set -euo pipefail
 self=$(readlink -f "${BASH_SOURCE[0]}")
 root=${self%/*/*}
@@ -60,7 +60,7 @@ rm -f "$site"/static/katex/fonts/*.ttf "$site"/static/katex/*.{js,mjs} && rm -rf
 step "reading the headers"
 { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = $site/doxygen"; } | doxygen - >>"$log" 2>&1 ||
   fail "Doxygen failed" "the whole log: $log"
-sed -i '/^ *<includes /d' "$site"/doxygen/xml/*.xml  # they would link to pages of files, which there are none of
+sed -i '/^ *<includes /d' "$site"/doxygen/xml/*.xml  # links to file pages, which the site does not have
 step "building the documentation"
 IMPEDRAW_DOCS_BUILD=$site "$docs_venv/bin/python" -m sphinx -b html -n -W --keep-going -q \
   -d "$site/doctrees" docs "$site/html" 2>&1 | tee -a "$log" >&2 ||

@@ -1,5 +1,5 @@
-# Sourced by ./impedraw after setup/prepare.sh: `doctor` says what is installed, what is missing, how
-# much disk it takes and how to remove it. It installs and builds nothing.
+# Sourced by ./impedraw after setup/prepare.sh. `doctor` lists what is installed, what is missing, the
+# disk space and how to remove everything. It installs and builds nothing.
 
 disk() { if [[ -e $1 ]]; then du -shL "$1" 2>/dev/null | cut -f1; else echo -; fi; }
 

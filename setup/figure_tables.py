@@ -1,4 +1,4 @@
-"""The tables that `./impedraw figures` fills in: each a function from the figures to Markdown."""
+"""The tables that `./impedraw figures` fills in. Each is a function from figures to Markdown."""
 import shlex
 from typing import Callable
 
@@ -9,7 +9,7 @@ STANDARD = [f"bowl-{s}{kind}" for kind in ("", "-natural", "-blind") for s in SH
 DRAWINGS = "koi koi-blind".split()
 GALLERY = "gallery-wall gallery-island gallery-cyl gallery-text gallery-tile gallery-leaf".split()
 
-# A metric, its decimals, how a table calls it.
+# A metric, its decimals, its label in tables.
 METRICS = [
     ("contact_fraction", 3, "`contact_fraction`"),
     ("strokes_missed", 0, "`strokes_missed`"),
@@ -43,7 +43,7 @@ SWITCHES = {
 
 
 class Tables:
-    """figure(id): its entry in figures.json, None where there is none. bounds: bounds.json."""
+    """figure(id): the entry in figures.json, or None. bounds: bounds.json."""
 
     def __init__(self, figure: Callable[[str], dict | None], bounds: dict, commands: dict[str, str]):
         self.figure, self.bounds, self.commands = figure, bounds, commands
@@ -73,7 +73,7 @@ class Tables:
         return both[0] if both[0] == both[1] else " / ".join(both)
 
     def lines(self, runs: dict[str, str], columns: str) -> list[list[str]]:
-        """A row a run. columns: METRIC:DECIMALS …"""
+        """One row per run. columns: METRIC:DECIMALS …"""
         asked = [c.split(":") for c in columns.split()]
         return [[words, *(self.number(f"{run}.{m}", int(d)) for m, d in asked)]
                 for run, words in runs.items()]

@@ -1,20 +1,20 @@
-"""Measures what README and docs quote, and writes it where it is quoted.
+"""Measures the numbers that README and docs quote, and writes them into these documents.
 
     ./impedraw figures                 run everything that README.md and docs quote, write
-                                       docs/figures.json, fill the documents
+                                       docs/figures.json, fill in the documents
     ./impedraw figures --check         run it and write nothing; exit code 1 where a quoted number
                                        is off by more than one in its last digit
     ./impedraw figures --rows readme   only what README.md quotes
-    ./impedraw figures --fill          run nothing: fill the documents from docs/figures.json
+    ./impedraw figures --fill          run nothing: fill in the documents from docs/figures.json
     ./impedraw figures --speeds        also measure how fast each standard scenario runs, seven
                                        times each; speeds are never compared
-    ./impedraw figures --bounds        measure again what the tests compare with:
+    ./impedraw figures --bounds        measure the tests' regression bounds again:
                                        tests/run/bounds.json
     ./impedraw figures --list          every figure and table that a document can quote
 
-A figure's id is RUN.METRIC: bowl-sine.ink_error_rms. METRIC is a key of metrics.json. Of a run with
-seeds, RUN is the first of them, RUN@3 that of seed 3, and RUN@worst the worst of all. quotes.py has
-the markers.
+A figure's id is RUN.METRIC, as in bowl-sine.ink_error_rms. METRIC is a key of metrics.json. For a
+run with several seeds, RUN is the first seed, RUN@3 is seed 3, and RUN@worst is the worst of all.
+quotes.py defines the markers.
 """
 
 import argparse
@@ -51,7 +51,8 @@ UNIT_OF = {metric: unit for unit, metrics in UNITS.items() for metric in metrics
 # These depend on the machine.
 WALL_TIMES = set("step_time_p50 step_time_p99 step_time_p999 real_time_factor".split())
 
-# What README and docs quote besides the runs of the tests' table: a name, and what follows `draw`.
+# Runs that README and docs quote in addition to those of tests/run/bounds.json: a name and the
+# arguments of `draw`.
 MORE_RUNS = r"""
 realistic-unobserved  scenarios/bowl-sine-realistic.yaml --set control.observer.enabled=false
 natural-dry-friction  scenarios/bowl-sine-natural.yaml --set world.joint_friction=0.1
@@ -95,7 +96,7 @@ def bounds() -> dict:
 
 
 def runs() -> dict[str, Run]:
-    """Every run that a document can quote: the tests' table, and what README and docs add."""
+    """Every run that a document can quote: those of bounds.json, and MORE_RUNS."""
     table = {}
     for name, entry in bounds()["runs"].items():
         arguments = [f"scenarios/{entry['scenario']}.yaml"] + [
@@ -112,7 +113,7 @@ def runs() -> dict[str, Run]:
 # --- Running --------------------------------------------------------------------------------------
 
 
-REUSE = False  # --reuse: for work on the documents; what was run may be of another commit
+REUSE = False  # --reuse: for work on the documents; the runs may be of another commit
 
 
 class RunFailed(Exception):
@@ -120,7 +121,7 @@ class RunFailed(Exception):
 
 
 def draw(name: str, seed: int, run: Run, folder: pathlib.Path) -> dict:
-    """metrics.json of one run, with what only this script measures."""
+    """Runs `impedraw draw` and returns its metrics.json."""
     out = folder / (name if len(run.seeds) == 1 else f"{name}@{seed}")
     if REUSE and (out / "metrics.json").exists():
         return json.loads((out / "metrics.json").read_text())
@@ -138,7 +139,7 @@ def draw(name: str, seed: int, run: Run, folder: pathlib.Path) -> dict:
 
 
 def push_response(folder: pathlib.Path) -> dict:
-    """How far the pen yields to the hand of bowl-push against bowl-sine, and what is left [mm]."""
+    """The pen's displacement in bowl-push relative to bowl-sine, during and after the push [mm]."""
     import h5py
     import numpy as np
 
@@ -161,7 +162,7 @@ def push_response(folder: pathlib.Path) -> dict:
 
 
 def measure(names: set[str], folder: pathlib.Path) -> dict[str, dict]:
-    """RUN or RUN@SEED -> its metrics."""
+    """Runs `names`. Returns the metrics by RUN, RUN@SEED and RUN@worst."""
     table = runs()
     if "bowl-push" in names:
         names = names | {"bowl-sine"}
@@ -199,7 +200,7 @@ def measure(names: set[str], folder: pathlib.Path) -> dict[str, dict]:
 
 
 def worst(of: list[dict]) -> dict:
-    """Each metric of the run in which it is furthest from its best value."""
+    """For each metric, the value furthest from its best value."""
     best = bounds()["best"]
     return {
         metric: max((m[metric] for m in of), key=lambda v: abs(v - best[metric]))
@@ -209,7 +210,7 @@ def worst(of: list[dict]) -> dict:
 
 
 def commit() -> str:
-    """HEAD, with a + where what a drawing depends on differs from it."""
+    """HEAD, with a + if files that a drawing depends on have changed since."""
 
     def git(*arguments):
         return subprocess.run(
@@ -234,7 +235,7 @@ def machine() -> str:
 
 
 def page_figures() -> dict[str, dict]:
-    """What the long studies' own pages hold: they are generated, too."""
+    """Figures from the generated pages of the long studies."""
     figures = {}
     page = ROOT / "docs/reach.md"
     cells, rows = [], []
@@ -287,7 +288,7 @@ def as_figures(measured: dict[str, dict]) -> dict[str, dict]:
 
 
 def speeds(folder: pathlib.Path) -> dict[str, dict]:
-    """One run after the other, so that they do not slow each other."""
+    """Measures real-time factors, one run at a time so that runs do not slow each other."""
     table, at, figures = runs(), commit(), {}
     for name in STANDARD:
         factors = sorted(draw(name, 1, table[name], folder)["real_time_factor"] for _ in range(7))
@@ -319,7 +320,7 @@ def tables(figure: Callable[[str], dict | None]) -> Tables:
 
 
 def needed_runs(pages: list[pathlib.Path]) -> set[str]:
-    """The runs that the documents quote: tables tell by what they ask for."""
+    """The runs that the documents quote. A table reports the figures that it uses."""
     asked = set()
     table = tables(lambda key: asked.add(key))
     for page in pages:

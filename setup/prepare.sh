@@ -1,7 +1,9 @@
-# Sourced by ./impedraw and ./check: `prepare TARGET` installs what is missing and builds TARGET where anything is newer than it.
-# Expects $root (the repository) and `set -euo pipefail`. $preset is one of CMakePresets.json (release where it is not set), and
-# $package_lists the lists of Debian packages (apt-packages.txt). IMPEDRAW_VENV names another venv than .venv. Speaks on stderr; details go to build/install.log and build/build.log.
-# Nothing here needs the network once everything is installed, and a call with nothing to do starts no compiler, pip or apt.
+# Sourced by ./impedraw and ./check. `prepare TARGET` installs missing dependencies and builds TARGET if a source is newer.
+# Requires $root (the repository) and `set -euo pipefail`.
+# Optional: $preset, one of CMakePresets.json (default: release); $package_lists, lists of Debian packages (default:
+# apt-packages.txt); IMPEDRAW_VENV, a venv in place of .venv.
+# Messages go to stderr, details to build/install.log and build/build.log. Once everything is installed, no network is needed,
+# and a call with nothing to do starts no compiler, pip or apt.
 
 venv=${IMPEDRAW_VENV:-$root/.venv}
 preset=${preset:-release}
@@ -14,7 +16,7 @@ count() { echo "$1 $2$( (( $1 == 1 )) || echo s)"; }  # 3 wheels, 1 wheel
 
 say() { printf '%s%s\n' "${terminal:+$'\r\e[K'}" "impedraw: $*" >&2; }
 
-# On a terminal the line is redrawn; elsewhere one line at the start and then one every half minute.
+# Progress. On a terminal the line is redrawn; elsewhere a new line is printed at most every half minute.
 step_shown=
 step() {
   if [[ $terminal ]]; then printf '\r\e[K%s' "impedraw: $*" >&2
@@ -22,7 +24,7 @@ step() {
   fi
 }
 
-# fail MESSAGE ADVICE: 20 lines of the log, from the first error that it names or else the last ones, and what to do about it.
+# fail MESSAGE ADVICE [nolog]: prints the message, 20 lines of the log (from its first error, else the last ones) and the advice.
 fail() {
   say "$1"
   if [[ ${3-} != nolog && -s $log ]]; then
@@ -42,7 +44,7 @@ prepare() {
   trap 'say "interrupted; the same command goes on from here"; exit 130' INT
   exec 9>"$root/build/.lock"
   flock -n 9 || { say "waiting for another impedraw that is installing or building"; flock 9; }
-  # 9>&-: what is started below is given no hold on the lock, or a compiler wrapper's daemon would keep it for ever.
+  # 9>&-: child processes must not inherit the lock, or the daemon of a compiler wrapper would hold it for ever.
   if ! is_ready "$1"; then
     { has_packages || install_packages
       has_wheels || install_wheels
@@ -52,7 +54,7 @@ prepare() {
   trap - INT
 }
 
-# The packages alone, for modes that build nothing.
+# Only the Debian packages, for modes that build nothing.
 prepare_packages() {
   mkdir -p "$root/build"
   has_packages || install_packages
@@ -62,12 +64,12 @@ is_ready() { has_packages && has_wheels && is_built "$1"; }
 
 # --- Debian's packages ---------------------------------------------------------------------------------------------
 
-# Stamped with the state of dpkg's own list, so that a removed package or another machine under the same tree is noticed.
+# The stamp contains the state of dpkg's list, so that a removed package or another machine is noticed.
 packages_stamp() { stat -c '%Y %s' /var/lib/dpkg/status 2>/dev/null || echo no dpkg; cat "${package_lists[@]}"; }
 packages_file() { echo "$root/build/.packages$( (( ${#package_lists[@]} == 1 )) || echo -check)"; }
 has_packages() { [[ -r $(packages_file) && $(<"$(packages_file)") == "$(packages_stamp)" ]]; }
 
-# Prints what of the lists is missing or too old, one name a line.
+# Prints the packages of the lists that are missing or too old, one per line.
 missing_packages() {
   local name least why have cargo
   declare -A version=()
@@ -83,7 +85,7 @@ missing_packages() {
 }
 
 install_packages() {
-  rm -f "$out"/.built-*  # dpkg did something since: ninja is to see whether it matters
+  rm -f "$out"/.built-*  # packages changed: let ninja check what to rebuild
   if ! command -v dpkg-query apt-get >/dev/null; then
     say "this is no Debian: install what apt-packages.txt lists by this system's own means; going on without"
     packages_stamp >"$(packages_file)"
@@ -107,7 +109,7 @@ install_packages() {
     step "installing $all (${missing[*]:0:4}${missing[4]:+ …})"
     "${as_root[@]}" dpkg --configure -a >>"$log" 2>&1 || true  # an earlier try may have been interrupted
     "${apt[@]}" update >>"$log" 2>&1 || say "apt-get update failed (see $log); trying with the lists at hand"
-    # --no-remove: a Rust of Debian's that rustc-web would push out is the user's to give up.
+    # --no-remove: rustc-web conflicts with Debian's rustc; only the user may remove that.
     "${apt[@]}" install --no-install-recommends --no-remove -o APT::Status-Fd=1 "${missing[@]}" 2>&1 |
       follow_apt "installing $all" || fail "$all could not be installed" "by hand: ${as_root[*]:+sudo }$by_hand$rust"
     mapfile -t missing < <(missing_packages)
@@ -131,7 +133,7 @@ follow_apt() {
 
 # --- Wheels --------------------------------------------------------------------------------------------------------
 
-# A venv knows its own path, so the stamp does too.
+# A venv contains its own path, so the stamp does too.
 wheels_stamp() { echo "$venv"; cat "$root/requirements.txt"; }
 has_wheels() { [[ -x $venv/bin/python && -r $venv/.requirements && $(<"$venv/.requirements") == "$(wheels_stamp)" ]]; }
 
@@ -148,7 +150,7 @@ install_wheels() {
     "$python" -m venv "$venv" >>"$log" 2>&1 || fail "no Python environment could be made in $venv" "is python3-venv installed?"
   fi
   rm -f "$venv/.requirements"
-  # Every wheel is listed with its version, so pip resolves nothing (--no-deps): what is installed is what the list says.
+  # --no-deps: the list names every wheel with its version, so pip has nothing to resolve.
   "$venv/bin/python" -m pip install --no-deps --only-binary :all: --no-compile --no-input --disable-pip-version-check -r "$root/requirements.txt" 2>&1 |
     follow_pip "$wheels" || fail "the Python wheels could not be installed" "pip follows PIP_* of the environment, and needs the network this once"
   rm -f "$out/CMakeCache.txt" "$out"/.built-*
@@ -171,7 +173,7 @@ follow_pip() {
 
 sources=("$root"/{CMakeLists.txt,CMakePresets.json,cmake,src,bench,examples})
 
-# A marker of the last good build is compared with every file and folder that goes into one: 3 ms, where asking ninja takes 100.
+# Compares the marker of the last good build with every source: 3 ms, where ninja takes 100 ms.
 is_built() {
   local marker=$out/.built-$1 more=()
   [[ $1 == all ]] && more=("$root/tests")
@@ -179,7 +181,7 @@ is_built() {
   [[ -z $(find "${sources[@]}" "${more[@]}" -newer "$marker" -print -quit 2>/dev/null) ]]
 }
 
-# As many as the cores and the memory carry: a unit that includes Pinocchio takes about 1.5 GB.
+# Build jobs, limited by cores and memory: a unit that includes Pinocchio takes about 1.5 GB.
 jobs() {
   [[ ${CMAKE_BUILD_PARALLEL_LEVEL-} =~ ^[1-9][0-9]*$ ]] && { echo "$CMAKE_BUILD_PARALLEL_LEVEL"; return; }
   local cores fit limit
@@ -196,7 +198,7 @@ build() {
   local marker=$out/.built-$1
   mkdir -p "$out"
   : >"$log"
-  touch "$marker.new"  # before the build: what is edited meanwhile counts as newer
+  touch "$marker.new"  # before the build, so that a file edited during the build counts as newer
   step_shown=
   if [[ ! -e $out/build.ninja || ! -e $out/CMakeCache.txt ]] || ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$out/CMakeCache.txt"; then
     step "configuring"

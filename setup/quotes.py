@@ -1,12 +1,12 @@
-"""Figures quoted in Markdown: fills them in between markers, and names those that are stale.
+"""Fills in figures between markers in Markdown files, and reports stale ones.
 
-    <!-- figure:bowl-sine.ink_error_rms -->0.010<!-- / -->    one number; what stands there says
-                                                              how many decimals
+    <!-- figure:bowl-sine.ink_error_rms -->0.010<!-- / -->    one number; the old text sets the
+                                                              number of decimals
     <!-- figures:table realistic -->                          a whole table
     …
     <!-- /figures -->
 
-A quoted number is stale where it differs by more than one in its last digit.
+A quoted number is stale if it differs by more than one in its last digit.
 """
 
 import math
@@ -22,7 +22,7 @@ NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 class QuoteError(Exception):
-    """A marker that cannot be filled: names the file, the line and what is wrong."""
+    """A marker that cannot be filled in. Names the file, the line and the fault."""
 
 
 def decimals(number: str) -> int:
@@ -30,20 +30,20 @@ def decimals(number: str) -> int:
 
 
 def agrees(a: str, b: str) -> bool:
-    """Two printed numbers are at most one apart in the last decimal that both have."""
+    """True if two printed numbers differ by at most one in the last decimal that both have."""
     last = min(decimals(a), decimals(b))
     return abs(round(float(a), last) - round(float(b), last)) <= 1.001 * 10.0**-last
 
 
 def same_but_for_digits(a: str, b: str) -> bool:
-    """Two texts with the same words and numbers that agree."""
+    """True if two texts have the same words, and numbers that agree."""
     if NUMBER.split(a) != NUMBER.split(b):
         return False
     return all(agrees(x, y) for x, y in zip(NUMBER.findall(a), NUMBER.findall(b)))
 
 
 def sized(value: float, digits: int = 2, most_decimals: int = 4) -> str:
-    """`value` with so many significant digits."""
+    """`value` with that many significant digits."""
     if value == 0:
         return "0"
     before_the_point = math.floor(math.log10(abs(value))) + 1
@@ -51,7 +51,7 @@ def sized(value: float, digits: int = 2, most_decimals: int = 4) -> str:
 
 
 def printed_like(value: float, text: str) -> str:
-    """`value` with as many decimals as the number `text`, or two digits where it is none."""
+    """`value` with as many decimals as the number `text`, or two digits if `text` is not a number."""
     text = text.strip()
     if re.fullmatch(r"[-−]?\d+(\.\d+)?", text):
         return f"{value:.{decimals(text)}f}"

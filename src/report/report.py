@@ -1,4 +1,5 @@
-"""Puts report.html and compare.html together from what report.cc computed: one JSON file, the only argument.
+"""Lays out report.html and compare.html from the data that report.cc computed: a JSON file, the only
+argument.
 
 Plots are matplotlib's, as SVG inside the page; the page refers to nothing outside itself.
 """
@@ -50,7 +51,7 @@ pre { overflow-x: auto; font-size: .86em; line-height: 1.4; }
 
 
 def number(value, unit="", significant=4):
-    """Rounded to significant digits; counts as they are, nothing as a dash."""
+    """Rounds to significant digits. Counts stay whole; no value is a dash."""
     if value is None:
         return "–"
     if isinstance(value, int):
@@ -60,7 +61,7 @@ def number(value, unit="", significant=4):
     else:
         digits = max(0, min(6, significant - 1 - math.floor(math.log10(abs(value)))))
         text = f"{value:.{digits}f}"
-        if value < 1 and float(text) == 1:  # not quite all must not read as all
+        if value < 1 and float(text) == 1:  # 0.9999 must not read as 1
             text = f"{value:.6f}"
         if "." in text and abs(value) < 1e-6:
             text = f"{value:.1e}"
@@ -82,7 +83,7 @@ def holds(value, limit):
 
 
 def series(data, name):
-    """Times and values; what is missing becomes NaN, which breaks the line."""
+    """Times and values. A missing value becomes NaN, which interrupts the line."""
     s = data[name]
     return s["t"], [math.nan if v is None else v for v in s["v"]]
 
@@ -115,7 +116,7 @@ def picture_uri(path):
 
 
 def caption(axes, text):
-    """Above the panel and level, where it reads without turning one's head and cannot run into tick labels."""
+    """Puts the label above the panel, horizontally, clear of the tick labels."""
     axes.set_title(text, loc="left", fontsize=9.5, color="#20242a", pad=5)
 
 
@@ -142,12 +143,12 @@ def draw_mode(axes, data):
 
 
 def above(axes):
-    """Legend over the panel, where no curve can run into it."""
+    """Puts the legend above the panel, clear of the curves."""
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, borderaxespad=0.1, handlelength=1.8)
 
 
 def time_plots(data):
-    figure = Figure(figsize=(10.2, 12.6))  # fixed margins: matplotlib's layout engines draw everything several times over
+    figure = Figure(figsize=(10.2, 12.6))  # fixed margins: matplotlib's layout engines draw everything several times
     figure.subplots_adjust(left=0.088, right=0.988, top=0.975, bottom=0.037, hspace=0.32)
     axes = figure.subplots(6, 1, sharex=True, height_ratios=[1.35, 1.1, 1.1, 0.8, 0.9, 0.9])
     draw_force(axes[0], data)
@@ -186,7 +187,7 @@ def tile(metrics, units, name, label):
 
 
 def metric_rows(page, columns):
-    """One row a metric: name, a value for each column's metrics, unit, limit if any, meaning or why there is no value."""
+    """One row per metric: name, a value per column, unit, limit if any, meaning or reason for no value."""
     limits = page["limits"]
     rows = []
     for d in page["definitions"]:
@@ -257,7 +258,7 @@ def comparison_figure(page):
     runs = page["runs"]
     x, y = zip(*(p for run in runs for line in run["series"]["target"] + run["series"]["ink"] for p in line)) if any(
         run["series"]["target"] for run in runs) else ((0, 1), (0, 1))
-    shape = min(max((max(x) - min(x)) / max(max(y) - min(y), 1e-3), 0.2), 1.2)  # the drawing's height to its width
+    shape = min(max((max(x) - min(x)) / max(max(y) - min(y), 1e-3), 0.2), 1.2)  # aspect ratio, height to width
     line_height = 5.0 * shape + 0.3  # [inch]
     height = line_height + 6.9
     figure = Figure(figsize=(11.2, height))
@@ -284,8 +285,8 @@ def comparison_figure(page):
             shade_strokes(a, data)
         if column == 0:
             line.set_ylabel("x [mm]")
-    for a in axes[1:, 0]:  # shared axes: only once both runs are drawn do they fit both
-        a.set_ylim(bottom=-0.03 * a.get_ylim()[1])  # a line at zero stays in sight
+    for a in axes[1:, 0]:  # shared axes: set once both runs are drawn
+        a.set_ylim(bottom=-0.03 * a.get_ylim()[1])  # keeps a line at zero visible
     axes[1, 0].set_xlim(0, max(max(r["series"]["force"]["t"], default=0) for r in runs) or 1)
     axes[2, 0].set_xlim(axes[1, 0].get_xlim())
     return figure

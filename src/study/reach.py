@@ -1,4 +1,4 @@
-"""reach.csv as one picture: the ink of each combination of drawing and canvas, and its figures.
+"""Draws reach.csv: the ink of each combination of drawing and canvas, with its figures.
 
 Arguments: the CSV, the PNG. The ink is read from ink/CELL.json beside the CSV (src/app/reach_picture.h). A row a drawing, a column a canvas;
 a red frame: a limit was missed.

@@ -1,4 +1,4 @@
-"""robustness.csv as one picture: ink error and force against slope, speed, push and each error of what is believed.
+"""Draws robustness.csv: ink error and force against slope, speed, force and each model error.
 
 Arguments: the CSV, the PNG. Above, the matrix: one line for each pair of the other two settings, the one through 50 mm/s, 30° and 5 N
 strong. Below, each error alone on the standard sine. A cross: that cell failed; at the top edge, without a figure.
@@ -41,7 +41,7 @@ def number(text):
 class Cell:
     def __init__(self, row):
         self.row, self.name, self.failed, self.realistic = row, row["cell"], row["failed"] == "1", row["realistic"] == "1"
-        # The matrix's own slope is in its name: a refused cell has none measured.
+        # A refused cell has no measured slope, so the slope is taken from its name.
         named = re.fullmatch(r"matrix-\w+-(\d+)mm_s-(\d+)deg-(\d+)N", self.name)
         self.at = dict(zip(("speed", "slope", "push"), map(float, named.groups()))) if named else {}
 
@@ -50,7 +50,7 @@ class Cell:
 
 
 def log_axes(axes, cells, metrics):
-    """Crosses need an axis that leaves room for them."""
+    """Widens the axis so that crosses fit."""
     values = [v for c in cells for m in metrics if (v := c.value(m)) > 0]
     low, high = min(values, default=1e-3), max(values, default=1)
     axes.set_yscale("log")
@@ -58,7 +58,7 @@ def log_axes(axes, cells, metrics):
 
 
 def plot_line(axes, cells, x, metric, **style):
-    """A line through the cells that did not fail; crosses where one did."""
+    """Draws a line through the cells that held, and crosses for those that failed."""
     good = [(x(c), c.value(metric)) for c in cells]
     axes.plot([p for p, _ in good], [v for _, v in good], **style)
     for c in cells:
@@ -113,7 +113,7 @@ def error_panel(axes, setting, cells, normal):
         axes.minorticks_off()
     places = [axes.transData.transform((v, 1))[0] for v in values]
     narrow = [i + 1 < len(places) and places[i + 1] - places[i] < 0.11 * (places[-1] - places[0]) for i in range(len(places))]
-    hidden = {i + 1 if i == 0 else i for i, n in enumerate(narrow) if n}  # labels that would run into a neighbour's
+    hidden = {i + 1 if i == 0 else i for i, n in enumerate(narrow) if n}  # labels that would overlap a neighbour's
     axes.set_xticks(values, ["" if i in hidden else value_text(v) for i, v in enumerate(values)])
     axes.set_ylim(1e-3, 30)
     unit = f" [{UNITS[short]}]" if UNITS.get(short) else ""

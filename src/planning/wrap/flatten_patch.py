@@ -1,4 +1,4 @@
-"""Lays a triangle mesh flat, as nearly without stretch as it goes. Called by flatten_patch.cc with the name of a folder.
+"""Flattens a triangle mesh with as little stretch as possible. flatten_patch.cc calls it with a folder.
 
 In:  patch.bin, int64 [vertices, triangles, pinned vertex], float64 vertices × 3 [m], int64 triangles × 3
 Out: flat.bin, float64 vertices × 2 [m], the pinned vertex at the origin; how it is turned means nothing
@@ -14,7 +14,7 @@ import igl
 import numpy as np
 
 SETTLED = 1e-7  # [m]
-BLOCK = 5       # iterations between looks at what still moves
+BLOCK = 5       # iterations between checks for convergence
 MOST = 400      # iterations
 
 
@@ -28,7 +28,7 @@ def farthest(points, from_vertex):
 
 
 def conformal(points, triangles):
-    """Two vertices far apart are held; then scaled to the mesh's own area."""
+    """Conformal map with two distant vertices fixed, scaled to the area of the mesh."""
     ends = np.array([farthest(points, 0), 0], dtype=np.int64)
     ends[1] = farthest(points, ends[0])
     distance = np.linalg.norm(points[ends[1]] - points[ends[0]])
