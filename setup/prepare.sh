@@ -40,7 +40,11 @@ fail() {
 
 prepare() {
   is_ready "$1" && return
-  mkdir -p "$root/build"
+  if ! can_write; then
+    # Whoever runs it here can neither install nor build; what is built runs as it is.
+    [[ -x $venv/bin/python ]] && is_built "$1" && return
+    fail "$1 is not built, and $root/build cannot be written" "build it once as the owner of $root, or copy it" nolog
+  fi
   trap 'say "interrupted; the same command goes on from here"; exit 130' INT
   exec 9>"$root/build/.lock"
   flock -n 9 || { say "waiting for another impedraw that is installing or building"; flock 9; }
@@ -60,6 +64,7 @@ prepare_packages() {
   has_packages || install_packages
 }
 
+can_write() { mkdir -p "$root/build" 2>/dev/null && [[ -w $root/build ]]; }
 is_ready() { has_packages && has_wheels && is_built "$1"; }
 
 # --- Debian's packages ---------------------------------------------------------------------------------------------
