@@ -1,5 +1,7 @@
-# What people lift out: control and sensing, which need Eigen alone. `cmake --install build/release --component library --prefix …` copies
-# them, and find_package(impedraw) finds them there as impedraw::common, impedraw::control and impedraw::sensing.
+# What people use without the program. `cmake --install build/release --component library --prefix …`
+# copies it, and find_package(impedraw COMPONENTS …) finds it there. Without COMPONENTS it gives
+# impedraw::common, impedraw::control and impedraw::sensing, which need Eigen alone. The others bring
+# needs of their own, listed in impedraw-config.cmake.in.
 include(CMakePackageConfigHelpers)
 include(CheckCXXSourceCompiles)
 include(GNUInstallDirs)
@@ -19,19 +21,50 @@ endforeach()
 unset(CMAKE_REQUIRED_LIBRARIES)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/impedraw)
+set(include_dir ${CMAKE_INSTALL_INCLUDEDIR}/impedraw)
 set(generated ${PROJECT_BINARY_DIR}/package)
-configure_file(cmake/built_alike.cc.in ${generated}/built_alike.cc @ONLY)
-configure_package_config_file(cmake/impedraw-config.cmake.in ${generated}/impedraw-config.cmake INSTALL_DESTINATION ${package_dir})
-write_basic_package_version_file(${generated}/impedraw-config-version.cmake COMPATIBILITY SameMinorVersion)
+
+# impedraw_install(SET LIBRARIES …): exports libraries to impedraw-SET.cmake.
+function(impedraw_install set)
+  foreach(library ${ARGN})
+    set_target_properties(impedraw_${library} PROPERTIES EXPORT_NAME ${library})
+    install(TARGETS impedraw_${library} EXPORT impedraw_${set} COMPONENT library)
+  endforeach()
+  install(EXPORT impedraw_${set} NAMESPACE impedraw:: FILE impedraw-${set}.cmake DESTINATION ${package_dir}
+    COMPONENT library)
+endfunction()
 
 target_compile_features(impedraw_common INTERFACE cxx_std_20)
 target_sources(impedraw_common INTERFACE $<INSTALL_INTERFACE:${package_dir}/built_alike.cc>)
-foreach(folder common control sensing)
-  set_target_properties(impedraw_${folder} PROPERTIES EXPORT_NAME ${folder})
-  install(TARGETS impedraw_${folder} EXPORT impedraw COMPONENT library)
-  install(DIRECTORY src/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/impedraw COMPONENT library FILES_MATCHING PATTERN "*.h")
-endforeach()
-install(EXPORT impedraw NAMESPACE impedraw:: FILE impedraw-targets.cmake DESTINATION ${package_dir} COMPONENT library)
+impedraw_install(targets common control sensing)
+set(components control sensing)
+set(header_folders common control sensing)
+if(TARGET impedraw_perception)
+  impedraw_install(perception perception)
+  list(APPEND components perception)
+  list(APPEND header_folders perception)
+endif()
+if(TARGET impedraw_planning)
+  impedraw_install(planning strokes planning)
+  list(APPEND components planning)
+  list(APPEND header_folders planning)
+  get_target_property(sources impedraw_strokes SOURCES)
+  list(TRANSFORM sources REPLACE "(.*)\\.cc$" "${PROJECT_SOURCE_DIR}/src/drawing/\\1.h")
+  install(FILES ${sources} DESTINATION ${include_dir}/drawing COMPONENT library)
+endif()
+if(TARGET impedraw_arm)
+  impedraw_install(arm arm)
+  list(APPEND components arm)
+  list(APPEND header_folders arm)
+endif()
+list(TRANSFORM header_folders PREPEND src/)
+install(DIRECTORY ${header_folders} DESTINATION ${include_dir} COMPONENT library FILES_MATCHING PATTERN "*.h"
+  PATTERN preflight EXCLUDE PATTERN wrap EXCLUDE  # they need a canvas and an arm, or Python
+  PATTERN urdf_model.h EXCLUDE)                   # Pinocchio's types, for the folder's own sources
+
+configure_file(cmake/built_alike.cc.in ${generated}/built_alike.cc @ONLY)
+configure_package_config_file(cmake/impedraw-config.cmake.in ${generated}/impedraw-config.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${generated}/impedraw-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${generated}/built_alike.cc ${generated}/impedraw-config.cmake ${generated}/impedraw-config-version.cmake
   DESTINATION ${package_dir} COMPONENT library)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT library)
