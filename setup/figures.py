@@ -10,6 +10,8 @@
                                        times each; speeds are never compared
     ./impedraw figures --bounds        measure the tests' regression bounds again:
                                        tests/run/bounds.json
+    ./impedraw figures --pictures      run what the pictures of README and docs show, and write
+                                       docs/images
     ./impedraw figures --list          every figure and table that a document can quote
 
 A figure's id is RUN.METRIC, as in bowl-sine.ink_error_rms. METRIC is a key of metrics.json. For a
@@ -65,16 +67,12 @@ fast                  scenarios/bowl-sine.yaml --set path.draw_speed=0.2 \
 slow-tracker          scenarios/bowl-sine.yaml --set control.normal_bandwidth=10
 koi                   --svg artwork/koi.svg
 koi-blind             --svg artwork/koi.svg --no-perception
-gallery-wall          scenarios/wall.yaml --set drawing.placement.fit_radius=0.2
-gallery-island        scenarios/reach-terrain.yaml --svg artwork/island.svg \
-                      --set drawing.placement.fit_radius=0.16
-gallery-cyl           scenarios/reach-cylinder.yaml --svg artwork/koi.svg \
-                      --set drawing.mapping=wrap
-gallery-text          scenarios/reach-wave.yaml --text 'drawn by\nan arm' \
-                      --set drawing.text.font=scripts --set drawing.placement.fit_radius=0.15
-gallery-tile          scenarios/reach-tile.yaml --svg tests/data/spiral.csv
-gallery-leaf          scenarios/reach-saddle.yaml --svg artwork/leaf.svg \
-                      --set drawing.hatch.spacing=3 --set drawing.placement.fit_radius=0.16
+gallery-wall          scenarios/gallery-wall.yaml
+gallery-island        scenarios/gallery-island.yaml
+gallery-cylinder      scenarios/gallery-cylinder.yaml
+gallery-text          scenarios/gallery-text.yaml
+gallery-tile          scenarios/gallery-tile.yaml
+gallery-leaf          scenarios/gallery-leaf.yaml
 """
 
 
@@ -120,15 +118,18 @@ class RunFailed(Exception):
     pass
 
 
+def program() -> str:
+    return os.environ.get("IMPEDRAW_PROGRAM", str(ROOT / "build/release/src/app/impedraw"))
+
+
 def draw(name: str, seed: int, run: Run, folder: pathlib.Path) -> dict:
     """Runs `impedraw draw` and returns its metrics.json."""
     out = folder / (name if len(run.seeds) == 1 else f"{name}@{seed}")
     if REUSE and (out / "metrics.json").exists():
         return json.loads((out / "metrics.json").read_text())
     shutil.rmtree(out, ignore_errors=True)
-    program = os.environ.get("IMPEDRAW_PROGRAM", str(ROOT / "build/release/src/app/impedraw"))
     done = subprocess.run(
-        [program, *run.command(seed), "--out", str(out)], cwd=ROOT, capture_output=True, text=True
+        [program(), *run.command(seed), "--out", str(out)], cwd=ROOT, capture_output=True, text=True
     )
     if done.returncode != 0:
         raise RunFailed(
@@ -400,6 +401,7 @@ def main() -> int:
     parser.add_argument("--fill", action="store_true")
     parser.add_argument("--speeds", action="store_true")
     parser.add_argument("--bounds", action="store_true")
+    parser.add_argument("--pictures", action="store_true")
     parser.add_argument("--list", action="store_true")
     parser.add_argument(
         "--out", type=pathlib.Path, default=ROOT / "build/figures", help="where the runs go"
@@ -424,6 +426,13 @@ def work(options) -> int:
     if options.bounds:
         write_bounds(measure(set(bounds()["runs"]), options.out))
         print(f"wrote {BOUNDS.relative_to(ROOT)}")
+        return 0
+    if options.pictures:
+        import pictures
+
+        measure(set(pictures.RUNS), options.out)
+        pictures.make(program(), ROOT, options.out)
+        print("wrote docs/images")
         return 0
     pages = documents(options.rows)
     before = read_figures()

@@ -1,0 +1,79 @@
+"""Makes the pictures in docs/images from runs of the program. `./impedraw figures --pictures` calls it."""
+
+import json
+import pathlib
+import subprocess
+
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image
+
+# Runs in figures.py whose ink_top.png is shown, and the width of the picture [px].
+COPIES = {
+    "gallery-wall": 560,
+    "gallery-island": 560,
+    "gallery-cylinder": 560,
+    "gallery-text": 560,
+    "gallery-tile": 560,
+    "gallery-leaf": 560,
+    "koi": 900,
+}
+# The README's first picture: runs and captions.
+DRAWN = [
+    ("bowl-sine", "the paper's sine"),
+    ("bowl-m", "the paper's M"),
+    ("koi", "artwork/koi.svg, 64 strokes"),
+]
+RUNS = {*COPIES, *(run for run, _ in DRAWN)}
+COMPARED = "scenarios/bowl-m.yaml"
+
+
+def inside_frame(picture: Image.Image) -> Image.Image:
+    """The part of an ink_top.png inside its frame: the region between the longest grey lines."""
+    pixels = np.asarray(picture.convert("RGB")).astype(int)
+    # Light grey, a little bluish; the canvas is yellowish.
+    grey = (pixels.min(axis=2) > 150) & (pixels.max(axis=2) < 215)
+    grey &= pixels[:, :, 2] >= pixels[:, :, 0]
+    rows = np.flatnonzero(grey.mean(axis=1) > 0.6)
+    columns = np.flatnonzero(grey.mean(axis=0) > 0.6)
+    return picture.crop((columns[0] + 4, rows[0] + 4, columns[-1] - 4, rows[-1] - 4))
+
+
+def resized(picture: Image.Image, width: int) -> Image.Image:
+    height = round(picture.height * width / picture.width)
+    return picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+
+
+def drawn(folder: pathlib.Path, out: pathlib.Path) -> None:
+    figure = Figure(figsize=(18.64, 6.8), dpi=100, facecolor="white")
+    for i, (run, caption) in enumerate(DRAWN):
+        metrics = json.loads((folder / run / "metrics.json").read_text())
+        axes = figure.add_axes((i / 3 + 0.005, 0.12, 1 / 3 - 0.01, 0.87))
+        axes.imshow(np.asarray(inside_frame(Image.open(folder / run / "ink_top.png"))))
+        axes.axis("off")
+        middle = (i + 0.5) / 3
+        figure.text(middle, 0.075, caption, ha="center", size=18, weight="bold", color="#20242a")
+        figure.text(
+            middle,
+            0.03,
+            f"ink error {metrics['ink_error_rms']:.3f} mm RMS · "
+            f"force {metrics['force_mean']:.2f} ± {metrics['force_sd']:.3f} N",
+            ha="center",
+            size=14,
+            color="#5a616b",
+        )
+    figure.savefig(out)
+
+
+def make(program: str, root: pathlib.Path, folder: pathlib.Path) -> None:
+    """Writes docs/images from the runs in `folder`, and runs COMPARED with and without perception."""
+    images = root / "docs/images"
+    for run, width in COPIES.items():
+        picture = resized(Image.open(folder / run / "ink_top.png"), width)
+        picture.quantize(256).save(images / f"{run}.png", optimize=True)
+    drawn(folder, images / "drawn.png")
+    compared = folder / "compare"
+    if not (compared / "compare.png").exists():
+        command = [program, "compare", COMPARED, "--out", str(compared)]
+        subprocess.run(command, cwd=root, check=True, capture_output=True)
+    (images / "compare.png").write_bytes((compared / "compare.png").read_bytes())
