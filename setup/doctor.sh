@@ -29,7 +29,7 @@ doctor() {
         [[ $file == apt-packages-check.txt ]] || missing=$(( missing + 1 ))
       fi
     done <"$root/$file"
-    [[ $file == apt-packages.txt ]] || echo "  (only ./check --fuzz, --format and --tidy need these)"
+    [[ $file == apt-packages.txt ]] || echo "  (only ./check --asan, --fuzz, --format and --tidy need these)"
   done
 
   echo

@@ -213,6 +213,7 @@ build() {
   local start=$SECONDS
   NINJA_STATUS='[%f/%t] ' ninja -C "$out" -j "$(jobs)" "$1" 2>&1 | follow_ninja || fail "the build failed" "the whole log: $log"
   mv "$marker.new" "$marker"
+  [[ $1 != all ]] || cp -p "$marker" "$out/.built-impedraw"
   if grep -q '^\[' "$log"; then say "built ($(( SECONDS - start )) s)"; fi
   [[ -z $terminal ]] || printf '\r\e[K' >&2
 }
