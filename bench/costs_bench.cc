@@ -1,6 +1,5 @@
 // Cost of large inputs relative to a floor measured in the same run: sorting a million numbers. The
 // limits of the ratios are in main.cc.
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -25,24 +24,13 @@
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/planning/path/tip_planner.h"
 #include "impedraw/planning/wrap/wrap.h"
+#include "processor_time.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// Processor time of this process and its children [s]. It hardly depends on the machine's load.
-double processor_seconds() {
-  double sum = 0.0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    getrusage(who, &usage);
-    sum += static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-           1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-  }
-  return sum;
-}
 
 template <typename Work>
 void measure(benchmark::State& state, const Work& work) {

@@ -11,16 +11,17 @@
 #include "impedraw/canvas/mesh_patterns.h"
 #include "impedraw/canvas/shape_checks.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
 
 void validate(std::string_view shape, const CapSettings& s) {
   using Limits = CapSettings::Limits;
-  require(shape, "radius", s.radius, Limits::radius);
-  require(shape, "opening_radius", s.opening_radius, Limits::opening_radius);
-  require(shape, "edge", s.edge, Limits::edge);
-  require(shape, "centre", s.centre, Limits::centre);
+  require_in_range(shape, Limits::radius, s.radius);
+  require_in_range(shape, Limits::opening_radius, s.opening_radius);
+  require_in_range(shape, Limits::edge, s.edge);
+  require_in_range(shape, Limits::centre, s.centre);
   require_at_most(shape, "opening_radius", s.opening_radius, "the radius", s.radius);
   require_at_most(shape, "edge", s.edge, "the opening_radius", s.opening_radius);
 }
@@ -62,11 +63,11 @@ TriangleMesh make_dome(const DomeSettings& settings) { return cap("dome", settin
 
 TriangleMesh make_plane(const PlaneSettings& s) {
   using Limits = PlaneSettings::Limits;
-  require("plane", "width", s.width, Limits::side);
-  require("plane", "height", s.height, Limits::side);
-  require("plane", "edge", s.edge, Limits::edge);
-  require("plane", "centre", s.centre, Limits::centre);
-  require("plane", "normal", s.normal, Range::any());
+  require_in_range("plane", Limits::width, s.width);
+  require_in_range("plane", Limits::height, s.height);
+  require_in_range("plane", Limits::edge, s.edge);
+  require_in_range("plane", Limits::centre, s.centre);
+  require_in_range("plane", Limits::normal, s.normal);
   if (s.normal.norm() < 1e-9)
     throw InputError("plane.normal is (0, 0, 0), allowed is any other direction");
   require_fair_size("plane", s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));

@@ -20,10 +20,10 @@ struct CapSettings {
   double edge = 0.0015;  // desired length of a triangle's edge [m], at most opening_radius
 
   struct Limits {
-    static constexpr Range radius = {0.01, 10.0};
-    static constexpr Range centre = {-10.0, 10.0};
-    static constexpr Range opening_radius = {0.005, 10.0};
-    static constexpr Range edge = {2e-4, 0.2};
+    static constexpr Limit radius = {"radius", "m", {0.01, 10.0}};
+    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
+    static constexpr Limit opening_radius = {"opening_radius", "m", {0.005, 10.0}};
+    static constexpr Limit edge = {"edge", "m", {2e-4, 0.2}};
   };
 };
 using BowlSettings = CapSettings;
@@ -38,16 +38,18 @@ TriangleMesh make_dome(const DomeSettings& settings = {});
 
 struct PlaneSettings {
   Eigen::Vector3d centre = {0.60, 0.0, 0.10};         // p_WC [m]
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the side drawn on; any length but zero
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the side drawn on; not zero; in ±1
   // along W's x projected onto the plane (W's y if x is normal to the plane) [m]
   double width = 0.36;
   double height = 0.36;  // across the width [m]
   double edge = 0.01;    // desired length of a cell's side [m]
 
   struct Limits {
-    static constexpr Range centre = {-10.0, 10.0};
-    static constexpr Range side = {0.01, 10.0};
-    static constexpr Range edge = {2e-4, 1.0};
+    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
+    static constexpr Limit normal = {"normal", "", {-1.0, 1.0}};
+    static constexpr Limit width = {"width", "m", {0.01, 10.0}};
+    static constexpr Limit height = {"height", "m", {0.01, 10.0}};
+    static constexpr Limit edge = {"edge", "m", {2e-4, 1.0}};
   };
 };
 

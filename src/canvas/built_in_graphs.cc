@@ -9,6 +9,7 @@
 
 #include "impedraw/canvas/mesh_patterns.h"
 #include "impedraw/canvas/shape_checks.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
@@ -17,11 +18,11 @@ constexpr double kPi = std::numbers::pi;
 
 void validate(std::string_view shape, const FootprintSettings& s) {
   using Limits = FootprintSettings::Limits;
-  require(shape, "centre", s.centre, Limits::centre);
-  require(shape, "heading", s.heading_deg, Limits::heading, "deg");
-  require(shape, "width", s.width, Limits::side);
-  require(shape, "height", s.height, Limits::side);
-  require(shape, "edge", s.edge, Limits::edge);
+  require_in_range(shape, Limits::centre, s.centre);
+  require_in_range(shape, Limits::heading, s.heading_deg);
+  require_in_range(shape, Limits::width, s.width);
+  require_in_range(shape, Limits::height, s.height);
+  require_in_range(shape, Limits::edge, s.edge);
   require_fair_size(shape, s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
 }
 
@@ -48,8 +49,8 @@ TriangleMesh graph(const FootprintSettings& s, const Height& h) {
 
 TriangleMesh make_wave(const WaveSettings& s) {
   validate("wave", s.footprint);
-  require("wave", "amplitude", s.amplitude, WaveSettings::Limits::amplitude);
-  require("wave", "wavelength", s.wavelength, WaveSettings::Limits::wavelength);
+  require_in_range("wave", WaveSettings::Limits::amplitude, s.amplitude);
+  require_in_range("wave", WaveSettings::Limits::wavelength, s.wavelength);
   require_fine_edge("wave", s.footprint, "an eighth of the wavelength", s.wavelength);
   return graph(s.footprint, [&](double x, double) {
     return s.amplitude * std::sin(2.0 * kPi * x / s.wavelength);
@@ -58,14 +59,14 @@ TriangleMesh make_wave(const WaveSettings& s) {
 
 TriangleMesh make_saddle(const SaddleSettings& s) {
   validate("saddle", s.footprint);
-  require("saddle", "radius", s.radius, SaddleSettings::Limits::radius);
+  require_in_range("saddle", SaddleSettings::Limits::radius, s.radius);
   return graph(s.footprint, [&](double x, double y) { return (x * x - y * y) / (2.0 * s.radius); });
 }
 
 TriangleMesh make_terrain(const TerrainSettings& s) {
   validate("terrain", s.footprint);
-  require("terrain", "amplitude", s.amplitude, TerrainSettings::Limits::amplitude);
-  require("terrain", "feature", s.feature, TerrainSettings::Limits::feature);
+  require_in_range("terrain", TerrainSettings::Limits::amplitude, s.amplitude);
+  require_in_range("terrain", TerrainSettings::Limits::feature, s.feature);
   require_fine_edge("terrain", s.footprint, "an eighth of the feature", s.feature);
 
   struct Wave {

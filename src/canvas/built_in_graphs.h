@@ -25,10 +25,11 @@ struct FootprintSettings {
   double edge = 0.0015;                        // longest side of a cell, seen from above [m]
 
   struct Limits {
-    static constexpr Range centre = {-10.0, 10.0};
-    static constexpr Range heading = {-360.0, 360.0};
-    static constexpr Range side = {0.01, 10.0};
-    static constexpr Range edge = {2e-4, 0.1};
+    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
+    static constexpr Limit heading = {"heading", "deg", {-360.0, 360.0}};
+    static constexpr Limit width = {"width", "m", {0.01, 10.0}};
+    static constexpr Limit height = {"height", "m", {0.01, 10.0}};
+    static constexpr Limit edge = {"edge", "m", {2e-4, 0.1}};
   };
 };
 
@@ -41,8 +42,8 @@ struct WaveSettings {
   double wavelength = 0.20;  // [m], at least 8 edges
 
   struct Limits {
-    static constexpr Range amplitude = {1e-4, 1.0};
-    static constexpr Range wavelength = {0.005, 10.0};
+    static constexpr Limit amplitude = {"amplitude", "m", {1e-4, 1.0}};
+    static constexpr Limit wavelength = {"wavelength", "m", {0.005, 10.0}};
   };
 };
 
@@ -55,7 +56,7 @@ struct SaddleSettings {
   double radius = 0.40;  // [m]
 
   struct Limits {
-    static constexpr Range radius = {0.01, 100.0};
+    static constexpr Limit radius = {"radius", "m", {0.01, 100.0}};
   };
 };
 
@@ -76,9 +77,9 @@ struct TerrainSettings {
   double feature = 0.20;    // shortest wavelength [m], at least 8 edges
 
   struct Limits {
-    static constexpr Range seed = {0, 1e9};
-    static constexpr Range amplitude = {1e-4, 1.0};
-    static constexpr Range feature = {0.005, 10.0};
+    static constexpr Limit seed = {"seed", "", {0, 1e9}};
+    static constexpr Limit amplitude = {"amplitude", "m", {1e-4, 1.0}};
+    static constexpr Limit feature = {"feature", "m", {0.005, 10.0}};
   };
 };
 

@@ -8,6 +8,7 @@
 
 #include "impedraw/canvas/mesh_patterns.h"
 #include "impedraw/canvas/shape_checks.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
@@ -17,12 +18,12 @@ constexpr double kPi = std::numbers::pi;
 // up = 1: outside of the upper part; −1: inside of the lower part. Normals point up in both.
 TriangleMesh part_of_cylinder(std::string_view shape, const CylinderSettings& s, double up) {
   using Limits = CylinderSettings::Limits;
-  require(shape, "middle", s.middle, Limits::middle);
-  require(shape, "heading", s.heading_deg, Limits::heading, "deg");
-  require(shape, "radius", s.radius, Limits::size);
-  require(shape, "length", s.length, Limits::size);
-  require(shape, "width", s.width, Limits::size);
-  require(shape, "edge", s.edge, Limits::edge);
+  require_in_range(shape, Limits::middle, s.middle);
+  require_in_range(shape, Limits::heading, s.heading_deg);
+  require_in_range(shape, Limits::radius, s.radius);
+  require_in_range(shape, Limits::length, s.length);
+  require_in_range(shape, Limits::width, s.width);
+  require_in_range(shape, Limits::edge, s.edge);
   require_at_most(shape, "width", s.width, "twice the radius", 2.0 * s.radius);
   require_at_most(shape, "edge", s.edge, "the width", s.width);
   const double half_angle = std::asin(std::min(1.0, 0.5 * s.width / s.radius));
@@ -53,10 +54,10 @@ TriangleMesh make_trough(const CylinderSettings& settings) {
 
 TriangleMesh make_cone(const ConeSettings& s) {
   using Limits = ConeSettings::Limits;
-  require("cone", "apex", s.apex, Limits::apex);
-  require("cone", "slope", s.slope_deg, Limits::slope, "deg");
-  require("cone", "base_radius", s.base_radius, Limits::base_radius);
-  require("cone", "edge", s.edge, Limits::edge);
+  require_in_range("cone", Limits::apex, s.apex);
+  require_in_range("cone", Limits::slope, s.slope_deg);
+  require_in_range("cone", Limits::base_radius, s.base_radius);
+  require_in_range("cone", Limits::edge, s.edge);
   require_at_most("cone", "edge", s.edge, "the base_radius", s.base_radius);
   const double slope = s.slope_deg * kPi / 180.0;
   const double slant = s.base_radius / std::cos(slope);

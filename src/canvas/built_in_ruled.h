@@ -22,10 +22,12 @@ struct CylinderSettings {
   double edge = 0.0015;      // longest side of a cell [m], at most width
 
   struct Limits {
-    static constexpr Range middle = {-10.0, 10.0};
-    static constexpr Range heading = {-360.0, 360.0};
-    static constexpr Range size = {0.01, 10.0};
-    static constexpr Range edge = {2e-4, 0.1};
+    static constexpr Limit middle = {"middle", "m", {-10.0, 10.0}};
+    static constexpr Limit heading = {"heading", "deg", {-360.0, 360.0}};
+    static constexpr Limit radius = {"radius", "m", {0.01, 10.0}};
+    static constexpr Limit length = {"length", "m", {0.01, 10.0}};
+    static constexpr Limit width = {"width", "m", {0.01, 10.0}};
+    static constexpr Limit edge = {"edge", "m", {2e-4, 0.1}};
   };
 };
 
@@ -49,10 +51,10 @@ struct ConeSettings {
   double edge = 0.0015;       // desired length of a triangle's edge [m], at most base_radius
 
   struct Limits {
-    static constexpr Range apex = {-10.0, 10.0};
-    static constexpr Range slope = {0.1, 80.0};
-    static constexpr Range base_radius = {0.005, 10.0};
-    static constexpr Range edge = {2e-4, 0.1};
+    static constexpr Limit apex = {"apex", "m", {-10.0, 10.0}};
+    static constexpr Limit slope = {"slope", "deg", {0.1, 80.0}};
+    static constexpr Limit base_radius = {"base_radius", "m", {0.005, 10.0}};
+    static constexpr Limit edge = {"edge", "m", {2e-4, 0.1}};
   };
 };
 

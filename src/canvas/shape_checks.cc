@@ -1,26 +1,13 @@
 #include "impedraw/canvas/shape_checks.h"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
 namespace {
 constexpr double kMostTriangles = 2e7;  // more is probably a wrong unit
-}
-
-void require(std::string_view shape, std::string_view name, double value, const Range& range,
-             std::string_view unit) {
-  require_in_range(fmt::format("{}.{}", shape, name), value, range, unit);
-}
-
-void require(std::string_view shape, std::string_view name, const Eigen::Vector3d& value,
-             const Range& range) {
-  for (const double x : value) require(shape, name, x, range);
 }
 
 void require_at_most(std::string_view shape, std::string_view name, double value,

@@ -10,10 +10,6 @@
 
 namespace impedraw {
 
-void require(std::string_view shape, std::string_view name, double value, const Range& range,
-             std::string_view unit = "m");
-void require(std::string_view shape, std::string_view name, const Eigen::Vector3d& value,
-             const Range& range);  // each component [m]
 void require_at_most(std::string_view shape, std::string_view name, double value,
                      std::string_view what, double most);  // [m]
 // Limits the number of triangles to what fits in memory easily.

@@ -1,8 +1,10 @@
-// Valid range of a setting. Each limit is defined once, as a Range in the struct of the setting.
-// The library's checks and the scenario schema both use it.
+// Valid range of a setting, and the table entry with its name and unit. A struct of settings has
+// its entries in a nested struct Limits. The library's checks and the scenario schema both read
+// them, so that a limit, its unit and its name are written once.
 #pragma once
 
 #include <limits>
+#include <string_view>
 
 namespace impedraw {
 
@@ -26,6 +28,13 @@ struct Range {
   constexpr bool holds(double x) const {
     return (above ? x > lowest : x >= lowest) && (below ? x < highest : x <= highest);
   }
+};
+
+// A number of a settings struct. For a vector, the range is that of each component.
+struct Limit {
+  std::string_view name;  // as in a scenario file
+  std::string_view unit;  // empty: none
+  Range range;
 };
 
 }  // namespace impedraw

@@ -48,4 +48,18 @@ inline void require_in_range(std::string_view name, double value, const Range& r
                    ", allowed is " + (allowed.empty() ? "any finite number" : allowed));
 }
 
+// The same for a setting, which the message names "group.name".
+inline void require_in_range(std::string_view group, const Limit& limit, double value) {
+  if (std::isfinite(value) && limit.range.holds(value)) return;
+  require_in_range(std::string(group) + "." + std::string(limit.name), value, limit.range,
+                   limit.unit);
+}
+
+// The same for each component of a vector.
+template <class Vector>
+requires requires(const Vector& x) { x.begin(); }
+inline void require_in_range(std::string_view group, const Limit& limit, const Vector& values) {
+  for (const double value : values) require_in_range(group, limit, value);
+}
+
 }  // namespace impedraw

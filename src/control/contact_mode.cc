@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
@@ -38,6 +39,17 @@ constexpr Transition kTable[] = {
 }  // namespace
 
 void ContactSettings::validate() const {
+  const auto check = [](const Limit& limit, double value) {
+    require_in_range("control.contact", limit, value);
+  };
+  check(Limits::enter_distance, enter_distance);
+  check(Limits::search_distance, search_distance);
+  check(Limits::leave_distance, leave_distance);
+  check(Limits::touch_force, touch_force);
+  check(Limits::touch_gap, touch_gap);
+  check(Limits::loss_force, loss_force);
+  check(Limits::loss_time, loss_time);
+  check(Limits::lost_surface_time, lost_surface_time);
   if (!(leave_distance > enter_distance))
     throw InputError(
         "contact.leave_distance must lie above contact.enter_distance: without hysteresis the "

@@ -19,6 +19,8 @@
 
 #include <string_view>
 
+#include "impedraw/common/range.h"
+
 namespace impedraw {
 
 enum class ContactMode { free, approach, contact, lift, retreat };
@@ -36,7 +38,19 @@ struct ContactSettings {
   // time for which the last normal is used while perception has none [s]
   double lost_surface_time = 0.25;
 
-  void validate() const;  // throws InputError if there is no hysteresis
+  struct Limits {
+    static constexpr Limit enter_distance = {"enter_distance", "m", {0.0, 0.05}};
+    static constexpr Limit search_distance = {"search_distance", "m", {0.0, 0.05}};
+    static constexpr Limit leave_distance = {"leave_distance", "m", Range::positive_to(0.1)};
+    static constexpr Limit touch_force = {"touch_force", "N", {0.0, 50.0}};
+    static constexpr Limit touch_gap = {"touch_gap", "m", {1e-5, 0.02}};
+    static constexpr Limit loss_force = {"loss_force", "N", {0.0, 50.0}};
+    static constexpr Limit loss_time = {"loss_time", "s", {0.0, 5.0}};
+    static constexpr Limit lost_surface_time = {"lost_surface_time", "s", {0.0, 5.0}};
+  };
+
+  // Throws InputError for a value out of range, and if there is no hysteresis.
+  void validate() const;
 };
 
 // Inputs of one step.

@@ -1,11 +1,9 @@
 #include "impedraw/control/impedance_settings.h"
 
-#include <cmath>
-#include <cstdio>
-#include <limits>
 #include <string>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/control/contact_stability.h"
 #include "impedraw/control/damping.h"
 
@@ -13,107 +11,84 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+using Limits = ImpedanceSettings::Limits;
 
-void require(bool holds, const char* name, double value, const char* valid) {
-  if (holds) return;
-  char message[256];
-  std::snprintf(message, sizeof message, "%s is %.6g; valid is %s", name, value, valid);
-  throw InputError(message);
-}
-void positive(const char* name, double x) {
-  require(x > 0.0 && x < kInfinite, name, x, "a number above 0");
-}
-void not_negative(const char* name, double x) {
-  require(x >= 0.0 && x < kInfinite, name, x, "0 or a number above");
+void check(const Limit& limit, double value) { require_in_range("control", limit, value); }
+
+void check(const Limit& limit, const AxialGain& gain) {
+  const std::string name = "control." + std::string(limit.name);
+  require_in_range(name + "_tangent", gain.tangent, limit.range, limit.unit);
+  require_in_range(name + "_normal", gain.normal, limit.range, limit.unit);
 }
 
-void gain(const std::string& name, const TipGain& g, void (*check)(const char*, double)) {
-  check((name + " along the tangents").c_str(), g.linear.tangent);
-  check((name + " along the normal").c_str(), g.linear.normal);
-  check((name + " about the tangents").c_str(), g.angular.tangent);
-  check((name + " about the normal").c_str(), g.angular.normal);
-}
-
-enum class Entries { any, not_negative, positive };
-
-void each_joint(const char* name, const Eigen::VectorXd& x, int joints, Entries entries) {
+// One entry per joint, or none.
+void check_entries(const std::string& name, const Eigen::VectorXd& x, int joints,
+                   const Range& range, std::string_view unit) {
   if (x.size() != 0 && x.size() != joints)
-    throw InputError(std::string(name) + " has " + std::to_string(x.size()) + " entries, the arm " +
+    throw InputError(name + " has " + std::to_string(x.size()) + " entries, the arm " +
                      std::to_string(joints) + " joints");
-  for (double value : x) {
-    const bool holds = entries == Entries::any        ? std::isfinite(value)
-                       : entries == Entries::positive ? value > 0.0
-                                                      : value >= 0.0;
-    require(holds, name, value,
-            entries == Entries::any        ? "a number"
-            : entries == Entries::positive ? "above 0"
-                                           : "0 or more");
-  }
+  for (const double value : x) require_in_range(name, value, range, unit);
 }
 
 void check_timing(const TimingSettings& s) {
-  positive("timing.dt", s.dt);
-  not_negative("timing.loop_delay", s.loop_delay);
-  not_negative("timing.wrench_delay", s.wrench_delay);
-  not_negative("timing.max_state_age", s.max_state_age);
-  not_negative("timing.max_wrench_age", s.max_wrench_age);
+  check(Limits::dt, s.dt);
+  check(Limits::loop_delay, s.loop_delay);
+  check(Limits::wrench_delay, s.wrench_delay);
+  check(Limits::max_state_age, s.max_state_age);
+  check(Limits::max_wrench_age, s.max_wrench_age);
+}
+
+void check_dynamics(const ImpedanceSettings& s) {
+  check(Limits::stiffness, s.stiffness.linear);
+  check(Limits::rotational_stiffness, s.stiffness.angular);
+  check(Limits::reference_stiffness, s.reference_stiffness.linear);
+  check(Limits::reference_rotational_stiffness, s.reference_stiffness.angular);
+  check(Limits::mass, s.shaped_inertia.linear);
+  check(Limits::rotational_inertia, s.shaped_inertia.angular);
+  check(Limits::inertia_scale, s.inertia_scale);
+  check(Limits::damping_ratio, s.damping_ratio);
+  check(Limits::normal_force, s.normal_force);
+  check(Limits::switch_time, s.switch_time);
 }
 
 void check_surface(const SurfaceSettings& s) {
-  require(std::abs(s.drawing_axis_W.norm() - 1.0) < 1e-9, "surface.drawing_axis_W length",
-          s.drawing_axis_W.norm(), "1");
-  require(s.min_axis_cosine > 0.0 && s.min_axis_cosine <= 1.0, "surface.min_axis_cosine",
-          s.min_axis_cosine, "above 0, at most 1");
-  positive("surface.normal_bandwidth", s.normal_bandwidth);
+  require_in_range("control.drawing_axis_W length", s.drawing_axis_W.norm(), {1 - 1e-9, 1 + 1e-9},
+                   "");
+  check(Limits::min_axis_cosine, s.min_axis_cosine);
+  check(Limits::normal_bandwidth, s.normal_bandwidth);
 }
 
 void check_approach(const ApproachSettings& s) {
-  positive("approach.speed", s.speed);
-  not_negative("approach.overtravel", s.overtravel);
-  positive("approach.lag", s.lag);
-  not_negative("approach.retreat_height", s.retreat_height);
+  check(Limits::approach_speed, s.speed);
+  check(Limits::approach_overtravel, s.overtravel);
+  check(Limits::approach_lag, s.lag);
+  check(Limits::retreat_height, s.retreat_height);
 }
 
 void check_tip(const TipSettings& tip, const FrictionSettings& friction) {
-  not_negative("tip.radius", tip.radius);
-  not_negative("tip.stiffness", tip.stiffness);
-  not_negative("friction.coefficient", friction.coefficient);
-  not_negative("friction.feedforward", friction.feedforward);
-  positive("friction.fade_speed", friction.fade_speed);
+  check(Limits::tip_radius, tip.radius);
+  check(Limits::tip_stiffness, tip.stiffness);
+  check(Limits::friction, friction.coefficient);
+  check(Limits::friction_feedforward, friction.feedforward);
+  check(Limits::fade_speed, friction.fade_speed);
 }
 
 void check_joints(const ImpedanceSettings& s, int joints) {
-  each_joint("null_space.stiffness", s.null_space.stiffness, joints, Entries::not_negative);
-  not_negative("null_space.damping_ratio", s.null_space.damping_ratio);
-  each_joint("null_space.q_0", s.null_space.q_0, joints, Entries::any);
-  each_joint("joint_range.lower", s.joint_range.lower, joints, Entries::any);
-  each_joint("joint_range.upper", s.joint_range.upper, joints, Entries::any);
+  const auto each = [joints](const Limit& limit, const Eigen::VectorXd& x) {
+    check_entries("control." + std::string(limit.name), x, joints, limit.range, limit.unit);
+  };
+  each(Limits::null_stiffness, s.null_space.stiffness);
+  check(Limits::null_damping_ratio, s.null_space.damping_ratio);
+  check_entries("null_space.q_0", s.null_space.q_0, joints, Range::any(), "rad");
+  check_entries("joint_range.lower", s.joint_range.lower, joints, Range::any(), "rad");
+  check_entries("joint_range.upper", s.joint_range.upper, joints, Range::any(), "rad");
   if (s.joint_range.lower.size() != s.joint_range.upper.size())
     throw InputError("joint_range.lower and joint_range.upper: one is given without the other");
-  positive("joint_range.margin", s.joint_range.margin);
-  not_negative("joint_range.torque", s.joint_range.torque);
-  each_joint("limits.torque", s.limits.torque, joints, Entries::positive);
-  each_joint("limits.torque_rate", s.limits.torque_rate, joints, Entries::positive);
-  positive("limits.tip_speed", s.limits.tip_speed);
-}
-
-// Checks that the loop is stable with the desired inertia.
-void check_inertia(const ImpedanceSettings& s) {
-  const bool shaped = s.inertia == InertiaShaping::shaped;
-  const bool scaled = s.inertia == InertiaShaping::scaled && s.inertia_scale != 1.0;
-  if (s.wrench == WrenchFeedback::none && (shaped || scaled))
-    throw InputError(std::string("inertia '") + (shaped ? "shaped" : "scaled") +
-                     "' needs a measured wrench; without one the desired inertia must be 'natural' "
-                     "or the force is not the push");
-  const TipGain K = s.damping_stiffness();
-  if (shaped) {
-    const TipGain B = diagonal_damping(K, s.shaped_inertia, s.damping_ratio);
-    check_damping_rates(B, s.shaped_inertia, s.timing.dt + s.timing.loop_delay);
-    check_contact_stability(s.shaped_inertia.linear.normal, B.linear.normal, s);
-  } else if (scaled && s.inertia_scale < 1.0) {
-    check_scaled_contact_stability(s.inertia_scale, K.linear.normal, s);
-  }
+  check(Limits::limit_margin, s.joint_range.margin);
+  check(Limits::limit_torque, s.joint_range.torque);
+  check_entries("limits.torque", s.limits.torque, joints, Range::positive(), "Nm");
+  each(Limits::torque_rate, s.limits.torque_rate);
+  check(Limits::tip_speed_limit, s.limits.tip_speed);
 }
 
 }  // namespace
@@ -127,27 +102,45 @@ TipGain ImpedanceSettings::damping_stiffness() const {
            pick(k.angular.normal, reference.angular.normal)}};
 }
 
-void ImpedanceSettings::validate(int joints) const {
-  require(joints >= 1 && joints <= kMaxJoints, "the number of joints", joints, "1 to 12");
+void ImpedanceSettings::validate_ranges(int joints) const {
+  if (joints < 1 || joints > kMaxJoints)
+    throw InputError("the number of joints is " + std::to_string(joints) + ", allowed is 1 to " +
+                     std::to_string(kMaxJoints));
   check_timing(timing);
-  gain("stiffness", stiffness, not_negative);
-  gain("reference_stiffness", reference_stiffness, not_negative);
-  gain("shaped_inertia", shaped_inertia, positive);
-  positive("inertia_scale", inertia_scale);
-  positive("damping_ratio", damping_ratio);
-  not_negative("normal_force", normal_force);
-  positive("switch_time", switch_time);
+  check_dynamics(*this);
   check_surface(surface);
   check_approach(approach);
   contact.validate();
   check_tip(tip, friction);
   observer.validate();
-  not_negative("force_integral.rate", force_integral.rate);
-  not_negative("force_integral.limit", force_integral.limit);
-  positive("stability_check.contact_stiffness_max", stability_check.contact_stiffness_max);
-  positive("stability_check.natural_mass_max", stability_check.natural_mass_max);
+  using Integral = ForceIntegralSettings::Limits;
+  require_in_range("control.force_integral", Integral::rate, force_integral.rate);
+  require_in_range("control.force_integral", Integral::limit, force_integral.limit);
+  check(Limits::contact_stiffness_max, stability_check.contact_stiffness_max);
+  check(Limits::natural_mass_max, stability_check.natural_mass_max);
   check_joints(*this, joints);
-  check_inertia(*this);
+}
+
+void ImpedanceSettings::validate_inertia() const {
+  const bool shaped = inertia == InertiaShaping::shaped;
+  const bool scaled = inertia == InertiaShaping::scaled && inertia_scale != 1.0;
+  if (wrench == WrenchFeedback::none && (shaped || scaled))
+    throw InputError(std::string("inertia '") + (shaped ? "shaped" : "scaled") +
+                     "' needs a measured wrench; without one the desired inertia must be 'natural' "
+                     "or the force is not the push");
+  const TipGain K = damping_stiffness();
+  if (shaped) {
+    const TipGain B = diagonal_damping(K, shaped_inertia, damping_ratio);
+    check_damping_rates(B, shaped_inertia, timing.dt + timing.loop_delay);
+    check_contact_stability(shaped_inertia.linear.normal, B.linear.normal, *this);
+  } else if (scaled && inertia_scale < 1.0) {
+    check_scaled_contact_stability(inertia_scale, K.linear.normal, *this);
+  }
+}
+
+void ImpedanceSettings::validate(int joints) const {
+  validate_ranges(joints);
+  validate_inertia();
 }
 
 ImpedanceSettings ImpedanceSettings::completed(int joints) const {

@@ -5,6 +5,7 @@
 // Errors  validate() throws InputError, which names the setting, its value and what is valid
 #pragma once
 
+#include "impedraw/common/range.h"
 #include "impedraw/control/axial_gain.h"
 #include "impedraw/control/contact_mode.h"
 #include "impedraw/control/momentum_observer.h"
@@ -81,6 +82,11 @@ struct ForceIntegralSettings {
   bool enabled = false;  // needs a measured wrench
   double rate = 2.0;     // of push per force error [1/s]
   double limit = 2.0;    // of its contribution to the push, ± [N]
+
+  struct Limits {
+    static constexpr Limit rate = {"rate", "1/s", {0.01, 50.0}};
+    static constexpr Limit limit = {"limit", "N", {0.0, 50.0}};
+  };
 };
 
 // Stiffest contact and largest natural mass for which set-up checks the force loop.
@@ -142,14 +148,59 @@ struct ImpedanceSettings {
   JointRangeSettings joint_range;
   LimitSettings limits;
 
+  // Named as in a scenario file, which has most of the settings in one group, control.
+  struct Limits {
+    static constexpr Limit dt = {"dt", "s", Range::positive_to(0.1)};
+    // the longest delay of the drives, and one step
+    static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.021}};
+    static constexpr Limit wrench_delay = {"wrench_delay", "s", {0.0, 1.0}};
+    static constexpr Limit max_state_age = {"max_state_age", "s", {0.0, 1.0}};
+    static constexpr Limit max_wrench_age = {"max_wrench_age", "s", {0.0, 1.0}};
+    // along and about both tangents, and the normal
+    static constexpr Limit stiffness = {"stiffness", "N/m", {0.0, 20000.0}};
+    static constexpr Limit rotational_stiffness = {"rotational_stiffness", "Nm/rad", {0.0, 1000.0}};
+    static constexpr Limit reference_stiffness = {"reference_stiffness", "N/m", {0.0, 20000.0}};
+    static constexpr Limit reference_rotational_stiffness = {
+        "reference_rotational_stiffness", "Nm/rad", {0.0, 1000.0}};
+    static constexpr Limit mass = {"mass", "kg", Range::positive_to(1000.0)};
+    static constexpr Limit rotational_inertia = {"rotational_inertia", "kg m²",
+                                                 Range::positive_to(100.0)};
+    static constexpr Limit inertia_scale = {"inertia_scale", "", {0.01, 100.0}};
+    static constexpr Limit damping_ratio = {"damping_ratio", "", {0.05, 3.0}};
+    static constexpr Limit normal_force = {"normal_force", "N", {0.0, 50.0}};
+    static constexpr Limit switch_time = {"switch_time", "s", {0.001, 5.0}};
+    static constexpr Limit min_axis_cosine = {"min_axis_cosine", "", Range::positive_to(1.0)};
+    static constexpr Limit normal_bandwidth = {"normal_bandwidth", "rad/s", {1.0, 500.0}};
+    static constexpr Limit approach_speed = {"approach_speed", "m/s", {1e-4, 0.2}};
+    static constexpr Limit approach_overtravel = {"approach_overtravel", "m", {0.0, 0.1}};
+    static constexpr Limit approach_lag = {"approach_lag", "m", {1e-4, 0.05}};
+    static constexpr Limit retreat_height = {"retreat_height", "m", {0.0, 0.5}};
+    static constexpr Limit tip_radius = {"tip_radius", "m", {0.0, 0.05}};
+    static constexpr Limit tip_stiffness = {"tip_stiffness", "N/m", {0.0, 1e7}};
+    static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
+    static constexpr Limit friction_feedforward = {"friction_feedforward", "", {0.0, 3.0}};
+    static constexpr Limit fade_speed = {"fade_speed", "m/s", Range::positive()};
+    static constexpr Limit contact_stiffness_max = {"contact_stiffness_max", "N/m", {1.0, 1e7}};
+    static constexpr Limit natural_mass_max = {"natural_mass_max", "kg", {0.1, 1000.0}};
+    static constexpr Limit null_stiffness = {"null_stiffness", "Nm/rad", {0.0, 500.0}};
+    static constexpr Limit null_damping_ratio = {"null_damping_ratio", "", {0.0, 3.0}};
+    static constexpr Limit limit_margin = {"limit_margin", "rad", {0.001, 1.0}};
+    static constexpr Limit limit_torque = {"limit_torque", "Nm", {0.0, 300.0}};
+    static constexpr Limit tip_speed_limit = {"tip_speed_limit", "m/s", {0.001, 5.0}};
+    static constexpr Limit torque_rate = {"torque_rate", "Nm/s", {1.0, 1e6}};
+  };
+
   // K' of damping.h: the stiffness, or the reference stiffness for an axis with zero stiffness.
   TipGain damping_stiffness() const;
 
-  // Throws InputError naming the first invalid setting, its value and what is valid: a number out
-  // of range, a vector without one entry per joint, or a shaped or scaled inertia that lacks a
-  // measured wrench or makes the sampled, delayed loop unstable (contact_stability.h).
+  // Each throws InputError naming the first invalid setting, its value and what is valid.
+  // validate_ranges: a number out of range, or a vector without one entry per joint.
+  // validate_inertia: a shaped or scaled inertia that lacks a measured wrench or makes the sampled,
+  // delayed loop unstable (contact_stability.h). Requires valid ranges.
   // joints: 1 to kMaxJoints; the six-axis task needs at least six.
-  void validate(int joints) const;
+  void validate_ranges(int joints) const;
+  void validate_inertia() const;
+  void validate(int joints) const;  // both
 
   // Returns these settings with every empty vector replaced by its default, except vectors that are
   // empty to mean no limit.

@@ -5,12 +5,13 @@
 #include <string>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
 void ObserverSettings::validate() const {
-  if (!(bandwidth > 0.0)) throw InputError("observer.bandwidth must lie above 0 rad/s");
-  if (!(limit >= 0.0)) throw InputError("observer.limit must be 0 Nm or more");
+  require_in_range("control.observer", Limits::bandwidth, bandwidth);
+  require_in_range("control.observer", Limits::limit, limit);
 }
 
 MomentumObserver::MomentumObserver(const ObserverSettings& settings, int joints, double dt,

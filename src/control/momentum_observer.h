@@ -16,6 +16,7 @@
 
 #include <array>
 
+#include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
@@ -24,6 +25,11 @@ struct ObserverSettings {
   bool enabled = true;       // needs a measured wrench
   double bandwidth = 200.0;  // K_o [rad/s]
   double limit = 40.0;       // of each |r_j| [Nm]
+
+  struct Limits {
+    static constexpr Limit bandwidth = {"bandwidth", "rad/s", {1.0, 900.0}};
+    static constexpr Limit limit = {"limit", "Nm", {0.0, 1000.0}};
+  };
 
   void validate() const;  // throws InputError naming the setting and what is valid
 };

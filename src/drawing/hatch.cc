@@ -111,8 +111,8 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
 }  // namespace
 
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale) {
-  require_in_range("hatch.spacing", settings.spacing_mm, HatchSettings::Limits::spacing, "mm");
-  require_in_range("hatch.angle", settings.angle_deg, HatchSettings::Limits::angle, "deg");
+  require_in_range("hatch", HatchSettings::Limits::spacing, settings.spacing_mm);
+  require_in_range("hatch", HatchSettings::Limits::angle, settings.angle_deg);
   require_in_range("the hatch's scale", scale, Range::positive(), "");
   std::vector<Stroke> lines;
   if (settings.spacing_mm == 0) return lines;

@@ -23,8 +23,8 @@ struct HatchSettings {
   bool outline = true;
 
   struct Limits {
-    static constexpr Range spacing = {0.0, 1000.0};  // [mm]
-    static constexpr Range angle = {-360.0, 360.0};  // [deg]
+    static constexpr Limit spacing = {"spacing", "mm", {0.0, 1000.0}};
+    static constexpr Limit angle = {"angle", "deg", {-360.0, 360.0}};
   };
 };
 

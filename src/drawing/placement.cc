@@ -17,11 +17,11 @@ using Eigen::Vector2d;
 
 using Limits = PlacementSettings::Limits;
 
-double fitted(const char* name, double desired, double present) {
-  require_in_range(std::string("placement.") + name, desired, Limits::size, "mm");
+double fitted(const Limit& limit, double desired, double present) {
+  require_in_range("placement", limit, desired);
   if (!(present > 0))
     throw InputError(
-        fmt::format("placement.{}: the artwork has no extent that way to be scaled", name));
+        fmt::format("placement.{}: the artwork has no extent that way to be scaled", limit.name));
   return desired / present;
 }
 
@@ -52,14 +52,14 @@ void require_one_size(const PlacementSettings& s) {
 }
 
 // Half a side of the rectangle, less the margin [mm].
-double half_side(const char* name, double side_m, double margin_mm) {
-  require_in_range(std::string("placement.") + name, side_m, Limits::fit, "m");
-  require_in_range("placement.margin", margin_mm, Limits::margin, "mm");
+double half_side(const Limit& limit, double side_m, double margin_mm) {
+  require_in_range("placement", limit, side_m);
+  require_in_range("placement", Limits::margin, margin_mm);
   const double half = 500 * side_m - margin_mm;
   if (!(half > 0)) {
     throw InputError(
         fmt::format("placement.margin is {} mm, allowed is less than {:.6g} mm, half of {}",
-                    margin_mm, 500 * side_m, name));
+                    margin_mm, 500 * side_m, limit.name));
   }
   return half;
 }
@@ -72,9 +72,10 @@ double rectangle_scale(const std::vector<Vector2d>& points, const Eigen::Matrix2
   for (const Vector2d& p : points) reach = reach.cwiseMax((to_view * p).cwiseAbs());
   double scale = std::numeric_limits<double>::infinity();
   if (s.fit_width_m)
-    scale = std::min(scale, half_side("fit_width", *s.fit_width_m, s.margin_mm) / reach.y());
+    scale = std::min(scale, half_side(Limits::fit_width, *s.fit_width_m, s.margin_mm) / reach.y());
   if (s.fit_height_m)
-    scale = std::min(scale, half_side("fit_height", *s.fit_height_m, s.margin_mm) / reach.x());
+    scale =
+        std::min(scale, half_side(Limits::fit_height, *s.fit_height_m, s.margin_mm) / reach.x());
   if (!std::isfinite(scale)) {
     if (reach.isZero()) return 1;  // a lone dot has no size
     throw InputError(fmt::format("placement.{}: the artwork has no extent that way to be scaled",
@@ -104,9 +105,8 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
   if (box.isEmpty())
     throw InputError(fmt::format("{}: there are no strokes to place", artwork.name));
   require_one_size(settings);
-  for (const double x : settings.centre_m)
-    require_in_range("placement.centre", x, Limits::centre, "m");
-  require_in_range("placement.rotate", settings.rotate_deg, Limits::rotate, "deg");
+  require_in_range("placement", Limits::centre, settings.centre_m);
+  require_in_range("placement", Limits::rotate, settings.rotate_deg);
 
   Placement placement;
   placement.centre_m = settings.centre_m;
@@ -123,12 +123,12 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
 
   double scale = 1;
   if (settings.scale) {
-    require_in_range("placement.scale", *settings.scale, Limits::size, "");
+    require_in_range("placement", Limits::scale, *settings.scale);
     scale = *settings.scale;
   } else if (settings.width_mm) {
-    scale = fitted("width", *settings.width_mm, box.sizes().x());
+    scale = fitted(Limits::width, *settings.width_mm, box.sizes().x());
   } else if (settings.height_mm) {
-    scale = fitted("height", *settings.height_mm, box.sizes().y());
+    scale = fitted(Limits::height, *settings.height_mm, box.sizes().y());
   } else if (settings.fit_width_m || settings.fit_height_m) {
     std::vector<Vector2d> fitted_points = points;
     if (settings.fit_page) {
@@ -140,7 +140,7 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
     for (Vector2d& p : fitted_points) p -= placement.origin_mm;
     scale = rectangle_scale(fitted_points, turned, settings);
   } else {
-    require_in_range("placement.fit_radius", settings.fit_radius_m, Limits::fit, "m");
+    require_in_range("placement", Limits::fit_radius, settings.fit_radius_m);
     double farthest = 0;
     for (const Vector2d& p : points)
       farthest = std::max(farthest, (p - placement.origin_mm).norm());

@@ -45,11 +45,16 @@ struct PlacementSettings {
   bool mirror = false;
 
   struct Limits {
-    static constexpr Range centre = {-2.0, 2.0};                   // [m]
-    static constexpr Range size = Range::positive();               // scale; width and height [mm]
-    static constexpr Range fit = Range::positive_to(2.0);          // rectangle and radius [m]
-    static constexpr Range margin = Range::to_below(0.0, 1000.0);  // [mm], half of the largest side
-    static constexpr Range rotate = {-360.0, 360.0};               // [deg]
+    static constexpr Limit centre = {"centre", "m", {-2.0, 2.0}};
+    static constexpr Limit scale = {"scale", "", Range::positive()};
+    static constexpr Limit width = {"width", "mm", Range::positive()};
+    static constexpr Limit height = {"height", "mm", Range::positive()};
+    static constexpr Limit fit_width = {"fit_width", "m", Range::positive_to(2.0)};
+    static constexpr Limit fit_height = {"fit_height", "m", Range::positive_to(2.0)};
+    static constexpr Limit fit_radius = {"fit_radius", "m", Range::positive_to(2.0)};
+    // half of the largest side
+    static constexpr Limit margin = {"margin", "mm", Range::to_below(0.0, 1000.0)};
+    static constexpr Limit rotate = {"rotate", "deg", {-360.0, 360.0}};
   };
 };
 

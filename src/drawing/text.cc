@@ -108,9 +108,8 @@ class Typesetter {
 
 Artwork make_text(const TextSettings& settings) {
   const double size = settings.size_mm.value_or(10);
-  require_in_range("text.size", size, TextSettings::Limits::size, "mm");
-  require_in_range("text.line_spacing", settings.line_spacing, TextSettings::Limits::line_spacing,
-                   "");
+  require_in_range("text", TextSettings::Limits::size, size);
+  require_in_range("text", TextSettings::Limits::line_spacing, settings.line_spacing);
   const std::u32string text = decoded_utf8(settings.text);
   if (text.size() > kMostCharacters) {
     throw InputError(

@@ -25,8 +25,8 @@ struct TextSettings {
   double line_spacing = 1.8;  // between baselines, relative to the capitals' height
 
   struct Limits {
-    static constexpr Range size = Range::positive_to(1e4);  // [mm]
-    static constexpr Range line_spacing = {0.1, 100.0};
+    static constexpr Limit size = {"size", "mm", Range::positive_to(1e4)};
+    static constexpr Limit line_spacing = {"line_spacing", "", {0.1, 100.0}};
   };
 };
 

@@ -14,18 +14,16 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kPlace = 10.0;  // [m], generous bounds of any coordinate of a canvas
-
 // Straight into the shape's own group: canvas.wave.centre.
 void describe_footprint(Fields& f, FootprintSettings& s) {
   using Limits = FootprintSettings::Limits;
-  f.field("centre", s.centre, Limits::centre, "m",
+  f.field(Limits::centre, s.centre,
           "Centre of the rectangle that the surface stands on; z is where its height is 0.");
-  f.field("heading", s.heading_deg, Limits::heading, "deg",
+  f.field(Limits::heading, s.heading_deg,
           "Direction of the surface's x axis, counter-clockwise as seen from above.");
-  f.field("width", s.width, Limits::side, "m", "Size along its x axis.");
-  f.field("height", s.height, Limits::side, "m", "Size along its y axis.");
-  f.field("edge", s.edge, Limits::edge, "m", "Longest side of a mesh cell, as seen from above.");
+  f.field(Limits::width, s.width, "Size along its x axis.");
+  f.field(Limits::height, s.height, "Size along its y axis.");
+  f.field(Limits::edge, s.edge, "Longest side of a mesh cell, as seen from above.");
 }
 
 TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired) {
@@ -70,70 +68,67 @@ double metres(LengthUnit unit) {
 
 void describe(Fields& f, CapSettings& s) {
   using Limits = CapSettings::Limits;
-  f.field("radius", s.radius, Limits::radius, "m", "Radius of the sphere.");
-  f.field("centre", s.centre, Limits::centre, "m", "Centre of the sphere.");
-  f.field("opening_radius", s.opening_radius, Limits::opening_radius, "m",
+  f.field(Limits::radius, s.radius, "Radius of the sphere.");
+  f.field(Limits::centre, s.centre, "Centre of the sphere.");
+  f.field(Limits::opening_radius, s.opening_radius,
           "Radius of the circle at which the cap ends: radius × sin(slope there).");
-  f.field("edge", s.edge, Limits::edge, "m", "Edge length of a mesh triangle.");
+  f.field(Limits::edge, s.edge, "Edge length of a mesh triangle.");
 }
 
 void describe(Fields& f, PlaneSettings& s) {
   using Limits = PlaneSettings::Limits;
-  f.field("centre", s.centre, Limits::centre, "m", "Centre of the rectangle.");
-  f.field("normal", s.normal, Range{-1.0, 1.0}, "", "Normal of the side that is drawn on.");
-  f.field("width", s.width, Limits::side, "m", "Size along x.");
-  f.field("height", s.height, Limits::side, "m", "Size at right angles to that.");
-  f.field("edge", s.edge, Limits::edge, "m", "Side of a mesh cell.");
+  f.field(Limits::centre, s.centre, "Centre of the rectangle.");
+  f.field(Limits::normal, s.normal, "Normal of the side that is drawn on.");
+  f.field(Limits::width, s.width, "Size along x.");
+  f.field(Limits::height, s.height, "Size at right angles to that.");
+  f.field(Limits::edge, s.edge, "Side of a mesh cell.");
 }
 
 void describe(Fields& f, WaveSettings& s) {
   using Limits = WaveSettings::Limits;
   describe_footprint(f, s.footprint);
-  f.field("amplitude", s.amplitude, Limits::amplitude, "m",
+  f.field(Limits::amplitude, s.amplitude,
           "Amplitude of the wave: height = amplitude × sin(2π x/wavelength).");
-  f.field("wavelength", s.wavelength, Limits::wavelength, "m", "Wavelength along its x axis.");
+  f.field(Limits::wavelength, s.wavelength, "Wavelength along its x axis.");
 }
 
 void describe(Fields& f, SaddleSettings& s) {
   describe_footprint(f, s.footprint);
-  f.field("radius", s.radius, SaddleSettings::Limits::radius, "m",
+  f.field(SaddleSettings::Limits::radius, s.radius,
           "Radius of curvature at the centre: height = (x² - y²)/(2 radius).");
 }
 
 void describe(Fields& f, CylinderSettings& s) {
   using Limits = CylinderSettings::Limits;
-  f.field("middle", s.middle, Limits::middle, "m",
+  f.field(Limits::middle, s.middle,
           "Middle of the top line of a cylinder, or of the bottom line of a trough.");
-  f.field("heading", s.heading_deg, Limits::heading, "deg",
+  f.field(Limits::heading, s.heading_deg,
           "Direction of the level axis, counter-clockwise from x as seen from above.");
-  f.field("radius", s.radius, Limits::size, "m", "Radius of the cylinder.");
-  f.field("length", s.length, Limits::size, "m", "Length along the axis.");
-  f.field("width", s.width, Limits::size, "m",
-          "Width as seen from above: 2 radius × sin(slope at its sides).");
-  f.field("edge", s.edge, Limits::edge, "m", "Longest side of a mesh cell.");
+  f.field(Limits::radius, s.radius, "Radius of the cylinder.");
+  f.field(Limits::length, s.length, "Length along the axis.");
+  f.field(Limits::width, s.width, "Width as seen from above: 2 radius × sin(slope at its sides).");
+  f.field(Limits::edge, s.edge, "Longest side of a mesh cell.");
 }
 
 void describe(Fields& f, ConeSettings& s) {
   using Limits = ConeSettings::Limits;
-  f.field("apex", s.apex, Limits::apex, "m", "Apex of the cone.");
-  f.field("slope", s.slope_deg, Limits::slope, "deg",
-          "Slope of its side; the half-angle is 90° minus the slope.");
-  f.field("base_radius", s.base_radius, Limits::base_radius, "m",
-          "Radius of the circle at which the cone ends.");
-  f.field("edge", s.edge, Limits::edge, "m", "Edge length of a mesh triangle.");
+  f.field(Limits::apex, s.apex, "Apex of the cone.");
+  f.field(Limits::slope, s.slope_deg, "Slope of its side; the half-angle is 90° minus the slope.");
+  f.field(Limits::base_radius, s.base_radius, "Radius of the circle at which the cone ends.");
+  f.field(Limits::edge, s.edge, "Edge length of a mesh triangle.");
 }
 
 void describe(Fields& f, TerrainSettings& s) {
   using Limits = TerrainSettings::Limits;
   describe_footprint(f, s.footprint);
-  f.field("seed", s.seed, Limits::seed, "", "Seed of the terrain.");
-  f.field("amplitude", s.amplitude, Limits::amplitude, "m",
-          "Bound on the heights, above and below zero.");
-  f.field("feature", s.feature, Limits::feature, "m",
+  f.field(Limits::seed, s.seed, "Seed of the terrain.");
+  f.field(Limits::amplitude, s.amplitude, "Bound on the heights, above and below zero.");
+  f.field(Limits::feature, s.feature,
           "Shortest wavelength of the hills; the longest is twice that.");
 }
 
 void describe(Fields& f, MeshSettings& s) {
+  using Limits = MeshSettings::Limits;
   f.field("file", s.file, "Mesh file: .obj, .stl or .ply.");
   f.choice("unit", s.unit,
            {{"m", LengthUnit::m},
@@ -141,8 +136,8 @@ void describe(Fields& f, MeshSettings& s) {
             {"cm", LengthUnit::cm},
             {"in", LengthUnit::in}},
            "Unit of the numbers in the file.");
-  f.field("position", s.position, Range{-kPlace, kPlace}, "m", "Position of the file's origin.");
-  f.field("rotation", s.rotation_deg, Range{-360.0, 360.0}, "deg",
+  f.field(Limits::position, s.position, "Position of the file's origin.");
+  f.field(Limits::rotation, s.rotation_deg,
           "Roll, pitch and yaw: rotations about the world's x, then y, then z axis.");
   f.choice(
       "side", s.side,
@@ -152,6 +147,7 @@ void describe(Fields& f, MeshSettings& s) {
 }
 
 void describe(Fields& f, CanvasSettings& s) {
+  using Limits = CanvasSettings::Limits;
   f.choice("kind", s.kind,
            {{"bowl", CanvasKind::bowl},
             {"dome", CanvasKind::dome},
@@ -174,10 +170,8 @@ void describe(Fields& f, CanvasSettings& s) {
   f.field("cone", s.cone, "Size of a cone, apex up, drawn on from outside.");
   f.field("terrain", s.terrain, "Size of a terrain of random hills and hollows.");
   f.field("mesh", s.mesh, "Mesh from a file.");
-  f.field("move", s.move, Range{-kPlace, kPlace}, "m",
-          "Translation of the whole canvas, after its rotation.");
-  f.field("turn", s.turn_deg, Range{-360.0, 360.0}, "deg",
-          "Rotation of the whole canvas about the world's z axis.");
+  f.field(Limits::move, s.move, "Translation of the whole canvas, after its rotation.");
+  f.field(Limits::turn, s.turn_deg, "Rotation of the whole canvas about the world's z axis.");
 }
 
 namespace {

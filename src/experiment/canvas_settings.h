@@ -27,6 +27,11 @@ struct MeshSettings {
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();  // roll, pitch, yaw
   // The side drawn on. outward: as wound; for a closed mesh, away from its inside.
   Side side = Side::outward;
+
+  struct Limits {
+    static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
+    static constexpr Limit rotation = {"rotation", "deg", {-360.0, 360.0}};
+  };
 };
 
 struct CanvasSettings {
@@ -42,6 +47,11 @@ struct CanvasSettings {
   // Translation of the canvas, after its rotation: p = move + Rz(turn) p_made [m].
   Eigen::Vector3d move = Eigen::Vector3d::Zero();
   double turn_deg = 0.0;
+
+  struct Limits {
+    static constexpr Limit move = {"move", "m", {-10.0, 10.0}};
+    static constexpr Limit turn = {"turn", "deg", {-360.0, 360.0}};
+  };
 };
 
 void describe(Fields& f, CanvasSettings& s);

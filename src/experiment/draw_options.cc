@@ -26,19 +26,17 @@ void tell_renamed(const Places& places) {
 
 Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
+  const bool artwork_given = !options.svg.empty() || !options.text.empty();
   const fs::path file = options.scenario.empty()
-                            ? fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine.yaml"
+                            ? fs::path(IMPEDRAW_ROOT) / "scenarios" /
+                                  (artwork_given ? "artwork.yaml" : "bowl-sine.yaml")
                             : options.scenario;
   scenario.name = file.stem();
   // Artwork from the command line names the run, with the scenario in front where one was given.
   const auto name_after = [&](const std::string& artwork) {
     scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
   };
-  // The standard sine keeps its whole log for evaluation. Other artwork does not unless requested.
-  std::vector<std::string> assignments = options.assignments;
-  if (options.scenario.empty() && !(options.svg.empty() && options.text.empty()))
-    assignments.insert(assignments.begin(), "log.rate=reduced");
-  Places places = read_settings(scenario, file, assignments);
+  Places places = read_settings(scenario, file, options.assignments);
   tell_renamed(places);
   if (!options.shape.empty()) {
     scenario.drawing.shape = options.shape;

@@ -11,7 +11,8 @@
 namespace impedraw {
 
 struct DrawOptions {
-  std::filesystem::path scenario;  // empty: the standard sine on the bowl
+  // Empty: the standard bowl, with the sine (bowl-sine.yaml) or with svg or text (artwork.yaml).
+  std::filesystem::path scenario;
   std::string shape;
   std::filesystem::path svg;
   std::string text;  // to draw

@@ -5,10 +5,6 @@
 
 namespace impedraw {
 
-namespace {
-constexpr double kReach = 2.0;  // [m], generous bounds of any coordinate
-}
-
 PerceptionSettings::PerceptionSettings() {
   for (const double azimuth : {0.0, 2.0 * std::numbers::pi / 3.0, 4.0 * std::numbers::pi / 3.0}) {
     CameraSettings camera;
@@ -19,31 +15,30 @@ PerceptionSettings::PerceptionSettings() {
 
 void describe(Fields& f, PlacementSettings& s) {
   using Limits = PlacementSettings::Limits;
-  f.field("centre", s.centre_m, Limits::centre, "m",
+  f.field(Limits::centre, s.centre_m,
           "Where the middle of the drawing goes in the drawing plane (x, y).");
-  f.field("scale", s.scale, Limits::size, "",
+  f.field(Limits::scale, s.scale,
           "Millimetres on the canvas per millimetre on the page; null: set by one of the sizes.");
-  f.field("width", s.width_mm, Limits::size, "mm",
+  f.field(Limits::width, s.width_mm,
           "Size of the drawing across the page; null: set by another size.");
-  f.field("height", s.height_mm, Limits::size, "mm",
+  f.field(Limits::height, s.height_mm,
           "Size of the drawing down the page; null: set by another size.");
-  f.field("fit_width", s.fit_width_m, Limits::fit, "m",
+  f.field(Limits::fit_width, s.fit_width_m,
           "Width, along world y, of a rectangle that the drawing is scaled to fill; null: no bound "
           "that way.");
   f.field(
-      "fit_height", s.fit_height_m, Limits::fit, "m",
+      Limits::fit_height, s.fit_height_m,
       "Height, along world x, of a rectangle that the drawing is scaled to fill; null: no bound "
       "that way.");
-  f.field("margin", s.margin_mm, Limits::margin, "mm",
-          "Space left free on each side of the rectangle.");
+  f.field(Limits::margin, s.margin_mm, "Space left free on each side of the rectangle.");
   f.field("fit_page", s.fit_page,
           "Fits the whole page into the rectangle instead of the bounding box of the strokes.");
   f.field(
-      "fit_radius", s.fit_radius_m, Limits::fit, "m",
+      Limits::fit_radius, s.fit_radius_m,
       "Radius of the circle on which the farthest stroke point lies if no other size is given.");
   f.field("about_page_origin", s.about_page_origin,
           "Puts the page's (0, 0) at the centre instead of the middle of the strokes.");
-  f.field("rotate", s.rotate_deg, Limits::rotate, "deg",
+  f.field(Limits::rotate, s.rotate_deg,
           "Rotation of the drawing, counter-clockwise as seen from above.");
   f.field("mirror", s.mirror, "Mirrors the drawing left to right.");
 }
@@ -55,22 +50,22 @@ void describe(Fields& f, TextSettings& s) {
           "drawn.");
   f.field("font", s.font,
           "Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts).");
-  f.field("size", s.size_mm, Limits::size, "mm",
+  f.field(Limits::size, s.size_mm,
           "Height of the capitals, on the canvas if the placement gives no size; null: the text is "
           "fitted as a file is.");
   f.choice("align", s.align,
            {{"left", TextAlign::left}, {"centre", TextAlign::centre}, {"right", TextAlign::right}},
            "Alignment of the lines.");
-  f.field("line_spacing", s.line_spacing, Limits::line_spacing, "",
+  f.field(Limits::line_spacing, s.line_spacing,
           "Distance between baselines, as a multiple of the capitals' height.");
 }
 
 void describe(Fields& f, HatchSettings& s) {
   using Limits = HatchSettings::Limits;
-  f.field("spacing", s.spacing_mm, Limits::spacing, "mm",
+  f.field(Limits::spacing, s.spacing_mm,
           "Distance, on the canvas, between the lines that stand for a fill; 0: fills are not "
           "hatched. White is never hatched.");
-  f.field("angle", s.angle_deg, Limits::angle, "deg",
+  f.field(Limits::angle, s.angle_deg,
           "Angle of the lines to the page's X axis, counter-clockwise.");
   f.field("cross", s.cross, "Adds a second set of lines at right angles.");
   f.field("outline", s.outline, "Draws the outlines of areas that are filled but not stroked.");
@@ -78,15 +73,16 @@ void describe(Fields& f, HatchSettings& s) {
 
 void describe(Fields& f, WrapSettings& s) {
   using Limits = WrapSettings::Limits;
-  f.field("spacing", s.spacing, Limits::spacing, "m",
+  f.field(Limits::spacing, s.spacing,
           "Spacing of the grid that samples the surface, in the drawing plane.");
-  f.field("margin", s.margin, Limits::margin, "m",
+  f.field(Limits::margin, s.margin,
           "Margin of the flattened patch around the drawing; at least two spacings.");
-  f.field("tolerance", s.tolerance, Limits::tolerance, "m",
+  f.field(Limits::tolerance, s.tolerance,
           "Largest distance of a wrapped line from its polyline, in the drawing plane.");
 }
 
 void describe(Fields& f, DrawingSettings& s) {
+  using Limits = DrawingSettings::Limits;
   f.field("shape", s.shape,
           "Built-in drawing: sine, M, sine10 or circle. It is used if svg and text are empty.");
   f.field("svg", s.svg,
@@ -101,18 +97,18 @@ void describe(Fields& f, DrawingSettings& s) {
             {"px", PageUnit::px}},
            "Unit of the numbers in .txt, .strokes and .csv files; file: millimetres, or fractions "
            "of the page if all numbers lie between 0 and 1.");
-  f.field("join_gap", s.join_gap_mm, Range{0.0, 100.0}, "mm",
+  f.field(Limits::join_gap, s.join_gap_mm,
           "Largest gap on the page between ends of strokes that are joined; 0: none are joined.");
   f.field("dashes", s.dashes, "Draws dashed lines of an SVG as dashes.");
   f.field("hatch", s.hatch, "Hatching of an SVG's filled areas.");
-  f.field("simplify", s.simplify_mm, Range{0.0, 100.0}, "mm",
+  f.field(Limits::simplify, s.simplify_mm,
           "Largest distance, on the page, by which a stroke may change when points are dropped; 0: "
           "every point is kept.");
   f.field("keep_order", s.keep_order,
           "Keeps the order of the strokes in the file instead of shortening the travel between "
           "them.");
   f.field(
-      "tilt", s.tilt_deg, Range{-180.0, 180.0}, "deg",
+      Limits::tilt, s.tilt_deg,
       "Roll, pitch and yaw of the drawing plane about the world's origin; [0, -90, 0] is a wall "
       "that faces the arm.");
   f.choice("mapping", s.mapping, {{"project", Mapping::project}, {"wrap", Mapping::wrap}},
@@ -133,50 +129,50 @@ void describe(Fields& f, PreflightSettings& s) {
   f.field("arm", s.arm,
           "Checks the arm's reach, joints, torques and collisions; off: only the surface is "
           "checked.");
-  f.field("step", s.step, Limits::step, "m",
-          "Distance between the postures that are checked along a stroke.");
-  f.field("edge_tolerance", s.edge_tolerance, Limits::edge_tolerance, "m",
+  f.field(Limits::step, s.step, "Distance between the postures that are checked along a stroke.");
+  f.field(Limits::edge_tolerance, s.edge_tolerance,
           "Accuracy of the ends of a part that cannot be drawn.");
-  f.field("edge_margin", s.edge_margin, Limits::edge_margin, "m",
+  f.field(Limits::edge_margin, s.edge_margin,
           "Distance kept from edges and holes of the surface, along the stroke.");
-  f.field("shortest", s.shortest, Limits::shortest, "m",
+  f.field(Limits::shortest, s.shortest,
           "Length below which the remainder of a stroke is not drawn.");
-  f.field("max_slope", s.max_slope_deg, Limits::max_slope, "deg",
+  f.field(Limits::max_slope, s.max_slope_deg,
           "Largest angle between the surface normal and the drawing axis.");
-  f.field("fold_height", s.fold_height, Limits::fold_height, "m",
+  f.field(Limits::fold_height, s.fold_height,
           "Height of a step in the surface above which a stroke is cut.");
-  f.field("joint_margin", s.joint_margin, Limits::joint_margin, "rad",
-          "Margin that each joint keeps from its limits.");
-  f.field("max_joint_step", s.max_joint_step, Limits::max_joint_step, "rad",
+  f.field(Limits::joint_margin, s.joint_margin, "Margin that each joint keeps from its limits.");
+  f.field(Limits::max_joint_step, s.max_joint_step,
           "Largest motion of a joint from one checked posture to the next.");
-  f.field("clearance", s.clearance, Limits::clearance, "m",
+  f.field(Limits::clearance, s.clearance,
           "Distance that arm and pen keep from canvas and table; the pen's grows from zero at the "
           "tip.");
-  f.field("table_z", s.table_z, Limits::table_z, "m", "Height of a table; null: there is none.");
+  f.field(Limits::table_z, s.table_z, "Height of a table; null: there is none.");
 }
 
 void describe(Fields& f, ArmSettings& s) {
+  using Limits = ArmSettings::Limits;
   f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.");
-  f.field("posture_seed", s.posture_seed, Range{-3.2, 3.2}, "rad",
+  f.field(Limits::posture_seed, s.posture_seed,
           "Joint angles from which the inverse kinematics starts.");
-  f.field("q_0", s.q_0, Range{-3.2, 3.2}, "rad",
+  f.field(Limits::q_0, s.q_0,
           "Rest posture of the null space; empty: the posture over the middle of the drawing.");
-  f.field("start", s.start_p_WE, Range{-kReach, kReach}, "m",
+  f.field(Limits::start, s.start_p_WE,
           "Position of the pen tip during the snapshot and at the start.");
 }
 
 void describe(Fields& f, CameraSettings& s) {
-  f.field("position", s.p_WC, Range{-10.0, 10.0}, "m", "Position of the pinhole.");
-  f.field("target", s.target_W, Range{-10.0, 10.0}, "m", "Point in the middle of the image.");
-  f.field("width", s.width, DepthCamera::Limits::size, "px", "Width of the image.");
-  f.field("height", s.height, DepthCamera::Limits::size, "px", "Height of the image.");
-  f.field("fov_y", s.fov_y_deg, DepthCamera::Limits::fov_y, "deg", "Vertical field of view.");
+  using Limits = CameraSettings::Limits;
+  f.field(Limits::position, s.p_WC, "Position of the pinhole.");
+  f.field(Limits::target, s.target_W, "Point in the middle of the image.");
+  f.field(Limits::width, s.width, "Width of the image.");
+  f.field(Limits::height, s.height, "Height of the image.");
+  f.field(Limits::fov_y, s.fov_y_deg, "Vertical field of view.");
 }
 
 void describe(Fields& f, DepthNoise& s) {
-  f.field("sigma_at_1m", s.sigma_at_1m, DepthNoise::Limits::at_1m, "m",
+  f.field(DepthNoise::Limits::sigma_at_1m, s.sigma_at_1m,
           "Standard deviation of the depth at 1 m; it grows with depth². A real camera has 0.001.");
-  f.field("quantum_at_1m", s.quantum_at_1m, DepthNoise::Limits::at_1m, "m",
+  f.field(DepthNoise::Limits::quantum_at_1m, s.quantum_at_1m,
           "Resolution of the depth at 1 m; it grows with depth². 0: continuous.");
 }
 
@@ -186,148 +182,140 @@ void describe(Fields& f, NormalSettings& s) {
            {{"fresh", NormalMode::fresh}, {"interpolated", NormalMode::interpolated}},
            "Whether the normal is fitted anew at each step or interpolated between normals fitted "
            "once.");
-  f.field("k", s.k, Limits::k, "", "Number of nearest neighbours, equation (18).");
-  f.field("max_radius", s.max_radius, Limits::max_radius, "m",
-          "Largest distance of a neighbour from the query.");
+  f.field(Limits::k, s.k, "Number of nearest neighbours, equation (18).");
+  f.field(Limits::max_radius, s.max_radius, "Largest distance of a neighbour from the query.");
   f.choice("weighting", s.weighting,
            {{"uniform", NeighbourWeighting::uniform}, {"smooth", NeighbourWeighting::smooth}},
            "Weights of the neighbours: all equal, as in the paper, or fading out with distance.");
   f.choice("fit", s.fit, {{"plane", SurfaceFit::plane}, {"quadric", SurfaceFit::quadric}},
            "Surface fitted through the neighbours: a plane, as in the paper, or a quadric.");
-  f.field("max_one_sidedness", s.max_one_sidedness, Limits::max_one_sidedness, "",
+  f.field(Limits::max_one_sidedness, s.max_one_sidedness,
           "One-sidedness of the neighbours above which the tip is taken to be off the cloud's "
           "edge.");
 }
 
 void describe(Fields& f, PerceptionSettings& s) {
-  using Limits = CloudSettings::Limits;
+  using Limits = PerceptionSettings::Limits;
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
   f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
   f.field("noise", s.noise, "Noise of the depth.");
-  f.field("voxel", s.voxel, Limits::voxel, "m",
+  f.field(Limits::voxel, s.voxel,
           "Side of the cubes in which points are averaged; 0: every point is kept.");
-  f.field("self_padding", s.self_padding, Limits::self_padding, "m",
+  f.field(Limits::self_padding, s.self_padding,
           "Distance from the arm below which points are removed.");
-  f.field("region_lower", s.region_lower, Range{-10.0, 10.0}, "m",
-          "Lower corner of the region of interest.");
-  f.field("region_upper", s.region_upper, Range{-10.0, 10.0}, "m",
-          "Upper corner of the region of interest.");
+  f.field(Limits::region_lower, s.region_lower, "Lower corner of the region of interest.");
+  f.field(Limits::region_upper, s.region_upper, "Upper corner of the region of interest.");
   f.field("normals", s.normals, "Surface normals from the cloud, equations (18) and (19).");
 }
 
 void describe(Fields& f, BlindSettings& s) {
+  using Limits = BlindSettings::Limits;
   f.choice("height", s.height, {{"canvas", BlindHeight::canvas}, {"plane", BlindHeight::plane}},
            "Height of the set-point without perception: the true canvas's, or one plane below it.");
-  f.field("plane_z", s.plane_z, Range{-kReach, kReach}, "m", "Height of that plane.");
+  f.field(Limits::plane_z, s.plane_z, "Height of that plane.");
 }
 
 void describe(Fields& f, PathSettings& s) {
   using Limits = PathSettings::Limits;
-  f.field("start_hold", s.start_hold, Limits::start_hold, "s",
-          "Time at rest before the first motion.");
-  f.field("hover_height", s.hover_height, Limits::hover_height, "m",
+  f.field(Limits::start_hold, s.start_hold, "Time at rest before the first motion.");
+  f.field(Limits::hover_height, s.hover_height,
           "Height above the first point of a stroke at which the approach begins.");
-  f.field("approach_speed", s.approach_speed, Limits::approach_speed, "m/s",
-          "Speed of the approach to the first point.");
-  f.field("settle_time", s.settle_time, Limits::settle_time, "s",
-          "Time at the first point before drawing.");
-  f.field("draw_speed", s.draw_speed, Limits::draw_speed, "m/s",
-          "Speed along a stroke, on the surface.");
-  f.field("draw_acceleration", s.draw_acceleration, Limits::draw_acceleration, "m/s²",
+  f.field(Limits::approach_speed, s.approach_speed, "Speed of the approach to the first point.");
+  f.field(Limits::settle_time, s.settle_time, "Time at the first point before drawing.");
+  f.field(Limits::draw_speed, s.draw_speed, "Speed along a stroke, on the surface.");
+  f.field(Limits::draw_acceleration, s.draw_acceleration,
           "Largest acceleration of the desired tip along a stroke.");
-  f.field("end_hold", s.end_hold, Limits::end_hold, "s", "Time at the last point before the lift.");
-  f.field("dot_time", s.dot_time, Limits::dot_time, "s", "Time for which a dot is held.");
-  f.field("travel_speed", s.travel_speed, Limits::travel_speed, "m/s", "Speed between strokes.");
-  f.field("travel_acceleration", s.travel_acceleration, Limits::travel_acceleration, "m/s²",
+  f.field(Limits::end_hold, s.end_hold, "Time at the last point before the lift.");
+  f.field(Limits::dot_time, s.dot_time, "Time for which a dot is held.");
+  f.field(Limits::travel_speed, s.travel_speed, "Speed between strokes.");
+  f.field(Limits::travel_acceleration, s.travel_acceleration,
           "Largest acceleration between strokes.");
-  f.field("turn_speed", s.turn_speed, Limits::turn_speed, "rad/s",
-          "Angular speed of the pen axis between strokes.");
-  f.field("turn_acceleration", s.turn_acceleration, Limits::turn_acceleration, "rad/s²",
+  f.field(Limits::turn_speed, s.turn_speed, "Angular speed of the pen axis between strokes.");
+  f.field(Limits::turn_acceleration, s.turn_acceleration,
           "Angular acceleration of the pen axis between strokes.");
-  f.field("safe_height", s.safe_height, Limits::safe_height, "m",
+  f.field(Limits::safe_height, s.safe_height,
           "Height of travel above the highest point of the drawing.");
-  f.field("smoothing_time", s.smoothing_time, Limits::smoothing_time, "s",
-          "Time over which an acceleration builds up.");
-  f.field("corner_angle", s.corner_angle_deg, Limits::corner_angle, "deg",
+  f.field(Limits::smoothing_time, s.smoothing_time, "Time over which an acceleration builds up.");
+  f.field(Limits::corner_angle, s.corner_angle_deg,
           "Turn of a stroke above which it has a corner, where the pen stops.");
-  f.field("normal_smoothing", s.normal_smoothing, Limits::normal_smoothing, "m",
+  f.field(Limits::normal_smoothing, s.normal_smoothing,
           "Length over which the normals along a stroke are averaged.");
-  f.field("tolerance", s.tolerance, Limits::tolerance, "m",
-          "Largest distance of the desired line from the artwork.");
+  f.field(Limits::tolerance, s.tolerance, "Largest distance of the desired line from the artwork.");
 }
 
 namespace {
 
 // "Stiffness K along both tangents." and "... along the normal.", or about them.
-void describe_axial(Fields& f, const std::string& name, AxialGain& gain, const std::string& unit,
-                    Range range, const std::string& help) {
-  f.field(name + "_tangent", gain.tangent, range, unit, help + " both tangents of the surface.");
-  f.field(name + "_normal", gain.normal, range, unit, help + " the surface normal.");
+void describe_axial(Fields& f, const Limit& limit, AxialGain& gain, const std::string& help) {
+  const std::string name(limit.name), unit(limit.unit);
+  f.field(name + "_tangent", gain.tangent, limit.range, unit,
+          help + " both tangents of the surface.");
+  f.field(name + "_normal", gain.normal, limit.range, unit, help + " the surface normal.");
 }
 
 }  // namespace
 
 void describe(Fields& f, ContactSettings& s) {
-  f.field("enter_distance", s.enter_distance, Range{0.0, 0.05}, "m",
+  using Limits = ContactSettings::Limits;
+  f.field(Limits::enter_distance, s.enter_distance,
           "Distance to the estimated surface below which contact can begin without a measured "
           "wrench.");
   f.field(
-      "search_distance", s.search_distance, Range{0.0, 0.05}, "m",
+      Limits::search_distance, s.search_distance,
       "Distance to the estimated surface below which contact can begin with a measured wrench.");
-  f.field("leave_distance", s.leave_distance, Range::positive_to(0.1), "m",
+  f.field(Limits::leave_distance, s.leave_distance,
           "Distance to the estimated surface above which contact is lost.");
-  f.field("touch_force", s.touch_force, Range{0.0, 50.0}, "N",
-          "Measured normal force above which the pen touches.");
-  f.field("touch_gap", s.touch_gap, Range{1e-5, 0.02}, "m",
+  f.field(Limits::touch_force, s.touch_force, "Measured normal force above which the pen touches.");
+  f.field(Limits::touch_gap, s.touch_gap,
           "Lag of the tip behind the approach above which the pen touches, without a measured "
           "wrench.");
-  f.field("loss_force", s.loss_force, Range{0.0, 50.0}, "N",
+  f.field(Limits::loss_force, s.loss_force,
           "Measured normal force below which contact may be lost.");
-  f.field("loss_time", s.loss_time, Range{0.0, 5.0}, "s",
-          "Time below loss_force after which contact is lost.");
-  f.field("lost_surface_time", s.lost_surface_time, Range{0.0, 5.0}, "s",
+  f.field(Limits::loss_time, s.loss_time, "Time below loss_force after which contact is lost.");
+  f.field(Limits::lost_surface_time, s.lost_surface_time,
           "Time for which the last normal is trusted when perception has no surface.");
 }
 
 void describe(Fields& f, ObserverSettings& s) {
+  using Limits = ObserverSettings::Limits;
   f.field("enabled", s.enabled, "Uses the observer. It needs a measured wrench.");
-  f.field("bandwidth", s.bandwidth, Range{1.0, 900.0}, "rad/s",
-          "Bandwidth of the observer's low-pass filter.");
-  f.field("limit", s.limit, Range{0.0, 1000.0}, "Nm",
-          "Largest torque that the observer compensates on a joint.");
+  f.field(Limits::bandwidth, s.bandwidth, "Bandwidth of the observer's low-pass filter.");
+  f.field(Limits::limit, s.limit, "Largest torque that the observer compensates on a joint.");
 }
 
 void describe(Fields& f, ForceIntegralSettings& s) {
+  using Limits = ForceIntegralSettings::Limits;
   f.field("enabled", s.enabled, "Uses the integral. It needs a measured wrench.");
-  f.field("rate", s.rate, Range{0.01, 50.0}, "1/s", "Integral gain.");
-  f.field("limit", s.limit, Range{0.0, 50.0}, "N",
-          "Largest force that the integral adds to the normal force.");
+  f.field(Limits::rate, s.rate, "Integral gain.");
+  f.field(Limits::limit, s.limit, "Largest force that the integral adds to the normal force.");
 }
 
 void describe(Fields& f, Tool& s) {
-  f.field("mass", s.mass, Range{0.0, 20.0}, "kg",
-          "Mass of the tool. ./impedraw calibrate-tool identifies it.");
-  f.field("centre", s.p_SC, Range{-1.0, 1.0}, "m", "Centre of mass in the sensor's frame.");
+  using Limits = Tool::Limits;
+  f.field(Limits::mass, s.mass, "Mass of the tool. ./impedraw calibrate-tool identifies it.");
+  f.field(Limits::centre, s.p_SC, "Centre of mass in the sensor's frame.");
 }
 
 void describe(Fields& f, SensingSettings& s) {
+  using Limits = SensingSettings::Limits;
   f.field("tool", s.tool, "Model of the tool below the sensor.");
   f.field("remove_weight", s.removal.weight, "Removes the tool's weight from the reading.");
   f.field("remove_inertia", s.removal.inertia,
           "Removes the wrench that accelerates the tool from the reading.");
   f.field("remove_coriolis", s.removal.coriolis,
           "Removes the tool's centrifugal and gyroscopic wrench from the reading.");
-  f.field("tip_distance", s.tip_distance, Range{0.0, 2.0}, "m",
+  f.field(Limits::tip_distance, s.tip_distance,
           "Modelled distance of the tip from the sensor, along the pen.");
-  f.field("sensor_delay", s.sensor_delay, Range{0.0, 0.03}, "s",
+  f.field(Limits::sensor_delay, s.sensor_delay,
           "Modelled delay of the sensor; null: its true delay.");
-  f.field("filter_bandwidth", s.filter_bandwidth, Range{0.0, 1900.0}, "rad/s",
+  f.field(Limits::filter_bandwidth, s.filter_bandwidth,
           "Bandwidth of the wrench's low-pass filter; 0: no filter.");
-  f.field("tare_time", s.tare_time, Range{0.01, 60.0}, "s",
+  f.field(Limits::tare_time, s.tare_time,
           "Time at rest in the air, before the first stroke, over which the sensor is tared.");
 }
 
 void describe(Fields& f, ControlSettings& s) {
+  using Limits = ControlSettings::Limits;
   f.choice("inertia", s.inertia,
            {{"natural", InertiaShaping::natural},
             {"scaled", InertiaShaping::scaled},
@@ -345,157 +333,142 @@ void describe(Fields& f, ControlSettings& s) {
            {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}},
            "Projection of the position error in contact, equation (13): with full stiffness on any "
            "slope, or as in the paper.");
-  describe_axial(f, "stiffness", s.stiffness.linear, "N/m", Range{0.0, 20000.0},
-                 "Stiffness K along");
-  describe_axial(f, "rotational_stiffness", s.stiffness.angular, "Nm/rad", Range{0.0, 1000.0},
-                 "Stiffness K about");
-  describe_axial(f, "reference_stiffness", s.reference_stiffness.linear, "N/m", Range{0.0, 20000.0},
+  describe_axial(f, Limits::stiffness, s.stiffness.linear, "Stiffness K along");
+  describe_axial(f, Limits::rotational_stiffness, s.stiffness.angular, "Stiffness K about");
+  describe_axial(f, Limits::reference_stiffness, s.reference_stiffness.linear,
                  "Stiffness K' that sets the damping where K is zero, along");
-  describe_axial(f, "reference_rotational_stiffness", s.reference_stiffness.angular, "Nm/rad",
-                 Range{0.0, 1000.0}, "Stiffness K' that sets the damping where K is zero, about");
-  describe_axial(f, "mass", s.shaped_inertia.linear, "kg", Range::positive_to(1000.0),
+  describe_axial(f, Limits::reference_rotational_stiffness, s.reference_stiffness.angular,
+                 "Stiffness K' that sets the damping where K is zero, about");
+  describe_axial(f, Limits::mass, s.shaped_inertia.linear,
                  "Desired mass for inertia: shaped, along");
-  describe_axial(f, "rotational_inertia", s.shaped_inertia.angular, "kg m²",
-                 Range::positive_to(100.0), "Desired moment of inertia for inertia: shaped, about");
-  f.field("inertia_scale", s.inertia_scale, Range{0.01, 100.0}, "",
+  describe_axial(f, Limits::rotational_inertia, s.shaped_inertia.angular,
+                 "Desired moment of inertia for inertia: shaped, about");
+  f.field(Limits::inertia_scale, s.inertia_scale,
           "Desired inertia as a multiple of the arm's own, for inertia: scaled.");
-  f.field("damping_ratio", s.damping_ratio, Range{0.05, 3.0}, "", "Damping ratio of every mode.");
-  f.field("normal_force", s.normal_force, Range{0.0, 50.0}, "N",
+  f.field(Limits::damping_ratio, s.damping_ratio, "Damping ratio of every mode.");
+  f.field(Limits::normal_force, s.normal_force,
           "Normal force that the pen presses with while drawing.");
   f.formerly("push");
-  f.field("switch_time", s.switch_time, Range{0.001, 5.0}, "s",
+  f.field(Limits::switch_time, s.switch_time,
           "Time constant of the transition between contact modes.");
-  f.field("approach_speed", s.approach.speed, Range{1e-4, 0.2}, "m/s",
+  f.field(Limits::approach_speed, s.approach.speed,
           "Speed along the normal until the pen touches.");
-  f.field("approach_overtravel", s.approach.overtravel, Range{0.0, 0.1}, "m",
+  f.field(Limits::approach_overtravel, s.approach.overtravel,
           "Depth below the estimated surface at which the approach stops.");
-  f.field("approach_lag", s.approach.lag, Range{1e-4, 0.05}, "m",
-          "Lag of the tip above which the approach waits.");
-  f.field("retreat_height", s.approach.retreat_height, Range{0.0, 0.5}, "m",
+  f.field(Limits::approach_lag, s.approach.lag, "Lag of the tip above which the approach waits.");
+  f.field(Limits::retreat_height, s.approach.retreat_height,
           "Height above the plan to which the pen retreats when the surface is lost.");
-  f.field("normal_bandwidth", s.surface.normal_bandwidth, Range{1.0, 500.0}, "rad/s",
+  f.field(Limits::normal_bandwidth, s.surface.normal_bandwidth,
           "Bandwidth of the filter of the surface normal.");
-  f.field("tip_radius", s.tip.radius, Range{0.0, 0.05}, "m", "Modelled radius of the tip.");
-  f.field("tip_stiffness", s.tip.stiffness, Range{0.0, 1e7}, "N/m",
+  f.field(Limits::tip_radius, s.tip.radius, "Modelled radius of the tip.");
+  f.field(Limits::tip_stiffness, s.tip.stiffness,
           "Modelled stiffness of the tip along the normal; 0: rigid.");
-  f.field("friction", s.friction.coefficient, Range{0.0, 3.0}, "",
+  f.field(Limits::friction, s.friction.coefficient,
           "Modelled coefficient of friction: the part of a measured wrench that tip friction can "
           "explain.");
-  f.field("friction_feedforward", s.friction.feedforward, Range{0.0, 3.0}, "",
+  f.field(Limits::friction_feedforward, s.friction.feedforward,
           "Modelled coefficient of friction that is compensated along a stroke without a measured "
           "wrench.");
-  f.field("contact_stiffness_max", s.stability_check.contact_stiffness_max, Range{1.0, 1e7}, "N/m",
+  f.field(Limits::contact_stiffness_max, s.stability_check.contact_stiffness_max,
           "Stiffest contact of tip and canvas in the stability check at set-up.");
-  f.field("natural_mass_max", s.stability_check.natural_mass_max, Range{0.1, 1000.0}, "kg",
+  f.field(Limits::natural_mass_max, s.stability_check.natural_mass_max,
           "Largest effective mass along the normal in the stability check at set-up.");
-  f.field("null_stiffness", s.null_space.stiffness, Range{0.0, 500.0}, "Nm/rad",
+  f.field(Limits::null_stiffness, s.null_space.stiffness,
           "Stiffness K_q of the null space, equation (15).");
-  f.field("null_damping_ratio", s.null_space.damping_ratio, Range{0.0, 3.0}, "",
+  f.field(Limits::null_damping_ratio, s.null_space.damping_ratio,
           "Damping ratio of the null space.");
   f.field("observer", s.observer, "Momentum observer of the torque that the arm's model misses.");
   f.field(
-      "torque_delay", s.torque_delay, Range{0.0, 0.02}, "s",
+      Limits::torque_delay, s.torque_delay,
       "Delay of the drives; loop_delay is then at least one step longer. null: loop_delay alone "
       "counts.");
-  f.field("loop_delay", s.timing.loop_delay, Range{0.0, 0.02}, "s",
+  f.field(Limits::loop_delay, s.timing.loop_delay,
           "Greatest age of the state while a torque acts: one step and the delay of the drives.");
   f.field("force_integral", s.force_integral, "Integral of the force error along the normal.");
   f.field("sensing", s.sensing, "From the sensor's readings to the wrench at the tip.");
-  f.field("torque_share", s.torque_share, Range{0.01, 1.0}, "",
+  f.field(Limits::torque_share, s.torque_share,
           "Fraction of the arm's torque limits that may be used.");
-  f.field("torque_rate", s.torque_rate, Range{1.0, 1e6}, "Nm/s",
-          "Largest rate of change of a joint's torque.");
-  f.field("limit_margin", s.joint_range.margin, Range{0.001, 1.0}, "rad",
+  f.field(Limits::torque_rate, s.torque_rate, "Largest rate of change of a joint's torque.");
+  f.field(Limits::limit_margin, s.joint_range.margin,
           "Distance from its limit at which a joint is pushed back, in the null space.");
-  f.field("limit_torque", s.joint_range.torque, Range{0.0, 300.0}, "Nm",
+  f.field(Limits::limit_torque, s.joint_range.torque,
           "Torque that pushes a joint back at its limit.");
-  f.field("tip_speed_limit", s.limits.tip_speed, Range{0.001, 5.0}, "m/s",
+  f.field(Limits::tip_speed_limit, s.limits.tip_speed,
           "Largest tip speed that the control law may ask for.");
-  f.field("max_state_age", s.timing.max_state_age, Range{0.0, 1.0}, "s",
-          "Age above which a joint state is stale.");
-  f.field("max_wrench_age", s.timing.max_wrench_age, Range{0.0, 1.0}, "s",
-          "Age above which a wrench is stale.");
+  f.field(Limits::max_state_age, s.timing.max_state_age, "Age above which a joint state is stale.");
+  f.field(Limits::max_wrench_age, s.timing.max_wrench_age, "Age above which a wrench is stale.");
   f.field("contact", s.contact, "When contact begins and ends.");
 }
 
 void describe(Fields& f, TipMaterial& s) {
-  f.field("radius", s.radius, Range{1e-5, 0.05}, "m", "Radius of the tip sphere.");
-  f.field("stiffness", s.stiffness, Range{10.0, 1e7}, "N/m", "Stiffness along the normal.");
-  f.field("damping", s.damping, Range{0.0, 1e5}, "N s/m", "Damping along the normal.");
-  f.field("friction", s.friction, Range{0.0, 3.0}, "",
-          "Coulomb friction coefficient of tip and canvas.");
+  using Limits = TipMaterial::Limits;
+  f.field(Limits::radius, s.radius, "Radius of the tip sphere.");
+  f.field(Limits::stiffness, s.stiffness, "Stiffness along the normal.");
+  f.field(Limits::damping, s.damping, "Damping along the normal.");
+  f.field(Limits::friction, s.friction, "Coulomb friction coefficient of tip and canvas.");
 }
 
 void describe(Fields& f, ModelErrors& s) {
-  f.field("mass_scale", s.mass_scale, Range{0.1, 10.0}, "",
+  using Limits = ModelErrors::Limits;
+  f.field(Limits::mass_scale, s.mass_scale,
           "True mass and inertia of every link and the pen as a multiple of the modelled ones.");
-  f.field("centre_shift", s.centre_shift, Range{-0.2, 0.2}, "m",
-          "Shift of every link's centre of mass.");
-  f.field("viscous_friction", s.viscous_friction, Range{0.0, 100.0}, "Nm s/rad",
-          "Viscous friction of every joint.");
-  f.field("rotor_inertia", s.rotor_inertia, Range{0.0, 10.0}, "kg m²",
-          "Rotor inertia of every joint.");
-  f.field("torque_ripple", s.torque_ripple, Range{0.0, 20.0}, "Nm",
-          "Amplitude of the torque ripple of every joint.");
-  f.field("torque_quantum", s.torque_quantum, Range{0.0, 10.0}, "Nm",
+  f.field(Limits::centre_shift, s.centre_shift, "Shift of every link's centre of mass.");
+  f.field(Limits::viscous_friction, s.viscous_friction, "Viscous friction of every joint.");
+  f.field(Limits::rotor_inertia, s.rotor_inertia, "Rotor inertia of every joint.");
+  f.field(Limits::torque_ripple, s.torque_ripple, "Amplitude of the torque ripple of every joint.");
+  f.field(Limits::torque_quantum, s.torque_quantum,
           "Resolution of the joint torques; 0: continuous.");
-  f.field("loop_delay", s.loop_delay, Range{0.0, 0.015}, "s",
-          "Delay after which a commanded torque acts.");
-  f.field("pen_longer", s.pen_longer, Range{-0.02, 0.02}, "m",
-          "Length of the true pen beyond the modelled one.");
+  f.field(Limits::loop_delay, s.loop_delay, "Delay after which a commanded torque acts.");
+  f.field(Limits::pen_longer, s.pen_longer, "Length of the true pen beyond the modelled one.");
 }
 
 void describe(Fields& f, WrenchSensorSettings& s) {
-  f.field("noise_force", s.noise_force, Range{0.0, 100.0}, "N",
-          "Standard deviation of a force sample at 1 kHz.");
-  f.field("noise_torque", s.noise_torque, Range{0.0, 10.0}, "Nm",
-          "Standard deviation of a torque sample at 1 kHz.");
-  f.field("bias_force", s.bias_force, Range{0.0, 1000.0}, "N",
+  using Limits = WrenchSensorSettings::Limits;
+  f.field(Limits::noise_force, s.noise_force, "Standard deviation of a force sample at 1 kHz.");
+  f.field(Limits::noise_torque, s.noise_torque, "Standard deviation of a torque sample at 1 kHz.");
+  f.field(Limits::bias_force, s.bias_force,
           "Magnitude of the force bias. Its direction comes from the seed.");
-  f.field("bias_torque", s.bias_torque, Range{0.0, 100.0}, "Nm",
+  f.field(Limits::bias_torque, s.bias_torque,
           "Magnitude of the torque bias. Its direction comes from the seed.");
-  f.field("drift_force", s.drift_force, Range{0.0, 100.0}, "N/min", "Drift of the force bias.");
-  f.field("drift_torque", s.drift_torque, Range{0.0, 10.0}, "Nm/min", "Drift of the torque bias.");
-  f.field("quantum_force", s.quantum_force, Range{0.0, 10.0}, "N",
-          "Resolution of the force; 0: continuous.");
-  f.field("quantum_torque", s.quantum_torque, Range{0.0, 1.0}, "Nm",
-          "Resolution of the torque; 0: continuous.");
-  f.field("range_force", s.range_force, Range{0.0, 1e5}, "N",
-          "Force at which an axis saturates; 0: never.");
-  f.field("range_torque", s.range_torque, Range{0.0, 1e4}, "Nm",
-          "Torque at which an axis saturates; 0: never.");
-  f.field("delay", s.delay, Range{0.0, 0.03}, "s", "Delay of the readings.");
+  f.field(Limits::drift_force, s.drift_force, "Drift of the force bias.");
+  f.field(Limits::drift_torque, s.drift_torque, "Drift of the torque bias.");
+  f.field(Limits::quantum_force, s.quantum_force, "Resolution of the force; 0: continuous.");
+  f.field(Limits::quantum_torque, s.quantum_torque, "Resolution of the torque; 0: continuous.");
+  f.field(Limits::range_force, s.range_force, "Force at which an axis saturates; 0: never.");
+  f.field(Limits::range_torque, s.range_torque, "Torque at which an axis saturates; 0: never.");
+  f.field(Limits::delay, s.delay, "Delay of the readings.");
 }
 
 void describe(Fields& f, WorldSettings& s) {
+  using Limits = WorldSettings::Limits;
   f.field("errors", s.errors, "Differences between the true arm and its model.");
   f.field("tip", s.tip, "True properties of the pen's tip.");
-  f.field("joint_friction", s.joint_friction, Range{0.0, 50.0}, "Nm",
-          "Coulomb friction of every joint.");
-  f.field("gravity", s.gravity, Range{0.0, 100.0}, "m/s²", "Gravity along -z.");
+  f.field(Limits::joint_friction, s.joint_friction, "Coulomb friction of every joint.");
+  f.field(Limits::gravity, s.gravity, "Gravity along -z.");
 }
 
 void describe(Fields& f, PenSettings& s) {
-  f.field("width", s.width, Range{0.01, 20.0}, "mm", "Line width at the nominal force.");
-  f.field("width_per_newton", s.width_per_newton, Range{-10.0, 10.0}, "mm/N",
+  using Limits = PenSettings::Limits;
+  f.field(Limits::width, s.width, "Line width at the nominal force.");
+  f.field(Limits::width_per_newton, s.width_per_newton,
           "Change of the line width with the force; 0: constant width.");
-  f.field("nominal_force", s.nominal_force, Range{0.0, 100.0}, "N",
-          "Force at which the line has its nominal width.");
+  f.field(Limits::nominal_force, s.nominal_force, "Force at which the line has its nominal width.");
 }
 
 void describe(Fields& f, PushSettings& s) {
-  f.field("force", s.force, Range{0.0, 200.0}, "N", "Tangential force on the pen tip.");
-  f.field("direction", s.direction_W, Range{-1.0, 1.0}, "",
+  using Limits = PushSettings::Limits;
+  f.field(Limits::force, s.force, "Tangential force on the pen tip.");
+  f.field(Limits::direction, s.direction_W,
           "Direction of the force in world axes, projected onto the canvas's tangent plane.");
-  f.field("lift", s.lift, Range{-200.0, 200.0}, "N",
-          "Additional force along the canvas's outward normal.");
-  f.field("middle", s.middle, Range{0.0, 1.0}, "",
+  f.field(Limits::lift, s.lift, "Additional force along the canvas's outward normal.");
+  f.field(Limits::middle, s.middle,
           "Middle of the push, as a fraction of the time from the start of the first stroke to the "
           "end of the last.");
-  f.field("duration", s.duration, Range{0.0, 1000.0}, "s", "Duration of the push.");
+  f.field(Limits::duration, s.duration, "Duration of the push.");
 }
 
 void describe(Fields& f, FaultSettings& s) {
+  using Limits = FaultSettings::Limits;
   f.choice("kind", s.kind,
            {{"nan_state", FaultKind::nan_state},
             {"stale_state", FaultKind::stale_state},
@@ -504,11 +477,11 @@ void describe(Fields& f, FaultSettings& s) {
             {"no_cloud", FaultKind::no_cloud},
             {"slow_step", FaultKind::slow_step}},
            "Fault around the controller.");
-  f.field("start", s.start, Range{0.0, 1.0}, "",
+  f.field(Limits::start, s.start,
           "Start of the fault, as a fraction of the time from the start of the first stroke to the "
           "end of the last.");
   f.formerly("middle");
-  f.field("duration", s.duration, Range{0.0, 1000.0}, "s", "Duration of the fault.");
+  f.field(Limits::duration, s.duration, "Duration of the fault.");
 }
 
 void describe(Fields& f, LogSettings& s) {
@@ -518,8 +491,9 @@ void describe(Fields& f, LogSettings& s) {
 }
 
 void describe(Fields& f, Scenario& s) {
+  using Limits = Scenario::Limits;
   f.field("name", s.name, "Name of the run, and of its folder.");
-  f.field("seed", s.seed, Range{0, 1e9}, "", "Seed of all random numbers.");
+  f.field(Limits::seed, s.seed, "Seed of all random numbers.");
   f.field("drawing", s.drawing, "What is drawn.");
   f.field("canvas", s.canvas, "The surface that is drawn on.");
   f.field("arm", s.arm, "The robot arm.");

@@ -51,6 +51,12 @@ struct DrawingSettings {
   WrapSettings wrap;
   bool skip_unreachable = false;  // omits what fails the pre-flight; else nothing is drawn
   bool redraw = true;             // redraws once what got no ink
+
+  struct Limits {
+    static constexpr Limit join_gap = {"join_gap", "mm", {0.0, 100.0}};
+    static constexpr Limit simplify = {"simplify", "mm", {0.0, 100.0}};
+    static constexpr Limit tilt = {"tilt", "deg", {-180.0, 180.0}};
+  };
 };
 
 struct ArmSettings {
@@ -61,6 +67,12 @@ struct ArmSettings {
   // Tip position at the snapshot and at the start [m].
   Eigen::Vector3d start_p_WE{0.45, 0.0, 0.50};
 
+  struct Limits {
+    static constexpr Limit posture_seed = {"posture_seed", "rad", {-3.2, 3.2}};
+    static constexpr Limit q_0 = {"q_0", "rad", {-3.2, 3.2}};
+    static constexpr Limit start = {"start", "m", {-2.0, 2.0}};
+  };
+
   ArmSettings() : posture_seed(7) { posture_seed << 0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0; }
 };
 
@@ -69,6 +81,11 @@ struct CameraSettings {
   Eigen::Vector3d target_W{0.6, 0.0, 0.1};
   int width = 640, height = 480;
   double fov_y_deg = 60.0;
+
+  struct Limits : DepthCamera::Limits {
+    static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
+    static constexpr Limit target = {"target", "m", {-10.0, 10.0}};
+  };
 };
 
 struct PerceptionSettings {
@@ -80,6 +97,11 @@ struct PerceptionSettings {
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;
 
+  struct Limits : CloudSettings::Limits {
+    static constexpr Limit region_lower = {"region_lower", "m", {-10.0, 10.0}};
+    static constexpr Limit region_upper = {"region_upper", "m", {-10.0, 10.0}};
+  };
+
   PerceptionSettings();
 };
 
@@ -88,6 +110,10 @@ enum class BlindHeight { canvas, plane };  // the assumed height without percept
 struct BlindSettings {
   BlindHeight height = BlindHeight::canvas;
   double plane_z = 0.09;  // [m]
+
+  struct Limits {
+    static constexpr Limit plane_z = {"plane_z", "m", {-2.0, 2.0}};
+  };
 };
 
 // The control law and the source of its wrench. control.wrench, dt, torque limits and joint ranges
@@ -99,6 +125,11 @@ struct ControlSettings : ImpedanceSettings {
   double torque_rate = 4000.0;  // of every joint [Nm/s]
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
+
+  struct Limits : ImpedanceSettings::Limits {
+    static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.02}};
+    static constexpr Limit torque_share = {"torque_share", "", {0.01, 1.0}};
+  };
 
   ControlSettings() { null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0); }  // the iiwa's
 };
@@ -112,6 +143,14 @@ struct PushSettings {
   // Time, as a fraction of the time from the first stroke's start to the last stroke's end.
   double middle = 0.5;
   double duration = 1.0;  // [s]
+
+  struct Limits {
+    static constexpr Limit force = {"force", "N", {0.0, 200.0}};
+    static constexpr Limit direction = {"direction", "", {-1.0, 1.0}};
+    static constexpr Limit lift = {"lift", "N", {-200.0, 200.0}};
+    static constexpr Limit middle = {"middle", "", {0.0, 1.0}};
+    static constexpr Limit duration = {"duration", "s", {0.0, 1000.0}};
+  };
 };
 
 struct Scenario {
@@ -131,6 +170,10 @@ struct Scenario {
   LogSettings log;
   std::vector<PushSettings> pushes;
   std::vector<FaultSettings> faults;
+
+  struct Limits {
+    static constexpr Limit seed = {"seed", "", {0, 1e9}};
+  };
 };
 
 void describe(Fields& f, Scenario& s);

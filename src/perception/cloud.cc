@@ -35,8 +35,7 @@ void validate(const std::vector<DepthImage>& images, const std::vector<DepthCame
   }
   if (settings.region.isEmpty())
     throw InputError("cloud: region is empty, its min must be below its max along x, y and z");
-  require_in_range("cloud.self_padding", settings.self_padding, CloudSettings::Limits::self_padding,
-                   "m");
+  require_in_range("cloud", CloudSettings::Limits::self_padding, settings.self_padding);
   for (std::size_t i = 0; i < arm.size(); ++i) {
     if (!arm[i].a_W.allFinite() || !arm[i].b_W.allFinite() || !(arm[i].radius >= 0.0)) {
       throw InputError(fmt::format(
@@ -82,7 +81,7 @@ PointCloud back_project(const std::vector<DepthImage>& images,
 }
 
 PointCloud thin(const PointCloud& cloud, double voxel) {
-  require_in_range("cloud.voxel", voxel, CloudSettings::Limits::voxel, "m");
+  require_in_range("cloud", CloudSettings::Limits::voxel, voxel);
   if (voxel == 0.0 || cloud.points.empty()) return cloud;
   const auto cube = [&](const Vector3d& p) { return Vector3d((p / voxel).array().floor()); };
   Vector3d lowest = cube(cloud.points.front()), highest = lowest;

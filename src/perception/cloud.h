@@ -42,8 +42,8 @@ struct CloudSettings {
   double self_padding = 0.01;
 
   struct Limits {
-    static constexpr Range voxel = {0.0, 0.1};
-    static constexpr Range self_padding = {0.0, 0.2};
+    static constexpr Limit voxel = {"voxel", "m", {0.0, 0.1}};
+    static constexpr Limit self_padding = {"self_padding", "m", {0.0, 0.2}};
   };
 };
 

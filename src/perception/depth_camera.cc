@@ -45,8 +45,8 @@ double disturbed(double depth, const DepthNoise& noise, std::uint64_t seed, std:
 
 void validate(const DepthNoise& noise) {
   using Limits = DepthNoise::Limits;
-  require_in_range("noise.sigma_at_1m", noise.sigma_at_1m, Limits::at_1m, "m");
-  require_in_range("noise.quantum_at_1m", noise.quantum_at_1m, Limits::at_1m, "m");
+  require_in_range("noise", Limits::sigma_at_1m, noise.sigma_at_1m);
+  require_in_range("noise", Limits::quantum_at_1m, noise.quantum_at_1m);
 }
 
 }  // namespace
@@ -62,9 +62,9 @@ Vector3d DepthCamera::direction_C(int i, int j) const {
 
 void validate(const DepthCamera& camera) {
   using Limits = DepthCamera::Limits;
-  require_in_range("camera.width", camera.width, Limits::size, "px");
-  require_in_range("camera.height", camera.height, Limits::size, "px");
-  require_in_range("camera.fov_y", camera.fov_y_deg, Limits::fov_y, "deg");
+  require_in_range("camera", Limits::width, camera.width);
+  require_in_range("camera", Limits::height, camera.height);
+  require_in_range("camera", Limits::fov_y, camera.fov_y_deg);
   if (!camera.X_WC.p.allFinite() || !camera.X_WC.R.allFinite())
     throw InputError("depth camera: its pose X_WC must be finite");
 }

@@ -28,8 +28,9 @@ struct DepthCamera {
   Pose X_WC = {};
 
   struct Limits {
-    static constexpr Range size = {1, 8192};
-    static constexpr Range fov_y = {1.0, 170.0};
+    static constexpr Limit width = {"width", "px", {1, 8192}};
+    static constexpr Limit height = {"height", "px", {1, 8192}};
+    static constexpr Limit fov_y = {"fov_y", "deg", {1.0, 170.0}};
   };
 
   double focal_length() const;                      // f [px]
@@ -66,7 +67,8 @@ struct DepthNoise {
   double quantum_at_1m = 0.0;  // step of the depth at 1 m [m]; 0: none
 
   struct Limits {
-    static constexpr Range at_1m = {0.0, 0.1};
+    static constexpr Limit sigma_at_1m = {"sigma_at_1m", "m", {0.0, 0.1}};
+    static constexpr Limit quantum_at_1m = {"quantum_at_1m", "m", {0.0, 0.1}};
   };
 };
 

@@ -26,9 +26,9 @@ constexpr double kInterpolatedEdge = 0.8;
 
 void validate(const PointCloud& cloud, const NormalSettings& s) {
   using Limits = NormalSettings::Limits;
-  require_in_range("normals.k", s.k, Limits::k, "");
-  require_in_range("normals.max_radius", s.max_radius, Limits::max_radius, "m");
-  require_in_range("normals.max_one_sidedness", s.max_one_sidedness, Limits::max_one_sidedness, "");
+  require_in_range("normals", Limits::k, s.k);
+  require_in_range("normals", Limits::max_radius, s.max_radius);
+  require_in_range("normals", Limits::max_one_sidedness, s.max_one_sidedness);
   if (cloud.points.empty()) {
     throw InputError(
         "normals: the cloud has no points: do the cameras see the canvas, and does the region hold "

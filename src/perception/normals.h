@@ -50,9 +50,9 @@ struct NormalSettings {
   double max_one_sidedness = 0.66;
 
   struct Limits {
-    static constexpr Range k = {8, kMostNeighbours};
-    static constexpr Range max_radius = {0.001, 1.0};
-    static constexpr Range max_one_sidedness = Range::positive_to(1.0);
+    static constexpr Limit k = {"k", "", {8, kMostNeighbours}};
+    static constexpr Limit max_radius = {"max_radius", "m", {0.001, 1.0}};
+    static constexpr Limit max_one_sidedness = {"max_one_sidedness", "", Range::positive_to(1.0)};
   };
 };
 

@@ -122,7 +122,7 @@ def caption(axes, text):
 
 def draw_force(axes, data):
     axes.plot(*series(data, "force"), color=INK, label="normal force")
-    axes.plot(*series(data, "push"), color=SECOND, linestyle=(0, (4, 2)), linewidth=1.3, label="asked for")
+    axes.plot(*series(data, "push"), color=SECOND, linestyle=(0, (4, 2)), linewidth=1.3, label="desired")
     caption(axes, "normal force [N]")
 
 
@@ -201,8 +201,8 @@ def metric_rows(page, columns):
         if reasons:
             note += f' <span class=why>(none: {html.escape("; ".join(sorted(reasons)))})</span>'
         unit = "" if d["unit"] == "1" else d["unit"]
-        wanted = f'<td class=n>{limit_text(limit) if limit else ""}</td>' if limits else ""
-        rows.append(f"<tr><td><code>{name}</code></td>{''.join(values)}<td>{unit}</td>{wanted}<td>{note}</td></tr>")
+        limit_cell = f'<td class=n>{limit_text(limit) if limit else ""}</td>' if limits else ""
+        rows.append(f"<tr><td><code>{name}</code></td>{''.join(values)}<td>{unit}</td>{limit_cell}<td>{note}</td></tr>")
     return "\n".join(rows)
 
 
@@ -269,7 +269,7 @@ def comparison_figure(page):
         line, force, tilt = axes[:, column]
         for k, points in enumerate(data["target"]):
             line.plot([-p[1] for p in points], [p[0] for p in points], color=TARGET, linewidth=3.4, solid_capstyle="round",
-                      label="wanted" if k == 0 else None)
+                      label="target" if k == 0 else None)
         for k, points in enumerate(data["ink"]):
             line.plot([-p[1] for p in points], [p[0] for p in points], color=INK, linewidth=1.1, solid_capstyle="round",
                       label="drawn" if k == 0 else None)
@@ -304,7 +304,7 @@ def comparison_page(page):
     names = " and ".join(html.escape(r["name"]) for r in runs)
     write_page(page, f'{page["title"]}: comparison', f"""<h1>{html.escape(page["title"])}</h1>
 <p class=sub>{names}, side by side on equal axes:
-drawn against wanted line, normal force, and tilt of the pen against the surface normal. Shaded: the plan is drawing a stroke.</p>
+drawn and target line, normal force, and tilt of the pen against the surface normal. Shaded: the plan is drawing a stroke.</p>
 <img alt="both runs side by side" src="{picture}">
 <h2>Numbers</h2>{table(page, [r["metrics"] for r in runs], [r["name"] for r in runs])}
 {folded}""")

@@ -37,6 +37,7 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/simulation/solver_cutoffs.h"
 
 namespace impedraw {
 
@@ -82,6 +83,8 @@ struct GroundTruth {
   // The point of the canvas closest to the tip and the outward normal there, W; NaN out of contact.
   Eigen::Vector3d contact_point = no_vector(), contact_normal = no_vector();
   Eigen::Vector3d disturbance_force = Eigen::Vector3d::Zero();  // a push on the pen, W [N]
+  // Since start().
+  SolverCutoffs cutoffs;
 };
 
 class Driver {

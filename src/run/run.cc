@@ -224,6 +224,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   }
   if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
   outcome.simulated = runner.time();
+  if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;
   outcome.wall.loop = seconds_since(loop_start);
   outcome.wall = runner.log().close(outcome.wall);
   return outcome;
@@ -232,9 +233,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
 RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks, const Resumption* resumption) {
   SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption));
-  RunOutcome outcome = run(e, arm, log_file, start_up, hooks, resumption);
-  outcome.cutoffs = e.scene.world->cutoffs();
-  return outcome;
+  return run(e, arm, log_file, start_up, hooks, resumption);
 }
 
 }  // namespace impedraw

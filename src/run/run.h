@@ -51,7 +51,7 @@ struct RunOutcome {
   double simulated = 0.0;  // of the driver's clock [s]
   // Duration of each controller status: limits met, bad inputs [s].
   std::map<std::string, double> met;
-  SolverCutoffs cutoffs;                // of the simulated contact
+  SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
   // Have no ink at the end of a finished run.
   std::vector<StrokePart> lacking;

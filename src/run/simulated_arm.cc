@@ -109,6 +109,7 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   truth_.contact_point = contact.touching ? contact.p_WC : GroundTruth::no_vector();
   truth_.contact_normal = contact.touching ? contact.n_W : GroundTruth::no_vector();
   truth_.disturbance_force = push;
+  truth_.cutoffs = world_.cutoffs();
   tip_wrench_ << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
 }
 

@@ -1,11 +1,11 @@
 #include "impedraw/sensing/tool.h"
 
-#include <cmath>
 #include <cstdio>
 
 #include <Eigen/Eigenvalues>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
@@ -32,13 +32,8 @@ Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion, const Eigen::Vec
 }
 
 void check_tool(const Tool& tool) {
-  char message[256];
-  if (!(tool.mass >= 0.0) || !std::isfinite(tool.mass)) {
-    std::snprintf(message, sizeof message, "tool: mass = %g kg, must be finite and at least 0",
-                  tool.mass);
-    throw InputError(message);
-  }
-  if (!tool.p_SC.allFinite()) throw InputError("tool: p_SC, its centre of mass, must be finite");
+  require_in_range("tool", Tool::Limits::mass, tool.mass);
+  require_in_range("tool", Tool::Limits::centre, tool.p_SC);
   if (!tool.I_SC.allFinite()) throw InputError("tool: I_SC, its inertia, must be finite");
   const double scale = tool.I_SC.cwiseAbs().maxCoeff(), slack = 1e-6 * scale;
   if ((tool.I_SC - tool.I_SC.transpose()).cwiseAbs().maxCoeff() > slack)
@@ -47,6 +42,7 @@ void check_tool(const Tool& tool) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tool.I_SC, Eigen::EigenvaluesOnly)
           .eigenvalues();
   if (moments[0] < -slack || moments[2] > moments[0] + moments[1] + slack) {  // ascending
+    char message[256];
     std::snprintf(message, sizeof message,
                   "tool: I_SC has the principal moments %.3g, %.3g, %.3g kg m²; none may be below "
                   "0, nor one above the sum of the others",

@@ -13,6 +13,7 @@
 #pragma once
 
 #include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
 
 namespace impedraw {
 
@@ -21,6 +22,11 @@ struct Tool {
   Eigen::Vector3d p_SC = Eigen::Vector3d::Zero();  // centre of mass, in S [m]
   // about the centre of mass, in the axes of S [kg m²]
   Eigen::Matrix3d I_SC = Eigen::Matrix3d::Zero();
+
+  struct Limits {
+    static constexpr Limit mass = {"mass", "kg", {0.0, 20.0}};
+    static constexpr Limit centre = {"centre", "m", {-1.0, 1.0}};
+  };
 };
 
 struct ToolMotion {

@@ -4,6 +4,9 @@
 //   enum class Sensor { none, truth };
 //   struct PushSettings {
 //     double force = 5;
+//     struct Limits {
+//       static constexpr Limit force = {"force", "N", {0, 50}};
+//     };
 //     Sensor sensor = Sensor::none;
 //     std::optional<double> stop_at;
 //   };
@@ -14,7 +17,7 @@
 //   };
 //
 //   void describe(Fields& f, PushSettings& s) {
-//     f.field("force", s.force, Range{0, 50}, "N", "desired normal force");
+//     f.field(PushSettings::Limits::force, s.force, "desired normal force");
 //     f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}},
 //              "source of the wrench");
 //     f.field("stop_at", s.stop_at, Range::at_least(0), "s",
@@ -28,7 +31,7 @@
 //
 // describe() belongs to the struct's namespace. The struct's initialisers are the only defaults. A
 // field is one of
-//   a number with a Range and a unit ("" if it has none): double, any integer,
+//   a number with a Limit, or with a name, a Range and a unit: double, any integer,
 //     Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of its default's length), or std::optional or
 //     std::vector of a number. Limits apply to every component; NaN and inf are never valid;
 //   bool, std::string, std::filesystem::path;
@@ -152,6 +155,12 @@ class Fields {
       return Setting{"", "", unit, range, number(t, range, unit)};
     };
     add(std::move(name), std::move(help), unit, range, list(value, element));
+  }
+
+  // The same with name, range and unit of the limit.
+  template <class T>
+  void field(const Limit& limit, T& value, std::string help) {
+    field(std::string(limit.name), value, limit.range, std::string(limit.unit), std::move(help));
   }
 
   void field(std::string name, bool& value, std::string help);

@@ -6,21 +6,19 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
 namespace {
 
 void check(const ModelErrors& e) {
-  const auto need = [](const char* name, double value, bool good, const char* allowed) {
-    if (!std::isfinite(value) || !good)
-      throw InputError(fmt::format("model errors: {} is {}, allowed is {}", name, value, allowed));
-  };
-  need("mass_scale", e.mass_scale, e.mass_scale > 0.0, "above 0");
-  need("centre_shift", e.centre_shift, true, "any length [m]");
-  need("viscous_friction", e.viscous_friction, e.viscous_friction >= 0.0, "0 or more [Nm s/rad]");
-  need("rotor_inertia", e.rotor_inertia, e.rotor_inertia >= 0.0, "0 or more [kg m^2]");
-  need("pen_longer", e.pen_longer, true, "any length [m]");
+  using Limits = ModelErrors::Limits;
+  require_in_range("world.errors", Limits::mass_scale, e.mass_scale);
+  require_in_range("world.errors", Limits::centre_shift, e.centre_shift);
+  require_in_range("world.errors", Limits::viscous_friction, e.viscous_friction);
+  require_in_range("world.errors", Limits::rotor_inertia, e.rotor_inertia);
+  require_in_range("world.errors", Limits::pen_longer, e.pen_longer);
 }
 
 void apply(const ModelErrors& e, double dt, mjSpec* spec) {

@@ -8,22 +8,21 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
 JointDrive::JointDrive(const ModelErrors& errors, double dt)
     : errors_(errors), ripple_phase_(kMaxJoints) {
+  using Limits = ModelErrors::Limits;
+  require_in_range("world.errors", Limits::torque_quantum, errors.torque_quantum);
+  require_in_range("world.errors", Limits::torque_ripple, errors.torque_ripple);
+  require_in_range("world.errors", Limits::loop_delay, errors.loop_delay);
   const double steps = std::round(errors.loop_delay / dt);
-  if (!(steps >= 0.0 && steps <= ModelErrors::kMostDelaySteps))
+  if (steps > ModelErrors::kMostDelaySteps)
     throw InputError(
-        fmt::format("model errors: loop_delay is {} s, allowed is 0 to {} steps of {} s",
+        fmt::format("world.errors.loop_delay is {} s, allowed is at most {} steps of {} s",
                     errors.loop_delay, ModelErrors::kMostDelaySteps, dt));
-  if (!(errors.torque_quantum >= 0.0 && std::isfinite(errors.torque_quantum)))
-    throw InputError(fmt::format("model errors: torque_quantum is {}, allowed is 0 or more [Nm]",
-                                 errors.torque_quantum));
-  if (!std::isfinite(errors.torque_ripple))
-    throw InputError(fmt::format("model errors: torque_ripple is {}, allowed is any torque [Nm]",
-                                 errors.torque_ripple));
   delay_ = static_cast<int>(steps);
   for (int j = 0; j < kMaxJoints; ++j) ripple_phase_[j] = 2.0 * std::numbers::pi * 0.381966 * j;
 }

@@ -8,6 +8,8 @@
 //                    φ_j = 2π · 0.381966 j: a different phase for each joint
 #pragma once
 
+#include "impedraw/common/range.h"
+
 namespace impedraw {
 
 struct ModelErrors {
@@ -26,6 +28,17 @@ struct ModelErrors {
   double loop_delay = 0.0;
   // offset of the true tip E along its z from its place in the URDF [m]
   double pen_longer = 0.0;
+
+  struct Limits {
+    static constexpr Limit mass_scale = {"mass_scale", "", {0.1, 10.0}};
+    static constexpr Limit centre_shift = {"centre_shift", "m", {-0.2, 0.2}};
+    static constexpr Limit viscous_friction = {"viscous_friction", "Nm s/rad", {0.0, 100.0}};
+    static constexpr Limit rotor_inertia = {"rotor_inertia", "kg m²", {0.0, 10.0}};
+    static constexpr Limit torque_ripple = {"torque_ripple", "Nm", {0.0, 20.0}};
+    static constexpr Limit torque_quantum = {"torque_quantum", "Nm", {0.0, 10.0}};
+    static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.015}};
+    static constexpr Limit pen_longer = {"pen_longer", "m", {-0.02, 0.02}};
+  };
 };
 
 }  // namespace impedraw

@@ -8,6 +8,7 @@
 #include <mujoco/mujoco.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/simulation/compiled_arm.h"
 #include "impedraw/simulation/flange_balance.h"
 
@@ -62,8 +63,24 @@ struct World::Mujoco {
   }
 };
 
+namespace {
+
+const WorldSettings& checked(const WorldSettings& s) {
+  using Limits = WorldSettings::Limits;
+  using Tip = TipMaterial::Limits;
+  require_in_range("world", Limits::joint_friction, s.joint_friction);
+  require_in_range("world", Limits::gravity, s.gravity);
+  require_in_range("world.tip", Tip::radius, s.tip.radius);
+  require_in_range("world.tip", Tip::stiffness, s.tip.stiffness);
+  require_in_range("world.tip", Tip::damping, s.tip.damping);
+  require_in_range("world.tip", Tip::friction, s.tip.friction);
+  return s;
+}
+
+}  // namespace
+
 World::World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings)
-    : settings_(settings),
+    : settings_(checked(settings)),
       canvas_(canvas),
       mujoco_(std::make_unique<Mujoco>()),
       drive_(settings.errors, settings.dt) {

@@ -18,9 +18,11 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/model_errors.h"
+#include "impedraw/simulation/solver_cutoffs.h"
 #include "impedraw/simulation/tip_contact.h"
 
 namespace impedraw {
@@ -32,6 +34,11 @@ struct WorldSettings {
   double gravity = 9.81;        // along −z [m/s²]
   ModelErrors errors;           // differences from the URDF
   bool flange_sensor = false;   // enables flange_wrench()
+
+  struct Limits {
+    static constexpr Limit joint_friction = {"joint_friction", "Nm", {0.0, 50.0}};
+    static constexpr Limit gravity = {"gravity", "m/s²", {0.0, 100.0}};
+  };
 };
 
 // Contact over the last step; geometry at the start of that step.
@@ -42,13 +49,6 @@ struct TipContact {
   Eigen::Vector3d p_WC = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // outward normal there
 };
-
-// Number of steps since set_state() in which a solver stopped before reaching its tolerance.
-struct SolverCutoffs {
-  long tip = 0;     // sliding tip: kTipContactSweeps (tip_contact.h)
-  long joints = 0;  // joint friction, joint limits and tip together: kJointSweeps
-};
-inline constexpr int kJointSweeps = 200;
 
 struct WorldState {
   double time = 0.0;  // [s]
@@ -89,7 +89,7 @@ class World {
   const Vector6& flange_wrench() const { return flange_wrench_; }
   bool has_flange() const;  // a link `flange` exists with `tip` below it
 
-  const SolverCutoffs& cutoffs() const { return cutoffs_; }
+  const SolverCutoffs& cutoffs() const { return cutoffs_; }  // since set_state()
 
   // Names the cause if the motion became non-finite or MuJoCo warned. The state is then invalid.
   const std::optional<std::string>& failure() const { return failure_; }

@@ -8,12 +8,11 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
 namespace {
-
-constexpr double kLongestDelay = 1.0;  // [s]
 
 Vector6 both(double force, double torque) {
   Vector6 v;
@@ -22,23 +21,18 @@ Vector6 both(double force, double torque) {
 }
 
 void check(const WrenchSensorSettings& s, double dt) {
-  const auto need = [](const char* name, double value, double most) {
-    if (!(value >= 0.0 && value <= most))
-      throw InputError(
-          fmt::format("wrench sensor: {} is {}, allowed is 0 to {}", name, value, most));
-  };
-  constexpr double kAny = 1e6;
-  need("noise_force", s.noise_force, kAny);
-  need("noise_torque", s.noise_torque, kAny);
-  need("bias_force", s.bias_force, kAny);
-  need("bias_torque", s.bias_torque, kAny);
-  need("drift_force", s.drift_force, kAny);
-  need("drift_torque", s.drift_torque, kAny);
-  need("quantum_force", s.quantum_force, kAny);
-  need("quantum_torque", s.quantum_torque, kAny);
-  need("range_force", s.range_force, kAny);
-  need("range_torque", s.range_torque, kAny);
-  need("delay", s.delay, kLongestDelay);
+  using Limits = WrenchSensorSettings::Limits;
+  require_in_range("wrench_sensor", Limits::noise_force, s.noise_force);
+  require_in_range("wrench_sensor", Limits::noise_torque, s.noise_torque);
+  require_in_range("wrench_sensor", Limits::bias_force, s.bias_force);
+  require_in_range("wrench_sensor", Limits::bias_torque, s.bias_torque);
+  require_in_range("wrench_sensor", Limits::drift_force, s.drift_force);
+  require_in_range("wrench_sensor", Limits::drift_torque, s.drift_torque);
+  require_in_range("wrench_sensor", Limits::quantum_force, s.quantum_force);
+  require_in_range("wrench_sensor", Limits::quantum_torque, s.quantum_torque);
+  require_in_range("wrench_sensor", Limits::range_force, s.range_force);
+  require_in_range("wrench_sensor", Limits::range_torque, s.range_torque);
+  require_in_range("wrench_sensor", Limits::delay, s.delay);
   if (!(dt >= 1e-6 && std::isfinite(dt)))
     throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));
 }

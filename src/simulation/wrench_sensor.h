@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
 
 namespace impedraw {
 
@@ -23,16 +24,29 @@ struct WrenchSensorSettings {
   double drift_force = 0.0, drift_torque = 0.0;      // length of the vector [N/min, Nm/min]
   double quantum_force = 0.0, quantum_torque = 0.0;  // 0: continuous [N, Nm]
   double range_force = 0.0, range_torque = 0.0;      // ±; 0: no limit [N, Nm]
-  // rounded to samples, at most 1 s; the first sample is read without delay [s]
+  // rounded to samples; the first sample is read without delay [s]
   double delay = 0.0;
+
+  struct Limits {
+    static constexpr Limit noise_force = {"noise_force", "N", {0.0, 100.0}};
+    static constexpr Limit noise_torque = {"noise_torque", "Nm", {0.0, 10.0}};
+    static constexpr Limit bias_force = {"bias_force", "N", {0.0, 1000.0}};
+    static constexpr Limit bias_torque = {"bias_torque", "Nm", {0.0, 100.0}};
+    static constexpr Limit drift_force = {"drift_force", "N/min", {0.0, 100.0}};
+    static constexpr Limit drift_torque = {"drift_torque", "Nm/min", {0.0, 10.0}};
+    static constexpr Limit quantum_force = {"quantum_force", "N", {0.0, 10.0}};
+    static constexpr Limit quantum_torque = {"quantum_torque", "Nm", {0.0, 1.0}};
+    static constexpr Limit range_force = {"range_force", "N", {0.0, 1e5}};
+    static constexpr Limit range_torque = {"range_torque", "Nm", {0.0, 1e4}};
+    static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
+  };
 
   static WrenchSensorSettings realistic();
 };
 
 class WrenchSensor {
  public:
-  // dt: time between samples [s]. Throws InputError for a setting that is negative or not finite,
-  // and for a delay above 1 s.
+  // dt: time between samples [s]. Throws InputError for a setting out of range.
   WrenchSensor(const WrenchSensorSettings& settings, double dt, std::uint64_t seed);
 
   // Returns the reading while F acts. Allocates nothing.

@@ -1,25 +1,13 @@
 #include "impedraw/study/reach.h"
 
-#include <ctime>
-
 #include "impedraw/common/exit_code.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/study/provenance.h"
 #include "impedraw/study/reach_cells.h"
 #include "impedraw/study/reach_page.h"
 #include "impedraw/study/reach_run.h"
 
 namespace impedraw {
-
-namespace {
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  char text[16];
-  std::strftime(text, sizeof text, "%Y-%m-%d", std::localtime(&now));
-  return text;
-}
-
-}  // namespace
 
 int run_reach(const std::vector<Cell>& desired, const CellTableOptions& options) {
   const std::filesystem::path folder = table_folder("reach", options), ink = folder / "ink";
@@ -37,7 +25,7 @@ int run_reach(const std::vector<Cell>& desired, const CellTableOptions& options)
     return measure_reach(cell, log, ink_file(cell));
   };
   table.record = reach_record;
-  table.page = [&](const Records& records) { return reach_page(all, records, today()); };
+  table.page = [&](const Records& records) { return reach_page(all, records, provenance()); };
   table.time_limit = 900.0;
   return run_table(table, all, desired, options);
 }

@@ -10,32 +10,32 @@ const std::string kPackages = ".venv/lib/python3.11/site-packages/";
 
 std::vector<ReachDrawing> reach_drawings() {
   const std::string icons = kPackages + "matplotlib/mpl-data/images/",
-                    made = "made for it by tests/data/make_reach_data.py";
+                    made = "made by tests/data/make_reach_data.py";
   return {
       {"koi", "artwork/koi.svg", {}, "two koi in 64 strokes; own work"},
       {"logo",
        icons + "matplotlib.svg",
        {},
-       "matplotlib's logo, in its wheel (matplotlib 3.11.2, its own licence, like Python's)"},
+       "matplotlib's logo, from its wheel (matplotlib 3.11.2, matplotlib licence)"},
       {"hand",
        icons + "hand.svg",
        {},
-       "the icon hand.svg of matplotlib, a cross in a ring of 3,389 points; the same wheel"},
+       "the icon hand.svg, a cross in a ring of 3,389 points; the same wheel"},
       {"diskette",
        icons + "filesave.svg",
        {"drawing.hatch.spacing=8"},
-       "another, filled, so hatched 8 mm apart; the same wheel"},
+       "the icon filesave.svg, filled, hatched 8 mm apart; the same wheel"},
       {"verse",
        "",
        {"drawing.text.text=What the hand\\ndares to seize\\nthe fire?", "drawing.text.font=scripts",
         "drawing.text.align=centre"},
-       "words of W. Blake's in three lines in the Hershey font scripts (Debian's "
-       "hershey-fonts-data)"},
+       "three lines by W. Blake in the Hershey font scripts (Debian's hershey-fonts-data)"},
       {"hilbert",
        "tests/data/hilbert.strokes",
        {},
-       "a Hilbert curve of 256 points in one stroke, nearly each a corner; a stroke file, " + made},
-      {"spiral", "tests/data/spiral.csv", {}, "two arms of 3.5 turns; a CSV, " + made},
+       "a Hilbert curve of 256 points in one stroke, nearly every point a corner; a stroke file " +
+           made},
+      {"spiral", "tests/data/spiral.csv", {}, "two arms of 3.5 turns; a CSV file " + made},
       {"leaf",
        "artwork/leaf.svg",
        {"drawing.hatch.spacing=7", "drawing.hatch.angle=30"},
@@ -50,20 +50,21 @@ std::vector<ReachDrawing> reach_drawings() {
 
 std::vector<ReachCanvas> reach_canvases() {
   return {
-      {"bowl", "the standard bowl, a sphere of 0.30 m from inside, to 37°; built in"},
-      {"leaning", "a plane that leans by 27°, too small for the widest drawings; built in"},
-      {"wave", "15 mm high, 0.2 m long, to 25°; built in"},
-      {"saddle", "a radius of curvature of 0.25 m; built in"},
-      {"cylinder", "of 0.14 m from outside, to 59°; built in"},
-      {"cone", "of 20°, over its apex and past its foot; built in"},
-      {"terrain", "hills and hollows of 30 mm from a seed; built in"},
-      {"wall", "an upright plane before the arm, the drawing as high as its reach ends; built in"},
+      {"bowl", "the standard bowl: a sphere of radius 0.30 m from inside, slopes to 37°; built in"},
+      {"leaning", "a plane inclined by 27°, too small for the widest drawings; built in"},
+      {"wave", "amplitude 15 mm, wavelength 0.2 m, slopes to 25°; built in"},
+      {"saddle", "radius of curvature 0.25 m; built in"},
+      {"cylinder", "radius 0.14 m, drawn on from outside, slopes to 59°; built in"},
+      {"cone", "slope 20°, drawn over its apex and past its foot; built in"},
+      {"terrain", "random hills and hollows of 30 mm; built in"},
+      {"wall",
+       "an upright plane in front of the arm, the drawing at the upper end of its reach; built in"},
       {"tile",
        "a relief of six petals, 0.3 m wide: tests/data/flower_tile.obj, in mm, made by "
        "tests/data/make_reach_data.py"},
       {"ball",
-       "of 840 flat triangles, 0.13 m in radius: examples/sphere.ply in PyVista's wheel (pyvista "
-       "0.49.1, MIT), taken as mm"},
+       "a sphere of 840 triangles, radius 0.13 m: examples/sphere.ply in PyVista's wheel (pyvista "
+       "0.49.1, MIT), in mm"},
   };
 }
 

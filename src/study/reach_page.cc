@@ -35,7 +35,7 @@ std::string share(const Record& r) {
 }  // namespace
 
 std::string reach_page(const std::vector<Cell>& cells, const Records& records,
-                       const std::string& date) {
+                       const std::string& made) {
   std::vector<const Cell*> all;
   std::size_t failed = 0, parts = 0;
   double promised = 0.0, asked = 0.0, time = 0.0;
@@ -56,36 +56,37 @@ std::string reach_page(const std::vector<Cell>& cells, const Records& records,
     };
   };
   std::string text = fmt::format(
-      "# Reach\n\n`./impedraw reach`, {}: ten drawings on ten canvases, {} of {} combinations run, "
-      "**{} missed a limit**. Of {:.1f} m "
-      "asked for, {:.1f} m in {} parts were promised, and {:.0f} s simulated; the rest was named "
-      "beforehand, each part with its reason.\n\n"
-      "Limits: every stroke is drawn, or named by the pre-flight with its reason; coverage at "
-      "least {} of what was promised; ink error at "
-      "most {} mm, root mean square where the canvas leans by less than {:.0f}° from the drawing "
-      "axis; no crash. `reach.csv` has the rest "
-      "of the figures of each combination; `./impedraw reach --list` the command that draws it "
-      "alone.\n\n"
+      "# Reach\n\n`./impedraw reach`, {}: ten drawings on ten canvases. {} of {} combinations were "
+      "run, and **{} missed a limit**. The pre-flight promised {:.1f} m of the {:.1f} m asked for, "
+      "in "
+      "{} parts, and named the rest with its reason. The runs took {:.0f} s of simulated time.\n\n"
+      "A combination meets its limits if every stroke is drawn or named by the pre-flight, the "
+      "coverage of the promised length is at least {}, the ink error is at most {} mm RMS where "
+      "the "
+      "canvas leans by less than {:.0f}° from the drawing axis, and the program does not crash. "
+      "`reach.csv` has the other figures of each combination. `./impedraw reach --list` prints the "
+      "command that draws it alone.\n\n"
       "![Each drawing on each canvas: ink, and what could not be drawn](reach.png)\n\n",
-      date, records.size(), cells.size(), failed, 1e-3 * asked, 1e-3 * promised, parts, time,
+      made, records.size(), cells.size(), failed, 1e-3 * promised, 1e-3 * asked, parts, time,
       kLeastCoverage, kMostInkError, kGentleSlope);
   text += "## Ink error [mm] / coverage\n\n" + pivot(all, text_of(figures));
   text +=
-      "\n## Promised\n\nLength in the drawing plane that the pre-flight promised; bold where that "
-      "is not all of it.\n\n";
+      "\n## Promised length\n\nLength in the drawing plane that the pre-flight promised. Bold: "
+      "less than "
+      "asked for.\n\n";
   text += pivot(all, text_of(share));
 
-  text += "\n## Drawings\n\n| | what, and where it comes from |\n|---|---|\n";
+  text += "\n## Drawings\n\n| | description and source |\n|---|---|\n";
   for (const ReachDrawing& d : reach_drawings())
     text += fmt::format("| `{}` | {} |\n", d.name, d.source);
-  text += "\n## Canvases\n\n| | what, and where it comes from |\n|---|---|\n";
+  text += "\n## Canvases\n\n| | description and source |\n|---|---|\n";
   for (const ReachCanvas& c : reach_canvases())
     text += fmt::format("| `{}` | {}: `scenarios/reach-{}.yaml` |\n", c.name, c.source, c.name);
 
   text +=
-      "\n## What is not drawn, and why\n\nParts of strokes by reason. `./impedraw plan` with the "
-      "scenario and the "
-      "drawing names them one by one.\n\n";
+      "\n## Parts that are not drawn\n\nParts of strokes by reason. `./impedraw plan` with "
+      "scenario and "
+      "drawing lists them one by one.\n\n";
   std::string undrawn, missed;
   for (const Cell& cell : cells) {
     const auto it = records.find(cell.name);
@@ -98,9 +99,8 @@ std::string reach_page(const std::vector<Cell>& cells, const Records& records,
       missed += fmt::format("- `{}`, {}: {}\n  `{}`\n", cell.name, field(r, "verdict"),
                             field(r, "cause"), cell_command(cell));
   }
-  text += undrawn.empty() ? "Nothing: all is drawn.\n"
-                          : "| | [mm] | parts by reason |\n|---|---|---|\n" + undrawn;
-  return text + "\n## What missed\n\n" + (missed.empty() ? "Nothing.\n" : missed);
+  text += undrawn.empty() ? "None.\n" : "| | [mm] | parts by reason |\n|---|---|---|\n" + undrawn;
+  return text + "\n## Missed limits\n\n" + (missed.empty() ? "None.\n" : missed);
 }
 
 }  // namespace impedraw

@@ -9,8 +9,9 @@
 
 namespace impedraw {
 
-// A combination without a record has not been run, and its place says so. `date`: "2026-11-21".
+// A combination without a record has not been run, and its entry says so. `made`: date and commit
+// (provenance.h).
 std::string reach_page(const std::vector<Cell>& cells, const Records& records,
-                       const std::string& date);
+                       const std::string& made);
 
 }  // namespace impedraw

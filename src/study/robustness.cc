@@ -1,6 +1,7 @@
 #include "impedraw/study/robustness.h"
 
 #include "impedraw/common/exit_code.h"
+#include "impedraw/study/provenance.h"
 #include "impedraw/study/robustness_run.h"
 #include "impedraw/study/robustness_table.h"
 
@@ -21,7 +22,7 @@ int run_matrix(const std::vector<Cell>& all, const std::vector<Cell>& desired,
   table.record = [&](const Cell& cell, const ProcessEnd& end) {
     return columns.record(cell, result_of(end));
   };
-  table.page = [&](const Records& records) { return robustness_page(all, records); };
+  table.page = [&](const Records& records) { return robustness_page(all, records, provenance()); };
   return run_table(table, all, desired, options);
 }
 

@@ -33,7 +33,7 @@ void add_matrix(std::vector<Cell>& cells) {
                               fmt::format("control.normal_force={}", push),
                               fmt::format("canvas.plane.normal=[0, {:.9f}, {:.9f}]",
                                           std::sin(angle), std::cos(angle))};
-          cell.table = fmt::format("Speed, slope and push: {}", state(realistic));
+          cell.table = fmt::format("Speed, slope and normal force: {}", state(realistic));
           cell.row = fmt::format("{} N, {} mm/s", push, speed);
           cell.column = fmt::format("{}°", slope);
           cell.realistic = realistic;
@@ -48,7 +48,7 @@ struct ModelError {
 };
 
 void add_errors(std::vector<Cell>& cells) {
-  const std::string table = "Each error of what is believed, alone";
+  const std::string table = "Each model error alone";
   cells.push_back({"error-none", "error", kSine, {}, table, "none", "first value", "", false});
   cells.push_back({"error-none-sensor",
                    "error",
@@ -192,7 +192,7 @@ void add_switches(std::vector<Cell>& cells) {
                   "switch",
                   realistic ? kRealistic : kSine,
                   {},
-                  "What each switch earns",
+                  "Effect of each switch",
                   fmt::format("{}: {}", s.name, short_name),
                   on ? "on" : "off",
                   "",

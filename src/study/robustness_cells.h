@@ -2,11 +2,10 @@
 //
 // matrix   10, 50, 100, 200 mm/s × slopes 0, 15, 30, 45, 60° × pushes of 1, 5, 20 N, nominal and
 //          realistic: a circle on a leaning plane
-// error    each error of what is believed alone, at three values, on the standard sine; `none` is
-//          what they compare with
+// error    each model error alone, at three values, on the standard sine; `none` is the baseline
 // canvas   each shape at 50 mm/s and 5 N, nominal and realistic
-// switch   observer, rejection of tip friction, force integral: off and on, under what each is
-//          there for
+// switch   observer, rejection of tip friction, force integral: off and on, each under the
+//          conditions that it is meant for
 #pragma once
 
 #include <vector>

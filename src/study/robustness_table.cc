@@ -32,7 +32,8 @@ std::string cell_text(const Cell& cell, const Records& records) {
 
 }  // namespace
 
-std::string robustness_page(const std::vector<Cell>& cells, const Records& records) {
+std::string robustness_page(const std::vector<Cell>& cells, const Records& records,
+                            const std::string& made) {
   std::vector<const Cell*> all, failed;
   std::size_t run = 0;
   for (const Cell& cell : cells) {
@@ -42,23 +43,27 @@ std::string robustness_page(const std::vector<Cell>& cells, const Records& recor
     ++run;
     if (field(it->second, "failed") == "1") failed.push_back(&cell);
   }
-  const std::string so_far =
-      run < cells.size() ? fmt::format(", of which {} have been run", run) : "";
+  const std::string so_far = run < cells.size() ? fmt::format(", of which {} were run", run) : "";
   std::string text = fmt::format(
       "# Robustness\n\n"
-      "What `./impedraw robustness` left: {} cells{}, **{} failed**. Each place reads *ink error "
-      "RMS [mm] / standard deviation of the "
-      "normal force [N]*, in the last table also *its mean [N]* (5 N is asked for).\n\n"
-      "**✗** A cell has failed where it was refused (the drawing cannot be planned), stopped, or "
-      "took too long; where a stroke has no "
-      "ink (missed), under {:.0f} % of the pen-down samples have (contact), over {:.0f} % of the "
-      "ink's length lies more than 1 mm from "
-      "its target (astray), or its mean speed is under {:.0f} % of the speed asked for (slow). "
-      "`robustness.csv` has every setting and "
-      "every metric of each cell.\n\n"
-      "![Error and force against slope, speed, push, friction and each model "
+      "`./impedraw robustness`, {}: {} cells{}, **{} failed**. Each entry gives *ink error RMS "
+      "[mm] / "
+      "standard deviation of the normal force [N]*, and in the last table also the *mean normal "
+      "force [N]*. The desired force is 5 N unless the row gives another.\n\n"
+      "The matrix of speeds, slopes and forces draws a circle on a leaning plane "
+      "(`scenarios/robustness-nominal.yaml`, `robustness-realistic.yaml`). All other cells draw "
+      "the "
+      "standard sine (`bowl-sine`, `bowl-sine-sensor`, `bowl-sine-realistic`) and change only the "
+      "setting that their row names. `./impedraw robustness --list` prints the command of each "
+      "cell.\n\n"
+      "**✗** marks a failed cell. A cell fails if it is refused (the drawing cannot be planned), "
+      "stops or takes too long; if a stroke has no ink (missed), if less than {:.0f} % of the "
+      "pen-down samples have ink (contact), if more than {:.0f} % of the ink's length is over 1 mm "
+      "from its target (astray), or if its mean speed is below {:.0f} % of the desired speed "
+      "(slow). `robustness.csv` has every setting and metric of each cell.\n\n"
+      "![Error and force against slope, speed, force, friction and each model "
       "error](robustness.png)\n",
-      cells.size(), so_far, failed.size(), 100.0 * kLeastContact, 100.0 * kMostAstray,
+      made, cells.size(), so_far, failed.size(), 100.0 * kLeastContact, 100.0 * kMostAstray,
       100.0 * kLeastSpeed);
   for (const std::string& table : in_order(all, [](const Cell& c) { return c.table; })) {
     std::vector<const Cell*> in_table;
@@ -67,9 +72,8 @@ std::string robustness_page(const std::vector<Cell>& cells, const Records& recor
     text += "\n## " + table + "\n\n" +
             pivot(in_table, [&](const Cell& cell) { return cell_text(cell, records); });
   }
-  text += "\n## What failed\n\n";
-  if (failed.empty())
-    text += run == cells.size() ? "Nothing.\n" : "Nothing of what has been run.\n";
+  text += "\n## Failed cells\n\n";
+  if (failed.empty()) text += run == cells.size() ? "None.\n" : "None of those that were run.\n";
   for (const Cell* cell : failed)
     text += fmt::format("- `{}`: {}\n  `{}`\n", cell->name, field(records.at(cell->name), "cause"),
                         cell_command(*cell));

@@ -9,7 +9,9 @@
 
 namespace impedraw {
 
-// `records` by the cell's name; a cell without one has not been run, and its place says so.
-std::string robustness_page(const std::vector<Cell>& cells, const Records& records);
+// `records` by the cell's name; a cell without one has not been run, and its entry says so. `made`:
+// date and commit (provenance.h).
+std::string robustness_page(const std::vector<Cell>& cells, const Records& records,
+                            const std::string& made);
 
 }  // namespace impedraw

@@ -24,7 +24,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-// A canvas and, from its formula, what it should be.
+// A canvas and its formula.
 struct Case {
   std::string name;
   TriangleMesh mesh;
@@ -144,7 +144,7 @@ Case cone(const ConeSettings& s) {
     return Vector3d(out.x(), out.y(), std::cos(slope));
   };
   c.most_off = c.edge * c.edge * std::sin(slope) / s.base_radius;
-  c.curvature = std::sin(slope) / (s.base_radius / 8);  // where normals are looked at
+  c.curvature = std::sin(slope) / (s.base_radius / 8);  // where normals are compared
   c.plan = [s](const Vector3d& p) { return in_plan(p, s.apex, 0); };
   c.half_size = {s.base_radius, s.base_radius};
   c.kink = s.apex;
@@ -188,7 +188,7 @@ std::vector<Case> random_cases(unsigned seed) {
             from(0.003, 0.009)})};
 }
 
-// Everything that holds for any of them.
+// Properties of every shape.
 void check(const Case& c) {
   SCOPED_TRACE(c.name);
   const TriangleMesh& m = c.mesh;
@@ -228,7 +228,7 @@ void check(const Case& c) {
   EXPECT_GT(most_off, 0.2 * c.most_off) << "the bound in the header says too little";
   EXPECT_LT(most_turned, c.curvature * c.edge);
 
-  // throws where neighbours are wound against each other
+  // throws if neighbours have opposite winding
   const MeshTopology around = make_topology(m);
   ASSERT_EQ(around.smooth_normal.size(), m.vertices.size()) << "vertices at the same place";
   double vertex_turned = 0;
@@ -297,8 +297,8 @@ TEST(Terrain, IsTheSeeds) {
   EXPECT_GT(highest, 0.2 * s.amplitude);
 }
 
-// Two corners and the middle [m], from a generator and a sum written out in Python: no library can
-// quietly make another surface.
+// Two corners and the middle [m], from an independent Python implementation of generator and sum:
+// guards against a change of the surface.
 TEST(Terrain, StaysTheSurfaceThatItWas) {
   TerrainSettings s;
   s.footprint.edge = 0.01;  // 36 × 36 cells

@@ -70,7 +70,7 @@ TEST(Dome, IsDrawnOnFromOutsideUpToTheHemisphere) {
 
 TEST(Plane, HasItsSizeAndNormalHoweverItIsTilted) {
   for (const Vector3d& normal :
-       {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(-0.3, 0.2, 2), Vector3d(0, -1, -1)}) {
+       {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(-0.15, 0.1, 1), Vector3d(0, -1, -1)}) {
     PlaneSettings s{
         .centre = {1, 2, 3}, .normal = normal, .width = 0.3, .height = 0.2, .edge = 0.013};
     const TriangleMesh m = make_plane(s);

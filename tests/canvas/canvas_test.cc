@@ -21,8 +21,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Closest point of a triangle by another road: the foot in its plane where it lies inside, else the
-// closest of the three sides.
+// Closest point of a triangle by another method: its projection onto the plane if that lies inside,
+// else the closest point on the three sides.
 double brute_distance(const TriangleMesh& m, const Vector3d& p) {
   double best = std::numeric_limits<double>::infinity();
   for (const auto& t : m.triangles) {
@@ -169,7 +169,7 @@ TEST(Canvas, RayMeetsTheSphere) {
     const Vector3d d = 1.7 * (reference - eye).normalized();
     const auto hit = canvas.ray(eye, d);
     ASSERT_TRUE(hit);
-    // The far one of the line's two meetings with the sphere: this eye looks into the bowl over its
+    // The farther intersection of line and sphere: the eye looks into the bowl over its
     // rim.
     const double b = d.dot(eye - s.centre), a = d.squaredNorm(),
                  c = (eye - s.centre).squaredNorm() - 0.09;

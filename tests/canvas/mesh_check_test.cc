@@ -66,7 +66,7 @@ TEST(Weld, AgreesWithEveryPairCompared) {
   for (int seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
-    // Few places, each taken many times to within the tolerance; far apart from each other.
+    // A few places far apart, each with many vertices within the tolerance.
     const double tolerance = 1e-6;
     std::uniform_real_distribution<double> shift(-0.28 * tolerance, 0.28 * tolerance);
     std::uniform_int_distribution<int> place(0, 30);
@@ -129,8 +129,8 @@ TEST(MeshCheck, DegenerateTrianglesAreLeftOut) {
   EXPECT_NO_THROW(Canvas{checked.mesh});
 }
 
-// Two triangles on one side of a line, one on the other, and between them one without area that
-// closes the seam: no edge of the surface.
+// Two triangles on one side of a line, one on the other, and a degenerate one that closes the seam:
+// the seam is no edge of the surface.
 TEST(MeshCheck, AThinTriangleBetweenNeighboursStaysAsASeam) {
   TriangleMesh m;
   m.vertices = {{0, 0, 0}, {0.2, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0.1, -0.1, 0}};
@@ -143,7 +143,7 @@ TEST(MeshCheck, AThinTriangleBetweenNeighboursStaysAsASeam) {
   EXPECT_NEAR(point.distance, 0.01, 1e-12);
   EXPECT_NEAR(canvas.closest({0.07, 0.0, -0.01}).distance, -0.01, 1e-12);
   EXPECT_LT((point.n_W - Vector3d::UnitZ()).norm(), 1e-12);
-  // The same triangle where the seam is closed without it goes.
+  // The same triangle is removed if the seam is closed without it.
   m.triangles = {{0, 1, 3}, {0, 4, 1}, {0, 1, 2}};
   EXPECT_EQ(check_mesh(m).mesh.triangles.size(), 2u);
 }

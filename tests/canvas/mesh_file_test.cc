@@ -153,8 +153,8 @@ TEST_F(MeshFile, ReadsEveryTypeOfAPly) {
   }
 }
 
-// Its triangles cover a polygon's area once: as many square metres as the shoelace formula gives,
-// all wound alike.
+// The triangles cover the polygon's area once: their area is that of the shoelace formula, and all
+// have the same winding.
 TEST_F(MeshFile, CutsAnySimplePolygon) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);
@@ -200,8 +200,8 @@ TEST_F(MeshFile, NoPrefixOfAFileIsTakenForTheWhole) {
   const TriangleMesh m = box(0.1, 0.25, 0.4);
   for (const auto& [name, text] : every_kind(m)) {
     SCOPED_TRACE(name);
-    // What may go: an OBJ cannot tell that faces are lacking at a line's end; the newline at the
-    // end, and with it the name of a solid.
+    // Undetectable cuts: an OBJ cut at the end of a line, the final newline, and the name of a
+    // solid.
     const bool is_obj = name == "a.obj", is_text_stl = name == "text.stl",
                is_text = is_text_stl || name == "a.ply";
     const std::size_t most = is_text_stl ? text.rfind(" box") - 1 : text.size() - (is_text ? 2 : 1);
@@ -209,7 +209,7 @@ TEST_F(MeshFile, NoPrefixOfAFileIsTakenForTheWhole) {
          length += is_obj ? 1 : 7) {
       const std::string file = write(name, text.substr(0, length));
       if (is_obj) {
-        // Cut within a face's line before its third corner it must be refused.
+        // A cut inside a face's line, before its third corner, must be refused.
         const std::size_t from = text.rfind('\n', length - 1) + 1;
         const std::string line = text.substr(from, length - from);
         if (!line.starts_with("f") || std::count(line.begin(), line.end(), ' ') > 2) continue;
@@ -280,7 +280,7 @@ TEST_F(MeshFile, RefusesWhatIsEmptyOrNoMesh) {
   EXPECT_THAT(refusal(write("b.ply", "solid\n")), HasSubstr("a PLY with 'ply'"));
 }
 
-// 2,000,000 triangles within 2 GiB, closest points included; how fast is `bench`'s business.
+// 2,000,000 triangles within 2 GiB, closest points included; `bench` measures the time.
 TEST_F(MeshFile, TwoMillionTrianglesLoadAndAnswer) {
   constexpr int n = 1000;
   const std::string file = (folder_ / "big.stl").string();

@@ -1,5 +1,5 @@
-// The closed loop that the controller promises, on the simulated arm: the desired
-// mass-spring-damper, gravity counted once, safe answers.
+// The closed loop on the simulated arm: the desired mass-spring-damper, gravity counted once, and
+// safe reactions.
 #include <cmath>
 #include <numbers>
 
@@ -56,7 +56,7 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
     ImpedanceSettings s = soft(shaped_settings(arm));
     s.timing.dt = s.timing.wrench_delay = s.timing.loop_delay = fine ? 0.25e-3 : 1e-3;
     s.stability_check.contact_stiffness_max =
-        5e3;  // soft as this arm is, a stiffer tip would be refused
+        5e3;  // with this low inertia, a stiffer tip would be refused
     s.stiffness.linear = {50.0, 50.0};
     FreeArm free(s);
     const Eigen::Vector3d direction = free.reference.n_WD.unitOrthogonal(),
@@ -71,8 +71,8 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
       free.step(F * direction);
     }
   }
-  // All that is left is the wrench's age, one step: in its first step the push meets the arm's own
-  // inertia.
+  // The remaining error is due to the wrench's age of one step: at first the push meets the arm's
+  // own inertia.
   EXPECT_LT(worst[1], 0.01);
   EXPECT_LT(worst[0], 0.025);
   EXPECT_NEAR(worst[0] / worst[1], 4.0, 1.0);
@@ -81,7 +81,7 @@ TEST(ClosedLoop, AMeasuredPushMovesTheWantedMass) {
 TEST(ClosedLoop, ANaturalTipIsTheArmsOwnInertiaOnASpring) {
   ArmModel arm(kArm);
   ImpedanceSettings s = soft(natural_settings(arm));
-  // about the pen the arm's own inertia is small: keep its modes slow against the step
+  // the arm's inertia about the pen is small: keep that mode slow compared with the step
   s.stiffness.angular.tangent = 5.0;
   s.reference_stiffness.angular = {5.0, 0.3};
   FreeArm free(s);
@@ -132,8 +132,8 @@ TEST(ClosedLoop, GravityIsCountedOnce) {
   ArmModel arm(kArm);
   FreeArm free(shaped_settings(arm));
   const ImpedanceTorque& out = free.step();
-  // At rest, on the reference, in the rest posture, nothing but gravity is left; and it is all of
-  // it.
+  // At rest on the reference in the rest posture, the torque is exactly the gravity
+  // torque.
   EXPECT_LT((out.tau - free.terms.g).norm(), 1e-9);
   EXPECT_LT((out.terms.col(kGravity) - free.terms.g).norm(), 1e-12);
   EXPECT_LT((out.terms.rowwise().sum() - out.tau).norm(), 1e-12);
@@ -155,12 +155,12 @@ TEST(ClosedLoop, TheNullSpaceMovesTheElbowAndNotTheTip) {
   EXPECT_LT(away, 2e-5);
 }
 
-// At rest the law asks for the moment K e, and e is the turn from pen axis to reference: on the
-// short way, about the axis that both are normal to, with all of its angle up to half a turn.
+// At rest the law commands the moment K e, where e is the rotation from pen axis to reference: the
+// shortest, about the axis normal to both, with its full angle up to half a turn.
 TEST(ClosedLoop, TurnsThePenOnTheShortWayUpToHalfATurn) {
   ArmModel arm(kArm);
   ImpedanceSettings s = soft(shaped_settings(arm));
-  s.inertia = InertiaShaping::natural;  // M_d = Λ: what the term puts on the tip is K e itself
+  s.inertia = InertiaShaping::natural;  // M_d = Λ: the term's wrench at the tip is K e
   const double k = s.stiffness.angular.tangent;
   constexpr double kPi = std::numbers::pi;
   for (const double angle : {0.01, 1.0, 1.7, 3.1, kPi, 2.0 * kPi - 3.1, -3.1}) {
@@ -177,7 +177,7 @@ TEST(ClosedLoop, TurnsThePenOnTheShortWayUpToHalfATurn) {
     EXPECT_LT(F.head<3>().norm(), 1e-7) << "the tip is where it is asked to be";
     const Eigen::Vector3d e = F.tail<3>() / k;
     EXPECT_NEAR(e.dot(turned.terms.X_WE.R.col(2)), 0.0, 1e-9);
-    if (std::abs(angle) == kPi)  // either way is as short, about any axis across the pen
+    if (std::abs(angle) == kPi)  // both senses are equally short, about any axis normal to the pen
       EXPECT_NEAR(e.norm(), kPi, 1e-9);
     else
       EXPECT_LT((e - (angle > kPi ? angle - 2.0 * kPi : angle) * axis).norm(), 1e-9);

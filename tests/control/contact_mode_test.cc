@@ -40,8 +40,8 @@ TEST(ContactStates, GoThroughAStroke) {
   EXPECT_EQ(states.next(over_the_surface(0.004, 0.0, false)), ContactMode::free);
 }
 
-// A pen 2 mm longer than believed: touch is felt where the estimate says 2 mm above, and hysteresis
-// counts from there.
+// A pen 2 mm longer than modelled: it touches at an estimated distance of 2 mm, from which the
+// hysteresis is measured.
 TEST(ContactStates, AMeasuredTouchCorrectsTheDistance) {
   ContactStates states(ContactSettings{}, 1e-3);
   states.next(over_the_surface(0.006, 0.0));
@@ -176,7 +176,7 @@ TEST(ContactLoop, SpectralRadiusTellsWhatARunDoes) {
       for (const int delay : {1, 2, 5}) {
         ContactLoop loop{6.0, m_d, 1.6 * std::sqrt(1500.0 * m_d), k, 20.0, 1e-3, delay};
         const double radius = spectral_radius(loop);
-        if (std::abs(radius - 1.0) < 2e-3) continue;  // too close for a run of 20 s to tell
+        if (std::abs(radius - 1.0) < 2e-3) continue;  // too close to decide in a run of 20 s
         EXPECT_EQ(settles(loop), radius < 1.0)
             << "m_d " << m_d << " k " << k << " delay " << delay << " radius " << radius;
         (radius < 1.0 ? stable : unstable)++;

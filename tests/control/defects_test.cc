@@ -1,6 +1,6 @@
-// Defects that well-known controllers of this kind have shipped: one test each, which fails if the
-// defect is there. Where it is cheap, the defect is made by hand beside it, to show that the test
-// would see it. Accelerations are MuJoCo's: M⁻¹ and J of the true arm.
+// Defects found in well-known controllers of this kind: one test each, which fails if the defect is
+// present. Where it is cheap, the test also builds the defect and checks that it would be found.
+// Accelerations come from MuJoCo: M⁻¹ and J of the true arm.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing_arm;
 
-// The arm at a random posture at rest, or at one that is given; the reference is where the tip is.
+// The arm at rest in a random or given posture, with the reference at the tip.
 struct Still {
   FreeArm free;
 
@@ -71,7 +71,7 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
   std::mt19937 rng(seed);
   ImpedanceSettings s = shaped_settings(arm);
   s.stiffness = {{500.0, 500.0},
-                 {30.0, 0.0}};  // the same along all axes: the tip goes straight to where it should
+                 {30.0, 0.0}};  // equal along all axes: the tip moves straight to its goal
   s.shaped_inertia = {{3.0, 3.0}, {0.05, 0.05}};
   s.stability_check.contact_stiffness_max = 1e4;
   Still still(s, working_posture());
@@ -123,7 +123,7 @@ TEST(Defects, NullSpaceTorqueClippedAfterItsProjection) {
   const ImpedanceTorque desired = free_of_limits.free.control();
   int limited = 0;
   for (int j = 0; j < 7; ++j) {
-    // So much that the joint cannot have all of its null-space torque, but all that the task needs.
+    // The joint can have its whole task torque, but only a part of its null-space torque.
     const double with = desired.tau[j], without = with - desired.terms(j, kNullSpace);
     if (std::abs(with) < std::abs(without) + 0.5 || with * without < 0.0) continue;
     ++limited;
@@ -215,8 +215,8 @@ TEST(Defects, LimitRepulsionThatWeakensTowardsTheLimit) {
   for (double distance = 0.16; distance > -0.1; distance -= 0.01) {
     s.joint_range.upper[2] = working_posture()[2] + distance;
     Still still(s, working_posture());
-    // The projected torque may well have the other sign on the joint itself: what counts is where
-    // it accelerates the joint.
+    // The projected torque may have the opposite sign on the joint itself: the acceleration of the
+    // joint counts.
     const Eigen::VectorXd tau = still.free.control().terms.col(kNullSpace);
     const double push = -still.free.world.terms().M.llt().solve(tau)[2];
     if (distance < s.joint_range.margin) {
@@ -247,7 +247,7 @@ TEST(Defects, ATorqueCheckThatNothingCalls) {
   }
 }
 
-// The poles of M_d s² + B s + K', M_d by MuJoCo, B as the controller itself answers velocities.
+// The poles of M_d s² + B s + K', with M_d from MuJoCo and B from the controller's response.
 TEST(Defects, DampingThatForgetsTheEffectiveMass) {
   ArmModel arm(kArm);
   const unsigned seed = 44;
@@ -315,8 +315,8 @@ TEST(Defects,
   }
 }
 
-// The arm is a tenth heavier than its model. The push is the same all the same, if something
-// observes what the model misses.
+// The arm is 10 % heavier than its model. With the observer, the normal force is still
+// correct.
 TEST(Defects, AForceThatIsOffByAWrongPayload) {
   ArmModel arm(kArm);
   ModelErrors heavy;

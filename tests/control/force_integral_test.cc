@@ -1,5 +1,5 @@
-// The integral of the force error: mends a steady error of the force, stays within its bound, and
-// leaves nothing behind.
+// The integral of the force error: removes a steady force error, stays within its bound, and has no
+// after-effect.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -44,14 +44,14 @@ TEST(ForceIntegral, MendsTheForceThatAWrongModelLeaves) {
   }
 }
 
-// Off by more than it may add, for long: then the error goes, and it is over within its own time,
-// not after as long again.
+// A long error beyond the integral's bound. Once the error ends, the integral decays within its own
+// time constant: it did not wind up.
 TEST(ForceIntegral, IsBoundedAndDoesNotWindUp) {
   ArmModel arm(kArm);
   const ImpedanceSettings s = integrating(arm, 1.0);
   PlaneArm plane(s, 0.2);
   plane.draw(1500);
-  // A force that the controller believes to feel and that is not there: 3 N too little for 5 s.
+  // A false reading: 3 N too little for 5 s.
   const auto lie = [&](double missing) {
     plane.free.measure();
     plane.look();
@@ -80,7 +80,7 @@ TEST(ForceIntegral, IsGoneOutOfContact) {
   plane.free.reference.pen_down = false;
   plane.free.reference.p_WD = plane.p_WS + 0.02 * plane.n_W;
   for (int i = 0; i < 1500; ++i) plane.step();
-  // In the air the tip hangs where stiffness holds it, as without an integral.
+  // In the air, stiffness holds the tip as without an integral.
   ImpedanceSettings without = s;
   without.force_integral.enabled = false;
   PlaneArm other(without, 0.2, heavy);

@@ -1,5 +1,5 @@
-// The settings by themselves: defaults for any number of joints, refusals that name what is wrong,
-// and one belief about the delay of the loop.
+// The settings: defaults for any number of joints, refusals that name the fault, and one value for
+// the delay of the loop.
 #include "impedraw/control/impedance_settings.h"
 
 #include <cmath>
@@ -72,37 +72,38 @@ TEST(ImpedanceSettings, ARefusalNamesSettingAndValue) {
     const char *name, *value;
     std::function<void(S&)> spoil;
   } cases[] = {
-      {"timing.dt", "0", [](S& s) { s.timing.dt = 0.0; }},
-      {"timing.loop_delay", "-0.001", [](S& s) { s.timing.loop_delay = -1e-3; }},
-      {"timing.wrench_delay", "nan", [=](S& s) { s.timing.wrench_delay = nan; }},
-      {"timing.max_state_age", "-1", [](S& s) { s.timing.max_state_age = -1.0; }},
-      {"stiffness along the tangents", "-5", [](S& s) { s.stiffness.linear.tangent = -5.0; }},
-      {"shaped_inertia about the normal", "0", [](S& s) { s.shaped_inertia.angular.normal = 0.0; }},
-      {"damping_ratio", "0", [](S& s) { s.damping_ratio = 0.0; }},
-      {"surface.drawing_axis_W length", "2", [](S& s) { s.surface.drawing_axis_W *= 2.0; }},
-      {"surface.min_axis_cosine", "1.5", [](S& s) { s.surface.min_axis_cosine = 1.5; }},
-      {"surface.normal_bandwidth", "0", [](S& s) { s.surface.normal_bandwidth = 0.0; }},
-      {"approach.speed", "0", [](S& s) { s.approach.speed = 0.0; }},
-      {"approach.lag", "-0.1", [](S& s) { s.approach.lag = -0.1; }},
-      {"contact.leave_distance", "", [](S& s) { s.contact.leave_distance = 0.0; }},
-      {"tip.radius", "-0.001", [](S& s) { s.tip.radius = -1e-3; }},
-      {"friction.coefficient", "-0.3", [](S& s) { s.friction.coefficient = -0.3; }},
-      {"friction.fade_speed", "0", [](S& s) { s.friction.fade_speed = 0.0; }},
-      {"observer.bandwidth", "", [](S& s) { s.observer.bandwidth = 0.0; }},
-      {"force_integral.limit", "-1", [](S& s) { s.force_integral.limit = -1.0; }},
-      {"stability_check.natural_mass_max", "0",
+      {"control.dt is", "0 s", [](S& s) { s.timing.dt = 0.0; }},
+      {"control.loop_delay is", "-0.001 s", [](S& s) { s.timing.loop_delay = -1e-3; }},
+      {"control.wrench_delay is", "nan", [=](S& s) { s.timing.wrench_delay = nan; }},
+      {"control.max_state_age is", "-1 s", [](S& s) { s.timing.max_state_age = -1.0; }},
+      {"control.stiffness_tangent is", "-5 N/m", [](S& s) { s.stiffness.linear.tangent = -5.0; }},
+      {"control.rotational_inertia_normal is", "0 kg m²",
+       [](S& s) { s.shaped_inertia.angular.normal = 0.0; }},
+      {"control.damping_ratio is", "0, ", [](S& s) { s.damping_ratio = 0.0; }},
+      {"control.drawing_axis_W length is", "2", [](S& s) { s.surface.drawing_axis_W *= 2.0; }},
+      {"control.min_axis_cosine is", "1.5", [](S& s) { s.surface.min_axis_cosine = 1.5; }},
+      {"control.normal_bandwidth is", "0 rad/s", [](S& s) { s.surface.normal_bandwidth = 0.0; }},
+      {"control.approach_speed is", "0 m/s", [](S& s) { s.approach.speed = 0.0; }},
+      {"control.approach_lag is", "-0.1 m", [](S& s) { s.approach.lag = -0.1; }},
+      {"control.contact.leave_distance is", "0 m", [](S& s) { s.contact.leave_distance = 0.0; }},
+      {"control.tip_radius is", "-0.001 m", [](S& s) { s.tip.radius = -1e-3; }},
+      {"control.friction is", "-0.3", [](S& s) { s.friction.coefficient = -0.3; }},
+      {"control.fade_speed is", "0 m/s", [](S& s) { s.friction.fade_speed = 0.0; }},
+      {"control.observer.bandwidth is", "0 rad/s", [](S& s) { s.observer.bandwidth = 0.0; }},
+      {"control.force_integral.limit is", "-1 N", [](S& s) { s.force_integral.limit = -1.0; }},
+      {"control.natural_mass_max is", "0 kg",
        [](S& s) { s.stability_check.natural_mass_max = 0.0; }},
-      {"null_space.stiffness", "6 entries",
+      {"control.null_stiffness", "6 entries",
        [](S& s) { s.null_space.stiffness = Eigen::VectorXd::Ones(6); }},
       {"null_space.q_0", "nan",
        [=](S& s) { s.null_space.q_0 = Eigen::VectorXd::Constant(7, nan); }},
       {"joint_range.upper", "without the other",
        [](S& s) { s.joint_range.lower = Eigen::VectorXd::Ones(7); }},
-      {"joint_range.margin", "0", [](S& s) { s.joint_range.margin = 0.0; }},
-      {"limits.torque", "-1", [](S& s) { s.limits.torque = -Eigen::VectorXd::Ones(7); }},
-      {"limits.torque_rate", "8 entries",
+      {"control.limit_margin is", "0 rad", [](S& s) { s.joint_range.margin = 0.0; }},
+      {"limits.torque is", "-1 Nm", [](S& s) { s.limits.torque = -Eigen::VectorXd::Ones(7); }},
+      {"control.torque_rate", "8 entries",
        [](S& s) { s.limits.torque_rate = Eigen::VectorXd::Ones(8); }},
-      {"limits.tip_speed", "inf", [](S& s) { s.limits.tip_speed = INFINITY; }},
+      {"control.tip_speed_limit is", "inf", [](S& s) { s.limits.tip_speed = INFINITY; }},
       {"inertia 'shaped'", "measured wrench", [](S& s) { s.wrench = WrenchFeedback::none; }},
       {"along the normal", "unstable", [](S& s) { s.timing.wrench_delay = 10e-3; }},
   };
@@ -114,8 +115,8 @@ TEST(ImpedanceSettings, ARefusalNamesSettingAndValue) {
   }
 }
 
-// The largest part of r over half a second of motion through the air, where the model is exact but
-// torque acts so many steps late.
+// The largest component of r over half a second of motion in the air, with an exact model and a
+// torque that acts `steps_late` late.
 double unexplained(double loop_delay, int steps_late) {
   ArmModel arm(kArm);
   ImpedanceSettings s = shaped_settings(arm);

@@ -1,5 +1,5 @@
-// The inertia that a push meets at the tip, in six axes, on a plant that is MuJoCo's; and the
-// inertias that are refused.
+// The apparent inertia at the tip, in six axes, with MuJoCo as the plant; and the inertias that
+// set-up refuses.
 #include <cmath>
 #include <regex>
 #include <string>
@@ -31,7 +31,7 @@ ImpedanceSettings settings_of(const ArmModel& arm, const Case& c) {
   s.inertia = c.inertia;
   if (c.scale > 0.0) s.inertia_scale = c.scale;
   s.stability_check.contact_stiffness_max = 2e3;  // the tip is free here
-  s.null_space.q_0[2] += 0.3;                     // the null space is busy
+  s.null_space.q_0[2] += 0.3;                     // excites the null space
   return s;
 }
 
@@ -75,7 +75,7 @@ TEST(DesiredInertia, IsWhatAPushMeetsInAllSixAxes) {
       const ArmTerms start = random_terms(arm, rng);
       FreeArm free(s, start.q);
       for (const bool moving : {false, true}) {
-        // on the plan, and as fast as it: springs and dampers rest, Coriolis and drift do not
+        // on the plan, at its velocity: no spring or damper force, but Coriolis and drift terms
         if (moving) {
           free.world.set_state(start.q, start.v);
           free.measure();
@@ -83,7 +83,7 @@ TEST(DesiredInertia, IsWhatAPushMeetsInAllSixAxes) {
           free.reference.w_WD = free.terms.V_WE.tail<3>();
         }
         ImpedanceSettings fast = s;
-        fast.limits.tip_speed = 100.0;
+        fast.limits.tip_speed = 5.0;
         const Matrix6 M_d = desired_inertia(free, c, s);
         for (int axis = 0; axis < 6; ++axis) {
           ImpedanceController fresh(fast, 7);
@@ -114,7 +114,7 @@ TEST(DesiredInertia, IsWhatTheSimulatedTipMovesBy) {
   ArmModel arm(kArm);
   for (const Case& c : kCases) {
     ImpedanceSettings s = settings_of(arm, c);
-    s.stiffness = {{1.0, 1.0}, {0.01, 0.0}};  // next to nothing, for the 5 ms that it lasts
+    s.stiffness = {{1.0, 1.0}, {0.01, 0.0}};  // negligible over the 5 ms of the test
     s.reference_stiffness = {{1.0, 1.0}, {0.01, 0.01}};
     s.damping_ratio = 0.05;
     s.stability_check.contact_stiffness_max = 1.0;
@@ -123,7 +123,7 @@ TEST(DesiredInertia, IsWhatTheSimulatedTipMovesBy) {
       const Vector6 expected = desired_inertia(free, c, s).inverse() * (0.1 * push(axis));
       const int steps = 5;
       for (int i = 0; i < steps; ++i) {
-        free.F_ext = 0.1 * push(axis);  // the wrench of this very step
+        free.F_ext = 0.1 * push(axis);  // the wrench of this step
         free.step_under(Wrench(free.F_ext));
       }
       const Vector6 V_dot = free.world.state().V_WE / (steps * s.timing.dt);

@@ -72,8 +72,8 @@ TEST(JointLimits, RepelSmoothly) {
         (repulsion(arm, 2, d + h, true, terms) - 2.0 * repulsion(arm, 2, d, true, terms) +
          repulsion(arm, 2, d - h, true, terms)) /
         (h * h);
-    // No kink: the second difference stays that of the parabola. A kink of slope T/margin would
-    // show as T/(margin h), 75 times as much.
+    // No kink: the second difference remains that of the parabola. A kink of slope T/margin would
+    // give T/(margin h), 75 times as much.
     ASSERT_LE(bend.norm() / unit,
               2.0 * s.joint_range.torque / (s.joint_range.margin * s.joint_range.margin) * 1.001)
         << "at " << d << " rad";

@@ -1,5 +1,5 @@
-// The momentum observer against a plant that is integrated here, by itself: what it finds is the
-// disturbance through a first-order low-pass.
+// The momentum observer against a plant that this test integrates: its estimate is the disturbance
+// through a first-order low-pass.
 #include "impedraw/control/momentum_observer.h"
 
 #include <cmath>
@@ -31,8 +31,8 @@ JointVector some_torque(double scale) {
   return scale * d;
 }
 
-// M v̇ + C v + g = τ + Jᵀ F + d, semi-implicit Euler in `substeps` a step. Moved by a controller of
-// its own: to q_0, and round about it.
+// M v̇ + C v + g = τ + Jᵀ F + d, semi-implicit Euler with `substeps` per step. Its own controller
+// moves it to q_0 and around it.
 struct Plant {
   ArmModel arm{kArm};
   ArmTerms terms{7};
@@ -61,15 +61,15 @@ struct Plant {
 
 using WrenchAt = std::function<Vector6(double)>;
 
-// r after each of `steps`, of a plant whose torque and whose measured wrench are so many steps
-// late.
+// r after each of `steps`, for a plant whose torque and measured wrench are delayed by the given
+// number of steps.
 std::vector<JointVector> observe(MomentumObserver& observer, Plant& plant, int steps,
                                  const WrenchAt& wrench, const JointVector& d, int torque_late = 0,
                                  int wrench_late = 0) {
   std::vector<JointVector> r, commands;
   const JointVector first = plant.moving_torque(0.0);
   for (int i = 0; i < steps; ++i) {
-    // The newest wrench is that over the step that has just ended.
+    // The newest wrench is the mean over the step that has just ended.
     r.push_back(observer.update(plant.terms, wrench((i - 1 - wrench_late) * kDt)));
     commands.push_back(plant.moving_torque(i * kDt));
     observer.commanded(commands.back());
@@ -152,8 +152,8 @@ TEST(MomentumObserver, IsBoundedAndDoesNotWindUp) {
   JointVector d = JointVector::Zero(7);
   d[0] = 500.0;
   d[1] = -300.0;
-  // Ten time constants of what is far beyond the limit; braked by as much torque, which the
-  // observer is not told of.
+  // Ten time constants of a disturbance far beyond the limit. An equal torque, unknown to the
+  // observer, brakes the arm.
   for (int i = 0; i < 100; ++i) {
     const JointVector& r = observer.update(plant.terms, Vector6::Zero());
     ASSERT_LE(r.cwiseAbs().maxCoeff(), limit);
@@ -193,7 +193,7 @@ TEST(MomentumObserver, PutsALateWrenchBesideTheMotionItMade) {
     MomentumObserver told(observer_of(200.0), 7, kDt, late * kDt, 0.0),
         not_told(observer_of(200.0), 7, kDt, 0.0, 0.0);
     Plant plant, same;
-    // A late wrench is taken through today's Jacobian: the arm has turned by v Δt late since.
+    // A late wrench meets the current Jacobian, although the arm has moved by v Δt late since.
     const double error_told = worst(observe(told, plant, 600, waving_wrench, d, 0, late), d, 200);
     const double error_not = worst(observe(not_told, same, 600, waving_wrench, d, 0, late), d, 200);
     EXPECT_LT(error_told, 0.02 * (late + 1)) << late << " steps late";
@@ -215,8 +215,8 @@ TEST(MomentumObserver, ForgetsOnReset) {
   ASSERT_GT(observer.disturbance().norm(), 1.0);
   observer.reset();
   EXPECT_EQ(observer.disturbance().norm(), 0.0);
-  // Elsewhere and at another speed, as after a pause: what lies between must not count as motion
-  // under torque.
+  // Another posture and velocity, as after a pause. The change must not count as motion under
+  // torque.
   Plant other;
   other.q[1] += 0.5;
   other.v = JointVector::Constant(7, 0.8);

@@ -1,5 +1,5 @@
-// A step allocates nothing: malloc itself is hooked, so that any way to the heap counts, new,
-// Eigen's aligned blocks or a library's.
+// A step allocates nothing. malloc is hooked, so that every allocation counts: new, Eigen's aligned
+// blocks, or a library's.
 #include <cmath>
 #include <cstdlib>
 #include <vector>
@@ -84,8 +84,8 @@ TEST(NoAllocation, AStepMakesNone) {
   }
 }
 
-// Whatever else a step may have to do: observe, scale the inertia, keep within limits, bear input
-// that is bad or old.
+// The other tasks of a step: observer, scaled inertia, limits, invalid and stale
+// inputs.
 TEST(NoAllocation, AStepInTroubleMakesNone) {
   ArmModel arm(kArm);
   std::mt19937 rng(3);
@@ -116,7 +116,7 @@ TEST(NoAllocation, AStepInTroubleMakesNone) {
         fast = 0;
     const int made = allocations_in([&] {
       for (int i = 0; i < 1000; ++i) {
-        v[1] = 0.01 * (i % 3);  // the momentum changes, and nothing explains it
+        v[1] = 0.01 * (i % 3);  // an unexplained change of momentum
         arm.compute(q, v, &terms);
         reference.p_WD = terms.X_WE.p;
         if (i % 50 > 40) reference.p_WD.y() += 0.2;

@@ -1,4 +1,4 @@
-// Identities of the operational space, damping against a generalised eigensolver, and what happens
+// Identities of the operational space, damping against a generalised eigensolver, and behaviour
 // near a singular posture.
 #include "impedraw/control/operational_space.h"
 
@@ -23,7 +23,7 @@ TEST(OperationalSpace, IdentitiesHoldOverRandomStates) {
   for (int i = 0; i < 200; ++i) {
     const ArmTerms t = random_terms(arm, rng);
     ASSERT_TRUE(space.update(t));
-    // The textbook way, by full inverses.
+    // The textbook formula, with full inverses.
     const Eigen::MatrixXd M_inverse = Eigen::MatrixXd(t.M).inverse();
     const Matrix6 lambda_inverse = t.J * M_inverse * t.J.transpose();
     EXPECT_LT((space.inverse_inertia() - lambda_inverse).norm(), 1e-9 * lambda_inverse.norm());

@@ -1,5 +1,5 @@
-// Nothing here is made for one arm: serial arms at random, of 6 and 7 joints, against MuJoCo and
-// against the desired motion.
+// The controller works on any arm: random serial arms with 6 and 7 joints, against MuJoCo and the
+// desired motion.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -53,8 +53,8 @@ TEST(RandomArms, TermsAgreeWithMujoco) {
   }
 }
 
-// A posture whose tip can move every way with ease: its effective masses lie below 30 kg, 0.3 m of
-// lever.
+// A posture far from singular: the tip's effective masses are below 30 kg, with a lever of
+// 0.3 m.
 JointVector easy_posture(ArmModel& arm, std::mt19937& rng) {
   OperationalSpaceSettings easy;
   easy.max_effective_mass = 30.0;
@@ -78,8 +78,8 @@ ImpedanceSettings settings_of(const ArmModel& arm, const JointVector& q) {
   return s;
 }
 
-// M_d ẍ + B ẋ + K (x − x_D) = 0 beside the arm, from rest, integrated finely; over the whole motion
-// within 2 % of the step asked for.
+// M_d ẍ + B ẋ + K (x − x_D) = 0 from rest, integrated finely. The arm follows it within 2 % of the
+// step over the whole motion.
 void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector& q) {
   const int n = static_cast<int>(q.size());
   FreeArm free(s, q, FreeArm::at_step(s.timing.dt), nullptr, file.path());

@@ -134,7 +134,7 @@ TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
   for (const bool natural : {false, true}) {
     ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
     s.null_space.q_0 = q;
-    // 5000 will do, 3000 will not: Λ changes fast here
+    // 5000 is enough, 3000 is not: Λ changes fast here
     s.limits.torque_rate = Eigen::VectorXd::Constant(7, 10000.0);
     FreeArm free(s, q);
     const Eigen::Vector3d start = free.reference.p_WD,
@@ -231,7 +231,7 @@ TEST(StaleWrench, LeavesTheObserverInPeace) {
   for (int i = 0; i < 600; ++i) {
     if (i == 100)
       free.reference.p_WD +=
-          Eigen::Vector3d(0.05, -0.05, 0.05);  // it moves off while the wrench is away
+          Eigen::Vector3d(0.05, -0.05, 0.05);  // it moves while the wrench is missing
     free.ages.wrench = i > 100 && i < 160 ? 1.0 : 0.0;
     largest = std::max(largest, free.step().terms.col(kDisturbance).cwiseAbs().maxCoeff());
   }

@@ -1,4 +1,4 @@
-// Late steps in a row, a single stall, a time that is none.
+// Consecutive late steps, a single stall, an invalid time.
 #include "impedraw/control/step_watchdog.h"
 
 #include <cmath>

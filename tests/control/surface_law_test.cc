@@ -11,8 +11,8 @@ namespace {
 
 using namespace testing_arm;
 
-// A tip on a plane of slope θ about y, held by the arm's model alone: what wrench does the
-// controller put out?
+// A tip on a plane of slope θ about y. The test uses only the arm's model and checks the commanded
+// wrench.
 struct OnSlope {
   ArmModel arm{kArm};
   ArmTerms terms{7};
@@ -21,7 +21,7 @@ struct OnSlope {
   SurfaceEstimate surface;
   Wrench F_ext = Wrench::Zero();
 
-  // The arm stands still whatever its torque: an observer would find much to explain.
+  // The arm does not react to its torque, which an observer would take for a disturbance.
   static ImpedanceSettings unobserved(ImpedanceSettings s) {
     s.observer.enabled = false;
     return s;
@@ -40,7 +40,7 @@ struct OnSlope {
     surface.distance = 0.0;
   }
 
-  const ImpedanceTorque& settle() {  // in contact, at rest, nothing left to fade
+  const ImpedanceTorque& settle() {  // in contact, at rest, after every transition
     F_ext.head<3>() = 5.0 * surface.n_W;
     const ImpedanceTorque* out = nullptr;
     for (int i = 0; i < 2000; ++i) out = &controller.step(terms, reference, surface, F_ext);
@@ -57,7 +57,7 @@ struct OnSlope {
 
 ImpedanceSettings natural_measured(const ArmModel& arm) {
   ImpedanceSettings s = shaped_settings(arm);
-  s.inertia = InertiaShaping::natural;  // M_d = Λ: F_act is the desired force itself
+  s.inertia = InertiaShaping::natural;  // M_d = Λ: F_act is the desired force
   return s;
 }
 
@@ -81,7 +81,7 @@ TEST(SurfaceLaw, LiftsTheErrorToFullStiffnessOnASlope) {
     OnSlope on(slope, s);
     const Vector6 before = on.wrench(on.settle(), kImpedance);
     on.reference.p_WD.x() +=
-        shift;  // up the slope as seen along z; the way along the slope is shift/cos θ
+        shift;  // up the slope as seen along z; along the slope it is shift/cos θ
     const Vector6 force = on.wrench(on.settle(), kImpedance) - before;
     const Eigen::Vector3d uphill(std::cos(slope), 0.0, std::sin(slope));
     const double expected =
@@ -105,8 +105,8 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
   const ImpedanceSettings s = natural_measured(arm);
   OnSlope on(0.3, s);
   on.settle();
-  // Slide along y; the measured wrench holds friction along −y, and a hand that pushes along the
-  // other tangent.
+  // Slide along y. The measured wrench contains friction along −y and a push along the other
+  // tangent.
   JointVector v = on.terms.J.transpose() * (on.terms.J * on.terms.J.transpose()).inverse() *
                   Vector6(0.05 * Vector6::Unit(1));
   on.arm.compute(on.terms.q, v, &on.terms);
@@ -116,7 +116,7 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
     F.head<3>() = 5.0 * n - along * Eigen::Vector3d::UnitY() + hand * across;
     return Vector6(on.wrench(on.controller.step(on.terms, on.reference, on.surface, F), kWrench));
   };
-  // With M_d = Λ the wrench term is minus the friction that is left out: it cancels it.
+  // With M_d = Λ the wrench term is minus the excluded friction, so it cancels friction.
   const double limit = s.friction.coefficient * 5.0,
                smooth = 0.05 / std::hypot(0.05, s.friction.fade_speed);
   EXPECT_NEAR(friction_term(1.2, 0.0)[1], 1.2 * smooth * smooth, 1e-6);
@@ -164,7 +164,7 @@ TEST(SurfaceLaw, ALostSurfaceKeepsTheLastNormalAndThenRetreats) {
   OnSlope on(0.4, shaped_settings(arm));
   on.settle();
   on.surface.status = SurfaceStatus::too_few;
-  on.surface.n_W = Eigen::Vector3d::UnitX();  // wild, and must not be used
+  on.surface.n_W = Eigen::Vector3d::UnitX();  // wrong, and must not be used
   const ImpedanceTorque* out = &on.controller.step(on.terms, on.reference, on.surface, on.F_ext);
   EXPECT_TRUE(out->status.surface_lost);
   EXPECT_EQ(out->mode, ContactMode::contact);

@@ -1,5 +1,5 @@
-// Torque limits against brute force: every vertex of the small linear program that says how much of
-// the task can be kept.
+// Torque limits against brute force: every vertex of the small linear program for the share of the
+// task.
 #include "impedraw/control/torque_limits.h"
 
 #include <cmath>
@@ -18,12 +18,12 @@ using namespace testing_arm;
 constexpr double kDt = 1e-3;
 const Eigen::VectorXd kNoRate;
 
-// The elbow, which is all that sets the wrist's distance from the shoulder, does not move when this
-// arm moves its null space. Only by its inertia can a null-space torque have a part on it: a
-// hundredth, so 2 Nm there would cost 200 Nm elsewhere. Its own test is below.
+// The elbow alone sets the distance from wrist to shoulder, so it does not move in this arm's null
+// space. A null-space torque acts on it only through inertia, with a factor of a hundredth: 2 Nm
+// there would cost 200 Nm elsewhere. It has its own test below.
 constexpr int kElbow = 3;
 
-// A posture, its operational space, and the direction of its null-space torques by the textbook.
+// A posture, its operational space, and the direction of its null-space torques by the textbook
 struct Posture {
   ArmTerms terms{7};
   OperationalSpace space;
@@ -61,8 +61,8 @@ struct Best {
   double share = -1.0, alpha = 0.0;  // the largest s, and with it the least |α|
 };
 
-// max s over 0 ≤ s ≤ 1, lower ≤ base + s task + α d ≤ upper: all crossings of two constraints, the
-// best that fits.
+// max s over 0 ≤ s ≤ 1, lower ≤ base + s task + α d ≤ upper: all intersections of two constraints,
+// and the best feasible one.
 Best brute_force(const JointVector& base, const JointVector& task, const Eigen::VectorXd& d,
                  const JointVector& lower, const JointVector& upper) {
   struct Line {
@@ -135,7 +135,7 @@ TEST(TorqueLimits, AJointThatIsOutIsReliedOnTheNullSpace) {
     EXPECT_NEAR((out.tau - t.sum()).norm(), std::abs(best.alpha),
                 1e-7 * (1.0 + std::abs(best.alpha)))
         << "and it is the least that will do";
-    // The defect: each joint clipped for itself.
+    // The defect: each joint clipped independently.
     const JointVector clipped = t.sum().cwiseMax(-limit).cwiseMin(limit);
     EXPECT_GT((p.tip_of * (clipped - t.sum())).norm(), 1e-6);
   }
@@ -192,8 +192,8 @@ TEST(TorqueLimits, DoNotThrowTheArmAboutForItsElbow) {
   EXPECT_GT(scaled, 20);
 }
 
-// A rate limit makes a box about the last torque, in which holding still without the task need not
-// lie.
+// A rate limit makes a box about the last torque. The torque that holds the arm without the task
+// may lie outside.
 TEST(TorqueLimits, KeepAsMuchOfTheTaskAsTheRateLets) {
   ArmModel arm(kArm);
   const unsigned seed = 4;
@@ -288,8 +288,8 @@ TEST(TorqueLimits, NothingLeavesTheBox) {
 }
 
 TEST(TorqueLimits, AnArmWithoutNullSpaceScalesItsTask) {
-  // Of a 6-joint arm every torque is a wrench at the tip: nothing can be shifted. Made of the iiwa
-  // with one joint held.
+  // With six joints every torque is a wrench at the tip, so nothing can be shifted. This arm is the
+  // iiwa with one joint fixed.
   ArmModel arm(kArm);
   std::mt19937 rng(8);
   int scaled = 0;

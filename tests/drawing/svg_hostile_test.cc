@@ -93,7 +93,7 @@ TEST(SvgHostile, CoordinatesBeyondReason) {
   message(kHead + "<circle r='1e30' stroke='red'/></svg>");
 }
 
-// What reading a document comes to, in a process of its own.
+// Result of reading a document, in a separate process.
 struct Cost {
   std::string message;
   double megabytes;
@@ -104,7 +104,7 @@ Cost cost(const std::string& document) {
   EXPECT_EQ(pipe(ends), 0);
   const pid_t child = fork();
   if (child == 0) {
-    // Far beyond what any of them takes: whoever never ends is ended by a signal.
+    // Far more than any of them needs: a signal ends a reader that hangs.
     const rlimit processor_seconds{120, 120};
     setrlimit(RLIMIT_CPU, &processor_seconds);
     const std::string said = message(document);
@@ -183,7 +183,7 @@ TEST(SvgHostile, Entities) {
   expect_refused(
       "<!DOCTYPE svg [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>" + kHead + "<text>&x;</text></svg>",
       "unknown entity reference 'x'");
-  // Not nested, but long and often.
+  // Long and repeated, but not nested.
   const std::string long_one = "<!DOCTYPE svg [<!ENTITY a '" + repeated("a", 100000) + "'>]>";
   expect_refused(long_one + kHead + "<desc>" + repeated("&a;", 20000) + "</desc></svg>",
                  "it takes ");

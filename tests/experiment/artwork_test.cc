@@ -148,6 +148,8 @@ TEST(ResolvedDrawing, TheCommandLinesArtworkReplacesTheScenarios) {
   EXPECT_EQ(text.drawing.text.text, "hello");
   EXPECT_TRUE(text.drawing.svg.empty());
   EXPECT_EQ(text.name, "text");
+  EXPECT_EQ(text.log.rate, LogRate::reduced);
+  EXPECT_EQ(resolve({}).log.rate, LogRate::full) << "the standard sine is judged from its log";
   options.text.clear();
   options.assignments = {"drawing.text.text=from the scenario"};
   EXPECT_EQ(resolve(options).drawing.text.text, "from the scenario");

@@ -81,7 +81,7 @@ TEST(StrokePart, BeyondItsEndsAStrokeIsCutOff) {
   EXPECT_EQ(dot.p_P[0], Vector2d(0.7, 0));
 }
 
-// Against a table of which millionth is covered.
+// Against a table of covered millionths.
 TEST(StrokePart, TheRestAndThePartsMakeTheWhole) {
   std::mt19937 random(11);
   for (int round = 0; round < 100; ++round) {
@@ -118,7 +118,7 @@ TEST(StrokePart, AShortGapIsNoneButAStrokeNeverTouchedIs) {
   EXPECT_TRUE(rest_of(strokes, {{0, 0, 1}, {1, 0, 0}}, 1e-3).empty());
 }
 
-// The plan tells where on the stroke it is, of a part in the numbers of the whole.
+// The plan gives the place on the stroke; for a part, in lengths of the whole stroke.
 TEST(StrokePart, ThePlanKnowsWhereOnTheStrokeItIs) {
   const PlacedStroke bent = surfaces::line({{0.55, -0.04}, {0.65, -0.04}, {0.65, 0.06}}, 4);
   for (const auto& [from, to] : {std::pair{0.0, 0.2}, std::pair{0.03, 0.17}}) {

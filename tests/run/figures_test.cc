@@ -13,11 +13,11 @@ TEST(Figures, MWithTheTrueWrench) { draw_within_bounds("bowl-m"); }
 TEST(Figures, SineWithoutAWrench) { draw_within_bounds("bowl-sine-natural"); }
 TEST(Figures, MWithoutAWrench) { draw_within_bounds("bowl-m-natural"); }
 
-// Normals computed once and interpolated lead to the same drawing.
+// Normals computed once and interpolated give the same drawing.
 TEST(Figures, SineWithInterpolatedNormals) { draw_within_bounds("bowl-sine-interpolated"); }
 
-// And so does the paper's own estimate, a plane through k neighbours of equal weight: worse, within
-// what is promised.
+// The paper's own estimate, a plane through k neighbours of equal weight, is worse but within the
+// promised limits.
 TEST(Figures, SineWithThePapersNormals) {
   const Figures f = draw_within_bounds("bowl-sine-plane");
   EXPECT_GT(f["normal_error_mean"], 0.02) << "or it is not the paper's";

@@ -22,14 +22,14 @@ double length_mm(const std::vector<StrokePart>& parts) {
   return sum;
 }
 
-// The arm's own signals find the gap that the simulator's truth has, and one more pass closes it.
+// The arm's own signals find the same gap as the simulator's truth, and a second pass closes it.
 TEST(Passes, WhatGotNoInkIsDrawnAgain) {
   const Figures once = draw_scenario("safety-no-cloud");
   ASSERT_EQ(once.outcome.lacking.size(), 1u);
   EXPECT_TRUE(once.outcome.drawn_again.empty());
   EXPECT_LT(once["coverage"], 0.99);
-  // Along the plane there, on the surface in the metric, which counts what lies 0.5 mm from ink as
-  // covered.
+  // Here measured along the plane; in the metric on the surface, where points within 0.5 mm of ink
+  // are covered.
   EXPECT_NEAR(length_mm(once.outcome.lacking), once["longest_gap"] + 1.0,
               0.2 * once["longest_gap"]);
 
@@ -115,7 +115,7 @@ TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
   EXPECT_EQ(f["strokes_missed"], 0.0);
   EXPECT_LE(f["ink_error_rms"], 0.04);
 
-  // What is left and what is not are the circle, and the rim is where the two meet.
+  // Drawn and omitted parts make up the circle and meet at the rim.
   options.assignments = skip;
   const Experiment e = prepare(resolve(options));
   double covered = 0.0;

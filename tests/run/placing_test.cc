@@ -10,7 +10,7 @@
 namespace impedraw {
 namespace {
 
-// The standard bowl and all that looks at it, 0.3 m too far off and 0.3 m aside.
+// The standard bowl with its cameras, 0.3 m too far away and 0.3 m to the side.
 Scenario out_of_reach() {
   DrawOptions options;
   options.assignments = {"drawing.redraw=false"};
@@ -34,8 +34,8 @@ TEST(Placing, AMovedSceneIsTheSameScene) {
   EXPECT_NEAR(here.plan.path.pen_down_length(), there.plan.path.pen_down_length(), 1e-4);
 }
 
-// Out of reach it is refused; where it is put all of it can be drawn, and no pose of a grid of its
-// own is better by much.
+// Out of reach, the drawing is refused. After placing, all of it can be drawn, and no pose of an
+// independent grid is much better.
 TEST(Placing, FindsWhereTheArmReachesBest) {
   const Scenario far = out_of_reach();
   const Experiment refused = prepare(far, {}, Unreachable::tell);
@@ -53,8 +53,8 @@ TEST(Placing, FindsWhereTheArmReachesBest) {
       << "wherever it stood before";
 }
 
-// A sheet round a cylinder keeps its lengths; projected, what runs across it grows by up to 1 /
-// cos(slope).
+// A sheet round a cylinder keeps its lengths. A projection stretches lengths across it by up to
+// 1 / cos(slope).
 TEST(Placing, WrappedLengthsAreThePages) {
   const std::vector<std::string> across = {
       "canvas.kind=cylinder",        "canvas.cylinder.middle=[0.6, 0, 0.2]",

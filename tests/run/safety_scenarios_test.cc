@@ -15,7 +15,7 @@ double met(const Figures& f, const char* what) {
   return it == f.outcome.met.end() ? 0.0 : it->second;
 }
 
-// [Nm/s], the largest of any joint between two steps.
+// Largest torque rate of any joint between two steps [Nm/s].
 double torque_rate(const Figures& f) {
   double most = 0.0;
   for (int i = 1; i < f.run.joint_torque.rows(); ++i)
@@ -66,7 +66,7 @@ TEST(Safety, ALostCloudLiftsThePenAfterAWhile) {
   EXPECT_NEAR(met(f, "surface_lost"), 1.0, 0.01);
   EXPECT_LE(torque_rate(f), kRate);
   EXPECT_LT(highest_force(f), 8.0);
-  // InkMatch on with the last normal for lost_surface_time, 0.25 s of a stroke of near 10 s.
+  // Drawing continues with the last normal for lost_surface_time: 0.25 s of a stroke of about 10 s.
   EXPECT_NEAR(f["contact_fraction"], 0.525, 0.01);
 }
 
@@ -125,10 +125,10 @@ TEST(Safety, AStretchedArmLetsADirectionGo) {
   EXPECT_GE(f["contact_fraction"], 0.99);
 }
 
-// Whatever the mode changes to, in every standard drawing.
+// Every change of mode in every standard drawing.
 TEST(Safety, NoSwitchStepsTheTorque) {
-  // The largest that was measured between two steps at a switch [Nm]: where touch is felt, and a
-  // wrench appears from one step to the next. Blind, the law knows no contact and never switches.
+  // The largest measured change between two steps at a switch [Nm]: at a touch, where the wrench
+  // appears within one step. A blind law has no contact states and never switches.
   const std::pair<const char*, double> all[] = {{"bowl-m", 0.656},
                                                 {"bowl-m-natural", 0.068},
                                                 {"bowl-m-blind", 0.0},

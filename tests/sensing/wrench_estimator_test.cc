@@ -221,7 +221,7 @@ TEST(WrenchEstimator, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal([&](S& s) { s.range_torque = nan; }), HasSubstr("range_torque"));
   EXPECT_THAT(refusal([](S& s) { s.X_ES.R(0, 0) = -1.0; }), HasSubstr("X_ES"));
   EXPECT_THAT(refusal([&](S& s) { s.gravity_W[1] = nan; }), HasSubstr("gravity_W"));
-  EXPECT_THAT(refusal([](S& s) { s.tool.mass = -0.1; }), HasSubstr("mass = -0.1 kg"));
+  EXPECT_THAT(refusal([](S& s) { s.tool.mass = -0.1; }), HasSubstr("tool.mass is -0.1 kg"));
   EXPECT_THAT(refusal([](S& s) { s.tool.I_SC(0, 1) = 1e-3; }), HasSubstr("symmetric"));
   EXPECT_THAT(refusal([](S& s) { s.tool.I_SC.diagonal() << 1e-3, 1e-3, 3e-3; }),
               HasSubstr("principal moments"));

@@ -81,7 +81,7 @@ struct Rod {
   }
 };
 
-// From the states before and after a step alone: what acts on the rod less what its momentum took.
+// From the states before and after a step: the forces on the rod minus its change of momentum.
 Vector6 balance(const WorldState& before, const WorldState& after, const TipContact& contact,
                 const Vector6& push, double dt) {
   const Rod a(before), b(after);
@@ -121,11 +121,11 @@ TEST(FlangeWrench, InMotionAndContactBalancesTheRodsMomentum) {
     }
   }
   EXPECT_GT(touched, 50);
-  EXPECT_GT(inertial, 1.0);  // the motion counts
+  EXPECT_GT(inertial, 1.0);  // not negligible
 }
 
-// Against no finite difference at all: the arm turns about the vertical at constant speed, so the
-// pen pulls outward.
+// Without finite differences: the arm turns about the vertical at constant speed, so the pen pulls
+// outward.
 TEST(FlangeWrench, TurningSteadilyIsTheCentrifugalWrench) {
   const double w = 1.2, dt = 1e-5;
   World world(kArm, nullptr, sensing(dt));

@@ -1,5 +1,5 @@
-// A step of the world and a sample of the sensor allocate nothing, with every error on: malloc
-// itself is hooked.
+// With every error on, a step of the world and a sample of the sensor allocate nothing. malloc is
+// hooked.
 #include <cstdlib>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The contact by itself, before any controller: a tip on three slides over exact triangles, against
-// closed forms.
+// The contact without a controller: a tip on three slides over exact triangles, against closed
+// forms.
 #include "impedraw/simulation/world.h"
 
 #include <cmath>
@@ -32,7 +32,7 @@ World slider(const Canvas& canvas, double friction, double dt = 1e-3) {
 
 double mass_along(const World& world, int axis) { return world.terms().M(axis, axis); }
 
-// Where the tip rests under `force`: E sinks by F/k.
+// Equilibrium under `force`: E sinks by F/k.
 double rest_height(double force) { return -force / TipMaterial{}.stiffness; }
 
 struct SlideResult {
@@ -99,9 +99,9 @@ TEST(TipContact, SlidesInContactWithTheForceAskedAndCoulombFriction) {
 }
 
 // The same on the inside of the bowl, where the normal turns and a convex hull would lift the tip
-// off. The slides do not turn the pen: the centre of the tip sphere is always one radius above E
-// and goes round the bowl's centre on an arc of R − r. Along that arc's normal the push and the
-// centripetal force are all that acts, so that the canvas answers with the push itself.
+// off. The slides do not turn the pen: the centre of the tip sphere stays one radius above E and
+// moves round the bowl's centre on an arc of R − r. Only the push and the centripetal force act
+// along that arc's normal, so the canvas's force equals the push.
 TEST(TipContact, StaysOnAConcaveBowl) {
   const BowlSettings bowl;
   const Canvas canvas(make_bowl(bowl));
@@ -171,7 +171,7 @@ TEST(TipContact, InsideTheConeItHardlyCreeps) {
   tau << 0.9 * 0.3 * kPush, 0.0, -kPush;
   for (int i = 0; i < 1000; ++i) world.step(tau, Eigen::Vector3d::Zero());
   EXPECT_LT(std::abs(world.state().q[0] - q[0]), 1e-5);  // 0.01 mm/s
-  tau[0] = 1.1 * 0.3 * kPush;                            // and beyond the cone it goes
+  tau[0] = 1.1 * 0.3 * kPush;                            // beyond the cone it slides
   for (int i = 0; i < 1000; ++i) world.step(tau, Eigen::Vector3d::Zero());
   EXPECT_GT(world.state().q[0] - q[0], 0.01);
 }

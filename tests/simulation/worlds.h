@@ -31,7 +31,7 @@ inline JointVector random_vector(std::mt19937& rng, int n, double most) {
   return v;
 }
 
-// A level square of 1 m with its middle so far beneath a point that a tip there is pressed in by
+// A level square of 1 m, at a height at which a tip at the given point penetrates it by
 // `depth`.
 inline Canvas plane_under(const Eigen::Vector3d& p_W, double depth) {
   PlaneSettings settings;

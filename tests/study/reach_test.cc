@@ -143,7 +143,7 @@ TEST_F(Reach, TheTenQuickestMeetTheirLimits) {
     EXPECT_GT(std::stod(r.at("simulated_time")), 1.0);
   }
   EXPECT_THAT(content_of(folder_ / "out/reach.md"),
-              HasSubstr("10 of 100 combinations run, **0 missed a limit**"));
+              HasSubstr("10 of 100 combinations were run, and **0 missed a limit**"));
   EXPECT_GT(std::filesystem::file_size(folder_ / "out/reach.png"), 10000u);
 
   // Kept, unless its picture is gone.

@@ -193,7 +193,7 @@ TEST_F(Robustness, TenCellsAreRunAndThenKept) {
             (std::vector<std::string>{"robustness.csv", "robustness.md", "robustness.png"}));
   const std::string page = content_of(folder_ / "out/robustness.md");
   EXPECT_THAT(page, HasSubstr("not run"));
-  EXPECT_THAT(page, HasSubstr(std::to_string(all.size()) + " cells, of which 10 have been run"));
+  EXPECT_THAT(page, HasSubstr(std::to_string(all.size()) + " cells, of which 10 were run"));
 
   // The same scenario by itself, in this process, gives what the cell's own process found.
   const CellResult alone = run_cell(ten.front(), folder_ / "alone.h5");

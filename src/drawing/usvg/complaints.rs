@@ -1,8 +1,9 @@
-//! What usvg passes over it tells to the log alone. Kept here for whoever reads in this thread.
+//! usvg reports what it skips only through the `log` crate. These lines are collected for the
+//! thread that reads the document.
 
 use std::cell::RefCell;
 
-const MOST: usize = 20; // different ones
+const MOST: usize = 20; // distinct messages
 const LONGEST: usize = 160; // characters
 
 thread_local! {
@@ -22,7 +23,7 @@ impl log::Log for Listener {
         }
         let mut text = record.args().to_string();
         if text.starts_with("Image") {
-            return; // told otherwise
+            return; // reported in another way
         }
         if let Some((end, _)) = text.char_indices().nth(LONGEST) {
             text.truncate(end);
@@ -44,7 +45,7 @@ impl log::Log for Listener {
 
 pub fn listen() {
     static LISTENER: Listener = Listener;
-    let _ = log::set_logger(&LISTENER); // fails from the second time on, for it is set already
+    let _ = log::set_logger(&LISTENER); // fails after the first time: it is already set
     log::set_max_level(log::LevelFilter::Warn);
     HEARD.with_borrow_mut(|heard| heard.clear());
 }

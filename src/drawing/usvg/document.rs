@@ -1,15 +1,15 @@
-//! The document before usvg sees it: its characters, its numbers, its layers.
+//! Prepares the document for usvg: character encoding, numbers, layers.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use usvg::roxmltree::{Document, Node, ParsingOptions};
 
 const MOST_NODES: u32 = 2_000_000;
-const DEEPEST: usize = 1000; // elements within one another; usvg takes 1,024
-const LARGEST: f64 = 1e30; // of a number; beyond, single precision ends
+const DEEPEST: usize = 1000; // nesting of elements; usvg's limit is 1,024
+const LARGEST: f64 = 1e30; // magnitude of a number, within single precision
 const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
 
-/// UTF-8, UTF-16 with a byte order mark, or Latin-1 where the XML declaration says so.
+/// Decodes UTF-8, UTF-16 with a byte order mark, or Latin-1 if the XML declaration says so.
 pub fn text_of(data: &[u8]) -> Result<Cow<'_, str>, String> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = data[2..].chunks_exact(2).map(|two| from([two[0], two[1]])).collect();
@@ -42,12 +42,12 @@ fn line_of(xml: &Document, node: Node) -> u32 {
     xml.text_pos_at(node.range().start).row
 }
 
-/// usvg passes over an element whose numbers make no sense; here that is an error, as a line would be missing.
+/// Rejects invalid numbers. usvg would skip the element, and a line would be missing.
 pub fn check(xml: &Document) -> Result<(), String> {
     let mut depth = 0;
     let mut last: Option<Node> = None;
     for node in xml.descendants() {
-        // Document order: one down from its parent, however deep the one before was.
+        // In document order, an element is one deeper than its parent.
         depth = match last {
             Some(before) if node.parent() == Some(before) => depth + 1,
             Some(before) => {
@@ -73,7 +73,8 @@ pub fn check(xml: &Document) -> Result<(), String> {
     Ok(())
 }
 
-/// A use that leads back to itself would be drawn without end: the way down the tree, and from each use to what it shows, comes back.
+/// Rejects a `use` that refers to itself, directly or through others: it would be drawn forever.
+/// Searches for a cycle in the graph of child and `use` references.
 pub fn check_uses(xml: &Document) -> Result<(), String> {
     const HREF: (&str, &str) = ("http://www.w3.org/1999/xlink", "href");
     let by_id: HashMap<&str, Node> = xml.descendants().filter_map(|n| Some((n.attribute("id")?, n))).collect();
@@ -128,7 +129,8 @@ fn fault_of(name: &str, value: &str) -> Option<String> {
     None
 }
 
-/// The document with its quarter-millimetres (40Q, a CSS unit that usvg does not know) in millimetres. None: it has none.
+/// Converts lengths in quarter-millimetres (40Q, a CSS unit that usvg does not know) to
+/// millimetres. None: the document has none.
 pub fn without_q(text: &str, xml: &Document) -> Option<String> {
     let mut inserts = Vec::new();
     for attribute in xml.descendants().flat_map(|n| n.attributes()).filter(|a| a.namespace().is_none()) {
@@ -154,7 +156,8 @@ pub fn without_q(text: &str, xml: &Document) -> Option<String> {
     Some(changed)
 }
 
-/// Groups at the top of the document. Illustrator's stand within a switch and a group that it calls extraneous.
+/// Groups at the top of the document. Illustrator puts its own inside a switch and a group that it
+/// calls extraneous.
 fn layer_groups<'a, 'i>(within: Node<'a, 'i>, found: &mut Vec<(usize, Node<'a, 'i>)>) {
     for (index, node) in within.children().filter(|n| n.is_element()).enumerate() {
         let tag = node.tag_name().name();
@@ -166,8 +169,8 @@ fn layer_groups<'a, 'i>(within: Node<'a, 'i>, found: &mut Vec<(usize, Node<'a, '
     }
 }
 
-/// The document with an id for every layer, and each id's name: Inkscape's label, the id that its author gave it, or its place.
-/// None: all of them have one, and the text stays as it is.
+/// Gives every layer an id, and returns the name of each: Inkscape's label, the author's id, or its
+/// number. None: every layer has an id already.
 pub fn name_layers(text: &str, xml: &Document) -> (Option<String>, HashMap<String, String>) {
     let mut groups = Vec::new();
     layer_groups(xml.root_element(), &mut groups);
@@ -180,7 +183,7 @@ pub fn name_layers(text: &str, xml: &Document) -> (Option<String>, HashMap<Strin
             Some(id) => {
                 names.insert(id.to_string(), label.unwrap_or(id).to_string());
             }
-            // Not within an entity's text, nor beside an id that is empty.
+            // not inside an entity's text, and not beside an empty id
             None if group.range().start > xml.root_element().range().start && !group.has_attribute("id") => {
                 let start = group.range().start + 1;
                 let length = text[start..].find(|c: char| c.is_whitespace() || matches!(c, '>' | '/')).unwrap_or(0);

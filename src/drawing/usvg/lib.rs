@@ -1,6 +1,9 @@
-//! SVG to visible outlines, through usvg. The layout of what crosses the border is told in impedraw_usvg.h.
-//! limits.rs: time and memory. document.rs: the text and its XML, before usvg. outlines.rs: what usvg makes of it, as paths.
-//! complaints.rs: what usvg had to say.
+//! Reads the visible outlines of an SVG document with usvg. impedraw_usvg.h documents the C ABI.
+//!
+//! limits.rs      bounds on time and memory
+//! document.rs    text and XML, before usvg
+//! outlines.rs    usvg's tree as paths
+//! complaints.rs  usvg's messages
 
 mod complaints;
 mod document;
@@ -24,7 +27,7 @@ pub struct Svg {
     layer_count: usize,
     warnings: *const *const c_char,
     warning_count: usize,
-    outlines: Outlines, // these three own what the pointers above show
+    outlines: Outlines, // these three own the data that the pointers above refer to
     _strings: Vec<CString>,
     pointers: Vec<*const c_char>,
 }
@@ -37,12 +40,12 @@ fn c_string(text: &str) -> CString {
 /// Errors are one line each; nothing is printed.
 fn read(bytes: &[u8]) -> Result<Outlines, String> {
     static SILENCE: std::sync::Once = std::sync::Once::new();
-    SILENCE.call_once(|| std::panic::set_hook(Box::new(|_| {}))); // for good: a thread left behind may panic later
+    SILENCE.call_once(|| std::panic::set_hook(Box::new(|_| {}))); // permanently: an abandoned thread may panic later
     limits::within(bytes.to_vec(), Outlines::read)
 }
 
 /// # Safety
-/// `data` shows `size` readable bytes.
+/// `data` must point to `size` readable bytes.
 #[no_mangle]
 pub unsafe extern "C" fn impedraw_svg_read(data: *const u8, size: usize) -> *const Svg {
     let bytes: &[u8] = if size == 0 { &[] } else { std::slice::from_raw_parts(data, size) };
@@ -80,7 +83,7 @@ pub unsafe extern "C" fn impedraw_svg_read(data: *const u8, size: usize) -> *con
 }
 
 /// # Safety
-/// `svg` comes from `impedraw_svg_read` and is given back once.
+/// `svg` must come from `impedraw_svg_read`, and must be freed only once.
 #[no_mangle]
 pub unsafe extern "C" fn impedraw_svg_free(svg: *const Svg) {
     if !svg.is_null() {

@@ -1,9 +1,10 @@
-//! Bounds of time and memory for reading a document, whatever it does to the libraries that read it: entities that multiply, thousands of
-//! attributes or rules, endless text.
+//! Bounds the time and memory for reading a document, whatever it makes the libraries do: entities
+//! that multiply, thousands of attributes or rules, endless text.
 //!
-//! The document is read in a thread of its own. Every allocation of that thread is counted; one that goes beyond the bound never returns,
-//! and the thread sleeps from then on. Who waits for it sees that, or the clock, gives up and leaves the thread behind: nothing else could
-//! be done to code that knows no cancelling. The thread also has a stack for documents nested deeply.
+//! The document is read in its own thread, whose allocations are counted. An allocation beyond the
+//! bound never returns: the thread sleeps from then on. The caller notices this, or the timeout, and
+//! abandons the thread, because the libraries cannot be cancelled. The thread's stack is large enough
+//! for deeply nested documents.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -15,11 +16,11 @@ use std::time::{Duration, Instant};
 const STACK_BYTES: usize = 64 << 20; // the libraries recurse
 const MOST_BYTES: isize = 640 << 20;
 const SECONDS: f64 = 3.5;
-const SECONDS_PER_MB: f64 = 0.4; // for what a document has beyond two megabytes
+const SECONDS_PER_MB: f64 = 0.4; // for the part of a document beyond two megabytes
 
 thread_local! {
     static USED: Cell<isize> = const { Cell::new(0) };
-    static BOUND: Cell<Option<*const AtomicBool>> = const { Cell::new(None) }; // to be set when the bound is reached
+    static BOUND: Cell<Option<*const AtomicBool>> = const { Cell::new(None) }; // set when the bound is reached
 }
 
 struct Counting;
@@ -29,7 +30,7 @@ fn count(bytes: isize) {
     USED.set(used);
     if used > MOST_BYTES {
         if let Some(reached) = BOUND.get() {
-            unsafe { &*reached }.store(true, Ordering::Release); // the thread that set BOUND holds it
+            unsafe { &*reached }.store(true, Ordering::Release); // kept alive by the thread that set BOUND
             loop {
                 std::thread::sleep(Duration::from_secs(3600));
             }
@@ -59,12 +60,12 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// read(document), or an error where it panics, takes too long or too much.
+/// Returns read(document), or an error if it panics or exceeds the bounds on time or memory.
 pub fn within<T: Send + 'static>(document: Vec<u8>, read: fn(&[u8]) -> Result<T, String>) -> Result<T, String> {
     let gave_up = || "usvg gave up on it".to_string();
     let megabytes = document.len() as f64 / 1e6;
     let seconds = SECONDS + SECONDS_PER_MB * (megabytes - 2.0).max(0.0);
-    let reached = Arc::new(AtomicBool::new(false)); // a sleeping thread keeps it
+    let reached = Arc::new(AtomicBool::new(false)); // a sleeping thread still refers to it
     let in_thread = reached.clone();
     let (sender, receiver) = mpsc::channel();
     let work = move || {

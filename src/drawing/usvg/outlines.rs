@@ -1,4 +1,4 @@
-//! What usvg makes of a document, as paths on the page in millimetres.
+//! Converts usvg's tree to paths on the page, in millimetres.
 
 use crate::{complaints, document};
 use std::collections::HashMap;
@@ -7,7 +7,7 @@ use usvg::tiny_skia_path::{PathSegment, Point};
 use usvg::{fontdb, Color, FillRule, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
-const MOST_POINTS: usize = 4_000_000; // a use of uses of uses … grows beyond any memory
+const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
 
 #[repr(C)]
 pub struct SvgPath {
@@ -33,13 +33,13 @@ pub struct Outlines {
     pub layers: Vec<String>,
     pub warnings: Vec<String>,
     names: HashMap<String, String>, // of the layers, by their group's id
-    seen: HashMap<String, u32>,     // layers that something was drawn on, by their group's id
-    hidden_parts: usize,            // clip paths and masks that are passed over
+    seen: HashMap<String, u32>,     // layers with a path, by their group's id
+    hidden_parts: usize,            // skipped clip paths and masks
     lost_texts: usize,
     too_many: bool,
 }
 
-/// The system's fonts, with one that is there for each generic name.
+/// The system's fonts. Each generic family name maps to an installed font.
 fn fonts() -> fontdb::Database {
     let mut fonts = fontdb::Database::new();
     fonts.load_system_fonts();
@@ -100,7 +100,7 @@ impl Outlines {
             }
         }
         let mut options = Options {
-            // Nothing outside of the file is read, and pictures inside of it cannot be drawn with a pen.
+            // Nothing outside the file is read, and a pen cannot draw embedded pictures.
             image_href_resolver: ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) },
             ..Options::default()
         };
@@ -139,7 +139,7 @@ impl Outlines {
         self.warnings.extend(complaints::heard());
     }
 
-    /// layer: the id of the top group that this stands in.
+    /// layer: the id of the enclosing top-level group.
     fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>) {
         if group.opacity().get() == 0.0 {
             return;
@@ -167,7 +167,7 @@ impl Outlines {
     }
 
     fn layer_index(&mut self, id: Option<&str>) -> u32 {
-        let id = id.unwrap_or(""); // what stands in no group
+        let id = id.unwrap_or(""); // in no group
         if let Some(index) = self.seen.get(id) {
             return *index;
         }

@@ -189,28 +189,25 @@ class Planner {
 
 void validate(const PathSettings& s) {
   using Limits = PathSettings::Limits;
-  require_in_range("path.start_hold", s.start_hold, Limits::start_hold, "s");
-  require_in_range("path.hover_height", s.hover_height, Limits::hover_height, "m");
-  require_in_range("path.approach_speed", s.approach_speed, Limits::approach_speed, "m/s");
-  require_in_range("path.settle_time", s.settle_time, Limits::settle_time, "s");
-  require_in_range("path.draw_speed", s.draw_speed, Limits::draw_speed, "m/s");
-  require_in_range("path.draw_acceleration", s.draw_acceleration, Limits::draw_acceleration,
-                   "m/s²");
-  require_in_range("path.end_hold", s.end_hold, Limits::end_hold, "s");
-  require_in_range("path.dot_time", s.dot_time, Limits::dot_time, "s");
-  require_in_range("path.travel_speed", s.travel_speed, Limits::travel_speed, "m/s");
-  require_in_range("path.travel_acceleration", s.travel_acceleration, Limits::travel_acceleration,
-                   "m/s²");
-  require_in_range("path.turn_speed", s.turn_speed, Limits::turn_speed, "rad/s");
-  require_in_range("path.turn_acceleration", s.turn_acceleration, Limits::turn_acceleration,
-                   "rad/s²");
-  require_in_range("path.safe_height", s.safe_height, Limits::safe_height, "m");
-  require_in_range("path.smoothing_time", s.smoothing_time, Limits::smoothing_time, "s");
-  require_in_range("path.corner_angle", s.corner_angle_deg, Limits::corner_angle, "deg");
-  require_in_range("path.tolerance", s.tolerance, Limits::tolerance, "m");
-  require_in_range("path.knot_spacing", s.knot_spacing, Limits::knot_spacing, "m");
-  require_in_range("path.normal_smoothing", s.normal_smoothing, Limits::normal_smoothing, "m");
-  require_in_range("path.sink", s.sink, Limits::sink, "m");
+  require_in_range("path", Limits::start_hold, s.start_hold);
+  require_in_range("path", Limits::hover_height, s.hover_height);
+  require_in_range("path", Limits::approach_speed, s.approach_speed);
+  require_in_range("path", Limits::settle_time, s.settle_time);
+  require_in_range("path", Limits::draw_speed, s.draw_speed);
+  require_in_range("path", Limits::draw_acceleration, s.draw_acceleration);
+  require_in_range("path", Limits::end_hold, s.end_hold);
+  require_in_range("path", Limits::dot_time, s.dot_time);
+  require_in_range("path", Limits::travel_speed, s.travel_speed);
+  require_in_range("path", Limits::travel_acceleration, s.travel_acceleration);
+  require_in_range("path", Limits::turn_speed, s.turn_speed);
+  require_in_range("path", Limits::turn_acceleration, s.turn_acceleration);
+  require_in_range("path", Limits::safe_height, s.safe_height);
+  require_in_range("path", Limits::smoothing_time, s.smoothing_time);
+  require_in_range("path", Limits::corner_angle, s.corner_angle_deg);
+  require_in_range("path", Limits::tolerance, s.tolerance);
+  require_in_range("path", Limits::knot_spacing, s.knot_spacing);
+  require_in_range("path", Limits::normal_smoothing, s.normal_smoothing);
+  require_in_range("path", Limits::sink, s.sink);
   if (s.highest_z) require_in_range("path.highest_z", *s.highest_z, Range::any(), "m");
   for (const double x : s.start_p_WE) require_in_range("path.start_p_WE", x, Range::any(), "m");
   require_in_range("path.start_n_W length", s.start_n_W.norm(), {1 - 1e-6, 1 + 1e-6}, "");

@@ -47,25 +47,25 @@ struct PathSettings {
 
   struct Limits {
     // Includes a tare of up to 60 s.
-    static constexpr Range start_hold = {0.0, 120.0};
-    static constexpr Range hover_height = Range::positive_to(0.1);
-    static constexpr Range approach_speed = {1e-4, 0.2};
-    static constexpr Range settle_time = {0.0, 10.0};
-    static constexpr Range draw_speed = {1e-4, 1.0};
-    static constexpr Range draw_acceleration = {0.01, 20.0};
-    static constexpr Range end_hold = {0.0, 10.0};
-    static constexpr Range dot_time = {0.0, 10.0};
-    static constexpr Range travel_speed = {1e-3, 2.0};
-    static constexpr Range travel_acceleration = {0.01, 20.0};
-    static constexpr Range turn_speed = {0.01, 10.0};
-    static constexpr Range turn_acceleration = {0.01, 100.0};
-    static constexpr Range safe_height = Range::positive_to(1.0);
-    static constexpr Range smoothing_time = {0.0, 1.0};
-    static constexpr Range corner_angle = Range::to_below(1.0, 90.0);
-    static constexpr Range tolerance = {1e-7, 1e-2};
-    static constexpr Range knot_spacing = Range::positive();
-    static constexpr Range normal_smoothing = {0.0, 0.1};
-    static constexpr Range sink = Range::at_least(0.0);
+    static constexpr Limit start_hold = {"start_hold", "s", {0.0, 120.0}};
+    static constexpr Limit hover_height = {"hover_height", "m", Range::positive_to(0.1)};
+    static constexpr Limit approach_speed = {"approach_speed", "m/s", {1e-4, 0.2}};
+    static constexpr Limit settle_time = {"settle_time", "s", {0.0, 10.0}};
+    static constexpr Limit draw_speed = {"draw_speed", "m/s", {1e-4, 1.0}};
+    static constexpr Limit draw_acceleration = {"draw_acceleration", "m/s²", {0.01, 20.0}};
+    static constexpr Limit end_hold = {"end_hold", "s", {0.0, 10.0}};
+    static constexpr Limit dot_time = {"dot_time", "s", {0.0, 10.0}};
+    static constexpr Limit travel_speed = {"travel_speed", "m/s", {1e-3, 2.0}};
+    static constexpr Limit travel_acceleration = {"travel_acceleration", "m/s²", {0.01, 20.0}};
+    static constexpr Limit turn_speed = {"turn_speed", "rad/s", {0.01, 10.0}};
+    static constexpr Limit turn_acceleration = {"turn_acceleration", "rad/s²", {0.01, 100.0}};
+    static constexpr Limit safe_height = {"safe_height", "m", Range::positive_to(1.0)};
+    static constexpr Limit smoothing_time = {"smoothing_time", "s", {0.0, 1.0}};
+    static constexpr Limit corner_angle = {"corner_angle", "deg", Range::to_below(1.0, 90.0)};
+    static constexpr Limit tolerance = {"tolerance", "m", {1e-7, 1e-2}};
+    static constexpr Limit knot_spacing = {"knot_spacing", "m", Range::positive()};
+    static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 0.1}};
+    static constexpr Limit sink = {"sink", "m", Range::at_least(0.0)};
   };
 };
 

@@ -203,22 +203,22 @@ const char* name_of(Problem problem) noexcept {
 
 void validate(const PreflightSettings& s) {
   using Limits = PreflightSettings::Limits;
-  static_assert(Limits::clearance.highest <= kFarEnough / 2);
-  require_in_range("preflight.step", s.step, Limits::step, "m");
-  require_in_range("preflight.surface_step", s.surface_step, Limits::surface_step, "m");
-  require_in_range("preflight.edge_tolerance", s.edge_tolerance, Limits::edge_tolerance, "m");
-  require_in_range("preflight.edge_margin", s.edge_margin, Limits::edge_margin, "m");
-  require_in_range("preflight.shortest", s.shortest, Limits::shortest, "m");
-  require_in_range("preflight.max_slope", s.max_slope_deg, Limits::max_slope, "deg");
-  require_in_range("preflight.fold_height", s.fold_height, Limits::fold_height, "m");
-  require_in_range("preflight.normal_smoothing", s.normal_smoothing, Limits::normal_smoothing, "m");
-  require_in_range("preflight.joint_margin", s.joint_margin, Limits::joint_margin, "rad");
-  require_in_range("preflight.max_joint_step", s.max_joint_step, Limits::max_joint_step, "rad");
-  require_in_range("preflight.torque_share", s.torque_share, Limits::torque_share, "");
-  require_in_range("preflight.normal_force", s.normal_force, Limits::normal_force, "N");
-  require_in_range("preflight.friction", s.friction, Limits::friction, "");
-  require_in_range("preflight.clearance", s.clearance, Limits::clearance, "m");
-  if (s.table_z) require_in_range("preflight.table_z", *s.table_z, Limits::table_z, "m");
+  static_assert(Limits::clearance.range.highest <= kFarEnough / 2);
+  require_in_range("preflight", Limits::step, s.step);
+  require_in_range("preflight", Limits::surface_step, s.surface_step);
+  require_in_range("preflight", Limits::edge_tolerance, s.edge_tolerance);
+  require_in_range("preflight", Limits::edge_margin, s.edge_margin);
+  require_in_range("preflight", Limits::shortest, s.shortest);
+  require_in_range("preflight", Limits::max_slope, s.max_slope_deg);
+  require_in_range("preflight", Limits::fold_height, s.fold_height);
+  require_in_range("preflight", Limits::normal_smoothing, s.normal_smoothing);
+  require_in_range("preflight", Limits::joint_margin, s.joint_margin);
+  require_in_range("preflight", Limits::max_joint_step, s.max_joint_step);
+  require_in_range("preflight", Limits::torque_share, s.torque_share);
+  require_in_range("preflight", Limits::normal_force, s.normal_force);
+  require_in_range("preflight", Limits::friction, s.friction);
+  require_in_range("preflight", Limits::clearance, s.clearance);
+  if (s.table_z) require_in_range("preflight", Limits::table_z, *s.table_z);
   require_in_range("preflight.space.max_effective_mass", s.space.max_effective_mass,
                    Range::positive(), "kg");
   require_in_range("preflight.space.characteristic_length", s.space.characteristic_length,

@@ -85,21 +85,22 @@ struct PreflightSettings {
   std::optional<double> table_z;  // height of an infinite table [m], W; default: none
 
   struct Limits {
-    static constexpr Range step = {1e-4, 0.1};
-    static constexpr Range surface_step = Range::positive();
-    static constexpr Range edge_tolerance = {1e-6, 0.01};
-    static constexpr Range edge_margin = {0.0, 0.1};
-    static constexpr Range shortest = {0.0, 1.0};
-    static constexpr Range max_slope = {1.0, 89.0};
-    static constexpr Range fold_height = {1e-6, 0.1};
-    static constexpr Range normal_smoothing = {0.0, 1.0};
-    static constexpr Range joint_margin = {0.0, 1.0};
-    static constexpr Range max_joint_step = {0.001, 3.0};
-    static constexpr Range torque_share = Range::positive();
-    static constexpr Range normal_force = {0.0, 1e4};
-    static constexpr Range friction = {0.0, 10.0};
-    static constexpr Range clearance = {0.0, 0.015};  // half of kFarEnough (clearance.h)
-    static constexpr Range table_z = {-2.0, 2.0};
+    static constexpr Limit step = {"step", "m", {1e-4, 0.1}};
+    static constexpr Limit surface_step = {"surface_step", "m", Range::positive()};
+    static constexpr Limit edge_tolerance = {"edge_tolerance", "m", {1e-6, 0.01}};
+    static constexpr Limit edge_margin = {"edge_margin", "m", {0.0, 0.1}};
+    static constexpr Limit shortest = {"shortest", "m", {0.0, 1.0}};
+    static constexpr Limit max_slope = {"max_slope", "deg", {1.0, 89.0}};
+    static constexpr Limit fold_height = {"fold_height", "m", {1e-6, 0.1}};
+    static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 1.0}};
+    static constexpr Limit joint_margin = {"joint_margin", "rad", {0.0, 1.0}};
+    static constexpr Limit max_joint_step = {"max_joint_step", "rad", {0.001, 3.0}};
+    static constexpr Limit torque_share = {"torque_share", "", Range::positive()};
+    static constexpr Limit normal_force = {"normal_force", "N", {0.0, 1e4}};
+    static constexpr Limit friction = {"friction", "", {0.0, 10.0}};
+    // half of kFarEnough (clearance.h)
+    static constexpr Limit clearance = {"clearance", "m", {0.0, 0.015}};
+    static constexpr Limit table_z = {"table_z", "m", {-2.0, 2.0}};
   };
 };
 

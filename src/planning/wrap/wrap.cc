@@ -146,9 +146,9 @@ class Follower {
 
 void validate(const WrapSettings& s) {
   using Limits = WrapSettings::Limits;
-  require_in_range("wrap.spacing", s.spacing, Limits::spacing, "m");
-  require_in_range("wrap.margin", s.margin, Limits::margin, "m");
-  require_in_range("wrap.tolerance", s.tolerance, Limits::tolerance, "m");
+  require_in_range("wrap", Limits::spacing, s.spacing);
+  require_in_range("wrap", Limits::margin, s.margin);
+  require_in_range("wrap", Limits::tolerance, s.tolerance);
   if (s.margin < 2 * s.spacing)
     throw InputError(fmt::format("wrap.margin is {} m, allowed is two spacings or more: {} m",
                                  s.margin, 2 * s.spacing));

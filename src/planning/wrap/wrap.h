@@ -37,9 +37,9 @@ struct WrapSettings {
   std::filesystem::path python{};
 
   struct Limits {
-    static constexpr Range spacing = {5e-4, 0.02};
-    static constexpr Range margin = {0.001, 0.5};
-    static constexpr Range tolerance = {1e-7, 1e-2};
+    static constexpr Limit spacing = {"spacing", "m", {5e-4, 0.02}};
+    static constexpr Limit margin = {"margin", "m", {0.001, 0.5}};
+    static constexpr Limit tolerance = {"tolerance", "m", {1e-7, 1e-2}};
   };
 };
 

@@ -115,7 +115,7 @@ TEST_F(PreflightTest, NarrowedJointEndsTheStroke) {
   EXPECT_EQ(done.findings[0].text.find("joint 4 at its limit of -1.50 rad, the pen stays"), 0u)
       << done.findings[0].text;
   EXPECT_NEAR(done.margins.joint, margin, 1e-3);
-  // Short of the limit itself all is reached: only the margin is gone.
+  // Everything up to the limit is reached; only the margin is zero.
   const double within = 0.72 - std::sqrt(0.42 * 0.42 + 0.40 * 0.40 +
                                          2 * 0.42 * 0.40 * std::cos(limit - 0.02) - 0.014 * 0.014);
   const PlacedStroke shorter = part_of(surfaces::line({{0.72, 0}, {0.48, 0}}), 0, within);
@@ -131,13 +131,13 @@ TEST_F(PreflightTest, TorqueIsWhatVirtualWorkSays) {
   const PlacedStroke dot = surfaces::line({{0.65, 0.05}});
   const Preflight done = check({dot}, surfaces::flat(0.1));
   ASSERT_TRUE(done.findings.empty());
-  // A posture that is its own rest posture is kept.
+  // A posture that equals the rest posture is kept.
   const JointVector q =
       find_posture(arm, {{0.65, 0.05, 0.1}, -Vector3d::UnitZ()}, surfaces::start_posture(arm)).q;
   const double share =
       check_strokes({dot}, surfaces::flat(0.1), arm, nullptr, q, settings).margins.torque_share;
-  // Gravity by the arm's terms; the push by differences of the tip's position, friction in the
-  // worst of many directions.
+  // Gravity from the arm's terms, the push from finite differences of the tip's position, friction
+  // in the worst of many directions.
   ArmTerms terms(7);
   arm.compute(q, JointVector::Zero(7), &terms);
   double worst = 0;
@@ -190,7 +190,7 @@ TEST_F(PreflightTest, ArmKeepsOffATable) {
 }
 
 TEST_F(PreflightTest, ASuddenTurnIsAJumpAndCutsTheStroke) {
-  // Normals turn by 57° at once, and are not smoothed: no posture leads on.
+  // The normal turns by 57° at one point without smoothing: the next posture is too far away.
   settings.normal_smoothing = 0;
   const SurfaceHeight ridge = [](double x, double y) {
     const double side = x < 0.6 ? -1 : 1;
@@ -221,7 +221,7 @@ TEST_F(PreflightTest, NamesWhatIsLeftTooShort) {
 }
 
 TEST_F(PreflightTest, TurnedDrawingFrameIsTheSame) {
-  // The bowl told of in a frame that stands elsewhere: the same cut at the same place of the world.
+  // The bowl expressed in another frame: the same cut at the same place in the world.
   settings.max_slope_deg = 25;
   const PlacedStroke stroke = surfaces::line({{0.6, 0}, {0.77, 0}});
   const Preflight plain = check({stroke}, surfaces::bowl);
