@@ -70,7 +70,7 @@ def make(program: str, root: pathlib.Path, folder: pathlib.Path) -> None:
     images = root / "docs/images"
     for run, width in COPIES.items():
         picture = resized(Image.open(folder / run / "ink_top.png"), width)
-        picture.quantize(256).save(images / f"{run}.png", optimize=True)
+        picture.save(images / f"{run}.png", optimize=True)
     drawn(folder, images / "drawn.png")
     compared = folder / "compare"
     if not (compared / "compare.png").exists():
