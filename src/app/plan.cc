@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
+#include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/planning/wrap/distortion.h"
 #include "impedraw/report/distortion_picture.h"
 #include "impedraw/report/plan_picture.h"
@@ -21,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kSpacing = 2e-3;  // of points in the picture [m]
+
 // "off canvas", for a legend.
 std::string words_of(Problem problem) {
   std::string words = name_of(problem);
@@ -29,21 +33,20 @@ std::string words_of(Problem problem) {
 }
 
 // Each part of a stroke where it lies on the surface, in P.
-PlanLine plan_line(const PlacedStroke& part, const SurfaceHeight& surface, double z,
+PlanLine plan_line(const StrokeRuler& part, const SurfaceHeight& surface, double z,
                    const std::string& problem) {
-  constexpr double kSpacing = 2e-3;  // [m]
   PlanLine line{{}, problem};
-  const double length = plane_length(part);
+  const double length = part.length();
   const int pieces = std::max(1, static_cast<int>(std::ceil(length / kSpacing)));
   for (int i = 0; i <= pieces; ++i) {
-    const Eigen::Vector2d p = place_on(part, part.start + length * i / pieces).p_P;
+    const Eigen::Vector2d p = part.at(part.stroke().start + length * i / pieces).p_P;
     const auto sample = surface(p.x(), p.y());
     line.points.push_back(sample ? sample->p_P : Eigen::Vector3d(p.x(), p.y(), z));
   }
   return line;
 }
 
-void write_picture(const PlannedDrawing& e, const fs::path& stem) {
+void write_picture(const PlannedDrawing& e, const SurfaceHeight& surface, const fs::path& stem) {
   PlanPicture picture;
   picture.title = e.scenario.name;
   picture.subtitle = fmt::format(
@@ -55,13 +58,16 @@ void write_picture(const PlannedDrawing& e, const fs::path& stem) {
   for (const Eigen::Vector3d& v_W : e.scene.canvas->mesh().vertices)
     picture.canvas_vertices.push_back(X_PW * v_W);
   picture.canvas_triangles = e.scene.canvas->mesh().triangles;
-  const SurfaceHeight surface = e.surface();
   for (const PlacedStroke& stroke : e.plan.strokes)
-    picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
-  for (const Finding& f : e.plan.preflight.findings)
-    picture.lines.push_back(plan_line(
-        part_of(e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)], f.part.from, f.part.to),
-        surface, (X_PW * f.p_W).z(), words_of(f.problem)));
+    picture.lines.push_back(plan_line(StrokeRuler(stroke), surface, 0.0, ""));
+  std::optional<StrokeRuler> ruler;
+  for (const Finding& f : e.plan.preflight.findings) {
+    const PlacedStroke& whole = e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)];
+    if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
+    const PlacedStroke part = ruler->part(f.part.from, f.part.to);
+    picture.lines.push_back(
+        plan_line(StrokeRuler(part), surface, (X_PW * f.p_W).z(), words_of(f.problem)));
+  }
   write_plan(picture, stem);
 }
 
@@ -78,7 +84,20 @@ int plan(const DrawOptions& options, bool as_json) {
   make_folder(folder);
   const std::string json = plan_json(e).dump(2) + "\n";
   write_file(folder / "plan.json", json);
-  write_picture(e, folder / "plan");
+  {
+    ProgressLine line;
+    double length = 0.0;
+    for (const PlacedStroke& stroke : e.artwork.strokes) length += plane_length(stroke);
+    const double looks = length / kSpacing + 2.0 * static_cast<double>(e.artwork.strokes.size());
+    write_picture(
+        e,
+        [&line, looks, surface = e.surface(), n = 0L](double x, double y) mutable {
+          if (++n % 256 == 0)
+            line.update("drawing the picture", std::min(1.0, static_cast<double>(n) / looks));
+          return surface(x, y);
+        },
+        folder / "plan");
+  }
   say(stdout, "{}", as_json ? json : plan_text(e));
   if (e.plan.wrap) {
     write_distortion({e.scenario.name, e.plan.wrap->chart(), e.artwork.strokes, e.plan.requested,

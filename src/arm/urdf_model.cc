@@ -9,6 +9,7 @@
 
 #include <pinocchio/parsers/urdf.hpp>
 
+#include "impedraw/arm/urdf_text.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/control/arm_terms.h"
 
@@ -124,8 +125,7 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
 }  // namespace
 
 UrdfModel read_urdf(const std::filesystem::path& urdf) {
-  if (!std::filesystem::is_regular_file(urdf))
-    throw InputError(fmt::format("arm description {}: no such file", urdf.string()));
+  require_urdf_file(urdf);
   ParserMessages messages;
   const urdf::ModelInterfaceSharedPtr description = urdf::parseURDFFile(urdf.string());
   if (!description)

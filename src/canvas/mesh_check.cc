@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -108,13 +109,14 @@ struct Mending {
   void edges_and_winding() {
     const auto edges = half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
     std::vector<int> crowded;  // lowest triangle of each edge with too many
+    int lowest = std::numeric_limits<int>::max();
     std::string at;
     checked->closed = true;
     for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
       checked->closed = checked->closed && last - first == 2;
       if (last - first <= 2) return;
-      if (crowded.empty() ||
-          number[first->face] < *std::min_element(crowded.begin(), crowded.end())) {
+      if (number[first->face] < lowest) {
+        lowest = number[first->face];
         const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
         at = fmt::format(
             "its edge from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m is shared by {} "

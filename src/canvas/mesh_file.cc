@@ -1,12 +1,11 @@
 #include "impedraw/canvas/mesh_file.h"
 
-#include <fstream>
-
 #include <fmt/format.h>
 
 #include "impedraw/canvas/polygon_mesh.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/file_extension.h"
+#include "impedraw/common/input_file.h"
 
 namespace impedraw {
 namespace {
@@ -15,19 +14,13 @@ constexpr std::size_t kMostTriangles = 20'000'000;
 constexpr double kFarthest = 1e30;  // [file's unit]; areas and volumes stay finite
 
 std::string read_all(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    throw InputError(fmt::format("{}: no such file", file.string()));
-  const auto size = std::filesystem::file_size(file, error);
-  if (size > (std::size_t{1} << 31)) {
+  constexpr std::size_t kLargest = std::size_t{1} << 31;  // [bytes]
+  const InputFile in(file);
+  if (in.size() > kLargest) {
     throw InputError(fmt::format("{}: {:.1f} GiB, at most 2 GiB are read: thin the mesh out",
-                                 file.string(), static_cast<double>(size) / 1073741824.0));
+                                 file.string(), static_cast<double>(in.size()) / 1073741824.0));
   }
-  std::string text(size, '\0');
-  std::ifstream in(file, std::ios::binary);
-  if (!in.read(text.data(), static_cast<std::streamsize>(size)))
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  return text;
+  return in.read(kLargest);
 }
 
 void require_valid_corners(const PolygonMesh& mesh, const std::string& name) {

@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
 #include <tuple>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <nanoflann.hpp>
 
 #include "impedraw/drawing/polyline.h"
@@ -56,11 +58,72 @@ std::vector<std::array<int, kNeighbours>> neighbours_of(const Ends& ends) {
   return neighbours;
 }
 
+// Finds the nearest of the points that are left, the first of equally near ones.
+class NearestLeft {
+ public:
+  explicit NearestLeft(const Ends& points) : points_(points), left_(points.p.size()) {
+    Eigen::AlignedBox2d box;
+    for (const Vector2d& p : points.p) box.extend(p);
+    origin_ = box.min();
+    // About two points a cell.
+    const double sides = std::sqrt(static_cast<double>(points.p.size()) / 2);
+    cell_ = std::max(box.sizes().maxCoeff() / std::max(1.0, sides), 1e-9);
+    columns_ = 1 + static_cast<int>(box.sizes().x() / cell_);
+    rows_ = 1 + static_cast<int>(box.sizes().y() / cell_);
+    cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+    for (std::size_t i = 0; i < points.p.size(); ++i)
+      cells_[cell_of(points.p[i])].push_back(static_cast<int>(i));
+  }
+
+  void remove(int point) {
+    std::vector<int>& cell = cells_[cell_of(points_.p[point])];
+    left_ -= std::erase(cell, point);
+  }
+
+  // −1: none is left.
+  int nearest(const Vector2d& p) const {
+    if (left_ == 0) return -1;
+    const int column = column_of(p), row = row_of(p);
+    int best = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int ring = 0; (ring - 1) * cell_ <= least; ++ring) {
+      for (int r = std::max(0, row - ring); r <= std::min(rows_ - 1, row + ring); ++r) {
+        const bool whole = r == row - ring || r == row + ring;
+        for (int c = column - ring; c <= column + ring; c += whole ? 1 : std::max(1, 2 * ring)) {
+          if (c < 0 || c >= columns_) continue;
+          for (const int i : cells_[index(c, r)]) {
+            const double d = (points_.p[i] - p).norm();
+            if (d < least || (d == least && i < best)) least = d, best = i;
+          }
+        }
+      }
+    }
+    return best;
+  }
+
+ private:
+  int column_of(const Vector2d& p) const { return static_cast<int>((p.x() - origin_.x()) / cell_); }
+  int row_of(const Vector2d& p) const { return static_cast<int>((p.y() - origin_.y()) / cell_); }
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
+  std::size_t cell_of(const Vector2d& p) const { return index(column_of(p), row_of(p)); }
+
+  const Ends& points_;
+  std::size_t left_;
+  Vector2d origin_;
+  double cell_;
+  int columns_, rows_;
+  std::vector<std::vector<int>> cells_;
+};
+
 // An open tour through the strokes. Each place holds the end at which the pen enters.
 class Tour {
  public:
-  explicit Tour(Ends ends)
-      : ends_(std::move(ends)),
+  Tour(Ends ends, std::function<void(double)> progress)
+      : progress_(std::move(progress)),
+        ends_(std::move(ends)),
         near_(neighbours_of(ends_)),
         count_(static_cast<int>(ends_.p.size() / 2)) {
     greedy();
@@ -73,7 +136,12 @@ class Tour {
     std::iota(all.begin(), all.end(), 0);
     queue_ = std::move(all);
     queued_.assign(ends_.p.size(), true);
-    settle();
+    // About two looks at each end suffice.
+    settle([&, looks = std::size_t{0}]() mutable {
+      if (++looks % 1024 == 0)
+        tell(0.5 * std::min(1.0, static_cast<double>(looks) /
+                                     (2.0 * static_cast<double>(ends_.p.size()))));
+    });
   }
 
   void shake(int times) {
@@ -83,6 +151,7 @@ class Tour {
       return 1 + static_cast<int>(random() % static_cast<unsigned>(n));
     };
     for (int i = 0; i < times; ++i) {
+      if (i % 1024 == 0) tell(0.5 + 0.5 * i / times);
       const int longest = std::min(kShakenRun, (count_ - 2) / 3);
       const int a = up_to(longest), b = up_to(longest),
                 first = static_cast<int>(random() % static_cast<unsigned>(count_ - a - b));
@@ -94,7 +163,7 @@ class Tour {
         if (k > 0) ask(exit(k - 1));
         if (k < count_) ask(entry_[k]);
       }
-      change -= settle();
+      change -= settle([] {});
       if (change > -kGain) {
         for (; !done_.empty(); done_.pop_back())
           turn_places(done_.back().first, done_.back().second);
@@ -105,6 +174,9 @@ class Tour {
   const std::vector<int>& entries() const { return entry_; }
 
  private:
+  void tell(double share) const {
+    if (progress_) progress_(share);
+  }
   int exit(int place) const { return entry_[place] ^ 1; }
   double distance(int a, int b) const { return (ends_.p[a] - ends_.p[b]).norm(); }
   // Length of the link from the previous stroke to the one at that place; the tour's ends cost
@@ -142,22 +214,24 @@ class Tour {
       far[b] = a;
     }
     // Appends the chains in turn, always the one with the nearest end.
+    Ends loose;
     std::vector<int> free;
     for (int e = 0; e < 2 * count_; ++e) {
-      if (partner[e] < 0) free.push_back(e);
+      if (partner[e] >= 0) continue;
+      free.push_back(e);
+      loose.p.push_back(ends_.p[e]);
     }
-    int at = free.front();
-    while (true) {
-      for (int e = at;;) {
+    NearestLeft left(loose);
+    for (int at = 0; at >= 0;) {
+      for (int e = free[at];;) {
         entry_.push_back(e);
         e = partner[e ^ 1];
         if (e < 0) break;
       }
-      const int out = far[at];
-      std::erase_if(free, [&](int e) { return e == at || e == out; });
-      if (free.empty()) return;
-      at = *std::min_element(free.begin(), free.end(),
-                             [&](int a, int b) { return distance(out, a) < distance(out, b); });
+      const int out = far[free[at]];
+      left.remove(at);
+      left.remove(static_cast<int>(std::lower_bound(free.begin(), free.end(), out) - free.begin()));
+      at = left.nearest(ends_.p[out]);
     }
   }
 
@@ -167,10 +241,13 @@ class Tour {
     queue_.push_back(end);
   }
 
-  // Improves the tour until no end in the queue has a gain left. Returns the total gain.
-  double settle() {
+  // Improves the tour until no end in the queue has a gain left. Returns the total gain. `look` is
+  // called before each look at an end.
+  template <typename Look>
+  double settle(Look&& look) {
     double gained = 0;
     while (!queue_.empty()) {
+      look();
       const int end = queue_.front();
       queue_.pop_front();
       queued_[end] = false;
@@ -270,6 +347,7 @@ class Tour {
     }
   }
 
+  std::function<void(double)> progress_;
   Ends ends_;
   std::vector<std::array<int, kNeighbours>> near_;
   int count_;
@@ -281,8 +359,8 @@ class Tour {
 
 }  // namespace
 
-std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes,
-                                  const OrderSettings& settings) {
+std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes, const OrderSettings& settings,
+                                  const std::function<void(double)>& progress) {
   std::map<int, std::vector<int>> layers;
   for (std::size_t s = 0; s < strokes.size(); ++s)
     layers[settings.keep_layers ? strokes[s].layer : 0].push_back(static_cast<int>(s));
@@ -293,7 +371,11 @@ std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes,
       ends.p.push_back(strokes[s].points.front());
       ends.p.push_back(strokes[s].points.back());
     }
-    Tour tour(std::move(ends));
+    const double before = static_cast<double>(order.size()) / static_cast<double>(strokes.size()),
+                 own = static_cast<double>(members.size()) / static_cast<double>(strokes.size());
+    Tour tour(std::move(ends), [&](double share) {
+      if (progress) progress(before + own * share);
+    });
     tour.improve();
     tour.shake(static_cast<int>(std::min<double>(
         kMostShakes, static_cast<double>(settings.shakes) * static_cast<double>(members.size()))));

@@ -10,6 +10,7 @@
 // Layers are pens. They keep their order unless OrderSettings::keep_layers is false.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,8 +30,10 @@ struct Visit {
 };
 
 // Visits each stroke once. A stroke needs at least one point; consecutive points may be equal.
+// `progress`, if given, gets the share done now and then.
 std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes,
-                                  const OrderSettings& settings = {});
+                                  const OrderSettings& settings = {},
+                                  const std::function<void(double)>& progress = {});
 
 // The strokes in that order, reversed where `backwards` is set.
 std::vector<Stroke> in_order(const std::vector<Stroke>& strokes, const std::vector<Visit>& order);

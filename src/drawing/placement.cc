@@ -17,6 +17,8 @@ using Eigen::Vector2d;
 
 using Limits = PlacementSettings::Limits;
 
+constexpr double kReach = 10.0;  // of the placed drawing, from its centre [m]
+
 double fitted(const Limit& limit, double desired, double present) {
   require_in_range("placement", limit, desired);
   if (!(present > 0))
@@ -148,6 +150,18 @@ Placement place(const Artwork& artwork, const PlacementSettings& settings) {
   }
 
   placement.A = 1e-3 * scale * turned;
+  using Box = Eigen::AlignedBox2d;
+  Eigen::Vector4d reach;
+  int i = 0;
+  for (const auto c : {Box::BottomLeft, Box::BottomRight, Box::TopLeft, Box::TopRight})
+    reach[i++] = (placement.A * (box.corner(c) - placement.origin_mm)).norm();
+  const double farthest = reach.maxCoeff<Eigen::PropagateNaN>();
+  if (!(farthest <= kReach)) {
+    throw InputError(fmt::format(
+        "placement: at a scale of {:.4g} the drawing reaches {:.4g} m from its centre, allowed is "
+        "at most {:g} m",
+        scale, farthest, kReach));
+  }
   return placement;
 }
 

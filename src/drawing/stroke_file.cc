@@ -4,18 +4,19 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/input_file.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
 constexpr double kFarthest = 1e6;  // [mm]
+constexpr std::size_t kMostPoints = 5'000'000;
 
 std::string_view trimmed(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -106,6 +107,7 @@ class Reading {
       stroke_ = fields[stroke_column_];
     }
     const Vector2d point(coordinate(fields[x_column_], line), coordinate(fields[y_column_], line));
+    if (++count_ > kMostPoints) fail(fmt::format("more than {} points", kMostPoints));
     if (points_.empty() || points_.back() != point) points_.push_back(point);
   }
 
@@ -189,6 +191,7 @@ class Reading {
   PageUnit unit_;
   bool page_wanted_ = true;
   int line_ = 0, rows_ = 0;
+  std::size_t count_ = 0;  // of points
   int columns_ = 2, x_column_ = 0, y_column_ = 1, stroke_column_ = -1;
   std::string stroke_;  // last value of its column
   Eigen::AlignedBox2d page_;
@@ -237,20 +240,13 @@ Artwork parse_strokes(std::string_view text, const std::string& name, bool csv,
 }
 
 Artwork read_strokes(const std::filesystem::path& file, const StrokeFileSettings& settings) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
-    throw InputError(
-        fmt::format("{}: {}", file.string(),
-                    std::filesystem::exists(file, error) ? "not a file" : "no such file"));
-  }
-  const double megabytes = static_cast<double>(std::filesystem::file_size(file, error)) / 1e6;
+  const InputFile in(file);
+  const double megabytes = static_cast<double>(in.size()) / 1e6;
   if (megabytes > settings.largest_file_mb) {
     throw InputError(fmt::format("{}: {:.0f} MB; strokes may take up to {:.0f} MB", file.string(),
                                  megabytes, settings.largest_file_mb));
   }
-  std::ifstream in(file, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(in)), {});
-  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  const std::string text = in.read(static_cast<std::size_t>(1e6 * settings.largest_file_mb));
   std::string extension = file.extension().string();
   return parse_strokes(text, file.string(), same_word(extension, ".csv"), settings);
 }

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/input_file.h"
 #include "impedraw/drawing/flatten.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
 
@@ -20,7 +20,7 @@ constexpr double kFarthest = 1e6;  // [mm]; usvg's single precision is off by 0.
 constexpr double kSameArc = 1e-5;
 constexpr double kSamePoint = 1e-6;  // [mm]
 constexpr double kSamePage = 1e-4;   // of a white page's edge to the page's, of its diagonal
-constexpr std::size_t kMostPoints = 6'000'000;
+constexpr std::size_t kMostPoints = 5'000'000;
 
 struct Segment {
   ImpedrawSvgVerb verb;
@@ -297,20 +297,13 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
 }
 
 Artwork read_svg(const std::filesystem::path& file, const SvgSettings& settings) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
-    throw InputError(
-        fmt::format("{}: {}", file.string(),
-                    std::filesystem::exists(file, error) ? "not a file" : "no such file"));
-  }
-  const double megabytes = static_cast<double>(std::filesystem::file_size(file, error)) / 1e6;
+  const InputFile in(file);
+  const double megabytes = static_cast<double>(in.size()) / 1e6;
   if (megabytes > settings.largest_file_mb) {
     throw InputError(fmt::format("{}: {:.0f} MB; an SVG may have up to {:.0f} MB", file.string(),
                                  megabytes, settings.largest_file_mb));
   }
-  std::ifstream in(file, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(in)), {});
-  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  const std::string text = in.read(static_cast<std::size_t>(1e6 * settings.largest_file_mb));
   if (text.starts_with("\x1f\x8b"))
     throw InputError(fmt::format("{}: a compressed SVG; unpack it first (gunzip)", file.string()));
   return parse_svg(text, file.string(), settings);

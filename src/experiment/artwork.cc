@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/hershey.h"
 #include "impedraw/drawing/order.h"
 #include "impedraw/drawing/simplify.h"
+#include "impedraw/experiment/load_artwork.h"
+#include "impedraw/planning/stroke_part.h"
 
 namespace impedraw {
 
@@ -42,6 +45,31 @@ void break_dashes(Artwork& artwork, bool apply) {
   artwork.dashes.clear();
 }
 
+// What a drawing may have: more takes a day to draw.
+constexpr std::size_t kMostPoints = 5'000'000, kMostStrokes = 100'000;
+constexpr double kLongestDrawing = 1000.0;  // [m] in the drawing plane
+
+void require_few(const Artwork& artwork) {
+  std::size_t points = 0;
+  for (const Stroke& stroke : artwork.strokes) points += stroke.points.size();
+  const auto refuse = [&](std::size_t count, const char* of, std::size_t most) {
+    throw InputError(fmt::format("{}: {} {}, at most {} are drawn", artwork.name, count, of, most));
+  };
+  if (artwork.strokes.size() > kMostStrokes)
+    refuse(artwork.strokes.size(), "strokes", kMostStrokes);
+  if (points > kMostPoints) refuse(points, "points", kMostPoints);
+}
+
+void require_short(const std::vector<PlacedStroke>& strokes, const std::string& name) {
+  double length = 0.0;
+  for (const PlacedStroke& stroke : strokes) length += plane_length(stroke);
+  if (length > kLongestDrawing)
+    throw InputError(
+        fmt::format("{}: {:.0f} m of strokes, at most {:.0f} m are drawn; draw it "
+                    "smaller or in parts",
+                    name, length, kLongestDrawing));
+}
+
 }  // namespace
 
 PlacementSettings placement_settings(const DrawingSettings& s) {
@@ -53,9 +81,14 @@ PlacementSettings placement_settings(const DrawingSettings& s) {
   return placing;
 }
 
-Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
+namespace {
+
+Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors,
+                   const std::function<void(double)>& progress) {
   if (s.svg.empty() && s.text.text.empty()) return make_shape(s.shape);
   Artwork artwork = given_artwork(s, setting_errors);
+  setting_errors.locate({"drawing.svg", "drawing.text.text", "drawing"},
+                        [&] { require_few(artwork); });
   if (!s.dashes) break_dashes(artwork, false);
   if (s.join_gap_mm > 0.0)
     // before the dashes, whose gaps are to stay
@@ -83,11 +116,20 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
             artwork.name));
   }
 
+  setting_errors.locate({"drawing.hatch", "drawing.dashes", "drawing.svg", "drawing"},
+                        [&] { require_few(artwork); });
   if (s.simplify_mm > 0.0) {
     for (Stroke& stroke : artwork.strokes) stroke = simplified(stroke, s.simplify_mm);
   }
-  if (!s.keep_order) artwork.strokes = in_order(artwork.strokes, shortest_order(artwork.strokes));
+  if (!s.keep_order)
+    artwork.strokes = in_order(artwork.strokes, shortest_order(artwork.strokes, {}, progress));
   return {artwork, artwork};
+}
+
+}  // namespace
+
+Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
+  return make_artwork(s, setting_errors, {});
 }
 
 Pose drawing_frame(const DrawingSettings& s) {
@@ -109,12 +151,19 @@ const std::vector<std::string>& placement_setting_names() {
 }
 
 PlacedArtwork load_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
+  return load_artwork(s, setting_errors, {});
+}
+
+PlacedArtwork load_artwork(const DrawingSettings& s, const SettingErrors& setting_errors,
+                           const std::function<void(double)>& progress) {
   PlacedArtwork artwork;
-  artwork.shape = make_artwork(s, setting_errors);
+  artwork.shape = make_artwork(s, setting_errors, progress);
   artwork.placement = setting_errors.locate(
       placement_setting_names(), [&] { return place(artwork.shape.drawn, placement_settings(s)); });
   artwork.X_WP = drawing_frame(s);
   artwork.strokes = placed_strokes(artwork.shape.drawn, artwork.placement);
+  setting_errors.locate(placement_setting_names(),
+                        [&] { require_short(artwork.strokes, artwork.shape.drawn.name); });
   artwork.desired = placed_strokes(artwork.shape.target, artwork.placement);
   artwork.notes = artwork.shape.drawn.warnings;
   return artwork;

@@ -2,23 +2,45 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
+
+#include <nanoflann.hpp>
 
 namespace impedraw {
 
 namespace {
 
-// In P.
-double height_of_nearest_column(const PointCloud& cloud, const Pose& X_PW, double x, double y) {
-  double nearest = std::numeric_limits<double>::infinity(), z = 0.0;
-  for (const Eigen::Vector3d& p_W : cloud.points) {
-    const Eigen::Vector3d p = X_PW * p_W;
-    const double distance = (p.head<2>() - Eigen::Vector2d(x, y)).squaredNorm();
-    if (distance >= nearest) continue;
-    nearest = distance;
-    z = p.z();
+// The cloud in P, to find the point nearest to a line along z.
+class Columns {
+ public:
+  Columns(const PointCloud& cloud, const Pose& X_PW) : tree_(2, *this) {
+    for (const Eigen::Vector3d& p_W : cloud.points) points_.push_back(X_PW * p_W);
+    tree_.buildIndex();
   }
-  return z;
-}
+  Columns(const Columns&) = delete;
+
+  double height_at(double x, double y) const {
+    const double at[] = {x, y};
+    std::size_t nearest = 0;
+    double squared = 0.0;
+    return tree_.knnSearch(at, 1, &nearest, &squared) == 1 ? points_[nearest].z() : 0.0;
+  }
+
+  std::size_t kdtree_get_point_count() const { return points_.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points_[i][static_cast<Eigen::Index>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+
+ private:
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Columns>,
+                                                   Columns, 2, std::size_t>;
+  std::vector<Eigen::Vector3d> points_;
+  Tree tree_;
+};
 
 // The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to
 // nothing: what they settle within is taken.
@@ -53,15 +75,13 @@ SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP) {
 }
 
 SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP) {
-  return [&estimator, X_WP, X_PW = X_WP.inverse(),
+  return [&estimator, X_WP, columns = std::make_shared<Columns>(estimator.cloud(), X_WP.inverse()),
           last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](
              double x, double y) mutable -> std::optional<SurfaceSample> {
     std::optional<SurfaceSample> sample;
     if (std::hypot(last.x() - x, last.y() - y) < 0.01)
       sample = descend(estimator, X_WP, {x, y, last.z()});
-    if (!sample)
-      sample =
-          descend(estimator, X_WP, {x, y, height_of_nearest_column(estimator.cloud(), X_PW, x, y)});
+    if (!sample) sample = descend(estimator, X_WP, {x, y, columns->height_at(x, y)});
     if (sample) last = sample->p_P;
     return sample;
   };

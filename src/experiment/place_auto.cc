@@ -13,6 +13,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/start_posture.h"
+#include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
 
@@ -41,10 +42,11 @@ std::vector<Point> points_of(const PlannedDrawing& e, int count) {
   const double step = std::max(length / count, 1e-3);
   std::vector<Point> points;
   for (const PlacedStroke& stroke : e.plan.requested) {
-    const double own = plane_length(stroke);
+    const StrokeRuler ruler(stroke);
+    const double own = ruler.length();
     const int pieces = std::max(1, static_cast<int>(std::lround(own / step)));
     for (int i = 0; i <= pieces; ++i) {
-      const Vector2d p = place_on(stroke, own * i / pieces).p_P;
+      const Vector2d p = ruler.at(own * i / pieces).p_P;
       if (const auto sample = surface(p.x(), p.y()))
         points.push_back(
             {sample->p_P, e.scene.perception ? sample->n_P : Vector3d(Vector3d::UnitZ())});

@@ -1,6 +1,7 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +10,8 @@
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/rest_posture.h"
+#include "impedraw/planning/preflight/check_transitions.h"
+#include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
 
@@ -56,9 +59,12 @@ class Planning {
     for (bool done = false; !done;) {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });
       try {
-        tell("planning the path", 0.8);
         plan_path();
-        plan_.target = project_target(desired_strokes(), true_surface_);
+        const std::vector<PlacedStroke> desired = desired_strokes();
+        const double looks = 2.0 * length_of(desired) / TargetSettings().spacing +
+                             static_cast<double>(desired.size());
+        plan_.target =
+            project_target(desired, told(true_surface_, "projecting the target", 0.9, 0.98, looks));
         done = true;
       } catch (const OffSurface& off) {
         leave_out(off);  // an edge finer than the pre-flight's sampling
@@ -75,6 +81,23 @@ class Planning {
     if (progress_) progress_(what, share);
   }
   SurfaceHeight surface() const { return scene_.surface(artwork_.X_WP); }
+
+  // The surface, which tells the progress while a step looks at it: about `expected` times.
+  SurfaceHeight told(SurfaceHeight surface, const char* what, double from, double to,
+                     double expected) const {
+    if (!progress_) return surface;
+    return [this, surface = std::move(surface), what, from, to, expected,
+            looks = std::make_shared<long>(0)](double x, double y) {
+      if (++*looks % 256 == 0)
+        tell(what, from + (to - from) * std::min(1.0, static_cast<double>(*looks) / expected));
+      return surface(x, y);
+    };
+  }
+  static double length_of(const std::vector<PlacedStroke>& strokes) {
+    double length = 0.0;
+    for (const PlacedStroke& stroke : strokes) length += plane_length(stroke);
+    return length;
+  }
   Eigen::Vector3d z_WP() const { return artwork_.X_WP.R.col(2); }
   const PlacedStroke& requested(int number) const {
     return plan_.requested[static_cast<std::size_t>(number)];
@@ -157,7 +180,7 @@ void Planning::check(const std::vector<StrokePart>& lost) {
   plan_.preflight = setting_errors_.locate({"preflight"}, [&] {
     return check_strokes(plan_.requested, surface(), scene_.arm, scene_.canvas.get(),
                          scene_.start_q, preflight_settings(),
-                         [&](double share) { tell("checking the strokes", 0.4 + 0.4 * share); });
+                         [&](double share) { tell("checking the strokes", 0.3 + 0.35 * share); });
   });
   for (Finding& f : plan_.preflight.findings) f.part.stroke = source(f.part.stroke);
   for (const StrokePart& part : lost)
@@ -183,8 +206,11 @@ void Planning::promise() {
     for (const Finding& f : findings) plan_.notes.push_back("not drawn: " + finding_text(f));
   }
   plan_.strokes.clear();
+  std::optional<StrokeRuler> ruler;
   for (const StrokePart& part : plan_.preflight.drawable) {
-    PlacedStroke stroke = part_of(requested(part.stroke), part.from, part.to);
+    const PlacedStroke& whole = requested(part.stroke);
+    if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
+    PlacedStroke stroke = ruler->part(part.from, part.to);
     stroke.number = static_cast<int>(plan_.strokes.size());
     stroke.start = 0.0;
     plan_.strokes.push_back(std::move(stroke));
@@ -194,12 +220,16 @@ void Planning::promise() {
 // Plans the path and omits strokes that it cannot reach.
 void Planning::plan_path() {
   while (!plan_.strokes.empty()) {  // each round leaves out at least one
-    plan_.path = plan_from(plan_.path_settings, surface(), plan_.strokes, s_.arm.start_p_WE, z_WP(),
-                           plan_.path_settings.start_hold);
+    const double looks = 3.0 * length_of(plan_.strokes) / plan_.path_settings.knot_spacing +
+                         3.0 * static_cast<double>(plan_.strokes.size());
+    plan_.path =
+        plan_from(plan_.path_settings, told(surface(), "planning the path", 0.65, 0.8, looks),
+                  plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
     if (!s_.preflight.arm) return;
-    const std::vector<Finding> transitions =
-        check_transitions(plan_.path, plan_.strokes, scene_.arm, scene_.canvas.get(),
-                          scene_.start_q, preflight_settings());
+    const std::vector<Finding> transitions = check_transitions(
+        plan_.path, plan_.strokes, scene_.arm, scene_.canvas.get(), scene_.start_q,
+        preflight_settings(),
+        [&](double share) { tell("checking the ways between strokes", 0.8 + 0.1 * share); });
     if (transitions.empty()) return;
     leave_out_barred(transitions);
     promise();
@@ -211,14 +241,16 @@ void Planning::plan_path() {
 void Planning::leave_out_barred(const std::vector<Finding>& transitions) {
   Preflight& preflight = plan_.preflight;
   std::vector<StrokePart> left;
+  std::vector<const Finding*> barring(preflight.drawable.size(), nullptr);  // the first of each
+  for (const Finding& f : transitions) {
+    const auto i = static_cast<std::size_t>(f.part.stroke);
+    if (i < barring.size() && !barring[i]) barring[i] = &f;
+  }
   for (std::size_t i = 0; i < preflight.drawable.size(); ++i) {
-    const auto barred = std::find_if(transitions.begin(), transitions.end(), [&](const Finding& f) {
-      return f.part.stroke == static_cast<int>(i);
-    });
-    if (barred == transitions.end()) {
+    if (!barring[i]) {
       left.push_back(preflight.drawable[i]);
     } else {
-      Finding f = *barred;
+      Finding f = *barring[i];
       f.part = preflight.drawable[i];
       f.part.stroke = source(f.part.stroke);
       preflight.findings.push_back(std::move(f));

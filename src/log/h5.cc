@@ -44,6 +44,7 @@ void quiet_errors() {
   // HDF5's cleanup would loop on a file that a full disk left open
   static const bool once = H5dont_atexit() >= 0;
   (void)once;
+  H5PLset_loading_state(0);  // a file must not make HDF5 load filters from elsewhere
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -79,12 +80,20 @@ void write_attribute(hid_t object, const std::string& name, const std::vector<st
   write(object, name, variable_text(), array(texts.size()), data.data());
 }
 
+// Number of values in an attribute.
+static hssize_t values_of(const Id& space, const std::string& doing) {
+  constexpr hssize_t kMost = 1024;
+  const hssize_t n = H5Sget_simple_extent_npoints(space);
+  check(n, doing);
+  if (n > kMost) throw Error(doing + " has more than " + std::to_string(kMost) + " values");
+  return n;
+}
+
 std::vector<std::string> read_texts(hid_t object, const std::string& name) {
   const std::string doing = "attribute " + name;
   const Id attribute = own(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, doing);
   const Id space = own(H5Aget_space(attribute), H5Sclose, doing);
-  const hssize_t n = H5Sget_simple_extent_npoints(space);
-  check(n, doing);
+  const hssize_t n = values_of(space, doing);
   std::vector<char*> data(n, nullptr);
   const Id type = variable_text();
   if (n > 0) check(H5Aread(attribute, type, data.data()), doing);
@@ -103,8 +112,7 @@ std::vector<double> read_numbers(hid_t object, const std::string& name) {
   const std::string doing = "attribute " + name;
   const Id attribute = own(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, doing);
   const Id space = own(H5Aget_space(attribute), H5Sclose, doing);
-  const hssize_t n = H5Sget_simple_extent_npoints(space);
-  check(n, doing);
+  const hssize_t n = values_of(space, doing);
   std::vector<double> values(n);
   if (n > 0) check(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()), doing);
   return values;

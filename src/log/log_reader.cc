@@ -4,12 +4,17 @@
 #include <cmath>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/input_file.h"
 #include "impedraw/log/log_file.h"
 
 namespace impedraw {
 namespace {
 
-constexpr double kMostCompressed = 1100;  // deflate's ratio is at most 1032
+constexpr std::size_t kMostModes = 64;
+constexpr hsize_t kMostRows = 100'000'000;  // 28 hours at 1 kHz
+constexpr hsize_t kLeastChunk = 64;         // [rows]
+constexpr double kMostInChunk = 1 << 20;    // values
+constexpr double kMostCompressed = 1100;    // deflate's ratio is at most 1032
 
 Eigen::VectorXd to_vector(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
@@ -18,7 +23,10 @@ Eigen::VectorXd to_vector(const std::vector<double>& v) {
 // Names of a group's links in alphabetical order.
 std::vector<std::string> members(hid_t file, const std::string& group) {
   std::vector<std::string> names;
+  H5L_info_t link;
   if (H5Lexists(file, group.c_str(), H5P_DEFAULT) <= 0) return names;
+  if (H5Lget_info(file, group.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
+    throw h5::Error(group + " is a link to another place, which no log of impedraw's has");
   const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) {
     static_cast<std::vector<std::string>*>(out)->push_back(name);
     return herr_t{0};
@@ -53,7 +61,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
   h5::quiet_errors();
-  if (!std::filesystem::exists(path)) fail("no such file; a run's log (run.h5) is needed");
+  require_input_file(path);
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file < 0) fail("not an HDF5 file, or a broken one; a run's log (run.h5) is needed");
   file_ = h5::Id(file, H5Fclose);
@@ -69,6 +77,15 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     header_.attributes = texts(file_);
     const Eigen::Index j = joints();
     if (j == 0) fail("attribute lower of /joint/position is empty; one number a joint is needed");
+    if (j > kMaxJoints)
+      fail("attribute lower of /joint/position has " + std::to_string(j) + " numbers, at most " +
+           std::to_string(kMaxJoints) + " joints are possible");
+    if (header_.torque_terms.size() > static_cast<std::size_t>(kMaxTorqueTerms))
+      fail("group /torque has " + std::to_string(header_.torque_terms.size()) +
+           " datasets, at most " + std::to_string(kMaxTorqueTerms) + " are possible");
+    if (header_.mode_names.size() > kMostModes)
+      fail("attribute names of /mode has " + std::to_string(header_.mode_names.size()) +
+           " names, at most " + std::to_string(kMostModes) + " are possible");
     if (header_.joint_upper.size() != j || header_.torque_limit.size() != j ||
         header_.joint_names.size() != static_cast<std::size_t>(j)) {
       fail("attributes names, lower, upper and torque_limit of /joint/position differ in length");
@@ -96,18 +113,63 @@ void LogReader::fail(const std::string& what) const {
   throw InputError(path_.string() + ": " + what);
 }
 
+// Every link on the way is a place in this file, not in another one.
+void LogReader::require_own(const std::string& name) const {
+  for (std::size_t end = name.find('/', 1);; end = name.find('/', end + 1)) {
+    const std::string part = name.substr(0, end);
+    H5L_info_t link;
+    if (H5Lexists(file_, part.c_str(), H5P_DEFAULT) <= 0)
+      fail("dataset " + name + " is missing; this is not a log that impedraw wrote");
+    if (H5Lget_info(file_, part.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
+      fail(part + " is a link to another place, which no log of impedraw's has");
+    if (end == std::string::npos) return;
+  }
+}
+
+// Numbers that are stored in the file itself, in chunks of a size that it makes sense to read.
+// Returns the rows of a chunk; 0: it is not chunked.
+hsize_t LogReader::require_plain(const h5::Id& dataset, const std::string& name) const {
+  const h5::Id type = h5::own(H5Dget_type(dataset), H5Tclose, name);
+  const H5T_class_t kind = H5Tget_class(type);
+  if ((kind != H5T_INTEGER && kind != H5T_FLOAT) || H5Tget_size(type) > 8)
+    fail("dataset " + name + " holds no numbers; it should hold integers or doubles");
+  const h5::Id creation = h5::own(H5Dget_create_plist(dataset), H5Pclose, name);
+  const H5D_layout_t layout = H5Pget_layout(creation);
+  if (H5Pget_external_count(creation) != 0 ||
+      (layout != H5D_CHUNKED && layout != H5D_CONTIGUOUS && layout != H5D_COMPACT))
+    fail("dataset " + name + " is stored in another file, which no log of impedraw's is");
+  hsize_t shape[H5S_MAX_RANK] = {0};
+  if (layout != H5D_CHUNKED) return 0;
+  const int rank = H5Pget_chunk(creation, H5S_MAX_RANK, shape);
+  double values = 1.0;
+  for (int i = 0; i < rank; ++i) values *= static_cast<double>(shape[i]);
+  if (rank < 1 || values > kMostInChunk)
+    fail("dataset " + name + " has chunks of " + std::to_string(shape[0]) +
+         " rows, more than a log of impedraw's has");
+  return shape[0];
+}
+
 const LogReader::Dataset& LogReader::open(const std::string& name) const {
   const auto known = datasets_.find(name);
   if (known != datasets_.end()) return known->second;
+  require_own(name);
   const hid_t id = H5Dopen2(file_, name.c_str(), H5P_DEFAULT);
   if (id < 0) fail("dataset " + name + " is missing; this is not a log that impedraw wrote");
   Dataset dataset{h5::Id(id, H5Dclose)};
+  const hsize_t chunk = require_plain(dataset.id, name);
   const h5::Id space = h5::own(H5Dget_space(id), H5Sclose, name);
   const int rank = H5Sget_simple_extent_ndims(space);
   hsize_t shape[2] = {0, 1};
   if (rank == 1 || rank == 2) H5Sget_simple_extent_dims(space, shape, nullptr);
+  if (shape[0] > kMostRows || shape[1] > kMostRows)
+    fail("dataset " + name + " has " + std::to_string(std::max(shape[0], shape[1])) +
+         " rows, at most " + std::to_string(kMostRows) + " are read");
+  if (chunk > 0 && chunk < std::min(shape[0], kLeastChunk))
+    fail("dataset " + name + " has chunks of " + std::to_string(chunk) +
+         " rows, fewer than a log of impedraw's has");
   const double bytes = 4.0 * static_cast<double>(shape[0]) * static_cast<double>(shape[1]);
-  if (bytes > kMostCompressed * static_cast<double>(std::filesystem::file_size(path_)))
+  if (bytes >
+      (chunk > 0 ? kMostCompressed : 1.0) * static_cast<double>(std::filesystem::file_size(path_)))
     fail("dataset " + name + " has " + std::to_string(shape[0]) +
          " rows, more than the file holds");
   dataset.rows = shape[0];

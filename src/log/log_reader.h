@@ -63,6 +63,8 @@ class LogReader {
     std::size_t rows = 0;
     int width = 1;
   };
+  void require_own(const std::string& name) const;
+  hsize_t require_plain(const h5::Id& dataset, const std::string& name) const;
   const Dataset& open(const std::string& name) const;
   const Dataset& open(const std::string& name, int width) const;
   std::size_t written_rows(const Dataset& dataset, std::size_t chunk, std::size_t rows) const;

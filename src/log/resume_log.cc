@@ -2,10 +2,15 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "impedraw/log/log_checks.h"
 #include "impedraw/log/log_file.h"
 #include "impedraw/log/log_reader.h"
 
 namespace impedraw {
+
+constexpr double kMostTurned = 1e3;  // of a joint [rad]
 
 ResumeLog read_resume_log(const std::filesystem::path& path) {
   const LogReader log(path);
@@ -22,6 +27,7 @@ ResumeLog read_resume_log(const std::filesystem::path& path) {
     if (!log.read(name, width, integer, begin, n, out))
       log.fail("dataset " + name + " is broken before its last rows");
   };
+  StepChecks checks(log);
   for (std::size_t begin = 0; begin < log.steps(); begin += LogFile::kChunkRows) {
     const std::size_t n = std::min(LogFile::kChunkRows, log.steps() - begin);
     const auto take = [&](const std::string& name, int width, bool integer, void* out) {
@@ -39,12 +45,20 @@ ResumeLog read_resume_log(const std::filesystem::path& path) {
       take("/surface/normal", 3, false, (normal.resize(n), normal.data()));
       for (std::size_t i = 0; i < n; ++i) felt[i] = wrench[i].head<3>().dot(normal[i]);
     }
+    checks.times(time);
+    checks.strokes(stroke);
+    checks.modes(mode);
+    checks.alongs(along, stroke);
+    checks.next(n);
     for (std::size_t i = 0; i < n; ++i)
       drawn.rows.push_back({time[i], along[i], felt[i], stroke[i], mode[i]});
   }
   if (log.rows() > 0) {
     drawn.joint_position.resize(log.joints());
     read("/joint/position", log.joints(), false, log.rows() - 1, 1, drawn.joint_position.data());
+    if (!(drawn.joint_position.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kMostTurned))
+      log.fail(fmt::format("dataset /joint/position: row {} is not finite or beyond ± {:g} rad",
+                           log.rows() - 1, kMostTurned));
   }
   return drawn;
 }

@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <new>
+#include <span>
 
+#include <fmt/format.h>
+
+#include "impedraw/log/log_checks.h"
 #include "impedraw/log/log_file.h"
 #include "impedraw/log/log_reader.h"
 #include "impedraw/log/log_step.h"
@@ -26,6 +31,7 @@ RunConstants constants(const LogReader& log) {
   c.target_stroke = log.integers("/target/stroke");
   if (c.target_stroke.size() != c.target_points.size())
     log.fail("/target/points and /target/stroke differ in length");
+  require_valid(log, c);
   c.wall = log.wall();
   c.attributes = header.attributes;
   return c;
@@ -82,7 +88,8 @@ void add_rows(const RunRows& rows, RunData* run) {
 namespace {
 
 // Adds steps [begin, begin + n) of a reduced log; false if they exist but cannot be read.
-bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, RunData* run) {
+bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepChecks* checks,
+               RunData* run) {
   // Column by column, as they are stored in the file.
   std::vector<LogStep> steps(n);
   std::vector<std::byte> values;
@@ -97,6 +104,9 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, RunData* 
       });
     }
   }
+  std::vector<int> modes(n);
+  std::transform(steps.begin(), steps.end(), modes.begin(), [](auto& step) { return step.mode; });
+  checks->modes(modes);
   for (const LogStep& step : steps) {
     run->time.push_back(step.time);
     run->f.push_back(step.force);
@@ -124,18 +134,27 @@ RunData read_run(const std::filesystem::path& path) {
     static_cast<RunConstants&>(run) = constants(log);
     reserve(&run, log.steps());
     RunRows chunk;
+    StepChecks checks(log);
     for (std::size_t begin = 0; begin < log.steps(); begin += LogFile::kChunkRows) {
       const std::size_t n = std::min(LogFile::kChunkRows, log.steps() - begin);
       if (log.rate() == LogRate::reduced) {
-        if (!add_steps(log, begin, n, &run)) break;
-        continue;
+        if (!add_steps(log, begin, n, &checks, &run)) break;
+      } else {
+        // unreadable from here on
+        if (!read_rows(log, begin, n, Columns::of_results, &chunk)) break;
+        checks.modes(chunk.mode);
+        add_rows(chunk, &run);
       }
-      if (!read_rows(log, begin, n, Columns::of_results, &chunk)) break;  // unreadable from here on
-      add_rows(chunk, &run);
+      checks.times(std::span(run.time).last(n));
+      checks.strokes(std::span(run.stroke).last(n));
+      checks.contact_points(std::span(run.contact_point).last(n));
+      checks.next(n);
     }
     return run;
   } catch (const h5::Error& e) {
     log.fail(e.what());
+  } catch (const std::bad_alloc&) {
+    log.fail(fmt::format("{} steps do not fit into memory", log.steps()));
   }
 }
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <map>
 #include <numbers>
+#include <set>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
@@ -54,10 +56,10 @@ void contact(const RunData& run, const InkMatch& d, Metrics& m) {
     lack(m, {&Metrics::strokes_missed}, "no stroke in target or plan");
     return;
   }
-  const auto missed = std::count_if(d.strokes.begin(), d.strokes.end(), [&](int stroke) {
-    return std::none_of(d.lines.begin(), d.lines.end(),
-                        [&](const InkLine& line) { return line.stroke == stroke; });
-  });
+  std::set<int> inked;
+  for (const InkLine& line : d.lines) inked.insert(line.stroke);
+  const auto missed = std::count_if(d.strokes.begin(), d.strokes.end(),
+                                    [&](int stroke) { return !inked.contains(stroke); });
   m.strokes_missed = static_cast<double>(missed);
 }
 
@@ -96,13 +98,12 @@ void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
 void coverage(const RunData& run, const InkMatch& d, Metrics& m) {
   double length = 0.0, uncovered = 0.0, longest = 0.0;
   std::size_t gaps = 0;
+  std::map<int, std::vector<RunData::Points>> ink_of;
+  for (const InkLine& line : d.lines)
+    ink_of[line.stroke].emplace_back(run.contact_point.begin() + line.begin,
+                                     run.contact_point.begin() + line.end);
   for (std::size_t s = 0; s < d.strokes.size(); ++s) {
-    std::vector<RunData::Points> ink;
-    for (const InkLine& line : d.lines) {
-      if (line.stroke == d.strokes[s])
-        ink.emplace_back(run.contact_point.begin() + line.begin,
-                         run.contact_point.begin() + line.end);
-    }
+    const std::vector<RunData::Points>& ink = ink_of[d.strokes[s]];
     const Coverage c = cover(d.targets[s], Segments(ink, kSampleSpacing), kReach);
     length += c.length;
     for (const double span : c.uncovered_spans) {

@@ -4,23 +4,36 @@
 #include <limits>
 
 #include "impedraw/drawing/polyline.h"
+#include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
 
 double plane_length(const PlacedStroke& stroke) { return length(stroke.p_P); }
 
-StrokePlace place_on(const PlacedStroke& stroke, double along) {
-  double before = stroke.start;
-  for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+StrokeRuler::StrokeRuler(const PlacedStroke& stroke)
+    : stroke_(stroke), length_(plane_length(stroke)) {
+  along_.reserve(stroke.p_P.size());
+  along_.push_back(stroke.start);
+  for (std::size_t i = 1; i < stroke.p_P.size(); ++i)
+    along_.push_back(along_.back() + (stroke.p_P[i] - stroke.p_P[i - 1]).norm());
+}
+
+StrokePlace StrokeRuler::at(double along) const {
+  const PlacedStroke& stroke = stroke_;
+  auto i = static_cast<std::size_t>(std::lower_bound(along_.begin() + 1, along_.end(), along) -
+                                    along_.begin());
+  for (; i < along_.size(); ++i) {
     const double step = (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
-    if (along <= before + step && step > 0) {
-      const double share = std::max(0.0, (along - before) / step);
-      return {stroke.p_P[i - 1] + share * (stroke.p_P[i] - stroke.p_P[i - 1]),
-              stroke.page[i - 1] + share * (stroke.page[i] - stroke.page[i - 1])};
-    }
-    before += step;
+    if (!(step > 0)) continue;
+    const double share = std::max(0.0, (along - along_[i - 1]) / step);
+    return {stroke.p_P[i - 1] + share * (stroke.p_P[i] - stroke.p_P[i - 1]),
+            stroke.page[i - 1] + share * (stroke.page[i] - stroke.page[i - 1])};
   }
   return {stroke.p_P.back(), stroke.page.back()};
+}
+
+StrokePlace place_on(const PlacedStroke& stroke, double along) {
+  return StrokeRuler(stroke).at(along);
 }
 
 double nearest_place(const PlacedStroke& stroke, const Eigen::Vector2d& p_P) {
@@ -40,8 +53,9 @@ double nearest_place(const PlacedStroke& stroke, const Eigen::Vector2d& p_P) {
   return place;
 }
 
-PlacedStroke part_of(const PlacedStroke& stroke, double from, double to) {
-  const double end = stroke.start + plane_length(stroke);
+PlacedStroke StrokeRuler::part(double from, double to) const {
+  const PlacedStroke& stroke = stroke_;
+  const double end = stroke.start + length_;
   from = std::clamp(from, stroke.start, end);
   to = std::clamp(to, from, end);
   PlacedStroke part;
@@ -51,14 +65,16 @@ PlacedStroke part_of(const PlacedStroke& stroke, double from, double to) {
     part.p_P.push_back(place.p_P);
     part.page.push_back(place.page);
   };
-  add(place_on(stroke, from));
-  double at = stroke.start;
-  for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
-    at += (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
-    if (at > from && at < to) add({stroke.p_P[i], stroke.page[i]});
-  }
-  if (to > from) add(place_on(stroke, to));
+  add(at(from));
+  const auto inside = std::upper_bound(along_.begin() + 1, along_.end(), from) - along_.begin();
+  for (auto i = static_cast<std::size_t>(inside); i < along_.size() && along_[i] < to; ++i)
+    add({stroke.p_P[i], stroke.page[i]});
+  if (to > from) add(at(to));
   return part;
+}
+
+PlacedStroke part_of(const PlacedStroke& stroke, double from, double to) {
+  return StrokeRuler(stroke).part(from, to);
 }
 
 std::vector<StrokePart> merged(std::vector<StrokePart> parts, double gap) {

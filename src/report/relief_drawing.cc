@@ -8,7 +8,8 @@ namespace impedraw {
 
 namespace {
 using Line = std::vector<Eigen::Vector2d>;
-}
+constexpr std::size_t kMostCorners = 20000;  // of an outline that is drawn
+}  // namespace
 
 void extend(Line& line, const Eigen::Vector2d& p, double step, bool always) {
   if (line.empty() || always || (p - line.back()).norm() >= step) line.push_back(p);
@@ -40,7 +41,11 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   }
   cairo_surface_mark_dirty(image);
   cairo_save(cr);
-  if (!r.outline.empty()) {  // the outline is exact, the cells are not
+  // The outline is exact, the cells are not. Cairo's time grows with the square of a ragged one.
+  std::size_t corners = 0;
+  for (const Line& line : r.outline) corners += line.size();
+  const bool outlined = corners > 0 && corners <= kMostCorners;
+  if (outlined) {
     for (const Line& line : r.outline) trace(cr, line);
     cairo_clip(cr);
   }
@@ -62,7 +67,9 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   cairo_stroke(cr);
   cairo_set_line_width(cr, 0.7);
   set_colour(cr, kOutline);
-  for (const Line& line : r.outline) trace(cr, line);
+  if (outlined) {
+    for (const Line& line : r.outline) trace(cr, line);
+  }
   cairo_stroke(cr);
 }
 

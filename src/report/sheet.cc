@@ -59,18 +59,11 @@ void say(cairo_t* cr, double x, double y, const std::string& text, double align 
   cairo_show_text(cr, text.c_str());
 }
 
-double tick_step(double range) {
-  for (const double step : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0}) {
-    if (range / step <= 8.0) return step;
-  }
-  return 1000.0;
-}
-
 void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   const Eigen::Vector2d size = sheet.area.sizes(), low = sheet.area.min(), high = sheet.area.max();
   const double left = l.origin.x(), top = l.origin.y(), bottom = top + size.y(),
                tick = 0.4 * l.font;
-  const double step = tick_step(size.maxCoeff());
+  const double range = size.maxCoeff();
   cairo_set_line_width(cr, 0.06 * l.font);
   set_colour(cr, kFrame);
   cairo_rectangle(cr, left, top, size.x(), size.y());
@@ -79,7 +72,7 @@ void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   const auto label = [](double value) {
     return fmt::format("{}{:.0f}", value < -0.5 ? "−" : "", std::abs(value));
   };
-  for (double c = std::ceil(low.x() / step) * step; c <= high.x() + 1e-9; c += step) {
+  for (const double c : ticks(low.x(), high.x(), range)) {
     const double x = left + c - low.x();
     set_colour(cr, kFrame);
     cairo_move_to(cr, x, bottom);
@@ -88,7 +81,7 @@ void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
     set_colour(cr, kFaint);
     say(cr, x, bottom + 1.45 * l.font, label(sheet.u_sign * c), 0.5);
   }
-  for (double c = std::ceil(low.y() / step) * step; c <= high.y() + 1e-9; c += step) {
+  for (const double c : ticks(low.y(), high.y(), range)) {
     const double y = top + c - low.y();
     set_colour(cr, kFrame);
     cairo_move_to(cr, left, y);
@@ -149,6 +142,22 @@ void require(cairo_status_t status, const std::filesystem::path& path) {
 
 void set_colour(cairo_t* cr, const Colour& colour, double alpha) {
   cairo_set_source_rgba(cr, colour.r, colour.g, colour.b, alpha);
+}
+
+std::vector<double> ticks(double low, double high, double range) {
+  std::vector<double> places;
+  if (!std::isfinite(low) || !std::isfinite(high) || !std::isfinite(range)) return places;
+  double step = 1.0;
+  for (double tens = 1.0; range / step > 8.0; tens *= 10.0) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      step = factor * tens;
+      if (range / step <= 8.0) break;
+    }
+  }
+  // Counted, not summed up: far from zero a step may be lost to rounding.
+  const double first = std::ceil(low / step), last = std::floor((high + 1e-9) / step);
+  for (int k = 0; first + k <= last && k <= 10; ++k) places.push_back((first + k) * step);
+  return places;
 }
 
 void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size,

@@ -42,6 +42,10 @@ void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_
 void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size,
                        int png_width, const std::function<void(cairo_t*)>& draw);
 
+// Places of an axis's ticks from `low` to `high`, at a step of 1, 2 or 5 times a power of ten (at
+// least 1) that divides `range` into at most eight. None where a number is not finite.
+std::vector<double> ticks(double low, double high, double range);
+
 void set_colour(cairo_t* cr, const Colour& colour, double alpha = 1.0);
 
 }  // namespace impedraw

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <set>
 #include <sstream>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/input_file.h"
 #include "impedraw/common/printable.h"
 
 namespace impedraw {
@@ -183,15 +183,7 @@ class Reader {
 std::string content(const fs::path& file, const std::string& asked_by) {
   const std::string before =
       asked_by.empty() ? file.string() : asked_by + ": extends " + file.string();
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (status.type() == fs::file_type::not_found) wrong(before, "no such file");
-  if (status.type() == fs::file_type::directory) wrong(before, "is a folder, not a YAML file");
-  std::ifstream stream(file, std::ios::binary);
-  std::string text(largest_file + 1, '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size())) && !stream.eof())
-    wrong(before, "cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::string text = InputFile(file, before).read(largest_file + 1);
   if (text.size() > largest_file) wrong(before, "is larger than 1 MiB, which no scenario is");
   if (!is_utf8(text)) wrong(before, "is not UTF-8 text");
   return text;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/arm/urdf_text.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
 
@@ -48,6 +49,7 @@ void apply(const ModelErrors& e, double dt, mjSpec* spec) {
 CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gravity,
                         const ModelErrors& errors) {
   check(errors);
+  require_urdf_file(urdf);
   char error[512] = "";
   mjSpec* spec = mj_parseXML(urdf.c_str(), nullptr, error, sizeof error);
   if (!spec) throw InputError(fmt::format("arm description {}: {}", urdf.string(), error));

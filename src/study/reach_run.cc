@@ -2,14 +2,13 @@
 
 #include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/input_file.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/study/reach_picture.h"
@@ -142,8 +141,7 @@ std::string settings_digest(const Cell& cell) {
   for (const auto& [name, value] : flat_settings(scenario))
     text += name + "=" + within_tree(value) + "\n";
   for (const fs::path& file : {scenario.drawing.svg, scenario.canvas.mesh.file}) {
-    std::ifstream in(file, std::ios::binary);
-    text.append(std::istreambuf_iterator<char>(in), {});
+    if (!file.empty()) text += InputFile(file).read(std::string::npos);
   }
   std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;

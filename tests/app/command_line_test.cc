@@ -2,6 +2,7 @@
 // behind, how it ends.
 #include <pty.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <regex>
@@ -107,6 +108,39 @@ TEST_F(CommandLine, WrongFiles) {
   refused({"draw", "--svg", "empty.svg"}, {"empty.svg: nothing in it draws a line"});
   refused({"draw", "--set", "arm.urdf=text"}, {"--set arm.urdf=text", "text"});
   refused({"report", "."}, {"holds no run.h5"});
+}
+
+// A pipe without a writer would be waited for, a device would never end.
+TEST_F(CommandLine, FilesThatAreNone) {
+  for (const char* pipe : {"a.yaml", "a.svg", "a.csv", "a.obj", "a.urdf"})
+    ASSERT_EQ(mkfifo((folder_ / pipe).c_str(), 0600), 0);
+  const std::string said = "is a pipe, must be a regular file";
+  refused({"plan", "a.yaml"}, {"a.yaml: " + said});
+  write("b.yaml", "extends: a.yaml\n");
+  refused({"plan", "b.yaml"}, {"b.yaml:1: extends a.yaml: " + said});
+  refused({"plan", "--svg", "a.svg"}, {"a.svg: " + said});
+  refused({"plan", "--svg", "a.csv"}, {"a.csv: " + said});
+  refused({"plan", "--set", "canvas.kind=mesh", "--set", "canvas.mesh.file=a.obj"},
+          {"a.obj: " + said});
+  refused({"plan", "--set", "arm.urdf=a.urdf"}, {"a.urdf: " + said});
+  refused({"plan", "/dev/zero"}, {"is a socket or a device"});
+  refused({"inspect", "a.svg"}, {"a.svg: " + said});
+}
+
+TEST_F(CommandLine, SizesBeyondSense) {
+  for (const char* size : {"scale=1000", "scale=1e300", "width=1e8", "height=1e8"})
+    refused({"plan", "--shape", "circle", "--set", std::string("drawing.placement.") + size},
+            {size, "from its centre, allowed is at most 10 m"});
+  std::string dots, far;
+  for (int i = 0; i < 100'001; ++i)
+    dots += std::to_string(i % 300) + "," + std::to_string(i) + "\n\n";
+  for (int i = 0; i < 20'000; ++i)
+    far += std::to_string(i % 2 * 200) + "," + std::to_string(0.01 * i) + "\n";
+  write("dots.csv", dots);
+  write("far.csv", far);
+  refused({"plan", "--svg", "dots.csv"}, {"dots.csv: 100001 strokes, at most 100000 are drawn"});
+  refused({"plan", "--svg", "far.csv", "--set", "drawing.placement.scale=1"},
+          {"m of strokes, at most 1000 m are drawn"});
 }
 
 TEST_F(CommandLine, DrawingWhereItCannotBe) {

@@ -241,6 +241,15 @@ TEST(Placement, BadSettingsAreNamed) {
   EXPECT_EQ(message(lone_page),
             "placement: fit_page is for a rectangle; fit_width or fit_height must be given, too");
   EXPECT_EQ(message(nan), "placement.fit_radius is nan m, allowed is more than 0 and at most 2 m");
+  // Beyond sense: no arm reaches that far, and pictures and plans of it take for ever.
+  for (const double scale : {1e4, 1e300}) {
+    PlacementSettings large;
+    large.scale = scale;
+    EXPECT_NE(message(large).find("from its centre, allowed is at most 10 m"), std::string::npos);
+  }
+  PlacementSettings wide;
+  wide.width_mm = 1e8;
+  EXPECT_NE(message(wide).find("from its centre, allowed is at most 10 m"), std::string::npos);
 }
 
 }  // namespace

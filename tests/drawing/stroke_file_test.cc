@@ -160,5 +160,16 @@ TEST(StrokeFile, UnitsOfItsNumbers) {
   EXPECT_THROW(read(PageUnit::m, "2 2\n1 1001\nEnd\n"), InputError);  // beyond 1e6 mm
 }
 
+TEST(StrokeFile, TooManyPointsAreNamed) {
+  std::string text;
+  for (int i = 0; i < 5'000'001; ++i) text += i % 2 ? "1,1\n" : "1,2\n";
+  try {
+    parse_strokes(text, "a.csv", true, {});
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "a.csv: line 5000001: more than 5000000 points");
+  }
+}
+
 }  // namespace
 }  // namespace impedraw

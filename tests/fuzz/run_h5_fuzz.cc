@@ -15,6 +15,7 @@
 #include "fuzz.h"
 #include "impedraw/log/h5.h"
 #include "impedraw/log/log.h"
+#include "impedraw/log/resume_log.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/log/run_rows.h"
 
@@ -166,6 +167,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       fuzz::edit(file, whole.objects, input);
   }
   fuzz::expect_value_or_input_error([&] { read_run(path); });
+  fuzz::expect_value_or_input_error([&] { read_resume_log(path); });
   fuzz::expect_value_or_input_error([&] { read_rows(path); });
   close(memory);
   return 0;

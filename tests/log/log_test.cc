@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -279,9 +280,105 @@ TEST_F(RunLogTest, ForgedFilesAreRefused) {
   EXPECT_THAT(
       message("del f['/canvas/vertices']; "
               "f.create_dataset('/canvas/vertices', (2**40, 3))"),
-      HasSubstr("dataset /canvas/vertices has 1099511627776 rows, more than the file holds"));
+      HasSubstr("dataset /canvas/vertices has 1099511627776 rows, at most 100000000 are read"));
   EXPECT_THAT(message("f['/joint/position'].attrs.create('lower', [], dtype='f8')"),
               HasSubstr("attribute lower of /joint/position is empty"));
+  EXPECT_THAT(message("f['/joint/position'].attrs.create('lower', [1.0] * 20, dtype='f8')"),
+              HasSubstr("attribute lower of /joint/position has 20 numbers, at most 12"));
+  EXPECT_THAT(message("f['/joint/position'].attrs.create('lower', [1.0] * 2000, dtype='f8')"),
+              HasSubstr("attribute lower has more than 1024 values"));
+  EXPECT_THAT(message("f['/time'].resize((2**45, 1) if f['/time'].ndim == 2 else (2**45,))"),
+              HasSubstr("dataset /time has 35184372088832 rows, at most 100000000"));
+  EXPECT_THAT(message("del f['/target/points']"), HasSubstr("dataset /target/points is missing"));
+  EXPECT_THAT(message("del f['/target/points']; f['/target/points'] = ['a', 'b']"),
+              HasSubstr("dataset /target/points holds no numbers"));
+}
+
+// Values that later stages would index with, take the square of, or step along.
+TEST_F(RunLogTest, ForgedValuesAreRefusedWithTheirPlace) {
+  const auto message = [&](const std::string& change, int rows = 3) -> std::string {
+    std::filesystem::remove(path());
+    RunLogHeader header = small_header();
+    header.canvas_vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    header.canvas_triangles = {{0, 1, 2}};
+    header.cloud_points = header.cloud_normals = {{0, 0, 1}};
+    header.cloud_camera = {0};
+    header.target_points = {{0, 0, 0}, {0.1, 0, 0}};
+    header.target_stroke = {0, 0};
+    RunLog log(path(), header);
+    LogRow row(2);
+    for (int i = 0; i < rows; ++i, row.time += 0.001) log.append(row);
+    log.close();
+    const std::string command = std::string(IMPEDRAW_PYTHON) +
+                                " -c \"import h5py; f = h5py.File('" + path().string() +
+                                "', 'a'); " + change + "\"";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    try {
+      read_run(path());
+    } catch (const InputError& e) {
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message("pass"), "");
+  EXPECT_THAT(message("f['/canvas/triangles'][0, 2] = 3"),
+              HasSubstr("dataset /canvas/triangles: row 0 names vertex 3, must be 0 to 2"));
+  EXPECT_THAT(message("f['/canvas/triangles'][0, 1] = -1"),
+              HasSubstr("dataset /canvas/triangles: row 0 names vertex -1"));
+  EXPECT_THAT(message("f['/canvas/vertices'][1, 0] = 1e300"),
+              HasSubstr("dataset /canvas/vertices: row 1 is (1e+300, 0, 0), must be finite"));
+  EXPECT_THAT(message("f['/cloud/points'][0, 2] = float('nan')"),
+              HasSubstr("dataset /cloud/points: row 0 is (0, 0, nan)"));
+  EXPECT_THAT(message("f['/target/points'][1, 0] = 1e12"),
+              HasSubstr("dataset /target/points: row 1 is (1e+12, 0, 0)"));
+  EXPECT_THAT(message("f['/target/points'][1, 0] = 50"),
+              HasSubstr("dataset /target/points: row 1 is 50 m from the point before it"));
+  EXPECT_THAT(message("f['/target/stroke'][1] = -2"),
+              HasSubstr("dataset /target/stroke: row 1 is -2, must be 0 to"));
+  EXPECT_THAT(message("f['/time'][1] = 5"),
+              HasSubstr("dataset /time: row 2 is 0.002, must be more than 5 s"));
+  EXPECT_THAT(message("f['/mode'][1] = 99"), HasSubstr("dataset /mode: row 1 is 99, must be 0 to"));
+  EXPECT_THAT(message("f['/stroke'][1] = -7"), HasSubstr("dataset /stroke: row 1 is -7"));
+  EXPECT_THAT(message("f['/contact/point'][1] = [0, 0, 1e12]"),
+              HasSubstr("dataset /contact/point: row 1 is (0, 0, 1e+12)"));
+}
+
+// A log that names other files: they might be anything, and never end.
+TEST_F(RunLogTest, LinksOutOfTheFileAreRefused) {
+  const auto message = [&](const std::string& change) -> std::string {
+    std::filesystem::remove(path());
+    RunLog log(path(), small_header());
+    log.append(LogRow(2));
+    log.close();
+    const std::string command = std::string(IMPEDRAW_PYTHON) +
+                                " -c \"import h5py; f = h5py.File('" + path().string() +
+                                "', 'a'); " + change + "\"";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    try {
+      read_run(path());
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message("del f['/time']; f['/time'] = h5py.ExternalLink('/dev/zero', '/time')"),
+              HasSubstr("/time is a link to another place"));
+  EXPECT_THAT(message("del f['/tip']; f['/tip'] = h5py.SoftLink('/joint')"),
+              HasSubstr("/tip is a link to another place"));
+  EXPECT_THAT(message("del f['/target/stroke']; f.create_dataset('/target/stroke', (9,), 'i4', "
+                      "external=[('/dev/zero', 0, 36)])"),
+              HasSubstr("dataset /target/stroke is stored in another file"));
+}
+
+TEST_F(RunLogTest, PipesAreNotOpened) {
+  ASSERT_EQ(mkfifo(path().c_str(), 0600), 0);
+  try {
+    read_run(path());
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("is a pipe, must be a regular file"));
+  }
 }
 
 }  // namespace

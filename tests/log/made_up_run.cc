@@ -167,6 +167,7 @@ LogRow numbered_row(int i) {
   };
   row.time = 1e-3 * i;
   fill(row.joint_position);
+  row.joint_position *= 1e-6;  // a log with values beyond sense is refused
   fill(row.joint_velocity);
   fill(row.joint_torque);
   fill(row.torque_terms[0]);
@@ -178,6 +179,7 @@ LogRow numbered_row(int i) {
   fill(row.desired_orientation.coeffs());
   fill(row.contact_force);
   fill(row.contact_point);
+  row.contact_point *= 1e-6;
   fill(row.contact_normal);
   fill(row.wrench_measured);
   fill(row.disturbance_force);
@@ -186,7 +188,7 @@ LogRow numbered_row(int i) {
   row.push = next += 1.0;
   row.mode = i % 2;
   row.stroke = i % 5 - 1;
-  row.stroke_along = next += 1.0;
+  row.stroke_along = 1e-6 * (next += 1.0);
   row.step_time = next += 1.0;
   return row;
 }

@@ -6,6 +6,7 @@
 
 #include "impedraw/drawing/polyline.h"
 #include "impedraw/planning/path/tip_planner.h"
+#include "impedraw/planning/stroke_ruler.h"
 #include "planning/surfaces.h"
 
 namespace impedraw {
@@ -23,6 +24,35 @@ PlacedStroke random_stroke(std::mt19937& random, int number) {
     p += Vector2d(step(random), step(random));
   }
   return stroke;
+}
+
+// Against a walk from the first point on, as the length is defined.
+TEST(StrokePart, TheRulerFindsWhatAWalkFinds) {
+  std::mt19937 random(12);
+  PlacedStroke stroke = random_stroke(random, 3);
+  stroke.p_P.insert(stroke.p_P.begin() + 4, stroke.p_P[4]);  // a point twice
+  stroke.page.insert(stroke.page.begin() + 4, stroke.page[4]);
+  stroke.start = 0.05;
+  const StrokeRuler ruler(stroke);
+  EXPECT_EQ(ruler.length(), plane_length(stroke));
+  for (int i = -2; i <= 202; ++i) {
+    const double along = stroke.start + ruler.length() * i / 200;
+    double left = std::max(0.0, along - stroke.start);
+    Vector2d at = stroke.p_P.back();
+    for (std::size_t k = 1; k < stroke.p_P.size(); ++k) {
+      const double step = (stroke.p_P[k] - stroke.p_P[k - 1]).norm();
+      if (step > 0 && left <= step) {
+        at = stroke.p_P[k - 1] + left / step * (stroke.p_P[k] - stroke.p_P[k - 1]);
+        break;
+      }
+      left -= step;
+    }
+    EXPECT_LT((ruler.at(along).p_P - at).norm(), 1e-12) << along;
+    EXPECT_LT((ruler.at(along).page - 1e3 * at).norm(), 1e-9) << along;
+  }
+  const PlacedStroke part = ruler.part(stroke.start, stroke.start + ruler.length());
+  EXPECT_NEAR(plane_length(part), ruler.length(), 1e-12);
+  EXPECT_EQ(part.number, 3);
 }
 
 // Against a search over closely spaced places.

@@ -219,7 +219,7 @@ TEST_F(YamlFiles, ErrorsNameTheRightFile) {
 
 TEST_F(YamlFiles, MissingOrBrokenFile) {
   EXPECT_EQ(file_error(folder_ / "none.yaml"), (folder_ / "none.yaml").string() + ": no such file");
-  EXPECT_EQ(file_error(folder_), folder_.string() + ": is a folder, not a YAML file");
+  EXPECT_EQ(file_error(folder_), folder_.string() + ": is a folder, must be a regular file");
   const auto huge = write("huge.yaml", std::string((1 << 20) + 1, '#'));
   EXPECT_EQ(file_error(huge), huge.string() + ": is larger than 1 MiB, which no scenario is");
   const auto deep = write("deep.yaml", std::string(100000, '['));

@@ -2,8 +2,9 @@
 //! that multiply, thousands of attributes or rules, endless text.
 //!
 //! The document is read in its own thread, whose allocations are counted. An allocation beyond the
-//! bound never returns: the thread sleeps from then on. The caller notices this, or the timeout, and
-//! abandons the thread, because the libraries cannot be cancelled. The thread's stack is large enough
+//! bound never returns: the thread sleeps from then on. The caller notices this, or that the thread has
+//! used up its CPU time, and abandons the thread, because the libraries cannot be cancelled. CPU time is
+//! what counts because a busy machine makes no document a bad one. The thread's stack is large enough
 //! for deeply nested documents.
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -11,7 +12,7 @@ use std::cell::Cell;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{mpsc, Arc};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const STACK_BYTES: usize = 64 << 20; // the libraries recurse
 const MOST_BYTES: isize = 640 << 20;
@@ -21,6 +22,30 @@ const SECONDS_PER_MB: f64 = 0.4; // for the part of a document beyond two megaby
 thread_local! {
     static USED: Cell<isize> = const { Cell::new(0) };
     static BOUND: Cell<Option<*const AtomicBool>> = const { Cell::new(None) }; // set when the bound is reached
+}
+
+#[repr(C)]
+struct TimeSpec {
+    seconds: std::ffi::c_long,
+    nanoseconds: std::ffi::c_long,
+}
+
+extern "C" {
+    fn pthread_self() -> usize;
+    fn pthread_getcpuclockid(thread: usize, clock: *mut i32) -> i32;
+    fn clock_gettime(clock: i32, time: *mut TimeSpec) -> i32;
+}
+
+/// The clock of this thread's CPU time, for others to read.
+fn own_clock() -> Option<i32> {
+    let mut clock = 0;
+    (unsafe { pthread_getcpuclockid(pthread_self(), &mut clock) } == 0).then_some(clock)
+}
+
+/// CPU time [s]; none where the thread has ended.
+fn cpu_seconds(clock: i32) -> Option<f64> {
+    let mut time = TimeSpec { seconds: 0, nanoseconds: 0 };
+    (unsafe { clock_gettime(clock, &mut time) } == 0).then_some(time.seconds as f64 + 1e-9 * time.nanoseconds as f64)
 }
 
 struct Counting;
@@ -68,17 +93,19 @@ pub fn within<T: Send + 'static>(document: Vec<u8>, read: fn(&[u8]) -> Result<T,
     let reached = Arc::new(AtomicBool::new(false)); // a sleeping thread still refers to it
     let in_thread = reached.clone();
     let (sender, receiver) = mpsc::channel();
+    let (clock_sender, clock_receiver) = mpsc::channel();
     let work = move || {
+        let _ = clock_sender.send(own_clock());
         BOUND.set(Some(Arc::as_ptr(&in_thread)));
         let result = catch_unwind(AssertUnwindSafe(|| read(&document))).unwrap_or_else(|_| Err(gave_up()));
         BOUND.set(None);
         let _ = sender.send(result);
     };
-    let start = Instant::now();
     std::thread::Builder::new()
         .stack_size(STACK_BYTES)
         .spawn(work)
         .map_err(|error| format!("no thread to read it in: {error}"))?;
+    let clock = clock_receiver.recv().ok().flatten();
     loop {
         match receiver.recv_timeout(Duration::from_millis(20)) {
             Ok(result) => return result,
@@ -88,7 +115,7 @@ pub fn within<T: Send + 'static>(document: Vec<u8>, read: fn(&[u8]) -> Result<T,
         if reached.load(Ordering::Acquire) {
             return Err(format!("it takes more than {} MB to read", MOST_BYTES >> 20));
         }
-        if start.elapsed().as_secs_f64() > seconds {
+        if clock.and_then(cpu_seconds).is_some_and(|used| used > seconds) {
             return Err(format!("it takes longer than {seconds:.1} s to read"));
         }
     }

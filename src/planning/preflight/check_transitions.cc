@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/planning/preflight/check_transitions.h"
 #include "impedraw/planning/preflight/posture_check.h"
-#include "impedraw/planning/preflight/preflight.h"
 
 namespace impedraw {
 
@@ -28,7 +28,8 @@ double angle(const Vector3d& a, const Vector3d& b) {
 std::vector<Finding> check_transitions(const TipPath& path,
                                        const std::vector<PlacedStroke>& strokes, ArmModel& arm,
                                        const Canvas* obstacle, const JointVector& start_q,
-                                       const PreflightSettings& settings) {
+                                       const PreflightSettings& settings,
+                                       const std::function<void(double)>& progress) {
   std::vector<Finding> findings;
   if (strokes.empty() || path.duration() == 0) return findings;
   PostureCheck check(arm, obstacle, start_q, settings);
@@ -105,9 +106,20 @@ std::vector<Finding> check_transitions(const TipPath& path,
     asked_p = p;
     asked_n = n;
   };
-  for (double t = 0; t < path.duration(); t += kLook) ask(t);
+  long looks = 0;
+  for (double t = 0; t < path.duration(); t += kLook) {
+    if (progress && looks++ % 1024 == 0) progress(t / path.duration());
+    ask(t);
+  }
   ask(path.duration());
   return findings;
+}
+
+std::vector<Finding> check_transitions(const TipPath& path,
+                                       const std::vector<PlacedStroke>& strokes, ArmModel& arm,
+                                       const Canvas* obstacle, const JointVector& start_q,
+                                       const PreflightSettings& settings) {
+  return check_transitions(path, strokes, arm, obstacle, start_q, settings, {});
 }
 
 }  // namespace impedraw

@@ -10,6 +10,7 @@
 #include "impedraw/common/range_check.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/preflight/surface_walk.h"
+#include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
 
@@ -35,8 +36,9 @@ struct Node {
 // Moves the arm along the parts of a stroke that the surface permits.
 class ArmWalk {
  public:
+  // `progress`: called now and then with the place on the stroke.
   ArmWalk(PostureCheck& check, const PreflightSettings& settings, const SurfaceSpan& span,
-          const JointVector& last)
+          const JointVector& last, const std::function<void(double)>& progress)
       : check_(check), settings_(settings), profile_(span, settings.normal_smoothing), last_(last) {
     Node left = node(span.from);
     left.posture = check_.enter(left.pen, last_);
@@ -44,6 +46,7 @@ class ArmWalk {
     const int pieces = static_cast<int>(std::ceil((span.to - span.from) / settings_.step));
     int lost = 0;  // consecutive failed postures
     for (int k = 1; k <= pieces; ++k) {
+      if (k % 64 == 0) progress(left.along);
       Node right = node(k < pieces ? span.from + (span.to - span.from) * k / pieces : span.to);
       right.posture = check_.follow(right.pen, left.posture, right.along - left.along);
       lost = right.posture.problem ? lost + 1 : 0;
@@ -234,9 +237,15 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
   Preflight result;
   PreflightMargins& margins = result.margins;
   JointVector last = start_q;
-  std::size_t done = 0;
+  // The work on a stroke: its length, and that of finding a posture for its first point.
+  constexpr double kFirst = 5e-3;  // [m]
+  double work = 0, done = 0;
+  for (const PlacedStroke& stroke : strokes) work += plane_length(stroke) + kFirst;
   for (const PlacedStroke& stroke : strokes) {
-    if (progress) progress(static_cast<double>(done++) / static_cast<double>(strokes.size()));
+    const auto tell = [&](double along) {
+      if (progress) progress((done + along - stroke.start) / work);
+    };
+    tell(stroke.start);
     std::vector<Stretch> stretches;
     for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
       if (span.problem) {
@@ -249,7 +258,7 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
         stretches.push_back({span.from, span.to, std::nullopt, 0, span.from, Vector3d::Zero(), {}});
         continue;
       }
-      const ArmWalk walk(check, settings, span, last);
+      const ArmWalk walk(check, settings, span, last, tell);
       last = walk.last();
       stretches.insert(stretches.end(), walk.stretches.begin(), walk.stretches.end());
       margins.joint = std::min(margins.joint, walk.margins.joint);
@@ -257,14 +266,17 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
       margins.effective_mass = std::max(margins.effective_mass, walk.margins.effective_mass);
       margins.clearance = std::min(margins.clearance, walk.margins.clearance);
     }
+    done += plane_length(stroke) + kFirst;
     drop_short(stretches, settings.shortest);
+    std::optional<StrokeRuler> ruler;
     for (Stretch& stretch : stretches) {
       const StrokePart part{stroke.number, stretch.from, stretch.to};
       if (!stretch.problem)
         result.drawable.push_back(part);
       else
         result.findings.push_back({part, *stretch.problem, std::move(stretch.text),
-                                   place_on(stroke, stretch.worst).page, stretch.p_W});
+                                   (ruler ? *ruler : ruler.emplace(stroke)).at(stretch.worst).page,
+                                   stretch.p_W});
     }
   }
   return result;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/planning/stroke_ruler.h"
+
 namespace impedraw {
 
 namespace {
@@ -49,8 +51,10 @@ class Walk {
       from += length;
     }
     retreat();
+    std::optional<StrokeRuler> ruler;
     for (std::size_t i = 0; i < spans_.size(); ++i) {
-      if (spans_[i].problem == Problem::off_canvas) measure_off(i, stroke);
+      if (spans_[i].problem == Problem::off_canvas)
+        measure_off(i, ruler ? *ruler : ruler.emplace(stroke));
     }
     return std::move(spans_);
   }
@@ -191,7 +195,7 @@ class Walk {
     span.samples = std::move(samples);
   }
 
-  void measure_off(std::size_t i, const PlacedStroke& stroke) {
+  void measure_off(std::size_t i, const StrokeRuler& stroke) {
     SurfaceSpan& span = spans_[i];
     const bool enters = i > 0, leaves = i + 1 < spans_.size();
     std::vector<double> places;  // candidates for the farthest point
@@ -205,7 +209,7 @@ class Walk {
       z = spans_[i + 1].samples.front().p_P.z();
     double farthest = -1;
     for (double place : places) {
-      const Vector2d at = place_on(stroke, place).p_P;
+      const Vector2d at = stroke.at(place).p_P;
       const std::optional<double> off = distance_off(surface_, at, kSearched);
       const double by = off.value_or(2 * kSearched);
       if (by <= farthest) continue;
