@@ -22,6 +22,7 @@
 #include "impedraw/settings/yaml_write.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/progress.h"
+#include "impedraw/terminal/say.h"
 
 namespace impedraw {
 
@@ -68,11 +69,11 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
         scenario, places, [&line](double share) { line.update("placing the canvas", share); });
   }
   const Eigen::Vector2d c = found.scenario.drawing.placement.centre_m;
-  fmt::print(stderr,
-             "placed  the drawing's centre at ({:.3f}, {:.3f}) m, turned by {:.0f}°: worst margin "
-             "{:.2f}, {:.2f} as it stood{}\n",
-             c.x(), c.y(), found.turn_deg, found.margin, found.margin_before,
-             found.passes ? "" : "; some of it cannot be drawn there, and nowhere else is better");
+  say(stderr,
+      "placed  the drawing's centre at ({:.3f}, {:.3f}) m, turned by {:.0f}°: worst margin "
+      "{:.2f}, before {:.2f}{}\n",
+      c.x(), c.y(), found.turn_deg, found.margin, found.margin_before,
+      found.passes ? "" : "; some of it cannot be drawn there, and nowhere else is better");
   return found.scenario;
 }
 
@@ -96,10 +97,10 @@ int draw(const DrawOptions& options) {
   }
   print_notes(experiment);
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume);
-  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}{}report  {}\n", scenario.name,
-             drawing.outcome.simulated, drawing.outcome.wall.loop, metrics_table(drawing.metrics),
-             met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
-             fs::absolute(folder / "report.html").lexically_normal().string());
+  say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n{}{}{}report  {}\n", scenario.name,
+      drawing.outcome.simulated, drawing.outcome.wall.loop, metrics_table(drawing.metrics),
+      met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
+      fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing.outcome);
 }
 
@@ -133,11 +134,12 @@ int compare(const DrawOptions& options) {
     const int code = exit_code(drawing.outcome);
     if (code == kInterrupted) return code;
     worst = std::max(worst, code);
-    fmt::print("{}\n{}", side.name, metrics_table(drawing.metrics));
+    say(stdout, "{}\n{}", side.name, metrics_table(drawing.metrics));
   }
   write_comparison({"with perception", folder / "perception"},
                    {"without perception", folder / "blind"}, folder);
-  fmt::print("comparison  {}\n", fs::absolute(folder / "compare.html").lexically_normal().string());
+  say(stdout, "comparison  {}\n",
+      fs::absolute(folder / "compare.html").lexically_normal().string());
   return worst;
 }
 
@@ -173,7 +175,7 @@ int calibrate_tool(const DrawOptions& options, int poses) {
                     places.of("control.wrench")));
   Experiment experiment = prepare(scenario, places);
   const ToolIdentification found = calibrate_tool(experiment, poses).found;
-  fmt::print(
+  say(stdout,
       "{} poses\n"
       "  mass      {:.4f} ± {:.4f} kg\n"
       "  centre    ({:.4f}, {:.4f}, {:.4f}) ± ({:.4f}, {:.4f}, {:.4f}) m, in the sensor's frame\n"
@@ -196,21 +198,21 @@ int report(const fs::path& folder) {
   read_settings(scenario, folder / "scenario.yaml");
   const Places places;
   const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(places));
-  fmt::print("{}report  {}\n", metrics_table(write_results(folder, scenario, artwork)),
-             fs::absolute(folder / "report.html").lexically_normal().string());
+  say(stdout, "{}report  {}\n", metrics_table(write_results(folder, scenario, artwork)),
+      fs::absolute(folder / "report.html").lexically_normal().string());
   return kFinished;
 }
 
 int print_settings(SettingsForm form) {
   switch (form) {
     case SettingsForm::text:
-      fmt::print("{}", settings_help<Scenario>());
+      say(stdout, "{}", settings_help<Scenario>());
       break;
     case SettingsForm::markdown:
-      fmt::print("{}", settings_page());
+      say(stdout, "{}", settings_page());
       break;
     case SettingsForm::json_schema:
-      fmt::print("{}", settings_json_schema<Scenario>("impedraw scenario"));
+      say(stdout, "{}", settings_json_schema<Scenario>("impedraw scenario"));
       break;
   }
   return kFinished;

@@ -9,6 +9,7 @@
 #include "impedraw/app/inspect_mesh.h"
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/drawing/artwork_file.h"
+#include "impedraw/terminal/say.h"
 
 namespace impedraw {
 
@@ -25,34 +26,34 @@ SvgSettings fine() {
 }
 
 void print_artwork(const std::filesystem::path& file, const nlohmann::ordered_json& found) {
-  fmt::print("{}: {} strokes, {:.1f} mm\n", file.string(), found["strokes"].get<std::size_t>(),
-             found["length_mm"].get<double>());
-  fmt::print("  as listed    {} points, {:.1f} mm in the air between strokes\n",
-             found["points"].get<std::size_t>(), found["pen_up_mm"].get<double>());
+  say(stdout, "{}: {} strokes, {:.1f} mm\n", file.string(), found["strokes"].get<std::size_t>(),
+      found["length_mm"].get<double>());
+  say(stdout, "  as listed    {} points, {:.1f} mm in the air between strokes\n",
+      found["points"].get<std::size_t>(), found["pen_up_mm"].get<double>());
   if (!found["bbox_mm"].is_null()) {
     const auto box = found["bbox_mm"].get<std::vector<double>>();
-    fmt::print("  on the page  x {:.2f} to {:.2f} mm, y {:.2f} to {:.2f} mm\n", box[0], box[2],
-               box[1], box[3]);
+    say(stdout, "  on the page  x {:.2f} to {:.2f} mm, y {:.2f} to {:.2f} mm\n", box[0], box[2],
+        box[1], box[3]);
   }
   for (const auto& layer : found["layers"])
-    fmt::print("  layer        {}: {} strokes\n", layer["name"].get<std::string>(),
-               layer["strokes"].get<std::size_t>());
+    say(stdout, "  layer        {}: {} strokes\n", layer["name"].get<std::string>(),
+        layer["strokes"].get<std::size_t>());
   for (const auto& warning : found["warnings"])
-    fmt::print("  warning      {}\n", warning.get<std::string>());
+    say(stdout, "  warning      {}\n", warning.get<std::string>());
 }
 
 void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json& found) {
   const auto box = found["bbox_m"].get<std::vector<double>>();
-  fmt::print("{}: {} triangles, {:.6g} m²\n", file.string(), found["triangles"].get<std::size_t>(),
-             found["area_m2"].get<double>());
-  fmt::print("  extent       x {:.4g} to {:.4g} m, y {:.4g} to {:.4g} m, z {:.4g} to {:.4g} m\n",
-             box[0], box[3], box[1], box[4], box[2], box[5]);
-  fmt::print("  surface      {}, components: {}, steepest slope {:.1f}°\n",
-             found["closed"].get<bool>() ? "closed" : "open", found["components"].get<int>(),
-             found["slope_max_deg"].get<double>());
+  say(stdout, "{}: {} triangles, {:.6g} m²\n", file.string(), found["triangles"].get<std::size_t>(),
+      found["area_m2"].get<double>());
+  say(stdout, "  extent       x {:.4g} to {:.4g} m, y {:.4g} to {:.4g} m, z {:.4g} to {:.4g} m\n",
+      box[0], box[3], box[1], box[4], box[2], box[5]);
+  say(stdout, "  surface      {}, components: {}, steepest slope {:.1f}°\n",
+      found["closed"].get<bool>() ? "closed" : "open", found["components"].get<int>(),
+      found["slope_max_deg"].get<double>());
   for (const auto& fault : found["faults"])
-    fmt::print("  {}  {}\n", fault["repaired"].get<bool>() ? "repaired     " : "fault      ",
-               fault["message"].get<std::string>());
+    say(stdout, "  {}  {}\n", fault["repaired"].get<bool>() ? "repaired     " : "fault      ",
+        fault["message"].get<std::string>());
 }
 
 }  // namespace
@@ -90,7 +91,8 @@ int inspect(const std::filesystem::path& file, bool json, double unit) {
   const bool mesh = is_mesh_file(file);
   const nlohmann::ordered_json found = mesh ? describe_mesh(file, unit) : describe_artwork(file);
   if (json)
-    fmt::print("{}\n", found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    say(stdout, "{}\n",
+        found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else if (mesh)
     print_mesh(file, found);
   else

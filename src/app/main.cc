@@ -1,14 +1,19 @@
 // The command line: reads arguments, names errors, returns exit codes. What it does is in
 // commands.h.
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 
@@ -18,6 +23,7 @@
 #include "impedraw/settings/settings_text.h"
 #include "impedraw/study/reach.h"
 #include "impedraw/study/robustness.h"
+#include "impedraw/terminal/say.h"
 
 namespace {
 
@@ -66,6 +72,34 @@ std::string one_line(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
+}
+
+// Names and texts from here end up in JSON and HTML, which hold UTF-8 alone.
+void require_utf8(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (!impedraw::is_utf8(argv[i]))
+      throw impedraw::InputError(
+          fmt::format("argument '{}' is not valid UTF-8", impedraw::printable(argv[i])));
+  std::error_code error;
+  const std::string folder = std::filesystem::current_path(error).string();
+  if (!error && !impedraw::is_utf8(folder))
+    throw impedraw::InputError(fmt::format(
+        "the name of the working directory, {}, is not valid UTF-8", impedraw::printable(folder)));
+}
+
+// What the buffer still holds may find a full disk.
+int flushed(int code) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+  impedraw::say(stderr, "impedraw: cannot write to the standard output: {}\n",
+                errno != 0 ? std::strerror(errno) : "an earlier write failed");
+  return impedraw::kStopped;
+}
+
+int fail(const std::string& what, int code) {
+  std::fflush(stdout);
+  impedraw::say(stderr, "impedraw: {}\n", one_line(what));
+  return code;
 }
 
 int run_program(int argc, char** argv) {
@@ -241,6 +275,7 @@ int run_program(int argc, char** argv) {
             },
             "", "");
 
+  require_utf8(argc, argv);
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);
     return impedraw::kBadInput;
@@ -256,9 +291,9 @@ int run_program(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help was asked for
-    std::fprintf(stderr, "impedraw: %s; see ./impedraw %s--help\n", one_line(error.what()).c_str(),
-                 known ? (first + " ").c_str() : "");
-    return impedraw::kBadInput;
+    return fail(fmt::format("{}; see ./impedraw {}--help", one_line(error.what()),
+                            known ? first + " " : ""),
+                impedraw::kBadInput);
   }
   return code;
 }
@@ -266,14 +301,22 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A file opened under the number of a closed stream would receive what is printed.
+  for (int stream = 0; stream < 3; ++stream)
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDWR);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond its limit is an error like a full disk
+  std::signal(SIGCHLD, SIG_DFL);  // ignored, it would hide how a child process ended
   try {
-    return run_program(argc, argv);
+    return flushed(run_program(argc, argv));
   } catch (const impedraw::InputError& error) {
-    std::fprintf(stderr, "impedraw: %s\n", one_line(error.what()).c_str());
-    return impedraw::kBadInput;
+    return fail(error.what(), impedraw::kBadInput);
+  } catch (const std::filesystem::filesystem_error& error) {
+    if (error.code() != std::errc::filename_too_long) return fail(error.what(), impedraw::kStopped);
+    return fail(
+        fmt::format("{}: the name is too long; a file system takes names of up to 255 bytes",
+                    impedraw::shown(error.path1().string())),
+        impedraw::kBadInput);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "impedraw: %s\n", one_line(error.what()).c_str());
-    return impedraw::kStopped;
+    return fail(error.what(), impedraw::kStopped);
   }
 }

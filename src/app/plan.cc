@@ -12,6 +12,7 @@
 #include "impedraw/run/draw_into.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/terminal/progress.h"
+#include "impedraw/terminal/say.h"
 
 namespace impedraw {
 
@@ -77,14 +78,14 @@ int plan(const DrawOptions& options, bool as_json) {
   const std::string json = plan_json(e).dump(2) + "\n";
   write_file(folder / "plan.json", json);
   write_picture(e, folder / "plan");
-  fmt::print("{}", as_json ? json : plan_text(e));
+  say(stdout, "{}", as_json ? json : plan_text(e));
   if (e.plan.wrap) {
     write_distortion({e.scenario.name, e.plan.wrap->chart(), e.artwork.strokes, e.plan.requested,
                       projected_distortion(e), wrapped_distortion(e)},
                      folder / "distortion");
   }
   if (!as_json)
-    fmt::print("picture  {}\n", fs::absolute(folder / "plan.png").lexically_normal().string());
+    say(stdout, "picture  {}\n", fs::absolute(folder / "plan.png").lexically_normal().string());
   return e.plan.preflight.findings.empty() ? kFinished : kMissed;
 }
 

@@ -1,5 +1,8 @@
 #include "impedraw/arm/urdf_model.h"
 
+#include <string>
+
+#include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
@@ -20,6 +23,81 @@ pinocchio::SE3 placement(const urdf::Pose& pose) {
           Eigen::Vector3d(p.x, p.y, p.z)};
 }
 
+// Keeps the parser's first complaint, which names the cause, instead of printing all of them.
+class ParserMessages : public console_bridge::OutputHandler {
+ public:
+  ParserMessages() { console_bridge::useOutputHandler(this); }
+  ~ParserMessages() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (first_.empty() && level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
+      first_ = text.substr(0, text.find('\n'));
+  }
+  const std::string& first() const { return first_; }
+
+ private:
+  std::string first_;
+};
+
+void check_body(const std::string& link, const urdf::Geometry* body) {
+  const auto require = [&link](const char* what, double value) {
+    if (!(value > 0.0))
+      throw InputError(
+          fmt::format("link '{}': {} is {} m; valid is more than 0 m", link, what, value));
+  };
+  if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(body)) {
+    require("a cylinder's radius", cylinder->radius);
+    require("a cylinder's length", cylinder->length);
+  } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(body)) {
+    require("a sphere's radius", sphere->radius);
+  }
+}
+
+// What a joint that is neither revolute nor prismatic is called, or nothing.
+const char* unusable_type(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::Joint::REVOLUTE:
+    case urdf::Joint::PRISMATIC:
+    case urdf::Joint::FIXED:
+      return nullptr;
+    case urdf::Joint::CONTINUOUS:
+      return "continuous";
+    case urdf::Joint::FLOATING:
+      return "floating";
+    case urdf::Joint::PLANAR:
+      return "planar";
+    default:
+      return "of an unknown type";
+  }
+}
+
+void check_joint(const urdf::Joint& joint) {
+  if (const char* type = unusable_type(joint))
+    throw InputError(fmt::format(
+        "joint '{}' is {}; valid are fixed joints, and revolute or prismatic joints with limits",
+        joint.name, type));
+  if (joint.mimic)
+    throw InputError(
+        fmt::format("joint '{}' mimics joint '{}'; every joint must have a drive of its own",
+                    joint.name, joint.mimic->joint_name));
+  if (joint.type == urdf::Joint::FIXED) return;
+  const auto& limits = joint.limits;
+  if (!limits) throw InputError(fmt::format("joint '{}' has no limits", joint.name));
+  if (!(limits->lower < limits->upper))
+    throw InputError(fmt::format("joint '{}': the lower limit {} must be below the upper limit {}",
+                                 joint.name, limits->lower, limits->upper));
+  if (!(limits->effort > 0.0))
+    throw InputError(fmt::format("joint '{}': the effort limit is {}; valid is more than 0",
+                                 joint.name, limits->effort));
+}
+
+void check_description(const urdf::ModelInterface& description) {
+  for (const auto& [name, joint] : description.joints_) check_joint(*joint);
+  for (const auto& [name, link] : description.links_) {
+    for (const auto& body : link->collision_array) check_body(name, body->geometry.get());
+    for (const auto& body : link->visual_array) check_body(name, body->geometry.get());
+  }
+}
+
 std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
                                        const pinocchio::Model& model) {
   std::vector<LinkCapsule> capsules;
@@ -35,8 +113,8 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
         capsules.push_back(
             {name, frame.parentJoint, X_JB.translation(), X_JB.translation(), sphere->radius});
       } else {
-        throw InputError(
-            fmt::format("link {}: a collision body that is neither a cylinder nor a sphere", name));
+        throw InputError(fmt::format(
+            "link '{}' has a collision body that is neither a cylinder nor a sphere", name));
       }
     }
   }
@@ -48,11 +126,14 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
 UrdfModel read_urdf(const std::filesystem::path& urdf) {
   if (!std::filesystem::is_regular_file(urdf))
     throw InputError(fmt::format("arm description {}: no such file", urdf.string()));
+  ParserMessages messages;
   const urdf::ModelInterfaceSharedPtr description = urdf::parseURDFFile(urdf.string());
   if (!description)
-    throw InputError(fmt::format("arm description {}: not a valid URDF", urdf.string()));
+    throw InputError(fmt::format("arm description {}: not a valid URDF{}{}", urdf.string(),
+                                 messages.first().empty() ? "" : ": ", messages.first()));
   UrdfModel arm;
   try {
+    check_description(*description);
     pinocchio::urdf::buildModel(description, arm.model);
     arm.capsules = link_capsules(*description, arm.model);
   } catch (const std::exception& error) {
@@ -61,8 +142,7 @@ UrdfModel read_urdf(const std::filesystem::path& urdf) {
   const int n = arm.model.nv;
   if (arm.model.nq != n || arm.model.njoints != n + 1)
     throw InputError(
-        fmt::format("arm description {}: every joint must be revolute with limits, or prismatic",
-                    urdf.string()));
+        fmt::format("arm description {}: every joint must have one axis", urdf.string()));
   if (n < 6 || n > kMaxJoints)
     throw InputError(fmt::format("arm description {}: {} joints, valid are 6 to {}", urdf.string(),
                                  n, kMaxJoints));

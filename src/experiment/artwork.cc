@@ -78,7 +78,8 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
     setting_errors.raise(
         {"drawing.hatch", "drawing.svg"},
         fmt::format(
-            "{}: nothing is left to draw without the outlines of filled areas and dashes that show",
+            "{}: nothing is left to draw: there are neither dashes nor outlines of filled areas; "
+            "hatching draws areas",
             artwork.name));
   }
 

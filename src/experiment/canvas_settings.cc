@@ -28,8 +28,7 @@ void describe_footprint(Fields& f, FootprintSettings& s) {
 
 TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired) {
   if (s.file.empty())
-    throw InputError(
-        "canvas.mesh.file is empty, must name a .obj, .stl or .ply for canvas.kind mesh");
+    throw InputError("canvas.mesh.file is empty; canvas.kind mesh needs a .obj, .stl or .ply file");
   CheckedMesh checked = load_mesh(s.file, metres(s.unit));
   for (const MeshFault& fault : checked.faults) {
     if (fault.kind == "too_large" || fault.kind == "too_small") {

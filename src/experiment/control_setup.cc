@@ -40,6 +40,8 @@ ImpedanceSettings impedance_settings(const Scenario& s, const ArmLimits& limits,
   settings.joint_range.lower = limits.lower;
   settings.joint_range.upper = limits.upper;
   settings.null_space.q_0 = plan.rest_q;
+  settings.null_space.stiffness = Eigen::Map<const Eigen::VectorXd>(
+      s.control.null_stiffness.data(), static_cast<Eigen::Index>(s.control.null_stiffness.size()));
   return settings;
 }
 

@@ -8,6 +8,8 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/shapes.h"
+#include "impedraw/settings/setting_error.h"
+#include "impedraw/terminal/say.h"
 
 namespace impedraw {
 
@@ -19,7 +21,23 @@ namespace {
 void tell_renamed(const Places& places) {
   static std::set<std::string> told;
   for (const auto& [former, note] : places.notes())
-    if (told.insert(former).second) std::fprintf(stderr, "impedraw: %s\n", note.c_str());
+    if (told.insert(former).second) say(stderr, "impedraw: {}\n", note);
+}
+
+// The name of a scenario is the name of its run's folder, with an ending for some commands.
+void check_name(const std::string& name, const SettingErrors& setting_errors) {
+  constexpr std::size_t kLongest = 240;  // bytes, of the 255 that a file system takes
+  const bool control = std::any_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  });
+  if (!name.empty() && name.size() <= kLongest && name.find('/') == std::string::npos &&
+      !name.starts_with('.') && !control && is_utf8(name))
+    return;
+  setting_errors.raise(
+      {"name", "drawing.svg"},
+      fmt::format("name is '{}'; it names a folder: valid are 1 to {} bytes of UTF-8 without '/', "
+                  "control characters or a leading '.'",
+                  shown(name), kLongest));
 }
 
 }  // namespace
@@ -33,11 +51,14 @@ Scenario resolve(const DrawOptions& options, Places* given) {
                             : options.scenario;
   scenario.name = file.stem();
   // Artwork from the command line names the run, with the scenario in front where one was given.
+  bool named = false;  // by --set, which counts whatever is drawn
   const auto name_after = [&](const std::string& artwork) {
+    if (named) return;
     scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
   };
   Places places = read_settings(scenario, file, options.assignments);
   tell_renamed(places);
+  named = places.of("name").starts_with("--set ");
   if (!options.shape.empty()) {
     scenario.drawing.shape = options.shape;
     scenario.drawing.svg.clear();
@@ -49,6 +70,7 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     scenario.drawing.svg = fs::absolute(options.svg);
     scenario.drawing.text.text.clear();
     name_after(options.svg.stem().string());
+    if (!named) places.put("name", "--svg " + shown(options.svg.string()));
     places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
   }
   if (!options.text.empty()) {
@@ -70,12 +92,7 @@ Scenario resolve(const DrawOptions& options, Places* given) {
       throw InputError(fmt::format("{}: drawing.shape {}", places.of("drawing.shape"),
                                    not_among(shape, shapes)));
   }
-  // It names the run's folder.
-  if (scenario.name.empty() || scenario.name.find('/') != std::string::npos ||
-      scenario.name.starts_with('.'))
-    throw InputError(fmt::format(
-        "{}: name is '{}', but it names a folder: no '/' in it, no '.' in front, not empty",
-        places.of("name"), shown(scenario.name)));
+  check_name(scenario.name, SettingErrors(places));
   if (given) *given = places;
   return scenario;
 }

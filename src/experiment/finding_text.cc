@@ -20,15 +20,15 @@ std::string refusal_text(const Finding& f, bool seen) {
       case Problem::near_singular:
         return "brings the arm near a singular posture";
       case Problem::torque:
-        return "asks for too much torque";
+        return "needs too much torque";
       case Problem::arm_collision:
-        return "brings the arm against canvas or table";
+        return "makes the arm touch the canvas or the table";
       case Problem::pen_collision:
-        return "brings the pen's shaft against canvas or table";
+        return "makes the pen's shaft touch the canvas or the table";
       case Problem::joint_jump:
         return "cannot be followed without a jump of the joints";
       case Problem::too_short:
-        return "has too short a rest";
+        return "leaves too short a remainder";
     }
     return "fails";
   };

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/start_posture.h"
 
 namespace impedraw {
 
@@ -21,9 +21,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLength = 0.3;  // [m]; converts angles to lengths
-// a condition of 4 is as good as a joint in the middle of its range
-constexpr double kCondition = 4.0;
 constexpr int kCoarse = 24, kFine = 90;  // points of the drawing that are asked
 constexpr int kCandidates = 8;           // that go on from the grid
 
@@ -60,21 +57,6 @@ std::vector<Point> points_of(const PlannedDrawing& e, int count) {
   return points;
 }
 
-double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
-  const ArmLimits& limits = arm.limits();
-  double joints = 1.0;
-  for (Eigen::Index j = 0; j < q.size(); ++j) {
-    const double half = 0.5 * (limits.upper[j] - limits.lower[j]);
-    if (std::isfinite(half))
-      joints = std::min(joints, std::min(q[j] - limits.lower[j], limits.upper[j] - q[j]) / half);
-  }
-  arm.compute(q, JointVector::Zero(q.size()), terms);
-  Eigen::MatrixXd J = terms->J;
-  J.bottomRows(3) *= kLength;
-  const Eigen::VectorXd sigma = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
-  return std::min(joints, kCondition * sigma.minCoeff() / sigma.maxCoeff());
-}
-
 class Search {
  public:
   explicit Search(PlannedDrawing& e)
@@ -83,7 +65,7 @@ class Search {
         centre_(e.scenario.drawing.placement.centre_m),
         coarse_(points_of(e, kCoarse)),
         fine_(points_of(e, kFine)) {
-    if (fine_.empty()) throw InputError("--place auto: no point of the drawing lies on the canvas");
+    if (fine_.empty()) throw InputError("--place auto: no part of the drawing lies on the canvas");
   }
 
   // The margin of a pose. Stops early once it is below `least`.
@@ -105,7 +87,7 @@ class Search {
         q = posture.q;
         worst = std::min(worst, posture_margin(e_.scene.arm, &terms_, q));
       } else {
-        worst = std::min(worst, -posture.position_error - kLength * posture.axis_error);
+        worst = std::min(worst, -posture.position_error - kMarginLength * posture.axis_error);
       }
       if (worst < least) return worst;
     }
@@ -197,8 +179,7 @@ Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
 PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
                                  const std::function<void(double)>& progress) {
   if (!scenario.drawing.tilt_deg.isZero())
-    throw InputError(
-        "--place auto: moves level drawing planes only; drawing.tilt must be [0, 0, 0]");
+    throw InputError("--place auto needs a level drawing plane: drawing.tilt must be [0, 0, 0]");
   PlannedDrawing e = prepare_plan(scenario, places, Unreachable::tell);
   Search search(e);
   const double before = search.margin({}, true);
@@ -226,7 +207,7 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
     if (best.passes) break;
   }
   if (!std::isfinite(least))
-    throw InputError("--place auto: found no place where the drawing can be prepared");
+    throw InputError("--place auto: the drawing cannot be drawn at any place that was tried");
   return best;
 }
 

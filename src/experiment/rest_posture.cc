@@ -18,11 +18,8 @@ std::string joint_text(const JointVector& q) {
 
 JointVector given_rest_posture(const std::vector<double>& given, const ArmModel& arm,
                                const SettingErrors& setting_errors) {
-  const int n = arm.joints();
-  if (static_cast<int>(given.size()) != n)
-    setting_errors.raise({"arm.q_0"},
-                         fmt::format("arm.q_0 has {} entries, the arm {} joints", given.size(), n));
-  const JointVector q_0 = Eigen::Map<const Eigen::VectorXd>(given.data(), n);
+  // build_scene() has checked that there is one entry per joint.
+  const JointVector q_0 = Eigen::Map<const Eigen::VectorXd>(given.data(), arm.joints());
   const JointVector lower = arm.limits().lower, upper = arm.limits().upper;
   if (((q_0 - lower).array() < 0.0).any() || ((upper - q_0).array() < 0.0).any())
     setting_errors.raise(

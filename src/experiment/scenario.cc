@@ -153,9 +153,11 @@ void describe(Fields& f, ArmSettings& s) {
   using Limits = ArmSettings::Limits;
   f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.");
   f.field(Limits::posture_seed, s.posture_seed,
-          "Joint angles from which the inverse kinematics starts.");
+          "Joint angles from which the inverse kinematics starts, one per joint; empty: those of "
+          "the iiwa for seven joints, else found by a search.");
   f.field(Limits::q_0, s.q_0,
-          "Rest posture of the null space; empty: the posture over the middle of the drawing.");
+          "Rest posture of the null space, one angle per joint; empty: the posture over the middle "
+          "of the drawing.");
   f.field(Limits::start, s.start_p_WE,
           "Position of the pen tip during the snapshot and at the start.");
 }
@@ -373,8 +375,8 @@ void describe(Fields& f, ControlSettings& s) {
           "Stiffest contact of tip and canvas in the stability check at set-up.");
   f.field(Limits::natural_mass_max, s.stability_check.natural_mass_max,
           "Largest effective mass along the normal in the stability check at set-up.");
-  f.field(Limits::null_stiffness, s.null_space.stiffness,
-          "Stiffness K_q of the null space, equation (15).");
+  f.field(Limits::null_stiffness, s.null_stiffness,
+          "Stiffness K_q of the null space, equation (15), one per joint; empty: 10 each.");
   f.field(Limits::null_damping_ratio, s.null_space.damping_ratio,
           "Damping ratio of the null space.");
   f.field("observer", s.observer, "Momentum observer of the torque that the arm's model misses.");

@@ -60,8 +60,10 @@ struct DrawingSettings {
 };
 
 struct ArmSettings {
-  std::filesystem::path urdf;    // empty: models/iiwa14_pen.urdf
-  Eigen::VectorXd posture_seed;  // inverse kinematics starts here and stays near [rad]
+  std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
+  // The inverse kinematics of the start starts here and stays near, one entry per joint [rad];
+  // empty: see start_posture.h.
+  std::vector<double> posture_seed;
   // Rest posture of the null space (14) [rad]; empty: at the middle of the drawing.
   std::vector<double> q_0;
   // Tip position at the snapshot and at the start [m].
@@ -72,8 +74,6 @@ struct ArmSettings {
     static constexpr Limit q_0 = {"q_0", "rad", {-3.2, 3.2}};
     static constexpr Limit start = {"start", "m", {-2.0, 2.0}};
   };
-
-  ArmSettings() : posture_seed(7) { posture_seed << 0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0; }
 };
 
 struct CameraSettings {
@@ -116,8 +116,8 @@ struct BlindSettings {
   };
 };
 
-// The control law and the source of its wrench. control.wrench, dt, torque limits and joint ranges
-// follow from the other settings and the arm.
+// The control law and the source of its wrench. control.wrench, dt, torque limits, joint ranges and
+// null_space.stiffness follow from the other settings and the arm.
 struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
@@ -125,13 +125,13 @@ struct ControlSettings : ImpedanceSettings {
   double torque_rate = 4000.0;  // of every joint [Nm/s]
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
+  // Of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.
+  std::vector<double> null_stiffness;
 
   struct Limits : ImpedanceSettings::Limits {
     static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.02}};
     static constexpr Limit torque_share = {"torque_share", "", {0.01, 1.0}};
   };
-
-  ControlSettings() { null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0); }  // the iiwa's
 };
 
 // A push on the pen, like that of a hand.

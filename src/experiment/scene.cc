@@ -4,11 +4,9 @@
 #include <filesystem>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/snapshot.h"
+#include "impedraw/experiment/start_posture.h"
 
 namespace impedraw {
 
@@ -19,23 +17,6 @@ constexpr double kEdgeOfPlanning = 0.5;
 
 std::filesystem::path urdf_of(const ArmSettings& s) {
   return s.urdf.empty() ? std::filesystem::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
-}
-
-JointVector start_posture(const ArmSettings& s, ArmModel& arm, const Pose& X_WP,
-                          const SettingErrors& setting_errors) {
-  if (s.posture_seed.size() != arm.joints())
-    setting_errors.raise({"arm.posture_seed", "arm.urdf"},
-                         fmt::format("arm.posture_seed has {} entries, the arm {} joints",
-                                     s.posture_seed.size(), arm.joints()));
-  const IkResult start =
-      find_posture(arm, {s.start_p_WE, -X_WP.R.col(2)}, JointVector(s.posture_seed));
-  if (!start.reached)
-    setting_errors.raise(
-        {"arm.start", "arm"},
-        fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm",
-                    s.start_p_WE.x(), s.start_p_WE.y(), s.start_p_WE.z(),
-                    1e3 * start.position_error));
-  return start.q;
 }
 
 void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scene* scene) {
@@ -69,15 +50,16 @@ Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& sett
   std::vector<std::string> notes;
   auto canvas = setting_errors.locate(
       {"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
-  // Build the world before the arm model: its URDF reader reports errors, the arm model's reader
-  // prints its own lines.
+  // The arm model comes before the world: its reader names the joint or link that is at fault.
+  const std::filesystem::path urdf = urdf_of(s.arm);
+  ArmModel arm = setting_errors.locate({"arm.urdf"}, [&] { return ArmModel(urdf); });
+  check_joint_settings(s, urdf, arm, setting_errors);
   WorldSettings settings = s.world;
   settings.flange_sensor = has_sensor(s.control.source);
-  auto world = setting_errors.locate({"arm.urdf"}, [&] {
-    return std::make_unique<World>(urdf_of(s.arm), canvas.get(), settings);
-  });
+  auto world = setting_errors.locate(
+      {"arm.urdf"}, [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
   Scene scene{.canvas = std::move(canvas),
-              .arm = setting_errors.locate({"arm.urdf"}, [&] { return ArmModel(urdf_of(s.arm)); }),
+              .arm = std::move(arm),
               .start_q = {},
               .world = std::move(world),
               .perception = {},

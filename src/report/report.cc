@@ -5,15 +5,12 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/common/run_python.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/plot_series.h"
-
-extern char** environ;
 
 namespace impedraw {
 namespace {
@@ -44,7 +41,7 @@ Json limits_json(const std::map<std::string, MetricLimit>& limits) {
 }
 
 std::string existing(const std::filesystem::path& path) {
-  return std::filesystem::exists(path) ? path.string() : "";
+  return std::filesystem::exists(path) ? std::filesystem::absolute(path).string() : "";
 }
 
 // Runs report.py with the page's data in a temporary JSON file.
@@ -55,23 +52,18 @@ void make_page(const Json& page, const std::filesystem::path& out, const ReportS
     throw std::runtime_error("cannot write " + out.string() +
                              ": no temporary file can be made in " + name);
   close(descriptor);
-  std::ofstream(name) << page;
+  // What a log of others holds need not be UTF-8.
+  std::ofstream(name) << page.dump(-1, ' ', false, Json::error_handler_t::replace);
   const std::string python = settings.python.empty() ? IMPEDRAW_PYTHON : settings.python.string();
-  const char* const arguments[] = {python.c_str(), "-I", IMPEDRAW_REPORT_SCRIPT, name.c_str(),
-                                   nullptr};
-  pid_t child = 0;
-  const int spawned = posix_spawnp(&child, python.c_str(), nullptr, nullptr,
-                                   const_cast<char* const*>(arguments), environ);
-  int status = 0;
-  if (spawned == 0) waitpid(child, &status, 0);
+  const PythonEnd end =
+      run_python({python, {IMPEDRAW_REPORT_SCRIPT, name}, {}, IMPEDRAW_MATPLOTLIB_FOLDER});
   std::filesystem::remove(name);
-  if (spawned != 0)
+  if (end == PythonEnd::not_started)
     throw std::runtime_error(
         fmt::format("cannot write {}: {} does not start", out.string(), python));
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+  if (end == PythonEnd::failed)
     throw std::runtime_error(fmt::format("cannot write {}: {} failed (its message is above)",
                                          out.string(), IMPEDRAW_REPORT_SCRIPT));
-  }
 }
 
 }  // namespace
@@ -80,7 +72,7 @@ void write_report(const std::filesystem::path& folder, const RunData& run, const
                   const Metrics& metrics, const ReportSettings& settings) {
   Json page;
   page["kind"] = "run";
-  page["out"] = (folder / "report.html").string();
+  page["out"] = std::filesystem::absolute(folder / "report.html").string();
   page["title"] = title_of(run, settings.title);
   page["attributes"] = run.attributes;
   page["definitions"] = definitions();
@@ -96,8 +88,8 @@ void write_comparison(const ComparedRun& left, const ComparedRun& right,
                       const std::filesystem::path& out, const ReportSettings& settings) {
   Json page;
   page["kind"] = "comparison";
-  page["out"] = (out / "compare.html").string();
-  page["picture"] = (out / "compare.png").string();
+  page["out"] = std::filesystem::absolute(out / "compare.html").string();
+  page["picture"] = std::filesystem::absolute(out / "compare.png").string();
   page["definitions"] = definitions();
   page["limits"] = limits_json(settings.limits);
   page["runs"] = Json::array();

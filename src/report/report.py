@@ -8,12 +8,14 @@ import base64
 import html
 import io
 import json
+import logging
 import math
 import sys
 from pathlib import Path
 
 import matplotlib
 
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its list of fonts
 matplotlib.use("svg")
 from matplotlib.figure import Figure  # noqa: E402
 
@@ -215,13 +217,13 @@ def table(page, columns, titles):
 def scenario(path, title="scenario.yaml"):
     if not path:
         return ""
-    return f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(Path(path).read_text())}</pre></details>"
+    return f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(Path(path).read_text(encoding='utf-8'))}</pre></details>"
 
 
 def write_page(page, title, body):
     text = (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">\n'
             f"<title>{html.escape(title)}</title><style>{STYLE}</style></head><body>\n{body}\n</body></html>\n")
-    Path(page["out"]).write_text(text)
+    Path(page["out"]).write_text(text, encoding="utf-8")
 
 
 def wall_text(metrics):
@@ -311,7 +313,7 @@ drawn and target line, normal force, and tilt of the pen against the surface nor
 
 
 def main():
-    page = json.loads(Path(sys.argv[1]).read_text())
+    page = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     {"run": run_page, "comparison": comparison_page}[page["kind"]](page)
 
 

@@ -13,6 +13,7 @@
 #include "impedraw/settings/yaml_write.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
+#include "impedraw/terminal/say.h"
 
 namespace impedraw {
 
@@ -103,10 +104,9 @@ PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& plac
 void print_notes(const PlannedDrawing& drawing) {
   constexpr std::size_t kMost = 20;
   const std::vector<std::string> notes = notes_of(drawing);
-  for (std::size_t i = 0; i < notes.size() && i < kMost; ++i)
-    fmt::print(stderr, "note: {}\n", notes[i]);
+  for (std::size_t i = 0; i < notes.size() && i < kMost; ++i) say(stderr, "note: {}\n", notes[i]);
   if (notes.size() > kMost)
-    fmt::print(stderr, "note: and {} more, in strokes.json\n", notes.size() - kMost);
+    say(stderr, "note: and {} more, in strokes.json\n", notes.size() - kMost);
 }
 
 namespace {
@@ -153,8 +153,8 @@ std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {
 
 int exit_code(const RunOutcome& outcome) {
   if (outcome.end == RunEnd::finished) return kFinished;
-  fmt::print(stderr, "impedraw: {}; the log is kept up to there{}\n", outcome.cause,
-             outcome.end == RunEnd::interrupted ? ", --resume goes on from it" : "");
+  say(stderr, "impedraw: {}; the log is kept up to there{}\n", outcome.cause,
+      outcome.end == RunEnd::interrupted ? ", --resume goes on from it" : "");
   return outcome.end == RunEnd::stopped ? kStopped : kInterrupted;
 }
 

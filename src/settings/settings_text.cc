@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 namespace impedraw {
 
@@ -32,6 +33,16 @@ std::optional<std::string> parse_integer(std::string_view text, const Range& ran
                                          std::string_view unit, T& value) {
   const std::string_view digits = without_plus(text);
   T parsed{};
+  // 1e9 and 3.0 are whole numbers, too; a double holds those up to 2^53.
+  if (double real; digits.find_first_of(".eE") != std::string_view::npos &&
+                   !parse_number(text, Range::any(), "", real) && real == std::floor(real)) {
+    constexpr double kExact = 9007199254740992.0;
+    if (std::abs(real) > kExact || real < static_cast<double>(std::numeric_limits<T>::min()) ||
+        !range.holds(real))
+      return outside(shown(text), range, unit);
+    value = static_cast<T>(real);
+    return std::nullopt;
+  }
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), parsed);
   if (error == std::errc::result_out_of_range) return outside(shown(text), range, unit);
   if (error != std::errc() || end != digits.data() + digits.size()) {

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/printable.h"
 
 namespace impedraw {
 
@@ -192,6 +193,7 @@ std::string content(const fs::path& file, const std::string& asked_by) {
     wrong(before, "cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > largest_file) wrong(before, "is larger than 1 MiB, which no scenario is");
+  if (!is_utf8(text)) wrong(before, "is not UTF-8 text");
   return text;
 }
 

@@ -8,18 +8,16 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
+#include "impedraw/common/run_python.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
-
-extern char** environ;
+#include "impedraw/terminal/say.h"
 
 namespace impedraw {
 
@@ -84,17 +82,13 @@ void write_csv(const CellTable& table, const fs::path& csv, const std::vector<Ce
 
 void plot(const std::string& name, const fs::path& csv, const fs::path& png) {
   const std::string script = std::string(IMPEDRAW_STUDY_SCRIPTS) + "/" + name + ".py",
-                    from = csv.string(), to = png.string();
-  const char* const arguments[] = {IMPEDRAW_PYTHON, "-I",       script.c_str(),
-                                   from.c_str(),    to.c_str(), nullptr};
-  pid_t child = 0;
-  if (posix_spawnp(&child, IMPEDRAW_PYTHON, nullptr, nullptr, const_cast<char* const*>(arguments),
-                   environ) != 0)
+                    from = fs::absolute(csv).string(), to = fs::absolute(png).string();
+  const PythonEnd end =
+      run_python({IMPEDRAW_PYTHON, {script, from, to}, {}, IMPEDRAW_MATPLOTLIB_FOLDER});
+  if (end == PythonEnd::not_started)
     throw std::runtime_error(
         fmt::format("cannot write {}: {} does not start", to, IMPEDRAW_PYTHON));
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+  if (end == PythonEnd::failed)
     throw std::runtime_error(
         fmt::format("cannot write {}: {} failed (its message is above)", to, script));
 }
@@ -110,19 +104,19 @@ std::vector<Cell> matching(const std::vector<Cell>& cells, const std::string& pa
   try {
     expression = std::regex(pattern);
   } catch (const std::regex_error&) {
-    throw InputError(fmt::format("--only {}: is no regular expression", pattern));
+    throw InputError(fmt::format("--only {}: not a valid regular expression", pattern));
   }
   std::vector<Cell> found;
   std::copy_if(cells.begin(), cells.end(), std::back_inserter(found),
                [&](const Cell& c) { return std::regex_search(c.name, expression); });
   if (found.empty())
     throw InputError(
-        fmt::format("--only {}: no cell has that in its name; --list shows the names", pattern));
+        fmt::format("--only {}: no cell's name matches; --list shows the names", pattern));
   return found;
 }
 
 void print_cells(const std::vector<Cell>& cells) {
-  for (const Cell& cell : cells) fmt::print("{}\n    {}\n", cell.name, cell_command(cell));
+  for (const Cell& cell : cells) say(stdout, "{}\n    {}\n", cell.name, cell_command(cell));
 }
 
 int run_table(const CellTable& table, const std::vector<Cell>& all,
@@ -136,8 +130,8 @@ int run_table(const CellTable& table, const std::vector<Cell>& all,
   std::copy_if(desired.begin(), desired.end(), std::back_inserter(left),
                [&](const Cell& c) { return !records.contains(c.name); });
   if (left.size() < desired.size())
-    fmt::print("{} of {} cells are kept from an earlier run; --again runs them anew\n",
-               desired.size() - left.size(), desired.size());
+    say(stdout, "{} of {} cells are kept from an earlier run; --again runs them anew\n",
+        desired.size() - left.size(), desired.size());
   make_folder(folder);
   write_csv(table, csv, all, records);
 
@@ -164,10 +158,10 @@ int run_table(const CellTable& table, const std::vector<Cell>& all,
                       {options.jobs > 0 ? options.jobs : cores, table.time_limit, folder}, hooks);
   }
   if (!whole) {
-    fmt::print(stderr,
-               "impedraw: interrupted; what was done is kept in {}, and the same command goes on "
-               "from there\n",
-               csv.string());
+    say(stderr,
+        "impedraw: interrupted; what was done is kept in {}, and the same command goes on "
+        "from there\n",
+        csv.string());
     return interrupt.exit_code();
   }
   write_csv(table, csv, all, records);
@@ -175,10 +169,10 @@ int run_table(const CellTable& table, const std::vector<Cell>& all,
   plot(table.name, csv, folder / (table.name + ".png"));
   std::size_t failed = 0;
   for (const Cell& cell : desired) failed += field(records.at(cell.name), "failed") == "1";
-  fmt::print("{} cells, {} failed\n", desired.size(), failed);
+  say(stdout, "{} cells, {} failed\n", desired.size(), failed);
   for (const char* extension : {".csv", ".md", ".png"})
-    fmt::print("  {}\n",
-               fs::absolute(folder / (table.name + extension)).lexically_normal().string());
+    say(stdout, "  {}\n",
+        fs::absolute(folder / (table.name + extension)).lexically_normal().string());
   return kFinished;
 }
 

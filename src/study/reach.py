@@ -6,11 +6,13 @@ a red frame: a limit was missed.
 
 import csv
 import json
+import logging
 import sys
 from pathlib import Path
 
 import matplotlib
 
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its list of fonts
 matplotlib.use("agg")
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
@@ -79,8 +81,8 @@ def picture(rows, folder):
                 axes.set_title(canvas, fontsize=11, pad=5)
             if j == 0:
                 axes.text(-0.06, 0.5, drawing, fontsize=11, rotation=90, ha="right", va="center", transform=axes.transAxes)
-    figure.legend(handles=[Line2D([], [], color=INK, label="ink"), Line2D([], [], color=UNDRAWABLE, label="named as not drawable"),
-                           Line2D([], [], color=LACKING, label="promised, without ink"),
+    figure.legend(handles=[Line2D([], [], color=INK, label="ink"), Line2D([], [], color=UNDRAWABLE, label="reported as not drawable"),
+                           Line2D([], [], color=LACKING, label="planned, without ink"),
                            Line2D([], [], linestyle="", label="beneath each: ink error, RMS to 45° of slope; coverage")],
                   loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False)
     return figure

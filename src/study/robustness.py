@@ -5,12 +5,14 @@ strong. Below, each error alone on the standard sine. A cross: that cell failed;
 """
 
 import csv
+import logging
 import math
 import re
 import sys
 
 import matplotlib
 
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its list of fonts
 matplotlib.use("agg")
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
@@ -163,9 +165,9 @@ def picture(rows):
                                     wspace=0.2)
         figure.legend(handles=[Line2D([], [], color=NOMINAL, marker="o", markersize=4, label=TITLES[ERROR]),
                                Line2D([], [], color=FORCE, marker="s", markersize=4, label=TITLES[SD]),
-                               Line2D([], [], color="#b9bec6", linestyle=(0, (3, 2)), label="as believed"), cross],
+                               Line2D([], [], color="#b9bec6", linestyle=(0, (3, 2)), label="no model error"), cross],
                       loc="upper left", bbox_to_anchor=(0.04, 1 - 7.45 / height), ncols=4,
-                      title="Each error of what is believed alone, on the sine in the bowl at 50 mm/s and 5 N", alignment="left",
+                      title="Each model error alone, on the sine in the bowl at 50 mm/s and 5 N", alignment="left",
                       title_fontproperties={"weight": "bold", "size": 9.5})
         for i, (setting, of_it) in enumerate(errors.items()):
             error_panel(figure.add_subplot(lower[i // columns, i % columns]), setting, of_it, normals.get(of_it[0].row["base"]))

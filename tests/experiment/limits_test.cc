@@ -65,6 +65,8 @@ std::vector<Bounded> all_bounded() {
 // highest", else by the longest beginning of the name.
 const std::map<std::string, Words> kCompanions = {
     {"arm.q_0", {"arm.q_0=[0]"}},
+    {"arm.posture_seed", {"arm.posture_seed=[0]"}},
+    {"control.null_stiffness", {"control.null_stiffness=[0]"}},
     {"pushes", {"pushes=[{}]"}},
     {"faults", {"faults=[{}]"}},
     {"drawing.placement.margin", {"drawing.placement.fit_width=2"}},
@@ -187,6 +189,8 @@ void check_control(const Scenario& s) {
   ImpedanceSettings settings = c;
   settings.limits.torque = Eigen::VectorXd::Constant(7, 100.0 * c.torque_share);
   settings.limits.torque_rate = Eigen::VectorXd::Constant(7, c.torque_rate);
+  if (!c.null_stiffness.empty())
+    settings.null_space.stiffness = Eigen::VectorXd::Constant(7, c.null_stiffness[0]);
   settings.validate_ranges(7);  // stability depends on several settings together
   ContactStates(settings.contact, s.world.dt);
   const WrenchEstimatorSettings estimator =

@@ -1,4 +1,6 @@
 // report.html and compare.html: they stand alone, and hold what they must.
+#include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <regex>
 
@@ -66,6 +68,63 @@ TEST_F(PagesTest, ARunWithoutAnythingStillGetsItsPage) {
   write_ink_top(run, drawn, folder_ / "ink_top");
   write_report(folder_, run, drawn, compute_metrics(run, drawn));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "report.html"));
+}
+
+// The user's surroundings as they are when a test begins, back in place when it ends.
+class Surroundings {
+ public:
+  Surroundings() {
+    for (const char* name : {"HOME", "LC_ALL", "LOCPATH", "MPLCONFIGDIR", "MATPLOTLIBRC"})
+      variables_.emplace_back(name, std::getenv(name) ? std::getenv(name) : "");
+  }
+  ~Surroundings() {
+    std::filesystem::current_path(folder_);
+    std::signal(SIGCHLD, SIG_DFL);
+    for (const auto& [name, value] : variables_)
+      value.empty() ? unsetenv(name) : setenv(name, value.c_str(), 1);
+  }
+
+ private:
+  std::filesystem::path folder_ = std::filesystem::current_path();
+  std::vector<std::pair<const char*, std::string>> variables_;
+};
+
+TEST_F(PagesTest, DoNotDependOnTheSurroundings) {
+  const RunData run = made_up({}, folder_ / "run");
+  const InkMatch drawn = match_ink(run);
+  const auto page = [&](const std::filesystem::path& folder) {
+    write_report(folder, run, drawn, compute_metrics(run, drawn), {.title = "Zürich → 東京"});
+    return text_of(folder / "report.html");
+  };
+  std::ofstream(folder_ / "run/scenario.yaml") << "name: Zürich → 東京\n";
+  const std::string plain = page(folder_ / "run");
+  EXPECT_NE(plain.find("Zürich → 東京"), std::string::npos);
+
+  const Surroundings surroundings;
+  const std::filesystem::path home = folder_ / "home";
+  std::filesystem::create_directories(home);
+  std::filesystem::current_path(folder_);
+  std::ofstream("matplotlibrc") << "font.size: 30\nsvg.fonttype: \xff\n";
+  const std::string localedef = "localedef -i en_US -f ISO-8859-1 " + (folder_ / "latin1").string();
+  const bool latin = std::system((localedef + " 2>/dev/null").c_str()) == 0;
+  setenv("LOCPATH", folder_.c_str(), 1);
+  setenv("LC_ALL", latin ? "latin1" : "C", 1);
+  setenv("HOME", home.c_str(), 1);
+  setenv("MATPLOTLIBRC", folder_.c_str(), 1);
+  unsetenv("MPLCONFIGDIR");
+  EXPECT_EQ(page("run"), plain);  // a relative folder, too
+  EXPECT_TRUE(std::filesystem::is_empty(home));
+}
+
+// Ignored, SIGCHLD leaves no exit code of the page's process.
+TEST_F(PagesTest, AFailureIsAnErrorWhateverHappensToSigchld) {
+  const RunData run = made_up({}, folder_);
+  const InkMatch drawn = match_ink(run);
+  const Surroundings surroundings;
+  std::signal(SIGCHLD, SIG_IGN);
+  EXPECT_THROW(
+      write_report(folder_, run, drawn, compute_metrics(run, drawn), {.python = "/bin/false"}),
+      std::runtime_error);
 }
 
 }  // namespace

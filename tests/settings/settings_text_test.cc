@@ -55,8 +55,20 @@ TEST(ParseNumber, RefusesWhatIsNoNumber) {
     EXPECT_NE(complaint<double>(text), "") << '"' << text << '"';
     EXPECT_NE(complaint<int>(text), "") << '"' << text << '"';
   }
-  for (const char* text : {"3.0", "1e3", "0.5"})
+  for (const char* text : {"3.5", "1e-3", "0.5"})
     EXPECT_THAT(complaint<int>(text), HasSubstr("not a whole number")) << text;
+}
+
+TEST(ParseNumber, TakesWholeNumbersHoweverTheyAreWritten) {
+  for (const auto& [text, expected] :
+       {std::pair{"3.0", 3}, {"1e3", 1000}, {"-2E2", -200}, {"+1.5e1", 15}, {"1e9", 1000000000}}) {
+    int value = 0;
+    EXPECT_EQ(parse_number(text, Range::any(), "", value), std::nullopt) << text;
+    EXPECT_EQ(value, expected) << text;
+  }
+  EXPECT_THAT(complaint<int>("1e10"), HasSubstr("is 1e10, allowed is"));
+  EXPECT_THAT(complaint<int>("1e400"), HasSubstr("1e400"));
+  EXPECT_THAT(complaint<int>("1e3", {0, 50}), HasSubstr("is 1e3, allowed is 0 to 50"));
 }
 
 TEST(ParseNumber, NamesValueLimitsAndUnit) {

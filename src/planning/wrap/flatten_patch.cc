@@ -1,19 +1,14 @@
 #include "impedraw/planning/wrap/flatten_patch.h"
 
-#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include "impedraw/common/errors.h"
-
-extern char** environ;
+#include "impedraw/common/run_python.h"
 
 namespace impedraw {
 namespace {
@@ -66,22 +61,11 @@ std::string last_line(const std::filesystem::path& file) {
 // Runs the script on the folder; its output goes to a file there.
 void run_script(const std::filesystem::path& folder, const std::filesystem::path& wanted_python) {
   const std::string python = wanted_python.empty() ? IMPEDRAW_PYTHON : wanted_python.string();
-  const std::string argument = folder.string(), said = (folder / "said.txt").string();
-  const char* const arguments[] = {python.c_str(), "-I", IMPEDRAW_FLATTEN_SCRIPT, argument.c_str(),
-                                   nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 1, said.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
-  posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  pid_t child = 0;
-  const int spawned = posix_spawnp(&child, python.c_str(), &actions, nullptr,
-                                   const_cast<char* const*>(arguments), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (spawned != 0) throw InputError(fmt::format("wrap: {} does not start", python));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  const std::filesystem::path said = folder / "said.txt";
+  const PythonEnd end = run_python({python, {IMPEDRAW_FLATTEN_SCRIPT, folder.string()}, said, {}});
+  if (end == PythonEnd::not_started)
+    throw InputError(fmt::format("wrap: {} does not start", python));
+  if (end == PythonEnd::succeeded) return;
   const std::string why = last_line(said);
   throw InputError(fmt::format("wrap: {} failed: {}", IMPEDRAW_FLATTEN_SCRIPT,
                                why.empty() ? "it said nothing" : why));

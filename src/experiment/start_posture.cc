@@ -1,0 +1,115 @@
+#include "impedraw/experiment/start_posture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/SVD>
+
+#include "impedraw/arm/inverse_kinematics.h"
+
+namespace impedraw {
+
+namespace {
+
+// a condition of 4 is as good as a joint in the middle of its range
+constexpr double kCondition = 4.0;
+constexpr int kSeeds = 200;            // of the search
+constexpr double kBeneathScale = 0.2;  // [m]
+
+JointVector as_joints(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+// Sum over the links' capsules of the depth of their lowest end beneath the tip, along z_W.
+double depth_beneath(const std::vector<BodyCapsule>& bodies, const Eigen::Vector3d& p_W,
+                     const Eigen::Vector3d& z_W) {
+  double sum = 0.0;
+  for (const BodyCapsule& body : bodies)
+    sum += std::max({0.0, z_W.dot(p_W - body.a_W), z_W.dot(p_W - body.b_W)});
+  return sum;
+}
+
+// Seeds are drawn by hand: the standard's distributions differ between libraries.
+IkResult searched(ArmModel& arm, const PenPlacement& start) {
+  constexpr double kTurn = std::numbers::pi;
+  const JointVector lower = JointVector(arm.limits().lower).cwiseMax(-kTurn),
+                    upper = JointVector(arm.limits().upper).cwiseMin(kTurn);
+  std::mt19937 random(1);
+  ArmTerms terms(arm.joints());
+  std::optional<IkResult> best;
+  double best_score = 0.0;
+  for (int i = 0; i < kSeeds; ++i) {
+    JointVector seed = 0.5 * (lower + upper);
+    if (i > 0)
+      for (Eigen::Index j = 0; j < seed.size(); ++j)
+        seed[j] = lower[j] + random() * (upper[j] - lower[j]) / std::mt19937::max();
+    const IkResult found = find_posture(arm, start, seed);
+    if (!found.reached) {
+      if (!best || (!best->reached && found.position_error < best->position_error)) best = found;
+      continue;
+    }
+    const double beneath = depth_beneath(arm.body_capsules(found.q), start.p_WE, -start.z_WE);
+    const double score = posture_margin(arm, &terms, found.q) * std::exp(-beneath / kBeneathScale);
+    if (best && best->reached && score <= best_score) continue;
+    best = found;
+    best_score = score;
+  }
+  return *best;
+}
+
+}  // namespace
+
+void check_joint_settings(const Scenario& scenario, const std::filesystem::path& urdf,
+                          const ArmModel& arm, const SettingErrors& setting_errors) {
+  const auto check = [&](const std::string& name, const std::vector<double>& entries) {
+    const auto joints = static_cast<std::size_t>(arm.joints());
+    if (entries.empty() || entries.size() == joints) return;
+    setting_errors.raise(
+        {name, "arm.urdf"},
+        fmt::format("{} has {} {}, but the arm {} has {} joints; valid are {} entries or none",
+                    name, entries.size(), entries.size() == 1 ? "entry" : "entries", urdf.string(),
+                    joints, joints));
+  };
+  check("arm.posture_seed", scenario.arm.posture_seed);
+  check("arm.q_0", scenario.arm.q_0);
+  check("control.null_stiffness", scenario.control.null_stiffness);
+}
+
+double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
+  const ArmLimits& limits = arm.limits();
+  double joints = 1.0;
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    const double half = 0.5 * (limits.upper[j] - limits.lower[j]);
+    if (std::isfinite(half))
+      joints = std::min(joints, std::min(q[j] - limits.lower[j], limits.upper[j] - q[j]) / half);
+  }
+  arm.compute(q, JointVector::Zero(q.size()), terms);
+  Eigen::MatrixXd J = terms->J;
+  J.bottomRows(3) *= kMarginLength;
+  const Eigen::VectorXd sigma = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
+  return std::min(joints, kCondition * sigma.minCoeff() / sigma.maxCoeff());
+}
+
+JointVector start_posture(const ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
+                          const SettingErrors& setting_errors) {
+  const PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
+  std::vector<double> seed = settings.posture_seed;
+  if (seed.empty() && arm.joints() == 7) seed = {0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0};
+  const IkResult found =
+      seed.empty() ? searched(arm, start) : find_posture(arm, start, as_joints(seed));
+  if (!found.reached)
+    setting_errors.raise(
+        {"arm.start", "arm"},
+        fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm",
+                    settings.start_p_WE.x(), settings.start_p_WE.y(), settings.start_p_WE.z(),
+                    1e3 * found.position_error));
+  return found.q;
+}
+
+}  // namespace impedraw

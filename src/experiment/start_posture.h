@@ -1,0 +1,32 @@
+// The posture in which an arm starts, and the settings that have one entry per joint.
+#pragma once
+
+#include <filesystem>
+
+#include "impedraw/arm/arm_model.h"
+#include "impedraw/common/pose.h"
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/settings/setting_error.h"
+
+namespace impedraw {
+
+// Throws InputError if arm.posture_seed, arm.q_0 or control.null_stiffness is given with another
+// number of entries than the arm of `urdf` has joints.
+void check_joint_settings(const Scenario& scenario, const std::filesystem::path& urdf,
+                          const ArmModel& arm, const SettingErrors& setting_errors);
+
+inline constexpr double kMarginLength = 0.3;  // converts angles to lengths [m/rad]
+
+// The margin of a posture, as place_auto.h defines it: 1 in the middle of the joint ranges and far
+// from singular, 0 at a limit or singular. `terms` are those of the posture afterwards.
+double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q);
+
+// The tip is at arm.start and the pen normal to the drawing plane of X_WP. The inverse kinematics
+// starts from arm.posture_seed. Without one it starts from the iiwa's working posture, for an arm
+// of seven joints, and otherwise from postures spread over the joint ranges. Of what these reach,
+// the arm starts with the greatest distance from singularities and joint limits, preferably with
+// its links on the pen's side of the surface. Throws InputError if arm.start is out of reach.
+JointVector start_posture(const ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
+                          const SettingErrors& setting_errors);
+
+}  // namespace impedraw
