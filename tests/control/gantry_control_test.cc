@@ -1,5 +1,5 @@
-// The control law on the second example's arm, whose terms are closed forms: these cases need neither
-// Pinocchio nor MuJoCo, so the sanitizers run them, too.
+// The control law on the arm of the second example, whose terms are closed forms. These cases need
+// neither Pinocchio nor MuJoCo, so the sanitizers run them, too.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
