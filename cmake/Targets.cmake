@@ -25,7 +25,7 @@ function(impedraw_library name)
   endif()
 endfunction()
 
-# Refuses an include that runs upwards: a library's files may include headers of the library itself
+# Refuses a header that includes all of nlohmann/json, and an include that runs upwards: a library's files may include headers of the library itself
 # and of those that it links. A header belongs to the library that compiles the source beside it; one
 # without a source, to the library named as the folder.
 function(impedraw_check_layers)
@@ -59,8 +59,15 @@ function(impedraw_check_layers)
     if(NOT TARGET impedraw_${owner})
       continue()
     endif()
-    file(STRINGS ${PROJECT_SOURCE_DIR}/src/${file} includes REGEX "^#include \"impedraw/")
+    file(STRINGS ${PROJECT_SOURCE_DIR}/src/${file} includes REGEX "^#include [\"<](impedraw/|nlohmann/json.hpp)")
     foreach(include ${includes})
+      if(include MATCHES "nlohmann")
+        if(file MATCHES "\\.h$")
+          message(FATAL_ERROR "src/${file} includes nlohmann/json.hpp, 1 s for each unit that includes it; "
+            "a header needs nlohmann/json_fwd.hpp")
+        endif()
+        continue()
+      endif()
       string(REGEX REPLACE "^#include \"impedraw/(.*)\".*" "\\1" header "${include}")
       impedraw_owner(${header} seen)
       if(NOT seen IN_LIST sees_${owner} AND NOT seen STREQUAL "usvg")

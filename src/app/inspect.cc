@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"

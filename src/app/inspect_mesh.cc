@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/canvas/mesh_check.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
 #include "impedraw/planning/wrap/distortion.h"

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/terminal/progress.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/planning/wrap/distortion.h"

@@ -1,6 +1,7 @@
 #include <numbers>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "canvas/mesh_checks.h"
 #include "canvas/mesh_files.h"
