@@ -1,6 +1,6 @@
-# Precompiles Eigen, fmt and the standard library, which saves about 2 s of 5.5 s per unit. There are
-# two sets because compilers accept a precompiled header only with the flags that it was made with. Off
-# with a compiler launcher: ccache does not cache a unit with a precompiled header.
+# Precompiles Eigen, fmt and the standard library, which saves about 2 s of 5.5 s per unit. There
+# are two sets because a compiler accepts a precompiled header only with the flags that it was made
+# with. Off with a compiler launcher: ccache does not cache a unit with a precompiled header.
 if(CMAKE_CXX_COMPILER_LAUNCHER OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
   set(precompile OFF)
 else()

@@ -116,16 +116,16 @@ TEST(GantryControl, TorqueStaysWithinItsLimitsWhateverComesIn) {
       Wrench F_ext = Wrench::Zero();
       F_ext.head<3>() = 3.0 * reference.n_WD;
       InputAges ages;
-      if (i % 97 == 0) given.v[3] = std::nan("");
-      if (i % 101 == 0) given.M.setZero();
-      if (i % 103 == 0) given.J.resize(6, 7);
-      if (i % 107 == 0) F_ext[5] = INFINITY;
-      if (i % 109 == 0) surface.n_W *= 2.0;
       if (i % 113 == 0) {
         JointVector q = arm.q;
         q[4] = 0.5 * M_PI;
         Gantry().compute(q, arm.v, &given);
       }
+      if (i % 97 == 0) given.v[3] = std::nan("");
+      if (i % 101 == 0) given.M.setZero();
+      if (i % 103 == 0) given.J.resize(6, 7);
+      if (i % 107 == 0) F_ext[5] = INFINITY;
+      if (i % 109 == 0) surface.n_W *= 2.0;
       if (i % 89 == 0) ages.state = 1.0;
       if (i % 400 > 150 && i % 400 < 200) ages.wrench = 1.0;
       const ImpedanceTorque& out = controller.step(given, reference, surface, F_ext, ages);

@@ -18,8 +18,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       read_assignment(text, settings, places);
     else
       read_yaml_text(text, "fuzz.yaml", "/nonexistent", settings, places);
-    // What was read can be written and read again.
+    // What was read can be written and read again, and is the same then.
+    const std::string written = yaml_text(settings);
     example::Scenario again;
-    read_yaml_text(yaml_text(settings), "again.yaml", "/", described(again), places);
+    const Group settings_again = described(again);
+    read_yaml_text(written, "again.yaml", "/", settings_again, places);
+    if (yaml_text(settings_again) != written) std::abort();
   });
 }
