@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D  # noqa: E402
 
 NOMINAL, REALISTIC, FORCE, FAILED = "#173d85", "#d9822b", "#2e8b6f", "#b3261e"
 ERROR, SD = "ink_error_rms", "force_sd"
+IN_EVERY_CELL = {"drawing.redraw=false", "preflight.arm=false"}
 TITLES = {ERROR: "ink error, RMS [mm]", SD: "normal force, standard deviation [N]"}
 UNITS = {
     "mass_scale": "", "centre_shift": "mm", "joint_friction": "Nm", "viscous_friction": "Nm s/rad", "rotor_inertia": "kg m²",
@@ -46,6 +47,8 @@ class Cell:
         # A refused cell has no measured slope, so the slope is taken from its name.
         named = re.fullmatch(r"matrix-\w+-(\d+)mm_s-(\d+)deg-(\d+)N", self.name)
         self.at = dict(zip(("speed", "slope", "push"), map(float, named.groups()))) if named else {}
+
+        self.changed = [a for a in self.row["set"].split("; ") if a and a not in IN_EVERY_CELL]
 
     def value(self, metric):
         return number(self.row[metric])
@@ -121,7 +124,7 @@ def error_panel(axes, setting, cells, normal):
     unit = f" [{UNITS[short]}]" if UNITS.get(short) else ""
     label = {"friction": "friction of the tip", "stiffness": "stiffness of the tip", "delay": "delay of the sensor",
              "noise_force": "noise of the sensor", "drift_force": "drift of the sensor", "sigma_at_1m": "depth noise at 1 m",
-             "loop_delay": "loop delay", "pen_longer": "pen longer than believed", "mass_scale": "masses over what is believed",
+             "loop_delay": "loop delay", "pen_longer": "pen longer than modelled", "mass_scale": "true mass over modelled mass",
              "centre_shift": "shift of the centres of mass", "rotor_inertia": "rotor inertia", "torque_ripple": "torque ripple",
              "torque_quantum": "torque quantum", "joint_friction": "dry joint friction",
              "viscous_friction": "viscous joint friction"}.get(short, short)
@@ -131,8 +134,7 @@ def error_panel(axes, setting, cells, normal):
 
 
 def changed_setting(cell):
-    text = cell.row["set"]
-    return text.split("=")[0] if text and ";" not in text else None
+    return cell.changed[0].split("=")[0] if len(cell.changed) == 1 else None
 
 
 def picture(rows):
@@ -142,7 +144,7 @@ def picture(rows):
     for c in cells:
         if c.row["group"] == "error" and (setting := changed_setting(c)):
             errors.setdefault(setting, []).append(c)
-    normals = {c.row["base"]: c for c in cells if c.row["group"] == "error" and not c.row["set"]}
+    normals = {c.row["base"]: c for c in cells if c.row["group"] == "error" and not c.changed}
     columns, below = 4, -(-len(errors) // 4)
     height = 7.9 + 2.35 * below
     figure = Figure(figsize=(13.2, height))
