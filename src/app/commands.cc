@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/durable_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/experiment.h"
@@ -14,6 +15,7 @@
 #include "impedraw/report/report.h"
 #include "impedraw/run/calibrate_tool.h"
 #include "impedraw/run/draw_into.h"
+#include "impedraw/run/folder_lock.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/settings/json_schema.h"
@@ -96,11 +98,17 @@ int draw(const DrawOptions& options) {
   }
   print_notes(experiment);
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume);
-  fmt::print("{}: {:.2f} s simulated in {:.2f} s\n{}{}{}report  {}\n", scenario.name,
-             drawing.outcome.simulated, drawing.outcome.wall.loop, metrics_table(drawing.metrics),
-             met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
+  const RunOutcome& outcome = drawing.outcome;
+  const std::string before =
+      outcome.first_time > 0.0
+          ? fmt::format("{:.2f} s simulated, ", outcome.first_time + outcome.simulated)
+          : "";
+  fmt::print("{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}report  {}\n", scenario.name, before,
+             outcome.simulated, before.empty() ? "simulated" : "of it since the resume",
+             outcome.wall.loop, metrics_table(drawing.metrics), met_line(drawing.outcome),
+             ink_lines(experiment, drawing.outcome),
              fs::absolute(folder / "report.html").lexically_normal().string());
-  return exit_code(drawing.outcome);
+  return exit_code(drawing);
 }
 
 int compare(const DrawOptions& options) {
@@ -130,8 +138,8 @@ int compare(const DrawOptions& options) {
   int worst = kFinished;
   for (Side& side : sides) {
     const Drawing drawing = draw_into(folder / side.name, side.experiment, side.start_up);
-    const int code = exit_code(drawing.outcome);
-    if (code == kInterrupted) return code;
+    const int code = exit_code(drawing);
+    if (drawing.outcome.end == RunEnd::interrupted) return code;
     worst = std::max(worst, code);
     fmt::print("{}\n{}", side.name, metrics_table(drawing.metrics));
   }
@@ -190,8 +198,10 @@ int calibrate_tool(const DrawOptions& options, int poses) {
 }
 
 int report(const fs::path& folder) {
-  if (!fs::exists(folder / "run.h5"))
+  if (!is_own_file(folder / "run.h5"))
     throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
+  const FolderLock lock(folder);
+  recover_log(folder / "run.h5");
   Scenario scenario;
   read_settings(scenario, folder / "scenario.yaml");
   const Places places;

@@ -10,11 +10,13 @@ PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreach
   Scenario scenario = given;
   scenario.drawing.placement = placement_settings(scenario.drawing);
   if (progress) progress("reading and ordering the artwork", 0.0);
+  std::vector<InputFile> inputs = read_input_files(scenario);
   PlacedArtwork artwork = load_artwork(scenario.drawing, setting_errors);
   if (progress && scenario.perception.enabled) progress("looking at the canvas", 0.3);
   Scene scene = build_scene(scenario, artwork.X_WP, setting_errors);
   Plan plan = make_plan(scenario, artwork, scene, unreachable, setting_errors, progress);
-  return {std::move(scenario), std::move(artwork), std::move(scene), std::move(plan)};
+  return {std::move(scenario), std::move(inputs), std::move(artwork), std::move(scene),
+          std::move(plan)};
 }
 
 Experiment prepare(const Scenario& scenario, const Places& places, Unreachable unreachable,

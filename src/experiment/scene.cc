@@ -8,6 +8,7 @@
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
 
 namespace impedraw {
@@ -16,10 +17,6 @@ namespace {
 
 // one-sidedness: 2 mm within the rim of the standard bowl; the controller's 0.66 is 1 mm beyond it
 constexpr double kEdgeOfPlanning = 0.5;
-
-std::filesystem::path urdf_of(const ArmSettings& s) {
-  return s.urdf.empty() ? std::filesystem::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
-}
 
 JointVector start_posture(const ArmSettings& s, ArmModel& arm, const Pose& X_WP,
                           const SettingErrors& setting_errors) {

@@ -12,9 +12,12 @@ namespace impedraw {
 struct Drawing {
   RunOutcome outcome;
   Metrics metrics;
+  int signal_code = 0;  // of an interrupted run: 128 + signal
 };
 
-// start_up: preparation time [s]. `resume`: continues the run in the folder.
+// start_up: preparation time [s]. `resume`: continues the run in the folder, or begins it if
+// nothing has been drawn yet. Throws InputError if another process writes there, Interrupted if a
+// signal comes while the results are made.
 Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
                   bool resume = false);
 
@@ -27,6 +30,6 @@ void print_notes(const PlannedDrawing& drawing);  // on stderr
 std::string met_line(const RunOutcome& outcome);
 // What was redrawn, and what still has no ink.
 std::string ink_lines(const Experiment& experiment, const RunOutcome& outcome);
-int exit_code(const RunOutcome& outcome);  // prints on stderr why the run did not finish
+int exit_code(const Drawing& drawing);  // prints on stderr why the run did not finish
 
 }  // namespace impedraw
