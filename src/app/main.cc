@@ -18,6 +18,7 @@
 #include "impedraw/settings/settings_text.h"
 #include "impedraw/study/reach.h"
 #include "impedraw/study/robustness.h"
+#include "impedraw/terminal/interrupt.h"
 
 namespace {
 
@@ -269,6 +270,9 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond its limit is an error like a full disk
   try {
     return run_program(argc, argv);
+  } catch (const impedraw::Interrupted& error) {
+    std::fprintf(stderr, "impedraw: %s\n", one_line(error.what()).c_str());
+    return error.exit_code();
   } catch (const impedraw::InputError& error) {
     std::fprintf(stderr, "impedraw: %s\n", one_line(error.what()).c_str());
     return impedraw::kBadInput;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <sstream>
 
-#include "impedraw/common/sha256.h"
+#include "impedraw/files/sha256.h"
 
 namespace impedraw {
 

@@ -23,8 +23,8 @@ void visit_input_files(
     Scenario& scenario,
     const std::function<void(const std::string&, std::filesystem::path&)>& visit);
 
-// Leaves out what is no regular file, cannot be read, or has over 1 GB: reading it as what it should
-// be tells why.
+// Leaves out what is no regular file, cannot be read, or has over 1 GB: reading it as what it
+// should be tells why.
 std::vector<InputFile> read_input_files(Scenario scenario);
 
 // The URDF that the settings name or imply.

@@ -12,8 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "impedraw/common/durable_file.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/files/durable_file.h"
 
 namespace impedraw {
 namespace {

@@ -11,8 +11,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "impedraw/common/durable_file.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/files/durable_file.h"
 #include "impedraw/log/journal.h"
 #include "impedraw/log/log_file.h"
 #include "impedraw/log/log_reader.h"
@@ -348,6 +348,20 @@ struct RunLog::Writer {
     return took;
   }
 };
+
+double log_bytes(const RunLogHeader& header, double seconds) {
+  constexpr double kResults = 20e6;      // report, pictures, the log's canvas and cloud twice
+  constexpr double kRowsOfSteps = 0.12;  // of a reduced log, drawn with many short strokes
+  constexpr double kCompressed = 0.6;    // of what the journal holds
+  const auto sum = [](const std::vector<LogColumn>& columns) {
+    double bytes = 0.0;
+    for (const LogColumn& column : columns) bytes += static_cast<double>(column.row_bytes());
+    return bytes;
+  };
+  const double row = sum(log_columns(header));
+  const double step = header.rate == LogRate::full ? row : sum(step_columns()) + kRowsOfSteps * row;
+  return kResults + (1.0 + kCompressed) * step * seconds / header.dt;
+}
 
 RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& header)
     : RunLog(std::make_unique<Writer>(path, checked(header))) {

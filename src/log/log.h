@@ -125,10 +125,10 @@ class RunLog {
   // std::invalid_argument if the header contradicts itself.
   RunLog(const std::filesystem::path& path, const RunLogHeader& header);
   // Continues the log at `path`, recovered if need be. New rows follow the last complete one; a
-  // killed run may lack its last rows. `header` must match the log: joints and their limits, terms, contact states, and the
-  // sizes of canvas, cloud and target. Throws InputError naming the difference, or if the file is
-  // no log; LogError if the file cannot be written. The log keeps its canvas, cloud, target,
-  // attributes and rate. The caller must ensure that times keep increasing.
+  // killed run may lack its last rows. `header` must match the log: joints and their limits, terms,
+  // contact states, and the sizes of canvas, cloud and target. Throws InputError naming the
+  // difference, or if the file is no log; LogError if the file cannot be written. The log keeps its
+  // canvas, cloud, target, attributes and rate. The caller must ensure that times keep increasing.
   static RunLog append_to(const std::filesystem::path& path, const RunLogHeader& header);
   ~RunLog();  // if close() was not called: closes without wall times and ignores errors
   RunLog(RunLog&&) noexcept;
@@ -140,9 +140,9 @@ class RunLog {
   void append(const LogRow& row);
 
   // Writes the remaining rows and the wall times (root attributes wall_start_up, wall_loop,
-  // wall_writing), then replaces the log and removes the journal. Returns `wall` with `writing` filled in. Throws LogError
-  // if anything could not be written. In a continued log, the attributes are sums over its runs, or
-  // NaN if one of them was killed.
+  // wall_writing), then replaces the log and removes the journal. Returns `wall` with `writing`
+  // filled in. Throws LogError if anything could not be written. In a continued log, the attributes
+  // are sums over its runs, or NaN if one of them was killed.
   WallTimes close(WallTimes wall = {});
 
   long steps() const noexcept;  // in the log so far, including those found by append_to()
@@ -158,6 +158,9 @@ class RunLog {
 // is nothing to recover. The caller must ensure that no other process writes the log. Throws
 // InputError if a file is not what it should be, LogError if the log cannot be written.
 bool recover_log(const std::filesystem::path& log);
+
+// The disk space that a run needs while it lasts, at most [bytes]: journal, log and results.
+double log_bytes(const RunLogHeader& header, double seconds);
 
 // The following do not read the rows, and change nothing.
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "impedraw/common/durable_file.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/files/durable_file.h"
 #include "impedraw/log/journal.h"
 #include "impedraw/log/log_file.h"
 

@@ -1,18 +1,20 @@
 #include "impedraw/run/draw_into.h"
 
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/common/durable_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/plan_summary.h"
+#include "impedraw/files/durable_file.h"
 #include "impedraw/run/folder_lock.h"
+#include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
-#include "impedraw/settings/yaml_write.h"
+#include "impedraw/run/run_inputs.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
 
@@ -66,7 +68,29 @@ std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment
   return std::nullopt;
 }
 
+// Room for what is left of the plan, and for the log of an earlier run, which is copied.
+void require_space(const fs::path& folder, const Experiment& experiment,
+                   const std::optional<Resumption>& resumption) {
+  std::error_code error;
+  const double earlier =
+      resumption ? static_cast<double>(fs::file_size(folder / "run.h5", error)) : 0.0;
+  const double seconds =
+      std::max(0.0, experiment.plan.path.duration() - (resumption ? resumption->time : 0.0));
+  require_space(folder, earlier + log_bytes(make_header(experiment), seconds), seconds);
+}
+
 }  // namespace
+
+std::function<void()> give_up_on(const Interrupt& interrupt, const fs::path& folder) {
+  return [&interrupt, text = folder.string()] {
+    if (interrupt.requested())
+      throw Interrupted(
+          fmt::format("interrupted while the results were made; the drawing is kept, and "
+                      "./impedraw report {} finishes them",
+                      text),
+          interrupt.exit_code());
+  };
+}
 
 Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up, bool resume) {
   make_folder(folder);
@@ -74,6 +98,7 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
   require_own_log(folder);
   std::optional<Resumption> resumption;
   if (resume) resumption = resumption_in(folder, experiment);
+  require_space(folder, experiment, resumption);
   for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
                             "ink_page.svg", "ink_page.png", "strokes.json"})
     if (is_own_file(folder / stale)) fs::remove(folder / stale);
@@ -83,7 +108,8 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     Interrupt interrupt;
     ProgressLine line;
     RunHooks hooks;
-    hooks.begun = [&] { write_file(folder / "scenario.yaml", settings_yaml(experiment.scenario)); };
+    if (!resumption)
+      hooks.begun = [&] { write_inputs(folder, experiment.scenario, experiment.inputs); };
     hooks.interrupted = [&] { return interrupt.requested(); };
     hooks.progress = [&, first_time = resumption ? resumption->time : 0.0](const RunProgress& p) {
       line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time});
@@ -92,8 +118,10 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
         run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
     drawing.signal_code = interrupt.exit_code();
   }
+  const Interrupt interrupt;
+  const auto check = give_up_on(interrupt, folder);
   write_strokes(folder, experiment, drawing.outcome);
-  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork);
+  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check);
   return drawing;
 }
 

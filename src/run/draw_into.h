@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/run.h"
+#include "impedraw/terminal/interrupt.h"
 
 namespace impedraw {
 
@@ -20,6 +22,10 @@ struct Drawing {
 // signal comes while the results are made.
 Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
                   bool resume = false);
+
+// Throws Interrupted once a signal has come: the results in the folder are left unfinished. Refers
+// to `interrupt`.
+std::function<void()> give_up_on(const Interrupt& interrupt, const std::filesystem::path& folder);
 
 // Like prepare() and prepare_plan() with Unreachable::tell, with a progress line on a terminal.
 Experiment prepare_visibly(const Scenario& scenario, const Places& places);

@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/durable_file.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/files/durable_file.h"
 #include "impedraw/log/log.h"
 #include "impedraw/run/folder_lock.h"
 
@@ -67,8 +67,8 @@ void require_own_log(const fs::path& folder) {
     throw InputError(fmt::format("{}: is a link or a folder; a file is needed", log.string()));
   if (!is_marked_log(log))
     throw InputError(
-        fmt::format("{}: has no mark of impedraw; another program wrote it, or a version before "
-                    "1.1, whose run cannot be replaced; move it away, or name another folder",
+        fmt::format("{}: has no mark of impedraw; another program wrote it, or a version that "
+                    "could not tell, so it is not replaced; move it away, or name another folder",
                     log.string()));
 }
 
@@ -81,6 +81,17 @@ void require_plan_folder(const fs::path& folder) { require_folder(folder, {"plan
 
 void require_table_folder(const fs::path& folder, const std::string& csv) {
   require_folder(folder, {csv.c_str()}, csv.c_str());
+}
+
+void require_space(const fs::path& folder, double bytes, double seconds) {
+  std::error_code error;
+  const fs::space_info space = fs::space(folder, error);
+  if (error || static_cast<double>(space.available) >= bytes) return;
+  throw InputError(fmt::format(
+      "{}: {:.0f} MB of disk are free, the run needs {:.0f} MB for {:.0f} s of drawing; "
+      "free some, name a folder on another disk with --out, or draw with --set "
+      "log.rate=reduced",
+      folder.string(), 1e-6 * static_cast<double>(space.available), 1e-6 * bytes, seconds));
 }
 
 void make_folder(const fs::path& folder) {

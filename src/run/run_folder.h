@@ -17,8 +17,12 @@ void require_plan_folder(const std::filesystem::path& folder);
 // `csv`: the name of the file that marks a table's folder.
 void require_table_folder(const std::filesystem::path& folder, const std::string& csv);
 
+// Throws InputError unless the folder's disk has room for a run that is planned to take `seconds`
+// and needs `bytes`.
+void require_space(const std::filesystem::path& folder, double bytes, double seconds);
+
 void make_folder(const std::filesystem::path& folder);  // throws InputError on failure
-// Writes the file whole, as write_whole() does (common/durable_file.h).
+// Writes the file whole, as write_whole() does (files/durable_file.h).
 void write_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace impedraw

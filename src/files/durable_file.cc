@@ -1,4 +1,4 @@
-#include "impedraw/common/durable_file.h"
+#include "impedraw/files/durable_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>

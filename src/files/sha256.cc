@@ -1,4 +1,4 @@
-#include "impedraw/common/sha256.h"
+#include "impedraw/files/sha256.h"
 
 #include <array>
 #include <bit>

@@ -28,8 +28,8 @@ static char folder[4096];
 static int trace = -1;
 static pthread_mutex_t lock = PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP;
 
-#define REAL(result, name, ...)            \
-  static result (*real)(__VA_ARGS__);      \
+#define REAL(result, name, ...)       \
+  static result (*real)(__VA_ARGS__); \
   if (!real) real = dlsym(RTLD_NEXT, name)
 
 static void put(const void* data, size_t bytes) {
@@ -101,19 +101,27 @@ static int open_and_record(int folder_fd, const char* path, int flags, mode_t mo
   return fd;
 }
 
-#define MODE                          \
-  mode_t mode = 0;                    \
+#define MODE                           \
+  mode_t mode = 0;                     \
   if (flags & (O_CREAT | O_TMPFILE)) { \
-    va_list rest;                     \
-    va_start(rest, flags);            \
-    mode = va_arg(rest, mode_t);      \
-    va_end(rest);                     \
+    va_list rest;                      \
+    va_start(rest, flags);             \
+    mode = va_arg(rest, mode_t);       \
+    va_end(rest);                      \
   }
 
-int open(const char* path, int flags, ...) { MODE return open_and_record(AT_FDCWD, path, flags, mode); }
-int open64(const char* path, int flags, ...) { MODE return open_and_record(AT_FDCWD, path, flags, mode); }
-int openat(int at, const char* path, int flags, ...) { MODE return open_and_record(at, path, flags, mode); }
-int openat64(int at, const char* path, int flags, ...) { MODE return open_and_record(at, path, flags, mode); }
+int open(const char* path, int flags, ...) {
+  MODE return open_and_record(AT_FDCWD, path, flags, mode);
+}
+int open64(const char* path, int flags, ...) {
+  MODE return open_and_record(AT_FDCWD, path, flags, mode);
+}
+int openat(int at, const char* path, int flags, ...) {
+  MODE return open_and_record(at, path, flags, mode);
+}
+int openat64(int at, const char* path, int flags, ...) {
+  MODE return open_and_record(at, path, flags, mode);
+}
 
 static FILE* fopen_and_record(FILE* (*real)(const char*, const char*), const char* path,
                               const char* mode) {
@@ -121,7 +129,9 @@ static FILE* fopen_and_record(FILE* (*real)(const char*, const char*), const cha
   FILE* file = real(path, mode);
   if (file)
     opened(fileno(file), path,
-           mode[0] == 'w' ? O_CREAT | O_TRUNC : mode[0] == 'a' ? O_CREAT : O_RDONLY);
+           mode[0] == 'w'   ? O_CREAT | O_TRUNC
+           : mode[0] == 'a' ? O_CREAT
+                            : O_RDONLY);
   pthread_mutex_unlock(&lock);
   return file;
 }
@@ -163,9 +173,15 @@ static ssize_t write_and_record(int fd, const void* data, size_t bytes, int64_t 
   pthread_mutex_unlock(&lock);
   return n;
 }
-ssize_t write(int fd, const void* data, size_t bytes) { return write_and_record(fd, data, bytes, -1); }
-ssize_t pwrite(int fd, const void* data, size_t bytes, off_t at) { return write_and_record(fd, data, bytes, at); }
-ssize_t pwrite64(int fd, const void* data, size_t bytes, off64_t at) { return write_and_record(fd, data, bytes, at); }
+ssize_t write(int fd, const void* data, size_t bytes) {
+  return write_and_record(fd, data, bytes, -1);
+}
+ssize_t pwrite(int fd, const void* data, size_t bytes, off_t at) {
+  return write_and_record(fd, data, bytes, at);
+}
+ssize_t pwrite64(int fd, const void* data, size_t bytes, off64_t at) {
+  return write_and_record(fd, data, bytes, at);
+}
 ssize_t writev(int fd, const struct iovec* pieces, int count) {
   if (!known(fd)) return syscall(SYS_writev, fd, pieces, count);
   ssize_t sum = 0;
@@ -180,8 +196,16 @@ ssize_t writev(int fd, const struct iovec* pieces, int count) {
 }
 
 /* Copies within the kernel would not be seen; the callers have another way. */
-ssize_t sendfile(int out, int in, off_t* at, size_t n) { (void)out, (void)in, (void)at, (void)n; errno = ENOSYS; return -1; }
-ssize_t sendfile64(int out, int in, off64_t* at, size_t n) { (void)out, (void)in, (void)at, (void)n; errno = ENOSYS; return -1; }
+ssize_t sendfile(int out, int in, off_t* at, size_t n) {
+  (void)out, (void)in, (void)at, (void)n;
+  errno = ENOSYS;
+  return -1;
+}
+ssize_t sendfile64(int out, int in, off64_t* at, size_t n) {
+  (void)out, (void)in, (void)at, (void)n;
+  errno = ENOSYS;
+  return -1;
+}
 ssize_t copy_file_range(int in, off64_t* a, int out, off64_t* b, size_t n, unsigned f) {
   (void)in, (void)a, (void)out, (void)b, (void)n, (void)f;
   errno = ENOSYS;
@@ -225,8 +249,12 @@ static int rename_and_record(int from_fd, const char* from, int to_fd, const cha
   pthread_mutex_unlock(&lock);
   return result;
 }
-int rename(const char* from, const char* to) { return rename_and_record(AT_FDCWD, from, AT_FDCWD, to); }
-int renameat(int a, const char* from, int b, const char* to) { return rename_and_record(a, from, b, to); }
+int rename(const char* from, const char* to) {
+  return rename_and_record(AT_FDCWD, from, AT_FDCWD, to);
+}
+int renameat(int a, const char* from, int b, const char* to) {
+  return rename_and_record(a, from, b, to);
+}
 
 static int remove_and_record(int at, const char* path, int flags) {
   char buffer[8192];
