@@ -164,7 +164,7 @@ double log_bytes(const RunLogHeader& header, double seconds);
 
 // The following do not read the rows, and change nothing.
 
-// True for the log of any version of impedraw since the mark was introduced.
+// True for a log that impedraw wrote.
 bool is_marked_log(const std::filesystem::path& file);
 // The text attributes of a log's root. Throws InputError if the file is no HDF5 file.
 std::map<std::string, std::string> log_attributes(const std::filesystem::path& log);

@@ -126,12 +126,17 @@ LogFile::LogFile() : deflater_(std::make_unique<Deflater>()) {}
 
 void LogFile::create(const std::filesystem::path& path, const RunLogHeader& header) {
   LogFile log;
-  log.file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_EXCL, file_creation(), H5P_DEFAULT), H5Fclose,
-                      "create");
-  log.make_tables(header);
-  for (Table& table : log.tables_) log.create_datasets(table, header);
-  log.write_static(header);
-  log.close(std::nullopt);
+  try {
+    log.file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_EXCL, file_creation(), H5P_DEFAULT),
+                        H5Fclose, "create");
+    log.make_tables(header);
+    for (Table& table : log.tables_) log.create_datasets(table, header);
+    log.write_static(header);
+    log.close(std::nullopt);
+  } catch (const h5::Error&) {
+    log.abandon();
+    throw;
+  }
 }
 
 LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,

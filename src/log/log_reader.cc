@@ -58,7 +58,12 @@ bool is_marked_log(const std::filesystem::path& path) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file < 0) return false;
   const h5::Id log(file, H5Fclose);
-  return H5Aexists(file, kLogMark) > 0;
+  if (H5Aexists(file, kLogMark) > 0) return true;
+  // Versions before 2 are known by what only they write.
+  for (const char* name : {"/joint", "/joint/position", "/controller", "/controller/step_time",
+                           "/desired", "/desired/position", "/push", "/stroke"})
+    if (H5Lexists(file, name, H5P_DEFAULT) <= 0) return false;
+  return H5Aexists(file, "scenario") > 0 && H5Aexists(file, "seed") > 0;
 }
 
 std::map<std::string, std::string> log_attributes(const std::filesystem::path& path) {

@@ -69,8 +69,8 @@ std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment
 }
 
 // Room for what is left of the plan, and for the log of an earlier run, which is copied.
-void require_space(const fs::path& folder, const Experiment& experiment,
-                   const std::optional<Resumption>& resumption) {
+void require_room(const fs::path& folder, const Experiment& experiment,
+                  const std::optional<Resumption>& resumption) {
   std::error_code error;
   const double earlier =
       resumption ? static_cast<double>(fs::file_size(folder / "run.h5", error)) : 0.0;
@@ -98,7 +98,7 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
   require_own_log(folder);
   std::optional<Resumption> resumption;
   if (resume) resumption = resumption_in(folder, experiment);
-  require_space(folder, experiment, resumption);
+  require_room(folder, experiment, resumption);
   for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
                             "ink_page.svg", "ink_page.png", "strokes.json"})
     if (is_own_file(folder / stale)) fs::remove(folder / stale);

@@ -67,8 +67,8 @@ void require_own_log(const fs::path& folder) {
     throw InputError(fmt::format("{}: is a link or a folder; a file is needed", log.string()));
   if (!is_marked_log(log))
     throw InputError(
-        fmt::format("{}: has no mark of impedraw; another program wrote it, or a version that "
-                    "could not tell, so it is not replaced; move it away, or name another folder",
+        fmt::format("{}: is no log that impedraw wrote, so it is not replaced; move it away, or "
+                    "name another folder",
                     log.string()));
 }
 

@@ -143,8 +143,8 @@ TEST_F(Data, AFolderIsARunOnlyWithOurMark) {
   for (const char* text : {"", "\x89HDF\r\n\x1a\n", "anything"}) {
     write("run/run.h5", text);
     write("run/metrics.json", "mine");
-    expect_refused(draw(kShort), {"run/run.h5: has no mark of impedraw"});
-    expect_refused(draw(kShort + Words{"--resume"}), {"run/run.h5: has no mark of impedraw"});
+    expect_refused(draw(kShort), {"run/run.h5: is no log that impedraw wrote"});
+    expect_refused(draw(kShort + Words{"--resume"}), {"run/run.h5: is no log that impedraw wrote"});
     EXPECT_EQ(content_of(run("run.h5")), text);
     EXPECT_EQ(content_of(run("metrics.json")), "mine");
     EXPECT_FALSE(fs::exists(run("run.lock")));
