@@ -193,7 +193,7 @@ void BM_plan_at(benchmark::State& state) {
   });
 }
 
-// Cost of a row for the loop. The ring holds 16,000 rows, so the disk does not matter.
+// CPU time of a row for the loop. Waiting for the disk is not counted.
 void BM_append(benchmark::State& state) {
   RunLogHeader header;
   for (int j = 0; j < 7; ++j) header.joint_names.push_back("joint_" + std::to_string(j + 1));

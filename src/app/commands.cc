@@ -11,16 +11,20 @@
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/place_auto.h"
+#include "impedraw/files/durable_file.h"
 #include "impedraw/report/report.h"
 #include "impedraw/run/calibrate_tool.h"
 #include "impedraw/run/draw_into.h"
+#include "impedraw/run/folder_lock.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/run/run_inputs.h"
 #include "impedraw/settings/json_schema.h"
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
 #include "impedraw/terminal/clock.h"
+#include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
 
@@ -34,22 +38,11 @@ fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
   return options.out.empty() ? fs::path("runs") / scenario.name : options.out;
 }
 
-// The scenario of the run in `folder` that is resumed.
-Scenario begun(const fs::path& folder, Places* places) {
-  if (!fs::exists(folder / "run.h5") || !fs::exists(folder / "scenario.yaml"))
-    throw InputError(fmt::format(
-        "--resume: {} holds no run to go on with; name its folder with --out", folder.string()));
-  Scenario scenario;
-  *places = read_settings(scenario, folder / "scenario.yaml");
-  return scenario;
-}
-
-// Throws unless the settings equal those of the run in `folder`.
+// Throws unless the settings are those with which the run in `folder` was begun.
 void require_same(const Scenario& scenario, const fs::path& folder) {
-  // Written anew: the file may be of a version with other names and comments.
-  Scenario earlier;
-  read_settings(earlier, folder / "scenario.yaml");
-  std::istringstream now(settings_yaml(scenario)), then(settings_yaml(earlier));
+  Places places;
+  std::istringstream now(settings_yaml(scenario)),
+      then(settings_yaml(recorded_scenario(folder, &places)));
   for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
     if (a != b)
       throw InputError(
@@ -85,23 +78,36 @@ int draw(const DrawOptions& options) {
   require_run_folder(folder);
   const bool given = !options.scenario.empty() || !options.shape.empty() || !options.svg.empty() ||
                      !options.text.empty() || !options.assignments.empty();
+  const bool begun = options.resume && is_own_file(folder / "run.h5");
+  if (options.resume && !begun && !given)
+    throw InputError(fmt::format(
+        "--resume: {} holds no run to go on with; name its folder with --out", folder.string()));
   // A resumed run keeps its placement.
-  if (options.resume && (!given || options.place == "auto"))
-    scenario = begun(folder, &places);
+  if (begun && (!given || options.place == "auto"))
+    scenario = recorded_scenario(folder, &places);
   else
     scenario = placed(options, scenario, places);
+  const bool goes_on = begun && has_steps(folder / "run.h5");
+  Scenario as_given = scenario;
+  if (goes_on) find_inputs(&scenario, folder, InputsFrom::originals);
   Experiment experiment = prepare_visibly(scenario, places);
-  if (options.resume) {
-    begun(folder, &places);
-    require_same(experiment.scenario, folder);
+  if (goes_on) {
+    as_given.drawing.placement = experiment.scenario.drawing.placement;
+    require_same(as_given, folder);
   }
   print_notes(experiment);
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume);
-  say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n{}{}{}report  {}\n", scenario.name,
-      drawing.outcome.simulated, drawing.outcome.wall.loop, metrics_table(drawing.metrics),
-      met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
+  const RunOutcome& outcome = drawing.outcome;
+  const std::string before =
+      outcome.first_time > 0.0
+          ? fmt::format("{:.2f} s simulated, ", outcome.first_time + outcome.simulated)
+          : "";
+  say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}report  {}\n", scenario.name, before,
+      outcome.simulated, before.empty() ? "simulated" : "of it since the resume", outcome.wall.loop,
+      metrics_table(drawing.metrics), met_line(drawing.outcome),
+      ink_lines(experiment, drawing.outcome),
       fs::absolute(folder / "report.html").lexically_normal().string());
-  return exit_code(drawing.outcome);
+  return exit_code(drawing);
 }
 
 int compare(const DrawOptions& options) {
@@ -131,8 +137,8 @@ int compare(const DrawOptions& options) {
   int worst = kFinished;
   for (Side& side : sides) {
     const Drawing drawing = draw_into(folder / side.name, side.experiment, side.start_up);
-    const int code = exit_code(drawing.outcome);
-    if (code == kInterrupted) return code;
+    const int code = exit_code(drawing);
+    if (drawing.outcome.end == RunEnd::interrupted) return code;
     worst = std::max(worst, code);
     say(stdout, "{}\n{}", side.name, metrics_table(drawing.metrics));
   }
@@ -192,13 +198,20 @@ int calibrate_tool(const DrawOptions& options, int poses) {
 }
 
 int report(const fs::path& folder) {
-  if (!fs::exists(folder / "run.h5"))
+  if (!is_own_file(folder / "run.h5"))
     throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
-  Scenario scenario;
-  read_settings(scenario, folder / "scenario.yaml");
-  const Places places;
-  const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(places));
-  say(stdout, "{}report  {}\n", metrics_table(write_results(folder, scenario, artwork)),
+  const FolderLock lock(folder);
+  const Interrupt interrupt;
+  remove_unfinished(folder);
+  recover_log(folder / "run.h5");
+  Places places;
+  Scenario scenario = recorded_scenario(folder, &places);
+  find_inputs(&scenario, folder, InputsFrom::folder);
+  if (!is_own_file(folder / "scenario.yaml"))
+    write_file(folder / "scenario.yaml", settings_yaml(scenario));
+  const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(Places()));
+  const Metrics metrics = write_results(folder, scenario, artwork, give_up_on(interrupt, folder));
+  say(stdout, "{}report  {}\n", metrics_table(metrics),
       fs::absolute(folder / "report.html").lexically_normal().string());
   return kFinished;
 }

@@ -23,6 +23,7 @@
 #include "impedraw/settings/settings_text.h"
 #include "impedraw/study/reach.h"
 #include "impedraw/study/robustness.h"
+#include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/say.h"
 
 namespace {
@@ -308,6 +309,8 @@ int main(int argc, char** argv) {
   std::signal(SIGCHLD, SIG_DFL);  // ignored, it would hide how a child process ended
   try {
     return flushed(run_program(argc, argv));
+  } catch (const impedraw::Interrupted& error) {
+    return fail(error.what(), error.exit_code());
   } catch (const impedraw::InputError& error) {
     return fail(error.what(), impedraw::kBadInput);
   } catch (const std::filesystem::filesystem_error& error) {

@@ -13,6 +13,7 @@
 
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/control_setup.h"
+#include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
@@ -23,6 +24,7 @@ namespace impedraw {
 // The stages that determine what will be drawn.
 struct PlannedDrawing {
   Scenario scenario;  // as given, with the placement completed
+  std::vector<KeptInput> inputs;
   PlacedArtwork artwork;
   Scene scene;
   Plan plan;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
 #include "impedraw/experiment/start_posture.h"
 
@@ -14,10 +15,6 @@ namespace {
 
 // one-sidedness: 2 mm within the rim of the standard bowl; the controller's 0.66 is 1 mm beyond it
 constexpr double kEdgeOfPlanning = 0.5;
-
-std::filesystem::path urdf_of(const ArmSettings& s) {
-  return s.urdf.empty() ? std::filesystem::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
-}
 
 void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scene* scene) {
   const std::vector<std::string> how_seen = {"perception.region_lower",

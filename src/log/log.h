@@ -7,13 +7,15 @@
 // w x y z. log_columns.cc defines each dataset; the file holds its unit, frame and description as
 // attributes.
 //
-//   loop ── append(): copies the row into a ring of columns ──> writer thread: shuffle, deflate,
-//   HDF5 chunk, flush
+//   loop ── append(): copies the row into a ring of columns ──> writer thread: run.journal, synced
+//                                                               shuffle, deflate, chunk of run.h5
 //
-// append() allocates nothing and does no I/O. It blocks only when the disk is a whole ring (16,384
-// steps) behind. Rows reach the file at least every half second of wall time, so kill -9 loses less
-// than the last second. Between flushes, nothing that the file on disk refers to changes: metadata
-// is held back and freed space is not reused. Memory use does not grow with the length of the run.
+// append() allocates nothing and does no I/O. It blocks only when the disk is kMostUnsyncedSteps
+// behind. During the run, run.h5 holds what it held when the run began: for a new run, all but
+// rows. Rows are synced to the disk in run.journal at least every half second of wall time, so a
+// power cut loses less than the last seconds, and kill -9 less than the last second. They are also
+// compressed into a copy of run.h5, which replaces it when the run ends. After a kill,
+// recover_log() makes that file from the journal. Memory use does not grow with the run.
 //
 // A run can continue the log of an earlier one, however that one ended: append_to().
 #pragma once
@@ -36,6 +38,9 @@
 namespace impedraw {
 
 inline constexpr int kMaxTorqueTerms = 12;
+// A power cut loses at most this many steps, however fast they are simulated. (The driver of a real
+// arm, which must not wait for a disk, gets there only if a sync takes 4 s.)
+inline constexpr std::size_t kMostUnsyncedSteps = 4096;
 
 // Data of one control step: n joints, terms in the order of RunLogHeader::torque_terms.
 struct LogRow {
@@ -108,7 +113,7 @@ struct WallTimes {
 };
 
 // The log could not be written, e.g. the disk is full or the folder is gone. The message names the
-// file and the cause. Rows flushed earlier remain readable.
+// file and the cause. Rows synced earlier remain: recover_log().
 class LogError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -116,14 +121,14 @@ class LogError : public std::runtime_error {
 
 class RunLog {
  public:
-  // Creates `path` and replaces an existing file. Throws LogError if that fails,
+  // Creates `path`, which replaces an existing log and its journal. Throws LogError if that fails,
   // std::invalid_argument if the header contradicts itself.
   RunLog(const std::filesystem::path& path, const RunLogHeader& header);
-  // Continues the log at `path`. New rows follow the last complete one; a killed run may lack its
-  // last rows. `header` must match the log: joints and their limits, terms, contact states, and the
-  // sizes of canvas, cloud and target. Throws InputError naming the difference, or if the file is
-  // no log; LogError if the file cannot be written. The log keeps its canvas, cloud, target,
-  // attributes and rate. The caller must ensure that times keep increasing.
+  // Continues the log at `path`, recovered if need be. New rows follow the last complete one; a
+  // killed run may lack its last rows. `header` must match the log: joints and their limits, terms,
+  // contact states, and the sizes of canvas, cloud and target. Throws InputError naming the
+  // difference, or if the file is no log; LogError if the file cannot be written. The log keeps its
+  // canvas, cloud, target, attributes and rate. The caller must ensure that times keep increasing.
   static RunLog append_to(const std::filesystem::path& path, const RunLogHeader& header);
   ~RunLog();  // if close() was not called: closes without wall times and ignores errors
   RunLog(RunLog&&) noexcept;
@@ -135,17 +140,35 @@ class RunLog {
   void append(const LogRow& row);
 
   // Writes the remaining rows and the wall times (root attributes wall_start_up, wall_loop,
-  // wall_writing), then closes the file. Returns `wall` with `writing` filled in. Throws LogError
-  // if anything could not be written. In a continued log, the attributes are sums over its runs, or
-  // NaN if one of them was killed.
+  // wall_writing), then replaces the log and removes the journal. Returns `wall` with `writing`
+  // filled in. Throws LogError if anything could not be written. In a continued log, the attributes
+  // are sums over its runs, or NaN if one of them was killed.
   WallTimes close(WallTimes wall = {});
 
   long steps() const noexcept;  // in the log so far, including those found by append_to()
 
  private:
+  friend bool recover_log(const std::filesystem::path& log);
   struct Writer;
   explicit RunLog(std::unique_ptr<Writer> writer);
   std::unique_ptr<Writer> writer_;
 };
+
+// Completes the log of a killed run from its journal, which is then removed. Returns false if there
+// is nothing to recover. The caller must ensure that no other process writes the log. Throws
+// InputError if a file is not what it should be, LogError if the log cannot be written.
+bool recover_log(const std::filesystem::path& log);
+
+// The disk space that a run needs while it lasts, at most [bytes]: journal, log and results.
+double log_bytes(const RunLogHeader& header, double seconds);
+
+// The following do not read the rows, and change nothing.
+
+// True for a log that impedraw wrote.
+bool is_marked_log(const std::filesystem::path& file);
+// The text attributes of a log's root. Throws InputError if the file is no HDF5 file.
+std::map<std::string, std::string> log_attributes(const std::filesystem::path& log);
+// True if the log or its journal holds a step. Throws InputError if the file is no log.
+bool has_steps(const std::filesystem::path& log);
 
 }  // namespace impedraw

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
+#include <sys/random.h>
 #include <zlib.h>
 
 #include "impedraw/log/row_selection.h"
@@ -11,30 +13,23 @@
 namespace impedraw {
 namespace {
 
-constexpr std::size_t kTime = 0;  // index of the time column
-
-h5::Id file_creation(LogRate rate) {
+h5::Id file_creation() {
   h5::Id list = h5::own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file settings");
-  // Freed space is not reused: a chunk that the file on disk still refers to is never overwritten.
-  h5::check(H5Pset_file_space_strategy(list, H5F_FSPACE_STRATEGY_NONE, false, 1), "file settings");
-  // 2,048 chunks in an index node: no node is split, and so no index is inconsistent for an
-  // instant, within 8 million rows (2.3 hours). A node takes 80 kB for each dataset from the start,
-  // which a reduced log cannot afford: 512 chunks, 131,000 rows (28 minutes).
-  h5::check(H5Pset_istore_k(list, rate == LogRate::full ? 1024 : 256), "file settings");
+  // Small index nodes: each of the 30 to 45 datasets has at least one, full or not.
+  h5::check(H5Pset_istore_k(list, 8), "file settings");
   return list;
 }
 
-h5::Id file_access() {
-  h5::Id list = h5::own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file settings");
-  H5AC_cache_config_t cache{};
-  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-  h5::check(H5Pget_mdc_config(list, &cache), "file settings");
-  cache.evictions_enabled = false;  // only flush() writes metadata
-  cache.incr_mode = H5C_incr__off;
-  cache.flash_incr_mode = H5C_flash_incr__off;
-  cache.decr_mode = H5C_decr__off;
-  h5::check(H5Pset_mdc_config(list, &cache), "file settings");
-  return list;
+// Differs whenever a log is written, so that a journal belongs to one log only.
+double new_log_id() {
+  std::uint64_t bits = 0;
+  if (getrandom(&bits, sizeof bits, 0) != sizeof bits) throw h5::Error("no random numbers");
+  return static_cast<double>(bits >> 11);
+}
+
+void write_log_id(hid_t file) {
+  if (H5Aexists(file, "log_id") > 0) h5::check(H5Adelete(file, "log_id"), "log_id");
+  h5::write_attribute(file, "log_id", new_log_id());
 }
 
 h5::Id dataset_creation() {
@@ -127,20 +122,27 @@ std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
   return deflated_.size() - stream.avail_out;
 }
 
-LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header)
-    : deflater_(std::make_unique<Deflater>()) {
-  file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, file_creation(header.rate), file_access()),
-                  H5Fclose, "create");
-  make_tables(header);
-  for (Table& table : tables_) create_datasets(table, header);
-  write_static(header);
-  flush();
+LogFile::LogFile() : deflater_(std::make_unique<Deflater>()) {}
+
+void LogFile::create(const std::filesystem::path& path, const RunLogHeader& header) {
+  LogFile log;
+  try {
+    log.file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_EXCL, file_creation(), H5P_DEFAULT),
+                        H5Fclose, "create");
+    log.make_tables(header);
+    for (Table& table : log.tables_) log.create_datasets(table, header);
+    log.write_static(header);
+    log.close(std::nullopt);
+  } catch (const h5::Error&) {
+    log.abandon();
+    throw;
+  }
 }
 
 LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
                  const std::vector<std::size_t>& rows)
-    : deflater_(std::make_unique<Deflater>()) {
-  file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, file_access()), H5Fclose, "open");
+    : LogFile() {
+  file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose, "open");
   make_tables(header);
   for (Table& table : tables_) {
     for (const LogColumn& column : table.columns)
@@ -152,8 +154,11 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
     if (H5Aexists(file_, name) > 0)
       h5::check(H5Adelete(file_, name), name);  // they do not cover the rows appended now
   }
+  if (std::all_of(rows.begin(), rows.end(), [](std::size_t n) { return n == 0; }) &&
+      std::isnan(before_.loop))
+    before_ = {0.0, 0.0, 0.0};  // nothing ran before
   for (std::size_t t = 0; t < tables_.size(); ++t) resize(static_cast<LogTable>(t), rows[t]);
-  flush();
+  write_log_id(file_);
 }
 
 void LogFile::make_tables(const RunLogHeader& header) {
@@ -229,6 +234,8 @@ void LogFile::write_static(const RunLogHeader& h) {
   write_fixed(file_, "/target/stroke", H5T_NATIVE_INT, h.target_stroke.data(),
               h.target_stroke.size(), 1, "1", "none",
               "index of the stroke that the target point belongs to");
+  h5::write_attribute(file_, kLogMark, kLogVersion);
+  write_log_id(file_);
   for (const auto& [name, text] : h.attributes) h5::write_attribute(file_, name, text);
   if (h.rate == LogRate::reduced)
     h5::write_attribute(file_, "rate_hz", 1.0 / (RowSelection::kStride * h.dt));
@@ -239,29 +246,14 @@ LogFile::~LogFile() = default;
 void LogFile::resize(LogTable which, std::size_t rows) {
   Table& table = at(which);
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    if (c != kTime) resize_one(table, c, rows);
+    const hsize_t shape[2] = {rows, static_cast<hsize_t>(table.columns[c].width)};
+    h5::check(H5Dset_extent(table.datasets[c], shape), table.columns[c].name);
   }
-  table.rows = rows;
-}
-
-void LogFile::resize_one(Table& table, std::size_t c, std::size_t rows) {
-  const hsize_t shape[2] = {rows, static_cast<hsize_t>(table.columns[c].width)};
-  h5::check(H5Dset_extent(table.datasets[c], shape), table.columns[c].name);
 }
 
 void LogFile::write_chunk(LogTable which, std::size_t c, std::size_t chunk, const std::byte* data,
                           std::size_t rows) {
   Table& table = at(which);
-  if (c == kTime) {
-    table.held_back.emplace_back(
-        chunk, std::vector<std::byte>(data, data + rows * table.columns[c].row_bytes()));
-  } else {
-    put_chunk(table, c, chunk, data, rows);
-  }
-}
-
-void LogFile::put_chunk(Table& table, std::size_t c, std::size_t chunk, const std::byte* data,
-                        std::size_t rows) {
   const LogColumn& column = table.columns[c];
   const std::size_t bytes = table.chunk_rows * column.row_bytes(), used = rows * column.row_bytes();
   if (rows < table.chunk_rows) {
@@ -277,23 +269,15 @@ void LogFile::put_chunk(Table& table, std::size_t c, std::size_t chunk, const st
             column.name);
 }
 
-void LogFile::flush() {
-  h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
-  for (Table& table : tables_) {
-    resize_one(table, kTime, table.rows);
-    for (const auto& [chunk, data] : table.held_back)
-      put_chunk(table, kTime, chunk, data.data(), data.size() / table.columns[kTime].row_bytes());
-    table.held_back.clear();
+void LogFile::close(const std::optional<WallTimes>& wall) {
+  if (wall) {
+    WallTimes sum{before_.start_up + wall->start_up, before_.loop + wall->loop,
+                  before_.writing + wall->writing};
+    for (const auto& [name, seconds] : wall_attributes(sum))
+      h5::write_attribute(file_, name, *seconds);
   }
+  // Flushed first: an error is an exception here, and none in the closing of an identifier.
   h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
-}
-
-void LogFile::close(const WallTimes& wall) {
-  WallTimes sum{before_.start_up + wall.start_up, before_.loop + wall.loop,
-                before_.writing + wall.writing};
-  for (const auto& [name, seconds] : wall_attributes(sum))
-    h5::write_attribute(file_, name, *seconds);
-  flush();
   tables_.clear();
   file_.reset();
 }

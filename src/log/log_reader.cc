@@ -5,6 +5,8 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/input_file.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/log/journal.h"
 #include "impedraw/log/log_file.h"
 
 namespace impedraw {
@@ -58,6 +60,40 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 }  // namespace
+
+bool is_marked_log(const std::filesystem::path& path) {
+  h5::quiet_errors();
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0) return false;
+  const h5::Id log(file, H5Fclose);
+  if (H5Aexists(file, kLogMark) > 0) return true;
+  // Versions before 2 are known by what only they write.
+  for (const char* name : {"/joint", "/joint/position", "/controller", "/controller/step_time",
+                           "/desired", "/desired/position", "/push", "/stroke"})
+    if (H5Lexists(file, name, H5P_DEFAULT) <= 0) return false;
+  return H5Aexists(file, "scenario") > 0 && H5Aexists(file, "seed") > 0;
+}
+
+std::map<std::string, std::string> log_attributes(const std::filesystem::path& path) {
+  h5::quiet_errors();
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0) throw InputError(path.string() + ": not an HDF5 file, or a broken one");
+  const h5::Id log(file, H5Fclose);
+  try {
+    return texts(log);
+  } catch (const h5::Error& e) {
+    throw InputError(path.string() + ": " + e.what());
+  }
+}
+
+bool has_steps(const std::filesystem::path& path) {
+  const LogReader log(path);
+  if (log.steps() > 0) return true;
+  if (!is_own_file(journal_of(path))) return false;
+  JournalReader journal(journal_of(path));
+  JournalReader::Record record;
+  return journal.header().log_id == log.log_id() && journal.next(&record);
+}
 
 LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
   h5::quiet_errors();
@@ -311,6 +347,11 @@ void LogReader::require(const RunLogHeader& given) const {
 WallTimes LogReader::wall() const {
   return {h5::read_number(file_, "wall_start_up"), h5::read_number(file_, "wall_loop"),
           h5::read_number(file_, "wall_writing")};
+}
+
+double LogReader::log_id() const {
+  const double id = h5::read_number(file_, "log_id");
+  return std::isnan(id) ? 0.0 : id;
 }
 
 template <typename T>

@@ -35,6 +35,7 @@ class LogReader {
   std::size_t steps() const { return rate() == LogRate::full ? rows_ : steps_; }
   double joint_margin() const;  // reduced log: smallest over all steps; inf without steps
   WallTimes wall() const;
+  double log_id() const;  // changes whenever the log is written; 0 in logs of older versions
 
   // Throws InputError naming what differs between `header` and this log.
   void require(const RunLogHeader& header) const;

@@ -1,14 +1,15 @@
 #include "impedraw/report/report.h"
 
-#include <cstdlib>
-#include <fstream>
+#include <list>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/common/run_python.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/files/run_python.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/plot_series.h"
 
@@ -44,26 +45,38 @@ std::string existing(const std::filesystem::path& path) {
   return std::filesystem::exists(path) ? std::filesystem::absolute(path).string() : "";
 }
 
-// Runs report.py with the page's data in a temporary JSON file.
-void make_page(const Json& page, const std::filesystem::path& out, const ReportSettings& settings) {
-  std::string name = (std::filesystem::temp_directory_path() / "impedraw_page_XXXXXX").string();
-  const int descriptor = mkstemp(name.data());
-  if (descriptor < 0)
-    throw std::runtime_error("cannot write " + out.string() +
-                             ": no temporary file can be made in " + name);
-  close(descriptor);
-  // What a log of others holds need not be UTF-8.
-  std::ofstream(name) << page.dump(-1, ' ', false, Json::error_handler_t::replace);
+// A file of the page: its name in the folder, and its descriptor in report.py.
+struct PageFile {
+  const char* key;
+  std::filesystem::path path;
+  int descriptor;
+};
+
+// Runs report.py, which is given the page's data and gives back its files.
+void make_page(Json page, const std::vector<PageFile>& wanted, const ReportSettings& settings) {
   const std::string python = settings.python.empty() ? IMPEDRAW_PYTHON : settings.python.string();
-  const PythonEnd end =
-      run_python({python, {IMPEDRAW_REPORT_SCRIPT, name}, {}, IMPEDRAW_MATPLOTLIB_FOLDER});
-  std::filesystem::remove(name);
-  if (end == PythonEnd::not_started)
-    throw std::runtime_error(
-        fmt::format("cannot write {}: {} does not start", out.string(), python));
-  if (end == PythonEnd::failed)
-    throw std::runtime_error(fmt::format("cannot write {}: {} failed (its message is above)",
-                                         out.string(), IMPEDRAW_REPORT_SCRIPT));
+  std::list<MemoryFile> made;
+  std::vector<ChildFile> files;
+  for (const PageFile& file : wanted) {
+    page[file.key] = fmt::format("/dev/fd/{}", file.descriptor);
+    files.push_back({&made.emplace_back(), file.descriptor});
+  }
+  // What a log of others holds need not be UTF-8.
+  const MemoryFile data(page.dump(-1, ' ', false, Json::error_handler_t::replace));
+  files.push_back({&data, 0});
+  const int code = run_python({.python = python,
+                               .arguments = {IMPEDRAW_REPORT_SCRIPT, "/dev/fd/0"},
+                               .files = files,
+                               .matplotlib_folder = IMPEDRAW_MATPLOTLIB_FOLDER,
+                               .check = settings.check});
+  const std::string out = wanted.front().path.string();
+  if (code < 0)
+    throw std::runtime_error(fmt::format("cannot write {}: {} does not start", out, python));
+  if (code != 0)
+    throw std::runtime_error(fmt::format("cannot write {}: {} failed (its message is above)", out,
+                                         IMPEDRAW_REPORT_SCRIPT));
+  auto content = made.begin();
+  for (const PageFile& file : wanted) write_whole(file.path, (content++)->content());
 }
 
 }  // namespace
@@ -72,7 +85,6 @@ void write_report(const std::filesystem::path& folder, const RunData& run, const
                   const Metrics& metrics, const ReportSettings& settings) {
   Json page;
   page["kind"] = "run";
-  page["out"] = std::filesystem::absolute(folder / "report.html").string();
   page["title"] = title_of(run, settings.title);
   page["attributes"] = run.attributes;
   page["definitions"] = definitions();
@@ -81,15 +93,13 @@ void write_report(const std::filesystem::path& folder, const RunData& run, const
   page["series"] = plot_series(run, drawn);
   page["pictures"] = {existing(folder / "ink_top.svg"), existing(folder / "ink_page.svg")};
   page["scenario"] = existing(folder / "scenario.yaml");
-  make_page(page, folder / "report.html", settings);
+  make_page(std::move(page), {{"out", folder / "report.html", 3}}, settings);
 }
 
 void write_comparison(const ComparedRun& left, const ComparedRun& right,
                       const std::filesystem::path& out, const ReportSettings& settings) {
   Json page;
   page["kind"] = "comparison";
-  page["out"] = std::filesystem::absolute(out / "compare.html").string();
-  page["picture"] = std::filesystem::absolute(out / "compare.png").string();
   page["definitions"] = definitions();
   page["limits"] = limits_json(settings.limits);
   page["runs"] = Json::array();
@@ -104,7 +114,8 @@ void write_comparison(const ComparedRun& left, const ComparedRun& right,
     one["scenario"] = existing(compared->folder / "scenario.yaml");
     page["runs"].push_back(one);
   }
-  make_page(page, out / "compare.html", settings);
+  make_page(std::move(page),
+            {{"out", out / "compare.html", 3}, {"picture", out / "compare.png", 4}}, settings);
 }
 
 }  // namespace impedraw

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,6 +26,8 @@ struct ReportSettings {
   // by metric name; the page shows the limit and whether it is met
   std::map<std::string, MetricLimit> limits{};
   std::filesystem::path python{};  // interpreter with matplotlib; empty: the venv of the build
+  // Called now and then while the page is made. What it throws ends the work.
+  std::function<void()> check{};
 };
 
 // Writes folder/report.html. Shows folder/ink_top.svg, folder/ink_page.svg and folder/scenario.yaml

@@ -300,7 +300,7 @@ def comparison_page(page):
     figure = comparison_figure(page)
     picture = as_svg(figure)
     FigureCanvasAgg(figure)  # for the PNG
-    figure.savefig(page["picture"], dpi=150)
+    figure.savefig(page["picture"], dpi=150, format="png")
     runs = page["runs"]
     folded = "".join(scenario(r["scenario"], f'scenario.yaml: {r["name"]}') for r in runs)
     names = " and ".join(html.escape(r["name"]) for r in runs)

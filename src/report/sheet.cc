@@ -7,6 +7,8 @@
 #include <cairo-svg.h>
 #include <fmt/format.h>
 
+#include "impedraw/files/durable_file.h"
+
 namespace impedraw {
 namespace {
 
@@ -138,6 +140,11 @@ void require(cairo_status_t status, const std::filesystem::path& path) {
                              cairo_status_to_string(status));
 }
 
+cairo_status_t append_to_string(void* to, const unsigned char* data, unsigned int bytes) {
+  static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(data), bytes);
+  return CAIRO_STATUS_SUCCESS;
+}
+
 }  // namespace
 
 void set_colour(cairo_t* cr, const Colour& colour, double alpha) {
@@ -164,7 +171,9 @@ void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d&
                        int png_width, const std::function<void(cairo_t*)>& draw) {
   std::filesystem::path path = stem;
   path += ".svg";
-  cairo_surface_t* svg = cairo_svg_surface_create(path.c_str(), size.x(), size.y());
+  std::string content;
+  cairo_surface_t* svg =
+      cairo_svg_surface_create_for_stream(append_to_string, &content, size.x(), size.y());
   cairo_svg_surface_set_document_unit(svg, CAIRO_SVG_UNIT_MM);
   cairo_t* cr = cairo_create(svg);
   draw(cr);
@@ -173,6 +182,7 @@ void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d&
   const cairo_status_t svg_status = cairo_surface_status(svg);
   cairo_surface_destroy(svg);
   require(svg_status, path);
+  write_whole(path, content);
 
   path = stem;
   path += ".png";
@@ -183,9 +193,12 @@ void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d&
   cairo_scale(cr, scale, scale);
   draw(cr);
   cairo_destroy(cr);
-  const cairo_status_t png_status = cairo_surface_write_to_png(png, path.c_str());
+  content.clear();
+  const cairo_status_t png_status =
+      cairo_surface_write_to_png_stream(png, append_to_string, &content);
   cairo_surface_destroy(png);
   require(png_status, path);
+  write_whole(path, content);
 }
 
 void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width) {

@@ -1,5 +1,6 @@
 #include "impedraw/run/draw_into.h"
 
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -8,9 +9,12 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/plan_summary.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/run/folder_lock.h"
+#include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
-#include "impedraw/settings/yaml_write.h"
+#include "impedraw/run/run_inputs.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
@@ -50,36 +54,75 @@ double total_mm(const std::vector<StrokePart>& parts) {
 
 }  // namespace
 
+namespace {
+
+// Where the run in the folder left off; none if nothing has been drawn yet, which is said.
+std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment& experiment) {
+  const fs::path log = folder / "run.h5";
+  if (fs::exists(log)) {
+    recover_log(log);
+    std::optional<Resumption> resumption = read_resumption(experiment, log);
+    if (resumption) return resumption;
+  }
+  fmt::print(stderr, "note: nothing has been drawn in {} yet; the run starts anew\n",
+             folder.string());
+  return std::nullopt;
+}
+
+// Room for what is left of the plan, and for the log of an earlier run, which is copied.
+void require_room(const fs::path& folder, const Experiment& experiment,
+                  const std::optional<Resumption>& resumption) {
+  std::error_code error;
+  const double earlier =
+      resumption ? static_cast<double>(fs::file_size(folder / "run.h5", error)) : 0.0;
+  const double seconds =
+      std::max(0.0, experiment.plan.path.duration() - (resumption ? resumption->time : 0.0));
+  require_space(folder, earlier + log_bytes(make_header(experiment), seconds), seconds);
+}
+
+}  // namespace
+
+std::function<void()> give_up_on(const Interrupt& interrupt, const fs::path& folder) {
+  return [&interrupt, text = folder.string()] {
+    if (interrupt.requested())
+      throw Interrupted(
+          fmt::format("interrupted while the results were made; the drawing is kept, and "
+                      "./impedraw report {} finishes them",
+                      text),
+          interrupt.exit_code());
+  };
+}
+
 Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up, bool resume) {
   make_folder(folder);
+  const FolderLock lock(folder);
+  require_own_log(folder);
   std::optional<Resumption> resumption;
-  if (resume) resumption = read_resumption(experiment, folder / "run.h5");
+  if (resume) resumption = resumption_in(folder, experiment);
+  require_room(folder, experiment, resumption);
   for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
                             "ink_page.svg", "ink_page.png", "strokes.json"})
-    fs::remove(folder / stale);
-  if (!resume) fs::remove(folder / "run.h5");
+    if (is_own_file(folder / stale)) fs::remove(folder / stale);
 
   Drawing drawing;
   {
     Interrupt interrupt;
     ProgressLine line;
     RunHooks hooks;
+    if (!resumption)
+      hooks.begun = [&] { write_inputs(folder, experiment.scenario, experiment.inputs); };
     hooks.interrupted = [&] { return interrupt.requested(); };
-    hooks.progress = [&](const RunProgress& p) {
-      line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again});
+    hooks.progress = [&, first_time = resumption ? resumption->time : 0.0](const RunProgress& p) {
+      line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time});
     };
-    try {
-      write_file(folder / "scenario.yaml", settings_yaml(experiment.scenario));
-      drawing.outcome =
-          run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
-    } catch (...) {
-      // Without a log the folder holds no run and would be refused to the next one.
-      if (!fs::exists(folder / "run.h5")) fs::remove(folder / "scenario.yaml");
-      throw;
-    }
+    drawing.outcome =
+        run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
+    drawing.signal_code = interrupt.exit_code();
   }
+  const Interrupt interrupt;
+  const auto check = give_up_on(interrupt, folder);
   write_strokes(folder, experiment, drawing.outcome);
-  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork);
+  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check);
   return drawing;
 }
 
@@ -151,11 +194,12 @@ std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {
   return text;
 }
 
-int exit_code(const RunOutcome& outcome) {
+int exit_code(const Drawing& drawing) {
+  const RunOutcome& outcome = drawing.outcome;
   if (outcome.end == RunEnd::finished) return kFinished;
   say(stderr, "impedraw: {}; the log is kept up to there{}\n", outcome.cause,
       outcome.end == RunEnd::interrupted ? ", --resume goes on from it" : "");
-  return outcome.end == RunEnd::stopped ? kStopped : kInterrupted;
+  return outcome.end == RunEnd::stopped ? kStopped : drawing.signal_code;
 }
 
 }  // namespace impedraw

@@ -2,21 +2,30 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/run.h"
+#include "impedraw/terminal/interrupt.h"
 
 namespace impedraw {
 
 struct Drawing {
   RunOutcome outcome;
   Metrics metrics;
+  int signal_code = 0;  // of an interrupted run: 128 + signal
 };
 
-// start_up: preparation time [s]. `resume`: continues the run in the folder.
+// start_up: preparation time [s]. `resume`: continues the run in the folder, or begins it if
+// nothing has been drawn yet. Throws InputError if another process writes there, Interrupted if a
+// signal comes while the results are made.
 Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
                   bool resume = false);
+
+// Throws Interrupted once a signal has come: the results in the folder are left unfinished. Refers
+// to `interrupt`.
+std::function<void()> give_up_on(const Interrupt& interrupt, const std::filesystem::path& folder);
 
 // Like prepare() and prepare_plan() with Unreachable::tell, with a progress line on a terminal.
 Experiment prepare_visibly(const Scenario& scenario, const Places& places);
@@ -27,6 +36,6 @@ void print_notes(const PlannedDrawing& drawing);  // on stderr
 std::string met_line(const RunOutcome& outcome);
 // What was redrawn, and what still has no ink.
 std::string ink_lines(const Experiment& experiment, const RunOutcome& outcome);
-int exit_code(const RunOutcome& outcome);  // prints on stderr why the run did not finish
+int exit_code(const Drawing& drawing);  // prints on stderr why the run did not finish
 
 }  // namespace impedraw

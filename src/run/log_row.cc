@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "impedraw/run/run_inputs.h"
+
 namespace impedraw {
 
 RunLogHeader make_header(const Experiment& e) {
@@ -23,7 +25,9 @@ RunLogHeader make_header(const Experiment& e) {
   h.target_stroke = e.plan.target.stroke;
   h.rate = e.scenario.log.rate;
   h.dt = e.scenario.world.dt;
-  h.attributes = {{"scenario", e.scenario.name}, {"seed", std::to_string(e.scenario.seed)}};
+  h.attributes = record_of(e.scenario, e.inputs);
+  h.attributes["scenario"] = e.scenario.name;
+  h.attributes["seed"] = std::to_string(e.scenario.seed);
   return h;
 }
 

@@ -9,22 +9,32 @@
 namespace impedraw {
 
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork) {
+                      const PlacedArtwork& artwork, const std::function<void()>& check) {
+  const auto step = [&check] {
+    if (check) check();
+  };
   const RunData run = read_run(folder / "run.h5");
+  step();
   const InkMatch drawn = match_ink(run);
+  step();
   const Metrics metrics = compute_metrics(run, drawn);
   write_file(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
+  step();
   PictureSettings picture;
   picture.pen = scenario.pen;
   picture.target_width = 2.6 * scenario.pen.width;
   picture.R_WP = artwork.X_WP.R;
   write_ink_top(run, drawn, folder / "ink_top", picture);
+  step();
   const auto to_page = [&placement = artwork.placement, X_PW = artwork.X_WP.inverse()](
                            const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     return placement.to_page((X_PW * p_W).head<2>());
   };
   write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
-  write_report(folder, run, drawn, metrics);
+  step();
+  ReportSettings report;
+  report.check = check;
+  write_report(folder, run, drawn, metrics, report);
   return metrics;
 }
 

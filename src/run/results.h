@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/scenario.h"
@@ -10,8 +11,9 @@
 namespace impedraw {
 
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5.
-// The pictures are views along the artwork's drawing axis. Returns the metrics.
+// The pictures are views along the artwork's drawing axis. `check` is called now and then; what it
+// throws ends the work. Returns the metrics.
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork);
+                      const PlacedArtwork& artwork, const std::function<void()>& check = {});
 
 }  // namespace impedraw

@@ -10,11 +10,10 @@
 
 namespace impedraw {
 
-Resumption read_resumption(const Experiment& e, const std::filesystem::path& log_file) {
+std::optional<Resumption> read_resumption(const Experiment& e,
+                                          const std::filesystem::path& log_file) {
   const ResumeLog before = read_resume_log(log_file);
-  if (before.rows.empty())
-    throw InputError(
-        fmt::format("{}: holds no step to go on from; start without --resume", log_file.string()));
+  if (before.rows.empty()) return std::nullopt;
   if (before.joint_position.size() != e.scene.arm.joints())
     throw InputError(fmt::format("{}: is of an arm with {} joints, this one has {}",
                                  log_file.string(), before.joint_position.size(),

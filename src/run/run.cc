@@ -81,11 +81,12 @@ class Runner {
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
-             fmt::format("interrupted at t = {:.3f} s; the pen was lifted", t));
+             fmt::format("interrupted at t = {:.3f} s; the pen was lifted", first_time_ + t));
         lift();
       }
       if (!hooks_.progress) continue;
-      RunProgress progress{t, 0, 0, 0.0, 0.0, std::min(1.0, (t - begin) / path.duration()), again};
+      RunProgress progress{
+          first_time_ + t, 0, 0, 0.0, 0.0, std::min(1.0, (t - begin) / path.duration()), again};
       odometer.read(t - begin, &progress);
       hooks_.progress(progress);
     }
@@ -123,7 +124,8 @@ class Runner {
     }
     if (watchdog_.update(step_time)) {
       stop(RunEnd::stopped,
-           fmt::format("a control step took too long at t = {:.3f} s; the pen was lifted", t));
+           fmt::format("a control step took too long at t = {:.3f} s; the pen was lifted",
+                       first_time_ + t));
       lift();
     }
     return true;
@@ -139,7 +141,7 @@ class Runner {
       return fmt::format(
           "the controller was given {} for {:.1f} s up to t = {:.3f} s",
           out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale",
-          kBadStateTime, t);
+          kBadStateTime, first_time_ + t);
     const double hold = e_.plan.path_settings.start_hold;
     if (t > hold && !loop_.tared())
       return fmt::format(
@@ -211,6 +213,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   const TipPath rest = resumption ? plan_rest(e, *resumption) : TipPath();
   const TipPath& path = resumption ? rest : e.plan.path;
   Runner runner(e, driver, log_file, hooks, resumption);
+  if (hooks.begun) hooks.begun();
   RunOutcome& outcome = runner.outcome();
   outcome.wall.start_up = start_up + seconds_since(before_log);
 
@@ -225,6 +228,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
   outcome.simulated = runner.time();
   if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;
+  outcome.first_time = resumption ? resumption->time : 0.0;
   outcome.wall.loop = seconds_since(loop_start);
   outcome.wall = runner.log().close(outcome.wall);
   return outcome;
@@ -232,7 +236,8 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
 
 RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks, const Resumption* resumption) {
-  SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption));
+  SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption),
+                   resumption ? resumption->time : 0.0);
   return run(e, arm, log_file, start_up, hooks, resumption);
 }
 

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ namespace impedraw {
 enum class RunEnd { finished, stopped, interrupted };
 
 struct RunProgress {
-  double time;  // of the driver's clock [s]
+  double time;  // from the run's beginning, also after a resume [s]
   int stroke;   // number of strokes begun in the pass
   int strokes;
   double drawn;   // pen-down length drawn in the pass, on the surface [m]
@@ -36,6 +37,7 @@ struct RunProgress {
 };
 
 struct RunHooks {
+  std::function<void()> begun;  // called once the log is on the disk, before the first step
   std::function<void(const RunProgress&)> progress;  // called every ten control steps
   std::function<bool()> interrupted;                 // polled as often
 };
@@ -47,8 +49,9 @@ inline constexpr double kRedrawOverlap = 1e-3;
 
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
-  std::string cause;       // of a stop
-  double simulated = 0.0;  // of the driver's clock [s]
+  std::string cause;        // of a stop
+  double simulated = 0.0;   // of the driver's clock [s]
+  double first_time = 0.0;  // where an earlier run left off [s]
   // Duration of each controller status: limits met, bad inputs [s].
   std::map<std::string, double> met;
   SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
@@ -65,8 +68,10 @@ struct Resumption {
   double time = 0.0;  // first free time in the log [s]
 };
 
-// Reads the state from a log. Throws InputError if the log cannot be continued.
-Resumption read_resumption(const Experiment& experiment, const std::filesystem::path& log_file);
+// Reads the state from a log; none if the log has no step. Throws InputError if the log cannot be
+// continued.
+std::optional<Resumption> read_resumption(const Experiment& experiment,
+                                          const std::filesystem::path& log_file);
 
 // Returns true if the pen writes, by contact state and measured force along the estimated normal
 // [N] (ink_watch.h).

@@ -2,15 +2,18 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <initializer_list>
-#include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/log/log.h"
+#include "impedraw/run/folder_lock.h"
 
 namespace impedraw {
 
@@ -35,9 +38,13 @@ void require_folder(const fs::path& folder, std::initializer_list<const char*> m
   if (access(there.c_str(), W_OK | X_OK) != 0)
     refuse(fmt::format("nothing can be written in {}: {}", there.string(), std::strerror(errno)));
   if (!made) return;
-  const fs::directory_iterator entries(folder, error);
+  fs::directory_iterator entries(folder, error);
   if (error) refuse(fmt::format("cannot be read: {}", error.message()));
-  if (entries == fs::directory_iterator()) return;
+  // What a command leaves that is killed before its first result.
+  const auto left_over = [](const fs::directory_entry& entry) {
+    return entry.path().filename() == kLockFile || is_unfinished(entry.path());
+  };
+  if (std::all_of(entries, fs::directory_iterator(), left_over)) return;
   for (const char* mark : marks)
     if (fs::exists(folder / mark, error)) return;
   refuse(fmt::format(
@@ -46,7 +53,24 @@ void require_folder(const fs::path& folder, std::initializer_list<const char*> m
 
 }  // namespace
 
-void require_run_folder(const fs::path& folder) { require_folder(folder, {"run.h5"}, "run"); }
+void require_run_folder(const fs::path& folder) {
+  require_folder(folder, {"run.h5"}, "run");
+  require_own_log(folder);
+  FolderLock::require_free(folder);
+}
+
+void require_own_log(const fs::path& folder) {
+  const fs::path log = folder / "run.h5";
+  std::error_code error;
+  if (fs::symlink_status(log, error).type() == fs::file_type::not_found) return;
+  if (!is_own_file(log))
+    throw InputError(fmt::format("{}: is a link or a folder; a file is needed", log.string()));
+  if (!is_marked_log(log))
+    throw InputError(
+        fmt::format("{}: is no log that impedraw wrote, so it is not replaced; move it away, or "
+                    "name another folder",
+                    log.string()));
+}
 
 void require_comparison_folder(const fs::path& folder) {
   require_folder(folder, {"perception/run.h5", "blind/run.h5"}, "comparison");
@@ -59,20 +83,30 @@ void require_table_folder(const fs::path& folder, const std::string& csv) {
   require_folder(folder, {csv.c_str()}, csv.c_str());
 }
 
+void require_space(const fs::path& folder, double bytes, double seconds) {
+  std::error_code error;
+  const fs::space_info space = fs::space(folder, error);
+  if (error || static_cast<double>(space.available) >= bytes) return;
+  throw InputError(fmt::format(
+      "{}: {:.0f} MB of disk are free, the run needs {:.0f} MB for {:.0f} s of drawing; "
+      "free some, name a folder on another disk with --out, or draw with --set "
+      "log.rate=reduced",
+      folder.string(), 1e-6 * static_cast<double>(space.available), 1e-6 * bytes, seconds));
+}
+
 void make_folder(const fs::path& folder) {
   std::error_code error;
+  std::vector<fs::path> made;
+  for (fs::path at = fs::absolute(folder).lexically_normal(); !fs::exists(at, error);
+       at = at.parent_path())
+    made.push_back(at);
   fs::create_directories(folder, error);
   if (error)
     throw InputError(fmt::format("--out {}: cannot be made: {}", folder.string(), error.message()));
+  for (const fs::path& one : made) sync_folder(one.parent_path());
+  remove_unfinished(folder);  // of a command that was killed
 }
 
-void write_file(const fs::path& file, const std::string& text) {
-  errno = 0;
-  std::ofstream out(file, std::ios::binary);
-  out << text << std::flush;
-  if (!out)
-    throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(),
-                                         errno ? std::strerror(errno) : "unknown cause"));
-}
+void write_file(const fs::path& file, const std::string& text) { write_whole(file, text); }
 
 }  // namespace impedraw

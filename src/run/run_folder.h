@@ -7,15 +7,22 @@
 namespace impedraw {
 
 // Checks that the folder can be made, is empty, or already holds a result of the same kind: a run,
-// a comparison, a plan, a table. Throws InputError otherwise. Writes nothing.
+// a comparison, a plan, a table. Throws InputError otherwise. Writes nothing. A run is one whose
+// run.h5 has our mark, and that no other process writes.
 void require_run_folder(const std::filesystem::path& folder);
+// Throws InputError if folder/run.h5 exists, but is not ours to replace.
+void require_own_log(const std::filesystem::path& folder);
 void require_comparison_folder(const std::filesystem::path& folder);
 void require_plan_folder(const std::filesystem::path& folder);
 // `csv`: the name of the file that marks a table's folder.
 void require_table_folder(const std::filesystem::path& folder, const std::string& csv);
 
+// Throws InputError unless the folder's disk has room for a run that is planned to take `seconds`
+// and needs `bytes`.
+void require_space(const std::filesystem::path& folder, double bytes, double seconds);
+
 void make_folder(const std::filesystem::path& folder);  // throws InputError on failure
-// Throws std::runtime_error with the reason on failure.
+// Writes the file whole, as write_whole() does (files/durable_file.h).
 void write_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace impedraw

@@ -14,12 +14,14 @@ constexpr double kRunaway = 20.0;  // joint speed [rad/s], near ten times what s
 
 }  // namespace
 
-SimulatedArm::SimulatedArm(Experiment& e, const JointVector& start_q, Disturbances disturbances)
+SimulatedArm::SimulatedArm(Experiment& e, const JointVector& start_q, Disturbances disturbances,
+                           double first_time)
     : world_(*e.scene.world),
       canvas_(*e.scene.canvas),
       start_q_(start_q),
       joint_names_(e.scene.arm.joint_names()),
       dt_(e.scenario.world.dt),
+      first_time_(first_time),
       disturbances_(std::move(disturbances)),
       source_(e.control.source),
       sensor_settings_(e.control.sensor),
@@ -91,12 +93,13 @@ void SimulatedArm::look_for_faults() {
   Eigen::Index fastest = 0;
   const double speed = now.v.cwiseAbs().maxCoeff(&fastest);
   if (world_.failure())
-    fault_ = *world_.failure();
+    fault_ = fmt::format("the motion went unstable at t = {:.3f} s: {}", first_time_ + now.time,
+                         *world_.failure());
   else if (!(speed < kRunaway))
     fault_ = fmt::format(
         "the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} "
         "rad/s",
-        now.time, joint_names_[static_cast<std::size_t>(fastest)], speed, kRunaway);
+        first_time_ + now.time, joint_names_[static_cast<std::size_t>(fastest)], speed, kRunaway);
 }
 
 void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept {

@@ -17,7 +17,9 @@ namespace impedraw {
 class SimulatedArm : public Driver {
  public:
   // Refers to the experiment's world and canvas. start() puts the arm at rest at start_q.
-  SimulatedArm(Experiment& experiment, const JointVector& start_q, Disturbances disturbances);
+  // first_time: of the run, for messages; a resumed run has one [s].
+  SimulatedArm(Experiment& experiment, const JointVector& start_q, Disturbances disturbances,
+               double first_time = 0.0);
 
   DriverInfo info() const override;
   void start() override;
@@ -37,7 +39,7 @@ class SimulatedArm : public Driver {
   const Canvas& canvas_;
   JointVector start_q_;
   std::vector<std::string> joint_names_;
-  double dt_;
+  double dt_, first_time_;
   Disturbances disturbances_;
   WrenchSource source_;
   WrenchSensorSettings sensor_settings_;

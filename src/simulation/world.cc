@@ -193,11 +193,9 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
 
   const double size = state_.q.cwiseAbs().sum() + state_.v.cwiseAbs().sum();
   if (!(size < 1e4) || last_warning[0] != '\0')
-    failure_ = fmt::format("the motion went unstable at t = {:.3f} s: {}", state_.time,
-                           last_warning[0] ? last_warning
-                                           : fmt::format("joint speeds reached {:.3g} rad/s",
-                                                         state_.v.cwiseAbs().maxCoeff())
-                                                 .c_str());
+    failure_ = last_warning[0] ? last_warning
+                               : fmt::format("joint speeds reached {:.3g} rad/s",
+                                             state_.v.cwiseAbs().maxCoeff());
   return contact_;
 }
 

@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "impedraw/files/durable_file.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
@@ -121,6 +122,9 @@ class Children {
     close(child.from);
     std::error_code ignored;
     fs::remove(child.file, ignored);
+    // What a child leaves of its log that is killed.
+    fs::remove(fs::path(child.file).replace_extension(".journal"), ignored);
+    remove_unfinished(child.file.parent_path());
     return status;
   }
 

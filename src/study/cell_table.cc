@@ -12,7 +12,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
-#include "impedraw/common/run_python.h"
+#include "impedraw/files/run_python.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/interrupt.h"
@@ -83,12 +83,13 @@ void write_csv(const CellTable& table, const fs::path& csv, const std::vector<Ce
 void plot(const std::string& name, const fs::path& csv, const fs::path& png) {
   const std::string script = std::string(IMPEDRAW_STUDY_SCRIPTS) + "/" + name + ".py",
                     from = fs::absolute(csv).string(), to = fs::absolute(png).string();
-  const PythonEnd end =
-      run_python({IMPEDRAW_PYTHON, {script, from, to}, {}, IMPEDRAW_MATPLOTLIB_FOLDER});
-  if (end == PythonEnd::not_started)
+  const int code = run_python({.python = IMPEDRAW_PYTHON,
+                               .arguments = {script, from, to},
+                               .matplotlib_folder = IMPEDRAW_MATPLOTLIB_FOLDER});
+  if (code < 0)
     throw std::runtime_error(
         fmt::format("cannot write {}: {} does not start", to, IMPEDRAW_PYTHON));
-  if (end == PythonEnd::failed)
+  if (code != 0)
     throw std::runtime_error(
         fmt::format("cannot write {}: {} failed (its message is above)", to, script));
 }

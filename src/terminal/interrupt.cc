@@ -14,13 +14,14 @@ namespace {
 std::atomic<int> received = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
 
-constexpr std::array<int, 2> signals = {SIGINT, SIGTERM};
-std::array<struct sigaction, 2> before;
+constexpr std::array<int, 3> signals = {SIGINT, SIGTERM, SIGHUP};
+std::array<struct sigaction, signals.size()> before;
 bool in_use = false;
 
 extern "C" void note_signal(int signal) {
   received.store(signal, std::memory_order_relaxed);
-  for (const int s : signals) std::signal(s, SIG_DFL);
+  for (std::size_t i = 0; i < signals.size(); ++i)
+    if (before[i].sa_handler != SIG_IGN) std::signal(signals[i], SIG_DFL);
 }
 
 }  // namespace
@@ -33,7 +34,8 @@ Interrupt::Interrupt() {
     struct sigaction action {};
     action.sa_handler = note_signal;
     action.sa_flags = SA_RESTART;  // do not fail a log write in progress
-    sigaction(signals[i], &action, &before[i]);
+    sigaction(signals[i], nullptr, &before[i]);
+    if (before[i].sa_handler != SIG_IGN) sigaction(signals[i], &action, nullptr);
   }
 }
 

@@ -1,11 +1,26 @@
-// Turns ctrl-C and SIGTERM into a flag that the loop polls, so that an interrupted run keeps its
-// log.
+// Turns ctrl-C, SIGTERM and SIGHUP (the terminal is gone) into a flag that the loop polls, so that
+// the pen is lifted before an interrupted run ends.
 #pragma once
+
+#include <stdexcept>
+#include <string>
 
 namespace impedraw {
 
-// During its lifetime, the first SIGINT or SIGTERM sets the flag; a second one ends the program at
-// once, as without this class. At most one instance may exist at a time.
+// Work was given up because of a signal. The program prints the message and exits with the code.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted(const std::string& message, int exit_code)
+      : std::runtime_error(message), exit_code_(exit_code) {}
+  int exit_code() const noexcept { return exit_code_; }
+
+ private:
+  int exit_code_;
+};
+
+// During its lifetime, the first of these signals sets the flag; a second one ends the program at
+// once, as without this class. A signal that was ignored (nohup) stays ignored. At most one
+// instance may exist at a time.
 class Interrupt {
  public:
   Interrupt();

@@ -32,7 +32,9 @@ std::string progress_line(const Progress& progress, double wall_time, int column
   const bool known = share >= 0.01 && wall_time >= 0.25;
   const std::string left = known ? clock_text(wall_time * (1 - share) / share) : "-:--";
   const std::string factor =
-      wall_time > 0 ? fmt::format("{:.0f}x real time", progress.simulated_time / wall_time) : "";
+      wall_time > 0 ? fmt::format("{:.0f}x real time",
+                                  (progress.simulated_time - progress.first_time) / wall_time)
+                    : "";
   // Rounded down: 100 % only when it is done.
   const std::string metres =
       progress.length > 0 ? fmt::format("  {:.2f}/{:.2f} m", progress.drawn, progress.length) : "";

@@ -17,7 +17,8 @@ struct Progress {
   double share = 0;  // of the whole run, 0 to 1
   // pen-down length so far and in total [m]; not shown if length is 0
   double drawn = 0, length = 0;
-  bool again = false;  // redrawing the parts without ink
+  bool again = false;     // redrawing the parts without ink
+  double first_time = 0;  // simulated by an earlier run that this one continues [s]
 };
 
 // The line after `wall_time` seconds. The time left is extrapolated from the share done; it is

@@ -423,13 +423,14 @@ TEST_F(CommandLine, AKilledRunLosesAboutASecond) {
        at != none; ++at)
     last = *at;
   ASSERT_FALSE(last.empty()) << terminal.shown;
+  EXPECT_EQ(read_run(folder_ / "run/run.h5").rows(), 0u) << "the log is as the run began";
+  EXPECT_EQ(call({"report", "run"}).code, 0);
   const RunData run = read_run(folder_ / "run/run.h5");
   ASSERT_GT(run.rows(), 1000u);
   const double kept = run.time.back(), shown = std::stod(last[1]),
                per_wall_second = std::stod(last[2]);
   EXPECT_GT(kept, shown - 1.5 * per_wall_second)
       << "of " << shown << " s simulated, at " << per_wall_second << " times real time";
-  EXPECT_EQ(call({"report", "run"}).code, 0);
   EXPECT_TRUE(json_of(folder_ / "run/metrics.json").at("ink_error_rms").is_number());
 }
 

@@ -191,6 +191,7 @@ TEST_F(RunLogTest, KillLosesLessThanTheLastSecond) {
     for (const auto& [when, rows] : heard) {
       if (killed - when >= std::chrono::seconds(1)) owed = rows;
     }
+    EXPECT_TRUE(recover_log(path()));
     const RunRows run = read_rows(path());
     EXPECT_GE(static_cast<int>(run.rows()), owed);
     EXPECT_GT(owed, 0) << "the child was too slow to show anything";
@@ -227,7 +228,15 @@ TEST_F(RunLogTest, AFullDiskIsReportedAndKeepsWhatWasThere) {
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0) << "1: nothing reported; 2: the message lacks file or cause";
-  EXPECT_NO_THROW(read_run(path()));
+  EXPECT_EQ(read_run(path()).rows(), 0u) << "the log is as the run began";
+  EXPECT_TRUE(recover_log(path()));
+  const RunRows rows = read_rows(path());
+  EXPECT_GT(rows.rows(), 1000u);
+  for (std::size_t i = 0; i < rows.rows(); i += 37) expect_row(rows, i);
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    left.push_back(entry.path().filename());
+  EXPECT_THAT(left, ::testing::ElementsAre("run.h5"));
 }
 
 TEST_F(RunLogTest, BadUseIsRefused) {

@@ -72,7 +72,7 @@ TEST(Passes, AnInterruptedRunGoesOn) {
     const std::size_t kept = read_run(log).rows();
 
     Experiment second = prepare(resolve(options));
-    const Resumption resumption = read_resumption(second, log);
+    const Resumption resumption = read_resumption(second, log).value();
     EXPECT_NEAR(resumption.time, when + 1.0, 0.05) << "the pen was lifted for a second";
     const RunOutcome outcome = run(second, log, 0.0, {}, &resumption);
     EXPECT_EQ(outcome.end, RunEnd::finished);
@@ -89,7 +89,7 @@ TEST(Passes, AnInterruptedRunGoesOn) {
     EXPECT_LE(metrics.touchdown_peak.or_nan(), 8.0);
 
     Experiment third = prepare(resolve(options));  // nothing is left
-    const Resumption all = read_resumption(third, log);
+    const Resumption all = read_resumption(third, log).value();
     EXPECT_TRUE(rest_of(third.plan.strokes, all.ink.parts(), kShortestGap).empty());
   }
   fs::remove(log);

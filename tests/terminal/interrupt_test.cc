@@ -8,7 +8,8 @@ namespace impedraw {
 namespace {
 
 TEST(Interrupt, FirstSignalSetsTheFlag) {
-  for (const auto& [signal, code] : {std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}}) {
+  for (const auto& [signal, code] :
+       {std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}, std::pair{SIGHUP, 129}}) {
     Interrupt interrupt;
     EXPECT_FALSE(interrupt.requested());
     EXPECT_EQ(interrupt.exit_code(), 0);
@@ -28,6 +29,21 @@ TEST(InterruptDeathTest, SecondSignalEndsTheProgram) {
         std::raise(SIGINT);
       },
       ::testing::KilledBySignal(SIGINT), "");
+}
+
+// As under nohup.
+TEST(Interrupt, WhatIsIgnoredStaysIgnored) {
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  {
+    Interrupt interrupt;
+    std::raise(SIGHUP);
+    EXPECT_FALSE(interrupt.requested());
+    std::raise(SIGINT);
+    EXPECT_EQ(interrupt.exit_code(), 130);
+    std::raise(SIGHUP);
+  }
+  std::raise(SIGHUP);
+  std::signal(SIGHUP, before);
 }
 
 TEST(InterruptDeathTest, WhatWasInForceIsPutBack) {

@@ -1,42 +1,24 @@
 #include "impedraw/planning/wrap/flatten_patch.h"
 
 #include <cstdint>
-#include <cstdlib>
-#include <fstream>
+#include <cstring>
 #include <sstream>
+#include <string>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/common/run_python.h"
+#include "impedraw/files/run_python.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
 
-// A unique folder under the system's temporary one, removed with this object.
-struct ScratchFolder {
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "impedraw_wrap_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw InputError(fmt::format("wrap: no temporary folder can be made as {}", name));
-    path = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  std::filesystem::path path;
-};
-
-void write_patch(const SurfacePatch& patch, const std::filesystem::path& file) {
-  std::ofstream out(file, std::ios::binary);
-  const auto put = [&out](const auto* values, std::size_t count) {
-    out.write(reinterpret_cast<const char*>(values),
-              static_cast<std::streamsize>(count * sizeof *values));
+std::string patch_data(const SurfacePatch& patch) {
+  std::string data;
+  const auto put = [&data](const auto* values, std::size_t count) {
+    data.append(reinterpret_cast<const char*>(values), count * sizeof *values);
   };
   const std::int64_t head[] = {static_cast<std::int64_t>(patch.samples.size()),
                                static_cast<std::int64_t>(patch.triangles.size()), patch.centre};
@@ -46,11 +28,11 @@ void write_patch(const SurfacePatch& patch, const std::filesystem::path& file) {
     const std::int64_t row[] = {t[0], t[1], t[2]};
     put(row, 3);
   }
-  if (!out.flush()) throw InputError(fmt::format("wrap: cannot write {}", file.string()));
+  return data;
 }
 
-std::string last_line(const std::filesystem::path& file) {
-  std::ifstream in(file);
+std::string last_line(const std::string& text) {
+  std::istringstream in(text);
   std::string last;
   for (std::string line; std::getline(in, line);) {
     if (!line.empty()) last = line;
@@ -58,15 +40,16 @@ std::string last_line(const std::filesystem::path& file) {
   return last;
 }
 
-// Runs the script on the folder; its output goes to a file there.
-void run_script(const std::filesystem::path& folder, const std::filesystem::path& wanted_python) {
+// Runs the script on the patch's data. Returns what it makes of them.
+std::string run_script(const std::string& data, const std::filesystem::path& wanted_python) {
   const std::string python = wanted_python.empty() ? IMPEDRAW_PYTHON : wanted_python.string();
-  const std::filesystem::path said = folder / "said.txt";
-  const PythonEnd end = run_python({python, {IMPEDRAW_FLATTEN_SCRIPT, folder.string()}, said, {}});
-  if (end == PythonEnd::not_started)
-    throw InputError(fmt::format("wrap: {} does not start", python));
-  if (end == PythonEnd::succeeded) return;
-  const std::string why = last_line(said);
+  const MemoryFile patch(data), flat, said;
+  const int code = run_python({.python = python,
+                               .arguments = {IMPEDRAW_FLATTEN_SCRIPT, "/dev/fd/3", "/dev/fd/4"},
+                               .files = {{&patch, 3}, {&flat, 4}, {&said, 1}, {&said, 2}}});
+  if (code < 0) throw InputError(fmt::format("wrap: {} does not start", python));
+  if (code == 0) return flat.content();
+  const std::string why = last_line(said.content());
   throw InputError(fmt::format("wrap: {} failed: {}", IMPEDRAW_FLATTEN_SCRIPT,
                                why.empty() ? "it said nothing" : why));
 }
@@ -92,17 +75,13 @@ void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& fl
 
 std::vector<Vector2d> flatten_patch(const SurfacePatch& patch,
                                     const std::filesystem::path& python) {
-  const ScratchFolder scratch;
-  write_patch(patch, scratch.path / "patch.bin");
-  run_script(scratch.path, python);
+  const std::string made = run_script(patch_data(patch), python);
   std::vector<Vector2d> flat(patch.samples.size());
-  std::ifstream in(scratch.path / "flat.bin", std::ios::binary);
-  const auto size = static_cast<std::streamsize>(flat.size() * sizeof(Vector2d));
-  if (!in.read(reinterpret_cast<char*>(flat.data()), size) ||
-      in.peek() != std::ifstream::traits_type::eof()) {
+  const std::size_t size = flat.size() * sizeof(Vector2d);
+  if (made.size() != size)
     throw InputError(
-        fmt::format("wrap: {} left no flat.bin of {} bytes", IMPEDRAW_FLATTEN_SCRIPT, size));
-  }
+        fmt::format("wrap: {} gave {} bytes, not {}", IMPEDRAW_FLATTEN_SCRIPT, made.size(), size));
+  std::memcpy(static_cast<void*>(flat.data()), made.data(), size);
   require_unfolded(patch, flat);
   return flat;
 }

@@ -1,7 +1,7 @@
-"""Flattens a triangle mesh with as little stretch as possible. flatten_patch.cc calls it with a folder.
+"""Flattens a triangle mesh with as little stretch as possible. flatten_patch.cc calls it with two files.
 
-In:  patch.bin, int64 [vertices, triangles, pinned vertex], float64 vertices × 3 [m], int64 triangles × 3
-Out: flat.bin, float64 vertices × 2 [m], the pinned vertex at the origin; how it is turned means nothing
+In:  int64 [vertices, triangles, pinned vertex], float64 vertices × 3 [m], int64 triangles × 3
+Out: float64 vertices × 2 [m], the pinned vertex at the origin; how it is turned means nothing
 
 libigl's least-squares conformal map (Lévy et al. 2002) unfolds the mesh; as-rigid-as-possible parametrisation (Liu et al. 2008) then
 trades its angles for lengths: it minimises the sum over triangles of area · ((σ₁ − 1)² + (σ₂ − 1)²), σ the stretches.
@@ -54,15 +54,14 @@ def as_rigid_as_possible(points, triangles, uv, pinned):
 
 
 def main():
-    folder = Path(sys.argv[1])
-    raw = (folder / "patch.bin").read_bytes()
+    raw = Path(sys.argv[1]).read_bytes()
     vertices, count, pinned = np.frombuffer(raw, dtype=np.int64, count=3)
     points = np.frombuffer(raw, dtype=np.float64, count=3 * vertices, offset=24).reshape(-1, 3)
     triangles = np.frombuffer(raw, dtype=np.int64, count=3 * count, offset=24 + 24 * int(vertices)).reshape(-1, 3)
     uv = as_rigid_as_possible(points, triangles, conformal(points, triangles), int(pinned))
     if not np.isfinite(uv).all():
         sys.exit("the surface could not be laid flat: some of its points have no finite place")
-    (folder / "flat.bin").write_bytes(np.ascontiguousarray(uv, dtype=np.float64).tobytes())
+    Path(sys.argv[2]).write_bytes(np.ascontiguousarray(uv, dtype=np.float64).tobytes())
 
 
 main()

@@ -171,7 +171,7 @@ TEST(WrapErrors, PassOnWhatTheScriptSays) {
               HasSubstr("failed: ImportError: libigl is not here"));
   std::filesystem::remove(mute);
   settings.python = "/bin/true";  // says that all is well and writes nothing
-  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings), HasSubstr("left no flat.bin"));
+  EXPECT_THAT(refusal(surfaces::bowl, kCentre, {stroke}, settings), HasSubstr("gave 0 bytes"));
 }
 
 TEST(ConvexHull, HoldsAllPointsAndNothingMore) {

@@ -1,0 +1,56 @@
+#include "impedraw/experiment/input_files.h"
+
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "impedraw/files/sha256.h"
+
+namespace impedraw {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<std::string> content_of(const fs::path& file) {
+  constexpr std::uintmax_t kMost = 1'000'000'000;  // [bytes]
+  std::error_code error;
+  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMost) return std::nullopt;
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  if (!in || !content) return std::nullopt;
+  return std::move(content).str();
+}
+
+}  // namespace
+
+fs::path urdf_of(const ArmSettings& s) {
+  return s.urdf.empty() ? fs::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
+}
+
+void visit_input_files(Scenario& s,
+                       const std::function<void(const std::string&, fs::path&)>& visit) {
+  if (!s.drawing.svg.empty()) visit("drawing.svg", s.drawing.svg);
+  if (s.canvas.kind == CanvasKind::mesh) visit("canvas.mesh.file", s.canvas.mesh.file);
+  s.arm.urdf = urdf_of(s.arm);
+  visit("arm.urdf", s.arm.urdf);
+}
+
+std::vector<KeptInput> read_input_files(Scenario scenario) {
+  std::vector<KeptInput> inputs;
+  visit_input_files(scenario, [&](const std::string& setting, const fs::path& file) {
+    std::optional<std::string> content = content_of(file);
+    if (!content) return;
+    std::string hash = sha256(*content);
+    inputs.push_back({setting, file, std::move(*content), std::move(hash)});
+  });
+  return inputs;
+}
+
+std::string sha256_of_file(const fs::path& file) {
+  const std::optional<std::string> content = content_of(file);
+  return content ? sha256(*content) : std::string();
+}
+
+}  // namespace impedraw
