@@ -32,7 +32,8 @@ struct ChildFile {
 
 // Runs the program in the root folder and waits for its end. `environment`: its variables, as
 // NAME=value; empty: this process's. `check`, if given, is called now and then; if it throws,
-// the child is killed. A signal from the terminal goes to this process alone, which decides. Returns
+// the child is killed. A signal from the terminal goes to this process alone, which decides.
+// Returns
 // the exit code; 128 + the signal that ended the child; −1 if it did not start.
 int run_child(const std::vector<std::string>& arguments, const std::vector<ChildFile>& files,
               const std::function<void()>& check = {},
