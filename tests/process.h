@@ -56,6 +56,8 @@ class Process {
     std::vector<char*> argv{const_cast<char*>(IMPEDRAW)};
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
+    // What started the tests may ignore them, and so would the program.
+    for (const int s : {SIGINT, SIGTERM, SIGHUP}) std::signal(s, SIG_DFL);
     if (chdir(folder.c_str()) == 0) execv(IMPEDRAW, argv.data());
     _exit(127);
   }

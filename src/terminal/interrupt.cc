@@ -18,10 +18,15 @@ constexpr std::array<int, 3> signals = {SIGINT, SIGTERM, SIGHUP};
 std::array<struct sigaction, signals.size()> before;
 bool in_use = false;
 
+// As under nohup. (A shell ignores SIGINT, too, for what it starts in the background.)
+bool stays_ignored(std::size_t i) {
+  return signals[i] == SIGHUP && before[i].sa_handler == SIG_IGN;
+}
+
 extern "C" void note_signal(int signal) {
   received.store(signal, std::memory_order_relaxed);
   for (std::size_t i = 0; i < signals.size(); ++i)
-    if (before[i].sa_handler != SIG_IGN) std::signal(signals[i], SIG_DFL);
+    if (!stays_ignored(i)) std::signal(signals[i], SIG_DFL);
 }
 
 }  // namespace
@@ -35,7 +40,7 @@ Interrupt::Interrupt() {
     action.sa_handler = note_signal;
     action.sa_flags = SA_RESTART;  // do not fail a log write in progress
     sigaction(signals[i], nullptr, &before[i]);
-    if (before[i].sa_handler != SIG_IGN) sigaction(signals[i], &action, nullptr);
+    if (!stays_ignored(i)) sigaction(signals[i], &action, nullptr);
   }
 }
 

@@ -19,7 +19,7 @@ class Interrupted : public std::runtime_error {
 };
 
 // During its lifetime, the first of these signals sets the flag; a second one ends the program at
-// once, as without this class. A signal that was ignored (nohup) stays ignored. At most one
+// once, as without this class. If SIGHUP was ignored (nohup), it stays so. At most one
 // instance may exist at a time.
 class Interrupt {
  public:

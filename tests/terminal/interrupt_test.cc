@@ -7,6 +7,12 @@
 namespace impedraw {
 namespace {
 
+// Whatever started the tests.
+[[maybe_unused]] const bool reset = [] {
+  for (const int s : {SIGINT, SIGTERM, SIGHUP}) std::signal(s, SIG_DFL);
+  return true;
+}();
+
 TEST(Interrupt, FirstSignalSetsTheFlag) {
   for (const auto& [signal, code] :
        {std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}, std::pair{SIGHUP, 129}}) {
@@ -29,6 +35,17 @@ TEST(InterruptDeathTest, SecondSignalEndsTheProgram) {
         std::raise(SIGINT);
       },
       ::testing::KilledBySignal(SIGINT), "");
+}
+
+// A shell ignores SIGINT for what a script starts in the background.
+TEST(Interrupt, AnIgnoredInterruptCounts) {
+  std::signal(SIGINT, SIG_IGN);
+  {
+    Interrupt interrupt;
+    std::raise(SIGINT);
+    EXPECT_EQ(interrupt.exit_code(), 130);
+  }
+  EXPECT_EQ(std::signal(SIGINT, SIG_DFL), SIG_IGN) << "put back";
 }
 
 // As under nohup.
