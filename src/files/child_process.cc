@@ -95,7 +95,7 @@ int run_child(const std::vector<std::string>& arguments, const std::vector<Child
       if (ended == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   } catch (...) {
-    kill(child, SIGKILL);
+    kill(-child, SIGKILL);  // its group: a shell's own children, too
     waitpid(child, nullptr, 0);
     throw;
   }

@@ -61,7 +61,7 @@ class Data : public ScratchFolder {
   // A run that a signal ends while it draws.
   Ended draw_until(int signal, const Words& more = {}) const {
     Process process(folder_, draw(kLong + more));
-    until(process, run("inputs/drawing.svg"));
+    until(process, run("run.journal"));
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     process.signal(signal);
     return process.wait();

@@ -126,7 +126,7 @@ TEST_F(SurroundingsTest, ADrawingDoesNotDependOnThem) {
   write("matplotlibrc", "svg.fonttype: \xff\n");
   fs::create_directories(folder_ / "home");
   const Ended ended = shell(
-      "localedef -i en_US -f ISO-8859-1 ./latin1 2>/dev/null && export LC_ALL=latin1 LOCPATH=$PWD\n"
+      "localedef -i en_US -f ISO-8859-1 ./en_US.l1 2>/dev/null && export LOCPATH=$PWD LC_ALL=en_US.l1\n"
       "trap '' CHLD\n"
       "HOME=$PWD/home XDG_CACHE_HOME= XDG_CONFIG_HOME= $P draw --svg line.svg --set name=Größe");
   EXPECT_EQ(ended.code, 0) << ended.err;

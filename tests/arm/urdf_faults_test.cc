@@ -35,8 +35,8 @@ class UrdfFaults : public ScratchFolder {
 };
 
 TEST_F(UrdfFaults, TheParsersMessagesBecomeOneLine) {
-  expect("<robot name=\"a\"><link name=\"b\"></robot>", {"not a valid URDF: "});
-  expect("not XML", {"not a valid URDF"});
+  expect("<robot name=\"a\"><link name=\"b\"></robot>", {"line 1", "</robot> closes <link>"});
+  expect("not XML", {"a URDF is XML"});
   const std::string limit =
       "<limit lower=\"-2.96706\" upper=\"2.96706\" effort=\"176\" velocity=\"1.7453\"/>";
   expect(changed(iiwa_urdf(), kJoint3, limit, ""), {"joint_3", "limit"});
