@@ -126,9 +126,10 @@ TEST_F(SurroundingsTest, ADrawingDoesNotDependOnThem) {
   write("matplotlibrc", "svg.fonttype: \xff\n");
   fs::create_directories(folder_ / "home");
   const Ended ended = shell(
-      "localedef -i en_US -f ISO-8859-1 ./en_US.l1 2>/dev/null && export LOCPATH=$PWD LC_ALL=en_US.l1\n"
+      "localedef -i en_US -f ISO-8859-1 ./en_US.l1 2>/dev/null\n"
       "trap '' CHLD\n"
-      "HOME=$PWD/home XDG_CACHE_HOME= XDG_CONFIG_HOME= $P draw --svg line.svg --set name=Größe");
+      "env LOCPATH=$PWD LC_ALL=en_US.l1 HOME=$PWD/home XDG_CACHE_HOME= XDG_CONFIG_HOME= "
+      "$P draw --svg line.svg --set name=Größe");
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err, IsEmpty());
   EXPECT_THAT(content_of(folder_ / "runs/Größe/report.html"), HasSubstr("Größe"));
