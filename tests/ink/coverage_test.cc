@@ -77,9 +77,9 @@ TEST(Cover, IsThatOfBruteForceOnWanderingInk) {
       target.emplace_back(0.3 * i, std::sin(0.1 * i), std::cos(0.05 * i) - 1);
     while (ink.size() < 700) {
       const Eigen::Vector3d pull = target[std::min<std::size_t>(ink.size() / 7, 100)] - ink.back();
-      ink.push_back(ink.back() +
-                    0.08 * Eigen::Vector3d(gauss(random), gauss(random), gauss(random)) +
-                    0.1 * pull);
+      Eigen::Vector3d step;  // one by one: compilers differ in the order of arguments
+      for (const int axis : {2, 1, 0}) step[axis] = gauss(random);
+      ink.push_back(ink.back() + 0.08 * step + 0.1 * pull);
     }
     const std::vector<Line> lines{Line(ink.begin(), ink.begin() + 300),
                                   Line(ink.begin() + 350, ink.end())};
