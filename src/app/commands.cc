@@ -208,7 +208,7 @@ int report(const fs::path& folder) {
   Scenario scenario = recorded_scenario(folder, &places);
   find_inputs(&scenario, folder, InputsFrom::folder);
   if (!is_own_file(folder / "scenario.yaml"))
-    write_file(folder / "scenario.yaml", settings_yaml(scenario));
+    write_whole(folder / "scenario.yaml", settings_yaml(scenario));
   const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(Places()));
   const Metrics metrics = write_results(folder, scenario, artwork, give_up_on(interrupt, folder));
   say(stdout, "{}report  {}\n", metrics_table(metrics),

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
+#include "impedraw/files/durable_file.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/planning/wrap/distortion.h"
 #include "impedraw/report/distortion_picture.h"
@@ -83,7 +84,7 @@ int plan(const DrawOptions& options, bool as_json) {
   const PlannedDrawing e = prepare_plan_visibly(scenario, places);
   make_folder(folder);
   const std::string json = plan_json(e).dump(2) + "\n";
-  write_file(folder / "plan.json", json);
+  write_whole(folder / "plan.json", json);
   {
     ProgressLine line;
     double length = 0.0;

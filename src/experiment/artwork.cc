@@ -12,7 +12,6 @@
 #include "impedraw/drawing/hershey.h"
 #include "impedraw/drawing/order.h"
 #include "impedraw/drawing/simplify.h"
-#include "impedraw/experiment/load_artwork.h"
 #include "impedraw/planning/stroke_part.h"
 
 namespace impedraw {
@@ -81,8 +80,6 @@ PlacementSettings placement_settings(const DrawingSettings& s) {
   return placing;
 }
 
-namespace {
-
 Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors,
                    const std::function<void(double)>& progress) {
   if (s.svg.empty() && s.text.text.empty()) return make_shape(s.shape);
@@ -126,12 +123,6 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
   return {artwork, artwork};
 }
 
-}  // namespace
-
-Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
-  return make_artwork(s, setting_errors, {});
-}
-
 Pose drawing_frame(const DrawingSettings& s) {
   return {Eigen::Vector3d::Zero(), rotation_from_roll_pitch_yaw(s.tilt_deg).toRotationMatrix()};
 }
@@ -148,10 +139,6 @@ const std::vector<std::string>& placement_setting_names() {
                                                  "canvas",
                                                  "drawing"};
   return names;
-}
-
-PlacedArtwork load_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {
-  return load_artwork(s, setting_errors, {});
 }
 
 PlacedArtwork load_artwork(const DrawingSettings& s, const SettingErrors& setting_errors,

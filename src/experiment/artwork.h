@@ -3,6 +3,7 @@
 // on the drawing plane.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,10 @@ struct PlacedArtwork {
   std::vector<std::string> notes;     // deviations from the artwork, one line each
 };
 
-// Throws InputError with the setting's source location, from setting_errors.
-PlacedArtwork load_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors);
+// `progress`: called now and then with the share of the ordering, which takes longest. Throws
+// InputError with the setting's source location, from setting_errors.
+PlacedArtwork load_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors,
+                           const std::function<void(double)>& progress = {});
 
 // X_WP: the drawing plane, rotated by its tilt about W's origin.
 Pose drawing_frame(const DrawingSettings& settings);
@@ -41,6 +44,7 @@ PlacementSettings placement_settings(const DrawingSettings& settings);
 // simplify, order. Hatch lines are spaced on the canvas, so the placement's scale matters. The
 // target is then what is drawn. Warnings report deviations from the artwork. Deterministic. Throws
 // InputError with the setting's source location, from setting_errors.
-Shape make_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors);
+Shape make_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors,
+                   const std::function<void(double)>& progress = {});
 
 }  // namespace impedraw

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "impedraw/experiment/load_artwork.h"
+#include "impedraw/experiment/artwork.h"
 
 namespace impedraw {
 
@@ -12,23 +12,22 @@ PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreach
   Scenario scenario = given;
   scenario.drawing.placement = placement_settings(scenario.drawing);
   if (progress) progress("reading and ordering the artwork", 0.0);
-  std::vector<KeptInput> inputs = read_input_files(scenario);
   PlacedArtwork artwork = load_artwork(scenario.drawing, setting_errors, [&](double share) {
     if (progress) progress("ordering the strokes", 0.05 + 0.15 * share);
   });
   if (progress) progress("looking at the canvas", 0.2);
   Scene scene = build_scene(scenario, artwork.X_WP, setting_errors);
   Plan plan = make_plan(scenario, artwork, scene, unreachable, setting_errors, progress);
-  return {std::move(scenario), std::move(inputs), std::move(artwork), std::move(scene),
-          std::move(plan)};
+  return {std::move(scenario), std::move(artwork), std::move(scene), std::move(plan)};
 }
 
 Experiment prepare(const Scenario& scenario, const Places& places, Unreachable unreachable,
                    const PrepareProgress& progress) {
+  std::vector<KeptInput> inputs = read_input_files(scenario);  // before their content is used
   PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress);
   ControlSetup control =
       make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));
-  return {std::move(drawing), std::move(control)};
+  return {std::move(drawing), std::move(inputs), std::move(control)};
 }
 
 std::vector<std::string> notes_of(const PlannedDrawing& drawing) {

@@ -24,7 +24,6 @@ namespace impedraw {
 // The stages that determine what will be drawn.
 struct PlannedDrawing {
   Scenario scenario;  // as given, with the placement completed
-  std::vector<KeptInput> inputs;
   PlacedArtwork artwork;
   Scene scene;
   Plan plan;
@@ -34,6 +33,7 @@ struct PlannedDrawing {
 };
 
 struct Experiment : PlannedDrawing {
+  std::vector<KeptInput> inputs;
   ControlSetup control;
 };
 

@@ -1,9 +1,9 @@
 #include "impedraw/experiment/input_files.h"
 
-#include <fstream>
 #include <optional>
-#include <sstream>
+#include <utility>
 
+#include "impedraw/common/input_file.h"
 #include "impedraw/files/sha256.h"
 
 namespace impedraw {
@@ -13,14 +13,13 @@ namespace {
 namespace fs = std::filesystem;
 
 std::optional<std::string> content_of(const fs::path& file) {
-  constexpr std::uintmax_t kMost = 1'000'000'000;  // [bytes]
-  std::error_code error;
-  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMost) return std::nullopt;
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream content;
-  content << in.rdbuf();
-  if (!in || !content) return std::nullopt;
-  return std::move(content).str();
+  constexpr std::size_t kMost = 1'000'000'000;  // [bytes]
+  try {
+    std::string content = InputFile(file).read(kMost + 1);
+    if (content.size() <= kMost) return content;
+  } catch (const InputError&) {
+  }
+  return std::nullopt;
 }
 
 }  // namespace

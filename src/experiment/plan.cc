@@ -10,7 +10,6 @@
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/rest_posture.h"
-#include "impedraw/planning/preflight/check_transitions.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {

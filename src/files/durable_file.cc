@@ -33,16 +33,6 @@ struct Descriptor {
   }
 };
 
-int write_all(int fd, std::string_view content) {
-  while (!content.empty()) {
-    const ssize_t n = write(fd, content.data(), content.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return n < 0 ? errno : EIO;
-    content.remove_prefix(static_cast<std::size_t>(n));
-  }
-  return 0;
-}
-
 // True if the process whose id is in the name of the temporary file is this one or has ended.
 bool is_orphan(const fs::path& file) {
   const long process = std::atol(file.filename().c_str() + kUnfinished.size());
@@ -87,6 +77,16 @@ void put_in_place(const fs::path& from, const fs::path& to) {
     fail(to, error);
   }
   sync_folder(folder_of(to));
+}
+
+int write_all(int fd, std::string_view content) noexcept {
+  while (!content.empty()) {
+    const ssize_t n = write(fd, content.data(), content.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return n < 0 ? errno : EIO;
+    content.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return 0;
 }
 
 void sync_folder(const fs::path& folder) noexcept {

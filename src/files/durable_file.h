@@ -22,6 +22,9 @@ void write_whole(const std::filesystem::path& file, std::string_view content);
 // Gives `from`, a complete file in the folder of `to`, the name `to`. Throws as write_whole().
 void put_in_place(const std::filesystem::path& from, const std::filesystem::path& to);
 
+// Writes all of it to an open file. Returns 0, or errno.
+int write_all(int file, std::string_view content) noexcept;
+
 // Syncs a folder's entries to the disk: names made, changed and removed. Best effort, because not
 // every file system can.
 void sync_folder(const std::filesystem::path& folder) noexcept;

@@ -116,14 +116,8 @@ void JournalWriter::put(std::uint32_t kind, std::size_t first, std::size_t rows,
   std::memcpy(record_.data(), &head, sizeof head);
   head.checksum = checksum(record_.data(), record_.size());
   std::memcpy(record_.data(), &head, sizeof head);
-  const std::byte* data = record_.data();
-  for (std::size_t left = record_.size(); left > 0;) {
-    const ssize_t n = write(file_, data, left);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) fail("write");
-    data += n;
-    left -= static_cast<std::size_t>(n);
-  }
+  errno = write_all(file_, {reinterpret_cast<const char*>(record_.data()), record_.size()});
+  if (errno != 0) fail("write");
 }
 
 void JournalWriter::sync() {

@@ -367,13 +367,12 @@ RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& header)
     : RunLog(std::make_unique<Writer>(path, checked(header))) {
   h5::quiet_errors();
   Writer& w = *writer_;
+  double log_id = 0.0;
   as_log_error(path, [&] {
     unlink(w.part.c_str());
-    LogFile::create(w.part, header);
+    log_id = LogFile::create(w.part, header);
     put_in_place(w.part, path);
   });
-  // HDF5 is not for two threads: the reader is gone before the writer's starts.
-  const double log_id = LogReader(path).log_id();
   w.start(log_id);
 }
 

@@ -27,9 +27,11 @@ double new_log_id() {
   return static_cast<double>(bits >> 11);
 }
 
-void write_log_id(hid_t file) {
+double write_log_id(hid_t file) {
+  const double id = new_log_id();
   if (H5Aexists(file, "log_id") > 0) h5::check(H5Adelete(file, "log_id"), "log_id");
-  h5::write_attribute(file, "log_id", new_log_id());
+  h5::write_attribute(file, "log_id", id);
+  return id;
 }
 
 h5::Id dataset_creation() {
@@ -124,15 +126,16 @@ std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
 
 LogFile::LogFile() : deflater_(std::make_unique<Deflater>()) {}
 
-void LogFile::create(const std::filesystem::path& path, const RunLogHeader& header) {
+double LogFile::create(const std::filesystem::path& path, const RunLogHeader& header) {
   LogFile log;
   try {
     log.file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_EXCL, file_creation(), H5P_DEFAULT),
                         H5Fclose, "create");
     log.make_tables(header);
     for (Table& table : log.tables_) log.create_datasets(table, header);
-    log.write_static(header);
+    const double log_id = log.write_static(header);
     log.close(std::nullopt);
+    return log_id;
   } catch (const h5::Error&) {
     log.abandon();
     throw;
@@ -212,7 +215,7 @@ void LogFile::create_datasets(Table& table, const RunLogHeader& header) {
   }
 }
 
-void LogFile::write_static(const RunLogHeader& h) {
+double LogFile::write_static(const RunLogHeader& h) {
   static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) &&
                 sizeof(Eigen::Vector3i) == 3 * sizeof(int));
   write_fixed(file_, "/canvas/vertices", H5T_NATIVE_DOUBLE, h.canvas_vertices.data(),
@@ -235,10 +238,11 @@ void LogFile::write_static(const RunLogHeader& h) {
               h.target_stroke.size(), 1, "1", "none",
               "index of the stroke that the target point belongs to");
   h5::write_attribute(file_, kLogMark, kLogVersion);
-  write_log_id(file_);
+  const double log_id = write_log_id(file_);
   for (const auto& [name, text] : h.attributes) h5::write_attribute(file_, name, text);
   if (h.rate == LogRate::reduced)
     h5::write_attribute(file_, "rate_hz", 1.0 / (RowSelection::kStride * h.dt));
+  return log_id;
 }
 
 LogFile::~LogFile() = default;

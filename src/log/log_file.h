@@ -32,8 +32,8 @@ class LogFile {
     return table == LogTable::rows && rate == LogRate::reduced ? kReducedChunkRows : kChunkRows;
   }
 
-  // Writes a log without rows. Throws h5::Error, as the other functions do.
-  static void create(const std::filesystem::path& path, const RunLogHeader& header);
+  // Writes a log without rows and returns its log_id. Throws h5::Error, as the other functions do.
+  static double create(const std::filesystem::path& path, const RunLogHeader& header);
   // Opens a log with the same header and rate, and keeps the first `rows` of each table. It gets a
   // new log_id. Its wall times are removed until close().
   LogFile(const std::filesystem::path& path, const RunLogHeader& header,
@@ -61,7 +61,7 @@ class LogFile {
   void make_tables(const RunLogHeader& header);
   void create_datasets(Table& table, const RunLogHeader& header);
   Table& at(LogTable table) { return tables_[static_cast<std::size_t>(table)]; }
-  void write_static(const RunLogHeader& header);
+  double write_static(const RunLogHeader& header);  // returns the log_id
   std::size_t deflate_planes(std::size_t values, std::size_t size);
 
   struct Deflater;

@@ -43,7 +43,7 @@ void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome
   nlohmann::ordered_json json = plan_json(e);
   json["drawn_again"] = parts_json(e, outcome.drawn_again);
   json["lacking"] = parts_json(e, outcome.lacking);
-  write_file(folder / "strokes.json", json.dump(2) + "\n");
+  write_whole(folder / "strokes.json", json.dump(2) + "\n");
 }
 
 double total_mm(const std::vector<StrokePart>& parts) {
@@ -51,10 +51,6 @@ double total_mm(const std::vector<StrokePart>& parts) {
   for (const StrokePart& part : parts) sum += 1e3 * part.length();
   return sum;
 }
-
-}  // namespace
-
-namespace {
 
 // Where the run in the folder left off; none if nothing has been drawn yet, which is said.
 std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment& experiment) {
@@ -64,8 +60,7 @@ std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment
     std::optional<Resumption> resumption = read_resumption(experiment, log);
     if (resumption) return resumption;
   }
-  fmt::print(stderr, "note: nothing has been drawn in {} yet; the run starts anew\n",
-             folder.string());
+  say(stderr, "note: nothing has been drawn in {} yet; the run starts anew\n", folder.string());
   return std::nullopt;
 }
 

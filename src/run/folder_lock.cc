@@ -23,13 +23,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Closes the lock's file and throws.
 [[noreturn]] void refuse_held(const fs::path& folder, int file) {
   std::array<char, 256> text{};
   const ssize_t n = pread(file, text.data(), text.size(), 0);
   std::string holder(text.data(), n > 0 ? static_cast<std::size_t>(n) : 0);
   while (!holder.empty() && holder.back() == '\n') holder.pop_back();
-  for (char& c : holder)
-    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+  close(file);
   throw InputError(
       fmt::format("{}: {} writes there; wait until it has ended, or name another folder with --out",
                   folder.string(), holder.empty() ? "another process" : holder));
@@ -59,16 +59,7 @@ FolderLock::FolderLock(const fs::path& folder) {
                                  errno == ELOOP ? "it is a symbolic link" : std::strerror(errno)));
   // require_free() of another process holds the lock for an instant.
   for (int i = 0; !try_lock(file_, LOCK_EX); ++i) {
-    if (i == 5) {
-      const int file = file_;
-      file_ = -1;
-      try {
-        refuse_held(folder, file);
-      } catch (...) {
-        close(file);
-        throw;
-      }
-    }
+    if (i == 5) refuse_held(folder, file_);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   const std::string text = this_process();
@@ -77,20 +68,12 @@ FolderLock::FolderLock(const fs::path& folder) {
   }
 }
 
-FolderLock::~FolderLock() {
-  if (file_ >= 0) close(file_);
-}
+FolderLock::~FolderLock() { close(file_); }
 
 void FolderLock::require_free(const fs::path& folder) {
   const int file = open((folder / kLockFile).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
   if (file < 0) return;
-  const bool free = try_lock(file, LOCK_SH);
-  try {
-    if (!free) refuse_held(folder, file);
-  } catch (...) {
-    close(file);
-    throw;
-  }
+  if (!try_lock(file, LOCK_SH)) refuse_held(folder, file);
   close(file);
 }
 

@@ -23,7 +23,7 @@ class FolderLock {
   static void require_free(const std::filesystem::path& folder);
 
  private:
-  int file_ = -1;
+  int file_;
 };
 
 }  // namespace impedraw

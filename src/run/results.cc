@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "impedraw/files/durable_file.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
-#include "impedraw/run/run_folder.h"
 
 namespace impedraw {
 
@@ -18,7 +18,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   const InkMatch drawn = match_ink(run);
   step();
   const Metrics metrics = compute_metrics(run, drawn);
-  write_file(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
+  write_whole(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
   step();
   PictureSettings picture;
   picture.pen = scenario.pen;

@@ -107,6 +107,4 @@ void make_folder(const fs::path& folder) {
   remove_unfinished(folder);  // of a command that was killed
 }
 
-void write_file(const fs::path& file, const std::string& text) { write_whole(file, text); }
-
 }  // namespace impedraw

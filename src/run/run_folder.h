@@ -22,7 +22,5 @@ void require_table_folder(const std::filesystem::path& folder, const std::string
 void require_space(const std::filesystem::path& folder, double bytes, double seconds);
 
 void make_folder(const std::filesystem::path& folder);  // throws InputError on failure
-// Writes the file whole, as write_whole() does (files/durable_file.h).
-void write_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace impedraw

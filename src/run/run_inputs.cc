@@ -45,14 +45,14 @@ std::map<std::string, std::string> record_of(const Scenario& scenario,
 
 void write_inputs(const fs::path& folder, const Scenario& scenario,
                   const std::vector<KeptInput>& inputs) {
-  write_file(folder / "scenario.yaml", settings_yaml(scenario));
+  write_whole(folder / "scenario.yaml", settings_yaml(scenario));
   const fs::path copies = folder / kInputs;
   std::error_code error;
   const fs::file_type type = fs::symlink_status(copies, error).type();
   if (type != fs::file_type::not_found && type != fs::file_type::directory)
     throw InputError(fmt::format("{}: is a link or a file; a folder is needed", copies.string()));
   make_folder(copies);
-  for (const KeptInput& input : inputs) write_file(copies / name_of(inputs, input), input.content);
+  for (const KeptInput& input : inputs) write_whole(copies / name_of(inputs, input), input.content);
 }
 
 Scenario recorded_scenario(const fs::path& folder, Places* places) {

@@ -12,6 +12,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
+#include "impedraw/files/durable_file.h"
 #include "impedraw/files/run_python.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/terminal/clock.h"
@@ -68,16 +69,14 @@ Records kept_records(const CellTable& table, const fs::path& csv, const std::vec
   return kept;
 }
 
-// In the order of `all`; whole or not at all.
+// In the order of `all`.
 void write_csv(const CellTable& table, const fs::path& csv, const std::vector<Cell>& all,
                const Records& records) {
   std::string text = csv_line(table.columns);
   for (const Cell& cell : all)
     if (const auto it = records.find(cell.name); it != records.end())
       text += csv_line(table.columns, it->second);
-  const fs::path fresh = csv.string() + ".new";
-  write_file(fresh, text);
-  fs::rename(fresh, csv);
+  write_whole(csv, text);
 }
 
 void plot(const std::string& name, const fs::path& csv, const fs::path& png) {
@@ -166,7 +165,7 @@ int run_table(const CellTable& table, const std::vector<Cell>& all,
     return interrupt.exit_code();
   }
   write_csv(table, csv, all, records);
-  write_file(folder / (table.name + ".md"), table.page(records));
+  write_whole(folder / (table.name + ".md"), table.page(records));
   plot(table.name, csv, folder / (table.name + ".png"));
   std::size_t failed = 0;
   for (const Cell& cell : desired) failed += field(records.at(cell.name), "failed") == "1";

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "impedraw/files/durable_file.h"
 #include "impedraw/report/relief.h"
-#include "impedraw/run/run_folder.h"
 
 namespace impedraw {
 
@@ -82,7 +82,7 @@ void write_reach_picture(const Experiment& e, const RunData* run, const InkMatch
     }
     json["shade"].push_back(row);
   }
-  write_file(file, json.dump());
+  write_whole(file, json.dump());
 }
 
 }  // namespace impedraw

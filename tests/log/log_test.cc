@@ -35,6 +35,26 @@ class RunLogTest : public ::testing::Test {
   ~RunLogTest() override { std::filesystem::remove_all(folder_); }
   std::filesystem::path folder_;
   std::filesystem::path path() const { return folder_ / "run.h5"; }
+
+  // What reading says of a log of so many rows after a change by h5py; empty if it is read.
+  std::string message_after(const std::string& change, const RunLogHeader& header, int rows) const {
+    std::filesystem::remove(path());
+    RunLog log(path(), header);
+    LogRow row(2);
+    for (int i = 0; i < rows; ++i, row.time += 0.001) log.append(row);
+    log.close();
+    const std::string command = std::string(IMPEDRAW_PYTHON) +
+                                " -c \"import h5py; f = h5py.File('" + path().string() +
+                                "', 'a'); " + change + "\"";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    try {
+      read_run(path());
+    } catch (const InputError& e) {
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+      return e.what();
+    }
+    return "";
+  }
 };
 
 void expect_row(const RunRows& run, std::size_t i) {
@@ -268,22 +288,8 @@ TEST_F(RunLogTest, BadFilesAreNamed) {
 }
 
 TEST_F(RunLogTest, ForgedFilesAreRefused) {
-  // A log after a change by h5py.
-  const auto message = [&](const std::string& change) -> std::string {
-    std::filesystem::remove(path());
-    RunLog log(path(), small_header());
-    log.append(LogRow(2));
-    log.close();
-    const std::string command = std::string(IMPEDRAW_PYTHON) +
-                                " -c \"import h5py; f = h5py.File('" + path().string() +
-                                "', 'a'); " + change + "\"";
-    EXPECT_EQ(std::system(command.c_str()), 0);
-    try {
-      read_run(path());
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "";
+  const auto message = [&](const std::string& change) {
+    return message_after(change, small_header(), 1);
   };
   EXPECT_EQ(message("f.attrs['x'] = 1"), "");
   EXPECT_THAT(
@@ -305,31 +311,14 @@ TEST_F(RunLogTest, ForgedFilesAreRefused) {
 
 // Values that later stages would index with, take the square of, or step along.
 TEST_F(RunLogTest, ForgedValuesAreRefusedWithTheirPlace) {
-  const auto message = [&](const std::string& change, int rows = 3) -> std::string {
-    std::filesystem::remove(path());
-    RunLogHeader header = small_header();
-    header.canvas_vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    header.canvas_triangles = {{0, 1, 2}};
-    header.cloud_points = header.cloud_normals = {{0, 0, 1}};
-    header.cloud_camera = {0};
-    header.target_points = {{0, 0, 0}, {0.1, 0, 0}};
-    header.target_stroke = {0, 0};
-    RunLog log(path(), header);
-    LogRow row(2);
-    for (int i = 0; i < rows; ++i, row.time += 0.001) log.append(row);
-    log.close();
-    const std::string command = std::string(IMPEDRAW_PYTHON) +
-                                " -c \"import h5py; f = h5py.File('" + path().string() +
-                                "', 'a'); " + change + "\"";
-    EXPECT_EQ(std::system(command.c_str()), 0);
-    try {
-      read_run(path());
-    } catch (const InputError& e) {
-      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-      return e.what();
-    }
-    return "";
-  };
+  RunLogHeader header = small_header();
+  header.canvas_vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  header.canvas_triangles = {{0, 1, 2}};
+  header.cloud_points = header.cloud_normals = {{0, 0, 1}};
+  header.cloud_camera = {0};
+  header.target_points = {{0, 0, 0}, {0.1, 0, 0}};
+  header.target_stroke = {0, 0};
+  const auto message = [&](const std::string& change) { return message_after(change, header, 3); };
   EXPECT_EQ(message("pass"), "");
   EXPECT_THAT(message("f['/canvas/triangles'][0, 2] = 3"),
               HasSubstr("dataset /canvas/triangles: row 0 names vertex 3, must be 0 to 2"));
@@ -355,21 +344,8 @@ TEST_F(RunLogTest, ForgedValuesAreRefusedWithTheirPlace) {
 
 // A log that names other files: they might be anything, and never end.
 TEST_F(RunLogTest, LinksOutOfTheFileAreRefused) {
-  const auto message = [&](const std::string& change) -> std::string {
-    std::filesystem::remove(path());
-    RunLog log(path(), small_header());
-    log.append(LogRow(2));
-    log.close();
-    const std::string command = std::string(IMPEDRAW_PYTHON) +
-                                " -c \"import h5py; f = h5py.File('" + path().string() +
-                                "', 'a'); " + change + "\"";
-    EXPECT_EQ(std::system(command.c_str()), 0);
-    try {
-      read_run(path());
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "";
+  const auto message = [&](const std::string& change) {
+    return message_after(change, small_header(), 1);
   };
   EXPECT_THAT(message("del f['/time']; f['/time'] = h5py.ExternalLink('/dev/zero', '/time')"),
               HasSubstr("/time is a link to another place"));

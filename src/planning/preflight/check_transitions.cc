@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/planning/preflight/check_transitions.h"
 #include "impedraw/planning/preflight/posture_check.h"
+#include "impedraw/planning/preflight/preflight.h"
 
 namespace impedraw {
 
@@ -113,13 +113,6 @@ std::vector<Finding> check_transitions(const TipPath& path,
   }
   ask(path.duration());
   return findings;
-}
-
-std::vector<Finding> check_transitions(const TipPath& path,
-                                       const std::vector<PlacedStroke>& strokes, ArmModel& arm,
-                                       const Canvas* obstacle, const JointVector& start_q,
-                                       const PreflightSettings& settings) {
-  return check_transitions(path, strokes, arm, obstacle, start_q, settings, {});
 }
 
 }  // namespace impedraw
