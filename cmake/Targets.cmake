@@ -19,9 +19,11 @@ function(impedraw_library name)
   set_property(GLOBAL APPEND PROPERTY IMPEDRAW_LIBRARIES ${name})
   target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
-  # A folder without fmt is one that people use without the rest: it compiles without our headers.
-  if(TARGET impedraw_library_headers AND ARG_SOURCES AND "fmt::fmt" IN_LIST ARG_PRIVATE_LINKS)
+  # A folder without fmt is one that people use without the rest: it compiles with Eigen alone.
+  if(TARGET impedraw_library_headers AND "fmt::fmt" IN_LIST ARG_PRIVATE_LINKS)
     target_precompile_headers(impedraw_${name} REUSE_FROM impedraw_library_headers)
+  elseif(TARGET impedraw_eigen_headers AND name MATCHES "^(control|sensing|ink)$")
+    target_precompile_headers(impedraw_${name} REUSE_FROM impedraw_eigen_headers)
   endif()
 endfunction()
 

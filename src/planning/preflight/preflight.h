@@ -147,8 +147,8 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
 // A finding's part is the whole stroke that the motion leads to; for the way back, the last stroke.
 // If the lift is blocked, only the stroke that it leaves is reported. page_mm is the stroke's first
 // point. There is at most one finding per problem and motion. Torque is not checked: in the air the
-// arm carries only its own weight. `progress`: called now and then with the share of the path's time
-// checked so far.
+// arm carries only its own weight. `progress`: called now and then with the share of the path's
+// time checked so far.
 std::vector<Finding> check_transitions(const TipPath& path,
                                        const std::vector<PlacedStroke>& strokes, ArmModel& arm,
                                        const Canvas* obstacle, const JointVector& start_q,
