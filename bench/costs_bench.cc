@@ -137,9 +137,28 @@ void BM_metrics(benchmark::State& state) {
 void BM_order(benchmark::State& state) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(0.0, 200.0);
-  std::vector<Stroke> dots(5000);
+  std::vector<Stroke> dots(static_cast<std::size_t>(state.range(0)));
   for (Stroke& dot : dots) dot.points = {Vector2d(place(random), place(random))};
   measure(state, [&] { benchmark::DoNotOptimize(shortest_order(dots)); });
+}
+
+// Triangles without order or neighbours in a box, as 3-D scans gone wrong have them: checked,
+// repaired and ready for queries.
+void BM_soup(benchmark::State& state) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(0.0, 0.3), side(0.0, 0.01);
+  TriangleMesh soup;
+  for (int i = 0; i < state.range(0); ++i) {
+    const Vector3d p(place(random), place(random), 0.2 * place(random));
+    for (int k = 0; k < 3; ++k)
+      soup.vertices.push_back(p + Vector3d(side(random), side(random), side(random)));
+    soup.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  measure(state, [&] {
+    const Canvas canvas(check_mesh(soup).mesh);
+    for (int i = 0; i < 1000; ++i)
+      benchmark::DoNotOptimize(canvas.closest(Vector3d(place(random), place(random), 0.03)));
+  });
 }
 
 // 10,000 subpaths with one curve each.
@@ -164,11 +183,11 @@ void BM_wrap(benchmark::State& state) {
   });
 }
 
-// 1,500 strokes with 150,000 points in total.
-std::vector<PlacedStroke> flow_field() {
+// Strokes of 100 points each.
+std::vector<PlacedStroke> flow_field(int count) {
   std::vector<PlacedStroke> strokes;
-  for (int k = 0; k < 1500; ++k) {
-    const Vector2d centre = Vector2d(0.6, 0.0) + 0.12 * std::sqrt(k / 1500.0) *
+  for (int k = 0; k < count; ++k) {
+    const Vector2d centre = Vector2d(0.6, 0.0) + 0.12 * std::sqrt(static_cast<double>(k) / count) *
                                                      Vector2d(std::cos(2.4 * k), std::sin(2.4 * k));
     std::vector<Vector2d> points;
     for (int i = 0; i < 100; ++i)
@@ -179,13 +198,13 @@ std::vector<PlacedStroke> flow_field() {
 }
 
 void BM_plan(benchmark::State& state) {
-  const std::vector<PlacedStroke> strokes = flow_field();
+  const std::vector<PlacedStroke> strokes = flow_field(static_cast<int>(state.range(0)));
   measure(state, [&] { benchmark::DoNotOptimize(plan_tip_path(strokes, bowl)); });
 }
 
 // A million queries in order of time, as in the loop.
 void BM_plan_at(benchmark::State& state) {
-  const TipPath path = plan_tip_path(flow_field(), bowl);
+  const TipPath path = plan_tip_path(flow_field(1500), bowl);
   measure(state, [&] {
     constexpr int kCalls = 1000000;
     for (int i = 0; i < kCalls; ++i)
@@ -227,10 +246,11 @@ void BM_append(benchmark::State& state) {
 IMPEDRAW_COST(BM_sort)->Repetitions(9);
 IMPEDRAW_COST(BM_mesh);
 IMPEDRAW_COST(BM_metrics);
-IMPEDRAW_COST(BM_order);
+IMPEDRAW_COST(BM_order)->Arg(5000)->Arg(20000);
+IMPEDRAW_COST(BM_soup)->Arg(50000)->Arg(200000);
 IMPEDRAW_COST(BM_svg);
 IMPEDRAW_COST(BM_wrap);
-IMPEDRAW_COST(BM_plan);
+IMPEDRAW_COST(BM_plan)->Arg(1500)->Arg(6000);
 IMPEDRAW_COST(BM_plan_at);
 IMPEDRAW_COST(BM_append);
 #undef IMPEDRAW_COST

@@ -231,6 +231,10 @@ struct Line {
 int judge(const Repetitions& median, const Spread& steps) {
   const auto floors = [&](const char* name) { return median.time(name) / median.time("BM_floor"); };
   const auto sorts = [&](const char* name) { return median.time(name) / median.time("BM_sort"); };
+  // Growth of the cost with four times as much: n log n gives 4.5 to 4.8.
+  const auto growth = [&](const char* name, const char* four_times) {
+    return median.time(four_times) / median.time(name);
+  };
   const std::vector<Line> lines = {
       {"arm terms / floor", floors("BM_arm_terms"), 0.7},
       {"whole step with sensor and observer, shaped inertia / floor", floors("BM_step_shaped"),
@@ -244,12 +248,16 @@ int judge(const Repetitions& median, const Spread& steps) {
       // more. They detect changes in growth, not small slowdowns.
       {"2,000,000 triangles to a canvas / sort of a million", sorts("BM_mesh"), 60.0},
       {"metrics of 1.2 million rows / sort of a million", sorts("BM_metrics"), 15.0},
-      {"order of 5,000 strokes / sort of a million", sorts("BM_order"), 17.0},
+      {"order of 5,000 strokes / sort of a million", sorts("BM_order/5000"), 17.0},
       {"SVG of 10,000 subpaths / sort of a million", sorts("BM_svg"), 2.0},
       {"wrap of a 300 mm patch / sort of a million", sorts("BM_wrap"), 23.0},
-      {"plan of 150,000 points / sort of a million", sorts("BM_plan"), 20.0},
+      {"plan of 150,000 points / sort of a million", sorts("BM_plan/1500"), 20.0},
       {"a million questions to that plan / sort of a million", sorts("BM_plan_at"), 3.0},
       {"16,000 rows given to the log / sort of a million", sorts("BM_append"), 0.1},
+      {"order of four times as many strokes", growth("BM_order/5000", "BM_order/20000"), 7.0},
+      {"check and queries of four times as large a soup", growth("BM_soup/50000", "BM_soup/200000"),
+       7.0},
+      {"plan of four times as many points", growth("BM_plan/1500", "BM_plan/6000"), 7.0},
       {"simulated step with log, true wrench / floor", floors("BM_draw"), 11.0},
       {"simulated step with log, no wrench / floor", floors("BM_draw_natural"), 11.0},
       {"simulated step with log, blind / floor", floors("BM_draw_blind"), 10.0},

@@ -46,8 +46,8 @@ void require_same(const Scenario& scenario, const fs::path& folder) {
   for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
     if (a != b)
       throw InputError(
-          fmt::format("--resume: the run in {} was begun with '{}', now it is '{}'; give it the "
-                      "same settings, or none but --out",
+          fmt::format("--resume: the run in {} was started with '{}', now it is '{}'; use the same "
+                      "settings, or only --out",
                       folder.string(), a, b));
 }
 
@@ -81,7 +81,7 @@ int draw(const DrawOptions& options) {
   const bool begun = options.resume && is_own_file(folder / "run.h5");
   if (options.resume && !begun && !given)
     throw InputError(fmt::format(
-        "--resume: {} holds no run to go on with; name its folder with --out", folder.string()));
+        "--resume: {} contains no run to resume; name its folder with --out", folder.string()));
   // A resumed run keeps its placement.
   if (begun && (!given || options.place == "auto"))
     scenario = recorded_scenario(folder, &places);
@@ -199,7 +199,8 @@ int calibrate_tool(const DrawOptions& options, int poses) {
 
 int report(const fs::path& folder) {
   if (!is_own_file(folder / "run.h5"))
-    throw InputError(fmt::format("{}: holds no run.h5; name the folder of a run", folder.string()));
+    throw InputError(
+        fmt::format("{}: contains no run.h5; name the folder of a run", folder.string()));
   const FolderLock lock(folder);
   const Interrupt interrupt;
   remove_unfinished(folder);

@@ -82,7 +82,7 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
         nlohmann::ordered_json{{"name", artwork.layers[i]}, {"strokes", strokes[i]}});
   found["warnings"] = artwork.warnings;
   if (dashed > 0)
-    found["warnings"].push_back(fmt::format("{} dashed lines are counted unbroken", dashed));
+    found["warnings"].push_back(fmt::format("{} dashed lines are counted as solid", dashed));
   found["points"] = statistics.points;
   found["pen_up_mm"] = statistics.pen_up_mm;
   return found;

@@ -17,7 +17,7 @@ std::string read_all(const std::filesystem::path& file) {
   constexpr std::size_t kLargest = std::size_t{1} << 31;  // [bytes]
   const InputFile in(file);
   if (in.size() > kLargest) {
-    throw InputError(fmt::format("{}: {:.1f} GiB, at most 2 GiB are read: thin the mesh out",
+    throw InputError(fmt::format("{}: {:.1f} GiB, at most 2 GiB are read: decimate the mesh",
                                  file.string(), static_cast<double>(in.size()) / 1073741824.0));
   }
   return in.read(kLargest);
@@ -52,7 +52,7 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, double u
   const std::string ending = lower_extension(name);
   if (!is_mesh_file(name)) {
     throw InputError(
-        fmt::format("{}: ends in '{}', a mesh must be a .obj, .stl or .ply", name, ending));
+        fmt::format("{}: has the type '{}', must be .obj, .stl or .ply", name, ending));
   }
   if (text.empty())
     throw InputError(fmt::format("{}: the file is empty, must hold triangles", name));
@@ -62,7 +62,7 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, double u
     throw InputError(fmt::format("{}: holds no triangle, must hold at least one", name));
   const std::size_t triangles = polygons.corners.size() - 2 * polygons.faces();
   if (triangles > kMostTriangles) {
-    throw InputError(fmt::format("{}: holds {} triangles, at most {} are read: thin the mesh out",
+    throw InputError(fmt::format("{}: holds {} triangles, at most {} are read: decimate the mesh",
                                  name, triangles, kMostTriangles));
   }
   require_valid_corners(polygons, name);

@@ -91,7 +91,7 @@ PolygonMesh parse_text_stl(std::string_view text, const std::string& name) {
     }
   }
   if (inside || !ended) {
-    throw InputError(fmt::format("{}: cut short {} triangle {}, must end with endsolid", name,
+    throw InputError(fmt::format("{}: truncated {} triangle {}, must end with endsolid", name,
                                  inside ? "within" : "after",
                                  inside || facets == 0 ? facets : facets - 1));
   }
@@ -167,17 +167,16 @@ PolygonMesh parse_stl(std::string_view text, const std::string& name) {
   if (same_word(text.substr(0, 5), "solid") && is_text(text.substr(0, 512)))
     return parse_text_stl(text, name);
   if (!has_count) {
-    throw InputError(fmt::format("{}: {} bytes, an STL has a header of {} or opens with 'solid'",
-                                 name, text.size(), kStlHeader));
+    throw InputError(
+        fmt::format("{}: {} bytes, an STL has a header of {} bytes or begins with 'solid'", name,
+                    text.size(), kStlHeader));
   }
   if (text.size() < desired) {
-    throw InputError(
-        fmt::format("{}: cut short within triangle {}, its header promises {} triangles", name,
-                    (text.size() - kStlHeader) / kStlTriangle, count));
+    throw InputError(fmt::format("{}: truncated in triangle {}, its header declares {} triangles",
+                                 name, (text.size() - kStlHeader) / kStlTriangle, count));
   }
-  throw InputError(
-      fmt::format("{}: {} bytes stand behind the {} triangles that its header promises", name,
-                  text.size() - desired, count));
+  throw InputError(fmt::format("{}: {} bytes follow the {} triangles that its header declares",
+                               name, text.size() - desired, count));
 }
 
 }  // namespace impedraw

@@ -50,8 +50,8 @@ bool is_whole(std::string_view type) {
 bool is_signed(std::string_view type) { return is_whole(type) && !type.starts_with('u'); }
 
 [[noreturn]] void wrong_line(const std::string& name, std::size_t number, std::string_view line) {
-  throw InputError(
-      fmt::format("{}:{}: the header of a PLY cannot hold '{}'", name, number, line.substr(0, 60)));
+  throw InputError(fmt::format("{}:{}: '{}' is not valid in the header of a PLY", name, number,
+                               line.substr(0, 60)));
 }
 
 // Removes the header from the front of `text`.
@@ -60,7 +60,7 @@ Header read_header(std::string_view* text, const std::string& name) {
   for (std::size_t number = 1;; ++number) {
     const std::size_t end = text->find('\n');
     if (end == text->npos)
-      throw InputError(fmt::format("{}: cut short within its header, or no PLY at all", name));
+      throw InputError(fmt::format("{}: truncated in its header, or not a PLY", name));
     const std::string_view line = text->substr(0, end);
     text->remove_prefix(end + 1);
     std::string_view rest = line;
@@ -68,7 +68,7 @@ Header read_header(std::string_view* text, const std::string& name) {
     if (number == 1) {
       if (key != "ply")
         throw InputError(
-            fmt::format("{}: opens with '{}', a PLY with 'ply'", name, line.substr(0, 20)));
+            fmt::format("{}: begins with '{}', must begin with 'ply'", name, line.substr(0, 20)));
     } else if (key == "end_header") {
       return header;
     } else if (key == "format") {
@@ -132,7 +132,7 @@ struct Body {
   PolygonMesh mesh = {};
 
   [[noreturn]] void cut_short(const Element& element, std::size_t i) const {
-    throw InputError(fmt::format("{}: cut short within {} {}, its header promises {}", name,
+    throw InputError(fmt::format("{}: truncated in {} {}, its header declares {}", name,
                                  element.name, i, element.count));
   }
 

@@ -76,7 +76,7 @@ void check_contact_stability(double desired_mass, double damping,
   double least = desired_mass;
   while (least < 2.0 * settings.stability_check.natural_mass_max && !holds(least)) least *= 1.05;
   refuse(
-      "inertia along the normal: %.3g kg is unstable on a tip of %.3g N/m with a wrench %.3g ms "
+      "inertia along the normal: %.3g kg is unstable with a tip of %.3g N/m with a wrench %.3g ms "
       "late; valid are %.3g kg or more",
       desired_mass, settings, least);
 }
@@ -92,7 +92,8 @@ void check_scaled_contact_stability(double scale, double stiffness,
   double least = scale;
   while (least < 1.0 && !holds(least)) least *= 1.02;
   refuse(
-      "inertia along the normal: %.3g times the natural one is unstable on a tip of %.3g N/m with "
+      "inertia along the normal: %.3g times the natural one is unstable with a tip of %.3g N/m "
+      "with "
       "a wrench %.3g ms late; valid are %.3g "
       "times or more",
       scale, settings, least);

@@ -23,7 +23,7 @@ Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& setti
     return read_strokes(file, {.unit = unit, .may_be_empty = settings.may_be_empty});
   if (unit != PageUnit::file)
     throw InputError(
-        fmt::format("{}: an SVG says its units itself; valid for it is unit: file", file.string()));
+        fmt::format("{}: an SVG defines its own unit; the only valid unit is file", file.string()));
   return read_svg(file, settings);
 }
 

@@ -79,7 +79,7 @@ void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& resul
           static_cast<double>(result.size()) >
       kMostDashes) {
     throw InputError(fmt::format(
-        "dashes: a line of {:.6g} mm would fall into {:.3g} of them; at most {:.0e} are drawn",
+        "dashes: a line of {:.6g} mm would be split into {:.3g} dashes; at most {:.0e} are drawn",
         length / dash.to_pattern.norm() * std::sqrt(2.0), length / period, kMostDashes));
   }
   std::size_t entry = 0;

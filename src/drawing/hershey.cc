@@ -37,7 +37,7 @@ HersheyFont parse_jhf(std::string_view text, const std::string& name) {
     while (at < text.size() && line_end(text[at])) ++at;
   };
   for (skip_line_ends(); at < text.size(); skip_line_ends()) {
-    if (text.size() - at < 8) fail("the file ends within its head");
+    if (text.size() - at < 8) fail("the file ends inside its header");
     std::string_view head = text.substr(at + 5, 3);
     while (head.starts_with(' ')) head.remove_prefix(1);
     int pairs = 0;
@@ -86,7 +86,7 @@ std::vector<std::string> hershey_font_names() {
   }
   if (names.empty()) {
     throw InputError(
-        fmt::format("{}: no fonts for text there; Debian's package hershey-fonts-data has them",
+        fmt::format("{}: has no fonts for text; Debian's package hershey-fonts-data provides them",
                     hershey_folder().string()));
   }
   std::sort(names.begin(), names.end());

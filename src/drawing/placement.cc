@@ -48,7 +48,7 @@ void require_one_size(const PlacementSettings& s) {
   }
   if (!rectangle && (s.margin_mm != 0 || s.fit_page)) {
     throw InputError(
-        fmt::format("placement: {} is for a rectangle; fit_width or fit_height must be given, too",
+        fmt::format("placement: {} needs a rectangle: give fit_width or fit_height, too",
                     s.fit_page ? "fit_page" : "margin"));
   }
 }

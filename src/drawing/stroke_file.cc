@@ -129,7 +129,7 @@ class Reading {
   void take_page(const std::vector<std::string_view>& fields) {
     const auto width = fields.size() == 2 ? number_in(fields[0]) : std::nullopt;
     const auto height = fields.size() == 2 ? number_in(fields[1]) : std::nullopt;
-    if (!width || !height) fail("the page's width and height are to come first, as two numbers");
+    if (!width || !height) fail("must hold the page's width and height, two numbers");
     const double mm = millimetres(unit_);
     if (!(*width > 0 && *width * mm <= kFarthest && *height > 0 && *height * mm <= kFarthest)) {
       fail(fmt::format("the page is {} × {} mm; both must be > 0 and at most {:.0e}", *width * mm,
@@ -141,7 +141,7 @@ class Reading {
   std::string desired(std::string_view line) const {
     const std::string shown =
         line.size() > 40 ? std::string(line.substr(0, 40)) + " …" : std::string(line);
-    return fmt::format("'{}'; {} numbers or End are to stand there", shown, columns_);
+    return fmt::format("'{}' where {} numbers or End must be", shown, columns_);
   }
 
   double coordinate(std::string_view field, std::string_view line) const {
@@ -178,9 +178,9 @@ class Reading {
       artwork_.page = Eigen::AlignedBox2d(mm * artwork_.page.min(), mm * artwork_.page.max());
     }
     if (!shares) return;
-    artwork_.warnings.push_back(
-        fmt::format("all coordinates lie between 0 and 1: taken for shares of the page, {} × {} mm",
-                    page_.max().x(), page_.max().y()));
+    artwork_.warnings.push_back(fmt::format(
+        "all coordinates lie between 0 and 1: taken as fractions of the page, {} × {} mm",
+        page_.max().x(), page_.max().y()));
     for (Stroke& stroke : artwork_.strokes) {
       for (Vector2d& p : stroke.points) p = p.cwiseProduct(page_.max());
     }
@@ -230,7 +230,7 @@ Artwork parse_strokes(std::string_view text, const std::string& name, bool csv,
                       const StrokeFileSettings& settings) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   if (text.find('\0') != std::string_view::npos)
-    throw InputError(fmt::format("{}: not a text of strokes", name));
+    throw InputError(fmt::format("{}: not a text file of strokes", name));
   Artwork artwork = Reading(name, csv, settings.unit).read(text, has_end(text));
   if (artwork.strokes.empty()) {
     if (!settings.may_be_empty) throw InputError(fmt::format("{}: there is no stroke in it", name));

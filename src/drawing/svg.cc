@@ -227,8 +227,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   const std::unique_ptr<const ImpedrawSvg, decltype(free_svg)> svg(
       impedraw_svg_read(reinterpret_cast<const std::uint8_t*>(document.data()), document.size()),
       free_svg);
-  if (svg->error)
-    throw InputError(fmt::format("{}: not an SVG that can be read: {}", name, svg->error));
+  if (svg->error) throw InputError(fmt::format("{}: cannot be read as SVG: {}", name, svg->error));
 
   Artwork artwork;
   artwork.name = name;
@@ -274,9 +273,10 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   }
   drop_empty_layers(artwork);
   if (grounds > 0) {
-    artwork.warnings.push_back(fmt::format(
-        "{} white rectangle{} over the whole page: left out, as the page's ground is not drawn",
-        grounds, grounds == 1 ? "" : "s"));
+    artwork.warnings.push_back(
+        fmt::format("{} white rectangle{} over the whole page: left out, because the page's "
+                    "background is not drawn",
+                    grounds, grounds == 1 ? "" : "s"));
   }
   if (flat > 0) {
     artwork.warnings.push_back(
@@ -284,7 +284,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
                     flat, flat == 1 ? "" : "s", flat == 1 ? "it encloses" : "they enclose",
                     first_flat.x(), first_flat.y()));
   }
-  const std::string nothing = "nothing in it draws a line: no visible path or shape";
+  const std::string nothing = "has nothing to draw: no visible path or shape";
   if (artwork.strokes.empty() && !settings.may_be_empty) {
     std::string why;
     for (const std::string& warning : artwork.warnings)

@@ -143,7 +143,7 @@ Artwork make_text(const TextSettings& settings) {
   }
   typesetter.require_all();
   if (artwork.strokes.empty())
-    throw InputError("text: nothing in it draws; it is empty or of blanks alone");
+    throw InputError("text: has nothing to draw: it is empty or only blanks");
   return artwork;
 }
 

@@ -26,7 +26,7 @@ Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_err
   }
   if (!s.text.text.empty()) {
     setting_errors.raise({"drawing.text.text", "drawing.svg"},
-                         "drawing.svg and drawing.text.text are both given; valid is one of them");
+                         "drawing.svg and drawing.text.text are both given; give one of them");
   }
   return setting_errors.locate({"drawing.svg", "drawing.unit"},
                                [&] { return read_artwork(s.svg, {}, s.unit); });
@@ -38,7 +38,7 @@ void break_dashes(Artwork& artwork, bool apply) {
     artwork.strokes = dashed(artwork.strokes, artwork.dashes);
   } else if (const auto count =
                  std::count_if(artwork.strokes.begin(), artwork.strokes.end(), broken)) {
-    artwork.warnings.push_back(fmt::format("{} dashed lines are drawn unbroken", count));
+    artwork.warnings.push_back(fmt::format("{} dashed lines are drawn solid", count));
     for (Stroke& stroke : artwork.strokes) stroke.dash = -1;
   }
   artwork.dashes.clear();

@@ -135,9 +135,8 @@ PathSettings Planning::path_settings() const {
   path.vertical_pen = true;
   if (!(s_.control.stiffness.linear.normal > 0.0))
     setting_errors_.raise({"control.stiffness_normal"},
-                          "control.stiffness_normal is 0 N/m, but without perception it makes the "
-                          "normal force; valid "
-                          "is more than 0 N/m");
+                          "control.stiffness_normal is 0 N/m, but without perception it produces "
+                          "the normal force; must be more than 0 N/m");
   if (s_.blind.height == BlindHeight::canvas)
     path.sink = s_.control.normal_force / s_.control.stiffness.linear.normal;
   double highest = -1e9;

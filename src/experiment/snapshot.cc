@@ -14,7 +14,7 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   const PerceptionSettings& p = s.perception;
   if (p.cameras.empty())
     throw InputError(
-        "perception.cameras is empty; valid are at least one camera, or perception.enabled: false");
+        "perception.cameras is empty; give at least one camera, or perception.enabled: false");
   const Eigen::AlignedBox3d box = canvas.bounds();
   const CastRay cast = [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
     double distance = world.ray_to_arm(origin, direction);

@@ -28,7 +28,7 @@ std::vector<std::string> members(hid_t file, const std::string& group) {
   H5L_info_t link;
   if (H5Lexists(file, group.c_str(), H5P_DEFAULT) <= 0) return names;
   if (H5Lget_info(file, group.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
-    throw h5::Error(group + " is a link to another place, which no log of impedraw's has");
+    throw h5::Error(group + " is a link to another place, which no log of impedraw contains");
   const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) {
     static_cast<std::vector<std::string>*>(out)->push_back(name);
     return herr_t{0};
@@ -157,7 +157,7 @@ void LogReader::require_own(const std::string& name) const {
     if (H5Lexists(file_, part.c_str(), H5P_DEFAULT) <= 0)
       fail("dataset " + name + " is missing; this is not a log that impedraw wrote");
     if (H5Lget_info(file_, part.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
-      fail(part + " is a link to another place, which no log of impedraw's has");
+      fail(part + " is a link to another place, which no log of impedraw contains");
     if (end == std::string::npos) return;
   }
 }
@@ -173,7 +173,7 @@ hsize_t LogReader::require_plain(const h5::Id& dataset, const std::string& name)
   const H5D_layout_t layout = H5Pget_layout(creation);
   if (H5Pget_external_count(creation) != 0 ||
       (layout != H5D_CHUNKED && layout != H5D_CONTIGUOUS && layout != H5D_COMPACT))
-    fail("dataset " + name + " is stored in another file, which no log of impedraw's is");
+    fail("dataset " + name + " is stored in another file, which no log of impedraw is");
   hsize_t shape[H5S_MAX_RANK] = {0};
   if (layout != H5D_CHUNKED) return 0;
   const int rank = H5Pget_chunk(creation, H5S_MAX_RANK, shape);
@@ -181,7 +181,7 @@ hsize_t LogReader::require_plain(const h5::Id& dataset, const std::string& name)
   for (int i = 0; i < rank; ++i) values *= static_cast<double>(shape[i]);
   if (rank < 1 || values > kMostInChunk)
     fail("dataset " + name + " has chunks of " + std::to_string(shape[0]) +
-         " rows, more than a log of impedraw's has");
+         " rows, more than a log of impedraw has");
   return shape[0];
 }
 
@@ -202,7 +202,7 @@ const LogReader::Dataset& LogReader::open(const std::string& name) const {
          " rows, at most " + std::to_string(kMostRows) + " are read");
   if (chunk > 0 && chunk < std::min(shape[0], kLeastChunk))
     fail("dataset " + name + " has chunks of " + std::to_string(chunk) +
-         " rows, fewer than a log of impedraw's has");
+         " rows, fewer than a log of impedraw has");
   const double bytes = 4.0 * static_cast<double>(shape[0]) * static_cast<double>(shape[1]);
   if (bytes >
       (chunk > 0 ? kMostCompressed : 1.0) * static_cast<double>(std::filesystem::file_size(path_)))
@@ -309,7 +309,7 @@ double LogReader::joint_margin() const {
 void LogReader::require(const RunLogHeader& given) const {
   const auto differ = [this](const std::string& what, const std::string& there,
                              const std::string& here) {
-    fail("a run cannot go on in this log: " + what + ": " + there + " in the log, " + here +
+    fail("this log cannot be continued: " + what + ": " + there + " in the log, " + here +
          " now; draw into a new folder");
   };
   const auto compare = [&](const std::string& what, const std::vector<std::string>& there,

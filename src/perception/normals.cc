@@ -31,8 +31,8 @@ void validate(const PointCloud& cloud, const NormalSettings& s) {
   require_in_range("normals", Limits::max_one_sidedness, s.max_one_sidedness);
   if (cloud.points.empty()) {
     throw InputError(
-        "normals: the cloud has no points: do the cameras see the canvas, and does the region hold "
-        "it?");
+        "normals: the cloud has no points: check that the cameras see the canvas and that the "
+        "region contains it");
   }
   if (cloud.camera.size() != cloud.points.size()) {
     throw InputError(fmt::format("normals: the cloud has {} points and {} camera indices",
@@ -46,8 +46,9 @@ void validate(const PointCloud& cloud, const NormalSettings& s) {
     if (!cloud.points[i].allFinite())
       throw InputError(fmt::format("normals: point {} of the cloud is not finite", i));
     if (!cloud.weight.empty() && !(cloud.weight[i] > 0.0)) {
-      throw InputError(fmt::format("normals: point {} of the cloud has weight {}, must be above 0",
-                                   i, cloud.weight[i]));
+      throw InputError(
+          fmt::format("normals: point {} of the cloud has weight {}, must be greater than 0", i,
+                      cloud.weight[i]));
     }
     if (cloud.camera[i] < 0 || cloud.camera[i] >= static_cast<int>(cloud.eyes.size())) {
       throw InputError(fmt::format("normals: point {} of the cloud names camera {}, it has {}", i,

@@ -60,7 +60,8 @@ std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment
     std::optional<Resumption> resumption = read_resumption(experiment, log);
     if (resumption) return resumption;
   }
-  say(stderr, "note: nothing has been drawn in {} yet; the run starts anew\n", folder.string());
+  say(stderr, "note: nothing has been drawn in {} yet; the run starts from the beginning\n",
+      folder.string());
   return std::nullopt;
 }
 
@@ -170,14 +171,14 @@ std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {
   const auto counted = [](std::size_t n) { return fmt::format("{} part{}", n, n == 1 ? "" : "s"); };
   std::string text;
   if (!outcome.drawn_again.empty())
-    text = fmt::format("ink     {}, {:.1f} mm, got none at first and {} drawn again; {}\n",
+    text = fmt::format("ink     {}, {:.1f} mm, had none at first and {} drawn again; {}\n",
                        counted(outcome.drawn_again.size()), total_mm(outcome.drawn_again),
                        outcome.drawn_again.size() == 1 ? "was" : "were",
                        outcome.lacking.empty()
                            ? "all of it has ink now"
                            : fmt::format("{} still lack it:", counted(outcome.lacking.size())));
   else
-    text = fmt::format("ink     {}, {:.1f} mm, got none:\n", counted(outcome.lacking.size()),
+    text = fmt::format("ink     {}, {:.1f} mm, has none:\n", counted(outcome.lacking.size()),
                        total_mm(outcome.lacking));
   for (const StrokePart& part : outcome.lacking) {
     const StrokePlace from =
@@ -193,7 +194,7 @@ int exit_code(const Drawing& drawing) {
   const RunOutcome& outcome = drawing.outcome;
   if (outcome.end == RunEnd::finished) return kFinished;
   say(stderr, "impedraw: {}; the log is kept up to there{}\n", outcome.cause,
-      outcome.end == RunEnd::interrupted ? ", --resume goes on from it" : "");
+      outcome.end == RunEnd::interrupted ? "; --resume continues from there" : "");
   return outcome.end == RunEnd::stopped ? kStopped : drawing.signal_code;
 }
 

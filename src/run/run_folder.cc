@@ -48,7 +48,8 @@ void require_folder(const fs::path& folder, std::initializer_list<const char*> m
   for (const char* mark : marks)
     if (fs::exists(folder / mark, error)) return;
   refuse(fmt::format(
-      "holds files but no {0}; name a new or an empty folder, or one that holds a {0}", kind));
+      "contains files but no {0}; name a new or an empty folder, or one that contains a {0}",
+      kind));
 }
 
 }  // namespace
@@ -67,7 +68,7 @@ void require_own_log(const fs::path& folder) {
     throw InputError(fmt::format("{}: is a link or a folder; a file is needed", log.string()));
   if (!is_marked_log(log))
     throw InputError(
-        fmt::format("{}: is no log that impedraw wrote, so it is not replaced; move it away, or "
+        fmt::format("{}: was not written by impedraw, so it is not replaced; move it away, or "
                     "name another folder",
                     log.string()));
 }

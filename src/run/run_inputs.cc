@@ -91,7 +91,7 @@ void find_inputs(Scenario* scenario, const fs::path& folder, InputsFrom from) {
       throw InputError(
           from == InputsFrom::originals
               ? fmt::format(
-                    "--resume: {} ({}) is not the file that the run in {} was begun with{}; "
+                    "--resume: {} ({}) is not the file that the run in {} was started with{}; "
                     "draw the changed one into a new folder",
                     taken.string(), setting, folder.string(),
                     copied && taken != copy ? ", of which " + copy.string() + " is a copy" : "")

@@ -31,7 +31,7 @@ enum class InputsFrom {
 };
 
 // Lets the scenario read its inputs from where they are. Throws InputError naming an input that is
-// not what the run was begun with. Logs of older versions have no hashes: nothing is compared.
+// not what the run was started with. Logs of older versions have no hashes: nothing is compared.
 void find_inputs(Scenario* scenario, const std::filesystem::path& folder, InputsFrom from);
 
 }  // namespace impedraw

@@ -98,10 +98,11 @@ ToolIdentification identify_tool(const std::vector<StaticReading>& poses,
   ToolIdentification out;
   out.mass = force.x[0] / g;
   if (!(out.mass > 0.0)) {
-    std::snprintf(message, sizeof message,
-                  "tool identification: the mass comes out at %.3g kg, must be above 0: readings "
-                  "must be the wrench on the tool, weight down",
-                  out.mass);
+    std::snprintf(
+        message, sizeof message,
+        "tool identification: the mass comes out at %.3g kg, must be greater than 0: readings "
+        "must be the wrench on the tool, weight down",
+        out.mass);
     throw InputError(message);
   }
   out.p_SC = torque.x.head<3>() / (g * out.mass);

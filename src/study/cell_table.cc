@@ -130,7 +130,7 @@ int run_table(const CellTable& table, const std::vector<Cell>& all,
   std::copy_if(desired.begin(), desired.end(), std::back_inserter(left),
                [&](const Cell& c) { return !records.contains(c.name); });
   if (left.size() < desired.size())
-    say(stdout, "{} of {} cells are kept from an earlier run; --again runs them anew\n",
+    say(stdout, "{} of {} cells are kept from an earlier run; --again runs them again\n",
         desired.size() - left.size(), desired.size());
   make_folder(folder);
   write_csv(table, csv, all, records);
@@ -159,8 +159,7 @@ int run_table(const CellTable& table, const std::vector<Cell>& all,
   }
   if (!whole) {
     say(stderr,
-        "impedraw: interrupted; what was done is kept in {}, and the same command goes on "
-        "from there\n",
+        "impedraw: interrupted; finished cells are kept in {}; the same command continues\n",
         csv.string());
     return interrupt.exit_code();
   }

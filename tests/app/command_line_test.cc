@@ -104,10 +104,10 @@ TEST_F(CommandLine, WrongFiles) {
   refused({"draw", "broken.yaml"}, {"broken.yaml:2: is not valid YAML"});
   refused({"draw", "--svg", "gone.svg"}, {"gone.svg: no such file"});
   refused({"draw", "svg.yaml"}, {"svg.yaml:2: ", "gone.svg: no such file"});
-  refused({"draw", "--svg", "broken.svg"}, {"broken.svg: not an SVG that can be read"});
-  refused({"draw", "--svg", "empty.svg"}, {"empty.svg: nothing in it draws a line"});
+  refused({"draw", "--svg", "broken.svg"}, {"broken.svg: cannot be read as SVG"});
+  refused({"draw", "--svg", "empty.svg"}, {"empty.svg: has nothing to draw"});
   refused({"draw", "--set", "arm.urdf=text"}, {"--set arm.urdf=text", "text"});
-  refused({"report", "."}, {"holds no run.h5"});
+  refused({"report", "."}, {"contains no run.h5"});
 }
 
 // A pipe without a writer would be waited for, a device would never end.
@@ -188,10 +188,10 @@ TEST_F(CommandLine, WrongOut) {
   write("own/scenario.yaml", "name: mine\n");  // a user's scenario is no run
   refused({"draw", "--out", "file"}, {"--out file: is a file"});
   refused({"draw", "--out", "file/x"}, {"--out file/x: ", "file is a file"});
-  refused({"draw", "--out", "foreign"}, {"--out foreign: holds files but no run"});
-  refused({"draw", "own/scenario.yaml", "--out", "own"}, {"--out own: holds files but no run"});
+  refused({"draw", "--out", "foreign"}, {"--out foreign: contains files but no run"});
+  refused({"draw", "own/scenario.yaml", "--out", "own"}, {"--out own: contains files but no run"});
   refused({"draw", "--out", "/proc/x"}, {"--out /proc/x: "});
-  refused({"compare", "--out", "foreign"}, {"--out foreign: holds files but no comparison"});
+  refused({"compare", "--out", "foreign"}, {"--out foreign: contains files but no comparison"});
   EXPECT_EQ(content_of(folder_ / "own/scenario.yaml"), "name: mine\n");
 }
 

@@ -103,10 +103,9 @@ TEST_F(Data, AnEditedDrawingIsNoneToGoOnWith) {
   write("drawing.svg", svg("M5 35H35M5 5H35"));  // two strokes swapped
   for (const Words& words :
        {draw(kLong + Words{"--resume"}), Words{"draw", "--resume", "--out", "run"}})
-    expect_refused(words,
-                   {"drawing.svg (drawing.svg) is not the file that the run in run was begun "
-                    "with",
-                    "run/inputs/drawing.svg is a copy"});
+    expect_refused(
+        words, {"drawing.svg (drawing.svg) is not the file that the run in run was started with",
+                "run/inputs/drawing.svg is a copy"});
   EXPECT_EQ(read_run(run("run.h5")).rows(), drawn);
   // The copy is as good as the file, wherever the folder is.
   fs::remove(folder_ / "drawing.svg");
@@ -143,8 +142,8 @@ TEST_F(Data, AFolderIsARunOnlyWithOurMark) {
   for (const char* text : {"", "\x89HDF\r\n\x1a\n", "anything"}) {
     write("run/run.h5", text);
     write("run/metrics.json", "mine");
-    expect_refused(draw(kShort), {"run/run.h5: is no log that impedraw wrote"});
-    expect_refused(draw(kShort + Words{"--resume"}), {"run/run.h5: is no log that impedraw wrote"});
+    expect_refused(draw(kShort), {"run/run.h5: was not written by impedraw"});
+    expect_refused(draw(kShort + Words{"--resume"}), {"run/run.h5: was not written by impedraw"});
     EXPECT_EQ(content_of(run("run.h5")), text);
     EXPECT_EQ(content_of(run("metrics.json")), "mine");
     EXPECT_FALSE(fs::exists(run("run.lock")));
@@ -194,14 +193,15 @@ TEST_F(Data, ARunThatDrewNothingStartsAnew) {
   RunLog(run("run.h5"), testing::small_header());  // as of a run that is killed at its first step
   const Ended ended = call(draw(kShort + Words{"--resume"}));
   EXPECT_EQ(ended.code, 0);
-  EXPECT_THAT(ended.err, HasSubstr("nothing has been drawn in run yet; the run starts anew"));
+  EXPECT_THAT(ended.err,
+              HasSubstr("nothing has been drawn in run yet; the run starts from the beginning"));
   EXPECT_EQ(nlohmann::json::parse(content_of(run("metrics.json"))).at("strokes_missed"), 0);
   // Nor is there a run without a folder.
   const Ended none =
       call(Words{"draw", "--svg", "drawing.svg", "--out", "new", "--resume"} + kShort);
   EXPECT_EQ(none.code, 0);
-  EXPECT_THAT(none.err, HasSubstr("starts anew"));
-  expect_refused({"draw", "--resume", "--out", "none"}, {"none holds no run to go on with"});
+  EXPECT_THAT(none.err, HasSubstr("starts from the beginning"));
+  expect_refused({"draw", "--resume", "--out", "none"}, {"none contains no run to resume"});
 }
 
 TEST_F(Data, EverySignalLiftsThePenAndTimesCountFromTheBeginning) {

@@ -225,19 +225,18 @@ TEST_F(MeshFile, SaysWhereAFileIsCutShort) {
   const std::string stl = binary_stl(m), little = ply(m, "binary_little_endian"),
                     ascii = ply(m, "ascii");
   EXPECT_THAT(refusal(write("a.stl", stl.substr(0, 84 + 7 * 50 + 20))),
-              AllOf(HasSubstr("a.stl"), HasSubstr("within triangle 7")));
-  EXPECT_THAT(refusal(write("b.stl", stl + "....")),
-              HasSubstr("4 bytes stand behind the 12 triangles"));
+              AllOf(HasSubstr("a.stl"), HasSubstr("truncated in triangle 7")));
+  EXPECT_THAT(refusal(write("b.stl", stl + "....")), HasSubstr("4 bytes follow the 12 triangles"));
   EXPECT_THAT(refusal(write("a.ply", little.substr(0, little.size() - 13 * 3 - 5))),
-              HasSubstr("cut short within face 8"));
+              HasSubstr("truncated in face 8"));
   EXPECT_THAT(refusal(write("b.ply", ascii.substr(0, ascii.size() - 4))),
-              HasSubstr("cut short within face 11"));
+              HasSubstr("truncated in face 11"));
   EXPECT_THAT(refusal(write("c.ply", little.substr(0, little.find("end_header\n") + 11 + 12 * 3))),
-              HasSubstr("cut short within vertex 3"));
+              HasSubstr("truncated in vertex 3"));
   EXPECT_THAT(refusal(write("d.ply",
                             "ply\nformat binary_little_endian 1.0\nelement vertex "
                             "4000000000\nproperty float x\nend_header\n")),
-              HasSubstr("cut short within vertex 0"));
+              HasSubstr("truncated in vertex 0"));
   EXPECT_THAT(refusal(write("c.stl", text_stl(m).substr(0, text_stl(m).rfind("    endloop")))),
               HasSubstr("within triangle 11"));
 }
@@ -275,9 +274,9 @@ TEST_F(MeshFile, RefusesWhatIsEmptyOrNoMesh) {
   for (const auto& [name, text] : every_kind(none))
     EXPECT_THAT(refusal(write(name, text)), HasSubstr("holds no triangle")) << name;
   EXPECT_THAT(refusal(write("a.stl", "")), HasSubstr("the file is empty"));
-  EXPECT_THAT(refusal(write("a.step", "x")), HasSubstr("must be a .obj, .stl or .ply"));
+  EXPECT_THAT(refusal(write("a.step", "x")), HasSubstr("must be .obj, .stl or .ply"));
   EXPECT_THAT(refusal((folder_ / "missing.obj").string()), HasSubstr("no such file"));
-  EXPECT_THAT(refusal(write("b.ply", "solid\n")), HasSubstr("a PLY with 'ply'"));
+  EXPECT_THAT(refusal(write("b.ply", "solid\n")), HasSubstr("must begin with 'ply'"));
 }
 
 // 2,000,000 triangles within 2 GiB, closest points included; `bench` measures the time.

@@ -237,9 +237,9 @@ TEST(Placement, BadSettingsAreNamed) {
   EXPECT_EQ(message(wide_margin),
             "placement.margin is 50 mm, allowed is less than 50 mm, half of fit_width");
   EXPECT_EQ(message(lone_margin),
-            "placement: margin is for a rectangle; fit_width or fit_height must be given, too");
+            "placement: margin needs a rectangle: give fit_width or fit_height, too");
   EXPECT_EQ(message(lone_page),
-            "placement: fit_page is for a rectangle; fit_width or fit_height must be given, too");
+            "placement: fit_page needs a rectangle: give fit_width or fit_height, too");
   EXPECT_EQ(message(nan), "placement.fit_radius is nan m, allowed is more than 0 and at most 2 m");
   // Beyond sense: no arm reaches that far, and pictures and plans of it take for ever.
   for (const double scale : {1e4, 1e300}) {

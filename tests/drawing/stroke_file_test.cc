@@ -83,29 +83,28 @@ TEST(StrokeFile, SharesOfThePage) {
   EXPECT_EQ(
       a.warnings,
       (std::vector<std::string>{
-          "all coordinates lie between 0 and 1: taken for shares of the page, 480 × 440 mm"}));
+          "all coordinates lie between 0 and 1: taken as fractions of the page, 480 × 440 mm"}));
   EXPECT_EQ(read("480 440\n0.25 0.5\n1.5 0\nEnd"), (Lines{{{0.25, 0.5}, {1.5, 0}}}));
   EXPECT_EQ(read("1 1\n0.25 0.5\n1 0\nEnd"), (Lines{{{0.25, 0.5}, {1, 0}}}));
 }
 
 TEST(StrokeFile, FaultsNameTheirLine) {
   EXPECT_EQ(message(""), "a: line 0: the file ends before the page's width and height");
-  EXPECT_EQ(message("hello\n"),
-            "a: line 1: the page's width and height are to come first, as two numbers");
+  EXPECT_EQ(message("hello\n"), "a: line 1: must hold the page's width and height, two numbers");
   EXPECT_EQ(message("0 10\n"),
             "a: line 1: the page is 0 × 10 mm; both must be > 0 and at most 1e+06");
   EXPECT_EQ(message("End\n"), "a: line 1: End before the page's width and height");
-  EXPECT_EQ(message("9 9\n1 2\n3 x\nEnd"), "a: line 3: '3 x'; 2 numbers or End are to stand there");
-  EXPECT_EQ(message("9 9\n\n1 2 3\n"), "a: line 3: '1 2 3'; 2 numbers or End are to stand there");
-  EXPECT_EQ(message("9 9\n1\n"), "a: line 2: '1'; 2 numbers or End are to stand there");
+  EXPECT_EQ(message("9 9\n1 2\n3 x\nEnd"), "a: line 3: '3 x' where 2 numbers or End must be");
+  EXPECT_EQ(message("9 9\n\n1 2 3\n"), "a: line 3: '1 2 3' where 2 numbers or End must be");
+  EXPECT_EQ(message("9 9\n1\n"), "a: line 2: '1' where 2 numbers or End must be");
   EXPECT_EQ(message("9 9\nnan 1\n"), "a: line 2: nan is not within ± 1e+06 mm");
   EXPECT_EQ(message("9 9\n1 -inf\n"), "a: line 2: -inf is not within ± 1e+06 mm");
   EXPECT_EQ(message("9 9\n1 2e6\n"), "a: line 2: 2e6 is not within ± 1e+06 mm");
   EXPECT_EQ(message("a,b\n1,2\n", true),
             "a: line 1: the header names no columns x and y (and perhaps stroke)");
-  EXPECT_EQ(message("x,y\n1,,2\n", true), "a: line 2: '1,,2'; 2 numbers or End are to stand there");
+  EXPECT_EQ(message("x,y\n1,,2\n", true), "a: line 2: '1,,2' where 2 numbers or End must be");
   EXPECT_EQ(message("9 9\nEnd\n"), "a: there is no stroke in it");
-  EXPECT_EQ(message(std::string("9 9\n1\0 2", 8)), "a: not a text of strokes");
+  EXPECT_EQ(message(std::string("9 9\n1\0 2", 8)), "a: not a text file of strokes");
   const Artwork cut = parse_strokes("9 9\n1 2\nEnd\n3 4\n5 6\n", "a", false);
   EXPECT_EQ(cut.strokes.size(), 2u);
   EXPECT_EQ(cut.warnings, (std::vector<std::string>{

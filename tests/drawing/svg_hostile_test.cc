@@ -32,14 +32,13 @@ std::string message(const std::string& document) {
 }
 
 TEST(SvgHostile, BrokenDocumentsGetOneLine) {
-  EXPECT_EQ(message(""),
-            "a.svg: not an SVG that can be read: the document does not have a root node");
-  EXPECT_EQ(message("hello").find("a.svg: not an SVG that can be read: "), 0u);
+  EXPECT_EQ(message(""), "a.svg: cannot be read as SVG: the document does not have a root node");
+  EXPECT_EQ(message("hello").find("a.svg: cannot be read as SVG: "), 0u);
   EXPECT_EQ(message("<html/>"),
-            "a.svg: not an SVG that can be read: the root element is <html>, not <svg>");
+            "a.svg: cannot be read as SVG: the root element is <html>, not <svg>");
   EXPECT_EQ(message(kHead + "<g>" + kLine),
-            "a.svg: not an SVG that can be read: the root node was opened but never closed");
-  EXPECT_EQ(message("<svg>\xff</svg>"), "a.svg: not an SVG that can be read: not a UTF-8 text");
+            "a.svg: cannot be read as SVG: the root node was opened but never closed");
+  EXPECT_EQ(message("<svg>\xff</svg>"), "a.svg: cannot be read as SVG: not a UTF-8 text");
   EXPECT_NE(
       message("<svg xmlns='http://www.w3.org/2000/svg' width='0' height='10'>" + kLine + "</svg>")
           .find("size"),
@@ -47,12 +46,10 @@ TEST(SvgHostile, BrokenDocumentsGetOneLine) {
 }
 
 TEST(SvgHostile, NothingToDrawSaysSo) {
-  EXPECT_EQ(message(kHead + "</svg>"),
-            "a.svg: nothing in it draws a line: no visible path or shape");
-  EXPECT_EQ(
-      message(kHead + "<image/></svg>"),
-      "a.svg: nothing in it draws a line: no visible path or shape (1 × <image>: pictures are "
-      "left out: a pen draws lines only)");
+  EXPECT_EQ(message(kHead + "</svg>"), "a.svg: has nothing to draw: no visible path or shape");
+  EXPECT_EQ(message(kHead + "<image/></svg>"),
+            "a.svg: has nothing to draw: no visible path or shape (1 × <image>: pictures are "
+            "left out: a pen draws lines only)");
 }
 
 TEST(SvgHostile, FilesThatAreNot) {
@@ -80,7 +77,7 @@ TEST(SvgHostile, CoordinatesBeyondReason) {
   const auto number = [](const std::string& body) {
     return message(kHead + kLine + "\n" + body + "</svg>");
   };
-  const std::string read = "a.svg: not an SVG that can be read: ";
+  const std::string read = "a.svg: cannot be read as SVG: ";
   EXPECT_EQ(number("<path d='M0 0 L 3 NaN' stroke='red'/>"),
             read + "line 2: <path> d: holds what is not a finite number");
   EXPECT_EQ(number("<circle r='nan'/>"),

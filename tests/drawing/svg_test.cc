@@ -191,7 +191,8 @@ TEST(Svg, ShapesWithoutAnAreaAreCounted) {
 TEST(Svg, AWhitePageIsNotDrawn) {
   const std::string seen = "<line x2='7' y2='0' stroke='black'/>";
   const std::vector<std::string> told{
-      "1 white rectangle over the whole page: left out, as the page's ground is not drawn"};
+      "1 white rectangle over the whole page: left out, because the page's background is not "
+      "drawn"};
   for (const std::string ground :
        {"<rect width='100%' height='100%' fill='white'/>",
         "<rect x='-5' y='-5' width='210' height='210' style='fill:#ffffff;stroke:none'/>",
@@ -297,7 +298,7 @@ TEST(Svg, NothingToDrawMayBeAllowed) {
       settings);
   EXPECT_TRUE(empty.strokes.empty());
   EXPECT_EQ(empty.warnings,
-            (std::vector<std::string>{"nothing in it draws a line: no visible path or shape"}));
+            (std::vector<std::string>{"has nothing to draw: no visible path or shape"}));
 }
 
 TEST(Svg, WhatIsLeftOutIsTold) {

@@ -168,7 +168,7 @@ TEST(Text, WhatTheFontLacksIsNamedWithItsPlace) {
   EXPECT_THAT(error_of("Y", "greekc"), HasSubstr("font greekc has ASCII without YZyz"));
   EXPECT_THAT(error_of("漢字漢字漢字漢字漢字"), HasSubstr("and 2 more"));
   EXPECT_THAT(error_of("a\x01"), HasSubstr("U+0001 at line 1, character 2"));
-  EXPECT_THAT(error_of("  \n "), HasSubstr("nothing in it draws"));
+  EXPECT_THAT(error_of("  \n "), HasSubstr("has nothing to draw"));
   EXPECT_THAT(error_of("A", "comic"),
               HasSubstr("font 'comic' is not known; there are astrology, cursive,"));
   EXPECT_THAT(error_of("A", "../futural"), HasSubstr("is not known"));

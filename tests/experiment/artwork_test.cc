@@ -58,7 +58,7 @@ TEST_F(MadeArtwork, DashesAreAppliedOrTold) {
   settings_.dashes = false;
   EXPECT_EQ(made().strokes.size(), 3u);
   EXPECT_NEAR(length(), 320 + 160 + 90, 1e-2);
-  EXPECT_EQ(made().warnings, std::vector<std::string>{"1 dashed lines are drawn unbroken"});
+  EXPECT_EQ(made().warnings, std::vector<std::string>{"1 dashed lines are drawn solid"});
 }
 
 TEST_F(MadeArtwork, HatchIsSpacedOnTheCanvas) {
@@ -130,7 +130,7 @@ TEST_F(MadeArtwork, SimplifiedWithinTheTolerance) {
 
 TEST_F(MadeArtwork, WhatDoesNotGoTogether) {
   settings_.unit = PageUnit::cm;
-  EXPECT_THAT(error(), HasSubstr("an SVG says its units itself"));
+  EXPECT_THAT(error(), HasSubstr("an SVG defines its own unit"));
   settings_.unit = PageUnit::file;
   settings_.text.text = "a";
   EXPECT_THAT(error(), HasSubstr("drawing.svg and drawing.text.text are both given"));

@@ -219,6 +219,10 @@ def main():
         try:
             for number in range(options.kills):
                 soak.round(number)
+                if (number + 1) % 20 == 0:
+                    spent = time.monotonic() - began
+                    left = spent * (options.kills - number - 1) / (number + 1)
+                    print(f"{number + 1} of {options.kills} kills, {left / 60:.0f} min left", flush=True)
             soak.finish()
         except Failure as failure:
             print(f"soak: seed {options.seed}: {failure}", file=sys.stderr)

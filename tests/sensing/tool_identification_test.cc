@@ -162,7 +162,7 @@ TEST(ToolIdentification, RefusesReadingsThatCannotBe) {
   EXPECT_THAT(refusal(poses), HasSubstr("pose 1 must have a rotation"));
   poses = six_poses();
   for (StaticReading& p : poses) p.reading_S *= -1.0;
-  EXPECT_THAT(refusal(poses), HasSubstr("must be above 0"));
+  EXPECT_THAT(refusal(poses), HasSubstr("must be greater than 0"));
   EXPECT_THAT(refusal(six_poses(), Vector3d::Zero()), HasSubstr("gravity_W"));
 }
 

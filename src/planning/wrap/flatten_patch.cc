@@ -65,9 +65,9 @@ void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& fl
   }
   if (folded == 0) return;
   throw InputError(fmt::format(
-      "wrap: the surface cannot be laid flat, {} of {} triangles fold over, the first at ({:.4f}, "
+      "wrap: the surface cannot be flattened, {} of {} triangles fold over, the first at ({:.4f}, "
       "{:.4f}) m in "
-      "the drawing plane; a smaller drawing, another place or the mapping `project` does without",
+      "the drawing plane; make the drawing smaller, move it, or set drawing.mapping=project",
       folded, patch.triangles.size(), first.x(), first.y()));
 }
 
