@@ -56,6 +56,8 @@ void check_timing(const TimingSettings& s) {
   positive("timing.dt", s.dt);
   not_negative("timing.loop_delay", s.loop_delay);
   not_negative("timing.wrench_delay", s.wrench_delay);
+  not_negative("timing.velocity_age", s.velocity_age);
+  not_negative("timing.velocity_lag", s.velocity_lag);
   not_negative("timing.max_state_age", s.max_state_age);
   not_negative("timing.max_wrench_age", s.max_wrench_age);
 }
@@ -93,6 +95,11 @@ void check_joints(const ImpedanceSettings& s, int joints) {
     throw InputError("joint_range.lower and joint_range.upper: one is given without the other");
   positive("joint_range.margin", s.joint_range.margin);
   not_negative("joint_range.torque", s.joint_range.torque);
+  each_joint(
+      "observer.yield_limit",
+      Eigen::Map<const Eigen::VectorXd>(s.observer.yield_limit.data(),
+                                        static_cast<Eigen::Index>(s.observer.yield_limit.size())),
+      joints, Entries::not_negative);
   each_joint("limits.torque", s.limits.torque, joints, Entries::positive);
   each_joint("limits.torque_rate", s.limits.torque_rate, joints, Entries::positive);
   positive("limits.tip_speed", s.limits.tip_speed);
@@ -109,7 +116,7 @@ void check_inertia(const ImpedanceSettings& s) {
   const TipGain K = s.damping_stiffness();
   if (shaped) {
     const TipGain B = diagonal_damping(K, s.shaped_inertia, s.damping_ratio);
-    check_damping_rates(B, s.shaped_inertia, s.timing.dt + s.timing.loop_delay);
+    check_damping_rates(B, s.shaped_inertia, s.timing.damping_delay());
     check_contact_stability(s.shaped_inertia.linear.normal, B.linear.normal, s);
   } else if (scaled && s.inertia_scale < 1.0) {
     check_scaled_contact_stability(s.inertia_scale, K.linear.normal, s);

@@ -180,6 +180,17 @@ void describe(Fields& f, DepthNoise& s) {
           "Resolution of the depth at 1 m; it grows with depth². 0: continuous.");
 }
 
+void describe(Fields& f, CameraErrors& s) {
+  f.field("shift", s.shift, Range{0.0, 0.1}, "m",
+          "Distance of each true camera from where it is believed to be. Its direction comes from "
+          "the seed.");
+  f.field(
+      "turn", s.turn_deg, Range{0.0, 10.0}, "deg",
+      "Angle of each true camera to how it is believed to stand. Its axis comes from the seed.");
+  f.field("depth_scale", s.depth_scale, Range{-0.2, 0.2}, "",
+          "Relative error of every depth: 0.01 reads 1 % too far.");
+}
+
 void describe(Fields& f, NormalSettings& s) {
   using Limits = NormalSettings::Limits;
   f.choice("mode", s.mode,
@@ -204,6 +215,7 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
   f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
   f.field("noise", s.noise, "Noise of the depth.");
+  f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");
   f.field("voxel", s.voxel, Limits::voxel, "m",
           "Side of the cubes in which points are averaged; 0: every point is kept.");
   f.field("self_padding", s.self_padding, Limits::self_padding, "m",
@@ -295,6 +307,9 @@ void describe(Fields& f, ObserverSettings& s) {
           "Bandwidth of the observer's low-pass filter.");
   f.field("limit", s.limit, Range{0.0, 1000.0}, "Nm",
           "Largest torque that the observer compensates on a joint.");
+  f.field("yield_limit", s.yield_limit, Range{0.0, 1000.0}, "Nm",
+          "Torque of each joint above which the observer compensates only what would move the tip, "
+          "so that the arm yields to a push on its body; empty: no such bound.");
 }
 
 void describe(Fields& f, ForceIntegralSettings& s) {
@@ -325,6 +340,16 @@ void describe(Fields& f, SensingSettings& s) {
           "Bandwidth of the wrench's low-pass filter; 0: no filter.");
   f.field("tare_time", s.tare_time, Range{0.01, 60.0}, "s",
           "Time at rest in the air, before the first stroke, over which the sensor is tared.");
+}
+
+void describe(Fields& f, JointSensingSettings& s) {
+  f.choice("velocity", s.velocity,
+           {{"measured", VelocitySource::measured}, {"estimated", VelocitySource::estimated}},
+           "Joint velocities of the control law: as measured, or estimated from the positions, the "
+           "torques and the arm's model.");
+  f.field("bandwidth", s.bandwidth, Range{1.0, 900.0}, "rad/s", "Bandwidth of the estimator.");
+  f.field("sensor_delay", s.sensor_delay, Range{0.0, 0.03}, "s",
+          "Modelled delay of the joints' sensors; null: their true delay.");
 }
 
 void describe(Fields& f, ControlSettings& s) {
@@ -401,6 +426,8 @@ void describe(Fields& f, ControlSettings& s) {
           "Greatest age of the state while a torque acts: one step and the delay of the drives.");
   f.field("force_integral", s.force_integral, "Integral of the force error along the normal.");
   f.field("sensing", s.sensing, "From the sensor's readings to the wrench at the tip.");
+  f.field("joint_sensing", s.joint_sensing,
+          "From the joints' readings to their positions and velocities.");
   f.field("torque_share", s.torque_share, Range{0.01, 1.0}, "",
           "Fraction of the arm's torque limits that may be used.");
   f.field("torque_rate", s.torque_rate, Range{1.0, 1e6}, "Nm/s",
@@ -467,12 +494,33 @@ void describe(Fields& f, WrenchSensorSettings& s) {
   f.field("delay", s.delay, Range{0.0, 0.03}, "s", "Delay of the readings.");
 }
 
+void describe(Fields& f, JointSensorSettings& s) {
+  f.field("quantum", s.quantum, Range{0.0, 0.1}, "rad",
+          "Resolution of the joint positions; 0: continuous.");
+  f.field("position_noise", s.position_noise, Range{0.0, 0.1}, "rad",
+          "Standard deviation of the white noise of a position sample.");
+  f.field("velocity_noise", s.velocity_noise, Range{0.0, 10.0}, "rad/s",
+          "Standard deviation of the white noise of a velocity sample.");
+  f.field("delay", s.delay, Range{0.0, 0.03}, "s", "Delay of the readings.");
+  f.choice("velocity", s.velocity,
+           {{"exact", VelocityReading::exact},
+            {"difference", VelocityReading::difference},
+            {"none", VelocityReading::none}},
+           "Velocities that the sensors give: the true ones, the filtered difference of the "
+           "positions, or none; none needs control.joint_sensing.velocity: estimated.");
+  f.field("velocity_bandwidth", s.velocity_bandwidth, Range{0.0, 1e4}, "rad/s",
+          "Bandwidth of the low-pass filter of the difference; 0: no filter.");
+}
+
 void describe(Fields& f, WorldSettings& s) {
   f.field("errors", s.errors, "Differences between the true arm and its model.");
   f.field("tip", s.tip, "True properties of the pen's tip.");
   f.field("joint_friction", s.joint_friction, Range{0.0, 50.0}, "Nm",
           "Coulomb friction of every joint.");
   f.field("gravity", s.gravity, Range{0.0, 100.0}, "m/s²", "Gravity along -z.");
+  f.field("joint_sensor", s.joint_sensor, "Faults of the joints' sensors.");
+  f.field("substeps", s.substeps, Range{1, WorldSettings::kMostSubsteps}, "",
+          "Integration steps in each control step; the torque is held.");
 }
 
 void describe(Fields& f, PenSettings& s) {
@@ -484,11 +532,16 @@ void describe(Fields& f, PenSettings& s) {
 }
 
 void describe(Fields& f, PushSettings& s) {
-  f.field("force", s.force, Range{0.0, 200.0}, "N", "Tangential force on the pen tip.");
+  f.field("force", s.force, Range{0.0, 200.0}, "N",
+          "Force: tangential on the pen tip, or as it is on a link.");
+  f.field("link", s.link,
+          "Link of the arm that is pushed at its origin, such as link_4, the elbow; empty: the "
+          "pen.");
   f.field("direction", s.direction_W, Range{-1.0, 1.0}, "",
-          "Direction of the force in world axes, projected onto the canvas's tangent plane.");
+          "Direction of the force in world axes; on the pen it is projected onto the canvas's "
+          "tangent plane.");
   f.field("lift", s.lift, Range{-200.0, 200.0}, "N",
-          "Additional force along the canvas's outward normal.");
+          "Additional force on the pen along the canvas's outward normal.");
   f.field("middle", s.middle, Range{0.0, 1.0}, "",
           "Middle of the push, as a fraction of the time from the start of the first stroke to the "
           "end of the last.");
@@ -533,7 +586,7 @@ void describe(Fields& f, Scenario& s) {
           "Faults of the sensor between flange and pen, for control.wrench: sensor.");
   f.field("pen", s.pen, "The line that the pen leaves in the pictures.");
   f.field("log", s.log, "How much of the run the log keeps.");
-  f.field("pushes", s.pushes, "Pushes on the pen, as by a hand.");
+  f.field("pushes", s.pushes, "Pushes on the pen or the arm, as by a hand.");
   f.field("faults", s.faults, "Faults that are injected on purpose.");
 }
 

@@ -23,6 +23,7 @@
 #include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/wrap/wrap.h"
 #include "impedraw/report/picture.h"
+#include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/settings/schema.h"
 #include "impedraw/simulation/world.h"
 
@@ -71,10 +72,19 @@ struct CameraSettings {
   double fov_y_deg = 60.0;
 };
 
+// Differences of the true cameras from what is believed of them. The directions of each camera's
+// shift and turn come from the seed.
+struct CameraErrors {
+  double shift = 0.0;        // of its position [m]
+  double turn_deg = 0.0;     // about an axis through its pinhole
+  double depth_scale = 0.0;  // depths read 1 + depth_scale times the true ones
+};
+
 struct PerceptionSettings {
   bool enabled = true;
   std::vector<CameraSettings> cameras;  // the standard three
   DepthNoise noise;
+  CameraErrors errors;
   double voxel = 0.004;
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
@@ -90,11 +100,24 @@ struct BlindSettings {
   double plane_z = 0.09;  // [m]
 };
 
+enum class VelocitySource {
+  measured,   // as the joints' sensors give it
+  estimated,  // from their positions: joint_state_estimator.h
+};
+
+// The controller's assumptions about the joints' sensors.
+struct JointSensingSettings {
+  VelocitySource velocity = VelocitySource::measured;
+  double bandwidth = 300.0;            // of the estimator [rad/s]
+  std::optional<double> sensor_delay;  // absent: the true delay [s]
+};
+
 // The control law and the source of its wrench. control.wrench, dt, torque limits and joint ranges
 // follow from the other settings and the arm.
 struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
+  JointSensingSettings joint_sensing;
   double torque_share = 1.0;    // of the arm's torque limits
   double torque_rate = 4000.0;  // of every joint [Nm/s]
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
@@ -103,10 +126,11 @@ struct ControlSettings : ImpedanceSettings {
   ControlSettings() { null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0); }  // the iiwa's
 };
 
-// A push on the pen, like that of a hand.
+// A push on the pen or on a link of the arm, like that of a hand.
 struct PushSettings {
   double force = 10.0;  // [N]
-  // Projected onto the canvas's tangent plane under the pen.
+  std::string link;     // pushed at its origin; empty: the pen at its tip
+  // On the pen: projected onto the canvas's tangent plane under it.
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();
   double lift = 0.0;  // additional force along the canvas's outward normal [N]
   // Time, as a fraction of the time from the first stroke's start to the last stroke's end.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/common/errors.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/snapshot.h"
 
@@ -76,6 +78,17 @@ Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& sett
   auto world = setting_errors.locate({"arm.urdf"}, [&] {
     return std::make_unique<World>(urdf_of(s.arm), canvas.get(), settings);
   });
+  for (const PushSettings& push : s.pushes) {
+    if (push.link.empty()) continue;
+    setting_errors.locate({"pushes"}, [&] {
+      const std::optional<int> link = world->link(push.link);
+      if (!link || world->below_flange(*link))
+        throw InputError(fmt::format(
+            "pushes: link is {}; valid are the links of the arm above its flange, or none for a "
+            "push on the pen",
+            push.link));
+    });
+  }
   Scene scene{.canvas = std::move(canvas),
               .arm = setting_errors.locate({"arm.urdf"}, [&] { return ArmModel(urdf_of(s.arm)); }),
               .start_q = {},

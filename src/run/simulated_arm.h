@@ -10,6 +10,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/wrench_sensor.h"
 
 namespace impedraw {
@@ -43,6 +44,9 @@ class SimulatedArm : public Driver {
   WrenchSensorSettings sensor_settings_;
   std::uint64_t seed_;
   std::optional<WrenchSensor> sensor_;
+  JointSensorSettings joint_sensor_settings_;
+  std::optional<JointSensor> joint_sensor_;  // absent: exact
+  std::vector<int> pushed_links_;            // of disturbances_.link_pushes()
   ArmState state_;
   GroundTruth truth_;
   Vector6 tip_wrench_ = Vector6::Zero();  // true, over the last step, at the previous E

@@ -1,0 +1,117 @@
+#include "impedraw/sensing/joint_state_estimator.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+namespace {
+
+void require(bool valid, const char* name, double value, const char* unit, const char* desired) {
+  if (valid) return;
+  char message[256];
+  std::snprintf(message, sizeof message, "joint state estimator: %s = %g %s, must be %s", name,
+                value, unit, desired);
+  throw InputError(message);
+}
+
+void check(const JointStateEstimatorSettings& s) {
+  require(s.dt > 0.0 && std::isfinite(s.dt), "dt", s.dt, "s", "finite and above 0");
+  char widest[64], longest[64];
+  std::snprintf(widest, sizeof widest, "above 0 and below 1/dt = %g rad/s", 1.0 / s.dt);
+  require(s.bandwidth > 0.0 && s.bandwidth * s.dt < 1.0, "bandwidth", s.bandwidth, "rad/s", widest);
+  std::snprintf(longest, sizeof longest, "in 0 … %g s (%d steps)",
+                JointStateEstimator::kMaxDelaySteps * s.dt, JointStateEstimator::kMaxDelaySteps);
+  const auto short_enough = [&](double delay) {
+    return delay >= 0.0 && delay / s.dt < JointStateEstimator::kMaxDelaySteps + 0.5;
+  };
+  require(short_enough(s.sensor_delay), "sensor_delay", s.sensor_delay, "s", longest);
+  require(short_enough(s.torque_delay), "torque_delay", s.torque_delay, "s", longest);
+}
+
+}  // namespace
+
+JointStateEstimator::JointStateEstimator(const JointStateEstimatorSettings& settings, int joints)
+    : settings_((check(settings), settings)),
+      sensor_steps_(static_cast<int>(std::lround(settings.sensor_delay / settings.dt))),
+      torque_steps_(static_cast<int>(std::lround(settings.torque_delay / settings.dt))),
+      q_(JointVector::Zero(joints)),
+      v_(q_),
+      a_(q_),
+      q_now_(q_),
+      v_now_(q_),
+      modelled_(q_) {
+  const double theta = std::exp(-settings.bandwidth * settings.dt), rest = 1.0 - theta;
+  gain_q_ = 1.0 - theta * theta * theta;
+  gain_v_ = 1.5 * (1.0 - theta * theta) * rest / settings.dt;
+  gain_a_ = rest * rest * rest / (settings.dt * settings.dt);
+  accelerations_.fill(q_);
+  torques_.fill(q_);
+}
+
+void JointStateEstimator::update(const JointVector& q_read, int steps) noexcept {
+  if (!q_read.allFinite()) return coast(steps);
+  if (!started_) {
+    q_ = q_now_ = q_read;
+    v_.setZero();
+    a_.setZero();
+    v_now_.setZero();
+    accelerations_.fill(v_);
+    step_ = 0;
+    started_ = true;
+    return;
+  }
+  for (int i = 0; i < steps; ++i) advance();
+  const JointVector e = q_read - q_;
+  q_ += gain_q_ * e;
+  v_ += gain_v_ * e;
+  a_ += gain_a_ * e;
+  forecast();
+}
+
+void JointStateEstimator::coast(int steps) noexcept {
+  if (!started_) return;
+  for (int i = 0; i < steps; ++i) advance();
+  forecast();
+}
+
+// By one step, through the model of step step_ − sensor_steps_.
+void JointStateEstimator::advance() noexcept {
+  constexpr int kSize = kMaxDelaySteps + 1;
+  accelerations_[step_ % kSize] = modelled_;
+  // Before the first command the arm rests.
+  const long k = step_ - sensor_steps_;
+  JointVector a = a_;
+  if (k >= 0) a += accelerations_[k % kSize];
+  q_ += settings_.dt * (v_ + (0.5 * settings_.dt) * a);
+  v_ += settings_.dt * a;
+  ++step_;
+}
+
+// Through the steps since the newest reading.
+void JointStateEstimator::forecast() noexcept {
+  constexpr int kSize = kMaxDelaySteps + 1;
+  q_now_ = q_;
+  v_now_ = v_;
+  for (long k = step_ - sensor_steps_; k < step_; ++k) {
+    JointVector a = a_;
+    if (k >= 0) a += accelerations_[k % kSize];
+    q_now_ += settings_.dt * (v_now_ + (0.5 * settings_.dt) * a);
+    v_now_ += settings_.dt * a;
+  }
+}
+
+void JointStateEstimator::commanded(const ArmTerms& arm, const Vector6& F_ext,
+                                    const JointVector& tau) noexcept {
+  constexpr int kSize = kMaxDelaySteps + 1;
+  if (step_ == 0) torques_.fill(tau);
+  torques_[step_ % kSize] = tau;
+  const JointVector& acting = torques_[(step_ + kSize - torque_steps_) % kSize];
+  factor_M_.compute(arm.M);
+  const JointVector excess = acting + arm.J.transpose().lazyProduct(F_ext) - arm.Cv - arm.g;
+  const JointVector modelled = factor_M_.solve(excess);
+  if (modelled.allFinite()) modelled_ = modelled;
+}
+
+}  // namespace impedraw
