@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -83,7 +84,7 @@ void BM_arm_terms(benchmark::State& state) {
 }
 
 // A whole controller step in contact: arm terms, wrench from the sensor's reading, observer,
-// damping and control law.
+// damping and control law; and the joints' velocities, where the scenario has them estimated.
 class Step {
  public:
   explicit Step(const std::string& name)
@@ -100,16 +101,21 @@ class Step {
     surface_.distance = 0.0;
     e_.scene.arm.compute(e_.control.impedance.null_space.q_0,
                          JointVector::Zero(e_.scene.arm.joints()), &terms_);
+    if (e_.control.joint_estimator)
+      joints_.emplace(*e_.control.joint_estimator, e_.scene.arm.joints());
     while (!estimator_.tared()) estimator_.update(Vector6::Zero(), terms_.X_WE, Vector6::Zero());
   }
   const ImpedanceTorque& operator()() {
     const Posture& p = all_[i_];
     i_ = (i_ + 1) % all_.size();
+    if (joints_) joints_->update(p.q);
     e_.scene.arm.compute(p.q, p.v, &terms_);
     Vector6 reading = Vector6::Zero();
     reading.head<3>() = terms_.X_WE.R.transpose() * (5.0 * surface_.n_W);
-    return controller_.step(terms_, goal_, surface_,
-                            estimator_.update(reading, terms_.X_WE, terms_.V_WE));
+    const Vector6& F_ext = estimator_.update(reading, terms_.X_WE, terms_.V_WE);
+    const ImpedanceTorque& out = controller_.step(terms_, goal_, surface_, F_ext);
+    if (joints_) joints_->commanded(terms_, F_ext, out.tau);
+    return out;
   }
 
  private:
@@ -118,6 +124,7 @@ class Step {
   ArmTerms terms_;
   ImpedanceController controller_;
   WrenchEstimator estimator_;
+  std::optional<JointStateEstimator> joints_;
   TipReference goal_;
   SurfaceEstimate surface_;
   std::size_t i_ = 0;
@@ -129,6 +136,7 @@ void step(benchmark::State& state, const std::string& name) {
 }
 void BM_step_shaped(benchmark::State& state) { step(state, "bowl-sine-sensor"); }
 void BM_step_natural(benchmark::State& state) { step(state, "bowl-sine-realistic"); }
+void BM_step_estimated(benchmark::State& state) { step(state, "bowl-sine-real"); }
 
 // Distribution of step times [ns]: the best of five runs, because other processes may disturb any
 // of them.
@@ -180,6 +188,7 @@ BENCHMARK(BM_floor);
 BENCHMARK(BM_arm_terms);
 BENCHMARK(BM_step_shaped);
 BENCHMARK(BM_step_natural);
+BENCHMARK(BM_step_estimated);
 BENCHMARK(BM_draw)->UseManualTime()->Unit(benchmark::kMicrosecond)->Iterations(1)->Repetitions(5);
 BENCHMARK(BM_draw_natural)
     ->UseManualTime()
@@ -241,6 +250,7 @@ int judge(const Repetitions& median, const Spread& steps) {
        1.5},
       {"whole step with sensor and observer, natural inertia / floor", floors("BM_step_natural"),
        1.5},
+      {"the same with estimated joint velocities / floor", floors("BM_step_estimated"), 1.6},
       {"its 99th percentile / median, best of five runs", steps.p99 / steps.median, 2.0},
       {"fresh normal / bare k-nearest-neighbour query (k = 60)",
        median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5},

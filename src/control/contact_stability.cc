@@ -12,24 +12,27 @@
 namespace impedraw {
 
 double spectral_radius(const ContactLoop& s) {
-  // State: penetration x, its rate v, and the last `delay_steps` forces. The tip force is
-  // discretised as in the simulator: explicit spring, implicit damper.
-  const int n = 2 + s.delay_steps;
+  // State: penetration x, its rate v, the last `delay_steps` forces and `velocity_steps` rates. The
+  // tip force is discretised as in the simulator: explicit spring, implicit damper.
+  const int velocities = 2 + s.delay_steps, n = velocities + s.velocity_steps;
   const double ratio = s.natural_mass / s.desired_mass;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   const double h_m = s.dt / s.natural_mass;
   const double implicit = 1.0 + h_m * s.contact_damping;
-  // v⁺ (1 + h b/m) = v + h/m ( −k x − ratio B v − (ratio − 1) f_late ), f = k x + b v⁺ pushing out
+  // v⁺ (1 + h b/m) = v + h/m ( −k x − ratio B v_late − (ratio − 1) f_late ),
+  // f = k x + b v⁺ pushing out
   A(1, 0) = -h_m * s.contact_stiffness / implicit;
-  A(1, 1) = (1.0 - h_m * ratio * s.damping) / implicit;
-  if (s.delay_steps > 0) A(1, n - 1) += -h_m * (ratio - 1.0) / implicit;
+  A(1, 1) = 1.0 / implicit;
+  A(1, s.velocity_steps > 0 ? n - 1 : 1) -= h_m * ratio * s.damping / implicit;
+  if (s.delay_steps > 0) A(1, velocities - 1) += -h_m * (ratio - 1.0) / implicit;
   A.row(0) = s.dt * A.row(1);
   A(0, 0) += 1.0;
   if (s.delay_steps > 0) {
     A.row(2) = s.contact_damping * A.row(1);
     A(2, 0) += s.contact_stiffness;
-    for (int i = 3; i < n; ++i) A(i, i - 1) = 1.0;
+    for (int i = 3; i < velocities; ++i) A(i, i - 1) = 1.0;
   }
+  for (int i = velocities; i < n; ++i) A(i, i == velocities ? 1 : i - 1) = 1.0;
   return A.eigenvalues().cwiseAbs().maxCoeff();
 }
 
@@ -39,11 +42,13 @@ namespace {
 // `damping` are functions of the natural mass.
 template <typename DesiredMass, typename Damping>
 bool stable(const ImpedanceSettings& settings, const DesiredMass& desired, const Damping& damping) {
-  const int steps =
-      std::max(1, static_cast<int>(std::lround(settings.timing.wrench_delay / settings.timing.dt)));
+  const TimingSettings& timing = settings.timing;
+  const int steps = std::max(1, static_cast<int>(std::lround(timing.wrench_delay / timing.dt)));
+  const int velocity_steps =
+      static_cast<int>(std::lround((timing.velocity_age + timing.velocity_lag) / timing.dt));
   for (double m = 1.0; m <= settings.stability_check.natural_mass_max; m += 0.5)
     if (spectral_radius({m, desired(m), damping(m), settings.stability_check.contact_stiffness_max,
-                         0.0, settings.timing.dt, steps}) >= 1.0)
+                         0.0, timing.dt, steps, velocity_steps}) >= 1.0)
       return false;
   return true;
 }

@@ -3,10 +3,11 @@
 //
 // Plant     m v̇ = u + f,  f = k x' + …: tip spring k with damper b, x the penetration
 // Control   u = (m/m_d)(−B v + F_push + f_late) − f_late, f_late the force `delay` earlier     (11)
+//           v `velocity_steps` old, if the joint velocities come late or from an estimator
 // Bound     B + b m_d/m > (1 − m_d/m) k T, to first order in the delay T: the late force removes
 //           (1 − m_d/m) k T of damping
 // This check is exact instead: the spectral radius of the sampled loop (semi-implicit Euler, whole
-// steps of delay) must be below 1. Requires masses, stiffness and dt > 0, and delay_steps ≥ 0.
+// steps of delay) must be below 1. Requires masses, stiffness and dt > 0, and steps ≥ 0.
 #pragma once
 
 #include "impedraw/control/impedance_settings.h"
@@ -21,6 +22,7 @@ struct ContactLoop {
   double contact_damping = 0.0;  // b [N s/m]
   double dt;                     // [s]
   int delay_steps;               // age of the measured wrench
+  int velocity_steps = 0;        // age of the velocity that is damped
 };
 
 double spectral_radius(const ContactLoop& loop);  // < 1: stable

@@ -16,10 +16,14 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
       null_stiffness_(settings_.null_space.stiffness),
       lower_(settings_.joint_range.lower),
       upper_(settings_.joint_range.upper),
+      yield_limit_(Eigen::Map<const Eigen::VectorXd>(
+          settings_.observer.yield_limit.data(),
+          static_cast<Eigen::Index>(settings_.observer.yield_limit.size()))),
       space_(settings.operational_space),
       observer_(settings.observer, joints, settings.timing.dt,
-                std::max(0.0, settings.timing.wrench_delay - settings.timing.dt),
-                settings.timing.torque_delay()),
+                std::max(0.0, settings.timing.wrench_delay - settings.timing.dt -
+                                  settings.timing.velocity_age),
+                settings.timing.torque_delay() + settings.timing.velocity_age),
       limits_(settings_.limits.torque, settings_.limits.torque_rate, settings.timing.dt),
       tracker_(settings.surface.normal_bandwidth, settings.timing.dt),
       contact_(settings.contact, settings.timing.dt) {
@@ -184,8 +188,7 @@ void ImpedanceController::update_damping() noexcept {
   modal_damping_.design(space_.inverse_inertia_factor(), K_damping_.linear.matrix(n),
                         K_damping_.angular.matrix(n), settings_.damping_ratio);
   const double rate = modal_damping_.largest_rate() / std::sqrt(scale_);
-  out_.status.damping_limit =
-      rate * (settings_.timing.dt + settings_.timing.loop_delay) >= kDampingLimit;
+  out_.status.damping_limit = rate * settings_.timing.damping_delay() >= kDampingLimit;
 }
 
 // B V. If M_d = c Λ, C and A of damping.h are 1/c of those for M_d = Λ.
@@ -296,12 +299,16 @@ JointVector ImpedanceController::limit_repulsion(const JointVector& q) noexcept 
   return tau;
 }
 
-// r. Held constant while there is no wrench to subtract.
-const JointVector& ImpedanceController::disturbance(const ArmTerms& arm,
-                                                    const Wrench& F_ext) noexcept {
-  if (!out_.status.stale_wrench) return observer_.update(arm, F_ext);
-  observer_.pause();
-  return observer_.disturbance();
+// r_y. Held constant while there is no wrench to subtract.
+JointVector ImpedanceController::disturbance(const ArmTerms& arm, const Wrench& F_ext) noexcept {
+  if (out_.status.stale_wrench)
+    observer_.pause();
+  else
+    observer_.update(arm, F_ext);
+  const JointVector& r = observer_.disturbance();
+  if (yield_limit_.size() == 0 || (r.cwiseAbs() - yield_limit_).maxCoeff() <= 0.0) return r;
+  const JointVector within = r.cwiseMin(yield_limit_).cwiseMax(-yield_limit_);
+  return within + arm.J.transpose().lazyProduct(space_.project_to_tip(r - within));
 }
 
 void ImpedanceController::apply_limits(const ArmTerms& arm) noexcept {

@@ -4,7 +4,7 @@
 // Law
 //   a      = V̇_d + M_d⁻¹ ( B (V_d − V) + K e + F_push + F_compliant )          (1)
 //   F_act  = Λ ( a − J̇v + J M⁻¹ C v ) − F_ext                                  (10)–(11)
-//   τ      = Jᵀ F_act + (I − Jᵀ J̄ᵀ) τ_null + g − r                             (12), (16)–(17)
+//   τ      = Jᵀ F_act + (I − Jᵀ J̄ᵀ) τ_null + g − r_y                           (12), (16)–(17)
 //   τ_null = K_q (q_0 − q) − D_q v + τ_limit                                   (14)–(15)
 //
 // Closed loop
@@ -23,7 +23,9 @@
 //   F_ext           6      wrench of the environment on the tip                N, Nm
 //   F_compliant     6      F_ext without the part that tip friction can explain, so that the pen
 //                          yields to a hand but not to its own friction       N, Nm
-//   r               n      unmodelled torque: momentum_observer.h              Nm
+//   r_y             n      unmodelled torque r of momentum_observer.h. Beyond  Nm
+//                          observer.yield_limit only its part at the tip:
+//                          r_c + Jᵀ J̄ᵀ (r − r_c), r_c = r within the limit
 //   τ_limit         n      joint_range.torque ((margin − d)/margin)² away from the end of a joint's
 //                          range, if its distance d is below the margin        Nm
 //
@@ -73,7 +75,7 @@ enum TorqueTerm {
   kVelocityProduct,  // Jᵀ Λ ( J M⁻¹ C v − J̇v )
   kNullSpace,        // (I − Jᵀ J̄ᵀ) τ_null
   kGravity,          // g
-  kDisturbance,      // −r
+  kDisturbance,      // −r_y
   kTorqueTerms
 };
 inline constexpr std::string_view kTorqueTermNames[] = {
@@ -164,7 +166,7 @@ class ImpedanceController {
 
   JointVector null_space_torque(const ArmTerms& arm) noexcept;
   JointVector limit_repulsion(const JointVector& q) noexcept;
-  const JointVector& disturbance(const ArmTerms& arm, const Wrench& F_ext) noexcept;
+  JointVector disturbance(const ArmTerms& arm, const Wrench& F_ext) noexcept;
   void apply_limits(const ArmTerms& arm) noexcept;
 
   ImpedanceSettings settings_;  // completed
@@ -172,6 +174,7 @@ class ImpedanceController {
   bool shaped_, measured_, observed_;
   double scale_;  // c of M_d = c Λ
   JointVector q_0_, null_stiffness_, lower_, upper_;
+  JointVector yield_limit_;  // of r; empty: none
   OperationalSpace space_;
   ModalDamping modal_damping_;
   TipGain shaped_damping_;

@@ -34,6 +34,8 @@ void check_timing(const TimingSettings& s) {
   check(Limits::dt, s.dt);
   check(Limits::loop_delay, s.loop_delay);
   check(Limits::wrench_delay, s.wrench_delay);
+  check(Limits::velocity_age, s.velocity_age);
+  check(Limits::velocity_lag, s.velocity_lag);
   check(Limits::max_state_age, s.max_state_age);
   check(Limits::max_wrench_age, s.max_wrench_age);
 }
@@ -86,6 +88,12 @@ void check_joints(const ImpedanceSettings& s, int joints) {
     throw InputError("joint_range.lower and joint_range.upper: one is given without the other");
   check(Limits::limit_margin, s.joint_range.margin);
   check(Limits::limit_torque, s.joint_range.torque);
+  const Limit& yield = ObserverSettings::Limits::yield_limit;
+  check_entries(
+      "control.observer.yield_limit",
+      Eigen::Map<const Eigen::VectorXd>(s.observer.yield_limit.data(),
+                                        static_cast<Eigen::Index>(s.observer.yield_limit.size())),
+      joints, yield.range, yield.unit);
   check_entries("limits.torque", s.limits.torque, joints, Range::positive(), "Nm");
   each(Limits::torque_rate, s.limits.torque_rate);
   check(Limits::tip_speed_limit, s.limits.tip_speed);
@@ -131,7 +139,7 @@ void ImpedanceSettings::validate_inertia() const {
   const TipGain K = damping_stiffness();
   if (shaped) {
     const TipGain B = diagonal_damping(K, shaped_inertia, damping_ratio);
-    check_damping_rates(B, shaped_inertia, timing.dt + timing.loop_delay);
+    check_damping_rates(B, shaped_inertia, timing.damping_delay());
     check_contact_stability(shaped_inertia.linear.normal, B.linear.normal, *this);
   } else if (scaled && inertia_scale < 1.0) {
     check_scaled_contact_stability(inertia_scale, K.linear.normal, *this);

@@ -39,11 +39,17 @@ struct TimingSettings {
   double loop_delay = 1e-3;
   // Age of F_ext as passed to step() [s]. At least one step, as F_ext is a mean over the last step.
   double wrench_delay = 1e-3;
+  // Age of v as passed to step(), filters included; 0 if it was forecast to now [s].
+  double velocity_age = 0.0;
+  // Lag of an estimated v to what its model does not explain; for the stability checks [s].
+  double velocity_lag = 0.0;
   double max_state_age = 5e-3;   // an older state is stale: InputAges::state [s]
   double max_wrench_age = 2e-2;  // an older wrench is stale: InputAges::wrench [s]
 
   // Delay of the torque beyond the one step that every sampled loop has [s].
   double torque_delay() const { return loop_delay > dt ? loop_delay - dt : 0.0; }
+  // Time from a motion until damping acts on it, for the stability checks [s].
+  double damping_delay() const { return dt + loop_delay + velocity_age + velocity_lag; }
 };
 
 // Use of the estimated surface in the law.
@@ -154,6 +160,8 @@ struct ImpedanceSettings {
     // the longest delay of the drives, and one step
     static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.021}};
     static constexpr Limit wrench_delay = {"wrench_delay", "s", {0.0, 1.0}};
+    static constexpr Limit velocity_age = {"velocity_age", "s", {0.0, 0.1}};
+    static constexpr Limit velocity_lag = {"velocity_lag", "s", {0.0, 1.1}};
     static constexpr Limit max_state_age = {"max_state_age", "s", {0.0, 1.0}};
     static constexpr Limit max_wrench_age = {"max_wrench_age", "s", {0.0, 1.0}};
     // along and about both tangents, and the normal

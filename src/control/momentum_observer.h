@@ -4,7 +4,8 @@
 // Plant     M v̇ + C v + g = τ + Jᵀ F_ext + d,   d: unmodelled torque [Nm]
 // Observer  r = K_o ∫ ( M dv − (τ + Jᵀ F_ext − C v − g + r) dt )
 // so        ṙ = K_o (d − r): d through a first-order low-pass of bandwidth K_o
-// Use       the law subtracts r from its torque. Each r_j is bounded, so that r cannot wind up.
+// Use       the law subtracts r_c + Jᵀ J̄ᵀ (r − r_c) from its torque, r_c: r within yield_limit.
+//           Each r_j is bounded by `limit`, so that r cannot wind up.
 //
 // ∫ M dv replaces M v − ∫ Ṁ v dt, so that neither C nor Ṁ nor an acceleration is formed. It is the
 // sum of M_i (v_i+1 − v_i) over the steps. The wrench must be subtracted, or the observer would
@@ -15,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
@@ -25,10 +27,14 @@ struct ObserverSettings {
   bool enabled = true;       // needs a measured wrench
   double bandwidth = 200.0;  // K_o [rad/s]
   double limit = 40.0;       // of each |r_j| [Nm]
+  // Of each joint [Nm]. What r_j exceeds it by is compensated only where it would move the tip, so
+  // that a push on the arm's body moves the arm through its null space. Empty: `limit`.
+  std::vector<double> yield_limit;
 
   struct Limits {
     static constexpr Limit bandwidth = {"bandwidth", "rad/s", {1.0, 900.0}};
     static constexpr Limit limit = {"limit", "Nm", {0.0, 1000.0}};
+    static constexpr Limit yield_limit = {"yield_limit", "Nm", {0.0, 1000.0}};
   };
 
   void validate() const;  // throws InputError naming the setting and what is valid

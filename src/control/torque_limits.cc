@@ -62,54 +62,49 @@ Share largest_share(const JointVector& tau, const JointVector& u, const JointVec
 TorqueLimits::TorqueLimits(const Eigen::VectorXd& limit, const Eigen::VectorXd& rate, double dt)
     : limit_(limit), step_(rate * dt) {}
 
-void TorqueLimits::find_box(int n) noexcept {
-  lower_ = -limit_;
-  upper_ = limit_;
-  if (!started_ || step_.size() == 0) return;
-  for (int i = 0; i < n; ++i) {
-    // The last torque is always within the limits, so the two boxes intersect.
-    lower_[i] = std::max(lower_[i], last_[i] - step_[i]);
-    upper_[i] = std::min(upper_[i], last_[i] + step_[i]);
-  }
-}
-
 bool TorqueLimits::inside(const JointVector& tau) const noexcept {
   for (int i = 0; i < tau.size(); ++i)
-    if (tau[i] < lower_[i] || tau[i] > upper_[i]) return false;
+    if (tau[i] < -limit_[i] || tau[i] > limit_[i]) return false;
   return true;
 }
 
-LimitedTorque TorqueLimits::clip(const JointVector& tau) noexcept {
-  find_box(static_cast<int>(tau.size()));
-  LimitedTorque out{tau, !inside(tau)};
-  if (out.limited) out.tau = tau.cwiseMax(lower_).cwiseMin(upper_);
-  last_ = out.tau;
+// The last torque is always within the limits, so what lies between it and a torque within the
+// limits does, too.
+void TorqueLimits::clip_rate(LimitedTorque* out) noexcept {
+  if (started_ && step_.size() != 0) {
+    for (int i = 0; i < out->tau.size(); ++i) {
+      const double within = std::clamp(out->tau[i], last_[i] - step_[i], last_[i] + step_[i]);
+      out->limited |= within != out->tau[i];
+      out->tau[i] = within;
+    }
+  }
+  last_ = out->tau;
   started_ = true;
+}
+
+LimitedTorque TorqueLimits::clip(const JointVector& tau) noexcept {
+  LimitedTorque out{tau, !inside(tau)};
+  if (out.limited) out.tau = tau.cwiseMax(-limit_).cwiseMin(limit_);
+  clip_rate(&out);
   return out;
 }
 
 LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task,
                                   const JointVector& null, const ArmTerms& arm,
                                   const OperationalSpace& space) noexcept {
-  const int n = static_cast<int>(hold.size());
-  find_box(n);
   LimitedTorque out{hold + task + null};
-  if (inside(out.tau)) {
-    last_ = out.tau;
-    started_ = true;
-    return out;
+  if (!inside(out.tau)) {
+    out.limited = true;
+    Eigen::Index worst = 0;
+    (out.tau.cwiseAbs() - limit_).maxCoeff(&worst);
+    const JointVector unit = JointVector::Unit(hold.size(), worst);
+    const JointVector d = unit - arm.J.transpose().lazyProduct(space.project_to_tip(unit));
+    const Share share = largest_share(hold + null, task, d, -limit_, limit_);
+    out.task_share = std::isnan(share.s) ? 0.0 : share.s;
+    if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
+    out.tau = out.tau.cwiseMax(-limit_).cwiseMin(limit_);  // for rounding errors and step 3
   }
-  out.limited = true;
-  Eigen::Index worst = 0;
-  (out.tau - upper_).cwiseMax(lower_ - out.tau).maxCoeff(&worst);
-  const JointVector unit = JointVector::Unit(n, worst);
-  const JointVector d = unit - arm.J.transpose().lazyProduct(space.project_to_tip(unit));
-  const Share share = largest_share(hold + null, task, d, lower_, upper_);
-  out.task_share = std::isnan(share.s) ? 0.0 : share.s;
-  if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
-  out.tau = out.tau.cwiseMax(lower_).cwiseMin(upper_);  // for rounding errors and step 3
-  last_ = out.tau;
-  started_ = true;
+  clip_rate(&out);
   return out;
 }
 

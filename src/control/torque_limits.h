@@ -2,7 +2,7 @@
 // task as far as possible.
 //
 // Desired     τ = τ_hold + τ_task + τ_null
-// Box         |τ_j| ≤ limit_j,  |τ_j − τ_j,last| ≤ rate_j Δt
+// Limits      |τ_j| ≤ limit_j
 // In order    1. A null-space torque (I − Jᵀ J̄ᵀ) e_j α is added, for the joint j furthest outside
 //                the box, with the least |α| that brings all joints inside. It has no effect at
 //                the tip. For an arm of seven joints this is the whole null space; an arm of six
@@ -10,10 +10,14 @@
 //             2. τ_task is scaled by the largest s in [0, 1] for which step 1 succeeds. The wrench
 //                at the tip keeps its direction.
 //             3. If no s succeeds, each joint is clipped.
+// Rate        |τ_j − τ_j,last| ≤ rate_j Δt, last, by clipping each joint. To keep the direction of
+//             the task's change would slow every joint, the quick wrist too, to the slowest one's
+//             rate: a lag in the loop (docs/decisions/0013).
 // Requires    limit > 0, rate > 0, n entries each, as ImpedanceSettings::validate() checks; `space`
 //             updated for `arm`; torques of n entries.
-// Result      always inside the box. Neither throws nor allocates.
-// Clipping each joint directly, as is common, changes the direction of the wrench at the tip.
+// Result      always within limits and rates. Neither throws nor allocates.
+// Clipping each joint at its limit, as is common, changes the direction of the wrench at the tip
+// for as long as the limit is met.
 // Clipping τ_null after its projection disturbs that wrench.
 #pragma once
 
@@ -40,11 +44,10 @@ class TorqueLimits {
   void reset() noexcept { started_ = false; }  // the next torque has no rate limit
 
  private:
-  void find_box(int n) noexcept;
   bool inside(const JointVector& tau) const noexcept;
+  void clip_rate(LimitedTorque* out) noexcept;
 
-  JointVector limit_, step_;   // step: rate Δt [Nm]; empty: none
-  JointVector lower_, upper_;  // the box of this step
+  JointVector limit_, step_;  // step: rate Δt [Nm]; empty: none
   JointVector last_;
   bool started_ = false;
 };

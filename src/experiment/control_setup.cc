@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/control/impedance.h"
 
 namespace impedraw {
@@ -45,6 +46,29 @@ ImpedanceSettings impedance_settings(const Scenario& s, const ArmLimits& limits,
   return settings;
 }
 
+// What the controller knows of the joints' sensors, and the estimator that reads them.
+void set_up_joint_sensing(const Scenario& s, int joints, const SettingErrors& setting_errors,
+                          ControlSetup* setup) {
+  const JointSensingSettings& sensing = s.control.joint_sensing;
+  TimingSettings& timing = setup->impedance.timing;
+  const double delay = sensing.sensor_delay.value_or(s.world.joint_sensor.delay);
+  if (sensing.velocity == VelocitySource::measured) {
+    setting_errors.locate({"world.joint_sensor.velocity", "control.joint_sensing"}, [&] {
+      if (s.world.joint_sensor.velocity == VelocityReading::none)
+        throw InputError(
+            "world.joint_sensor.velocity: none needs control.joint_sensing.velocity: estimated");
+    });
+    const double filter = s.world.joint_sensor.velocity_age(timing.dt) - s.world.joint_sensor.delay;
+    timing.velocity_age = delay + filter;
+    return;
+  }
+  setting_errors.locate({"control.joint_sensing"}, [&] {
+    setup->joint_estimator.emplace(
+        JointStateEstimatorSettings{timing.dt, sensing.bandwidth, delay, timing.torque_delay()});
+    timing.velocity_lag = JointStateEstimator(*setup->joint_estimator, joints).lag();
+  });
+}
+
 }  // namespace
 
 ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Plan& plan,
@@ -63,6 +87,7 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
     });
   }
   setup.impedance = impedance_settings(s, scene.arm.limits(), plan, wrench_delay);
+  set_up_joint_sensing(s, scene.arm.joints(), setting_errors, &setup);
   setting_errors.locate(control_setting_names(), [&] {
     ImpedanceController(setup.impedance, scene.arm.joints());
   });  // its checks, before anything is written

@@ -178,6 +178,17 @@ void describe(Fields& f, DepthNoise& s) {
           "Resolution of the depth at 1 m; it grows with depth². 0: continuous.");
 }
 
+void describe(Fields& f, CameraErrors& s) {
+  f.field(CameraErrors::Limits::shift, s.shift,
+          "Distance of each true camera from where it is believed to be. Its direction comes from "
+          "the seed.");
+  f.field(
+      CameraErrors::Limits::turn, s.turn_deg,
+      "Angle of each true camera to how it is believed to stand. Its axis comes from the seed.");
+  f.field(CameraErrors::Limits::depth_scale, s.depth_scale,
+          "Relative error of every depth: 0.01 reads 1 % too far.");
+}
+
 void describe(Fields& f, NormalSettings& s) {
   using Limits = NormalSettings::Limits;
   f.choice("mode", s.mode,
@@ -201,6 +212,7 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
   f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
   f.field("noise", s.noise, "Noise of the depth.");
+  f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");
   f.field(Limits::voxel, s.voxel,
           "Side of the cubes in which points are averaged; 0: every point is kept.");
   f.field(Limits::self_padding, s.self_padding,
@@ -283,6 +295,9 @@ void describe(Fields& f, ObserverSettings& s) {
   f.field("enabled", s.enabled, "Uses the observer. It needs a measured wrench.");
   f.field(Limits::bandwidth, s.bandwidth, "Bandwidth of the observer's low-pass filter.");
   f.field(Limits::limit, s.limit, "Largest torque that the observer compensates on a joint.");
+  f.field(Limits::yield_limit, s.yield_limit,
+          "Torque of each joint above which the observer compensates only what would move the tip, "
+          "so that the arm yields to a push on its body; empty: from the arm.");
 }
 
 void describe(Fields& f, ForceIntegralSettings& s) {
@@ -314,6 +329,17 @@ void describe(Fields& f, SensingSettings& s) {
           "Bandwidth of the wrench's low-pass filter; 0: no filter.");
   f.field(Limits::tare_time, s.tare_time,
           "Time at rest in the air, before the first stroke, over which the sensor is tared.");
+}
+
+void describe(Fields& f, JointSensingSettings& s) {
+  using Limits = JointSensingSettings::Limits;
+  f.choice("velocity", s.velocity,
+           {{"measured", VelocitySource::measured}, {"estimated", VelocitySource::estimated}},
+           "Joint velocities of the control law: as measured, or estimated from the positions, the "
+           "torques and the arm's model.");
+  f.field(Limits::bandwidth, s.bandwidth, "Bandwidth of the estimator.");
+  f.field(Limits::sensor_delay, s.sensor_delay,
+          "Modelled delay of the joints' sensors; null: their true delay.");
 }
 
 void describe(Fields& f, ControlSettings& s) {
@@ -388,6 +414,8 @@ void describe(Fields& f, ControlSettings& s) {
           "Greatest age of the state while a torque acts: one step and the delay of the drives.");
   f.field("force_integral", s.force_integral, "Integral of the force error along the normal.");
   f.field("sensing", s.sensing, "From the sensor's readings to the wrench at the tip.");
+  f.field("joint_sensing", s.joint_sensing,
+          "From the joints' readings to their positions and velocities.");
   f.field(Limits::torque_share, s.torque_share,
           "Fraction of the arm's torque limits that may be used.");
   f.field(Limits::torque_rate, s.torque_rate, "Largest rate of change of a joint's torque.");
@@ -441,12 +469,33 @@ void describe(Fields& f, WrenchSensorSettings& s) {
   f.field(Limits::delay, s.delay, "Delay of the readings.");
 }
 
+void describe(Fields& f, JointSensorSettings& s) {
+  using Limits = JointSensorSettings::Limits;
+  f.field(Limits::quantum, s.quantum, "Resolution of the joint positions; 0: continuous.");
+  f.field(Limits::position_noise, s.position_noise,
+          "Standard deviation of the white noise of a position sample.");
+  f.field(Limits::velocity_noise, s.velocity_noise,
+          "Standard deviation of the white noise of a velocity sample.");
+  f.field(Limits::delay, s.delay, "Delay of the readings.");
+  f.choice("velocity", s.velocity,
+           {{"exact", VelocityReading::exact},
+            {"difference", VelocityReading::difference},
+            {"none", VelocityReading::none}},
+           "Velocities that the sensors give: the true ones, the filtered difference of the "
+           "positions, or none; none needs control.joint_sensing.velocity: estimated.");
+  f.field(Limits::velocity_bandwidth, s.velocity_bandwidth,
+          "Bandwidth of the low-pass filter of the difference; 0: no filter.");
+}
+
 void describe(Fields& f, WorldSettings& s) {
   using Limits = WorldSettings::Limits;
   f.field("errors", s.errors, "Differences between the true arm and its model.");
   f.field("tip", s.tip, "True properties of the pen's tip.");
   f.field(Limits::joint_friction, s.joint_friction, "Coulomb friction of every joint.");
   f.field(Limits::gravity, s.gravity, "Gravity along -z.");
+  f.field("joint_sensor", s.joint_sensor, "Faults of the joints' sensors.");
+  f.field(Limits::substeps, s.substeps,
+          "Integration steps in each control step; the torque is held.");
 }
 
 void describe(Fields& f, PenSettings& s) {
@@ -459,10 +508,14 @@ void describe(Fields& f, PenSettings& s) {
 
 void describe(Fields& f, PushSettings& s) {
   using Limits = PushSettings::Limits;
-  f.field(Limits::force, s.force, "Tangential force on the pen tip.");
+  f.field(Limits::force, s.force, "Force: tangential on the pen tip, or as it is on a link.");
+  f.field("link", s.link,
+          "Link of the arm that is pushed at its origin, such as link_4, the elbow; empty: the "
+          "pen.");
   f.field(Limits::direction, s.direction_W,
-          "Direction of the force in world axes, projected onto the canvas's tangent plane.");
-  f.field(Limits::lift, s.lift, "Additional force along the canvas's outward normal.");
+          "Direction of the force in world axes; on the pen it is projected onto the canvas's "
+          "tangent plane.");
+  f.field(Limits::lift, s.lift, "Additional force on the pen along the canvas's outward normal.");
   f.field(Limits::middle, s.middle,
           "Middle of the push, as a fraction of the time from the start of the first stroke to the "
           "end of the last.");
@@ -509,7 +562,7 @@ void describe(Fields& f, Scenario& s) {
           "Faults of the sensor between flange and pen, for control.wrench: sensor.");
   f.field("pen", s.pen, "The line that the pen leaves in the pictures.");
   f.field("log", s.log, "How much of the run the log keeps.");
-  f.field("pushes", s.pushes, "Pushes on the pen, as by a hand.");
+  f.field("pushes", s.pushes, "Pushes on the pen or the arm, as by a hand.");
   f.field("faults", s.faults, "Faults that are injected on purpose.");
 }
 

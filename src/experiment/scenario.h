@@ -23,6 +23,7 @@
 #include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/wrap/wrap.h"
 #include "impedraw/report/picture.h"
+#include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/settings/schema.h"
 #include "impedraw/simulation/world.h"
 
@@ -88,10 +89,25 @@ struct CameraSettings {
   };
 };
 
+// Differences of the true cameras from what is believed of them. The directions of each camera's
+// shift and turn come from the seed.
+struct CameraErrors {
+  double shift = 0.0;        // of its position [m]
+  double turn_deg = 0.0;     // about an axis through its pinhole
+  double depth_scale = 0.0;  // depths read 1 + depth_scale times the true ones
+
+  struct Limits {
+    static constexpr Limit shift = {"shift", "m", {0.0, 0.1}};
+    static constexpr Limit turn = {"turn", "deg", {0.0, 10.0}};
+    static constexpr Limit depth_scale = {"depth_scale", "", {-0.2, 0.2}};
+  };
+};
+
 struct PerceptionSettings {
   bool enabled = true;
   std::vector<CameraSettings> cameras;  // the standard three
   DepthNoise noise;
+  CameraErrors errors;
   double voxel = 0.004;
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
@@ -116,11 +132,26 @@ struct BlindSettings {
   };
 };
 
+enum class VelocitySource {
+  measured,   // as the joints' sensors give it
+  estimated,  // from their positions: joint_state_estimator.h
+};
+
+// The controller's assumptions about the joints' sensors.
+struct JointSensingSettings {
+  VelocitySource velocity = VelocitySource::measured;
+  double bandwidth = JointStateEstimatorSettings().bandwidth;  // of the estimator [rad/s]
+  std::optional<double> sensor_delay;                          // absent: the true delay [s]
+
+  using Limits = JointStateEstimatorSettings::Limits;
+};
+
 // The control law and the source of its wrench. control.wrench, dt, torque limits, joint ranges and
 // null_space.stiffness follow from the other settings and the arm.
 struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
+  JointSensingSettings joint_sensing;
   double torque_share = 1.0;    // of the arm's torque limits
   double torque_rate = 4000.0;  // of every joint [Nm/s]
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
@@ -134,10 +165,11 @@ struct ControlSettings : ImpedanceSettings {
   };
 };
 
-// A push on the pen, like that of a hand.
+// A push on the pen or on a link of the arm, like that of a hand.
 struct PushSettings {
   double force = 10.0;  // [N]
-  // Projected onto the canvas's tangent plane under the pen.
+  std::string link;     // pushed at its origin; empty: the pen at its tip
+  // On the pen: projected onto the canvas's tangent plane under it.
   Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();
   double lift = 0.0;  // additional force along the canvas's outward normal [N]
   // Time, as a fraction of the time from the first stroke's start to the last stroke's end.

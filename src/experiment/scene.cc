@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/input_files.h"
@@ -33,6 +36,19 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
   scene->planning.emplace(PointCloud(scene->perception->cloud()), cautious);
 }
 
+void check_pushes(const Scenario& s, const World& world, const SettingErrors& setting_errors) {
+  for (const PushSettings& push : s.pushes) {
+    if (push.link.empty()) continue;
+    const std::optional<int> link = world.link(push.link);
+    if (link && !world.below_flange(*link)) continue;
+    setting_errors.raise(
+        {"pushes"},
+        fmt::format("pushes: link is {}; valid are the links of the arm above its flange, or none "
+                    "for a push on the pen",
+                    push.link));
+  }
+}
+
 }  // namespace
 
 SurfaceHeight Scene::surface(const Pose& X_WP) const {
@@ -55,6 +71,7 @@ Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& sett
   settings.flange_sensor = has_sensor(s.control.source);
   auto world = setting_errors.locate(
       {"arm.urdf"}, [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
+  check_pushes(s, *world, setting_errors);
   Scene scene{.canvas = std::move(canvas),
               .arm = std::move(arm),
               .start_q = {},

@@ -2,12 +2,37 @@
 
 #include <algorithm>
 
+#include <numbers>
+
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/seeded_normals.h"
 #include "impedraw/perception/depth_camera.h"
 
 namespace impedraw {
+
+namespace {
+
+// The camera that takes the image, where `believed` is what its points are computed with.
+DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
+                        std::uint64_t seed) {
+  SeededNormals normals(~seed);
+  const auto direction = [&normals] {
+    const double x = normals.next(), y = normals.next(), z = normals.next();
+    return Eigen::Vector3d(x, y, z).normalized();
+  };
+  DepthCamera camera = believed;
+  camera.X_WC.p += errors.shift * direction();
+  const Eigen::Vector3d axis = direction();
+  if (errors.turn_deg != 0.0)
+    camera.X_WC.R =
+        Eigen::AngleAxisd(errors.turn_deg * std::numbers::pi / 180.0, axis) * camera.X_WC.R;
+  return camera;
+}
+
+}  // namespace
 
 SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world,
                                ArmModel& arm, const JointVector& q) {
@@ -26,8 +51,11 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   for (std::size_t i = 0; i < p.cameras.size(); ++i) {
     const CameraSettings& c = p.cameras[i];
     cameras.push_back({c.width, c.height, c.fov_y_deg, look_at(c.p_WC, c.target_W)});
+    const std::uint64_t seed = static_cast<std::uint64_t>(s.seed) * 1000 + i;
     images.push_back(
-        render_depth(cameras.back(), cast, p.noise, static_cast<std::uint64_t>(s.seed) * 1000 + i));
+        render_depth(true_camera(cameras.back(), p.errors, seed), cast, p.noise, seed));
+    if (p.errors.depth_scale != 0.0)
+      for (double& depth : images.back().depth) depth *= 1.0 + p.errors.depth_scale;
   }
   std::vector<Capsule> body;
   for (const BodyCapsule& c : arm.body_capsules(q)) body.push_back({c.a_W, c.b_W, c.radius});

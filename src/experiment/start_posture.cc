@@ -79,6 +79,7 @@ void check_joint_settings(const Scenario& scenario, const std::filesystem::path&
   check("arm.posture_seed", scenario.arm.posture_seed);
   check("arm.q_0", scenario.arm.q_0);
   check("control.null_stiffness", scenario.control.null_stiffness);
+  check("control.observer.yield_limit", scenario.control.observer.yield_limit);
 }
 
 double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {

@@ -44,6 +44,8 @@ const RunLogHeader& checked(const RunLogHeader& h) {
               h.cloud_camera.size() == h.cloud_points.size(),
           "each cloud point needs a normal and a camera");
   require(h.target_points.size() == h.target_stroke.size(), "each target point needs a stroke");
+  require(h.joint_speed_limit.size() == 0 || h.joint_speed_limit.size() == n,
+          "each joint needs its speed limit, or none has one");
   return h;
 }
 
@@ -95,6 +97,7 @@ struct RunLog::Writer {
   std::filesystem::path path, part;  // of the log and of the file that will replace it
   RunLogHeader header;
   int joints, terms;
+  bool joint_sensor;
   std::unique_ptr<LogFile> file;
   std::unique_ptr<JournalWriter> journal;  // none while an earlier journal is read
   // In the order of LogTable: the rows and, in a reduced log, the steps.
@@ -114,6 +117,7 @@ struct RunLog::Writer {
         header(given),
         joints(static_cast<int>(header.joint_names.size())),
         terms(static_cast<int>(header.torque_terms.size())),
+        joint_sensor(header.joint_sensor),
         measured(header) {
     streams.push_back(std::make_unique<Stream>(LogTable::rows, header.rate, log_columns(header)));
     if (header.rate == LogRate::full) return;
@@ -148,7 +152,10 @@ struct RunLog::Writer {
       stream->head = stream->synced = rows;
     }
     steps = in.steps();
-    if (header.rate == LogRate::reduced) measured.set_joint_margin(in.joint_margin());
+    if (header.rate == LogRate::reduced) {
+      measured.set_joint_margin(in.joint_margin());
+      measured.set_joint_speed_share(in.joint_speed_share());
+    }
   }
 
   JournalHeader journal_header(double log_id) const {
@@ -202,7 +209,7 @@ struct RunLog::Writer {
   }
 
   void add_row(const LogRow& row) {
-    add(*streams[0], [&](const auto& put) { put_row(row, terms, put); });
+    add(*streams[0], [&](const auto& put) { put_row(row, terms, joint_sensor, put); });
   }
 
   void append(const LogRow& row) {

@@ -50,6 +50,8 @@ struct LogRow {
   double time = 0.0;  // t_i [s]
   JointVector joint_position, joint_velocity,
       joint_torque;  // [rad], [rad/s], [Nm]; torque after limits
+  // as the controller was given them [rad], [rad/s]; only with RunLogHeader::joint_sensor
+  JointVector measured_position, measured_velocity;
   std::array<JointVector, kMaxTorqueTerms>
       torque_terms;  // [Nm]; their sum is the torque before limits
   Eigen::Vector3d tip_position = Eigen::Vector3d::Zero();               // p_WE, true [m]
@@ -81,7 +83,9 @@ struct LogRow {
   explicit LogRow(int joints)
       : joint_position(JointVector::Zero(joints)),
         joint_velocity(joint_position),
-        joint_torque(joint_position) {
+        joint_torque(joint_position),
+        measured_position(joint_position),
+        measured_velocity(joint_position) {
     torque_terms.fill(joint_position);
   }
 };
@@ -90,7 +94,9 @@ struct LogRow {
 struct RunLogHeader {
   std::vector<std::string> joint_names;  // n, 1 … kMaxJoints
   Eigen::VectorXd joint_lower, joint_upper,
-      torque_limit;  // n; [rad], [rad], [Nm]; ± inf if unlimited
+      torque_limit;                   // n; [rad], [rad], [Nm]; ± inf if unlimited
+  Eigen::VectorXd joint_speed_limit;  // n; [rad/s]; inf if unlimited; empty: not known
+  bool joint_sensor = false;          // the rows have measured joint positions and velocities
   std::vector<std::string>
       torque_terms;  // at most kMaxTorqueTerms, each the name of a dataset /torque/<term>
   std::vector<std::string> mode_names;           // of LogRow::mode

@@ -10,6 +10,13 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
       {"/joint/velocity", n, false, "rad/s", "joint axes", "joint velocities"},
       {"/joint/torque", n, false, "Nm", "joint axes", "joint torques commanded, after limits"},
   };
+  if (header.joint_sensor) {
+    columns.push_back({"/joint/measured_position", n, false, "rad", "joint axes",
+                       "joint positions as the controller was given them"});
+    columns.push_back({"/joint/measured_velocity", n, false, "rad/s", "joint axes",
+                       "joint velocities as the controller was given them; zero where the sensor "
+                       "gives none"});
+  }
   for (const std::string& term : header.torque_terms) {
     columns.push_back(
         {"/torque/" + term, n, false, "Nm", "joint axes",
@@ -69,6 +76,8 @@ const std::vector<LogColumn>& step_columns() {
        "largest joint torque against its limit, to a float's precision"},
       {"/every_step/joint_margin", 1, false, "rad", "joint axes",
        "smallest distance of a joint to its limits up to this step"},
+      {kSpeedShareColumn, 1, false, "1", "joint axes",
+       "largest joint speed against its limit up to this step; NaN without limits"},
       {"/every_step/clipped", 1, true, "1", "none", "1 where a joint's torque was limited"},
       {"/every_step/mode", 1, true, "1", "none",
        "contact state of the controller; attribute names of /mode says which"},

@@ -11,6 +11,9 @@
 
 namespace impedraw {
 
+// Logs of older versions lack it.
+inline constexpr const char* kSpeedShareColumn = "/every_step/joint_speed_share";
+
 struct LogColumn {
   std::string name;  // path in the file
   int width;         // 1: shape n; otherwise n×width
@@ -32,7 +35,7 @@ const std::vector<LogColumn>& step_columns();
 
 // Calls put(pointer to first value, count, size of one value) for each column of log_columns().
 template <typename Put>
-void put_row(const LogRow& row, int terms, Put&& put) {
+void put_row(const LogRow& row, int terms, bool joint_sensor, Put&& put) {
   const auto vector = [&](const auto& v) {
     put(v.data(), static_cast<int>(v.size()), sizeof(double));
   };
@@ -45,6 +48,10 @@ void put_row(const LogRow& row, int terms, Put&& put) {
   vector(row.joint_position);
   vector(row.joint_velocity);
   vector(row.joint_torque);
+  if (joint_sensor) {
+    vector(row.measured_position);
+    vector(row.measured_velocity);
+  }
   for (int i = 0; i < terms; ++i) vector(row.torque_terms[i]);
   vector(row.tip_position);
   quaternion(row.tip_orientation);
@@ -77,6 +84,7 @@ void put_step(Step& step, Put&& put) {
   number(step.push);
   number(step.torque_share);
   number(step.joint_margin);
+  number(step.joint_speed_share);
   number(step.clipped);
   number(step.mode);
   number(step.stroke);

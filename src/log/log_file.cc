@@ -210,6 +210,8 @@ void LogFile::create_datasets(Table& table, const RunLogHeader& header) {
       h5::write_attribute(dataset, "lower", limits(header.joint_lower));
       h5::write_attribute(dataset, "upper", limits(header.joint_upper));
       h5::write_attribute(dataset, "torque_limit", limits(header.torque_limit));
+      if (header.joint_speed_limit.size() != 0)
+        h5::write_attribute(dataset, "speed_limit", limits(header.joint_speed_limit));
       h5::write_attribute(dataset, "names", header.joint_names);
     }
   }

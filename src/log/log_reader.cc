@@ -106,6 +106,9 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     header_.joint_lower = to_vector(h5::read_numbers(position, "lower"));
     header_.joint_upper = to_vector(h5::read_numbers(position, "upper"));
     header_.torque_limit = to_vector(h5::read_numbers(position, "torque_limit"));
+    if (H5Aexists(position, "speed_limit") > 0)
+      header_.joint_speed_limit = to_vector(h5::read_numbers(position, "speed_limit"));
+    header_.joint_sensor = has("/joint/measured_position");
     header_.joint_names.resize(joints());
     if (H5Aexists(position, "names") > 0) header_.joint_names = h5::read_texts(position, "names");
     header_.mode_names = h5::read_texts(mode, "names");
@@ -122,6 +125,8 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     if (header_.mode_names.size() > kMostModes)
       fail("attribute names of /mode has " + std::to_string(header_.mode_names.size()) +
            " names, at most " + std::to_string(kMostModes) + " are possible");
+    if (header_.joint_speed_limit.size() != 0 && header_.joint_speed_limit.size() != j)
+      fail("attributes lower and speed_limit of /joint/position differ in length");
     if (header_.joint_upper.size() != j || header_.torque_limit.size() != j ||
         header_.joint_names.size() != static_cast<std::size_t>(j)) {
       fail("attributes names, lower, upper and torque_limit of /joint/position differ in length");
@@ -134,7 +139,11 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     rows_ = count_rows(columns, LogFile::chunk_rows(LogTable::rows, rate()));
     if (rate() == LogRate::reduced) {
       // Cuts both tables at the last time that both contain.
-      steps_ = count_rows(step_columns(), LogFile::chunk_rows(LogTable::steps, rate()));
+      std::vector<LogColumn> every_step = step_columns();
+      std::erase_if(every_step, [&](const LogColumn& column) {
+        return column.name == kSpeedShareColumn && !has(column.name);
+      });
+      steps_ = count_rows(every_step, LogFile::chunk_rows(LogTable::steps, rate()));
       if (steps_ == 0) rows_ = 0;
       if (rows_ > 0) rows_ = rows_until("/time", rows_, number_at("/every_step/time", steps_ - 1));
       steps_ =
@@ -306,6 +315,10 @@ double LogReader::joint_margin() const {
                      : number_at("/every_step/joint_margin", steps_ - 1);
 }
 
+double LogReader::joint_speed_share() const {
+  return steps_ == 0 ? LogRow::kNone : number_at(kSpeedShareColumn, steps_ - 1);
+}
+
 void LogReader::require(const RunLogHeader& given) const {
   const auto differ = [this](const std::string& what, const std::string& there,
                              const std::string& here) {
@@ -340,6 +353,11 @@ void LogReader::require(const RunLogHeader& given) const {
   size("/canvas/triangles", given.canvas_triangles.size());
   size("/cloud/points", given.cloud_points.size());
   size("/target/points", given.target_points.size());
+  if (header_.joint_sensor != given.joint_sensor)
+    differ("a joint sensor", header_.joint_sensor ? "one" : "none",
+           given.joint_sensor ? "one" : "none");
+  if (rate() == LogRate::reduced && !has(kSpeedShareColumn))
+    differ(std::string("dataset ") + kSpeedShareColumn, "none (an older impedraw wrote it)", "one");
   if (!has("/stroke_along"))
     differ("dataset /stroke_along", "none (an older impedraw wrote it)", "one");
 }

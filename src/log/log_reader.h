@@ -21,7 +21,8 @@ namespace impedraw {
 class LogReader {
  public:
   // Throws InputError naming the file, and the dataset if one that grows with the run is missing or
-  // has the wrong shape. (Logs of older versions may lack /stroke_along.)
+  // has the wrong shape. (Logs of older versions may lack /stroke_along
+  // and /every_step/joint_speed_share.)
   explicit LogReader(const std::filesystem::path& path);
 
   [[noreturn]] void fail(const std::string& what) const;  // InputError "<path>: <what>"
@@ -33,7 +34,8 @@ class LogReader {
   LogRate rate() const { return header_.rate; }
   std::size_t rows() const { return rows_; }
   std::size_t steps() const { return rate() == LogRate::full ? rows_ : steps_; }
-  double joint_margin() const;  // reduced log: smallest over all steps; inf without steps
+  double joint_margin() const;       // reduced log: smallest over all steps; inf without steps
+  double joint_speed_share() const;  // the same: largest; NaN without steps or limits
   WallTimes wall() const;
   double log_id() const;  // changes whenever the log is written; 0 in logs of older versions
 

@@ -44,6 +44,13 @@ double joint_margin(const JointReference& position, const JointReference& lower,
   return margin;
 }
 
+double joint_speed_share(const JointReference& velocity, const JointReference& limit) {
+  double share = LogRow::kNone;
+  for (Eigen::Index j = 0; j < limit.size(); ++j)
+    if (std::isfinite(limit[j])) share = std::fmax(share, std::abs(velocity[j]) / limit[j]);
+  return share;
+}
+
 bool is_clipped(const JointReference& before_limits, const JointReference& torque) {
   return ((before_limits - torque).array().abs() > 1e-9 * before_limits.array().abs().max(1.0))
       .any();
@@ -53,6 +60,7 @@ LogSteps::LogSteps(const RunLogHeader& header)
     : lower_(header.joint_lower),
       upper_(header.joint_upper),
       torque_limit_(header.torque_limit),
+      speed_limit_(header.joint_speed_limit),
       terms_(header.torque_terms.size()) {
   std::iota(terms_.begin(), terms_.end(), 0);
   std::sort(terms_.begin(), terms_.end(), [&](std::size_t a, std::size_t b) {
@@ -72,6 +80,9 @@ LogStep LogSteps::measure(const LogRow& row) noexcept {
   step.torque_share = torque_share(row.joint_torque, torque_limit_);
   joint_margin_ = std::min(joint_margin_, joint_margin(row.joint_position, lower_, upper_));
   step.joint_margin = joint_margin_;
+  joint_speed_share_ =
+      std::fmax(joint_speed_share_, joint_speed_share(row.joint_velocity, speed_limit_));
+  step.joint_speed_share = joint_speed_share_;
   if (!terms_.empty()) {
     JointVector sum = row.torque_terms[terms_.front()];
     for (std::size_t k = 1; k < terms_.size(); ++k) sum += row.torque_terms[terms_[k]];

@@ -21,6 +21,8 @@ struct LogStep {
   double torque_share = 0.0;
   // smallest distance of a joint to its limits, in this step and all before it [rad]
   double joint_margin = std::numeric_limits<double>::infinity();
+  // largest ratio of a joint's |speed| to its limit, in this step and all before it; NaN: no limits
+  double joint_speed_share = LogRow::kNone;
   int clipped = 0;  // 1: a joint's torque was clipped
   int mode = 0;
   int stroke = -1;
@@ -44,21 +46,25 @@ using JointReference = Eigen::Ref<const Eigen::VectorXd>;
 double torque_share(const JointReference& torque, const JointReference& limit);
 double joint_margin(const JointReference& position, const JointReference& lower,
                     const JointReference& upper);
+// NaN if `limit` is empty or no joint has one.
+double joint_speed_share(const JointReference& velocity, const JointReference& limit);
 bool is_clipped(const JointReference& before_limits, const JointReference& torque);
 
 // Computes the steps during a run.
 class LogSteps {
  public:
   explicit LogSteps(const RunLogHeader& header);
-  // Sets the smallest margin of the earlier steps when a log is continued.
+  // Set the extremes of the earlier steps when a log is continued.
   void set_joint_margin(double before) { joint_margin_ = before; }
+  void set_joint_speed_share(double before) { joint_speed_share_ = before; }
 
   LogStep measure(const LogRow& row) noexcept;
 
  private:
-  JointVector lower_, upper_, torque_limit_;
+  JointVector lower_, upper_, torque_limit_, speed_limit_;
   std::vector<std::size_t> terms_;  // in alphabetical order of their names, as a log lists them
   double joint_margin_ = std::numeric_limits<double>::infinity();
+  double joint_speed_share_ = LogRow::kNone;
 };
 
 }  // namespace impedraw

@@ -24,6 +24,7 @@ RunConstants constants(const LogReader& log) {
   c.joint_lower = header.joint_lower;
   c.joint_upper = header.joint_upper;
   c.torque_limit = header.torque_limit;
+  c.joint_speed_limit = header.joint_speed_limit;
   c.canvas_vertices = log.points("/canvas/vertices");
   c.canvas_triangles = log.triples("/canvas/triangles");
   c.cloud_points = log.points("/cloud/points");
@@ -81,6 +82,9 @@ void add_rows(const RunRows& rows, RunData* run) {
     run->joint_margin = std::min(
         run->joint_margin,
         joint_margin(rows.joint_position.row(k).transpose(), run->joint_lower, run->joint_upper));
+    run->joint_speed_share = std::fmax(
+        run->joint_speed_share,
+        joint_speed_share(rows.joint_velocity.row(k).transpose(), run->joint_speed_limit));
     if (terms && is_clipped(rows.torque_before_limits.row(k).transpose(), torque)) ++*run->clipped;
   }
 }
@@ -95,6 +99,7 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepCheck
   std::vector<std::byte> values;
   for (std::size_t c = 0; c < step_columns().size(); ++c) {
     const LogColumn& column = step_columns()[c];
+    if (column.name == kSpeedShareColumn && !log.has(column.name)) continue;
     values.resize(n * column.row_bytes());
     if (!log.read(column, begin, n, values.data())) return false;
     for (std::size_t i = 0; i < n; ++i) {
@@ -119,6 +124,7 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepCheck
     run->stroke.push_back(step.stroke);
     run->mode.push_back(static_cast<std::int8_t>(step.mode));
     run->joint_margin = std::min(run->joint_margin, step.joint_margin);
+    run->joint_speed_share = std::fmax(run->joint_speed_share, step.joint_speed_share);
     if (!log.header().torque_terms.empty())
       run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(step.clipped > 0);
   }

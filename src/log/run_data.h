@@ -27,6 +27,7 @@ struct RunConstants {
 
   std::vector<std::string> joint_names, mode_names;
   Eigen::VectorXd joint_lower, joint_upper, torque_limit;
+  Eigen::VectorXd joint_speed_limit;  // empty: not known
   Points canvas_vertices;
   std::vector<Eigen::Vector3i> canvas_triangles;
   Points cloud_points;
@@ -57,6 +58,8 @@ struct RunData : RunConstants {
       clipped;  // steps with a clipped joint torque; none if the log has no terms
   // smallest distance to a joint limit [rad]
   double joint_margin = std::numeric_limits<double>::infinity();
+  // largest ratio of a joint's |speed| to its limit; NaN: not known
+  double joint_speed_share = LogRow::kNone;
 
   std::size_t rows() const { return time.size(); }
 };

@@ -26,6 +26,7 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
 
   numbers("/time", rows->time);
   joints("/joint/position", rows->joint_position);
+  joints("/joint/velocity", rows->joint_velocity);
   joints("/joint/torque", rows->joint_torque);
   rows->torque_before_limits.resize(0, j);
   RunRows::Joints term;
@@ -52,7 +53,6 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
   numbers("/controller/step_time", rows->step_time);
   if (columns == Columns::of_results) return whole;
 
-  joints("/joint/velocity", rows->joint_velocity);
   points("/tip/position", rows->tip_position);
   points("/desired/position", rows->desired_position);
   points("/disturbance/force", rows->disturbance_force);

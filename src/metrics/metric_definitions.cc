@@ -64,6 +64,8 @@ const std::vector<MetricDefinition>& metric_definitions() {
       {"torque_saturated", "1", "share of steps in which a joint's torque was clipped",
        &Metrics::torque_saturated},
       {"joint_margin_min", "rad", "smallest distance to a joint limit", &Metrics::joint_margin_min},
+      {"joint_speed_share_max", "1", "largest joint speed as a share of its limit",
+       &Metrics::joint_speed_share_max},
       {"step_time_p50", "µs", "controller step, median", &Metrics::step_time_p50},
       {"step_time_p99", "µs", "the same, 99th percentile", &Metrics::step_time_p99},
       {"step_time_p999", "µs", "the same, 99.9th percentile", &Metrics::step_time_p999},

@@ -247,7 +247,10 @@ void motion(const RunData& run, const InkMatch& d, Metrics& m) {
 
 void arm(const RunData& run, Metrics& m) {
   if (run.rows() == 0)
-    return lack(m, {&Metrics::torque_saturated, &Metrics::joint_margin_min}, "no rows");
+    return lack(
+        m,
+        {&Metrics::torque_saturated, &Metrics::joint_margin_min, &Metrics::joint_speed_share_max},
+        "no rows");
   if (run.clipped) {
     m.torque_saturated = static_cast<double>(*run.clipped) / static_cast<double>(run.rows());
   } else {
@@ -257,6 +260,11 @@ void arm(const RunData& run, Metrics& m) {
     m.joint_margin_min = run.joint_margin;
   } else {
     lack(m, {&Metrics::joint_margin_min}, "the arm has no joint limits");
+  }
+  if (std::isfinite(run.joint_speed_share)) {
+    m.joint_speed_share_max = run.joint_speed_share;
+  } else {
+    lack(m, {&Metrics::joint_speed_share_max}, "the log holds no joint speed limits");
   }
 }
 

@@ -53,7 +53,7 @@ struct Metrics {
   Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;
   Metric cloud_bias_mean, cloud_bias_sd;
   Metric speed_mean, speed_p95, draw_time;
-  Metric torque_saturated, joint_margin_min;
+  Metric torque_saturated, joint_margin_min, joint_speed_share_max;
   Metric step_time_p50, step_time_p99, step_time_p999, real_time_factor;
   WallTimes wall;
 };

@@ -30,6 +30,9 @@ void require_fit(const ControlSetup& setup, int joints, const DriverInfo& driver
   if (!(std::abs(driver.period - setup.impedance.timing.dt) <= 1e-9))
     throw InputError(fmt::format("driver: its period is {} s, the controller's step {} s",
                                  driver.period, setup.impedance.timing.dt));
+  if (!driver.velocity && !setup.joint_estimator)
+    throw InputError(
+        "driver: it gives no joint velocities, control.joint_sensing.velocity must be estimated");
   const WrenchReading needed = setup.source == WrenchSource::none ? WrenchReading::none
                                : has_sensor(setup.source)         ? WrenchReading::sensor
                                                                   : WrenchReading::tip;
@@ -45,15 +48,17 @@ ControlLoop::ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverI
     : arm_(arm),
       surface_source_(std::move(surface)),
       controller_(setup.impedance, arm.joints()),
+      period_(driver.period),
       coupled_(setup.impedance.inertia != InertiaShaping::shaped),
       terms_(arm.joints()) {
   require_fit(setup, arm.joints(), driver);
   if (has_sensor(setup.source)) estimator_.emplace(setup.estimator);
+  if (setup.joint_estimator) joint_estimator_.emplace(*setup.joint_estimator, arm.joints());
 }
 
 const ImpedanceTorque& ControlLoop::step(const ArmState& state,
                                          const TipReference& reference) noexcept {
-  arm_.compute(state.q, state.v, &terms_);
+  update_arm(state);
   if (surface_source_) {
     const Eigen::Vector3d& p_WE = terms_.X_WE.p;
     const bool ahead = coupled_ && on_surface_;
@@ -62,9 +67,29 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   update_wrench(state);
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
   const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages);
+  if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
   on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
   n_ = out.n_WD;
   return out;
+}
+
+// The arm's terms, at the measured or the estimated state.
+void ControlLoop::update_arm(const ArmState& state) noexcept {
+  if (!joint_estimator_) return arm_.compute(state.q, state.v, &terms_);
+  // Cycles in which the previous step was still running have held its torque.
+  const double cycles = std::round((state.time - time_) / period_);
+  const int steps = cycles >= 1.0 && cycles < 1e4 ? static_cast<int>(cycles) : 1;
+  if (state.state_time != state_time_)
+    joint_estimator_->update(state.q, steps);
+  else
+    joint_estimator_->coast(steps);
+  time_ = state.time;
+  state_time_ = state.state_time;
+  // The estimator ignores a reading that is not finite, but the controller must see it.
+  if (state.q.allFinite() && state.v.allFinite())
+    arm_.compute(joint_estimator_->q(), joint_estimator_->v(), &terms_);
+  else
+    arm_.compute(state.q, state.v, &terms_);
 }
 
 // Each reading is used once: a repeated one would look as if nothing moved.

@@ -9,6 +9,7 @@
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/control_setup.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/wrench_estimator.h"
 
 namespace impedraw {
@@ -35,11 +36,16 @@ class ControlLoop {
   bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
 
  private:
+  void update_arm(const ArmState& state) noexcept;
   void update_wrench(const ArmState& state) noexcept;
 
   ArmModel& arm_;
   SurfaceSource surface_source_;
   ImpedanceController controller_;
+  std::optional<JointStateEstimator> joint_estimator_;
+  double period_;
+  double time_ = std::numeric_limits<double>::quiet_NaN();        // of the last step [s]
+  double state_time_ = std::numeric_limits<double>::quiet_NaN();  // of the last joint reading [s]
   std::optional<WrenchEstimator> estimator_;
   bool coupled_;  // M_d couples translation and rotation
   ArmTerms terms_;

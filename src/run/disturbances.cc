@@ -15,8 +15,15 @@ Disturbances::Disturbances(const Scenario& scenario, const TipPath& path) {
     const double start = time_at(path, fault.start);
     faults_.push_back({fault.kind, start, start + fault.duration});
   }
-  for (const PushSettings& push : scenario.pushes)
-    pushes_.push_back({push, time_at(path, push.middle)});
+  for (const PushSettings& push : scenario.pushes) {
+    const double middle = time_at(path, push.middle);
+    if (push.link.empty()) {
+      pushes_.push_back({push, middle});
+    } else if (push.direction_W.norm() > 1e-9) {
+      link_pushes_.push_back({push.link, push.force * push.direction_W.normalized(),
+                              middle - 0.5 * push.duration, middle + 0.5 * push.duration});
+    }
+  }
 }
 
 bool Disturbances::fault(FaultKind kind, double time) const noexcept {

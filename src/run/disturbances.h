@@ -1,6 +1,8 @@
-// The disturbances of a scenario, at fractions of the plan's time: pushes on the pen, and faults.
+// The disturbances of a scenario, at fractions of the plan's time: pushes on the pen and on
+// links of the arm, and faults.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "impedraw/experiment/faults.h"
@@ -12,12 +14,21 @@ namespace impedraw {
 // The time at `share` of the interval from the first stroke's start to the last stroke's end [s].
 double time_at(const TipPath& path, double share);
 
+struct LinkPush {
+  std::string link;
+  Eigen::Vector3d force_W;  // at the link's origin [N]
+  double start, end;        // [s]
+
+  bool acts(double time) const noexcept { return time >= start && time < end; }
+};
+
 class Disturbances {
  public:
   Disturbances() = default;  // none
   Disturbances(const Scenario& scenario, const TipPath& path);
 
   bool fault(FaultKind kind, double time) const noexcept;
+  const std::vector<LinkPush>& link_pushes() const noexcept { return link_pushes_; }
   bool any_push() const noexcept { return !pushes_.empty(); }
   // Force on the pen where the canvas has the normal n_W [N].
   Eigen::Vector3d push(double time, const Eigen::Vector3d& n_W) const noexcept;
@@ -32,7 +43,8 @@ class Disturbances {
     double middle;  // [s]
   };
   std::vector<TimedFault> faults_;
-  std::vector<TimedPush> pushes_;
+  std::vector<TimedPush> pushes_;  // on the pen
+  std::vector<LinkPush> link_pushes_;
 };
 
 }  // namespace impedraw

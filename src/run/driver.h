@@ -51,12 +51,14 @@ struct DriverInfo {
   int joints = 0;
   double period = 1e-3;  // between two cycles [s]
   WrenchReading wrench = WrenchReading::none;
+  bool velocity = true;  // ArmState::v is given; otherwise the loop must estimate it
 };
 
 struct ArmState {
-  double time = 0.0;                 // of this cycle, by the driver's clock [s]
-  double state_time = 0.0;           // when q and v were measured; earlier than `time` if stale [s]
-  JointVector q, v;                  // [rad], [rad/s]
+  double time = 0.0;  // of this cycle, by the driver's clock [s]
+  // When q and v arrived, the sensor's own delay not counted; earlier than `time` if stale [s].
+  double state_time = 0.0;
+  JointVector q, v;                  // as measured [rad], [rad/s]
   double wrench_time = 0.0;          // when the wrench was measured [s]
   Vector6 wrench = Vector6::Zero();  // as DriverInfo::wrench says [N, Nm]
   // The previous control step is still running in this cycle, and the drives hold the last torque.

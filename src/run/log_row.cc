@@ -12,6 +12,8 @@ RunLogHeader make_header(const Experiment& e) {
   h.joint_lower = e.scene.arm.limits().lower;
   h.joint_upper = e.scene.arm.limits().upper;
   h.torque_limit = e.scene.arm.limits().torque;
+  h.joint_speed_limit = e.scene.arm.limits().speed;
+  h.joint_sensor = !e.scenario.world.joint_sensor.exact();
   for (const std::string_view name : kTorqueTermNames) h.torque_terms.emplace_back(name);
   for (const std::string_view name : kContactModeNames) h.mode_names.emplace_back(name);
   h.canvas_vertices = e.scene.canvas->mesh().vertices;
@@ -38,6 +40,8 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   row->joint_position = truth ? truth->q : state.q;
   row->joint_velocity = truth ? truth->v : state.v;
   row->joint_torque = out.tau;
+  row->measured_position = state.q;
+  row->measured_velocity = state.v;
   for (int k = 0; k < kTorqueTerms; ++k) row->torque_terms[k] = out.terms.col(k);
   row->tip_position = X_WE.p;
   row->tip_orientation = Eigen::Quaterniond(X_WE.R);

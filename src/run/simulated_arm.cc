@@ -26,18 +26,24 @@ SimulatedArm::SimulatedArm(Experiment& e, const JointVector& start_q, Disturbanc
       source_(e.control.source),
       sensor_settings_(e.control.sensor),
       seed_(static_cast<std::uint64_t>(e.scenario.seed)),
-      state_(world_.joints()) {}
+      joint_sensor_settings_(e.scenario.world.joint_sensor),
+      state_(world_.joints()) {
+  for (const LinkPush& push : disturbances_.link_pushes())
+    pushed_links_.push_back(world_.link(push.link).value());  // checked with the scene
+}
 
 DriverInfo SimulatedArm::info() const {
   const WrenchReading wrench = source_ == WrenchSource::none ? WrenchReading::none
                                : has_sensor(source_)         ? WrenchReading::sensor
                                                              : WrenchReading::tip;
-  return {world_.joints(), dt_, wrench};
+  return {world_.joints(), dt_, wrench, joint_sensor_settings_.velocity != VelocityReading::none};
 }
 
 void SimulatedArm::start() {
   world_.set_state(start_q_, JointVector::Zero(world_.joints()));
   if (has_sensor(source_)) sensor_.emplace(sensor_settings_, dt_, seed_);
+  if (!joint_sensor_settings_.exact())
+    joint_sensor_.emplace(joint_sensor_settings_, world_.joints(), dt_, ~seed_);
   state_ = ArmState(world_.joints());
   truth_ = GroundTruth();
   tip_wrench_.setZero();
@@ -67,9 +73,10 @@ const ArmState& SimulatedArm::read() noexcept {
 }
 
 void SimulatedArm::read_joints(const WorldState& now) noexcept {
+  const JointReading* read = joint_sensor_ ? &joint_sensor_->sample(now.q, now.v) : nullptr;
   if (!disturbances_.fault(FaultKind::stale_state, now.time)) {
-    state_.q = now.q;
-    state_.v = now.v;
+    state_.q = read ? read->q : now.q;
+    state_.v = read ? read->v : now.v;
     state_.state_time = now.time;
   }
   if (disturbances_.fault(FaultKind::nan_state, now.time))
@@ -100,6 +107,9 @@ void SimulatedArm::look_for_faults() {
         "the motion went unstable at t = {:.3f} s: {} turns at {:.1f} rad/s, the limit is {:.0f} "
         "rad/s",
         first_time_ + now.time, joint_names_[static_cast<std::size_t>(fastest)], speed, kRunaway);
+  else if (!world_.touching_link().empty())
+    fault_ = fmt::format("{} touched the canvas at t = {:.3f} s; only the tip may",
+                         world_.touching_link(), first_time_ + now.time);
 }
 
 void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept {
@@ -107,6 +117,9 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   const Eigen::Vector3d p_WE = truth_.X_WE.p;
   if (disturbances_.any_push())
     push = disturbances_.push(world_.state().time, canvas_.closest(p_WE).n_W);
+  for (std::size_t i = 0; i < pushed_links_.size(); ++i)
+    if (const LinkPush& on = disturbances_.link_pushes()[i]; on.acts(world_.state().time))
+      world_.push_link(pushed_links_[i], on.force_W);
   const TipContact& contact = world_.step(tau, push);
   truth_.contact_force = contact.f_W;
   truth_.contact_point = contact.touching ? contact.p_WC : GroundTruth::no_vector();

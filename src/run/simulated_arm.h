@@ -10,6 +10,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/wrench_sensor.h"
 
 namespace impedraw {
@@ -25,7 +26,8 @@ class SimulatedArm : public Driver {
   void start() override;
   const ArmState& read() noexcept override;
   void command(const JointVector& tau, const JointVector& gravity) noexcept override;
-  // Set when the motion becomes unstable: not finite, or faster than any such arm can move.
+  // Set when the motion becomes unstable (not finite, or faster than any such arm can move), and
+  // when a link touches the canvas.
   const std::string& fault() const noexcept override { return fault_; }
   void stop() noexcept override {}
   const GroundTruth* truth() const noexcept override { return &truth_; }
@@ -45,6 +47,9 @@ class SimulatedArm : public Driver {
   WrenchSensorSettings sensor_settings_;
   std::uint64_t seed_;
   std::optional<WrenchSensor> sensor_;
+  JointSensorSettings joint_sensor_settings_;
+  std::optional<JointSensor> joint_sensor_;  // absent: exact
+  std::vector<int> pushed_links_;            // of disturbances_.link_pushes()
   ArmState state_;
   GroundTruth truth_;
   Vector6 tip_wrench_ = Vector6::Zero();  // true, over the last step, at the previous E

@@ -11,6 +11,7 @@
 #include "impedraw/common/range_check.h"
 #include "impedraw/simulation/compiled_arm.h"
 #include "impedraw/simulation/flange_balance.h"
+#include "impedraw/simulation/link_contact.h"
 
 namespace impedraw {
 
@@ -44,6 +45,7 @@ struct World::Mujoco {
   mjModel* shape = nullptr;  // with body shapes, for the cameras
   mjData* shape_data = nullptr;
   int tip_body = -1;
+  std::optional<LinkContact> link_contact;
   std::optional<FlangeBalance> flange;
   CarriedMomentum carried;  // at the present state, if flange_sensor is set
 
@@ -53,7 +55,8 @@ struct World::Mujoco {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
   ImpulseColumns M_inverse;
   JointVector v, joint_impulse,
-      friction;  // friction: its impulses, the next step's initial guess
+      friction;             // friction: its impulses, the next step's initial guess
+  JointVector link_torque;  // of the pushes on links, for the next step [Nm]
 
   ~Mujoco() {
     mj_deleteData(data);
@@ -70,6 +73,7 @@ const WorldSettings& checked(const WorldSettings& s) {
   using Tip = TipMaterial::Limits;
   require_in_range("world", Limits::joint_friction, s.joint_friction);
   require_in_range("world", Limits::gravity, s.gravity);
+  require_in_range("world", Limits::substeps, s.substeps);
   require_in_range("world.tip", Tip::radius, s.tip.radius);
   require_in_range("world.tip", Tip::stiffness, s.tip.stiffness);
   require_in_range("world.tip", Tip::damping, s.tip.damping);
@@ -82,10 +86,11 @@ const WorldSettings& checked(const WorldSettings& s) {
 World::World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings)
     : settings_(checked(settings)),
       canvas_(canvas),
+      h_(settings.dt / settings.substeps),
       mujoco_(std::make_unique<Mujoco>()),
       drive_(settings.errors, settings.dt) {
   mju_user_warning = keep_warning;
-  const CompiledArm arm = compile_arm(urdf, settings.dt, settings.gravity, settings.errors);
+  const CompiledArm arm = compile_arm(urdf, h_, settings.gravity, settings.errors);
   mujoco_->model = arm.dynamics;
   mujoco_->shape = arm.shape;
   mujoco_->data = mj_makeData(mujoco_->model);
@@ -101,8 +106,9 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   mujoco_->J_push.setZero(6, n);
   mujoco_->M_inverse_Jt.setZero(n, 3);
   mujoco_->M_inverse.setZero(n, n);
-  mujoco_->joint_impulse = mujoco_->friction = JointVector::Zero(n);
+  mujoco_->joint_impulse = mujoco_->friction = mujoco_->link_torque = JointVector::Zero(n);
   mujoco_->flange.emplace(mujoco_->model);
+  mujoco_->link_contact.emplace(mujoco_->shape, canvas);
   state_.q = state_.v = JointVector::Zero(n);
   set_state(state_.q, state_.v);
 }
@@ -123,6 +129,8 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   last_warning[0] = '\0';
   mujoco_->joint_impulse.setZero();
   mujoco_->friction.setZero();
+  mujoco_->link_torque.setZero();
+  mujoco_->link_contact->reset();
   drive_.reset();
   applied_torque_ = JointVector::Zero(joints());
   observe();
@@ -158,38 +166,37 @@ const TipContact& World::step(const JointVector& tau, const Eigen::Vector3d& f_p
 
 const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W) noexcept {
   const mjModel* m = mujoco_->model;
-  mjData* d = mujoco_->data;
-  const int n = m->nv;
-
   applied_torque_ = drive_.act(tau, state_.q);
-  JointVector generalised = applied_torque_;
-  if (!F_push_W.isZero(0.0)) {
-    mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
-           mujoco_->tip_body);
-    generalised += mujoco_->J_push.transpose().lazyProduct(F_push_W);
-  }
-  if (settings_.errors.viscous_friction > 0.0)
-    generalised -= settings_.errors.viscous_friction * state_.v;  // implicit: see compiled_arm.h
-  const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
-  JointVector acceleration(n);
-  const JointVector force = generalised - bias;
-  mj_solveM(m, d, acceleration.data(), force.data(), 1);
-  solve_impulses(state_.v + settings_.dt * acceleration);
+  for (int j = 0; j < m->nv; ++j)
+    if (m->jnt_actfrclimited[j])
+      applied_torque_[j] =
+          std::clamp(applied_torque_[j], m->jnt_actfrcrange[2 * j], m->jnt_actfrcrange[2 * j + 1]);
 
-  Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
-  applied = generalised + mujoco_->joint_impulse / settings_.dt;
-  if (contact_.touching) applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
-  mj_step2(m, d);
   const CarriedMomentum start = mujoco_->carried;
-  const Eigen::Vector3d p_WE = state_.X_WE.p;
-  observe();
-  if (settings_.flange_sensor && has_flange()) {
-    Vector6 F_env;  // moment about the c.o.m. of the bodies below the flange
-    F_env << contact_.f_W + F_push_W.head<3>(), (contact_.p_WC - start.c_W).cross(contact_.f_W) +
-                                                    (p_WE - start.c_W).cross(F_push_W.head<3>()) +
-                                                    F_push_W.tail<3>();
-    flange_wrench_ = mujoco_->flange->wrench(start, mujoco_->carried, F_env, settings_.dt);
+  TipContact whole;                 // of all integration steps
+  Vector6 F_env = Vector6::Zero();  // its sum; moment about the c.o.m. of what the flange carries
+  const double share = 1.0 / settings_.substeps;
+  for (int i = 0; i < settings_.substeps; ++i) {
+    const Eigen::Vector3d p_WE = state_.X_WE.p;
+    integrate(F_push_W);
+    if (contact_.touching && !whole.touching) {
+      whole = contact_;
+      whole.f_W *= share;
+    } else if (contact_.touching) {
+      whole.f_W += share * contact_.f_W;
+    } else if (!whole.touching) {
+      whole.p_WC = contact_.p_WC;
+      whole.n_W = contact_.n_W;
+    }
+    F_env.head<3>() += contact_.f_W + F_push_W.head<3>();
+    F_env.tail<3>() += (contact_.p_WC - start.c_W).cross(contact_.f_W) +
+                       (p_WE - start.c_W).cross(F_push_W.head<3>()) + F_push_W.tail<3>();
   }
+  contact_ = whole;
+  mujoco_->link_torque.setZero();
+  mujoco_->link_contact->update(mujoco_->data);
+  if (settings_.flange_sensor && has_flange())
+    flange_wrench_ = mujoco_->flange->wrench(start, mujoco_->carried, share * F_env, settings_.dt);
 
   const double size = state_.q.cwiseAbs().sum() + state_.v.cwiseAbs().sum();
   if (!(size < 1e4) || last_warning[0] != '\0')
@@ -199,12 +206,39 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   return contact_;
 }
 
+// One integration step under the applied torque.
+void World::integrate(const Vector6& F_push_W) noexcept {
+  const mjModel* m = mujoco_->model;
+  mjData* d = mujoco_->data;
+  const int n = m->nv;
+  JointVector generalised = applied_torque_;
+  if (!F_push_W.isZero(0.0)) {
+    mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
+           mujoco_->tip_body);
+    generalised += mujoco_->J_push.transpose().lazyProduct(F_push_W);
+  }
+  generalised += mujoco_->link_torque;
+  if (settings_.errors.viscous_friction > 0.0)
+    generalised -= settings_.errors.viscous_friction * state_.v;  // implicit: see compiled_arm.h
+  const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
+  JointVector acceleration(n);
+  const JointVector force = generalised - bias;
+  mj_solveM(m, d, acceleration.data(), force.data(), 1);
+  solve_impulses(state_.v + h_ * acceleration);
+
+  Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
+  applied = generalised + mujoco_->joint_impulse / h_;
+  if (contact_.touching) applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
+  mj_step2(m, d);
+  observe();
+}
+
 // Solves for consistent impulses of the tip and the joints. v_free: velocity after the step without
 // them.
 void World::solve_impulses(const JointVector& v_free) noexcept {
   Mujoco& w = *mujoco_;
   const int n = w.model->nv;
-  const double h = settings_.dt;
+  const double h = h_;
   w.v = v_free;
   contact_ = {};
   w.joint_impulse.setZero();
@@ -308,6 +342,26 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   contact_.f_W = R_WC * tip_impulse / h;
 }
 
+const std::string& World::touching_link() const { return mujoco_->link_contact->link(); }
+
+std::optional<int> World::link(const std::string& name) const {
+  const int body = mj_name2id(mujoco_->model, mjOBJ_BODY, name.c_str());
+  if (body < 0) return std::nullopt;
+  return body;
+}
+
+bool World::below_flange(int link) const {
+  const int flange = mj_name2id(mujoco_->model, mjOBJ_BODY, "flange");
+  while (link > 0 && link != flange) link = mujoco_->model->body_parentid[link];
+  return flange > 0 && link == flange;
+}
+
+void World::push_link(int link, const Eigen::Vector3d& f_W) noexcept {
+  const mjData* d = mujoco_->data;
+  mj_jac(mujoco_->model, d, mujoco_->J_push.data(), nullptr, d->xpos + 3 * link, link);
+  mujoco_->link_torque += mujoco_->J_push.topRows<3>().transpose().lazyProduct(f_W);
+}
+
 double World::ray_to_arm(const Eigen::Vector3d& origin_W,
                          const Eigen::Vector3d& direction_W) const {
   int geom = -1;
@@ -323,8 +377,7 @@ World::Terms World::terms() const {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(n, n), J(6, n);
   mj_fullM(m, d, M.data());
   M.diagonal().array() -=
-      settings_.dt *
-      settings_.errors.viscous_friction;  // the integrator's implicit part (compiled_arm.h)
+      h_ * settings_.errors.viscous_friction;  // the integrator's implicit part (compiled_arm.h)
   mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
   return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
 }

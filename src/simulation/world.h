@@ -1,11 +1,12 @@
 // Simulated world: a torque-controlled arm whose pen touches a canvas. MuJoCo simulates the arm;
 // tip_contact.h simulates the contact.
 //
-// One step of h from t_i
+// One integration step of h = dt / substeps from t_i
 //   v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p + p_joint)
 //   q⁺ = q + h v⁺
 //
 // The simulated arm can differ from the URDF, and τ_a from the commanded torque: model_errors.h.
+// The drives clip τ_a to the URDF's effort limits and hold it for all integration steps of dt.
 // Viscous friction b v⁺ is implicit. The tip's impulse p and the joints' impulses, dry friction
 // |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel). Solved in sequence,
 // the second would change the velocity on which the first is based.
@@ -21,6 +22,7 @@
 #include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/joint_drive.h"
+#include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/model_errors.h"
 #include "impedraw/simulation/solver_cutoffs.h"
 #include "impedraw/simulation/tip_contact.h"
@@ -28,20 +30,24 @@
 namespace impedraw {
 
 struct WorldSettings {
-  double dt = 1e-3;  // [s]
+  double dt = 1e-3;  // of a control step, over which the torque is held [s]
+  int substeps = 1;  // integration steps in each
   TipMaterial tip;
-  double joint_friction = 0.0;  // dry friction, equal on every joint: ± [Nm]
-  double gravity = 9.81;        // along −z [m/s²]
-  ModelErrors errors;           // differences from the URDF
-  bool flange_sensor = false;   // enables flange_wrench()
+  double joint_friction = 0.0;       // dry friction, equal on every joint: ± [Nm]
+  double gravity = 9.81;             // along −z [m/s²]
+  ModelErrors errors;                // differences from the URDF
+  JointSensorSettings joint_sensor;  // read by the simulated arm
+  bool flange_sensor = false;        // enables flange_wrench()
 
   struct Limits {
     static constexpr Limit joint_friction = {"joint_friction", "Nm", {0.0, 50.0}};
     static constexpr Limit gravity = {"gravity", "m/s²", {0.0, 100.0}};
+    static constexpr Limit substeps = {"substeps", "", {1, 100}};
   };
 };
 
-// Contact over the last step; geometry at the start of that step.
+// Contact over the last step: mean force; geometry at the start of the first integration step that
+// touched.
 struct TipContact {
   bool touching = false;
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // of the canvas on the tip [N]
@@ -78,8 +84,15 @@ class World {
     return advance(tau, F_push_W);
   }
 
-  // τ_a over the last step: the commanded torque after delay, quantisation and ripple, before
-  // friction. Zero after set_state().
+  // Number of a link of the URDF, for push_link(); nothing for a name that it does not have.
+  std::optional<int> link(const std::string& name) const;
+  // True if the link is below the flange, where flange_wrench() would feel a push on it.
+  bool below_flange(int link) const;
+  // Adds a force at the link's origin, in W [N], to the next step() only.
+  void push_link(int link, const Eigen::Vector3d& f_W) noexcept;
+
+  // τ_a over the last step: the commanded torque after delay, clipping, quantisation and ripple,
+  // before friction. Zero after set_state().
   const JointVector& applied_torque() const { return applied_torque_; }
 
   // Wrench [f; m] of pen and environment on link `flange`, taken at its origin S in its axes at the
@@ -90,6 +103,10 @@ class World {
   bool has_flange() const;  // a link `flange` exists with `tip` below it
 
   const SolverCutoffs& cutoffs() const { return cutoffs_; }  // since set_state()
+
+  // Name of the link whose body touches the canvas at the current state (link_contact.h); empty if
+  // none does. Bodies and canvas do not push on each other: a run ends there.
+  const std::string& touching_link() const;
 
   // Names the cause if the motion became non-finite or MuJoCo warned. The state is then invalid.
   const std::optional<std::string>& failure() const { return failure_; }
@@ -109,11 +126,13 @@ class World {
  private:
   struct Mujoco;
   const TipContact& advance(const JointVector& tau, const Vector6& F_push_W) noexcept;
+  void integrate(const Vector6& F_push_W) noexcept;
   void observe() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
 
   WorldSettings settings_;
   const Canvas* canvas_;
+  double h_;  // of an integration step [s]
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;
   TipContact contact_;

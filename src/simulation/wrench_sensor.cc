@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -56,7 +55,7 @@ WrenchSensorSettings WrenchSensorSettings::realistic() {
 }
 
 WrenchSensor::WrenchSensor(const WrenchSensorSettings& s, double dt, std::uint64_t seed)
-    : bits_(seed) {
+    : normals_(seed) {
   check(s, dt);
   noise_ = both(s.noise_force, s.noise_torque) * std::sqrt(1e-3 / dt);
   noisy_ = !noise_.isZero(0.0);
@@ -93,21 +92,9 @@ Vector6 WrenchSensor::sample(const Vector6& F) noexcept {
   return last_.F;
 }
 
-// In (0, 1): the midpoint of one of 2⁵³ equal intervals, so that its logarithm is finite.
-double WrenchSensor::uniform() noexcept {
-  return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53;
-}
-
-// Box and Muller (1958).
-Eigen::Vector2d WrenchSensor::normal_pair() noexcept {
-  const double radius = std::sqrt(-2.0 * std::log(uniform())),
-               angle = 2.0 * std::numbers::pi * uniform();
-  return {radius * std::cos(angle), radius * std::sin(angle)};
-}
-
 Vector6 WrenchSensor::normals() noexcept {
   Vector6 z;
-  for (int i = 0; i < 6; i += 2) z.segment<2>(i) = normal_pair();
+  for (double& value : z) value = normals_.next();
   return z;
 }
 

@@ -9,11 +9,11 @@
 #pragma once
 
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "impedraw/common/pose.h"
 #include "impedraw/common/range.h"
+#include "impedraw/common/seeded_normals.h"
 
 namespace impedraw {
 
@@ -60,11 +60,9 @@ class WrenchSensor {
     Vector6 F = Vector6::Zero();
     bool saturated = false;
   };
-  double uniform() noexcept;
-  Eigen::Vector2d normal_pair() noexcept;
   Vector6 normals() noexcept;
 
-  std::mt19937_64 bits_;
+  SeededNormals normals_;
   Vector6 noise_, bias_, drift_, quantum_, range_;  // per axis; drift per sample
   bool noisy_;
   double samples_ = 0.0;

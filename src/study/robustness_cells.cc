@@ -13,6 +13,8 @@ namespace {
 constexpr const char* kSine = "scenarios/bowl-sine.yaml";
 constexpr const char* kSensor = "scenarios/bowl-sine-sensor.yaml";
 constexpr const char* kRealistic = "scenarios/bowl-sine-realistic.yaml";
+constexpr const char* kReal = "scenarios/bowl-sine-real.yaml";
+constexpr const char* kNoisyVelocity = "scenarios/bowl-sine-velocity-noise.yaml";
 
 const char* state(bool realistic) { return realistic ? "realistic" : "nominal"; }
 
@@ -45,54 +47,94 @@ struct ModelError {
   const char* base;
   const char* setting;
   std::vector<double> values;
+  const char* with = "";  // another, in each
 };
+
+const char* const kErrorColumns[] = {"first value", "second", "third"};
+
+void add_errors(const std::vector<ModelError>& errors, const std::string& group,
+                const std::string& table, bool realistic, std::vector<Cell>& cells) {
+  for (const ModelError& error : errors) {
+    const std::string setting = error.setting;
+    for (std::size_t i = 0; i < error.values.size(); ++i) {
+      const std::string value = fmt::format("{}", error.values[i]);
+      const std::string name =
+          setting.starts_with("world.") ? setting.substr(setting.rfind('.') + 1) : setting;
+      const std::string tip = setting.starts_with("world.tip.")            ? "tip_"
+                              : setting.starts_with("world.joint_sensor.") ? "joint_sensor_"
+                                                                           : "";
+      Cell cell{fmt::format("{}-{}{}-{}", group, tip, name, value),
+                group,
+                error.base,
+                {setting + "=" + value},
+                table,
+                fmt::format("`{}`", setting),
+                kErrorColumns[i],
+                value,
+                realistic};
+      if (*error.with) {
+        cell.assignments.emplace_back(error.with);
+        cell.row += fmt::format(", `{}`", error.with);
+        cell.name += "-untold";
+      }
+      cells.push_back(cell);
+    }
+  }
+}
 
 void add_errors(std::vector<Cell>& cells) {
   const std::string table = "Each model error alone";
-  cells.push_back({"error-none", "error", kSine, {}, table, "none", "first value", "", false});
+  cells.push_back({"error-none", "error", kSine, {}, table, "none", kErrorColumns[0], "", false});
   cells.push_back({"error-none-sensor",
                    "error",
                    kSensor,
                    {},
                    table,
                    "none, wrench from a sensor",
-                   "first value",
+                   kErrorColumns[0],
                    "",
                    false});
-  const ModelError errors[] = {{kSine, "world.errors.mass_scale", {0.8, 1.1, 1.2}},
-                               {kSine, "world.errors.centre_shift", {-0.01, 0.005, 0.01}},
-                               {kSine, "world.joint_friction", {0.5, 1.0, 1.5}},
-                               {kSine, "world.errors.viscous_friction", {0.5, 2.0, 5.0}},
-                               {kSine, "world.errors.rotor_inertia", {0.02, 0.1, 0.3}},
-                               {kSine, "world.errors.torque_ripple", {0.1, 0.3, 1.0}},
-                               {kSine, "world.errors.torque_quantum", {0.05, 0.2, 0.5}},
-                               {kSine, "world.errors.loop_delay", {0.001, 0.002, 0.003}},
-                               {kSine, "world.errors.pen_longer", {0.0005, 0.001, 0.002}},
-                               {kSine, "world.tip.friction", {0.1, 0.45, 0.6}},
-                               {kSine, "world.tip.stiffness", {1e3, 1e5, 1e6}},
-                               {kSine, "perception.noise.sigma_at_1m", {0.0005, 0.001, 0.003}},
-                               {kSensor, "wrench_sensor.noise_force", {0.05, 0.2, 0.5}},
-                               {kSensor, "wrench_sensor.drift_force", {1.0, 5.0, 20.0}},
-                               {kSensor, "wrench_sensor.delay", {0.001, 0.002, 0.004}}};
-  for (const ModelError& error : errors) {
-    const std::string setting = error.setting;
-    const char* const columns[] = {"first value", "second", "third"};
-    for (std::size_t i = 0; i < error.values.size(); ++i) {
-      const std::string value = fmt::format("{}", error.values[i]);
-      const std::string name =
-          setting.starts_with("world.") ? setting.substr(setting.rfind('.') + 1) : setting;
-      const std::string tip = setting.starts_with("world.tip.") ? "tip_" : "";
-      cells.push_back({fmt::format("error-{}{}-{}", tip, name, value),
-                       "error",
-                       error.base,
-                       {setting + "=" + value},
-                       table,
-                       fmt::format("`{}`", setting),
-                       columns[i],
-                       value,
-                       false});
-    }
-  }
+  add_errors({{kSine, "world.errors.mass_scale", {0.8, 1.1, 1.2}},
+              {kSine, "world.errors.centre_shift", {-0.01, 0.005, 0.01}},
+              {kSine, "world.joint_friction", {0.5, 1.0, 1.5}},
+              {kSine, "world.errors.viscous_friction", {0.5, 2.0, 5.0}},
+              {kSine, "world.errors.rotor_inertia", {0.02, 0.1, 0.3}},
+              {kSine, "world.errors.torque_ripple", {0.1, 0.3, 1.0}},
+              {kSine, "world.errors.torque_quantum", {0.05, 0.2, 0.5}},
+              {kSine, "world.errors.loop_delay", {0.001, 0.002, 0.003}},
+              {kSine, "world.errors.pen_longer", {0.0005, 0.001, 0.002}},
+              {kSine, "world.tip.friction", {0.1, 0.45, 0.6}},
+              {kSine, "world.tip.stiffness", {1e3, 1e5, 1e6}},
+              {kSine, "perception.noise.sigma_at_1m", {0.0005, 0.001, 0.003}},
+              {kSensor, "wrench_sensor.noise_force", {0.05, 0.2, 0.5}},
+              {kSensor, "wrench_sensor.drift_force", {1.0, 5.0, 20.0}},
+              {kSensor, "wrench_sensor.delay", {0.001, 0.002, 0.004}}},
+             "error", table, false, cells);
+}
+
+// What the controller cannot know, or is not told, under the tuning for real arms. The scenario's
+// other errors stay as they are.
+void add_tuned_errors(std::vector<Cell>& cells) {
+  const std::string table = "Each error under the tuning of bowl-sine-real";
+  cells.push_back(
+      {"tuned-as-it-is", "tuned", kReal, {}, table, "as it is", kErrorColumns[0], "", true});
+  add_errors(
+      {{kReal, "perception.errors.shift", {0.0005, 0.002, 0.004}},
+       {kReal, "perception.errors.turn", {0.1, 0.4, 0.8}},
+       {kReal, "perception.errors.depth_scale", {0.001, 0.003, 0.01}},
+       {kReal, "world.errors.pen_longer", {0.0002, 0.001, 0.002}},
+       {kReal, "world.tip.stiffness", {5e3, 1e4, 4e4}},
+       {kReal, "world.tip.friction", {0.2, 0.5, 0.6}},
+       {kReal, "world.errors.loop_delay", {0.002, 0.003, 0.004}},
+       {kReal, "world.joint_sensor.quantum", {3e-6, 3e-5, 1e-4}},
+       {kReal, "world.joint_sensor.position_noise", {3e-6, 1e-5, 3e-5}},
+       {kReal,
+        "world.joint_sensor.delay",
+        {0.001, 0.002, 0.004},
+        "control.joint_sensing.sensor_delay=0"},
+       {kSensor, "wrench_sensor.delay", {0.001, 0.002, 0.003}, "control.sensing.sensor_delay=0"},
+       {kNoisyVelocity, "world.joint_sensor.velocity_noise", {1e-3, 5e-3, 2e-2}}},
+      "tuned", table, true, cells);
 }
 
 void add_canvases(std::vector<Cell>& cells) {
@@ -210,6 +252,7 @@ std::vector<Cell> robustness_cells() {
   std::vector<Cell> cells;
   add_matrix(cells);
   add_errors(cells);
+  add_tuned_errors(cells);
   add_canvases(cells);
   add_switches(cells);
   // What the law does at once is judged, and also where the pre-flight would have refused it.

@@ -153,15 +153,18 @@ TEST(SmallestRotation, IsGeodesicEverywhere) {
 // Independent simulation of the sampled loop that spectral_radius() analyses.
 bool settles(const ContactLoop& s) {
   double x = 1e-4, v = 0.0;
-  std::vector<double> late(s.delay_steps, s.contact_stiffness * x);
+  std::vector<double> late(s.delay_steps, s.contact_stiffness * x), speeds(s.velocity_steps, v);
   for (int i = 0; i < 20000; ++i) {
     const double ratio = s.natural_mass / s.desired_mass;
-    const double u = -ratio * s.damping * v - (ratio - 1.0) * late.back();
+    const double damped = speeds.empty() ? v : speeds.back();
+    const double u = -ratio * s.damping * damped - (ratio - 1.0) * late.back();
     const double v_next = (v + s.dt / s.natural_mass * (u - s.contact_stiffness * x)) /
                           (1.0 + s.dt * s.contact_damping / s.natural_mass);
     const double f = s.contact_stiffness * x + s.contact_damping * v_next;
     std::rotate(late.rbegin(), late.rbegin() + 1, late.rend());
     late.front() = f;
+    std::rotate(speeds.rbegin(), speeds.rbegin() + (speeds.empty() ? 0 : 1), speeds.rend());
+    if (!speeds.empty()) speeds.front() = v;
     v = v_next;
     x += s.dt * v;
     if (std::abs(x) > 1.0) return false;
@@ -170,21 +173,25 @@ bool settles(const ContactLoop& s) {
 }
 
 TEST(ContactLoop, SpectralRadiusTellsWhatARunDoes) {
-  int stable = 0, unstable = 0;
+  int stable = 0, unstable = 0, late_stable = 0;
   for (const double m_d : {0.05, 0.2, 0.5, 1.0, 3.0, 8.0}) {
     for (const double k : {5e3, 2e4, 5e4, 2e5}) {
-      for (const int delay : {1, 2, 5}) {
-        ContactLoop loop{6.0, m_d, 1.6 * std::sqrt(1500.0 * m_d), k, 20.0, 1e-3, delay};
-        const double radius = spectral_radius(loop);
-        if (std::abs(radius - 1.0) < 2e-3) continue;  // too close to decide in a run of 20 s
-        EXPECT_EQ(settles(loop), radius < 1.0)
-            << "m_d " << m_d << " k " << k << " delay " << delay << " radius " << radius;
-        (radius < 1.0 ? stable : unstable)++;
-      }
+      for (const int delay : {1, 2, 5})
+        for (const int velocity : {0, 1, 4}) {
+          ContactLoop loop{6.0, m_d, 1.6 * std::sqrt(1500.0 * m_d), k, 20.0, 1e-3, delay, velocity};
+          const double radius = spectral_radius(loop);
+          if (std::abs(radius - 1.0) < 2e-3) continue;  // too close to decide in a run of 20 s
+          EXPECT_EQ(settles(loop), radius < 1.0)
+              << "m_d " << m_d << " k " << k << " delays " << delay << " and " << velocity
+              << " radius " << radius;
+          (radius < 1.0 ? stable : unstable)++;
+          if (radius < 1.0 && velocity > 0) ++late_stable;
+        }
     }
   }
   EXPECT_GT(stable, 10);
   EXPECT_GT(unstable, 10);
+  EXPECT_GT(late_stable, 10);
 }
 
 TEST(ContactLoop, RefusesAnInertiaThatCannotBeAndNamesOneThatCan) {

@@ -154,5 +154,29 @@ TEST(LoopDelay, TheSameDelayBoundsTheDamping) {
   }
 }
 
+// A velocity that comes late, or from an estimator that lags, counts as the loop's own delay does.
+TEST(VelocityDelay, BoundsTheDampingAndTheInertiaInContact) {
+  ArmModel arm(kArm);
+  for (double TimingSettings::*delay :
+       {&TimingSettings::velocity_age, &TimingSettings::velocity_lag}) {
+    for (const double late : {0.0, 5e-3}) {
+      ImpedanceSettings s = natural_settings(arm);
+      s.timing.*delay = late;
+      FreeArm free(s);
+      EXPECT_EQ(free.step().status.damping_limit, late > 0.0);
+      ImpedanceSettings shaped = shaped_settings(arm);
+      shaped.timing.*delay = late;
+      EXPECT_EQ(refusal(shaped) == "accepted", late == 0.0);
+    }
+    // With a damping that its rate alone would allow.
+    ImpedanceSettings light = shaped_settings(arm);
+    light.stiffness = {{100.0, 100.0}, {5.0, 0.0}};
+    light.reference_stiffness = {{100.0, 100.0}, {5.0, 1.0}};
+    ASSERT_EQ(refusal(light), "accepted");
+    light.timing.*delay = 20e-3;
+    EXPECT_THAT(refusal(light), AllOf(HasSubstr("along the normal"), HasSubstr("unstable")));
+  }
+}
+
 }  // namespace
 }  // namespace impedraw

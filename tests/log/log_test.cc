@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/log/log_reader.h"
 #include "impedraw/log/run_data.h"
 #include "made_up_run.h"
 
@@ -104,6 +105,39 @@ TEST_F(RunLogTest, EveryRowComesBack) {
     EXPECT_EQ(run.torque_limit, Eigen::Vector2d(10.0, 20.0));
     EXPECT_EQ(run.mode_names, (std::vector<std::string>{"free", "contact"}));
   }
+}
+
+TEST_F(RunLogTest, MeasuredJointsAreInTheLogWhereASensorIsSimulated) {
+  RunLogHeader header = small_header();
+  header.joint_sensor = true;
+  header.joint_speed_limit = Eigen::Vector2d(2.0, std::numeric_limits<double>::infinity());
+  {
+    RunLog log(path(), header);
+    for (int i = 0; i < 100; ++i) {
+      LogRow row = numbered_row(i);
+      row.measured_position = Eigen::Vector2d(i, -i);
+      row.measured_velocity = Eigen::Vector2d(0.5 * i, 3.0);
+      log.append(row);
+    }
+    log.close();
+  }
+  const LogReader log(path());
+  EXPECT_TRUE(log.header().joint_sensor);
+  EXPECT_EQ(log.header().joint_speed_limit, header.joint_speed_limit);
+  RunRows::Joints q(1, 2), v(1, 2);
+  ASSERT_TRUE(log.read("/joint/measured_position", 2, false, 70, 1, q.data()));
+  ASSERT_TRUE(log.read("/joint/measured_velocity", 2, false, 70, 1, v.data()));
+  EXPECT_EQ(q, RunRows::Joints(Eigen::RowVector2d(70.0, -70.0)));
+  EXPECT_EQ(v, RunRows::Joints(Eigen::RowVector2d(35.0, 3.0)));
+  expect_row(read_rows(path()), 70);  // nothing else has moved
+  // A run without a sensor cannot go on in it.
+  EXPECT_THROW(RunLog::append_to(path(), small_header()), InputError);
+
+  RunLog(folder_ / "without.h5", small_header()).close();
+  const LogReader without(folder_ / "without.h5");
+  EXPECT_FALSE(without.header().joint_sensor);
+  EXPECT_FALSE(without.has("/joint/measured_position"));
+  EXPECT_EQ(without.header().joint_speed_limit.size(), 0);
 }
 
 TEST_F(RunLogTest, StaticDataComesBack) {

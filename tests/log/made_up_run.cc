@@ -46,6 +46,7 @@ RunLogHeader sine_header(const MadeUpSine& settings) {
   h.joint_lower = -range;
   h.joint_upper = range;
   h.torque_limit = (Eigen::VectorXd(7) << 320, 320, 176, 176, 110, 40, 40).finished();
+  h.joint_speed_limit = Eigen::VectorXd::Constant(7, 1.5);
   h.torque_terms = {"gravity",  "impedance", "push",    "null_space",
                     "coriolis", "feedback",  "friction"};
   h.mode_names = {"free", "approach", "contact", "lift"};

@@ -92,6 +92,7 @@ void expect_same_steps(const RunData& a, const RunData& b) {
   expect_same(a.mode, b.mode, "mode");
   EXPECT_EQ(a.clipped, b.clipped);
   EXPECT_EQ(a.joint_margin, b.joint_margin);
+  EXPECT_EQ(a.joint_speed_share, b.joint_speed_share);
   for (std::size_t i = 0; i < a.step_time.size(); i += 7)
     ASSERT_FLOAT_EQ(a.step_time[i], b.step_time[i]);
 }

@@ -39,6 +39,7 @@ inline RunRows part(const RunRows& all, std::size_t begin, std::size_t end) {
   };
   cut(out.time, all.time);
   cut_joints(out.joint_position, all.joint_position);
+  cut_joints(out.joint_velocity, all.joint_velocity);
   cut_joints(out.joint_torque, all.joint_torque);
   cut_joints(out.torque_before_limits, all.torque_before_limits);
   cut(out.tip_orientation, all.tip_orientation);
@@ -72,7 +73,7 @@ inline MadeUp empty_run(std::size_t n) {
   MadeUp run;
   for (std::size_t i = 0; i < n; ++i) run.time.push_back(1e-3 * static_cast<double>(i));
   const Eigen::Vector3d none = LogRow::no_vector(), zero = Eigen::Vector3d::Zero();
-  run.joint_position = run.joint_torque = run.torque_before_limits =
+  run.joint_position = run.joint_velocity = run.joint_torque = run.torque_before_limits =
       RunRows::Joints::Zero(static_cast<Eigen::Index>(n), 2);
   run.contact_force = RunRows::Points(n, zero);
   run.contact_point = run.contact_normal = run.surface_normal = RunRows::Points(n, none);
@@ -85,6 +86,7 @@ inline MadeUp empty_run(std::size_t n) {
   run.joint_lower = Eigen::Vector2d(-1.0, -2.0);
   run.joint_upper = Eigen::Vector2d(1.0, 2.0);
   run.torque_limit = Eigen::Vector2d(10.0, 20.0);
+  run.joint_speed_limit = Eigen::Vector2d(2.0, 0.5);
   return run;
 }
 

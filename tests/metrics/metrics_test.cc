@@ -31,9 +31,10 @@ TEST(Metrics, PlainRun) {
   expect("speed_p95", 50.0);
   expect("draw_time", 1.0);
   expect("joint_margin_min", 1.0);
+  expect("joint_speed_share_max", 0.0);
   expect("step_time_p50", 10.0);
   // Every name of docs/metrics.md is there, and each null has its reason.
-  EXPECT_EQ(metric_definitions().size(), 31u);
+  EXPECT_EQ(metric_definitions().size(), 32u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));
     EXPECT_EQ(m.at(d.name).is_null(), m.at("reasons").contains(d.name)) << d.name;
@@ -234,6 +235,19 @@ TEST(Metrics, TorqueAndJointMargin) {
   run.joint_lower.setConstant(-std::numeric_limits<double>::infinity());
   run.joint_upper.setConstant(std::numeric_limits<double>::infinity());
   expect_null(run, {"joint_margin_min"}, "no joint limits");
+}
+
+// Limits of 2 and 0.5 rad/s.
+TEST(Metrics, JointSpeedShare) {
+  MadeUp run = plain_run();
+  run.joint_velocity(200, 0) = -1.0;
+  EXPECT_DOUBLE_EQ(value(run, "joint_speed_share_max"), 0.5);
+  run.joint_velocity(1234, 1) = -0.6;
+  EXPECT_DOUBLE_EQ(value(run, "joint_speed_share_max"), 1.2);
+  run.joint_speed_limit[1] = std::numeric_limits<double>::infinity();
+  EXPECT_DOUBLE_EQ(value(run, "joint_speed_share_max"), 0.5);
+  run.joint_speed_limit.resize(0);
+  expect_null(run, {"joint_speed_share_max"}, "no joint speed limits");
 }
 
 TEST(Metrics, StepTimeAndRealTimeFactor) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "allocations.h"
+#include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/wrench_sensor.h"
 #include "worlds.h"
 
@@ -22,7 +23,7 @@ TEST(NoAllocation, TheHookCatchesOne) {
             0);
 }
 
-TEST(NoAllocation, AStepWithEveryErrorAndTheSensorMakesNone) {
+TEST(NoAllocation, AStepWithEveryErrorAndTheSensorsMakesNone) {
   WorldSettings settings = with({.mass_scale = 1.05,
                                  .centre_shift = 0.003,
                                  .viscous_friction = 0.5,
@@ -33,18 +34,28 @@ TEST(NoAllocation, AStepWithEveryErrorAndTheSensorMakesNone) {
                                  .pen_longer = 1e-3});
   settings.joint_friction = 0.5;
   settings.flange_sensor = true;
+  settings.substeps = 3;
   World probe(kArm, nullptr, settings);
   probe.set_state(working_posture(), JointVector::Zero(7));
   const Canvas canvas = plane_under(probe.state().X_WE.p, 0.3e-3);
   World world(kArm, &canvas, settings);
   world.set_state(working_posture(), JointVector::Zero(7));
   WrenchSensor sensor(WrenchSensorSettings::realistic(), settings.dt, 1);
+  JointSensor joints({.quantum = 1e-5,
+                      .position_noise = 1e-5,
+                      .velocity_noise = 1e-3,
+                      .delay = 2e-3,
+                      .velocity = VelocityReading::difference},
+                     7, settings.dt, 1);
+  const int elbow = world.link("link_4").value();
   const JointVector tau = world.terms().bias;
   const Vector6 push = Vector6::Ones();
   int touching = 0;
   EXPECT_EQ(allocations_in([&] {
               for (int i = 0; i < 20; ++i) {
+                world.push_link(elbow, Eigen::Vector3d::UnitY());
                 touching += world.step(tau, push).touching;
+                joints.sample(world.state().q, world.state().v);
                 sensor.sample(world.flange_wrench());
               }
             }),

@@ -92,6 +92,42 @@ TEST(RobustnessCells, EachErrorStandsAloneAtThreeValues) {
     EXPECT_EQ(values[name].size(), 3u) << name;
 }
 
+// One setting differs from its scenario's; and the delay that is no longer told, where it says so.
+TEST(RobustnessCells, EachErrorUnderTheTuningForRealArmsAtThreeValues) {
+  std::map<std::string, int> cells;
+  for (const Cell& cell : group("tuned")) {
+    Cell without = cell;
+    const auto own =
+        std::find(without.assignments.begin(), without.assignments.end(), "drawing.redraw=false");
+    without.assignments.erase(without.assignments.begin(), own);
+    const auto right = flat_settings(cell_scenario(without)),
+               wrong = flat_settings(cell_scenario(cell));
+    std::set<std::string> changed;
+    for (const auto& [name, value] : wrong)
+      if (value != right.at(name)) changed.insert(name);
+    const bool untold = changed.erase("control.joint_sensing.sensor_delay") +
+                            changed.erase("control.sensing.sensor_delay") >
+                        0;
+    EXPECT_EQ(untold, cell.name.ends_with("-untold")) << cell.name;
+    if (cell.name == "tuned-as-it-is") {
+      EXPECT_TRUE(changed.empty());
+      continue;
+    }
+    // a row may also have the scenario's own value
+    ASSERT_LE(changed.size(), 1u) << cell.name;
+    const std::string& assignment = cell.assignments.front();
+    const std::string name = assignment.substr(0, assignment.find('='));
+    if (!changed.empty()) EXPECT_EQ(*changed.begin(), name);
+    ++cells[name];
+  }
+  for (const char* name :
+       {"perception.errors.shift", "perception.errors.turn", "perception.errors.depth_scale",
+        "world.errors.pen_longer", "world.tip.stiffness", "world.tip.friction",
+        "world.errors.loop_delay", "world.joint_sensor.quantum",
+        "world.joint_sensor.velocity_noise", "world.joint_sensor.delay", "wrench_sensor.delay"})
+    EXPECT_EQ(cells[name], 3) << name;
+}
+
 TEST(RobustnessCells, EveryKindOfCanvasNominalAndRealistic) {
   std::map<CanvasKind, std::set<bool>> kinds;
   for (const Cell& cell : group("canvas")) {
