@@ -2,10 +2,13 @@
 // the arm, the plan and the wrench sensor.
 #pragma once
 
+#include <optional>
+
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
+#include "impedraw/sensing/touch_surface.h"
 #include "impedraw/sensing/wrench_estimator.h"
 #include "impedraw/settings/setting_error.h"
 #include "impedraw/simulation/wrench_sensor.h"
@@ -18,6 +21,11 @@ struct ControlSetup {
   // Used only if the source is a sensor:
   WrenchSensorSettings sensor;        // the simulated sensor
   WrenchEstimatorSettings estimator;  // the estimator that reads it
+  struct Touch {
+    TouchSettings settings;
+    TouchModel model;
+  };
+  std::optional<Touch> touch;  // the surface is learned from touch
 };
 
 // Throws InputError if the controller or the sensor rejects its settings.

@@ -38,9 +38,7 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
 SurfaceHeight Scene::surface(const Pose& X_WP) const {
   if (planning) return perceived_height(*planning, X_WP);
   if (blind.height == BlindHeight::canvas) return canvas_height(*canvas, X_WP);
-  return [z = blind.plane_z](double x, double y) {
-    return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()};
-  };
+  return level_surface(blind.top_z);
 }
 
 Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {

@@ -49,17 +49,21 @@ ControlLoop::ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverI
       terms_(arm.joints()) {
   require_fit(setup, arm.joints(), driver);
   if (has_sensor(setup.source)) estimator_.emplace(setup.estimator);
+  if (setup.touch) touch_.emplace(setup.touch->settings, setup.touch->model);
 }
 
 const ImpedanceTorque& ControlLoop::step(const ArmState& state,
                                          const TipReference& reference) noexcept {
   arm_.compute(state.q, state.v, &terms_);
+  update_wrench(state);
   if (surface_source_) {
     const Eigen::Vector3d& p_WE = terms_.X_WE.p;
     const bool ahead = coupled_ && on_surface_;
     surface_ = surface_source_(ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE, state.time);
+  } else if (touch_) {
+    surface_ =
+        touch_->update(terms_.X_WE, terms_.V_WE, F_ext_.head<3>(), reference.pen_down);
   }
-  update_wrench(state);
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
   const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages);
   on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;

@@ -9,6 +9,7 @@
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/control_setup.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/sensing/touch_surface.h"
 #include "impedraw/sensing/wrench_estimator.h"
 
 namespace impedraw {
@@ -19,7 +20,7 @@ using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_W, 
 
 class ControlLoop {
  public:
-  // `surface` empty: blind. Throws InputError if the driver's joints, period or wrench do not match
+  // `surface` empty: the surface is learned from touch if the set-up says so, else unknown. Throws InputError if the driver's joints, period or wrench do not match
   // the set-up. `arm` must outlive the loop.
   ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
               SurfaceSource surface);
@@ -41,6 +42,7 @@ class ControlLoop {
   SurfaceSource surface_source_;
   ImpedanceController controller_;
   std::optional<WrenchEstimator> estimator_;
+  std::optional<TouchSurface> touch_;
   bool coupled_;  // M_d couples translation and rotation
   ArmTerms terms_;
   SurfaceEstimate surface_;

@@ -25,7 +25,7 @@ std::optional<Resumption> read_resumption(const Experiment& e,
                                    row.stroke, e.plan.strokes.size()));
     // Blind, the log has no normal to project the force on. Assume that the pen wrote.
     const double force =
-        !e.scene.perception && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
+        !e.scene.estimates_surface() && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
     resumption.ink.add(row.stroke, row.stroke_along,
                        writes(e, static_cast<ContactMode>(row.mode), force));
   }
