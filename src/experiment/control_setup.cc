@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "impedraw/control/impedance.h"
+#include "impedraw/sensing/touch_surface.h"
 
 namespace impedraw {
 

@@ -8,7 +8,7 @@
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
-#include "impedraw/sensing/touch_surface.h"
+#include "impedraw/sensing/touch_settings.h"
 #include "impedraw/sensing/wrench_estimator.h"
 #include "impedraw/settings/setting_error.h"
 #include "impedraw/simulation/wrench_sensor.h"

@@ -75,9 +75,7 @@ SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP) {
 }
 
 SurfaceHeight level_surface(double z) {
-  return [z](double x, double y) {
-    return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()};
-  };
+  return [z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
 }
 
 SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP) {

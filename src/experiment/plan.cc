@@ -63,8 +63,8 @@ class Planning {
         const std::vector<PlacedStroke> desired = desired_strokes();
         const double looks = 2.0 * length_of(desired) / TargetSettings().spacing +
                              static_cast<double>(desired.size());
-        plan_.target =
-            project_target(desired, told(judged_surface(), "projecting the target", 0.9, 0.98, looks));
+        plan_.target = project_target(
+            desired, told(judged_surface(), "projecting the target", 0.9, 0.98, looks));
         done = true;
       } catch (const OffSurface& off) {
         leave_out(off);  // an edge finer than the pre-flight's sampling
@@ -86,9 +86,7 @@ class Planning {
     return scene_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
                                    : surface();
   }
-  const Canvas* obstacle() const {
-    return scene_.height_unknown() ? nullptr : scene_.canvas.get();
-  }
+  const Canvas* obstacle() const { return scene_.height_unknown() ? nullptr : scene_.canvas.get(); }
   // The target's surface, which judges only. A request beside an unknown canvas stays where it is.
   SurfaceHeight judged_surface() const {
     if (!scene_.height_unknown()) return true_surface_;
@@ -259,8 +257,7 @@ void Planning::plan_path() {
                   plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
     if (!s_.preflight.arm) return;
     const std::vector<Finding> transitions = check_transitions(
-        plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q,
-        preflight_settings(),
+        plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
         [&](double share) { tell("checking the ways between strokes", 0.8 + 0.1 * share); });
     if (transitions.empty()) return;
     leave_out_barred(transitions);

@@ -23,7 +23,7 @@
 #include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/wrap/wrap.h"
 #include "impedraw/report/picture.h"
-#include "impedraw/sensing/touch_surface.h"
+#include "impedraw/sensing/touch_settings.h"
 #include "impedraw/settings/schema.h"
 #include "impedraw/simulation/world.h"
 

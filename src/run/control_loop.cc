@@ -56,13 +56,14 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
                                          const TipReference& reference) noexcept {
   arm_.compute(state.q, state.v, &terms_);
   update_wrench(state);
+  const Eigen::Vector3d& p_WE = terms_.X_WE.p;
+  const bool ahead = coupled_ && on_surface_;
+  const Eigen::Vector3d query = ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE;
   if (surface_source_) {
-    const Eigen::Vector3d& p_WE = terms_.X_WE.p;
-    const bool ahead = coupled_ && on_surface_;
-    surface_ = surface_source_(ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE, state.time);
+    surface_ = surface_source_(query, state.time);
   } else if (touch_) {
-    surface_ =
-        touch_->update(terms_.X_WE, terms_.V_WE, F_ext_.head<3>(), reference.pen_down);
+    touch_->update(terms_.X_WE, terms_.V_WE, F_ext_.head<3>(), reference.pen_down);
+    surface_ = touch_->estimate_at(query);
   }
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
   const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages);

@@ -20,8 +20,9 @@ using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_W, 
 
 class ControlLoop {
  public:
-  // `surface` empty: the surface is learned from touch if the set-up says so, else unknown. Throws InputError if the driver's joints, period or wrench do not match
-  // the set-up. `arm` must outlive the loop.
+  // `surface` empty: the surface is learned from touch if the set-up says so, else unknown. Throws
+  // InputError if the driver's joints, period or wrench do not match the set-up. `arm` must outlive
+  // the loop.
   ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
               SurfaceSource surface);
 

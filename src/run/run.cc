@@ -90,9 +90,8 @@ class Runner {
       const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
       const Eigen::Vector2d first = strokes[i].p_P.front();
       const StrokeCount count{static_cast<int>(i), static_cast<int>(strokes.size())};
-      follow(plan_from(e_.plan.path_settings,
-                       level_surface(heights_.level(first.x(), first.y())), {strokes[i]}, X_WE.p,
-                       -X_WE.R.col(2), i == 0 ? hold : 0.0),
+      follow(plan_from(e_.plan.path_settings, level_surface(heights_.level(first.x(), first.y())),
+                       {strokes[i]}, X_WE.p, -X_WE.R.col(2), i == 0 ? hold : 0.0),
              again, &count);
     }
     const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
@@ -153,10 +152,8 @@ class Runner {
   // The plan's height is a guess: once the pen is down, it is where the tip is.
   TipReference by_touch(TipReference reference) {
     const Eigen::Vector3d& z = e_.control.impedance.surface.drawing_axis_W;
-    const bool on_surface =
-        out_.mode == ContactMode::approach || out_.mode == ContactMode::contact;
-    if (reference.pen_down && on_surface)
-      height_ = z.dot(loop_.terms().X_WE.p - reference.p_WD);
+    const bool on_surface = out_.mode == ContactMode::approach || out_.mode == ContactMode::contact;
+    if (reference.pen_down && on_surface) height_ = z.dot(loop_.terms().X_WE.p - reference.p_WD);
     reference.p_WD += height_ * z;
     return clock_.scaled(reference);
   }

@@ -1,9 +1,9 @@
 // Where a drawing has touched its surface, to know where the pen may come down fast.
 //
-//   level(x, y) = min( top, min over touched points i of z_i + kMargin + kSteepest |p_i − (x, y)| )
+//   level(x, y) = min( top, min_i ( z_i + kMargin + kSteepest |p_i − (x, y)| ) )
 //
-// is above a surface that is nowhere steeper than kSteepest from there on. Points are in the drawing
-// frame P.
+// with the touched points i. It lies above a surface that is nowhere steeper than kSteepest from
+// them on. Points are in the drawing frame P.
 #pragma once
 
 #include <vector>
@@ -14,9 +14,9 @@ namespace impedraw {
 
 class TouchedHeights {
  public:
-  static constexpr double kMargin = 5e-3;    // [m]
-  static constexpr double kSteepest = 1.0;   // rise over run: 45°
-  static constexpr double kSpacing = 2e-3;   // between kept points along the path [m]
+  static constexpr double kMargin = 5e-3;   // [m]
+  static constexpr double kSteepest = 1.0;  // rise over run: 45°
+  static constexpr double kSpacing = 2e-3;  // between kept points along the path [m]
   static constexpr std::size_t kMost = 50000;
 
   // top: no part of the surface is higher [m].

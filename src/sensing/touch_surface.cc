@@ -66,12 +66,12 @@ const SurfaceEstimate& TouchSurface::update(const Pose& X_WE, const Vector6& V_W
   const Vector3d v_W = V_WE.head<3>(), w_W = V_WE.tail<3>();
   Vector3d c = R_.transpose() * (X_WE.p + to_centre_W);
   const Vector3d v = R_.transpose() * (v_W + w_W.cross(to_centre_W));
-  const Vector3d f =
-      f_W.allFinite() ? Vector3d(R_.transpose() * f_W) : Vector3d(Vector3d::Zero());
+  const Vector3d f = f_W.allFinite() ? Vector3d(R_.transpose() * f_W) : Vector3d(Vector3d::Zero());
   if (!c.allFinite() || !v.allFinite()) return estimate_;
 
   if (pen_down && !down_) begin(c);
   down_ = pen_down;
+  p_WE_ = X_WE.p;
   touching_ = pen_down && f.norm() >= m_.touch_force;
   if (touching_) {
     // The centre of a tip that is not compressed.
@@ -80,14 +80,7 @@ const SurfaceEstimate& TouchSurface::update(const Pose& X_WE, const Vector6& V_W
     learn(c, v, f);
   }
 
-  // The reported normal turns no faster than the pen can.
-  const Vector3d desired = R_ * normal(slope());
-  const Vector3d across = n_.cross(desired);
-  const double angle = std::atan2(across.norm(), n_.dot(desired));
-  const double step = touched_ ? s_.turn_rate * m_.dt : angle;
-  if (angle > 1e-12)
-    n_ = (Eigen::AngleAxisd(std::min(angle, step), across.normalized()) * n_).normalized();
-
+  turn_to(R_ * normal(slope()));
   const Vector3d n = R_.transpose() * n_;
   const double distance = n.z() * (c.z() - height_at(c));
   estimate_.status = touched_ && !touching_ && pen_down && distance < -s_.search
@@ -98,10 +91,35 @@ const SurfaceEstimate& TouchSurface::update(const Pose& X_WE, const Vector6& V_W
   return estimate_;
 }
 
+SurfaceEstimate TouchSurface::estimate_at(const Vector3d& p_W) const noexcept {
+  SurfaceEstimate there = estimate_;
+  if (!touched_) return there;
+  const Vector3d n = R_.transpose() * n_, d = R_.transpose() * (p_W - p_WE_);
+  const Vector2d g = -n.head<2>() / n.z() + curvature() * d.head<2>();
+  there.n_W = R_ * normal(g);
+  return there;
+}
+
+// The reported normal turns no faster than the pen can, and takes up speed and slows down.
+void TouchSurface::turn_to(const Vector3d& n_W) noexcept {
+  constexpr double kTurnTime = 0.1;  // to `turn_rate` [s]
+  const Vector3d across = n_.cross(n_W);
+  const double angle = std::atan2(across.norm(), n_.dot(n_W));
+  const double acceleration = s_.turn_rate / kTurnTime;
+  turning_ = std::min(
+      {s_.turn_rate, turning_ + acceleration * m_.dt, std::sqrt(2.0 * acceleration * angle)});
+  if (!touched_ || angle <= turning_ * m_.dt || angle < 1e-12) {
+    n_ = n_W;
+    turning_ = touched_ ? angle / m_.dt : 0.0;
+    return;
+  }
+  n_ = (Eigen::AngleAxisd(turning_ * m_.dt, across.normalized()) * n_).normalized();
+}
+
 // The level plane through the tip, until something is touched.
 void TouchSurface::begin(const Vector3d& c) noexcept {
   touched_ = stood_ = false;
-  since_touch_ = 0.0;
+  since_touch_ = turning_ = 0.0;
   x_.setZero();
   x_[0] = c.z();
   at_ = c.head<2>();
@@ -119,9 +137,9 @@ void TouchSurface::learn(const Vector3d& c, const Vector3d& v, const Vector3d& f
   if (!first && (c.head<2>() - at_).norm() < s_.spacing) {
     if (stood_ || since_touch_ < s_.settle_time || f.z() <= 0.0) return;
     stood_ = true;
-    const double variance = std::max(m_.friction * m_.friction / 3.0, s_.force_noise * s_.force_noise);
-    for (int i = 0; i < 2; ++i)
-      correct(Vector6::Unit(1 + i), -f[i] / f.z() - x_[1 + i], variance);
+    const double variance =
+        std::max(m_.friction * m_.friction / 3.0, s_.force_noise * s_.force_noise);
+    for (int i = 0; i < 2; ++i) correct(Vector6::Unit(1 + i), -f[i] / f.z() - x_[1 + i], variance);
     return;
   }
   if (!first) move_to(c);

@@ -98,20 +98,18 @@ double degrees(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
-TouchSettings fast_turning() {
-  TouchSettings s;
-  s.turn_rate = 100.0;  // what is learned, not what the pen can follow
-  return s;
+// What is learned, not what the pen can follow.
+Vector3d learned(const TouchSurface& touch) {
+  return touch.axes() * Vector3d(-touch.slope().x(), -touch.slope().y(), 1.0).normalized();
 }
 
 // The largest error from the length `from` on.
 double worst_error(const Surface& surface, const std::vector<Vector2d>& line, const Pen& pen,
-                   double from, const TouchModel& model = {},
-                   const TouchSettings& settings = fast_turning()) {
-  TouchSurface touch(settings, model);
+                   double from, const TouchModel& model = {}) {
+  TouchSurface touch({}, model);
   double worst = 0.0;
   draw(&touch, model, surface, line, pen, [&](const Vector3d& n, double along) {
-    if (along > from) worst = std::max(worst, degrees(touch.estimate().n_W, n));
+    if (along > from) worst = std::max(worst, degrees(learned(touch), n));
   });
   return worst;
 }
@@ -132,7 +130,7 @@ TEST(TouchSurface, LearnsALeaningPlaneWithinMillimetres) {
       Pen pen;
       pen.friction = friction;
       const Surface leans = plane(n);
-      EXPECT_LT(worst_error(leans, kLine, pen, 1e-3), 4.0) << friction << " " << n.transpose();
+      EXPECT_LT(worst_error(leans, kLine, pen, 1e-3), 6.0) << friction << " " << n.transpose();
       EXPECT_LT(worst_error(leans, kLine, pen, 5e-3), 2.0) << friction << " " << n.transpose();
       EXPECT_LT(worst_error(leans, kLine, pen, 3e-2), 0.05) << friction << " " << n.transpose();
     }
@@ -149,10 +147,10 @@ TEST(TouchSurface, FollowsASphereAndACylinderWithoutLag) {
 
 // What was along the line is across it after the corner, and known.
 TEST(TouchSurface, KeepsTheNormalAtACorner) {
-  TouchSurface touch(fast_turning(), {});
+  TouchSurface touch({}, {});
   double worst = 0.0;
   draw(&touch, {}, bowl(0.3), kCorner, {}, [&](const Vector3d& n, double along) {
-    if (along > 0.02) worst = std::max(worst, degrees(touch.estimate().n_W, n));
+    if (along > 0.02) worst = std::max(worst, degrees(learned(touch), n));
   });
   EXPECT_LT(worst, 0.2);
 }
@@ -175,7 +173,7 @@ TEST(TouchSurface, WorksAlongAnyDrawingAxis) {
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(-1.2, Vector3d::UnitY()).toRotationMatrix();
   TouchModel model, level;
   model.drawing_axis_W = turn.col(2);
-  TouchSurface touch(fast_turning(), model);
+  TouchSurface touch({}, model);
   const Vector3d n = leaning(15, -10);
   const Surface surface = plane(n);
   double error = 0.0;
@@ -186,12 +184,11 @@ TEST(TouchSurface, WorksAlongAnyDrawingAxis) {
     last = c;
     Pose X_WE;
     X_WE.R = turn * Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
-    X_WE.p = turn * Vector3d(c - n * 5.0 / level.tip_stiffness) +
-             level.tip_radius * X_WE.R.col(2);
+    X_WE.p = turn * Vector3d(c - n * 5.0 / level.tip_stiffness) + level.tip_radius * X_WE.R.col(2);
     Vector6 V = Vector6::Zero();
     V.head<3>() = turn * v;
     touch.update(X_WE, V, turn * Vector3d(5.0 * (n - 0.3 * v.stableNormalized())), true);
-    error = degrees(touch.estimate().n_W, turn * n);
+    error = degrees(learned(touch), turn * n);
   }
   EXPECT_LT(error, 0.1);
 }
@@ -201,11 +198,11 @@ TEST(TouchSurface, GuessesTheNormalOfAStandingPen) {
   const Vector3d n = leaning(0, 30);
   const double mu = 0.3;
   const Vector3d uphill = Vector3d(-n.z() * n.x(), 0.0, n.x() * n.x()).normalized();
-  TouchSurface touch(fast_turning(), {});
+  TouchSurface touch({}, {});
   Pose X_WE;
   X_WE.R = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
   for (int i = 0; i < 200; ++i) touch.update(X_WE, Vector6::Zero(), 5.0 * (n + mu * uphill), true);
-  const double error = degrees(touch.estimate().n_W, n);
+  const double error = degrees(learned(touch), n);
   EXPECT_GT(error, 5.0);
   EXPECT_LT(error, std::atan(mu) / kDegree + 3.0);
 }
@@ -235,18 +232,44 @@ TEST(TouchSurface, IsSearchedForBeneathTheFirstApproach) {
   EXPECT_NEAR(step(0.0, true).distance, 0.0, 1e-12) << "the next stroke";
 }
 
-// The pen turns no faster than asked.
+// The reported normal turns no faster than asked, takes up speed and slows down, and arrives.
 TEST(TouchSurface, TurnsSlowly) {
   TouchSettings settings;
   TouchSurface touch(settings, {});
   Vector3d last = Vector3d::UnitZ();
-  double fastest = 0.0;
-  draw(&touch, {}, plane(leaning(30, 0)), kLine, {}, [&](const Vector3d&, double) {
-    fastest = std::max(fastest, degrees(touch.estimate().n_W, last) * kDegree / kDt);
+  double fastest = 0.0, jerkiest = 0.0, speed = 0.0;
+  draw(&touch, {}, plane(leaning(30, 0)), kLine, {}, [&](const Vector3d&, double along) {
+    const double next = degrees(touch.estimate().n_W, last) * kDegree / kDt;
+    if (along > 1e-4) jerkiest = std::max(jerkiest, std::abs(next - speed) / kDt);
+    speed = next;
+    fastest = std::max(fastest, speed);
     last = touch.estimate().n_W;
   });
   EXPECT_LE(fastest, settings.turn_rate * (1 + 1e-6));
   EXPECT_GT(fastest, settings.turn_rate * 0.9);
+  EXPECT_LT(jerkiest, 2.0 * settings.turn_rate / 0.1);
+  EXPECT_LT(degrees(last, leaning(30, 0)), 0.1);
+}
+
+// Next to the tip, along the line, the normal is that of the learned curvature.
+TEST(TouchSurface, TellsTheNormalNextToTheTip) {
+  const Surface surface = bowl(0.3);
+  TouchSurface touch({}, {});
+  const double r = TouchModel().tip_radius;
+  draw(&touch, {}, surface, kCorner, {}, [](const Vector3d&, double) {});
+  const Vector2d end = kCorner.back();
+  const Vector2d beside = end + 4e-3 * (end - kCorner[1]).normalized();
+  const Vector3d c = surface.centre(end.x(), end.y(), r),
+                 d = surface.centre(beside.x(), beside.y(), r);
+  Pose X_WE;
+  X_WE.R = (Eigen::AngleAxisd(0.2, Vector3d(1, 1, 0).normalized()) *
+            Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()))
+               .toRotationMatrix();
+  const double turned =
+      degrees(touch.estimate_at(c + r * X_WE.R.col(2) + (d - c)).n_W, touch.estimate().n_W);
+  EXPECT_NEAR(turned, degrees(surface.normal(c), surface.normal(d)), 0.1);
+  EXPECT_LT(degrees(touch.estimate_at(c + r * X_WE.R.col(2) + (d - c)).n_W, surface.normal(d)),
+            0.3);
 }
 
 TEST(TouchSurface, AllocatesNothing) {
