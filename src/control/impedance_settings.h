@@ -180,7 +180,7 @@ struct ImpedanceSettings {
     static constexpr Limit min_axis_cosine = {"min_axis_cosine", "", Range::positive_to(1.0)};
     static constexpr Limit normal_bandwidth = {"normal_bandwidth", "rad/s", {1.0, 500.0}};
     static constexpr Limit approach_speed = {"approach_speed", "m/s", {1e-4, 0.2}};
-    static constexpr Limit approach_overtravel = {"approach_overtravel", "m", {0.0, 0.1}};
+    static constexpr Limit approach_overtravel = {"approach_overtravel", "m", {0.0, 0.5}};
     static constexpr Limit approach_lag = {"approach_lag", "m", {1e-4, 0.05}};
     static constexpr Limit retreat_height = {"retreat_height", "m", {0.0, 0.5}};
     static constexpr Limit tip_radius = {"tip_radius", "m", {0.0, 0.05}};

@@ -6,6 +6,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/control/impedance.h"
+#include "impedraw/sensing/touch_surface.h"
 
 namespace impedraw {
 
@@ -88,6 +89,21 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
   }
   setup.impedance = impedance_settings(s, scene.arm.limits(), plan, wrench_delay);
   set_up_joint_sensing(s, scene.arm.joints(), setting_errors, &setup);
+  if (scene.by_touch()) {
+    ImpedanceSettings& control = setup.impedance;
+    // An approach begins at the upper level, or lower, and may have to go down to the lower one.
+    control.approach.overtravel =
+        std::max(control.approach.overtravel, s.blind.top_z - s.blind.plane_z);
+    TouchModel model;
+    model.dt = control.timing.dt;
+    model.drawing_axis_W = control.surface.drawing_axis_W;
+    model.tip_radius = control.tip.radius;
+    model.tip_stiffness = control.tip.stiffness;
+    model.friction = control.friction.coefficient;
+    model.touch_force = control.contact.touch_force;
+    setup.touch = ControlSetup::Touch{s.blind.touch, model};
+    setting_errors.locate({"blind.touch"}, [&] { TouchSurface(s.blind.touch, model); });
+  }
   setting_errors.locate(control_setting_names(), [&] {
     ImpedanceController(setup.impedance, scene.arm.joints());
   });  // its checks, before anything is written

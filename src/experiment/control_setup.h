@@ -9,6 +9,7 @@
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
 #include "impedraw/sensing/joint_state_estimator.h"
+#include "impedraw/sensing/touch_settings.h"
 #include "impedraw/sensing/wrench_estimator.h"
 #include "impedraw/settings/setting_error.h"
 #include "impedraw/simulation/wrench_sensor.h"
@@ -23,6 +24,11 @@ struct ControlSetup {
   WrenchEstimatorSettings estimator;  // the estimator that reads it
   // Absent: the law uses the measured joint velocities.
   std::optional<JointStateEstimatorSettings> joint_estimator;
+  struct Touch {
+    TouchSettings settings;
+    TouchModel model;
+  };
+  std::optional<Touch> touch;  // the surface is learned from touch
 };
 
 // Throws InputError if the controller or the sensor rejects its settings.

@@ -74,6 +74,10 @@ SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP) {
   };
 }
 
+SurfaceHeight level_surface(double z) {
+  return [z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
+}
+
 SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP) {
   return [&estimator, X_WP, columns = std::make_shared<Columns>(estimator.cloud(), X_WP.inverse()),
           last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](

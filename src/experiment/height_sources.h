@@ -17,4 +17,7 @@ SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP);
 // cloud's edge. Refers to the estimator, which must outlive it.
 SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP);
 
+// A level plane at the height z of P [m].
+SurfaceHeight level_surface(double z);
+
 }  // namespace impedraw

@@ -62,8 +62,8 @@ class Planning {
         const std::vector<PlacedStroke> desired = desired_strokes();
         const double looks = 2.0 * length_of(desired) / TargetSettings().spacing +
                              static_cast<double>(desired.size());
-        plan_.target =
-            project_target(desired, told(true_surface_, "projecting the target", 0.9, 0.98, looks));
+        plan_.target = project_target(
+            desired, told(judged_surface(), "projecting the target", 0.9, 0.98, looks));
         done = true;
       } catch (const OffSurface& off) {
         leave_out(off);  // an edge finer than the pre-flight's sampling
@@ -80,6 +80,20 @@ class Planning {
     if (progress_) progress_(what, share);
   }
   SurfaceHeight surface() const { return scene_.surface(artwork_.X_WP); }
+  // Where the pre-flight puts the arm: an unknown surface in the middle of where it may be.
+  SurfaceHeight checked_surface() const {
+    return scene_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
+                                   : surface();
+  }
+  const Canvas* obstacle() const { return scene_.height_unknown() ? nullptr : scene_.canvas.get(); }
+  // The target's surface, which judges only. A request beside an unknown canvas stays where it is.
+  SurfaceHeight judged_surface() const {
+    if (!scene_.height_unknown()) return true_surface_;
+    return [canvas = true_surface_, level = surface()](double x, double y) {
+      const auto on_canvas = canvas(x, y);
+      return on_canvas ? on_canvas : level(x, y);
+    };
+  }
 
   // The surface, which tells the progress while a step looks at it: about `expected` times.
   SurfaceHeight told(SurfaceHeight surface, const char* what, double from, double to,
@@ -131,14 +145,30 @@ PathSettings Planning::path_settings() const {
   if (has_sensor(s_.control.source))
     path.start_hold = std::max(path.start_hold, s_.control.sensing.tare_time + 1.0);
   if (seen_) return path;
+  if (scene_.height_unknown()) {
+    const BlindSettings& blind = s_.blind;
+    if (!(blind.plane_z < blind.top_z))
+      setting_errors_.raise({"blind.top_z", "blind.plane_z"},
+                            fmt::format("blind.top_z = {} m must lie above blind.plane_z = {} m",
+                                        blind.top_z, blind.plane_z));
+    path.highest_z = blind.top_z;
+    if (scene_.by_touch()) {
+      if (s_.control.source == WrenchSource::none)
+        setting_errors_.raise({"control.wrench", "blind.height"},
+                              "blind.height is touch, which needs a wrench: control.wrench is "
+                              "none; valid are ground_truth, sensor, realistic");
+      return path;
+    }
+    path.sink = blind.top_z - blind.plane_z;
+  }
   // Blind, the desired point lies beneath the surface: the stiffness makes the push.
   path.vertical_pen = true;
   if (!(s_.control.stiffness.linear.normal > 0.0))
     setting_errors_.raise({"control.stiffness_normal"},
                           "control.stiffness_normal is 0 N/m, but without perception it produces "
                           "the normal force; must be more than 0 N/m");
-  if (s_.blind.height == BlindHeight::canvas)
-    path.sink = s_.control.normal_force / s_.control.stiffness.linear.normal;
+  if (scene_.height_unknown()) return path;
+  path.sink = s_.control.normal_force / s_.control.stiffness.linear.normal;
   double highest = -1e9;
   for (const Eigen::Vector3d& v_W : scene_.canvas->mesh().vertices)
     highest = std::max(highest, z_WP().dot(v_W - artwork_.X_WP.p));
@@ -176,8 +206,8 @@ std::vector<StrokePart> Planning::lay_on_surface() {
 
 void Planning::check(const std::vector<StrokePart>& lost) {
   plan_.preflight = setting_errors_.locate({"preflight"}, [&] {
-    return check_strokes(plan_.requested, surface(), scene_.arm, scene_.canvas.get(),
-                         scene_.start_q, preflight_settings(),
+    return check_strokes(plan_.requested, checked_surface(), scene_.arm, obstacle(), scene_.start_q,
+                         preflight_settings(),
                          [&](double share) { tell("checking the strokes", 0.3 + 0.35 * share); });
   });
   for (Finding& f : plan_.preflight.findings) f.part.stroke = source(f.part.stroke);
@@ -225,8 +255,7 @@ void Planning::plan_path() {
                   plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
     if (!s_.preflight.arm) return;
     const std::vector<Finding> transitions = check_transitions(
-        plan_.path, plan_.strokes, scene_.arm, scene_.canvas.get(), scene_.start_q,
-        preflight_settings(),
+        plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
         [&](double share) { tell("checking the ways between strokes", 0.8 + 0.1 * share); });
     if (transitions.empty()) return;
     leave_out_barred(transitions);

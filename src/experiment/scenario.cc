@@ -222,11 +222,39 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field("normals", s.normals, "Surface normals from the cloud, equations (18) and (19).");
 }
 
+void describe(Fields& f, TouchSettings& s) {
+  using Limits = TouchSettings::Limits;
+  f.field(Limits::slope, s.slope,
+          "Slope of the surface that is thought likely before the first touch, a standard "
+          "deviation.");
+  f.field(Limits::curvature, s.curvature, "Curvature of the surface, a standard deviation.");
+  f.field(Limits::curvature_length, s.curvature_length, "Length over which the curvature changes.");
+  f.field(Limits::position_noise, s.position_noise, "Noise of a touched point's height.");
+  f.field(Limits::force_noise, s.force_noise, "Noise of the slope that a measured force tells.");
+  f.field(Limits::spacing, s.spacing, "Distance between the touched points that are used.");
+  f.field(Limits::slip_speed, s.slip_speed,
+          "Speed of the tip below which the direction of friction is not known.");
+  f.field(Limits::turn_rate, s.turn_rate, "Largest angular speed of the learned normal.");
+  f.field(Limits::search, s.search,
+          "Depth beneath a surface that has been touched at which it has ended.");
+  f.field(Limits::settle_time, s.settle_time,
+          "Time from a touch to the use of the force at rest as a first guess of the normal.");
+}
+
 void describe(Fields& f, BlindSettings& s) {
   using Limits = BlindSettings::Limits;
-  f.choice("height", s.height, {{"canvas", BlindHeight::canvas}, {"plane", BlindHeight::plane}},
-           "Height of the set-point without perception: the true canvas's, or one plane below it.");
-  f.field(Limits::plane_z, s.plane_z, "Height of that plane.");
+  f.choice("height", s.height,
+           {{"canvas", BlindHeight::canvas},
+            {"plane", BlindHeight::plane},
+            {"touch", BlindHeight::touch}},
+           "What is known of the surface's height without perception. canvas: all; plane: that it "
+           "lies between plane_z, where the set-point is, and top_z; touch: the same, and it is "
+           "found and followed by the measured wrench.");
+  f.field(Limits::plane_z, s.plane_z,
+          "Level beneath the surface, along the drawing axis, for height: plane and touch.");
+  f.field(Limits::top_z, s.top_z,
+          "Level above the surface, along the drawing axis, for height: plane and touch.");
+  f.field("touch", s.touch, "How the surface is learned from touch, for height: touch.");
 }
 
 void describe(Fields& f, PathSettings& s) {

@@ -24,6 +24,7 @@
 #include "impedraw/planning/wrap/wrap.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/sensing/joint_state_estimator.h"
+#include "impedraw/sensing/touch_settings.h"
 #include "impedraw/settings/schema.h"
 #include "impedraw/simulation/world.h"
 
@@ -121,14 +122,20 @@ struct PerceptionSettings {
   PerceptionSettings();
 };
 
-enum class BlindHeight { canvas, plane };  // the assumed height without perception
+// What is known of the surface's height without perception: all of it, or only that it lies between
+// two levels. Then the law is the paper's, with a set-point on the lower level and a stiffness that
+// makes the push, or the surface is found and followed by touch (touch_surface.h).
+enum class BlindHeight { canvas, plane, touch };
 
 struct BlindSettings {
   BlindHeight height = BlindHeight::canvas;
-  double plane_z = 0.09;  // [m]
+  double plane_z = 0.02;  // the lower level, along the drawing axis [m]
+  double top_z = 0.20;    // the upper level [m]
+  TouchSettings touch;
 
   struct Limits {
     static constexpr Limit plane_z = {"plane_z", "m", {-2.0, 2.0}};
+    static constexpr Limit top_z = {"top_z", "m", {-2.0, 2.0}};
   };
 };
 

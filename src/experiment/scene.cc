@@ -54,9 +54,7 @@ void check_pushes(const Scenario& s, const World& world, const SettingErrors& se
 SurfaceHeight Scene::surface(const Pose& X_WP) const {
   if (planning) return perceived_height(*planning, X_WP);
   if (blind.height == BlindHeight::canvas) return canvas_height(*canvas, X_WP);
-  return [z = blind.plane_z](double x, double y) {
-    return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()};
-  };
+  return level_surface(blind.top_z);
 }
 
 Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {

@@ -28,8 +28,14 @@ struct Scene {
   BlindSettings blind;             // the assumed height without perception
   std::vector<std::string> notes;  // repairs to the canvas's file, one line each
 
-  // The planner's surface, in P: from the cloud, or without perception the assumed height. Refers
-  // to the scene.
+  // What the controller and the planner know of the surface.
+  bool by_touch() const { return !perception && blind.height == BlindHeight::touch; }
+  bool height_unknown() const { return !perception && blind.height != BlindHeight::canvas; }
+  // The controller has an estimate of the surface under the tip.
+  bool estimates_surface() const { return perception || by_touch(); }
+
+  // The planner's surface, in P: from the cloud, or without perception the assumed height: the
+  // canvas's or, where that is unknown, the upper level of where it may be. Refers to the scene.
   SurfaceHeight surface(const Pose& X_WP) const;
 };
 

@@ -54,17 +54,22 @@ ControlLoop::ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverI
   require_fit(setup, arm.joints(), driver);
   if (has_sensor(setup.source)) estimator_.emplace(setup.estimator);
   if (setup.joint_estimator) joint_estimator_.emplace(*setup.joint_estimator, arm.joints());
+  if (setup.touch) touch_.emplace(setup.touch->settings, setup.touch->model);
 }
 
 const ImpedanceTorque& ControlLoop::step(const ArmState& state,
                                          const TipReference& reference) noexcept {
   update_arm(state);
-  if (surface_source_) {
-    const Eigen::Vector3d& p_WE = terms_.X_WE.p;
-    const bool ahead = coupled_ && on_surface_;
-    surface_ = surface_source_(ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE, state.time);
-  }
   update_wrench(state);
+  const Eigen::Vector3d& p_WE = terms_.X_WE.p;
+  const bool ahead = coupled_ && on_surface_;
+  const Eigen::Vector3d query = ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE;
+  if (surface_source_) {
+    surface_ = surface_source_(query, state.time);
+  } else if (touch_) {
+    touch_->update(terms_.X_WE, terms_.V_WE, F_ext_.head<3>(), reference.pen_down);
+    surface_ = touch_->estimate_at(query);
+  }
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
   const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages);
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);

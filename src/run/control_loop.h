@@ -10,6 +10,7 @@
 #include "impedraw/experiment/control_setup.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/sensing/joint_state_estimator.h"
+#include "impedraw/sensing/touch_surface.h"
 #include "impedraw/sensing/wrench_estimator.h"
 
 namespace impedraw {
@@ -20,8 +21,9 @@ using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_W, 
 
 class ControlLoop {
  public:
-  // `surface` empty: blind. Throws InputError if the driver's joints, period or wrench do not match
-  // the set-up. `arm` must outlive the loop.
+  // `surface` empty: the surface is learned from touch if the set-up says so, else unknown. Throws
+  // InputError if the driver's joints, period or wrench do not match the set-up. `arm` must outlive
+  // the loop.
   ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
               SurfaceSource surface);
 
@@ -47,6 +49,7 @@ class ControlLoop {
   double time_ = std::numeric_limits<double>::quiet_NaN();        // of the last step [s]
   double state_time_ = std::numeric_limits<double>::quiet_NaN();  // of the last joint reading [s]
   std::optional<WrenchEstimator> estimator_;
+  std::optional<TouchSurface> touch_;
   bool coupled_;  // M_d couples translation and rotation
   ArmTerms terms_;
   SurfaceEstimate surface_;

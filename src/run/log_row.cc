@@ -57,8 +57,9 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   row->surface_normal = known ? loop.surface().n_W : LogRow::no_vector();
   row->surface_distance = known ? loop.surface().distance : LogRow::kNone;
   // Blind, the stiffness and the set-point's depth produce the push.
-  row->push =
-      e.scene.perception ? out.push : (desired.reference.pen_down ? control.normal_force : 0.0);
+  row->push = e.scene.estimates_surface()
+                  ? out.push
+                  : (desired.reference.pen_down ? control.normal_force : 0.0);
   row->mode = static_cast<int>(out.mode);
   row->stroke = desired.stroke;
   row->stroke_along = desired.along;

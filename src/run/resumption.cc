@@ -24,8 +24,9 @@ std::optional<Resumption> read_resumption(const Experiment& e,
       throw InputError(fmt::format("{}: has a stroke {}, the drawing only {}", log_file.string(),
                                    row.stroke, e.plan.strokes.size()));
     // Blind, the log has no normal to project the force on. Assume that the pen wrote.
-    const double force =
-        !e.scene.perception && std::isnan(row.f) ? std::numeric_limits<double>::infinity() : row.f;
+    const double force = !e.scene.estimates_surface() && std::isnan(row.f)
+                             ? std::numeric_limits<double>::infinity()
+                             : row.f;
     resumption.ink.add(row.stroke, row.stroke_along,
                        writes(e, static_cast<ContactMode>(row.mode), force));
   }

@@ -8,12 +8,15 @@
 #include <fmt/format.h>
 
 #include "impedraw/control/step_watchdog.h"
+#include "impedraw/experiment/height_sources.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
+#include "impedraw/run/plan_clock.h"
 #include "impedraw/run/simulated_arm.h"
+#include "impedraw/run/touched_heights.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
@@ -47,6 +50,14 @@ SurfaceSource surface_source(const Experiment& e, Disturbances disturbances) {
   };
 }
 
+// The clock waits for touch as long as an approach may take.
+ClockSettings clock_settings(const Experiment& e) {
+  ClockSettings settings;
+  const ApproachSettings& approach = e.control.impedance.approach;
+  settings.patience = approach.overtravel / approach.speed + 2.0;
+  return settings;
+}
+
 class Runner {
  public:
   Runner(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
@@ -59,6 +70,8 @@ class Runner {
               surface_source(e, disturbances_of(e, resumption))),
         started_(driver),
         state_(&driver.read()),
+        clock_(clock_settings(e), e.control.impedance.timing.dt),
+        heights_(e.scenario.blind.top_z),
         log_(resumption ? RunLog::append_to(log_file, make_header(e))
                         : RunLog(log_file, make_header(e))),
         row_(e.scene.arm.joints()) {
@@ -68,28 +81,23 @@ class Runner {
   }
 
   // Follows the path from its beginning to its end, or until something stops the run.
-  void follow(const TipPath& path, bool again) {
-    const double begin = time();
-    const Odometer odometer(path);
-    const long steps = std::lround(std::ceil(path.duration() / dt()));
-    for (long i = 0; i < steps || lifting_; ++i) {
-      const double t = time();
-      if (lifting_ && lifting_->done(t)) return;
-      PathSample desired = path.at(t - begin);
-      if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
-      if (!step(desired)) return;
-      if (i % 10 != 0) continue;
-      if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
-        stop(RunEnd::interrupted,
-             fmt::format("interrupted at t = {:.3f} s; the pen was lifted", first_time_ + t));
-        lift();
-      }
-      if (!hooks_.progress) continue;
-      RunProgress progress{
-          first_time_ + t, 0, 0, 0.0, 0.0, std::min(1.0, (t - begin) / path.duration()), again};
-      odometer.read(t - begin, &progress);
-      hooks_.progress(progress);
+  void follow(const TipPath& path, bool again) { follow(path, again, nullptr); }
+
+  // Draws on a surface that is found by touch, stroke by stroke. Each way is planned from where the
+  // pen is and from the heights touched so far, and its clock waits for touch.
+  void feel(const std::vector<PlacedStroke>& strokes, double hold, bool again) {
+    for (std::size_t i = 0; i < strokes.size() && outcome_.end == RunEnd::finished; ++i) {
+      const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
+      const Eigen::Vector2d first = strokes[i].p_P.front();
+      const StrokeCount count{static_cast<int>(i), static_cast<int>(strokes.size())};
+      follow(plan_from(e_.plan.path_settings, level_surface(heights_.level(first.x(), first.y())),
+                       {strokes[i]}, X_WE.p, -X_WE.R.col(2), i == 0 ? hold : 0.0),
+             again, &count);
     }
+    const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
+    const EmergencyLift up(time(), X_WE.p, -X_WE.R.col(2));
+    while (outcome_.end == RunEnd::finished && !up.done(time()))
+      if (!step({up.at(time()), -1, std::nan(""), Phase::lift})) return;
   }
 
   double time() const { return state_->time; }
@@ -98,6 +106,68 @@ class Runner {
   const InkWatch& ink() const { return ink_; }
 
  private:
+  struct StrokeCount {
+    int before, all;
+  };
+
+  // `one`: the path is of one stroke among several. It then ends when the pen is to be lifted.
+  void follow(const TipPath& path, bool again, const StrokeCount* one) {
+    const double begin = time();
+    const Odometer odometer(path);
+    bool down = false;
+    height_ = 0.0;
+    clock_.restart();
+    const auto steps = [&] {
+      return std::lround(std::ceil((path.duration() + clock_.lag()) / dt()));
+    };
+    for (long i = 0; i < steps() || lifting_; ++i) {
+      const double t = time(), planned = t - begin - clock_.lag();
+      if (lifting_ && lifting_->done(t)) return;
+      PathSample desired = path.at(planned);
+      if (one && down && !desired.reference.pen_down && !lifting_) return;
+      down = desired.reference.pen_down;
+      if (one) desired.reference = by_touch(desired.reference);
+      if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
+      if (!step(desired)) return;
+      if (one && !lifting_) wait_for_touch(desired);
+      if (i % 10 != 0) continue;
+      if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
+        stop(RunEnd::interrupted,
+             fmt::format("interrupted at t = {:.3f} s; the pen was lifted", first_time_ + t));
+        lift();
+      }
+      if (!hooks_.progress) continue;
+      RunProgress progress{
+          first_time_ + t, 0, 0, 0.0, 0.0, std::min(1.0, planned / path.duration()), again};
+      odometer.read(planned, &progress);
+      if (one) {
+        progress.stroke += one->before;
+        progress.strokes = one->all;
+        progress.share = (one->before + progress.share) / one->all;
+      }
+      hooks_.progress(progress);
+    }
+  }
+
+  // The plan's height is a guess: once the pen is down, it is where the tip is.
+  TipReference by_touch(TipReference reference) {
+    const Eigen::Vector3d& z = e_.control.impedance.surface.drawing_axis_W;
+    const bool on_surface = out_.mode == ContactMode::approach || out_.mode == ContactMode::contact;
+    if (reference.pen_down && on_surface) height_ = z.dot(loop_.terms().X_WE.p - reference.p_WD);
+    reference.p_WD += height_ * z;
+    return clock_.scaled(reference);
+  }
+
+  void wait_for_touch(const PathSample& desired) {
+    const bool contact = out_.mode == ContactMode::contact;
+    if (contact) heights_.add(e_.artwork.X_WP.inverse() * loop_.terms().X_WE.p);
+    PenDeviation pen;
+    pen.waits = desired.phase == Phase::approach
+                    ? !contact
+                    : desired.stroke >= 0 && out_.mode == ContactMode::approach;
+    clock_.advance(pen);
+  }
+
   double dt() const { return e_.control.impedance.timing.dt; }
 
   // Runs and logs one control cycle. Returns false if the run is over.
@@ -168,6 +238,9 @@ class Runner {
   ControlLoop loop_;
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
+  PlanClock clock_;
+  TouchedHeights heights_;
+  double height_ = 0.0;  // of the tip above the plan of a stroke that is found by touch [m]
   StepWatchdog watchdog_;
   RunLog log_;
   LogRow row_;
@@ -178,20 +251,28 @@ class Runner {
   double bad_state_ = 0.0;  // [s]
 };
 
-// A path that draws the parts, overlapping the ink at both ends.
-TipPath plan_parts(const Experiment& e, const std::vector<StrokePart>& parts,
-                   const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W, double hold) {
+// The parts, overlapping the ink at both ends.
+std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
   std::vector<PlacedStroke> strokes;
   for (const StrokePart& part : parts)
     strokes.push_back(part_of(e.plan.strokes[static_cast<std::size_t>(part.stroke)],
                               part.from - kRedrawOverlap, part.to + kRedrawOverlap));
-  return plan_from(e.plan.path_settings, e.surface(), strokes, p_WE, n_W, hold);
+  return strokes;
 }
 
-// A path for what an earlier run left undrawn, from its last posture.
+TipPath plan_parts(const Experiment& e, const std::vector<StrokePart>& parts,
+                   const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W, double hold) {
+  return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_WE, n_W, hold);
+}
+
+// What an earlier run left undrawn.
+std::vector<StrokePart> rest_of(const Experiment& e, const Resumption& resumption) {
+  return rest_of(e.plan.strokes, resumption.ink.parts(), kShortestGap);
+}
+
+// A path for it, from the last posture.
 TipPath plan_rest(Experiment& e, const Resumption& resumption) {
-  const std::vector<StrokePart> parts =
-      rest_of(e.plan.strokes, resumption.ink.parts(), kShortestGap);
+  const std::vector<StrokePart> parts = rest_of(e, resumption);
   if (parts.empty()) return {};
   const Pose X_WE = e.scene.arm.tip_pose(resumption.q);
   return plan_parts(e, parts, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold);
@@ -204,7 +285,7 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force) {
   const bool measured = control.wrench == WrenchFeedback::measured;
   if (measured && !(normal_force >= InkWatch::least_force(control.normal_force))) return false;
   // Blind, the law has no contact state. Without a wrench too, contact is unknown.
-  return !e.scene.perception || mode == ContactMode::contact;
+  return !e.scene.estimates_surface() || mode == ContactMode::contact;
 }
 
 RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
@@ -218,12 +299,20 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   outcome.wall.start_up = start_up + seconds_since(before_log);
 
   const auto loop_start = Clock::now();
-  runner.follow(path, false);
+  const bool by_touch = e.scene.by_touch();
+  if (by_touch)
+    runner.feel(resumption ? strokes_of(e, rest_of(e, *resumption)) : e.plan.strokes,
+                e.plan.path_settings.start_hold, false);
+  else
+    runner.follow(path, false);
   const auto lacking = [&] { return rest_of(e.plan.strokes, runner.ink().parts(), kShortestGap); };
   if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw &&
       !(outcome.drawn_again = lacking()).empty()) {
     const TipReference last = path.at(path.duration()).reference;
-    runner.follow(plan_parts(e, outcome.drawn_again, last.p_WD, last.n_WD, 0.0), true);
+    if (by_touch)
+      runner.feel(strokes_of(e, outcome.drawn_again), 0.0, true);
+    else
+      runner.follow(plan_parts(e, outcome.drawn_again, last.p_WD, last.n_WD, 0.0), true);
   }
   if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
   outcome.simulated = runner.time();

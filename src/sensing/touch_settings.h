@@ -1,0 +1,45 @@
+// Settings of the surface learned from touch: touch_surface.h.
+#pragma once
+
+#include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
+
+namespace impedraw {
+
+struct TouchSettings {
+  double slope = 0.6;              // standard deviation of g before the first touch
+  double curvature = 10.0;         // κ: of H [1/m]
+  double curvature_length = 0.03;  // ℓ: over which H changes [m]
+  double position_noise = 20e-6;   // of a touched height [m]
+  double force_noise = 0.05;       // of the slope that a force tells, over `spacing`
+  double spacing = 50e-6;          // of the touched points along the path [m]
+  double slip_speed = 5e-3;        // slower, the direction of friction is not known [m/s]
+  double turn_rate = 2.0;          // greatest of the reported normal [rad/s]
+  double search = 5e-3;            // beneath a surface that has been touched [m]
+  double settle_time = 0.1;        // from a touch to the use of the standing force [s]
+
+  struct Limits {
+    static constexpr Limit slope = {"slope", "", {0.01, 10.0}};
+    static constexpr Limit curvature = {"curvature", "1/m", {0.0, 1000.0}};
+    static constexpr Limit curvature_length = {"curvature_length", "m", {1e-3, 10.0}};
+    static constexpr Limit position_noise = {"position_noise", "m", {1e-7, 1e-2}};
+    static constexpr Limit force_noise = {"force_noise", "", {1e-4, 10.0}};
+    static constexpr Limit spacing = {"spacing", "m", {1e-6, 1e-2}};
+    static constexpr Limit slip_speed = {"slip_speed", "m/s", {1e-4, 1.0}};
+    static constexpr Limit turn_rate = {"turn_rate", "rad/s", {0.01, 100.0}};
+    static constexpr Limit search = {"search", "m", {1e-4, 0.1}};
+    static constexpr Limit settle_time = {"settle_time", "s", {0.0, 10.0}};
+  };
+};
+
+// What the controller believes of pen and step.
+struct TouchModel {
+  double dt = 1e-3;                                           // [s]
+  Eigen::Vector3d drawing_axis_W = Eigen::Vector3d::UnitZ();  // z, unit
+  double tip_radius = 1e-3;                                   // [m]
+  double tip_stiffness = 20e3;                                // along the normal [N/m]; 0: rigid
+  double friction = 0.3;                                      // μ, while the pen stands
+  double touch_force = 0.3;                                   // [N]
+};
+
+}  // namespace impedraw
