@@ -96,6 +96,7 @@ void check_joints(const ImpedanceSettings& s, int joints) {
   each_joint("limits.torque", s.limits.torque, joints, Entries::positive);
   each_joint("limits.torque_rate", s.limits.torque_rate, joints, Entries::positive);
   positive("limits.tip_speed", s.limits.tip_speed);
+  positive("limits.turn_speed", s.limits.turn_speed);
 }
 
 // Checks that the loop is stable with the desired inertia.

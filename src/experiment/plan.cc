@@ -9,6 +9,7 @@
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/rest_posture.h"
+#include "impedraw/planning/preflight/joint_rates.h"
 
 namespace impedraw {
 
@@ -58,7 +59,7 @@ class Planning {
       try {
         tell("planning the path", 0.8);
         plan_path();
-        plan_.target = project_target(desired_strokes(), true_surface_);
+        plan_.target = project_target(desired_strokes(), judged_surface());
         done = true;
       } catch (const OffSurface& off) {
         leave_out(off);  // an edge finer than the pre-flight's sampling
@@ -75,6 +76,10 @@ class Planning {
     if (progress_) progress_(what, share);
   }
   SurfaceHeight surface() const { return scene_.surface(artwork_.X_WP); }
+  // The true sheet nearest to what was planned: for the target line, which only judges.
+  SurfaceHeight judged_surface() const {
+    return seen_ ? nearest_sheet(*scene_.canvas, artwork_.X_WP, surface()) : true_surface_;
+  }
   Eigen::Vector3d z_WP() const { return artwork_.X_WP.R.col(2); }
   const PlacedStroke& requested(int number) const {
     return plan_.requested[static_cast<std::size_t>(number)];
@@ -194,7 +199,7 @@ void Planning::promise() {
 void Planning::plan_path() {
   while (!plan_.strokes.empty()) {  // each round leaves out at least one
     plan_.path = plan_from(plan_.path_settings, surface(), plan_.strokes, s_.arm.start_p_WE, z_WP(),
-                           plan_.path_settings.start_hold);
+                           plan_.path_settings.start_hold, joint_speed_limits(scene_, plan_));
     if (!s_.preflight.arm) return;
     const std::vector<Finding> transitions =
         check_transitions(plan_.path, plan_.strokes, scene_.arm, scene_.canvas.get(),
@@ -274,14 +279,18 @@ Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& sc
   return Planning(scenario, artwork, scene, unreachable, setting_errors, progress).make();
 }
 
+SpanLimits joint_speed_limits(Scene& scene, const Plan& plan) {
+  return JointRates(scene.arm, plan.path_settings, scene.start_q, plan.rest_q);
+}
+
 TipPath plan_from(const PathSettings& planned, const SurfaceHeight& surface,
                   const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE,
-                  const Eigen::Vector3d& n_W, double hold) {
+                  const Eigen::Vector3d& n_W, double hold, const SpanLimits& limits) {
   PathSettings settings = planned;
   settings.start_p_WE = p_WE;
   settings.start_n_W = n_W;
   settings.start_hold = hold;
-  return plan_tip_path(strokes, surface, settings);
+  return plan_tip_path(strokes, surface, settings, limits);
 }
 
 }  // namespace impedraw

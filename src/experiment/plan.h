@@ -48,10 +48,13 @@ Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& sc
                Unreachable unreachable, const SettingErrors& setting_errors,
                const PrepareProgress& progress = {});
 
+// The speed limits of the arm's joints along strokes. Refers to scene and plan.
+SpanLimits joint_speed_limits(Scene& scene, const Plan& plan);
+
 // A separate path for some strokes or parts of strokes. It starts at p_WE, at rest, after `hold`
 // seconds.
 TipPath plan_from(const PathSettings& settings, const SurfaceHeight& surface,
                   const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE,
-                  const Eigen::Vector3d& n_W, double hold);
+                  const Eigen::Vector3d& n_W, double hold, const SpanLimits& limits = {});
 
 }  // namespace impedraw

@@ -206,6 +206,9 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field("noise", s.noise, "Noise of the depth.");
   f.field("voxel", s.voxel, Limits::voxel, "m",
           "Side of the cubes in which points are averaged; 0: every point is kept.");
+  f.field("adapt", s.adapt,
+          "Uses smaller patches, down to a quarter, where the surface is rougher than noise "
+          "explains.");
   f.field("self_padding", s.self_padding, Limits::self_padding, "m",
           "Distance from the arm below which points are removed.");
   f.field("region_lower", s.region_lower, Range{-10.0, 10.0}, "m",
@@ -252,6 +255,18 @@ void describe(Fields& f, PathSettings& s) {
           "Turn of a stroke above which it has a corner, where the pen stops.");
   f.field("normal_smoothing", s.normal_smoothing, Limits::normal_smoothing, "m",
           "Length over which the normals along a stroke are averaged.");
+  f.field("normal_acceleration", s.normal_acceleration, Limits::normal_acceleration, "m/s²",
+          "Largest acceleration across the surface, which its curvature makes: a rough surface is "
+          "drawn on slower.");
+  f.field("joint_speed_share", s.joint_speed_share, Limits::joint_speed_share, "",
+          "Share of the arm's joint speed limits that a stroke may use.");
+  f.field("tilt_allowance", s.tilt_allowance_deg, Limits::tilt_allowance, "deg",
+          "Largest angle by which the pen's axis may leave the surface normal where it would "
+          "otherwise turn faster than tilt_speed or tilt_acceleration.");
+  f.field("tilt_speed", s.tilt_speed, Limits::tilt_speed, "rad/s",
+          "Largest angular speed of the pen's axis along a stroke.");
+  f.field("tilt_acceleration", s.tilt_acceleration, Limits::tilt_acceleration, "rad/s²",
+          "Largest angular acceleration of the pen's axis along a stroke.");
   f.field("tolerance", s.tolerance, Limits::tolerance, "m",
           "Largest distance of the desired line from the artwork.");
 }
@@ -375,6 +390,9 @@ void describe(Fields& f, ControlSettings& s) {
           "Height above the plan to which the pen retreats when the surface is lost.");
   f.field("normal_bandwidth", s.surface.normal_bandwidth, Range{1.0, 500.0}, "rad/s",
           "Bandwidth of the filter of the surface normal.");
+  f.choice("pen_axis", s.surface.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
+           "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated "
+           "normal at the tip. The pen pushes along the estimated normal either way.");
   f.field("tip_radius", s.tip.radius, Range{0.0, 0.05}, "m", "Modelled radius of the tip.");
   f.field("tip_stiffness", s.tip.stiffness, Range{0.0, 1e7}, "N/m",
           "Modelled stiffness of the tip along the normal; 0: rigid.");
@@ -411,6 +429,8 @@ void describe(Fields& f, ControlSettings& s) {
           "Torque that pushes a joint back at its limit.");
   f.field("tip_speed_limit", s.limits.tip_speed, Range{0.001, 5.0}, "m/s",
           "Largest tip speed that the control law may ask for.");
+  f.field("turn_speed_limit", s.limits.turn_speed, Range{0.01, 50.0}, "rad/s",
+          "Largest angular speed of the pen's axis that the control law may ask for.");
   f.field("max_state_age", s.timing.max_state_age, Range{0.0, 1.0}, "s",
           "Age above which a joint state is stale.");
   f.field("max_wrench_age", s.timing.max_wrench_age, Range{0.0, 1.0}, "s",

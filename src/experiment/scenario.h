@@ -76,6 +76,7 @@ struct PerceptionSettings {
   std::vector<CameraSettings> cameras;  // the standard three
   DepthNoise noise;
   double voxel = 0.004;
+  bool adapt = true;  // finer patches where the surface is rough
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;
@@ -100,7 +101,10 @@ struct ControlSettings : ImpedanceSettings {
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
 
-  ControlSettings() { null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0); }  // the iiwa's
+  ControlSettings() {
+    surface.pen_axis = PenAxis::plan;
+    null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0);
+  }  // the iiwa's
 };
 
 // A push on the pen, like that of a hand.

@@ -21,6 +21,32 @@ std::filesystem::path urdf_of(const ArmSettings& s) {
   return s.urdf.empty() ? std::filesystem::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
 }
 
+// Where a mesh from a file stands that nobody has placed: under the drawing's centre, its lowest
+// point just above the table, or lower if it is tall.
+void put_in_reach(TriangleMesh* mesh, Scenario* s, std::vector<std::string>* notes) {
+  constexpr double kFoot = 0.02, kTop = 0.35;  // [m]
+  if (s->canvas.kind != CanvasKind::mesh || !s->canvas.move.isZero() ||
+      !s->drawing.tilt_deg.isZero())
+    return;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : mesh->vertices) box.extend(p);
+  const Eigen::Vector2d centre = s->drawing.placement.centre_m;
+  const PerceptionSettings& seen = s->perception;
+  const bool under = box.min().x() <= centre.x() && centre.x() <= box.max().x() &&
+                     box.min().y() <= centre.y() && centre.y() <= box.max().y();
+  const bool at_height =
+      box.max().z() >= seen.region_lower.z() && box.max().z() <= seen.region_upper.z();
+  if (under && at_height) return;
+  const Eigen::Vector3d move(centre.x() - box.center().x(), centre.y() - box.center().y(),
+                             std::min(kFoot, kTop - box.sizes().z()) - box.min().z());
+  for (Eigen::Vector3d& p : mesh->vertices) p += move;
+  s->canvas.move = move;
+  notes->push_back(fmt::format(
+      "the mesh lies out of reach; it was moved by ({:.3f}, {:.3f}, {:.3f}) m to under the "
+      "drawing's centre (canvas.move places it elsewhere)",
+      move.x(), move.y(), move.z()));
+}
+
 JointVector start_posture(const ArmSettings& s, ArmModel& arm, const Pose& X_WP,
                           const SettingErrors& setting_errors) {
   if (s.posture_seed.size() != arm.joints())
@@ -65,10 +91,13 @@ SurfaceHeight Scene::surface(const Pose& X_WP) const {
   };
 }
 
-Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
+Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
   std::vector<std::string> notes;
-  auto canvas = setting_errors.locate(
-      {"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
+  auto canvas = setting_errors.locate({"canvas"}, [&] {
+    TriangleMesh mesh = make_mesh(s.canvas, &notes);
+    put_in_reach(&mesh, &s, &notes);
+    return std::make_unique<Canvas>(std::move(mesh));
+  });
   // Build the world before the arm model: its URDF reader reports errors, the arm model's reader
   // prints its own lines.
   WorldSettings settings = s.world;

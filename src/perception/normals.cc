@@ -56,6 +56,11 @@ void validate(const PointCloud& cloud, const NormalSettings& s) {
   }
 }
 
+constexpr int kBlended = 12;  // points whose levels are averaged
+// A finer level must better the error of the normal to this share, where it is above kGood [rad].
+constexpr double kClearlyBetter = 0.7;
+constexpr double kGood = 3e-3;
+
 // N(p); the last point is the furthest.
 struct Neighbours {
   int n;
@@ -81,9 +86,127 @@ struct SurfaceEstimator::Index {
   };
   std::vector<Known> known;
 
-  Index(PointCloud given, const NormalSettings& s)
+  // A finer cloud of the same view.
+  struct Finer {
+    PointCloud cloud;
+    NeighbourTree tree;
+    std::vector<double> reach2;
+    Finer(PointCloud given, const NormalSettings& s)
+        : cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {}
+  };
+  std::vector<std::unique_ptr<Finer>> finer;
+  // Of each point of `cloud`: the level to use, 0 for the cloud itself, and the greatest nearby.
+  std::vector<float> level, level_nearby;
+  std::vector<Roughness> rough;
+
+  Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {
     fit_every_point();
+    if (settings.mode != NormalMode::fresh || finer_clouds.empty()) return;
+    for (PointCloud& c : finer_clouds)
+      if (static_cast<int>(c.points.size()) > settings.k)
+        finer.push_back(std::make_unique<Finer>(std::move(c), s));
+    choose_levels();
+  }
+
+  // One fit at p, and what it tells about the surface there.
+  struct Trial {
+    bool ok = false;
+    double residual = 0.0, radius = 0.0, weight = 1.0;
+  };
+  Trial try_fit(const PointCloud& c, const NeighbourTree& t, const Vector3d& p) const {
+    Neighbours found;
+    found.n = t.nearest(p, settings.k, settings.max_radius, found.index, found.squared);
+    if (found.n < settings.k) return {};
+    found.closest = found.index[0];
+    LocalSurface surface;
+    if (fit(c, p, found, surface) != SurfaceStatus::ok) return {};
+    Trial trial{true, surface.residual, std::sqrt(found.squared[settings.k - 1]), 0.0};
+    for (int i = 0; i < settings.k; ++i) trial.weight += c.weight[found.index[i]] / settings.k;
+    return trial;
+  }
+
+  void choose_levels() {
+    const int n = static_cast<int>(cloud.points.size());
+    std::vector<float> best(n, 0.0f);
+    rough.assign(n, {});
+    const auto choose = [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) best[i] = choose_level(i);
+    };
+    std::thread other(choose, 0, n / 2);
+    choose(n / 2, n);
+    other.join();
+    // Isolated points do not count; what remains is spread and smoothed.
+    level.assign(n, 0.0f);
+    level_nearby.assign(n, 0.0f);
+    if (*std::max_element(best.begin(), best.end()) == 0.0f) return finer.clear();
+    const auto over_neighbours = [&](int count, auto&& take) {
+      int index[kMostNeighbours];
+      double squared[kMostNeighbours];
+      for (int i = 0; i < n; ++i)
+        take(i, index, tree.nearest(cloud.points[i], count, settings.max_radius, index, squared));
+    };
+    std::vector<float> median(n, 0.0f);
+    over_neighbours(kBlended, [&](int i, const int* index, int found) {
+      float values[kBlended];
+      for (int j = 0; j < found; ++j) values[j] = best[index[j]];
+      std::nth_element(values, values + found / 2, values + found);
+      median[i] = found > 0 ? values[found / 2] : 0.0f;
+    });
+    over_neighbours(kBlended, [&](int i, const int* index, int found) {
+      for (int j = 0; j < found; ++j) level[i] += median[index[j]] / static_cast<float>(found);
+    });
+    over_neighbours(2 * kBlended, [&](int i, const int* index, int found) {
+      for (int j = 0; j < found; ++j) level_nearby[i] = std::max(level_nearby[i], level[index[j]]);
+    });
+    if (*std::max_element(level.begin(), level.end()) == 0.0f) return finer.clear();
+    for (const auto& f : finer) {
+      f->reach2.resize(f->cloud.points.size());
+      const auto measure = [&](std::size_t begin, std::size_t end) {
+        int index[kMostNeighbours];
+        double squared[kMostNeighbours];
+        for (std::size_t i = begin; i < end; ++i) {
+          const int found =
+              f->tree.nearest(f->cloud.points[i], settings.k, settings.max_radius, index, squared);
+          f->reach2[i] =
+              found == settings.k ? squared[found - 1] : settings.max_radius * settings.max_radius;
+        }
+      };
+      const std::size_t half = f->cloud.points.size() / 2;
+      std::thread second(measure, 0, half);
+      measure(half, f->cloud.points.size());
+      second.join();
+    }
+  }
+
+  // Also fills rough[i].
+  float choose_level(int i) {
+    const Vector3d& p = cloud.points[i];
+    std::vector<Trial> trials{try_fit(cloud, tree, p)};
+    if (!trials[0].ok) return 0.0f;
+    rough[i] = {trials[0].residual, trials[0].radius, 0.0};
+    if (trials[0].residual < kGood / 2.0 * trials[0].radius) return 0.0f;
+    for (const auto& f : finer) trials.push_back(try_fit(f->cloud, f->tree, p));
+    while (!trials.back().ok) trials.pop_back();
+    const Trial& finest = trials.back();
+    const auto noise_of = [&](const Trial& t) {
+      return finest.residual * std::sqrt(finest.weight / t.weight);
+    };
+    const auto misfit_of = [&](const Trial& t) {
+      const double s = 1.1 * noise_of(t);
+      return std::sqrt(std::max(0.0, t.residual * t.residual - s * s));
+    };
+    // of the normal [rad]
+    const auto error_of = [&](const Trial& t) {
+      return 4.0 * noise_of(t) / (std::sqrt(settings.k) * t.radius) + 2.0 * misfit_of(t) / t.radius;
+    };
+    std::size_t chosen = 0;
+    for (std::size_t l = 1; l < trials.size(); ++l) {
+      const double now = error_of(trials[chosen]);
+      if (trials[l].ok && now > kGood && error_of(trials[l]) < kClearlyBetter * now) chosen = l;
+    }
+    rough[i] = {trials[chosen].residual, trials[chosen].radius, misfit_of(trials[chosen])};
+    return static_cast<float>(chosen);
   }
 
   static PointCloud in_tree_order(PointCloud cloud, const NormalSettings& s) {
@@ -112,7 +235,7 @@ struct SurfaceEstimator::Index {
         reach2[i] = found.n == settings.k ? found.squared[settings.k - 1]
                                           : settings.max_radius * settings.max_radius;
         LocalSurface surface;
-        known[i].status = fit(p, found, surface);
+        known[i].status = fit(cloud, p, found, surface);
         if (known[i].status != SurfaceStatus::ok) continue;
         cloud.normals[i] = surface.n;
         known[i] = {SurfaceStatus::ok, surface.n, p - surface.distance * surface.n, surface.bend};
@@ -128,12 +251,50 @@ struct SurfaceEstimator::Index {
     found.n = tree.nearest_unordered(p, settings.k, settings.max_radius, reach2, found.index,
                                      found.squared, &found.closest);
     LocalSurface surface;
-    const SurfaceStatus status = fit(p, found, surface);
+    const SurfaceStatus status = fit(cloud, p, found, surface);
+    if (status != SurfaceStatus::ok) return {.status = status};
+    const SurfaceEstimate coarse{status, surface.n, surface.distance};
+    if (finer.empty() || found.closest < 0 || level_nearby[found.closest] == 0.0f) return coarse;
+    return refined(p, coarse);
+  }
+
+  // The level at p is the mean of its neighbours' levels. Blends the two estimates next to it.
+  SurfaceEstimate refined(const Vector3d& p, const SurfaceEstimate& coarse) const {
+    int index[kBlended + 1];
+    double squared[kBlended + 1];
+    const int found = tree.nearest(p, kBlended + 1, settings.max_radius, index, squared);
+    if (found <= kBlended || !(squared[kBlended] > 0.0)) return coarse;
+    double sum = 0.0, at = 0.0;
+    for (int i = 0; i < kBlended; ++i) {
+      const double fade = 1.0 - squared[i] / squared[kBlended], w = fade * fade;
+      sum += w;
+      at += w * level[index[i]];
+    }
+    at /= sum;
+    const int below = std::min(static_cast<int>(at), static_cast<int>(finer.size()));
+    const double share = at - below;
+    const SurfaceEstimate low = below == 0 ? coarse : at_level(below - 1, p);
+    if (low.status != SurfaceStatus::ok) return coarse;
+    if (share < 1e-3 || below == static_cast<int>(finer.size())) return low;
+    const SurfaceEstimate high = at_level(below, p);
+    if (high.status != SurfaceStatus::ok) return low;
+    return {SurfaceStatus::ok, ((1.0 - share) * low.n_W + share * high.n_W).normalized(),
+            (1.0 - share) * low.distance + share * high.distance};
+  }
+
+  SurfaceEstimate at_level(int l, const Vector3d& p) const {
+    const Finer& f = *finer[l];
+    Neighbours found;
+    found.n = f.tree.nearest_unordered(p, settings.k, settings.max_radius, f.reach2, found.index,
+                                       found.squared, &found.closest);
+    LocalSurface surface;
+    const SurfaceStatus status = fit(f.cloud, p, found, surface);
     if (status != SurfaceStatus::ok) return {.status = status};
     return {status, surface.n, surface.distance};
   }
 
-  SurfaceStatus fit(const Vector3d& p, const Neighbours& found, LocalSurface& surface) const {
+  SurfaceStatus fit(const PointCloud& cloud, const Vector3d& p, const Neighbours& found,
+                    LocalSurface& surface) const {
     if (found.n < settings.k || !(found.squared[settings.k - 1] > 0.0))
       return SurfaceStatus::too_few;
     Neighbourhood around;
@@ -202,8 +363,9 @@ struct SurfaceEstimator::Index {
   }
 };
 
-SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& settings)
-    : index_(std::make_unique<Index>(std::move(cloud), settings)) {}
+SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& settings,
+                                   FinerClouds finer)
+    : index_(std::make_unique<Index>(std::move(cloud), settings, std::move(finer))) {}
 SurfaceEstimator::~SurfaceEstimator() = default;
 SurfaceEstimator::SurfaceEstimator(SurfaceEstimator&&) noexcept = default;
 SurfaceEstimator& SurfaceEstimator::operator=(SurfaceEstimator&&) noexcept = default;
@@ -212,6 +374,15 @@ SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p_W) const noexcept {
   if (!p_W.allFinite()) return {.status = SurfaceStatus::too_few};
   return index_->settings.mode == NormalMode::fresh ? index_->fresh(p_W)
                                                     : index_->interpolated(p_W);
+}
+
+Roughness SurfaceEstimator::roughness(const Vector3d& p_W) const noexcept {
+  int nearest = 0;
+  double squared = 0.0;
+  if (index_->rough.empty() || !p_W.allFinite() ||
+      index_->tree.nearest(p_W, 1, index_->settings.max_radius, &nearest, &squared) < 1)
+    return {};
+  return index_->rough[nearest];
 }
 
 const PointCloud& SurfaceEstimator::cloud() const noexcept { return index_->cloud; }

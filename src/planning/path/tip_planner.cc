@@ -27,8 +27,9 @@ constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are skipped
 // Appends legs. Each starts at rest where the previous one ended.
 class Planner {
  public:
-  explicit Planner(const PathSettings& settings)
+  Planner(const PathSettings& settings, const SpanLimits& limits)
       : s_(settings),
+        limits_(limits),
         p_(settings.X_WP.R.transpose() * (settings.start_p_WE - settings.X_WP.p)),
         n_(settings.X_WP.R.transpose() * settings.start_n_W) {
     if (s_.vertical_pen) n_ = Vector3d::UnitZ();
@@ -159,15 +160,25 @@ class Planner {
     std::vector<SpeedSpan> spans;
     spans.reserve(part.spans());
     for (std::size_t i = 0; i < part.spans(); ++i) {
-      const auto [slope, bend, stretch] = part.bounds(i);
-      const double v = std::min(kMargin * s_.draw_speed / slope,
-                                bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
+      const auto [slope, bend, stretch, rise, turn, turn_bend] = part.bounds(i);
+      double v = std::min(kMargin * s_.draw_speed / slope,
+                          bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
+      if (!s_.vertical_pen) {
+        if (rise > 0) v = std::min(v, std::sqrt(s_.normal_acceleration / rise));
+        // |u̇² n'' + ü n'| ≤ A_tilt, kCentripetalShare of it for the first term
+        if (turn > 0) v = std::min(v, kMargin * s_.tilt_speed / turn);
+        if (turn_bend > 0)
+          v = std::min(v, std::sqrt(kCentripetalShare * s_.tilt_acceleration / turn_bend));
+      }
       // |u̇² p'' + ü p'|² ≤ (bend v²)² + 2 stretch v² ü + (slope ü)² = A²
       const double c = bend * v * v, half = stretch * v * v;
       const double a =
           (std::sqrt(half * half + slope * slope * (A * A - c * c)) - half) / (slope * slope);
-      spans.push_back({part.end(i) - part.start(i), v, a});
+      const double tilt =
+          turn > 0 && !s_.vertical_pen ? (s_.tilt_acceleration - turn_bend * v * v) / turn : 1e9;
+      spans.push_back({part.end(i) - part.start(i), v, std::min(a, tilt)});
     }
+    if (limits_) limits_(part, &spans);
     return SpeedProfile(std::move(spans), s_.smoothing_time);
   }
 
@@ -179,6 +190,7 @@ class Planner {
   }
 
   const PathSettings& s_;
+  const SpanLimits& limits_;
   double safe_z_ = 0;
   Vector3d p_, n_;
   std::vector<PathLeg> legs_;
@@ -210,6 +222,13 @@ void validate(const PathSettings& s) {
   require_in_range("path.tolerance", s.tolerance, Limits::tolerance, "m");
   require_in_range("path.knot_spacing", s.knot_spacing, Limits::knot_spacing, "m");
   require_in_range("path.normal_smoothing", s.normal_smoothing, Limits::normal_smoothing, "m");
+  require_in_range("path.joint_speed_share", s.joint_speed_share, Limits::joint_speed_share, "");
+  require_in_range("path.normal_acceleration", s.normal_acceleration, Limits::normal_acceleration,
+                   "m/s²");
+  require_in_range("path.tilt_allowance", s.tilt_allowance_deg, Limits::tilt_allowance, "deg");
+  require_in_range("path.tilt_speed", s.tilt_speed, Limits::tilt_speed, "rad/s");
+  require_in_range("path.tilt_acceleration", s.tilt_acceleration, Limits::tilt_acceleration,
+                   "rad/s²");
   require_in_range("path.sink", s.sink, Limits::sink, "m");
   if (s.highest_z) require_in_range("path.highest_z", *s.highest_z, Range::any(), "m");
   for (const double x : s.start_p_WE) require_in_range("path.start_p_WE", x, Range::any(), "m");
@@ -217,16 +236,22 @@ void validate(const PathSettings& s) {
 }
 
 TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
-                      const PathSettings& settings) {
+                      const PathSettings& settings, const SpanLimits& limits) {
   validate(settings);
   if (strokes.empty()) throw InputError("path: there are no strokes to plan");
-  const FitSettings fit{settings.tolerance, settings.knot_spacing,
-                        settings.corner_angle_deg * std::numbers::pi / 180,
-                        settings.normal_smoothing};
+  constexpr double kDegree = std::numbers::pi / 180;
+  const FitSettings fit{
+      settings.tolerance,
+      settings.knot_spacing,
+      settings.corner_angle_deg * kDegree,
+      settings.normal_smoothing,
+      {settings.tilt_allowance_deg * kDegree, kMargin * settings.tilt_speed / settings.draw_speed,
+       kCentripetalShare * settings.tilt_acceleration /
+           (settings.draw_speed * settings.draw_speed)}};
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
   for (const PlacedStroke& stroke : strokes) fitted.push_back(fit_stroke(stroke, surface, fit));
-  return Planner(settings).plan(fitted);
+  return Planner(settings, limits).plan(fitted);
 }
 
 }  // namespace impedraw
