@@ -93,6 +93,7 @@ struct PerceptionSettings {
   std::vector<CameraSettings> cameras;  // the standard three
   DepthNoise noise;
   double voxel = 0.004;
+  bool adapt = true;  // finer patches where the surface is rough
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;
@@ -132,6 +133,8 @@ struct ControlSettings : ImpedanceSettings {
     static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.02}};
     static constexpr Limit torque_share = {"torque_share", "", {0.01, 1.0}};
   };
+
+  ControlSettings() { surface.pen_axis = PenAxis::plan; }
 };
 
 // A push on the pen, like that of a hand.

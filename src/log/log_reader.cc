@@ -128,13 +128,18 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     }
     header_.rate = has("/every_step") ? LogRate::reduced : LogRate::full;
     std::vector<LogColumn> columns = log_columns(header_);
-    std::erase_if(columns, [&](const LogColumn& column) {
-      return column.name == "/stroke_along" && !has(column.name);
-    });
+    std::vector<LogColumn> step = step_columns();
+    // Older logs lack some.
+    const auto absent = [this](const LogColumn& column) {
+      return (column.name == "/stroke_along" || column.name.ends_with("/time_scale")) &&
+             !has(column.name);
+    };
+    std::erase_if(columns, absent);
+    std::erase_if(step, absent);
     rows_ = count_rows(columns, LogFile::chunk_rows(LogTable::rows, rate()));
     if (rate() == LogRate::reduced) {
       // Cuts both tables at the last time that both contain.
-      steps_ = count_rows(step_columns(), LogFile::chunk_rows(LogTable::steps, rate()));
+      steps_ = count_rows(step, LogFile::chunk_rows(LogTable::steps, rate()));
       if (steps_ == 0) rows_ = 0;
       if (rows_ > 0) rows_ = rows_until("/time", rows_, number_at("/every_step/time", steps_ - 1));
       steps_ =
@@ -340,8 +345,9 @@ void LogReader::require(const RunLogHeader& given) const {
   size("/canvas/triangles", given.canvas_triangles.size());
   size("/cloud/points", given.cloud_points.size());
   size("/target/points", given.target_points.size());
-  if (!has("/stroke_along"))
-    differ("dataset /stroke_along", "none (an older impedraw wrote it)", "one");
+  for (const char* name : {"/stroke_along", "/time_scale"})
+    if (!has(name))
+      differ(std::string("dataset ") + name, "none (an older impedraw wrote it)", "one");
 }
 
 WallTimes LogReader::wall() const {

@@ -13,7 +13,9 @@
 #include "impedraw/run/emergency_lift.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
+#include "impedraw/run/plan_clock.h"
 #include "impedraw/run/simulated_arm.h"
+#include "impedraw/run/speed_guard.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
@@ -59,6 +61,8 @@ class Runner {
               surface_source(e, disturbances_of(e, resumption))),
         started_(driver),
         state_(&driver.read()),
+        clock_({}, e.control.impedance.timing.dt),
+        guard_(e.scene.arm.limits().speed),
         log_(resumption ? RunLog::append_to(log_file, make_header(e))
                         : RunLog(log_file, make_header(e))),
         row_(e.scene.arm.joints()) {
@@ -71,13 +75,18 @@ class Runner {
   void follow(const TipPath& path, bool again) {
     const double begin = time();
     const Odometer odometer(path);
-    const long steps = std::lround(std::ceil(path.duration() / dt()));
-    for (long i = 0; i < steps || lifting_; ++i) {
-      const double t = time();
+    clock_.restart();
+    const auto steps = [&] {
+      return std::lround(std::ceil((path.duration() + clock_.lag()) / dt()));
+    };
+    for (long i = 0; i < steps() || lifting_ || guard_.braking(); ++i) {
+      const double t = time(), planned = t - begin - clock_.lag();
       if (lifting_ && lifting_->done(t)) return;
-      PathSample desired = path.at(t - begin);
+      PathSample desired = path.at(planned);
+      desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
+      if (!lifting_) clock_.advance(deviation(desired));
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
@@ -86,8 +95,8 @@ class Runner {
       }
       if (!hooks_.progress) continue;
       RunProgress progress{
-          first_time_ + t, 0, 0, 0.0, 0.0, std::min(1.0, (t - begin) / path.duration()), again};
-      odometer.read(t - begin, &progress);
+          first_time_ + t, 0, 0, 0.0, 0.0, std::min(1.0, planned / path.duration()), again};
+      odometer.read(planned, &progress);
       hooks_.progress(progress);
     }
   }
@@ -104,9 +113,11 @@ class Runner {
   bool step(const PathSample& desired) {
     const double t = time(), step_time = state_->step_time;
     const auto step_start = Clock::now();
-    if (!state_->stalled) out_ = loop_.step(*state_, desired.reference);
+    if (!state_->stalled)
+      out_ = guard_.braking() ? loop_.brake(*state_) : loop_.step(*state_, desired.reference);
     row_.step_time = seconds_since(step_start);
     row_.time = first_time_ + t;
+    row_.time_scale = clock_.rate();
     fill_state(e_, *state_, driver_.truth(), desired, loop_, out_, &row_);
 
     driver_.command(out_.tau, out_.terms.col(kGravity));
@@ -121,6 +132,14 @@ class Runner {
     if (!lost.empty()) {
       stop(RunEnd::stopped, lost);
       return false;
+    }
+    if (guard_.update(state_->v, dt())) {
+      stop(RunEnd::stopped, fmt::format("joint {} was far above its speed limit of {:.2f} rad/s "
+                                        "at t = {:.3f} s; the motion was damped and the pen lifted",
+                                        e_.scene.arm.joint_names()[guard_.joint()],
+                                        e_.scene.arm.limits().speed[guard_.joint()], t));
+    } else if (guard_.calmed()) {
+      lift();
     }
     if (watchdog_.update(step_time)) {
       stop(RunEnd::stopped,
@@ -151,6 +170,23 @@ class Runner {
     return {};
   }
 
+  // How far the pen is from what the plan asks of it.
+  PenDeviation deviation(const PathSample& desired) const {
+    PenDeviation pen;
+    if (!e_.scene.perception) return pen;
+    pen.joint = (state_->v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
+    if (desired.stroke < 0) return pen;
+    const Pose& X_WE = loop_.terms().X_WE;
+    pen.waits = out_.mode == ContactMode::approach;
+    pen.tilt = smallest_rotation(X_WE.R.col(2), -out_.axis_WD).norm();
+    if (out_.mode != ContactMode::contact) return pen;
+    const Eigen::Vector3d off = out_.p_WD - X_WE.p;
+    pen.tip = (off - out_.n_WD * out_.n_WD.dot(off)).norm();
+    if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
+      pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
+    return pen;
+  }
+
   void stop(RunEnd end, const std::string& cause) {
     if (outcome_.end != RunEnd::finished) return;
     outcome_.end = end;
@@ -168,6 +204,8 @@ class Runner {
   ControlLoop loop_;
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
+  PlanClock clock_;
+  SpeedGuard guard_;
   StepWatchdog watchdog_;
   RunLog log_;
   LogRow row_;
@@ -179,13 +217,14 @@ class Runner {
 };
 
 // A path that draws the parts, overlapping the ink at both ends.
-TipPath plan_parts(const Experiment& e, const std::vector<StrokePart>& parts,
-                   const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W, double hold) {
+TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_WE,
+                   const Eigen::Vector3d& n_W, double hold) {
   std::vector<PlacedStroke> strokes;
   for (const StrokePart& part : parts)
     strokes.push_back(part_of(e.plan.strokes[static_cast<std::size_t>(part.stroke)],
                               part.from - kRedrawOverlap, part.to + kRedrawOverlap));
-  return plan_from(e.plan.path_settings, e.surface(), strokes, p_WE, n_W, hold);
+  return plan_from(e.plan.path_settings, e.surface(), strokes, p_WE, n_W, hold,
+                   stroke_limits(e.scene, e.plan));
 }
 
 // A path for what an earlier run left undrawn, from its last posture.

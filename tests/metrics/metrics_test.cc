@@ -33,7 +33,7 @@ TEST(Metrics, PlainRun) {
   expect("joint_margin_min", 1.0);
   expect("step_time_p50", 10.0);
   // Every name of docs/metrics.md is there, and each null has its reason.
-  EXPECT_EQ(metric_definitions().size(), 31u);
+  EXPECT_EQ(metric_definitions().size(), 32u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));
     EXPECT_EQ(m.at(d.name).is_null(), m.at("reasons").contains(d.name)) << d.name;
@@ -249,6 +249,27 @@ TEST(Metrics, StepTimeAndRealTimeFactor) {
   EXPECT_EQ(metrics_of(run).at("wall_seconds").at("start_up"), 5.0);
   std::fill(run.step_time.begin(), run.step_time.end(), kNone);
   expect_null(run, {"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
+}
+
+// Where the plan waits, rows count towards its mean alone.
+TEST(Metrics, RowsOfAWaitingPlanDoNotCount) {
+  EXPECT_EQ(value(plain_run(), "time_scale_mean"), 1.0);
+  MadeUp run = plain_run();
+  for (std::size_t i = 1300; i < 1400; ++i) {  // off the line, hard, and then without ink
+    touch(run, i, 0.05 * (i - 1000.0), 0.2, i < 1350 ? 9.0 : 0.05);
+    run.time_scale[i] = 0.1;
+  }
+  EXPECT_NEAR(value(run, "time_scale_mean"), 0.91, 1e-6);
+  EXPECT_EQ(value(run, "contact_fraction"), 1.0);
+  EXPECT_NEAR(value(run, "ink_error_max"), 0.0, 1e-9);
+  EXPECT_EQ(value(run, "force_peak"), 5.0);
+  EXPECT_EQ(value(run, "force_sd"), 0.0);
+  EXPECT_NEAR(value(run, "draw_time"), 1.0, 1e-9);
+  for (double& scale : run.time_scale)  // slow, but it runs
+    if (scale < 1.0) scale = 0.25;
+  EXPECT_NEAR(value(run, "contact_fraction"), 0.95, 1e-12);
+  EXPECT_EQ(value(run, "force_peak"), 9.0);
+  expect_null(empty_run(100), {"time_scale_mean"}, "no pen-down sample");
 }
 
 TEST(Metrics, EveryFieldIsDefinedOnce) {

@@ -1,0 +1,66 @@
+// The plan's clock: runs as planned while the pen follows, and yields where it does not.
+//
+//   dt_plan/dt = r,  0 ≤ r ≤ 1
+//
+// The deviations are those of tip, tilt and force from what the plan asks, and the fastest joint's
+// share of its speed limit. Each deviation x has two bounds. Up to `slow` the clock runs at 1; from there it slows down, and
+// from `stop` on it stands:
+//   r → (stop − x)/(stop − slow), the least over all deviations
+// r changes at most at the given rates, so that the desired motion keeps a continuous velocity. The
+// clock never runs backwards and never jumps. A pen that does not come back within `patience` is
+// left behind: the clock then runs at least at `least`, and the gap is drawn again at the end.
+//
+// The reference at plan time s(t) has velocity r v and acceleration r² a + ṙ v.
+#pragma once
+
+#include "impedraw/control/tip_reference.h"
+
+namespace impedraw {
+
+struct YieldBounds {
+  double slow, stop;
+};
+
+struct ClockSettings {
+  YieldBounds tip{5e-3, 12e-3};  // distance of the tip from the desired point, tangential [m]
+  YieldBounds tilt{0.10, 0.30};  // angle between pen and desired axis [rad]
+  YieldBounds force{0.7, 1.4};   // deviation of the measured push, as a share of the desired one
+  YieldBounds joint{0.85, 1.15};  // fastest joint, as a share of its speed limit
+  double force_filter = 0.03;    // time constant of that deviation [s]
+  double slow_down = 10.0;       // [1/s]
+  double speed_up = 3.0;         // [1/s]
+  double patience = 1.0;         // [s]
+  double least = 0.2;            // rate after patience is lost
+};
+
+// What the pen does in one cycle. NaN: unknown, does not count.
+struct PenDeviation {
+  double tip = 0.0;    // [m]
+  double tilt = 0.0;   // [rad]
+  double force = 0.0;  // share
+  double joint = 0.0;  // share
+  bool waits = false;  // for contact at a stroke's first point
+};
+
+class PlanClock {
+ public:
+  PlanClock(const ClockSettings& settings, double dt) : settings_(settings), dt_(dt) {}
+
+  void restart() noexcept { *this = PlanClock(settings_, dt_); }
+  // One cycle.
+  void advance(const PenDeviation& pen) noexcept;
+
+  double lag() const { return lag_; }    // of the plan behind the run's time [s]
+  double rate() const { return rate_; }  // r
+  // The plan's reference as it is at the clock's rate.
+  TipReference scaled(TipReference reference) const noexcept;
+
+ private:
+  ClockSettings settings_;
+  double dt_;
+  double lag_ = 0.0, rate_ = 1.0, slope_ = 0.0;
+  double force_ = 0.0;
+  double stood_ = 0.0;  // since the clock ran at `least` or more [s]
+};
+
+}  // namespace impedraw
