@@ -15,9 +15,9 @@ namespace impedraw {
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places);
 
 int draw(const DrawOptions& options);
-int plan(
-    const DrawOptions& options,
-    bool as_json);  // the pre-flight alone, with a picture; kMissed where something cannot be drawn
+// The pre-flight alone, with a picture; kMissed where something cannot be drawn. `suggest`: also
+// settings to try.
+int plan(const DrawOptions& options, bool as_json, bool suggest);
 int compare(const DrawOptions& options);  // with and without perception, side by side
 int report(const std::filesystem::path&
                folder);  // metrics, pictures and report of a run again, from its log

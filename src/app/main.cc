@@ -23,6 +23,7 @@
 #include "impedraw/settings/settings_text.h"
 #include "impedraw/study/reach.h"
 #include "impedraw/study/robustness.h"
+#include "impedraw/study/surfaces.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/say.h"
 
@@ -132,19 +133,21 @@ int run_program(int argc, char** argv) {
       "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run");
   draw->callback([&] { code = impedraw::draw(options); });
 
-  bool plan_json = false;
+  bool plan_json = false, plan_suggest = false;
   CLI::App* plan = app.add_subcommand("plan",
                                       "check which strokes can be drawn, without moving: what "
                                       "fails, where and why, how long it takes; draws a picture");
   add_scenario_options(plan, &options);
   plan->add_flag("--json", plan_json, "print JSON");
+  plan->add_flag("--suggest", plan_suggest,
+                 "propose settings for this surface: voxel, neighbourhood, speed, tilt allowance");
   plan->footer(
       "The exit code is 0 if everything can be drawn, else 1.\n"
       "Examples:\n  ./impedraw plan --svg artwork/koi.svg\n  ./impedraw plan --svg flower.svg "
       "--set drawing.placement.fit_radius=0.3\n"
       "  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.3 "
       "--skip-unreachable");
-  plan->callback([&] { code = impedraw::plan(options, plan_json); });
+  plan->callback([&] { code = impedraw::plan(options, plan_json, plan_suggest); });
 
   for (CLI::App* command : {draw, plan})
     command
@@ -219,7 +222,16 @@ int run_program(int argc, char** argv) {
       "Examples:\n  ./impedraw robustness\n  ./impedraw robustness --only "
       "'^matrix-nominal-200mm_s' --out /tmp/fast\n"
       "  ./impedraw robustness --list | grep -A1 wave");
-  robustness->callback([&] { code = impedraw::robustness(table); });
+  std::string part = "model";
+  robustness
+      ->add_option("--part", part,
+                   "model: speeds, slopes, model errors and canvases; surfaces: rough surfaces, of "
+                   "scenarios/surfaces.csv")
+      ->check(CLI::IsMember({"model", "surfaces"}))
+      ->capture_default_str();
+  robustness->callback([&] {
+    code = part == "surfaces" ? impedraw::surfaces(table) : impedraw::robustness(table);
+  });
 
   CLI::App* reach =
       app.add_subcommand("reach",

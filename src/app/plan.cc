@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
+#include "impedraw/experiment/plan_limits.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/planning/wrap/distortion.h"
@@ -69,21 +70,29 @@ void write_picture(const PlannedDrawing& e, const SurfaceHeight& surface, const 
     picture.lines.push_back(
         plan_line(StrokeRuler(part), surface, (X_PW * f.p_W).z(), words_of(f.problem)));
   }
+  // The map of roughness: a dot for each point of the cloud.
+  if (e.scene.perception)
+    for (const Eigen::Vector3d& p_W : e.scene.perception->cloud().points)
+      if (is_unresolved(e.scene.perception->roughness(p_W)))
+        picture.lines.push_back({{X_PW * p_W}, "rougher than the cameras resolve"});
   write_plan(picture, stem);
 }
 
 }  // namespace
 
-int plan(const DrawOptions& options, bool as_json) {
+int plan(const DrawOptions& options, bool as_json, bool suggest) {
   Places places;
   Scenario scenario = resolve(options, &places);
   const fs::path folder =
       options.out.empty() ? fs::path("runs") / (scenario.name + "-plan") : options.out;
   require_plan_folder(folder);
   scenario = placed(options, scenario, places);
-  const PlannedDrawing e = prepare_plan_visibly(scenario, places);
+  PlannedDrawing e = prepare_plan_visibly(scenario, places);
   make_folder(folder);
-  const std::string json = plan_json(e).dump(2) + "\n";
+  const PlanLimits limits = plan_limits(e);
+  nlohmann::ordered_json whole = plan_json(e);
+  whole["limits"] = plan_limits_json(limits);
+  const std::string json = whole.dump(2) + "\n";
   write_whole(folder / "plan.json", json);
   {
     ProgressLine line;
@@ -99,7 +108,7 @@ int plan(const DrawOptions& options, bool as_json) {
         },
         folder / "plan");
   }
-  say(stdout, "{}", as_json ? json : plan_text(e));
+  say(stdout, "{}", as_json ? json : plan_text(e) + plan_limits_text(e, limits, suggest));
   if (e.plan.wrap) {
     write_distortion({e.scenario.name, e.plan.wrap->chart(), e.artwork.strokes, e.plan.requested,
                       projected_distortion(e), wrapped_distortion(e)},

@@ -9,6 +9,8 @@
 //   approach, contact ──surface or wrench lost──>          retreat
 //   retreat           ──pen up desired──>                  free
 //
+// A pen 6 mm beneath the surface as estimated, less the error found at touch, counts as surface
+// lost.
 // Touch requires the tip to be near the estimated surface *and* something to hold it. With a
 // measured wrench, that is a normal force within `search_distance`. Without one, it is a tip that
 // no longer follows the approach, within `enter_distance`. Distance alone would start the push

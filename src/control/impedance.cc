@@ -80,6 +80,24 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   return out_;
 }
 
+const ImpedanceTorque& ImpedanceController::brake(const ArmTerms& arm) noexcept {
+  forget();
+  out_.status = {};
+  out_.status.bad_input = !arm.v.allFinite() || !arm.M.allFinite() || !arm.g.allFinite();
+  if (out_.status.bad_input) return safe_torque();
+  out_.mode = ContactMode::free;
+  out_.push = 0.0;
+  out_.p_WD = arm.X_WE.p;
+  out_.n_WD = out_.axis_WD = -arm.X_WE.R.col(2);
+  out_.terms.setZero();
+  out_.terms.col(kImpedance) = -kBrakeRate * (arm.M * arm.v);
+  out_.terms.col(kGravity) = arm.g;
+  const LimitedTorque limited = limits_.clip(out_.terms.rowwise().sum());
+  out_.tau = limited.tau;
+  out_.status.torque_limited = limited.limited;
+  return out_;
+}
+
 void ImpedanceController::reset() noexcept {
   forget();
   limits_.reset();
@@ -197,29 +215,36 @@ Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
   return std::sqrt(scale_) * modal_damping_.apply(space_.inertia_factor(), V);
 }
 
-// B (V_d − V) + K e. If the steady-state speed V_d + B⁻¹ K e exceeds the limit, it is scaled to the
+// B (V_d − V) + K e. If the steady-state speed V_d + B⁻¹ K e exceeds a limit, it is scaled to the
 // limit, and the part of V̇_d that accelerates the tip along it is removed.
 Vector6 ImpedanceController::spring_and_damper(const Vector6& V,
                                                ReferenceMotion* desired) noexcept {
-  const double limit = settings_.limits.tip_speed;
+  const double limit = settings_.limits.tip_speed, turn_limit = settings_.limits.turn_speed;
   // a smaller K e stays far below any limit: skip the solve
   const double small_pull = 2e-3 * settings_.stiffness.linear.tangent;
+  const double small_turn = 2e-2 * settings_.stiffness.angular.tangent;
   const Vector6 &V_d = desired->V_d, &Ke = desired->Ke;
   if (V_d.head<3>().squaredNorm() > 0.64 * limit * limit ||
-      Ke.head<3>().squaredNorm() > small_pull * small_pull) {
+      V_d.tail<3>().squaredNorm() > 0.64 * turn_limit * turn_limit ||
+      Ke.head<3>().squaredNorm() > small_pull * small_pull ||
+      Ke.tail<3>().squaredNorm() > small_turn * small_turn) {
     const Vector6 follow = shaped_
                                ? shaped_damping_.inverse().apply(out_.n_WD, Ke)
                                : Vector6(modal_damping_.solve(space_.inverse_inertia_factor(), Ke) /
                                          std::sqrt(scale_));
     Vector6 V_end = V_d + follow;
-    const double speed = V_end.head<3>().norm();
-    if (speed > limit) {
+    const double speed = V_end.head<3>().norm(), turn = V_end.tail<3>().norm();
+    const double share =
+        std::min(limit / std::max(speed, limit), turn_limit / std::max(turn, turn_limit));
+    if (share < 1.0) {
       out_.status.speed_limited = true;
-      const Eigen::Vector3d direction = V_end.head<3>() / speed;
-      // scale rotation too: a coupled inertia would turn the remaining rotation into speed
-      V_end *= limit / speed;
-      auto a = desired->Vdot_d.head<3>();
-      a -= std::max(0.0, a.dot(direction)) * direction;
+      // scale both parts: a coupled inertia would turn the remaining rotation into speed
+      V_end *= share;
+      const auto hold_back = [](auto a, const Eigen::Vector3d& along) {
+        a -= std::max(0.0, a.dot(along)) * along;
+      };
+      if (speed > limit) hold_back(desired->Vdot_d.head<3>(), V_end.head<3>().normalized());
+      if (turn > turn_limit) hold_back(desired->Vdot_d.tail<3>(), V_end.tail<3>().normalized());
       return damp(V_end - V);
     }
   }

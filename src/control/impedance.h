@@ -33,12 +33,12 @@
 // F_compliant in (1).
 //
 // In contact  e is the error of the ink, not of the tip, seen along the drawing axis z (13):
-//             ErrorProjection. K has no normal part. z_E is aligned with −n; rotation about z_E is
-//             only damped.
+//             ErrorProjection. K has no normal part. z_E is aligned with −n, or with the plan's
+//             axis (PenAxis); rotation about z_E is only damped.
 // Modes       contact_mode.h. The desired force stays continuous at a mode switch: the difference
 //             is carried over and decays with `switch_time`.
 // Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
-//             limits.tip_speed (Khatib's velocity saturation). Torque and torque rate are limited
+//             limits.tip_speed and limits.turn_speed (Khatib's velocity saturation). Torque and torque rate are limited
 //             last and preserve the task as far as possible (torque_limits.h).
 //
 // Requires    M symmetric positive definite; vectors for the number of joints given at set-up;
@@ -95,7 +95,7 @@ struct ControlStatus {
   bool stale_state = false;     // older than timing.max_state_age; torque as for bad_input
   bool stale_wrench = false;    // older than timing.max_wrench_age; the pen leaves the surface
   bool torque_limited = false;  // a limit on torque or torque rate was active
-  bool speed_limited = false;   // limits.tip_speed was active
+  bool speed_limited = false;   // limits.tip_speed or limits.turn_speed was active
   bool joint_limit = false;     // a joint is within joint_range.margin of its limit
   bool surface_lost = false;    // contact is desired but perception has no surface here
   bool damping_limit = false;  // M_d ∝ Λ: max eig(M_d⁻¹B)(Δt + delay) ≥ 0.5 in this posture
@@ -112,10 +112,11 @@ struct ImpedanceTorque {
       terms;
   ContactMode mode = ContactMode::free;
   ControlStatus status;
-  double push = 0.0;                                // desired normal force [N]
-  double task_share = 1.0;                          // s of torque_limits.h
-  Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();   // desired tip, compensation included [m]
-  Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();  // desired normal: z_D = −n_WD
+  double push = 0.0;                                   // desired normal force [N]
+  double task_share = 1.0;                             // s of torque_limits.h
+  Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();      // desired tip, compensation included [m]
+  Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();     // normal that the push follows
+  Eigen::Vector3d axis_WD = Eigen::Vector3d::UnitZ();  // desired pen axis, outward: z_D = −axis_WD
 };
 
 class ImpedanceController {
@@ -130,6 +131,11 @@ class ImpedanceController {
   const ImpedanceTorque& step(const ArmTerms& arm, const TipReference& reference,
                               const SurfaceEstimate& surface, const Wrench& F_ext,
                               const InputAges& ages = {}) noexcept;
+
+  // Gravity compensation and damping −c M v, c = kBrakeRate: takes the energy out of a motion that
+  // the law no longer controls. Then continue with step(), in mode free.
+  const ImpedanceTorque& brake(const ArmTerms& arm) noexcept;
+  static constexpr double kBrakeRate = 20.0;  // [1/s]
 
   void reset() noexcept;  // restores the initial state: mode free, no carried force
 

@@ -97,6 +97,7 @@ void check_joints(const ImpedanceSettings& s, int joints) {
   check_entries("limits.torque", s.limits.torque, joints, Range::positive(), "Nm");
   each(Limits::torque_rate, s.limits.torque_rate);
   check(Limits::tip_speed_limit, s.limits.tip_speed);
+  check(Limits::turn_speed_limit, s.limits.turn_speed);
 }
 
 }  // namespace

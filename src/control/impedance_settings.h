@@ -30,6 +30,13 @@ enum class ErrorProjection {
   paper,   // (z × e) × z, then K in S: cos²θ of the stiffness up and down a slope θ
 };
 
+// Direction of the pen's axis in approach and contact. The push is along the estimated normal either
+// way.
+enum class PenAxis {
+  surface,  // along the estimated normal at the tip
+  plan,     // along the plan's: a rough surface does not shake the wrist
+};
+
 // Delays of inputs and torque. The stability check uses them, and the momentum observer aligns
 // torque and wrench with the motion that they belong to.
 struct TimingSettings {
@@ -56,7 +63,8 @@ struct TimingSettings {
 struct SurfaceSettings {
   ErrorProjection projection = ErrorProjection::lifted;
   Eigen::Vector3d drawing_axis_W = Eigen::Vector3d::UnitZ();  // z, unit, out of the drawing plane
-  double min_axis_cosine = 0.2;    // least |n·z| for lifting an error along z
+  double min_axis_cosine = 0.2;  // least |n·z| for lifting an error along z
+  PenAxis pen_axis = PenAxis::surface;
   double normal_bandwidth = 40.0;  // of the tracker of the surface normal [rad/s]
 };
 
@@ -117,11 +125,12 @@ struct JointRangeSettings {
   double torque = 30.0;          // τ_limit at the end of the range; it grows beyond [Nm]
 };
 
-// Limits on commanded torque and tip speed.
+// Limits on commanded torque and on the tip's speed and turning.
 struct LimitSettings {
   Eigen::VectorXd torque;       // ± [Nm]; empty: 1000 Nm on each joint
   Eigen::VectorXd torque_rate;  // ± [Nm/s]; empty: none
   double tip_speed = 0.6;       // of V_d + B⁻¹ K e, linear part [m/s]
+  double turn_speed = 4.0;      // of its angular part [rad/s]
 };
 
 struct ImpedanceSettings {
@@ -195,6 +204,7 @@ struct ImpedanceSettings {
     static constexpr Limit limit_margin = {"limit_margin", "rad", {0.001, 1.0}};
     static constexpr Limit limit_torque = {"limit_torque", "Nm", {0.0, 300.0}};
     static constexpr Limit tip_speed_limit = {"tip_speed_limit", "m/s", {0.001, 5.0}};
+    static constexpr Limit turn_speed_limit = {"turn_speed_limit", "rad/s", {0.01, 50.0}};
     static constexpr Limit torque_rate = {"torque_rate", "Nm/s", {1.0, 1e6}};
   };
 

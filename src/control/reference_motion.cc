@@ -47,6 +47,7 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_plan(
   if (out_.mode == ContactMode::retreat) p_WD += settings_.approach.retreat_height * reference.n_WD;
   out_.push = 0.0;
   out_.p_WD = p_WD;
+  out_.axis_WD = reference.n_WD;
   const Vector6 e =
       stacked(p_WD - arm.X_WE.p, smallest_rotation(arm.X_WE.R.col(2), -reference.n_WD));
   ReferenceMotion desired;
@@ -62,6 +63,9 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_plan(
 ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
     const ArmTerms& arm, const TipReference& reference, const SurfaceEstimate& surface) noexcept {
   const Vector3d& n = tracker_.n();
+  const bool planned_axis = settings_.surface.pen_axis == PenAxis::plan;
+  const Vector3d& w = planned_axis ? reference.w_WD : tracker_.w();
+  out_.axis_WD = planned_axis ? reference.n_WD : n;
   const Vector3d& z = settings_.surface.drawing_axis_W;
   const bool contact = out_.mode == ContactMode::contact;
   out_.push = contact ? settings_.normal_force : 0.0;
@@ -101,9 +105,10 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
     if (known) e_n = n * (approach_distance_ - surface.distance);
   }
   ReferenceMotion desired;
-  desired.V_d = stacked(tangent.v, tracker_.w());
-  desired.Vdot_d = stacked(tangent.a, reference.alpha_WD - n * n.dot(reference.alpha_WD));
-  desired.Ke = K.apply(n, stacked(tangent.e + e_n, smallest_rotation(arm.X_WE.R.col(2), -n)));
+  const Vector3d& axis = out_.axis_WD;
+  desired.V_d = stacked(tangent.v, w);
+  desired.Vdot_d = stacked(tangent.a, reference.alpha_WD - axis * axis.dot(reference.alpha_WD));
+  desired.Ke = K.apply(n, stacked(tangent.e + e_n, smallest_rotation(arm.X_WE.R.col(2), -axis)));
   desired.push = stacked(-(out_.push + force_integral_) * n, Vector3d::Zero());
   return desired;
 }

@@ -126,6 +126,27 @@ void describe(Fields& f, TerrainSettings& s) {
           "Shortest wavelength of the hills; the longest is twice that.");
 }
 
+void describe(Fields& f, RoughSettings& s) {
+  using Limits = RoughSettings::Limits;
+  describe_footprint(f, s.footprint);
+  f.choice("form", s.form,
+           {{"fractal", RoughForm::fractal},
+            {"facets", RoughForm::facets},
+            {"ridges", RoughForm::ridges},
+            {"ripple", RoughForm::ripple},
+            {"step", RoughForm::step},
+            {"hole", RoughForm::hole},
+            {"lip", RoughForm::lip}},
+           "Hills at every scale down to the wavelength; flat facets of that size; a zigzag; a "
+           "cylinder with waves along it; a step; a hole of that diameter; or a sheet above half of "
+           "another.");
+  f.field(Limits::seed, s.seed, "Seed of a fractal or of facets.");
+  f.field(Limits::slope, s.slope_deg, "Root-mean-square slope.");
+  f.field(Limits::wavelength, s.wavelength,
+          "Shortest wavelength, side of a facet, or diameter of the hole.");
+  f.field(Limits::height, s.height, "Height of the step, or of the upper sheet.");
+}
+
 void describe(Fields& f, MeshSettings& s) {
   using Limits = MeshSettings::Limits;
   f.field("file", s.file, "Mesh file: .obj, .stl or .ply.");
@@ -157,6 +178,7 @@ void describe(Fields& f, CanvasSettings& s) {
             {"trough", CanvasKind::trough},
             {"cone", CanvasKind::cone},
             {"terrain", CanvasKind::terrain},
+            {"rough", CanvasKind::rough},
             {"mesh", CanvasKind::mesh}},
            "Shape of the canvas. A bowl is a sphere from inside, a dome one from outside; a mesh "
            "comes from a file.");
@@ -168,6 +190,7 @@ void describe(Fields& f, CanvasSettings& s) {
           "Size of a cylinder, drawn on from outside, or a trough, from inside.");
   f.field("cone", s.cone, "Size of a cone, apex up, drawn on from outside.");
   f.field("terrain", s.terrain, "Size of a terrain of random hills and hollows.");
+  f.field("rough", s.rough, "Shape of a rough canvas: what the pen can follow is measured on it.");
   f.field("mesh", s.mesh, "Mesh from a file.");
   f.field(Limits::move, s.move, "Translation of the whole canvas, after its rotation.");
   f.field(Limits::turn, s.turn_deg, "Rotation of the whole canvas about the world's z axis.");
@@ -195,6 +218,8 @@ TriangleMesh made_mesh(const CanvasSettings& s, std::vector<std::string>* repair
       return make_cone(s.cone);
     case CanvasKind::terrain:
       return make_terrain(s.terrain);
+    case CanvasKind::rough:
+      return make_rough(s.rough);
     case CanvasKind::mesh:
       return make_mesh(s.mesh, repaired);
   }

@@ -8,12 +8,13 @@
 
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/canvas/built_in_graphs.h"
+#include "impedraw/canvas/built_in_rough.h"
 #include "impedraw/canvas/built_in_ruled.h"
 #include "impedraw/settings/schema.h"
 
 namespace impedraw {
 
-enum class CanvasKind { bowl, dome, plane, wave, saddle, cylinder, trough, cone, terrain, mesh };
+enum class CanvasKind { bowl, dome, plane, wave, saddle, cylinder, trough, cone, terrain, rough, mesh };
 
 enum class LengthUnit { m, mm, cm, in };
 double metres(LengthUnit unit);
@@ -43,6 +44,7 @@ struct CanvasSettings {
   CylinderSettings cylinder;  // cylinder and trough
   ConeSettings cone;
   TerrainSettings terrain;
+  RoughSettings rough;
   MeshSettings mesh;
   // Translation of the canvas, after its rotation: p = move + Rz(turn) p_made [m].
   Eigen::Vector3d move = Eigen::Vector3d::Zero();

@@ -1,8 +1,11 @@
 #include "impedraw/experiment/height_sources.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <nanoflann.hpp>
 
@@ -42,6 +45,51 @@ class Columns {
   Tree tree_;
 };
 
+// A sheet higher than this above another hides it from the pen [m].
+constexpr double kOverhang = 0.012;
+
+// The highest point of the cloud over each cell of the drawing plane.
+class TopSheet {
+ public:
+  TopSheet(const PointCloud& cloud, const Pose& X_PW) {
+    Eigen::AlignedBox2d box;
+    std::vector<Eigen::Vector3d> points;
+    for (const Eigen::Vector3d& p_W : cloud.points) {
+      points.push_back(X_PW * p_W);
+      box.extend(points.back().head<2>());
+    }
+    if (points.empty()) return;
+    lower_ = box.min();
+    nx_ = static_cast<int>(box.sizes().x() / kCell) + 1;
+    ny_ = static_cast<int>(box.sizes().y() / kCell) + 1;
+    top_.assign(static_cast<std::size_t>(nx_) * ny_, -std::numeric_limits<double>::infinity());
+    for (const Eigen::Vector3d& p : points) {
+      const int i = static_cast<int>((p.x() - lower_.x()) / kCell),
+                j = static_cast<int>((p.y() - lower_.y()) / kCell);
+      double& top = top_[static_cast<std::size_t>(j) * nx_ + i];
+      top = std::max(top, p.z());
+    }
+  }
+
+  // -infinity where the cloud has no point.
+  double top(double x, double y) const {
+    const double i = std::floor((x - lower_.x()) / kCell), j = std::floor((y - lower_.y()) / kCell);
+    if (!(i >= 0 && j >= 0 && i < nx_ && j < ny_)) return -std::numeric_limits<double>::infinity();
+    return top_[static_cast<std::size_t>(j) * nx_ + static_cast<std::size_t>(i)];
+  }
+
+  // Of a surface with normal n across a cell.
+  static double rise(const Eigen::Vector3d& n) {
+    return kCell * n.head<2>().lpNorm<1>() / std::max(n.z(), 0.1);
+  }
+
+ private:
+  static constexpr double kCell = 0.008;  // [m]
+  Eigen::Vector2d lower_ = Eigen::Vector2d::Zero();
+  int nx_ = 0, ny_ = 0;
+  std::vector<double> top_;
+};
+
 // The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to
 // nothing: what they settle within is taken.
 std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Pose& X_WP,
@@ -79,15 +127,55 @@ SurfaceHeight level_surface(double z) {
 }
 
 SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP) {
-  return [&estimator, X_WP, columns = std::make_shared<Columns>(estimator.cloud(), X_WP.inverse()),
+  const Pose X_PW = X_WP.inverse();
+  return [&estimator, X_WP, columns = std::make_shared<const Columns>(estimator.cloud(), X_PW),
+          tops = std::make_shared<const TopSheet>(estimator.cloud(), X_PW),
           last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](
              double x, double y) mutable -> std::optional<SurfaceSample> {
     std::optional<SurfaceSample> sample;
-    if (std::hypot(last.x() - x, last.y() - y) < 0.01)
-      sample = descend(estimator, X_WP, {x, y, last.z()});
-    if (!sample) sample = descend(estimator, X_WP, {x, y, columns->height_at(x, y)});
+    const double top = tops->top(x, y);
+    const bool near = std::hypot(last.x() - x, last.y() - y) < 0.01;
+    // Another sheet lies above: the pen cannot reach this one.
+    const auto covered = [&] {
+      return sample && top > sample->p_P.z() + kOverhang + tops->rise(sample->n_P);
+    };
+    if (near) sample = descend(estimator, X_WP, {x, y, last.z()});
+    if (!sample || covered())
+      sample = descend(estimator, X_WP, {x, y, std::isfinite(top) ? top : columns->height_at(x, y)});
+    if (covered()) sample.reset();
     if (sample) last = sample->p_P;
     return sample;
+  };
+}
+
+SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeight planned) {
+  return [&canvas, X_WP, X_PW = X_WP.inverse(), planned = std::move(planned),
+          upper = canvas_height(canvas, X_WP),
+          last = std::optional<SurfaceSample>()](
+             double x, double y) mutable -> std::optional<SurfaceSample> {
+    std::optional<SurfaceSample> plan = planned(x, y);
+    if (!plan) {
+      // Just beyond what is planned: the artwork before its corners were rounded.
+      plan = last;
+      if (!plan) plan = upper(x, y);
+      if (!plan) plan = SurfaceSample{{x, y, 0.0}, Eigen::Vector3d::UnitZ()};
+      plan->p_P.head<2>() = Eigen::Vector2d(x, y);
+    }
+    last = plan;
+    std::optional<SurfaceSample> nearest;
+    double least = kJudged;
+    constexpr int kMostSheets = 16;
+    double z = plan->p_P.z() + kJudged;
+    for (int i = 0; i < kMostSheets; ++i) {
+      const auto hit = canvas.ray(X_WP * Eigen::Vector3d(x, y, z), -X_WP.R.col(2));
+      if (!hit) break;
+      const Eigen::Vector3d p = X_PW * hit->p_W;
+      const double off = std::abs(p.z() - plan->p_P.z());
+      if (off <= least) least = off, nearest = SurfaceSample{p, X_PW.R * hit->n_W};
+      if (p.z() < plan->p_P.z() - kJudged) break;
+      z = p.z() - 1e-6;
+    }
+    return nearest ? nearest : plan;
   };
 }
 

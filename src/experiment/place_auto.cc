@@ -183,6 +183,9 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
   if (!scenario.drawing.tilt_deg.isZero())
     throw InputError("--place auto needs a level drawing plane: drawing.tilt must be [0, 0, 0]");
   PlannedDrawing e = prepare_plan(scenario, places, Unreachable::tell);
+  // Where a mesh was put that nobody has placed.
+  Scenario given = scenario;
+  given.canvas.move = e.scenario.canvas.move;
   Search search(e);
   const double before = search.margin({}, true);
   std::vector<Candidate> found;
@@ -197,7 +200,7 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
   PlacedCanvas best;
   double least = std::numeric_limits<double>::infinity();
   for (const Candidate& c : found) {
-    const Scenario there = moved(scenario, c.move, c.turn_deg);
+    const Scenario there = moved(given, c.move, c.turn_deg);
     double lost = std::numeric_limits<double>::infinity();
     try {
       lost = not_drawable(prepare_plan(there, places, Unreachable::tell));

@@ -10,6 +10,7 @@
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/rest_posture.h"
+#include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
@@ -85,7 +86,7 @@ class Planning {
     return scene_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
                                    : surface();
   }
-  const Canvas* obstacle() const { return scene_.height_unknown() ? nullptr : scene_.canvas.get(); }
+  const Canvas* obstacle() const { return scene_.height_unknown() ? nullptr : scene_.obstacle.get(); }
   // The target's surface, which judges only. A request beside an unknown canvas stays where it is.
   SurfaceHeight judged_surface() const {
     if (!scene_.height_unknown()) return true_surface_;
@@ -111,6 +112,10 @@ class Planning {
     for (const PlacedStroke& stroke : strokes) length += plane_length(stroke);
     return length;
   }
+  // The true sheet nearest to what was planned: for the target line, which only judges.
+  SurfaceHeight judged_surface() const {
+    return seen_ ? nearest_sheet(*scene_.canvas, artwork_.X_WP, surface()) : true_surface_;
+  }
   Eigen::Vector3d z_WP() const { return artwork_.X_WP.R.col(2); }
   const PlacedStroke& requested(int number) const {
     return plan_.requested[static_cast<std::size_t>(number)];
@@ -121,6 +126,7 @@ class Planning {
   PreflightSettings preflight_settings() const;
   std::vector<StrokePart> lay_on_surface();
   void check(const std::vector<StrokePart>& lost);
+  void name_step(Finding* finding) const;
   void promise();
   void plan_path();
   void leave_out_barred(const std::vector<Finding>& transitions);
@@ -204,13 +210,27 @@ std::vector<StrokePart> Planning::lay_on_surface() {
   return std::move(laid.lost);
 }
 
+// The planner's surface ends at a step that the cameras do not resolve (normals.h).
+void Planning::name_step(Finding* f) const {
+  constexpr double kStep = 8e-4;  // [m]
+  if (!scene_.perception || f->problem != Problem::off_canvas) return;
+  const Roughness there = scene_.perception->roughness(f->p_W);
+  if (!(there.misfit > kStep)) return;
+  f->problem = Problem::fold;
+  f->text = fmt::format("the surface steps by over {:.1f} mm within {:.0f} mm", 2e3 * there.misfit,
+                        2e3 * there.radius);
+}
+
 void Planning::check(const std::vector<StrokePart>& lost) {
   plan_.preflight = setting_errors_.locate({"preflight"}, [&] {
     return check_strokes(plan_.requested, checked_surface(), scene_.arm, obstacle(), scene_.start_q,
                          preflight_settings(),
                          [&](double share) { tell("checking the strokes", 0.3 + 0.35 * share); });
   });
-  for (Finding& f : plan_.preflight.findings) f.part.stroke = source(f.part.stroke);
+  for (Finding& f : plan_.preflight.findings) {
+    f.part.stroke = source(f.part.stroke);
+    name_step(&f);
+  }
   for (const StrokePart& part : lost)
     plan_.preflight.findings.push_back(off_patch(artwork_.strokes, part, artwork_.X_WP));
 }
@@ -252,7 +272,8 @@ void Planning::plan_path() {
                          3.0 * static_cast<double>(plan_.strokes.size());
     plan_.path =
         plan_from(plan_.path_settings, told(surface(), "planning the path", 0.65, 0.8, looks),
-                  plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
+                  plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold,
+                  stroke_limits(scene_, plan_));
     if (!s_.preflight.arm) return;
     const std::vector<Finding> transitions = check_transitions(
         plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
@@ -334,14 +355,59 @@ Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& sc
   return Planning(scenario, artwork, scene, unreachable, setting_errors, progress).make();
 }
 
+namespace {
+
+// The bend, across the surface and beyond that of the spline, of the surface as perception knows it
+// best, at places spread evenly along the spline, ends included [1/m].
+std::vector<double> finer_bend(const SurfaceEstimator& seen, const Pose& X_WP,
+                               const PathSpline& spline) {
+  constexpr double kStep = 1e-3;  // [m]
+  const int steps = std::max(4, static_cast<int>(std::ceil(spline.length() / kStep)));
+  const double du = spline.length() / steps;
+  std::vector<double> height(static_cast<std::size_t>(steps) + 1, 0.0);
+  for (int i = 0; i <= steps; ++i) {
+    const SurfaceEstimate there = seen.estimate(X_WP * spline.at(i * du).p);
+    if (there.status == SurfaceStatus::ok) height[static_cast<std::size_t>(i)] = -there.distance;
+  }
+  // Over two steps either way: finer bends are beyond what the estimate resolves.
+  std::vector<double> bend(height.size(), 0.0);
+  for (std::size_t i = 2; i + 2 < height.size(); ++i)
+    bend[i] = std::abs(height[i + 2] - 2.0 * height[i] + height[i - 2]) / (4.0 * du * du);
+  return bend;
+}
+
+}  // namespace
+
+SpanLimits stroke_limits(Scene& scene, const Plan& plan) {
+  const SpanLimits joints = JointRates(scene.arm, plan.path_settings, scene.start_q, plan.rest_q);
+  if (!scene.perception) return joints;
+  return [joints, seen = &*scene.perception, X_WP = plan.path_settings.X_WP,
+          fastest = plan.path_settings.normal_speed,
+          acceleration = plan.path_settings.normal_acceleration](const PathSpline& spline,
+                                                     std::vector<SpeedSpan>* spans) {
+    const std::vector<double> bend = finer_bend(*seen, X_WP, spline);
+    for (std::size_t i = 0; i < spans->size(); ++i) {
+      const double at = (spline.start(i) + spline.end(i)) / 2.0;
+      const double error = seen->roughness(X_WP * spline.at(at).p).slope;
+      double& speed = (*spans)[i].speed;
+      if (error > 0.0) speed = std::min(speed, fastest / error);
+      const auto k = static_cast<std::size_t>(at / spline.length() *
+                                              static_cast<double>(bend.size() - 1));
+      const double sharper = std::max(bend[k], bend[std::min(k + 1, bend.size() - 1)]);
+      if (sharper > 0.0) speed = std::min(speed, std::sqrt(acceleration / sharper));
+    }
+    joints(spline, spans);
+  };
+}
+
 TipPath plan_from(const PathSettings& planned, const SurfaceHeight& surface,
                   const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE,
-                  const Eigen::Vector3d& n_W, double hold) {
+                  const Eigen::Vector3d& n_W, double hold, const SpanLimits& limits) {
   PathSettings settings = planned;
   settings.start_p_WE = p_WE;
   settings.start_n_W = n_W;
   settings.start_hold = hold;
-  return plan_tip_path(strokes, surface, settings);
+  return plan_tip_path(strokes, surface, settings, limits);
 }
 
 }  // namespace impedraw

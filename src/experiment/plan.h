@@ -48,10 +48,14 @@ Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& sc
                Unreachable unreachable, const SettingErrors& setting_errors,
                const PrepareProgress& progress = {});
 
+// Limits along strokes that the path alone does not show: of the arm's joints (joint_rates.h), and
+// where the surface is rougher than it is known, path.normal_speed. Refers to scene and plan.
+SpanLimits stroke_limits(Scene& scene, const Plan& plan);
+
 // A separate path for some strokes or parts of strokes. It starts at p_WE, at rest, after `hold`
 // seconds.
 TipPath plan_from(const PathSettings& settings, const SurfaceHeight& surface,
                   const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE,
-                  const Eigen::Vector3d& n_W, double hold);
+                  const Eigen::Vector3d& n_W, double hold, const SpanLimits& limits = {});
 
 }  // namespace impedraw

@@ -215,6 +215,9 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");
   f.field(Limits::voxel, s.voxel,
           "Side of the cubes in which points are averaged; 0: every point is kept.");
+  f.field("adapt", s.adapt,
+          "Uses smaller patches, down to a quarter, where the surface is rougher than noise "
+          "explains.");
   f.field(Limits::self_padding, s.self_padding,
           "Distance from the arm below which points are removed.");
   f.field(Limits::region_lower, s.region_lower, "Lower corner of the region of interest.");
@@ -282,6 +285,22 @@ void describe(Fields& f, PathSettings& s) {
           "Turn of a stroke above which it has a corner, where the pen stops.");
   f.field(Limits::normal_smoothing, s.normal_smoothing,
           "Length over which the normals along a stroke are averaged.");
+  f.field(Limits::normal_acceleration, s.normal_acceleration,
+          "Largest acceleration across the surface, which its curvature makes: a rough surface is "
+          "drawn on slower.");
+  f.field(Limits::normal_speed, s.normal_speed,
+          "Largest speed across the surface that roughness finer than the cameras resolve may cause.");
+  f.field(Limits::joint_speed_share, s.joint_speed_share,
+          "Share of the arm's joint speed limits that a stroke may use.");
+  f.field(Limits::joint_acceleration, s.joint_acceleration,
+          "Largest acceleration of a joint along a stroke.");
+  f.field(Limits::tilt_allowance, s.tilt_allowance_deg,
+          "Largest angle by which the pen's axis may leave the surface normal where it would "
+          "otherwise turn faster than tilt_speed or tilt_acceleration.");
+  f.field(Limits::tilt_speed, s.tilt_speed,
+          "Largest angular speed of the pen's axis along a stroke.");
+  f.field(Limits::tilt_acceleration, s.tilt_acceleration,
+          "Largest angular acceleration of the pen's axis along a stroke.");
   f.field(Limits::tolerance, s.tolerance, "Largest distance of the desired line from the artwork.");
 }
 
@@ -416,6 +435,9 @@ void describe(Fields& f, ControlSettings& s) {
           "Height above the plan to which the pen retreats when the surface is lost.");
   f.field(Limits::normal_bandwidth, s.surface.normal_bandwidth,
           "Bandwidth of the filter of the surface normal.");
+  f.choice("pen_axis", s.surface.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
+           "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated "
+           "normal at the tip. The pen pushes along the estimated normal either way.");
   f.field(Limits::tip_radius, s.tip.radius, "Modelled radius of the tip.");
   f.field(Limits::tip_stiffness, s.tip.stiffness,
           "Modelled stiffness of the tip along the normal; 0: rigid.");
@@ -453,6 +475,8 @@ void describe(Fields& f, ControlSettings& s) {
           "Torque that pushes a joint back at its limit.");
   f.field(Limits::tip_speed_limit, s.limits.tip_speed,
           "Largest tip speed that the control law may ask for.");
+  f.field(Limits::turn_speed_limit, s.limits.turn_speed,
+          "Largest angular speed of the pen's axis that the control law may ask for.");
   f.field(Limits::max_state_age, s.timing.max_state_age, "Age above which a joint state is stale.");
   f.field(Limits::max_wrench_age, s.timing.max_wrench_age, "Age above which a wrench is stale.");
   f.field("contact", s.contact, "When contact begins and ends.");

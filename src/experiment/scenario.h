@@ -110,6 +110,7 @@ struct PerceptionSettings {
   DepthNoise noise;
   CameraErrors errors;
   double voxel = 0.004;
+  bool adapt = true;  // finer patches where the surface is rough
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;
@@ -170,6 +171,8 @@ struct ControlSettings : ImpedanceSettings {
     static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.02}};
     static constexpr Limit torque_share = {"torque_share", "", {0.01, 1.0}};
   };
+
+  ControlSettings() { surface.pen_axis = PenAxis::plan; }
 };
 
 // A push on the pen or on a link of the arm, like that of a hand.

@@ -19,6 +19,53 @@ namespace {
 // one-sidedness: 2 mm within the rim of the standard bowl; the controller's 0.66 is 1 mm beyond it
 constexpr double kEdgeOfPlanning = 0.5;
 
+// Where a mesh from a file stands that nobody has placed: under the drawing's centre, its lowest
+// point just above the table, or lower if it is tall.
+void put_in_reach(TriangleMesh* mesh, Scenario* s, std::vector<std::string>* notes) {
+  constexpr double kFoot = 0.02, kTop = 0.35;  // [m]
+  if (s->canvas.kind != CanvasKind::mesh || !s->canvas.move.isZero() ||
+      !s->drawing.tilt_deg.isZero())
+    return;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : mesh->vertices) box.extend(p);
+  const Eigen::Vector2d centre = s->drawing.placement.centre_m;
+  const PerceptionSettings& seen = s->perception;
+  const bool under = box.min().x() <= centre.x() && centre.x() <= box.max().x() &&
+                     box.min().y() <= centre.y() && centre.y() <= box.max().y();
+  const bool at_height =
+      box.max().z() >= seen.region_lower.z() && box.max().z() <= seen.region_upper.z();
+  if (under && at_height) return;
+  const Eigen::Vector3d move(centre.x() - box.center().x(), centre.y() - box.center().y(),
+                             std::min(kFoot, kTop - box.sizes().z()) - box.min().z());
+  for (Eigen::Vector3d& p : mesh->vertices) p += move;
+  s->canvas.move = move;
+  notes->push_back(fmt::format(
+      "the mesh lies out of reach; it was moved by ({:.3f}, {:.3f}, {:.3f}) m to under the "
+      "drawing's centre (canvas.move places it elsewhere)",
+      move.x(), move.y(), move.z()));
+}
+
+// A square around each point of the seen surface, across its normal: squares of neighbours meet.
+TriangleMesh seen_facets(const SurfaceEstimator& seen, double voxel) {
+  const double spacing = std::max(voxel, 0.004);  // [m]
+  const PointCloud sparse = thin(seen.cloud(), spacing);
+  TriangleMesh mesh;
+  for (std::size_t i = 0; i < sparse.points.size(); ++i) {
+    const Eigen::Vector3d& p = sparse.points[i];
+    const SurfaceEstimate estimate = seen.estimate(p);
+    const Eigen::Vector3d n =
+        estimate.status == SurfaceStatus::ok
+            ? estimate.n_W
+            : (sparse.eyes[static_cast<std::size_t>(sparse.camera[i])] - p).normalized();
+    const Eigen::Vector3d a = 0.6 * spacing * n.unitOrthogonal(), b = n.cross(a);
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {p - a - b, p + a - b, p + a + b, p - a + b});
+    mesh.triangles.insert(mesh.triangles.end(), {Eigen::Vector3i(first, first + 1, first + 2),
+                                                 Eigen::Vector3i(first, first + 2, first + 3)});
+  }
+  return mesh;
+}
+
 void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scene* scene) {
   const std::vector<std::string> how_seen = {"perception.region_lower",
                                              "perception.region_upper",
@@ -31,9 +78,10 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
     scene->perception.emplace(
         take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q));
   });
-  NormalSettings cautious = s.perception.normals;
-  cautious.max_one_sidedness = std::min(cautious.max_one_sidedness, kEdgeOfPlanning);
-  scene->planning.emplace(PointCloud(scene->perception->cloud()), cautious);
+  scene->planning.emplace(*scene->perception,
+                          std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning));
+  scene->obstacle = std::make_shared<const Canvas>(
+      seen_facets(*scene->perception, s.perception.voxel));
 }
 
 void check_pushes(const Scenario& s, const World& world, const SettingErrors& setting_errors) {
@@ -57,10 +105,13 @@ SurfaceHeight Scene::surface(const Pose& X_WP) const {
   return level_surface(blind.top_z);
 }
 
-Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
+Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
   std::vector<std::string> notes;
-  auto canvas = setting_errors.locate(
-      {"canvas"}, [&] { return std::make_unique<Canvas>(make_mesh(s.canvas, &notes)); });
+  auto canvas = setting_errors.locate({"canvas"}, [&] {
+    TriangleMesh mesh = make_mesh(s.canvas, &notes);
+    put_in_reach(&mesh, &s, &notes);
+    return std::make_shared<Canvas>(std::move(mesh));
+  });
   // The arm model comes before the world: its reader names the joint or link that is at fault.
   const std::filesystem::path urdf = urdf_of(s.arm);
   ArmModel arm = setting_errors.locate({"arm.urdf"}, [&] { return ArmModel(urdf); });
@@ -76,10 +127,12 @@ Scene build_scene(const Scenario& s, const Pose& X_WP, const SettingErrors& sett
               .world = std::move(world),
               .perception = {},
               .planning = {},
+              .obstacle = {},
               .blind = s.blind,
               .notes = std::move(notes)};
   scene.start_q = start_posture(s.arm, scene.arm, X_WP, setting_errors);
   scene.world->set_state(scene.start_q, JointVector::Zero(scene.arm.joints()));
+  scene.obstacle = scene.canvas;
   if (s.perception.enabled) look_at_canvas(s, setting_errors, &scene);
   return scene;
 }

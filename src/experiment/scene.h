@@ -18,13 +18,16 @@
 namespace impedraw {
 
 struct Scene {
-  std::unique_ptr<Canvas> canvas;              // the truth
+  std::shared_ptr<Canvas> canvas;              // the truth
   ArmModel arm;                                // the controller's model
   JointVector start_q;                         // tip at arm.start, pen along the drawing axis [rad]
   std::unique_ptr<World> world;                // at the start posture
   std::optional<SurfaceEstimator> perception;  // absent: blind
   // The same cloud for the planner, with a stricter edge test to keep the plan clear of its edges.
   std::optional<SurfaceEstimator> planning;
+  // The seen surface as small facets around the cloud's points, which the arm must not touch;
+  // without perception the true canvas. Never null.
+  std::shared_ptr<const Canvas> obstacle;
   BlindSettings blind;             // the assumed height without perception
   std::vector<std::string> notes;  // repairs to the canvas's file, one line each
 
@@ -39,8 +42,12 @@ struct Scene {
   SurfaceHeight surface(const Pose& X_WP) const;
 };
 
+// A mesh file that lies nowhere near the drawing, and that the scenario does not place, is put under
+// the drawing's centre; scenario.canvas.move is set to what that takes, and a note says so. Only the
+// mesh's bounding box is used for it.
+//
 // The arm starts with the pen normal to the drawing plane of X_WP. Throws InputError for an invalid
 // canvas or arm, a start out of reach, or too little of the canvas in view.
-Scene build_scene(const Scenario& scenario, const Pose& X_WP, const SettingErrors& setting_errors);
+Scene build_scene(Scenario& scenario, const Pose& X_WP, const SettingErrors& setting_errors);
 
 }  // namespace impedraw

@@ -63,7 +63,8 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   settings.voxel = p.voxel;
   settings.self_padding = p.self_padding;
   settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
-  PointCloud cloud = fuse(images, cameras, settings, body);
+  const PointCloud seen = back_project(images, cameras, settings, body);
+  PointCloud cloud = thin(seen, settings.voxel);
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
     throw InputError(fmt::format(
         "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, "
@@ -73,7 +74,10 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
         cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(),
         p.region_upper.y(), p.region_lower.z(), p.region_upper.z(), p.normals.k, box.min().x(),
         box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z()));
-  return SurfaceEstimator(std::move(cloud), p.normals);
+  FinerClouds finer;
+  if (p.adapt && settings.voxel > 0.0)
+    for (const double share : {0.5, 0.25}) finer.push_back(thin(seen, share * settings.voxel));
+  return SurfaceEstimator(std::move(cloud), p.normals, std::move(finer));
 }
 
 }  // namespace impedraw

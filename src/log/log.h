@@ -78,6 +78,8 @@ struct LogRow {
   // arc length in the drawing plane from the stroke's first point to the desired one [m]; NaN if
   // stroke < 0
   double stroke_along = kNone;
+  // speed of the plan's clock, 0 … 1; 1: as planned
+  double time_scale = 1.0;
   double step_time = 0.0;  // wall time of the controller step [s]
 
   explicit LogRow(int joints)

@@ -53,6 +53,8 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
        "length along the stroke, in the drawing plane from the stroke's first point, of the "
        "desired "
        "point; NaN between strokes"},
+      {"/time_scale", 1, false, "1", "none",
+       "speed of the plan's clock: 1 as planned, 0 where the plan waits for the pen"},
       {"/controller/step_time", 1, false, "s", "none", "wall time of the controller step"},
   };
   columns.insert(columns.end(), rest.begin(), rest.end());
@@ -88,6 +90,8 @@ const std::vector<LogColumn>& step_columns() {
       {"/every_step/felt_force", 1, false, "N", "surface normal",
        "measured force along the estimated normal, to a float's precision; NaN without an "
        "estimate"},
+      {"/every_step/time_scale", 1, false, "1", "none",
+       "speed of the plan's clock, to a float's precision"},
       {"/every_step/step_time", 1, false, "s", "none",
        "wall time of the controller step, to a float's precision"},
   };

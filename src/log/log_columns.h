@@ -69,6 +69,7 @@ void put_row(const LogRow& row, int terms, bool joint_sensor, Put&& put) {
   number(row.mode);
   number(row.stroke);
   number(row.stroke_along);
+  number(row.time_scale);
   number(row.step_time);
 }
 
@@ -90,6 +91,7 @@ void put_step(Step& step, Put&& put) {
   number(step.stroke);
   number(step.stroke_along);
   number(step.felt_force);
+  number(step.time_scale);
   number(step.step_time);
 }
 

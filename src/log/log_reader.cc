@@ -133,17 +133,19 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     }
     header_.rate = has("/every_step") ? LogRate::reduced : LogRate::full;
     std::vector<LogColumn> columns = log_columns(header_);
-    std::erase_if(columns, [&](const LogColumn& column) {
-      return column.name == "/stroke_along" && !has(column.name);
-    });
+    std::vector<LogColumn> step = step_columns();
+    // Older logs lack some.
+    const auto absent = [this](const LogColumn& column) {
+      return (column.name == "/stroke_along" || column.name.ends_with("/time_scale") ||
+              column.name == kSpeedShareColumn) &&
+             !has(column.name);
+    };
+    std::erase_if(columns, absent);
+    std::erase_if(step, absent);
     rows_ = count_rows(columns, LogFile::chunk_rows(LogTable::rows, rate()));
     if (rate() == LogRate::reduced) {
       // Cuts both tables at the last time that both contain.
-      std::vector<LogColumn> every_step = step_columns();
-      std::erase_if(every_step, [&](const LogColumn& column) {
-        return column.name == kSpeedShareColumn && !has(column.name);
-      });
-      steps_ = count_rows(every_step, LogFile::chunk_rows(LogTable::steps, rate()));
+      steps_ = count_rows(step, LogFile::chunk_rows(LogTable::steps, rate()));
       if (steps_ == 0) rows_ = 0;
       if (rows_ > 0) rows_ = rows_until("/time", rows_, number_at("/every_step/time", steps_ - 1));
       steps_ =
@@ -358,8 +360,9 @@ void LogReader::require(const RunLogHeader& given) const {
            given.joint_sensor ? "one" : "none");
   if (rate() == LogRate::reduced && !has(kSpeedShareColumn))
     differ(std::string("dataset ") + kSpeedShareColumn, "none (an older impedraw wrote it)", "one");
-  if (!has("/stroke_along"))
-    differ("dataset /stroke_along", "none (an older impedraw wrote it)", "one");
+  for (const char* name : {"/stroke_along", "/time_scale"})
+    if (!has(name))
+      differ(std::string("dataset ") + name, "none (an older impedraw wrote it)", "one");
 }
 
 WallTimes LogReader::wall() const {

@@ -92,6 +92,7 @@ LogStep LogSteps::measure(const LogRow& row) noexcept {
   step.stroke = row.stroke;
   step.stroke_along = row.stroke_along;
   step.felt_force = to_float(row.wrench_measured.head<3>().dot(row.surface_normal));
+  step.time_scale = to_float(row.time_scale);
   step.step_time = to_float(row.step_time);
   return step;
 }

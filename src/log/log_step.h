@@ -30,7 +30,8 @@ struct LogStep {
   // measured force · the controller's estimated normal [N]; NaN without an estimate; stored in
   // float precision
   double felt_force = LogRow::kNone;
-  double step_time = 0.0;  // [s]; stored in float precision
+  double time_scale = 1.0;  // of the plan's clock; stored in float precision
+  double step_time = 0.0;   // [s]; stored in float precision
 };
 
 double normal_force(const Eigen::Vector3d& force, const Eigen::Vector3d& normal);  // 0: no contact

@@ -44,6 +44,7 @@ void reserve(RunData* run, std::size_t n) {
     column->reserve(n);
   run->contact_point.reserve(n);
   run->torque_share.reserve(n);
+  run->time_scale.reserve(n);
   run->stroke.reserve(n);
   run->mode.reserve(n);
 }
@@ -64,6 +65,7 @@ void add_rows(const RunRows& rows, RunData* run) {
   append(rows.contact_point, run->contact_point);
   append(rows.push, run->push);
   append(rows.step_time, run->step_time);
+  append(rows.time_scale, run->time_scale);
   append(rows.stroke, run->stroke);
   const bool terms = rows.torque_before_limits.rows() == static_cast<Eigen::Index>(n);
   if (terms) run->clipped = run->clipped.value_or(0);
@@ -99,7 +101,7 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepCheck
   std::vector<std::byte> values;
   for (std::size_t c = 0; c < step_columns().size(); ++c) {
     const LogColumn& column = step_columns()[c];
-    if (column.name == kSpeedShareColumn && !log.has(column.name)) continue;
+    if (!log.has(column.name)) continue;  // an older log: its default
     values.resize(n * column.row_bytes());
     if (!log.read(column, begin, n, values.data())) return false;
     for (std::size_t i = 0; i < n; ++i) {
@@ -121,6 +123,7 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepCheck
     run->push.push_back(step.push);
     run->step_time.push_back(step.step_time);
     run->torque_share.push_back(static_cast<float>(step.torque_share));
+    run->time_scale.push_back(static_cast<float>(step.time_scale));
     run->stroke.push_back(step.stroke);
     run->mode.push_back(static_cast<std::int8_t>(step.mode));
     run->joint_margin = std::min(run->joint_margin, step.joint_margin);

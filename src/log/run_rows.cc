@@ -51,6 +51,11 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
   integers("/mode", rows->mode);
   integers("/stroke", rows->stroke);
   numbers("/controller/step_time", rows->step_time);
+  if (log.has("/time_scale")) {
+    numbers("/time_scale", rows->time_scale);
+  } else {
+    rows->time_scale.assign(n, 1.0);
+  }
   if (columns == Columns::of_results) return whole;
 
   points("/tip/position", rows->tip_position);

@@ -27,6 +27,7 @@ struct RunRows {
   Points disturbance_force;
   Points surface_normal;
   std::vector<double> surface_distance, push, step_time;
+  std::vector<double> time_scale;  // all 1 if the log has none
   std::vector<int> mode, stroke;
   std::vector<double> stroke_along;  // all NaN if the log has none
 

@@ -61,6 +61,8 @@ const std::vector<MetricDefinition>& metric_definitions() {
        &Metrics::speed_mean},
       {"speed_p95", "mm/s", "the same, 95th percentile", &Metrics::speed_p95},
       {"draw_time", "s", "pen-down time", &Metrics::draw_time},
+      {"time_scale_mean", "1", "speed of the plan's clock over pen-down samples, mean",
+       &Metrics::time_scale_mean},
       {"torque_saturated", "1", "share of steps in which a joint's torque was clipped",
        &Metrics::torque_saturated},
       {"joint_margin_min", "rad", "smallest distance to a joint limit", &Metrics::joint_margin_min},

@@ -41,9 +41,17 @@ double length_of(const RunData& run, std::size_t i) {
   return (run.contact_point[i + 1] - run.contact_point[i]).norm();
 }
 
+float time_scale(const RunData& run, std::size_t i) {
+  return run.time_scale.empty() ? 1.0f : run.time_scale[i];
+}
+
+// The plan runs, so that the row counts towards statistics of ink and force.
+bool counts(const RunData& run, std::size_t i) { return !(time_scale(run, i) < kStands); }
+
 void contact(const RunData& run, const InkMatch& d, Metrics& m) {
   std::size_t down = 0, ink = 0;
   for (std::size_t i = 0; i < run.rows(); ++i) {
+    if (!counts(run, i)) continue;
     down += run.stroke[i] >= 0;
     ink += run.stroke[i] >= 0 && is_ink(run.f[i]);
   }
@@ -64,7 +72,9 @@ void contact(const RunData& run, const InkMatch& d, Metrics& m) {
 }
 
 void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
-  const std::vector<double> error = finite(d.error, 1e3);
+  std::vector<double> error;
+  for (std::size_t i = 0; i < d.error.size(); ++i)
+    if (counts(run, i) && std::isfinite(d.error[i])) error.push_back(1e3 * d.error[i]);
   const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(),
                                    [](const InkLine& line) { return line.stroke >= 0; });
   if (error.empty()) {
@@ -145,7 +155,7 @@ void force(const RunData& run, const InkMatch& d, Metrics& m) {
       touchdown = std::max(touchdown, run.f[i]);
     }
     for (std::size_t i = span.begin; i < span.end; ++i) {
-      if (!is_ink(run.f[i]) || run.time[i] - touched <= kSettling) continue;
+      if (!counts(run, i) || !is_ink(run.f[i]) || run.time[i] - touched <= kSettling) continue;
       settled.push_back(run.f[i]);
       if (std::isfinite(run.push[i])) error.push_back(run.f[i] - run.push[i]);
     }
@@ -208,6 +218,18 @@ void cloud(const RunData& run, Metrics& m) {
   } catch (const InputError& e) {
     lack(m, {&Metrics::cloud_bias_mean, &Metrics::cloud_bias_sd}, e.what());
   }
+}
+
+void clock(const RunData& run, Metrics& m) {
+  double sum = 0.0;
+  std::size_t down = 0;
+  for (std::size_t i = 0; i < run.rows(); ++i) {
+    if (run.stroke[i] < 0) continue;
+    sum += time_scale(run, i);
+    ++down;
+  }
+  if (down == 0) return lack(m, {&Metrics::time_scale_mean}, "no pen-down sample");
+  m.time_scale_mean = sum / static_cast<double>(down);
 }
 
 void motion(const RunData& run, const InkMatch& d, Metrics& m) {
@@ -292,6 +314,7 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
   angles(run, m);
   cloud(run, m);
   motion(run, drawn, m);
+  clock(run, m);
   arm(run, m);
   step_time(run, m);
   m.wall = run.wall;

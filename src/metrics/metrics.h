@@ -10,6 +10,9 @@
 // A stroke may be drawn in several passes. Each pass has its own first touch, settling and
 // touchdown. The ink of all passes covers the target.
 //
+// Rows with a time scale below kStands do not count towards contact_fraction, ink_error_* and
+// force_* but touchdown_peak: the plan waits there, and the pen would be counted for its pause.
+//
 // coverage is the covered share of the target's length, computed exactly against the ink line. An
 // untouched stroke counts as uncovered. Gaps are measured along one stroke; on a closed stroke they
 // may cross its start. ink_outside interpolates the distance between a line's points.
@@ -27,6 +30,9 @@
 #include "impedraw/metrics/ink_match.h"
 
 namespace impedraw {
+
+// Below this share of its speed the plan stands still.
+inline constexpr float kStands = 0.2f;
 
 // A number, or the reason why there is none.
 class Metric {
@@ -52,7 +58,7 @@ struct Metrics {
   Metric force_mean, force_sd, force_rms_error, force_peak, touchdown_peak;
   Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;
   Metric cloud_bias_mean, cloud_bias_sd;
-  Metric speed_mean, speed_p95, draw_time;
+  Metric speed_mean, speed_p95, draw_time, time_scale_mean;
   Metric torque_saturated, joint_margin_min, joint_speed_share_max;
   Metric step_time_p50, step_time_p99, step_time_p999, real_time_factor;
   WallTimes wall;

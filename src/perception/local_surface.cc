@@ -1,5 +1,6 @@
 #include "impedraw/perception/local_surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -25,11 +26,14 @@ constexpr double kMostThickness = 0.3;
 using Quadric = Eigen::Matrix<double, 6, 1>;
 
 // The normal equations need Σ w x^i y^j for i + j ≤ 4 and Σ w z x^i y^j for i + j ≤ 2.
-bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Quadric& q) {
+// residual2: mean squared residual, Σ w (z − q(x, y))² / Σ w = Σ w z²/Σ w − q · t for the least
+// squares solution.
+bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Quadric& q,
+                 double& residual2) {
   const Matrix3d A = axes.transpose() / scale;
   double s10 = 0, s01 = 0, s20 = 0, s11 = 0, s02 = 0, s30 = 0, s21 = 0, s12 = 0, s03 = 0, s40 = 0,
          s31 = 0, s22 = 0, s13 = 0, s04 = 0;
-  double s00 = 0, t00 = 0, t10 = 0, t01 = 0, t20 = 0, t11 = 0, t02 = 0;
+  double s00 = 0, t00 = 0, t10 = 0, t01 = 0, t20 = 0, t11 = 0, t02 = 0, zz = 0;
   for (int i = 0; i < p.n; ++i) {
     const double x = A(0, 0) * p.x[i] + A(0, 1) * p.y[i] + A(0, 2) * p.z[i];
     const double y = A(1, 0) * p.x[i] + A(1, 1) * p.y[i] + A(1, 2) * p.z[i];
@@ -37,7 +41,7 @@ bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Qua
     const double w = p.w[i];
     const double wx = w * x, wy = w * y, xx = x * x, xy = x * y, yy = y * y;
     s00 += w, s10 += wx, s01 += wy;
-    t00 += w * z, t10 += wx * z, t01 += wy * z;
+    t00 += w * z, t10 += wx * z, t01 += wy * z, zz += w * z * z;
     const double wxx = w * xx, wxy = w * xy, wyy = w * yy;
     s20 += wxx, s11 += wxy, s02 += wyy;
     t20 += wxx * z, t11 += wxy * z, t02 += wyy * z;
@@ -56,7 +60,9 @@ bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Qua
   q /= s00;
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt(N);
   if (llt.info() != Eigen::Success || llt.matrixLLT().diagonal().minCoeff() < 1e-3) return false;
+  const Quadric t = q;
   llt.solveInPlace(q);
+  residual2 = std::max(0.0, zz / s00 - q.dot(t));
   return true;
 }
 
@@ -110,8 +116,11 @@ LocalSurface fit_surface(const Neighbourhood& p, SurfaceFit fit, const Vector3d&
   surface.n = axes.col(2);
   surface.bend.setZero();
   surface.distance = -mean_in.z();
+  surface.residual = std::sqrt(std::max(0.0, variance[0]));
   Quadric q;
-  if (fit == SurfaceFit::plane || !fit_quadric(p, axes, reach, q)) return surface;
+  double residual2 = 0.0;
+  if (fit == SurfaceFit::plane || !fit_quadric(p, axes, reach, q, residual2)) return surface;
+  surface.residual = reach * std::sqrt(residual2);
 
   const Vector2d at = foot(q);
   const double x = at.x(), y = at.y();

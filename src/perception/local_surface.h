@@ -36,6 +36,8 @@ struct LocalSurface {
   // plane. 0 in the middle of a patch, 0.58 to 0.60 on its straight edge, 0.8 at a square corner,
   // → 1 far outside.
   double one_sidedness = 1.0;
+  // RMS distance of the points from the fit, weighted [m]: noise, and shape finer than the patch.
+  double residual = 0.0;
 };
 
 // `towards`: the side to which the normal points, from the points to the camera that saw them.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <thread>
 #include <utility>
@@ -57,6 +58,21 @@ void validate(const PointCloud& cloud, const NormalSettings& s) {
   }
 }
 
+constexpr int kBlended = 12;  // points whose levels are averaged
+// A finer level must better the error of the normal to this share, where it is above kGood [rad].
+constexpr double kClearlyBetter = 0.7;
+constexpr double kGood = 3e-3;
+// The finest level has fewer neighbours: this share of k, but not below kFewest.
+constexpr double kFinestShare = 0.4;
+constexpr int kFewest = 16;
+// A plan: the step that a patch cannot follow, and the heights between which it leaves the widest
+// patches for finer ones [m].
+constexpr double kStep = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
+// A hole: wider than kHole around a point, and kSparse times as wide as the points' spacing. The
+// plan keeps kHoleMargin off it [m].
+constexpr double kHole = 2e-3, kSparse = 1.2, kHoleMargin = 2.5e-3;
+constexpr int kAround = 9;
+
 // N(p); the last point is the furthest.
 struct Neighbours {
   int n;
@@ -82,9 +98,170 @@ struct SurfaceEstimator::Index {
   };
   std::vector<Known> known;
 
-  Index(PointCloud given, const NormalSettings& s)
+  // A finer cloud of the same view.
+  struct View {
+    PointCloud cloud;
+    NeighbourTree tree;
+    View(PointCloud given, const NormalSettings& s)
+        : cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {}
+  };
+  struct Finer {
+    std::shared_ptr<const View> view;
+    int k;
+    std::vector<double> reach2;
+  };
+  std::vector<Finer> finer;  // empty where no place needs one
+  std::shared_ptr<const View> finest;
+  // Of each point of `cloud`: the level to use, 0 for the cloud itself, and the greatest nearby.
+  std::vector<float> level, level_nearby;
+  std::vector<Roughness> rough;
+  bool planning = false;  // answers for a plan: see the constructor from another estimator
+
+  Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {
     fit_every_point();
+    if (settings.mode != NormalMode::fresh || finer_clouds.empty()) return;
+    for (PointCloud& c : finer_clouds)
+      if (static_cast<int>(c.points.size()) > settings.k)
+        finer.push_back({std::make_shared<const View>(std::move(c), s), settings.k, {}});
+    if (finer.empty()) return;
+    finest = finer.back().view;
+    const int fewest = std::max(kFewest, static_cast<int>(kFinestShare * settings.k));
+    if (fewest < settings.k) finer.push_back({finer.back().view, fewest, {}});
+    choose_levels();
+  }
+
+  // The same clouds and levels with another edge test.
+  Index(const Index& seen, double max_one_sidedness)
+      : settings(seen.settings),
+        cloud(seen.cloud),
+        tree(cloud.points),
+        finer(seen.finer),
+        finest(seen.finest),
+        level(seen.level),
+        level_nearby(seen.level_nearby),
+        rough(seen.rough),
+        planning(true) {
+    settings.max_one_sidedness = max_one_sidedness;
+    fit_every_point();
+  }
+
+  // One fit at p, and what it tells about the surface there.
+  struct Trial {
+    bool ok = false;
+    double residual = 0.0, radius = 0.0, weight = 1.0;
+    int k = 1;
+  };
+  Trial try_fit(const PointCloud& c, const NeighbourTree& t, int k, const Vector3d& p) const {
+    Neighbours found;
+    found.n = t.nearest(p, k, settings.max_radius, found.index, found.squared);
+    if (found.n < k) return {};
+    found.closest = found.index[0];
+    LocalSurface surface;
+    if (fit(c, p, k, found, surface) != SurfaceStatus::ok) return {};
+    // The fit takes degrees of freedom out of the residual; the weights leave about half of k.
+    const double freedom = settings.fit == SurfaceFit::quadric ? 6.0 : 3.0;
+    const double residual = surface.residual * std::sqrt(0.5 * k / std::max(1.0, 0.5 * k - freedom));
+    Trial trial{true, residual, std::sqrt(found.squared[k - 1]), 0.0, k};
+    for (int i = 0; i < k; ++i) trial.weight += c.weight[found.index[i]] / k;
+    return trial;
+  }
+
+  void choose_levels() {
+    const int n = static_cast<int>(cloud.points.size());
+    std::vector<float> best(n, 0.0f);
+    rough.assign(n, {});
+    const auto choose = [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) best[i] = choose_level(i);
+    };
+    std::thread other(choose, 0, n / 2);
+    choose(n / 2, n);
+    other.join();
+    // Isolated points do not count; what remains is spread and smoothed.
+    level.assign(n, 0.0f);
+    level_nearby.assign(n, 0.0f);
+    if (*std::max_element(best.begin(), best.end()) == 0.0f) return finer.clear();
+    const auto over_neighbours = [&](int count, auto&& take) {
+      int index[kMostNeighbours];
+      double squared[kMostNeighbours];
+      for (int i = 0; i < n; ++i)
+        take(i, index, tree.nearest(cloud.points[i], count, settings.max_radius, index, squared));
+    };
+    std::vector<float> median(n, 0.0f);
+    over_neighbours(kBlended, [&](int i, const int* index, int found) {
+      float values[kBlended];
+      for (int j = 0; j < found; ++j) values[j] = best[index[j]];
+      std::nth_element(values, values + found / 2, values + found);
+      median[i] = found > 0 ? values[found / 2] : 0.0f;
+    });
+    over_neighbours(kBlended, [&](int i, const int* index, int found) {
+      for (int j = 0; j < found; ++j) level[i] += median[index[j]] / static_cast<float>(found);
+    });
+    over_neighbours(2 * kBlended, [&](int i, const int* index, int found) {
+      for (int j = 0; j < found; ++j) level_nearby[i] = std::max(level_nearby[i], level[index[j]]);
+    });
+    if (*std::max_element(level.begin(), level.end()) == 0.0f) return finer.clear();
+    for (Finer& f : finer) {
+      const std::vector<Vector3d>& points = f.view->cloud.points;
+      f.reach2.resize(points.size());
+      const auto measure = [&](std::size_t begin, std::size_t end) {
+        int index[kMostNeighbours];
+        double squared[kMostNeighbours];
+        for (std::size_t i = begin; i < end; ++i) {
+          const int found =
+              f.view->tree.nearest(points[i], f.k, settings.max_radius, index, squared);
+          f.reach2[i] =
+              found == f.k ? squared[found - 1] : settings.max_radius * settings.max_radius;
+        }
+      };
+      const std::size_t half = points.size() / 2;
+      std::thread second(measure, 0, half);
+      measure(half, points.size());
+      second.join();
+    }
+  }
+
+  // Also fills rough[i].
+  float choose_level(int i) {
+    const Vector3d& p = cloud.points[i];
+    std::vector<Trial> trials{try_fit(cloud, tree, settings.k, p)};
+    if (!trials[0].ok) return 0.0f;
+    rough[i] = {trials[0].residual, trials[0].radius, 0.0,
+                2.0 * trials[0].residual / trials[0].radius};
+    if (trials[0].residual < kGood / 2.0 * trials[0].radius) return 0.0f;
+    for (const Finer& f : finer) trials.push_back(try_fit(f.view->cloud, f.view->tree, f.k, p));
+    while (!trials.back().ok) trials.pop_back();
+    const Trial& finest = trials.back();
+    const auto noise_of = [&](const Trial& t) {
+      return finest.residual * std::sqrt(finest.weight / t.weight);
+    };
+    const auto misfit_of = [&](const Trial& t) {
+      const double s = 1.1 * noise_of(t);
+      return std::sqrt(std::max(0.0, t.residual * t.residual - s * s));
+    };
+    // of the normal [rad]
+    const auto error_of = [&](const Trial& t) {
+      return 4.0 * noise_of(t) / (std::sqrt(t.k) * t.radius) + 2.0 * misfit_of(t) / t.radius;
+    };
+    std::size_t chosen = 0;
+    for (std::size_t l = 1; l < trials.size(); ++l) {
+      const double now = error_of(trials[chosen]);
+      if (trials[l].ok && now > kGood && error_of(trials[l]) < kClearlyBetter * now) chosen = l;
+    }
+    const Trial& used = trials[chosen];
+    double misfit = misfit_of(used), slope = error_of(used);
+    if (chosen + 1 == trials.size() && chosen > 0 && trials[chosen - 1].ok) {
+      // At the finest level noise and misfit cannot be told apart by the residual alone; but misfit
+      // grows with the patch, its square with about the cube of the radius.
+      const Trial& wider = trials[chosen - 1];
+      const double growth = std::pow(wider.radius / used.radius, 3.0) - 1.0;
+      const double more = wider.residual * wider.residual - used.residual * used.residual;
+      if (growth > 0.0 && more > 0.0)
+        misfit = std::min(used.residual, std::sqrt(more / growth));
+      slope += 2.0 * misfit / used.radius;
+    }
+    rough[i] = {used.residual, used.radius, misfit, slope};
+    return static_cast<float>(chosen);
   }
 
   static PointCloud in_tree_order(PointCloud cloud, const NormalSettings& s) {
@@ -113,7 +290,7 @@ struct SurfaceEstimator::Index {
         reach2[i] = found.n == settings.k ? found.squared[settings.k - 1]
                                           : settings.max_radius * settings.max_radius;
         LocalSurface surface;
-        known[i].status = fit(p, found, surface);
+        known[i].status = fit(cloud, p, settings.k, found, surface);
         if (known[i].status != SurfaceStatus::ok) continue;
         cloud.normals[i] = surface.n;
         known[i] = {SurfaceStatus::ok, surface.n, p - surface.distance * surface.n, surface.bend};
@@ -129,18 +306,90 @@ struct SurfaceEstimator::Index {
     found.n = tree.nearest_unordered(p, settings.k, settings.max_radius, reach2, found.index,
                                      found.squared, &found.closest);
     LocalSurface surface;
-    const SurfaceStatus status = fit(p, found, surface);
+    const SurfaceStatus status = fit(cloud, p, settings.k, found, surface);
+    if (status != SurfaceStatus::ok) return {.status = status};
+    const SurfaceEstimate coarse{status, surface.n, surface.distance};
+    if (planning) return planned(p, coarse, found.closest);
+    if (finer.empty() || found.closest < 0 || level_nearby[found.closest] == 0.0f) return coarse;
+    return refined(p, coarse);
+  }
+
+  // A plan follows the surface as the widest patches see it, which is smooth; where that is off by
+  // more than the pen's approach allows for, as the finer ones see it. It keeps off holes, and off
+  // steps that no patch resolves.
+  SurfaceEstimate planned(const Vector3d& p, const SurfaceEstimate& coarse, int closest) const {
+    if (finest && closest >= 0 && rough[closest].misfit > kStep)
+      return {.status = SurfaceStatus::off_edge};
+    if (finest && beside_hole(p - coarse.distance * coarse.n_W, coarse.n_W))
+      return {.status = SurfaceStatus::off_edge};
+    if (finer.empty() || closest < 0 || level_nearby[closest] == 0.0f) return coarse;
+    const SurfaceEstimate fine = refined(p, coarse);
+    const double off = std::abs(fine.distance - coarse.distance);
+    const double share = std::clamp((off - kLeastOff) / (kMostOff - kLeastOff), 0.0, 1.0);
+    if (share == 0.0) return coarse;
+    return {SurfaceStatus::ok, ((1.0 - share) * coarse.n_W + share * fine.n_W).normalized(),
+            (1.0 - share) * coarse.distance + share * fine.distance};
+  }
+
+  // No point of the finest view is as near as its neighbours are to each other, here or around.
+  bool beside_hole(const Vector3d& foot, const Vector3d& n) const {
+    const Vector3d a = kHoleMargin * n.unitOrthogonal(), b = n.cross(a);
+    for (const Vector3d& at : {foot, Vector3d(foot + a), Vector3d(foot - a), Vector3d(foot + b),
+                               Vector3d(foot - b)}) {
+      int index[kAround];
+      double squared[kAround];
+      if (finest->tree.nearest(at, kAround, settings.max_radius, index, squared) < kAround)
+        return true;
+      if (squared[0] < kHole * kHole) continue;
+      // of kAround points evenly within their radius
+      const double spacing = std::sqrt(std::numbers::pi * squared[kAround - 1] / kAround);
+      if (squared[0] > kSparse * kSparse * spacing * spacing) return true;
+    }
+    return false;
+  }
+
+  // The level at p is the mean of its neighbours' levels. Blends the two estimates next to it.
+  SurfaceEstimate refined(const Vector3d& p, const SurfaceEstimate& coarse) const {
+    int index[kBlended + 1];
+    double squared[kBlended + 1];
+    const int found = tree.nearest(p, kBlended + 1, settings.max_radius, index, squared);
+    if (found <= kBlended || !(squared[kBlended] > 0.0)) return coarse;
+    double sum = 0.0, at = 0.0;
+    for (int i = 0; i < kBlended; ++i) {
+      const double fade = 1.0 - squared[i] / squared[kBlended], w = fade * fade;
+      sum += w;
+      at += w * level[index[i]];
+    }
+    at /= sum;
+    const int below = std::min(static_cast<int>(at), static_cast<int>(finer.size()));
+    const double share = at - below;
+    const SurfaceEstimate low = below == 0 ? coarse : at_level(below - 1, p);
+    if (low.status != SurfaceStatus::ok) return coarse;
+    if (share < 1e-3 || below == static_cast<int>(finer.size())) return low;
+    const SurfaceEstimate high = at_level(below, p);
+    if (high.status != SurfaceStatus::ok) return low;
+    return {SurfaceStatus::ok, ((1.0 - share) * low.n_W + share * high.n_W).normalized(),
+            (1.0 - share) * low.distance + share * high.distance};
+  }
+
+  SurfaceEstimate at_level(int l, const Vector3d& p) const {
+    const Finer& f = finer[static_cast<std::size_t>(l)];
+    Neighbours found;
+    found.n = f.view->tree.nearest_unordered(p, f.k, settings.max_radius, f.reach2, found.index,
+                                             found.squared, &found.closest);
+    LocalSurface surface;
+    const SurfaceStatus status = fit(f.view->cloud, p, f.k, found, surface);
     if (status != SurfaceStatus::ok) return {.status = status};
     return {status, surface.n, surface.distance};
   }
 
-  SurfaceStatus fit(const Vector3d& p, const Neighbours& found, LocalSurface& surface) const {
-    if (found.n < settings.k || !(found.squared[settings.k - 1] > 0.0))
-      return SurfaceStatus::too_few;
+  SurfaceStatus fit(const PointCloud& cloud, const Vector3d& p, int k, const Neighbours& found,
+                    LocalSurface& surface) const {
+    if (found.n < k || !(found.squared[k - 1] > 0.0)) return SurfaceStatus::too_few;
     Neighbourhood around;
-    around.n = settings.k;
-    const double furthest2 = found.squared[settings.k - 1];
-    for (int i = 0; i < settings.k; ++i) {
+    around.n = k;
+    const double furthest2 = found.squared[k - 1];
+    for (int i = 0; i < k; ++i) {
       const Vector3d& q = cloud.points[found.index[i]];
       around.x[i] = q.x() - p.x();
       around.y[i] = q.y() - p.y();
@@ -203,8 +452,11 @@ struct SurfaceEstimator::Index {
   }
 };
 
-SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& settings)
-    : index_(std::make_unique<Index>(std::move(cloud), settings)) {}
+SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& settings,
+                                   FinerClouds finer)
+    : index_(std::make_unique<Index>(std::move(cloud), settings, std::move(finer))) {}
+SurfaceEstimator::SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness)
+    : index_(std::make_unique<Index>(*seen.index_, max_one_sidedness)) {}
 SurfaceEstimator::~SurfaceEstimator() = default;
 SurfaceEstimator::SurfaceEstimator(SurfaceEstimator&&) noexcept = default;
 SurfaceEstimator& SurfaceEstimator::operator=(SurfaceEstimator&&) noexcept = default;
@@ -213,6 +465,15 @@ SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p_W) const noexcept {
   if (!p_W.allFinite()) return {.status = SurfaceStatus::too_few};
   return index_->settings.mode == NormalMode::fresh ? index_->fresh(p_W)
                                                     : index_->interpolated(p_W);
+}
+
+Roughness SurfaceEstimator::roughness(const Vector3d& p_W) const noexcept {
+  int nearest = 0;
+  double squared = 0.0;
+  if (index_->rough.empty() || !p_W.allFinite() ||
+      index_->tree.nearest(p_W, 1, index_->settings.max_radius, &nearest, &squared) < 1)
+    return {};
+  return index_->rough[nearest];
 }
 
 const PointCloud& SurfaceEstimator::cloud() const noexcept { return index_->cloud; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -56,6 +57,24 @@ struct NormalSettings {
   };
 };
 
+// Finer clouds of the same view, for where the surface is rougher than the cloud's patches resolve.
+//
+// At each point of the cloud the k-patch is fitted at every level, the finer ones with smaller
+// patches. Their normals err by noise, s/(√k R) for points with noise s on a patch of radius R, and
+// by misfit: shape that a quadric over the patch cannot follow, b/R with b² = residual² − s². The
+// noise s is taken from the finest level, where misfit is least. The level with the least error is
+// used; a finer one only where it is clearly better. Between places with different levels the
+// estimates are blended. Finer levels never serve NormalMode::interpolated.
+using FinerClouds = std::vector<PointCloud>;
+
+// How rough the surface is at a point, as the cloud shows it.
+struct Roughness {
+  double residual = 0.0;  // RMS distance of points from the fit that is used there [m]
+  double radius = 0.0;    // of that fit's patch [m]
+  double misfit = 0.0;    // part of the residual that noise does not explain [m]
+  double slope = 0.0;     // error of the normal to be expected from both [rad]
+};
+
 // The cloud, its kd-tree and the settings. estimate() is const, may run in any number of threads,
 // and allocates nothing.
 //
@@ -69,12 +88,20 @@ class SurfaceEstimator {
  public:
   // Fits a normal at every point of the cloud (into cloud().normals). Throws InputError naming a
   // bad setting, an empty cloud or a point that is not finite.
-  SurfaceEstimator(PointCloud cloud, const NormalSettings& settings = {});
+  // `finer`: from coarse to fine; may be empty.
+  explicit SurfaceEstimator(PointCloud cloud, const NormalSettings& settings = {},
+                            FinerClouds finer = {});
+  // The same clouds for a plan, with another edge test: the surface as the widest patches see it,
+  // finer where that is 0.5 mm off or more; off_edge also beside holes and steps (normals.cc).
+  SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness);
   ~SurfaceEstimator();
   SurfaceEstimator(SurfaceEstimator&&) noexcept;
   SurfaceEstimator& operator=(SurfaceEstimator&&) noexcept;
 
   SurfaceEstimate estimate(const Eigen::Vector3d& p_W) const noexcept;
+
+  // At the point of the cloud nearest to p_W.
+  Roughness roughness(const Eigen::Vector3d& p_W) const noexcept;
 
   // In the tree's order, so that neighbours are adjacent in memory.
   const PointCloud& cloud() const noexcept;

@@ -97,6 +97,13 @@ void ControlLoop::update_arm(const ArmState& state) noexcept {
     arm_.compute(state.q, state.v, &terms_);
 }
 
+const ImpedanceTorque& ControlLoop::brake(const ArmState& state) noexcept {
+  update_arm(state);
+  update_wrench(state);
+  on_surface_ = false;
+  return controller_.brake(terms_);
+}
+
 // Each reading is used once: a repeated one would look as if nothing moved.
 void ControlLoop::update_wrench(const ArmState& state) noexcept {
   if (state.wrench_time != wrench_time_) {

@@ -30,6 +30,9 @@ class ControlLoop {
   // One control step. The result refers to the controller's own output.
   const ImpedanceTorque& step(const ArmState& state, const TipReference& reference) noexcept;
 
+  // A step that damps the motion instead of following the plan (ImpedanceController::brake).
+  const ImpedanceTorque& brake(const ArmState& state) noexcept;
+
   // Values of the last step.
   const ArmTerms& terms() const { return terms_; }
   const Wrench& F_ext() const { return F_ext_; }

@@ -49,7 +49,7 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   row->desired_position = out.p_WD;
   // The desired tip frame: −z along the desired normal, rotated about it like the current tip.
   row->desired_orientation =
-      Eigen::Quaterniond::FromTwoVectors(X_WE.R.col(2), -out.n_WD) * row->tip_orientation;
+      Eigen::Quaterniond::FromTwoVectors(X_WE.R.col(2), -out.axis_WD) * row->tip_orientation;
   const ImpedanceSettings& control = e.control.impedance;
   row->wrench_measured =
       control.wrench == WrenchFeedback::measured ? loop.F_ext() : Wrench(Wrench::Zero());

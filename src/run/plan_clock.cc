@@ -18,7 +18,8 @@ void PlanClock::advance(const PenDeviation& pen) noexcept {
   const double force = std::isfinite(pen.force) ? pen.force : 0.0;
   force_ += (force - force_) * dt_ / (settings_.force_filter + dt_);
   double desired = std::min({share(settings_.tip, pen.tip), share(settings_.tilt, pen.tilt),
-                             share(settings_.force, std::abs(force_))});
+                             share(settings_.force, std::abs(force_)),
+                             share(settings_.joint, pen.joint)});
   if (pen.waits) desired = 0.0;
   stood_ = desired < settings_.least ? stood_ + dt_ : std::max(0.0, stood_ - dt_);
   if (stood_ > settings_.patience) desired = std::max(desired, settings_.least);

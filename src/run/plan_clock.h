@@ -2,7 +2,8 @@
 //
 //   dt_plan/dt = r,  0 ≤ r ≤ 1
 //
-// Each deviation x has two bounds. Up to `slow` the clock runs at 1; from there it slows down, and
+// The deviations are those of tip, tilt and force from what the plan asks, and the fastest joint's
+// share of its speed limit. Each deviation x has two bounds. Up to `slow` the clock runs at 1; from there it slows down, and
 // from `stop` on it stands:
 //   r → (stop − x)/(stop − slow), the least over all deviations
 // r changes at most at the given rates, so that the desired motion keeps a continuous velocity. The
@@ -21,9 +22,10 @@ struct YieldBounds {
 };
 
 struct ClockSettings {
-  YieldBounds tip{2e-3, 6e-3};   // distance of the tip from the desired point, tangential [m]
+  YieldBounds tip{5e-3, 12e-3};  // distance of the tip from the desired point, tangential [m]
   YieldBounds tilt{0.10, 0.30};  // angle between pen and desired axis [rad]
   YieldBounds force{0.7, 1.4};   // deviation of the measured push, as a share of the desired one
+  YieldBounds joint{0.85, 1.15};  // fastest joint, as a share of its speed limit
   double force_filter = 0.03;    // time constant of that deviation [s]
   double slow_down = 10.0;       // [1/s]
   double speed_up = 3.0;         // [1/s]
@@ -36,6 +38,7 @@ struct PenDeviation {
   double tip = 0.0;    // [m]
   double tilt = 0.0;   // [rad]
   double force = 0.0;  // share
+  double joint = 0.0;  // share
   bool waits = false;  // for contact at a stroke's first point
 };
 

@@ -16,6 +16,7 @@
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
 #include "impedraw/run/simulated_arm.h"
+#include "impedraw/run/speed_guard.h"
 #include "impedraw/run/touched_heights.h"
 #include "impedraw/terminal/clock.h"
 
@@ -53,6 +54,7 @@ SurfaceSource surface_source(const Experiment& e, Disturbances disturbances) {
 // The clock waits for touch as long as an approach may take.
 ClockSettings clock_settings(const Experiment& e) {
   ClockSettings settings;
+  if (!e.scene.by_touch()) return settings;
   const ApproachSettings& approach = e.control.impedance.approach;
   settings.patience = approach.overtravel / approach.speed + 2.0;
   return settings;
@@ -71,6 +73,7 @@ class Runner {
         started_(driver),
         state_(&driver.read()),
         clock_(clock_settings(e), e.control.impedance.timing.dt),
+        guard_(e.scene.arm.limits().speed),
         heights_(e.scenario.blind.top_z),
         log_(resumption ? RunLog::append_to(log_file, make_header(e))
                         : RunLog(log_file, make_header(e))),
@@ -120,16 +123,17 @@ class Runner {
     const auto steps = [&] {
       return std::lround(std::ceil((path.duration() + clock_.lag()) / dt()));
     };
-    for (long i = 0; i < steps() || lifting_; ++i) {
+    for (long i = 0; i < steps() || lifting_ || guard_.braking(); ++i) {
       const double t = time(), planned = t - begin - clock_.lag();
       if (lifting_ && lifting_->done(t)) return;
       PathSample desired = path.at(planned);
       if (one && down && !desired.reference.pen_down && !lifting_) return;
       down = desired.reference.pen_down;
-      if (one) desired.reference = by_touch(desired.reference);
+      if (one) desired.reference = at_touched_height(desired.reference);
+      desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
-      if (one && !lifting_) wait_for_touch(desired);
+      if (!lifting_) clock_.advance(one ? touch_deviation(desired) : deviation(desired));
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
@@ -150,22 +154,23 @@ class Runner {
   }
 
   // The plan's height is a guess: once the pen is down, it is where the tip is.
-  TipReference by_touch(TipReference reference) {
+  TipReference at_touched_height(TipReference reference) {
     const Eigen::Vector3d& z = e_.control.impedance.surface.drawing_axis_W;
     const bool on_surface = out_.mode == ContactMode::approach || out_.mode == ContactMode::contact;
     if (reference.pen_down && on_surface) height_ = z.dot(loop_.terms().X_WE.p - reference.p_WD);
     reference.p_WD += height_ * z;
-    return clock_.scaled(reference);
+    return reference;
   }
 
-  void wait_for_touch(const PathSample& desired) {
+  // The pen waits for touch.
+  PenDeviation touch_deviation(const PathSample& desired) {
     const bool contact = out_.mode == ContactMode::contact;
     if (contact) heights_.add(e_.artwork.X_WP.inverse() * loop_.terms().X_WE.p);
     PenDeviation pen;
     pen.waits = desired.phase == Phase::approach
                     ? !contact
                     : desired.stroke >= 0 && out_.mode == ContactMode::approach;
-    clock_.advance(pen);
+    return pen;
   }
 
   double dt() const { return e_.control.impedance.timing.dt; }
@@ -174,9 +179,11 @@ class Runner {
   bool step(const PathSample& desired) {
     const double t = time(), step_time = state_->step_time;
     const auto step_start = Clock::now();
-    if (!state_->stalled) out_ = loop_.step(*state_, desired.reference);
+    if (!state_->stalled)
+      out_ = guard_.braking() ? loop_.brake(*state_) : loop_.step(*state_, desired.reference);
     row_.step_time = seconds_since(step_start);
     row_.time = first_time_ + t;
+    row_.time_scale = clock_.rate();
     fill_state(e_, *state_, driver_.truth(), desired, loop_, out_, &row_);
 
     driver_.command(out_.tau, out_.terms.col(kGravity));
@@ -191,6 +198,14 @@ class Runner {
     if (!lost.empty()) {
       stop(RunEnd::stopped, lost);
       return false;
+    }
+    if (guard_.update(loop_.terms().v, dt())) {
+      stop(RunEnd::stopped, fmt::format("joint {} was far above its speed limit of {:.2f} rad/s "
+                                        "at t = {:.3f} s; the motion was damped and the pen lifted",
+                                        e_.scene.arm.joint_names()[guard_.joint()],
+                                        e_.scene.arm.limits().speed[guard_.joint()], t));
+    } else if (guard_.calmed()) {
+      lift();
     }
     if (watchdog_.update(step_time)) {
       stop(RunEnd::stopped,
@@ -221,6 +236,23 @@ class Runner {
     return {};
   }
 
+  // How far the pen is from what the plan asks of it.
+  PenDeviation deviation(const PathSample& desired) const {
+    PenDeviation pen;
+    if (!e_.scene.perception) return pen;
+    pen.joint = (loop_.terms().v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
+    if (desired.stroke < 0) return pen;
+    const Pose& X_WE = loop_.terms().X_WE;
+    pen.waits = out_.mode == ContactMode::approach;
+    pen.tilt = smallest_rotation(X_WE.R.col(2), -out_.axis_WD).norm();
+    if (out_.mode != ContactMode::contact) return pen;
+    const Eigen::Vector3d off = out_.p_WD - X_WE.p;
+    pen.tip = (off - out_.n_WD * out_.n_WD.dot(off)).norm();
+    if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
+      pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
+    return pen;
+  }
+
   void stop(RunEnd end, const std::string& cause) {
     if (outcome_.end != RunEnd::finished) return;
     outcome_.end = end;
@@ -239,6 +271,7 @@ class Runner {
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
   PlanClock clock_;
+  SpeedGuard guard_;
   TouchedHeights heights_;
   double height_ = 0.0;  // of the tip above the plan of a stroke that is found by touch [m]
   StepWatchdog watchdog_;
@@ -260,9 +293,10 @@ std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<Stro
   return strokes;
 }
 
-TipPath plan_parts(const Experiment& e, const std::vector<StrokePart>& parts,
+TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts,
                    const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W, double hold) {
-  return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_WE, n_W, hold);
+  return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_WE, n_W, hold,
+                   stroke_limits(e.scene, e.plan));
 }
 
 // What an earlier run left undrawn.

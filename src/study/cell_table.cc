@@ -165,11 +165,15 @@ int run_table(const CellTable& table, const std::vector<Cell>& all,
   }
   write_csv(table, csv, all, records);
   write_whole(folder / (table.name + ".md"), table.page(records));
-  plot(table.name, csv, folder / (table.name + ".png"));
+  std::vector<std::string> extensions = {".csv", ".md"};
+  if (table.picture) {
+    plot(table.name, csv, folder / (table.name + ".png"));
+    extensions.emplace_back(".png");
+  }
   std::size_t failed = 0;
   for (const Cell& cell : desired) failed += field(records.at(cell.name), "failed") == "1";
   say(stdout, "{} cells, {} failed\n", desired.size(), failed);
-  for (const char* extension : {".csv", ".md", ".png"})
+  for (const std::string& extension : extensions)
     say(stdout, "  {}\n",
         fs::absolute(folder / (table.name + extension)).lexically_normal().string());
   return kFinished;

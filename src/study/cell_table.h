@@ -38,6 +38,7 @@ struct CellTable {
       measure;                                                   // in a process of its own
   std::function<Record(const Cell&, const ProcessEnd&)> record;  // the line of what that gave
   std::function<std::string(const Records&)> page;               // NAME.md
+  bool picture = true;                                           // NAME.png
   double time_limit = 120.0;                                     // of a cell, wall time [s]
 };
 

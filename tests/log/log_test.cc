@@ -79,6 +79,7 @@ void expect_row(const RunRows& run, std::size_t i) {
   EXPECT_EQ(run.mode[i], row.mode);
   EXPECT_EQ(run.stroke[i], row.stroke);
   EXPECT_EQ(run.stroke_along[i], row.stroke_along);
+  EXPECT_EQ(run.time_scale[i], row.time_scale);
   EXPECT_EQ(run.step_time[i], row.step_time);
 }
 
@@ -187,7 +188,7 @@ for name in names:
 desired = '''time joint/position joint/velocity joint/torque tip/position tip/orientation
 tip/velocity desired/position desired/orientation contact/force contact/point
 contact/normal wrench/measured disturbance/force surface/normal surface/distance
-push mode stroke stroke_along controller/step_time canvas/vertices canvas/triangles
+push mode stroke stroke_along time_scale controller/step_time canvas/vertices canvas/triangles
 cloud/points cloud/normals cloud/camera target/points target/stroke torque/gravity
 torque/impedance torque/push torque/null_space torque/coriolis torque/feedback
 torque/friction'''.split()
@@ -209,6 +210,23 @@ assert f['time'].chunks and f['time'].compression == 'gzip' and f['time'].shuffl
   const std::string command =
       std::string(IMPEDRAW_PYTHON) + " " + file.string() + " " + path().string();
   EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+// As logs were before the plan's clock could yield.
+TEST_F(RunLogTest, ALogWithoutTimeScaleRanAsPlanned) {
+  {
+    RunLog log(path(), small_header());
+    for (int i = 0; i < 100; ++i) log.append(numbered_row(i));
+    log.close();
+  }
+  const std::string command = std::string(IMPEDRAW_PYTHON) +
+                              " -c \"import h5py; f = h5py.File('" + path().string() +
+                              "', 'a'); del f['time_scale']\"";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const RunRows rows = read_rows(path());
+  ASSERT_EQ(rows.rows(), 100u);
+  EXPECT_EQ(rows.time_scale, std::vector<double>(100, 1.0));
+  EXPECT_THROW(RunLog::append_to(path(), small_header()), InputError);
 }
 
 // A child writes at its own pace and is killed at some instant; all but its last second must be

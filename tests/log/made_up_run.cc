@@ -143,6 +143,7 @@ void sine_rows(const MadeUpSine& settings, const std::function<void(const LogRow
     row.mode = up == 0.0 ? 2 : (t < kApproach ? 1 : 3);
     row.stroke = drawn ? turn : -1;
     row.stroke_along = drawn ? s : LogRow::kNone;
+    row.time_scale = i % 100 < 3 ? 0.1 * (i % 100) : 1.0;
     row.step_time = 9e-6 + 0.5e-6 * std::abs(gauss(random)) + (i % 997 == 0 ? 20e-6 : 0.0);
     take(row);
   }
@@ -190,6 +191,7 @@ LogRow numbered_row(int i) {
   row.mode = i % 2;
   row.stroke = i % 5 - 1;
   row.stroke_along = 1e-6 * (next += 1.0);
+  row.time_scale = next += 1.0;
   row.step_time = next += 1.0;
   return row;
 }

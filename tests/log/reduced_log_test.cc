@@ -88,6 +88,7 @@ void expect_same_steps(const RunData& a, const RunData& b) {
   expect_same(a.normal_error, b.normal_error, "normal_error");
   expect_same(a.push, b.push, "push");
   expect_same(a.torque_share, b.torque_share, "torque_share");
+  expect_same(a.time_scale, b.time_scale, "time_scale");
   expect_same(a.stroke, b.stroke, "stroke");
   expect_same(a.mode, b.mode, "mode");
   EXPECT_EQ(a.clipped, b.clipped);

@@ -50,6 +50,7 @@ inline RunRows part(const RunRows& all, std::size_t begin, std::size_t end) {
   cut(out.surface_distance, all.surface_distance);
   cut(out.push, all.push);
   cut(out.step_time, all.step_time);
+  cut(out.time_scale, all.time_scale);
   cut(out.mode, all.mode);
   cut(out.stroke, all.stroke);
   return out;
@@ -81,6 +82,7 @@ inline MadeUp empty_run(std::size_t n) {
   run.surface_distance.assign(n, kNone);
   run.push.assign(n, 0.0);
   run.step_time.assign(n, 1e-5);
+  run.time_scale.assign(n, 1.0);
   run.mode.assign(n, 0);
   run.stroke.assign(n, -1);
   run.joint_lower = Eigen::Vector2d(-1.0, -2.0);

@@ -265,6 +265,27 @@ TEST(Metrics, StepTimeAndRealTimeFactor) {
   expect_null(run, {"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
 }
 
+// Where the plan waits, rows count towards its mean alone.
+TEST(Metrics, RowsOfAWaitingPlanDoNotCount) {
+  EXPECT_EQ(value(plain_run(), "time_scale_mean"), 1.0);
+  MadeUp run = plain_run();
+  for (std::size_t i = 1300; i < 1400; ++i) {  // off the line, hard, and then without ink
+    touch(run, i, 0.05 * (i - 1000.0), 0.2, i < 1350 ? 9.0 : 0.05);
+    run.time_scale[i] = 0.1;
+  }
+  EXPECT_NEAR(value(run, "time_scale_mean"), 0.91, 1e-6);
+  EXPECT_EQ(value(run, "contact_fraction"), 1.0);
+  EXPECT_NEAR(value(run, "ink_error_max"), 0.0, 1e-9);
+  EXPECT_EQ(value(run, "force_peak"), 5.0);
+  EXPECT_EQ(value(run, "force_sd"), 0.0);
+  EXPECT_NEAR(value(run, "draw_time"), 1.0, 1e-9);
+  for (double& scale : run.time_scale)  // slow, but it runs
+    if (scale < 1.0) scale = 0.25;
+  EXPECT_NEAR(value(run, "contact_fraction"), 0.95, 1e-12);
+  EXPECT_EQ(value(run, "force_peak"), 9.0);
+  expect_null(empty_run(100), {"time_scale_mean"}, "no pen-down sample");
+}
+
 TEST(Metrics, EveryFieldIsDefinedOnce) {
   Metrics m;
   for (const MetricDefinition& d : metric_definitions()) {

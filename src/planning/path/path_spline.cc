@@ -87,14 +87,18 @@ SplinePoint PathSpline::at(double u) const noexcept {
   const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                       [](double value, const Knot& k) { return value < k.u; });
   SplinePoint s = raw(static_cast<std::size_t>(after - knots_.begin()) - 1, u);
-  // Derivatives of n = m/|m|: remove the component along n from each derivative of m.
-  const double size = s.n.norm();
-  const Vector3d n = s.n / size, m1 = s.dn / size, m2 = s.ddn / size;
-  const double along = n.dot(m1);
-  s.n = n;
-  s.dn = m1 - along * n;
-  s.ddn = m2 - n.dot(m2) * n - 2 * along * s.dn - s.dn.squaredNorm() * n;
+  normalise(&s);
   return s;
+}
+
+// Derivatives of n = m/|m|: remove the component along n from each derivative of m.
+void PathSpline::normalise(SplinePoint* s) noexcept {
+  const double size = s->n.norm();
+  const Vector3d n = s->n / size, m1 = s->dn / size, m2 = s->ddn / size;
+  const double along = n.dot(m1);
+  s->n = n;
+  s->dn = m1 - along * n;
+  s->ddn = m2 - n.dot(m2) * n - 2 * along * s->dn - s->dn.squaredNorm() * n;
 }
 
 double PathSpline::arc_length() const {
@@ -110,11 +114,15 @@ double PathSpline::arc_length() const {
 }
 
 PathSpline::Bounds PathSpline::bounds(std::size_t span) const {
-  Bounds b{0, std::max(knots_[span].p2.norm(), knots_[span + 1].p2.norm()), 0};
+  Bounds b{0, std::max(knots_[span].p2.norm(), knots_[span + 1].p2.norm()), 0, 0, 0, 0};
   for (int i = 0; i <= 4; ++i) {
-    const SplinePoint s = raw(span, start(span) + (end(span) - start(span)) * i / 4);
+    SplinePoint s = raw(span, start(span) + (end(span) - start(span)) * i / 4);
+    normalise(&s);
     b.slope = std::max(b.slope, s.dp.norm());
     b.stretch = std::max(b.stretch, std::abs(s.dp.dot(s.ddp)));
+    b.rise = std::max(b.rise, std::abs(s.n.dot(s.ddp)));
+    b.turn = std::max(b.turn, s.dn.norm());
+    b.turn_bend = std::max(b.turn_bend, s.n.cross(s.ddn).norm());
   }
   return b;
 }

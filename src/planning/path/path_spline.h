@@ -35,10 +35,10 @@ class PathSpline {
   SplinePoint at(double u) const noexcept;  // u is clamped to [0, length]
 
   double arc_length() const;  // [m]
-  // Over one span: the largest |dp/du|, |d²p/du²| and |dp/du · d²p/du²|. The first and last are
-  // sampled; the second is exact.
+  // Over one span: the largest |dp/du|, |d²p/du²|, |dp/du · d²p/du²|, |n · d²p/du²|, |dn/du| and |d²n/du²| across
+  // n. All are sampled but |d²p/du²|, which is exact.
   struct Bounds {
-    double slope, bend, stretch;
+    double slope, bend, stretch, rise, turn, turn_bend;
   };
   Bounds bounds(std::size_t span) const;
 
@@ -50,6 +50,7 @@ class PathSpline {
     double along;
   };
   SplinePoint raw(std::size_t span, double u) const noexcept;
+  static void normalise(SplinePoint* s) noexcept;
 
   std::vector<Knot> knots_;
 };

@@ -13,6 +13,7 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 constexpr double kSamePoint = 1e-7;     // [m]
 constexpr double kShortestSpan = 1e-6;  // [m]
 constexpr int kMostRounds = 60;
@@ -65,9 +66,45 @@ class Fit {
   }
 
   void smooth_normals() {
-    std::vector<Eigen::Vector3d> normals;
-    for (std::size_t i = 0; i < knots_.size(); ++i) normals.push_back(smoothed_normal(i));
-    for (std::size_t i = 0; i < knots_.size(); ++i) knots_[i].sample.n_P = normals[i];
+    const std::size_t n = knots_.size();
+    const std::vector<Vector3d> base = smoothed_normals(std::vector<double>(n, 0.0));
+    std::vector<Vector3d> axes = base;
+    const TiltLimits& tilt = settings_.tilt;
+    if (settings_.normal_smoothing > 0.0 && tilt.allowance > 0.0 && n >= 4) {
+      // One level is a factor kLevel of the smoothing. Each knot takes the lowest level that keeps
+      // the limits there, unless that leaves the normal too far.
+      std::vector<double> level(n, 0.0);
+      std::vector<char> done(n, 0);
+      for (int k = 0; k <= kLevels; ++k) {
+        const std::vector<Vector3d> trial =
+            k == 0 ? base : smoothed_normals(std::vector<double>(n, k));
+        bool all = true;
+        for (std::size_t i = 0; i < n; ++i) {
+          if (done[i]) continue;
+          if (k > 0 && angle(trial[i], base[i]) > tilt.allowance) {
+            done[i] = 1;
+            continue;
+          }
+          level[i] = k;
+          done[i] = keeps_tilt_limits(trial, i);
+          all = all && done[i];
+        }
+        if (all) break;
+      }
+      if (*std::max_element(level.begin(), level.end()) > 0.0) {
+        for (int round = 0; round < 4; ++round) {
+          axes = smoothed_normals(spread(level));
+          bool kept = true;
+          for (std::size_t i = 0; i < n; ++i) {
+            if (angle(axes[i], base[i]) <= tilt.allowance) continue;
+            kept = false;
+            level[i] = std::max(0.0, level[i] - 1.0);
+          }
+          if (kept) break;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < n; ++i) knots_[i].sample.n_P = axes[i];
   }
 
   Eigen::Vector3d& first_normal() { return knots_.front().sample.n_P; }
@@ -103,11 +140,52 @@ class Fit {
     return k;
   }
 
+  static constexpr double kLevel = 1.5;
+  static constexpr int kLevels = 6;  // up to 11 times normal_smoothing
+
+  static double angle(const Vector3d& a, const Vector3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  }
+
+  // By divided differences over the neighbouring knots, on the surface.
+  bool keeps_tilt_limits(const std::vector<Vector3d>& n, std::size_t i) const {
+    if (i == 0 || i + 1 == n.size()) return true;
+    const auto p = [this](std::size_t k) -> const Vector3d& { return knots_[k].sample.p_P; };
+    const double h0 = (p(i) - p(i - 1)).norm(), h2 = (p(i + 1) - p(i)).norm();
+    if (!(h0 > 0.0) || !(h2 > 0.0)) return true;
+    const Vector3d d0 = (n[i] - n[i - 1]) / h0, d2 = (n[i + 1] - n[i]) / h2;
+    return std::max(d0.norm(), d2.norm()) <= settings_.tilt.turn &&
+           2.0 * (d2 - d0).norm() / (h0 + h2) <= settings_.tilt.bend;
+  }
+
+  // The greatest level nearby, fading out over the length that its smoothing reaches: a step in
+  // level would be a step in the axis.
+  std::vector<double> spread(const std::vector<double>& level) const {
+    std::vector<double> result = level;
+    const auto fade = [&](std::size_t from, std::size_t to) {
+      const double sigma = settings_.normal_smoothing * std::pow(kLevel, result[from]);
+      const double step = std::abs(knots_[to].along - knots_[from].along);
+      result[to] = std::max(result[to], result[from] - step / sigma);
+    };
+    for (std::size_t i = 1; i < result.size(); ++i) fade(i - 1, i);
+    for (std::size_t i = result.size() - 1; i-- > 0;) fade(i + 1, i);
+    return result;
+  }
+
+  std::vector<Vector3d> smoothed_normals(const std::vector<double>& level) const {
+    std::vector<Vector3d> normals;
+    normals.reserve(knots_.size());
+    for (std::size_t i = 0; i < knots_.size(); ++i)
+      normals.push_back(
+          smoothed_normal(i, settings_.normal_smoothing * std::pow(kLevel, level[i])));
+    return normals;
+  }
+
   // Local parabola through the normals with Gaussian weights. It preserves normals that turn at a
   // constant or linearly changing rate, ends included. A straight line would cut the crests of a
   // sine by 0.1°.
-  Eigen::Vector3d smoothed_normal(std::size_t i) const {
-    const double sigma = settings_.normal_smoothing, s = knots_[i].along;
+  Eigen::Vector3d smoothed_normal(std::size_t i, double sigma) const {
+    const double s = knots_[i].along;
     if (!(sigma > 0.0)) return knots_[i].sample.n_P;
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(),
                     normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)

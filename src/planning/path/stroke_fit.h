@@ -10,6 +10,13 @@
 
 namespace impedraw {
 
+// How fast the pen's axis may turn along a stroke, per length of surface at the drawing speed.
+struct TiltLimits {
+  double allowance = 0.17;  // largest angle between axis and smoothed normal [rad]
+  double turn = 30.0;       // |dn/ds| [rad/m]
+  double bend = 6400.0;     // |d²n/ds²| [rad/m²]
+};
+
 struct FitSettings {
   double tolerance = 1e-5;     // largest distance between line and artwork, seen along z [m]
   double knot_spacing = 1e-3;  // largest distance between surface queries along the stroke [m]
@@ -18,6 +25,8 @@ struct FitSettings {
   // standard deviation [m]; 0: none. The desired frame's angular acceleration is fed forward from
   // them, and two derivatives amplify the noise of a cloud.
   double normal_smoothing = 5e-3;
+  // Where the smoothed normals exceed these limits, they are smoothed further, up to the allowance.
+  TiltLimits tilt;
 };
 
 struct FittedStroke {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include <fmt/core.h>
 #include <Eigen/Geometry>
@@ -27,8 +29,9 @@ constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are skipped
 // Appends legs. Each starts at rest where the previous one ended.
 class Planner {
  public:
-  explicit Planner(const PathSettings& settings)
+  Planner(const PathSettings& settings, const SpanLimits& limits)
       : s_(settings),
+        limits_(limits),
         p_(settings.X_WP.R.transpose() * (settings.start_p_WE - settings.X_WP.p)),
         n_(settings.X_WP.R.transpose() * settings.start_n_W) {
     if (s_.vertical_pen) n_ = Vector3d::UnitZ();
@@ -154,20 +157,43 @@ class Planner {
     }
   }
 
+  // The largest |d²p/du²| and |dp/du · d²p/du²| seen along the drawing axis, sampled.
+  static std::pair<double, double> sway(const PathSpline& part, std::size_t span) {
+    double bend = 0.0, stretch = 0.0;
+    for (int k = 0; k <= 4; ++k) {
+      const SplinePoint s = part.at(part.start(span) + (part.end(span) - part.start(span)) * k / 4);
+      bend = std::max(bend, s.ddp.head<2>().norm());
+      stretch = std::max(stretch, std::abs(s.dp.head<2>().dot(s.ddp.head<2>())));
+    }
+    return {bend, stretch};
+  }
+
   SpeedProfile drawing_profile(const PathSpline& part) const {
     const double A = kMargin * s_.draw_acceleration;
     std::vector<SpeedSpan> spans;
     spans.reserve(part.spans());
     for (std::size_t i = 0; i < part.spans(); ++i) {
-      const auto [slope, bend, stretch] = part.bounds(i);
-      const double v = std::min(kMargin * s_.draw_speed / slope,
-                                bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
+      auto [slope, bend, stretch, rise, turn, turn_bend] = part.bounds(i);
+      // Across the surface, normal_acceleration is the limit.
+      if (!s_.vertical_pen) std::tie(bend, stretch) = sway(part, i);
+      double v = std::min(kMargin * s_.draw_speed / slope,
+                          bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
+      if (!s_.vertical_pen) {
+        if (rise > 0) v = std::min(v, std::sqrt(s_.normal_acceleration / rise));
+        // |u̇² n'' + ü n'| ≤ A_tilt, kCentripetalShare of it for the first term
+        if (turn > 0) v = std::min(v, kMargin * s_.tilt_speed / turn);
+        if (turn_bend > 0)
+          v = std::min(v, std::sqrt(kCentripetalShare * s_.tilt_acceleration / turn_bend));
+      }
       // |u̇² p'' + ü p'|² ≤ (bend v²)² + 2 stretch v² ü + (slope ü)² = A²
       const double c = bend * v * v, half = stretch * v * v;
       const double a =
           (std::sqrt(half * half + slope * slope * (A * A - c * c)) - half) / (slope * slope);
-      spans.push_back({part.end(i) - part.start(i), v, a});
+      const double tilt =
+          turn > 0 && !s_.vertical_pen ? (s_.tilt_acceleration - turn_bend * v * v) / turn : 1e9;
+      spans.push_back({part.end(i) - part.start(i), v, std::min(a, tilt)});
     }
+    if (limits_) limits_(part, &spans);
     return SpeedProfile(std::move(spans), s_.smoothing_time);
   }
 
@@ -179,6 +205,7 @@ class Planner {
   }
 
   const PathSettings& s_;
+  const SpanLimits& limits_;
   double safe_z_ = 0;
   Vector3d p_, n_;
   std::vector<PathLeg> legs_;
@@ -207,6 +234,13 @@ void validate(const PathSettings& s) {
   require_in_range("path", Limits::tolerance, s.tolerance);
   require_in_range("path", Limits::knot_spacing, s.knot_spacing);
   require_in_range("path", Limits::normal_smoothing, s.normal_smoothing);
+  require_in_range("path", Limits::joint_speed_share, s.joint_speed_share);
+  require_in_range("path", Limits::joint_acceleration, s.joint_acceleration);
+  require_in_range("path", Limits::normal_acceleration, s.normal_acceleration);
+  require_in_range("path", Limits::normal_speed, s.normal_speed);
+  require_in_range("path", Limits::tilt_allowance, s.tilt_allowance_deg);
+  require_in_range("path", Limits::tilt_speed, s.tilt_speed);
+  require_in_range("path", Limits::tilt_acceleration, s.tilt_acceleration);
   require_in_range("path", Limits::sink, s.sink);
   if (s.highest_z) require_in_range("path.highest_z", *s.highest_z, Range::any(), "m");
   for (const double x : s.start_p_WE) require_in_range("path.start_p_WE", x, Range::any(), "m");
@@ -214,16 +248,22 @@ void validate(const PathSettings& s) {
 }
 
 TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
-                      const PathSettings& settings) {
+                      const PathSettings& settings, const SpanLimits& limits) {
   validate(settings);
   if (strokes.empty()) throw InputError("path: there are no strokes to plan");
-  const FitSettings fit{settings.tolerance, settings.knot_spacing,
-                        settings.corner_angle_deg * std::numbers::pi / 180,
-                        settings.normal_smoothing};
+  constexpr double kDegree = std::numbers::pi / 180;
+  const FitSettings fit{
+      settings.tolerance,
+      settings.knot_spacing,
+      settings.corner_angle_deg * kDegree,
+      settings.normal_smoothing,
+      {settings.tilt_allowance_deg * kDegree, kMargin * settings.tilt_speed / settings.draw_speed,
+       kCentripetalShare * settings.tilt_acceleration /
+           (settings.draw_speed * settings.draw_speed)}};
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
   for (const PlacedStroke& stroke : strokes) fitted.push_back(fit_stroke(stroke, surface, fit));
-  return Planner(settings).plan(fitted);
+  return Planner(settings, limits).plan(fitted);
 }
 
 }  // namespace impedraw

@@ -3,10 +3,13 @@
 // Speed along a stroke, for a span of its spline p(u) with |dp/du| ≤ g, |d²p/du²| ≤ κ:
 //   u̇ ≤ min(draw_speed / g, √(0.8 A / κ)).
 // ü is limited so that the total acceleration u̇² p'' + ü p' stays within A = draw_acceleration.
+// The pen's axis n(u) turns within tilt_speed and tilt_acceleration in the same way.
 // speed_profile.h computes the fastest motion under these limits.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include "impedraw/common/pose.h"
 #include "impedraw/common/range.h"
@@ -41,7 +44,21 @@ struct PathSettings {
   double knot_spacing = 1e-3;  // largest distance between surface queries along a stroke [m]
   // length of stroke over which normals are averaged (stroke_fit.h) [m]
   double normal_smoothing = 5e-3;
-  bool vertical_pen = false;  // n = +z always (blind)
+  // Along a stroke the pen's axis is the surface normal. Where that would turn faster than these
+  // limits at draw_speed, it is smoothed until it keeps them or leaves the normal by the allowance;
+  // what is still too fast is drawn slower.
+  double tilt_allowance_deg = 10;
+  double tilt_speed = 1.5;        // [rad/s]
+  double tilt_acceleration = 20;  // [rad/s²]
+  // Across the surface, by its curvature: the tip's inertia then changes the contact force by less
+  // than a newton [m/s²].
+  double normal_acceleration = 0.35;
+  // Across the surface, where it is rougher than it is known: the normal's error times the speed
+  // [m/s]. The tip's damping times this changes the contact force by about a newton.
+  double normal_speed = 0.008;
+  double joint_speed_share = 0.7;  // of the arm's joint speeds, along a stroke (joint_rates.h)
+  double joint_acceleration = 15;  // of each joint, along a stroke [rad/s²]
+  bool vertical_pen = false;       // n = +z always (blind)
   // depth of the desired point below the surface while the pen is down (blind) [m]
   double sink = 0;
 
@@ -65,6 +82,13 @@ struct PathSettings {
     static constexpr Limit tolerance = {"tolerance", "m", {1e-7, 1e-2}};
     static constexpr Limit knot_spacing = {"knot_spacing", "m", Range::positive()};
     static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 0.1}};
+    static constexpr Limit joint_speed_share = {"joint_speed_share", "", {0.01, 1.0}};
+    static constexpr Limit joint_acceleration = {"joint_acceleration", "rad/s²", {0.1, 1000.0}};
+    static constexpr Limit normal_acceleration = {"normal_acceleration", "m/s²", {0.01, 100.0}};
+    static constexpr Limit normal_speed = {"normal_speed", "m/s", {1e-4, 1.0}};
+    static constexpr Limit tilt_allowance = {"tilt_allowance", "deg", {0.0, 45.0}};
+    static constexpr Limit tilt_speed = {"tilt_speed", "rad/s", {0.01, 20.0}};
+    static constexpr Limit tilt_acceleration = {"tilt_acceleration", "rad/s²", {0.1, 1000.0}};
     static constexpr Limit sink = {"sink", "m", Range::at_least(0.0)};
   };
 };
@@ -72,9 +96,13 @@ struct PathSettings {
 // Throws InputError naming the setting, its value and the allowed range.
 void validate(const PathSettings& settings);
 
+// Lowers the limits on u̇ and ü of a spline's spans, one entry per span: what else limits the speed,
+// such as the arm's joints (joint_rates.h).
+using SpanLimits = std::function<void(const PathSpline&, std::vector<SpeedSpan>*)>;
+
 // Throws InputError for a setting out of range (name, value, limit), a stroke point without surface
 // (stroke, position, distance), or no strokes.
 TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
-                      const PathSettings& settings = {});
+                      const PathSettings& settings = {}, const SpanLimits& limits = {});
 
 }  // namespace impedraw

@@ -19,6 +19,8 @@ using Eigen::Vector3d;
 constexpr double kSharp = 1e-5;
 // distance of ends from edges, so that rounding cannot put them on the other side [m]
 constexpr double kRetreat = 1e-6;
+// the pen keeps off higher folds [m], by at most kFoldMargin [m]
+constexpr double kRidden = 1e-3, kFoldMargin = 4e-3;
 
 struct Look {
   double along = 0;
@@ -111,6 +113,7 @@ class Walk {
     span.to = r.along;
     span.problem = Problem::fold;
     span.p_P = r.sample->p_P;
+    span.step = std::abs(r.sample->p_P.z() - l.sample->p_P.z());
     const double rise = r.sample->p_P.z() - l.sample->p_P.z();
     span.text = fmt::format("the surface {} by {:.1f} mm", rise > 0 ? "rises" : "drops",
                             1e3 * std::abs(rise));
@@ -142,15 +145,19 @@ class Walk {
   }
 
   // Moves the ends of drawable spans, except the stroke's own, away from where the surface changes:
-  // by a tiny distance, or by edge_margin where the surface ends. Shorter spans are rejected.
+  // by a tiny distance, by edge_margin where the surface ends, and at a fold by as much as it is
+  // high, up to kFoldMargin, so that the pen neither falls off it nor runs up. Shorter spans are
+  // rejected.
   void retreat() {
     for (std::size_t i = 0; i < spans_.size(); ++i) {
       SurfaceSpan& span = spans_[i];
       if (span.problem || span.along.size() < 2) continue;
       const auto distance = [&](std::size_t neighbour) {
-        return spans_[neighbour].problem == Problem::off_canvas
-                   ? std::max(kRetreat, settings_.edge_margin)
-                   : kRetreat;
+        const SurfaceSpan& other = spans_[neighbour];
+        if (other.problem == Problem::off_canvas) return std::max(kRetreat, settings_.edge_margin);
+        if (other.problem == Problem::fold && other.step > kRidden)
+          return std::max(kRetreat, std::min(other.step, kFoldMargin));
+        return kRetreat;
       };
       const double from = i > 0 ? span.from + distance(i - 1) : span.from;
       const double to = i + 1 < spans_.size() ? span.to - distance(i + 1) : span.to;

@@ -17,6 +17,7 @@ struct SurfaceSpan {
   // no problem: positions of the samples, rising, the first at `from`, the last at `to`
   std::vector<double> along;
   std::vector<SurfaceSample> samples;             // the surface at these positions
+  double step = 0;                                // fold: its height [m]
   double slope = 0;                               // steepest [rad]; no problem or too_steep
   double worst = 0;                               // problem: position of the worst point
   Eigen::Vector3d p_P = Eigen::Vector3d::Zero();  // problem: the worst point [m]

@@ -38,6 +38,8 @@ void check(const TipPath& path, const PathSettings& s) {
     ASSERT_LE(acceleration,
               (drawing || approaching ? s.draw_acceleration : s.travel_acceleration) * (1 + 1e-9));
     ASSERT_TRUE(drawing || g.w_WD.norm() <= s.turn_speed * (1 + 1e-9));
+    ASSERT_TRUE(!drawing || g.w_WD.norm() <= s.tilt_speed * 1.02);
+    ASSERT_TRUE(!drawing || g.alpha_WD.norm() <= s.tilt_acceleration * 1.05);
   }
 }
 
@@ -47,6 +49,29 @@ TEST(TipLimits, BuiltInShapesOnTheBowl) {
     const PathSettings settings;
     check(plan_tip_path(surfaces::shape(name), surfaces::bowl, settings), settings);
   }
+}
+
+// A surface with waves of 8 mm and slopes of 20°: standing on its normal at 50 mm/s the pen would
+// turn at 14 rad/s. It leaves the normal by no more than the allowance, and does not crawl.
+TEST(TipLimits, ARoughSurfaceDoesNotShakeThePen) {
+  constexpr double kWave = 2 * 3.14159265358979 / 8e-3, kHeight = 0.36 / kWave;
+  const SurfaceHeight rough = [](double x, double y) -> std::optional<SurfaceSample> {
+    const Vector3d n(-kHeight * kWave * std::cos(kWave * x), 0, 1);
+    return SurfaceSample{{x, y, 0.1 + kHeight * std::sin(kWave * x)}, n.normalized()};
+  };
+  PathSettings settings;
+  const TipPath path =
+      plan_tip_path({surfaces::line({{0.55, 0.0}, {0.65, 0.01}})}, rough, settings);
+  check(path, settings);
+  for (double t = 0; t < path.duration(); t += 1e-3) {
+    const PathSample now = path.at(t);
+    if (now.phase != Phase::draw) continue;
+    const Vector3d n = rough(now.reference.p_WD.x(), now.reference.p_WD.y())->n_P;
+    // the smoothed normals, which the allowance counts from, are within 20° of the true ones
+    ASSERT_GT(now.reference.n_WD.dot(n), std::cos(0.35 + 0.18));
+  }
+  const StrokeTimes stroke = path.strokes().front();
+  EXPECT_GT(stroke.length / (stroke.end - stroke.start), 0.015);
 }
 
 TEST(TipLimits, FastAndBlind) {

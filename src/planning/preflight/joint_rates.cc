@@ -1,0 +1,110 @@
+#include "impedraw/planning/preflight/joint_rates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/control/normal_tracker.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kRelax = 0.05;    // tip path over which the redundant joints settle [m]
+constexpr double kBendShare = 0.8;  // of the acceleration, for the path's bend
+
+}  // namespace
+
+JointRates::JointRates(ArmModel& arm, const PathSettings& settings, const JointVector& start_q,
+                       const JointVector& rest_q)
+    : arm_(&arm),
+      X_WP_(settings.X_WP),
+      vertical_pen_(settings.vertical_pen),
+      limit_(settings.joint_speed_share * arm.limits().speed),
+      acceleration_(settings.joint_acceleration),
+      rest_(rest_q),
+      q_(start_q),
+      terms_(arm.joints()) {}
+
+// Moves q_ to the pen placement at a point of the spline as the controller does: by the motion of
+// least kinetic energy, q̇ = J̄ V, without turning about the pen; the redundant joints relax towards
+// rest.
+bool JointRates::follow(const SplinePoint& at, double moved) {
+  constexpr int kMostSteps = 12;
+  constexpr double kReached = 1e-7;  // [m], [rad]
+  const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : at.n;
+  const Eigen::Vector3d p_W = X_WP_ * at.p, z_W = -(X_WP_.R * n);
+  JointVector q = q_;
+  double relax = 1.0 - std::exp(-moved / kRelax);
+  for (int i = 0; i < kMostSteps; ++i) {
+    arm_->compute(q, JointVector::Zero(q.size()), &terms_);
+    Vector6 off;
+    off << p_W - terms_.X_WE.p, smallest_rotation(terms_.X_WE.R.col(2), z_W);
+    if (i > 0 && off.cwiseAbs().maxCoeff() < kReached) {
+      q_ = q;
+      return true;
+    }
+    const TipJacobian& J = terms_.J;
+    const Eigen::MatrixXd M_inv_Jt = terms_.M.llt().solve(J.transpose());
+    const Matrix6 A = J * M_inv_Jt + 1e-9 * Matrix6::Identity();
+    const JointVector drift = relax * (rest_ - q);
+    q += drift + M_inv_Jt * A.llt().solve(off - J * drift);
+    relax = 0.0;
+  }
+  return false;
+}
+
+void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* spans) {
+  // The arm comes from elsewhere, and settles.
+  const SplinePoint first = spline.at(0.0);
+  const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : first.n;
+  const IkResult begun = find_posture(*arm_, {X_WP_ * first.p, -(X_WP_.R * n)}, q_);
+  if (begun.reached) q_ = begun.q;
+  bool known = follow(first, kRelax);
+  for (int i = 0; known && i < 5; ++i) known = follow(spline.at(0.0), kRelax);
+  const int steps = std::max(1, static_cast<int>(std::ceil(spline.length() / kStep)));
+  const double du = spline.length() / steps;
+  std::vector<double> steepest(spans->size(), 0.0), sharpest(spans->size(), 0.0);
+  std::size_t span = 0;
+  JointVector before = q_, slope_before = JointVector::Zero(q_.size());
+  bool slope_known = false;
+  for (int k = 1; k <= steps; ++k) {
+    const double u = k * du;
+    const bool reached = follow(spline.at(u), du);
+    double speed = 1e9, slope_most = 0.0, bend_most = 0.0;
+    if (known && reached) {
+      const JointVector slope = (q_ - before) / du;
+      const double share = (slope.cwiseAbs().array() / limit_.array()).maxCoeff();
+      if (share > 0.0) speed = 1.0 / share;
+      slope_most = slope.cwiseAbs().maxCoeff();
+      if (slope_known) bend_most = (slope - slope_before).cwiseAbs().maxCoeff() / du;
+      slope_before = slope;
+      slope_known = true;
+    } else {
+      slope_known = false;
+    }
+    before = q_;
+    known = reached;
+    // Every span that the step meets, and for the bend, the step before.
+    const double from = u - 2.0 * du;
+    while (span > 0 && spline.start(span) > from) --span;
+    for (; span < spans->size() && spline.start(span) < u; ++span) {
+      (*spans)[span].speed = std::min((*spans)[span].speed, speed);
+      steepest[span] = std::max(steepest[span], slope_most);
+      sharpest[span] = std::max(sharpest[span], bend_most);
+    }
+    if (span > 0) --span;
+  }
+  for (std::size_t i = 0; i < spans->size(); ++i) {
+    SpeedSpan& limited = (*spans)[i];
+    if (sharpest[i] > 0.0)
+      limited.speed = std::min(limited.speed, std::sqrt(kBendShare * acceleration_ / sharpest[i]));
+    const double left = acceleration_ - sharpest[i] * limited.speed * limited.speed;
+    if (steepest[i] > 0.0)
+      limited.acceleration = std::min(limited.acceleration, left / steepest[i]);
+  }
+}
+
+}  // namespace impedraw

@@ -1,0 +1,39 @@
+// How fast the arm's joints turn along a stroke, as a limit on the speed of the plan.
+//
+// Along a spline with coordinate u the postures q(u) follow each other by the motion of least
+// kinetic energy, as under the controller. A joint's speed is |dq_j/du| u̇, so that
+//   u̇ ≤ share · v_max,j / |dq_j/du|  for each joint j
+// Its acceleration is d²q_j/du² u̇² + dq_j/du ü, so that
+//   u̇² ≤ 0.8 a_max / |d²q_j/du²|,  ü ≤ (a_max − |d²q_j/du²| u̇²) / |dq_j/du|
+// by differences over steps of kStep. Where no posture is found, the limits stay as they are: the
+// pre-flight reports such places.
+#pragma once
+
+#include "impedraw/arm/arm_model.h"
+#include "impedraw/planning/path/tip_planner.h"
+
+namespace impedraw {
+
+class JointRates {
+ public:
+  static constexpr double kStep = 2e-3;  // between postures [m]
+
+  // `arm` must outlive this object. rest_q: the null space's.
+  JointRates(ArmModel& arm, const PathSettings& settings, const JointVector& start_q,
+             const JointVector& rest_q);
+
+  void operator()(const PathSpline& spline, std::vector<SpeedSpan>* spans);
+
+ private:
+  bool follow(const SplinePoint& at, double moved);
+
+  ArmModel* arm_;
+  Pose X_WP_;
+  bool vertical_pen_;
+  JointVector limit_;    // share · v_max [rad/s]
+  double acceleration_;  // a_max [rad/s²]
+  JointVector rest_, q_;
+  ArmTerms terms_;
+};
+
+}  // namespace impedraw

@@ -1,0 +1,120 @@
+#include "impedraw/run/plan_clock.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "impedraw/run/speed_guard.h"
+
+namespace impedraw {
+namespace {
+
+constexpr double kDt = 1e-3;
+
+TEST(PlanClock, RunsAsPlannedWhileThePenFollows) {
+  PlanClock clock({}, kDt);
+  for (int i = 0; i < 5000; ++i) clock.advance({3e-3, 0.05, 0.3, 0.0, false});
+  EXPECT_EQ(clock.lag(), 0.0);
+  EXPECT_EQ(clock.rate(), 1.0);
+}
+
+TEST(PlanClock, StopsWhereThePenIsHeldAndGoesOnAfterwards) {
+  PlanClock clock({}, kDt);
+  for (int i = 0; i < 500; ++i) clock.advance({0.02, 0.0, 0.0, 0.0, false});
+  EXPECT_EQ(clock.rate(), 0.0);
+  const double lag = clock.lag();
+  for (int i = 0; i < 2000; ++i) clock.advance({});
+  EXPECT_EQ(clock.rate(), 1.0);
+  EXPECT_LT(clock.lag() - lag, 0.5) << "it takes up speed within a second";
+}
+
+// A canvas that is not there must not hold up the drawing.
+TEST(PlanClock, LosesPatience) {
+  const ClockSettings settings;
+  PlanClock clock(settings, kDt);
+  for (int i = 0; i < 5000; ++i) clock.advance({0.0, 0.0, 0.0, 0.0, true});
+  EXPECT_DOUBLE_EQ(clock.rate(), settings.least);
+}
+
+TEST(PlanClock, TakesUnknownDeviationsForNone) {
+  PlanClock clock({}, kDt);
+  const double unknown = std::nan("");
+  for (int i = 0; i < 100; ++i) clock.advance({unknown, unknown, unknown, 0.0, false});
+  EXPECT_EQ(clock.rate(), 1.0);
+}
+
+// Whatever the pen does: the plan's time never falls, never runs faster than time, and its rate
+// changes within its bounds.
+TEST(PlanClock, NeverRunsBackwardsNorJumps) {
+  const unsigned seed = 20261122;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const ClockSettings settings;
+  PlanClock clock(settings, kDt);
+  double before = 0.0, rate = 1.0;
+  PenDeviation pen;
+  for (int i = 1; i <= 200000; ++i) {
+    if (uniform(random) < 0.01)
+      pen = {0.02 * uniform(random), 0.4 * uniform(random), 4.0 * uniform(random) - 2.0, 1.3 * uniform(random),
+             uniform(random) < 0.1};
+    clock.advance(pen);
+    const double planned = i * kDt - clock.lag();
+    ASSERT_GE(planned, before - 1e-9);
+    ASSERT_LE(planned - before, kDt + 1e-9);
+    ASSERT_GE(clock.rate(), 0.0);
+    ASSERT_LE(clock.rate(), 1.0);
+    ASSERT_LE(std::abs(clock.rate() - rate),
+              std::max(settings.slow_down, settings.speed_up) * kDt + 1e-12);
+    before = planned;
+    rate = clock.rate();
+  }
+}
+
+// The scaled reference is the derivative of the plan at the clock's time, by finite differences.
+TEST(PlanClock, ScalesVelocityAndAcceleration) {
+  PlanClock clock({}, kDt);
+  const auto plan = [](double s) {  // p = s²
+    TipReference reference;
+    reference.p_WD.x() = s * s;
+    reference.v_WD.x() = 2.0 * s;
+    reference.a_WD.x() = 2.0;
+    return reference;
+  };
+  double p[3] = {}, t = 0.0;
+  for (int i = 0; i < 60; ++i) {  // while the rate falls
+    const TipReference now = clock.scaled(plan(t - clock.lag()));
+    p[0] = p[1], p[1] = p[2], p[2] = now.p_WD.x();
+    if (i >= 3 && clock.rate() > 0.0) {
+      EXPECT_NEAR(now.v_WD.x(), (p[2] - p[1]) / kDt, 2e-3);
+    }
+    if (i >= 5) EXPECT_NEAR(now.a_WD.x(), (p[2] - 2.0 * p[1] + p[0]) / (kDt * kDt), 0.1);
+    clock.advance({0.02, 0.0, 0.0, 0.0, false});
+    t += kDt;
+  }
+}
+
+TEST(SpeedGuard, TripsAtALimitBrakesAndCalms) {
+  SpeedGuard guard(Eigen::Vector2d(1.0, 2.0));
+  JointVector v(2);
+  v << 0.5, 1.9;
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(guard.update(v, kDt));
+  v[1] = 3.5;
+  EXPECT_FALSE(guard.update(v, kDt)) << "one outlier of a noisy velocity";
+  v[1] = 1.0;
+  EXPECT_FALSE(guard.update(v, kDt));
+  v[1] = -3.5;
+  int steps = 0;
+  while (!guard.update(v, kDt)) ASSERT_LT(++steps, 10);
+  EXPECT_EQ(guard.joint(), 1);
+  EXPECT_TRUE(guard.braking());
+  v.setZero();
+  guard.update(v, kDt);
+  EXPECT_FALSE(guard.braking());
+  EXPECT_TRUE(guard.calmed());
+}
+
+}  // namespace
+}  // namespace impedraw
