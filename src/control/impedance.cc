@@ -5,6 +5,12 @@
 
 namespace impedraw {
 
+namespace {
+
+constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
+
+}  // namespace
+
 ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int joints)
     : settings_((settings.validate(joints), settings.completed(joints))),
       K_damping_(settings.damping_stiffness()),
@@ -331,8 +337,10 @@ JointVector ImpedanceController::disturbance(const ArmTerms& arm, const Wrench& 
   else
     observer_.update(arm, F_ext);
   const JointVector& r = observer_.disturbance();
-  if (yield_limit_.size() == 0 || (r.cwiseAbs() - yield_limit_).maxCoeff() <= 0.0) return r;
-  const JointVector within = r.cwiseMin(yield_limit_).cwiseMax(-yield_limit_);
+  if (yield_limit_.size() == 0) return r;
+  const JointVector most = yield_limit_ + kWeightShare * arm.g.cwiseAbs();
+  if ((r.cwiseAbs() - most).maxCoeff() <= 0.0) return r;
+  const JointVector within = r.cwiseMin(most).cwiseMax(-most);
   return within + arm.J.transpose().lazyProduct(space_.project_to_tip(r - within));
 }
 

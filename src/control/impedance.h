@@ -24,8 +24,8 @@
 //   F_compliant     6      F_ext without the part that tip friction can explain, so that the pen
 //                          yields to a hand but not to its own friction       N, Nm
 //   r_y             n      unmodelled torque r of momentum_observer.h. Beyond  Nm
-//                          observer.yield_limit only its part at the tip:
-//                          r_c + Jᵀ J̄ᵀ (r − r_c), r_c = r within the limit
+//                          observer.yield_limit + 0.12 |g| of a joint only its part
+//                          at the tip: r_c + Jᵀ J̄ᵀ (r − r_c), r_c = r within
 //   τ_limit         n      joint_range.torque ((margin − d)/margin)² away from the end of a joint's
 //                          range, if its distance d is below the margin        Nm
 //

@@ -25,6 +25,10 @@ std::vector<std::string> control_setting_names() {
   return names;
 }
 
+// A joint's observer.yield_limit where none is given: its dry friction. A hand exceeds it.
+constexpr double kFrictionShare = 0.005;  // of the joint's torque limit
+constexpr double kLeastFriction = 1.5;    // [Nm]
+
 ImpedanceSettings impedance_settings(const Scenario& s, const ArmLimits& limits, const Plan& plan,
                                      double wrench_delay) {
   ImpedanceSettings settings = s.control;
@@ -39,6 +43,10 @@ ImpedanceSettings impedance_settings(const Scenario& s, const ArmLimits& limits,
   settings.limits.torque = s.control.torque_share * limits.torque;
   settings.limits.torque_rate =
       Eigen::VectorXd::Constant(limits.torque.size(), s.control.torque_rate);
+  if (settings.observer.yield_limit.empty())
+    for (const double torque : limits.torque)
+      settings.observer.yield_limit.push_back(
+          std::min(std::max(kLeastFriction, kFrictionShare * torque), settings.observer.limit));
   settings.joint_range.lower = limits.lower;
   settings.joint_range.upper = limits.upper;
   settings.null_space.q_0 = plan.rest_q;
@@ -46,6 +54,9 @@ ImpedanceSettings impedance_settings(const Scenario& s, const ArmLimits& limits,
       s.control.null_stiffness.data(), static_cast<Eigen::Index>(s.control.null_stiffness.size()));
   return settings;
 }
+
+// Share of a motion that the arm's model may miss, and that an estimated velocity follows late.
+constexpr double kUnexplained = 1.0 / 3.0;
 
 // What the controller knows of the joints' sensors, and the estimator that reads them.
 void set_up_joint_sensing(const Scenario& s, int joints, const SettingErrors& setting_errors,
@@ -66,7 +77,7 @@ void set_up_joint_sensing(const Scenario& s, int joints, const SettingErrors& se
   setting_errors.locate({"control.joint_sensing"}, [&] {
     setup->joint_estimator.emplace(
         JointStateEstimatorSettings{timing.dt, sensing.bandwidth, delay, timing.torque_delay()});
-    timing.velocity_lag = JointStateEstimator(*setup->joint_estimator, joints).lag();
+    timing.velocity_lag = kUnexplained * JointStateEstimator(*setup->joint_estimator, joints).lag();
   });
 }
 

@@ -342,9 +342,11 @@ void describe(Fields& f, ObserverSettings& s) {
   f.field("enabled", s.enabled, "Uses the observer. It needs a measured wrench.");
   f.field(Limits::bandwidth, s.bandwidth, "Bandwidth of the observer's low-pass filter.");
   f.field(Limits::limit, s.limit, "Largest torque that the observer compensates on a joint.");
-  f.field(Limits::yield_limit, s.yield_limit,
-          "Torque of each joint above which the observer compensates only what would move the tip, "
-          "so that the arm yields to a push on its body; empty: from the arm.");
+  f.field(
+      Limits::yield_limit, s.yield_limit,
+      "Torque of each joint above which, and above 12 % of its weight torque on top, the observer "
+      "compensates only what would move the tip, so that the arm yields to a push on its body; "
+      "empty: 0.5 % of the joint's torque limit, at least 1.5 Nm.");
 }
 
 void describe(Fields& f, ForceIntegralSettings& s) {

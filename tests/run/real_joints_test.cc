@@ -1,0 +1,140 @@
+// Joints, cameras and drives as they are: rounded positions, noisy or missing velocities, slow
+// torques, cameras that stand elsewhere, a hand on the elbow. The bounds are in bounds.json.
+#include <algorithm>
+
+#include "drawn_scenario.h"
+#include "impedraw/arm/arm_model.h"
+
+namespace impedraw {
+namespace {
+
+TEST(Real, Sine) { draw_within_bounds("bowl-sine-real"); }
+TEST(Real, M) { draw_within_bounds("bowl-m-real"); }
+
+TEST(VelocityNoise, SineOnEstimatedVelocities) { draw_within_bounds("bowl-sine-velocity-noise"); }
+
+// The defect: with the noisy velocities themselves the loop goes unstable.
+TEST(VelocityNoise, TheReadingsThemselvesAreNotDrawnWith) {
+  const Figures f = draw_scenario("bowl-sine-velocity-noise",
+                                  {"control.joint_sensing.velocity=measured"}, RunEnd::stopped);
+  EXPECT_NE(f.outcome.cause.find("unstable"), std::string::npos) << f.outcome.cause;
+}
+
+// Positions alone: no velocity is measured.
+TEST(VelocityNoise, NoVelocityIsAsGood) {
+  const Figures f = draw_scenario(
+      "bowl-sine-velocity-noise",
+      {"world.joint_sensor.velocity=none", "world.joint_sensor.quantum=1e-5"});
+  EXPECT_EQ(f["contact_fraction"], 1.0);
+  EXPECT_LT(f["ink_error_rms"], 0.05);
+  EXPECT_LT(f["force_sd"], 0.15);
+}
+
+double torque_rate(const Figures& f) {
+  double most = 0.0;
+  for (int i = 1; i < f.run.joint_torque.rows(); ++i)
+    most = std::max(
+        most,
+        (f.run.joint_torque.row(i) - f.run.joint_torque.row(i - 1)).cwiseAbs().maxCoeff() / 1e-3);
+  return most;
+}
+
+TEST(SlowTorque, Sine) {
+  const Figures f = draw_within_bounds("bowl-sine-slow-torque");
+  EXPECT_LE(torque_rate(f), 900.0 * (1.0 + 1e-9));
+}
+TEST(SlowTorque, SineAt200MillimetresPerSecond) {
+  const Figures f = draw_within_bounds("bowl-sine-slow-torque-200");
+  EXPECT_LE(torque_rate(f), 900.0 * (1.0 + 1e-9));
+}
+
+TEST(World, SubstepsChangeLittle) {
+  double rms[3];
+  int k = 0;
+  for (const char* substeps : {"1", "4", "16"}) {
+    const Figures f = draw_scenario("bowl-sine", {std::string("world.substeps=") + substeps});
+    EXPECT_EQ(f["contact_fraction"], 1.0);
+    EXPECT_LT(f["force_sd"], 0.02);
+    rms[k++] = f["ink_error_rms"];
+  }
+  EXPECT_NEAR(rms[1], rms[0], 5e-3);
+  EXPECT_NEAR(rms[2], rms[0], 5e-3);
+}
+
+// Joint speeds stay within the arm's limits; the metric is of the log's own rows.
+TEST(World, JointSpeedsAreReportedAsAShareOfTheirLimits) {
+  const Figures f = draw_scenario("bowl-sine");
+  ArmModel arm("models/iiwa14_pen.urdf");
+  double share = 0.0;
+  for (int i = 0; i < f.run.joint_velocity.rows(); ++i)
+    share = std::max(share, (f.run.joint_velocity.row(i).transpose().array().abs() /
+                             arm.limits().speed.array())
+                                .maxCoeff());
+  EXPECT_DOUBLE_EQ(f["joint_speed_share_max"], share);
+  EXPECT_GT(share, 0.01);
+  EXPECT_LT(share, 0.8);
+}
+
+// The plan is not checked, and the pen is told to go down beside a wall that its flange cannot
+// pass.
+TEST(World, ABodyThatTouchesTheCanvasEndsTheRunByName) {
+  const Figures f = draw_scenario(
+      "bowl-sine", {"canvas.cap.radius=0.12", "canvas.cap.centre=[0.6, 0, 0.22]",
+                    "canvas.cap.opening_radius=0.1199", "preflight.arm=false"},
+      RunEnd::stopped);
+  EXPECT_NE(f.outcome.cause.find("touched the canvas"), std::string::npos) << f.outcome.cause;
+}
+
+// Where the arm's elbow is: the origin of link_4, which the URDF's first body of that link has.
+Eigen::Vector3d elbow(ArmModel& arm, const Eigen::VectorXd& q) {
+  for (const BodyCapsule& body : arm.body_capsules(q))
+    if (body.link == "link_4" && body.a_W == body.b_W) return body.a_W;  // a sphere at its origin
+  throw std::logic_error("no sphere at link_4's origin");
+}
+
+TEST(Elbow, YieldsToAHandAndComesBackWhileThePenDrawsOn) {
+  ArmModel arm("models/iiwa14_pen.urdf");
+  const Figures left_alone = draw_scenario("bowl-sine"), pushed = draw_scenario("bowl-push-elbow");
+  const std::size_t rows = std::min(left_alone.run.rows(), pushed.run.rows());
+  // Two seconds in the middle of the stroke, as the scenario has it.
+  double begin = 1e9, end = 0.0;
+  for (std::size_t i = 0; i < rows; ++i)
+    if (pushed.run.stroke[i] >= 0)
+      begin = std::min(begin, pushed.run.time[i]), end = pushed.run.time[i];
+  const double middle = 0.5 * (begin + end);
+  double before = 0.0, yielded = 0.0, after = 0.0;
+  for (std::size_t i = 0; i < rows; i += 10) {
+    const double t = pushed.run.time[i],
+                 moved = (elbow(arm, pushed.run.joint_position.row(static_cast<int>(i))) -
+                          elbow(arm, left_alone.run.joint_position.row(static_cast<int>(i))))
+                             .norm();
+    if (t < middle - 1.01) before = std::max(before, moved);
+    if (t > middle + 0.8 && t < middle + 1.0) yielded = std::max(yielded, moved);
+    if (t > middle + 3.0) after = std::max(after, moved);
+  }
+  EXPECT_EQ(before, 0.0);
+  EXPECT_GT(yielded, 0.030);
+  EXPECT_LT(yielded, 0.300);
+  EXPECT_LT(after, 0.005);
+  EXPECT_EQ(pushed["contact_fraction"], 1.0);
+  EXPECT_LT(pushed["ink_error_max"], 0.5);
+  EXPECT_LT(pushed["touchdown_peak"], 8.0);
+}
+
+// The defect: an observer that may cancel 40 Nm on each joint holds the elbow.
+TEST(Elbow, IsStiffWithoutALimitPerJoint) {
+  ArmModel arm("models/iiwa14_pen.urdf");
+  const Figures left_alone = draw_scenario("bowl-sine"),
+                pushed = draw_scenario(
+                    "bowl-push-elbow",
+                    {"control.observer.yield_limit=[40, 40, 40, 40, 40, 40, 40]"});
+  double most = 0.0;
+  for (std::size_t i = 0; i < std::min(left_alone.run.rows(), pushed.run.rows()); i += 10)
+    most = std::max(most, (elbow(arm, pushed.run.joint_position.row(static_cast<int>(i))) -
+                           elbow(arm, left_alone.run.joint_position.row(static_cast<int>(i))))
+                              .norm());
+  EXPECT_LT(most, 0.010);
+}
+
+}  // namespace
+}  // namespace impedraw
