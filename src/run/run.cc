@@ -51,12 +51,15 @@ SurfaceSource surface_source(const Experiment& e, Disturbances disturbances) {
   };
 }
 
-// The clock waits for touch as long as an approach may take.
+// An approach may take so long to find a surface [s].
+double longest_search(const Experiment& e) {
+  const ApproachSettings& approach = e.control.impedance.approach;
+  return approach.overtravel / approach.speed + 2.0;
+}
+
 ClockSettings clock_settings(const Experiment& e) {
   ClockSettings settings;
-  if (!e.scene.by_touch()) return settings;
-  const ApproachSettings& approach = e.control.impedance.approach;
-  settings.patience = approach.overtravel / approach.speed + 2.0;
+  if (e.scene.by_touch()) settings.patience = 2.0 * longest_search(e);
   return settings;
 }
 
@@ -118,7 +121,7 @@ class Runner {
     const double begin = time();
     const Odometer odometer(path);
     bool down = false;
-    height_ = 0.0;
+    height_ = searched_ = 0.0;
     clock_.restart();
     const auto steps = [&] {
       return std::lround(std::ceil((path.duration() + clock_.lag()) / dt()));
@@ -133,7 +136,8 @@ class Runner {
       desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
-      if (!lifting_) clock_.advance(one ? touch_deviation(desired) : deviation(desired));
+      if (one && !lifting_ && !wait_for_touch(desired)) return;
+      if (!one && !lifting_) clock_.advance(deviation(desired));
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
@@ -162,15 +166,19 @@ class Runner {
     return reference;
   }
 
-  // The pen waits for touch.
-  PenDeviation touch_deviation(const PathSample& desired) {
+  // Returns false if there is no surface where it may be: the stroke is given up.
+  bool wait_for_touch(const PathSample& desired) {
     const bool contact = out_.mode == ContactMode::contact;
-    if (contact) heights_.add(e_.artwork.X_WP.inverse() * loop_.terms().X_WE.p);
+    const bool searching = desired.phase == Phase::approach && !contact;
+    const Eigen::Vector3d p_PE = e_.artwork.X_WP.inverse() * loop_.terms().X_WE.p;
+    if (contact) heights_.add(p_PE);
+    searched_ = searching ? searched_ + dt() : 0.0;
+    if (searched_ > longest_search(e_)) return false;
+    if (out_.mode == ContactMode::approach && p_PE.z() < e_.scenario.blind.plane_z) return false;
     PenDeviation pen;
-    pen.waits = desired.phase == Phase::approach
-                    ? !contact
-                    : desired.stroke >= 0 && out_.mode == ContactMode::approach;
-    return pen;
+    pen.waits = searching || (desired.stroke >= 0 && out_.mode == ContactMode::approach);
+    clock_.advance(pen);
+    return true;
   }
 
   double dt() const { return e_.control.impedance.timing.dt; }
@@ -273,7 +281,8 @@ class Runner {
   PlanClock clock_;
   SpeedGuard guard_;
   TouchedHeights heights_;
-  double height_ = 0.0;  // of the tip above the plan of a stroke that is found by touch [m]
+  double height_ = 0.0;    // of the tip above the plan of a stroke that is found by touch [m]
+  double searched_ = 0.0;  // for a surface [s]
   StepWatchdog watchdog_;
   RunLog log_;
   LogRow row_;

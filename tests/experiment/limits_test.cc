@@ -16,6 +16,7 @@
 #include "impedraw/control/momentum_observer.h"
 #include "impedraw/drawing/simplify.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/sensing/touch_surface.h"
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
@@ -202,13 +203,14 @@ void check_control(const Scenario& s) {
 }
 
 // All that the library has to say about the part of the scenario that `name` lies in. What nothing
-// checks by itself (arm.start, blind, pen, pushes, faults) only goes into a calculation.
+// checks by itself (arm.start, pen, pushes, faults) only goes into a calculation.
 void check_by_library(const std::string& name, const Scenario& s) {
   const std::string group = name.substr(0, name.find('.'));
   if (group == "drawing") check_drawing(s.drawing);
   if (group == "canvas") make_mesh(s.canvas);
   if (group == "perception") check_perception(s.perception);
   if (group == "path") validate(s.path);
+  if (group == "blind") TouchSurface(s.blind.touch, {});
   if (group == "preflight") validate(s.preflight);
   if (group == "control" || group == "wrench_sensor") check_control(s);
   if (group == "world") World(kRoot / "tests/data/slider.urdf", nullptr, s.world);

@@ -132,6 +132,17 @@ TEST(UnknownSurface, ThePenDoesNotFollowAnEdgeDown) {
   EXPECT_FALSE(f.outcome.lacking.empty());
 }
 
+// Nor does it go beneath the lower level, or wait for ever.
+TEST(UnknownSurface, NothingIsThere) {
+  const Figures f = draw_scenario("bowl-sine-touch", {"canvas.move=[0, 0, -0.2]"});
+  double lowest = 1.0;
+  for (const Eigen::Vector3d& p : f.run.tip_position) lowest = std::min(lowest, p.z());
+  EXPECT_GT(lowest, 0.02 - 0.005);
+  for (const Eigen::Vector3d& force : f.run.contact_force) ASSERT_EQ(force.norm(), 0.0);
+  EXPECT_FALSE(f.outcome.lacking.empty());
+  EXPECT_LT(f.run.time.back(), 60.0);
+}
+
 TEST(UnknownSurface, TouchNeedsAWrench) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-sine-touch.yaml";
