@@ -43,7 +43,7 @@ TEST(World, ContactForceIsTheMeanOverTheStep) {
   int k = 0;
   for (const int substeps : {1, 4, 16}) {
     PlaneSettings plane;
-    plane.width = plane.height = 1.0;
+    plane.centre = {0.0, 0.0, 0.1};
     const Canvas canvas(make_plane(plane));
     World world(kSlider, &canvas, with_substeps(substeps));
     JointVector q = JointVector::Zero(3);
@@ -172,7 +172,7 @@ TEST(World, FindsALinkThatMovesIntoTheCanvas) {
   const Pose X_WE = probe.state().X_WE;
   const Eigen::Vector3d side = X_WE.R.col(0);
   // 30 mm beside the shaft's middle
-  const Canvas canvas = square_at(X_WE.p - 0.06 * X_WE.R.col(2) + 0.03 * side, -side);
+  const Canvas canvas = square_at(X_WE.p - 0.06 * X_WE.R.col(2) + 0.03 * side, -side, 0.03);
   World world(kArm, &canvas, {});
   world.set_state(working_posture(), JointVector::Zero(7));
   const JointVector hold = world.terms().bias;
