@@ -87,8 +87,10 @@ class Planning {
                                    : surface();
   }
   const Canvas* obstacle() const { return scene_.height_unknown() ? nullptr : scene_.obstacle.get(); }
-  // The target's surface, which judges only. A request beside an unknown canvas stays where it is.
+  // The target's surface, which judges only: the true sheet nearest to what was planned. A request
+  // beside an unknown canvas stays where it is.
   SurfaceHeight judged_surface() const {
+    if (seen_) return nearest_sheet(*scene_.canvas, artwork_.X_WP, surface());
     if (!scene_.height_unknown()) return true_surface_;
     return [canvas = true_surface_, level = surface()](double x, double y) {
       const auto on_canvas = canvas(x, y);
@@ -111,10 +113,6 @@ class Planning {
     double length = 0.0;
     for (const PlacedStroke& stroke : strokes) length += plane_length(stroke);
     return length;
-  }
-  // The true sheet nearest to what was planned: for the target line, which only judges.
-  SurfaceHeight judged_surface() const {
-    return seen_ ? nearest_sheet(*scene_.canvas, artwork_.X_WP, surface()) : true_surface_;
   }
   Eigen::Vector3d z_WP() const { return artwork_.X_WP.R.col(2); }
   const PlacedStroke& requested(int number) const {

@@ -54,13 +54,12 @@ void LinkContact::update(const mjData* data) noexcept {
   if (!canvas_ || !link_.empty()) return;
   for (Body& body : bodies_) {
     const Eigen::Map<const Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>> R_WL(data->xmat +
-                                                                             9 * body.id);
+                                                                              9 * body.id);
     const Eigen::Map<const Eigen::Matrix<mjtNum, 3, 1>> p_WL(data->xpos + 3 * body.id);
     const Vector3d a_W = p_WL + R_WL * body.a, b_W = p_WL + R_WL * body.b;
     if (!a_W.allFinite() || !b_W.allFinite()) return;
     // No point of the axis moves further than the end that moves most.
-    const double moved2 =
-        std::max((a_W - body.a_W).squaredNorm(), (b_W - body.b_W).squaredNorm());
+    const double moved2 = std::max((a_W - body.a_W).squaredNorm(), (b_W - body.b_W).squaredNorm());
     if (body.free > 0.0 && moved2 < body.free * body.free) continue;
     body.a_W = a_W;
     body.b_W = b_W;
@@ -78,8 +77,7 @@ bool LinkContact::touches(const Body& body, const Vector3d& a_W, const Vector3d&
   const Vector3d along = length > 0.0 ? Vector3d((b_W - a_W) / length) : Vector3d::UnitZ();
   const auto inside = [&](const Vector3d& q) {
     const double s = (q - a_W).dot(along);
-    if (body.flat)
-      return s >= 0.0 && s <= length && (q - a_W - s * along).norm() <= body.radius;
+    if (body.flat) return s >= 0.0 && s <= length && (q - a_W - s * along).norm() <= body.radius;
     return (q - a_W - std::clamp(s, 0.0, length) * along).norm() <= body.radius;
   };
   // Intervals of the axis whose middle is far enough are done; the others are halved. The stack

@@ -43,7 +43,7 @@ TEST(World, ContactForceIsTheMeanOverTheStep) {
   int k = 0;
   for (const int substeps : {1, 4, 16}) {
     PlaneSettings plane;
-    plane.width = plane.height = 1.0;
+    plane.centre = {0.0, 0.0, 0.1};
     const Canvas canvas(make_plane(plane));
     World world(kSlider, &canvas, with_substeps(substeps));
     JointVector q = JointVector::Zero(3);
@@ -95,8 +95,7 @@ TEST(World, APushOnALinkActsAtItsOrigin) {
     const double roll[] = {0, right, right, right}, yaw[] = {0, half, half, 0};
     Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
     for (int j = 0; j < 4; ++j)
-      X = X * Eigen::Translation3d(at[j]) *
-          Eigen::AngleAxisd(yaw[j], Eigen::Vector3d::UnitZ()) *
+      X = X * Eigen::Translation3d(at[j]) * Eigen::AngleAxisd(yaw[j], Eigen::Vector3d::UnitZ()) *
           Eigen::AngleAxisd(roll[j], Eigen::Vector3d::UnitX()) *
           Eigen::AngleAxisd(q[j], Eigen::Vector3d::UnitZ());
     return Eigen::Vector3d(X.translation());
@@ -131,8 +130,8 @@ TEST(World, APushOnALinkActsAtItsOrigin) {
 // A square about a point and with a normal.
 Canvas square_at(const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W, double half = 0.1) {
   const Eigen::Vector3d u = half * n_W.unitOrthogonal(), v = n_W.cross(u);
-  return Canvas(TriangleMesh{{p_W - u - v, p_W + u - v, p_W + u + v, p_W - u + v},
-                             {{0, 1, 2}, {0, 2, 3}}});
+  return Canvas(
+      TriangleMesh{{p_W - u - v, p_W + u - v, p_W + u + v, p_W - u + v}, {{0, 1, 2}, {0, 2, 3}}});
 }
 
 // The pen's shaft is a cylinder of radius 5 mm that ends 10 mm above the tip. A plane through the
@@ -173,7 +172,7 @@ TEST(World, FindsALinkThatMovesIntoTheCanvas) {
   const Pose X_WE = probe.state().X_WE;
   const Eigen::Vector3d side = X_WE.R.col(0);
   // 30 mm beside the shaft's middle
-  const Canvas canvas = square_at(X_WE.p - 0.06 * X_WE.R.col(2) + 0.03 * side, -side);
+  const Canvas canvas = square_at(X_WE.p - 0.06 * X_WE.R.col(2) + 0.03 * side, -side, 0.03);
   World world(kArm, &canvas, {});
   world.set_state(working_posture(), JointVector::Zero(7));
   const JointVector hold = world.terms().bias;
