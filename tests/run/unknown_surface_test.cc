@@ -72,7 +72,9 @@ TEST(UnknownSurface, AnotherHeightIsFoundWithoutBeingTold) {
     SCOPED_TRACE(dz);
     const std::string move = std::string("canvas.move=[0, 0, ") + dz + "]";
     expect_promised_unknown(draw_scenario("bowl-sine-unknown", {move}));
+    expect_promised_unknown(draw_scenario("bowl-m-unknown", {move}));
     expect_promised_touch(draw_scenario("bowl-sine-touch", {move}), 47.0);
+    expect_promised_touch(draw_scenario("bowl-m-touch", {move}), 42.0);
   }
 }
 
