@@ -2,8 +2,11 @@
 // torques, cameras that stand elsewhere, a hand on the elbow. The bounds are in bounds.json.
 #include <algorithm>
 
+#include <gmock/gmock.h>
+
 #include "drawn_scenario.h"
 #include "impedraw/arm/arm_model.h"
+#include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {
@@ -13,18 +16,24 @@ TEST(Real, M) { draw_within_bounds("bowl-m-real"); }
 
 TEST(VelocityNoise, SineOnEstimatedVelocities) { draw_within_bounds("bowl-sine-velocity-noise"); }
 
-// The defect: with the noisy velocities themselves the loop goes unstable.
+// The defect: with the noisy velocities themselves the arm shakes so much in the air that nothing
+// is drawn.
 TEST(VelocityNoise, TheReadingsThemselvesAreNotDrawnWith) {
   const Figures f = draw_scenario("bowl-sine-velocity-noise",
                                   {"control.joint_sensing.velocity=measured"}, RunEnd::stopped);
-  EXPECT_NE(f.outcome.cause.find("unstable"), std::string::npos) << f.outcome.cause;
+  EXPECT_GT(f["torque_saturated"], 0.2) << f.outcome.cause;
+}
+
+// An estimator so slow that the damping could not bear its lag.
+TEST(VelocityNoise, TheSetUpRefusesAnEstimatorThatLagsTooMuch) {
+  EXPECT_THROW(draw_scenario("bowl-sine-velocity-noise", {"control.joint_sensing.bandwidth=10"}),
+               InputError);
 }
 
 // Positions alone: no velocity is measured.
 TEST(VelocityNoise, NoVelocityIsAsGood) {
-  const Figures f = draw_scenario(
-      "bowl-sine-velocity-noise",
-      {"world.joint_sensor.velocity=none", "world.joint_sensor.quantum=1e-5"});
+  const Figures f = draw_scenario("bowl-sine-velocity-noise", {"world.joint_sensor.velocity=none",
+                                                               "world.joint_sensor.quantum=1e-5"});
   EXPECT_EQ(f["contact_fraction"], 1.0);
   EXPECT_LT(f["ink_error_rms"], 0.05);
   EXPECT_LT(f["force_sd"], 0.15);
@@ -67,22 +76,21 @@ TEST(World, JointSpeedsAreReportedAsAShareOfTheirLimits) {
   ArmModel arm("models/iiwa14_pen.urdf");
   double share = 0.0;
   for (int i = 0; i < f.run.joint_velocity.rows(); ++i)
-    share = std::max(share, (f.run.joint_velocity.row(i).transpose().array().abs() /
-                             arm.limits().speed.array())
-                                .maxCoeff());
+    share = std::max(
+        share, (f.run.joint_velocity.row(i).transpose().array().abs() / arm.limits().speed.array())
+                   .maxCoeff());
   EXPECT_DOUBLE_EQ(f["joint_speed_share_max"], share);
   EXPECT_GT(share, 0.01);
   EXPECT_LT(share, 0.8);
 }
 
-// The plan is not checked, and the pen is told to go down beside a wall that its flange cannot
-// pass.
+// A pen that stands upright on a slope of 68°, where the pre-flight is told not to look.
 TEST(World, ABodyThatTouchesTheCanvasEndsTheRunByName) {
-  const Figures f = draw_scenario(
-      "bowl-sine", {"canvas.cap.radius=0.12", "canvas.cap.centre=[0.6, 0, 0.22]",
-                    "canvas.cap.opening_radius=0.1199", "preflight.arm=false"},
-      RunEnd::stopped);
-  EXPECT_NE(f.outcome.cause.find("touched the canvas"), std::string::npos) << f.outcome.cause;
+  const Figures f = draw_scenario("bowl-sine-blind",
+                                  {"canvas.cap.radius=0.162", "canvas.cap.centre=[0.6, 0, 0.262]",
+                                   "canvas.cap.opening_radius=0.1615", "preflight.arm=false"},
+                                  RunEnd::stopped);
+  EXPECT_THAT(f.outcome.cause, testing::HasSubstr("pen touched the canvas at t = "));
 }
 
 // Where the arm's elbow is: the origin of link_4, which the URDF's first body of that link has.
@@ -125,9 +133,9 @@ TEST(Elbow, YieldsToAHandAndComesBackWhileThePenDrawsOn) {
 TEST(Elbow, IsStiffWithoutALimitPerJoint) {
   ArmModel arm("models/iiwa14_pen.urdf");
   const Figures left_alone = draw_scenario("bowl-sine"),
-                pushed = draw_scenario(
-                    "bowl-push-elbow",
-                    {"control.observer.yield_limit=[40, 40, 40, 40, 40, 40, 40]"});
+                pushed =
+                    draw_scenario("bowl-push-elbow",
+                                  {"control.observer.yield_limit=[40, 40, 40, 40, 40, 40, 40]"});
   double most = 0.0;
   for (std::size_t i = 0; i < std::min(left_alone.run.rows(), pushed.run.rows()); i += 10)
     most = std::max(most, (elbow(arm, pushed.run.joint_position.row(static_cast<int>(i))) -

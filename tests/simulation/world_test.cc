@@ -183,7 +183,7 @@ TEST(World, FindsALinkThatMovesIntoTheCanvas) {
   // The shaft's nearest point has come to the plane by the tip's way, within a step's motion.
   const Pose now = world.state().X_WE;
   double nearest = 1.0;
-  for (double h = 0.01; h <= 0.12; h += 1e-4) {
+  for (double h = 0.03; h <= 0.09; h += 1e-4) {  // over the square
     const Eigen::Vector3d p = now.p - h * now.R.col(2);
     nearest = std::min(nearest, 0.03 - (p - X_WE.p).dot(side));
   }
