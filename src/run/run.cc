@@ -11,6 +11,7 @@
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
+#include "impedraw/run/joint_forecast.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
@@ -76,6 +77,10 @@ class Runner {
     const double begin = time();
     const Odometer odometer(path);
     clock_.restart();
+    forecast_ = {};
+    if (e_.scene.perception)
+      forecast_ = JointForecast(e_.scene.arm, path, state_->q, e_.plan.rest_q,
+                                e_.plan.path_settings.joint_speed_share);
     const auto steps = [&] {
       return std::lround(std::ceil((path.duration() + clock_.lag()) / dt()));
     };
@@ -86,7 +91,7 @@ class Runner {
       desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
-      if (!lifting_) clock_.advance(deviation(desired));
+      if (!lifting_) clock_.advance(deviation(desired, planned));
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
@@ -171,9 +176,10 @@ class Runner {
   }
 
   // How far the pen is from what the plan asks of it.
-  PenDeviation deviation(const PathSample& desired) const {
+  PenDeviation deviation(const PathSample& desired, double planned) const {
     PenDeviation pen;
     if (!e_.scene.perception) return pen;
+    pen.limit = forecast_.limit(planned);
     pen.joint = (state_->v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
     if (desired.stroke < 0) return pen;
     const Pose& X_WE = loop_.terms().X_WE;
@@ -205,6 +211,7 @@ class Runner {
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
   PlanClock clock_;
+  JointForecast forecast_;
   SpeedGuard guard_;
   StepWatchdog watchdog_;
   RunLog log_;
