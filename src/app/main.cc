@@ -229,9 +229,8 @@ int run_program(int argc, char** argv) {
                    "scenarios/surfaces.csv")
       ->check(CLI::IsMember({"model", "surfaces"}))
       ->capture_default_str();
-  robustness->callback([&] {
-    code = part == "surfaces" ? impedraw::surfaces(table) : impedraw::robustness(table);
-  });
+  robustness->callback(
+      [&] { code = part == "surfaces" ? impedraw::surfaces(table) : impedraw::robustness(table); });
 
   CLI::App* reach =
       app.add_subcommand("reach",

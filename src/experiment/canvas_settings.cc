@@ -129,17 +129,18 @@ void describe(Fields& f, TerrainSettings& s) {
 void describe(Fields& f, RoughSettings& s) {
   using Limits = RoughSettings::Limits;
   describe_footprint(f, s.footprint);
-  f.choice("form", s.form,
-           {{"fractal", RoughForm::fractal},
-            {"facets", RoughForm::facets},
-            {"ridges", RoughForm::ridges},
-            {"ripple", RoughForm::ripple},
-            {"step", RoughForm::step},
-            {"hole", RoughForm::hole},
-            {"lip", RoughForm::lip}},
-           "Hills at every scale down to the wavelength; flat facets of that size; a zigzag; a "
-           "cylinder with waves along it; a step; a hole of that diameter; or a sheet above half of "
-           "another.");
+  f.choice(
+      "form", s.form,
+      {{"fractal", RoughForm::fractal},
+       {"facets", RoughForm::facets},
+       {"ridges", RoughForm::ridges},
+       {"ripple", RoughForm::ripple},
+       {"step", RoughForm::step},
+       {"hole", RoughForm::hole},
+       {"lip", RoughForm::lip}},
+      "Hills at every scale down to the wavelength; flat facets of that size; a zigzag; a "
+      "cylinder with waves along it; a step; a hole of that diameter; or a sheet above half of "
+      "another.");
   f.field(Limits::seed, s.seed, "Seed of a fractal or of facets.");
   f.field(Limits::slope, s.slope_deg, "Root-mean-square slope.");
   f.field(Limits::wavelength, s.wavelength,

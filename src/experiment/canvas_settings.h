@@ -14,7 +14,19 @@
 
 namespace impedraw {
 
-enum class CanvasKind { bowl, dome, plane, wave, saddle, cylinder, trough, cone, terrain, rough, mesh };
+enum class CanvasKind {
+  bowl,
+  dome,
+  plane,
+  wave,
+  saddle,
+  cylinder,
+  trough,
+  cone,
+  terrain,
+  rough,
+  mesh
+};
 
 enum class LengthUnit { m, mm, cm, in };
 double metres(LengthUnit unit);

@@ -1,6 +1,7 @@
 #include "impedraw/experiment/control_setup.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,38 @@ std::vector<std::string> control_setting_names() {
 constexpr double kFrictionShare = 0.005;  // of the joint's torque limit
 constexpr double kLeastFriction = 1.5;    // [Nm]
 
-ImpedanceSettings impedance_settings(const Scenario& s, const ArmLimits& limits, const Plan& plan,
+// Somewhere under the drawing the normal is not known to 3°, or is another than the plan's.
+bool is_rough(const Scene& scene, const Plan& plan) {
+  constexpr double kRough = 0.06, kOther = 0.01, kSpacing = 2e-3;  // [rad], [rad], [m]
+  if (!scene.perception) return false;
+  const Pose& X_WP = plan.path_settings.X_WP;
+  const SurfaceHeight surface = scene.surface(X_WP);
+  for (const PlacedStroke& stroke : plan.strokes)
+    for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
+      const Eigen::Vector2d to = stroke.p_P[i], from = i > 0 ? stroke.p_P[i - 1] : to;
+      const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kSpacing)));
+      for (int k = 1; k <= pieces; ++k) {
+        const Eigen::Vector2d at = from + (to - from) * k / pieces;
+        const auto sample = surface(at.x(), at.y());
+        if (!sample) continue;
+        const Eigen::Vector3d p_W = X_WP * sample->p_P;
+        if (scene.perception->roughness(p_W).slope > kRough) return true;
+        const SurfaceEstimate there = scene.perception->estimate(p_W);
+        if (there.status == SurfaceStatus::ok &&
+            there.n_W.cross(X_WP.R * sample->n_P).norm() > kOther)
+          return true;
+      }
+    }
+  return false;
+}
+
+ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, const Plan& plan,
                                      double wrench_delay) {
+  const ArmLimits& limits = scene.arm.limits();
   ImpedanceSettings settings = s.control;
+  // On a smooth surface the estimated normal is the better axis, also where a hand pushes the pen
+  // off its line.
+  if (!is_rough(scene, plan)) settings.surface.pen_axis = PenAxis::surface;
   settings.timing.dt = s.world.dt;
   settings.wrench =
       s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;
@@ -98,7 +128,7 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
       wrench_delay += WrenchEstimator(setup.estimator).group_delay();
     });
   }
-  setup.impedance = impedance_settings(s, scene.arm.limits(), plan, wrench_delay);
+  setup.impedance = impedance_settings(s, scene, plan, wrench_delay);
   set_up_joint_sensing(s, scene.arm.joints(), setting_errors, &setup);
   if (scene.by_touch()) {
     ImpedanceSettings& control = setup.impedance;

@@ -141,7 +141,8 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_
     };
     if (near) sample = descend(estimator, X_WP, {x, y, last.z()});
     if (!sample || covered())
-      sample = descend(estimator, X_WP, {x, y, std::isfinite(top) ? top : columns->height_at(x, y)});
+      sample =
+          descend(estimator, X_WP, {x, y, std::isfinite(top) ? top : columns->height_at(x, y)});
     if (covered()) sample.reset();
     if (sample) last = sample->p_P;
     return sample;
@@ -150,8 +151,7 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_
 
 SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeight planned) {
   return [&canvas, X_WP, X_PW = X_WP.inverse(), planned = std::move(planned),
-          upper = canvas_height(canvas, X_WP),
-          last = std::optional<SurfaceSample>()](
+          upper = canvas_height(canvas, X_WP), last = std::optional<SurfaceSample>()](
              double x, double y) mutable -> std::optional<SurfaceSample> {
     std::optional<SurfaceSample> plan = planned(x, y);
     if (!plan) {

@@ -268,10 +268,9 @@ void Planning::plan_path() {
   while (!plan_.strokes.empty()) {  // each round leaves out at least one
     const double looks = 3.0 * length_of(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
-    plan_.path =
-        plan_from(plan_.path_settings, told(surface(), "planning the path", 0.65, 0.8, looks),
-                  plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold,
-                  stroke_limits(scene_, plan_));
+    plan_.path = plan_from(
+        plan_.path_settings, told(surface(), "planning the path", 0.65, 0.8, looks), plan_.strokes,
+        s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold, stroke_limits(scene_, plan_));
     if (!s_.preflight.arm) return;
     const std::vector<Finding> transitions = check_transitions(
         plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
@@ -382,15 +381,15 @@ SpanLimits stroke_limits(Scene& scene, const Plan& plan) {
   return [joints, seen = &*scene.perception, X_WP = plan.path_settings.X_WP,
           fastest = plan.path_settings.normal_speed,
           acceleration = plan.path_settings.normal_acceleration](const PathSpline& spline,
-                                                     std::vector<SpeedSpan>* spans) {
+                                                                 std::vector<SpeedSpan>* spans) {
     const std::vector<double> bend = finer_bend(*seen, X_WP, spline);
     for (std::size_t i = 0; i < spans->size(); ++i) {
       const double at = (spline.start(i) + spline.end(i)) / 2.0;
       const double error = seen->roughness(X_WP * spline.at(at).p).slope;
       double& speed = (*spans)[i].speed;
       if (error > 0.0) speed = std::min(speed, fastest / error);
-      const auto k = static_cast<std::size_t>(at / spline.length() *
-                                              static_cast<double>(bend.size() - 1));
+      const auto k =
+          static_cast<std::size_t>(at / spline.length() * static_cast<double>(bend.size() - 1));
       const double sharper = std::max(bend[k], bend[std::min(k + 1, bend.size() - 1)]);
       if (sharper > 0.0) speed = std::min(speed, std::sqrt(acceleration / sharper));
     }

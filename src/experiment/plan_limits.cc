@@ -14,11 +14,11 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kSpacing = 2e-3;        // of places that are looked at [m]
-constexpr double kLeastShare = 0.01;     // of the plan's time
-constexpr double kUnresolved = 0.10;     // error of the normal [rad]
-constexpr double kLeastMisfit = 3e-5;    // [m]
-constexpr double kFree = 1e3;            // no limit, in SI units
+constexpr double kSpacing = 2e-3;      // of places that are looked at [m]
+constexpr double kLeastShare = 0.01;   // of the plan's time
+constexpr double kUnresolved = 0.10;   // error of the normal [rad]
+constexpr double kLeastMisfit = 3e-5;  // [m]
+constexpr double kFree = 1e3;          // no limit, in SI units
 
 struct Lifted {
   const char* limit;
@@ -119,7 +119,8 @@ std::string plan_limits_text(const PlannedDrawing& e, const PlanLimits& limits, 
     const RoughPlace& at = limits.roughest;
     text += fmt::format(
         "  rough    {:.0f} % of the length is rougher than the cameras resolve, most at ({:.3f}, "
-        "{:.3f}, {:.3f}) m, stroke {}:\n           rougher than the cameras resolve here ({:.1f} mm "
+        "{:.3f}, {:.3f}) m, stroke {}:\n           rougher than the cameras resolve here ({:.1f} "
+        "mm "
         "over {:.0f} mm): the pen will follow the smoothed surface\n",
         100.0 * limits.rough_share, at.p_W.x(), at.p_W.y(), at.p_W.z(), at.stroke,
         2e3 * at.roughness.misfit, 2e3 * at.roughness.radius);
@@ -145,11 +146,10 @@ std::string plan_limits_text(const PlannedDrawing& e, const PlanLimits& limits, 
       propose(fmt::format("path.tilt_allowance={:.3g}",
                           std::min(25.0, 2.0 * s.path.tilt_allowance_deg)),
               fmt::format("turning the pen costs {:.1f} s", cost.seconds));
-    if (cost.limit == "path.normal_acceleration" &&
-        cost.seconds > 0.2 * e.plan.path.duration())
-      propose(fmt::format("path.normal_acceleration={:.2g}", 2.0 * s.path.normal_acceleration),
-              fmt::format("curvature costs {:.1f} s; the force then errs twice as much",
-                          cost.seconds));
+    if (cost.limit == "path.normal_acceleration" && cost.seconds > 0.2 * e.plan.path.duration())
+      propose(
+          fmt::format("path.normal_acceleration={:.2g}", 2.0 * s.path.normal_acceleration),
+          fmt::format("curvature costs {:.1f} s; the force then errs twice as much", cost.seconds));
   }
   if (text.size() == before) text += "  nothing to suggest: the settings suit this surface\n";
   return text;

@@ -288,8 +288,9 @@ void describe(Fields& f, PathSettings& s) {
   f.field(Limits::normal_acceleration, s.normal_acceleration,
           "Largest acceleration across the surface, which its curvature makes: a rough surface is "
           "drawn on slower.");
-  f.field(Limits::normal_speed, s.normal_speed,
-          "Largest speed across the surface that roughness finer than the cameras resolve may cause.");
+  f.field(
+      Limits::normal_speed, s.normal_speed,
+      "Largest speed across the surface that roughness finer than the cameras resolve may cause.");
   f.field(Limits::joint_speed_share, s.joint_speed_share,
           "Share of the arm's joint speed limits that a stroke may use.");
   f.field(Limits::joint_acceleration, s.joint_acceleration,
@@ -437,9 +438,11 @@ void describe(Fields& f, ControlSettings& s) {
           "Height above the plan to which the pen retreats when the surface is lost.");
   f.field(Limits::normal_bandwidth, s.surface.normal_bandwidth,
           "Bandwidth of the filter of the surface normal.");
-  f.choice("pen_axis", s.surface.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
-           "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated "
-           "normal at the tip. The pen pushes along the estimated normal either way.");
+  f.choice(
+      "pen_axis", s.surface.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
+      "Pen's axis while drawing: along the plan's smoothed normals where the surface under the "
+      "drawing is rough, or always along the estimated normal at the tip. The pen pushes along "
+      "the estimated normal either way.");
   f.field(Limits::tip_radius, s.tip.radius, "Modelled radius of the tip.");
   f.field(Limits::tip_stiffness, s.tip.stiffness,
           "Modelled stiffness of the tip along the normal; 0: rigid.");

@@ -80,8 +80,8 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
   });
   scene->planning.emplace(*scene->perception,
                           std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning));
-  scene->obstacle = std::make_shared<const Canvas>(
-      seen_facets(*scene->perception, s.perception.voxel));
+  scene->obstacle =
+      std::make_shared<const Canvas>(seen_facets(*scene->perception, s.perception.voxel));
 }
 
 void check_pushes(const Scenario& s, const World& world, const SettingErrors& setting_errors) {

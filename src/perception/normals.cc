@@ -70,8 +70,8 @@ constexpr int kFewest = 16;
 constexpr double kStep = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
 // A hole: wider than kHole around a point, and kSparse times as wide as the points' spacing. The
 // plan keeps kHoleMargin off it [m].
-constexpr double kHole = 2e-3, kSparse = 1.2, kHoleMargin = 2.5e-3;
-constexpr int kAround = 9;
+constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 2.5e-3;
+constexpr int kAround = 40;
 
 // N(p); the last point is the furthest.
 struct Neighbours {
@@ -161,7 +161,8 @@ struct SurfaceEstimator::Index {
     if (fit(c, p, k, found, surface) != SurfaceStatus::ok) return {};
     // The fit takes degrees of freedom out of the residual; the weights leave about half of k.
     const double freedom = settings.fit == SurfaceFit::quadric ? 6.0 : 3.0;
-    const double residual = surface.residual * std::sqrt(0.5 * k / std::max(1.0, 0.5 * k - freedom));
+    const double residual =
+        surface.residual * std::sqrt(0.5 * k / std::max(1.0, 0.5 * k - freedom));
     Trial trial{true, residual, std::sqrt(found.squared[k - 1]), 0.0, k};
     for (int i = 0; i < k; ++i) trial.weight += c.weight[found.index[i]] / k;
     return trial;
@@ -256,8 +257,7 @@ struct SurfaceEstimator::Index {
       const Trial& wider = trials[chosen - 1];
       const double growth = std::pow(wider.radius / used.radius, 3.0) - 1.0;
       const double more = wider.residual * wider.residual - used.residual * used.residual;
-      if (growth > 0.0 && more > 0.0)
-        misfit = std::min(used.residual, std::sqrt(more / growth));
+      if (growth > 0.0 && more > 0.0) misfit = std::min(used.residual, std::sqrt(more / growth));
       slope += 2.0 * misfit / used.radius;
     }
     rough[i] = {used.residual, used.radius, misfit, slope};
@@ -331,11 +331,13 @@ struct SurfaceEstimator::Index {
             (1.0 - share) * coarse.distance + share * fine.distance};
   }
 
-  // No point of the finest view is as near as its neighbours are to each other, here or around.
+  // No point of the finest view is as near as the points around are to each other, here or beside.
+  // kAround of them make the spacing that of the surroundings, also where grazing cameras see lines
+  // that are wide apart.
   bool beside_hole(const Vector3d& foot, const Vector3d& n) const {
     const Vector3d a = kHoleMargin * n.unitOrthogonal(), b = n.cross(a);
-    for (const Vector3d& at : {foot, Vector3d(foot + a), Vector3d(foot - a), Vector3d(foot + b),
-                               Vector3d(foot - b)}) {
+    for (const Vector3d& at :
+         {foot, Vector3d(foot + a), Vector3d(foot - a), Vector3d(foot + b), Vector3d(foot - b)}) {
       int index[kAround];
       double squared[kAround];
       if (finest->tree.nearest(at, kAround, settings.max_radius, index, squared) < kAround)

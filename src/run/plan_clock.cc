@@ -7,6 +7,8 @@ namespace impedraw {
 
 namespace {
 
+constexpr double kRiseFilter = 0.01;  // time constant [s]
+
 double share(const YieldBounds& bounds, double x) {
   if (!(x > bounds.slow)) return 1.0;  // also if unknown
   return std::max(0.0, (bounds.stop - x) / (bounds.stop - bounds.slow));
@@ -17,9 +19,14 @@ double share(const YieldBounds& bounds, double x) {
 void PlanClock::advance(const PenDeviation& pen) noexcept {
   const double force = std::isfinite(pen.force) ? pen.force : 0.0;
   force_ += (force - force_) * dt_ / (settings_.force_filter + dt_);
-  double desired = std::min({share(settings_.tip, pen.tip), share(settings_.tilt, pen.tilt),
-                             share(settings_.force, std::abs(force_)),
-                             share(settings_.joint, pen.joint)});
+  const double rise = (pen.joint - joint_) / dt_;
+  joint_rise_ += (rise - joint_rise_) * dt_ / (kRiseFilter + dt_);
+  joint_ = pen.joint;
+  const double joint = pen.joint + settings_.foresight * std::max(0.0, joint_rise_);
+  double desired =
+      std::min({share(settings_.tip, pen.tip), share(settings_.tilt, pen.tilt),
+                share(settings_.force, std::abs(force_)), share(settings_.joint, joint)});
+  desired = std::min(desired, pen.limit);
   if (pen.waits) desired = 0.0;
   stood_ = desired < settings_.least ? stood_ + dt_ : std::max(0.0, stood_ - dt_);
   if (stood_ > settings_.patience) desired = std::max(desired, settings_.least);

@@ -12,6 +12,7 @@
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
+#include "impedraw/run/joint_forecast.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
@@ -123,6 +124,10 @@ class Runner {
     bool down = false;
     height_ = searched_ = 0.0;
     clock_.restart();
+    forecast_ = {};
+    if (e_.scene.perception)
+      forecast_ = JointForecast(e_.scene.arm, path, state_->q, e_.plan.rest_q,
+                                e_.plan.path_settings.joint_speed_share);
     const auto steps = [&] {
       return std::lround(std::ceil((path.duration() + clock_.lag()) / dt()));
     };
@@ -137,7 +142,7 @@ class Runner {
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
       if (one && !lifting_ && !wait_for_touch(desired)) return;
-      if (!one && !lifting_) clock_.advance(deviation(desired));
+      if (!one && !lifting_) clock_.advance(deviation(desired, planned));
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
@@ -245,9 +250,10 @@ class Runner {
   }
 
   // How far the pen is from what the plan asks of it.
-  PenDeviation deviation(const PathSample& desired) const {
+  PenDeviation deviation(const PathSample& desired, double planned) const {
     PenDeviation pen;
     if (!e_.scene.perception) return pen;
+    pen.limit = forecast_.limit(planned);
     pen.joint = (loop_.terms().v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
     if (desired.stroke < 0) return pen;
     const Pose& X_WE = loop_.terms().X_WE;
@@ -279,6 +285,7 @@ class Runner {
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
   PlanClock clock_;
+  JointForecast forecast_;
   SpeedGuard guard_;
   TouchedHeights heights_;
   double height_ = 0.0;    // of the tip above the plan of a stroke that is found by touch [m]

@@ -26,9 +26,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kBase = "scenarios/surfaces.yaml";
 constexpr std::array kFigures = {
-    "coverage",  "contact_fraction", "ink_error_rms", "ink_error_max",  "force_mean", "force_sd",
-    "force_peak", "touchdown_peak",  "tilt_mean",     "normal_error_mean", "speed_mean",
-    "draw_time", "time_scale_mean",  "strokes_missed"};
+    "coverage",   "contact_fraction", "ink_error_rms",   "ink_error_max", "force_mean",
+    "force_sd",   "force_peak",       "touchdown_peak",  "tilt_mean",     "normal_error_mean",
+    "speed_mean", "draw_time",        "time_scale_mean", "strokes_missed"};
 
 double total_mm(const std::vector<PlacedStroke>& strokes) {
   double sum = 0.0;
@@ -120,9 +120,7 @@ std::vector<Cell> surface_cells() {
 
 std::string missed_limits(const Cell& cell, const Record& r) {
   std::string missed;
-  const auto miss = [&](const std::string& what) {
-    missed += (missed.empty() ? "" : ", ") + what;
-  };
+  const auto miss = [&](const std::string& what) { missed += (missed.empty() ? "" : ", ") + what; };
   const auto least = [&](const char* name, double limit) {
     if (!(number(r, name) >= limit))
       miss(fmt::format("{} {} below {}", name, field(r, name), limit));
@@ -192,8 +190,8 @@ int surfaces(const CellTableOptions& options) {
   }
   CellTable table;
   table.name = "surfaces";
-  table.columns = {"cell",    "kind",     "drawing",    "settings", "failed",
-                   "cause",   "asked",    "promised",   "unnamed_mm"};
+  table.columns = {"cell",  "kind",  "drawing",  "settings",  "failed",
+                   "cause", "asked", "promised", "unnamed_mm"};
   table.columns.insert(table.columns.end(), kFigures.begin(), kFigures.end());
   table.columns.emplace_back("wall_time");
   table.same = [](const Record& line, const Cell& cell) {

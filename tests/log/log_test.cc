@@ -218,9 +218,8 @@ TEST_F(RunLogTest, ALogWithoutTimeScaleRanAsPlanned) {
     for (int i = 0; i < 100; ++i) log.append(numbered_row(i));
     log.close();
   }
-  const std::string command = std::string(IMPEDRAW_PYTHON) +
-                              " -c \"import h5py; f = h5py.File('" + path().string() +
-                              "', 'a'); del f['time_scale']\"";
+  const std::string command = std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; f = h5py.File('" +
+                              path().string() + "', 'a'); del f['time_scale']\"";
   ASSERT_EQ(std::system(command.c_str()), 0);
   const RunRows rows = read_rows(path());
   ASSERT_EQ(rows.rows(), 100u);

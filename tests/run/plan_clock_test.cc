@@ -15,14 +15,14 @@ constexpr double kDt = 1e-3;
 
 TEST(PlanClock, RunsAsPlannedWhileThePenFollows) {
   PlanClock clock({}, kDt);
-  for (int i = 0; i < 5000; ++i) clock.advance({3e-3, 0.05, 0.3, 0.0, false});
+  for (int i = 0; i < 5000; ++i) clock.advance({3e-3, 0.05, 0.3, 0.0, 1.0, false});
   EXPECT_EQ(clock.lag(), 0.0);
   EXPECT_EQ(clock.rate(), 1.0);
 }
 
 TEST(PlanClock, StopsWhereThePenIsHeldAndGoesOnAfterwards) {
   PlanClock clock({}, kDt);
-  for (int i = 0; i < 500; ++i) clock.advance({0.02, 0.0, 0.0, 0.0, false});
+  for (int i = 0; i < 500; ++i) clock.advance({0.02, 0.0, 0.0, 0.0, 1.0, false});
   EXPECT_EQ(clock.rate(), 0.0);
   const double lag = clock.lag();
   for (int i = 0; i < 2000; ++i) clock.advance({});
@@ -34,14 +34,14 @@ TEST(PlanClock, StopsWhereThePenIsHeldAndGoesOnAfterwards) {
 TEST(PlanClock, LosesPatience) {
   const ClockSettings settings;
   PlanClock clock(settings, kDt);
-  for (int i = 0; i < 5000; ++i) clock.advance({0.0, 0.0, 0.0, 0.0, true});
+  for (int i = 0; i < 5000; ++i) clock.advance({0.0, 0.0, 0.0, 0.0, 1.0, true});
   EXPECT_DOUBLE_EQ(clock.rate(), settings.least);
 }
 
 TEST(PlanClock, TakesUnknownDeviationsForNone) {
   PlanClock clock({}, kDt);
   const double unknown = std::nan("");
-  for (int i = 0; i < 100; ++i) clock.advance({unknown, unknown, unknown, 0.0, false});
+  for (int i = 0; i < 100; ++i) clock.advance({unknown, unknown, unknown, 0.0, 1.0, false});
   EXPECT_EQ(clock.rate(), 1.0);
 }
 
@@ -58,8 +58,8 @@ TEST(PlanClock, NeverRunsBackwardsNorJumps) {
   PenDeviation pen;
   for (int i = 1; i <= 200000; ++i) {
     if (uniform(random) < 0.01)
-      pen = {0.02 * uniform(random), 0.4 * uniform(random), 4.0 * uniform(random) - 2.0, 1.3 * uniform(random),
-             uniform(random) < 0.1};
+      pen = {0.02 * uniform(random), 0.4 * uniform(random), 4.0 * uniform(random) - 2.0,
+             1.3 * uniform(random),  0.2 + uniform(random), uniform(random) < 0.1};
     clock.advance(pen);
     const double planned = i * kDt - clock.lag();
     ASSERT_GE(planned, before - 1e-9);
@@ -91,7 +91,7 @@ TEST(PlanClock, ScalesVelocityAndAcceleration) {
       EXPECT_NEAR(now.v_WD.x(), (p[2] - p[1]) / kDt, 2e-3);
     }
     if (i >= 5) EXPECT_NEAR(now.a_WD.x(), (p[2] - 2.0 * p[1] + p[0]) / (kDt * kDt), 0.1);
-    clock.advance({0.02, 0.0, 0.0, 0.0, false});
+    clock.advance({0.02, 0.0, 0.0, 0.0, 1.0, false});
     t += kDt;
   }
 }

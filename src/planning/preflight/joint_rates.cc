@@ -12,7 +12,7 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kRelax = 0.05;    // tip path over which the redundant joints settle [m]
+constexpr double kRelax = 0.05;     // tip path over which the redundant joints settle [m]
 constexpr double kBendShare = 0.8;  // of the acceleration, for the path's bend
 
 }  // namespace

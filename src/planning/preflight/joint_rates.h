@@ -16,7 +16,7 @@ namespace impedraw {
 
 class JointRates {
  public:
-  static constexpr double kStep = 2e-3;  // between postures [m]
+  static constexpr double kStep = 1e-3;  // between postures [m]
 
   // `arm` must outlive this object. rest_q: the null space's.
   JointRates(ArmModel& arm, const PathSettings& settings, const JointVector& start_q,

@@ -134,6 +134,8 @@ TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
     PathSettings settings;
     settings.draw_speed = 0.3;
     settings.draw_acceleration = 5.0;
+    settings.tilt_speed = 20.0;  // no limit
+    settings.tilt_acceleration = 1000.0;
     settings.normal_smoothing = smoothing;
     const TipPath path = plan_tip_path(surfaces::shape("sine"), noisy, settings);
     double most = 0.0;

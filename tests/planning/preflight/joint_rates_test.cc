@@ -5,41 +5,52 @@
 #include <cmath>
 #include <random>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "arm_on_surface.h"
+#include "impedraw/control/normal_tracker.h"
+#include "impedraw/planning/preflight/preflight.h"
 #include "planning/surfaces.h"
 #include "seeds.h"
 
 namespace impedraw {
 namespace {
 
-// Largest joint speed, as a share of its limit, while the path draws. Each posture follows from the
-// one before, at the same instants as the controller would ask for them.
+// Moves q to the pen placement with the least kinetic energy; the redundant joint relaxes by a
+// share towards `rest`. Returns how far the tip was off [m] and [rad].
+double follow(ArmModel& arm, const TipReference& r, double share, const JointVector& rest,
+              JointVector* q) {
+  ArmTerms terms(arm.joints());
+  arm.compute(*q, JointVector::Zero(q->size()), &terms);
+  Vector6 off;
+  off << r.p_WD - terms.X_WE.p, smallest_rotation(terms.X_WE.R.col(2), -r.n_WD);
+  const Eigen::MatrixXd W = terms.M.inverse() * terms.J.transpose();
+  const Eigen::MatrixXd J_bar = W * (terms.J * W).inverse();
+  const JointVector relax = share * (rest - *q);
+  *q += relax + J_bar * (off - terms.J * relax);
+  return off.cwiseAbs().maxCoeff();
+}
+
+// Largest joint speed, as a share of its limit, while the path draws, by finite differences in
+// time; NaN where the arm does not reach. The redundant joint relaxes to `start` over 50 mm.
 double largest_share(ArmModel& arm, const TipPath& path, const JointVector& start) {
-  constexpr double kDt = 0.01;  // [s]
-  IkSettings ik;
-  ik.position_tolerance = ik.axis_tolerance = 1e-8;
-  ik.posture_gain = 0.0;
-  ik.max_steps = 60;
+  constexpr double kDt = 2e-3;  // [s]
   double largest = 0.0;
   for (const StrokeTimes& stroke : path.strokes()) {
-    JointVector q = start;
-    bool known = false;
+    TipReference r = path.at(stroke.start).reference;
+    JointVector q = find_posture(arm, {r.p_WD, -r.n_WD}, start).q;
+    double off = 0.0;
+    for (int i = 0; i < 8; ++i)
+      off = follow(arm, r, i == 0 ? 1.0 - std::exp(-1.0) : 0.0, start, &q);
+    if (off > 1e-6) return std::nan("");
     for (double t = stroke.start; t < stroke.end; t += kDt) {
-      const TipReference r = path.at(t).reference;
-      const IkResult found = find_posture(arm, {r.p_WD, -r.n_WD}, q, ik);
-      if (!found.reached) {
-        known = false;
-        continue;
-      }
-      if (known)
-        largest = std::max(
-            largest, ((found.q - q).cwiseAbs().array() / arm.limits().speed.array()).maxCoeff() /
-                         kDt);
-      q = found.q;
-      known = true;
+      r = path.at(t + kDt).reference;
+      const JointVector before = q;
+      off = follow(arm, r, 1.0 - std::exp(-r.v_WD.norm() * kDt / 0.05), start, &q);
+      if (off > 0.01) return std::nan("");
+      largest = std::max(
+          largest, ((q - before).cwiseAbs().array() / arm.limits().speed.array()).maxCoeff() / kDt);
     }
   }
   return largest;
@@ -68,6 +79,7 @@ PathSettings fast() {
   settings.tilt_speed = 20.0;
   settings.tilt_acceleration = 1000.0;
   settings.joint_acceleration = 200.0;
+  settings.joint_speed_share = 0.55;  // of it, the prediction needs part
   return settings;
 }
 
@@ -76,16 +88,22 @@ TEST(JointRates, NoJointPassesItsLimitAlongRandomPaths) {
   const JointVector start = surfaces::start_posture(arm);
   const PathSettings settings = fast();
   const JointRates limits(arm, settings, start, start);
-  int faster = 0;
+  int faster = 0, reached = 0;
   for (unsigned seed = 0; seed < seeds(40, 200); ++seed) {
     std::mt19937 random(seed);
     const PlacedStroke stroke = random_stroke(random);
+    // Near singular postures nothing is promised.
+    if (!check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty()) continue;
     const TipPath limited = plan_tip_path({stroke}, surfaces::waves, settings, limits);
-    EXPECT_LE(largest_share(arm, limited, start), 1.0) << "seed " << seed;
+    const double share = largest_share(arm, limited, start);
+    if (std::isnan(share)) continue;
+    ++reached;
+    EXPECT_LE(share, 1.0) << "seed " << seed;
     const TipPath free = plan_tip_path({stroke}, surfaces::waves, settings);
     faster += largest_share(arm, free, start) > 1.0;
   }
   EXPECT_GT(faster, 0) << "the limits must have something to limit";
+  EXPECT_GT(reached, 20);
 }
 
 TEST(JointRates, AnEasyStrokeKeepsItsTime) {

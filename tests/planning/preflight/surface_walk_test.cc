@@ -119,7 +119,9 @@ TEST(SurfaceWalk, FindsTheFoldAndKeepsBothSides) {
     const auto spans = walk_surface(surfaces::line({{0.55, 0}, {0.65, 0.0}}), stepped(step, 0), {});
     ASSERT_EQ(spans.size(), 3u);
     EXPECT_EQ(spans[1].problem, Problem::fold);
-    EXPECT_LT(spans[1].to - spans[1].from, 2e-5);
+    // The pen keeps off a step that it cannot ride over, on both sides.
+    const double margin = std::abs(step) > 1e-3 ? 4e-3 : 0.0;
+    EXPECT_NEAR(spans[1].to - spans[1].from, 2.0 * margin, 2e-5);
     EXPECT_LT(spans[1].from, 0.05);
     EXPECT_GT(spans[1].to, 0.05);
     EXPECT_DOUBLE_EQ(spans[0].samples.back().p_P.z(), 0.1);
