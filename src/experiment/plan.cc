@@ -86,7 +86,9 @@ class Planning {
     return scene_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
                                    : surface();
   }
-  const Canvas* obstacle() const { return scene_.height_unknown() ? nullptr : scene_.obstacle.get(); }
+  const Canvas* obstacle() const {
+    return scene_.height_unknown() ? nullptr : scene_.obstacle.get();
+  }
   // The target's surface, which judges only: the true sheet nearest to what was planned. A request
   // beside an unknown canvas stays where it is.
   SurfaceHeight judged_surface() const {

@@ -12,9 +12,9 @@ namespace impedraw {
 JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVector& start,
                              const JointVector& rest_q, double share) {
   constexpr int kSubsteps = 2;
-  constexpr double kRelax = 0.5;          // time in which the redundant joints settle [s]
-  constexpr double kFurthestStep = 0.3;   // of a joint; a longer one would leave the path [rad]
-  constexpr double kLeast = 0.05;         // rate
+  constexpr double kRelax = 0.5;         // time in which the redundant joints settle [s]
+  constexpr double kFurthestStep = 0.3;  // of a joint; a longer one would leave the path [rad]
+  constexpr double kLeast = 0.05;        // rate
   const double dt = kStep / kSubsteps;
   const JointVector speed = arm.limits().speed;
   ArmTerms terms(arm.joints());
@@ -43,9 +43,9 @@ JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVect
   limits_ = own;
   const auto ahead = static_cast<std::size_t>(kAhead / kStep);
   for (std::size_t i = 0; i < own.size(); ++i)
-    limits_[i] = *std::min_element(own.begin() + static_cast<std::ptrdiff_t>(i),
-                                   own.begin() + static_cast<std::ptrdiff_t>(
-                                                     std::min(own.size(), i + ahead + 1)));
+    limits_[i] = *std::min_element(
+        own.begin() + static_cast<std::ptrdiff_t>(i),
+        own.begin() + static_cast<std::ptrdiff_t>(std::min(own.size(), i + ahead + 1)));
 }
 
 double JointForecast::limit(double t) const noexcept {

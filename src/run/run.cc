@@ -254,7 +254,8 @@ class Runner {
     PenDeviation pen;
     if (!e_.scene.perception) return pen;
     pen.limit = forecast_.limit(planned);
-    pen.joint = (loop_.terms().v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
+    pen.joint =
+        (loop_.terms().v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
     if (desired.stroke < 0) return pen;
     const Pose& X_WE = loop_.terms().X_WE;
     pen.waits = out_.mode == ContactMode::approach;
@@ -309,8 +310,8 @@ std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<Stro
   return strokes;
 }
 
-TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts,
-                   const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W, double hold) {
+TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_WE,
+                   const Eigen::Vector3d& n_W, double hold) {
   return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_WE, n_W, hold,
                    stroke_limits(e.scene, e.plan));
 }
