@@ -37,6 +37,8 @@ class ControlLoop {
   const ArmTerms& terms() const { return terms_; }
   const Wrench& F_ext() const { return F_ext_; }
   const SurfaceEstimate& surface() const { return surface_; }
+  // The surface as it is learned from touch; null if it is not.
+  const TouchSurface* touch() const { return touch_ ? &*touch_ : nullptr; }
   // True once the sensor's bias is known, or if there is no sensor.
   bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
 

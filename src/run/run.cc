@@ -182,8 +182,16 @@ class Runner {
     if (out_.mode == ContactMode::approach && p_PE.z() < e_.scenario.blind.plane_z) return false;
     PenDeviation pen;
     pen.waits = searching || (desired.stroke >= 0 && out_.mode == ContactMode::approach);
+    if (contact && desired.stroke >= 0) pen.tilt = tilt_of_pen();
     clock_.advance(pen);
     return true;
+  }
+
+  // Between the pen and the normal that has been learned, to which it turns at its own speed [rad].
+  double tilt_of_pen() const {
+    const Eigen::Vector2d slope = loop_.touch()->slope();
+    const Eigen::Vector3d n = loop_.touch()->axes() * Eigen::Vector3d(-slope.x(), -slope.y(), 1.0);
+    return smallest_rotation(loop_.terms().X_WE.R.col(2), -n.normalized()).norm();
   }
 
   double dt() const { return e_.control.impedance.timing.dt; }
