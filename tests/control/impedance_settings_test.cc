@@ -170,10 +170,10 @@ TEST(VelocityDelay, BoundsTheDampingAndTheInertiaInContact) {
     }
     // With a damping that its rate alone would allow.
     ImpedanceSettings light = shaped_settings(arm);
-    light.stiffness = {{100.0, 100.0}, {5.0, 0.0}};
-    light.reference_stiffness = {{100.0, 100.0}, {5.0, 1.0}};
+    light.stiffness = {{300.0, 1500.0}, {5.0, 0.0}};
+    light.reference_stiffness = {{300.0, 1500.0}, {5.0, 1.0}};
     ASSERT_EQ(refusal(light), "accepted");
-    light.timing.*delay = 20e-3;
+    light.timing.*delay = 10e-3;
     EXPECT_THAT(refusal(light), AllOf(HasSubstr("along the normal"), HasSubstr("unstable")));
   }
 }

@@ -68,6 +68,7 @@ const std::map<std::string, Words> kCompanions = {
     {"arm.q_0", {"arm.q_0=[0]"}},
     {"arm.posture_seed", {"arm.posture_seed=[0]"}},
     {"control.null_stiffness", {"control.null_stiffness=[0]"}},
+    {"control.observer.yield_limit", {"control.observer.yield_limit=[0]"}},
     {"pushes", {"pushes=[{}]"}},
     {"faults", {"faults=[{}]"}},
     {"drawing.placement.margin", {"drawing.placement.fit_width=2"}},
@@ -192,6 +193,8 @@ void check_control(const Scenario& s) {
   settings.limits.torque_rate = Eigen::VectorXd::Constant(7, c.torque_rate);
   if (!c.null_stiffness.empty())
     settings.null_space.stiffness = Eigen::VectorXd::Constant(7, c.null_stiffness[0]);
+  if (!settings.observer.yield_limit.empty())
+    settings.observer.yield_limit.assign(7, settings.observer.yield_limit[0]);
   settings.validate_ranges(7);  // stability depends on several settings together
   ContactStates(settings.contact, s.world.dt);
   const WrenchEstimatorSettings estimator =
@@ -200,6 +203,9 @@ void check_control(const Scenario& s) {
                    c.torque_delay.value_or(0.0));
   WrenchSensor(s.wrench_sensor, s.world.dt, 1);
   WrenchEstimator{estimator};
+  JointStateEstimator({s.world.dt, c.joint_sensing.bandwidth,
+                       c.joint_sensing.sensor_delay.value_or(0.0), c.torque_delay.value_or(0.0)},
+                      7);
 }
 
 // All that the library has to say about the part of the scenario that `name` lies in. What nothing
@@ -213,7 +219,10 @@ void check_by_library(const std::string& name, const Scenario& s) {
   if (group == "blind") TouchSurface(s.blind.touch, {});
   if (group == "preflight") validate(s.preflight);
   if (group == "control" || group == "wrench_sensor") check_control(s);
-  if (group == "world") World(kRoot / "tests/data/slider.urdf", nullptr, s.world);
+  if (group == "world") {
+    World(kRoot / "tests/data/slider.urdf", nullptr, s.world);
+    JointSensor(s.world.joint_sensor, 3, s.world.dt, 1);
+  }
 }
 
 std::string error_of(const std::function<void()>& f) {

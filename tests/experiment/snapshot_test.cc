@@ -69,5 +69,57 @@ TEST(Snapshot, RealisticNoiseIsSeenAndStillDrawn) {
   EXPECT_NEAR(sum / n, 0.0, 1e-4);
 }
 
+// A depth that reads too far moves each point along its ray: across the canvas by s (p − c)·n.
+// Where cameras see the same place, a point is their mean.
+TEST(Snapshot, ADepthScaleMovesThePointsAlongTheirRays) {
+  const double scale = 0.004;
+  const Experiment e = prepared({"perception.errors.depth_scale=0.004", "preflight.arm=false"});
+  const PointCloud& cloud = e.scene.perception->cloud();
+  double moved = 0.0, predicted = 0.0;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const SurfacePoint on = e.scene.canvas->closest(cloud.points[i]);
+    const Eigen::Vector3d& c = e.scenario.perception.cameras[cloud.camera[i]].p_WC;
+    moved += on.distance;
+    predicted += scale * (on.p_W - c).dot(on.n_W);
+  }
+  EXPECT_LT(predicted / cloud.points.size(), -2e-3);
+  EXPECT_NEAR(moved / predicted, 1.0, 0.05);
+}
+
+// What one camera sees of the bowl, a part of a sphere, is a sphere with its centre moved: by the
+// camera's shift, or across the way to the camera by its turn.
+Eigen::Vector3d moved_centre(const Experiment& e, int camera) {
+  const PointCloud& cloud = e.scene.perception->cloud();
+  const CapSettings& bowl = e.scenario.canvas.cap;
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (cloud.camera[i] != camera) continue;
+    const Eigen::Vector3d from = cloud.points[i] - bowl.centre, u = from.normalized();
+    A += u * u.transpose();
+    b += (from.norm() - bowl.radius) * u;
+  }
+  return A.inverse() * b;
+}
+
+TEST(Snapshot, EachCameraStandsOffByItsErrorInADirectionOfItsOwn) {
+  const double shift = 2e-3, turn_deg = 0.2;
+  const Experiment shifted = prepared({"perception.errors.shift=0.002"}),
+                   turned = prepared({"perception.errors.turn=0.2"}), right = prepared({});
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  for (int camera = 0; camera < 3; ++camera) {
+    EXPECT_LT(moved_centre(right, camera).norm(), 1e-4);
+    const Eigen::Vector3d by_shift = moved_centre(shifted, camera);
+    EXPECT_NEAR(by_shift.norm(), shift, 2e-4) << camera;
+    EXPECT_GT((by_shift - last).norm(), 1e-4) << "not all alike";
+    last = by_shift;
+    const Eigen::Vector3d to_centre =
+        turned.scenario.canvas.cap.centre - turned.scenario.perception.cameras[camera].p_WC;
+    const Eigen::Vector3d by_turn = moved_centre(turned, camera);
+    EXPECT_LT(by_turn.norm(), 1.05 * turn_deg * M_PI / 180.0 * to_centre.norm() + 1e-4);
+    EXPECT_NEAR(by_turn.normalized().dot(to_centre.normalized()), 0.0, 0.2) << camera;
+  }
+}
+
 }  // namespace
 }  // namespace impedraw
