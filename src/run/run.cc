@@ -221,7 +221,7 @@ class Runner {
       return false;
     }
     if (guard_.update(loop_.terms().v, dt())) {
-      stop(RunEnd::stopped, fmt::format("joint {} was far above its speed limit of {:.2f} rad/s "
+      stop(RunEnd::stopped, fmt::format("{} was far above its speed limit of {:.2f} rad/s "
                                         "at t = {:.3f} s; the motion was damped and the pen lifted",
                                         e_.scene.arm.joint_names()[guard_.joint()],
                                         e_.scene.arm.limits().speed[guard_.joint()], t));
