@@ -117,7 +117,9 @@ TEST(RobustnessCells, EachErrorUnderTheTuningForRealArmsAtThreeValues) {
     ASSERT_LE(changed.size(), 1u) << cell.name;
     const std::string& assignment = cell.assignments.front();
     const std::string name = assignment.substr(0, assignment.find('='));
-    if (!changed.empty()) EXPECT_EQ(*changed.begin(), name);
+    if (!changed.empty()) {
+      EXPECT_EQ(*changed.begin(), name);
+    }
     ++cells[name];
   }
   for (const char* name :
