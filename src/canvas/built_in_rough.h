@@ -8,9 +8,9 @@
 // ridges   a zigzag along x of wavelength λ, slopes ±s
 // ripple   the top of a cylinder along x, of radius kRippleRadius, with a sine of wavelength λ
 //          along it
-// step     0 for x < 0, `height` for x > 0; the wall is kWall wide
+// step     0 for x < 0, `rise` for x > 0; the wall is kWall wide
 // hole     level, with a round hole of diameter λ in the middle
-// lip      level; a second sheet `height` above it, over x > 0, shadows it
+// lip      level; a second sheet `rise` above it, over x > 0, shadows it
 //
 // Random numbers come from std::mt19937_64(seed), so that a seed gives the same surface on every
 // machine, to rounding. Cells are at most λ/4 wide, so that the mesh shows the shape.
@@ -35,7 +35,7 @@ struct RoughSettings {
     static constexpr Limit seed = {"seed", "", {0, 1e9}};
     static constexpr Limit slope = {"slope", "deg", {0.0, 60.0}};
     static constexpr Limit wavelength = {"wavelength", "m", {0.001, 0.15}};
-    static constexpr Limit height = {"height", "m", {0.0, 0.2}};
+    static constexpr Limit height = {"rise", "m", {0.0, 0.2}};  // the footprint has a height
   };
 };
 

@@ -36,9 +36,9 @@ struct Scene {
   SurfaceHeight surface(const Pose& X_WP) const;
 };
 
-// A mesh file that lies nowhere near the drawing, and that the scenario does not place, is put under
-// the drawing's centre; scenario.canvas.move is set to what that takes, and a note says so. Only the
-// mesh's bounding box is used for it.
+// A mesh file that lies nowhere near the drawing, and that the scenario does not place, is put
+// under the drawing's centre; scenario.canvas.move is set to what that takes, and a note says so.
+// Only the mesh's bounding box is used for it.
 //
 // The arm starts with the pen normal to the drawing plane of X_WP. Throws InputError for an invalid
 // canvas or arm, a start out of reach, or too little of the canvas in view.

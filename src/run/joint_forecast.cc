@@ -12,9 +12,9 @@ namespace impedraw {
 JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVector& start,
                              const JointVector& rest_q, double share) {
   constexpr int kSubsteps = 2;
-  constexpr double kRelax = 0.5;          // time in which the redundant joints settle [s]
-  constexpr double kFurthestStep = 0.3;   // of a joint; a longer one would leave the path [rad]
-  constexpr double kLeast = 0.05;         // rate
+  constexpr double kRelax = 0.5;         // time in which the redundant joints settle [s]
+  constexpr double kFurthestStep = 0.3;  // of a joint; a longer one would leave the path [rad]
+  constexpr double kLeast = 0.05;        // rate
   const double dt = kStep / kSubsteps;
   const JointVector speed = arm.limits().speed;
   ArmTerms terms(arm.joints());
@@ -30,10 +30,13 @@ JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVect
       const TipJacobian& J = terms.J;
       const Eigen::MatrixXd W = terms.M.llt().solve(J.transpose());
       const Matrix6 A = J * W + 1e-6 * Matrix6::Identity();
+      const Eigen::LLT<Matrix6> factor = A.llt();
+      // The clock slows the task's part alone.
+      const JointVector task = W * factor.solve(off);
       const JointVector relax = (1.0 - std::exp(-dt / kRelax)) * (rest_q - q);
-      JointVector step = relax + W * A.llt().solve(off - J * relax);
+      JointVector step = task + relax - W * factor.solve(J * relax);
       if (!step.allFinite()) return;
-      fastest = std::max(fastest, (step.cwiseAbs().array() / speed.array()).maxCoeff() / dt);
+      fastest = std::max(fastest, (task.cwiseAbs().array() / speed.array()).maxCoeff() / dt);
       const double longest = step.cwiseAbs().maxCoeff();
       if (longest > kFurthestStep) step *= kFurthestStep / longest;
       q += step;
@@ -43,9 +46,9 @@ JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVect
   limits_ = own;
   const auto ahead = static_cast<std::size_t>(kAhead / kStep);
   for (std::size_t i = 0; i < own.size(); ++i)
-    limits_[i] = *std::min_element(own.begin() + static_cast<std::ptrdiff_t>(i),
-                                   own.begin() + static_cast<std::ptrdiff_t>(
-                                                     std::min(own.size(), i + ahead + 1)));
+    limits_[i] = *std::min_element(
+        own.begin() + static_cast<std::ptrdiff_t>(i),
+        own.begin() + static_cast<std::ptrdiff_t>(std::min(own.size(), i + ahead + 1)));
 }
 
 double JointForecast::limit(double t) const noexcept {

@@ -35,8 +35,8 @@ class PathSpline {
   SplinePoint at(double u) const noexcept;  // u is clamped to [0, length]
 
   double arc_length() const;  // [m]
-  // Over one span: the largest |dp/du|, |d²p/du²|, |dp/du · d²p/du²|, |n · d²p/du²|, |dn/du| and |d²n/du²| across
-  // n. All are sampled but |d²p/du²|, which is exact.
+  // Over one span: the largest |dp/du|, |d²p/du²|, |dp/du · d²p/du²|, |n · d²p/du²|, |dn/du| and
+  // |d²n/du²| across n. All are sampled but |d²p/du²|, which is exact.
   struct Bounds {
     double slope, bend, stretch, rise, turn, turn_bend;
   };
