@@ -36,9 +36,9 @@
 // Modes       contact_mode.h. The desired force stays continuous at a mode switch: the difference
 //             is carried over and decays with `switch_time`.
 // Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
-//             limits.tip_speed and limits.turn_speed (Khatib's velocity saturation). Torque and torque rate are limited
-//             last and preserve the task as far as possible (torque_limits.h).
-//
+//             limits.tip_speed and limits.turn_speed (Khatib's velocity saturation). Torque and
+//             torque rate are limited last and preserve the task as far as possible
+//             (torque_limits.h).
 // Requires    M symmetric positive definite; vectors for the number of joints given at set-up;
 //             n_WD and n_W of unit length; one call every timing.dt; J of full row rank. Near a
 //             singularity the lost direction is released and `status.near_singular` is set.

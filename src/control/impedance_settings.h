@@ -30,8 +30,8 @@ enum class ErrorProjection {
   paper,   // (z × e) × z, then K in S: cos²θ of the stiffness up and down a slope θ
 };
 
-// Direction of the pen's axis in approach and contact. The push is along the estimated normal either
-// way.
+// Direction of the pen's axis in approach and contact. The push is along the estimated normal
+// either way.
 enum class PenAxis {
   surface,  // along the estimated normal at the tip
   plan,     // along the plan's: a rough surface does not shake the wrist

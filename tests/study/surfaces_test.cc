@@ -28,7 +28,7 @@ TEST(SurfaceCells, CoverTheRangeThatWasAskedFor) {
 
 TEST(SurfaceCells, EachLimitCanBeMissed) {
   const Cell cell = surface_cells().front();  // 2 mm: not gentle
-  Record good = {{"unnamed_mm", "0"},      {"promised", "100"},    {"coverage", "0.99"},
+  Record good = {{"unnamed_mm", "0"},       {"promised", "100"},     {"coverage", "0.99"},
                  {"contact_fraction", "1"}, {"touchdown_peak", "5"}, {"force_sd", "1.2"},
                  {"speed_mean", "20"}};
   EXPECT_EQ(missed_limits(cell, good), "");
@@ -50,8 +50,8 @@ class Surface : public ScratchFolder, public ::testing::WithParamInterface<const
 
 TEST_P(Surface, IsDrawnOnWithinItsLimits) {
   const std::vector<Cell> cells = surface_cells();
-  const auto cell = std::find_if(cells.begin(), cells.end(),
-                                 [](const Cell& c) { return c.name == GetParam(); });
+  const auto cell =
+      std::find_if(cells.begin(), cells.end(), [](const Cell& c) { return c.name == GetParam(); });
   ASSERT_NE(cell, cells.end());
   ProcessEnd end;
   end.text = measure_surface(*cell, folder_ / "run.h5");
