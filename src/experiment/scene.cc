@@ -51,12 +51,13 @@ TriangleMesh seen_facets(const SurfaceEstimator& seen, double voxel) {
   const PointCloud sparse = thin(seen.cloud(), spacing);
   TriangleMesh mesh;
   for (std::size_t i = 0; i < sparse.points.size(); ++i) {
-    const Eigen::Vector3d& p = sparse.points[i];
+    Eigen::Vector3d p = sparse.points[i];
     const SurfaceEstimate estimate = seen.estimate(p);
-    const Eigen::Vector3d n =
-        estimate.status == SurfaceStatus::ok
-            ? estimate.n_W
-            : (sparse.eyes[static_cast<std::size_t>(sparse.camera[i])] - p).normalized();
+    Eigen::Vector3d n = (sparse.eyes[static_cast<std::size_t>(sparse.camera[i])] - p).normalized();
+    if (estimate.status == SurfaceStatus::ok) {
+      n = estimate.n_W;
+      p -= estimate.distance * n;  // takes the noise out
+    }
     const Eigen::Vector3d a = 0.6 * spacing * n.unitOrthogonal(), b = n.cross(a);
     const int first = static_cast<int>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), {p - a - b, p + a - b, p + a + b, p - a + b});

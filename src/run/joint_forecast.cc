@@ -30,10 +30,13 @@ JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVect
       const TipJacobian& J = terms.J;
       const Eigen::MatrixXd W = terms.M.llt().solve(J.transpose());
       const Matrix6 A = J * W + 1e-6 * Matrix6::Identity();
+      const Eigen::LLT<Matrix6> factor = A.llt();
+      // The clock slows the task's part alone.
+      const JointVector task = W * factor.solve(off);
       const JointVector relax = (1.0 - std::exp(-dt / kRelax)) * (rest_q - q);
-      JointVector step = relax + W * A.llt().solve(off - J * relax);
+      JointVector step = task + relax - W * factor.solve(J * relax);
       if (!step.allFinite()) return;
-      fastest = std::max(fastest, (step.cwiseAbs().array() / speed.array()).maxCoeff() / dt);
+      fastest = std::max(fastest, (task.cwiseAbs().array() / speed.array()).maxCoeff() / dt);
       const double longest = step.cwiseAbs().maxCoeff();
       if (longest > kFurthestStep) step *= kFurthestStep / longest;
       q += step;

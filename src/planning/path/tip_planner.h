@@ -2,7 +2,9 @@
 //
 // Speed along a stroke, for a span of its spline p(u) with |dp/du| ≤ g, |d²p/du²| ≤ κ:
 //   u̇ ≤ min(draw_speed / g, √(0.8 A / κ)).
-// ü is limited so that the total acceleration u̇² p'' + ü p' stays within A = draw_acceleration.
+// ü is limited so that the acceleration u̇² p'' + ü p', seen along the drawing axis, stays within
+// A = draw_acceleration; κ counts that part alone, too. Across the surface u̇² |n·p''| stays within
+// normal_acceleration. (With vertical_pen, A limits the whole.)
 // The pen's axis n(u) turns within tilt_speed and tilt_acceleration in the same way.
 // speed_profile.h computes the fastest motion under these limits.
 #pragma once

@@ -68,8 +68,9 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   const double du = spline.length() / steps;
   std::vector<double> steepest(spans->size(), 0.0), sharpest(spans->size(), 0.0);
   std::size_t span = 0;
-  JointVector before = q_, slope_before = JointVector::Zero(q_.size());
-  bool slope_known = false;
+  JointVector before = q_, slope_before = JointVector::Zero(q_.size()),
+              slope_earlier = slope_before;
+  int slopes_known = 0;
   for (int k = 1; k <= steps; ++k) {
     const double u = k * du;
     const bool reached = follow(spline.at(u), du);
@@ -79,16 +80,18 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
       const double share = (slope.cwiseAbs().array() / limit_.array()).maxCoeff();
       if (share > 0.0) speed = 1.0 / share;
       slope_most = slope.cwiseAbs().maxCoeff();
-      if (slope_known) bend_most = (slope - slope_before).cwiseAbs().maxCoeff() / du;
+      // over two steps: the bend of less is that of the normals' noise
+      if (slopes_known > 1) bend_most = (slope - slope_earlier).cwiseAbs().maxCoeff() / (2.0 * du);
+      slope_earlier = slope_before;
       slope_before = slope;
-      slope_known = true;
+      ++slopes_known;
     } else {
-      slope_known = false;
+      slopes_known = 0;
     }
     before = q_;
     known = reached;
-    // Every span that the step meets, and for the bend, the step before.
-    const double from = u - 2.0 * du;
+    // Every span that the step meets, and for the bend, the two before.
+    const double from = u - 3.0 * du;
     while (span > 0 && spline.start(span) > from) --span;
     for (; span < spans->size() && spline.start(span) < u; ++span) {
       (*spans)[span].speed = std::min((*spans)[span].speed, speed);
