@@ -79,7 +79,6 @@ PathSettings fast() {
   settings.tilt_speed = 20.0;
   settings.tilt_acceleration = 1000.0;
   settings.joint_acceleration = 200.0;
-  settings.joint_speed_share = 0.55;  // of it, the prediction needs part
   return settings;
 }
 
