@@ -82,7 +82,7 @@ PathSettings fast() {
   return settings;
 }
 
-// Fails for seed 20 of 40 (1.17 of the limit), where the wrist passes close to its singular posture.
+// Fails for seed 20 of 40 (1.17 of a limit).
 TEST(JointRates, DISABLED_NoJointPassesItsLimitAlongRandomPaths) {
   ArmModel arm(surfaces::kArm);
   const JointVector start = surfaces::start_posture(arm);
