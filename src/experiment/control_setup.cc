@@ -33,7 +33,7 @@ constexpr double kLeastFriction = 1.5;    // [Nm]
 // Finer patches than the plan's are in use under the drawing: along over kLeast of it they have
 // another normal than the plan. In flat noise they are, at most, in places.
 bool is_rough(const Scene& scene, const Plan& plan) {
-  constexpr double kOther = 0.01, kLeast = 0.02, kSpacing = 2e-3;  // [rad], [1], [m]
+  constexpr double kOther = 0.02, kLeast = 0.1, kSpacing = 2e-3;  // [rad], [1], [m]
   if (!scene.perception) return false;
   const Pose& X_WP = plan.path_settings.X_WP;
   const SurfaceHeight surface = scene.surface(X_WP);

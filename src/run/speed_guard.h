@@ -40,7 +40,7 @@ class SpeedGuard {
   int joint() const { return joint_; }     // that tripped the guard
 
  private:
-  static constexpr double kTrip = 1.4;      // share of the limits
+  static constexpr double kTrip = 2.5;      // share of the limits; a stop of a joint gives 1.9
   static constexpr double kConfirm = 3e-3;  // longer than an outlier of a noisy velocity [s]
   static constexpr double kCalm = 0.05;     // share of the limits
   static constexpr double kLongest = 0.5;   // [s]

@@ -180,7 +180,7 @@ def look(name, o):
         assert len(o) == (m if name.startswith('every_step/') else n), (name, o.shape)
         o[()]
 f.visititems(look)
-assert len(named) == 14 + 21 + 7, len(named)
+assert len(named) == 15 + 21 + 9, len(named)
 assert np.all(np.diff(f['time'][:]) > 0) and np.allclose(np.diff(f['every_step/time'][:]), 1e-3)
 assert f['joint/position'].shape == (n, 7) and f['tip/orientation'].shape == (n, 4)
 force = np.nansum(f['contact/force'][:] * f['contact/normal'][:], axis=1)

@@ -101,11 +101,11 @@ TEST(SpeedGuard, TripsAtALimitBrakesAndCalms) {
   JointVector v(2);
   v << 0.5, 1.9;
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(guard.update(v, kDt));
-  v[1] = 3.5;
+  v[1] = 5.5;
   EXPECT_FALSE(guard.update(v, kDt)) << "one outlier of a noisy velocity";
   v[1] = 1.0;
   EXPECT_FALSE(guard.update(v, kDt));
-  v[1] = -3.5;
+  v[1] = -5.5;
   int steps = 0;
   while (!guard.update(v, kDt)) ASSERT_LT(++steps, 10);
   EXPECT_EQ(guard.joint(), 1);
