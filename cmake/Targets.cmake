@@ -120,6 +120,14 @@ function(impedraw_test name)
   set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL})
 endfunction()
 
+# Leaves cases of a test program out of a build with sanitizers: a GoogleTest pattern for each.
+function(impedraw_skip_under_sanitizers name)
+  if(IMPEDRAW_FUZZ AND TARGET ${name})
+    list(JOIN ARGN ":" patterns)
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT "GTEST_FILTER=-${patterns}")
+  endif()
+endfunction()
+
 function(impedraw_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

@@ -51,7 +51,7 @@ prepare() {
   # 9>&-: child processes must not inherit the lock, or the daemon of a compiler wrapper would hold it for ever.
   if ! is_ready "$1"; then
     { has_packages || install_packages
-      has_wheels || install_wheels
+      has_wheels || { start_cargo; install_wheels; }
       is_built "$1" || build "$1"; } 9>&-
   fi
   exec 9>&-
@@ -161,6 +161,13 @@ install_wheels() {
   rm -f "$out/CMakeCache.txt" "$out"/.built-*
   wheels_stamp >"$venv/.requirements"
   say "installed $wheels Python wheels ($SECONDS s so far)"
+}
+
+# Begins the longest step of a build while pip waits for the network. Ninja's own call waits for this one and tells its errors.
+start_cargo() {
+  local target=$root/build/cargo
+  [[ -e $target/release/libimpedraw_usvg.a ]] || ! command -v cargo >/dev/null ||
+    (cd "$root/src/drawing/usvg" && CARGO_TARGET_DIR=$target exec cargo build --release --locked --quiet) >/dev/null 2>&1 &
 }
 
 follow_pip() {

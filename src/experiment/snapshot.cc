@@ -1,7 +1,6 @@
 #include "impedraw/experiment/snapshot.h"
 
 #include <algorithm>
-
 #include <numbers>
 
 #include <fmt/format.h>

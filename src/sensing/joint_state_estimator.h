@@ -22,8 +22,6 @@
 
 #include <array>
 
-#include <Eigen/Cholesky>
-
 #include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
 
@@ -83,7 +81,6 @@ class JointStateEstimator {
   JointVector q_, v_, a_;  // q̂, v̂, â at the time of the newest reading
   JointVector q_now_, v_now_;
   JointVector modelled_;  // of the last command, without â [rad/s²]
-  Eigen::LLT<JointMatrix> factor_M_;
   std::array<JointVector, kMaxDelaySteps + 1> accelerations_;  // ring: of step k at k mod size
   std::array<JointVector, kMaxDelaySteps + 1> torques_;        // the same
 };

@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
+#include "dense_algebra.h"
 #include "free_arm.h"
 
 namespace impedraw {
@@ -35,7 +34,7 @@ struct Still {
   // Of the tip, at rest.
   Vector6 acceleration(const JointVector& tau) const {
     const World::Terms t = free.world.terms();
-    return t.J * t.M.llt().solve(Eigen::VectorXd(tau) - t.bias);
+    return t.J * solve(t.M, Eigen::VectorXd(tau) - t.bias);
   }
 };
 
@@ -54,11 +53,10 @@ TEST(Defects,
     Vector6 asked;
     asked << still.free.reference.a_WD, still.free.reference.alpha_WD;
     EXPECT_LT((still.acceleration(still.free.control().tau) - asked).norm(), 1e-6 * asked.norm());
-    const Eigen::MatrixXd J = still.free.terms.J,
-                          whole = Eigen::MatrixXd(still.free.terms.M).inverse();
+    const Eigen::MatrixXd J = still.free.terms.J, whole = inverse(still.free.terms.M);
     const Eigen::MatrixXd half = whole.triangularView<Eigen::Upper>();
     const Eigen::VectorXd tau =
-        J.transpose() * (J * half * J.transpose()).inverse() * asked + still.free.terms.g;
+        J.transpose() * inverse(J * half * J.transpose()) * asked + still.free.terms.g;
     EXPECT_GT((still.acceleration(tau) - asked).norm(), 0.01 * asked.norm())
         << "the defect would show";
   }
@@ -93,8 +91,7 @@ TEST(Defects, AJacobianInOneFrameAndAnErrorInAnother) {
         J_local.topRows(3) = R_EW * J_local.topRows(3);
         J_local.bottomRows(3) = R_EW * J_local.bottomRows(3);
         const Eigen::MatrixXd M = still.free.terms.M;
-        const Eigen::VectorXd force =
-            (J_local * M.inverse() * J_local.transpose()).inverse() * expected;
+        const Eigen::VectorXd force = operational_inertia(J_local, M) * expected;
         const Eigen::VectorXd tau = J_local.transpose() * force + still.free.terms.g;
         EXPECT_GT((still.acceleration(tau) - expected).norm(), 0.02 * expected.norm())
             << "the defect would show";
@@ -161,14 +158,13 @@ TEST(Defects, ADampedInverseThatLeaksTheNullSpaceIntoTheTask) {
     const World::Terms t = still.free.world.terms();
     const Eigen::VectorXd null = out.terms.col(kNullSpace);
     ASSERT_GT(null.norm(), 1.0);
-    const Eigen::MatrixXd M_inverse = t.M.inverse(), A = t.J * M_inverse * t.J.transpose();
+    const Eigen::MatrixXd M_inverse = inverse(t.M), A = t.J * M_inverse * t.J.transpose();
     EXPECT_LT((t.J * M_inverse * null).norm(), 1e-9 * (M_inverse * null).norm()) << "bend " << bend;
     // λ²/(σ² + λ²) of the torque comes through a damped inverse.
     const Eigen::VectorXd asked =
         s.null_space.stiffness.cwiseProduct(s.null_space.q_0 - Eigen::VectorXd(q));
     const double lambda = 0.05;
-    const Eigen::MatrixXd damped =
-        (A + lambda * lambda * Eigen::MatrixXd::Identity(6, 6)).inverse();
+    const Eigen::MatrixXd damped = inverse(A + lambda * lambda * Eigen::MatrixXd::Identity(6, 6));
     const Eigen::VectorXd leaking = asked - t.J.transpose() * damped * t.J * M_inverse * asked;
     EXPECT_GT((t.J * M_inverse * leaking).norm(), 0.1) << "the defect would show";
   }
@@ -220,7 +216,7 @@ TEST(Defects, LimitRepulsionThatWeakensTowardsTheLimit) {
     // The projected torque may have the opposite sign on the joint itself: the acceleration of the
     // joint counts.
     const Eigen::VectorXd tau = still.free.control().terms.col(kNullSpace);
-    const double push = -still.free.world.terms().M.llt().solve(tau)[2];
+    const double push = -solve(still.free.world.terms().M, tau)[2];
     if (distance < s.joint_range.margin) {
       EXPECT_GT(push, last) << "at " << distance << " rad";
     }
@@ -263,7 +259,7 @@ TEST(Defects, DampingThatForgetsTheEffectiveMass) {
     for (int i = 0; i < 10; ++i) {
       const JointVector q = still.random_rest(rng);
       const World::Terms t = still.free.world.terms();
-      const Matrix6 Lambda = (t.J * t.M.inverse() * t.J.transpose()).inverse();
+      const Matrix6 Lambda = operational_inertia(t.J, t.M);
       const Eigen::Vector3d n = still.free.reference.n_WD;
       Matrix6 M_d = scale * Lambda, K = Matrix6::Zero(), B;
       if (scale == 0.0) {
@@ -273,21 +269,21 @@ TEST(Defects, DampingThatForgetsTheEffectiveMass) {
       K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(n);
       K.bottomRightCorner<3, 3>() =
           AxialGain{s.stiffness.angular.tangent, s.reference_stiffness.angular.normal}.matrix(n);
-      const Eigen::MatrixXd J_inverse = t.J.transpose() * (t.J * t.J.transpose()).inverse();
+      const Eigen::MatrixXd J_inverse = t.J.transpose() * inverse(t.J * t.J.transpose());
       for (int axis = 0; axis < 6; ++axis) {
         const JointVector v = J_inverse * Vector6(1e-2 * Vector6::Unit(axis));
         still.free.arm.compute(q, v, &still.free.terms);
         still.free.controller.reset();
         const Eigen::VectorXd tau = still.free.control().terms.col(kImpedance);
-        const Vector6 F = Lambda * t.J * t.M.llt().solve(tau);  // F = −Λ M_d⁻¹ B V
-        B.col(axis) = -M_d * Lambda.inverse() * F / 1e-2;
+        const Vector6 F = Lambda * t.J * solve(t.M, tau);  // F = −Λ M_d⁻¹ B V
+        B.col(axis) = -M_d * inverse(Lambda) * F / 1e-2;
       }
       EXPECT_LT((B - B.transpose()).norm(), 1e-3 * B.norm());
       Eigen::Matrix<double, 12, 12> A = Eigen::Matrix<double, 12, 12>::Zero();
       A.topRightCorner<6, 6>().setIdentity();
-      A.bottomLeftCorner<6, 6>() = -M_d.inverse() * K;
-      A.bottomRightCorner<6, 6>() = -M_d.inverse() * B;
-      const auto poles = A.eigenvalues().eval();
+      A.bottomLeftCorner<6, 6>() = -inverse(M_d) * K;
+      A.bottomRightCorner<6, 6>() = -inverse(M_d) * B;
+      const Eigen::VectorXcd poles = eigenvalues(A);
       for (int k = 0; k < 12; ++k)
         EXPECT_NEAR(-poles[k].real() / std::abs(poles[k]), s.damping_ratio, 2e-3)
             << "mode of " << std::abs(poles[k]) << " rad/s";

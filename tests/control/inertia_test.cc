@@ -5,8 +5,8 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <Eigen/LU>
 
+#include "dense_algebra.h"
 #include "free_arm.h"
 #include "impedraw/common/errors.h"
 
@@ -47,7 +47,7 @@ Vector6 tip_acceleration(World& world, const JointVector& tau, const Wrench& F) 
   const Vector6 drift = (J_after - world.terms().J) / (2.0 * h) * v;
   world.set_state(q, v);
   const Eigen::VectorXd force = tau + t.J.transpose() * F - t.bias;
-  return t.J * t.M.llt().solve(force) + drift;
+  return t.J * solve(t.M, force) + drift;
 }
 
 Matrix6 desired_inertia(const FreeArm& free, const Case& c, const ImpedanceSettings& s) {
@@ -58,7 +58,7 @@ Matrix6 desired_inertia(const FreeArm& free, const Case& c, const ImpedanceSetti
     return M_d;
   }
   const World::Terms t = free.world.terms();
-  return c.scale * (t.J * t.M.inverse() * t.J.transpose()).inverse();
+  return c.scale * operational_inertia(t.J, t.M);
 }
 
 Wrench push(int axis) { return (axis < 3 ? 8.0 : 0.5) * Wrench::Unit(axis); }
@@ -89,7 +89,7 @@ TEST(DesiredInertia, IsWhatAPushMeetsInAllSixAxes) {
           ImpedanceController fresh(fast, 7);
           free.measure();
           const JointVector tau = fresh.step(free.terms, free.reference, {}, push(axis)).tau;
-          const Vector6 expected = M_d.inverse() * push(axis),
+          const Vector6 expected = inverse(M_d) * push(axis),
                         V_dot = tip_acceleration(free.world, tau, push(axis));
           const double error = (V_dot - expected).norm() / expected.norm();
           worst = std::max(worst, error);
@@ -120,7 +120,7 @@ TEST(DesiredInertia, IsWhatTheSimulatedTipMovesBy) {
     s.stability_check.contact_stiffness_max = 1.0;
     for (int axis = 0; axis < 6; ++axis) {
       FreeArm free(s);
-      const Vector6 expected = desired_inertia(free, c, s).inverse() * (0.1 * push(axis));
+      const Vector6 expected = inverse(desired_inertia(free, c, s)) * (0.1 * push(axis));
       const int steps = 5;
       for (int i = 0; i < steps; ++i) {
         free.F_ext = 0.1 * push(axis);  // the wrench of this step

@@ -1,7 +1,7 @@
 // Repulsion from joint limits: monotonic, smooth, and without effect on the tip.
 #include <gtest/gtest.h>
-#include <Eigen/LU>
 
+#include "dense_algebra.h"
 #include "free_arm.h"
 
 namespace impedraw {
@@ -36,10 +36,9 @@ TEST(JointLimits, RepelAsTheFormulaSaysUpToTheLimitAndBeyond) {
   ArmTerms terms(7);
   arm.compute(working_posture(), JointVector::Zero(7), &terms);
   const ImpedanceSettings s;
-  const Eigen::MatrixXd J = terms.J, M_inverse = Eigen::MatrixXd(terms.M).inverse();
-  const Eigen::MatrixXd N =
-      Eigen::MatrixXd::Identity(7, 7) -
-      J.transpose() * (J * M_inverse * J.transpose()).inverse() * J * M_inverse;
+  const Eigen::MatrixXd J = terms.J, M_inverse = inverse(terms.M);
+  const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(7, 7) -
+                            J.transpose() * inverse(J * M_inverse * J.transpose()) * J * M_inverse;
   for (const int joint : {0, 2, 4}) {
     for (const bool upper : {false, true}) {
       double last = 0.0;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "arm_fixture.h"
+#include "dense_algebra.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
@@ -52,7 +53,7 @@ struct Plant {
     const double h = kDt / substeps;
     for (int i = 0; i < substeps; ++i) {
       const JointVector force = tau + terms.J.transpose() * F + d - terms.Cv - terms.g;
-      v += h * Eigen::VectorXd(Eigen::MatrixXd(terms.M).llt().solve(Eigen::VectorXd(force)));
+      v += h * solve(terms.M, force);
       q += h * v;
       arm.compute(q, v, &terms);
     }

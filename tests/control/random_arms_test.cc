@@ -3,9 +3,8 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
+#include "dense_algebra.h"
 #include "free_arm.h"
 #include "random_arm.h"
 
@@ -91,23 +90,23 @@ void follow(const RandomArm& file, const ImpedanceSettings& s, const JointVector
     M_d.bottomRightCorner<3, 3>() = s.shaped_inertia.angular.matrix(n_W);
   } else {
     M_d = (s.inertia == InertiaShaping::scaled ? s.inertia_scale : 1.0) *
-          (t.J * t.M.inverse() * t.J.transpose()).inverse();
+          operational_inertia(t.J, t.M);
     M_d = 0.5 * (M_d + M_d.transpose()).eval();
   }
   K.topLeftCorner<3, 3>() = s.stiffness.linear.matrix(n_W);
   K.bottomRightCorner<3, 3>() = s.stiffness.angular.matrix(n_W);
   K_damping = K;
   K_damping.bottomRightCorner<3, 3>() = s.reference_stiffness.angular.matrix(n_W);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> modes(K_damping, M_d);
-  const Matrix6 Q = modes.eigenvectors();
+  const Modes damped = modes(K_damping, M_d);
+  const Matrix6 Q = damped.Q;
   const Matrix6 B = M_d * Q *
-                    (2.0 * s.damping_ratio * modes.eigenvalues().cwiseSqrt()).asDiagonal() *
+                    (2.0 * s.damping_ratio * damped.omega_squared.cwiseSqrt()).asDiagonal() *
                     Q.transpose() * M_d;
 
   Vector6 x = Vector6::Zero(), x_dot = Vector6::Zero(), x_D = Vector6::Zero();
   x_D.head<3>() = Eigen::Vector3d(1e-3, -0.5e-3, 0.8e-3);
   free.reference.p_WD += x_D.head<3>();
-  const Matrix6 A = M_d.inverse();
+  const Matrix6 A = inverse(M_d);
   for (int i = 0; i < 800; ++i) {
     ASSERT_LT((free.world.state().X_WE.p - start - x.head<3>()).norm(), 0.02 * x_D.norm())
         << "at " << i << " ms, " << n << " joints";

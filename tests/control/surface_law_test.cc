@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "arm_fixture.h"
+#include "dense_algebra.h"
 
 namespace impedraw {
 namespace {
@@ -107,7 +108,7 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
   on.settle();
   // Slide along y. The measured wrench contains friction along −y and a push along the other
   // tangent.
-  JointVector v = on.terms.J.transpose() * (on.terms.J * on.terms.J.transpose()).inverse() *
+  JointVector v = on.terms.J.transpose() * inverse(on.terms.J * on.terms.J.transpose()) *
                   Vector6(0.05 * Vector6::Unit(1));
   on.arm.compute(on.terms.q, v, &on.terms);
   const Eigen::Vector3d n = on.surface.n_W, across = Eigen::Vector3d::UnitY().cross(n);

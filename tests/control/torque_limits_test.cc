@@ -6,9 +6,9 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <Eigen/LU>
 
 #include "arm_fixture.h"
+#include "dense_algebra.h"
 
 namespace impedraw {
 namespace {
@@ -33,8 +33,8 @@ struct Posture {
   Posture(ArmModel& arm, std::mt19937& rng) {
     do terms = random_terms(arm, rng);
     while (!space.update(terms));
-    const Eigen::MatrixXd J = terms.J, M_inverse = Eigen::MatrixXd(terms.M).inverse();
-    tip_of = (J * M_inverse * J.transpose()).inverse() * J * M_inverse;
+    const Eigen::MatrixXd J = terms.J, M_inverse = inverse(terms.M);
+    tip_of = inverse(J * M_inverse * J.transpose()) * J * M_inverse;
     const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(7, 7) - J.transpose() * tip_of;
     Eigen::Index best = 0;
     N.colwise().norm().maxCoeff(&best);

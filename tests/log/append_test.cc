@@ -53,6 +53,29 @@ class AppendTest : public ::testing::Test {
     log.close(wall);
   }
 
+  void wait_for_go() const {
+    while (!std::filesystem::exists(folder_ / "go"))
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  // Until a copy of the log that a child writes shows `rows` rows: a minute at most, since a busy
+  // disk takes its time.
+  void wait_until_recoverable(int rows) const {
+    const std::filesystem::path copy = folder_ / "copy";
+    for (int tries = 0; tries < 300; ++tries) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      std::filesystem::remove_all(copy);
+      std::filesystem::create_directory(copy);
+      for (const auto& file : std::filesystem::directory_iterator(folder_))
+        if (file.path().filename().string().starts_with("run."))
+          std::filesystem::copy_file(file.path(), copy / file.path().filename());
+      try {
+        recover_log(copy / "run.h5");
+        if (static_cast<int>(read_rows(copy / "run.h5").rows()) >= rows) return;
+      } catch (const InputError&) {  // copied before its header was written
+      }
+    }
+  }
+
   // By h5py, dataset by dataset and attribute by attribute; of the wall times only that they are
   // there.
   void expect_same(const std::filesystem::path& a, const std::filesystem::path& b) const {
@@ -78,15 +101,19 @@ for k in a.attrs: assert k.startswith('wall_') or k == 'log_id' or a.attrs[k] ==
     EXPECT_EQ(std::system(command.c_str()), 0);
   }
 
-  // A child that runs `work`, which ends by killing itself, without any clearing up.
-  static void in_killed_child(const std::function<void()>& work) {
+  // A child that runs `work`, which ends by killing itself, without any clearing up. It gets its
+  // go once a kill would leave `rows` rows.
+  void in_killed_child(const std::function<void()>& work, int rows) const {
     const pid_t child = fork();
     if (child == 0) {
       work();
       _exit(1);
     }
+    wait_until_recoverable(rows);
+    std::ofstream(folder_ / "go").close();
     int status = 0;
     waitpid(child, &status, 0);
+    std::filesystem::remove(folder_ / "go");
     ASSERT_TRUE(WIFSIGNALED(status));
   }
 
@@ -124,23 +151,27 @@ TEST_F(AppendTest, AfterAKillGoesOnBehindTheLastWholeRow) {
   write(path("one.h5"), 30000);
   for (const int rows : {100, 4096, 10000}) {
     SCOPED_TRACE(rows);
-    in_killed_child([&] {
-      RunLog log(path(), small_header());
-      append(log, 0, rows);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1000));  // synced
-      append(log, rows, rows + 20);                                  // not synced
-      kill(getpid(), SIGKILL);
-    });
+    in_killed_child(
+        [&] {
+          RunLog log(path(), small_header());
+          append(log, 0, rows);
+          wait_for_go();
+          append(log, rows, rows + 20);  // not synced
+          kill(getpid(), SIGKILL);
+        },
+        rows);
     EXPECT_TRUE(recover_log(path()));
     const int kept = static_cast<int>(read_rows(path()).rows());
     EXPECT_GE(kept, rows);
     // Killed again while going on, then to the end.
-    in_killed_child([&] {
-      RunLog log = RunLog::append_to(path(), small_header());
-      append(log, kept, kept + 5000);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-      kill(getpid(), SIGKILL);
-    });
+    in_killed_child(
+        [&] {
+          RunLog log = RunLog::append_to(path(), small_header());
+          append(log, kept, kept + 5000);
+          wait_for_go();
+          kill(getpid(), SIGKILL);
+        },
+        kept + 5000);
     go_on(path(), kept + 5000, 30000);
     EXPECT_TRUE(std::isnan(read_run(path()).wall.loop)) << "what a killed part took nobody knows";
     expect_same(path("one.h5"), path());

@@ -1,6 +1,7 @@
 // Draws and measures a scenario of this repository.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -16,6 +17,7 @@
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/run.h"
 #include "run/bounds.h"
+#include "seeds.h"
 
 namespace impedraw {
 
@@ -47,11 +49,14 @@ inline Figures draw_scenario(const std::string& name,
   return figures;
 }
 
-// Draws a run of bounds.json with each of its seeds and checks it. Returns the last run.
+// Draws a run of bounds.json with its first two seeds, or with all of them under IMPEDRAW_LONG, and
+// checks it. Returns the last run.
 inline Figures draw_within_bounds(const std::string& run) {
   const nlohmann::json& entry = bounds().at("runs").at(run);
   Figures figures;
-  for (const int seed : entry.at("seeds")) {
+  auto runs = entry.at("seeds").get<std::vector<int>>();
+  runs.resize(seeds(std::min<unsigned>(2, runs.size()), runs.size()));
+  for (const int seed : runs) {
     SCOPED_TRACE(run + ", seed " + std::to_string(seed));
     auto assignments = entry.at("set").get<std::vector<std::string>>();
     assignments.push_back("seed=" + std::to_string(seed));
@@ -59,6 +64,15 @@ inline Figures draw_within_bounds(const std::string& run) {
     expect_within_bounds(run, [&](const std::string& metric) { return figures[metric.c_str()]; });
   }
   return figures;
+}
+
+// The largest torque rate of any joint between two steps of 1 ms [Nm/s].
+inline double torque_rate(const Figures& f) {
+  const auto& tau = f.run.joint_torque;
+  double most = 0.0;
+  for (int i = 1; i < tau.rows(); ++i)
+    most = std::max(most, (tau.row(i) - tau.row(i - 1)).cwiseAbs().maxCoeff() / 1e-3);
+  return most;
 }
 
 }  // namespace impedraw

@@ -39,15 +39,6 @@ TEST(VelocityNoise, NoVelocityIsAsGood) {
   EXPECT_LT(f["force_sd"], 0.15);
 }
 
-double torque_rate(const Figures& f) {
-  double most = 0.0;
-  for (int i = 1; i < f.run.joint_torque.rows(); ++i)
-    most = std::max(
-        most,
-        (f.run.joint_torque.row(i) - f.run.joint_torque.row(i - 1)).cwiseAbs().maxCoeff() / 1e-3);
-  return most;
-}
-
 TEST(SlowTorque, Sine) {
   const Figures f = draw_within_bounds("bowl-sine-slow-torque");
   EXPECT_LE(torque_rate(f), 900.0 * (1.0 + 1e-9));

@@ -15,15 +15,6 @@ double met(const Figures& f, const char* what) {
   return it == f.outcome.met.end() ? 0.0 : it->second;
 }
 
-// Largest torque rate of any joint between two steps [Nm/s].
-double torque_rate(const Figures& f) {
-  double most = 0.0;
-  for (int i = 1; i < f.run.joint_torque.rows(); ++i)
-    most = std::max(
-        most,
-        (f.run.joint_torque.row(i) - f.run.joint_torque.row(i - 1)).cwiseAbs().maxCoeff() / 1e-3);
-  return most;
-}
 constexpr double kRate = 4000.0 * (1.0 + 1e-9);  // control.torque_rate
 
 double highest_force(const Figures& f) {
