@@ -14,8 +14,6 @@
 namespace impedraw {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 void validate(std::string_view shape, const FootprintSettings& s) {
   using Limits = FootprintSettings::Limits;
   require_in_range(shape, Limits::centre, s.centre);
@@ -34,7 +32,7 @@ void require_fine_edge(std::string_view shape, const FootprintSettings& s, std::
 
 template <class Height>
 TriangleMesh graph(const FootprintSettings& s, const Height& h) {
-  const double heading = s.heading_deg * kPi / 180.0;
+  const double heading = s.heading_deg * std::numbers::pi / 180.0;
   const Eigen::Vector3d e_x(std::cos(heading), std::sin(heading), 0.0);
   const Eigen::Vector3d e_y(-e_x.y(), e_x.x(), 0.0);
   return grid_mesh(cells(s.width, s.edge), cells(s.height, s.edge),
@@ -53,7 +51,7 @@ TriangleMesh make_wave(const WaveSettings& s) {
   require_in_range("wave", WaveSettings::Limits::wavelength, s.wavelength);
   require_fine_edge("wave", s.footprint, "an eighth of the wavelength", s.wavelength);
   return graph(s.footprint, [&](double x, double) {
-    return s.amplitude * std::sin(2.0 * kPi * x / s.wavelength);
+    return s.amplitude * std::sin(2.0 * std::numbers::pi * x / s.wavelength);
   });
 }
 
@@ -77,9 +75,10 @@ TriangleMesh make_terrain(const TerrainSettings& s) {
   const auto uniform = [&bits] { return static_cast<double>(bits() >> 11) * 0x1p-53; };
   std::vector<Wave> waves;
   for (int i = 0; i < s.kWaves; ++i) {
-    const double k = 2.0 * kPi / (s.feature * (1.0 + uniform()));
-    const double heading = kPi * (i + uniform()) / s.kWaves;
-    waves.push_back({k * std::cos(heading), k * std::sin(heading), 2.0 * kPi * uniform()});
+    const double k = 2.0 * std::numbers::pi / (s.feature * (1.0 + uniform()));
+    const double heading = std::numbers::pi * (i + uniform()) / s.kWaves;
+    waves.push_back(
+        {k * std::cos(heading), k * std::sin(heading), 2.0 * std::numbers::pi * uniform()});
   }
   return graph(s.footprint, [&](double x, double y) {
     double sum = 0.0;

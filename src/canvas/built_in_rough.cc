@@ -14,8 +14,6 @@
 namespace impedraw {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // The distributions of <random> differ from one library to the next; the generator's bits do not.
 class Random {
  public:
@@ -23,7 +21,7 @@ class Random {
   double uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
   double normal() {
     const double u = 1.0 - uniform(), v = uniform();
-    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * kPi * v);
+    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
   }
 
  private:
@@ -32,7 +30,7 @@ class Random {
 
 TriangleMesh graph(const FootprintSettings& s, double edge,
                    const std::function<double(double, double)>& h) {
-  const double heading = s.heading_deg * kPi / 180.0;
+  const double heading = s.heading_deg * std::numbers::pi / 180.0;
   const Eigen::Vector3d e_x(std::cos(heading), std::sin(heading), 0.0);
   const Eigen::Vector3d e_y(-e_x.y(), e_x.x(), 0.0);
   return grid_mesh(cells(s.width, edge), cells(s.height, edge),
@@ -55,13 +53,14 @@ TriangleMesh fractal(const RoughSettings& s, double edge) {
   for (int i = 0; i < kWaves; ++i) {
     const double share = (i + random.uniform()) / kWaves;
     const double length = s.wavelength * std::pow(longest / s.wavelength, share);
-    const double k = 2.0 * kPi / length, heading = 2.0 * kPi * random.uniform();
+    const double k = 2.0 * std::numbers::pi / length,
+                 heading = 2.0 * std::numbers::pi * random.uniform();
     const double a = std::pow(length, kRoughness);
-    waves.push_back(
-        {k * std::cos(heading), k * std::sin(heading), 2.0 * kPi * random.uniform(), a});
+    waves.push_back({k * std::cos(heading), k * std::sin(heading),
+                     2.0 * std::numbers::pi * random.uniform(), a});
     sum += a * a * k * k / 2.0;
   }
-  const double scale = std::tan(s.slope_deg * kPi / 180.0) / std::sqrt(sum);
+  const double scale = std::tan(s.slope_deg * std::numbers::pi / 180.0) / std::sqrt(sum);
   return graph(s.footprint, edge, [&](double x, double y) {
     double h = 0.0;
     for (const Wave& w : waves) h += w.a * std::sin(w.k_x * x + w.k_y * y + w.phase);
@@ -73,7 +72,7 @@ TriangleMesh facets(const RoughSettings& s) {
   Random random(s.seed);
   // Both triangles of a square have gradient (Δz along one side, Δz along the other)/λ, each
   // difference of variance 2 σ².
-  const double sigma = std::tan(s.slope_deg * kPi / 180.0) * s.wavelength / 2.0;
+  const double sigma = std::tan(s.slope_deg * std::numbers::pi / 180.0) * s.wavelength / 2.0;
   return graph(s.footprint, s.wavelength, [&](double, double) { return sigma * random.normal(); });
 }
 
@@ -91,7 +90,7 @@ TriangleMesh lip(const RoughSettings& s, double edge) {
   TriangleMesh mesh = graph(s.footprint, edge, [](double, double) { return 0.0; });
   FootprintSettings half = s.footprint;
   half.width /= 2.0;
-  const double heading = half.heading_deg * kPi / 180.0;
+  const double heading = half.heading_deg * std::numbers::pi / 180.0;
   half.centre += Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.0) * half.width / 2.0;
   half.centre.z() += s.height;
   const TriangleMesh sheet = graph(half, edge, [](double, double) { return 0.0; });
@@ -116,7 +115,8 @@ TriangleMesh make_rough(const RoughSettings& s) {
   require_in_range("rough", Limits::height, s.height);
   const double edge = std::min(s.footprint.edge, s.wavelength / 4.0);
   require_fair_size("rough", edge, 2.0 * s.footprint.width * s.footprint.height / (edge * edge));
-  const double slope = std::tan(s.slope_deg * kPi / 180.0), k = 2.0 * kPi / s.wavelength;
+  const double slope = std::tan(s.slope_deg * std::numbers::pi / 180.0),
+               k = 2.0 * std::numbers::pi / s.wavelength;
   switch (s.form) {
     case RoughForm::fractal:
       return fractal(s, edge);
@@ -136,7 +136,7 @@ TriangleMesh make_rough(const RoughSettings& s) {
     case RoughForm::step: {
       // One narrow column of cells makes the wall.
       TriangleMesh mesh = graph(s.footprint, edge, [](double, double) { return 0.0; });
-      const double heading = s.footprint.heading_deg * kPi / 180.0;
+      const double heading = s.footprint.heading_deg * std::numbers::pi / 180.0;
       const Eigen::Vector3d e_x(std::cos(heading), std::sin(heading), 0.0);
       double before = -1e9, after = 1e9;
       for (const Eigen::Vector3d& p : mesh.vertices) {

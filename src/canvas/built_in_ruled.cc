@@ -13,8 +13,6 @@
 namespace impedraw {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // up = 1: outside of the upper part; −1: inside of the lower part. Normals point up in both.
 TriangleMesh part_of_cylinder(std::string_view shape, const CylinderSettings& s, double up) {
   using Limits = CylinderSettings::Limits;
@@ -30,7 +28,7 @@ TriangleMesh part_of_cylinder(std::string_view shape, const CylinderSettings& s,
   const double arc = 2.0 * s.radius * half_angle;
   require_fair_size(shape, s.edge, 2.0 * s.length * arc / (s.edge * s.edge));
 
-  const double heading = s.heading_deg * kPi / 180.0;
+  const double heading = s.heading_deg * std::numbers::pi / 180.0;
   const Eigen::Vector3d along(std::cos(heading), std::sin(heading), 0.0);
   const Eigen::Vector3d across(-along.y(), along.x(), 0.0);
   return grid_mesh(cells(s.length, s.edge), cells(arc, s.edge),
@@ -59,10 +57,11 @@ TriangleMesh make_cone(const ConeSettings& s) {
   require_in_range("cone", Limits::base_radius, s.base_radius);
   require_in_range("cone", Limits::edge, s.edge);
   require_at_most("cone", "edge", s.edge, "the base_radius", s.base_radius);
-  const double slope = s.slope_deg * kPi / 180.0;
+  const double slope = s.slope_deg * std::numbers::pi / 180.0;
   const double slant = s.base_radius / std::cos(slope);
-  require_fair_size("cone", s.edge,
-                    kPi * s.base_radius * slant / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
+  require_fair_size(
+      "cone", s.edge,
+      std::numbers::pi * s.base_radius * slant / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
 
   const int count = std::max(1, static_cast<int>(std::ceil(slant / (s.edge * std::sqrt(0.75)))));
   std::vector<Ring> rings;
@@ -71,8 +70,9 @@ TriangleMesh make_cone(const ConeSettings& s) {
     // A chord of length l deviates from the cone by l² sin(slope)/(8 ρ). Shorter chords near the
     // apex keep the bound.
     const double chord = s.edge * std::min(1.0, std::sqrt(8.0 * rho / s.base_radius));
-    rings.push_back({rho, -std::tan(slope) * rho,
-                     std::max(6, static_cast<int>(std::ceil(2.0 * kPi * rho / chord)))});
+    rings.push_back(
+        {rho, -std::tan(slope) * rho,
+         std::max(6, static_cast<int>(std::ceil(2.0 * std::numbers::pi * rho / chord)))});
   }
   TriangleMesh mesh = ring_mesh(0.0, rings);
   for (auto& p : mesh.vertices) p += s.apex;

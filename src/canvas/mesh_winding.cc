@@ -16,7 +16,7 @@ struct Patch {  // triangles joined across edges that exactly two share
 };
 
 // most closed patches tested for containing another; bounds the work
-constexpr std::size_t kLargest = 64;
+constexpr std::size_t kMostPatches = 64;
 
 }  // namespace
 
@@ -83,7 +83,7 @@ Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edge
     return a->box.diagonal().norm() > b->box.diagonal().norm();
   };
   std::stable_sort(largest.begin(), largest.end(), larger);
-  largest.resize(std::min(largest.size(), kLargest));
+  largest.resize(std::min(largest.size(), kMostPatches));
   for (const auto& patch : closed) {
     if (patch.volume >= 0.0) continue;
     const bool cavity = std::any_of(largest.begin(), largest.end(), [&](const Patch* other) {

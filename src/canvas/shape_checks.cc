@@ -7,7 +7,7 @@
 namespace impedraw {
 
 namespace {
-constexpr double kMostTriangles = 2e7;  // more is probably a wrong unit
+constexpr double kMostShapeTriangles = 2e7;  // more is probably a wrong unit
 }
 
 void require_at_most(std::string_view shape, std::string_view name, double value,
@@ -18,11 +18,11 @@ void require_at_most(std::string_view shape, std::string_view name, double value
 }
 
 void require_fair_size(std::string_view shape, double edge, double triangles) {
-  if (triangles > kMostTriangles) {
+  if (triangles > kMostShapeTriangles) {
     throw InputError(
         fmt::format("{}.edge is {} m, which makes {:.0e} triangles, at most {:.0e} are made: take "
                     "a longer edge",
-                    shape, edge, triangles, kMostTriangles));
+                    shape, edge, triangles, kMostShapeTriangles));
   }
 }
 

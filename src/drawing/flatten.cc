@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "impedraw/common/cross.h"
+
 namespace impedraw {
 namespace {
 
@@ -11,7 +13,6 @@ using Eigen::Vector2d;
 // 2^24 pieces; only cusps reach it, with pieces far below any tolerance
 constexpr int kDeepest = 24;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 double angle_between(const Vector2d& a, const Vector2d& b) {
   return std::abs(std::atan2(cross(a, b), a.dot(b)));
 }

@@ -83,7 +83,7 @@ constexpr const char32_t* kPlain[] = {
     U"…...", U"\u00a0 ", U"\u2009 ", U"\u202f ", U"ŉ'n", U"ĳij", U"ĲIJ"};
 constexpr const char32_t* kMovedTogether[] = {U"æae", U"ÆAE", U"œoe", U"ŒOE"};
 
-struct InkMatch {
+struct DrawnLetter {
   char32_t letter;
   Glyph glyph;
 };
@@ -98,8 +98,8 @@ Line circle(const Vector2d& centre, double radius) {
 }
 
 // Proportions follow the plain fonts: x height from −5, stems on integers.
-const std::vector<InkMatch>& drawn_here() {
-  static const std::vector<InkMatch> all = {
+const std::vector<DrawnLetter>& drawn_here() {
+  static const std::vector<DrawnLetter> all = {
       {U'ß',
        {-10,
         9,
@@ -375,7 +375,7 @@ std::optional<Glyph> plain_glyph(const HersheyFont& font, char32_t letter) {
   for (const char32_t* pair : kMovedTogether) {
     if (pair[0] == letter) return row_of(font, pair + 1, true);
   }
-  for (const InkMatch& drawn : drawn_here()) {
+  for (const DrawnLetter& drawn : drawn_here()) {
     if (drawn.letter == letter) return drawn.glyph;
   }
   return std::nullopt;

@@ -10,6 +10,11 @@
 
 namespace impedraw {
 
+// What a file may hold: points, each this far from the page's origin at most [mm]. usvg's single
+// precision is off by 0.1 mm there.
+inline constexpr std::size_t kMostPoints = 5'000'000;
+inline constexpr double kFarthest = 1e6;
+
 // One pen-down line on the page: x to the right, y down (as in SVG), millimetres.
 struct Stroke {
   std::vector<Eigen::Vector2d> points = {};  // [mm], at least one; consecutive points differ

@@ -15,8 +15,6 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kFarthest = 1e6;  // [mm]
-constexpr std::size_t kMostPoints = 5'000'000;
 
 std::string_view trimmed(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };

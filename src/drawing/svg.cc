@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/input_file.h"
 #include "impedraw/drawing/flatten.h"
@@ -15,12 +16,10 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kFarthest = 1e6;  // [mm]; usvg's single precision is off by 0.1 mm there
 // tolerance for two pieces of one arc to share an ellipse, relative to its size
 constexpr double kSameArc = 1e-5;
 constexpr double kSamePoint = 1e-6;  // [mm]
 constexpr double kSamePage = 1e-4;   // of a white page's edge to the page's, of its diagonal
-constexpr std::size_t kMostPoints = 5'000'000;
 
 struct Segment {
   ImpedrawSvgVerb verb;
@@ -36,8 +35,6 @@ struct Subpath {
   bool closed = false;
   const ImpedrawSvgPath* path = nullptr;
 };
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 std::vector<Subpath> subpaths_of(const ImpedrawSvg& svg, const std::string& name) {
   std::vector<Subpath> all;

@@ -33,7 +33,7 @@ std::string shown(char32_t c) {
   return c < 32 || (c >= 127 && c < 160) ? code : fmt::format("'{}' ({})", encoded_utf8(c), code);
 }
 
-struct Line {
+struct TextLine {
   std::vector<std::vector<Vector2d>> strokes;  // [grid], from the pen at 0
   double left = 0, right = 0;                  // extent of its ink and of the blanks at its ends
 };
@@ -42,8 +42,8 @@ class Typesetter {
  public:
   explicit Typesetter(const HersheyFont& font) : font_(font) {}
 
-  Line set(const std::u32string& text, std::size_t line_number) {
-    Line line;
+  TextLine set(const std::u32string& text, std::size_t line_number) {
+    TextLine line;
     Eigen::AlignedBox1d ink;
     double pen = 0, leading = 0, trailing = 0;
     for (std::size_t i = 0; i < text.size();) {
@@ -127,7 +127,7 @@ Artwork make_text(const TextSettings& settings) {
   double down = 0;
   std::size_t number = 0;
   for (const std::u32string& characters : lines_of(text)) {
-    const Line line = typesetter.set(characters, ++number);
+    const TextLine line = typesetter.set(characters, ++number);
     const double anchor = line.left + share * (line.right - line.left);
     for (const auto& points : line.strokes) {
       Stroke stroke;

@@ -4,13 +4,6 @@
 #include <set>
 
 namespace impedraw {
-namespace {
-
-// sample spacing of the search trees [m]; affects their speed, not their results
-constexpr double kSampleSpacing = 0.25e-3;
-
-}  // namespace
-
 InkMatch match_ink(const RunData& run) {
   const std::size_t n = run.rows();
   InkMatch d;

@@ -9,6 +9,9 @@
 
 namespace impedraw {
 
+// Of a search tree of lines [m]; affects its speed, not its results.
+inline constexpr double kSampleSpacing = 0.25e-3;
+
 struct InkMatch {
   std::vector<InkLine> lines;     // ink lines, split at their ends and where /stroke changes
   std::vector<StrokeSpan> spans;  // the plan's passes over strokes, in order of time

@@ -20,7 +20,6 @@ constexpr double kShortestGap = 1e-3;  // [m]
 constexpr double kOutside = 1e-3;      // [m]
 // after the first touch [s]; the margin absorbs the rounding of times
 constexpr double kSettling = 0.2 + 1e-9;
-constexpr double kSampleSpacing = 0.25e-3;  // of the search trees [m]
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // Gives several missing metrics the same reason.

@@ -10,6 +10,12 @@ namespace impedraw {
 
 double plane_length(const PlacedStroke& stroke) { return length(stroke.p_P); }
 
+double plane_length(const std::vector<PlacedStroke>& strokes) {
+  double sum = 0.0;
+  for (const PlacedStroke& stroke : strokes) sum += plane_length(stroke);
+  return sum;
+}
+
 StrokeRuler::StrokeRuler(const PlacedStroke& stroke)
     : stroke_(stroke), length_(plane_length(stroke)) {
   along_.reserve(stroke.p_P.size());

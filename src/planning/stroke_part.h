@@ -16,7 +16,8 @@ struct StrokePart {
   double length() const { return to - from; }
 };
 
-double plane_length(const PlacedStroke& stroke);  // [m]
+double plane_length(const PlacedStroke& stroke);                // [m]
+double plane_length(const std::vector<PlacedStroke>& strokes);  // of all of them [m]
 
 // Returns the part of the stroke within [from, to], measured as in StrokePart. The stroke may be a
 // part that starts later. The interval is clipped to the stroke and its ends are interpolated. If

@@ -20,12 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double total_mm(const std::vector<PlacedStroke>& strokes) {
-  double sum = 0.0;
-  for (const PlacedStroke& stroke : strokes) sum += 1e3 * plane_length(stroke);
-  return sum;
-}
-
 void put(Record* record, const char* name, const Metric& metric) {
   if (metric.value()) (*record)[name] = fmt::format("{:.6g}", *metric.value());
 }
@@ -43,9 +37,9 @@ Record promise_record(const Experiment& e) {
     r["reasons"] += fmt::format("{}{} {}", r["reasons"].empty() ? "" : "; ", name, count);
   const std::vector<PlacedStroke>& asked = e.artwork.strokes;
   r["strokes"] = std::to_string(asked.size());
-  r["asked"] = fmt::format("{:.1f}", total_mm(asked));
+  r["asked"] = fmt::format("{:.1f}", 1e3 * plane_length(asked));
   r["parts"] = std::to_string(e.plan.strokes.size());
-  r["promised"] = fmt::format("{:.1f}", total_mm(e.plan.strokes));
+  r["promised"] = fmt::format("{:.1f}", 1e3 * plane_length(e.plan.strokes));
   r["undrawable"] = fmt::format("{:.1f}", undrawable);
   r["unnamed"] = fmt::format("{:.2f}", unnamed_mm(e));
   r["planned_time"] = fmt::format("{:.2f}", e.plan.path.duration());

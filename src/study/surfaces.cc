@@ -30,12 +30,6 @@ constexpr std::array kFigures = {
     "force_sd",   "force_peak",       "touchdown_peak",  "tilt_mean",     "normal_error_mean",
     "speed_mean", "draw_time",        "time_scale_mean", "strokes_missed"};
 
-double total_mm(const std::vector<PlacedStroke>& strokes) {
-  double sum = 0.0;
-  for (const PlacedStroke& stroke : strokes) sum += 1e3 * plane_length(stroke);
-  return sum;
-}
-
 double number(const Record& record, const std::string& name) {
   const std::string text = field(record, name);
   return text.empty() ? std::nan("") : std::strtod(text.c_str(), nullptr);
@@ -147,8 +141,8 @@ std::string measure_surface(const Cell& cell, const fs::path& log) {
   try {
     Places places;
     Experiment e = prepare(cell_scenario(cell, &places), places, Unreachable::tell);
-    r["asked"] = fmt::format("{:.1f}", total_mm(e.artwork.strokes));
-    r["promised"] = fmt::format("{:.1f}", total_mm(e.plan.strokes));
+    r["asked"] = fmt::format("{:.1f}", 1e3 * plane_length(e.artwork.strokes));
+    r["promised"] = fmt::format("{:.1f}", 1e3 * plane_length(e.plan.strokes));
     r["unnamed_mm"] = fmt::format("{:.2f}", unnamed_mm(e));
     if (!e.plan.strokes.empty()) {
       const RunOutcome outcome = run(e, log, seconds_since(start));

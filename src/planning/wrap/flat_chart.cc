@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "impedraw/common/cross.h"
+
 namespace impedraw {
 namespace {
 
@@ -16,8 +18,6 @@ constexpr double kBucket = 1.5;    // [spacings]
 constexpr double kOnEdge = 1e-9;   // barycentric coordinates ≥ −kOnEdge count as inside
 constexpr double kSolved = 1e-12;  // [m]
 constexpr int kNewtonSteps = 12;
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 struct Weights {
   std::array<double, 4> value, slope;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/files/run_python.h"
 
@@ -53,8 +54,6 @@ std::string run_script(const std::string& data, const std::filesystem::path& wan
   throw InputError(fmt::format("wrap: {} failed: {}", IMPEDRAW_FLATTEN_SCRIPT,
                                why.empty() ? "it said nothing" : why));
 }
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& flat) {
   int folded = 0;
