@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <Eigen/Cholesky>
 
+#include "impedraw/common/angle.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/polyline.h"
 
@@ -81,7 +82,7 @@ class Fit {
         bool all = true;
         for (std::size_t i = 0; i < n; ++i) {
           if (done[i]) continue;
-          if (k > 0 && angle(trial[i], base[i]) > tilt.allowance) {
+          if (k > 0 && angle_between(trial[i], base[i]) > tilt.allowance) {
             done[i] = 1;
             continue;
           }
@@ -96,7 +97,7 @@ class Fit {
           axes = smoothed_normals(spread(level));
           bool kept = true;
           for (std::size_t i = 0; i < n; ++i) {
-            if (angle(axes[i], base[i]) <= tilt.allowance) continue;
+            if (angle_between(axes[i], base[i]) <= tilt.allowance) continue;
             kept = false;
             level[i] = std::max(0.0, level[i] - 1.0);
           }
@@ -142,10 +143,6 @@ class Fit {
 
   static constexpr double kLevel = 1.5;
   static constexpr int kLevels = 6;  // up to 11 times normal_smoothing
-
-  static double angle(const Vector3d& a, const Vector3d& b) {
-    return std::atan2(a.cross(b).norm(), a.dot(b));
-  }
 
   // By divided differences over the neighbouring knots, on the surface.
   bool keeps_tilt_limits(const std::vector<Vector3d>& n, std::size_t i) const {
