@@ -440,9 +440,10 @@ void describe(Fields& f, ControlSettings& s) {
           "Bandwidth of the filter of the surface normal.");
   f.choice(
       "pen_axis", s.surface.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
-      "Pen's axis while drawing: along the plan's smoothed normals where the surface under the "
-      "drawing is rough, or always along the estimated normal at the tip. The pen pushes along "
-      "the estimated normal either way.");
+      "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated normal "
+      "at "
+      "the tip. Where it is not given: surface, but plan where the surface under the drawing is "
+      "rough. The pen pushes along the estimated normal either way.");
   f.field(Limits::tip_radius, s.tip.radius, "Modelled radius of the tip.");
   f.field(Limits::tip_stiffness, s.tip.stiffness,
           "Modelled stiffness of the tip along the normal; 0: rigid.");
