@@ -140,10 +140,13 @@ class Page {
         this.dirty = true;
       });
       const mark = h("i");
-      const colour = { normal: kinds[2], force: kinds[1], cloud: kinds[5], cameras: kinds[3], target: targetColour }[part as string];
+      const colour = { normal: kinds[2], force: kinds[1], cloud: kinds[5], target: targetColour }[part as string];
       mark.style.setProperty("--key", colour ?? "transparent");
       box.append(h("label", {}, tick, ` ${part} `, colour ? mark : null));
     }
+    const bare = h("i");
+    bare.style.setProperty("--key", kinds[3]);
+    box.append(h("label", {}, bare, "target without ink"));
     const still = h("button", { type: "button", class: "small" }, "save picture");
     still.addEventListener("click", async () => {
       const blob = await scene.still();
@@ -324,6 +327,7 @@ class Page {
     const { mode, stroke } = this.run.scene;
     const state = this.run.modes[mode[row]] ?? "";
     this.state.textContent = stroke[row] >= 0 ? `${state} · stroke ${stroke[row]}` : state;
+    this.state.style.borderLeftColor = kinds[mode[row] % kinds.length] ?? "";
     for (const tr of this.strokeRows)
       tr.classList.toggle("now", this.t >= Number(tr.dataset.begin) && this.t <= Number(tr.dataset.end));
     this.scene?.seek(this.t);
@@ -410,7 +414,7 @@ class Page {
         const blob = await scene?.still();
         if (!scene || !blob) return [];
         const image = await createImageBitmap(blob);
-        const context = h("canvas", { width: image.width, height: image.height }).getContext("2d");
+        const context = h("canvas", { width: image.width, height: image.height }).getContext("2d", { willReadFrequently: true });
         if (!context) return [];
         context.drawImage(image, 0, 0);
         const ratio = image.width / scene.canvas.clientWidth;

@@ -49,7 +49,7 @@ export class Plots {
       }
     }, { rootMargin: "200px" });
     const bar = h("div", { class: "bar" });
-    const whole = h("button", { type: "button" }, "whole run");
+    const whole = h("button", { type: "button", class: "small" }, "whole run");
     whole.addEventListener("click", () => this.zoom(...this.wholeRange()));
     bar.append(h("span", { class: "hint" }, "Drag to zoom in time, click to go there."), whole);
     this.element.append(bar);
@@ -171,7 +171,7 @@ export class Plots {
     });
     const axis = { stroke: text, font: "11px system-ui, sans-serif", grid: { stroke: grid, width: 1 }, ticks: { show: false } };
     const words = panel.words;
-    const now = h("div", { class: "now" });
+    const now = h("div", { class: "instant" });
     const values = h("div", { class: "values", "aria-hidden": "true" });
     const chart = new uPlot({
       width: Math.max(200, body.clientWidth), height: words ? 110 : 132, padding: [6, 8, 0, 0],

@@ -78,6 +78,7 @@ export class Scene {
   readonly parts: Record<"canvas" | "cloud" | "target" | "ink" | "arm" | "normal" | "force" | "cameras" | "grid", three.Object3D>;
   onChange: () => void = () => {};
   onFree: () => void = () => {};
+  private software = inSoftware();
   private renderer: three.WebGLRenderer;
   private scene = new three.Scene();
   private camera = new three.PerspectiveCamera(35, 1, 0.02, 30);
@@ -103,8 +104,7 @@ export class Scene {
 
   // Throws an error where there is no WebGL.
   constructor(private run: Run) {
-    this.renderer = new three.WebGLRenderer({ antialias: !inSoftware() });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer = new three.WebGLRenderer({ antialias: !this.software });
     this.canvas = this.renderer.domElement;
     this.camera.up.set(0, 0, 1);
     this.orbit = new OrbitControls(this.camera, this.canvas);
@@ -240,7 +240,7 @@ export class Scene {
       const corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(([a, b]) => new three.Vector3(a, b, depth));
       const lines = corners.flatMap((c, i) => [new three.Vector3(), c, c, corners[(i + 1) % 4]]);
       const frustum = new three.LineSegments(
-        new three.BufferGeometry().setFromPoints(lines), new three.LineBasicMaterial({ color: kinds[3] }));
+        new three.BufferGeometry().setFromPoints(lines), new three.LineBasicMaterial({ color: 0x808893 }));
       frustum.applyMatrix4(matrix4(camera.pose));
       group.add(frustum);
     }
@@ -408,6 +408,9 @@ export class Scene {
   }
 
   resize(width: number, height: number): void {
+    const sharp = Math.min(window.devicePixelRatio, 2);
+    const affordable = Math.sqrt((1280 * 720) / (width * height));
+    this.renderer.setPixelRatio(this.software ? Math.min(sharp, affordable) : sharp);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
@@ -468,7 +471,8 @@ export class Scene {
   }
 }
 
-// A renderer without a graphics card: smooth edges would cost it most of its time.
+// A renderer without a graphics card, which smooth edges and more than a million pixels would cost
+// most of its time.
 function inSoftware(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) return false;

@@ -105,7 +105,7 @@ export function settings(run: Run): HTMLElement {
     const differs = value !== initial;
     const row = h("tr", { class: differs ? "changed" : "" },
       h("td", {}, h("code", {}, name), h("div", { class: "why" }, help)),
-      h("td", { class: "n" }, [value || "–", unit].filter(Boolean).join("\u202f"),
+      h("td", { class: "n" }, [value || "–", value === "none" ? "" : unit].filter(Boolean).join("\u202f"),
         differs ? h("div", { class: "why" }, `default ${initial || "none"}`) : null));
     return { row, differs, text: `${name} ${value} ${help}`.toLowerCase() };
   });

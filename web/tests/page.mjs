@@ -192,9 +192,13 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
     await page.getByRole("button", { name: "pause" }).click();
     assert.ok((await ask(page, "state")).t > log.time[0] + 0.1);
     await page.getByRole("tab", { name: "Strokes" }).click();
-    await page.getByRole("button", { name: "go to stroke 1, pass 1" }).click();
-    const begin = log.time[log.stroke.indexOf(1)];
+    const last = Math.max(...log.stroke);
+    await page.getByRole("button", { name: `go to stroke ${last}, pass 1` }).click();
+    const begin = log.time[log.stroke.indexOf(last)];
     assert.ok(Math.abs((await ask(page, "state")).t - begin) < 2e-3);
+    const row = await page.locator("tr.now").boundingBox();
+    const table = await page.locator("table.strokes").boundingBox();
+    assert.ok(row.x >= table.x && row.y > table.y && row.width > 0.9 * table.width, "the stroke's row stands in its table");
     await page.getByRole("tab", { name: "Settings" }).click();
     await page.getByRole("searchbox").fill("normal_force");
     assert.ok((await page.locator("table.settings tr:not([hidden])").count()) >= 1);
