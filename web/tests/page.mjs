@@ -24,7 +24,7 @@ const shots = join(web, "shots");
 const scratch = mkdtempSync(join(tmpdir(), "impedraw-page-"));
 mkdirSync(shots, { recursive: true });
 
-const name = "<b>bold</b> & <script>window.hacked=1<\u2044script>"; // a name of a folder has no slash
+const name = "<img src=x onerror=window.hacked=1> & <b>bold";
 const folder = process.env.RUN ? resolve(process.env.RUN) : join(scratch, "run");
 let browser;
 let log;
