@@ -101,7 +101,7 @@ before(async () => {
     writeFileSync(join(scratch, "line.svg"),
       '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40">' +
       '<path d="M5 5H25V15" fill="none" stroke="black"/><path d="M5 20H20" fill="none" stroke="black"/></svg>');
-    execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", `name=${name}`, "--out", folder], { stdio: "pipe" });
+    execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", `name=${name}`, "--set", "log.rate=full", "--out", folder], { stdio: "pipe" });
   }
   log = JSON.parse(execFileSync(python, ["-c", logReader, join(folder, "run.h5")], { maxBuffer: 1 << 30 }));
   browser = await chromium.launch({
