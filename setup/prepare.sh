@@ -71,19 +71,21 @@ is_ready() { has_packages && has_wheels && is_built "$1"; }
 
 # The stamp contains the state of dpkg's list, so that a removed package or another machine is noticed.
 packages_stamp() { stat -c '%Y %s' /var/lib/dpkg/status 2>/dev/null || echo no dpkg; cat "${package_lists[@]}"; }
-packages_file() { echo "$root/build/.packages$( (( ${#package_lists[@]} == 1 )) || echo -check)"; }
+packages_file() { local more=${package_lists[1]-}; more=${more##*apt-packages}; echo "$root/build/.packages${more%.txt}"; }
 has_packages() { [[ -r $(packages_file) && $(<"$(packages_file)") == "$(packages_stamp)" ]]; }
 
 # Prints the packages of the lists that are missing or too old, one per line.
 missing_packages() {
-  local name least why have cargo
+  local name least why have cargo node
   declare -A version=()
   while read -r name have; do version[$name]=$have; done < <(
     dpkg-query -W -f='${db:Status-Abbrev}\t${Package}\t${Version}\n' 2>/dev/null | awk -F'\t' '$1 ~ /^.i/ {print $2, $3}')
   cargo=$(cargo --version 2>/dev/null | awk '{print $2}') || true
+  node=$(node --version 2>/dev/null) || true
   while read -r name least why; do
     [[ -z $name || $name == '#'* ]] && continue
     [[ $name == rustc-web || $name == cargo-web ]] && [[ $cargo ]] && dpkg --compare-versions "$cargo" ge "$least" && continue
+    [[ $name == nodejs && $node ]] && dpkg --compare-versions "${node#v}" ge 18 && continue
     [[ ${version[$name]-} ]] && dpkg --compare-versions "${version[$name]}" ge "$least" && continue
     echo "$name"
   done < <(cat "${package_lists[@]}")
@@ -183,7 +185,7 @@ follow_pip() {
 
 # --- Build ---------------------------------------------------------------------------------------------------------
 
-sources=("$root"/{CMakeLists.txt,CMakePresets.json,cmake,src,bench,examples})
+sources=("$root"/{CMakeLists.txt,CMakePresets.json,cmake,src,web,bench,examples})
 
 # Compares the marker of the last good build with every source: 3 ms, where ninja takes 100 ms.
 is_built() {
