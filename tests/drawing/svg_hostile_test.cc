@@ -129,9 +129,10 @@ std::string repeated(const std::string& text, int times) {
 
 constexpr const char* kTooSlow = "it takes longer than";
 
-// `or_why`: another reason that is right too. Of two bounds, which is reached first can depend on how
-// fast the machine is.
-void expect_refused(const std::string& document, const std::string& why, const char* or_why = nullptr) {
+// `or_why`: another reason that is right too. Of two bounds, which is reached first can depend on
+// how fast the machine is.
+void expect_refused(const std::string& document, const std::string& why,
+                    const char* or_why = nullptr) {
   SCOPED_TRACE(document.substr(0, 200));
   const Cost c = cost(document);
   EXPECT_TRUE(c.message.find(why) != std::string::npos ||
