@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 namespace impedraw {
 namespace {
@@ -30,15 +31,17 @@ TEST(PageMesh, ALargeMeshIsThinnedWithoutLeavingTheSurface) {
   const PageMesh mesh = page_mesh(vertices, triangles, 5000);
   EXPECT_LE(mesh.triangles.size(), 5000u);
   EXPECT_GT(mesh.triangles.size(), 500u);
-  double worst = 0.0;
+  double worst = 0.0, area = 0.0;
   for (const Eigen::Vector3i& t : mesh.triangles) {
     const Eigen::Vector3d p =
         (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
     worst = std::max(worst, std::abs(p.z() - p.head<2>().squaredNorm()));
     const Eigen::Vector3d n = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
                                   .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
-    EXPECT_GT(n.z(), 0.0) << "winding is kept";
+    EXPECT_GT(n.dot(Eigen::Vector3d(-2 * p.x(), -2 * p.y(), 1)), 0.0) << "winding is kept";
+    area += 0.5 * n.z();
   }
+  EXPECT_NEAR(area, 0.16, 1e-4) << "from above: no holes, nothing twice";
   EXPECT_LT(worst, 0.2e-3);
 }
 
