@@ -303,6 +303,9 @@ void describe(Fields& f, PathSettings& s) {
   f.field(Limits::tilt_acceleration, s.tilt_acceleration,
           "Largest angular acceleration of the pen's axis along a stroke.");
   f.field(Limits::tolerance, s.tolerance, "Largest distance of the desired line from the artwork.");
+  f.field(Limits::rounding, s.rounding,
+          "The same beside a vertex where the artwork turns by more than 5°, as letters made of "
+          "straight lines do; at most a fortieth of the shorter line there.");
 }
 
 namespace {
