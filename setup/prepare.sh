@@ -51,7 +51,7 @@ prepare() {
   # 9>&-: child processes must not inherit the lock, or the daemon of a compiler wrapper would hold it for ever.
   if ! is_ready "$1"; then
     { has_packages || install_packages
-      has_wheels || { start_cargo; install_wheels; }
+      has_wheels || { start_cargo; finish_wheels; }
       is_built "$1" || build "$1"; } 9>&-
   fi
   exec 9>&-
@@ -116,9 +116,15 @@ install_packages() {
     step "installing $all (${missing[*]:0:4}${missing[4]:+ …})"
     "${as_root[@]}" dpkg --configure -a >>"$log" 2>&1 || true  # an earlier try may have been interrupted
     "${apt[@]}" update >>"$log" 2>&1 || say "apt-get update failed (see $log); trying with the lists at hand"
+    # Python first, so that pip works while the rest is unpacked, on one core.
     # --no-remove: rustc-web conflicts with Debian's rustc; only the user may remove that.
-    "${apt[@]}" install --no-install-recommends --no-remove -o APT::Status-Fd=1 "${missing[@]}" 2>&1 |
-      follow_apt "installing $all" || fail "$all could not be installed" "by hand: ${as_root[*]:+sudo }$by_hand$rust"
+    local names
+    for names in "$(grep -x python3-venv < <(printf '%s\n' "${missing[@]}"))" "${missing[*]}"; do
+      [[ $names ]] || continue
+      "${apt[@]}" install --no-install-recommends --no-remove -o APT::Status-Fd=1 $names 2>&1 |
+        follow_apt "installing $all" || fail "$all could not be installed" "by hand: ${as_root[*]:+sudo }$by_hand$rust"
+      has_wheels || begin_wheels
+    done
     mapfile -t missing < <(missing_packages)
     (( ${#missing[@]} == 0 )) || fail "still missing or too old for impedraw: ${missing[*]}" "apt-packages.txt tells the least versions; impedraw is made for Debian 12"
     say "installed $all ($SECONDS s so far)"
@@ -163,6 +169,26 @@ install_wheels() {
   rm -f "$out/CMakeCache.txt" "$out"/.built-*
   wheels_stamp >"$venv/.requirements"
   say "installed $wheels Python wheels ($SECONDS s so far)"
+}
+
+# Installs the wheels in the background, in silence.
+wheels_process=
+begin_wheels() {
+  [[ -z $wheels_process ]] || return 0
+  ( log=$root/build/wheels.log; trap - INT; install_wheels >/dev/null 2>&1 ) &
+  wheels_process=$!
+}
+
+# A failure in the background is told by a second try.
+finish_wheels() {
+  if [[ $wheels_process ]]; then
+    step "installing Python wheels"
+    if wait "$wheels_process"; then
+      say "installed $(count "$(grep -c '^[^#]' "$root/requirements.txt")" 'Python wheel') ($SECONDS s so far)"
+      return
+    fi
+  fi
+  install_wheels
 }
 
 # Begins the longest step of a build while pip waits for the network. Ninja's own call waits for this one and tells its errors.
