@@ -93,9 +93,8 @@ TEST(Rough, FacetsAreFlatTrianglesOfTheirSideAndSlope) {
     for (const Eigen::Vector3i& t : mesh.triangles) {
       double shortest = 1.0;
       for (int i = 0; i < 3; ++i)
-        shortest = std::min(
-            shortest,
-            (mesh.vertices[t[i]] - mesh.vertices[t[(i + 1) % 3]]).head<2>().norm());
+        shortest = std::min(shortest,
+                            (mesh.vertices[t[i]] - mesh.vertices[t[(i + 1) % 3]]).head<2>().norm());
       ASSERT_NEAR(shortest, 0.010, 1e-9);
     }
     const double rms = rms_slope(mesh);
@@ -143,7 +142,8 @@ TEST(Rough, AStepIsAWallOfItsHeight) {
   s.height = 0.007;
   const Canvas canvas(make_rough(s));
   for (double y = -0.14; y <= 0.14; y += 0.0137) {
-    for (double x = -0.14; x < -RoughSettings::kWall; x += 0.0031) ASSERT_EQ(top(canvas, x, y), 0.0);
+    for (double x = -0.14; x < -RoughSettings::kWall; x += 0.0031)
+      ASSERT_EQ(top(canvas, x, y), 0.0);
     EXPECT_NEAR(top(canvas, -1.05 * RoughSettings::kWall, y), 0.0, 1e-9);
     EXPECT_NEAR(top(canvas, -0.5 * RoughSettings::kWall, y), 0.5 * s.height, 0.01 * s.height);
     for (double x = 1e-6; x < 0.14; x += 0.0031) ASSERT_NEAR(top(canvas, x, y), s.height, 1e-12);
@@ -161,8 +161,7 @@ TEST(Rough, AHoleIsRoundAndAsWideAsAsked) {
       const double r = std::hypot(x, y);
       const bool gone = std::isnan(top(canvas, x, y));
       ++looks, missing += gone;
-      if (std::abs(r - diameter / 2) > cell)
-        ASSERT_EQ(gone, r < diameter / 2) << x << ' ' << y;
+      if (std::abs(r - diameter / 2) > cell) ASSERT_EQ(gone, r < diameter / 2) << x << ' ' << y;
     }
   const double area = 0.06 * 0.06 * missing / looks;
   EXPECT_NEAR(area / (kPi * diameter * diameter / 4), 1.0, 0.05);

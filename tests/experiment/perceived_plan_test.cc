@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <fmt/format.h>
 
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/canvas/built_in_graphs.h"
@@ -46,8 +46,8 @@ Staged staged(const Scenario& given) {
 
 PlannedDrawing planned(Staged from) {
   const Places places;
-  Plan plan = make_plan(from.scenario, from.artwork, from.scene, Unreachable::skip,
-                        SettingErrors(places));
+  Plan plan =
+      make_plan(from.scenario, from.artwork, from.scene, Unreachable::skip, SettingErrors(places));
   return {std::move(from.scenario), std::move(from.artwork), std::move(from.scene),
           std::move(plan)};
 }
@@ -91,7 +91,8 @@ TEST_F(PerceivedPlan, KnowsNothingOfTheTrueCanvas) {
     EXPECT_EQ(a.canvas_vertices, b.canvas_vertices);
     EXPECT_EQ(a.canvas_triangles, b.canvas_triangles);
     ASSERT_EQ(a.lines.size(), b.lines.size());
-    for (std::size_t i = 0; i < a.lines.size(); ++i) EXPECT_EQ(a.lines[i].points, b.lines[i].points);
+    for (std::size_t i = 0; i < a.lines.size(); ++i)
+      EXPECT_EQ(a.lines[i].points, b.lines[i].points);
   }
 }
 
