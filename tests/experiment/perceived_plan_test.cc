@@ -1,6 +1,7 @@
 // A plan made from what the cameras saw, and from nothing else.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -103,6 +104,60 @@ TEST_F(PerceivedPlan, ThePictureShowsTheSurfaceAsSeen) {
   ASSERT_GT(picture.canvas_vertices.size(), 2000u);
   for (const Vector3d& p_P : picture.canvas_vertices)
     ASSERT_LT(std::abs(e.scene.canvas->closest(e.artwork.X_WP * p_P).distance), 1e-3);
+}
+
+// Lines along world x and y through the middle of the canvas, 120 mm each; and the first alone.
+const char kCross[] = "120 120\n60 0\n60 120\nEnd\n0 60\n120 60\nEnd\n";
+const char kLine[] = "120 120\n60 0\n60 120\nEnd\n";
+
+// Where the promised strokes are, as lengths along world x and y from the canvas's middle [m].
+std::vector<Vector3d> promised_points(const PlannedDrawing& e) {
+  std::vector<Vector3d> points;
+  for (const PlacedStroke& stroke : e.plan.strokes)
+    for (std::size_t i = 1; i < stroke.p_P.size(); ++i)
+      for (int k = 0; k <= 100; ++k) {
+        const Eigen::Vector2d p =
+            stroke.p_P[i - 1] + (stroke.p_P[i] - stroke.p_P[i - 1]) * k / 100.0;
+        points.emplace_back(p.x() - 0.6, p.y(), 0.0);
+      }
+  return points;
+}
+
+// Strokes end at a safe distance on both sides of a step, and not needlessly far.
+TEST_F(PerceivedPlan, StrokesEndOnBothSidesOfAStep) {
+  const auto file = write("line.strokes", kLine);
+  for (const double height : {0.003, 0.005, 0.010}) {
+    SCOPED_TRACE(height);
+    const PlannedDrawing e = planned(staged(scenario(
+        {"canvas.kind=rough", "canvas.rough.form=step", fmt::format("canvas.rough.rise={}", height),
+         "drawing.svg=" + file.string(), "drawing.placement.height=120"})));
+    double below = 1.0, above = 1.0;
+    for (const Vector3d& p : promised_points(e)) {
+      (p.x() < 0.0 ? below : above) = std::min(p.x() < 0.0 ? below : above, std::abs(p.x()));
+    }
+    EXPECT_GT(below, 1.5e-3);
+    EXPECT_GT(above, 1.5e-3);
+    EXPECT_LT(below, 0.025);
+    EXPECT_LT(above, 0.025);
+    EXPECT_FALSE(e.plan.preflight.findings.empty());
+  }
+}
+
+TEST_F(PerceivedPlan, StrokesEndOnBothSidesOfAHole) {
+  const auto file = write("cross.strokes", kCross);
+  const PlannedDrawing e = planned(staged(
+      scenario({"canvas.kind=rough", "canvas.rough.form=hole", "canvas.rough.wavelength=0.020",
+                "drawing.svg=" + file.string(), "drawing.placement.width=120"})));
+  double nearest[4] = {1.0, 1.0, 1.0, 1.0};  // −x, +x, −y, +y
+  for (const Vector3d& p : promised_points(e)) {
+    const bool along_x = std::abs(p.x()) > std::abs(p.y());
+    double& least = nearest[(along_x ? 0 : 2) + ((along_x ? p.x() : p.y()) > 0.0)];
+    least = std::min(least, p.norm());
+  }
+  for (const double r : nearest) {
+    EXPECT_GT(r, 0.010 + 1e-3);
+    EXPECT_LT(r, 0.010 + 0.010);
+  }
 }
 
 // A flat square mesh of 0.3 m, its middle at `at`.
