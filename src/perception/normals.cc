@@ -123,7 +123,7 @@ struct SurfaceEstimator::Index {
   std::vector<float> level, level_nearby;
   std::vector<Roughness> rough;
   std::vector<char> steps;  // the surface steps there, or within kStepMargin
-  bool planning = false;  // answers for a plan: see the constructor from another estimator
+  bool planning = false;    // answers for a plan: see the constructor from another estimator
 
   Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {
@@ -250,8 +250,7 @@ struct SurfaceEstimator::Index {
       if (r.finest < least || r.finest < kSameAtAnyScale * r.widest) continue;
       int index[kMostNeighbours];
       double squared[kMostNeighbours];
-      const int found =
-          tree.nearest(cloud.points[i], kMostNeighbours, kStepMargin, index, squared);
+      const int found = tree.nearest(cloud.points[i], kMostNeighbours, kStepMargin, index, squared);
       for (int j = 0; j < found; ++j) steps[index[j]] = 1;
     }
   }
