@@ -6,8 +6,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr int kDeepest = 12;  // halvings below the spacing, at a fold of the canvas
-// At a fold one halving follows another. A surface that is rough at any scale, as one estimated from
-// noisy points, would ask for all of them everywhere.
+// At a fold one halving follows another. A surface that is rough at any scale, as one estimated
+// from noisy points, would ask for all of them everywhere.
 constexpr int kMostHalvings = 4 * kDeepest;
 constexpr double kClosest = 1e-8;  // [m] seen along z; a remaining gap is a step of the canvas
 
