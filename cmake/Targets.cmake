@@ -23,7 +23,11 @@ function(impedraw_library name)
   # the time. control and sensing stay apart: a change there is built at once. Names in unnamed
   # namespaces are therefore unique within a folder; UNSHARED names the sources that are compiled alone.
   if(ARG_SOURCES AND NOT name MATCHES "^(control|sensing|arm)$")
-    impedraw_compile_together(impedraw_${name} 6 ${ARG_UNSHARED})
+    impedraw_compile_together(impedraw_${name} 9 ${ARG_UNSHARED})
+  endif()
+  # What runs once in a call, and waits for files and processes, is not worth the optimiser's time.
+  if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|study|app)$")
+    target_compile_options(impedraw_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
   # A folder without fmt is one that people use without the rest: it compiles with Eigen alone.
   if(TARGET impedraw_library_headers AND "fmt::fmt" IN_LIST ARG_PRIVATE_LINKS)

@@ -14,7 +14,7 @@ doctor() {
   echo "           $(cargo --version 2>/dev/null || echo 'no cargo')"
   echo "           $(cmake --version 2>/dev/null | head -n 1 || echo 'no cmake')"
 
-  for file in apt-packages.txt apt-packages-check.txt; do
+  for file in apt-packages.txt apt-packages-tests.txt apt-packages-check.txt; do
     echo
     echo "Debian packages of $file"
     while read -r name least why; do
@@ -24,12 +24,15 @@ doctor() {
         printf '  %-20s %s\n' "$name" "$have"
       elif [[ $name == *-web ]] && dpkg --compare-versions "$(cargo --version 2>/dev/null | awk '{print $2}')" ge "$least" 2>/dev/null; then
         printf '  %-20s not needed: cargo on PATH is new enough\n' "$name"
+      elif [[ $name == nodejs ]] && dpkg --compare-versions "$(node --version 2>/dev/null | tr -d v)" ge 18 2>/dev/null; then
+        printf '  %-20s not needed: node on PATH is new enough\n' "$name"
       else
         printf '  %-20s MISSING%s, needs %s: %s\n' "$name" "${have:+ (has $have)}" "$least" "$why"
-        [[ $file == apt-packages-check.txt ]] || missing=$(( missing + 1 ))
+        [[ $file != apt-packages.txt ]] || missing=$(( missing + 1 ))
       fi
     done <"$root/$file"
-    [[ $file == apt-packages.txt ]] || echo "  (only ./check --asan, --fuzz, --format and --tidy need these)"
+    [[ $file != apt-packages-tests.txt ]] || echo "  (only ./check needs these)"
+    [[ $file != apt-packages-check.txt ]] || echo "  (only ./check --asan, --fuzz, --format and --tidy need these)"
   done
 
   echo

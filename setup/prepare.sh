@@ -51,7 +51,7 @@ prepare() {
   # 9>&-: child processes must not inherit the lock, or the daemon of a compiler wrapper would hold it for ever.
   if ! is_ready "$1"; then
     { has_packages || install_packages
-      has_wheels || { start_cargo; install_wheels; }
+      has_wheels || { start_cargo; finish_wheels; }
       is_built "$1" || build "$1"; } 9>&-
   fi
   exec 9>&-
@@ -71,19 +71,21 @@ is_ready() { has_packages && has_wheels && is_built "$1"; }
 
 # The stamp contains the state of dpkg's list, so that a removed package or another machine is noticed.
 packages_stamp() { stat -c '%Y %s' /var/lib/dpkg/status 2>/dev/null || echo no dpkg; cat "${package_lists[@]}"; }
-packages_file() { echo "$root/build/.packages$( (( ${#package_lists[@]} == 1 )) || echo -check)"; }
+packages_file() { local more=${package_lists[1]-}; more=${more##*apt-packages}; echo "$root/build/.packages${more%.txt}"; }
 has_packages() { [[ -r $(packages_file) && $(<"$(packages_file)") == "$(packages_stamp)" ]]; }
 
 # Prints the packages of the lists that are missing or too old, one per line.
 missing_packages() {
-  local name least why have cargo
+  local name least why have cargo node
   declare -A version=()
   while read -r name have; do version[$name]=$have; done < <(
     dpkg-query -W -f='${db:Status-Abbrev}\t${Package}\t${Version}\n' 2>/dev/null | awk -F'\t' '$1 ~ /^.i/ {print $2, $3}')
   cargo=$(cargo --version 2>/dev/null | awk '{print $2}') || true
+  node=$(node --version 2>/dev/null) || true
   while read -r name least why; do
     [[ -z $name || $name == '#'* ]] && continue
     [[ $name == rustc-web || $name == cargo-web ]] && [[ $cargo ]] && dpkg --compare-versions "$cargo" ge "$least" && continue
+    [[ $name == nodejs && $node ]] && dpkg --compare-versions "${node#v}" ge 18 && continue
     [[ ${version[$name]-} ]] && dpkg --compare-versions "${version[$name]}" ge "$least" && continue
     echo "$name"
   done < <(cat "${package_lists[@]}")
@@ -114,9 +116,15 @@ install_packages() {
     step "installing $all (${missing[*]:0:4}${missing[4]:+ …})"
     "${as_root[@]}" dpkg --configure -a >>"$log" 2>&1 || true  # an earlier try may have been interrupted
     "${apt[@]}" update >>"$log" 2>&1 || say "apt-get update failed (see $log); trying with the lists at hand"
+    # Python first, so that pip works while the rest is unpacked, on one core.
     # --no-remove: rustc-web conflicts with Debian's rustc; only the user may remove that.
-    "${apt[@]}" install --no-install-recommends --no-remove -o APT::Status-Fd=1 "${missing[@]}" 2>&1 |
-      follow_apt "installing $all" || fail "$all could not be installed" "by hand: ${as_root[*]:+sudo }$by_hand$rust"
+    local names
+    for names in "$(grep -x python3-venv < <(printf '%s\n' "${missing[@]}"))" "${missing[*]}"; do
+      [[ $names ]] || continue
+      "${apt[@]}" install --no-install-recommends --no-remove -o APT::Status-Fd=1 $names 2>&1 |
+        follow_apt "installing $all" || fail "$all could not be installed" "by hand: ${as_root[*]:+sudo }$by_hand$rust"
+      has_wheels || begin_wheels
+    done
     mapfile -t missing < <(missing_packages)
     (( ${#missing[@]} == 0 )) || fail "still missing or too old for impedraw: ${missing[*]}" "apt-packages.txt tells the least versions; impedraw is made for Debian 12"
     say "installed $all ($SECONDS s so far)"
@@ -163,6 +171,26 @@ install_wheels() {
   say "installed $wheels Python wheels ($SECONDS s so far)"
 }
 
+# Installs the wheels in the background, in silence.
+wheels_process=
+begin_wheels() {
+  [[ -z $wheels_process ]] || return 0
+  ( log=$root/build/wheels.log; trap - INT; install_wheels >/dev/null 2>&1 ) &
+  wheels_process=$!
+}
+
+# A failure in the background is told by a second try.
+finish_wheels() {
+  if [[ $wheels_process ]]; then
+    step "installing Python wheels"
+    if wait "$wheels_process"; then
+      say "installed $(count "$(grep -c '^[^#]' "$root/requirements.txt")" 'Python wheel') ($SECONDS s so far)"
+      return
+    fi
+  fi
+  install_wheels
+}
+
 # Begins the longest step of a build while pip waits for the network. Ninja's own call waits for this one and tells its errors.
 start_cargo() {
   local target=$root/build/cargo
@@ -183,7 +211,7 @@ follow_pip() {
 
 # --- Build ---------------------------------------------------------------------------------------------------------
 
-sources=("$root"/{CMakeLists.txt,CMakePresets.json,cmake,src,bench,examples})
+sources=("$root"/{CMakeLists.txt,CMakePresets.json,cmake,src,web,bench,examples})
 
 # Compares the marker of the last good build with every source: 3 ms, where ninja takes 100 ms.
 is_built() {

@@ -92,7 +92,10 @@ int draw(const DrawOptions& options) {
   if (goes_on) find_inputs(&scenario, folder, InputsFrom::originals);
   Experiment experiment = prepare_visibly(scenario, places);
   if (goes_on) {
+    // What the preparation completes.
     as_given.drawing.placement = experiment.scenario.drawing.placement;
+    as_given.canvas.move = experiment.scenario.canvas.move;
+    as_given.control.surface.pen_axis = experiment.scenario.control.surface.pen_axis;
     require_same(as_given, folder);
   }
   print_notes(experiment);

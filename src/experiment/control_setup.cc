@@ -30,38 +30,10 @@ std::vector<std::string> control_setting_names() {
 constexpr double kFrictionShare = 0.005;  // of the joint's torque limit
 constexpr double kLeastFriction = 1.5;    // [Nm]
 
-// Finer patches than the plan's are in use under the drawing: along over kLeast of it they have
-// another normal than the plan. In flat noise they are, at most, in places.
-bool is_rough(const Scene& scene, const Plan& plan) {
-  constexpr double kOther = 0.02, kLeast = 0.1, kSpacing = 2e-3;  // [rad], [1], [m]
-  if (!scene.perception) return false;
-  const Pose& X_WP = plan.path_settings.X_WP;
-  const SurfaceHeight surface = scene.surface(X_WP);
-  long places = 0, other = 0;
-  for (const PlacedStroke& stroke : plan.strokes)
-    for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
-      const Eigen::Vector2d to = stroke.p_P[i], from = i > 0 ? stroke.p_P[i - 1] : to;
-      const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kSpacing)));
-      for (int k = 1; k <= pieces; ++k) {
-        const Eigen::Vector2d at = from + (to - from) * k / pieces;
-        const auto sample = surface(at.x(), at.y());
-        if (!sample) continue;
-        const SurfaceEstimate there = scene.perception->estimate(X_WP * sample->p_P);
-        ++places;
-        other += there.status == SurfaceStatus::ok &&
-                 there.n_W.cross(X_WP.R * sample->n_P).norm() > kOther;
-      }
-    }
-  return static_cast<double>(other) > kLeast * static_cast<double>(places);
-}
-
 ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, const Plan& plan,
                                      double wrench_delay) {
   const ArmLimits& limits = scene.arm.limits();
   ImpedanceSettings settings = s.control;
-  // On a smooth surface the estimated normal is the better axis, also where a hand pushes the pen
-  // off its line.
-  if (!is_rough(scene, plan)) settings.surface.pen_axis = PenAxis::surface;
   settings.timing.dt = s.world.dt;
   settings.wrench =
       s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;

@@ -3,8 +3,17 @@
 #include <utility>
 
 #include "impedraw/experiment/artwork.h"
+#include "impedraw/experiment/pen_axis.h"
 
 namespace impedraw {
+
+namespace {
+
+bool is_given(const Places& places, const std::string& setting) {
+  return !places.of(setting).starts_with("default of ");
+}
+
+}  // namespace
 
 PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreachable unreachable,
                             const PrepareProgress& progress) {
@@ -25,6 +34,8 @@ Experiment prepare(const Scenario& scenario, const Places& places, Unreachable u
                    const PrepareProgress& progress) {
   std::vector<KeptInput> inputs = read_input_files(scenario);  // before their content is used
   PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress);
+  if (!is_given(places, "control.pen_axis"))
+    drawing.scenario.control.surface.pen_axis = suitable_pen_axis(drawing.scene, drawing.plan);
   ControlSetup control =
       make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));
   return {std::move(drawing), std::move(inputs), std::move(control)};

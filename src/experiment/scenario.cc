@@ -303,6 +303,9 @@ void describe(Fields& f, PathSettings& s) {
   f.field(Limits::tilt_acceleration, s.tilt_acceleration,
           "Largest angular acceleration of the pen's axis along a stroke.");
   f.field(Limits::tolerance, s.tolerance, "Largest distance of the desired line from the artwork.");
+  f.field(Limits::rounding, s.rounding,
+          "The same beside a vertex where the artwork turns by more than 5°, as letters made of "
+          "straight lines do; at most a fortieth of the shorter line there.");
 }
 
 namespace {
@@ -440,9 +443,10 @@ void describe(Fields& f, ControlSettings& s) {
           "Bandwidth of the filter of the surface normal.");
   f.choice(
       "pen_axis", s.surface.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
-      "Pen's axis while drawing: along the plan's smoothed normals where the surface under the "
-      "drawing is rough, or always along the estimated normal at the tip. The pen pushes along "
-      "the estimated normal either way.");
+      "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated normal "
+      "at "
+      "the tip. Where it is not given: surface, but plan where the surface under the drawing is "
+      "rough. The pen pushes along the estimated normal either way.");
   f.field(Limits::tip_radius, s.tip.radius, "Modelled radius of the tip.");
   f.field(Limits::tip_stiffness, s.tip.stiffness,
           "Modelled stiffness of the tip along the normal; 0: rigid.");

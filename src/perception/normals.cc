@@ -65,12 +65,19 @@ constexpr double kGood = 3e-3;
 // The finest level has fewer neighbours: this share of k, but not below kFewest.
 constexpr double kFinestShare = 0.4;
 constexpr int kFewest = 16;
-// A plan: the step that a patch cannot follow, and the heights between which it leaves the widest
-// patches for finer ones [m].
-constexpr double kStep = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
-// A hole: wider than kHole around a point, and kSparse times as wide as the points' spacing. The
-// plan keeps kHoleMargin off it [m].
-constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 2.5e-3;
+// A plan: the misfit that a patch cannot follow, and the heights between which it leaves the
+// widest patches for finer ones [m].
+constexpr double kUneven = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
+// A step of the surface: half of it on either side leaves a plane fit a residual of 0.26 times the
+// step, however small the patch is. So the finest patch has a residual above kStep [m], which
+// noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
+// does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m].
+constexpr double kStep = 4.5e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
+// A hole: wider than kHole around a point, and kSparse times as wide as the points' spacing, which
+// beside a hole looks twice as wide: it is found from about 3.5 mm inside. The plan keeps
+// kHoleMargin off such places, so that a pen with a tip of 1 mm stays on the surface [m].
+constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 5e-3;
+constexpr int kLooks = 8;  // around
 constexpr int kAround = 40;
 
 // N(p); the last point is the furthest.
@@ -115,7 +122,8 @@ struct SurfaceEstimator::Index {
   // Of each point of `cloud`: the level to use, 0 for the cloud itself, and the greatest nearby.
   std::vector<float> level, level_nearby;
   std::vector<Roughness> rough;
-  bool planning = false;  // answers for a plan: see the constructor from another estimator
+  std::vector<char> steps;  // the surface steps there, or within kStepMargin
+  bool planning = false;    // answers for a plan: see the constructor from another estimator
 
   Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {
@@ -141,6 +149,7 @@ struct SurfaceEstimator::Index {
         level(seen.level),
         level_nearby(seen.level_nearby),
         rough(seen.rough),
+        steps(seen.steps),
         planning(true) {
     settings.max_one_sidedness = max_one_sidedness;
     fit_every_point();
@@ -171,13 +180,15 @@ struct SurfaceEstimator::Index {
   void choose_levels() {
     const int n = static_cast<int>(cloud.points.size());
     std::vector<float> best(n, 0.0f);
+    std::vector<Residuals> residuals(n);
     rough.assign(n, {});
     const auto choose = [&](int begin, int end) {
-      for (int i = begin; i < end; ++i) best[i] = choose_level(i);
+      for (int i = begin; i < end; ++i) best[i] = choose_level(i, &residuals[i]);
     };
     std::thread other(choose, 0, n / 2);
     choose(n / 2, n);
     other.join();
+    find_steps(residuals);
     // Isolated points do not count; what remains is spread and smoothed.
     level.assign(n, 0.0f);
     level_nearby.assign(n, 0.0f);
@@ -222,17 +233,41 @@ struct SurfaceEstimator::Index {
     }
   }
 
-  // Also fills rough[i].
-  float choose_level(int i) {
+  // Of the widest and the finest patch at a point [m].
+  struct Residuals {
+    double widest = 0.0, finest = 0.0;
+  };
+
+  void find_steps(const std::vector<Residuals>& residuals) {
+    const int n = static_cast<int>(cloud.points.size());
+    std::vector<double> finest;
+    for (const Residuals& r : residuals) finest.push_back(r.finest);
+    std::nth_element(finest.begin(), finest.begin() + n / 2, finest.end());
+    const double least = std::max(kStep, kAboveNoise * finest[n / 2]);
+    steps.assign(n, 0);
+    for (int i = 0; i < n; ++i) {
+      const Residuals& r = residuals[i];
+      if (r.finest < least || r.finest < kSameAtAnyScale * r.widest) continue;
+      int index[kMostNeighbours];
+      double squared[kMostNeighbours];
+      const int found = tree.nearest(cloud.points[i], kMostNeighbours, kStepMargin, index, squared);
+      for (int j = 0; j < found; ++j) steps[index[j]] = 1;
+    }
+  }
+
+  // Also fills rough[i] and *residuals.
+  float choose_level(int i, Residuals* residuals) {
     const Vector3d& p = cloud.points[i];
     std::vector<Trial> trials{try_fit(cloud, tree, settings.k, p)};
     if (!trials[0].ok) return 0.0f;
+    *residuals = {trials[0].residual, trials[0].residual};
     rough[i] = {trials[0].residual, trials[0].radius, 0.0,
                 2.0 * trials[0].residual / trials[0].radius};
     if (trials[0].residual < kGood / 2.0 * trials[0].radius) return 0.0f;
     for (const Finer& f : finer) trials.push_back(try_fit(f.view->cloud, f.view->tree, f.k, p));
     while (!trials.back().ok) trials.pop_back();
     const Trial& finest = trials.back();
+    residuals->finest = finest.residual;
     const auto noise_of = [&](const Trial& t) {
       return finest.residual * std::sqrt(finest.weight / t.weight);
     };
@@ -318,7 +353,7 @@ struct SurfaceEstimator::Index {
   // more than the pen's approach allows for, as the finer ones see it. It keeps off holes, and off
   // steps that no patch resolves.
   SurfaceEstimate planned(const Vector3d& p, const SurfaceEstimate& coarse, int closest) const {
-    if (finest && closest >= 0 && rough[closest].misfit > kStep)
+    if (finest && closest >= 0 && (steps[closest] || rough[closest].misfit > kUneven))
       return {.status = SurfaceStatus::off_edge};
     if (finest && beside_hole(p - coarse.distance * coarse.n_W, coarse.n_W))
       return {.status = SurfaceStatus::off_edge};
@@ -336,13 +371,17 @@ struct SurfaceEstimator::Index {
   // that are wide apart.
   bool beside_hole(const Vector3d& foot, const Vector3d& n) const {
     const Vector3d a = kHoleMargin * n.unitOrthogonal(), b = n.cross(a);
-    for (const Vector3d& at :
-         {foot, Vector3d(foot + a), Vector3d(foot - a), Vector3d(foot + b), Vector3d(foot - b)}) {
+    for (int look = 0; look <= kLooks; ++look) {
+      const double angle = 2.0 * std::numbers::pi * look / kLooks;
+      const Vector3d at =
+          look == kLooks ? foot : Vector3d(foot + std::cos(angle) * a + std::sin(angle) * b);
       int index[kAround];
       double squared[kAround];
+      if (finest->tree.nearest(at, 1, settings.max_radius, index, squared) == 1 &&
+          squared[0] < kHole * kHole)
+        continue;
       if (finest->tree.nearest(at, kAround, settings.max_radius, index, squared) < kAround)
         return true;
-      if (squared[0] < kHole * kHole) continue;
       // of kAround points evenly within their radius
       const double spacing = std::sqrt(std::numbers::pi * squared[kAround - 1] / kAround);
       if (squared[0] > kSparse * kSparse * spacing * spacing) return true;

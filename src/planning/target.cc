@@ -5,7 +5,10 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-constexpr int kDeepest = 12;       // halvings below the spacing, at a fold of the canvas
+constexpr int kDeepest = 12;  // halvings below the spacing, at a fold of the canvas
+// At a fold one halving follows another. A surface that is rough at any scale, as one estimated
+// from noisy points, would ask for all of them everywhere.
+constexpr int kMostHalvings = 4 * kDeepest;
 constexpr double kClosest = 1e-8;  // [m] seen along z; a remaining gap is a step of the canvas
 
 struct Point {
@@ -43,10 +46,12 @@ class Projection {
     const double gap = (b.on_canvas - a.on_canvas).norm();
     if (gap == 0) return;
     const bool wide = gap > settings_.spacing && (b.p_P - a.p_P).norm() > kClosest;
-    if (wide || depth < kDeepest) {
+    if (depth == 0) left_ = kMostHalvings;
+    if (wide || (depth < kDeepest && left_ > 0)) {
       const Point middle = projected((a.p_P + b.p_P) / 2, (a.page + b.page) / 2);
       if (wide ||
           (middle.on_canvas - (a.on_canvas + b.on_canvas) / 2).norm() > settings_.tolerance) {
+        if (!wide) --left_;
         join(a, middle, wide ? 0 : depth + 1);
         join(middle, b, wide ? 0 : depth + 1);
         return;
@@ -59,6 +64,7 @@ class Projection {
   const TargetSettings& settings_;
   TargetLine& line_;
   int number_ = 0;
+  int left_ = 0;  // halvings, within one spacing
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "impedraw/metrics/statistics.h"
 #include "impedraw/report/decimate.h"
 
 namespace impedraw {
@@ -49,24 +48,6 @@ Line2d from_above(std::span<const Eigen::Vector3d> line) {
   return out;
 }
 
-// Equal bins up to the 99.9th percentile. The last bin includes all slower steps.
-Json histogram(const std::vector<double>& seconds) {
-  std::vector<double> micros;
-  for (const double s : seconds) {
-    if (std::isfinite(s)) micros.push_back(1e6 * s);
-  }
-  if (micros.empty()) return nullptr;
-  constexpr int kBins = 80;
-  const double low = *std::min_element(micros.begin(), micros.end()),
-               high = std::max(percentile(micros, 0.999), low + 1e-3);
-  std::vector<double> edges;
-  std::vector<long> counts(kBins, 0);
-  for (int k = 0; k <= kBins; ++k) edges.push_back(low + (high - low) * k / kBins);
-  for (const double m : micros)
-    ++counts[std::min(kBins - 1, static_cast<int>((m - low) / (high - low) * kBins))];
-  return {{"edges", edges}, {"counts", counts}};
-}
-
 }  // namespace
 
 Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v,
@@ -103,18 +84,11 @@ Envelope envelope(std::span<const double> t, const std::function<double(std::siz
 
 Json plot_series(const RunData& run, const InkMatch& drawn, std::size_t points) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
-  std::vector<double> speed(run.rows(), LogRow::kNone);
   std::vector<Line2d> ink, target;
   for (const auto& line : drawn.targets) target.push_back(from_above(line));
-  for (const InkLine& line : drawn.lines) {
+  for (const InkLine& line : drawn.lines)
     ink.push_back(
         from_above(std::span(run.contact_point).subspan(line.begin, line.end - line.begin)));
-    if (line.stroke < 0) continue;
-    for (std::size_t i = line.begin; i + 1 < line.end; ++i) {
-      speed[i] = 1e3 * (run.contact_point[i + 1] - run.contact_point[i]).norm() /
-                 (run.time[i + 1] - run.time[i]);
-    }
-  }
   const auto series = [&](const auto& v, double scale, double decimals) {
     return to_json(envelope(
                        run.time, [&](std::size_t i) { return scale * v[i]; }, points),
@@ -123,17 +97,11 @@ Json plot_series(const RunData& run, const InkMatch& drawn, std::size_t points) 
   Json out;
   out["force"] = series(run.f, 1.0, 4);
   out["push"] = series(run.push, 1.0, 4);
-  out["ink_error"] = series(drawn.error, 1e3, 5);
   out["tilt"] = series(run.tilt, kDegrees, 4);
   out["normal_error"] = series(run.normal_error, kDegrees, 4);
-  out["speed"] = series(speed, 1.0, 2);
-  out["torque"] = series(run.torque_share, 100.0, 2);
-  out["mode"] = series(run.mode, 1.0, 0);
-  out["mode_names"] = run.mode_names;
   out["strokes"] = Json::array();
   for (const StrokeSpan& span : drawn.spans)
     out["strokes"].push_back({run.time[span.begin], run.time[span.end - 1]});
-  out["step_time"] = histogram(run.step_time);
   out["target"] = lines_to_json(std::move(target));
   out["ink"] = lines_to_json(std::move(ink));
   return out;

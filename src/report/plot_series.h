@@ -1,5 +1,5 @@
-// The data of a report's plots, thinned without losing peaks: each bin of steps keeps its smallest
-// and largest value.
+// The data of a comparison's plots, thinned without losing peaks: each bin of steps keeps its
+// smallest and largest value.
 #pragma once
 
 #include <functional>
@@ -22,9 +22,8 @@ struct Envelope {
 Envelope envelope(std::span<const double> t, const std::function<double(std::size_t)>& v,
                   std::size_t points);
 
-// force, push [N], ink_error [mm], tilt, normal_error [deg], speed [mm/s], torque [% of its limit,
-// largest of all joints], mode: {t, v}; mode_names; strokes: [[begin, end] in s]; step_time:
-// {edges [µs], counts}; target, ink: polylines from above, [[x, y] in mm].
+// force, push [N], tilt, normal_error [deg]: {t, v}; strokes: [[begin, end] in s]; target, ink:
+// polylines from above, [[x, y] in mm].
 nlohmann::json plot_series(const RunData& run, const InkMatch& drawn, std::size_t points = 3000);
 
 }  // namespace impedraw

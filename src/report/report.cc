@@ -45,6 +45,16 @@ std::string existing(const std::filesystem::path& path) {
   return std::filesystem::exists(path) ? std::filesystem::absolute(path).string() : "";
 }
 
+// The SVG; the PNG where the SVG is large, or missing.
+std::filesystem::path picture_of(const std::filesystem::path& stem) {
+  constexpr std::uintmax_t kLargeSvg = 1'500'000;  // [bytes]
+  const std::filesystem::path svg = stem.string() + ".svg", png = stem.string() + ".png";
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(svg, error);
+  if (!error && size <= kLargeSvg) return svg;
+  return std::filesystem::exists(png) ? png : svg;
+}
+
 // A file of the page: its name in the folder, and its descriptor in report.py.
 struct PageFile {
   const char* key;
@@ -68,7 +78,7 @@ void make_page(Json page, const std::vector<PageFile>& wanted, const ReportSetti
                                .arguments = {IMPEDRAW_REPORT_SCRIPT, "/dev/fd/0"},
                                .files = files,
                                .matplotlib_folder = IMPEDRAW_MATPLOTLIB_FOLDER,
-                               .check = settings.check});
+                               .check = settings.page.check});
   const std::string out = wanted.front().path.string();
   if (code < 0)
     throw std::runtime_error(fmt::format("cannot write {}: {} does not start", out, python));
@@ -83,23 +93,21 @@ void make_page(Json page, const std::vector<PageFile>& wanted, const ReportSetti
 
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
                   const Metrics& metrics, const ReportSettings& settings) {
-  Json page;
-  page["kind"] = "run";
-  page["title"] = title_of(run, settings.title);
-  page["attributes"] = run.attributes;
-  page["definitions"] = definitions();
-  page["metrics"] = metrics_json(metrics);
-  page["limits"] = limits_json(settings.limits);
-  page["series"] = plot_series(run, drawn);
-  page["pictures"] = {existing(folder / "ink_top.svg"), existing(folder / "ink_page.svg")};
-  page["scenario"] = existing(folder / "scenario.yaml");
-  make_page(std::move(page), {{"out", folder / "report.html", 3}}, settings);
+  PageRun page;
+  page.title = title_of(run, settings.title);
+  page.log = folder / "run.h5";
+  page.scenario_file = folder / "scenario.yaml";
+  page.strokes_file = folder / "strokes.json";
+  page.pictures = {{"Ink against target, seen from above", picture_of(folder / "ink_top")},
+                   {"Ink against target, on the page", picture_of(folder / "ink_page")}};
+  page.limits = limits_json(settings.limits).dump();
+  const PagePayload payload = make_payload(page, run, drawn, metrics, settings.page);
+  write_whole(folder / "report.html", page_html(page.title, payload));
 }
 
 void write_comparison(const ComparedRun& left, const ComparedRun& right,
                       const std::filesystem::path& out, const ReportSettings& settings) {
   Json page;
-  page["kind"] = "comparison";
   page["definitions"] = definitions();
   page["limits"] = limits_json(settings.limits);
   page["runs"] = Json::array();

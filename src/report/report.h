@@ -1,7 +1,7 @@
-// report.html and compare.html: self-contained pages with metrics, pictures and plots over time.
+// report.html and compare.html: self-contained pages of a run and of two runs compared.
 //
-// The C++ code computes all data shown. report.py draws the plots (matplotlib) and assembles the
-// page.
+// report.html is the page of src/page. Of compare.html, C++ computes all data shown; report.py
+// draws the plots (matplotlib) and assembles the page.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
 #include "impedraw/metrics/metrics.h"
+#include "impedraw/page/page.h"
 
 namespace impedraw {
 
@@ -25,13 +26,15 @@ struct ReportSettings {
   std::string title{};  // empty: the log's attribute `scenario`
   // by metric name; the page shows the limit and whether it is met
   std::map<std::string, MetricLimit> limits{};
-  std::filesystem::path python{};  // interpreter with matplotlib; empty: the venv of the build
-  // Called now and then while the page is made. What it throws ends the work.
-  std::function<void()> check{};
+  PageContext page{};  // of report.html: what its log does not hold
+  // of compare.html: interpreter with matplotlib; empty: the venv of the build
+  std::filesystem::path python{};
 };
 
-// Writes folder/report.html. Shows folder/ink_top.svg, folder/ink_page.svg and folder/scenario.yaml
-// if they exist. Throws std::runtime_error with one line if the page cannot be made.
+// Writes folder/report.html from folder/run.h5, of which `run` holds a part. Shows ink_top,
+// ink_page (SVG, or PNG where the SVG is large), scenario.yaml and strokes.json of the folder if
+// they exist. Throws InputError if the log cannot be read, std::runtime_error with one line if the
+// page cannot be written.
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
                   const Metrics& metrics, const ReportSettings& settings = {});
 
@@ -42,7 +45,8 @@ struct ComparedRun {
 
 // Writes out/compare.html and out/compare.png. They show both runs side by side on equal axes, as
 // figures 4 to 6 of the paper (drawn and desired line, normal force, tilt). The page also has their
-// metrics in one table. Throws InputError if a log cannot be read, otherwise as write_report().
+// metrics in one table. Throws InputError if a log cannot be read, std::runtime_error with one line
+// if the page cannot be made.
 void write_comparison(const ComparedRun& left, const ComparedRun& right,
                       const std::filesystem::path& out, const ReportSettings& settings = {});
 

@@ -1,4 +1,4 @@
-"""Lays out report.html and compare.html from the data that report.cc computed: a JSON file, the only
+"""Lays out compare.html from the data that report.cc computed: a JSON file, the only
 argument.
 
 Plots are matplotlib's, as SVG inside the page; the page refers to nothing outside itself.
@@ -20,7 +20,6 @@ matplotlib.use("svg")
 from matplotlib.figure import Figure  # noqa: E402
 
 INK, TARGET, SECOND, DOWN, GRID = "#173d85", "#f9b861", "#c8452f", "#eef2f8", "#e3e6ea"
-TOO_LARGE_SVG = 2_000_000  # bytes; a picture beyond it is shown as PNG
 
 matplotlib.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 9.5, "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#8a9099",
@@ -35,9 +34,6 @@ body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #20242a; back
   max-width: 1080px; margin: 2.2em auto; padding: 0 1.2em; }
 h1 { font-size: 1.7em; margin: 0 0 .1em; } h2 { font-size: 1.15em; margin: 2.2em 0 .6em; }
 .sub { color: #5a616b; margin: 0 0 1.6em; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 12px; }
-.tile { border: 1px solid #e3e6ea; border-radius: 8px; padding: .7em .9em; }
-.tile b { display: block; font-size: 1.45em; font-weight: 600; white-space: nowrap; } .tile span { color: #5a616b; font-size: .87em; }
 table { border-collapse: collapse; width: 100%; font-size: .93em; }
 th { text-align: left; font-weight: 600; color: #5a616b; border-bottom: 1px solid #b9bec6; } td { border-bottom: 1px solid #eceef1; }
 th, td { padding: .28em .7em .28em 0; vertical-align: baseline; }
@@ -45,7 +41,6 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space:
 td code { font-size: .95em; } td.why { color: #8a9099; }
 .ok { color: #1d7a3e; } .bad { color: #b3261e; font-weight: 600; }
 img { width: 100%; height: auto; display: block; }
-.top { max-width: 640px; margin: 0 auto; } .page { max-width: 820px; margin: 1.5em auto 0; }
 details { margin-top: 1em; border: 1px solid #e3e6ea; border-radius: 8px; padding: .6em 1em; }
 summary { cursor: pointer; font-weight: 600; }
 pre { overflow-x: auto; font-size: .86em; line-height: 1.4; }
@@ -110,13 +105,6 @@ def data_uri(content, kind):
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
-def picture_uri(path):
-    svg = Path(path)
-    if svg.stat().st_size <= TOO_LARGE_SVG or not svg.with_suffix(".png").exists():
-        return data_uri(svg.read_bytes(), "image/svg+xml")
-    return data_uri(svg.with_suffix(".png").read_bytes(), "image/png")
-
-
 def caption(axes, text):
     """Puts the label above the panel, horizontally, clear of the tick labels."""
     axes.set_title(text, loc="left", fontsize=9.5, color="#20242a", pad=5)
@@ -135,57 +123,9 @@ def draw_tilt(axes, data):
     caption(axes, "tilt [deg]")
 
 
-def draw_mode(axes, data):
-    t, v = series(data, "mode")
-    axes.plot(t, v, color=INK, drawstyle="steps-post")
-    names = data["mode_names"]
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(-0.5, max(len(names) - 0.5, 0.5))
-    caption(axes, "contact state")
-
-
 def above(axes):
     """Puts the legend above the panel, clear of the curves."""
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, borderaxespad=0.1, handlelength=1.8)
-
-
-def time_plots(data):
-    figure = Figure(figsize=(10.2, 12.6))  # fixed margins: matplotlib's layout engines draw everything several times
-    figure.subplots_adjust(left=0.088, right=0.988, top=0.975, bottom=0.037, hspace=0.32)
-    axes = figure.subplots(6, 1, sharex=True, height_ratios=[1.35, 1.1, 1.1, 0.8, 0.9, 0.9])
-    draw_force(axes[0], data)
-    above(axes[0])
-    axes[1].plot(*series(data, "ink_error"), color=INK)
-    caption(axes[1], "ink error [mm]")
-    draw_tilt(axes[2], data)
-    above(axes[2])
-    draw_mode(axes[3], data)
-    axes[4].plot(*series(data, "speed"), color=INK)
-    caption(axes[4], "speed of the contact point [mm/s]")
-    axes[5].plot(*series(data, "torque"), color=INK)
-    caption(axes[5], "largest joint torque [% of its limit]")
-    axes[5].set_xlabel("time [s]")
-    for a in axes:
-        shade_strokes(a, data)
-        if a is not axes[3]:
-            a.set_ylim(bottom=0)
-    axes[0].set_xlim(0, max(data["force"]["t"], default=0) or 1)
-    return figure
-
-
-def step_time_plot(data):
-    figure = Figure(figsize=(10.2, 2.5))
-    figure.subplots_adjust(left=0.088, right=0.988, top=0.87, bottom=0.2)
-    axes = figure.subplots()
-    axes.stairs(data["step_time"]["counts"], data["step_time"]["edges"], color=INK, fill=True, alpha=0.85)
-    axes.set_yscale("log")
-    axes.set_xlabel("controller step [µs]; the last bar holds all that took longer")
-    caption(axes, "steps")
-    return figure
-
-
-def tile(metrics, units, name, label):
-    return f"<div class=tile><b>{number(metrics[name], units[name], 3)}</b><span>{label}</span></div>"
 
 
 def metric_rows(page, columns):
@@ -224,36 +164,6 @@ def write_page(page, title, body):
     text = (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">\n'
             f"<title>{html.escape(title)}</title><style>{STYLE}</style></head><body>\n{body}\n</body></html>\n")
     Path(page["out"]).write_text(text, encoding="utf-8")
-
-
-def wall_text(metrics):
-    wall = metrics.get("wall_seconds", {})
-    names = {"start_up": "start-up", "loop": "loop", "writing": "rest of the log"}
-    return ", ".join(f"{label} {wall[key]:.2f} s" for key, label in names.items() if wall.get(key) is not None)
-
-
-def run_page(page):
-    metrics, data = page["metrics"], page["series"]
-    units = {d["name"]: d["unit"] for d in page["definitions"]}
-    tiles = "".join([
-        tile(metrics, units, "ink_error_rms", "ink error, RMS"), tile(metrics, units, "coverage", "of the target covered"),
-        tile(metrics, units, "contact_fraction", "contact fraction"), tile(metrics, units, "force_mean", "normal force, mean"),
-        tile(metrics, units, "force_sd", "its standard deviation"), tile(metrics, units, "tilt_mean", "tilt, mean")])
-    attributes = ", ".join(f"{html.escape(k)} {html.escape(v)}" for k, v in page["attributes"].items() if k != "scenario" and len(v) < 60)
-    duration = max(data["force"]["t"], default=0)
-    facts = "; ".join(x for x in (f"{duration:.1f} s simulated", wall_text(metrics), attributes) if x)
-    top, flat = page["pictures"]
-    pictures = f'<img class=top alt="ink against target, seen from above" src="{picture_uri(top)}">' if top else ""
-    if flat:
-        pictures += f'<img class=page alt="ink against target, on the page" src="{picture_uri(flat)}">'
-    steps = f'<h2>Controller step</h2><img alt="histogram of step times" src="{as_svg(step_time_plot(data))}">' if data["step_time"] else ""
-    write_page(page, page["title"], f"""<h1>{html.escape(page["title"])}</h1><p class=sub>{facts}</p>
-<div class=tiles>{tiles}</div>
-<h2>Ink against target</h2>{pictures}
-<h2>Over time</h2><p class=sub>Shaded: the plan is drawing a stroke. Of many rows each point shows the least and the largest.</p>
-<img alt="force, ink error, tilt, contact state, speed and torque over time" src="{as_svg(time_plots(data))}">
-<h2>Numbers</h2>{table(page, [metrics], ["value"])}
-{steps}{scenario(page["scenario"])}""")
 
 
 def comparison_figure(page):
@@ -314,7 +224,7 @@ drawn and target line, normal force, and tilt of the pen against the surface nor
 
 def main():
     page = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    {"run": run_page, "comparison": comparison_page}[page["kind"]](page)
+    comparison_page(page)
 
 
 main()

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
-#include "impedraw/control/normal_tracker.h"
+#include "impedraw/arm/least_energy_step.h"
 
 namespace impedraw {
 
@@ -25,16 +23,12 @@ JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVect
     for (int k = 1; k <= kSubsteps; ++k) {
       const TipReference r = path.at(t + k * dt).reference;
       arm.compute(q, JointVector::Zero(q.size()), &terms);
-      Vector6 off;
-      off << r.p_WD - terms.X_WE.p, smallest_rotation(terms.X_WE.R.col(2), -r.n_WD);
-      const TipJacobian& J = terms.J;
-      const Eigen::MatrixXd W = terms.M.llt().solve(J.transpose());
-      const Matrix6 A = J * W + 1e-6 * Matrix6::Identity();
-      const Eigen::LLT<Matrix6> factor = A.llt();
+      const LeastEnergyStep least =
+          least_energy_step(terms, tip_displacement(terms.X_WE, r.p_WD, -r.n_WD),
+                            (1.0 - std::exp(-dt / kRelax)) * (rest_q - q), 1e-6);
       // The clock slows the task's part alone.
-      const JointVector task = W * factor.solve(off);
-      const JointVector relax = (1.0 - std::exp(-dt / kRelax)) * (rest_q - q);
-      JointVector step = task + relax - W * factor.solve(J * relax);
+      const JointVector& task = least.task;
+      JointVector step = least.task + least.redundant;
       if (!step.allFinite()) return;
       fastest = std::max(fastest, (task.cwiseAbs().array() / speed.array()).maxCoeff() / dt);
       const double longest = step.cwiseAbs().maxCoeff();

@@ -16,7 +16,7 @@ NOBODY = 65534
 
 
 def checkout(folder, built):
-    for name in ("setup", "cmake", "src", "bench", "examples", "build/release/src/app", ".venv/bin"):
+    for name in ("setup", "cmake", "src", "web", "bench", "examples", "build/release/src/app", ".venv/bin"):
         (folder / name).mkdir(parents=True)
     for name in ("impedraw", "setup/prepare.sh", "apt-packages.txt", "requirements.txt", "CMakeLists.txt", "CMakePresets.json"):
         shutil.copy(ROOT / name, folder / name)

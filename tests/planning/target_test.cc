@@ -64,5 +64,16 @@ TEST(Target, LeavingTheCanvasIsAnError) {
                InputError);
 }
 
+// An estimated surface is rough at any scale: the number of points stays bounded.
+TEST(Target, RoughnessBelowTheSpacingIsNotFollowedForEver) {
+  const SurfaceHeight rough = [](double x, double y) {
+    const double hash = std::sin(1e9 * x + 3e8 * y) * 43758.5453;
+    return SurfaceSample{{x, y, 2e-5 * (hash - std::floor(hash))}, Eigen::Vector3d::UnitZ()};
+  };
+  const TargetSettings settings;
+  const TargetLine line = project_target({surfaces::line({{0, 0}, {0.1, 0}})}, rough, settings);
+  EXPECT_LT(line.points.size(), 60 * 0.1 / (settings.spacing / 2));
+}
+
 }  // namespace
 }  // namespace impedraw

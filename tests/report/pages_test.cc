@@ -5,7 +5,10 @@
 #include <regex>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
+#include <nlohmann/json.hpp>
 
+#include "impedraw/log/run_rows.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
@@ -25,6 +28,58 @@ void expect_stands_alone(const std::string& page) {
   EXPECT_FALSE(std::regex_search(page, found, reference)) << found[0];
 }
 
+// The parts of report.html: what the browser reads, and the program's data.
+struct Page {
+  std::string markup;  // without program, style and data
+  nlohmann::json json;
+  std::string columns;
+};
+
+Page read_page(const std::filesystem::path& file) {
+  const std::string text = text_of(file);
+  static const std::string kOpen = "<script type=\"application/octet-stream\" id=\"data\">";
+  const std::size_t begin = text.find(kOpen), end = text.find("</script>", begin),
+                    style = text.find("<style>"), style_end = text.find("</style>", style);
+  Page page;
+  page.markup = text.substr(0, style) + text.substr(style_end, begin - style_end);
+  std::string bytes;
+  std::uint32_t three = 0;
+  int digits = 0;
+  for (std::size_t i = begin + kOpen.size(); i < end && text[i] != '='; ++i) {
+    static const std::string kDigits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    three = three << 6 | static_cast<std::uint32_t>(kDigits.find(text[i]));
+    if (++digits % 4 != 1) bytes += static_cast<char>(three >> (6 - 2 * ((digits - 1) % 4)) & 255);
+  }
+  std::string data(64 << 20, '\0');
+  uLongf size = data.size();
+  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(data.data()), &size,
+                       reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()),
+            Z_OK);
+  std::uint32_t length = 0;
+  for (int k = 3; k >= 0; --k) length = length << 8 | static_cast<unsigned char>(data[k]);
+  page.json = nlohmann::json::parse(data.substr(4, length));
+  page.columns = data.substr(4 + length, size - 4 - length);
+  return page;
+}
+
+// The values of a packed column, by the description in packed_columns.h.
+std::vector<double> unpacked(const Page& page, const nlohmann::json& how) {
+  const std::size_t n = how["n"], at = how["at"];
+  std::vector<long long> k(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    unsigned long long code = 0;
+    for (int plane = how["planes"]; plane-- > 0;)
+      code = code << 8 | static_cast<unsigned char>(page.columns[at + plane * n + i]);
+    k[i] = code & 1 ? -static_cast<long long>(code / 2) - 1 : static_cast<long long>(code / 2);
+  }
+  for (int pass = 0; pass < how["order"]; ++pass)
+    for (std::size_t i = 1; i < n; ++i) k[i] += k[i - 1];
+  std::vector<double> values;
+  for (const long long x : k) values.push_back(static_cast<double>(x) * double(how["quantum"]));
+  return values;
+}
+
 TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   const RunData run = made_up({}, folder_);
   const InkMatch drawn = match_ink(run);
@@ -32,17 +87,48 @@ TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
   write_report(folder_, run, drawn, compute_metrics(run, drawn),
                {.title = "A <title>", .limits = {{"ink_error_rms", {.most = 0.001}}}});
-  const std::string page = text_of(folder_ / "report.html");
-  EXPECT_LT(page.size(), 10u << 20);
-  expect_stands_alone(page);
+  const Page page = read_page(folder_ / "report.html");
+  EXPECT_LT(std::filesystem::file_size(folder_ / "report.html"), 2u << 20);
+  const std::regex reference(R"re((?:src|href)=|<link|@import|url\()re");
+  EXPECT_FALSE(std::regex_search(page.markup, reference)) << page.markup;
+  EXPECT_NE(page.markup.find("default-src 'none'"), std::string::npos);
+  EXPECT_NE(page.markup.find("A &lt;title&gt;"), std::string::npos);
+  EXPECT_EQ(page.json["title"], "A <title>");
+  EXPECT_EQ(page.json["scenario"], "speed: 50 # <mm/s> & more\n");
+  EXPECT_EQ(page.json["pictures"].size(), 1u);
+  EXPECT_EQ(page.json["limits"]["ink_error_rms"]["max"], 0.001);
   for (const MetricDefinition& d : metric_definitions())
-    EXPECT_NE(page.find(std::string("<code>") + d.name), std::string::npos) << d.name;
-  EXPECT_NE(page.find("A &lt;title&gt;"), std::string::npos);
-  EXPECT_NE(page.find("speed: 50 # &lt;mm/s&gt; &amp; more"), std::string::npos);
-  EXPECT_NE(page.find("class=\"n bad\""), std::string::npos) << "the missed limit must show";
-  EXPECT_THROW(
-      write_report(folder_, run, drawn, compute_metrics(run, drawn), {.python = "/no/such/python"}),
-      std::runtime_error);
+    EXPECT_TRUE(page.json["metrics"].contains(d.name)) << d.name;
+}
+
+TEST_F(PagesTest, ReplayHoldsTheRowsOfTheLog) {
+  const RunData run = made_up({}, folder_);
+  const InkMatch drawn = match_ink(run);
+  write_report(folder_, run, drawn, compute_metrics(run, drawn));
+  const RunRows rows = read_rows(folder_ / "run.h5");
+  const Page page = read_page(folder_ / "report.html");
+  const auto& scene = page.json["scene"];
+  const std::vector<double> time = unpacked(page, scene["time"]),
+                            q = unpacked(page, scene["joints"][1]),
+                            x = unpacked(page, scene["tip"][0]);
+  ASSERT_GT(time.size(), rows.rows() / 11);
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    while (rows.time[row] < time[i] - 0.6e-3) ++row;
+    ASSERT_NEAR(rows.time[row], time[i], 0.51e-3);
+    EXPECT_NEAR(rows.joint_position(static_cast<Eigen::Index>(row), 1), q[i], 0.51e-5);
+    EXPECT_NEAR(rows.tip_position[row].x(), x[i], 0.51e-5);
+  }
+  EXPECT_EQ(row + 1, rows.rows()) << "the last row is shown";
+  EXPECT_TRUE(page.json["complete"]);
+  EXPECT_TRUE(page.json["closed"]);
+  // A plot shows the extremes of all steps.
+  const auto& force = page.json["step_plots"]["series"][0];
+  ASSERT_EQ(force["name"], "force");
+  const std::vector<double> shown =
+      unpacked(page, force.contains("high") ? force["high"] : force["low"]);
+  EXPECT_NEAR(*std::max_element(shown.begin(), shown.end()),
+              *std::max_element(run.f.begin(), run.f.end()), 0.51e-3);
 }
 
 TEST_F(PagesTest, ComparisonShowsBothRuns) {
@@ -94,7 +180,8 @@ TEST_F(PagesTest, DoNotDependOnTheSurroundings) {
   const InkMatch drawn = match_ink(run);
   const auto page = [&](const std::filesystem::path& folder) {
     write_report(folder, run, drawn, compute_metrics(run, drawn), {.title = "Zürich → 東京"});
-    return text_of(folder / "report.html");
+    write_comparison({"東京", folder}, {"東京", folder}, folder);
+    return text_of(folder / "report.html") + text_of(folder / "compare.html");
   };
   std::ofstream(folder_ / "run/scenario.yaml") << "name: Zürich → 東京\n";
   const std::string plain = page(folder_ / "run");
@@ -118,13 +205,13 @@ TEST_F(PagesTest, DoNotDependOnTheSurroundings) {
 
 // Ignored, SIGCHLD leaves no exit code of the page's process.
 TEST_F(PagesTest, AFailureIsAnErrorWhateverHappensToSigchld) {
-  const RunData run = made_up({}, folder_);
-  const InkMatch drawn = match_ink(run);
+  made_up({}, folder_ / "a");
+  const ComparedRun run{"a", folder_ / "a"};
+  EXPECT_THROW(write_comparison(run, run, folder_, {.python = "/no/such/python"}),
+               std::runtime_error);
   const Surroundings surroundings;
   std::signal(SIGCHLD, SIG_IGN);
-  EXPECT_THROW(
-      write_report(folder_, run, drawn, compute_metrics(run, drawn), {.python = "/bin/false"}),
-      std::runtime_error);
+  EXPECT_THROW(write_comparison(run, run, folder_, {.python = "/bin/false"}), std::runtime_error);
 }
 
 }  // namespace

@@ -55,6 +55,17 @@ TEST(UnknownSurface, LevelSetPoint) {
   }
 }
 
+// A pen that turns to the learned normal keeps within the limit on turning that all scenarios have.
+TEST(UnknownSurface, TouchTurnsWithinTheDefaultLimit) {
+  for (const char* name : {"bowl-sine-touch", "bowl-m-touch"}) {
+    DrawOptions options;
+    options.scenario = std::string("scenarios/") + name + ".yaml";
+    const Experiment e = prepare(resolve(options));
+    EXPECT_EQ(e.control.impedance.limits.turn_speed, LimitSettings().turn_speed);
+    EXPECT_LT(e.control.touch->settings.turn_rate, e.control.impedance.limits.turn_speed);
+  }
+}
+
 TEST(UnknownSurface, ByTouch) {
   expect_promised_touch(draw_within_bounds("bowl-sine-touch"), 47.0);
   expect_promised_touch(draw_within_bounds("bowl-m-touch"), 42.0);

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <Eigen/Cholesky>
 
+#include "impedraw/common/angle.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/polyline.h"
 
@@ -38,6 +39,15 @@ class Fit {
     line_.along.assign(1, 0.0);
     for (std::size_t i = 1; i < line_.p_P.size(); ++i) {
       line_.along.push_back(line_.along.back() + (line_.p_P[i] - line_.p_P[i - 1]).norm());
+    }
+    allowed_.assign(line_.p_P.size(), settings.tolerance);
+    for (std::size_t i = 1; i + 1 < line_.p_P.size(); ++i) {
+      const Vector2d before = line_.p_P[i] - line_.p_P[i - 1],
+                     after = line_.p_P[i + 1] - line_.p_P[i];
+      if (before.dot(after) < std::cos(kBend) * before.norm() * after.norm())
+        allowed_[i] =
+            std::max(settings.tolerance,
+                     std::min(settings.rounding, std::min(before.norm(), after.norm()) / 40));
     }
   }
 
@@ -81,7 +91,7 @@ class Fit {
         bool all = true;
         for (std::size_t i = 0; i < n; ++i) {
           if (done[i]) continue;
-          if (k > 0 && angle(trial[i], base[i]) > tilt.allowance) {
+          if (k > 0 && angle_between(trial[i], base[i]) > tilt.allowance) {
             done[i] = 1;
             continue;
           }
@@ -96,7 +106,7 @@ class Fit {
           axes = smoothed_normals(spread(level));
           bool kept = true;
           for (std::size_t i = 0; i < n; ++i) {
-            if (angle(axes[i], base[i]) <= tilt.allowance) continue;
+            if (angle_between(axes[i], base[i]) <= tilt.allowance) continue;
             kept = false;
             level[i] = std::max(0.0, level[i] - 1.0);
           }
@@ -141,11 +151,8 @@ class Fit {
   }
 
   static constexpr double kLevel = 1.5;
-  static constexpr int kLevels = 6;  // up to 11 times normal_smoothing
-
-  static double angle(const Vector3d& a, const Vector3d& b) {
-    return std::atan2(a.cross(b).norm(), a.dot(b));
-  }
+  static constexpr double kBend = 0.087;  // a vertex that turns less is part of a curve [rad]
+  static constexpr int kLevels = 6;       // up to 11 times normal_smoothing
 
   // By divided differences over the neighbouring knots, on the surface.
   bool keeps_tilt_limits(const std::vector<Vector3d>& n, std::size_t i) const {
@@ -228,8 +235,10 @@ class Fit {
 
   bool keeps(const PathSpline& spline, std::size_t span) const {
     constexpr int kSamples = 8;
-    const double allowed = 0.75 * settings_.tolerance;  // simplification and sampling use the rest
     const auto [first, last] = vertices(knots_[span].along, knots_[span + 1].along);
+    const double allowed =  // simplification and sampling use the rest
+        0.75 * *std::max_element(allowed_.begin() + static_cast<long>(first),
+                                 allowed_.begin() + static_cast<long>(last) + 1);
     std::vector<Vector2d> curve;
     for (int i = 0; i <= kSamples; ++i) {
       curve.push_back(spline
@@ -291,6 +300,7 @@ class Fit {
   }
 
   Line line_;
+  std::vector<double> allowed_;  // distance between spline and line, at each vertex [m]
   int stroke_;
   const SurfaceHeight& surface_;
   const FitSettings& settings_;

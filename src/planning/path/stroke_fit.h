@@ -18,7 +18,10 @@ struct TiltLimits {
 };
 
 struct FitSettings {
-  double tolerance = 1e-5;     // largest distance between line and artwork, seen along z [m]
+  double tolerance = 1e-5;  // largest distance between line and artwork, seen along z [m]
+  // The same beside a vertex where the artwork turns by more than 5°, as letters made of straight
+  // lines do; at most a fortieth of the shorter line there [m].
+  double rounding = 5e-5;
   double knot_spacing = 1e-3;  // largest distance between surface queries along the stroke [m]
   double corner_angle = 0.44;  // a larger turn is a corner, where the pen stops [rad]
   // The normals along the line are smoothed by a local parabola with Gaussian weights of this

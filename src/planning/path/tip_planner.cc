@@ -232,6 +232,7 @@ void validate(const PathSettings& s) {
   require_in_range("path", Limits::smoothing_time, s.smoothing_time);
   require_in_range("path", Limits::corner_angle, s.corner_angle_deg);
   require_in_range("path", Limits::tolerance, s.tolerance);
+  require_in_range("path", Limits::rounding, s.rounding);
   require_in_range("path", Limits::knot_spacing, s.knot_spacing);
   require_in_range("path", Limits::normal_smoothing, s.normal_smoothing);
   require_in_range("path", Limits::joint_speed_share, s.joint_speed_share);
@@ -254,6 +255,7 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
   constexpr double kDegree = std::numbers::pi / 180;
   const FitSettings fit{
       settings.tolerance,
+      settings.rounding,
       settings.knot_spacing,
       settings.corner_angle_deg * kDegree,
       settings.normal_smoothing,

@@ -43,6 +43,7 @@ struct PathSettings {
   double smoothing_time = 0.04;  // time over which an acceleration builds up [s]
   double corner_angle_deg = 25;  // a larger turn is a corner: full stop
   double tolerance = 1e-5;  // largest distance between desired line and artwork, seen along z [m]
+  double rounding = 5e-5;   // the same beside bends made of straight lines (stroke_fit.h) [m]
   double knot_spacing = 1e-3;  // largest distance between surface queries along a stroke [m]
   // length of stroke over which normals are averaged (stroke_fit.h) [m]
   double normal_smoothing = 5e-3;
@@ -82,6 +83,7 @@ struct PathSettings {
     static constexpr Limit smoothing_time = {"smoothing_time", "s", {0.0, 1.0}};
     static constexpr Limit corner_angle = {"corner_angle", "deg", Range::to_below(1.0, 90.0)};
     static constexpr Limit tolerance = {"tolerance", "m", {1e-7, 1e-2}};
+    static constexpr Limit rounding = {"rounding", "m", {0.0, 1e-2}};
     static constexpr Limit knot_spacing = {"knot_spacing", "m", Range::positive()};
     static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 0.1}};
     static constexpr Limit joint_speed_share = {"joint_speed_share", "", {0.01, 1.0}};

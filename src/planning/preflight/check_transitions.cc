@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/angle.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/preflight/preflight.h"
 
@@ -18,10 +19,6 @@ constexpr double kStep = 0.01;  // [m]
 constexpr double kTurn = 0.1;   // of the pen [rad]
 // a tip nearer to the canvas than this, or below it, touches it [m]
 constexpr double kTipFree = 1e-3;
-
-double angle(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 }  // namespace
 
@@ -72,7 +69,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
     const bool way = sample.phase != Phase::draw;
     const bool change = way != was_way;
     was_way = way;
-    const double moved = (p - asked_p).norm(), turned = angle(n, asked_n);
+    const double moved = (p - asked_p).norm(), turned = angle_between(n, asked_n);
     if (last && !change && moved < kStep && turned < kTurn) return;
     while (next < path.strokes().size() && path.strokes()[next].end <= t) {
       ++next;

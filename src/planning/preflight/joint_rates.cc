@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/control/normal_tracker.h"
+#include "impedraw/arm/least_energy_step.h"
 
 namespace impedraw {
 
@@ -40,17 +38,13 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
   double relax = 1.0 - std::exp(-moved / kRelax);
   for (int i = 0; i < kMostSteps; ++i) {
     arm_->compute(q, JointVector::Zero(q.size()), &terms_);
-    Vector6 off;
-    off << p_W - terms_.X_WE.p, smallest_rotation(terms_.X_WE.R.col(2), z_W);
+    const Vector6 off = tip_displacement(terms_.X_WE, p_W, z_W);
     if (i > 0 && off.cwiseAbs().maxCoeff() < kReached) {
       q_ = q;
       return true;
     }
-    const TipJacobian& J = terms_.J;
-    const Eigen::MatrixXd M_inv_Jt = terms_.M.llt().solve(J.transpose());
-    const Matrix6 A = J * M_inv_Jt + 1e-9 * Matrix6::Identity();
-    const JointVector drift = relax * (rest_ - q);
-    q += drift + M_inv_Jt * A.llt().solve(off - J * drift);
+    const LeastEnergyStep step = least_energy_step(terms_, off, relax * (rest_ - q), 1e-9);
+    q += step.task + step.redundant;
     relax = 0.0;
   }
   return false;

@@ -128,7 +128,7 @@ TEST(TipLimits, RandomStrokesOnWaves) {
           const double f = std::clamp((p.head<2>() - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
           nearest = std::min(nearest, (p.head<2>() - a - f * side).norm());
         }
-        ASSERT_LE(nearest, settings.tolerance) << k;
+        ASSERT_LE(nearest, std::max(settings.tolerance, settings.rounding)) << k;
         ASSERT_NEAR(p.z(), surfaces::waves(p.x(), p.y())->p_P.z(), 3e-6) << k;
       }
     }

@@ -1,0 +1,40 @@
+#include "impedraw/experiment/pen_axis.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace impedraw {
+namespace {
+
+// Finer patches than the plan's are in use under the drawing: along over kLeast of it they have
+// another normal than the plan. In flat noise they are, at most, in places.
+bool is_rough(const Scene& scene, const Plan& plan) {
+  constexpr double kOther = 0.02, kLeast = 0.1, kSpacing = 2e-3;  // [rad], [1], [m]
+  if (!scene.perception) return false;
+  const Pose& X_WP = plan.path_settings.X_WP;
+  const SurfaceHeight surface = scene.surface(X_WP);
+  long places = 0, other = 0;
+  for (const PlacedStroke& stroke : plan.strokes)
+    for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
+      const Eigen::Vector2d to = stroke.p_P[i], from = i > 0 ? stroke.p_P[i - 1] : to;
+      const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kSpacing)));
+      for (int k = 1; k <= pieces; ++k) {
+        const Eigen::Vector2d at = from + (to - from) * k / pieces;
+        const auto sample = surface(at.x(), at.y());
+        if (!sample) continue;
+        const SurfaceEstimate there = scene.perception->estimate(X_WP * sample->p_P);
+        ++places;
+        other += there.status == SurfaceStatus::ok &&
+                 there.n_W.cross(X_WP.R * sample->n_P).norm() > kOther;
+      }
+    }
+  return static_cast<double>(other) > kLeast * static_cast<double>(places);
+}
+
+}  // namespace
+
+PenAxis suitable_pen_axis(const Scene& scene, const Plan& plan) {
+  return is_rough(scene, plan) ? PenAxis::plan : PenAxis::surface;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,106 @@
+#include "impedraw/experiment/picture_of_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "impedraw/experiment/plan_limits.h"
+#include "impedraw/experiment/plan_summary.h"
+#include "impedraw/planning/stroke_ruler.h"
+
+namespace impedraw {
+
+namespace {
+
+// "off canvas", for a legend.
+std::string words_of(Problem problem) {
+  std::string words = name_of(problem);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+// Each part of a stroke where it lies on the surface, in P.
+PlanLine plan_line(const StrokeRuler& part, const SurfaceHeight& surface, double z,
+                   const std::string& problem) {
+  PlanLine line{{}, problem};
+  const double length = part.length();
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length / kPictureSpacing)));
+  for (int i = 0; i <= pieces; ++i) {
+    const Eigen::Vector2d p = part.at(part.stroke().start + length * i / pieces).p_P;
+    const auto sample = surface(p.x(), p.y());
+    line.points.push_back(sample ? sample->p_P : Eigen::Vector3d(p.x(), p.y(), z));
+  }
+  return line;
+}
+
+// The surface as the plan knows it: with cameras, that of the cloud, on a grid.
+void add_surface(const PlannedDrawing& e, PlanPicture* picture) {
+  const Pose X_PW = e.artwork.X_WP.inverse();
+  if (!e.scene.perception) {
+    if (e.scene.height_unknown()) return;
+    for (const Eigen::Vector3d& v_W : e.scene.canvas->mesh().vertices)
+      picture->canvas_vertices.push_back(X_PW * v_W);
+    picture->canvas_triangles = e.scene.canvas->mesh().triangles;
+    return;
+  }
+  constexpr double kCell = 4e-3;  // [m]
+  constexpr int kMostCells = 500;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p_W : e.scene.perception->cloud().points) box.extend(X_PW * p_W);
+  const double cell = std::max(kCell, box.sizes().head<2>().maxCoeff() / kMostCells);
+  const int nx = static_cast<int>(box.sizes().x() / cell) + 1,
+            ny = static_cast<int>(box.sizes().y() / cell) + 1;
+  const SurfaceHeight surface = e.surface();
+  std::vector<int> vertex;  // of each node; −1: no surface there
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      const auto sample = surface(box.min().x() + i * cell, box.min().y() + j * cell);
+      vertex.push_back(sample ? static_cast<int>(picture->canvas_vertices.size()) : -1);
+      if (sample) picture->canvas_vertices.push_back(sample->p_P);
+    }
+  for (int j = 0; j + 1 < ny; ++j)
+    for (int i = 0; i + 1 < nx; ++i) {
+      const int* low = &vertex[static_cast<std::size_t>(j) * nx + i];
+      const int a = low[0], b = low[1], c = low[nx], d = low[nx + 1];
+      if (std::min({a, b, c, d}) < 0) continue;
+      picture->canvas_triangles.insert(picture->canvas_triangles.end(), {{a, b, d}, {a, d, c}});
+    }
+}
+
+}  // namespace
+
+PlanPicture picture_of_plan(const PlannedDrawing& e, const SurfaceHeight& surface) {
+  PlanPicture picture;
+  picture.title = e.scenario.name;
+  picture.subtitle = fmt::format(
+      "{} strokes, {:.2f} m; {}", e.plan.requested.size(), e.plan.path.pen_down_length(),
+      e.plan.preflight.findings.empty()
+          ? "all can be drawn"
+          : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
+  const Pose X_PW = e.artwork.X_WP.inverse();
+  add_surface(e, &picture);
+  for (const PlacedStroke& stroke : e.plan.strokes)
+    picture.lines.push_back(plan_line(StrokeRuler(stroke), surface, 0.0, ""));
+  std::optional<StrokeRuler> ruler;
+  for (const Finding& f : e.plan.preflight.findings) {
+    const PlacedStroke& whole = e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)];
+    if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
+    const PlacedStroke part = ruler->part(f.part.from, f.part.to);
+    picture.lines.push_back(
+        plan_line(StrokeRuler(part), surface, (X_PW * f.p_W).z(), words_of(f.problem)));
+  }
+  // The map of roughness: a dot for each point of the cloud.
+  if (e.scene.perception) {
+    PlanLine dot{{Eigen::Vector3d::Zero()}, "rougher than the cameras resolve"};
+    for (const Eigen::Vector3d& p_W : e.scene.perception->cloud().points) {
+      if (!is_unresolved(e.scene.perception->roughness(p_W))) continue;
+      dot.points.front() = X_PW * p_W;
+      picture.lines.push_back(dot);
+    }
+  }
+  return picture;
+}
+
+}  // namespace impedraw

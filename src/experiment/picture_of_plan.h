@@ -1,0 +1,15 @@
+// What the picture of a plan shows: the surface as the plan knows it, the strokes, and where the
+// surface is rougher than the cameras resolve.
+#pragma once
+
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/report/plan_picture.h"
+
+namespace impedraw {
+
+inline constexpr double kPictureSpacing = 2e-3;  // of the points of a stroke [m]
+
+// With cameras nothing in it is taken from the true canvas. `surface`: the planner's, in P.
+PlanPicture picture_of_plan(const PlannedDrawing& drawing, const SurfaceHeight& surface);
+
+}  // namespace impedraw

@@ -1,0 +1,98 @@
+#include "impedraw/page/page.h"
+
+#include <cstdint>
+#include <stdexcept>
+#include <string_view>
+
+#include <zlib.h>
+
+// The program of the page, made by web/build.mjs.
+extern "C" {
+extern const char impedraw_page_begin[];
+extern const char impedraw_page_end[];
+}
+__asm__(
+    ".section .rodata\n"
+    ".global impedraw_page_begin\n"
+    ".global impedraw_page_end\n"
+    "impedraw_page_begin:\n"
+    ".incbin \"" IMPEDRAW_PAGE
+    "\"\n"
+    "impedraw_page_end:\n"
+    ".byte 0\n"
+    ".previous\n");
+
+namespace impedraw {
+
+namespace {
+
+std::string deflated(const std::string& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(size, '\0');
+  if (compress2(reinterpret_cast<Bytef*>(out.data()), &size,
+                reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
+                6) != Z_OK)
+    throw std::runtime_error("the page's data cannot be compressed: no memory");
+  out.resize(size);
+  return out;
+}
+
+std::string base64(std::string_view bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) -> std::uint32_t {
+      return k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0u;
+    };
+    const std::uint32_t three = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
+    for (int k = 0; k < 4; ++k)
+      out += i + k > bytes.size() ? '=' : kDigits[(three >> (18 - 6 * k)) & 63];
+  }
+  return out;
+}
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string page_html(const std::string& title, const PagePayload& payload) {
+  std::string data;
+  for (int shift = 0; shift < 32; shift += 8)
+    data += static_cast<char>((payload.json.size() >> shift) & 0xff);
+  data += payload.json;
+  data += payload.columns;
+
+  std::string_view page(impedraw_page_begin,
+                        static_cast<std::size_t>(impedraw_page_end - impedraw_page_begin));
+  std::string out;
+  for (const auto& [mark, text] :
+       {std::pair<std::string_view, std::string>{"@TITLE@", escaped(title)},
+        {"@DATA@", base64(deflated(data))}}) {
+    const std::size_t at = page.find(mark);
+    if (at == std::string_view::npos) throw std::logic_error("the page's template lacks a mark");
+    out += page.substr(0, at);
+    out += text;
+    page.remove_prefix(at + mark.size());
+  }
+  out += page;
+  return out;
+}
+
+}  // namespace impedraw

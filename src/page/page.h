@@ -1,0 +1,72 @@
+// The page of a run: one HTML file that opens from the disk, without a network, and replays the run
+// in three dimensions. web/ has its program; here it gets its data.
+//
+//   run.h5, metrics, settings ──> JSON + packed columns ──> deflate ──> base64 in the page
+//
+// What the page shows was computed here or in metrics: the page only draws.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "impedraw/arm/arm_shapes.h"
+#include "impedraw/log/run_data.h"
+#include "impedraw/metrics/ink_match.h"
+#include "impedraw/metrics/metrics.h"
+
+namespace impedraw {
+
+struct PageSetting {
+  std::string name, value, initial, unit, help;
+};
+
+struct PageCamera {
+  Pose X_WC{};  // z forward, x right, y down
+  double fov_y_deg = 60.0;
+  int width = 640, height = 480;  // [px]
+};
+
+// What the log does not hold. All of it may be missing.
+struct PageContext {
+  std::vector<DrawnLink> arm{};  // empty: the pen alone is drawn
+  std::vector<PageCamera> cameras{};
+  std::vector<PageSetting> settings{};
+  std::string command{};                               // that repeats the run
+  Eigen::Matrix3d R_WP = Eigen::Matrix3d::Identity();  // drawing frame
+  double ink_width = 1.0;                              // [mm]
+  std::function<void()> check{};  // called now and then; what it throws ends the work
+};
+
+// A file shown on the page: inert, as an image.
+struct PagePicture {
+  std::string title;
+  std::filesystem::path file;  // .svg or .png
+};
+
+struct PageRun {
+  std::string title;
+  std::filesystem::path log;            // run.h5
+  std::filesystem::path scenario_file;  // its text is shown; may be missing
+  std::filesystem::path strokes_file;   // strokes.json; may be missing
+  std::vector<PagePicture> pictures;    // those that exist are shown
+  std::string limits = "{}";            // JSON: {metric: {min, max}}
+};
+
+// The data of the page: a JSON text that refers to `columns`, and these. Throws InputError if the
+// log cannot be read.
+struct PagePayload {
+  std::string json;
+  std::string columns;
+};
+PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch& drawn,
+                         const Metrics& metrics, const PageContext& context);
+
+// The whole HTML file: uint32 length of the JSON (little endian), JSON, columns; deflated (zlib's
+// format), base64.
+std::string page_html(const std::string& title, const PagePayload& payload);
+
+}  // namespace impedraw

@@ -1,0 +1,230 @@
+// A plan made from what the cameras saw, and from nothing else.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/canvas/built_in.h"
+#include "impedraw/canvas/built_in_graphs.h"
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/picture_of_plan.h"
+#include "scratch_folder.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+
+class PerceivedPlan : public ScratchFolder {
+ protected:
+  static Scenario scenario(const std::vector<std::string>& assignments, Places* places = nullptr) {
+    DrawOptions options;
+    options.scenario = "scenarios/bowl.yaml";
+    options.assignments = assignments;
+    return resolve(options, places);
+  }
+};
+
+struct Staged {
+  Scenario scenario;
+  PlacedArtwork artwork;
+  Scene scene;
+};
+
+Staged staged(const Scenario& given) {
+  const Places places;
+  const SettingErrors setting_errors(places);
+  Scenario s = given;
+  s.drawing.placement = placement_settings(s.drawing);
+  PlacedArtwork artwork = load_artwork(s.drawing, setting_errors);
+  Scene scene = build_scene(s, artwork.X_WP, setting_errors);
+  return {std::move(s), std::move(artwork), std::move(scene)};
+}
+
+PlannedDrawing planned(Staged from) {
+  const Places places;
+  Plan plan =
+      make_plan(from.scenario, from.artwork, from.scene, Unreachable::skip, SettingErrors(places));
+  return {std::move(from.scenario), std::move(from.artwork), std::move(from.scene),
+          std::move(plan)};
+}
+
+// Another canvas takes the true one's place after the snapshot: the plan is the same.
+TEST_F(PerceivedPlan, KnowsNothingOfTheTrueCanvas) {
+  for (const char* canvas : {"canvas.kind=bowl", "canvas.kind=rough"}) {
+    SCOPED_TRACE(canvas);
+    const Scenario s = scenario({canvas, "canvas.rough.form=step", "drawing.shape=M"});
+    Staged truth = staged(s), swapped = staged(s);
+    const std::shared_ptr<Canvas> seen = swapped.scene.canvas;  // the world refers to it
+    PlaneSettings plane;
+    plane.normal = {0.2, -0.3, 1.0};
+    swapped.scene.canvas = std::make_shared<Canvas>(make_plane(plane));
+    const PlannedDrawing one = planned(std::move(truth)), other = planned(std::move(swapped));
+
+    ASSERT_EQ(one.plan.strokes.size(), other.plan.strokes.size());
+    for (std::size_t i = 0; i < one.plan.strokes.size(); ++i)
+      EXPECT_EQ(one.plan.strokes[i].p_P, other.plan.strokes[i].p_P) << i;
+    ASSERT_EQ(one.plan.preflight.findings.size(), other.plan.preflight.findings.size());
+    for (std::size_t i = 0; i < one.plan.preflight.findings.size(); ++i)
+      EXPECT_EQ(one.plan.preflight.findings[i].text, other.plan.preflight.findings[i].text);
+    EXPECT_EQ(one.plan.rest_q, other.plan.rest_q);
+    ASSERT_EQ(one.plan.path.duration(), other.plan.path.duration());
+    for (double t = 0.0; t < one.plan.path.duration(); t += 0.02) {
+      const TipReference a = one.plan.path.at(t).reference, b = other.plan.path.at(t).reference;
+      ASSERT_EQ(a.p_WD, b.p_WD) << t;
+      ASSERT_EQ(a.n_WD, b.n_WD) << t;
+      ASSERT_EQ(a.pen_down, b.pen_down) << t;
+    }
+    // The target is the artwork's line, whatever it is projected on.
+    const auto end = [](const PlannedDrawing& e) {
+      return (e.artwork.X_WP.inverse() * e.plan.target.points.back()).head<2>().eval();
+    };
+    EXPECT_EQ(one.plan.target.stroke.back(), other.plan.target.stroke.back());
+    EXPECT_LT((end(one) - end(other)).norm(), 1e-12);
+
+    const PlanPicture a = picture_of_plan(one, one.surface()),
+                      b = picture_of_plan(other, other.surface());
+    EXPECT_GT(a.canvas_triangles.size(), 1000u);
+    EXPECT_EQ(a.canvas_vertices, b.canvas_vertices);
+    EXPECT_EQ(a.canvas_triangles, b.canvas_triangles);
+    ASSERT_EQ(a.lines.size(), b.lines.size());
+    for (std::size_t i = 0; i < a.lines.size(); ++i)
+      EXPECT_EQ(a.lines[i].points, b.lines[i].points);
+  }
+}
+
+// The picture shows the surface: the bowl's, to the cloud's accuracy.
+TEST_F(PerceivedPlan, ThePictureShowsTheSurfaceAsSeen) {
+  const PlannedDrawing e = planned(staged(scenario({})));
+  const PlanPicture picture = picture_of_plan(e, e.surface());
+  ASSERT_GT(picture.canvas_vertices.size(), 2000u);
+  for (const Vector3d& p_P : picture.canvas_vertices)
+    ASSERT_LT(std::abs(e.scene.canvas->closest(e.artwork.X_WP * p_P).distance), 1e-3);
+}
+
+// Lines along world x and y through the middle of the canvas, 120 mm each; and the first alone.
+const char kCross[] = "120 120\n60 0\n60 120\nEnd\n0 60\n120 60\nEnd\n";
+const char kLine[] = "120 120\n60 0\n60 120\nEnd\n";
+
+// Where the promised strokes are, as lengths along world x and y from the canvas's middle [m].
+std::vector<Vector3d> promised_points(const PlannedDrawing& e) {
+  std::vector<Vector3d> points;
+  for (const PlacedStroke& stroke : e.plan.strokes)
+    for (std::size_t i = 1; i < stroke.p_P.size(); ++i)
+      for (int k = 0; k <= 100; ++k) {
+        const Eigen::Vector2d p =
+            stroke.p_P[i - 1] + (stroke.p_P[i] - stroke.p_P[i - 1]) * k / 100.0;
+        points.emplace_back(p.x() - 0.6, p.y(), 0.0);
+      }
+  return points;
+}
+
+// Strokes end at a safe distance on both sides of a step, and not needlessly far.
+TEST_F(PerceivedPlan, StrokesEndOnBothSidesOfAStep) {
+  const auto file = write("line.strokes", kLine);
+  for (const double height : {0.003, 0.005, 0.010}) {
+    SCOPED_TRACE(height);
+    const PlannedDrawing e = planned(staged(scenario(
+        {"canvas.kind=rough", "canvas.rough.form=step", fmt::format("canvas.rough.rise={}", height),
+         "drawing.svg=" + file.string(), "drawing.placement.height=120"})));
+    double below = 1.0, above = 1.0;
+    for (const Vector3d& p : promised_points(e)) {
+      (p.x() < 0.0 ? below : above) = std::min(p.x() < 0.0 ? below : above, std::abs(p.x()));
+    }
+    EXPECT_GT(below, 1.5e-3);
+    EXPECT_GT(above, 1.5e-3);
+    EXPECT_LT(below, 0.025);
+    EXPECT_LT(above, 0.025);
+    EXPECT_FALSE(e.plan.preflight.findings.empty());
+  }
+}
+
+TEST_F(PerceivedPlan, StrokesEndOnBothSidesOfAHole) {
+  const auto file = write("cross.strokes", kCross);
+  const PlannedDrawing e = planned(staged(
+      scenario({"canvas.kind=rough", "canvas.rough.form=hole", "canvas.rough.wavelength=0.020",
+                "drawing.svg=" + file.string(), "drawing.placement.width=120"})));
+  double nearest[4] = {1.0, 1.0, 1.0, 1.0};  // −x, +x, −y, +y
+  for (const Vector3d& p : promised_points(e)) {
+    const bool along_x = std::abs(p.x()) > std::abs(p.y());
+    double& least = nearest[(along_x ? 0 : 2) + ((along_x ? p.x() : p.y()) > 0.0)];
+    least = std::min(least, p.norm());
+  }
+  for (const double r : nearest) {
+    EXPECT_GT(r, 0.010 + 1e-3);
+    EXPECT_LT(r, 0.010 + 0.010);
+  }
+}
+
+// A flat square mesh of 0.3 m, its middle at `at`.
+std::string square_obj(const Vector3d& at) {
+  std::string text;
+  constexpr int n = 30;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i)
+      text += fmt::format("v {} {} {}\n", at.x() + 0.3 * (i / double(n) - 0.5),
+                          at.y() + 0.3 * (j / double(n) - 0.5), at.z());
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i + 1;
+      text += fmt::format("f {} {} {}\nf {} {} {}\n", a, a + 1, a + n + 2, a, a + n + 2, a + n + 1);
+    }
+  return text;
+}
+
+std::vector<std::string> mesh_canvas(const std::filesystem::path& file) {
+  return {"canvas.kind=mesh", "canvas.mesh.file=" + file.string()};
+}
+
+TEST_F(PerceivedPlan, AMeshOutOfReachIsPutInFrontOfTheArm) {
+  const PlannedDrawing e =
+      planned(staged(scenario(mesh_canvas(write("far.obj", square_obj({5.0, -3.0, 2.0}))))));
+  const Eigen::AlignedBox3d box = e.scene.canvas->bounds();
+  EXPECT_LT((box.center().head<2>() - e.scenario.drawing.placement.centre_m).norm(), 1e-9);
+  EXPECT_NEAR(box.min().z(), 0.02, 1e-9);
+  EXPECT_LT((e.scenario.canvas.move - Vector3d(0.6 - 5.0, 3.0, 0.02 - 2.0)).norm(), 1e-9);
+  EXPECT_THAT(notes_of(e), testing::Contains(testing::HasSubstr("out of reach")));
+  EXPECT_FALSE(e.plan.strokes.empty());
+  // A run of the completed scenario puts it in the same place, and says nothing.
+  const Staged again = staged(e.scenario);
+  EXPECT_LT((again.scene.canvas->bounds().min() - box.min()).norm(), 1e-12);
+  EXPECT_THAT(again.scene.notes, testing::IsEmpty());
+}
+
+TEST_F(PerceivedPlan, AMeshThatIsWhereTheDrawingIsStaysThere) {
+  const Staged e = staged(scenario(mesh_canvas(write("near.obj", square_obj({0.58, 0.03, 0.1})))));
+  EXPECT_TRUE(e.scenario.canvas.move.isZero());
+  EXPECT_NEAR(e.scene.canvas->bounds().center().x(), 0.58, 1e-9);
+}
+
+TEST_F(PerceivedPlan, AMeshThatTheUserPlacesIsNotMoved) {
+  auto given = mesh_canvas(write("far.obj", square_obj({0.0, 0.0, 0.0})));
+  given.push_back("canvas.move=[0.61, 0.01, 0.07]");
+  const Staged e = staged(scenario(given));
+  EXPECT_LT((e.scene.canvas->bounds().center() - Vector3d(0.61, 0.01, 0.07)).norm(), 1e-9);
+}
+
+// The axis that the user gives holds; else the surface decides.
+TEST_F(PerceivedPlan, ThePensAxisIsTheUsersOrTheSurfaces) {
+  const auto axis = [](std::vector<std::string> assignments) {
+    assignments.push_back("drawing.shape=M");
+    Places places;
+    const Scenario s = scenario(assignments, &places);
+    return prepare(s, places, Unreachable::skip).control.impedance.surface.pen_axis;
+  };
+  EXPECT_EQ(axis({}), PenAxis::surface);
+  EXPECT_EQ(axis({"control.pen_axis=plan"}), PenAxis::plan);
+  const std::vector<std::string> rough = {"canvas.kind=rough", "canvas.rough.slope=20",
+                                          "canvas.rough.wavelength=0.008"};
+  EXPECT_EQ(axis(rough), PenAxis::plan);
+  auto asked = rough;
+  asked.push_back("control.pen_axis=surface");
+  EXPECT_EQ(axis(asked), PenAxis::surface);
+}
+
+}  // namespace
+}  // namespace impedraw

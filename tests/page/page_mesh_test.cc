@@ -1,0 +1,61 @@
+#include "impedraw/page/page_mesh.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+namespace impedraw {
+namespace {
+
+// A bowl z = x² + y² over a square of n×n cells, 0.4 m wide.
+void make_bowl(int n, std::vector<Eigen::Vector3d>* vertices,
+               std::vector<Eigen::Vector3i>* triangles) {
+  for (int i = 0; i <= n; ++i)
+    for (int k = 0; k <= n; ++k) {
+      const double x = 0.4 * i / n - 0.2, y = 0.4 * k / n - 0.2;
+      vertices->push_back({x, y, x * x + y * y});
+    }
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k) {
+      const int a = i * (n + 1) + k, b = a + n + 1;
+      triangles->push_back({a, b, a + 1});
+      triangles->push_back({a + 1, b, b + 1});
+    }
+}
+
+TEST(PageMesh, ALargeMeshIsThinnedWithoutLeavingTheSurface) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  make_bowl(200, &vertices, &triangles);
+  const PageMesh mesh = page_mesh(vertices, triangles, 5000);
+  EXPECT_LE(mesh.triangles.size(), 5000u);
+  EXPECT_GT(mesh.triangles.size(), 500u);
+  double worst = 0.0, area = 0.0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3d p =
+        (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
+    worst = std::max(worst, std::abs(p.z() - p.head<2>().squaredNorm()));
+    const Eigen::Vector3d n = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                                  .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    EXPECT_GT(n.dot(Eigen::Vector3d(-2 * p.x(), -2 * p.y(), 1)), 0.0) << "winding is kept";
+    area += 0.5 * n.z();
+  }
+  EXPECT_NEAR(area, 0.16, 1e-4) << "from above: no holes, nothing twice";
+  EXPECT_LT(worst, 0.2e-3);
+}
+
+TEST(PageMesh, ASmallMeshStaysWhole) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  make_bowl(5, &vertices, &triangles);
+  vertices.push_back({9, 9, 9});  // unused
+  const PageMesh mesh = page_mesh(vertices, triangles, 5000);
+  EXPECT_EQ(mesh.triangles.size(), 50u);
+  EXPECT_EQ(mesh.vertices.size(), 36u);
+  EXPECT_EQ(mesh.error, 0.0);
+  EXPECT_TRUE(page_mesh({}, {}, 10).triangles.empty());
+}
+
+}  // namespace
+}  // namespace impedraw

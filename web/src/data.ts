@@ -1,0 +1,157 @@
+// The page's data, as src/page/replay.cc writes it.
+import { unpack, type Packed } from "./columns";
+
+export type Matrix = number[]; // 3×4, row by row
+
+export interface Link {
+  name: string;
+  parent: number;
+  pose: Matrix;
+  axis: number[];
+  joint: number;
+  slides: boolean;
+  shapes: { kind: "cylinder" | "sphere" | "box" | "mesh"; pose: Matrix; size: number[] }[];
+}
+
+export interface Limit {
+  min?: number;
+  max?: number;
+}
+
+export interface Series {
+  name: string;
+  label: string;
+  unit: string;
+  time: Float64Array;
+  low: Float64Array;
+  high: Float64Array; // the same array as `low` where every row is shown
+  rowsPerPoint: number;
+}
+
+export interface Part {
+  stroke: number;
+  from_mm: number;
+  to_mm: number;
+  problem?: string;
+  text?: string;
+  world_m?: number[];
+}
+
+export interface Run {
+  title: string;
+  version: string;
+  command: string;
+  attributes: Record<string, string>;
+  closed: boolean;
+  complete: boolean;
+  duration: number;
+  definitions: { name: string; unit: string; meaning: string }[];
+  metrics: Record<string, unknown>;
+  limits: Record<string, Limit>;
+  settings: string[][];
+  scenario: string;
+  strokes: { not_drawable?: Part[]; drawn_again?: Part[]; lacking?: Part[]; [key: string]: unknown };
+  joints: {
+    names: string[];
+    lower: (number | null)[];
+    upper: (number | null)[];
+    speed: (number | null)[];
+    torque: (number | null)[];
+  };
+  modes: string[];
+  arm: Link[];
+  cameras: { pose: Matrix; fov_y_deg: number; aspect: number }[];
+  drawingAxis: number[];
+  drawingUp: number[];
+  inkWidth: number; // [mm]
+  spans: number[][]; // stroke, begin, end
+  canvas: { vertices: Float64Array[]; triangles: Float64Array; of: number; error_mm: number };
+  cloud: { points: Float64Array[]; of: number };
+  target: { points: Float64Array[]; covered: Float64Array; begins: Float64Array; strokes: number[] };
+  ink: {
+    points: Float64Array[];
+    time: Float64Array;
+    force: Float64Array;
+    error: Float64Array;
+    tilt: Float64Array;
+    speed: Float64Array;
+    begins: Float64Array;
+    stroke: Float64Array;
+    pass: Float64Array;
+  };
+  scene: {
+    time: Float64Array;
+    joints: Float64Array[];
+    tip: Float64Array[];
+    penAxis: Float64Array[];
+    force: Float64Array[];
+    normal: Float64Array[];
+    mode: Float64Array;
+    stroke: Float64Array;
+  };
+  series: Map<string, Series>;
+  terms: string[];
+  stepTimes: { edges: number[]; counts: number[] } | null;
+  pictures: { title: string; type: string; content: Uint8Array<ArrayBuffer> }[];
+}
+
+export async function inflate(base64: string): Promise<Uint8Array<ArrayBuffer>> {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/* eslint-disable @typescript-eslint/no-explicit-any */
+export function parse(data: Uint8Array<ArrayBuffer>): Run {
+  const length = new DataView(data.buffer, data.byteOffset).getUint32(0, true);
+  const json: any = JSON.parse(new TextDecoder().decode(data.subarray(4, 4 + length)));
+  if (json.format !== 1) throw new Error(`this page cannot read data of format ${json.format}`);
+  const columns = data.subarray(4 + length);
+  const one = (how: Packed) => unpack(columns, how);
+  const each = (list: Packed[]) => list.map(one);
+
+  const series = new Map<string, Series>();
+  for (const group of [json.step_plots, json.joint_plots, json.torque_plots]) {
+    const time = one(group.time);
+    for (const s of group.series) {
+      const low = one(s.low);
+      const high = s.high ? one(s.high) : low;
+      series.set(s.name, {
+        name: s.name, label: s.label, unit: s.unit, time, low, high,
+        rowsPerPoint: group.rows_per_point,
+      });
+    }
+  }
+  return {
+    title: json.title, version: json.version, command: json.command, attributes: json.attributes,
+    closed: json.closed, complete: json.complete, duration: json.duration,
+    definitions: json.definitions, metrics: json.metrics, limits: json.limits ?? {},
+    settings: json.settings, scenario: json.scenario, strokes: json.strokes, joints: json.joints,
+    modes: json.modes, arm: json.arm, cameras: json.cameras, drawingAxis: json.drawing_axis,
+    drawingUp: json.drawing_up, inkWidth: json.ink_width_mm, spans: json.spans,
+    canvas: { ...json.canvas, vertices: each(json.canvas.vertices), triangles: one(json.canvas.triangles) },
+    cloud: { ...json.cloud, points: each(json.cloud.points) },
+    target: {
+      points: each(json.target.points), covered: one(json.target.covered),
+      begins: one(json.target.begins), strokes: json.target.strokes,
+    },
+    ink: {
+      points: each(json.ink.points), time: one(json.ink.time), force: one(json.ink.force),
+      error: one(json.ink.error), tilt: one(json.ink.tilt), speed: one(json.ink.speed),
+      begins: one(json.ink.begins), stroke: one(json.ink.stroke), pass: one(json.ink.pass),
+    },
+    scene: {
+      time: one(json.scene.time), joints: each(json.scene.joints), tip: each(json.scene.tip),
+      penAxis: each(json.scene.pen_axis), force: each(json.scene.force),
+      normal: each(json.scene.normal), mode: one(json.scene.mode), stroke: one(json.scene.stroke),
+    },
+    series,
+    terms: json.torque_plots.terms,
+    stepTimes: json.step_times,
+    pictures: json.pictures.map((p: any) => ({
+      title: p.title, type: p.type, content: columns.slice(p.at, p.at + p.bytes),
+    })),
+  };
+}

@@ -1,0 +1,371 @@
+// Plots over time, linked: one cursor, one range of time, and the instant that the scene shows.
+import uPlot from "uplot";
+import { kinds, quantile } from "./colours";
+import type { Run, Series } from "./data";
+import { h, save } from "./dom";
+import { Pyramid } from "./pyramid";
+
+interface Curve {
+  series: Series;
+  label: string;
+  colour: string;
+  scale?: (v: number) => number;
+  dash?: number[];
+  steps?: boolean;
+}
+
+interface Panel {
+  title: string;
+  unit: string;
+  curves: () => Curve[];
+  limits?: () => (number | null)[]; // drawn as lines
+  fromZero?: boolean;
+  words?: string[]; // names of the values 0, 1, 2, …
+  joint?: boolean; // has curves of the chosen joint
+}
+
+export interface PlotsHooks {
+  seek(t: number): void;
+}
+
+export class Plots {
+  readonly element = h("div", { class: "plots" });
+  private range: [number, number];
+  private made: { panel: Panel; chart: uPlot; now: HTMLElement; body: HTMLElement; curves: Curve[] }[] = [];
+  private pending = new Map<Element, () => void>();
+  private pyramids = new Map<string, Pyramid>();
+  private joint = -1; // all
+  private t = 0;
+
+  constructor(private run: Run, private hooks: PlotsHooks) {
+    this.range = [run.scene.time[0] ?? 0, Math.max((run.scene.time.at(-1) ?? 0), (run.scene.time[0] ?? 0) + 1e-3)];
+    const watch = new IntersectionObserver((entries) => {
+      for (const entry of entries) {
+        if (!entry.isIntersecting) continue;
+        watch.unobserve(entry.target);
+        const make = this.pending.get(entry.target);
+        this.pending.delete(entry.target);
+        make?.();
+      }
+    }, { rootMargin: "200px" });
+    const bar = h("div", { class: "bar" });
+    const whole = h("button", { type: "button", class: "small" }, "whole run");
+    whole.addEventListener("click", () => this.zoom(...this.wholeRange()));
+    bar.append(h("span", { class: "hint" }, "Drag to zoom in time, click to go there."), whole);
+    this.element.append(bar);
+    for (const panel of this.panels()) {
+      if (panel.joint && panel.title === "joint position") this.element.append(this.jointChoice());
+      this.add(panel, watch);
+    }
+    const steps = this.stepTimes();
+    if (steps) this.element.append(steps);
+    new ResizeObserver(() => {
+      for (const { chart, body } of this.made)
+        if (body.clientWidth > 0 && body.clientWidth !== chart.width)
+          chart.setSize({ width: body.clientWidth, height: chart.height });
+    }).observe(this.element);
+  }
+
+  private wholeRange(): [number, number] {
+    const { time } = this.run.scene;
+    return [time[0] ?? 0, Math.max(time.at(-1) ?? 0, (time[0] ?? 0) + 1e-3)];
+  }
+
+  private curve(name: string, label: string, k: number, more: Partial<Curve> = {}): Curve[] {
+    const series = this.run.series.get(name);
+    return series && series.low.some(Number.isFinite) ? [{ series, label, colour: kinds[k % kinds.length], ...more }] : [];
+  }
+
+  private panels(): Panel[] {
+    const { joints } = this.run;
+    const ofJoints = (kind: string, share: (j: number) => (v: number) => number) => () =>
+      joints.names.flatMap((name, j) =>
+        this.joint < 0 ? this.curve(`${kind}_${j}`, name, j, { scale: share(j) })
+          : this.joint === j ? this.curve(`${kind}_${j}`, name, j) : []);
+    const inRange = (j: number) => (v: number) => {
+      const low = joints.lower[j], high = joints.upper[j];
+      return low === null || high === null ? NaN : (200 * (v - low)) / (high - low) - 100;
+    };
+    const of = (limits: (number | null)[]) => (j: number) => (v: number) => (limits[j] === null ? NaN : (100 * v) / (limits[j] as number));
+    const unit = (raw: string) => raw;
+    const panels: Panel[] = [
+      { title: "normal force", unit: "N", fromZero: true,
+        curves: () => [...this.curve("force", "force", 0), ...this.curve("push", "asked for", 1, { dash: [5, 3] })] },
+      { title: "ink error", unit: "mm", fromZero: true, curves: () => this.curve("ink_error", "to the target", 0) },
+      { title: "tilt", unit: "deg", fromZero: true,
+        curves: () => [...this.curve("tilt", "pen against true normal", 0), ...this.curve("normal_error", "estimated normal", 1)] },
+      { title: "speed of the contact point", unit: "mm/s", fromZero: true, curves: () => this.curve("speed", "speed", 0) },
+      { title: "contact state", unit: "", words: this.run.modes, curves: () => this.curve("mode", "state", 0, { steps: true }) },
+      { title: "perception: tip to estimated surface", unit: "mm", curves: () => this.curve("surface_distance", "distance", 2) },
+      { title: "largest joint torque", unit: "% of its limit", fromZero: true, curves: () => this.curve("torque", "torque", 0) },
+    ];
+    const clock = this.run.series.get("time_scale");
+    if (clock && quantile(clock.low, 0) < 0.999)
+      panels.push({ title: "speed of the plan's clock", unit: "1 = as planned", fromZero: true, curves: () => this.curve("time_scale", "clock", 0) });
+    const both = (x: number | null) => (x === null ? [null] : [-x, x]);
+    panels.push(
+      { title: "joint position", unit: unit("rad"), joint: true, curves: ofJoints("position", inRange),
+        limits: () => (this.joint < 0 ? [-100, 100] : [joints.lower[this.joint], joints.upper[this.joint]]) },
+      { title: "joint speed", unit: unit("rad/s"), joint: true, curves: ofJoints("velocity", of(joints.speed)),
+        limits: () => (this.joint < 0 ? [] : both(joints.speed[this.joint] ?? null)) },
+      { title: "joint torque", unit: unit("Nm"), joint: true, curves: ofJoints("torque", of(joints.torque)),
+        limits: () => (this.joint < 0 ? [] : both(joints.torque[this.joint] ?? null)) },
+      { title: "torque terms", unit: "Nm", joint: true,
+        curves: () => this.run.terms.flatMap((term, k) => this.curve(`${term}_${Math.max(0, this.joint)}`, term.replaceAll("_", " "), k)) },
+    );
+    return panels;
+  }
+
+  private jointChoice(): HTMLElement {
+    const choice = h("select", { "aria-label": "joint" }, h("option", { value: "-1" }, "all, as share of their limits"));
+    this.run.joints.names.forEach((name, j) => choice.append(h("option", { value: j }, name)));
+    choice.addEventListener("change", () => {
+      this.joint = Number(choice.value);
+      for (const made of [...this.made]) {
+        if (!made.panel.joint) continue;
+        made.chart.destroy();
+        this.made = this.made.filter((m) => m !== made);
+        made.body.replaceChildren();
+        this.make(made.panel, made.body);
+      }
+    });
+    return h("label", { class: "bar" }, "Joints: ", choice);
+  }
+
+  private titleOf(panel: Panel): string {
+    if (panel.title === "torque terms") return `torque terms of ${this.run.joints.names[Math.max(0, this.joint)] ?? ""} [Nm]`;
+    const unit = panel.joint && this.joint < 0 ? (panel.title === "joint position" ? "% of its range" : "% of its limit") : panel.unit;
+    return unit ? `${panel.title} [${unit}]` : panel.title;
+  }
+
+  private add(panel: Panel, watch: IntersectionObserver): void {
+    if (panel.curves().length === 0) return;
+    const title = h("h3", {}, this.titleOf(panel));
+    const body = h("div", { class: "plot" });
+    const csv = h("button", { type: "button", class: "small", "aria-label": `${panel.title}: save as CSV` }, "CSV");
+    const png = h("button", { type: "button", class: "small", "aria-label": `${panel.title}: save as PNG` }, "PNG");
+    csv.addEventListener("click", () => this.saveCsv(panel));
+    png.addEventListener("click", () => this.savePng(panel));
+    const figure = h("section", { class: "panel", "aria-label": panel.title }, h("header", {}, title, h("span", { class: "tools" }, csv, png)), body);
+    this.element.append(figure);
+    body.style.minHeight = "132px";
+    this.pending.set(figure, () => this.make(panel, body));
+    watch.observe(figure);
+  }
+
+  private make(panel: Panel, body: HTMLElement): void {
+    const style = getComputedStyle(document.documentElement);
+    const text = style.getPropertyValue("--soft").trim();
+    const grid = style.getPropertyValue("--line").trim();
+    const shade = style.getPropertyValue("--stroke-shade").trim();
+    const curves = panel.curves();
+    const heading = body.parentElement?.querySelector("h3");
+    if (heading) heading.textContent = this.titleOf(panel);
+    const series: uPlot.Series[] = [{}];
+    const bands: uPlot.Band[] = [];
+    curves.forEach((curve, k) => {
+      const paths = curve.steps ? uPlot.paths.stepped?.({ align: 1 }) : undefined;
+      const one = { stroke: curve.colour, width: 1.2, dash: curve.dash, points: { show: false }, paths, spanGaps: false };
+      series.push({ ...one, label: curve.label }, { ...one, label: `${curve.label}, largest` });
+      bands.push({ series: [2 * k + 2, 2 * k + 1], fill: `${curve.colour}40` });
+    });
+    const axis = { stroke: text, font: "11px system-ui, sans-serif", grid: { stroke: grid, width: 1 }, ticks: { show: false } };
+    const words = panel.words;
+    const now = h("div", { class: "instant" });
+    const values = h("div", { class: "values", "aria-hidden": "true" });
+    const chart = new uPlot({
+      width: Math.max(200, body.clientWidth), height: words ? 110 : 132, padding: [6, 8, 0, 0],
+      legend: { show: false }, series, bands,
+      cursor: {
+        sync: { key: "time", setSeries: false }, points: { show: false }, y: false,
+        drag: { x: true, y: false, setScale: false },
+      },
+      scales: {
+        x: { time: false, range: () => this.range },
+        y: {
+          range: (_, low, high) => {
+            if (words) return [-0.4, words.length - 0.6];
+            const limits = (panel.limits?.() ?? []).filter((x): x is number => x !== null && Number.isFinite(x));
+            const a = Math.min(panel.fromZero ? 0 : Infinity, low ?? 0, ...limits);
+            const b = Math.max(high ?? 1, ...limits);
+            const room = 0.06 * Math.max(b - a, 1e-6);
+            return [panel.fromZero && a === 0 ? 0 : a - room, b + room];
+          },
+        },
+      },
+      axes: [
+        { ...axis, size: 20, space: 60 },
+        words
+          ? { ...axis, size: 66, splits: () => words.map((_, i) => i), values: () => words, gap: 4 }
+          : { ...axis, size: 46, space: 28, gap: 4 },
+      ],
+      hooks: {
+        drawClear: [(u) => {
+          u.ctx.fillStyle = shade;
+          for (const [, begin, end] of this.run.spans) {
+            const left = Math.max(u.valToPos(begin, "x", true), u.bbox.left);
+            const right = Math.min(u.valToPos(end, "x", true), u.bbox.left + u.bbox.width);
+            if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
+          }
+          u.ctx.strokeStyle = kinds[1];
+          u.ctx.setLineDash([2, 4]);
+          for (const limit of panel.limits?.() ?? []) {
+            if (limit === null) continue;
+            const y = u.valToPos(limit, "y", true);
+            u.ctx.beginPath();
+            u.ctx.moveTo(u.bbox.left, y);
+            u.ctx.lineTo(u.bbox.left + u.bbox.width, y);
+            u.ctx.stroke();
+          }
+          u.ctx.setLineDash([]);
+        }],
+        draw: [(u) => this.place(u, now)],
+        setSelect: [(u) => {
+          if (u.select.width > 4)
+            this.zoom(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x"));
+          u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+        }],
+        setCursor: [(u) => this.showValues(values, curves, u, words)],
+      },
+    }, this.data(curves, body.clientWidth), body);
+    chart.over.append(now);
+    body.append(values);
+    this.legend(values, curves);
+    chart.over.addEventListener("click", (event) => {
+      const left = event.clientX - chart.over.getBoundingClientRect().left;
+      if (!this.dragged(event)) this.hooks.seek(chart.posToVal(left, "x"));
+    });
+    chart.over.addEventListener("mousedown", (event) => (this.pressed = event.clientX));
+    chart.over.addEventListener("dblclick", () => this.zoom(...this.wholeRange()));
+    this.made.push({ panel, chart, now, body, curves });
+  }
+
+  private pressed = 0;
+  private dragged(event: MouseEvent): boolean {
+    return Math.abs(event.clientX - this.pressed) > 4;
+  }
+
+  private legend(values: HTMLElement, curves: Curve[], at: (c: Curve) => string = () => ""): void {
+    values.replaceChildren(...curves.map((curve) => {
+      const key = h("i", { class: curve.dash ? "dashed" : "" });
+      key.style.setProperty("--key", curve.colour);
+      return h("span", {}, key, `${curve.label} ${at(curve)}`);
+    }));
+  }
+
+  private showValues(values: HTMLElement, curves: Curve[], u: uPlot, words?: string[]): void {
+    const index = u.cursor.idx;
+    if (index === null || index === undefined) return this.legend(values, curves);
+    this.legend(values, curves, (curve) => {
+      const k = curves.indexOf(curve);
+      const low = u.data[2 * k + 1][index], high = u.data[2 * k + 2][index];
+      if (low === null || low === undefined || high === null || high === undefined) return "–";
+      if (words) return words[high] ?? "";
+      const text = (x: number) => x.toPrecision(3);
+      return text(low) === text(high) ? text(low) : `${text(low)} … ${text(high)}`;
+    });
+  }
+
+  private pyramid(series: Series): Pyramid {
+    let pyramid = this.pyramids.get(series.name);
+    if (!pyramid) this.pyramids.set(series.name, (pyramid = new Pyramid(series)));
+    return pyramid;
+  }
+
+  private data(curves: Curve[], width: number): uPlot.AlignedData {
+    if (curves.length === 0) return [[0], []] as unknown as uPlot.AlignedData;
+    const columns: (number | null)[][] = [];
+    let times: number[] = [];
+    for (const curve of curves) {
+      const level = this.pyramid(curve.series).at(this.range[0], this.range[1], Math.max(400, 1.5 * width));
+      times = Array.from(level.time);
+      const scaled = (v: number) => {
+        const x = curve.scale ? curve.scale(v) : v;
+        return Number.isFinite(x) ? x : null;
+      };
+      columns.push(Array.from(level.low, scaled), Array.from(level.high, scaled));
+    }
+    return [times, ...columns] as uPlot.AlignedData;
+  }
+
+  zoom(begin: number, end: number): void {
+    this.range = [begin, Math.max(end, begin + 2e-3)];
+    for (const { chart, curves, body, now } of this.made) {
+      chart.setData(this.data(curves, body.clientWidth));
+      this.place(chart, now);
+    }
+  }
+
+  private place(chart: uPlot, now: HTMLElement): void {
+    const x = chart.valToPos(this.t, "x");
+    now.hidden = this.t < this.range[0] || this.t > this.range[1];
+    now.style.transform = `translateX(${x}px)`;
+  }
+
+  seek(t: number): void {
+    this.t = t;
+    for (const { chart, now } of this.made) this.place(chart, now);
+  }
+
+  // Draws all anew in the page's colours.
+  restyle(): void {
+    for (const made of [...this.made]) {
+      made.chart.destroy();
+      made.body.replaceChildren();
+      this.made = this.made.filter((m) => m !== made);
+      this.make(made.panel, made.body);
+    }
+  }
+
+  extremes(name: string): [number, number] | null {
+    const series = this.run.series.get(name);
+    return series ? this.pyramid(series).extremes() : null;
+  }
+
+  private saveCsv(panel: Panel): void {
+    const curves = panel.curves();
+    const lines = [["time [s]", ...curves.flatMap((c) => [`${c.label}, least`, `${c.label}, largest`])].map((x) => `"${x.replaceAll('"', '""')}"`).join(",")];
+    const time = curves[0]?.series.time ?? [];
+    for (let i = 0; i < time.length; ++i) {
+      if (time[i] < this.range[0] || time[i] > this.range[1]) continue;
+      const cells = curves.flatMap((c) => [c.series.low[i], c.series.high[i]].map((v) => (c.scale ? c.scale(v) : v)));
+      lines.push([time[i].toFixed(3), ...cells.map((v) => (Number.isFinite(v) ? String(Number(v.toPrecision(7))) : ""))].join(","));
+    }
+    save(`${panel.title.replaceAll(/\W+/g, "-")}.csv`, new Blob([lines.join("\n") + "\n"], { type: "text/csv" }));
+  }
+
+  private savePng(panel: Panel): void {
+    const made = this.made.find((m) => m.panel === panel);
+    if (!made) return;
+    const from = made.chart.ctx.canvas;
+    const style = getComputedStyle(document.documentElement);
+    const band = 22 * devicePixelRatio;
+    const to = h("canvas", { width: from.width, height: from.height + band });
+    const context = to.getContext("2d");
+    if (!context) return;
+    context.fillStyle = style.getPropertyValue("--back").trim();
+    context.fillRect(0, 0, to.width, to.height);
+    context.fillStyle = style.getPropertyValue("--text").trim();
+    context.font = `${13 * devicePixelRatio}px system-ui, sans-serif`;
+    context.fillText(this.titleOf(panel), 6 * devicePixelRatio, 16 * devicePixelRatio);
+    context.drawImage(from, 0, band);
+    to.toBlob((blob) => blob && save(`${panel.title.replaceAll(/\W+/g, "-")}.png`, blob), "image/png");
+  }
+
+  // How long the controller's steps took; logarithmic.
+  private stepTimes(): HTMLElement | null {
+    const steps = this.run.stepTimes;
+    if (!steps) return null;
+    const bars = h("div", { class: "bars", role: "img", "aria-label": "histogram of the controller's step times" });
+    const most = Math.log10(1 + Math.max(...steps.counts));
+    steps.counts.forEach((count, i) => {
+      const bar = h("span", { title: `${steps.edges[i].toFixed(1)} to ${steps.edges[i + 1].toFixed(1)} µs: ${count} steps` });
+      bar.style.height = `${(100 * Math.log10(1 + count)) / most}%`;
+      bars.append(bar);
+    });
+    const edge = (x: number) => `${x.toFixed(1)} µs`;
+    return h("section", { class: "panel", "aria-label": "controller step" },
+      h("header", {}, h("h3", {}, "steps of the controller by their wall time, logarithmic")), bars,
+      h("p", { class: "ends" }, h("span", {}, edge(steps.edges[0])), h("span", {}, `${edge(steps.edges.at(-1) ?? 0)} and longer`)));
+  }
+}

@@ -1,0 +1,516 @@
+// The scene: arm, canvas, cloud, target, ink, normal and force, cameras. Units m, z up, frame W.
+import * as three from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { kinds, quantile, rampAt, rgb } from "./colours";
+import { lastAt } from "./columns";
+import type { Matrix, Run } from "./data";
+import { linkFrames } from "./kinematics";
+import { Lines } from "./lines";
+import type { Colour, View } from "./link";
+
+export interface Legend {
+  unit: string;
+  low: number;
+  high: number;
+  passes?: number;
+}
+
+export const targetColour = "#6f9fcc";
+const forceScale = 0.02; // [m/N]
+const normalLength = 0.06; // [m]
+
+function matrix4(m: Matrix): three.Matrix4 {
+  return new three.Matrix4().set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
+}
+
+function interleaved(points: Float64Array[]): Float32Array {
+  const out = new Float32Array(3 * points[0].length);
+  for (let axis = 0; axis < 3; ++axis) points[axis].forEach((x, i) => (out[3 * i + axis] = x));
+  return out;
+}
+
+function pointAt(points: Float64Array[], i: number): three.Vector3 {
+  return new three.Vector3(points[0][i], points[1][i], points[2][i]);
+}
+
+// A line with an arrow's head; both keep their width whatever the length.
+class Arrow extends three.Group {
+  private shaft: three.Mesh;
+  private head: three.Mesh;
+  private ring: three.Mesh | null = null;
+
+  constructor(colour: string, withRing: boolean) {
+    super();
+    const material = new three.MeshBasicMaterial({ color: colour });
+    this.shaft = new three.Mesh(new three.CylinderGeometry(0.0012, 0.0012, 1, 8).translate(0, 0.5, 0), material);
+    this.head = new three.Mesh(new three.ConeGeometry(0.004, 0.012, 12).translate(0, 0.006, 0), material);
+    this.add(this.shaft, this.head);
+    if (withRing) {
+      this.ring = new three.Mesh(
+        new three.RingGeometry(0.011, 0.0125, 40).rotateX(-Math.PI / 2).translate(0, 0.0005, 0),
+        new three.MeshBasicMaterial({ color: colour, side: three.DoubleSide }));
+      this.add(this.ring);
+    }
+    this.visible = false;
+  }
+
+  // As wide as it should look from here; a ring about it shows where a pen hides it.
+  setWidth(width: number): void {
+    this.shaft.scale.x = this.shaft.scale.z = width;
+    this.head.scale.setScalar(width);
+    this.ring?.scale.setScalar(width);
+  }
+
+  // Hidden if there is no vector, or a very short one.
+  show(from: three.Vector3, vector: three.Vector3): void {
+    const length = vector.length();
+    this.visible = Number.isFinite(length) && length > 1e-4;
+    if (!this.visible) return;
+    this.position.copy(from);
+    this.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), vector.clone().divideScalar(length));
+    this.shaft.scale.y = length;
+    this.head.position.set(0, length, 0);
+  }
+}
+
+export class Scene {
+  readonly canvas: HTMLCanvasElement;
+  readonly parts: Record<"canvas" | "cloud" | "target" | "ink" | "arm" | "normal" | "force" | "cameras" | "grid", three.Object3D>;
+  onChange: () => void = () => {};
+  onFree: () => void = () => {};
+  private software = inSoftware();
+  private renderer: three.WebGLRenderer;
+  private scene = new three.Scene();
+  private camera = new three.PerspectiveCamera(35, 1, 0.02, 30);
+  private orbit: OrbitControls;
+  private links: three.Group[] = [];
+  private armMaterials: three.Material[] = [];
+  private pen: three.Mesh | null = null;
+  private normal = new Arrow(kinds[2], true);
+  private force = new Arrow(kinds[1], false);
+  private ink!: Lines;
+  private target!: Lines;
+  private segmentPoint: number[] = []; // index of each segment's first point in run.ink
+  private segmentTime = new Float64Array();
+  private canvasMaterial!: three.MeshBasicMaterial;
+  private gridMaterial!: three.LineBasicMaterial;
+  private drawing = new three.Sphere(new three.Vector3(0.6, 0, 0.1), 0.2);
+  private whole = new three.Sphere();
+  private view: View = "free";
+  private followed = new three.Vector3();
+  private t = 0;
+  private dark = false;
+  private colour: Colour = "nothing";
+
+  // Throws an error where there is no WebGL.
+  constructor(private run: Run) {
+    this.renderer = new three.WebGLRenderer({ antialias: !this.software });
+    this.canvas = this.renderer.domElement;
+    this.camera.up.set(0, 0, 1);
+    this.orbit = new OrbitControls(this.camera, this.canvas);
+    this.orbit.addEventListener("change", () => this.onChange());
+    this.orbit.addEventListener("start", () => {
+      if (this.view === "pen") this.setFree();
+    });
+    this.scene.add(new three.HemisphereLight(0xffffff, 0x9a938c, 2.1));
+    const sun = new three.DirectionalLight(0xffffff, 1.6);
+    sun.position.set(1.2, -1.6, 3);
+    this.scene.add(sun);
+    this.parts = {
+      canvas: this.makeCanvas(), cloud: this.makeCloud(), target: this.makeTarget(), ink: this.makeInk(),
+      arm: this.makeArm(), normal: this.normal, force: this.force, cameras: this.makeCameras(), grid: this.makeGrid(),
+    };
+    for (const part of Object.values(this.parts)) this.scene.add(part);
+    this.measure();
+    this.setDark(false);
+  }
+
+  private makeCanvas(): three.Object3D {
+    const { vertices, triangles } = this.run.canvas;
+    const geometry = new three.BufferGeometry();
+    geometry.setAttribute("position", new three.BufferAttribute(interleaved(vertices), 3));
+    geometry.setIndex(new three.BufferAttribute(Uint32Array.from(triangles), 1));
+    geometry.computeVertexNormals();
+    shade(geometry);
+    // Pushed back a little, so that ink on the surface is not hidden by it.
+    this.canvasMaterial = new three.MeshBasicMaterial({
+      vertexColors: true, side: three.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 150,
+    });
+    return new three.Mesh(geometry, this.canvasMaterial);
+  }
+
+  private makeCloud(): three.Object3D {
+    const geometry = new three.BufferGeometry();
+    geometry.setAttribute("position", new three.BufferAttribute(interleaved(this.run.cloud.points), 3));
+    const cloud = new three.Points(geometry, new three.PointsMaterial({ color: kinds[5], size: 1.6, sizeAttenuation: false }));
+    cloud.visible = false;
+    return cloud;
+  }
+
+  private makeTarget(): three.Object3D {
+    const { points, covered, begins } = this.run.target;
+    const positions: number[] = [];
+    const isCovered: boolean[] = [];
+    for (let line = 0; line < begins.length; ++line) {
+      const end = line + 1 < begins.length ? begins[line + 1] : covered.length;
+      for (let i = begins[line]; i + 1 < end; ++i) {
+        for (const k of [i, i + 1]) positions.push(points[0][k], points[1][k], points[2][k]);
+        isCovered.push(covered[i] > 0 && covered[i + 1] > 0);
+      }
+    }
+    this.target = new Lines(positions, 0.75);
+    const pale = rgb(targetColour);
+    const bare = rgb(kinds[3]);
+    this.target.tint((s) => (isCovered[s] ? pale : bare));
+    this.target.renderOrder = 1;
+    return this.target;
+  }
+
+  private makeInk(): three.Object3D {
+    const { points, time, begins } = this.run.ink;
+    const positions: number[] = [];
+    const times: number[] = [];
+    for (let line = 0; line < begins.length; ++line) {
+      const end = line + 1 < begins.length ? begins[line + 1] : time.length;
+      for (let i = begins[line]; i < end; ++i) {
+        const next = i + 1 < end ? i + 1 : i;
+        if (next === i && end - begins[line] > 1) break; // a line of one point is a dot
+        for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
+        times.push(time[next]);
+        this.segmentPoint.push(i);
+      }
+    }
+    this.segmentTime = Float64Array.from(times);
+    this.ink = new Lines(positions);
+    this.ink.material.transparent = true; // so that it is drawn after the target
+    this.ink.renderOrder = 2;
+    return this.ink;
+  }
+
+  private makeArm(): three.Object3D {
+    const arm = new three.Group();
+    const light = new three.MeshLambertMaterial({ color: 0xd8dbe0 });
+    const darker = new three.MeshLambertMaterial({ color: 0x8b94a1 });
+    const ink = new three.MeshLambertMaterial({ color: 0x24406e });
+    this.armMaterials = [light, darker];
+    const { arm: links } = this.run;
+    const bare = links.every((link) => link.shapes.every((shape) => shape.kind === "mesh"));
+    links.forEach((link, index) => {
+      const group = new three.Group();
+      group.matrixAutoUpdate = false;
+      for (const shape of link.shapes) {
+        const thin = shape.kind === "cylinder" && shape.size[0] < 0.02;
+        // The foot's would stand in the floor; others are a little smaller than the tubes that they join.
+        const round = shape.kind === "sphere";
+        if (round && link.parent < 0) continue;
+        const geometry = geometryOf(shape.kind, round ? shape.size.map((x) => 0.975 * x) : shape.size);
+        if (!geometry) continue;
+        const mesh = new three.Mesh(geometry, thin ? ink : round ? darker : light);
+        mesh.applyMatrix4(matrix4(shape.pose));
+        group.add(mesh);
+      }
+      // A description without shapes: a rod to each child.
+      if (bare) {
+        for (const child of links.filter((l) => l.parent === index)) {
+          const rod = rodTo(new three.Vector3(child.pose[3], child.pose[7], child.pose[11]), 0.03, light);
+          if (rod) group.add(rod);
+        }
+      }
+      this.links.push(group);
+      arm.add(group);
+    });
+    if (links.length > 0) {
+      // The pen's point, which a URDF seldom draws.
+      const tip = this.links[links.length - 1];
+      tip.add(new three.Mesh(new three.ConeGeometry(0.005, 0.011, 16).rotateX(Math.PI / 2).translate(0, 0, -0.0055), ink));
+    } else {
+      this.pen = new three.Mesh(
+        new three.CylinderGeometry(0.005, 0.001, 0.12, 16).rotateX(-Math.PI / 2).translate(0, 0, -0.06), ink);
+      arm.add(this.pen);
+    }
+    return arm;
+  }
+
+  private makeCameras(): three.Object3D {
+    const group = new three.Group();
+    const depth = 0.07;
+    for (const camera of this.run.cameras) {
+      const y = depth * Math.tan((camera.fov_y_deg * Math.PI) / 360);
+      const x = y * camera.aspect;
+      const corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(([a, b]) => new three.Vector3(a, b, depth));
+      const lines = corners.flatMap((c, i) => [new three.Vector3(), c, c, corners[(i + 1) % 4]]);
+      const frustum = new three.LineSegments(
+        new three.BufferGeometry().setFromPoints(lines), new three.LineBasicMaterial({ color: 0x808893 }));
+      frustum.applyMatrix4(matrix4(camera.pose));
+      group.add(frustum);
+    }
+    return group;
+  }
+
+  private makeGrid(): three.Object3D {
+    const grid = new three.GridHelper(3, 30);
+    grid.rotateX(Math.PI / 2);
+    this.gridMaterial = grid.material as three.LineBasicMaterial;
+    this.gridMaterial.vertexColors = false;
+    this.gridMaterial.transparent = true;
+    return grid;
+  }
+
+  // What the views show: the drawing, and all of it.
+  private measure(): void {
+    const box = new three.Box3();
+    for (const points of [this.run.target.points, this.run.ink.points])
+      for (let i = 0; i < points[0].length; ++i) box.expandByPoint(pointAt(points, i));
+    if (box.isEmpty()) box.setFromObject(this.parts.canvas);
+    if (!box.isEmpty()) box.getBoundingSphere(this.drawing);
+    this.drawing.radius = Math.max(this.drawing.radius, 0.03);
+    this.seek(this.run.scene.time[0] ?? 0);
+    this.scene.updateMatrixWorld(true);
+    const all = new three.Box3().setFromObject(this.parts.arm).union(box);
+    all.union(new three.Box3().setFromObject(this.parts.canvas));
+    all.getBoundingSphere(this.whole);
+  }
+
+  // Shows the run at time t.
+  seek(t: number): void {
+    this.t = t;
+    const { scene } = this.run;
+    const i = Math.max(0, lastAt(scene.time, t));
+    const next = Math.min(i + 1, scene.time.length - 1);
+    const gap = scene.time[next] - scene.time[i];
+    const f = gap > 0 ? Math.min(1, Math.max(0, (t - scene.time[i]) / gap)) : 0;
+    const mixed = (column: Float64Array) => column[i] * (1 - f) + column[next] * f;
+    const q = scene.joints.map(mixed);
+    linkFrames(this.run.arm, q).forEach((X, link) => this.links[link].matrix.copy(matrix4(X)));
+    const tip = new three.Vector3(mixed(scene.tip[0]), mixed(scene.tip[1]), mixed(scene.tip[2]));
+    const axis = new three.Vector3(mixed(scene.penAxis[0]), mixed(scene.penAxis[1]), mixed(scene.penAxis[2])).normalize();
+    if (this.pen) {
+      this.pen.position.copy(tip);
+      this.pen.quaternion.setFromUnitVectors(new three.Vector3(0, 0, 1), axis);
+    }
+    const wanted = { normal: this.parts?.normal.userData.shown ?? true, force: this.parts?.force.userData.shown ?? true };
+    this.force.show(tip, pointAt(scene.force, i).multiplyScalar(forceScale));
+    this.normal.show(tip, pointAt(scene.normal, i).multiplyScalar(normalLength));
+    this.force.visible &&= wanted.force;
+    this.normal.visible &&= wanted.normal;
+    this.ink.show(lastAt(this.segmentTime, t) + 1);
+    if (this.view === "tip") {
+      const step = tip.clone().sub(this.followed);
+      this.camera.position.add(step);
+      this.orbit.target.add(step);
+      this.orbit.update();
+    } else if (this.view === "pen") {
+      this.camera.position.copy(tip).addScaledVector(axis, -0.3).addScaledVector(sideways(axis), 0.04);
+      this.orbit.target.copy(tip).addScaledVector(axis, 0.02);
+      this.camera.lookAt(this.orbit.target);
+    }
+    this.followed.copy(tip);
+  }
+
+  setView(view: View): void {
+    this.view = view;
+    const axis = new three.Vector3(...this.run.drawingAxis);
+    const up = new three.Vector3(...this.run.drawingUp);
+    const distance = (sphere: three.Sphere) => {
+      const fov = (this.camera.fov * Math.PI) / 360;
+      return (1.06 * sphere.radius) / Math.sin(Math.min(fov, Math.atan(Math.tan(fov) * this.camera.aspect)));
+    };
+    const look = (direction: three.Vector3, sphere: three.Sphere) => {
+      this.orbit.target.copy(sphere.center);
+      this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), distance(sphere));
+      this.orbit.update();
+    };
+    // From above and along the pen the arm stands in the way.
+    for (const material of this.armMaterials) {
+      material.transparent = view === "top" || view === "pen";
+      material.opacity = material.transparent ? 0.18 : 1;
+      material.depthWrite = !material.transparent;
+      material.needsUpdate = true;
+    }
+    if (view === "free") look(new three.Vector3(0.75, -1, 0.62), this.whole);
+    if (view === "top") look(axis.clone().addScaledVector(up, -1e-3), this.drawing);
+    if (view === "front") look(new three.Vector3(1, 0, 0.25), this.whole);
+    if (view === "side") look(new three.Vector3(0, -1, 0.25), this.whole);
+    if (view === "tip") {
+      this.orbit.target.copy(this.followed);
+      this.camera.position.copy(this.followed).add(new three.Vector3(0.22, -0.3, 0.22));
+      this.orbit.update();
+    }
+    if (view === "pen") this.seek(this.t);
+    this.onChange();
+  }
+
+  private setFree(): void {
+    this.view = "free"; // the arm stays as faint as it is
+    this.onFree();
+  }
+
+  // Turns the free view towards a point.
+  lookAt(p: number[]): void {
+    const target = new three.Vector3(...p);
+    const offset = this.camera.position.clone().sub(this.orbit.target).setLength(0.35);
+    this.orbit.target.copy(target);
+    this.camera.position.copy(target).add(offset);
+    this.setFree();
+    this.orbit.update();
+  }
+
+  setShown(part: keyof Scene["parts"], shown: boolean): void {
+    this.parts[part].visible = shown;
+    this.parts[part].userData.shown = shown;
+    this.seek(this.t);
+  }
+
+  setOpacity(opacity: number): void {
+    this.canvasMaterial.opacity = opacity;
+    this.canvasMaterial.transparent = opacity < 1;
+    this.canvasMaterial.depthWrite = opacity >= 1;
+    this.canvasMaterial.needsUpdate = true;
+    this.parts.canvas.visible = opacity > 0;
+  }
+
+  setDark(dark: boolean): void {
+    this.dark = dark;
+    this.scene.background = new three.Color(dark ? "#14171c" : "#f3f4f6");
+    this.canvasMaterial.color.set(dark ? "#7d848f" : "#e2ddd3");
+    this.gridMaterial.color.set(dark ? "#39404a" : "#c9ced6");
+    this.setColour(this.colour);
+  }
+
+  // Colours the ink; returns what the legend shows.
+  setColour(colour: Colour): Legend | null {
+    this.colour = colour;
+    const { ink } = this.run;
+    const plain = rgb(this.dark ? "#0a1a3c" : "#173d85");
+    let legend: Legend | null = null;
+    if (colour === "nothing") {
+      this.ink.tint(() => plain);
+    } else if (colour === "pass") {
+      let passes = 0;
+      this.ink.tint((segment) => {
+        const pass = ink.pass[Math.max(0, lastAt(ink.begins, this.segmentPoint[segment]))];
+        passes = Math.max(passes, pass);
+        return rgb(kinds[(pass - 1) % kinds.length]);
+      });
+      legend = { unit: "", low: 1, high: passes, passes };
+    } else {
+      const values = ink[colour];
+      const low = colour === "force" ? quantile(values, 0.01) : 0;
+      const high = quantile(values, 0.99);
+      const span = Math.max(high - low, 1e-9);
+      this.ink.tint((segment) => {
+        const v = values[this.segmentPoint[segment]];
+        return Number.isFinite(v) ? rampAt((v - low) / span) : rgb("#8a8f98");
+      });
+      legend = { unit: { force: "N", error: "mm", tilt: "deg", speed: "mm/s" }[colour], low, high };
+    }
+    return legend;
+  }
+
+  resize(width: number, height: number): void {
+    const sharp = Math.min(window.devicePixelRatio, 2);
+    const affordable = Math.sqrt((1280 * 720) / (width * height));
+    this.renderer.setPixelRatio(this.software ? Math.min(sharp, affordable) : sharp);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / Math.max(height, 1);
+    this.camera.updateProjectionMatrix();
+    this.ink.resize(width, height);
+    this.target.resize(width, height);
+  }
+
+  render(): void {
+    // The pen's own width, but never so thin that it breaks up.
+    const height = this.canvas.clientHeight || 1;
+    const distance = this.camera.position.distanceTo(this.orbit.target);
+    const pixel = (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / height;
+    const width = Math.min(12, Math.max(1.8, (1e-3 * this.run.inkWidth) / pixel));
+    const thick = Math.max(0.6, (1.3 * pixel) / 0.0012);
+    this.force.setWidth(thick);
+    this.normal.setWidth(thick);
+    this.ink.width = width;
+    this.target.width = Math.max(3.4, 1.9 * width);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  // Where a point of W stands in the picture [px], from its upper left corner.
+  project(p: number[]): [number, number] {
+    this.camera.updateMatrixWorld();
+    const q = new three.Vector3(...p).project(this.camera);
+    return [((q.x + 1) / 2) * this.canvas.clientWidth, ((1 - q.y) / 2) * this.canvas.clientHeight];
+  }
+
+  // The time of the ink nearest to a place in the picture, if there is some within a few pixels.
+  timeAt(x: number, y: number, reach = 9): number | null {
+    let best = reach;
+    let time: number | null = null;
+    const { points, time: times } = this.run.ink;
+    for (let i = 0; i < times.length; ++i) {
+      const [u, v] = this.project([points[0][i], points[1][i], points[2][i]]);
+      const away = Math.hypot(u - x, v - y);
+      if (away < best) {
+        best = away;
+        time = times[i];
+      }
+    }
+    return time;
+  }
+
+  frames(): Record<string, number[]> {
+    const out: Record<string, number[]> = {};
+    this.run.arm.forEach((link, i) => {
+      const e = this.links[i].matrix.elements;
+      out[link.name] = [e[0], e[4], e[8], e[12], e[1], e[5], e[9], e[13], e[2], e[6], e[10], e[14]];
+    });
+    return out;
+  }
+
+  // The picture as it stands.
+  async still(): Promise<Blob | null> {
+    this.render();
+    return new Promise((done) => this.canvas.toBlob(done, "image/png"));
+  }
+}
+
+// A renderer without a graphics card, which smooth edges and more than a million pixels would cost
+// most of its time.
+function inSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return false;
+  const known = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(known ? gl.getParameter(known.UNMASKED_RENDERER_WEBGL) : "");
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
+// Shades a body that stands still, once: light from above and from the front left.
+function shade(geometry: three.BufferGeometry): void {
+  const normals = geometry.getAttribute("normal");
+  const shades = new Float32Array(3 * normals.count);
+  const sun = new three.Vector3(0.55, -0.6, 0.5).normalize();
+  const n = new three.Vector3();
+  for (let i = 0; i < normals.count; ++i) {
+    n.fromBufferAttribute(normals, i);
+    shades.fill(0.36 + 0.12 * n.z + 0.72 * Math.max(0, n.dot(sun)), 3 * i, 3 * i + 3);
+  }
+  geometry.setAttribute("color", new three.BufferAttribute(shades, 3));
+}
+
+function geometryOf(kind: string, size: number[]): three.BufferGeometry | null {
+  if (kind === "cylinder") return new three.CylinderGeometry(size[0], size[0], size[1], 28).rotateX(Math.PI / 2);
+  if (kind === "sphere") return new three.SphereGeometry(size[0], 24, 16);
+  if (kind === "box") return new three.BoxGeometry(size[0], size[1], size[2]);
+  return null;
+}
+
+function rodTo(end: three.Vector3, radius: number, material: three.Material): three.Mesh | null {
+  const length = end.length();
+  if (length < 0.01) return null;
+  const rod = new three.Mesh(new three.CapsuleGeometry(radius, length, 6, 16).translate(0, length / 2, 0), material);
+  rod.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), end.clone().divideScalar(length));
+  return rod;
+}
+
+function sideways(axis: three.Vector3): three.Vector3 {
+  const other = Math.abs(axis.x) < 0.9 ? new three.Vector3(1, 0, 0) : new three.Vector3(0, 1, 0);
+  return other.addScaledVector(axis, -other.dot(axis)).normalize();
+}

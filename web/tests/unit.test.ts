@@ -1,0 +1,93 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import { quantile, rampAt } from "../src/colours";
+import { lastAt, unpack } from "../src/columns";
+import { linkFrames, rotation } from "../src/kinematics";
+import { hashOf, momentOf } from "../src/link";
+import { Pyramid } from "../src/pyramid";
+import { holds } from "../src/tables";
+import { numberText } from "../src/dom";
+
+test("unpack reads differences, planes and gaps as packed_columns.h describes them", () => {
+  // 3, 4, gap, 300: first differences 3, 1, 0, 296 → zigzag 6, 2, 0, 592 = 0x250
+  const bytes = new Uint8Array([9, 6, 2, 0, 0x50, 0, 0, 0, 2, 2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
+  const values = unpack(bytes, { n: 4, quantum: 0.5, order: 1, planes: 2, at: 1, runs: 3, runs_at: 9 });
+  assert.deepEqual([...values], [1.5, 2, NaN, 150]);
+  // negative: -1 → 1, -2 → 3
+  assert.deepEqual([...unpack(new Uint8Array([1, 3]), { n: 2, quantum: 1, order: 0, planes: 1, at: 0 })], [-1, -2]);
+});
+
+test("lastAt finds the last value that is not above", () => {
+  const times = [0, 1, 1, 2];
+  assert.deepEqual([-0.1, 0, 0.5, 1, 1.9, 2, 9].map((t) => lastAt(times, t)), [-1, 0, 0, 2, 2, 3, 3]);
+  assert.equal(lastAt([], 1), -1);
+});
+
+test("a rotation turns its own axis into itself and others by the angle", () => {
+  const axis = [2 / 7, 3 / 7, 6 / 7];
+  const R = rotation(axis, 1.1);
+  const by = (v: number[]) => [0, 1, 2].map((i) => R[4 * i] * v[0] + R[4 * i + 1] * v[1] + R[4 * i + 2] * v[2]);
+  by(axis).forEach((x, i) => assert.ok(Math.abs(x - axis[i]) < 1e-12));
+  const across = [3 / Math.sqrt(13), -2 / Math.sqrt(13), 0];
+  const dot = by(across).reduce((sum, x, i) => sum + x * across[i], 0);
+  assert.ok(Math.abs(dot - Math.cos(1.1)) < 1e-12);
+  // the right-hand rule
+  const quarter = rotation([0, 0, 1], Math.PI / 2);
+  assert.ok(Math.abs(quarter[4] - 1) < 1e-12 && Math.abs(quarter[1] + 1) < 1e-12);
+});
+
+test("links follow their joints: a planar arm of two", () => {
+  const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+  const at = (x: number) => [1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0];
+  const link = (parent: number, pose: number[], joint: number, slides = false) =>
+    ({ name: "", parent, pose, axis: slides ? [1, 0, 0] : [0, 0, 1], joint, slides, shapes: [] });
+  const arm = [link(-1, identity, -1), link(0, identity, 0), link(1, at(2), 1), link(2, at(1), -1), link(3, identity, 2, true)];
+  const end = linkFrames(arm, [0.3, 0.4, 0.25])[4];
+  assert.ok(Math.abs(end[3] - (2 * Math.cos(0.3) + 1.25 * Math.cos(0.7))) < 1e-12);
+  assert.ok(Math.abs(end[7] - (2 * Math.sin(0.3) + 1.25 * Math.sin(0.7))) < 1e-12);
+});
+
+test("a pyramid keeps extremes at every level and gaps only where all is gap", () => {
+  const n = 1000;
+  const time = Array.from({ length: n }, (_, i) => i);
+  const low = time.map((t) => (t % 7 === 0 ? NaN : Math.sin(t)));
+  low[617] = 40;
+  low[211] = -30;
+  const pyramid = new Pyramid({ time, low, high: low });
+  for (const most of [2000, 300, 50, 3]) {
+    const level = pyramid.at(0, n, most);
+    assert.ok(level.time.length <= Math.max(most, 2));
+    assert.equal(Math.max(...Array.from(level.high).filter(Number.isFinite)), 40);
+    assert.equal(Math.min(...Array.from(level.low).filter(Number.isFinite)), -30);
+  }
+  assert.equal(pyramid.at(100, 110, 50).time.length, n, "a short range is shown in full");
+  assert.deepEqual(pyramid.extremes(), [-30, 40]);
+});
+
+test("a link to a moment is read as it is written, and nonsense is left out", () => {
+  const moment = { t: 12.4, view: "top", colour: "force" } as const;
+  assert.equal(hashOf(moment), "#t=12.4&view=top&colour=force");
+  assert.deepEqual(momentOf(hashOf(moment)), moment);
+  assert.deepEqual(momentOf("#t=abc&view=<b>&colour=constructor&more=1"), {});
+  assert.deepEqual(momentOf(""), {});
+});
+
+test("limits hold for numbers alone", () => {
+  assert.ok(holds(1, { min: 1, max: 2 }));
+  assert.ok(!holds(2.1, { max: 2 }));
+  assert.ok(!holds(null, { max: 2 }));
+});
+
+test("numbers are rounded, but never to what they are not", () => {
+  assert.equal(numberText(0.99999), "0.999990");
+  assert.equal(numberText(-0.01234567), "−0.01235");
+  assert.equal(numberText(null), "–");
+  assert.equal(numberText(1234.5678), "1235");
+});
+
+test("quantiles and colours", () => {
+  assert.equal(quantile([3, NaN, 1, 2], 0.5), 2);
+  assert.ok(Number.isNaN(quantile([NaN], 0.5)));
+  const light = (c: number[]) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+  for (let i = 0; i < 20; ++i) assert.ok(light(rampAt((i + 1) / 20)) > light(rampAt(i / 20)), "lightness rises");
+});
