@@ -96,7 +96,7 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
   double wrench_delay = s.world.dt;
   if (has_sensor(setup.source)) {
     setting_errors.locate({"control.sensing", "wrench_sensor", "control.wrench"}, [&] {
-      WrenchSensor(setup.sensor, s.world.dt, 0);
+      const WrenchSensor valid(setup.sensor, s.world.dt, 0);  // throws
       wrench_delay += WrenchEstimator(setup.estimator).group_delay();
     });
   }
