@@ -157,12 +157,35 @@ int run_program(int argc, char** argv) {
         ->check(CLI::IsMember({"fixed", "auto"}));
 
   CLI::App* compare = app.add_subcommand(
-      "compare", "draw the same with and without perception and compare side by side");
+      "compare",
+      "draw the same with and without perception and compare side by side, or compare "
+      "finished runs");
   add_scenario_options(compare, &options);
+  std::vector<std::filesystem::path> compared;
+  compare->remove_option(compare->get_option("scenario"));
+  compare->add_option(
+      "scenario", compared,
+      "YAML file (default: the sine in the standard bowl), or the folders of two or "
+      "more finished runs");
   compare->footer(
       "Examples:\n  ./impedraw compare\n  ./impedraw compare scenarios/bowl-m.yaml --out /tmp/m\n"
-      "  ./impedraw compare --svg flower.svg");
-  compare->callback([&] { code = impedraw::compare(options); });
+      "  ./impedraw compare --svg flower.svg\n  ./impedraw compare runs/slow runs/fast");
+  compare->callback([&] {
+    std::error_code error;
+    if (!compared.empty() &&
+        (compared.size() > 1 || std::filesystem::is_directory(compared[0], error))) {
+      for (const CLI::Option* option : compare->get_options())
+        if (option->count() > 0 && option->get_name() != "scenario" &&
+            option->get_name() != "--out")
+          throw impedraw::InputError(fmt::format(
+              "compare: {} does not go with finished runs, which are compared as they are",
+              option->get_name()));
+      code = impedraw::compare_finished(compared, options.out);
+      return;
+    }
+    if (!compared.empty()) options.scenario = compared[0];
+    code = impedraw::compare(options);
+  });
 
   std::filesystem::path folder;
   CLI::App* report = app.add_subcommand(

@@ -40,7 +40,7 @@ test("links follow their joints: a planar arm of two", () => {
   const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
   const at = (x: number) => [1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0];
   const link = (parent: number, pose: number[], joint: number, slides = false) =>
-    ({ name: "", parent, pose, axis: slides ? [1, 0, 0] : [0, 0, 1], joint, slides, shapes: [] });
+    ({ name: "", parent, pose, axis: slides ? [1, 0, 0] : [0, 0, 1], joint, slides, shapes: [], meshes: [] });
   const arm = [link(-1, identity, -1), link(0, identity, 0), link(1, at(2), 1), link(2, at(1), -1), link(3, identity, 2, true)];
   const end = linkFrames(arm, [0.3, 0.4, 0.25])[4];
   assert.ok(Math.abs(end[3] - (2 * Math.cos(0.3) + 1.25 * Math.cos(0.7))) < 1e-12);
