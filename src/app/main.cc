@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 
 #include "impedraw/app/commands.h"
+#include "impedraw/app/film.h"
 #include "impedraw/app/inspect.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/settings/settings_text.h"
@@ -194,6 +195,39 @@ int run_program(int argc, char** argv) {
   report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
   report->callback([&] { code = impedraw::report(folder); });
 
+  impedraw::FilmOptions filmed;
+  CLI::App* film =
+      app.add_subcommand("film", "render a run as a film or as a picture, without a screen");
+  film->add_option("run", filmed.run, "folder of a run, of a plan or of a comparison")->required();
+  film->add_option("--out", filmed.out, "film: .webp or .mp4; one picture: .png")->required();
+  film->add_option("--size", filmed.size, "width and height [px]")->capture_default_str();
+  film->add_option("--fps", filmed.fps, "frames a second")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  film->add_option("--speed", filmed.speed, "seconds of the run that a second of the film shows")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  film->add_option("--from", filmed.from, "time at which the film begins [s] (default: the start)");
+  film->add_option("--to", filmed.to,
+                   "time at which it ends, or of the picture [s] (default: the end)");
+  film->add_option("--view", filmed.view, "free, top, front, side, pen (along it), tip (follow it)")
+      ->check(CLI::IsMember({"free", "top", "front", "side", "pen", "tip"}))
+      ->capture_default_str();
+  film->add_option("--colour", filmed.colour,
+                   "of the ink: nothing, force, error, tilt, speed, pass (default: force)");
+  film->add_option("--theme", filmed.theme, "light, dark")
+      ->check(CLI::IsMember({"light", "dark"}))
+      ->capture_default_str();
+  film->add_option("--hide", filmed.hide,
+                   "parts to leave out: arm,cloud,target,ink,normal,force,cameras,grid");
+  film->add_flag("--plain", filmed.plain, "leave out legend, contact state and clock");
+  film->footer(
+      "Needs Chromium and ffmpeg of Debian, which ./impedraw film installs.\n"
+      "Examples:\n  ./impedraw film runs/bowl-sine --out sine.webp --speed 2\n"
+      "  ./impedraw film runs/koi --out koi.mp4 --view tip --from 12 --to 20 --size 1920x1080\n"
+      "  ./impedraw film runs/koi --out koi.png --view top --colour error");
+  film->callback([&] { code = impedraw::film(filmed); });
+
   std::filesystem::path inspected;
   bool as_json = false;
   CLI::App* inspect = app.add_subcommand("inspect",
@@ -301,7 +335,8 @@ int run_program(int argc, char** argv) {
         "impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, plan, compare, report, inspect, calibrate, robustness, reach})
+  for (CLI::App* command :
+       {draw, plan, compare, report, film, inspect, calibrate, robustness, reach})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check(

@@ -1,6 +1,8 @@
 #include "impedraw/experiment/page_context.h"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/errors.h"
@@ -38,9 +40,13 @@ void add_link_mesh(const fs::path& file, int link, const VisualShape& shape,
   }
 }
 
+fs::path own_meshes(const fs::path& urdf) {
+  return fs::path(IMPEDRAW_ROOT) / "build/arm-meshes" / urdf.stem();
+}
+
 std::vector<PageLinkMesh> link_meshes(const fs::path& urdf, const std::vector<DrawnLink>& arm) {
   std::vector<PageLinkMesh> meshes;
-  const fs::path own = fs::path(IMPEDRAW_ROOT) / "build/arm-meshes" / urdf.stem();
+  const fs::path own = own_meshes(urdf);
   std::error_code error;
   const bool has_own = fs::is_directory(own, error);
   for (std::size_t i = 0; i < arm.size(); ++i) {
@@ -63,6 +69,8 @@ PageContext page_context(const Scenario& scenario, const PlacedArtwork& artwork,
     const fs::path urdf = urdf_of(scenario.arm);
     page.arm = read_arm_shapes(urdf);
     page.meshes = link_meshes(urdf, page.arm);
+    std::ifstream notice(own_meshes(urdf) / "NOTICE");
+    page.meshes_notice.assign(std::istreambuf_iterator<char>(notice), {});
   } catch (const InputError&) {
   }
   if (scenario.perception.enabled)

@@ -42,6 +42,7 @@ struct PageLinkMesh {
 struct PageContext {
   std::vector<DrawnLink> arm{};  // empty: the pen alone is drawn
   std::vector<PageLinkMesh> meshes{};
+  std::string meshes_notice{};  // their copyright and licence
   std::vector<PageCamera> cameras{};
   std::vector<PageSetting> settings{};
   std::string command{};                               // that repeats the run

@@ -127,6 +127,7 @@ void add_context(PackedColumns& columns, const PageContext& context,
   for (const PageSetting& s : context.settings)
     page["settings"].push_back({s.name, s.value, s.initial, s.unit, s.help});
   page["arm"] = arm_json(columns, context, joints);
+  page["arm_notice"] = context.meshes.empty() ? "" : context.meshes_notice;
   page["cameras"] = Json::array();
   for (const PageCamera& c : context.cameras)
     page["cameras"].push_back({{"pose", pose_json(c.X_WC)},

@@ -34,7 +34,8 @@ nlohmann::json cloud_json(PackedColumns& columns, const std::vector<Eigen::Vecto
 // Pictures that exist, with their content.
 nlohmann::json pictures_json(PackedColumns& columns, const std::vector<PagePicture>& pictures);
 
-// version, commit, command, settings, arm, cameras, drawing_axis, drawing_up, ink_width_mm
+// version, commit, command, settings, arm, arm_notice, cameras, drawing_axis, drawing_up,
+// ink_width_mm
 void add_context(PackedColumns& columns, const PageContext& context,
                  const std::vector<std::string>& joints, nlohmann::json* out);
 

@@ -91,6 +91,7 @@ export interface Run {
   };
   modes: string[];
   arm: Link[];
+  armNotice: string; // copyright and licence of the links' meshes
   cameras: { pose: Matrix; fov_y_deg: number; aspect: number }[];
   drawingAxis: number[];
   drawingUp: number[];
@@ -170,6 +171,7 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
     modes: json.modes, cameras: json.cameras, drawingAxis: json.drawing_axis,
     drawingUp: json.drawing_up, inkWidth: json.ink_width_mm, spans: json.spans,
     arm: json.arm.map((link: any) => ({ ...link, meshes: (link.meshes ?? []).map(mesh) })),
+    armNotice: json.arm_notice ?? "",
     canvas: mesh(json.canvas),
     cloud: { ...json.cloud, points: each(json.cloud.points) },
     target: {

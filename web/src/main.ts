@@ -437,6 +437,8 @@ class Page {
     this.t = Math.min(this.end, Math.max(this.begin, t));
     this.slider.value = String(this.t);
     this.slider.setAttribute("aria-valuetext", timeText(this.t));
+    const filmed = this.stage.querySelector(".film-clock");
+    if (filmed) filmed.textContent = timeText(this.t);
     this.clock.textContent = `${this.t.toFixed(2)} / ${this.end.toFixed(2)} s`;
     const row = Math.max(0, lastAt(this.run.scene.time, this.t));
     const { mode, stroke } = this.run.scene;
@@ -520,6 +522,33 @@ class Page {
       setMap: (name: string) => {
         this.setMap(name);
         this.draw();
+      },
+      // The scene alone, as large as the window, in full sharpness.
+      film: (wanted: { view: View; colour: string; hide: string; plain: boolean }) => {
+        document.documentElement.dataset.film = wanted.plain ? "plain" : "";
+        this.stage.append(h("span", { class: "film-clock" }));
+        for (const s of this.scenes) {
+          s.setSharpness(2);
+          for (const part of wanted.hide.split(",").map((x) => x.trim()).filter(Boolean)) {
+            if (!(part in s.parts)) throw new Error(`--hide ${part}: valid are ${Object.keys(s.parts).join(", ")}`);
+            s.setShown(part as keyof Scene["parts"], false);
+          }
+        }
+        if (wanted.colour) {
+          if (!this.colours().includes(wanted.colour as Colour)) throw new Error(`--colour ${wanted.colour}: valid are ${this.colours().join(", ")}`);
+          this.setColour(wanted.colour as Colour);
+        }
+        this.resize();
+        this.setView(wanted.view);
+        return { begin: this.begin, end: this.end };
+      },
+      maps: () => this.run.maps.map((m) => m.name),
+      tipOfPath: () => {
+        const { time, tip } = this.run.scene;
+        const row = Math.max(0, lastAt(time, this.t));
+        const next = Math.min(row + 1, time.length - 1);
+        const f = next > row ? (this.t - time[row]) / (time[next] - time[row]) : 0;
+        return tip.map((column) => column[row] * (1 - f) + column[next] * f);
       },
       findings: () => this.run.findings.map(({ problem, world_m, q }) => ({ problem, world_m, q })),
       project: (p: number[]) => scene?.project(p),

@@ -110,6 +110,7 @@ export class Scene {
   private map: Colouring | null = null;
   private posture: number[] | null = null;
   private over = false;
+  private sharpness: number | null = null;
   private canvasMaterial!: three.MeshBasicMaterial;
   private gridMaterial!: three.LineBasicMaterial;
   private drawing = new three.Sphere(new three.Vector3(0.6, 0, 0.1), 0.2);
@@ -372,6 +373,7 @@ export class Scene {
     this.posture = q as number[];
     this.seek(this.t);
     this.posture = null;
+    this.normal.visible = false; // that of the path
   }
 
   eye(): Eye {
@@ -515,9 +517,14 @@ export class Scene {
     return { unit, low, high };
   }
 
+  // Picture points a pixel, whatever it costs.
+  setSharpness(sharpness: number): void {
+    this.sharpness = sharpness;
+  }
+
   resize(width: number, height: number): void {
-    const sharp = Math.min(window.devicePixelRatio, 2);
-    const affordable = Math.sqrt((1280 * 720) / (this.panes * width * height));
+    const sharp = this.sharpness ?? Math.min(window.devicePixelRatio, 2);
+    const affordable = this.sharpness ?? Math.sqrt((1280 * 720) / (this.panes * width * height));
     this.renderer.setPixelRatio(this.software ? Math.min(sharp, affordable) : sharp);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(height, 1);

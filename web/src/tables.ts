@@ -223,5 +223,7 @@ export function about(run: Run): HTMLElement {
     add("canvas shown with", `${shown} of ${run.canvas.of} triangles, off by at most ${run.canvas.error_mm.toFixed(2)} mm`);
   const points = run.cloud.points[0].length;
   if (points < run.cloud.of) add("cloud shown with", `${points} of ${run.cloud.of} points`);
+  if (run.armNotice)
+    list.append(h("dt", {}, "the arm's meshes"), h("dd", {}, h("details", {}, h("summary", {}, "copyright and licence"), h("pre", {}, run.armNotice))));
   return list;
 }
