@@ -304,6 +304,13 @@ test("runs compared share one camera and one time line", { timeout: 600_000, ski
   execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", "name=slower", "--set", "path.draw_speed=0.03", "--out", other], { stdio: "pipe" });
   const out = join(scratch, "compared");
   execFileSync(program, ["compare", folder, other, "--out", out], { stdio: "pipe" });
+  for (const [words, told] of [
+    [[folder], /one run alone/], [[folder, scratch], /contains no run\.h5/], [[folder, other, "--set", "seed=2"], /--set does not go with finished runs/],
+    [[folder, other, "--out", folder], /contains files but no comparison/]]) {
+    const ended = spawnSync(program, ["compare", ...words], { cwd: scratch });
+    assert.equal(ended.status, 2, words.join(" "));
+    assert.match(ended.stderr.toString(), told);
+  }
   const { page, wrong, close } = await open(join(out, "compare.html"));
   const late = JSON.parse(execFileSync(python, ["-c", logReader, join(other, "run.h5")], { maxBuffer: 1 << 30 }));
   const { end } = await ask(page, "state");

@@ -5,7 +5,7 @@ import { lastAt, unpack } from "../src/columns";
 import { linkFrames, rotation } from "../src/kinematics";
 import { hashOf, momentOf } from "../src/link";
 import { Pyramid } from "../src/pyramid";
-import { holds } from "../src/tables";
+import { differenceText, holds } from "../src/tables";
 import { numberText } from "../src/dom";
 
 test("unpack reads differences, planes and gaps as packed_columns.h describes them", () => {
@@ -83,6 +83,13 @@ test("numbers are rounded, but never to what they are not", () => {
   assert.equal(numberText(-0.01234567), "−0.01235");
   assert.equal(numberText(null), "–");
   assert.equal(numberText(1234.5678), "1235");
+});
+
+test("differences are signed, and rounding is none", () => {
+  assert.equal(differenceText(1, 1.25), "+0.250");
+  assert.equal(differenceText(2, 1.5), "−0.500");
+  assert.equal(differenceText(0.1 + 0.2, 0.3), "0");
+  assert.equal(differenceText(null, 1), "–");
 });
 
 test("quantiles and colours", () => {
