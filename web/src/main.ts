@@ -52,7 +52,7 @@ class Page {
   private mapChoice = h("select", { "aria-label": "colour of the canvas" });
   private overTick = h("input", { type: "checkbox" });
   private legend = h("div", { class: "legend", role: "img" });
-  private mapLegend = h("div", { class: "legend of-map", role: "img" });
+  private mapLegend = h("div", { class: "legend of-map", role: "img", "aria-label": "colours of the canvas" });
   private viewButtons = new Map<View, HTMLButtonElement>();
   private strokeRows: HTMLElement[] = [];
   private moving = false; // the page moves the cameras itself

@@ -301,7 +301,7 @@ test("a plan shows what fails, and the arm where it does", { timeout: 600_000, s
 
 test("runs compared share one camera and one time line", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async () => {
   const other = join(scratch, "other");
-  execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", "name=slower", "--set", "path.draw_speed=0.03", "--out", other], { stdio: "pipe" });
+  execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", "name=slower", "--set", "path.draw_speed=0.03", "--set", "log.rate=full", "--out", other], { stdio: "pipe" });
   const out = join(scratch, "compared");
   execFileSync(program, ["compare", folder, other, "--out", out], { stdio: "pipe" });
   for (const [words, told] of [
