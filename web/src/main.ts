@@ -1,7 +1,7 @@
 // The page of a run: scene, time line, plots, numbers. Test hook: window.impedraw.
 import { kinds, problemColour, rampCss, runColour } from "./colours";
 import { lastAt } from "./columns";
-import { inflate, parse, type Run } from "./data";
+import { inflate, parse, type Finding, type Run } from "./data";
 import { h, numberText, save, timeText } from "./dom";
 import { colourNames, hashOf, momentOf, viewNames, type Colour, type View } from "./link";
 import { Plots } from "./plots";
@@ -223,16 +223,7 @@ class Page {
       pages.unshift(["Differences", h("div", {}, comparison(this.runs), h("h3", {}, "Settings that differ"), changedSettings(this.runs))]);
       pages.push(["Settings", h("div", {}, ...this.runs.map((run) => h("details", {}, h("summary", {}, run.name), about(run), settings(run))))]);
     } else if (this.isPlan) {
-      pages.unshift(["What fails", findings(this.run, this.scenes[0]?.problems() ?? [...new Set(this.run.findings.map((f) => f.problem))].sort(), problemColour, (f) => {
-        this.setPlaying(false);
-        for (const scene of this.scenes) {
-          scene.showPosture(f.q);
-          scene.lookAt(f.world_m, 0.6);
-        }
-        this.state.textContent = `stroke ${f.stroke}: ${f.text}`;
-        this.state.style.borderLeftColor = kinds[1];
-        this.dirty = true;
-      })]);
+      pages.unshift(["What fails", findings(this.run, this.scenes[0]?.problems() ?? [...new Set(this.run.findings.map((f) => f.problem))].sort(), problemColour, (f) => this.goTo(f))]);
       pages.push(["Numbers", h("div", {}, planNumbers(this.run), about(this.run))], ["Settings", settings(this.run)]);
     } else {
       const strokeList = strokes(this.run, (t) => this.seek(t), (p) => {
@@ -274,6 +265,18 @@ class Page {
     return h("section", { class: "panel-side", "aria-label": "plots and numbers" }, list, ...pages.map(([, content]) => content));
   }
 
+  // Shows what a plan leaves out, and the arm there.
+  private goTo(finding: Finding): void {
+    this.setPlaying(false);
+    for (const scene of this.scenes) {
+      scene.showPosture(finding.q);
+      scene.lookAt(finding.world_m, 0.6);
+    }
+    this.state.textContent = `stroke ${finding.stroke}: ${finding.text}`;
+    this.state.style.borderLeftColor = problemColour(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0);
+    this.dirty = true;
+  }
+
   private listen(): void {
     this.play.addEventListener("click", () => this.setPlaying(!this.playing));
     this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
@@ -301,6 +304,8 @@ class Page {
       scene.canvas.addEventListener("pointerdown", (e) => (pressed = [e.offsetX, e.offsetY]));
       scene.canvas.addEventListener("click", (e) => {
         if (Math.hypot(e.offsetX - pressed[0], e.offsetY - pressed[1]) > 4) return;
+        const finding = scene.findingAt(e.offsetX, e.offsetY);
+        if (finding) return this.goTo(finding);
         const t = scene.timeAt(e.offsetX, e.offsetY);
         if (t !== null) this.seek(t);
       });
@@ -542,6 +547,7 @@ class Page {
         this.setView(wanted.view);
         return { begin: this.begin, end: this.end };
       },
+      findingLine: (k: number) => Array.from(this.run.findings[k].line[0], (_, i) => this.run.findings[k].line.map((column) => column[i])),
       maps: () => this.run.maps.map((m) => m.name),
       tipOfPath: () => {
         const { time, tip } = this.run.scene;

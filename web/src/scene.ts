@@ -4,7 +4,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { kinds, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
 import { lastAt } from "./columns";
-import type { Colouring, Matrix, Mesh, Run } from "./data";
+import type { Colouring, Finding, Matrix, Mesh, Run } from "./data";
 import { linkFrames } from "./kinematics";
 import { Lines } from "./lines";
 import type { Colour, View } from "./link";
@@ -568,6 +568,24 @@ export class Scene {
       }
     }
     return time;
+  }
+
+  // What fails nearest to a place in the picture, within a few pixels.
+  findingAt(x: number, y: number, reach = 9): Finding | null {
+    let best = reach;
+    let found: Finding | null = null;
+    for (const finding of this.run.findings) {
+      const [xs, ys, zs] = finding.line;
+      for (let i = 0; i < xs.length; ++i) {
+        const [u, v] = this.project([xs[i], ys[i], zs[i]]);
+        const away = Math.hypot(u - x, v - y);
+        if (away < best) {
+          best = away;
+          found = finding;
+        }
+      }
+    }
+    return found;
   }
 
   frames(): Record<string, number[]> {

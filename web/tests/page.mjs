@@ -284,6 +284,15 @@ test("a plan shows what fails, and the arm where it does", { timeout: 600_000, s
   const tip = urdfFrames(urdf, names, found[0].q).tip.map((row) => row[3]).slice(0, 3);
   const shown = (await ask(page, "frames")).tip;
   assert.ok(Math.hypot(shown[3] - tip[0], shown[7] - tip[1], shown[11] - tip[2]) < 1e-4);
+  // A click on it in the scene does the same.
+  await ask(page, "seek", 0);
+  await ask(page, "setView", "top");
+  const line = await ask(page, "findingLine", 0);
+  const [u, v] = await ask(page, "project", line[Math.floor(line.length / 2)]);
+  const canvas = await page.locator(".pane canvas").boundingBox();
+  await page.mouse.click(canvas.x + u, canvas.y + v);
+  const clicked = (await ask(page, "frames")).tip;
+  assert.ok(Math.hypot(clicked[3] - shown[3], clicked[7] - shown[7], clicked[11] - shown[11]) < 1e-6);
   // Along the path, the tip of the arm is the tip of the plan: the posture reaches it.
   for (const share of [0.3, 0.5, 0.7]) {
     await ask(page, "seek", share * state.end);
