@@ -137,8 +137,8 @@ int run_program(int argc, char** argv) {
   bool plan_json = false, plan_suggest = false;
   CLI::App* plan = app.add_subcommand("plan",
                                       "check which strokes can be drawn, without moving: what "
-                                      "fails, where and why, how long it takes; draws a picture and "
-                                      "a page");
+                                      "fails, where and why, how long it takes; draws a picture "
+                                      "and a page");
   add_scenario_options(plan, &options);
   plan->add_flag("--json", plan_json, "print JSON");
   plan->add_flag("--suggest", plan_suggest,
