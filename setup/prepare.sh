@@ -52,6 +52,7 @@ prepare() {
   if ! is_ready "$1"; then
     { has_packages || install_packages
       has_wheels || { start_cargo; finish_wheels; }
+      begin_arm_meshes
       is_built "$1" || build "$1"; } 9>&-
   fi
   exec 9>&-
@@ -207,6 +208,37 @@ follow_pip() {
       Installing*) step "unpacking $1 Python wheels" ;;
     esac
   done
+}
+
+# --- Shapes of the arm ---------------------------------------------------------------------------------------------
+
+# Fetches the meshes of the standard arm for the pages (0.9 MB, of a wheel of 103 MB that goes again), in the background and in
+# silence: without them, pages draw the arm's simple shapes. Tried again when something is next installed or built.
+begin_arm_meshes() {
+  local to=$root/build/arm-meshes/iiwa14_pen
+  [[ -d $to ]] && return 0
+  (
+    trap - INT
+    new=$(mktemp -d "$root/build/arm-meshes.XXXXXX") || exit
+    trap 'rm -rf "$new"' EXIT
+    "$venv/bin/python" -m pip download --no-deps --only-binary :all: --python-version 311 --implementation cp --abi cp311 \
+      --platform manylinux2014_x86_64 --require-hashes --no-input --disable-pip-version-check --no-cache-dir -q \
+      -r "$root/setup/arm-meshes.txt" -d "$new" &&
+      "$venv/bin/python" - "$new" <<'PYTHON' && mkdir -p "$root/build/arm-meshes" && mv -T "$new/iiwa14_pen" "$to"
+import pathlib, sys, zipfile
+folder = pathlib.Path(sys.argv[1])
+(folder / "iiwa14_pen").mkdir()
+with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
+    for link in range(8):
+        content = wheel.read(f"pybullet_data/kuka_iiwa/meshes/link_{link}.obj")
+        (folder / "iiwa14_pen" / f"link_{link}.obj").write_bytes(content)
+    # Copyright and licence, as the description beside them states them.
+    lines = wheel.read("pybullet_data/kuka_iiwa/model.urdf").decode().splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("<!--LICENSE"))
+    said = [line.removeprefix("<!--").removesuffix("-->").strip() for line in lines[first + 1 :] if line.startswith("<!--")]
+    (folder / "iiwa14_pen" / "NOTICE").write_text("\n".join(said).strip() + "\n")
+PYTHON
+  ) </dev/null >"$root/build/arm-meshes.log" 2>&1 &
 }
 
 # --- Build ---------------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/page_context.h"
 #include "impedraw/experiment/place_auto.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/report.h"
@@ -49,6 +50,19 @@ void require_same(const Scenario& scenario, const fs::path& folder) {
           fmt::format("--resume: the run in {} was started with '{}', now it is '{}'; use the same "
                       "settings, or only --out",
                       folder.string(), a, b));
+}
+
+std::string again(const fs::path& folder) {
+  return fmt::format("./impedraw draw {}", (folder / "scenario.yaml").string());
+}
+
+PageContext page_of(const fs::path& folder, const Experiment& experiment) {
+  return page_context(experiment.scenario, experiment.artwork, again(folder));
+}
+
+void say_comparison(const fs::path& folder) {
+  say(stdout, "comparison  {}\n",
+      fs::absolute(folder / "compare.html").lexically_normal().string());
 }
 
 }  // namespace
@@ -145,11 +159,47 @@ int compare(const DrawOptions& options) {
     worst = std::max(worst, code);
     say(stdout, "{}\n{}", side.name, metrics_table(drawing.metrics));
   }
-  write_comparison({"with perception", folder / "perception"},
-                   {"without perception", folder / "blind"}, folder);
-  say(stdout, "comparison  {}\n",
-      fs::absolute(folder / "compare.html").lexically_normal().string());
+  const auto compared = [&](const char* name, const Side& side) {
+    return ComparedRun{name, folder / side.name, page_of(folder / side.name, side.experiment)};
+  };
+  write_comparison(
+      {compared("with perception", sides[0]), compared("without perception", sides[1])}, folder);
+  say_comparison(folder);
   return worst;
+}
+
+int compare_finished(const std::vector<fs::path>& runs, const fs::path& out) {
+  if (runs.size() < 2)
+    throw InputError(fmt::format(
+        "compare {}: one run alone; name the folders of two or more runs, or a scenario to draw",
+        runs.front().string()));
+  std::vector<ComparedRun> compared;
+  for (const fs::path& folder : runs) {
+    if (!is_own_file(folder / "run.h5"))
+      throw InputError(
+          fmt::format("{}: contains no run.h5; name the folder of a run", folder.string()));
+    Places places;
+    Scenario scenario = recorded_scenario(folder, &places);
+    find_inputs(&scenario, folder, InputsFrom::folder);
+    const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(Places()));
+    const auto named = [&](const std::string& name) {
+      return std::count_if(compared.begin(), compared.end(),
+                           [&](const ComparedRun& run) { return run.name == name; }) > 0;
+    };
+    // The folder's own name, unless another has it, too.
+    std::string name = fs::absolute(folder).lexically_normal().filename().string();
+    if (name.empty()) name = fs::absolute(folder).lexically_normal().parent_path().filename();
+    if (named(name)) name = folder.string();
+    if (named(name)) name += fmt::format(" ({})", compared.size() + 1);
+    compared.push_back({name, folder, page_context(scenario, artwork, again(folder))});
+  }
+  const fs::path folder =
+      out.empty() ? fs::path("runs") / fmt::format("{}-compare", compared.front().name) : out;
+  require_page_folder(folder);
+  make_folder(folder);
+  write_comparison(compared, folder);
+  say_comparison(folder);
+  return kFinished;
 }
 
 namespace {

@@ -19,6 +19,9 @@ int draw(const DrawOptions& options);
 // settings to try.
 int plan(const DrawOptions& options, bool as_json, bool suggest);
 int compare(const DrawOptions& options);  // with and without perception, side by side
+// Finished runs, by their folders: leaves compare.html and its picture in `out`.
+int compare_finished(const std::vector<std::filesystem::path>& runs,
+                     const std::filesystem::path& out);
 int report(const std::filesystem::path&
                folder);  // metrics, pictures and report of a run again, from its log
 int calibrate_tool(const DrawOptions& options,

@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 
 #include "impedraw/app/commands.h"
+#include "impedraw/app/film.h"
 #include "impedraw/app/inspect.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/settings/settings_text.h"
@@ -136,7 +137,8 @@ int run_program(int argc, char** argv) {
   bool plan_json = false, plan_suggest = false;
   CLI::App* plan = app.add_subcommand("plan",
                                       "check which strokes can be drawn, without moving: what "
-                                      "fails, where and why, how long it takes; draws a picture");
+                                      "fails, where and why, how long it takes; draws a picture "
+                                      "and a page");
   add_scenario_options(plan, &options);
   plan->add_flag("--json", plan_json, "print JSON");
   plan->add_flag("--suggest", plan_suggest,
@@ -157,12 +159,35 @@ int run_program(int argc, char** argv) {
         ->check(CLI::IsMember({"fixed", "auto"}));
 
   CLI::App* compare = app.add_subcommand(
-      "compare", "draw the same with and without perception and compare side by side");
+      "compare",
+      "draw the same with and without perception and compare side by side, or compare "
+      "finished runs");
   add_scenario_options(compare, &options);
+  std::vector<std::filesystem::path> compared;
+  compare->remove_option(compare->get_option("scenario"));
+  compare->add_option(
+      "scenario", compared,
+      "YAML file (default: the sine in the standard bowl), or the folders of two or "
+      "more finished runs");
   compare->footer(
       "Examples:\n  ./impedraw compare\n  ./impedraw compare scenarios/bowl-m.yaml --out /tmp/m\n"
-      "  ./impedraw compare --svg flower.svg");
-  compare->callback([&] { code = impedraw::compare(options); });
+      "  ./impedraw compare --svg flower.svg\n  ./impedraw compare runs/slow runs/fast");
+  compare->callback([&] {
+    std::error_code error;
+    if (!compared.empty() &&
+        (compared.size() > 1 || std::filesystem::is_directory(compared[0], error))) {
+      for (const CLI::Option* option : compare->get_options())
+        if (option->count() > 0 && option->get_name() != "scenario" &&
+            option->get_name() != "--out")
+          throw impedraw::InputError(fmt::format(
+              "compare: {} does not go with finished runs, which are compared as they are",
+              option->get_name()));
+      code = impedraw::compare_finished(compared, options.out);
+      return;
+    }
+    if (!compared.empty()) options.scenario = compared[0];
+    code = impedraw::compare(options);
+  });
 
   std::filesystem::path folder;
   CLI::App* report = app.add_subcommand(
@@ -170,6 +195,39 @@ int run_program(int argc, char** argv) {
   report->add_option("folder", folder, "folder of a run")->required();
   report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
   report->callback([&] { code = impedraw::report(folder); });
+
+  impedraw::FilmOptions filmed;
+  CLI::App* film =
+      app.add_subcommand("film", "render a run as a film or as a picture, without a screen");
+  film->add_option("run", filmed.run, "folder of a run, of a plan or of a comparison")->required();
+  film->add_option("--out", filmed.out, "film: .webp or .mp4; one picture: .png")->required();
+  film->add_option("--size", filmed.size, "width and height [px]")->capture_default_str();
+  film->add_option("--fps", filmed.fps, "frames a second")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  film->add_option("--speed", filmed.speed, "seconds of the run that a second of the film shows")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  film->add_option("--from", filmed.from, "time at which the film begins [s] (default: the start)");
+  film->add_option("--to", filmed.to,
+                   "time at which it ends, or of the picture [s] (default: the end)");
+  film->add_option("--view", filmed.view, "free, top, front, side, pen (along it), tip (follow it)")
+      ->check(CLI::IsMember({"free", "top", "front", "side", "pen", "tip"}))
+      ->capture_default_str();
+  film->add_option("--colour", filmed.colour,
+                   "of the ink: nothing, force, error, tilt, speed, pass (default: force)");
+  film->add_option("--theme", filmed.theme, "light, dark")
+      ->check(CLI::IsMember({"light", "dark"}))
+      ->capture_default_str();
+  film->add_option("--hide", filmed.hide,
+                   "parts to leave out: arm,cloud,target,ink,normal,force,cameras,grid");
+  film->add_flag("--plain", filmed.plain, "leave out legend, contact state and clock");
+  film->footer(
+      "Needs Chromium and ffmpeg of Debian, which ./impedraw film installs.\n"
+      "Examples:\n  ./impedraw film runs/bowl-sine --out sine.webp --speed 2\n"
+      "  ./impedraw film runs/koi --out koi.mp4 --view tip --from 12 --to 20 --size 1920x1080\n"
+      "  ./impedraw film runs/koi --out koi.png --view top --colour error");
+  film->callback([&] { code = impedraw::film(filmed); });
 
   std::filesystem::path inspected;
   bool as_json = false;
@@ -278,7 +336,8 @@ int run_program(int argc, char** argv) {
         "impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, plan, compare, report, inspect, calibrate, robustness, reach})
+  for (CLI::App* command :
+       {draw, plan, compare, report, film, inspect, calibrate, robustness, reach})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check(

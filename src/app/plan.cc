@@ -8,14 +8,18 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
+#include "impedraw/experiment/page_context.h"
+#include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_limits.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/planning/wrap/distortion.h"
 #include "impedraw/report/distortion_picture.h"
 #include "impedraw/report/plan_picture.h"
+#include "impedraw/report/report.h"
 #include "impedraw/run/draw_into.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/settings/yaml_write.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
 
@@ -37,6 +41,7 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
   whole["limits"] = plan_limits_json(limits);
   const std::string json = whole.dump(2) + "\n";
   write_whole(folder / "plan.json", json);
+  PlanPage page;
   {
     ProgressLine line;
     double length = 0.0;
@@ -49,7 +54,10 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
         line.update("drawing the picture", std::min(1.0, static_cast<double>(n) / looks));
       return surface(x, y);
     };
-    write_plan(picture_of_plan(e, told), folder / "plan");
+    const PlanPicture picture = picture_of_plan(e, told);
+    write_plan(picture, folder / "plan");
+    page = page_of_plan(e, picture,
+                        [&line](double share) { line.update("following the path", share); });
   }
   say(stdout, "{}", as_json ? json : plan_text(e) + plan_limits_text(e, limits, suggest));
   if (e.plan.wrap) {
@@ -57,8 +65,16 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
                       projected_distortion(e), wrapped_distortion(e)},
                      folder / "distortion");
   }
+  page.scenario = settings_yaml(e.scenario);
+  page.numbers = json;
+  page.pictures = {{"The plan, seen from above", shown_picture(folder / "plan")},
+                   {"Distortion of lengths", shown_picture(folder / "distortion")}};
+  const PageContext context = page_context(e.scenario, e.artwork, "");
+  write_whole(folder / "plan.html", page_html(page.title, {make_payload(page, context)}));
   if (!as_json)
-    say(stdout, "picture  {}\n", fs::absolute(folder / "plan.png").lexically_normal().string());
+    say(stdout, "picture  {}\npage     {}\n",
+        fs::absolute(folder / "plan.png").lexically_normal().string(),
+        fs::absolute(folder / "plan.html").lexically_normal().string());
   return e.plan.preflight.findings.empty() ? kFinished : kMissed;
 }
 

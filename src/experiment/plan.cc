@@ -9,6 +9,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/experiment/rest_posture.h"
 #include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/stroke_ruler.h"
@@ -182,18 +183,8 @@ PathSettings Planning::path_settings() const {
   return path;
 }
 
-// The pre-flight's settings, completed from the rest of the scenario.
 PreflightSettings Planning::preflight_settings() const {
-  PreflightSettings s = s_.preflight;
-  s.X_WP = artwork_.X_WP;
-  s.vertical_pen = !seen_;
-  s.normal_force = s_.control.normal_force;
-  s.torque_share = s_.control.torque_share;
-  s.friction = s_.control.friction.coefficient;
-  s.normal_smoothing = s_.path.normal_smoothing;
-  s.space = s_.control.operational_space;
-  s.rest_q = plan_.rest_q;
-  return s;
+  return impedraw::preflight_settings(s_, artwork_.X_WP, seen_, plan_.rest_q);
 }
 
 // Projects or wraps the strokes. Returns the parts without a surface, by the artwork's numbers.
@@ -347,6 +338,20 @@ std::vector<PlacedStroke> Planning::desired_strokes() const {
 }
 
 }  // namespace
+
+PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP, bool seen,
+                                     const JointVector& rest_q) {
+  PreflightSettings s = scenario.preflight;
+  s.X_WP = X_WP;
+  s.vertical_pen = !seen;
+  s.normal_force = scenario.control.normal_force;
+  s.torque_share = scenario.control.torque_share;
+  s.friction = scenario.control.friction.coefficient;
+  s.normal_smoothing = scenario.path.normal_smoothing;
+  s.space = scenario.control.operational_space;
+  s.rest_q = rest_q;
+  return s;
+}
 
 Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& scene,
                Unreachable unreachable, const SettingErrors& setting_errors,

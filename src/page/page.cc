@@ -3,13 +3,15 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <zlib.h>
 
-// The program of the page, made by web/build.mjs.
+// The program of the page, made by web/build.mjs, and the commit.
 extern "C" {
 extern const char impedraw_page_begin[];
 extern const char impedraw_page_end[];
+extern const char impedraw_commit_begin[];
 }
 __asm__(
     ".section .rodata\n"
@@ -20,9 +22,16 @@ __asm__(
     "\"\n"
     "impedraw_page_end:\n"
     ".byte 0\n"
+    ".global impedraw_commit_begin\n"
+    "impedraw_commit_begin:\n"
+    ".incbin \"" IMPEDRAW_COMMIT
+    "\"\n"
+    ".byte 0\n"
     ".previous\n");
 
 namespace impedraw {
+
+std::string commit();  // page_json.h, which brings nlohmann's names
 
 namespace {
 
@@ -72,19 +81,29 @@ std::string escaped(std::string_view text) {
 
 }  // namespace
 
-std::string page_html(const std::string& title, const PagePayload& payload) {
-  std::string data;
-  for (int shift = 0; shift < 32; shift += 8)
-    data += static_cast<char>((payload.json.size() >> shift) & 0xff);
-  data += payload.json;
-  data += payload.columns;
+std::string commit() {
+  const std::string_view line = impedraw_commit_begin;
+  return std::string(line.substr(0, line.find('\n')));
+}
+
+std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads) {
+  std::string all;
+  for (const PagePayload& payload : payloads) {
+    std::string data;
+    for (int shift = 0; shift < 32; shift += 8)
+      data += static_cast<char>((payload.json.size() >> shift) & 0xff);
+    data += payload.json;
+    data += payload.columns;
+    if (!all.empty()) all += ',';
+    all += base64(deflated(data));
+  }
 
   std::string_view page(impedraw_page_begin,
                         static_cast<std::size_t>(impedraw_page_end - impedraw_page_begin));
   std::string out;
   for (const auto& [mark, text] :
        {std::pair<std::string_view, std::string>{"@TITLE@", escaped(title)},
-        {"@DATA@", base64(deflated(data))}}) {
+        {"@DATA@", std::move(all)}}) {
     const std::size_t at = page.find(mark);
     if (at == std::string_view::npos) throw std::logic_error("the page's template lacks a mark");
     out += page.substr(0, at);

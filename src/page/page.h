@@ -1,5 +1,6 @@
-// The page of a run: one HTML file that opens from the disk, without a network, and replays the run
-// in three dimensions. web/ has its program; here it gets its data.
+// The page of a run, of a plan (plan_page.h) or of several runs compared: one HTML file that opens
+// from the disk, without a network, and shows them in three dimensions. web/ has its program; here
+// it gets its data.
 //
 //   run.h5, metrics, settings ──> JSON + packed columns ──> deflate ──> base64 in the page
 //
@@ -30,9 +31,18 @@ struct PageCamera {
   int width = 640, height = 480;  // [px]
 };
 
+// The true shape of a link of the arm, in its frame L. Drawn in place of the link's `shapes`.
+struct PageLinkMesh {
+  int link = 0;  // of PageContext::arm
+  std::vector<Eigen::Vector3d> vertices{};
+  std::vector<Eigen::Vector3i> triangles{};
+};
+
 // What the log does not hold. All of it may be missing.
 struct PageContext {
   std::vector<DrawnLink> arm{};  // empty: the pen alone is drawn
+  std::vector<PageLinkMesh> meshes{};
+  std::string meshes_notice{};  // their copyright and licence
   std::vector<PageCamera> cameras{};
   std::vector<PageSetting> settings{};
   std::string command{};                               // that repeats the run
@@ -49,6 +59,7 @@ struct PagePicture {
 
 struct PageRun {
   std::string title;
+  std::string name{};                   // among runs compared; empty: the title
   std::filesystem::path log;            // run.h5
   std::filesystem::path scenario_file;  // its text is shown; may be missing
   std::filesystem::path strokes_file;   // strokes.json; may be missing
@@ -65,8 +76,8 @@ struct PagePayload {
 PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch& drawn,
                          const Metrics& metrics, const PageContext& context);
 
-// The whole HTML file: uint32 length of the JSON (little endian), JSON, columns; deflated (zlib's
-// format), base64.
-std::string page_html(const std::string& title, const PagePayload& payload);
+// The whole HTML file. Each payload: uint32 length of the JSON (little endian), JSON, columns;
+// deflated (zlib's format), base64. Several are separated by commas: runs compared.
+std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads);
 
 }  // namespace impedraw

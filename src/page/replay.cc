@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -11,7 +9,7 @@
 #include "impedraw/metrics/statistics.h"
 #include "impedraw/page/packed_columns.h"
 #include "impedraw/page/page.h"
-#include "impedraw/page/page_mesh.h"
+#include "impedraw/page/page_json.h"
 
 namespace impedraw {
 namespace {
@@ -21,21 +19,11 @@ using Points = std::vector<Eigen::Vector3d>;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 // A point of the target is covered by ink of its own stroke within this distance (as metrics).
-constexpr double kCoverReach = 0.5e-3;         // [m]
-constexpr double kTargetSpacing = 0.4e-3;      // [m]
-constexpr std::size_t kMostTriangles = 16000;  // of the canvas
-constexpr std::size_t kMostCloudPoints = 15000;
+constexpr double kCoverReach = 0.5e-3;     // [m]
+constexpr double kTargetSpacing = 0.4e-3;  // [m]
 constexpr std::size_t kStepBins = 20000, kJointBins = 4000, kTermBins = 2000;
 constexpr double kLong = 300.0;  // [s]; longer runs are replayed at the lower rate
 constexpr double kFine = 1.0 / 100.0, kCoarse = 1.0 / 60.0;  // [s]
-
-Json points_json(PackedColumns& columns, const Points& points, double quantum) {
-  Json out = Json::array();
-  for (int axis = 0; axis < 3; ++axis)
-    out.push_back(columns.add(
-        points.size(), [&](std::size_t i) { return points[i][axis]; }, quantum));
-  return out;
-}
 
 // Smallest and largest value of each bin of rows; NaN where a bin has none.
 class Envelopes {
@@ -68,67 +56,6 @@ class Envelopes {
   std::size_t rows_, bins_;
   std::vector<std::vector<double>> low_, high_;
 };
-
-Json pose_json(const Pose& X) {
-  Json out = Json::array();  // row by row, 3×4
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) out.push_back(X.R(i, k));
-    out.push_back(X.p[i]);
-  }
-  return out;
-}
-
-Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-Json number_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-Json numbers_json(const Eigen::VectorXd& v) {
-  Json out = Json::array();
-  for (const double x : v) out.push_back(number_json(x));
-  return out;
-}
-
-Json arm_json(const std::vector<DrawnLink>& arm, const std::vector<std::string>& joints) {
-  Json out = Json::array();
-  for (const DrawnLink& link : arm) {
-    const auto at = std::find(joints.begin(), joints.end(), link.joint_name);
-    const bool moves = link.joint != DrawnLink::Joint::fixed && at != joints.end();
-    Json shapes = Json::array();
-    for (const VisualShape& shape : link.shapes) {
-      static constexpr const char* kNames[] = {"cylinder", "sphere", "box", "mesh"};
-      shapes.push_back({{"kind", kNames[static_cast<int>(shape.kind)]},
-                        {"pose", pose_json(shape.X_LS)},
-                        {"size", vector_json(shape.size)}});
-    }
-    out.push_back({{"name", link.name},
-                   {"parent", link.parent},
-                   {"pose", pose_json(link.X_PL)},
-                   {"axis", vector_json(link.axis_L)},
-                   {"joint", moves ? static_cast<int>(at - joints.begin()) : -1},
-                   {"slides", link.joint == DrawnLink::Joint::prismatic},
-                   {"shapes", std::move(shapes)}});
-  }
-  return out;
-}
-
-Json canvas_json(PackedColumns& columns, const RunData& run) {
-  const PageMesh mesh = page_mesh(run.canvas_vertices, run.canvas_triangles, kMostTriangles);
-  Json out;
-  out["vertices"] = points_json(columns, mesh.vertices, 2e-5);
-  out["triangles"] = columns.add(
-      3 * mesh.triangles.size(),
-      [&](std::size_t i) { return static_cast<double>(mesh.triangles[i / 3][i % 3]); }, 1.0);
-  out["of"] = run.canvas_triangles.size();
-  out["error_mm"] = 1e3 * mesh.error;
-  return out;
-}
-
-Json cloud_json(PackedColumns& columns, const Points& cloud) {
-  const std::size_t step = (cloud.size() + kMostCloudPoints - 1) / kMostCloudPoints;
-  Points kept;
-  for (std::size_t i = 0; i < cloud.size(); i += step) kept.push_back(cloud[i]);
-  return {{"points", points_json(columns, kept, 1e-4)}, {"of", cloud.size()}};
-}
 
 // The target's points, and which of them have ink of their own stroke.
 Json target_json(PackedColumns& columns, const RunData& run, const InkMatch& drawn) {
@@ -221,13 +148,6 @@ Json ink_json(PackedColumns& columns, const RunData& run, const InkMatch& drawn,
           {"pass", columns.add(pass, 1.0)}};
 }
 
-Json series(std::string name, std::string label, std::string unit, Json values) {
-  values["name"] = std::move(name);
-  values["label"] = std::move(label);
-  values["unit"] = std::move(unit);
-  return values;
-}
-
 // What is known of every step.
 Json step_plots(PackedColumns& columns, const RunData& run, const InkMatch& drawn) {
   const std::vector<double> speed = step_speeds(run, drawn).speed;
@@ -264,8 +184,8 @@ Json step_plots(PackedColumns& columns, const RunData& run, const InkMatch& draw
       static_cast<double>(run.rows()) / static_cast<double>(std::max<std::size_t>(1, bins.bins()));
   out["series"] = Json::array();
   for (std::size_t s = 0; s < rows.size(); ++s)
-    out["series"].push_back(
-        series(rows[s].name, rows[s].label, rows[s].unit, bins.json(columns, s, rows[s].quantum)));
+    out["series"].push_back(series_json(rows[s].name, rows[s].label, rows[s].unit,
+                                        bins.json(columns, s, rows[s].quantum)));
   return out;
 }
 
@@ -341,14 +261,14 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
   for (std::size_t a = 0; a < j; ++a) {
     const std::string number = std::to_string(a);
     plots["series"].push_back(
-        series("position_" + number, "position", "rad", joints.json(columns, 3 * a, 1e-4)));
+        series_json("position_" + number, "position", "rad", joints.json(columns, 3 * a, 1e-4)));
     plots["series"].push_back(
-        series("velocity_" + number, "speed", "rad/s", joints.json(columns, 3 * a + 1, 2e-4)));
+        series_json("velocity_" + number, "speed", "rad/s", joints.json(columns, 3 * a + 1, 2e-4)));
     plots["series"].push_back(
-        series("torque_" + number, "torque", "Nm", joints.json(columns, 3 * a + 2, 1e-2)));
+        series_json("torque_" + number, "torque", "Nm", joints.json(columns, 3 * a + 2, 1e-2)));
   }
-  plots["series"].push_back(series("surface_distance", "distance to the estimated surface", "mm",
-                                   joints.json(columns, 3 * j, 1e-3)));
+  plots["series"].push_back(series_json("surface_distance", "distance to the estimated surface",
+                                        "mm", joints.json(columns, 3 * j, 1e-3)));
   (*out)["joint_plots"] = std::move(plots);
 
   Json torque_plots;
@@ -358,8 +278,8 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
   torque_plots["series"] = Json::array();
   for (std::size_t t = 0; t < terms.size(); ++t)
     for (std::size_t a = 0; a < j; ++a)
-      torque_plots["series"].push_back(series(terms[t] + "_" + std::to_string(a), terms[t], "Nm",
-                                              torques.json(columns, t * j + a, 1e-2)));
+      torque_plots["series"].push_back(series_json(terms[t] + "_" + std::to_string(a), terms[t],
+                                                   "Nm", torques.json(columns, t * j + a, 1e-2)));
   (*out)["torque_plots"] = std::move(torque_plots);
   (*out)["rows_read"] = read;
 }
@@ -381,13 +301,6 @@ Json step_times(const RunData& run) {
   return {{"edges", edges}, {"counts", counts}};
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  if (path.empty() || !std::filesystem::is_regular_file(path)) return {};
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 Json about_json(const RunData& run) {
   Json attributes = Json::object();
   for (const auto& [key, value] : run.attributes)
@@ -405,20 +318,17 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
   PackedColumns columns;
   Json out;
   out["format"] = 1;
-  out["version"] = IMPEDRAW_VERSION;
+  out["kind"] = "run";
+  out["name"] = page.name.empty() ? page.title : page.name;
   out["title"] = page.title;
-  out["command"] = context.command;
   out["attributes"] = about_json(run);
   out["definitions"] = Json::array();
   for (const MetricDefinition& d : metric_definitions())
     out["definitions"].push_back({{"name", d.name}, {"unit", d.unit}, {"meaning", d.meaning}});
   out["metrics"] = metrics_json(metrics);
   out["limits"] = Json::parse(page.limits);
-  out["settings"] = Json::array();
-  for (const PageSetting& s : context.settings)
-    out["settings"].push_back({s.name, s.value, s.initial, s.unit, s.help});
-  out["scenario"] = text_of(page.scenario_file);
-  const std::string strokes = text_of(page.strokes_file);
+  out["scenario"] = text_of_file(page.scenario_file);
+  const std::string strokes = text_of_file(page.strokes_file);
   // A run that was killed leaves neither wall times nor strokes.json. (One that went on after a
   // kill has no wall times either.)
   out["closed"] = std::isfinite(run.wall.loop) || !strokes.empty();
@@ -430,20 +340,12 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
                    {"speed", numbers_json(run.joint_speed_limit)},
                    {"torque", numbers_json(run.torque_limit)}};
   out["modes"] = run.mode_names;
-  out["arm"] = arm_json(context.arm, run.joint_names);
-  out["cameras"] = Json::array();
-  for (const PageCamera& c : context.cameras)
-    out["cameras"].push_back({{"pose", pose_json(c.X_WC)},
-                              {"fov_y_deg", c.fov_y_deg},
-                              {"aspect", static_cast<double>(c.width) / c.height}});
-  out["drawing_axis"] = vector_json(context.R_WP.col(2));
-  out["drawing_up"] = vector_json(context.R_WP.col(0));
-  out["ink_width_mm"] = context.ink_width;
+  add_context(columns, context, run.joint_names, &out);
   out["spans"] = Json::array();
   for (const StrokeSpan& span : drawn.spans)
     out["spans"].push_back({span.stroke, run.time[span.begin], run.time[span.end - 1]});
 
-  out["canvas"] = canvas_json(columns, run);
+  out["canvas"] = mesh_json(columns, run.canvas_vertices, run.canvas_triangles);
   step();
   out["cloud"] = cloud_json(columns, run.cloud_points);
   out["target"] = target_json(columns, run, drawn);
@@ -458,15 +360,7 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
   const ReplayLog log(page.log);
   add_rows(columns, log, run, context, &out);
   out["complete"] = out["rows_read"] == log.rows();
-  out["pictures"] = Json::array();
-  for (const PagePicture& picture : page.pictures) {
-    const std::string content = text_of(picture.file);
-    if (content.empty()) continue;
-    Json entry = columns.add_bytes(content);
-    entry["title"] = picture.title;
-    entry["type"] = picture.file.extension() == ".png" ? "image/png" : "image/svg+xml";
-    out["pictures"].push_back(std::move(entry));
-  }
+  out["pictures"] = pictures_json(columns, page.pictures);
   // What others wrote need not be UTF-8.
   return {out.dump(-1, ' ', false, Json::error_handler_t::replace), columns.bytes()};
 }

@@ -1,7 +1,4 @@
-// report.html and compare.html: self-contained pages of a run and of two runs compared.
-//
-// report.html is the page of src/page. Of compare.html, C++ computes all data shown; report.py
-// draws the plots (matplotlib) and assembles the page.
+// report.html and compare.html: self-contained pages of a run and of runs compared (src/page).
 #pragma once
 
 #include <filesystem>
@@ -9,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
@@ -27,8 +25,6 @@ struct ReportSettings {
   // by metric name; the page shows the limit and whether it is met
   std::map<std::string, MetricLimit> limits{};
   PageContext page{};  // of report.html: what its log does not hold
-  // of compare.html: interpreter with matplotlib; empty: the venv of the build
-  std::filesystem::path python{};
 };
 
 // Writes folder/report.html from folder/run.h5, of which `run` holds a part. Shows ink_top,
@@ -38,16 +34,21 @@ struct ReportSettings {
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
                   const Metrics& metrics, const ReportSettings& settings = {});
 
+// The picture stem.svg, or stem.png where the SVG is large or missing, to be shown on a page.
+std::filesystem::path shown_picture(const std::filesystem::path& stem);
+
 struct ComparedRun {
   std::string name;              // "with perception"
   std::filesystem::path folder;  // holds run.h5
+  PageContext page{};            // what its log does not hold
 };
 
-// Writes out/compare.html and out/compare.png. They show both runs side by side on equal axes, as
-// figures 4 to 6 of the paper (drawn and desired line, normal force, tilt). The page also has their
-// metrics in one table. Throws InputError if a log cannot be read, std::runtime_error with one line
-// if the page cannot be made.
-void write_comparison(const ComparedRun& left, const ComparedRun& right,
-                      const std::filesystem::path& out, const ReportSettings& settings = {});
+// Writes out/compare.html, a page that shows the runs side by side with one camera and one time
+// line, or their ink in one scene, with their metrics in one table; and out/compare.png (and .svg),
+// which shows two or more runs on equal axes as figures 4 to 6 of the paper (drawn and desired
+// line, normal force, tilt). Throws InputError if a log cannot be read, std::runtime_error with one
+// line if a file cannot be written.
+void write_comparison(const std::vector<ComparedRun>& runs, const std::filesystem::path& out,
+                      const ReportSettings& settings = {});
 
 }  // namespace impedraw

@@ -78,6 +78,10 @@ void require_comparison_folder(const fs::path& folder) {
   for (const char* side : {"perception", "blind"}) require_run_folder(folder / side);
 }
 
+void require_page_folder(const fs::path& folder) {
+  require_folder(folder, {"compare.html"}, "comparison");
+}
+
 void require_plan_folder(const fs::path& folder) { require_folder(folder, {"plan.json"}, "plan"); }
 
 void require_table_folder(const fs::path& folder, const std::string& csv) {

@@ -13,6 +13,8 @@ void require_run_folder(const std::filesystem::path& folder);
 // Throws InputError if folder/run.h5 exists, but is not ours to replace.
 void require_own_log(const std::filesystem::path& folder);
 void require_comparison_folder(const std::filesystem::path& folder);
+// Of finished runs.
+void require_page_folder(const std::filesystem::path& folder);
 void require_plan_folder(const std::filesystem::path& folder);
 // `csv`: the name of the file that marks a table's folder.
 void require_table_folder(const std::filesystem::path& folder, const std::string& csv);

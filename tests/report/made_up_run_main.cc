@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   using namespace impedraw;
   if (argc < 2) return 2;
   if (argc == 5) {
-    write_comparison({"with perception", argv[2]}, {"without", argv[3]}, argv[4]);
+    write_comparison({{"with perception", argv[2]}, {"without", argv[3]}}, argv[4]);
     return 0;
   }
   const std::filesystem::path folder = argv[1];

@@ -3,6 +3,11 @@
 
 export const kinds = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6d3b", "#6b6b6b"];
 
+// Of a run among those compared.
+export const runColour = (k: number): string => kinds[k % kinds.length];
+// Of the k-th reason why a plan leaves something out.
+export const problemColour = (k: number): string => kinds[[1, 3, 4, 6, 2, 5, 7][k % 7]];
+
 const ramp = ["#0d0887", "#5b02a3", "#9a179b", "#cb4678", "#eb7852", "#fbb32f"].map(rgb);
 
 export function rgb(hex: string): [number, number, number] {

@@ -11,6 +11,34 @@ export interface Link {
   joint: number;
   slides: boolean;
   shapes: { kind: "cylinder" | "sphere" | "box" | "mesh"; pose: Matrix; size: number[] }[];
+  meshes: Mesh[]; // drawn in place of the shapes
+}
+
+export interface Mesh {
+  vertices: Float64Array[];
+  triangles: Float64Array;
+  of: number; // triangles of the whole
+  error_mm: number;
+}
+
+// What the ink, or the canvas, can be coloured by.
+export interface Colouring {
+  name: string;
+  label: string;
+  unit: string;
+  values: Float64Array;
+}
+
+// A part of a stroke that a plan leaves out.
+export interface Finding {
+  stroke: number;
+  from_mm: number;
+  to_mm: number;
+  problem: string;
+  text: string;
+  world_m: number[];
+  line: Float64Array[];
+  q: (number | null)[];
 }
 
 export interface Limit {
@@ -38,8 +66,11 @@ export interface Part {
 }
 
 export interface Run {
+  kind: "run" | "plan";
+  name: string; // among runs compared
   title: string;
   version: string;
+  commit: string;
   command: string;
   attributes: Record<string, string>;
   closed: boolean;
@@ -60,21 +91,22 @@ export interface Run {
   };
   modes: string[];
   arm: Link[];
+  armNotice: string; // copyright and licence of the links' meshes
   cameras: { pose: Matrix; fov_y_deg: number; aspect: number }[];
   drawingAxis: number[];
   drawingUp: number[];
   inkWidth: number; // [mm]
   spans: number[][]; // stroke, begin, end
-  canvas: { vertices: Float64Array[]; triangles: Float64Array; of: number; error_mm: number };
+  canvas: Mesh;
+  maps: Colouring[]; // of the canvas's vertices
+  findings: Finding[];
+  plan: Record<string, unknown>; // as plan.json
   cloud: { points: Float64Array[]; of: number };
   target: { points: Float64Array[]; covered: Float64Array; begins: Float64Array; strokes: number[] };
   ink: {
     points: Float64Array[];
     time: Float64Array;
-    force: Float64Array;
-    error: Float64Array;
-    tilt: Float64Array;
-    speed: Float64Array;
+    colours: Colouring[];
     begins: Float64Array;
     stroke: Float64Array;
     pass: Float64Array;
@@ -111,6 +143,10 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
   const columns = data.subarray(4 + length);
   const one = (how: Packed) => unpack(columns, how);
   const each = (list: Packed[]) => list.map(one);
+  const mesh = (m: any): Mesh => ({ of: m.of, error_mm: m.error_mm, vertices: each(m.vertices), triangles: one(m.triangles) });
+  const colouring = (c: any): Colouring => ({ name: c.name, label: c.label, unit: c.unit, values: one(c.values) });
+  const ofRun = () => [["force", "normal force", "N"], ["error", "ink error", "mm"], ["tilt", "tilt", "deg"], ["speed", "speed", "mm/s"]]
+    .map(([name, label, unit]) => ({ name, label, unit, values: one(json.ink[name]) }));
 
   const series = new Map<string, Series>();
   for (const group of [json.step_plots, json.joint_plots, json.torque_plots]) {
@@ -125,21 +161,26 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
     }
   }
   return {
+    kind: json.kind ?? "run", name: json.name ?? json.title, commit: json.commit ?? "",
+    maps: (json.maps ?? []).map(colouring), plan: json.plan ?? {},
+    findings: (json.findings ?? []).map((f: any) => ({ ...f, line: each(f.line) })),
     title: json.title, version: json.version, command: json.command, attributes: json.attributes,
     closed: json.closed, complete: json.complete, duration: json.duration,
     definitions: json.definitions, metrics: json.metrics, limits: json.limits ?? {},
     settings: json.settings, scenario: json.scenario, strokes: json.strokes, joints: json.joints,
-    modes: json.modes, arm: json.arm, cameras: json.cameras, drawingAxis: json.drawing_axis,
+    modes: json.modes, cameras: json.cameras, drawingAxis: json.drawing_axis,
     drawingUp: json.drawing_up, inkWidth: json.ink_width_mm, spans: json.spans,
-    canvas: { ...json.canvas, vertices: each(json.canvas.vertices), triangles: one(json.canvas.triangles) },
+    arm: json.arm.map((link: any) => ({ ...link, meshes: (link.meshes ?? []).map(mesh) })),
+    armNotice: json.arm_notice ?? "",
+    canvas: mesh(json.canvas),
     cloud: { ...json.cloud, points: each(json.cloud.points) },
     target: {
       points: each(json.target.points), covered: one(json.target.covered),
       begins: one(json.target.begins), strokes: json.target.strokes,
     },
     ink: {
-      points: each(json.ink.points), time: one(json.ink.time), force: one(json.ink.force),
-      error: one(json.ink.error), tilt: one(json.ink.tilt), speed: one(json.ink.speed),
+      points: each(json.ink.points), time: one(json.ink.time),
+      colours: json.ink.colours ? json.ink.colours.map(colouring) : ofRun(),
       begins: one(json.ink.begins), stroke: one(json.ink.stroke), pass: one(json.ink.pass),
     },
     scene: {

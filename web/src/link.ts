@@ -2,7 +2,11 @@
 
 export const viewNames = ["free", "top", "front", "side", "pen", "tip"] as const;
 export type View = (typeof viewNames)[number];
-export const colourNames = ["nothing", "force", "error", "tilt", "speed", "pass"] as const;
+// Not every page has all of them.
+export const colourNames = [
+  "nothing", "force", "error", "tilt", "speed", "pass", "run",
+  "joint_margin", "torque", "effective_mass", "clearance", "normal_error",
+] as const;
 export type Colour = (typeof colourNames)[number];
 
 export interface Moment {

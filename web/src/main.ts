@@ -1,28 +1,28 @@
 // The page of a run: scene, time line, plots, numbers. Test hook: window.impedraw.
-import { kinds, rampCss } from "./colours";
+import { kinds, problemColour, rampCss, runColour } from "./colours";
 import { lastAt } from "./columns";
-import { inflate, parse, type Run } from "./data";
+import { inflate, parse, type Finding, type Run } from "./data";
 import { h, numberText, save, timeText } from "./dom";
 import { colourNames, hashOf, momentOf, viewNames, type Colour, type View } from "./link";
 import { Plots } from "./plots";
-import { Scene, targetColour } from "./scene";
-import { about, numbers, settings, strokes, tiles } from "./tables";
+import { Scene, targetColour, type Legend } from "./scene";
+import { about, changedSettings, comparison, findings, numbers, planNumbers, settings, strokes, tiles } from "./tables";
 
 const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
-const colourLabels: Record<Colour, string> = {
-  nothing: "nothing", force: "normal force", error: "ink error", tilt: "tilt", speed: "speed", pass: "pass",
-};
 const viewLabels: Record<View, string> = {
   free: "all", top: "top", front: "front", side: "side", pen: "along the pen", tip: "follow the tip",
 };
 
-function pictures(run: Run): HTMLElement {
+function pictures(runs: Run[]): HTMLElement {
   const box = h("div", { class: "pictures" });
-  for (const picture of run.pictures) {
-    const url = URL.createObjectURL(new Blob([picture.content], { type: picture.type }));
-    box.append(h("figure", {}, h("img", { src: url, alt: picture.title }), h("figcaption", {}, picture.title)));
+  for (const run of runs) {
+    for (const picture of run.pictures) {
+      const title = runs.length > 1 ? `${run.name}: ${picture.title}` : picture.title;
+      const url = URL.createObjectURL(new Blob([picture.content], { type: picture.type }));
+      box.append(h("figure", {}, h("img", { src: url, alt: title }), h("figcaption", {}, title)));
+    }
   }
-  if (!run.pictures.length) box.append(h("p", { class: "hint" }, "The run has no pictures."));
+  if (!box.hasChildNodes()) box.append(h("p", { class: "hint" }, "There are no pictures."));
   return box;
 }
 
@@ -36,7 +36,11 @@ class Page {
   private colour: Colour = "force";
   private dirty = true;
   private lastFrame = 0;
-  private scene: Scene | null = null;
+  private scenes: Scene[] = [];
+  private over = false; // ink over ink
+  private readonly run: Run; // the first
+  private readonly isPlan: boolean;
+  private panes: HTMLElement[] = [];
   private plots: Plots;
   private play = h("button", { type: "button", class: "play", "aria-label": "play" }, "▶");
   private slider: HTMLInputElement;
@@ -45,38 +49,49 @@ class Page {
   private strip = h("canvas", { class: "strip", "aria-hidden": "true" });
   private speedChoice = h("select", { "aria-label": "speed of the replay" });
   private colourChoice = h("select", { "aria-label": "colour of the ink" });
+  private mapChoice = h("select", { "aria-label": "colour of the canvas" });
+  private overTick = h("input", { type: "checkbox" });
   private legend = h("div", { class: "legend", role: "img" });
+  private mapLegend = h("div", { class: "legend of-map", role: "img", "aria-label": "colours of the canvas" });
   private viewButtons = new Map<View, HTMLButtonElement>();
   private strokeRows: HTMLElement[] = [];
+  private moving = false; // the page moves the cameras itself
   readonly stage = h("div", { class: "stage" });
 
-  constructor(readonly run: Run, root: HTMLElement) {
-    const { time } = run.scene;
-    this.begin = time[0] ?? 0;
-    this.end = time.at(-1) ?? 0;
+  constructor(readonly runs: Run[], root: HTMLElement) {
+    const run = (this.run = runs[0]);
+    this.isPlan = run.kind === "plan";
+    this.begin = Math.min(...runs.map((r) => r.scene.time[0] ?? 0));
+    this.end = Math.max(...runs.map((r) => r.scene.time.at(-1) ?? 0));
     this.t = this.end;
     this.slider = h("input", {
       type: "range", class: "slider", min: this.begin, max: Math.max(this.end, this.begin + 1e-3), step: 0.001,
       "aria-label": "time of the replay",
     });
-    this.plots = new Plots(run, { seek: (t) => this.seek(t) });
+    this.plots = new Plots(runs, { seek: (t) => this.seek(t) });
     let refusal = "";
     try {
-      this.scene = new Scene(run);
+      this.scenes = runs.map((r, k) => new Scene(r, k === 0 ? runs.slice(1) : [], runs.length));
     } catch (error) {
+      this.scenes = [];
       refusal = error instanceof Error ? error.message : String(error);
     }
-    document.title = run.title;
+    document.title = this.title();
     root.replaceChildren(this.header(), h("main", { class: "layout" }, this.stageWith(refusal), this.panel()));
     this.listen();
     this.applyTheme();
     const moment = momentOf(location.hash);
-    this.setColour(moment.colour ?? "force");
+    this.setColour(moment.colour ?? (this.isPlan ? "nothing" : "force"));
+    this.setMap("");
     this.resize();
     this.setView(moment.view ?? "free");
-    this.seek(moment.t ?? this.end);
+    this.seek(moment.t ?? (this.isPlan ? this.begin : this.end));
     this.draw();
     requestAnimationFrame((now) => this.frame(now));
+  }
+
+  private title(): string {
+    return this.runs.length > 1 ? `${this.run.title}: ${this.runs.map((r) => r.name).join(", ")}` : this.run.title;
   }
 
   private header(): HTMLElement {
@@ -85,23 +100,29 @@ class Page {
       document.documentElement.dataset.theme = this.isDark() ? "light" : "dark";
       this.applyTheme();
     });
-    const facts = [`${this.run.duration.toFixed(1)} s simulated`];
-    if (this.run.attributes.seed) facts.push(`seed ${this.run.attributes.seed}`);
-    facts.push(`${this.run.spans.length} stroke${this.run.spans.length === 1 ? "" : "s"}`);
-    const box = h("header", { class: "top" }, h("h1", {}, this.run.title), h("p", {}, facts.join(" · ")), theme);
-    const cut = !this.run.complete ? "cannot be read to its end"
-      : !this.run.closed ? "ends before the run was closed" : "";
+    const facts: string[] = [];
+    if (this.isPlan) {
+      facts.push("plan, nothing has moved", `${this.run.duration.toFixed(1)} s`, `${this.run.spans.length} parts to draw`,
+        this.run.findings.length ? `${this.run.findings.length} cannot be drawn` : "all can be drawn");
+    } else if (this.runs.length > 1) {
+      facts.push(`${this.runs.length} runs compared`);
+    } else {
+      facts.push(`${this.run.duration.toFixed(1)} s simulated`);
+      if (this.run.attributes.seed) facts.push(`seed ${this.run.attributes.seed}`);
+      facts.push(`${this.run.spans.length} stroke${this.run.spans.length === 1 ? "" : "s"}`);
+    }
+    const box = h("header", { class: "top" }, h("h1", {}, this.title()), h("p", {}, facts.join(" · ")), theme);
     const header = h("div", {}, box);
-    if (cut) header.append(h("p", { class: "warning", role: "alert" }, `The log ${cut}: the run is shown up to ${timeText(this.end)}.`));
+    for (const run of this.runs) {
+      const cut = !run.complete ? "cannot be read to its end" : !run.closed ? "ends before the run was closed" : "";
+      const whose = this.runs.length > 1 ? `The log of ${run.name}` : "The log";
+      if (cut) header.append(h("p", { class: "warning", role: "alert" }, `${whose} ${cut}: the run is shown up to ${timeText(run.scene.time.at(-1) ?? 0)}.`));
+    }
     return header;
   }
 
   private stageWith(refusal: string): HTMLElement {
-    const { scene } = this;
-    if (scene) {
-      scene.canvas.setAttribute("role", "img");
-      scene.canvas.setAttribute("aria-label", "3-D scene of the run; drag turns it, the wheel zooms, keys 1 to 5 choose a view");
-      scene.canvas.tabIndex = 0;
+    if (this.scenes.length) {
       const views = h("div", { class: "views", role: "group", "aria-label": "view" });
       viewNames.forEach((name, key) => {
         const button = h("button", { type: "button", class: "small", title: `key ${key}`, "aria-pressed": "false" }, viewLabels[name]);
@@ -109,48 +130,80 @@ class Page {
         this.viewButtons.set(name, button);
         views.append(button);
       });
-      this.stage.append(scene.canvas, views, this.legend, this.state, this.options(scene));
+      this.scenes.forEach(({ canvas }, k) => {
+        canvas.setAttribute("role", "img");
+        canvas.setAttribute("aria-label", `3-D scene of ${this.runs.length > 1 ? this.runs[k].name : this.isPlan ? "the plan" : "the run"}; drag turns it, the wheel zooms, keys 1 to 5 choose a view`);
+        canvas.tabIndex = 0;
+        const pane = h("div", { class: "pane" }, canvas);
+        if (this.runs.length > 1) {
+          const name = h("span", { class: "name" }, this.runs[k].name);
+          name.style.borderLeftColor = runColour(k);
+          pane.append(name);
+        }
+        this.panes.push(pane);
+      });
+      this.stage.append(h("div", { class: "panes" }, ...this.panes), views,
+        h("div", { class: "legends" }, this.mapLegend, this.legend), this.state, this.options());
     } else {
       const note = h("p", { class: "warning", role: "alert" }, "This browser shows no 3-D scene (no WebGL): here are the flat pictures.");
       note.title = refusal;
       this.stage.classList.add("flat");
-      this.stage.append(note, pictures(this.run));
+      this.stage.append(note, pictures(this.runs));
     }
     for (const s of speeds) this.speedChoice.append(h("option", { value: s, selected: s === 1 }, `${s} ×`));
-    for (const c of colourNames) this.colourChoice.append(h("option", { value: c }, colourLabels[c]));
-    const colour = h("label", { class: "pick" }, h("span", {}, "Ink by "), this.colourChoice);
+    for (const c of this.colours()) this.colourChoice.append(h("option", { value: c }, this.labelOf(c)));
+    const colour = h("span", { class: "pick" }, h("label", {}, this.isPlan ? "Strokes by " : "Ink by ", this.colourChoice));
+    if (this.run.maps.length) {
+      this.mapChoice.append(h("option", { value: "" }, "nothing"), ...this.run.maps.map((m) => h("option", { value: m.name }, m.label)));
+      colour.append(h("label", {}, "Canvas by ", this.mapChoice));
+    }
+    if (this.runs.length > 1) colour.append(h("label", {}, this.overTick, " ink over ink"));
     const controls = h("div", { class: "controls" },
       h("div", { class: "line" }, this.slider, this.strip),
       h("div", { class: "bar" }, this.play, this.clock, this.speedChoice, colour));
     return h("section", { class: "replay", "aria-label": "replay" }, this.stage, controls);
   }
 
-  private options(scene: Scene): HTMLElement {
+  // What this page's ink can be coloured by.
+  private colours(): Colour[] {
+    const own = this.run.ink.colours.map((c) => c.name);
+    return colourNames.filter((c) => c === "nothing" || own.includes(c) || (c === "pass" && !this.isPlan));
+  }
+
+  private labelOf(colour: Colour): string {
+    return this.run.ink.colours.find((c) => c.name === colour)?.label ?? (this.isPlan && colour === "nothing" ? "what fails" : colour);
+  }
+
+  private options(): HTMLElement {
     const opacity = h("input", { type: "range", min: 0, max: 1, step: 0.05, value: 1, "aria-label": "opacity of the canvas" });
     opacity.addEventListener("input", () => {
-      scene.setOpacity(Number(opacity.value));
+      for (const scene of this.scenes) scene.setOpacity(Number(opacity.value));
       this.dirty = true;
     });
     const box = h("details", { class: "options" }, h("summary", {}, "Show"), h("label", {}, "canvas ", opacity));
     for (const part of ["arm", "cloud", "target", "ink", "normal", "force", "cameras", "grid"] as const) {
+      if (this.isPlan && part === "force") continue;
+      const label = this.isPlan ? ({ target: "what fails", ink: "strokes" } as Record<string, string>)[part] ?? part : part;
       const tick = h("input", { type: "checkbox" });
       tick.checked = part !== "cloud";
       tick.addEventListener("change", () => {
-        scene.setShown(part, tick.checked);
+        for (const scene of this.scenes) scene.setShown(part, tick.checked);
         this.dirty = true;
       });
       const mark = h("i");
-      const colour = { normal: kinds[2], force: kinds[1], cloud: kinds[5], target: targetColour }[part as string];
+      const colour = { normal: kinds[2], force: kinds[1], cloud: kinds[5], target: this.isPlan ? undefined : targetColour }[part as string];
       mark.style.setProperty("--key", colour ?? "transparent");
-      box.append(h("label", {}, tick, ` ${part} `, colour ? mark : null));
+      box.append(h("label", {}, tick, ` ${label} `, colour ? mark : null));
     }
     const bare = h("i");
     bare.style.setProperty("--key", kinds[3]);
-    box.append(h("label", {}, bare, "target without ink"));
+    if (!this.isPlan) box.append(h("label", {}, bare, "target without ink"));
     const still = h("button", { type: "button", class: "small" }, "save picture");
     still.addEventListener("click", async () => {
-      const blob = await scene.still();
-      if (blob) save("scene.png", blob);
+      for (const scene of this.over ? [this.scenes[0]] : this.scenes) {
+        const blob = await scene.still();
+        if (blob) save("scene.png", blob);
+      }
     });
     const link = h("button", { type: "button", class: "small" }, "link to this moment");
     link.addEventListener("click", () => {
@@ -164,15 +217,24 @@ class Page {
   }
 
   private panel(): HTMLElement {
-    const strokeList = strokes(this.run, (t) => this.seek(t), (p) => {
-      this.scene?.lookAt(p);
-      this.dirty = true;
-    });
-    this.strokeRows = [...strokeList.querySelectorAll<HTMLElement>("tr[data-begin]")];
-    const pages: [string, HTMLElement][] = [
-      ["Plots", this.plots.element], ["Numbers", h("div", {}, tiles(this.run), numbers(this.run), about(this.run))],
-      ["Strokes", strokeList], ["Settings", settings(this.run)], ["Pictures", this.scene ? pictures(this.run) : h("p", { class: "hint" }, "The pictures stand in place of the scene.")],
-    ];
+    const flat = this.scenes.length > 0 ? pictures(this.runs) : h("p", { class: "hint" }, "The pictures stand in place of the scene.");
+    const pages: [string, HTMLElement][] = [["Plots", this.plots.element]];
+    if (this.runs.length > 1) {
+      pages.unshift(["Differences", h("div", {}, comparison(this.runs), h("h3", {}, "Settings that differ"), changedSettings(this.runs))]);
+      pages.push(["Settings", h("div", {}, ...this.runs.map((run) => h("details", {}, h("summary", {}, run.name), about(run), settings(run))))]);
+    } else if (this.isPlan) {
+      pages.unshift(["What fails", findings(this.run, this.scenes[0]?.problems() ?? [...new Set(this.run.findings.map((f) => f.problem))].sort(), problemColour, (f) => this.goTo(f))]);
+      pages.push(["Numbers", h("div", {}, planNumbers(this.run), about(this.run))], ["Settings", settings(this.run)]);
+    } else {
+      const strokeList = strokes(this.run, (t) => this.seek(t), (p) => {
+        this.scenes[0]?.lookAt(p);
+        this.dirty = true;
+      });
+      this.strokeRows = [...strokeList.querySelectorAll<HTMLElement>("tr[data-begin]")];
+      pages.push(["Numbers", h("div", {}, tiles(this.run), numbers(this.run), about(this.run))],
+        ["Strokes", strokeList], ["Settings", settings(this.run)]);
+    }
+    pages.push(["Pictures", flat]);
     const list = h("div", { role: "tablist", "aria-label": "about the run" });
     const tabs = pages.map(([name, content], i) => {
       content.id = `panel-${i}`;
@@ -203,12 +265,25 @@ class Page {
     return h("section", { class: "panel-side", "aria-label": "plots and numbers" }, list, ...pages.map(([, content]) => content));
   }
 
+  // Shows what a plan leaves out, and the arm there.
+  private goTo(finding: Finding): void {
+    this.setPlaying(false);
+    for (const scene of this.scenes) {
+      scene.showPosture(finding.q);
+      scene.lookAt(finding.world_m, 0.6);
+    }
+    this.state.textContent = `stroke ${finding.stroke}: ${finding.text}`;
+    this.state.style.borderLeftColor = problemColour(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0);
+    this.dirty = true;
+  }
+
   private listen(): void {
-    const { scene } = this;
     this.play.addEventListener("click", () => this.setPlaying(!this.playing));
     this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
     this.speedChoice.addEventListener("change", () => (this.speed = Number(this.speedChoice.value)));
     this.colourChoice.addEventListener("change", () => this.setColour(this.colourChoice.value as Colour));
+    this.mapChoice.addEventListener("change", () => this.setMap(this.mapChoice.value));
+    this.overTick.addEventListener("change", () => this.setOver(this.overTick.checked));
     window.addEventListener("hashchange", () => {
       const moment = momentOf(location.hash);
       if (moment.colour) this.setColour(moment.colour);
@@ -218,16 +293,23 @@ class Page {
     window.addEventListener("keydown", (event) => this.key(event));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.applyTheme());
     new ResizeObserver(() => this.resize()).observe(this.stage);
-    if (!scene) return;
-    scene.onChange = () => (this.dirty = true);
-    scene.onFree = () => this.markView("free");
-    let pressed = [0, 0];
-    scene.canvas.addEventListener("pointerdown", (e) => (pressed = [e.offsetX, e.offsetY]));
-    scene.canvas.addEventListener("click", (e) => {
-      if (Math.hypot(e.offsetX - pressed[0], e.offsetY - pressed[1]) > 4) return;
-      const t = scene.timeAt(e.offsetX, e.offsetY);
-      if (t !== null) this.seek(t);
-    });
+    for (const scene of this.scenes) {
+      scene.onChange = () => (this.dirty = true);
+      scene.onFree = () => this.markView("free");
+      // One camera for all.
+      scene.onMove = () => {
+        if (!this.moving) for (const other of this.scenes) if (other !== scene) other.setEye(scene.eye(), this.view);
+      };
+      let pressed = [0, 0];
+      scene.canvas.addEventListener("pointerdown", (e) => (pressed = [e.offsetX, e.offsetY]));
+      scene.canvas.addEventListener("click", (e) => {
+        if (Math.hypot(e.offsetX - pressed[0], e.offsetY - pressed[1]) > 4) return;
+        const finding = scene.findingAt(e.offsetX, e.offsetY);
+        if (finding) return this.goTo(finding);
+        const t = scene.timeAt(e.offsetX, e.offsetY);
+        if (t !== null) this.seek(t);
+      });
+    }
   }
 
   private key(event: KeyboardEvent): void {
@@ -244,7 +326,10 @@ class Page {
       End: () => this.seek(this.end),
       "+": () => this.changeSpeed(1),
       "-": () => this.changeSpeed(-1),
-      c: () => this.setColour(colourNames[(colourNames.indexOf(this.colour) + 1) % colourNames.length]),
+      c: () => {
+        const all = this.colours();
+        this.setColour(all[(all.indexOf(this.colour) + 1) % all.length]);
+      },
     };
     viewNames.forEach((name, i) => (actions[String(i)] = () => this.setView(name)));
     if (onSlider && target !== this.slider && event.key.startsWith("Arrow")) return;
@@ -267,7 +352,7 @@ class Page {
   }
 
   private applyTheme(): void {
-    this.scene?.setDark(this.isDark());
+    for (const scene of this.scenes) scene.setDark(this.isDark());
     this.plots.restyle();
     this.dirty = true;
     this.drawStrip();
@@ -281,8 +366,34 @@ class Page {
     this.lastFrame = performance.now();
   }
 
+  // Ink over ink in one scene, or the runs side by side.
+  setOver(over: boolean): void {
+    this.over = over;
+    this.overTick.checked = over;
+    this.panes.forEach((pane, k) => {
+      pane.hidden = over && k > 0;
+      pane.querySelector<HTMLElement>(".name")?.toggleAttribute("hidden", over); // the legend tells
+    });
+    this.scenes[0]?.setOver(over);
+    this.colourChoice.disabled = over;
+    this.setColour(this.colour);
+    this.resize();
+  }
+
+  // Colours the canvas of a plan.
+  setMap(name: string): void {
+    this.mapChoice.value = name;
+    const legend = this.scenes[0]?.setMap(name) ?? null;
+    this.showLegend(this.mapLegend, legend, this.run.maps.find((m) => m.name === name)?.label ?? "");
+    this.dirty = true;
+  }
+
   setView(view: View): void {
-    this.scene?.setView(view);
+    this.moving = true;
+    for (const scene of this.scenes) scene.setView(view);
+    // The drawings may differ in size: the first decides.
+    for (const scene of this.scenes.slice(1)) scene.setEye(this.scenes[0].eye(), view);
+    this.moving = false;
     this.markView(view);
     this.dirty = true;
   }
@@ -293,44 +404,57 @@ class Page {
   }
 
   setColour(colour: Colour): void {
+    if (!this.colours().includes(colour)) colour = "nothing";
     this.colour = colour;
     this.colourChoice.value = colour;
-    const legend = this.scene?.setColour(colour) ?? null;
-    this.legend.replaceChildren();
-    this.legend.hidden = !legend;
-    if (legend) {
-      const what = colourLabels[colour];
-      this.legend.setAttribute("aria-label", `${what}: ${numberText(legend.low, 3)} to ${numberText(legend.high, 3)} ${legend.unit}`);
-      if (legend.passes) {
-        const marks = Array.from({ length: Math.min(legend.passes, kinds.length) }, (_, i) => {
-          const mark = h("i");
-          mark.style.setProperty("--key", kinds[i]);
-          return h("span", {}, mark, `pass ${i + 1}`);
-        });
-        this.legend.append(...marks);
-      } else {
-        const bar = h("b");
-        bar.style.background = rampCss();
-        this.legend.append(h("span", {}, `${what} [${legend.unit}]`), bar,
-          h("span", { class: "ends" }, h("span", {}, numberText(legend.low, 3)), h("span", {}, `≥ ${numberText(legend.high, 3)}`)));
-      }
+    const [legend] = this.scenes.map((scene) => scene.setColour(colour));
+    const problems = this.isPlan && colour === "nothing" ? this.scenes[0]?.problems() ?? [] : [];
+    if (problems.length) {
+      const shown = { unit: "", low: 0, high: 0, kinds: problems.map((p) => p.replaceAll("_", " ")) };
+      this.showLegend(this.legend, shown, "cannot be drawn", problemColour);
+    } else {
+      this.showLegend(this.legend, legend ?? null, this.labelOf(colour), this.over ? runColour : undefined);
     }
     this.dirty = true;
+  }
+
+  private showLegend(box: HTMLElement, legend: Legend | null, what: string, colourOf = (k: number) => kinds[k % kinds.length]): void {
+    box.replaceChildren();
+    box.hidden = !legend;
+    if (!legend) return;
+    if (legend.kinds) {
+      box.setAttribute("aria-label", `${what}: ${legend.kinds.join(", ")}`);
+      box.append(...legend.kinds.map((word, k) => {
+        const mark = h("i");
+        mark.style.setProperty("--key", colourOf(k));
+        return h("span", {}, mark, word);
+      }));
+    } else {
+      box.setAttribute("aria-label", `${what}: ${numberText(legend.low, 3)} to ${numberText(legend.high, 3)} ${legend.unit}`);
+      const bar = h("b");
+      bar.style.background = rampCss();
+      box.append(h("span", {}, `${what} [${legend.unit}]`), bar,
+        h("span", { class: "ends" }, h("span", {}, numberText(legend.low, 3)), h("span", {}, `≥ ${numberText(legend.high, 3)}`)));
+    }
   }
 
   seek(t: number): void {
     this.t = Math.min(this.end, Math.max(this.begin, t));
     this.slider.value = String(this.t);
     this.slider.setAttribute("aria-valuetext", timeText(this.t));
+    const filmed = this.stage.querySelector(".film-clock");
+    if (filmed) filmed.textContent = timeText(this.t);
     this.clock.textContent = `${this.t.toFixed(2)} / ${this.end.toFixed(2)} s`;
     const row = Math.max(0, lastAt(this.run.scene.time, this.t));
     const { mode, stroke } = this.run.scene;
     const state = this.run.modes[mode[row]] ?? "";
-    this.state.textContent = stroke[row] >= 0 ? `${state} · stroke ${stroke[row]}` : state;
+    this.state.textContent = this.runs.length > 1 ? "" : stroke[row] >= 0 ? `${state} · stroke ${stroke[row]}` : state;
     this.state.style.borderLeftColor = kinds[mode[row] % kinds.length] ?? "";
     for (const tr of this.strokeRows)
       tr.classList.toggle("now", this.t >= Number(tr.dataset.begin) && this.t <= Number(tr.dataset.end));
-    this.scene?.seek(this.t);
+    this.moving = true;
+    for (const scene of this.scenes) scene.seek(this.t);
+    this.moving = false;
     this.plots.seek(this.t);
     this.dirty = true;
   }
@@ -361,14 +485,15 @@ class Page {
 
   private resize(): void {
     this.drawStrip();
-    if (!this.scene) return;
-    const { clientWidth, clientHeight } = this.stage;
-    this.scene.resize(Math.max(1, clientWidth), Math.max(1, clientHeight));
-    this.draw();
+    this.scenes.forEach((scene, k) => {
+      const { clientWidth, clientHeight } = this.panes[k];
+      if (!this.panes[k].hidden) scene.resize(Math.max(1, clientWidth), Math.max(1, clientHeight));
+    });
+    if (this.scenes.length) this.draw();
   }
 
   private draw(): void {
-    this.scene?.render();
+    this.scenes.forEach((scene, k) => this.panes[k].hidden || scene.render());
     this.dirty = false;
   }
 
@@ -389,14 +514,49 @@ class Page {
 
   // What tests ask.
   hook() {
-    const { scene } = this;
+    const [scene] = this.scenes;
     return {
       seek: (t: number) => {
         this.seek(t);
         this.draw();
       },
-      state: () => ({ t: this.t, playing: this.playing, speed: this.speed, view: this.view, colour: this.colour, end: this.end }),
-      frames: () => scene?.frames() ?? {},
+      state: () => ({ t: this.t, playing: this.playing, speed: this.speed, view: this.view, colour: this.colour, end: this.end, over: this.over }),
+      frames: (which = 0) => this.scenes[which]?.frames() ?? {},
+      eyes: () => this.scenes.map((s) => ({ from: s.eye().from.toArray(), at: s.eye().at.toArray() })),
+      setOver: (over: boolean) => this.setOver(over),
+      setMap: (name: string) => {
+        this.setMap(name);
+        this.draw();
+      },
+      // The scene alone, as large as the window, in full sharpness.
+      film: (wanted: { view: View; colour: string; hide: string; plain: boolean }) => {
+        document.documentElement.dataset.film = wanted.plain ? "plain" : "";
+        this.stage.append(h("span", { class: "film-clock" }));
+        for (const s of this.scenes) {
+          s.setSharpness(2);
+          for (const part of wanted.hide.split(",").map((x) => x.trim()).filter(Boolean)) {
+            if (!(part in s.parts)) throw new Error(`--hide ${part}: valid are ${Object.keys(s.parts).join(", ")}`);
+            s.setShown(part as keyof Scene["parts"], false);
+          }
+        }
+        if (wanted.colour) {
+          if (!this.colours().includes(wanted.colour as Colour)) throw new Error(`--colour ${wanted.colour}: valid are ${this.colours().join(", ")}`);
+          this.setColour(wanted.colour as Colour);
+        }
+        this.resize();
+        this.setView(wanted.view);
+        return { begin: this.begin, end: this.end };
+      },
+      findingLine: (k: number) => Array.from(this.run.findings[k].line[0], (_, i) => this.run.findings[k].line.map((column) => column[i])),
+      maps: () => this.run.maps.map((m) => m.name),
+      tipOfPath: () => {
+        const { time, tip } = this.run.scene;
+        const row = Math.max(0, lastAt(time, this.t));
+        const next = Math.min(row + 1, time.length - 1);
+        const f = next > row ? (this.t - time[row]) / (time[next] - time[row]) : 0;
+        return tip.map((column) => column[row] * (1 - f) + column[next] * f);
+      },
+      findings: () => this.run.findings.map(({ problem, world_m, q }) => ({ problem, world_m, q })),
       project: (p: number[]) => scene?.project(p),
       setColour: (colour: Colour) => this.setColour(colour),
       setView: (view: View) => {
@@ -404,7 +564,7 @@ class Page {
         this.draw();
       },
       hide: (part: keyof Scene["parts"]) => {
-        scene?.setShown(part, false);
+        for (const s of this.scenes) s.setShown(part, false);
         this.draw();
       },
       extremes: (name: string) => this.plots.extremes(name),
@@ -443,9 +603,9 @@ async function start(): Promise<ReturnType<Page["hook"]>> {
   const root = document.getElementById("page") as HTMLElement;
   try {
     const data = document.getElementById("data") as HTMLElement;
-    const run = parse(await inflate(data.textContent ?? ""));
+    const runs = await Promise.all((data.textContent ?? "").split(",").map(async (text) => parse(await inflate(text))));
     data.remove();
-    return new Page(run, root).hook();
+    return new Page(runs, root).hook();
   } catch (error) {
     root.replaceChildren(h("p", { class: "warning", role: "alert" },
       `This page cannot be shown here: ${error instanceof Error ? error.message : String(error)}. The pictures and metrics.json stand beside it.`));

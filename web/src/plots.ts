@@ -1,6 +1,6 @@
 // Plots over time, linked: one cursor, one range of time, and the instant that the scene shows.
 import uPlot from "uplot";
-import { kinds, quantile } from "./colours";
+import { kinds, quantile, runColour } from "./colours";
 import type { Run, Series } from "./data";
 import { h, save } from "./dom";
 import { Pyramid } from "./pyramid";
@@ -33,12 +33,16 @@ export class Plots {
   private range: [number, number];
   private made: { panel: Panel; chart: uPlot; now: HTMLElement; body: HTMLElement; curves: Curve[] }[] = [];
   private pending = new Map<Element, () => void>();
-  private pyramids = new Map<string, Pyramid>();
-  private joint = -1; // all
+  private pyramids = new Map<Series, Pyramid>();
+  private joint: number; // −1: all
   private t = 0;
+  private run: Run;
 
-  constructor(private run: Run, private hooks: PlotsHooks) {
-    this.range = [run.scene.time[0] ?? 0, Math.max((run.scene.time.at(-1) ?? 0), (run.scene.time[0] ?? 0) + 1e-3)];
+  // Of several runs, each is a curve of each plot.
+  constructor(private runs: Run[], private hooks: PlotsHooks) {
+    this.run = runs[0];
+    this.joint = runs.length > 1 ? 0 : -1;
+    this.range = this.wholeRange();
     const watch = new IntersectionObserver((entries) => {
       for (const entry of entries) {
         if (!entry.isIntersecting) continue;
@@ -49,7 +53,7 @@ export class Plots {
       }
     }, { rootMargin: "200px" });
     const bar = h("div", { class: "bar" });
-    const whole = h("button", { type: "button", class: "small" }, "whole run");
+    const whole = h("button", { type: "button", class: "small" }, this.run.kind === "plan" ? "whole path" : "whole run");
     whole.addEventListener("click", () => this.zoom(...this.wholeRange()));
     bar.append(h("span", { class: "hint" }, "Drag to zoom in time, click to go there."), whole);
     this.element.append(bar);
@@ -67,13 +71,20 @@ export class Plots {
   }
 
   private wholeRange(): [number, number] {
-    const { time } = this.run.scene;
-    return [time[0] ?? 0, Math.max(time.at(-1) ?? 0, (time[0] ?? 0) + 1e-3)];
+    const begin = Math.min(...this.runs.map((run) => run.scene.time[0] ?? 0));
+    return [begin, Math.max(begin + 1e-3, ...this.runs.map((run) => run.scene.time.at(-1) ?? 0))];
   }
 
   private curve(name: string, label: string, k: number, more: Partial<Curve> = {}): Curve[] {
-    const series = this.run.series.get(name);
-    return series && series.low.some(Number.isFinite) ? [{ series, label, colour: kinds[k % kinds.length], ...more }] : [];
+    const several = this.runs.length > 1;
+    return this.runs.flatMap((run, r) => {
+      const series = run.series.get(name);
+      if (!series || !series.low.some(Number.isFinite)) return [];
+      // Of what is asked for, one curve tells enough.
+      if (several && more.dash && r > 0) return [];
+      if (!several) return [{ series, label, colour: kinds[k % kinds.length], ...more }];
+      return [{ series, label: more.dash ? label : run.name, colour: more.dash ? kinds[7] : runColour(r), ...more }];
+    });
   }
 
   private panels(): Panel[] {
@@ -93,9 +104,15 @@ export class Plots {
         curves: () => [...this.curve("force", "force", 0), ...this.curve("push", "asked for", 1, { dash: [5, 3] })] },
       { title: "ink error", unit: "mm", fromZero: true, curves: () => this.curve("ink_error", "to the target", 0) },
       { title: "tilt", unit: "deg", fromZero: true,
-        curves: () => [...this.curve("tilt", "pen against true normal", 0), ...this.curve("normal_error", "estimated normal", 1)] },
-      { title: "speed of the contact point", unit: "mm/s", fromZero: true, curves: () => this.curve("speed", "speed", 0) },
-      { title: "contact state", unit: "", words: this.run.modes, curves: () => this.curve("mode", "state", 0, { steps: true }) },
+        curves: () => [...this.curve("tilt", "pen against true normal", 0),
+          ...(this.runs.length > 1 || this.run.kind === "plan" ? [] : this.curve("normal_error", "estimated normal", 1))] },
+      { title: this.run.kind === "plan" ? "speed of the tip" : "speed of the contact point", unit: "mm/s", fromZero: true, curves: () => this.curve("speed", "speed", 0) },
+      { title: "distance to the nearest joint limit", unit: "rad", fromZero: true, curves: () => this.curve("joint_margin", "distance", 0) },
+      { title: "arm to canvas or table, at most 30 mm", unit: "mm", curves: () => this.curve("clearance", "clearance", 0) },
+      { title: "the tip's greatest effective mass", unit: "kg", fromZero: true, curves: () => this.curve("effective_mass", "mass", 0) },
+      ...(this.run.kind === "plan" ? [{ title: "expected error of the seen normal", unit: "deg", fromZero: true,
+        curves: () => this.curve("normal_error", "error", 0) }] : []),
+      { title: this.run.kind === "plan" ? "phase" : "contact state", unit: "", words: this.run.modes, curves: () => this.curve("mode", "state", 0, { steps: true }) },
       { title: "perception: tip to estimated surface", unit: "mm", curves: () => this.curve("surface_distance", "distance", 2) },
       { title: "largest joint torque", unit: "% of its limit", fromZero: true, curves: () => this.curve("torque", "torque", 0) },
     ];
@@ -111,13 +128,14 @@ export class Plots {
       { title: "joint torque", unit: unit("Nm"), joint: true, curves: ofJoints("torque", of(joints.torque)),
         limits: () => (this.joint < 0 ? [] : both(joints.torque[this.joint] ?? null)) },
       { title: "torque terms", unit: "Nm", joint: true,
-        curves: () => this.run.terms.flatMap((term, k) => this.curve(`${term}_${Math.max(0, this.joint)}`, term.replaceAll("_", " "), k)) },
+        curves: () => (this.runs.length > 1 ? [] : this.run.terms).flatMap((term, k) => this.curve(`${term}_${Math.max(0, this.joint)}`, term.replaceAll("_", " "), k)) },
     );
     return panels;
   }
 
   private jointChoice(): HTMLElement {
-    const choice = h("select", { "aria-label": "joint" }, h("option", { value: "-1" }, "all, as share of their limits"));
+    const choice = h("select", { "aria-label": "joint" });
+    if (this.runs.length === 1) choice.append(h("option", { value: "-1" }, "all, as share of their limits"));
     this.run.joints.names.forEach((name, j) => choice.append(h("option", { value: j }, name)));
     choice.addEventListener("change", () => {
       this.joint = Number(choice.value);
@@ -164,7 +182,7 @@ export class Plots {
     const series: uPlot.Series[] = [{}];
     const bands: uPlot.Band[] = [];
     curves.forEach((curve, k) => {
-      const paths = curve.steps ? uPlot.paths.stepped?.({ align: 1 }) : undefined;
+      const paths = curve.steps && this.runs.length === 1 ? uPlot.paths.stepped?.({ align: 1 }) : undefined;
       const one = { stroke: curve.colour, width: 1.2, dash: curve.dash, points: { show: false }, paths, spanGaps: false };
       series.push({ ...one, label: curve.label }, { ...one, label: `${curve.label}, largest` });
       bands.push({ series: [2 * k + 2, 2 * k + 1], fill: `${curve.colour}40` });
@@ -202,7 +220,7 @@ export class Plots {
       hooks: {
         drawClear: [(u) => {
           u.ctx.fillStyle = shade;
-          for (const [, begin, end] of this.run.spans) {
+          for (const [, begin, end] of this.runs.length > 1 ? [] : this.run.spans) {
             const left = Math.max(u.valToPos(begin, "x", true), u.bbox.left);
             const right = Math.min(u.valToPos(end, "x", true), u.bbox.left + u.bbox.width);
             if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
@@ -254,10 +272,13 @@ export class Plots {
   }
 
   private showValues(values: HTMLElement, curves: Curve[], u: uPlot, words?: string[]): void {
-    const index = u.cursor.idx;
-    if (index === null || index === undefined) return this.legend(values, curves);
+    const cursor = u.cursor.idx;
+    if (cursor === null || cursor === undefined) return this.legend(values, curves);
     this.legend(values, curves, (curve) => {
       const k = curves.indexOf(curve);
+      // Of several runs, each has times of its own.
+      let index = cursor;
+      while (index > 0 && u.data[2 * k + 1][index] === undefined) --index;
       const low = u.data[2 * k + 1][index], high = u.data[2 * k + 2][index];
       if (low === null || low === undefined || high === null || high === undefined) return "–";
       if (words) return words[high] ?? "";
@@ -267,25 +288,23 @@ export class Plots {
   }
 
   private pyramid(series: Series): Pyramid {
-    let pyramid = this.pyramids.get(series.name);
-    if (!pyramid) this.pyramids.set(series.name, (pyramid = new Pyramid(series)));
+    let pyramid = this.pyramids.get(series);
+    if (!pyramid) this.pyramids.set(series, (pyramid = new Pyramid(series)));
     return pyramid;
   }
 
   private data(curves: Curve[], width: number): uPlot.AlignedData {
     if (curves.length === 0) return [[0], []] as unknown as uPlot.AlignedData;
-    const columns: (number | null)[][] = [];
-    let times: number[] = [];
-    for (const curve of curves) {
+    const scaled = (curve: Curve) => (v: number) => {
+      const x = curve.scale ? curve.scale(v) : v;
+      return Number.isFinite(x) ? x : null;
+    };
+    const tables = curves.map((curve) => {
       const level = this.pyramid(curve.series).at(this.range[0], this.range[1], Math.max(400, 1.5 * width));
-      times = Array.from(level.time);
-      const scaled = (v: number) => {
-        const x = curve.scale ? curve.scale(v) : v;
-        return Number.isFinite(x) ? x : null;
-      };
-      columns.push(Array.from(level.low, scaled), Array.from(level.high, scaled));
-    }
-    return [times, ...columns] as uPlot.AlignedData;
+      return [Array.from(level.time), Array.from(level.low, scaled(curve)), Array.from(level.high, scaled(curve))];
+    });
+    if (this.runs.length > 1) return uPlot.join(tables as uPlot.AlignedData[]);
+    return [tables[0][0], ...tables.flatMap((table) => table.slice(1))] as uPlot.AlignedData;
   }
 
   zoom(begin: number, end: number): void {
@@ -324,6 +343,15 @@ export class Plots {
 
   private saveCsv(panel: Panel): void {
     const curves = panel.curves();
+    if (this.runs.length > 1) {
+      const rows = ["\"curve\",\"time [s]\",\"least\",\"largest\""];
+      for (const { label, series } of curves)
+        series.time.forEach((t, i) => {
+          if (t >= this.range[0] && t <= this.range[1] && Number.isFinite(series.low[i]))
+            rows.push(`"${label.replaceAll('"', '""')}",${t.toFixed(3)},${Number(series.low[i].toPrecision(7))},${Number(series.high[i].toPrecision(7))}`);
+        });
+      return save(`${panel.title.replaceAll(/\W+/g, "-")}.csv`, new Blob([rows.join("\n") + "\n"], { type: "text/csv" }));
+    }
     const lines = [["time [s]", ...curves.flatMap((c) => [`${c.label}, least`, `${c.label}, largest`])].map((x) => `"${x.replaceAll('"', '""')}"`).join(",")];
     const time = curves[0]?.series.time ?? [];
     for (let i = 0; i < time.length; ++i) {

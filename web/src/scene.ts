@@ -1,9 +1,10 @@
 // The scene: arm, canvas, cloud, target, ink, normal and force, cameras. Units m, z up, frame W.
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { kinds, quantile, rampAt, rgb } from "./colours";
+import { toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import { kinds, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
 import { lastAt } from "./columns";
-import type { Matrix, Run } from "./data";
+import type { Colouring, Finding, Matrix, Mesh, Run } from "./data";
 import { linkFrames } from "./kinematics";
 import { Lines } from "./lines";
 import type { Colour, View } from "./link";
@@ -12,7 +13,21 @@ export interface Legend {
   unit: string;
   low: number;
   high: number;
-  passes?: number;
+  kinds?: string[]; // words in the colours of `kinds`, in place of a ramp
+}
+
+// Where the camera is; `from` is relative to `at`.
+export interface Eye {
+  from: three.Vector3;
+  at: three.Vector3;
+}
+
+// The ink of a run, of which as much is drawn as it has by then.
+interface Ink {
+  run: Run;
+  lines: Lines;
+  point: number[]; // index of each segment's first point in run.ink
+  time: Float64Array; // of each segment
 }
 
 export const targetColour = "#6f9fcc";
@@ -78,6 +93,7 @@ export class Scene {
   readonly parts: Record<"canvas" | "cloud" | "target" | "ink" | "arm" | "normal" | "force" | "cameras" | "grid", three.Object3D>;
   onChange: () => void = () => {};
   onFree: () => void = () => {};
+  onMove: () => void = () => {}; // of the camera, by hand
   private software = inSoftware();
   private renderer: three.WebGLRenderer;
   private scene = new three.Scene();
@@ -88,10 +104,13 @@ export class Scene {
   private pen: three.Mesh | null = null;
   private normal = new Arrow(kinds[2], true);
   private force = new Arrow(kinds[1], false);
-  private ink!: Lines;
-  private target!: Lines;
-  private segmentPoint: number[] = []; // index of each segment's first point in run.ink
-  private segmentTime = new Float64Array();
+  private inks!: Ink[]; // the run's own first
+  private targets: Lines[] = [];
+  private shades = new Float32Array();
+  private map: Colouring | null = null;
+  private posture: number[] | null = null;
+  private over = false;
+  private sharpness: number | null = null;
   private canvasMaterial!: three.MeshBasicMaterial;
   private gridMaterial!: three.LineBasicMaterial;
   private drawing = new three.Sphere(new three.Vector3(0.6, 0, 0.1), 0.2);
@@ -102,13 +121,17 @@ export class Scene {
   private dark = false;
   private colour: Colour = "nothing";
 
+  // `others`: runs whose ink can be laid over this one's. `panes`: scenes that share the page.
   // Throws an error where there is no WebGL.
-  constructor(private run: Run) {
+  constructor(private run: Run, private others: Run[] = [], private panes = 1) {
     this.renderer = new three.WebGLRenderer({ antialias: !this.software });
     this.canvas = this.renderer.domElement;
     this.camera.up.set(0, 0, 1);
     this.orbit = new OrbitControls(this.camera, this.canvas);
-    this.orbit.addEventListener("change", () => this.onChange());
+    this.orbit.addEventListener("change", () => {
+      this.onChange();
+      this.onMove();
+    });
     this.orbit.addEventListener("start", () => {
       if (this.view === "pen") this.setFree();
     });
@@ -126,12 +149,9 @@ export class Scene {
   }
 
   private makeCanvas(): three.Object3D {
-    const { vertices, triangles } = this.run.canvas;
-    const geometry = new three.BufferGeometry();
-    geometry.setAttribute("position", new three.BufferAttribute(interleaved(vertices), 3));
-    geometry.setIndex(new three.BufferAttribute(Uint32Array.from(triangles), 1));
+    const geometry = geometryOfMesh(this.run.canvas);
     geometry.computeVertexNormals();
-    shade(geometry);
+    this.shades = shade(geometry);
     // Pushed back a little, so that ink on the surface is not hidden by it.
     this.canvasMaterial = new three.MeshBasicMaterial({
       vertexColors: true, side: three.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 150,
@@ -158,33 +178,68 @@ export class Scene {
         isCovered.push(covered[i] > 0 && covered[i + 1] > 0);
       }
     }
-    this.target = new Lines(positions, 0.75);
+    const target = new Lines(positions, 0.75);
     const pale = rgb(targetColour);
     const bare = rgb(kinds[3]);
-    this.target.tint((s) => (isCovered[s] ? pale : bare));
-    this.target.renderOrder = 1;
-    return this.target;
+    target.tint((s) => (isCovered[s] ? pale : bare));
+    target.renderOrder = 1;
+    this.targets = [target];
+    const group = new three.Group().add(target);
+    // What a plan leaves out, by its reason.
+    this.problems().forEach((problem, k) => {
+      const ends = this.run.findings.filter((f) => f.problem === problem).flatMap((f) => {
+        const at = Array.from(f.line[0], (_, i) => [f.line[0][i], f.line[1][i], f.line[2][i]]);
+        if (at.length === 1) at.push(at[0]);
+        return at.slice(1).flatMap((p, i) => [...at[i], ...p]);
+      });
+      const lines = new Lines(ends);
+      lines.tint(() => rgb(problemColour(k)));
+      lines.material.transparent = true;
+      lines.renderOrder = 3;
+      this.targets.push(lines);
+      group.add(lines);
+    });
+    return group;
+  }
+
+  problems(): string[] {
+    return [...new Set(this.run.findings.map((f) => f.problem))].sort();
   }
 
   private makeInk(): three.Object3D {
-    const { points, time, begins } = this.run.ink;
-    const positions: number[] = [];
-    const times: number[] = [];
-    for (let line = 0; line < begins.length; ++line) {
-      const end = line + 1 < begins.length ? begins[line + 1] : time.length;
-      for (let i = begins[line]; i < end; ++i) {
-        const next = i + 1 < end ? i + 1 : i;
-        if (next === i && end - begins[line] > 1) break; // a line of one point is a dot
-        for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
-        times.push(time[next]);
-        this.segmentPoint.push(i);
+    this.inks = [this.run, ...this.others].map((run) => {
+      const { points, time, begins } = run.ink;
+      const positions: number[] = [];
+      const times: number[] = [];
+      const point: number[] = [];
+      for (let line = 0; line < begins.length; ++line) {
+        const end = line + 1 < begins.length ? begins[line + 1] : time.length;
+        for (let i = begins[line]; i < end; ++i) {
+          const next = i + 1 < end ? i + 1 : i;
+          if (next === i && end - begins[line] > 1) break; // a line of one point is a dot
+          for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
+          times.push(time[next]);
+          point.push(i);
+        }
       }
-    }
-    this.segmentTime = Float64Array.from(times);
-    this.ink = new Lines(positions);
-    this.ink.material.transparent = true; // so that it is drawn after the target
-    this.ink.renderOrder = 2;
-    return this.ink;
+      const lines = new Lines(positions);
+      lines.material.transparent = true; // so that it is drawn after the target
+      lines.renderOrder = 2 + 0.01 * this.others.indexOf(run) + 0.01;
+      lines.visible = run === this.run;
+      return { run, lines, point, time: Float64Array.from(times) };
+    });
+    return new three.Group().add(...this.inks.map((ink) => ink.lines));
+  }
+
+  // The other runs' ink in the same scene, or this run's alone.
+  setOver(over: boolean): void {
+    this.over = over;
+    this.inks.forEach((ink, k) => {
+      ink.lines.visible = k === 0 || over;
+      ink.lines.material.depthWrite = !over; // pens press to different depths
+    });
+    this.setColour(this.colour);
+    this.seek(this.t);
   }
 
   private makeArm(): three.Object3D {
@@ -192,13 +247,16 @@ export class Scene {
     const light = new three.MeshLambertMaterial({ color: 0xd8dbe0 });
     const darker = new three.MeshLambertMaterial({ color: 0x8b94a1 });
     const ink = new three.MeshLambertMaterial({ color: 0x24406e });
-    this.armMaterials = [light, darker];
+    const mid = new three.MeshLambertMaterial({ color: 0xc3c8cf });
+    this.armMaterials = [light, darker, mid];
     const { arm: links } = this.run;
-    const bare = links.every((link) => link.shapes.every((shape) => shape.kind === "mesh"));
+    const bare = links.every((link) => link.meshes.length === 0 && link.shapes.every((shape) => shape.kind === "mesh"));
     links.forEach((link, index) => {
       const group = new three.Group();
       group.matrixAutoUpdate = false;
-      for (const shape of link.shapes) {
+      for (const mesh of link.meshes)
+        group.add(new three.Mesh(toCreasedNormals(geometryOfMesh(mesh), 0.6), index % 2 === 1 && index > 1 ? mid : light));
+      for (const shape of link.meshes.length ? [] : link.shapes) {
         const thin = shape.kind === "cylinder" && shape.size[0] < 0.02;
         // The foot's would stand in the floor; others are a little smaller than the tubes that they join.
         const round = shape.kind === "sphere";
@@ -259,7 +317,7 @@ export class Scene {
   // What the views show: the drawing, and all of it.
   private measure(): void {
     const box = new three.Box3();
-    for (const points of [this.run.target.points, this.run.ink.points])
+    for (const points of [this.run.target.points, this.run.ink.points, ...this.run.findings.map((f) => f.line)])
       for (let i = 0; i < points[0].length; ++i) box.expandByPoint(pointAt(points, i));
     if (box.isEmpty()) box.setFromObject(this.parts.canvas);
     if (!box.isEmpty()) box.getBoundingSphere(this.drawing);
@@ -280,7 +338,7 @@ export class Scene {
     const gap = scene.time[next] - scene.time[i];
     const f = gap > 0 ? Math.min(1, Math.max(0, (t - scene.time[i]) / gap)) : 0;
     const mixed = (column: Float64Array) => column[i] * (1 - f) + column[next] * f;
-    const q = scene.joints.map(mixed);
+    const q = this.posture ?? scene.joints.map(mixed);
     linkFrames(this.run.arm, q).forEach((X, link) => this.links[link].matrix.copy(matrix4(X)));
     const tip = new three.Vector3(mixed(scene.tip[0]), mixed(scene.tip[1]), mixed(scene.tip[2]));
     const axis = new three.Vector3(mixed(scene.penAxis[0]), mixed(scene.penAxis[1]), mixed(scene.penAxis[2])).normalize();
@@ -293,7 +351,9 @@ export class Scene {
     this.normal.show(tip, pointAt(scene.normal, i).multiplyScalar(normalLength));
     this.force.visible &&= wanted.force;
     this.normal.visible &&= wanted.normal;
-    this.ink.show(lastAt(this.segmentTime, t) + 1);
+    // A plan shows all of its strokes: the arm alone moves.
+    for (const ink of this.inks)
+      ink.lines.show(ink.run.kind === "plan" ? ink.lines.segments : lastAt(ink.time, t) + 1);
     if (this.view === "tip") {
       const step = tip.clone().sub(this.followed);
       this.camera.position.add(step);
@@ -305,6 +365,29 @@ export class Scene {
       this.camera.lookAt(this.orbit.target);
     }
     this.followed.copy(tip);
+  }
+
+  // The arm takes a posture of its own until the next seek.
+  showPosture(q: (number | null)[]): void {
+    if (q.length !== this.run.joints.names.length || q.some((x) => x === null)) return;
+    this.posture = q as number[];
+    this.seek(this.t);
+    this.posture = null;
+    this.normal.visible = false; // that of the path
+  }
+
+  eye(): Eye {
+    return { from: this.camera.position.clone().sub(this.orbit.target), at: this.orbit.target.clone() };
+  }
+
+  // Looks as another scene does; one that follows its tip goes on to do so.
+  setEye(eye: Eye, view: View): void {
+    this.view = view;
+    if (view === "pen") return;
+    const at = view === "tip" ? this.followed : eye.at;
+    this.orbit.target.copy(at);
+    this.camera.position.copy(at).add(eye.from);
+    this.camera.lookAt(at);
   }
 
   setView(view: View): void {
@@ -346,9 +429,9 @@ export class Scene {
   }
 
   // Turns the free view towards a point.
-  lookAt(p: number[]): void {
+  lookAt(p: number[], distance = 0.35): void {
     const target = new three.Vector3(...p);
-    const offset = this.camera.position.clone().sub(this.orbit.target).setLength(0.35);
+    const offset = this.camera.position.clone().sub(this.orbit.target).setLength(distance);
     this.orbit.target.copy(target);
     this.camera.position.copy(target).add(offset);
     this.setFree();
@@ -372,50 +455,81 @@ export class Scene {
   setDark(dark: boolean): void {
     this.dark = dark;
     this.scene.background = new three.Color(dark ? "#14171c" : "#f3f4f6");
-    this.canvasMaterial.color.set(dark ? "#7d848f" : "#e2ddd3");
     this.gridMaterial.color.set(dark ? "#39404a" : "#c9ced6");
+    this.setMap(this.map?.name ?? "");
     this.setColour(this.colour);
+  }
+
+  // Colours the canvas by one of the run's maps; by none where there is no such.
+  setMap(name: string): Legend | null {
+    this.map = this.run.maps.find((m) => m.name === name) ?? null;
+    const { geometry } = this.parts.canvas as three.Mesh;
+    const colours = this.shades.slice();
+    let legend: Legend | null = null;
+    if (this.map) {
+      const { values, unit } = this.map;
+      const high = Math.max(quantile(values, 0.98), 1e-6);
+      const linear = new three.Color();
+      values.forEach((v, i) => {
+        linear.setRGB(...(Number.isFinite(v) ? rampAt(v / high) : rgb("#8a8f98")), three.SRGBColorSpace);
+        const light = 0.55 + 0.5 * this.shades[3 * i];
+        colours.set([light * linear.r, light * linear.g, light * linear.b], 3 * i);
+      });
+      legend = { unit, low: 0, high };
+    }
+    this.canvasMaterial.color.set(this.map ? "#ffffff" : this.dark ? "#7d848f" : "#e2ddd3");
+    geometry.setAttribute("color", new three.BufferAttribute(colours, 3));
+    this.onChange();
+    return legend;
   }
 
   // Colours the ink; returns what the legend shows.
   setColour(colour: Colour): Legend | null {
     this.colour = colour;
-    const { ink } = this.run;
+    const [{ run, lines, point }] = this.inks;
     const plain = rgb(this.dark ? "#0a1a3c" : "#173d85");
-    let legend: Legend | null = null;
-    if (colour === "nothing") {
-      this.ink.tint(() => plain);
-    } else if (colour === "pass") {
+    this.inks.forEach((ink, k) => {
+      if (k > 0 || this.over) ink.lines.tint(() => rgb(runColour(k)));
+    });
+    if (this.over) return { unit: "", low: 0, high: 0, kinds: this.inks.map((ink) => ink.run.name) };
+    if (colour === "pass") {
       let passes = 0;
-      this.ink.tint((segment) => {
-        const pass = ink.pass[Math.max(0, lastAt(ink.begins, this.segmentPoint[segment]))];
+      lines.tint((segment) => {
+        const pass = run.ink.pass[Math.max(0, lastAt(run.ink.begins, point[segment]))];
         passes = Math.max(passes, pass);
         return rgb(kinds[(pass - 1) % kinds.length]);
       });
-      legend = { unit: "", low: 1, high: passes, passes };
-    } else {
-      const values = ink[colour];
-      const low = colour === "force" ? quantile(values, 0.01) : 0;
-      const high = quantile(values, 0.99);
-      const span = Math.max(high - low, 1e-9);
-      this.ink.tint((segment) => {
-        const v = values[this.segmentPoint[segment]];
-        return Number.isFinite(v) ? rampAt((v - low) / span) : rgb("#8a8f98");
-      });
-      legend = { unit: { force: "N", error: "mm", tilt: "deg", speed: "mm/s" }[colour], low, high };
+      return { unit: "", low: 1, high: passes, kinds: Array.from({ length: passes }, (_, i) => `pass ${i + 1}`) };
     }
-    return legend;
+    const chosen = run.ink.colours.find((c) => c.name === colour);
+    if (!chosen) {
+      lines.tint(() => plain);
+      return null;
+    }
+    const { values, unit } = chosen;
+    const low = ["error", "tilt", "speed", "normal_error"].includes(colour) ? 0 : quantile(values, 0.01);
+    const high = quantile(values, 0.99);
+    const span = Math.max(high - low, 1e-9);
+    lines.tint((segment) => {
+      const v = values[point[segment]];
+      return Number.isFinite(v) ? rampAt((v - low) / span) : rgb("#8a8f98");
+    });
+    return { unit, low, high };
+  }
+
+  // Picture points a pixel, whatever it costs.
+  setSharpness(sharpness: number): void {
+    this.sharpness = sharpness;
   }
 
   resize(width: number, height: number): void {
-    const sharp = Math.min(window.devicePixelRatio, 2);
-    const affordable = Math.sqrt((1280 * 720) / (width * height));
+    const sharp = this.sharpness ?? Math.min(window.devicePixelRatio, 2);
+    const affordable = this.sharpness ?? Math.sqrt((1280 * 720) / (this.panes * width * height));
     this.renderer.setPixelRatio(this.software ? Math.min(sharp, affordable) : sharp);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
-    this.ink.resize(width, height);
-    this.target.resize(width, height);
+    for (const lines of [...this.inks.map((ink) => ink.lines), ...this.targets]) lines.resize(width, height);
   }
 
   render(): void {
@@ -427,8 +541,9 @@ export class Scene {
     const thick = Math.max(0.6, (1.3 * pixel) / 0.0012);
     this.force.setWidth(thick);
     this.normal.setWidth(thick);
-    this.ink.width = width;
-    this.target.width = Math.max(3.4, 1.9 * width);
+    // Ink over ink: those below stay visible beside those above.
+    this.inks.forEach((ink, k) => (ink.lines.width = this.over ? width * (1 + 0.9 * (this.inks.length - 1 - k)) : width));
+    for (const lines of this.targets) lines.width = Math.max(3.4, 1.9 * width);
     this.renderer.render(this.scene, this.camera);
   }
 
@@ -453,6 +568,24 @@ export class Scene {
       }
     }
     return time;
+  }
+
+  // What fails nearest to a place in the picture, within a few pixels.
+  findingAt(x: number, y: number, reach = 9): Finding | null {
+    let best = reach;
+    let found: Finding | null = null;
+    for (const finding of this.run.findings) {
+      const [xs, ys, zs] = finding.line;
+      for (let i = 0; i < xs.length; ++i) {
+        const [u, v] = this.project([xs[i], ys[i], zs[i]]);
+        const away = Math.hypot(u - x, v - y);
+        if (away < best) {
+          best = away;
+          found = finding;
+        }
+      }
+    }
+    return found;
   }
 
   frames(): Record<string, number[]> {
@@ -483,7 +616,7 @@ function inSoftware(): boolean {
 }
 
 // Shades a body that stands still, once: light from above and from the front left.
-function shade(geometry: three.BufferGeometry): void {
+function shade(geometry: three.BufferGeometry): Float32Array<ArrayBuffer> {
   const normals = geometry.getAttribute("normal");
   const shades = new Float32Array(3 * normals.count);
   const sun = new three.Vector3(0.55, -0.6, 0.5).normalize();
@@ -493,6 +626,14 @@ function shade(geometry: three.BufferGeometry): void {
     shades.fill(0.36 + 0.12 * n.z + 0.72 * Math.max(0, n.dot(sun)), 3 * i, 3 * i + 3);
   }
   geometry.setAttribute("color", new three.BufferAttribute(shades, 3));
+  return shades;
+}
+
+function geometryOfMesh(mesh: Mesh): three.BufferGeometry {
+  const geometry = new three.BufferGeometry();
+  geometry.setAttribute("position", new three.BufferAttribute(interleaved(mesh.vertices), 3));
+  geometry.setIndex(new three.BufferAttribute(Uint32Array.from(mesh.triangles), 1));
+  return geometry;
 }
 
 function geometryOf(kind: string, size: number[]): three.BufferGeometry | null {

@@ -1,6 +1,6 @@
 // Numbers, strokes and settings.
 import { quantile } from "./colours";
-import type { Limit, Part, Run } from "./data";
+import type { Finding, Limit, Part, Run } from "./data";
 import { h, numberText, timeText } from "./dom";
 
 export function holds(value: unknown, limit: Limit): boolean {
@@ -32,6 +32,80 @@ export function numbers(run: Run): HTMLElement {
   return h("div", { class: "scroll" }, h("table", {}, h("thead", {}, head), h("tbody", {}, ...rows)));
 }
 
+// The numbers of runs side by side; of two, their difference.
+export function comparison(runs: Run[]): HTMLElement {
+  const two = runs.length === 2;
+  const head = h("tr", {}, h("th", {}, "metric"), ...runs.map((run) => h("th", { class: "n" }, run.name)),
+    two ? h("th", { class: "n" }, "difference") : null, h("th", {}, "unit"), h("th", {}, "meaning"));
+  const rows = runs[0].definitions.map((d) => {
+    const values = runs.map((run) => run.metrics[d.name]);
+    const reasons = [...new Set(runs.map((run) => ((run.metrics.reasons ?? {}) as Record<string, string>)[d.name]).filter(Boolean))];
+    const meaning = h("td", {}, d.meaning);
+    if (reasons.length) meaning.append(h("span", { class: "why" }, ` (none: ${reasons.join("; ")})`));
+    return h("tr", {}, h("td", {}, h("code", {}, d.name)), ...values.map((v) => h("td", { class: "n" }, numberText(v))),
+      two ? h("td", { class: "n" }, differenceText(values[0], values[1])) : null,
+      h("td", {}, d.unit === "1" ? "" : d.unit), meaning);
+  });
+  return h("div", { class: "scroll" }, h("table", { class: "comparison" }, h("thead", {}, head), h("tbody", {}, ...rows)));
+}
+
+// b − a, signed.
+export function differenceText(a: unknown, b: unknown): string {
+  if (typeof a !== "number" || typeof b !== "number") return "–";
+  const d = b - a;
+  // What rounding alone makes is no difference.
+  if (Math.abs(d) < 1e-9 * Math.max(Math.abs(a), Math.abs(b))) return "0";
+  return (d > 0 ? "+" : "") + numberText(d, 3);
+}
+
+// What settings differ.
+export function changedSettings(runs: Run[]): HTMLElement {
+  const names = [...new Set(runs.flatMap((run) => run.settings.map(([name]) => name)))];
+  const of = runs.map((run) => new Map(run.settings.map(([name, value]) => [name, value])));
+  const rows = names.filter((name) => new Set(of.map((m) => m.get(name))).size > 1)
+    .map((name) => h("tr", {}, h("td", {}, h("code", {}, name)), ...of.map((m) => h("td", { class: "n" }, m.get(name) || "–"))));
+  if (!rows.length) return h("p", { class: "hint" }, "The runs have the same settings.");
+  return h("div", { class: "scroll" }, h("table", { class: "settings" }, h("thead", {}, h("tr", {}, h("th", {}, "setting"),
+    ...runs.map((run) => h("th", { class: "n" }, run.name)))), h("tbody", {}, ...rows)));
+}
+
+// What a plan leaves out, by its reason.
+export function findings(run: Run, problems: string[], colourOf: (k: number) => string, look: (f: Finding) => void): HTMLElement {
+  if (!run.findings.length) return h("p", { class: "ok" }, "All of it can be drawn.");
+  const box = h("div", { class: "findings" });
+  problems.forEach((problem, k) => {
+    const list = run.findings.filter((f) => f.problem === problem);
+    const length = list.reduce((sum, f) => sum + f.to_mm - f.from_mm, 0);
+    const mark = h("i");
+    mark.style.setProperty("--key", colourOf(k));
+    box.append(h("h3", {}, mark, `${problem.replaceAll("_", " ")}: ${list.length} part${list.length === 1 ? "" : "s"}, ${numberText(length, 3)} mm`));
+    box.append(h("div", { class: "scroll" }, h("table", {}, h("tbody", {}, ...list.map((f) => {
+      const button = h("button", { type: "button", class: "small", "aria-label": `show what fails on stroke ${f.stroke}, from ${numberText(f.from_mm, 3)} mm` }, "show");
+      button.addEventListener("click", () => look(f));
+      return h("tr", {}, h("td", {}, button), h("td", {}, `stroke ${f.stroke}`),
+        h("td", { class: "n" }, `${numberText(f.from_mm, 3)} to ${numberText(f.to_mm, 3)} mm`), h("td", {}, f.text));
+    })))));
+  });
+  return box;
+}
+
+// The numbers of plan.json, but for its list of findings.
+export function planNumbers(run: Run): HTMLElement {
+  const rows: HTMLElement[] = [];
+  const walk = (name: string, value: unknown) => {
+    if (name === "not_drawable") return;
+    if (Array.isArray(value) || value === null || typeof value !== "object") {
+      const text = Array.isArray(value) ? value.map((v) => (typeof v === "number" ? numberText(v) : JSON.stringify(v))).join(", ")
+        : typeof value === "number" || value === null ? numberText(value) : String(value);
+      rows.push(h("tr", {}, h("td", {}, h("code", {}, name)), h("td", { class: "n" }, text)));
+    } else {
+      for (const [key, inner] of Object.entries(value)) walk(name ? `${name}.${key}` : key, inner);
+    }
+  };
+  walk("", run.plan);
+  return h("div", { class: "scroll" }, h("table", { class: "settings" }, h("tbody", {}, ...rows)));
+}
+
 export const tileNames: [string, string][] = [
   ["ink_error_rms", "ink error, RMS"], ["coverage", "of the target covered"], ["contact_fraction", "contact fraction"],
   ["force_mean", "normal force, mean"], ["force_sd", "its standard deviation"], ["tilt_mean", "tilt, mean"],
@@ -49,6 +123,8 @@ export function tiles(run: Run): HTMLElement {
 // The passes over strokes, in the order of time; then what was left out or lacks ink.
 export function strokes(run: Run, go: (t: number) => void, look: (p: number[], part: Part) => void): HTMLElement {
   const { ink } = run;
+  const of = (name: string) => ink.colours.find((c) => c.name === name)?.values ?? new Float64Array(ink.time.length).fill(NaN);
+  const [errors, forces] = [of("error"), of("force")];
   const passes = new Map<number, number>();
   const rows = run.spans.map(([stroke, begin, end]) => {
     const pass = (passes.get(stroke) ?? 0) + 1;
@@ -57,10 +133,10 @@ export function strokes(run: Run, go: (t: number) => void, look: (p: number[], p
     let length = 0;
     for (let i = 0; i < ink.time.length; ++i) {
       if (ink.time[i] < begin || ink.time[i] > end) continue;
-      error.push(ink.error[i]);
-      force.push(ink.force[i]);
+      error.push(errors[i]);
+      force.push(forces[i]);
       const next = ink.time[i + 1] - ink.time[i];
-      if (next > 0 && next < 0.05)
+      if (next > 0 && (next < 0.05 || run.kind === "plan") && ink.time[i + 1] <= end)
         length += Math.hypot(...[0, 1, 2].map((k) => ink.points[k][i + 1] - ink.points[k][i]));
     }
     const button = h("button", { type: "button", class: "small" }, `${stroke}${pass > 1 ? `, pass ${pass}` : ""}`);
@@ -139,7 +215,7 @@ export function about(run: Run): HTMLElement {
   const add = (name: string, value: string) => value && list.append(h("dt", {}, name), h("dd", {}, value));
   add("simulated", `${run.duration.toFixed(2)} s`);
   add("wall time", times.join(", "));
-  add("impedraw", run.version);
+  add("impedraw", run.commit ? `${run.version}, commit ${run.commit}` : run.version);
   for (const [key, value] of Object.entries(run.attributes)) add(key, value);
   if (run.command) list.append(h("dt", {}, "again"), h("dd", {}, h("code", {}, run.command)));
   const shown = run.canvas.triangles.length / 3;
@@ -147,5 +223,7 @@ export function about(run: Run): HTMLElement {
     add("canvas shown with", `${shown} of ${run.canvas.of} triangles, off by at most ${run.canvas.error_mm.toFixed(2)} mm`);
   const points = run.cloud.points[0].length;
   if (points < run.cloud.of) add("cloud shown with", `${points} of ${run.cloud.of} points`);
+  if (run.armNotice)
+    list.append(h("dt", {}, "the arm's meshes"), h("dd", {}, h("details", {}, h("summary", {}, "copyright and licence"), h("pre", {}, run.armNotice))));
   return list;
 }

@@ -7,8 +7,8 @@
 // What is shown is compared with run.h5, read by h5py, and with frames computed here from the URDF.
 // Pictures of all views stand in IMPEDRAW_WEB/shots.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
-import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { execFileSync, spawn, spawnSync } from "node:child_process";
+import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -249,6 +249,149 @@ test("a log that ends early is shown up to there, and says so", { timeout: 600_0
   assert.match(await page.getByRole("alert").textContent(), /ends before the run was closed: the run is shown up to/);
   assert.deepEqual(wrong, []);
   await close();
+});
+
+test("a plan shows what fails, and the arm where it does", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async (t) => {
+  writeFileSync(join(scratch, "wide.svg"),
+    '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">' +
+    '<path d="M0 50H500" fill="none" stroke="black"/><path d="M10 60H40" fill="none" stroke="black"/></svg>');
+  const out = join(scratch, "plan");
+  const words = ["plan", "--svg", join(scratch, "wide.svg"), "--set", `name=${name}`, "--set", "drawing.placement.fit_radius=0.3",
+    "--out", out];
+  let code = 0;
+  try {
+    execFileSync(program, words, { stdio: "pipe" });
+  } catch (error) {
+    code = error.status;
+    t.diagnostic(String(error.stderr).slice(-300));
+  }
+  assert.equal(code, 1, "some of it cannot be drawn");
+  const plan = JSON.parse(readFileSync(join(out, "plan.json"), "utf8"));
+  const { page, wrong, close } = await open(join(out, "plan.html"));
+  const state = await ask(page, "state");
+  assert.equal(state.t, 0);
+  assert.ok(Math.abs(state.end - plan.time_s) < 1e-3);
+  const found = await ask(page, "findings");
+  assert.equal(found.length, plan.not_drawable.length);
+  found.forEach((f, i) => {
+    assert.equal(f.problem, plan.not_drawable[i].problem);
+    f.world_m.forEach((x, axis) => assert.ok(Math.abs(x - plan.not_drawable[i].world_m[axis]) < 1e-9));
+  });
+  // The arm's tip goes to what was clicked: reached or not, its posture is the one the plan tells.
+  const urdf = readFileSync("models/iiwa14_pen.urdf", "utf8");
+  await page.getByRole("button", { name: /^show what fails on stroke/ }).first().click();
+  const names = [...urdf.matchAll(/<joint name="([^"]+)" type="revolute"/g)].map((m) => m[1]);
+  const tip = urdfFrames(urdf, names, found[0].q).tip.map((row) => row[3]).slice(0, 3);
+  const shown = (await ask(page, "frames")).tip;
+  assert.ok(Math.hypot(shown[3] - tip[0], shown[7] - tip[1], shown[11] - tip[2]) < 1e-4);
+  // A click on it in the scene does the same.
+  await ask(page, "seek", 0);
+  await ask(page, "setView", "top");
+  const line = await ask(page, "findingLine", 0);
+  const [u, v] = await ask(page, "project", line[Math.floor(line.length / 2)]);
+  const canvas = await page.locator(".pane canvas").boundingBox();
+  await page.mouse.click(canvas.x + u, canvas.y + v);
+  const clicked = (await ask(page, "frames")).tip;
+  assert.ok(Math.hypot(clicked[3] - shown[3], clicked[7] - shown[7], clicked[11] - shown[11]) < 1e-6);
+  // Along the path, the tip of the arm is the tip of the plan: the posture reaches it.
+  for (const share of [0.3, 0.5, 0.7]) {
+    await ask(page, "seek", share * state.end);
+    const frame = (await ask(page, "frames")).tip;
+    const wanted = await ask(page, "tipOfPath");
+    assert.ok(Math.hypot(frame[3] - wanted[0], frame[7] - wanted[1], frame[11] - wanted[2]) < 5e-4);
+  }
+  for (const map of await ask(page, "maps")) await ask(page, "setMap", map);
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  assert.equal(await page.locator("h1").textContent(), name);
+  await page.screenshot({ path: join(shots, "plan.png") });
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("runs compared share one camera and one time line", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async () => {
+  const other = join(scratch, "other");
+  execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", "name=slower", "--set", "path.draw_speed=0.03", "--set", "log.rate=full", "--out", other], { stdio: "pipe" });
+  const out = join(scratch, "compared");
+  execFileSync(program, ["compare", folder, other, "--out", out], { stdio: "pipe" });
+  for (const [words, told] of [
+    [[folder], /one run alone/], [[folder, scratch], /contains no run\.h5/], [[folder, other, "--set", "seed=2"], /--set does not go with finished runs/],
+    [[folder, other, "--out", folder], /contains files but no comparison/]]) {
+    const ended = spawnSync(program, ["compare", ...words], { cwd: scratch });
+    assert.equal(ended.status, 2, words.join(" "));
+    assert.match(ended.stderr.toString(), told);
+  }
+  const { page, wrong, close } = await open(join(out, "compare.html"));
+  const late = JSON.parse(execFileSync(python, ["-c", logReader, join(other, "run.h5")], { maxBuffer: 1 << 30 }));
+  const { end } = await ask(page, "state");
+  assert.ok(Math.abs(end - late.time.at(-1)) < 2e-3, "the time line lasts as long as the slower run");
+  const row = Math.floor(0.4 * log.time.length);
+  await ask(page, "seek", log.time[row]);
+  const at = (list, t) => list.time.findIndex((x) => x >= t - 1e-6);
+  for (const [which, run] of [[0, log], [1, late]]) {
+    const shown = (await ask(page, "frames", which)).tip;
+    const tip = run.tip[at(run, log.time[row])];
+    assert.ok(Math.hypot(shown[3] - tip[0], shown[7] - tip[1], shown[11] - tip[2]) < 1.5e-4, `tip of run ${which}`);
+  }
+  const same = async () => {
+    const [a, b] = await ask(page, "eyes");
+    [...a.from, ...a.at].forEach((x, i) => assert.ok(Math.abs(x - [...b.from, ...b.at][i]) < 1e-6));
+    return a;
+  };
+  const before = await same();
+  const box = await page.locator(".pane canvas").nth(1).boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 60, box.y + box.height / 2 + 20, { steps: 4 });
+  await page.mouse.up();
+  const turned = await same();
+  assert.ok(Math.hypot(...turned.from.map((x, i) => x - before.from[i])) > 0.05, "dragging one turns both");
+  await page.getByRole("checkbox", { name: "ink over ink" }).check();
+  await ask(page, "setView", "top");
+  for (const part of ["arm", "target", "normal", "force", "cameras", "grid", "cloud"]) await ask(page, "hide", part);
+  await ask(page, "seek", end);
+  const inked = log.force.map((f, i) => i).filter((i) => log.stroke[i] >= 0 && Math.hypot(...log.force[i]) > 1);
+  const some = Array.from({ length: 12 }, (_, k) => log.point[inked[Math.round(((k + 0.5) / 12) * (inked.length - 1))]]);
+  const around = await ask(page, "coloursAround", some, 4);
+  const blue = around.filter((colours) => colours.some(([r, g, b]) => b > r + 60)).length;
+  const orange = around.filter((colours) => colours.some(([r, g, b]) => r > b + 60)).length;
+  assert.ok(blue >= 10 && orange >= 10, `both inks are seen: ${blue} and ${orange} of 12 places`);
+  const table = await page.locator("table.comparison").textContent();
+  assert.match(table, /ink_error_rms/);
+  await page.screenshot({ path: join(shots, "compare.png") });
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a picture and a film are rendered, and ctrl-C leaves nothing", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async (t) => {
+  const films = join(scratch, "films");
+  mkdirSync(films);
+  execFileSync(program, ["film", folder, "--out", join(films, "still.png"), "--size", "320x200", "--view", "top"], { stdio: "pipe" });
+  const png = readFileSync(join(films, "still.png"));
+  assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [320, 200]);
+  assert.ok(png.length > 3000, "not blank");
+  for (const [words, told] of [
+    [["--out", "x.gif"], /--out x\.gif.*valid are/], [["--out", "x.png", "--size", "321x200"], /--size 321x200/],
+    [["--out", "x.png", "--hide", "leg"], /--hide leg: valid are canvas/]]) {
+    const ended = spawnSync(program, ["film", folder, ...words], { cwd: films });
+    assert.equal(ended.status, 2, ended.stderr.toString());
+    assert.match(ended.stderr.toString(), told);
+  }
+  if (spawnSync("sh", ["-c", "command -v ffmpeg"]).status === 0) {
+    execFileSync(program, ["film", folder, "--out", join(films, "a.webp"), "--size", "160x120", "--fps", "5", "--from", "1", "--to", "2"], { stdio: "pipe" });
+    const film = readFileSync(join(films, "a.webp"));
+    assert.equal(film.subarray(8, 12).toString(), "WEBP");
+    let frames = 0;
+    for (let i = film.indexOf("ANMF"); i >= 0; i = film.indexOf("ANMF", i + 4)) ++frames;
+    assert.ok(frames >= 2 && frames <= 6, `${frames} frames`);
+    const child = spawn(program, ["film", folder, "--out", join(films, "b.webp"), "--size", "160x120"], { stdio: "ignore" });
+    await new Promise((go) => setTimeout(go, 4000));
+    child.kill("SIGINT");
+    assert.equal(await new Promise((done) => child.on("exit", done)), 130);
+  } else {
+    t.diagnostic("no ffmpeg here: films are not tested");
+  }
+  assert.deepEqual(readdirSync(films).filter((file) => !["still.png", "a.webp"].includes(file)), []);
 });
 
 test("without WebGL the page shows its flat pictures", { timeout: 600_000 }, async () => {

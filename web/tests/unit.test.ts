@@ -5,7 +5,7 @@ import { lastAt, unpack } from "../src/columns";
 import { linkFrames, rotation } from "../src/kinematics";
 import { hashOf, momentOf } from "../src/link";
 import { Pyramid } from "../src/pyramid";
-import { holds } from "../src/tables";
+import { differenceText, holds } from "../src/tables";
 import { numberText } from "../src/dom";
 
 test("unpack reads differences, planes and gaps as packed_columns.h describes them", () => {
@@ -40,7 +40,7 @@ test("links follow their joints: a planar arm of two", () => {
   const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
   const at = (x: number) => [1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0];
   const link = (parent: number, pose: number[], joint: number, slides = false) =>
-    ({ name: "", parent, pose, axis: slides ? [1, 0, 0] : [0, 0, 1], joint, slides, shapes: [] });
+    ({ name: "", parent, pose, axis: slides ? [1, 0, 0] : [0, 0, 1], joint, slides, shapes: [], meshes: [] });
   const arm = [link(-1, identity, -1), link(0, identity, 0), link(1, at(2), 1), link(2, at(1), -1), link(3, identity, 2, true)];
   const end = linkFrames(arm, [0.3, 0.4, 0.25])[4];
   assert.ok(Math.abs(end[3] - (2 * Math.cos(0.3) + 1.25 * Math.cos(0.7))) < 1e-12);
@@ -83,6 +83,13 @@ test("numbers are rounded, but never to what they are not", () => {
   assert.equal(numberText(-0.01234567), "−0.01235");
   assert.equal(numberText(null), "–");
   assert.equal(numberText(1234.5678), "1235");
+});
+
+test("differences are signed, and rounding is none", () => {
+  assert.equal(differenceText(1, 1.25), "+0.250");
+  assert.equal(differenceText(2, 1.5), "−0.500");
+  assert.equal(differenceText(0.1 + 0.2, 0.3), "0");
+  assert.equal(differenceText(null, 1), "–");
 });
 
 test("quantiles and colours", () => {

@@ -1,0 +1,13 @@
+// The pre-flight's settings, completed from the rest of the scenario.
+#pragma once
+
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/planning/preflight/preflight.h"
+
+namespace impedraw {
+
+// `seen`: cameras know the surface, so that the pen follows its normal. rest_q: the null space's.
+PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP, bool seen,
+                                     const JointVector& rest_q);
+
+}  // namespace impedraw

@@ -1,0 +1,148 @@
+#include "impedraw/page/page_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+namespace impedraw {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostCloudPoints = 15000;
+
+Json pose_json(const Pose& X) {
+  Json out = Json::array();  // row by row, 3×4
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) out.push_back(X.R(i, k));
+    out.push_back(X.p[i]);
+  }
+  return out;
+}
+
+Json number_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+constexpr std::size_t kMostLinkTriangles = 4000;
+
+Json arm_json(PackedColumns& columns, const PageContext& context,
+              const std::vector<std::string>& joints) {
+  Json out = Json::array();
+  for (std::size_t i = 0; i < context.arm.size(); ++i) {
+    const DrawnLink& link = context.arm[i];
+    const auto at = std::find(joints.begin(), joints.end(), link.joint_name);
+    const bool moves = link.joint != DrawnLink::Joint::fixed && at != joints.end();
+    Json shapes = Json::array();
+    for (const VisualShape& shape : link.shapes) {
+      static constexpr const char* kNames[] = {"cylinder", "sphere", "box", "mesh"};
+      shapes.push_back({{"kind", kNames[static_cast<int>(shape.kind)]},
+                        {"pose", pose_json(shape.X_LS)},
+                        {"size", vector_json(shape.size)}});
+    }
+    Json meshes = Json::array();
+    for (const PageLinkMesh& mesh : context.meshes)
+      if (mesh.link == static_cast<int>(i))
+        meshes.push_back(mesh_json(columns, mesh.vertices, mesh.triangles, kMostLinkTriangles));
+    out.push_back({{"name", link.name},
+                   {"parent", link.parent},
+                   {"pose", pose_json(link.X_PL)},
+                   {"axis", vector_json(link.axis_L)},
+                   {"joint", moves ? static_cast<int>(at - joints.begin()) : -1},
+                   {"slides", link.joint == DrawnLink::Joint::prismatic},
+                   {"shapes", std::move(shapes)},
+                   {"meshes", std::move(meshes)}});
+  }
+  return out;
+}
+
+}  // namespace
+
+Json points_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& points,
+                 double quantum) {
+  Json out = Json::array();
+  for (int axis = 0; axis < 3; ++axis)
+    out.push_back(columns.add(
+        points.size(), [&](std::size_t i) { return points[i][axis]; }, quantum));
+  return out;
+}
+
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json numbers_json(const Eigen::VectorXd& v) {
+  Json out = Json::array();
+  for (const double x : v) out.push_back(number_json(x));
+  return out;
+}
+
+Json mesh_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& vertices,
+               const std::vector<Eigen::Vector3i>& triangles, std::size_t most, PageMesh* kept) {
+  PageMesh mesh = page_mesh(vertices, triangles, most);
+  Json out;
+  out["vertices"] = points_json(columns, mesh.vertices, 2e-5);
+  out["triangles"] = columns.add(
+      3 * mesh.triangles.size(),
+      [&](std::size_t i) { return static_cast<double>(mesh.triangles[i / 3][i % 3]); }, 1.0);
+  out["of"] = triangles.size();
+  out["error_mm"] = 1e3 * mesh.error;
+  if (kept) *kept = std::move(mesh);
+  return out;
+}
+
+Json series_json(std::string name, std::string label, std::string unit, Json values) {
+  values["name"] = std::move(name);
+  values["label"] = std::move(label);
+  values["unit"] = std::move(unit);
+  return values;
+}
+
+Json cloud_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& cloud) {
+  const std::size_t step = (cloud.size() + kMostCloudPoints - 1) / kMostCloudPoints;
+  std::vector<Eigen::Vector3d> kept;
+  for (std::size_t i = 0; i < cloud.size(); i += step) kept.push_back(cloud[i]);
+  return {{"points", points_json(columns, kept, 1e-4)}, {"of", cloud.size()}};
+}
+
+Json pictures_json(PackedColumns& columns, const std::vector<PagePicture>& pictures) {
+  Json out = Json::array();
+  for (const PagePicture& picture : pictures) {
+    const std::string content = text_of_file(picture.file);
+    if (content.empty()) continue;
+    Json entry = columns.add_bytes(content);
+    entry["title"] = picture.title;
+    entry["type"] = picture.file.extension() == ".png" ? "image/png" : "image/svg+xml";
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+void add_context(PackedColumns& columns, const PageContext& context,
+                 const std::vector<std::string>& joints, Json* out) {
+  Json& page = *out;
+  page["version"] = IMPEDRAW_VERSION;
+  page["commit"] = commit();
+  page["command"] = context.command;
+  page["settings"] = Json::array();
+  for (const PageSetting& s : context.settings)
+    page["settings"].push_back({s.name, s.value, s.initial, s.unit, s.help});
+  page["arm"] = arm_json(columns, context, joints);
+  page["arm_notice"] = context.meshes.empty() ? "" : context.meshes_notice;
+  page["cameras"] = Json::array();
+  for (const PageCamera& c : context.cameras)
+    page["cameras"].push_back({{"pose", pose_json(c.X_WC)},
+                               {"fov_y_deg", c.fov_y_deg},
+                               {"aspect", static_cast<double>(c.width) / c.height}});
+  page["drawing_axis"] = vector_json(context.R_WP.col(2));
+  page["drawing_up"] = vector_json(context.R_WP.col(0));
+  page["ink_width_mm"] = context.ink_width;
+}
+
+std::string text_of_file(const std::filesystem::path& path) {
+  if (path.empty() || !std::filesystem::is_regular_file(path)) return {};
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+}  // namespace impedraw

@@ -1,0 +1,68 @@
+// The page of a plan: the scene before anything moves. Its strokes, what of them cannot be drawn,
+// the surface as the plan knows it, and the arm's posture along the path.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "impedraw/page/page.h"
+
+namespace impedraw {
+
+// Values along the plan, at its rows or at its ink's points; NaN: none.
+struct PageSeries {
+  std::string name, label, unit;
+  double quantum = 1e-3;  // resolution, in the unit
+  std::vector<double> values{};
+};
+
+// A number that each place of the surface has; NaN: none.
+struct PageMap {
+  std::string name, label, unit;
+  double quantum = 1e-2;
+  std::function<double(const Eigen::Vector3d& p_W)> value{};
+};
+
+// A part of a stroke that cannot be drawn.
+struct PageFinding {
+  int stroke = 0;  // the artwork's number
+  double from_mm = 0.0, to_mm = 0.0;
+  std::string problem, text;
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // the worst point
+  std::vector<Eigen::Vector3d> line_W{};
+  Eigen::VectorXd q{};  // posture at the worst point, or the nearest found; empty: none
+};
+
+struct PlanPage {
+  std::string title;
+  std::string scenario;        // as YAML
+  std::string numbers = "{}";  // JSON: what plan.json holds
+  std::vector<PagePicture> pictures{};
+  std::vector<std::string> joint_names{};
+  Eigen::VectorXd lower{}, upper{}, speed{}, torque{};  // the joints' limits; ± [rad, rad/s, Nm]
+  std::vector<Eigen::Vector3d> canvas_vertices{}, cloud{};  // W
+  std::vector<Eigen::Vector3i> canvas_triangles{};
+  std::vector<PageMap> maps{};
+  std::vector<PageFinding> findings{};
+
+  // The path's rows.
+  std::vector<double> time{};  // [s]
+  std::vector<Eigen::VectorXd> q{};
+  std::vector<Eigen::Vector3d> tip_W{}, pen_axis_W{}, normal_W{};
+  std::vector<std::string> phases{};
+  std::vector<double> phase{};   // index in `phases`
+  std::vector<double> stroke{};  // −1: none
+  std::vector<PageSeries> series{};
+
+  // The strokes that can be drawn, in the path's order.
+  std::vector<Eigen::Vector3d> ink_W{};
+  std::vector<double> ink_time{}, ink_begins{};  // begins: index of each stroke's first point
+  std::vector<double> ink_strokes{};             // number of each stroke
+  std::vector<PageSeries> colours{};
+  std::vector<Eigen::Vector3d> spans{};  // stroke, begin, end [s]
+};
+
+PagePayload make_payload(const PlanPage& plan, const PageContext& context);
+
+}  // namespace impedraw

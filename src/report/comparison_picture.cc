@@ -1,0 +1,242 @@
+#include "impedraw/report/comparison_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "impedraw/report/sheet.h"
+
+namespace impedraw {
+
+namespace {
+
+// Of the picture [mm].
+constexpr double kColumnWide = 140.0, kColumnLeft = 16.0, kPanelGap = 14.0, kPanelHigh = 44.0,
+                 kLineTop = 20.0, kLetter = 3.2;
+constexpr Colour kLineInk{0.09, 0.24, 0.52}, kLineTarget{0.98, 0.72, 0.38},
+    kOther{0.78, 0.27, 0.18}, kDown{0.93, 0.95, 0.97}, kRule{0.88, 0.89, 0.91},
+    kWord{0.13, 0.15, 0.18};
+
+// A panel's frame on the picture, and what of its data it shows.
+struct PlotFrame {
+  Eigen::AlignedBox2d frame, data;
+  Eigen::Vector2d at(double x, double y) const {
+    const Eigen::Vector2d share = (Eigen::Vector2d(x, y) - data.min()).cwiseQuotient(data.sizes());
+    return {frame.min().x() + share.x() * frame.sizes().x(),
+            frame.max().y() - share.y() * frame.sizes().y()};
+  }
+};
+
+void write_text(cairo_t* cr, double x, double y, const std::string& text, double align = 0.0) {
+  cairo_text_extents_t extents;
+  cairo_text_extents(cr, text.c_str(), &extents);
+  cairo_move_to(cr, x - align * extents.x_advance, y);
+  cairo_show_text(cr, text.c_str());
+}
+
+std::string minus_text(double value) {
+  const std::string text = fmt::format("{:g}", std::abs(value));
+  return (value < 0.0 ? "−" : "") + text;
+}
+
+// Axes with ticks; x_sign: a tick at x is labelled x_sign · x.
+void draw_frame(cairo_t* cr, const PlotFrame& plot, const std::string& title,
+                const std::string& x_name, double x_sign = 1.0) {
+  const Eigen::Vector2d low = plot.frame.min(), high = plot.frame.max();
+  cairo_set_line_width(cr, 0.15);
+  for (const double x : ticks(plot.data.min().x(), plot.data.max().x(), plot.data.sizes().x())) {
+    const double u = plot.at(x, 0.0).x();
+    set_colour(cr, kRule);
+    cairo_move_to(cr, u, low.y());
+    cairo_line_to(cr, u, high.y());
+    cairo_stroke(cr);
+    set_colour(cr, kWord);
+    write_text(cr, u, high.y() + 4.2, minus_text(x_sign * x), 0.5);
+  }
+  for (const double y : ticks(plot.data.min().y(), plot.data.max().y(), plot.data.sizes().y())) {
+    const double v = plot.at(0.0, y).y();
+    set_colour(cr, kRule);
+    cairo_move_to(cr, low.x(), v);
+    cairo_line_to(cr, high.x(), v);
+    cairo_stroke(cr);
+    set_colour(cr, kWord);
+    write_text(cr, low.x() - 1.2, v + 1.1, minus_text(y), 1.0);
+  }
+  set_colour(cr, kWord);
+  write_text(cr, low.x(), low.y() - 1.6, title);
+  write_text(cr, high.x(), high.y() + 8.2, x_name, 1.0);
+}
+
+void draw_curve(cairo_t* cr, const PlotFrame& plot, const Envelope& curve, const Colour& colour,
+                bool dashed = false) {
+  set_colour(cr, colour);
+  cairo_set_line_width(cr, 0.3);
+  const double dash[] = {1.6, 0.9};
+  if (dashed) cairo_set_dash(cr, dash, 2, 0.0);
+  bool drawing = false;
+  for (std::size_t i = 0; i < curve.t.size(); ++i) {
+    if (!std::isfinite(curve.v[i])) {
+      drawing = false;
+      continue;
+    }
+    const Eigen::Vector2d p = plot.at(curve.t[i], curve.v[i]);
+    drawing ? cairo_line_to(cr, p.x(), p.y()) : cairo_move_to(cr, p.x(), p.y());
+    drawing = true;
+  }
+  cairo_stroke(cr);
+  cairo_set_dash(cr, nullptr, 0, 0.0);
+}
+
+void draw_lines(cairo_t* cr, const PlotFrame& plot, const std::vector<Line2d>& lines,
+                const Colour& colour, double width) {
+  set_colour(cr, colour);
+  cairo_set_line_width(cr, width);
+  for (const Line2d& line : lines)
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const Eigen::Vector2d p = plot.at(line[i].x(), line[i].y());
+      i == 0 ? cairo_move_to(cr, p.x(), p.y()) : cairo_line_to(cr, p.x(), p.y());
+    }
+  cairo_stroke(cr);
+}
+
+// Entries of a legend that ends at x.
+void draw_keys(cairo_t* cr, double x, double y,
+               const std::vector<std::pair<std::string, Colour>>& entries) {
+  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
+    set_colour(cr, kWord);
+    write_text(cr, x, y, entry->first, 1.0);
+    cairo_text_extents_t extents;
+    cairo_text_extents(cr, entry->first.c_str(), &extents);
+    x -= extents.x_advance + 1.5;
+    set_colour(cr, entry->second);
+    cairo_set_line_width(cr, 0.9);
+    cairo_move_to(cr, x - 6.0, y - 1.1);
+    cairo_line_to(cr, x, y - 1.1);
+    cairo_stroke(cr);
+    x -= 10.0;
+  }
+}
+
+Line2d seen_from_above(std::span<const Eigen::Vector3d> line) {
+  Line2d out;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Eigen::Vector2d p(-1e3 * line[i].y(), 1e3 * line[i].x());
+    if (out.empty() || i + 1 == line.size() || (p - out.back()).norm() >= 0.2) out.push_back(p);
+  }
+  return out;
+}
+
+}  // namespace
+
+PicturedRun pictured_run(const std::string& name, const RunData& run, const InkMatch& drawn) {
+  constexpr double kDegree = 180.0 / std::numbers::pi;
+  constexpr std::size_t kPoints = 3000;
+  PicturedRun out;
+  out.name = name;
+  for (const auto& line : drawn.targets) out.target.push_back(seen_from_above(line));
+  for (const InkLine& line : drawn.lines)
+    out.ink.push_back(
+        seen_from_above(std::span(run.contact_point).subspan(line.begin, line.end - line.begin)));
+  decimate_to(out.target, 0.02, 20000);
+  decimate_to(out.ink, 0.02, 20000);
+  const auto thinned = [&run](const std::vector<double>& v, double scale) {
+    return envelope(
+        run.time, [&](std::size_t i) { return scale * v[i]; }, kPoints);
+  };
+  out.force = thinned(run.f, 1.0);
+  out.push = thinned(run.push, 1.0);
+  out.tilt = thinned(run.tilt, kDegree);
+  out.normal_error = thinned(run.normal_error, kDegree);
+  for (const StrokeSpan& span : drawn.spans)
+    out.strokes.emplace_back(run.time[span.begin], run.time[span.end - 1]);
+  return out;
+}
+
+void write_comparison_picture(const std::string& title, const std::vector<PicturedRun>& runs,
+                              const std::filesystem::path& stem) {
+  Eigen::AlignedBox2d lines;
+  double last = 1.0, most_force = 1.0, most_tilt = 1.0;
+  for (const PicturedRun& run : runs) {
+    for (const std::vector<Line2d>* group : {&run.target, &run.ink})
+      for (const Line2d& line : *group)
+        for (const Eigen::Vector2d& p : line) lines.extend(p);
+    if (!run.force.t.empty()) last = std::max(last, run.force.t.back());
+    const auto highest = [](const Envelope& e, double* most) {
+      for (const double v : e.v)
+        if (std::isfinite(v)) *most = std::max(*most, 1.05 * v);
+    };
+    highest(run.force, &most_force);
+    highest(run.push, &most_force);
+    highest(run.tilt, &most_tilt);
+    highest(run.normal_error, &most_tilt);
+  }
+  if (lines.isEmpty()) lines.extend(Eigen::Vector2d::Zero());
+  const double room = 3.0 + 0.04 * lines.sizes().maxCoeff();
+  lines.extend(Eigen::Vector2d(lines.min() - Eigen::Vector2d::Constant(room)));
+  lines.extend(Eigen::Vector2d(lines.max() + Eigen::Vector2d::Constant(room)));
+  // Equal scales in both directions: the frame of the line is as high as its data asks.
+  const double high = std::clamp(kColumnWide * lines.sizes().y() / lines.sizes().x(), 40.0, 180.0);
+  const double scale = std::max(lines.sizes().x() / kColumnWide, lines.sizes().y() / high);
+  const Eigen::Vector2d centre = lines.center(),
+                        half(0.5 * scale * kColumnWide, 0.5 * scale * high);
+  const Eigen::AlignedBox2d shown(centre - half, centre + half);
+  const auto n = static_cast<double>(runs.size());
+  const Eigen::Vector2d size(n * (kColumnLeft + kColumnWide) + 6.0,
+                             kLineTop + high + 2.0 * (kPanelGap + kPanelHigh) + 4.0 * kLetter);
+  write_svg_and_png(stem, size, static_cast<int>(1700.0 * n / 2.0), [&](cairo_t* cr) {
+    set_colour(cr, {1.0, 1.0, 1.0});
+    cairo_paint(cr);
+    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      const PicturedRun& run = runs[k];
+      const double left = kColumnLeft + static_cast<double>(k) * (kColumnLeft + kColumnWide);
+      const auto frame = [&](double top, double height, Eigen::AlignedBox2d data) {
+        return PlotFrame{
+            {Eigen::Vector2d(left, top), Eigen::Vector2d(left + kColumnWide, top + height)}, data};
+      };
+      cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
+      cairo_set_font_size(cr, 1.3 * kLetter);
+      set_colour(cr, kWord);
+      write_text(cr, left + kColumnWide / 2, 6.5, run.name, 0.5);
+      cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+      cairo_set_font_size(cr, kLetter);
+      if (k == 0) write_text(cr, left, 6.5, title);
+
+      const PlotFrame line = frame(kLineTop - 5.0, high, shown);
+      draw_frame(cr, line, "x [mm]", "y [mm]", -1.0);
+      draw_lines(cr, line, run.target, kLineTarget, 1.1);
+      draw_lines(cr, line, run.ink, kLineInk, 0.4);
+      draw_keys(cr, left + kColumnWide, kLineTop - 6.6,
+                {{"target", kLineTarget}, {"drawn", kLineInk}});
+
+      const double top = kLineTop - 5.0 + high + kPanelGap;
+      const PlotFrame force =
+          frame(top, kPanelHigh, {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(last, most_force)});
+      const PlotFrame tilt = frame(top + kPanelHigh + kPanelGap, kPanelHigh,
+                                   {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(last, most_tilt)});
+      for (const PlotFrame* plot : {&force, &tilt}) {
+        set_colour(cr, kDown);
+        for (const auto& [begin, end] : run.strokes) {
+          const Eigen::Vector2d a = plot->at(begin, plot->data.max().y()), b = plot->at(end, 0.0);
+          cairo_rectangle(cr, a.x(), a.y(), b.x() - a.x(), b.y() - a.y());
+        }
+        cairo_fill(cr);
+      }
+      draw_frame(cr, force, "normal force [N]", "");
+      draw_curve(cr, force, run.force, kLineInk);
+      draw_curve(cr, force, run.push, kOther, true);
+      draw_keys(cr, left + kColumnWide, top - 1.6,
+                {{"normal force", kLineInk}, {"desired", kOther}});
+      draw_frame(cr, tilt, "tilt [deg]", "time [s]");
+      draw_curve(cr, tilt, run.normal_error, kOther);
+      draw_curve(cr, tilt, run.tilt, kLineInk);
+      draw_keys(cr, left + kColumnWide, top + kPanelHigh + kPanelGap - 1.6,
+                {{"pen against true normal", kLineInk}, {"estimated normal", kOther}});
+    }
+  });
+}
+
+}  // namespace impedraw
