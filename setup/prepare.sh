@@ -122,7 +122,10 @@ install_packages() {
     local names
     for names in "$(grep -x python3-venv < <(printf '%s\n' "${missing[@]}"))" "${missing[*]}"; do
       [[ $names ]] || continue
-      "${apt[@]}" install --no-install-recommends --no-remove -o APT::Status-Fd=1 $names 2>&1 |
+      # apt closes the descriptor of its status for what it starts. As 1, it would leave the packages' scripts without a
+      # standard output, and one that prints, as fontconfig's, would fail.
+      "${as_root[@]}" sh -c 'log=$1; shift; exec "$@" 3>&1 >>"$log" 2>&1' sh "$log" \
+        "${apt[@]:${#as_root[@]}}" install --no-install-recommends --no-remove -o APT::Status-Fd=3 $names |
         follow_apt "installing $all" || fail "$all could not be installed" "by hand: ${as_root[*]:+sudo }$by_hand$rust"
       has_wheels || begin_wheels
     done
