@@ -2,7 +2,9 @@
 #pragma once
 
 #include <stdexcept>
-#include <string>
+#include <string_view>
+
+#include "impedraw/common/printable.h"
 
 namespace impedraw {
 
@@ -10,7 +12,9 @@ namespace impedraw {
 // The program exits with code 2 and leaves no files behind.
 class InputError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  // Names and texts of the user may hold anything: control characters are escaped as in JSON, line
+  // breaks and tabs too.
+  explicit InputError(std::string_view message) : std::runtime_error(printable_line(message)) {}
 };
 
 }  // namespace impedraw

@@ -42,10 +42,10 @@ inline bool is_utf8(std::string_view text) {
   return true;
 }
 
-// Control characters other than newline and tab become \u001b and the like, as in JSON, so that
+// Control characters other than those in `kept` become \u001b and the like, as in JSON, so that
 // printed JSON keeps its meaning. So do line separators and the characters that reverse the
 // direction of writing. Bytes that are not UTF-8 become U+FFFD.
-inline std::string printable(std::string_view text) {
+inline std::string printable(std::string_view text, std::string_view kept = "\n\t") {
   std::string out;
   out.reserve(text.size());
   while (!text.empty()) {
@@ -54,7 +54,7 @@ inline std::string printable(std::string_view text) {
                          (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
     if (bytes == 0) {
       out += "\uFFFD";
-    } else if (control && code != '\n' && code != '\t') {
+    } else if (control && (bytes > 1 || kept.find(text.front()) == kept.npos)) {
       char escape[8];
       std::snprintf(escape, sizeof escape, "\\u%04x", static_cast<unsigned>(code & 0xffff));
       out += escape;
@@ -65,5 +65,8 @@ inline std::string printable(std::string_view text) {
   }
   return out;
 }
+
+// The same without line breaks and tabs.
+inline std::string printable_line(std::string_view text) { return printable(text, ""); }
 
 }  // namespace impedraw

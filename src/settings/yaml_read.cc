@@ -220,8 +220,22 @@ void require_one_document(const std::string& text, const std::string& name) {
   }
 }
 
+// YAML has no control characters; yaml-cpp takes a zero for its escape character, and what follows
+// for an escape sequence.
+void require_no_control_character(const std::string& text) {
+  for (int i = 0, line = 0; i < static_cast<int>(text.size()); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    if (c == '\n') ++line;
+    if ((c >= 0x20 && c != 0x7f) || c == '\t' || c == '\n' || c == '\r') continue;
+    YAML::Mark mark;
+    mark.line = line;
+    throw YAML::ParserException(mark, fmt::format("control character \\u{:04x}", c));
+  }
+}
+
 YAML::Node parse(const std::string& text, const std::string& name, bool has_lines) {
   try {
+    require_no_control_character(text);
     require_one_document(text, name);
     return YAML::Load(text);
   } catch (const YAML::Exception& e) {

@@ -226,6 +226,22 @@ TEST_F(YamlFiles, MissingOrBrokenFile) {
   EXPECT_THAT(file_error(deep), HasSubstr("is not valid YAML"));
 }
 
+TEST_F(YamlFiles, HoldNoControlCharacters) {
+  const auto zero = write("zero.yaml", std::string("seed: 1\ntext: a\0n", 17));
+  EXPECT_EQ(file_error(zero), zero.string() + ":2: is not valid YAML: control character \\u0000");
+  const auto bell = write("bell.yaml", "text: \a\n");
+  EXPECT_EQ(file_error(bell), bell.string() + ":1: is not valid YAML: control character \\u0007");
+  Scenario s;
+  read_settings(s, write("lines.yaml", "seed: 5\r\ntext: a\tb\r\n"));
+  EXPECT_EQ(s.text, "a\tb");
+}
+
+TEST_F(YamlFiles, GiveOneLineWhateverTheyName) {
+  const auto two = write("two.yaml", "extends: \"no\\nwhere.yaml\"\n");
+  EXPECT_EQ(file_error(two), two.string() + ":1: extends " + folder_.string() +
+                                 "/no\\u000awhere.yaml: no such file");
+}
+
 TEST(Assignments, TakeEveryKindOfSetting) {
   const Scenario s =
       with({"seed=5", "text=Hello: [world]", "svg=art/a.svg", "home=[1, 0, 0, 0, 0, 0, 0]",
