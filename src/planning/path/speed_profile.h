@@ -7,7 +7,7 @@
 //   accelerations, x(t);
 //   2. its running mean over the time T, x_s(t) = 1/T ∫ x(τ) dτ over [t − T, t], in closed form.
 // A running mean of values within a limit stays within that limit. For this to hold where limits
-// change, each span first takes the lowest limits within the length that can be covered in T. The
+// change, each span first takes the lowest limits that the profile of step 1 meets within T. The
 // jerk is then at most twice the acceleration divided by T. The profile ends T later.
 #pragma once
 

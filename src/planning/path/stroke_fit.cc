@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <fmt/core.h>
-#include <Eigen/Cholesky>
 
-#include "impedraw/common/angle.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/polyline.h"
 
@@ -75,50 +75,7 @@ class Fit {
     }
   }
 
-  void smooth_normals() {
-    const std::size_t n = knots_.size();
-    const std::vector<Vector3d> base = smoothed_normals(std::vector<double>(n, 0.0));
-    std::vector<Vector3d> axes = base;
-    const TiltLimits& tilt = settings_.tilt;
-    if (settings_.normal_smoothing > 0.0 && tilt.allowance > 0.0 && n >= 4) {
-      // One level is a factor kLevel of the smoothing. Each knot takes the lowest level that keeps
-      // the limits there, unless that leaves the normal too far.
-      std::vector<double> level(n, 0.0);
-      std::vector<char> done(n, 0);
-      for (int k = 0; k <= kLevels; ++k) {
-        const std::vector<Vector3d> trial =
-            k == 0 ? base : smoothed_normals(std::vector<double>(n, k));
-        bool all = true;
-        for (std::size_t i = 0; i < n; ++i) {
-          if (done[i]) continue;
-          if (k > 0 && angle_between(trial[i], base[i]) > tilt.allowance) {
-            done[i] = 1;
-            continue;
-          }
-          level[i] = k;
-          done[i] = keeps_tilt_limits(trial, i);
-          all = all && done[i];
-        }
-        if (all) break;
-      }
-      if (*std::max_element(level.begin(), level.end()) > 0.0) {
-        for (int round = 0; round < 4; ++round) {
-          axes = smoothed_normals(spread(level));
-          bool kept = true;
-          for (std::size_t i = 0; i < n; ++i) {
-            if (angle_between(axes[i], base[i]) <= tilt.allowance) continue;
-            kept = false;
-            level[i] = std::max(0.0, level[i] - 1.0);
-          }
-          if (kept) break;
-        }
-      }
-    }
-    for (std::size_t i = 0; i < n; ++i) knots_[i].sample.n_P = axes[i];
-  }
-
-  Eigen::Vector3d& first_normal() { return knots_.front().sample.n_P; }
-  Eigen::Vector3d& last_normal() { return knots_.back().sample.n_P; }
+  std::vector<Knot>& knots() { return knots_; }
 
   PathSpline through_knots() const {
     std::vector<SurfaceSample> samples;
@@ -150,75 +107,7 @@ class Fit {
     return k;
   }
 
-  static constexpr double kLevel = 1.5;
   static constexpr double kBend = 0.087;  // a vertex that turns less is part of a curve [rad]
-  static constexpr int kLevels = 6;       // up to 11 times normal_smoothing
-
-  // By divided differences over the neighbouring knots, on the surface.
-  bool keeps_tilt_limits(const std::vector<Vector3d>& n, std::size_t i) const {
-    if (i == 0 || i + 1 == n.size()) return true;
-    const auto p = [this](std::size_t k) -> const Vector3d& { return knots_[k].sample.p_P; };
-    const double h0 = (p(i) - p(i - 1)).norm(), h2 = (p(i + 1) - p(i)).norm();
-    if (!(h0 > 0.0) || !(h2 > 0.0)) return true;
-    const Vector3d d0 = (n[i] - n[i - 1]) / h0, d2 = (n[i + 1] - n[i]) / h2;
-    return std::max(d0.norm(), d2.norm()) <= settings_.tilt.turn &&
-           2.0 * (d2 - d0).norm() / (h0 + h2) <= settings_.tilt.bend;
-  }
-
-  // The greatest level nearby, fading out over the length that its smoothing reaches: a step in
-  // level would be a step in the axis.
-  std::vector<double> spread(const std::vector<double>& level) const {
-    std::vector<double> result = level;
-    const auto fade = [&](std::size_t from, std::size_t to) {
-      const double sigma = settings_.normal_smoothing * std::pow(kLevel, result[from]);
-      const double step = std::abs(knots_[to].along - knots_[from].along);
-      result[to] = std::max(result[to], result[from] - step / sigma);
-    };
-    for (std::size_t i = 1; i < result.size(); ++i) fade(i - 1, i);
-    for (std::size_t i = result.size() - 1; i-- > 0;) fade(i + 1, i);
-    return result;
-  }
-
-  std::vector<Vector3d> smoothed_normals(const std::vector<double>& level) const {
-    std::vector<Vector3d> normals;
-    normals.reserve(knots_.size());
-    for (std::size_t i = 0; i < knots_.size(); ++i)
-      normals.push_back(
-          smoothed_normal(i, settings_.normal_smoothing * std::pow(kLevel, level[i])));
-    return normals;
-  }
-
-  // Local parabola through the normals with Gaussian weights. It preserves normals that turn at a
-  // constant or linearly changing rate, ends included. A straight line would cut the crests of a
-  // sine by 0.1°.
-  Eigen::Vector3d smoothed_normal(std::size_t i, double sigma) const {
-    const double s = knots_[i].along;
-    if (!(sigma > 0.0)) return knots_[i].sample.n_P;
-    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(),
-                    normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)
-    int used = 0;
-    const auto add = [&](std::size_t k) {
-      const double x = (knots_[k].along - s) / sigma;
-      if (std::abs(x) > 4.5) return false;  // the weight is below 4e-5: negligible
-      // The weight includes the distance to both neighbours, so that dense knots do not dominate.
-      const double before = k > 0 ? knots_[k].along - knots_[k - 1].along : 0.0;
-      const double after = k + 1 < knots_.size() ? knots_[k + 1].along - knots_[k].along : 0.0;
-      const double w = (before + after) / sigma * std::exp(-0.5 * x * x);
-      const Eigen::Vector3d b(1.0, x, x * x);
-      moments += w * b * b.transpose();
-      normals += w * b * knots_[k].sample.n_P.transpose();
-      ++used;
-      return true;
-    };
-    for (std::size_t k = i; k < knots_.size() && add(k); ++k) {
-    }
-    for (std::size_t k = i; k-- > 0 && add(k);) {
-    }
-    const Eigen::LDLT<Eigen::Matrix3d> factor(moments);
-    if (used < 4 || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff()))
-      return knots_[i].sample.n_P;  // too few
-    return Eigen::Vector3d(factor.solve(normals).row(0)).normalized();
-  }
 
   // The polyline's vertices from the one before s0 to the one after s1.
   std::pair<std::size_t, std::size_t> vertices(double s0, double s1) const {
@@ -308,6 +197,29 @@ class Fit {
   int rounds_ = 0;
 };
 
+// At a corner both parts have the same axis. Returns the stroke's first and last axis.
+std::pair<Vector3d, Vector3d> smooth_normals(const FitSettings& settings, std::vector<Fit>* fits) {
+  std::vector<AxisKnot> all;
+  std::vector<std::size_t> first;  // of each part; it is the last of the part before
+  double start = 0.0;
+  for (Fit& fit : *fits) {
+    const std::vector<Knot>& knots = fit.knots();
+    const std::size_t from = all.empty() ? 0 : 1;
+    first.push_back(all.size() - from);
+    for (std::size_t i = from; i < knots.size(); ++i)
+      all.push_back({start + knots[i].along, knots[i].sample.p_P, knots[i].sample.n_P, false});
+    all.back().corner = true;
+    start += knots.back().along;
+  }
+  all.back().corner = false;
+  const std::vector<Vector3d> axes = smoothed_axes(all, settings.normal_smoothing, settings.tilt);
+  for (std::size_t k = 0; k < fits->size(); ++k) {
+    std::vector<Knot>& knots = (*fits)[k].knots();
+    for (std::size_t i = 0; i < knots.size(); ++i) knots[i].sample.n_P = axes[first[k] + i];
+  }
+  return {axes.front(), axes.back()};
+}
+
 }  // namespace
 
 FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface,
@@ -352,19 +264,12 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
     part.place.assign(line.place.begin() + from, line.place.begin() + to + 1);
     Fit& fit = fits.emplace_back(std::move(part), number, surface, settings);
     fit.find_knots();
-    fit.smooth_normals();
     from = to;
   }
   fitted.to = whole.place.back();
-  // At a corner both parts have the same normal.
-  for (std::size_t i = 1; i < fits.size(); ++i) {
-    const Eigen::Vector3d n = (fits[i - 1].last_normal() + fits[i].first_normal()).normalized();
-    fits[i - 1].last_normal() = fits[i].first_normal() = n;
-  }
-  for (const Fit& fit : fits) fitted.parts.push_back(fit.through_knots());
   fitted.last = sample_or_throw(surface, whole.p_P.back(), whole.page.back(), number);
-  fitted.first.n_P = fits.front().first_normal();
-  fitted.last.n_P = fits.back().last_normal();
+  std::tie(fitted.first.n_P, fitted.last.n_P) = smooth_normals(settings, &fits);
+  for (const Fit& fit : fits) fitted.parts.push_back(fit.through_knots());
   return fitted;
 }
 

@@ -5,17 +5,11 @@
 #include <vector>
 
 #include "impedraw/drawing/placement.h"
+#include "impedraw/planning/path/axis_smoothing.h"
 #include "impedraw/planning/path/path_spline.h"
 #include "impedraw/planning/surface_height.h"
 
 namespace impedraw {
-
-// How fast the pen's axis may turn along a stroke, per length of surface at the drawing speed.
-struct TiltLimits {
-  double allowance = 0.17;  // largest angle between axis and smoothed normal [rad]
-  double turn = 30.0;       // |dn/ds| [rad/m]
-  double bend = 6400.0;     // |d²n/ds²| [rad/m²]
-};
 
 struct FitSettings {
   double tolerance = 1e-5;  // largest distance between line and artwork, seen along z [m]
