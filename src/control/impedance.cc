@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace impedraw {
 
@@ -18,6 +19,7 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
       measured_(settings.wrench == WrenchFeedback::measured),
       observed_(measured_ && settings.observer.enabled),
       scale_(settings.inertia == InertiaShaping::scaled ? settings.inertia_scale : 1.0),
+      side_force_(std::tan(settings.friction.normal_error_deg * std::numbers::pi / 180.0)),
       q_0_(settings_.null_space.q_0),
       null_stiffness_(settings_.null_space.stiffness),
       lower_(settings_.joint_range.lower),
@@ -64,7 +66,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   F_act.col(kFeedforward) = desired.Vdot_d;
   F_act.col(kImpedance) = F_impedance;
   F_act.col(kPush) = desired.push;
-  F_act.col(kWrench) = F_ext - tip_friction(arm, F_ext);
+  F_act.col(kWrench) = F_ext - tip_contact(arm, F_ext);
   F_act.col(kVelocityProduct) = -arm.Jdot_v;
   apply_inertia(&F_act);
   F_act.col(kVelocityProduct) += space_.project_to_tip(arm.Cv);
@@ -268,19 +270,24 @@ Vector6 ImpedanceController::handed_over(const Vector6& force, const Vector6& pu
   return continuous;
 }
 
-// The part of F_ext that Coulomb friction at the tip can explain: along −v_t, up to μ̂ f_n.
-Wrench ImpedanceController::tip_friction(const ArmTerms& arm, const Wrench& F_ext) const noexcept {
-  Wrench friction = Wrench::Zero();
+// The part of F_ext that contact at the tip can explain: Coulomb friction along −v_t, up to μ̂ f_n,
+// and what a wrong normal makes of f_n, up to tan(δ) f_n across n.
+Wrench ImpedanceController::tip_contact(const ArmTerms& arm, const Wrench& F_ext) const noexcept {
+  Wrench contact = Wrench::Zero();
   const FrictionSettings& s = settings_.friction;
-  if (!measured_ || out_.mode != ContactMode::contact || s.coefficient <= 0.0) return friction;
+  if (!measured_ || out_.mode != ContactMode::contact) return contact;
   const Eigen::Vector3d& n = out_.n_WD;
   const double f_n = std::max(0.0, n.dot(F_ext.head<3>()));
   const Eigen::Vector3d v = arm.V_WE.head<3>();
   const Eigen::Vector3d v_t = v - n * n.dot(v);
   const Eigen::Vector3d slip = v_t / std::sqrt(v_t.squaredNorm() + s.fade_speed * s.fade_speed);
-  const double against_slip = -F_ext.head<3>().dot(slip);
-  friction.head<3>() = -std::clamp(against_slip, 0.0, s.coefficient * f_n) * slip;
-  return friction;
+  const Eigen::Vector3d f_t = F_ext.head<3>() - n * n.dot(F_ext.head<3>());
+  const Eigen::Vector3d friction = -std::clamp(-f_t.dot(slip), 0.0, s.coefficient * f_n) * slip;
+  // At rest the spring's own pull would be taken for it.
+  const Eigen::Vector3d aside = slip.norm() * (f_t - friction);
+  const double most = side_force_ * f_n;
+  contact.head<3>() = friction + aside * (most / std::max(most, aside.norm() + 1e-9));
+  return contact;
 }
 
 // Feedforward force against friction along the stroke, without a measured wrench.

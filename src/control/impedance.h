@@ -21,7 +21,7 @@
 //   B               6×6    damping from M_d and K: damping.h                   N s/m, Nm s/rad
 //   F_push          6      −F_n n in contact, 0 elsewhere                      N
 //   F_ext           6      wrench of the environment on the tip                N, Nm
-//   F_compliant     6      F_ext without the part that tip friction can explain, so that the pen
+//   F_compliant     6      F_ext without what contact at the tip can explain, so that the pen
 //                          yields to a hand but not to its own friction       N, Nm
 //   r_y             n      unmodelled torque r of momentum_observer.h. Beyond  Nm
 //                          observer.yield_limit + 0.12 |g| of a joint only its part
@@ -167,7 +167,7 @@ class ImpedanceController {
   Vector6 damp(const Vector6& V) const noexcept;
   Vector6 spring_and_damper(const Vector6& V, ReferenceMotion* desired) noexcept;
   Vector6 handed_over(const Vector6& force, const Vector6& push) noexcept;
-  Wrench tip_friction(const ArmTerms& arm, const Wrench& F_ext) const noexcept;
+  Wrench tip_contact(const ArmTerms& arm, const Wrench& F_ext) const noexcept;
   Eigen::Vector3d foreseen_friction(const Vector6& V_d) const noexcept;
   void apply_inertia(TaskTerms* F) const noexcept;
 
@@ -179,7 +179,8 @@ class ImpedanceController {
   ImpedanceSettings settings_;  // completed
   TipGain K_damping_;           // K'
   bool shaped_, measured_, observed_;
-  double scale_;  // c of M_d = c Λ
+  double scale_;       // c of M_d = c Λ
+  double side_force_;  // tan δ: of a wrong normal, per f_n
   JointVector q_0_, null_stiffness_, lower_, upper_;
   JointVector yield_limit_;  // of r; empty: none
   OperationalSpace space_;

@@ -71,6 +71,7 @@ void check_tip(const TipSettings& tip, const FrictionSettings& friction) {
   check(Limits::tip_radius, tip.radius);
   check(Limits::tip_stiffness, tip.stiffness);
   check(Limits::friction, friction.coefficient);
+  check(Limits::normal_error, friction.normal_error_deg);
   check(Limits::friction_feedforward, friction.feedforward);
   check(Limits::fade_speed, friction.fade_speed);
 }

@@ -83,9 +83,12 @@ struct TipSettings {
   double stiffness = 20.0e3;
 };
 
-// Model of tip friction.
+// What contact at the tip may add to a measured wrench besides the force along n.
 struct FrictionSettings {
-  double coefficient = 0.3;    // μ̂ for the part of a measured wrench that friction can explain
+  double coefficient = 0.3;  // μ̂ for the part of a measured wrench that friction can explain
+  // The estimated normal may err by this angle: the surface then pushes the tip aside by f_n times
+  // its tangent [deg].
+  double normal_error_deg = 30.0;
   double feedforward = 0.0;    // μ̂ of the feedforward used without a measured wrench
   double fade_speed = 2.0e-3;  // friction fades out below this speed [m/s]
 };
@@ -195,6 +198,7 @@ struct ImpedanceSettings {
     static constexpr Limit tip_radius = {"tip_radius", "m", {0.0, 0.05}};
     static constexpr Limit tip_stiffness = {"tip_stiffness", "N/m", {0.0, 1e7}};
     static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
+    static constexpr Limit normal_error = {"normal_error", "deg", {0.0, 60.0}};
     static constexpr Limit friction_feedforward = {"friction_feedforward", "", {0.0, 3.0}};
     static constexpr Limit fade_speed = {"fade_speed", "m/s", Range::positive()};
     static constexpr Limit contact_stiffness_max = {"contact_stiffness_max", "N/m", {1.0, 1e7}};

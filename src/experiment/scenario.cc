@@ -453,6 +453,10 @@ void describe(Fields& f, ControlSettings& s) {
   f.field(Limits::friction, s.friction.coefficient,
           "Modelled coefficient of friction: the part of a measured wrench that tip friction can "
           "explain.");
+  f.field(
+      Limits::normal_error, s.friction.normal_error_deg,
+      "The estimated normal may err by this angle. The part of a measured wrench that the error "
+      "explains, up to its tangent times the normal force, does not push the pen aside.");
   f.field(Limits::friction_feedforward, s.friction.feedforward,
           "Modelled coefficient of friction that is compensated along a stroke without a measured "
           "wrench.");

@@ -72,7 +72,7 @@ constexpr double kUneven = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
 // step, however small the patch is. So the finest patch has a residual above kStep [m], which
 // noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
 // does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m].
-constexpr double kStep = 4.5e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
+constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
 // A hole: wider than kHole around a point, and kSparse times as wide as the points' spacing, which
 // beside a hole looks twice as wide: it is found from about 3.5 mm inside. The plan keeps
 // kHoleMargin off such places, so that a pen with a tip of 1 mm stays on the surface [m].

@@ -19,13 +19,16 @@ double share(const YieldBounds& bounds, double x) {
 void PlanClock::advance(const PenDeviation& pen) noexcept {
   const double force = std::isfinite(pen.force) ? pen.force : 0.0;
   force_ += (force - force_) * dt_ / (settings_.force_filter + dt_);
+  normal_speed_squared_ += (pen.normal_speed * pen.normal_speed - normal_speed_squared_) * dt_ /
+                           (settings_.normal_speed_filter + dt_);
   const double rise = (pen.joint - joint_) / dt_;
   joint_rise_ += (rise - joint_rise_) * dt_ / (kRiseFilter + dt_);
   joint_ = pen.joint;
   const double joint = pen.joint + settings_.foresight * std::max(0.0, joint_rise_);
-  double desired =
-      std::min({share(settings_.tip, pen.tip), share(settings_.tilt, pen.tilt),
-                share(settings_.force, std::abs(force_)), share(settings_.joint, joint)});
+  double desired = std::min({share(settings_.tip, pen.tip), share(settings_.tilt, pen.tilt),
+                             share(settings_.force, std::abs(force_)),
+                             share(settings_.normal_speed, std::sqrt(normal_speed_squared_)),
+                             share(settings_.joint, joint)});
   desired = std::min(desired, pen.limit);
   if (pen.waits) desired = 0.0;
   stood_ = desired < settings_.least ? stood_ + dt_ : std::max(0.0, stood_ - dt_);

@@ -2,9 +2,10 @@
 //
 //   dt_plan/dt = r,  0 ≤ r ≤ 1
 //
-// The deviations are those of tip, tilt and force from what the plan asks, and the fastest joint's
-// share of its speed limit. Each deviation x has two bounds. Up to `slow` the clock runs at 1; from
-// there it slows down, and from `stop` on it stands:
+// The deviations are those of tip, tilt and force from what the plan asks; the tip's speed along
+// the estimated normal, as a rough surface lifts and drops it; and the fastest joint's share of its
+// speed limit. Each deviation x has two bounds. Up to `slow` the clock runs at 1; from there it
+// slows down, and from `stop` on it stands:
 //   r → (stop − x)/(stop − slow), the least over all deviations
 // r changes at most at the given rates, so that the desired motion keeps a continuous velocity. The
 // clock never runs backwards and never jumps. A pen that does not come back within `patience` is
@@ -22,28 +23,31 @@ struct YieldBounds {
 };
 
 struct ClockSettings {
-  YieldBounds tip{5e-3, 12e-3};   // distance of the tip from the desired point, tangential [m]
-  YieldBounds tilt{0.10, 0.30};   // angle between pen and desired axis [rad]
-  YieldBounds force{0.7, 1.4};    // deviation of the measured push, as a share of the desired one
-  YieldBounds joint{0.85, 1.15};  // fastest joint, as a share of its speed limit
+  YieldBounds tip{5e-3, 12e-3};  // distance of the tip from the desired point, tangential [m]
+  YieldBounds tilt{0.10, 0.30};  // angle between pen and desired axis [rad]
+  YieldBounds force{0.7, 1.4};   // deviation of the measured push, as a share of the desired one
+  YieldBounds normal_speed{3.5e-3, 9e-3};  // RMS of the tip's speed along the normal [m/s]
+  YieldBounds joint{0.85, 1.15};           // fastest joint, as a share of its speed limit
   // A joint counts with the speed that it will have so much later if it goes on like this: near a
   // singular posture it rises steeply [s].
   double foresight = 0.08;
-  double force_filter = 0.03;  // time constant of that deviation [s]
-  double slow_down = 10.0;     // [1/s]
-  double speed_up = 3.0;       // [1/s]
-  double patience = 1.0;       // [s]
-  double least = 0.2;          // rate after patience is lost
+  double force_filter = 0.03;        // time constant of that deviation [s]
+  double normal_speed_filter = 0.1;  // and of the mean of squares [s]
+  double slow_down = 10.0;           // [1/s]
+  double speed_up = 3.0;             // [1/s]
+  double patience = 1.0;             // [s]
+  double least = 0.2;                // rate after patience is lost
 };
 
 // What the pen does in one cycle. NaN: unknown, does not count.
 struct PenDeviation {
-  double tip = 0.0;    // [m]
-  double tilt = 0.0;   // [rad]
-  double force = 0.0;  // share
-  double joint = 0.0;  // share
-  double limit = 1.0;  // greatest rate that the joints allow (joint_forecast.h)
-  bool waits = false;  // for contact at a stroke's first point
+  double tip = 0.0;           // [m]
+  double tilt = 0.0;          // [rad]
+  double force = 0.0;         // share
+  double normal_speed = 0.0;  // [m/s]
+  double joint = 0.0;         // share
+  double limit = 1.0;         // greatest rate that the joints allow (joint_forecast.h)
+  bool waits = false;         // for contact at a stroke's first point
 };
 
 class PlanClock {
@@ -64,6 +68,7 @@ class PlanClock {
   double dt_;
   double lag_ = 0.0, rate_ = 1.0, slope_ = 0.0;
   double force_ = 0.0;
+  double normal_speed_squared_ = 0.0;
   double joint_ = 0.0, joint_rise_ = 0.0;  // last share, and its filtered rise [1/s]
   double stood_ = 0.0;                     // since the clock ran at `least` or more [s]
 };

@@ -271,6 +271,7 @@ class Runner {
     if (out_.mode != ContactMode::contact) return pen;
     const Eigen::Vector3d off = out_.p_WD - X_WE.p;
     pen.tip = (off - out_.n_WD * out_.n_WD.dot(off)).norm();
+    pen.normal_speed = out_.n_WD.dot(loop_.terms().V_WE.head<3>());
     if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
       pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
     return pen;

@@ -1,6 +1,7 @@
 // The control law on the surface, step by step: error projections, normal force, tip friction and
 // the transition at a switch.
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -103,7 +104,8 @@ TEST(SurfaceLaw, TheHeightOfThePlanDoesNotMatterInContact) {
 
 TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
   ArmModel arm(kArm);
-  const ImpedanceSettings s = natural_measured(arm);
+  ImpedanceSettings s = natural_measured(arm);
+  s.friction.normal_error_deg = 0.0;
   OnSlope on(0.3, s);
   on.settle();
   // Slide along y. The measured wrench contains friction along −y and a push along the other
@@ -126,6 +128,35 @@ TEST(SurfaceLaw, LeavesOutWhatTipFrictionExplainsAndNothingElse) {
       << "a force along the motion is no friction";
   EXPECT_NEAR(friction_term(0.0, 10.0).norm(), 0.0, 1e-9)
       << "a hand from the side is not friction: the pen gives way to it";
+}
+
+TEST(SurfaceLaw, AWrongNormalDoesNotPushThePenAside) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = natural_measured(arm);
+  s.friction.coefficient = 0.0;
+  s.friction.normal_error_deg = 20.0;
+  OnSlope on(0.3, s);
+  on.settle();
+  const Eigen::Vector3d n = on.surface.n_W, along = Eigen::Vector3d::UnitY(),
+                        across = along.cross(n);
+  const auto cancelled = [&](double speed, double error_deg) {
+    const JointVector v = on.terms.J.transpose() * inverse(on.terms.J * on.terms.J.transpose()) *
+                          Vector6(speed * Vector6::Unit(1));
+    on.arm.compute(on.terms.q, v, &on.terms);
+    const double error = error_deg * std::numbers::pi / 180.0;
+    Wrench F = Wrench::Zero();  // 5 N along n, from a surface whose normal is turned about y
+    F.head<3>() = 5.0 * (n + std::tan(error) * across);
+    return Eigen::Vector3d(
+        on.wrench(on.controller.step(on.terms, on.reference, on.surface, F), kWrench).head<3>());
+  };
+  const double smooth = 0.05 / std::hypot(0.05, s.friction.fade_speed);
+  // With M_d = Λ the wrench term is minus the force that the pen does not yield to.
+  EXPECT_NEAR(cancelled(0.05, 10.0).dot(across), -5.0 * std::tan(0.17453293) * smooth, 1e-6);
+  EXPECT_NEAR(cancelled(0.05, 40.0).dot(across), -5.0 * std::tan(0.34906585), 1e-6)
+      << "no more than control.normal_error explains";
+  EXPECT_NEAR(cancelled(0.05, 10.0).dot(along), 0.0, 1e-6);
+  EXPECT_NEAR(cancelled(0.0, 10.0).norm(), 0.0, 1e-6)
+      << "at rest it may be the spring's own pull, against friction";
 }
 
 TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {

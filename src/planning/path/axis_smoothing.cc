@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kLevel = 1.5;
 constexpr double kWithin = -1.0;
 constexpr double kReach = 4.5;  // in standard deviations; the weight is below 4e-5 there
-constexpr int kLevels = 6;  // up to 11 times the smoothing
+constexpr int kLevels = 6;      // up to 11 times the smoothing
 
 class AxisSmoothing {
  public:
@@ -72,8 +72,9 @@ class AxisSmoothing {
     while (from > 0 && inside(from)) --from;
     while (to < last && inside(to)) ++to;
     const Vector3d within =
-        knots_[i].corner ? (fitted(i, smoothing_, from, i) + fitted(i, smoothing_, i, to)).normalized()
-                         : fitted(i, smoothing_, from, to);
+        knots_[i].corner
+            ? (fitted(i, smoothing_, from, i) + fitted(i, smoothing_, i, to)).normalized()
+            : fitted(i, smoothing_, from, to);
     return (across + level * (across - within)).normalized();
   }
 
