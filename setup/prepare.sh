@@ -218,8 +218,8 @@ follow_pip() {
 # Fetches the meshes of the standard arm for the pages (0.9 MB, of a wheel of 103 MB that goes again), in the background and in
 # silence: without them, pages draw the arm's simple shapes. Tried again when something is next installed or built.
 begin_arm_meshes() {
-  local to=$root/build/arm-meshes/iiwa14_pen
-  [[ -d $to ]] && return 0
+  local to=$root/build/arm-meshes/iiwa14_pen surfaces=$root/build/surface-meshes
+  [[ -d $to && -d $surfaces ]] && return 0
   (
     trap - INT
     new=$(mktemp -d "$root/build/arm-meshes.XXXXXX") || exit
@@ -227,7 +227,7 @@ begin_arm_meshes() {
     "$venv/bin/python" -m pip download --no-deps --only-binary :all: --python-version 311 --implementation cp --abi cp311 \
       --platform manylinux2014_x86_64 --require-hashes --no-input --disable-pip-version-check --no-cache-dir -q \
       -r "$root/setup/arm-meshes.txt" -d "$new" &&
-      "$venv/bin/python" - "$new" <<'PYTHON' && mkdir -p "$root/build/arm-meshes" && mv -T "$new/iiwa14_pen" "$to"
+      "$venv/bin/python" - "$new" <<'PYTHON' && mkdir -p "$root/build/arm-meshes" && { [[ -d $to ]] || mv -T "$new/iiwa14_pen" "$to"; }
 import pathlib, sys, zipfile
 folder = pathlib.Path(sys.argv[1])
 (folder / "iiwa14_pen").mkdir()
@@ -241,6 +241,8 @@ with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
     said = [line.removeprefix("<!--").removesuffix("-->").strip() for line in lines[first + 1 :] if line.startswith("<!--")]
     (folder / "iiwa14_pen" / "NOTICE").write_text("\n".join(said).strip() + "\n")
 PYTHON
+    # The same wheel has surfaces for ./impedraw robustness --part surfaces.
+    "$venv/bin/python" "$root/setup/surface_meshes.py" "$new"/*.whl "$new/surfaces" && { [[ -d $surfaces ]] || mv -T "$new/surfaces" "$surfaces"; }
   ) </dev/null >"$root/build/arm-meshes.log" 2>&1 &
 }
 

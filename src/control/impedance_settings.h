@@ -88,7 +88,7 @@ struct FrictionSettings {
   double coefficient = 0.3;  // μ̂ for the part of a measured wrench that friction can explain
   // The estimated normal may err by this angle: the surface then pushes the tip aside by f_n times
   // its tangent [deg].
-  double normal_error_deg = 30.0;
+  double normal_error_deg = 0.0;
   double feedforward = 0.0;    // μ̂ of the feedforward used without a measured wrench
   double fade_speed = 2.0e-3;  // friction fades out below this speed [m/s]
 };

@@ -34,8 +34,12 @@ Experiment prepare(const Scenario& scenario, const Places& places, Unreachable u
                    const PrepareProgress& progress) {
   std::vector<KeptInput> inputs = read_input_files(scenario);  // before their content is used
   PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress);
+  const bool rough = is_rough(drawing.scene, drawing.plan);
+  ImpedanceSettings& s = drawing.scenario.control;
   if (!is_given(places, "control.pen_axis"))
-    drawing.scenario.control.surface.pen_axis = suitable_pen_axis(drawing.scene, drawing.plan);
+    s.surface.pen_axis = rough ? PenAxis::plan : PenAxis::surface;
+  if (!is_given(places, "control.normal_error"))
+    s.friction.normal_error_deg = rough ? kRoughNormalError : 0.0;
   ControlSetup control =
       make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));
   return {std::move(drawing), std::move(inputs), std::move(control)};

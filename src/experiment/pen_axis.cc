@@ -4,10 +4,8 @@
 #include <cmath>
 
 namespace impedraw {
-namespace {
 
-// Finer patches than the plan's are in use under the drawing: along over kLeast of it they have
-// another normal than the plan. In flat noise they are, at most, in places.
+// In flat noise finer patches are in use, at most, in places.
 bool is_rough(const Scene& scene, const Plan& plan) {
   constexpr double kOther = 0.02, kLeast = 0.1, kSpacing = 2e-3;  // [rad], [1], [m]
   if (!scene.perception) return false;
@@ -29,12 +27,6 @@ bool is_rough(const Scene& scene, const Plan& plan) {
       }
     }
   return static_cast<double>(other) > kLeast * static_cast<double>(places);
-}
-
-}  // namespace
-
-PenAxis suitable_pen_axis(const Scene& scene, const Plan& plan) {
-  return is_rough(scene, plan) ? PenAxis::plan : PenAxis::surface;
 }
 
 }  // namespace impedraw

@@ -1,15 +1,19 @@
-// The pen's axis while drawing, where the scenario leaves it open.
+// How rough a surface is drawn on, where the scenario leaves it open.
 #pragma once
 
-#include "impedraw/control/impedance_settings.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scene.h"
 
 namespace impedraw {
 
-// On a smooth surface the estimated normal is the better axis, also where a hand pushes the pen off
-// its line. Where the surface under the drawing is rough, the plan's smoothed normals are: along
-// over a tenth of it, perception's normal is 0.02 rad off them.
-PenAxis suitable_pen_axis(const Scene& scene, const Plan& plan);
+// Finer patches than the plan's are in use under the drawing: along over a tenth of it,
+// perception's normal is 0.02 rad off the plan's.
+//
+// On a smooth surface the estimated normal is the better axis of the pen, also where a hand pushes
+// it off its line, and whatever pushes it aside is a hand. On a rough one the plan's smoothed
+// normals are the better axis, and the surface itself pushes the tip aside.
+bool is_rough(const Scene& scene, const Plan& plan);
+
+inline constexpr double kRoughNormalError = 30.0;  // [deg]
 
 }  // namespace impedraw

@@ -184,7 +184,13 @@ PathSettings Planning::path_settings() const {
 }
 
 PreflightSettings Planning::preflight_settings() const {
-  return impedraw::preflight_settings(s_, artwork_.X_WP, seen_, plan_.rest_q);
+  PreflightSettings s = impedraw::preflight_settings(s_, artwork_.X_WP, seen_, plan_.rest_q);
+  // The misfit is an RMS.
+  if (scene_.perception)
+    s.height_error = [this](const Eigen::Vector3d& p_W) {
+      return 2.0 * scene_.perception->roughness(p_W).misfit;
+    };
+  return s;
 }
 
 // Projects or wraps the strokes. Returns the parts without a surface, by the artwork's numbers.

@@ -456,7 +456,8 @@ void describe(Fields& f, ControlSettings& s) {
   f.field(
       Limits::normal_error, s.friction.normal_error_deg,
       "The estimated normal may err by this angle. The part of a measured wrench that the error "
-      "explains, up to its tangent times the normal force, does not push the pen aside.");
+      "explains, up to its tangent times the normal force, does not push the pen aside. Where it "
+      "is not given: 0, but 30 where the surface under the drawing is rough.");
   f.field(Limits::friction_feedforward, s.friction.feedforward,
           "Modelled coefficient of friction that is compensated along a stroke without a measured "
           "wrench.");

@@ -19,7 +19,8 @@ double share(const YieldBounds& bounds, double x) {
 void PlanClock::advance(const PenDeviation& pen) noexcept {
   const double force = std::isfinite(pen.force) ? pen.force : 0.0;
   force_ += (force - force_) * dt_ / (settings_.force_filter + dt_);
-  normal_speed_squared_ += (pen.normal_speed * pen.normal_speed - normal_speed_squared_) * dt_ /
+  const double normal_speed = std::isfinite(pen.normal_speed) ? pen.normal_speed : 0.0;
+  normal_speed_squared_ += (normal_speed * normal_speed - normal_speed_squared_) * dt_ /
                            (settings_.normal_speed_filter + dt_);
   const double rise = (pen.joint - joint_) / dt_;
   joint_rise_ += (rise - joint_rise_) * dt_ / (kRiseFilter + dt_);

@@ -44,10 +44,10 @@ struct PenDeviation {
   double tip = 0.0;           // [m]
   double tilt = 0.0;          // [rad]
   double force = 0.0;         // share
-  double normal_speed = 0.0;  // [m/s]
   double joint = 0.0;         // share
   double limit = 1.0;         // greatest rate that the joints allow (joint_forecast.h)
   bool waits = false;         // for contact at a stroke's first point
+  double normal_speed = 0.0;  // of the tip [m/s]
 };
 
 class PlanClock {

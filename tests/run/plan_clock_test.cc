@@ -30,6 +30,23 @@ TEST(PlanClock, StopsWhereThePenIsHeldAndGoesOnAfterwards) {
   EXPECT_LT(clock.lag() - lag, 0.5) << "it takes up speed within a second";
 }
 
+// A rough surface lifts and drops the tip in proportion to the speed along it. The clock settles
+// where both agree: r = (stop − r v)/(stop − slow).
+TEST(PlanClock, SlowsDownWhereTheTipIsShaken) {
+  const ClockSettings settings;
+  PlanClock clock(settings, kDt);
+  const double rms = 9e-3;  // at full speed [m/s]
+  double sum = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    PenDeviation pen;
+    pen.normal_speed = clock.rate() * rms * std::sqrt(2.0) * std::sin(0.2 * i);
+    clock.advance(pen);
+    if (i >= 2000) sum += clock.rate() / 2000.0;
+  }
+  const YieldBounds& bounds = settings.normal_speed;
+  EXPECT_NEAR(sum, bounds.stop / (bounds.stop - bounds.slow + rms), 0.02);
+}
+
 // A canvas that is not there must not hold up the drawing.
 TEST(PlanClock, LosesPatience) {
   const ClockSettings settings;
@@ -41,7 +58,8 @@ TEST(PlanClock, LosesPatience) {
 TEST(PlanClock, TakesUnknownDeviationsForNone) {
   PlanClock clock({}, kDt);
   const double unknown = std::nan("");
-  for (int i = 0; i < 100; ++i) clock.advance({unknown, unknown, unknown, 0.0, 1.0, false});
+  for (int i = 0; i < 100; ++i)
+    clock.advance({unknown, unknown, unknown, 0.0, 1.0, false, unknown});
   EXPECT_EQ(clock.rate(), 1.0);
 }
 

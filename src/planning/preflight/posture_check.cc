@@ -155,7 +155,8 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
            fmt::format("{} {:.0f} mm {} the {}", arm.body, 1e3 * std::abs(arm.gap),
                        arm.gap < 0 ? "into" : "from", arm.obstacle));
   if (!asked.pen || p.problem) return;
-  const Gap shaft = clearance_.pen(p.q, terms_.X_WE);
+  Gap shaft = clearance_.pen(p.q, terms_.X_WE);
+  if (settings_.height_error) shaft.gap -= settings_.height_error(terms_.X_WE.p);
   if (shaft.gap < 0)
     report(Problem::pen_collision, -shaft.gap,
            fmt::format("the pen {:.0f} mm above its tip is {:.1f} mm too near the {}",

@@ -82,6 +82,9 @@ struct PreflightSettings {
 
   // of arm and pen from canvas and table [m]; the pen's grows from 0 at the tip (clearance.h)
   double clearance = 5e-3;
+  // By how much the surface may be higher than known at a point of W [m]; default: nowhere. The pen
+  // keeps that much further off.
+  std::function<double(const Eigen::Vector3d&)> height_error;
   std::optional<double> table_z;  // height of an infinite table [m], W; default: none
 
   struct Limits {
