@@ -27,7 +27,7 @@ interface Ink {
   run: Run;
   lines: Lines;
   point: number[]; // index of each segment's first point in run.ink
-  time: Float64Array; // of each segment
+  time: number[]; // of each segment
 }
 
 export const targetColour = "#6f9fcc";
@@ -120,6 +120,7 @@ export class Scene {
   private t = 0;
   private dark = false;
   private colour: Colour = "nothing";
+  private tintOf: (segment: number) => [number, number, number] = () => [0, 0, 0]; // of the run's own ink
 
   // `others`: runs whose ink can be laid over this one's. `panes`: scenes that share the page.
   // Throws an error where there is no WebGL.
@@ -226,9 +227,35 @@ export class Scene {
       lines.material.transparent = true; // so that it is drawn after the target
       lines.renderOrder = 2 + 0.01 * this.others.indexOf(run) + 0.01;
       lines.visible = run === this.run;
-      return { run, lines, point, time: Float64Array.from(times) };
+      return { run, lines, point, time: times };
     });
     return new three.Group().add(...this.inks.map((ink) => ink.lines));
+  }
+
+  // A run that goes on has more ink, from its point `first` on.
+  grow(first: number): void {
+    const [{ run, lines, point, time }] = this.inks;
+    const { points, begins } = run.ink;
+    const positions: number[] = [];
+    const before = lines.segments;
+    let line = lastAt(begins, first);
+    for (let i = first; i < run.ink.time.length; ++i) {
+      while (line + 1 < begins.length && begins[line + 1] <= i) ++line;
+      if (i === begins[line]) continue;
+      for (const k of [i - 1, i]) positions.push(points[0][k], points[1][k], points[2][k]);
+      point.push(i - 1);
+      time.push(run.ink.time[i]);
+    }
+    if (positions.length === 0) return;
+    lines.append(positions);
+    lines.tint(this.tintOf, before);
+  }
+
+  // The scene is not shown again.
+  dispose(): void {
+    this.orbit.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   // The other runs' ink in the same scene, or this run's alone.
@@ -494,7 +521,7 @@ export class Scene {
     if (this.over) return { unit: "", low: 0, high: 0, kinds: this.inks.map((ink) => ink.run.name) };
     if (colour === "pass") {
       let passes = 0;
-      lines.tint((segment) => {
+      lines.tint(this.tintOf = (segment) => {
         const pass = run.ink.pass[Math.max(0, lastAt(run.ink.begins, point[segment]))];
         passes = Math.max(passes, pass);
         return rgb(kinds[(pass - 1) % kinds.length]);
@@ -503,16 +530,16 @@ export class Scene {
     }
     const chosen = run.ink.colours.find((c) => c.name === colour);
     if (!chosen) {
-      lines.tint(() => plain);
+      lines.tint(this.tintOf = () => plain);
       return null;
     }
     const { values, unit } = chosen;
     const low = ["error", "tilt", "speed", "normal_error"].includes(colour) ? 0 : quantile(values, 0.01);
     const high = quantile(values, 0.99);
     const span = Math.max(high - low, 1e-9);
-    lines.tint((segment) => {
-      const v = values[point[segment]];
-      return Number.isFinite(v) ? rampAt((v - low) / span) : rgb("#8a8f98");
+    lines.tint(this.tintOf = (segment) => {
+      const v = chosen.values[point[segment]];
+      return Number.isFinite(v) && Number.isFinite(span) ? rampAt((v - low) / span) : rgb("#8a8f98");
     });
     return { unit, low, high };
   }

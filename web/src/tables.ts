@@ -2,6 +2,7 @@
 import { quantile } from "./colours";
 import type { Finding, Limit, Part, Run } from "./data";
 import { h, numberText, timeText } from "./dom";
+import type { LiveNumbers } from "./live";
 
 export function holds(value: unknown, limit: Limit): boolean {
   return typeof value === "number" && value >= (limit.min ?? -Infinity) && value <= (limit.max ?? Infinity);
@@ -111,6 +112,18 @@ export const tileNames: [string, string][] = [
   ["force_mean", "normal force, mean"], ["force_sd", "its standard deviation"], ["tilt_mean", "tilt, mean"],
 ];
 
+// The numbers so far of a run that goes on.
+export function liveTiles(now: LiveNumbers, run: Run, strokeCount: number): HTMLElement {
+  const tile = (value: string, label: string) => h("div", {}, h("dd", {}, value), h("dt", {}, label));
+  const begun = new Set(run.spans.map(([stroke]) => stroke)).size;
+  return h("dl", { class: "tiles" },
+    tile(timeText(run.scene.time.at(-1) ?? 0), `of about ${timeText(run.live?.duration ?? 0)}`),
+    tile(`${begun} of ${strokeCount}`, "strokes begun"),
+    tile(`${numberText(now.error, 3)}\u202fmm`, "ink error so far, RMS"), tile(`${numberText(now.errorMax, 3)}\u202fmm`, "largest"),
+    tile(`${numberText(now.force, 3)}\u202fN`, "normal force so far, mean"), tile(`${numberText(now.forceSd, 3)}\u202fN`, "its standard deviation"),
+    tile(`${numberText(now.tilt, 3)}\u202f°`, "tilt so far, mean"));
+}
+
 export function tiles(run: Run): HTMLElement {
   const units = new Map(run.definitions.map((d) => [d.name, d.unit]));
   return h("dl", { class: "tiles" }, ...tileNames.map(([name, label]) => {
@@ -213,7 +226,7 @@ export function about(run: Run): HTMLElement {
   const times = Object.entries(names).filter(([key]) => typeof wall[key] === "number").map(([key, label]) => `${label} ${(wall[key] as number).toFixed(2)} s`);
   const list = h("dl", { class: "facts" });
   const add = (name: string, value: string) => value && list.append(h("dt", {}, name), h("dd", {}, value));
-  add("simulated", `${run.duration.toFixed(2)} s`);
+  if (run.kind !== "live") add("simulated", `${run.duration.toFixed(2)} s`);
   add("wall time", times.join(", "));
   add("impedraw", run.commit ? `${run.version}, commit ${run.commit}` : run.version);
   for (const [key, value] of Object.entries(run.attributes)) add(key, value);
