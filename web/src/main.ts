@@ -65,7 +65,7 @@ class Page {
   private liveState = h("output", { class: "live-state", role: "status" });
   private livePause = h("button", { type: "button" }, "pause the run");
   private liveStop = h("button", { type: "button" }, "stop with a lift");
-  private liveFollow = h("button", { type: "button", "aria-pressed": "true" }, "follow");
+  private liveFollow = h("button", { type: "button", "aria-pressed": "true" }, "follow the run");
   private liveNumbers = h("div", {});
   readonly stage = h("div", { class: "stage" });
 
