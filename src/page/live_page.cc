@@ -23,7 +23,7 @@ nlohmann::json target_of(PackedColumns& columns, const RunLogHeader& header) {
     begins.push_back(static_cast<double>(i));
     strokes.push_back(header.target_stroke[i]);
   }
-  return {{"points", points_json(columns, header.target_points, 2e-5)},
+  return {{"points", points_json(columns, header.target_points, 1e-6)},
           {"covered", columns.add(std::vector<double>(header.target_points.size(), 1.0), 1.0)},
           {"begins", columns.add(begins, 1.0)},
           {"strokes", strokes}};

@@ -10,8 +10,9 @@ uniform vec2 resolution;
 uniform float width;
 varying vec3 vTint;
 void main() {
-  vec4 a = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-  vec4 b = projectionMatrix * modelViewMatrix * vec4(other, 1.0);
+  // Vector by vector: a product of matrices at each corner costs a software renderer most of a frame.
+  vec4 a = projectionMatrix * (modelViewMatrix * vec4(position, 1.0));
+  vec4 b = projectionMatrix * (modelViewMatrix * vec4(other, 1.0));
   // Behind the eye, directions on the screen turn round.
   vec2 along = (b.xy / max(b.w, 1e-4) - a.xy / max(a.w, 1e-4)) * resolution;
   float size = length(along);

@@ -48,6 +48,19 @@ function pointAt(points: Float64Array[], i: number): three.Vector3 {
   return new three.Vector3(points[0][i], points[1][i], points[2][i]);
 }
 
+// The points from i to k lie within `off` of the line between these two [m].
+function isStraight(points: Float64Array[], i: number, k: number, off: number): boolean {
+  const from = pointAt(points, i);
+  const along = pointAt(points, k).sub(from);
+  const square = Math.max(along.lengthSq(), 1e-18);
+  for (let j = i + 1; j < k; ++j) {
+    const away = pointAt(points, j).sub(from);
+    const f = away.dot(along) / square;
+    if (f < 0 || f > 1 || away.addScaledVector(along, -f).lengthSq() > off * off) return false;
+  }
+  return true;
+}
+
 // A line with an arrow's head; both keep their width whatever the length.
 class Arrow extends three.Group {
   private shaft: three.Mesh;
@@ -174,9 +187,13 @@ export class Scene {
     const isCovered: boolean[] = [];
     for (let line = 0; line < begins.length; ++line) {
       const end = line + 1 < begins.length ? begins[line + 1] : covered.length;
-      for (let i = begins[line]; i + 1 < end; ++i) {
-        for (const k of [i, i + 1]) positions.push(points[0][k], points[1][k], points[2][k]);
-        isCovered.push(covered[i] > 0 && covered[i + 1] > 0);
+      const has = (i: number) => covered[i] > 0 && covered[i + 1] > 0;
+      for (let i = begins[line]; i + 1 < end;) {
+        let next = i + 1;
+        while (next + 1 < end && next - i < 60 && has(next) === has(i) && isStraight(points, i, next + 1, 2e-5)) ++next;
+        for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
+        isCovered.push(has(i));
+        i = next;
       }
     }
     const target = new Lines(positions, 0.75);
