@@ -7,7 +7,7 @@ import { colourNames, hashOf, momentOf, viewNames, type Colour, type View } from
 import { LiveLink, LiveRun } from "./live";
 import { Plots } from "./plots";
 import { Scene, targetColour, type Legend } from "./scene";
-import { about, changedSettings, comparison, findings, liveTiles, numbers, planNumbers, settings, strokes, tiles } from "./tables";
+import { about, changedSettings, comparison, findings, liveTiles, numbers, planNumbers, settings, strokeComparison, strokes, tiles } from "./tables";
 
 const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const viewLabels: Record<View, string> = {
@@ -246,6 +246,9 @@ class Page {
     const pages: [string, HTMLElement][] = [["Plots", this.plots.element]];
     if (this.runs.length > 1) {
       pages.unshift(["Differences", h("div", {}, comparison(this.runs), h("h3", {}, "Settings that differ"), changedSettings(this.runs))]);
+      const strokeList = strokeComparison(this.runs, (t) => this.seek(t));
+      this.strokeRows = [...strokeList.querySelectorAll<HTMLElement>("tr[data-begin]")];
+      pages.push(["Strokes", strokeList]);
       pages.push(["Settings", h("div", {}, ...this.runs.map((run) => h("details", {}, h("summary", {}, run.name), about(run), settings(run))))]);
     } else if (this.isPlan) {
       pages.unshift(["What fails", findings(this.run, this.scenes[0]?.problems() ?? [...new Set(this.run.findings.map((f) => f.problem))].sort(), problemColour, (f) => this.goTo(f))]);

@@ -129,6 +129,9 @@ export class Plots {
         limits: () => (this.joint < 0 ? [] : both(joints.speed[this.joint] ?? null)) },
       { title: "joint torque", unit: unit("Nm"), joint: true, curves: ofJoints("torque", of(joints.torque)),
         limits: () => (this.joint < 0 ? [] : both(joints.torque[this.joint] ?? null)) },
+      // Of several runs, each term is a plot; of one, they share it.
+      ...(this.runs.length > 1 ? this.run.terms : []).map((term) => ({ title: `torque term: ${term.replaceAll("_", " ")}`, unit: unit("Nm"), joint: true,
+        curves: () => this.curve(`${term}_${this.joint}`, term, 0) })),
       { title: "torque terms", unit: "Nm", joint: true,
         curves: () => (this.runs.length > 1 ? [] : this.run.terms).flatMap((term, k) => this.curve(`${term}_${Math.max(0, this.joint)}`, term.replaceAll("_", " "), k)) },
     );

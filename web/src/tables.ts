@@ -134,12 +134,23 @@ export function tiles(run: Run): HTMLElement {
 }
 
 // The passes over strokes, in the order of time; then what was left out or lacks ink.
-export function strokes(run: Run, go: (t: number) => void, look: (p: number[], part: Part) => void): HTMLElement {
+// A stroke as it was drawn in a pass.
+interface DrawnStroke {
+  stroke: number;
+  pass: number;
+  begin: number;
+  end: number;
+  ink: number; // [m]; NaN: none
+  error: number; // the largest [mm]
+  force: number; // median [N]
+}
+
+function drawnStrokes(run: Run): DrawnStroke[] {
   const { ink } = run;
   const of = (name: string) => ink.colours.find((c) => c.name === name)?.values ?? new Float64Array(ink.time.length).fill(NaN);
   const [errors, forces] = [of("error"), of("force")];
   const passes = new Map<number, number>();
-  const rows = run.spans.map(([stroke, begin, end]) => {
+  return run.spans.map(([stroke, begin, end]) => {
     const pass = (passes.get(stroke) ?? 0) + 1;
     passes.set(stroke, pass);
     const error: number[] = [], force: number[] = [];
@@ -152,15 +163,43 @@ export function strokes(run: Run, go: (t: number) => void, look: (p: number[], p
       if (next > 0 && (next < 0.05 || run.kind === "plan") && ink.time[i + 1] <= end)
         length += Math.hypot(...[0, 1, 2].map((k) => ink.points[k][i + 1] - ink.points[k][i]));
     }
-    const button = h("button", { type: "button", class: "small" }, `${stroke}${pass > 1 ? `, pass ${pass}` : ""}`);
-    button.setAttribute("aria-label", `go to stroke ${stroke}, pass ${pass}`);
-    button.addEventListener("click", () => go(begin));
-    const row = h("tr", { "data-begin": begin, "data-end": end },
-      h("td", {}, button), h("td", { class: "n" }, timeText(begin)), h("td", { class: "n" }, timeText(end - begin)),
-      h("td", { class: "n" }, error.length ? (1e3 * length).toFixed(1) : "no ink"), h("td", { class: "n" }, numberText(quantile(error, 1), 3)),
-      h("td", { class: "n" }, numberText(quantile(force, 0.5), 3)));
-    return row;
+    return { stroke, pass, begin, end, ink: error.length ? length : NaN, error: quantile(error, 1), force: quantile(force, 0.5) };
   });
+}
+
+function strokeButton(of: { stroke: number; pass: number; begin: number }, go: (t: number) => void): HTMLElement {
+  const button = h("button", { type: "button", class: "small" }, `${of.stroke}${of.pass > 1 ? `, pass ${of.pass}` : ""}`);
+  button.setAttribute("aria-label", `go to stroke ${of.stroke}, pass ${of.pass}`);
+  button.addEventListener("click", () => go(of.begin));
+  return button;
+}
+
+const inkText = (ink: number) => (Number.isFinite(ink) ? (1e3 * ink).toFixed(1) : "no ink");
+
+// The strokes of runs side by side; the button goes to when the first of them draws it.
+export function strokeComparison(runs: Run[], go: (t: number) => void): HTMLElement {
+  const keyOf = (s: DrawnStroke) => `${s.stroke}/${s.pass}`;
+  const of = runs.map((run) => new Map(drawnStrokes(run).map((s) => [keyOf(s), s])));
+  const all = new Map(of.flatMap((strokes) => [...strokes]).reverse());
+  const rows = [...all.values()].sort((a, b) => a.begin - b.begin || a.stroke - b.stroke);
+  const columns: [string, (s: DrawnStroke) => string][] = [
+    ["ink [mm]", (s) => inkText(s.ink)], ["worst error [mm]", (s) => numberText(s.error, 3)], ["force, median [N]", (s) => numberText(s.force, 3)],
+  ];
+  const head = h("thead", {},
+    h("tr", {}, h("th", {}), ...columns.map(([title]) => h("th", { class: "n", colspan: runs.length, scope: "colgroup" }, title))),
+    h("tr", {}, h("th", {}, "stroke"), ...columns.flatMap(() => runs.map((run) => h("th", { class: "n" }, run.name)))));
+  return h("div", { class: "scroll" }, h("table", { class: "strokes" }, head, h("tbody", {}, ...rows.map((row) =>
+    h("tr", { "data-begin": row.begin, "data-end": row.end }, h("td", {}, strokeButton(row, go)),
+      ...columns.flatMap(([, text]) => of.map((strokes) => {
+        const s = strokes.get(keyOf(row));
+        return h("td", { class: "n" }, s ? text(s) : "–");
+      })))))));
+}
+
+export function strokes(run: Run, go: (t: number) => void, look: (p: number[], part: Part) => void): HTMLElement {
+  const rows = drawnStrokes(run).map((s) => h("tr", { "data-begin": s.begin, "data-end": s.end },
+    h("td", {}, strokeButton(s, go)), h("td", { class: "n" }, timeText(s.begin)), h("td", { class: "n" }, timeText(s.end - s.begin)),
+    h("td", { class: "n" }, inkText(s.ink)), h("td", { class: "n" }, numberText(s.error, 3)), h("td", { class: "n" }, numberText(s.force, 3))));
   const box = h("div", {});
   box.append(h("div", { class: "scroll" }, h("table", { class: "strokes" }, h("thead", {}, h("tr", {},
     h("th", {}, "stroke"), ...["from", "for", "ink [mm]", "worst error [mm]", "force, median [N]"].map((x) => h("th", { class: "n" }, x)))),
