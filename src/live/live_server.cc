@@ -17,13 +17,13 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
-#include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
 
@@ -40,9 +40,9 @@ using Error = beast::error_code;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
-constexpr std::size_t kMostHeader = 8192;   // [bytes]
-constexpr std::size_t kMostMessage = 64;    // of a viewer [bytes]
-constexpr std::size_t kMostRequests = 24;   // that have not become viewers
+constexpr std::size_t kMostHeader = 8192;  // [bytes]
+constexpr std::size_t kMostMessage = 64;   // of a viewer [bytes]
+constexpr std::size_t kMostRequests = 24;  // that have not become viewers
 constexpr std::size_t kRowsAMessage = 512;
 
 std::string random_token() {
@@ -285,8 +285,7 @@ class Visit : public std::enable_shared_from_this<Visit> {
     const std::string_view target = view_of(request.target());
     const std::size_t query = target.find("?token=");
     const std::string_view path = target.substr(0, query);
-    std::string_view token =
-        query == target.npos ? std::string_view() : target.substr(query + 7);
+    std::string_view token = query == target.npos ? std::string_view() : target.substr(query + 7);
     double since = -1.0;
     if (const std::size_t more = token.find("&since="); more != token.npos) {
       since = std::strtod(std::string(token.substr(more + 7)).c_str(), nullptr);
@@ -305,7 +304,8 @@ class Visit : public std::enable_shared_from_this<Visit> {
       shared_.viewer_count = shared_.viewers.size();
       return viewer->accept(request);
     }
-    if (path == "/" && !upgrade) return answer(http::status::ok, shared_.page, "text/html; charset=utf-8");
+    if (path == "/" && !upgrade)
+      return answer(http::status::ok, shared_.page, "text/html; charset=utf-8");
     answer(http::status::not_found, "nothing here\n");
   }
 

@@ -55,12 +55,12 @@ class LiveServer {
   // For the loop's thread. None of these waits.
   RowRing& rows() noexcept;
   bool paused() const noexcept;
-  bool stopped() const noexcept;         // once, for good
+  bool stopped() const noexcept;        // once, for good
   float milliseconds() const noexcept;  // since construction, by the steady clock
 
   // The run is over: its results are being made.
   void ending();
-  // Sends the finished report's data to all viewers; returns once they have it, or after `patience`.
+  // Sends the finished report to all viewers; returns once they have it, or after `patience`.
   void finish(std::string data, std::chrono::milliseconds patience);
 
   std::size_t viewers() const noexcept;

@@ -1,5 +1,5 @@
-// Rows of numbers from one thread to another without waiting: a ring of fixed size, for one producer
-// and one consumer. Where it is full, rows are dropped.
+// Rows of numbers from one thread to another without waiting: a ring of fixed size, for one
+// producer and one consumer. Where it is full, rows are dropped.
 #pragma once
 
 #include <atomic>

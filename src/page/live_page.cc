@@ -40,9 +40,8 @@ std::vector<std::string> live_columns(const RunLogHeader& header) {
   for (const char* name : {"position", "velocity", "torque"}) each_joint(name);
   for (const char* name : {"tip", "pen_axis", "contact_force", "normal", "contact_point"})
     for (const char* axis : {"_x", "_y", "_z"}) names.push_back(std::string(name) + axis);
-  for (const char* name :
-       {"force", "push", "tilt", "normal_error", "torque", "surface_distance", "mode", "stroke",
-        "time_scale", "step_time", "share"})
+  for (const char* name : {"force", "push", "tilt", "normal_error", "torque", "surface_distance",
+                           "mode", "stroke", "time_scale", "step_time", "share"})
     names.emplace_back(name);
   for (const std::string& term : header.torque_terms) each_joint(term);
   return names;
@@ -56,9 +55,8 @@ PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
   out["format"] = 1;
   out["kind"] = "live";
   out["name"] = out["title"] = page.title;
-  out["live"] = {{"columns", live_columns(header)},
-                 {"duration", page.duration},
-                 {"strokes", page.strokes}};
+  out["live"] = {
+      {"columns", live_columns(header)}, {"duration", page.duration}, {"strokes", page.strokes}};
   out["attributes"] = Json::object();
   for (const auto& [key, value] : header.attributes)
     if (key != "settings" && value.size() < 200) out["attributes"][key] = value;
@@ -82,10 +80,11 @@ PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
   out["ink"] = {{"points", nowhere}, {"time", none},   {"force", none},
                 {"error", none},     {"tilt", none},   {"speed", none},
                 {"begins", none},    {"stroke", none}, {"pass", none}};
-  out["scene"] = {{"time", none},      {"joints", std::vector<Json>(header.joint_names.size(), none)},
-                  {"tip", nowhere},    {"pen_axis", nowhere},
-                  {"force", nowhere},  {"normal", nowhere},
-                  {"mode", none},      {"stroke", none}};
+  out["scene"] = {
+      {"time", none},     {"joints", std::vector<Json>(header.joint_names.size(), none)},
+      {"tip", nowhere},   {"pen_axis", nowhere},
+      {"force", nowhere}, {"normal", nowhere},
+      {"mode", none},     {"stroke", none}};
   out["step_plots"] = out["joint_plots"] = no_series(columns);
   out["torque_plots"] = no_series(columns);
   out["torque_plots"]["terms"] = header.torque_terms;

@@ -13,7 +13,8 @@ namespace impedraw {
 // Numbers of a live row, for n joints and T torque terms, in this order; NaN: none.
 //
 //   time [s], wall [ms], position_0 … n−1 [rad], velocity_… [rad/s], torque_… [Nm],
-//   tip x y z [m], pen axis x y z, force x y z [N], estimated normal x y z, contact point x y z [m],
+//   tip x y z [m], pen axis x y z, force x y z [N], estimated normal x y z,
+//   contact point x y z [m],
 //   force [N], push [N], tilt [deg], normal_error [deg], torque [% of its limit],
 //   surface_distance [mm], mode, stroke, time_scale, step_time [µs], share of the plan,
 //   each term's joints [Nm]

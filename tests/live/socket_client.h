@@ -111,9 +111,10 @@ class SocketClient {
         }
       }
       gone_ = false;
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(
-          end - std::chrono::steady_clock::now());
-      if (!receive(std::max(left, std::chrono::milliseconds(0)))) return gone_ ? std::optional(Frame{-1, {}}) : std::nullopt;
+      const auto left =
+          std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+      if (!receive(std::max(left, std::chrono::milliseconds(0))))
+        return gone_ ? std::optional(Frame{-1, {}}) : std::nullopt;
     }
   }
 

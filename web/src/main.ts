@@ -709,6 +709,7 @@ class Page {
 
 // A run that goes on: its page is made when the first rows are here, and gives way to the report.
 function follow(run: Run, root: HTMLElement): Promise<ReturnType<Page["hook"]>> {
+  document.head.append(h("link", { rel: "icon", href: "data:," })); // else the browser asks for one
   return new Promise((shown) => {
     const live = new LiveRun(run);
     const link = new LiveLink(() => live.lastTime);
