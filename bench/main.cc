@@ -24,6 +24,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/run/run.h"
 #include "impedraw/settings/yaml_read.h"
+#include "live_bench.h"
 #include "processor_time.h"
 
 namespace impedraw {
@@ -184,6 +185,15 @@ void BM_draw(benchmark::State& state) { draw(state, "bowl-sine"); }
 void BM_draw_natural(benchmark::State& state) { draw(state, "bowl-sine-natural"); }
 void BM_draw_blind(benchmark::State& state) { draw(state, "bowl-sine-blind"); }
 
+// Runs with and without a viewer, in turn. Once: it repeats by itself.
+LiveCosts live;
+void BM_live(benchmark::State& state) {
+  for (auto _ : state) {
+    live = live_costs(experiment("bowl-sine"));
+    state.SetIterationTime(1e-3 * live.delay_ms);
+  }
+}
+
 BENCHMARK(BM_floor);
 BENCHMARK(BM_arm_terms);
 BENCHMARK(BM_step_shaped);
@@ -200,6 +210,8 @@ BENCHMARK(BM_draw_blind)
     ->Unit(benchmark::kMicrosecond)
     ->Iterations(1)
     ->Repetitions(5);
+
+BENCHMARK(BM_live)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(1);
 
 // Collects every repetition in addition to the usual output.
 class Repetitions : public benchmark::ConsoleReporter {
@@ -271,6 +283,9 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"simulated step with log, true wrench / floor", floors("BM_draw"), 11.0},
       {"simulated step with log, no wrench / floor", floors("BM_draw_natural"), 11.0},
       {"simulated step with log, blind / floor", floors("BM_draw_blind"), 10.0},
+      {"live view: ms behind the loop, median", live.delay_ms, 50.0},
+      {"live view: % of real_time_factor lost to one viewer", 100.0 * (1.0 - 1.0 / live.slower),
+       3.0},
   };
   int missed = 0, judged = 0;
   std::printf("\n%-60s %9s %10s\n", "ratio (medians of the repetitions)", "value", "limit");
@@ -287,6 +302,9 @@ int judge(const Repetitions& median, const Spread& steps) {
   if (steps.median > 0.0)
     std::printf("controller step, natural inertia: median %.2f, p99 %.2f, p99.9 %.2f µs\n",
                 steps.median / 1e3, steps.p99 / 1e3, steps.p999 / 1e3);
+  if (!std::isnan(live.factor))
+    std::printf("live view: p99 %.1f ms behind, real_time_factor %.1f with a viewer\n",
+                live.delay_p99_ms, live.factor);
   std::printf("%d of %d limits held\n", judged - missed, judged);
   return missed == 0 && judged > 0 ? kFinished : kMissed;
 }

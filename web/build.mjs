@@ -1,5 +1,5 @@
 // node build.mjs FOLDER: makes FOLDER/page.html, one file with style and program, from src/.
-// FOLDER/node_modules holds the packages. src/page/page.cc puts title and data in place of the marks.
+// FOLDER/node_modules holds the packages. src/page/page.cc puts title, data and what a live page connects to in place of the marks.
 import { createHash } from "node:crypto";
 import { readFileSync, renameSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -20,7 +20,7 @@ const program = await bundled("main.ts");
 const style = await bundled("style.css");
 // The page can neither fetch anything nor run another program than this one.
 const hash = createHash("sha256").update(program, "utf8").digest("base64");
-const policy = `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data: blob:`;
+const policy = `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data: blob:@CONNECT@`;
 const page = readFileSync(join(web, "src", "page.html"), "utf8")
   .replace("@POLICY@", () => policy)
   .replace("@STYLE@", () => style)

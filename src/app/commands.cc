@@ -84,8 +84,9 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
   return found.scenario;
 }
 
-int draw(const DrawOptions& options) {
+int draw(const DrawOptions& options, const LiveOptions& live) {
   const auto start = Clock::now();
+  LiveView view(live);
   Places places;
   Scenario scenario = resolve(options, &places);
   const fs::path folder = folder_for(options, scenario);
@@ -113,7 +114,14 @@ int draw(const DrawOptions& options) {
     require_same(as_given, folder);
   }
   print_notes(experiment);
-  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume);
+  view.begin(experiment, again(folder));
+  if (!view.address().empty()) {
+    say(stdout, "live    {}\n", view.address());
+    std::fflush(stdout);
+  }
+  const Drawing drawing =
+      draw_into(folder, experiment, seconds_since(start), options.resume, view.hooks());
+  view.finish(folder / "report.html");
   const RunOutcome& outcome = drawing.outcome;
   const std::string before =
       outcome.first_time > 0.0

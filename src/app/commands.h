@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/app/live_view.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/draw_options.h"
 
@@ -14,7 +15,7 @@ namespace impedraw {
 // placement.
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places);
 
-int draw(const DrawOptions& options);
+int draw(const DrawOptions& options, const LiveOptions& live = {});
 // The pre-flight alone, with a picture; kMissed where something cannot be drawn. `suggest`: also
 // settings to try.
 int plan(const DrawOptions& options, bool as_json, bool suggest);

@@ -126,13 +126,23 @@ int run_program(int argc, char** argv) {
       "draw what passes the pre-flight and list the rest (default: draw all or nothing)");
   draw->add_flag("--resume", options.resume,
                  "continue an interrupted run: keep what it drew, draw what has no ink");
+  impedraw::LiveOptions live;
+  CLI::Option* show = draw->add_flag(
+      "--live", live.show, "show the run in a browser while it goes on; prints the address");
+  draw->add_option("--port", live.port, "port of 127.0.0.1 for --live (default: a free one)")
+      ->check(CLI::Range(1, 65535))
+      ->needs(show);
+  draw->add_option("--pace", live.pace,
+                   "seconds of the run that a second shows (default: as fast as it goes)")
+      ->check(CLI::Range(0.01, 1000.0));
   draw->footer(
       "Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw "
       "draw --svg flower.svg --set "
       "drawing.placement.fit_radius=0.12\n"
       "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind\n"
-      "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run");
-  draw->callback([&] { code = impedraw::draw(options); });
+      "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run\n"
+      "  ./impedraw draw --text Hi --live --pace 1      # watch it in real time");
+  draw->callback([&] { code = impedraw::draw(options, live); });
 
   bool plan_json = false, plan_suggest = false;
   CLI::App* plan = app.add_subcommand("plan",

@@ -86,7 +86,8 @@ std::string commit() {
   return std::string(line.substr(0, line.find('\n')));
 }
 
-std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads) {
+std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads,
+                      const std::string& socket) {
   std::string all;
   for (const PagePayload& payload : payloads) {
     std::string data;
@@ -102,7 +103,9 @@ std::string page_html(const std::string& title, const std::vector<PagePayload>& 
                         static_cast<std::size_t>(impedraw_page_end - impedraw_page_begin));
   std::string out;
   for (const auto& [mark, text] :
-       {std::pair<std::string_view, std::string>{"@TITLE@", escaped(title)},
+       {std::pair<std::string_view, std::string>{
+            "@CONNECT@", socket.empty() ? std::string() : "; connect-src " + escaped(socket)},
+        {"@TITLE@", escaped(title)},
         {"@DATA@", std::move(all)}}) {
     const std::size_t at = page.find(mark);
     if (at == std::string_view::npos) throw std::logic_error("the page's template lacks a mark");

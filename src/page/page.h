@@ -77,7 +77,9 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
                          const Metrics& metrics, const PageContext& context);
 
 // The whole HTML file. Each payload: uint32 length of the JSON (little endian), JSON, columns;
-// deflated (zlib's format), base64. Several are separated by commas: runs compared.
-std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads);
+// deflated (zlib's format), base64. Several are separated by commas: runs compared. `socket`: the
+// one address that the page may connect to, as in ws://127.0.0.1:8080; empty: none.
+std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads,
+                      const std::string& socket = {});
 
 }  // namespace impedraw

@@ -1,6 +1,7 @@
 #include "impedraw/run/draw_into.h"
 
 #include <algorithm>
+#include <csignal>
 #include <optional>
 
 #include <fmt/format.h>
@@ -89,7 +90,8 @@ std::function<void()> give_up_on(const Interrupt& interrupt, const fs::path& fol
   };
 }
 
-Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up, bool resume) {
+Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up, bool resume,
+                  const RunHooks& watch) {
   make_folder(folder);
   const FolderLock lock(folder);
   require_own_log(folder);
@@ -105,15 +107,23 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     Interrupt interrupt;
     ProgressLine line;
     RunHooks hooks;
-    if (!resumption)
-      hooks.begun = [&] { write_inputs(folder, experiment.scenario, experiment.inputs); };
-    hooks.interrupted = [&] { return interrupt.requested(); };
+    hooks.row = watch.row;
+    if (watch.held)
+      hooks.held = [&](double time) { return !interrupt.requested() && watch.held(time); };
+    hooks.begun = [&] {
+      if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
+      if (watch.begun) watch.begun();
+    };
+    hooks.interrupted = [&] {
+      return interrupt.requested() || (watch.interrupted && watch.interrupted());
+    };
     hooks.progress = [&, first_time = resumption ? resumption->time : 0.0](const RunProgress& p) {
+      if (watch.progress) watch.progress(p);
       line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time});
     };
     drawing.outcome =
         run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
-    drawing.signal_code = interrupt.exit_code();
+    drawing.signal_code = interrupt.requested() ? interrupt.exit_code() : 128 + SIGINT;
   }
   const Interrupt interrupt;
   const auto check = give_up_on(interrupt, folder);

@@ -14,14 +14,15 @@ namespace impedraw {
 struct Drawing {
   RunOutcome outcome;
   Metrics metrics;
-  int signal_code = 0;  // of an interrupted run: 128 + signal
+  int signal_code = 0;  // of an interrupted run: 128 + signal; stopped by `watch`: 130
 };
 
 // start_up: preparation time [s]. `resume`: continues the run in the folder, or begins it if
-// nothing has been drawn yet. Throws InputError if another process writes there, Interrupted if a
-// signal comes while the results are made.
+// nothing has been drawn yet. `watch`: hooks beside the own ones; a signal ends what is held.
+// Throws InputError if another process writes there, Interrupted if a signal comes while the
+// results are made.
 Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
-                  bool resume = false);
+                  bool resume = false, const RunHooks& watch = {});
 
 // Throws Interrupted once a signal has come: the results in the folder are left unfinished. Refers
 // to `interrupt`.

@@ -199,6 +199,8 @@ class Runner {
   // Runs and logs one control cycle. Returns false if the run is over.
   bool step(const PathSample& desired) {
     const double t = time(), step_time = state_->step_time;
+    while (hooks_.held && hooks_.held(t)) {
+    }
     const auto step_start = Clock::now();
     if (!state_->stalled)
       out_ = guard_.braking() ? loop_.brake(*state_) : loop_.step(*state_, desired.reference);
@@ -210,6 +212,7 @@ class Runner {
     driver_.command(out_.tau, out_.terms.col(kGravity));
     fill_contact(driver_.truth(), &row_);
     log_.append(row_);
+    if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
     ink_.add(desired.stroke, desired.along,
              writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)));

@@ -40,6 +40,11 @@ struct RunHooks {
   std::function<void()> begun;  // called once the log is on the disk, before the first step
   std::function<void(const RunProgress&)> progress;  // called every ten control steps
   std::function<bool()> interrupted;                 // polled as often
+  // Called after each control step with its row. Must neither wait nor allocate.
+  std::function<void(const LogRow&)> row;
+  // Asked before each control step, with the driver's time [s], until it returns false: pauses and
+  // paces the run. It sleeps a little itself where it returns true. For a driver in lock-step.
+  std::function<bool(double)> held;
 };
 
 inline constexpr double kBadStateTime = 0.2;  // [s]

@@ -45,6 +45,26 @@ TEST(PageMesh, ALargeMeshIsThinnedWithoutLeavingTheSurface) {
   EXPECT_LT(worst, 0.2e-3);
 }
 
+TEST(PageMesh, TwoMillionTrianglesBecomeAsManyAsAPageShows) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  make_bowl(1000, &vertices, &triangles);
+  ASSERT_EQ(triangles.size(), 2'000'000u);
+  constexpr std::size_t kMost = 16000;
+  const PageMesh mesh = page_mesh(vertices, triangles, kMost);
+  EXPECT_LE(mesh.triangles.size(), kMost + kMost / 4);
+  EXPECT_GT(mesh.triangles.size(), kMost / 4);
+  double worst = 0.0, area = 0.0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+    const Eigen::Vector3d p = (a + b + c) / 3.0;
+    worst = std::max(worst, std::abs(p.z() - p.head<2>().squaredNorm()));
+    area += 0.5 * (b - a).cross(c - a).z();
+  }
+  EXPECT_NEAR(area, 0.16, 1e-4);
+  EXPECT_LT(worst, 0.2e-3);
+}
+
 TEST(PageMesh, ASmallMeshStaysWhole) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> triangles;

@@ -66,7 +66,8 @@ export interface Part {
 }
 
 export interface Run {
-  kind: "run" | "plan";
+  kind: "run" | "plan" | "live";
+  live: { columns: string[]; duration: number; strokes: number } | null; // of a run that goes on
   name: string; // among runs compared
   title: string;
   version: string;
@@ -161,7 +162,7 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
     }
   }
   return {
-    kind: json.kind ?? "run", name: json.name ?? json.title, commit: json.commit ?? "",
+    kind: json.kind ?? "run", live: json.live ?? null, name: json.name ?? json.title, commit: json.commit ?? "",
     maps: (json.maps ?? []).map(colouring), plan: json.plan ?? {},
     findings: (json.findings ?? []).map((f: any) => ({ ...f, line: each(f.line) })),
     title: json.title, version: json.version, command: json.command, attributes: json.attributes,

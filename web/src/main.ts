@@ -4,9 +4,10 @@ import { lastAt } from "./columns";
 import { inflate, parse, type Finding, type Run } from "./data";
 import { h, numberText, save, timeText } from "./dom";
 import { colourNames, hashOf, momentOf, viewNames, type Colour, type View } from "./link";
+import { LiveLink, LiveRun } from "./live";
 import { Plots } from "./plots";
 import { Scene, targetColour, type Legend } from "./scene";
-import { about, changedSettings, comparison, findings, numbers, planNumbers, settings, strokes, tiles } from "./tables";
+import { about, changedSettings, comparison, findings, liveTiles, numbers, planNumbers, settings, strokeComparison, strokes, tiles } from "./tables";
 
 const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const viewLabels: Record<View, string> = {
@@ -56,9 +57,20 @@ class Page {
   private viewButtons = new Map<View, HTMLButtonElement>();
   private strokeRows: HTMLElement[] = [];
   private moving = false; // the page moves the cameras itself
+  private gone = new AbortController(); // another page takes this one's place
+  private follows = true; // the end of a run that goes on
+  private inkShown = 0;
+  private refreshed = 0; // [ms]
+  private coloured = 0; // [ms]
+  private liveState = h("output", { class: "live-state", role: "status" });
+  private livePause = h("button", { type: "button" }, "pause the run");
+  private liveStop = h("button", { type: "button" }, "stop with a lift");
+  private liveFollow = h("button", { type: "button", "aria-pressed": "true" }, "follow the run");
+  private liveNumbers = h("div", {});
   readonly stage = h("div", { class: "stage" });
 
-  constructor(readonly runs: Run[], root: HTMLElement) {
+  // `live`: of a run that goes on. `note`: said at the top.
+  constructor(readonly runs: Run[], root: HTMLElement, private live: { run: LiveRun; link: LiveLink } | null = null, note = "") {
     const run = (this.run = runs[0]);
     this.isPlan = run.kind === "plan";
     this.begin = Math.min(...runs.map((r) => r.scene.time[0] ?? 0));
@@ -68,7 +80,7 @@ class Page {
       type: "range", class: "slider", min: this.begin, max: Math.max(this.end, this.begin + 1e-3), step: 0.001,
       "aria-label": "time of the replay",
     });
-    this.plots = new Plots(runs, { seek: (t) => this.seek(t) });
+    this.plots = new Plots(runs, { seek: (t) => this.goAway(t) });
     let refusal = "";
     try {
       this.scenes = runs.map((r, k) => new Scene(r, k === 0 ? runs.slice(1) : [], runs.length));
@@ -77,7 +89,7 @@ class Page {
       refusal = error instanceof Error ? error.message : String(error);
     }
     document.title = this.title();
-    root.replaceChildren(this.header(), h("main", { class: "layout" }, this.stageWith(refusal), this.panel()));
+    root.replaceChildren(this.header(note), h("main", { class: "layout" }, this.stageWith(refusal), this.panel()));
     this.listen();
     this.applyTheme();
     const moment = momentOf(location.hash);
@@ -86,6 +98,7 @@ class Page {
     this.resize();
     this.setView(moment.view ?? "free");
     this.seek(moment.t ?? (this.isPlan ? this.begin : this.end));
+    this.inkShown = run.ink.time.length;
     this.draw();
     requestAnimationFrame((now) => this.frame(now));
   }
@@ -94,14 +107,17 @@ class Page {
     return this.runs.length > 1 ? `${this.run.title}: ${this.runs.map((r) => r.name).join(", ")}` : this.run.title;
   }
 
-  private header(): HTMLElement {
+  private header(note: string): HTMLElement {
     const theme = h("button", { type: "button", class: "small", "aria-label": "light or dark" }, "◐");
     theme.addEventListener("click", () => {
       document.documentElement.dataset.theme = this.isDark() ? "light" : "dark";
       this.applyTheme();
     });
     const facts: string[] = [];
-    if (this.isPlan) {
+    if (this.live) {
+      facts.push("live");
+      if (this.run.attributes.seed) facts.push(`seed ${this.run.attributes.seed}`);
+    } else if (this.isPlan) {
       facts.push("plan, nothing has moved", `${this.run.duration.toFixed(1)} s`, `${this.run.spans.length} parts to draw`,
         this.run.findings.length ? `${this.run.findings.length} cannot be drawn` : "all can be drawn");
     } else if (this.runs.length > 1) {
@@ -113,6 +129,15 @@ class Page {
     }
     const box = h("header", { class: "top" }, h("h1", {}, this.title()), h("p", {}, facts.join(" · ")), theme);
     const header = h("div", {}, box);
+    if (note) header.append(h("p", { class: "note", role: "status" }, note));
+    if (this.live) {
+      const { link } = this.live;
+      this.livePause.addEventListener("click", () => link.send(link.state === "paused" ? "resume" : "pause"));
+      this.liveStop.addEventListener("click", () => link.send("stop"));
+      this.liveFollow.addEventListener("click", () => this.setFollow(!this.follows));
+      header.append(h("div", { class: "live", role: "group", "aria-label": "the run that goes on" },
+        this.liveState, this.livePause, this.liveStop, this.liveFollow));
+    }
     for (const run of this.runs) {
       const cut = !run.complete ? "cannot be read to its end" : !run.closed ? "ends before the run was closed" : "";
       const whose = this.runs.length > 1 ? `The log of ${run.name}` : "The log";
@@ -221,6 +246,9 @@ class Page {
     const pages: [string, HTMLElement][] = [["Plots", this.plots.element]];
     if (this.runs.length > 1) {
       pages.unshift(["Differences", h("div", {}, comparison(this.runs), h("h3", {}, "Settings that differ"), changedSettings(this.runs))]);
+      const strokeList = strokeComparison(this.runs, (t) => this.seek(t));
+      this.strokeRows = [...strokeList.querySelectorAll<HTMLElement>("tr[data-begin]")];
+      pages.push(["Strokes", strokeList]);
       pages.push(["Settings", h("div", {}, ...this.runs.map((run) => h("details", {}, h("summary", {}, run.name), about(run), settings(run))))]);
     } else if (this.isPlan) {
       pages.unshift(["What fails", findings(this.run, this.scenes[0]?.problems() ?? [...new Set(this.run.findings.map((f) => f.problem))].sort(), problemColour, (f) => this.goTo(f))]);
@@ -234,7 +262,8 @@ class Page {
       pages.push(["Numbers", h("div", {}, tiles(this.run), numbers(this.run), about(this.run))],
         ["Strokes", strokeList], ["Settings", settings(this.run)]);
     }
-    pages.push(["Pictures", flat]);
+    if (this.live) pages.splice(1, pages.length - 1, ["Numbers", h("div", {}, this.liveNumbers, about(this.run))], ["Settings", settings(this.run)]);
+    else pages.push(["Pictures", flat]);
     const list = h("div", { role: "tablist", "aria-label": "about the run" });
     const tabs = pages.map(([name, content], i) => {
       content.id = `panel-${i}`;
@@ -279,19 +308,20 @@ class Page {
 
   private listen(): void {
     this.play.addEventListener("click", () => this.setPlaying(!this.playing));
-    this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
+    this.slider.addEventListener("input", () => this.goAway(Number(this.slider.value)));
     this.speedChoice.addEventListener("change", () => (this.speed = Number(this.speedChoice.value)));
     this.colourChoice.addEventListener("change", () => this.setColour(this.colourChoice.value as Colour));
     this.mapChoice.addEventListener("change", () => this.setMap(this.mapChoice.value));
     this.overTick.addEventListener("change", () => this.setOver(this.overTick.checked));
+    const { signal } = this.gone;
     window.addEventListener("hashchange", () => {
       const moment = momentOf(location.hash);
       if (moment.colour) this.setColour(moment.colour);
       if (moment.view) this.setView(moment.view);
-      if (moment.t !== undefined) this.seek(moment.t);
-    });
-    window.addEventListener("keydown", (event) => this.key(event));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.applyTheme());
+      if (moment.t !== undefined) this.goAway(moment.t);
+    }, { signal });
+    window.addEventListener("keydown", (event) => this.key(event), { signal });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.applyTheme(), { signal });
     new ResizeObserver(() => this.resize()).observe(this.stage);
     for (const scene of this.scenes) {
       scene.onChange = () => (this.dirty = true);
@@ -307,9 +337,82 @@ class Page {
         const finding = scene.findingAt(e.offsetX, e.offsetY);
         if (finding) return this.goTo(finding);
         const t = scene.timeAt(e.offsetX, e.offsetY);
-        if (t !== null) this.seek(t);
+        if (t !== null) this.goAway(t);
       });
     }
+    if (this.live) {
+      this.live.link.onState = () => this.showLive();
+      this.showLive();
+    }
+  }
+
+  // To a moment that the user chose: a run that goes on is no longer followed.
+  private goAway(t: number): void {
+    if (this.live) this.setFollow(t >= this.end - 1e-6);
+    this.seek(t);
+  }
+
+  private setFollow(follows: boolean): void {
+    this.follows = follows;
+    this.liveFollow.setAttribute("aria-pressed", String(follows));
+    if (follows) {
+      this.setPlaying(false);
+      this.seek(this.end);
+    }
+  }
+
+  private setFollowOff(): void {
+    this.follows = false;
+    this.liveFollow.setAttribute("aria-pressed", "false");
+  }
+
+  private showLive(): void {
+    if (!this.live) return;
+    const { run, link } = this.live;
+    const now = run.numbers();
+    const words = {
+      connecting: "connecting …", running: link.stopping ? "stopping: the pen is lifted" : "running", paused: "paused",
+      ending: "the run has ended; its report is being made …", finished: "finished",
+      lost: "the run's program does not answer; trying again …",
+    }[link.state];
+    const facts = [words];
+    if (Number.isFinite(now.share)) facts.push(`${Math.round(100 * now.share)} %`);
+    if (link.state === "running" && Number.isFinite(now.rate)) facts.push(`${numberText(now.rate, 2)} × real time`);
+    const text = facts.join(" · ");
+    if (this.liveState.textContent !== text) this.liveState.textContent = text;
+    this.liveState.dataset.state = link.state;
+    this.livePause.textContent = link.state === "paused" ? "resume the run" : "pause the run";
+    const going = link.state === "running" || link.state === "paused";
+    this.livePause.disabled = this.liveStop.disabled = !going || link.stopping;
+    this.liveNumbers.replaceChildren(liveTiles(now, this.run, this.run.live?.strokes ?? 0));
+  }
+
+  // Rows of a run that goes on have come.
+  grow(): void {
+    const { time } = this.run.scene;
+    this.end = time[time.length - 1];
+    this.slider.max = String(this.end);
+    this.scenes[0]?.grow(this.inkShown);
+    this.inkShown = this.run.ink.time.length;
+    const now = performance.now();
+    if (now - this.refreshed > 300) {
+      this.refreshed = now;
+      this.plots.grow(this.end);
+      this.drawStrip();
+      this.showLive();
+    }
+    // The colours' ends follow what there is.
+    if (now - this.coloured > 2000 || (this.inkShown > 0 && this.inkShown < 100)) {
+      this.coloured = now;
+      this.setColour(this.colour);
+    }
+    this.seek(this.follows && !this.playing ? this.end : this.t);
+  }
+
+  // Another page takes this one's place.
+  close(): void {
+    this.gone.abort();
+    for (const scene of this.scenes) scene.dispose();
   }
 
   private key(event: KeyboardEvent): void {
@@ -320,10 +423,10 @@ class Page {
     const step = event.shiftKey ? 1 : 0.1;
     const actions: Record<string, () => void> = {
       " ": () => this.setPlaying(!this.playing),
-      ArrowLeft: () => this.seek(this.t - step),
-      ArrowRight: () => this.seek(this.t + step),
-      Home: () => this.seek(this.begin),
-      End: () => this.seek(this.end),
+      ArrowLeft: () => this.goAway(this.t - step),
+      ArrowRight: () => this.goAway(this.t + step),
+      Home: () => this.goAway(this.begin),
+      End: () => this.goAway(this.end),
       "+": () => this.changeSpeed(1),
       "-": () => this.changeSpeed(-1),
       c: () => {
@@ -360,6 +463,7 @@ class Page {
 
   setPlaying(playing: boolean): void {
     this.playing = playing;
+    if (playing && this.live) this.setFollowOff();
     if (playing && this.t >= this.end - 1e-6) this.seek(this.begin);
     this.play.textContent = playing ? "❚❚" : "▶";
     this.play.setAttribute("aria-label", playing ? "pause" : "play");
@@ -498,6 +602,7 @@ class Page {
   }
 
   private frame(now: number): void {
+    if (this.gone.signal.aborted) return;
     if (this.playing) {
       const t = this.t + this.speed * Math.min(0.25, (now - this.lastFrame) / 1000);
       this.seek(t);
@@ -520,6 +625,9 @@ class Page {
         this.seek(t);
         this.draw();
       },
+      live: () => ({ state: this.live?.link.state ?? "", rows: this.run.scene.time.length, ink: this.run.ink.time.length, follows: this.follows, segments: this.inkShown }),
+      drop: () => this.live?.link.drop(),
+      times: () => Array.from(this.run.scene.time),
       state: () => ({ t: this.t, playing: this.playing, speed: this.speed, view: this.view, colour: this.colour, end: this.end, over: this.over }),
       frames: (which = 0) => this.scenes[which]?.frames() ?? {},
       eyes: () => this.scenes.map((s) => ({ from: s.eye().from.toArray(), at: s.eye().at.toArray() })),
@@ -599,13 +707,54 @@ class Page {
   }
 }
 
+// A run that goes on: its page is made when the first rows are here, and gives way to the report.
+function follow(run: Run, root: HTMLElement): Promise<ReturnType<Page["hook"]>> {
+  document.head.append(h("link", { rel: "icon", href: "data:," })); // else the browser asks for one
+  return new Promise((shown) => {
+    const live = new LiveRun(run);
+    const link = new LiveLink(() => live.lastTime);
+    let page: Page | null = null;
+    let waiting: Float32Array[] = [];
+    let asked = false;
+    const take = () => {
+      asked = false;
+      for (const rows of waiting) live.append(rows);
+      waiting = [];
+      if (page) return page.grow();
+      page = new Page([run], root, { run: live, link });
+      shown(page.hook());
+    };
+    link.onRows = (rows) => {
+      waiting.push(rows);
+      if (!asked) requestAnimationFrame(take);
+      asked = true;
+    };
+    const tell = () => root.querySelector(".waiting")?.replaceChildren(link.state === "lost" ? "The run's program does not answer; trying again …" : "Waiting for the run …");
+    link.onState = tell;
+    tell();
+    link.onReport = (report) => {
+      page?.close();
+      if (report) {
+        page = new Page([report], root, null, "The run has ended: this is its report.");
+        const hook = page.hook();
+        shown(hook);
+        window.impedraw = Promise.resolve(hook);
+      } else {
+        root.replaceChildren(h("p", { class: "warning", role: "status" }, "The run has ended. It left no report."));
+      }
+      link.onRows = () => {};
+      waiting = [];
+    };
+  });
+}
+
 async function start(): Promise<ReturnType<Page["hook"]>> {
   const root = document.getElementById("page") as HTMLElement;
   try {
     const data = document.getElementById("data") as HTMLElement;
     const runs = await Promise.all((data.textContent ?? "").split(",").map(async (text) => parse(await inflate(text))));
     data.remove();
-    return new Page(runs, root).hook();
+    return runs[0].live ? await follow(runs[0], root) : new Page(runs, root).hook();
   } catch (error) {
     root.replaceChildren(h("p", { class: "warning", role: "alert" },
       `This page cannot be shown here: ${error instanceof Error ? error.message : String(error)}. The pictures and metrics.json stand beside it.`));

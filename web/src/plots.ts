@@ -34,6 +34,7 @@ export class Plots {
   private made: { panel: Panel; chart: uPlot; now: HTMLElement; body: HTMLElement; curves: Curve[] }[] = [];
   private pending = new Map<Element, () => void>();
   private pyramids = new Map<Series, Pyramid>();
+  private shownEnd = 0; // of a run that goes on
   private joint: number; // −1: all
   private t = 0;
   private run: Run;
@@ -43,6 +44,7 @@ export class Plots {
     this.run = runs[0];
     this.joint = runs.length > 1 ? 0 : -1;
     this.range = this.wholeRange();
+    this.shownEnd = this.range[1];
     const watch = new IntersectionObserver((entries) => {
       for (const entry of entries) {
         if (!entry.isIntersecting) continue;
@@ -79,7 +81,7 @@ export class Plots {
     const several = this.runs.length > 1;
     return this.runs.flatMap((run, r) => {
       const series = run.series.get(name);
-      if (!series || !series.low.some(Number.isFinite)) return [];
+      if (!series || !(run.kind === "live" || series.low.some(Number.isFinite))) return [];
       // Of what is asked for, one curve tells enough.
       if (several && more.dash && r > 0) return [];
       if (!several) return [{ series, label, colour: kinds[k % kinds.length], ...more }];
@@ -117,7 +119,7 @@ export class Plots {
       { title: "largest joint torque", unit: "% of its limit", fromZero: true, curves: () => this.curve("torque", "torque", 0) },
     ];
     const clock = this.run.series.get("time_scale");
-    if (clock && quantile(clock.low, 0) < 0.999)
+    if (clock && (this.run.kind === "live" || quantile(clock.low, 0) < 0.999))
       panels.push({ title: "speed of the plan's clock", unit: "1 = as planned", fromZero: true, curves: () => this.curve("time_scale", "clock", 0) });
     const both = (x: number | null) => (x === null ? [null] : [-x, x]);
     panels.push(
@@ -127,6 +129,9 @@ export class Plots {
         limits: () => (this.joint < 0 ? [] : both(joints.speed[this.joint] ?? null)) },
       { title: "joint torque", unit: unit("Nm"), joint: true, curves: ofJoints("torque", of(joints.torque)),
         limits: () => (this.joint < 0 ? [] : both(joints.torque[this.joint] ?? null)) },
+      // Of several runs, each term is a plot; of one, they share it.
+      ...(this.runs.length > 1 ? this.run.terms : []).map((term) => ({ title: `torque term: ${term.replaceAll("_", " ")}`, unit: unit("Nm"), joint: true,
+        curves: () => this.curve(`${term}_${this.joint}`, term, 0) })),
       { title: "torque terms", unit: "Nm", joint: true,
         curves: () => (this.runs.length > 1 ? [] : this.run.terms).flatMap((term, k) => this.curve(`${term}_${Math.max(0, this.joint)}`, term.replaceAll("_", " "), k)) },
     );
@@ -324,6 +329,14 @@ export class Plots {
   seek(t: number): void {
     this.t = t;
     for (const { chart, now } of this.made) this.place(chart, now);
+  }
+
+  // A run that goes on has more rows. Who has zoomed in keeps what is seen.
+  grow(end: number): void {
+    this.pyramids.clear();
+    const follows = this.range[1] >= this.shownEnd - 1e-6;
+    this.shownEnd = end;
+    if (follows) this.zoom(this.range[0], end);
   }
 
   // Draws all anew in the page's colours.

@@ -27,7 +27,7 @@ interface Ink {
   run: Run;
   lines: Lines;
   point: number[]; // index of each segment's first point in run.ink
-  time: Float64Array; // of each segment
+  time: number[]; // of each segment
 }
 
 export const targetColour = "#6f9fcc";
@@ -46,6 +46,19 @@ function interleaved(points: Float64Array[]): Float32Array {
 
 function pointAt(points: Float64Array[], i: number): three.Vector3 {
   return new three.Vector3(points[0][i], points[1][i], points[2][i]);
+}
+
+// The points from i to k lie within `off` of the line between these two [m].
+function isStraight(points: Float64Array[], i: number, k: number, off: number): boolean {
+  const from = pointAt(points, i);
+  const along = pointAt(points, k).sub(from);
+  const square = Math.max(along.lengthSq(), 1e-18);
+  for (let j = i + 1; j < k; ++j) {
+    const away = pointAt(points, j).sub(from);
+    const f = away.dot(along) / square;
+    if (f < 0 || f > 1 || away.addScaledVector(along, -f).lengthSq() > off * off) return false;
+  }
+  return true;
 }
 
 // A line with an arrow's head; both keep their width whatever the length.
@@ -120,6 +133,7 @@ export class Scene {
   private t = 0;
   private dark = false;
   private colour: Colour = "nothing";
+  private tintOf: (segment: number) => [number, number, number] = () => [0, 0, 0]; // of the run's own ink
 
   // `others`: runs whose ink can be laid over this one's. `panes`: scenes that share the page.
   // Throws an error where there is no WebGL.
@@ -173,9 +187,13 @@ export class Scene {
     const isCovered: boolean[] = [];
     for (let line = 0; line < begins.length; ++line) {
       const end = line + 1 < begins.length ? begins[line + 1] : covered.length;
-      for (let i = begins[line]; i + 1 < end; ++i) {
-        for (const k of [i, i + 1]) positions.push(points[0][k], points[1][k], points[2][k]);
-        isCovered.push(covered[i] > 0 && covered[i + 1] > 0);
+      const has = (i: number) => covered[i] > 0 && covered[i + 1] > 0;
+      for (let i = begins[line]; i + 1 < end;) {
+        let next = i + 1;
+        while (next + 1 < end && next - i < 60 && has(next) === has(i) && isStraight(points, i, next + 1, 2e-5)) ++next;
+        for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
+        isCovered.push(has(i));
+        i = next;
       }
     }
     const target = new Lines(positions, 0.75);
@@ -226,9 +244,35 @@ export class Scene {
       lines.material.transparent = true; // so that it is drawn after the target
       lines.renderOrder = 2 + 0.01 * this.others.indexOf(run) + 0.01;
       lines.visible = run === this.run;
-      return { run, lines, point, time: Float64Array.from(times) };
+      return { run, lines, point, time: times };
     });
     return new three.Group().add(...this.inks.map((ink) => ink.lines));
+  }
+
+  // A run that goes on has more ink, from its point `first` on.
+  grow(first: number): void {
+    const [{ run, lines, point, time }] = this.inks;
+    const { points, begins } = run.ink;
+    const positions: number[] = [];
+    const before = lines.segments;
+    let line = lastAt(begins, first);
+    for (let i = first; i < run.ink.time.length; ++i) {
+      while (line + 1 < begins.length && begins[line + 1] <= i) ++line;
+      if (i === begins[line]) continue;
+      for (const k of [i - 1, i]) positions.push(points[0][k], points[1][k], points[2][k]);
+      point.push(i - 1);
+      time.push(run.ink.time[i]);
+    }
+    if (positions.length === 0) return;
+    lines.append(positions);
+    lines.tint(this.tintOf, before);
+  }
+
+  // The scene is not shown again.
+  dispose(): void {
+    this.orbit.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   // The other runs' ink in the same scene, or this run's alone.
@@ -494,7 +538,7 @@ export class Scene {
     if (this.over) return { unit: "", low: 0, high: 0, kinds: this.inks.map((ink) => ink.run.name) };
     if (colour === "pass") {
       let passes = 0;
-      lines.tint((segment) => {
+      lines.tint(this.tintOf = (segment) => {
         const pass = run.ink.pass[Math.max(0, lastAt(run.ink.begins, point[segment]))];
         passes = Math.max(passes, pass);
         return rgb(kinds[(pass - 1) % kinds.length]);
@@ -503,16 +547,16 @@ export class Scene {
     }
     const chosen = run.ink.colours.find((c) => c.name === colour);
     if (!chosen) {
-      lines.tint(() => plain);
+      lines.tint(this.tintOf = () => plain);
       return null;
     }
     const { values, unit } = chosen;
     const low = ["error", "tilt", "speed", "normal_error"].includes(colour) ? 0 : quantile(values, 0.01);
     const high = quantile(values, 0.99);
     const span = Math.max(high - low, 1e-9);
-    lines.tint((segment) => {
-      const v = values[point[segment]];
-      return Number.isFinite(v) ? rampAt((v - low) / span) : rgb("#8a8f98");
+    lines.tint(this.tintOf = (segment) => {
+      const v = chosen.values[point[segment]];
+      return Number.isFinite(v) && Number.isFinite(span) ? rampAt((v - low) / span) : rgb("#8a8f98");
     });
     return { unit, low, high };
   }

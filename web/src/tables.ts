@@ -2,6 +2,7 @@
 import { quantile } from "./colours";
 import type { Finding, Limit, Part, Run } from "./data";
 import { h, numberText, timeText } from "./dom";
+import type { LiveNumbers } from "./live";
 
 export function holds(value: unknown, limit: Limit): boolean {
   return typeof value === "number" && value >= (limit.min ?? -Infinity) && value <= (limit.max ?? Infinity);
@@ -111,6 +112,18 @@ export const tileNames: [string, string][] = [
   ["force_mean", "normal force, mean"], ["force_sd", "its standard deviation"], ["tilt_mean", "tilt, mean"],
 ];
 
+// The numbers so far of a run that goes on.
+export function liveTiles(now: LiveNumbers, run: Run, strokeCount: number): HTMLElement {
+  const tile = (value: string, label: string) => h("div", {}, h("dd", {}, value), h("dt", {}, label));
+  const begun = new Set(run.spans.map(([stroke]) => stroke)).size;
+  return h("dl", { class: "tiles" },
+    tile(timeText(run.scene.time.at(-1) ?? 0), `of about ${timeText(run.live?.duration ?? 0)}`),
+    tile(`${begun} of ${strokeCount}`, "strokes begun"),
+    tile(`${numberText(now.error, 3)}\u202fmm`, "ink error so far, RMS"), tile(`${numberText(now.errorMax, 3)}\u202fmm`, "largest"),
+    tile(`${numberText(now.force, 3)}\u202fN`, "normal force so far, mean"), tile(`${numberText(now.forceSd, 3)}\u202fN`, "its standard deviation"),
+    tile(`${numberText(now.tilt, 3)}\u202f°`, "tilt so far, mean"));
+}
+
 export function tiles(run: Run): HTMLElement {
   const units = new Map(run.definitions.map((d) => [d.name, d.unit]));
   return h("dl", { class: "tiles" }, ...tileNames.map(([name, label]) => {
@@ -121,12 +134,23 @@ export function tiles(run: Run): HTMLElement {
 }
 
 // The passes over strokes, in the order of time; then what was left out or lacks ink.
-export function strokes(run: Run, go: (t: number) => void, look: (p: number[], part: Part) => void): HTMLElement {
+// A stroke as it was drawn in a pass.
+interface DrawnStroke {
+  stroke: number;
+  pass: number;
+  begin: number;
+  end: number;
+  ink: number; // [m]; NaN: none
+  error: number; // the largest [mm]
+  force: number; // median [N]
+}
+
+function drawnStrokes(run: Run): DrawnStroke[] {
   const { ink } = run;
   const of = (name: string) => ink.colours.find((c) => c.name === name)?.values ?? new Float64Array(ink.time.length).fill(NaN);
   const [errors, forces] = [of("error"), of("force")];
   const passes = new Map<number, number>();
-  const rows = run.spans.map(([stroke, begin, end]) => {
+  return run.spans.map(([stroke, begin, end]) => {
     const pass = (passes.get(stroke) ?? 0) + 1;
     passes.set(stroke, pass);
     const error: number[] = [], force: number[] = [];
@@ -139,15 +163,43 @@ export function strokes(run: Run, go: (t: number) => void, look: (p: number[], p
       if (next > 0 && (next < 0.05 || run.kind === "plan") && ink.time[i + 1] <= end)
         length += Math.hypot(...[0, 1, 2].map((k) => ink.points[k][i + 1] - ink.points[k][i]));
     }
-    const button = h("button", { type: "button", class: "small" }, `${stroke}${pass > 1 ? `, pass ${pass}` : ""}`);
-    button.setAttribute("aria-label", `go to stroke ${stroke}, pass ${pass}`);
-    button.addEventListener("click", () => go(begin));
-    const row = h("tr", { "data-begin": begin, "data-end": end },
-      h("td", {}, button), h("td", { class: "n" }, timeText(begin)), h("td", { class: "n" }, timeText(end - begin)),
-      h("td", { class: "n" }, error.length ? (1e3 * length).toFixed(1) : "no ink"), h("td", { class: "n" }, numberText(quantile(error, 1), 3)),
-      h("td", { class: "n" }, numberText(quantile(force, 0.5), 3)));
-    return row;
+    return { stroke, pass, begin, end, ink: error.length ? length : NaN, error: quantile(error, 1), force: quantile(force, 0.5) };
   });
+}
+
+function strokeButton(of: { stroke: number; pass: number; begin: number }, go: (t: number) => void): HTMLElement {
+  const button = h("button", { type: "button", class: "small" }, `${of.stroke}${of.pass > 1 ? `, pass ${of.pass}` : ""}`);
+  button.setAttribute("aria-label", `go to stroke ${of.stroke}, pass ${of.pass}`);
+  button.addEventListener("click", () => go(of.begin));
+  return button;
+}
+
+const inkText = (ink: number) => (Number.isFinite(ink) ? (1e3 * ink).toFixed(1) : "no ink");
+
+// The strokes of runs side by side; the button goes to when the first of them draws it.
+export function strokeComparison(runs: Run[], go: (t: number) => void): HTMLElement {
+  const keyOf = (s: DrawnStroke) => `${s.stroke}/${s.pass}`;
+  const of = runs.map((run) => new Map(drawnStrokes(run).map((s) => [keyOf(s), s])));
+  const all = new Map(of.flatMap((strokes) => [...strokes]).reverse());
+  const rows = [...all.values()].sort((a, b) => a.begin - b.begin || a.stroke - b.stroke);
+  const columns: [string, (s: DrawnStroke) => string][] = [
+    ["ink [mm]", (s) => inkText(s.ink)], ["worst error [mm]", (s) => numberText(s.error, 3)], ["force, median [N]", (s) => numberText(s.force, 3)],
+  ];
+  const head = h("thead", {},
+    h("tr", {}, h("th", {}), ...columns.map(([title]) => h("th", { class: "n", colspan: runs.length, scope: "colgroup" }, title))),
+    h("tr", {}, h("th", {}, "stroke"), ...columns.flatMap(() => runs.map((run) => h("th", { class: "n" }, run.name)))));
+  return h("div", { class: "scroll" }, h("table", { class: "strokes" }, head, h("tbody", {}, ...rows.map((row) =>
+    h("tr", { "data-begin": row.begin, "data-end": row.end }, h("td", {}, strokeButton(row, go)),
+      ...columns.flatMap(([, text]) => of.map((strokes) => {
+        const s = strokes.get(keyOf(row));
+        return h("td", { class: "n" }, s ? text(s) : "–");
+      })))))));
+}
+
+export function strokes(run: Run, go: (t: number) => void, look: (p: number[], part: Part) => void): HTMLElement {
+  const rows = drawnStrokes(run).map((s) => h("tr", { "data-begin": s.begin, "data-end": s.end },
+    h("td", {}, strokeButton(s, go)), h("td", { class: "n" }, timeText(s.begin)), h("td", { class: "n" }, timeText(s.end - s.begin)),
+    h("td", { class: "n" }, inkText(s.ink)), h("td", { class: "n" }, numberText(s.error, 3)), h("td", { class: "n" }, numberText(s.force, 3))));
   const box = h("div", {});
   box.append(h("div", { class: "scroll" }, h("table", { class: "strokes" }, h("thead", {}, h("tr", {},
     h("th", {}, "stroke"), ...["from", "for", "ink [mm]", "worst error [mm]", "force, median [N]"].map((x) => h("th", { class: "n" }, x)))),
@@ -213,7 +265,7 @@ export function about(run: Run): HTMLElement {
   const times = Object.entries(names).filter(([key]) => typeof wall[key] === "number").map(([key, label]) => `${label} ${(wall[key] as number).toFixed(2)} s`);
   const list = h("dl", { class: "facts" });
   const add = (name: string, value: string) => value && list.append(h("dt", {}, name), h("dd", {}, value));
-  add("simulated", `${run.duration.toFixed(2)} s`);
+  if (run.kind !== "live") add("simulated", `${run.duration.toFixed(2)} s`);
   add("wall time", times.join(", "));
   add("impedraw", run.commit ? `${run.version}, commit ${run.commit}` : run.version);
   for (const [key, value] of Object.entries(run.attributes)) add(key, value);

@@ -358,6 +358,17 @@ test("runs compared share one camera and one time line", { timeout: 600_000, ski
   const table = await page.locator("table.comparison").textContent();
   assert.match(table, /ink_error_rms/);
   await page.screenshot({ path: join(shots, "compare.png") });
+
+  // Strokes side by side, each with two runs' ink; the button goes there.
+  await page.getByRole("tab", { name: "Strokes" }).click();
+  const rows = page.locator("table.strokes tbody tr");
+  assert.equal(await rows.count(), new Set(log.stroke.filter((s) => s >= 0)).size);
+  const cells = await rows.first().locator("td.n").allTextContents();
+  assert.equal(cells.length, 6);
+  assert.ok(cells.every((text) => Number(text) > 0), cells.join(" "));
+  await rows.first().getByRole("button").click();
+  assert.ok(Math.abs((await ask(page, "state")).t - log.time[log.stroke.findIndex((s) => s >= 0)]) < 0.02);
+  assert.ok((await page.locator("section[aria-label^='torque term: ']").count()) >= 3, "a plot for each torque term");
   assert.equal(await page.evaluate(() => window.hacked), undefined);
   assert.deepEqual(wrong, []);
   await close();

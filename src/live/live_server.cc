@@ -1,0 +1,469 @@
+#include "impedraw/live/live_server.h"
+
+#include <pthread.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <csignal>
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using Error = beast::error_code;
+using Request = http::request<http::empty_body>;
+using Response = http::response<http::string_body>;
+
+constexpr std::size_t kMostHeader = 8192;  // [bytes]
+constexpr std::size_t kMostMessage = 64;   // of a viewer [bytes]
+constexpr std::size_t kMostRequests = 24;  // that have not become viewers
+constexpr std::size_t kRowsAMessage = 512;
+
+std::string random_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::runtime_error("the live view's token cannot be made: no random numbers");
+  std::string text;
+  for (const unsigned char b : bytes) text += fmt::format("{:02x}", b);
+  return text;
+}
+
+// Takes as long wherever they differ.
+bool same(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned char differ = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) differ |= static_cast<unsigned char>(a[i] ^ b[i]);
+  return differ == 0;
+}
+
+std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
+
+void append_number(std::uint32_t number, std::string* out) {
+  for (int shift = 0; shift < 32; shift += 8) *out += static_cast<char>((number >> shift) & 0xff);
+}
+
+class Viewer;
+
+// What the server's thread has, and the run's thread may read.
+struct Shared {
+  explicit Shared(const LiveSettings& given)
+      : settings(given), ring(given.row_width, 8192), token(random_token()) {}
+
+  const LiveSettings settings;
+  RowRing ring;
+  const std::string token;
+  std::string page;
+  int port = 0;
+  std::atomic<bool> paused = false, stopped = false;
+  std::atomic<std::size_t> viewer_count = 0;
+
+  // Of the server's thread.
+  std::vector<float> kept;  // rows, oldest first
+  std::size_t requests = 0;
+  bool ending = false;
+  std::shared_ptr<const std::string> report;
+  std::vector<std::shared_ptr<Viewer>> viewers;
+  int changes = 0;  // of what status() tells
+
+  std::size_t rows() const { return kept.size() / settings.row_width; }
+  std::string status() const {
+    const char* state = report ? "finished" : ending ? "ending" : paused ? "paused" : "running";
+    return fmt::format(R"({{"state": "{}", "stopping": {}}})", state, stopped.load());
+  }
+  void notify();
+  void obey(std::string_view command);
+  void take_rows();
+};
+
+class Viewer : public std::enable_shared_from_this<Viewer> {
+ public:
+  Viewer(beast::tcp_stream stream, Shared& shared, double since)
+      : ws_(std::move(stream)), shared_(shared), since_(since) {}
+
+  void accept(const Request& request) {
+    ws_.read_message_max(kMostMessage);
+    websocket::stream_base::timeout limits{};
+    limits.handshake_timeout = shared_.settings.request_time;
+    limits.idle_timeout = shared_.settings.silence;
+    limits.keep_alive_pings = true;
+    ws_.set_option(limits);
+    ws_.auto_fragment(false);
+    ws_.async_accept(request, [self = shared_from_this()](Error error) {
+      if (error) return self->leave();
+      self->skip_known();
+      self->open_ = true;
+      self->send();
+      self->read();
+    });
+  }
+
+  // Sends what the viewer lacks, one message at a time.
+  void send() {
+    if (!open_ || writing_) return;
+    const std::size_t width = shared_.settings.row_width, rows = shared_.rows();
+    if (told_ != shared_.changes) {
+      told_ = shared_.changes;
+      message_ = shared_.status();
+      ws_.text(true);
+      return write(asio::buffer(message_));
+    }
+    if (rows_sent_ < rows) {
+      const std::size_t behind = rows - rows_sent_;
+      // One that has been up to date and fell behind is not sent all that it missed.
+      const std::size_t stride =
+          up_to_date_ ? (behind + kRowsAMessage - 1) / kRowsAMessage : std::size_t{1};
+      const std::size_t count = std::min(kRowsAMessage, (behind + stride - 1) / stride);
+      message_.clear();
+      append_number(0, &message_);
+      append_number(static_cast<std::uint32_t>(count), &message_);
+      for (std::size_t i = 0; i < count; ++i)
+        message_.append(
+            reinterpret_cast<const char*>(&shared_.kept[(rows_sent_ + i * stride) * width]),
+            sizeof(float) * width);
+      rows_sent_ += (count - 1) * stride + 1;  // the last row is never left out
+      ws_.binary(true);
+      return write(asio::buffer(message_));
+    }
+    up_to_date_ = true;
+    if (shared_.report && !report_sent_) {
+      report_sent_ = true;
+      report_ = shared_.report;
+      ws_.binary(true);
+      return write(asio::buffer(*report_));
+    }
+  }
+
+  // Every second row of `rows` is gone, the newest is not.
+  void halve(std::size_t rows) { rows_sent_ = (rows_sent_ + rows % 2) / 2; }
+  bool done() const { return !open_ || (report_sent_ && !writing_); }
+
+  void close() {
+    open_ = false;
+    Error ignored;
+    beast::get_lowest_layer(ws_).socket().shutdown(tcp::socket::shutdown_both, ignored);
+    beast::get_lowest_layer(ws_).close();
+  }
+
+ private:
+  // A viewer that was here before has the rows up to `since_`.
+  void skip_known() {
+    const std::size_t width = shared_.settings.row_width;
+    while (rows_sent_ < shared_.rows() && shared_.kept[rows_sent_ * width] <= since_) ++rows_sent_;
+  }
+
+  void write(asio::const_buffer bytes) {
+    writing_ = true;
+    ws_.async_write(bytes, [self = shared_from_this()](Error error, std::size_t) {
+      self->writing_ = false;
+      if (error) return self->leave();
+      self->send();
+    });
+  }
+
+  void read() {
+    ws_.async_read(buffer_, [self = shared_from_this()](Error error, std::size_t) {
+      if (error) return self->leave();
+      self->shared_.obey(beast::buffers_to_string(self->buffer_.data()));
+      self->buffer_.clear();
+      self->read();
+    });
+  }
+
+  void leave() {
+    open_ = false;
+    const auto at = std::find(shared_.viewers.begin(), shared_.viewers.end(), shared_from_this());
+    if (at == shared_.viewers.end()) return;
+    shared_.viewers.erase(at);
+    shared_.viewer_count = shared_.viewers.size();
+  }
+
+  websocket::stream<beast::tcp_stream> ws_;
+  Shared& shared_;
+  double since_;
+  beast::flat_buffer buffer_{kMostMessage + 256};
+  std::string message_;
+  std::shared_ptr<const std::string> report_;
+  std::size_t rows_sent_ = 0;
+  int told_ = -1;
+  bool open_ = false, writing_ = false, up_to_date_ = false, report_sent_ = false;
+};
+
+void Shared::notify() {
+  ++changes;
+  for (const auto& viewer : std::vector(viewers)) viewer->send();
+}
+
+void Shared::obey(std::string_view command) {
+  if (ending || report) return;
+  if (command == "pause" && !stopped) paused = true;
+  if (command == "resume") paused = false;
+  if (command == "stop") {
+    stopped = true;
+    paused = false;
+  }
+  notify();
+}
+
+void Shared::take_rows() {
+  const std::size_t width = settings.row_width;
+  for (auto row = ring.oldest(); !row.empty(); row = ring.oldest()) {
+    kept.insert(kept.end(), row.begin(), row.end());
+    ring.pop();
+    if (rows() < settings.kept_rows) continue;
+    for (const auto& viewer : viewers) viewer->halve(rows());
+    std::size_t to = 0;
+    for (std::size_t from = (rows() + 1) % 2; from < rows(); from += 2, ++to)  // the newest stays
+      std::copy_n(&kept[from * width], width, &kept[to * width]);
+    kept.resize(to * width);
+  }
+}
+
+// A connection until it is answered or becomes a viewer.
+class Visit : public std::enable_shared_from_this<Visit> {
+ public:
+  Visit(tcp::socket socket, Shared& shared) : stream_(std::move(socket)), shared_(shared) {
+    ++shared_.requests;
+  }
+  ~Visit() { --shared_.requests; }
+
+  void read() {
+    parser_.header_limit(kMostHeader);
+    parser_.body_limit(0);
+    stream_.expires_after(shared_.settings.request_time);
+    const auto self = shared_from_this();
+    http::async_read(stream_, buffer_, parser_, [self](Error error, std::size_t) {
+      if (error == http::error::header_limit)
+        return self->answer(http::status::request_header_fields_too_large, "too long\n");
+      if (error) return;
+      self->handle();
+    });
+  }
+
+ private:
+  bool is_here(std::string_view host) const {
+    return host == fmt::format("127.0.0.1:{}", shared_.port) ||
+           host == fmt::format("localhost:{}", shared_.port);
+  }
+
+  void handle() {
+    const Request& request = parser_.get();
+    if (!is_here(view_of(request[http::field::host])))
+      return answer(http::status::forbidden, "not the host of this server\n");
+    const std::string_view origin = view_of(request[http::field::origin]);
+    constexpr std::string_view kScheme = "http://";
+    const bool upgrade = websocket::is_upgrade(request);
+    if ((upgrade || !origin.empty()) &&
+        !(origin.starts_with(kScheme) && is_here(origin.substr(kScheme.size()))))
+      return answer(http::status::forbidden, "not from this server's page\n");
+
+    const std::string_view target = view_of(request.target());
+    const std::size_t query = target.find("?token=");
+    const std::string_view path = target.substr(0, query);
+    std::string_view token = query == target.npos ? std::string_view() : target.substr(query + 7);
+    double since = -1.0;
+    if (const std::size_t more = token.find("&since="); more != token.npos) {
+      since = std::strtod(std::string(token.substr(more + 7)).c_str(), nullptr);
+      token = token.substr(0, more);
+    }
+    if (!same(token, shared_.token))
+      return answer(http::status::forbidden, "the address lacks the run's token\n");
+    if (request.method() != http::verb::get)
+      return answer(http::status::method_not_allowed, "GET alone\n");
+    if (path == "/live" && upgrade) {
+      if (shared_.viewers.size() >= shared_.settings.most_viewers)
+        return answer(http::status::service_unavailable, "as many viewers as may be\n");
+      stream_.expires_never();  // the WebSocket has limits of its own
+      auto viewer = std::make_shared<Viewer>(std::move(stream_), shared_, since);
+      shared_.viewers.push_back(viewer);
+      shared_.viewer_count = shared_.viewers.size();
+      return viewer->accept(request);
+    }
+    if (path == "/" && !upgrade)
+      return answer(http::status::ok, shared_.page, "text/html; charset=utf-8");
+    answer(http::status::not_found, "nothing here\n");
+  }
+
+  void answer(http::status status, std::string body, const char* type = "text/plain") {
+    response_.result(status);
+    response_.version(11);
+    response_.set(http::field::content_type, type);
+    response_.set(http::field::cache_control, "no-store");
+    response_.set("Referrer-Policy", "no-referrer");
+    response_.set("X-Content-Type-Options", "nosniff");
+    response_.set("X-Frame-Options", "DENY");
+    response_.set("Cross-Origin-Resource-Policy", "same-origin");
+    response_.keep_alive(false);
+    response_.body() = std::move(body);
+    response_.prepare_payload();
+    stream_.expires_after(shared_.settings.request_time);
+    http::async_write(stream_, response_, [self = shared_from_this()](Error, std::size_t) {
+      Error ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    });
+  }
+
+  beast::tcp_stream stream_;
+  Shared& shared_;
+  beast::flat_buffer buffer_{2 * kMostHeader};
+  http::request_parser<http::empty_body> parser_;
+  Response response_;
+};
+
+}  // namespace
+
+class LiveServer::Impl {
+ public:
+  explicit Impl(const LiveSettings& settings)
+      : shared_(settings), acceptor_(io_), timer_(io_), begin_(std::chrono::steady_clock::now()) {
+    Error error;
+    const tcp::endpoint here(asio::ip::address_v4::loopback(),
+                             static_cast<unsigned short>(settings.port));
+    acceptor_.open(here.protocol(), error);
+    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) acceptor_.bind(here, error);
+    if (!error) acceptor_.listen(16, error);
+    if (error)
+      throw InputError(fmt::format("--port {}: cannot be listened to on 127.0.0.1: {}",
+                                   settings.port, error.message()));
+    shared_.port = acceptor_.local_endpoint().port();
+  }
+
+  ~Impl() {
+    if (!thread_.joinable()) return;
+    asio::post(io_, [this] {
+      for (const auto& viewer : std::vector(shared_.viewers)) viewer->close();
+      io_.stop();
+    });
+    thread_.join();
+    shared_.viewers.clear();
+  }
+
+  void serve(std::string page) {
+    shared_.page = std::move(page);
+    accept();
+    tick();
+    // Signals are for the run's thread.
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    thread_ = std::thread([this] { io_.run(); });
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  }
+
+  void ending() {
+    asio::post(io_, [this] {
+      shared_.ending = true;
+      shared_.notify();
+    });
+  }
+
+  void finish(std::string data, std::chrono::milliseconds patience) {
+    if (!thread_.joinable()) return;
+    auto report = std::make_shared<std::string>();
+    report->reserve(data.size() + 4);
+    append_number(1, report.get());
+    *report += data;
+    asio::post(io_, [this, report] {
+      shared_.take_rows();
+      shared_.report = report;
+      shared_.notify();
+    });
+    std::unique_lock lock(mutex_);
+    all_have_it_.wait_for(lock, patience, [this] { return delivered_; });
+  }
+
+  Shared& shared() { return shared_; }
+  float milliseconds() const {
+    return std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - begin_)
+        .count();
+  }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](Error error, tcp::socket socket) {
+      if (error) {
+        // Too many files are open, say: later.
+        retry_.expires_after(std::chrono::milliseconds(200));
+        retry_.async_wait([this](Error stopped) {
+          if (!stopped) accept();
+        });
+        return;
+      }
+      socket.set_option(tcp::no_delay(true), error);
+      if (shared_.requests < kMostRequests)
+        std::make_shared<Visit>(std::move(socket), shared_)->read();
+      accept();
+    });
+  }
+
+  void tick() {
+    timer_.expires_after(shared_.settings.tick);
+    timer_.async_wait([this](Error error) {
+      if (error) return;
+      shared_.take_rows();
+      for (const auto& viewer : std::vector(shared_.viewers)) viewer->send();
+      if (shared_.report && std::all_of(shared_.viewers.begin(), shared_.viewers.end(),
+                                        [](const auto& viewer) { return viewer->done(); })) {
+        const std::lock_guard lock(mutex_);
+        delivered_ = true;
+        all_have_it_.notify_all();
+      }
+      tick();
+    });
+  }
+
+  Shared shared_;  // outlives what io_ still holds
+  asio::io_context io_{1};
+  tcp::acceptor acceptor_;
+  asio::steady_timer timer_, retry_{io_};
+  std::chrono::steady_clock::time_point begin_;
+  std::thread thread_;
+  std::mutex mutex_;
+  std::condition_variable all_have_it_;
+  bool delivered_ = false;
+};
+
+LiveServer::LiveServer(const LiveSettings& settings) : impl_(std::make_shared<Impl>(settings)) {}
+LiveServer::~LiveServer() = default;
+int LiveServer::port() const { return impl_->shared().port; }
+std::string LiveServer::address() const {
+  return fmt::format("http://127.0.0.1:{}/?token={}", port(), impl_->shared().token);
+}
+void LiveServer::serve(std::string page) { impl_->serve(std::move(page)); }
+RowRing& LiveServer::rows() noexcept { return impl_->shared().ring; }
+bool LiveServer::paused() const noexcept { return impl_->shared().paused; }
+bool LiveServer::stopped() const noexcept { return impl_->shared().stopped; }
+float LiveServer::milliseconds() const noexcept { return impl_->milliseconds(); }
+void LiveServer::ending() { impl_->ending(); }
+void LiveServer::finish(std::string data, std::chrono::milliseconds patience) {
+  impl_->finish(std::move(data), patience);
+}
+std::size_t LiveServer::viewers() const noexcept { return impl_->shared().viewer_count; }
+
+}  // namespace impedraw
