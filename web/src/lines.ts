@@ -28,7 +28,6 @@ uniform float opacity;
 varying vec3 vTint;
 void main() {
   gl_FragColor = vec4(vTint, opacity);
-  #include <colorspace_fragment>
 }`;
 
 export class Lines extends three.Mesh<three.BufferGeometry, three.ShaderMaterial> {
@@ -99,12 +98,10 @@ export class Lines extends three.Mesh<three.BufferGeometry, three.ShaderMaterial
 
   // sRGB, 0 to 1; from segment `first` on.
   tint(colourOf: (segment: number) => [number, number, number], first = 0): void {
-    const linear = new three.Color();
     const tints = this.attribute("tint");
     for (let s = first; s < this.segments; ++s) {
-      linear.setRGB(...colourOf(s), three.SRGBColorSpace);
-      for (let corner = 0; corner < 4; ++corner)
-        tints.array.set([linear.r, linear.g, linear.b], 12 * s + 3 * corner);
+      const colour = colourOf(s);
+      for (let corner = 0; corner < 4; ++corner) tints.array.set(colour, 12 * s + 3 * corner);
     }
     this.changed(tints, first);
   }

@@ -1,10 +1,10 @@
 // The scene: arm, canvas, cloud, target, ink, normal and force, cameras. Units m, z up, frame W.
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import { BodyMaterial, creased, geometryOfMesh, interleaved, ShadedMaterial } from "./bodies";
 import { kinds, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
 import { lastAt } from "./columns";
-import type { Colouring, Finding, Matrix, Mesh, Run } from "./data";
+import type { Colouring, Finding, Matrix, Run } from "./data";
 import { linkFrames } from "./kinematics";
 import { Lines } from "./lines";
 import type { Colour, View } from "./link";
@@ -36,12 +36,6 @@ const normalLength = 0.06; // [m]
 
 function matrix4(m: Matrix): three.Matrix4 {
   return new three.Matrix4().set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
-}
-
-function interleaved(points: Float64Array[]): Float32Array {
-  const out = new Float32Array(3 * points[0].length);
-  for (let axis = 0; axis < 3; ++axis) points[axis].forEach((x, i) => (out[3 * i + axis] = x));
-  return out;
 }
 
 function pointAt(points: Float64Array[], i: number): three.Vector3 {
@@ -107,13 +101,13 @@ export class Scene {
   onChange: () => void = () => {};
   onFree: () => void = () => {};
   onMove: () => void = () => {}; // of the camera, by hand
-  private software = inSoftware();
+  readonly software = inSoftware();
   private renderer: three.WebGLRenderer;
   private scene = new three.Scene();
   private camera = new three.PerspectiveCamera(35, 1, 0.02, 30);
   private orbit: OrbitControls;
   private links: three.Group[] = [];
-  private armMaterials: three.Material[] = [];
+  private armMaterials: BodyMaterial[] = [];
   private pen: three.Mesh | null = null;
   private normal = new Arrow(kinds[2], true);
   private force = new Arrow(kinds[1], false);
@@ -124,7 +118,7 @@ export class Scene {
   private posture: number[] | null = null;
   private over = false;
   private sharpness: number | null = null;
-  private canvasMaterial!: three.MeshBasicMaterial;
+  private canvasMaterial!: ShadedMaterial;
   private gridMaterial!: three.LineBasicMaterial;
   private drawing = new three.Sphere(new three.Vector3(0.6, 0, 0.1), 0.2);
   private whole = new three.Sphere();
@@ -138,8 +132,11 @@ export class Scene {
   // `others`: runs whose ink can be laid over this one's. `panes`: scenes that share the page.
   // Throws an error where there is no WebGL.
   constructor(private run: Run, private others: Run[] = [], private panes = 1) {
-    this.renderer = new three.WebGLRenderer({ antialias: !this.software });
-    this.canvas = this.renderer.domElement;
+    // Opaque, which three.js does not ask for: else the browser draws what lies behind, too.
+    this.canvas = document.createElement("canvas");
+    const context = this.canvas.getContext("webgl2", { alpha: false, antialias: !this.software, powerPreference: "high-performance" });
+    if (!context) throw new Error("no WebGL 2");
+    this.renderer = new three.WebGLRenderer({ canvas: this.canvas, context });
     this.camera.up.set(0, 0, 1);
     this.orbit = new OrbitControls(this.camera, this.canvas);
     this.orbit.addEventListener("change", () => {
@@ -149,10 +146,6 @@ export class Scene {
     this.orbit.addEventListener("start", () => {
       if (this.view === "pen") this.setFree();
     });
-    this.scene.add(new three.HemisphereLight(0xffffff, 0x9a938c, 2.1));
-    const sun = new three.DirectionalLight(0xffffff, 1.6);
-    sun.position.set(1.2, -1.6, 3);
-    this.scene.add(sun);
     this.parts = {
       canvas: this.makeCanvas(), cloud: this.makeCloud(), target: this.makeTarget(), ink: this.makeInk(),
       arm: this.makeArm(), normal: this.normal, force: this.force, cameras: this.makeCameras(), grid: this.makeGrid(),
@@ -167,9 +160,7 @@ export class Scene {
     geometry.computeVertexNormals();
     this.shades = shade(geometry);
     // Pushed back a little, so that ink on the surface is not hidden by it.
-    this.canvasMaterial = new three.MeshBasicMaterial({
-      vertexColors: true, side: three.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 150,
-    });
+    this.canvasMaterial = new ShadedMaterial();
     return new three.Mesh(geometry, this.canvasMaterial);
   }
 
@@ -288,10 +279,10 @@ export class Scene {
 
   private makeArm(): three.Object3D {
     const arm = new three.Group();
-    const light = new three.MeshLambertMaterial({ color: 0xd8dbe0 });
-    const darker = new three.MeshLambertMaterial({ color: 0x8b94a1 });
-    const ink = new three.MeshLambertMaterial({ color: 0x24406e });
-    const mid = new three.MeshLambertMaterial({ color: 0xc3c8cf });
+    const light = new BodyMaterial(0xd8dbe0);
+    const darker = new BodyMaterial(0x8b94a1);
+    const ink = new BodyMaterial(0x24406e);
+    const mid = new BodyMaterial(0xc3c8cf);
     this.armMaterials = [light, darker, mid];
     const { arm: links } = this.run;
     const bare = links.every((link) => link.meshes.length === 0 && link.shapes.every((shape) => shape.kind === "mesh"));
@@ -299,7 +290,7 @@ export class Scene {
       const group = new three.Group();
       group.matrixAutoUpdate = false;
       for (const mesh of link.meshes)
-        group.add(new three.Mesh(toCreasedNormals(geometryOfMesh(mesh), 0.6), index % 2 === 1 && index > 1 ? mid : light));
+        group.add(new three.Mesh(creased(mesh, 0.6), index % 2 === 1 && index > 1 ? mid : light));
       for (const shape of link.meshes.length ? [] : link.shapes) {
         const thin = shape.kind === "cylinder" && shape.size[0] < 0.02;
         // The foot's would stand in the floor; others are a little smaller than the tubes that they join.
@@ -448,12 +439,7 @@ export class Scene {
       this.orbit.update();
     };
     // From above and along the pen the arm stands in the way.
-    for (const material of this.armMaterials) {
-      material.transparent = view === "top" || view === "pen";
-      material.opacity = material.transparent ? 0.18 : 1;
-      material.depthWrite = !material.transparent;
-      material.needsUpdate = true;
-    }
+    for (const material of this.armMaterials) material.setAlpha(view === "top" || view === "pen" ? 0.18 : 1);
     if (view === "free") look(new three.Vector3(0.75, -1, 0.62), this.whole);
     if (view === "top") look(axis.clone().addScaledVector(up, -1e-3), this.drawing);
     if (view === "front") look(new three.Vector3(1, 0, 0.25), this.whole);
@@ -489,16 +475,13 @@ export class Scene {
   }
 
   setOpacity(opacity: number): void {
-    this.canvasMaterial.opacity = opacity;
-    this.canvasMaterial.transparent = opacity < 1;
-    this.canvasMaterial.depthWrite = opacity >= 1;
-    this.canvasMaterial.needsUpdate = true;
+    this.canvasMaterial.setAlpha(opacity);
     this.parts.canvas.visible = opacity > 0;
   }
 
   setDark(dark: boolean): void {
     this.dark = dark;
-    this.scene.background = new three.Color(dark ? "#14171c" : "#f3f4f6");
+    this.renderer.setClearColor(dark ? "#14171c" : "#f3f4f6", 1);
     this.gridMaterial.color.set(dark ? "#39404a" : "#c9ced6");
     this.setMap(this.map?.name ?? "");
     this.setColour(this.colour);
@@ -521,7 +504,7 @@ export class Scene {
       });
       legend = { unit, low: 0, high };
     }
-    this.canvasMaterial.color.set(this.map ? "#ffffff" : this.dark ? "#7d848f" : "#e2ddd3");
+    this.canvasMaterial.setColour(this.map ? "#ffffff" : this.dark ? "#7d848f" : "#e2ddd3");
     geometry.setAttribute("color", new three.BufferAttribute(colours, 3));
     this.onChange();
     return legend;
@@ -671,13 +654,6 @@ function shade(geometry: three.BufferGeometry): Float32Array<ArrayBuffer> {
   }
   geometry.setAttribute("color", new three.BufferAttribute(shades, 3));
   return shades;
-}
-
-function geometryOfMesh(mesh: Mesh): three.BufferGeometry {
-  const geometry = new three.BufferGeometry();
-  geometry.setAttribute("position", new three.BufferAttribute(interleaved(mesh.vertices), 3));
-  geometry.setIndex(new three.BufferAttribute(Uint32Array.from(mesh.triangles), 1));
-  return geometry;
 }
 
 function geometryOf(kind: string, size: number[]): three.BufferGeometry | null {
