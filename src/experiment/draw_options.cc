@@ -8,6 +8,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/shapes.h"
+#include "impedraw/files/data_folder.h"
 #include "impedraw/settings/setting_error.h"
 #include "impedraw/terminal/say.h"
 
@@ -46,7 +47,7 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
   const bool artwork_given = !options.svg.empty() || !options.text.empty();
   const fs::path file = options.scenario.empty()
-                            ? fs::path(IMPEDRAW_ROOT) / "scenarios" /
+                            ? data_folder() / "scenarios" /
                                   (artwork_given ? "artwork.yaml" : "bowl-sine.yaml")
                             : options.scenario;
   scenario.name = file.stem();
