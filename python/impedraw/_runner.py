@@ -25,6 +25,37 @@ def _runner() -> _impedraw.Runner:
     return runner
 
 
+def options(
+    settings: Mapping[str, Any],
+    scenario: str | os.PathLike[str] | None = None,
+    *,
+    svg: str | os.PathLike[str] | None = None,
+    text: str | None = None,
+    shape: str | None = None,
+    no_perception: bool = False,
+    keep_order: bool = False,
+    skip_unreachable: bool = False,
+    out: str | os.PathLike[str] | None = None,
+) -> _impedraw.DrawOptions:
+    """What the command line would take."""
+    made = _impedraw.DrawOptions()
+    made.assignments = assignments(settings)
+    if scenario is not None:
+        made.scenario = os.fspath(scenario)
+    if svg is not None:
+        made.svg = os.fspath(svg)
+    if text is not None:
+        made.text = text
+    if shape is not None:
+        made.shape = shape
+    made.no_perception = no_perception
+    made.keep_order = keep_order
+    made.skip_unreachable = skip_unreachable
+    if out is not None:
+        made.out = os.fspath(out)
+    return made
+
+
 def run(
     settings: Mapping[str, Any],
     scenario: str | os.PathLike[str] | None = None,
@@ -53,20 +84,16 @@ def run(
 
     Raises ValueError, one line, for settings that ``./impedraw draw`` refuses with exit code 2.
     """
-    options = _impedraw.DrawOptions()
-    options.assignments = assignments(settings)
-    if scenario is not None:
-        options.scenario = os.fspath(scenario)
-    if svg is not None:
-        options.svg = os.fspath(svg)
-    if text is not None:
-        options.text = text
-    if shape is not None:
-        options.shape = shape
-    options.no_perception = no_perception
-    options.keep_order = keep_order
-    options.skip_unreachable = skip_unreachable
-    if out is not None:
-        options.out = os.fspath(out)
-    result: dict[str, Any] = _runner().run(options, out is not None or default_out, progress)
+    given = options(
+        settings,
+        scenario,
+        svg=svg,
+        text=text,
+        shape=shape,
+        no_perception=no_perception,
+        keep_order=keep_order,
+        skip_unreachable=skip_unreachable,
+        out=out,
+    )
+    result: dict[str, Any] = _runner().run(given, out is not None or default_out, progress)
     return result

@@ -237,6 +237,12 @@ class Record {
     return *this;
   }
 
+  // What a new object starts from, where the struct leaves members undefined.
+  Record& from(T prototype) {
+    table().prototype = std::move(prototype);
+    return *this;
+  }
+
   // Call last.
   nb::class_<T>& done() {
     const std::string init =
@@ -244,7 +250,7 @@ class Record {
     class_.def(
         "__init__",
         [](T* self, const nb::kwargs& given) {
-          T made;
+          T made = table().fresh();
           for (const auto& [key, value] : given) put(made, nb::cast<std::string>(key), value);
           new (self) T(std::move(made));
         },
@@ -279,7 +285,7 @@ class Record {
       return state;
     });
     class_.def("__setstate__", [](T& self, const nb::dict& state) {
-      T made;
+      T made = table().fresh();
       for (const auto& [key, value] : state) put(made, nb::cast<std::string>(key), value);
       new (&self) T(std::move(made));
     });
@@ -295,6 +301,8 @@ class Record {
   struct Table {
     const char* name = "";
     std::vector<Field> fields;
+    std::optional<T> prototype;
+    T fresh() const { return prototype ? *prototype : T(); }
   };
   static Table& table() {
     static Table& all = *new Table;

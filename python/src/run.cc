@@ -35,12 +35,13 @@ class PythonWatch {
   explicit PythonWatch(nb::object progress) : progress_(std::move(progress)) {}
 
   // True once a signal's handler, or the callback, has raised: rethrow() then gives its error.
-  bool interrupted() { return poll(-1.0, {}); }
+  bool interrupted() { return poll(-1.0, ""); }
   bool poll(double share, const char* what) {
     if (error_) return true;
     const auto now = Clock::now();
-    if (now < next_) return false;
-    next_ = now + std::chrono::milliseconds(50);
+    Clock::time_point& next = share < 0.0 ? next_check_ : next_call_;
+    if (now < next) return false;
+    next = now + std::chrono::milliseconds(50);
     const nb::gil_scoped_acquire gil;
     try {
       if (PyErr_CheckSignals() != 0) throw nb::python_error();
@@ -56,7 +57,7 @@ class PythonWatch {
 
  private:
   nb::object progress_;
-  Clock::time_point next_ = Clock::now();
+  Clock::time_point next_check_ = Clock::now(), next_call_ = next_check_;
   std::optional<nb::python_error> error_;
 };
 

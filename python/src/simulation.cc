@@ -123,6 +123,7 @@ void bind_simulation(nb::module_& m) {
       .field("distance", &SurfacePoint::distance, "[m], > 0 on the drawing side")
       .field("triangle", &SurfacePoint::triangle, "index")
       .field("on_edge", &SurfacePoint::on_edge, "on the canvas's boundary")
+      .from({Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ()})
       .done();
   nb::class_<Canvas>(m, "Canvas", "A drawing surface as exact triangles. Thread-safe.")
       .def_static("from_mesh", &canvas_of_mesh, nb::arg("vertices"), nb::arg("triangles"),
