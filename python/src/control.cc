@@ -1,6 +1,5 @@
 #include "impedraw/control/impedance.h"
 
-#include <chrono>
 
 #include "module.h"
 #include "record.h"
@@ -107,8 +106,18 @@ void bind_control(nb::module_& m) {
       m, "ImpedanceController",
       "Operational-space impedance control of a pen tip: the law (1), (10)–(17) of\n"
       "src/control/impedance.h. One call of step() every timing.dt. Not thread-safe.")
-      .def(nb::init<const ImpedanceSettings&, int>(), nb::arg("settings"), nb::arg("joints"),
-           "Raises ValueError as ImpedanceSettings.validate() does.")
+      .def(
+          "__init__",
+          [](Controller* self, const ImpedanceSettings& settings, nb::handle arm) {
+            const bool model = nb::hasattr(arm, "joints");
+            new (self) Controller(
+                settings,
+                static_cast<int>(integer_of(model ? nb::object(arm.attr("joints"))
+                                                  : nb::borrow(arm), "arm")));
+          },
+          nb::arg("settings"), nb::arg("arm"),
+          nb::sig("def __init__(self, settings: ImpedanceSettings, arm: ArmModel | int) -> None"),
+           "arm: the arm, or its number of joints. Raises ValueError as ImpedanceSettings.validate() does.")
       .def(
           "step",
           [](Controller& c, const ArmTerms& arm, const TipReference& reference,
@@ -135,19 +144,25 @@ void bind_control(nb::module_& m) {
       .def(
           "reset", [](Controller& c) { c.law.reset(); },
           "Restores the initial state: mode free, no carried force.")
+      .def(
+          "retune",
+          [](Controller& c, const TipGain& stiffness, double normal_force) {
+            c.law.retune(stiffness, normal_force);
+          },
+          nb::arg("stiffness"), nb::arg("normal_force"),
+          "Changes K and F_n from the next step on; the state is kept. Raises ValueError as the\n"
+          "constructor does, and then changes nothing.")
       .def_ro("joints", &Controller::joints)
       .def(
           "_time_steps",
           [](Controller& c, const ArmTerms& arm, const TipReference& reference,
              const SurfaceEstimate& surface, int steps) {
             const Vector6 F_ext = Vector6::Zero();
-            const auto start = std::chrono::steady_clock::now();
+            const double start = processor_seconds();
             for (int i = 0; i < steps; ++i) c.law.step(arm, reference, surface, F_ext);
-            return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-                       .count() /
-                   steps;
+            return (processor_seconds() - start) / steps;
           },
-          "Seconds of a step called from C++, for comparison with calls from Python.");
+          "Processor seconds of a step called from C++, for comparison with calls from Python.");
 }
 
 }  // namespace impedraw::python

@@ -1,3 +1,5 @@
+#include <time.h>
+
 #include <cmath>
 
 #include "record.h"
@@ -91,6 +93,12 @@ void require_shape(const DoubleArray& array, const std::string& name, std::vecto
   }
   if (!fits)
     raise(name + " has the shape " + shape_text(is) + "; valid is " + shape_text(shape));
+}
+
+double processor_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 bool same(nb::handle a, nb::handle b) {

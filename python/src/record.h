@@ -36,6 +36,7 @@ std::string text_of(nb::handle value, const std::string& name);
 DoubleArray doubles_of(nb::handle value, const std::string& name);
 // Shapes: −1 stands for any length. Throws ValueError naming both shapes.
 void require_shape(const DoubleArray& array, const std::string& name, std::vector<long> shape);
+double processor_seconds();  // of this process, as Python's time.process_time()
 bool same(nb::handle a, nb::handle b);
 std::string shown(nb::handle value);
 [[noreturn]] void no_such_field(const char* type, const std::string& name,

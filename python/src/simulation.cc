@@ -1,4 +1,3 @@
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -205,14 +204,12 @@ void bind_simulation(nb::module_& m) {
           "_time_steps",
           [](OwnedWorld& w, nb::handle tau, int steps) {
             const JointVector torque = w.vector(tau, "tau");
-            const auto start = std::chrono::steady_clock::now();
+            const double start = processor_seconds();
             for (int i = 0; i < steps; ++i)
               w.world.step(torque, Eigen::Vector3d(Eigen::Vector3d::Zero()));
-            return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-                       .count() /
-                   steps;
+            return (processor_seconds() - start) / steps;
           },
-          "Seconds of a step called from C++, for comparison with calls from Python.");
+          "Processor seconds of a step called from C++, for comparison with calls from Python.");
 }
 
 }  // namespace impedraw::python
