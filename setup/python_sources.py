@@ -5,8 +5,7 @@ and python/impedraw/canvases.py from the schema of the settings.
 python_sources.py PACKAGE_PATH DOCS_SCHEMA TO [--check]: PACKAGE_PATH: where `import impedraw._impedraw` works.
 """
 
-import importlib.machinery
-import importlib.util
+import importlib
 import json
 import pathlib
 import sys
@@ -15,11 +14,8 @@ PYTHON = {"number": "float", "integer": "int", "string": "str", "boolean": "bool
 
 
 def extension(package):
-    file = next(pathlib.Path(package).glob("impedraw/_impedraw*.so"))
-    loader = importlib.machinery.ExtensionFileLoader("_impedraw", str(file))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("_impedraw", loader))
-    loader.exec_module(module)
-    return module
+    sys.path.insert(0, str(pathlib.Path(package) / "impedraw"))
+    return importlib.import_module("_impedraw")
 
 
 def metrics_source(definitions):
@@ -126,8 +122,7 @@ def canvases_source(schema):
         "",
         "    def canvas(self) -> _impedraw.Canvas:",
         '        """The surface itself, for a world or for closest points."""',
-        "        made: _impedraw.Canvas = _impedraw.Canvas._from_settings(assignments(self.settings()))",
-        "        return made",
+        "        return _impedraw.canvas_of_settings(assignments(self.settings()))",
         "",
         "    def __eq__(self, other: object) -> bool:",
         "        return isinstance(other, CanvasShape) and self.settings() == other.settings()",

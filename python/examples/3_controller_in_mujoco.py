@@ -4,7 +4,7 @@ own is the surface. impedraw gives the arm's terms, the path and the torque.
 Run: python 3_controller_in_mujoco.py   (needs: pip install mujoco)
 """
 
-import mujoco
+import mujoco  # type: ignore[import-untyped]
 import numpy as np
 
 import impedraw as idr
@@ -13,6 +13,7 @@ arm = idr.ArmModel.standard()  # or ArmModel.from_urdf("your_arm.urdf", tip_fram
 table = 0.10  # height of the surface [m]
 
 spec = mujoco.MjSpec.from_file(str(arm.urdf))
+spec.compiler.fusestatic = False
 spec.option.timestep = 1e-3
 spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
 for geom in spec.geoms:

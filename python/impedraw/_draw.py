@@ -92,5 +92,4 @@ def plan(
     given: dict[str, Any] = dict(canvas.settings()) if canvas is not None else {}
     given.update(settings or {})
     options = _runner.options(given, scenario, svg=svg, text=text, shape=shape)
-    result: dict[str, Any] = _impedraw.plan(options)
-    return result
+    return _impedraw.plan(options)

@@ -13,7 +13,7 @@ from ._metrics import Metrics
 if TYPE_CHECKING:
     import numpy
     import numpy.typing
-    import pandas
+    import pandas  # type: ignore[import-untyped,import-not-found,unused-ignore]
 
 
 class Log(Mapping[str, "numpy.typing.NDArray[Any]"]):
@@ -109,7 +109,8 @@ class Run:
                 for i in range(data.shape[1]):
                     part = axes[data.shape[1]][i] if data.shape[1] in axes else str(i)
                     columns[f"{name}.{part}"] = data[:, i]
-        return pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
+        table: pandas.DataFrame = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
+        return table
 
     @property
     def page(self) -> pathlib.Path:

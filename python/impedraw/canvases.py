@@ -28,8 +28,7 @@ class CanvasShape:
 
     def canvas(self) -> _impedraw.Canvas:
         """The surface itself, for a world or for closest points."""
-        made: _impedraw.Canvas = _impedraw.Canvas._from_settings(assignments(self.settings()))
-        return made
+        return _impedraw.canvas_of_settings(assignments(self.settings()))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, CanvasShape) and self.settings() == other.settings()

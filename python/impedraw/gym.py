@@ -244,7 +244,8 @@ class DrawEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             *(float(self._out is not None and self._out.mode == mode) for mode in modes),
             min(1.0, self._time / self._path.duration),
         ]
-        return np.clip(np.nan_to_num(np.array(values)), -10.0, 10.0).astype(np.float32)
+        seen: NDArray[np.float32] = np.clip(np.nan_to_num(np.array(values)), -10.0, 10.0).astype(np.float32)
+        return seen
 
     def _info(self) -> dict[str, Any]:
         """coverage: share of the line; ink_error_rms [mm]; time [s]."""

@@ -25,12 +25,12 @@ NB_MODULE(_impedraw, m) {
       PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
     }
   });
-  m.def("_set_data_folder", &set_data_folder, nb::arg("folder"),
+  m.def("set_data_folder", &set_data_folder, nb::arg("folder"),
         "Sets where scenarios/, models/ and artwork/ stand.");
-  m.def("_set_python", &set_python_interpreter, nb::arg("python"),
+  m.def("set_python", &set_python_interpreter, nb::arg("python"),
         "Sets the interpreter for the library's own scripts.");
   m.def(
-      "_data_folder", [] { return data_folder(); }, "Where scenarios/ and models/ stand.");
+      "data_folder", [] { return data_folder(); }, "Where scenarios/ and models/ stand.");
   python::bind_run(m);
   python::bind_control_settings(m);
   python::bind_control(m);

@@ -230,6 +230,8 @@ void bind_run(nb::module_& m) {
       .def(nb::init<int>(), nb::arg("scenes") = 4)
       .def("run", &Runner::run, nb::arg("options"), nb::arg("to_folder") = false,
            nb::arg("progress").none() = nb::none(),
+           nb::sig("def run(self, options: DrawOptions, to_folder: bool = False, progress: "
+                   "collections.abc.Callable[[str, float], object] | None = None) -> dict[str, typing.Any]"),
            "Draws once. Without to_folder, nothing is written. Raises ValueError for what\n"
            "./impedraw draw refuses with exit code 2, before anything is written.")
       .def_prop_ro("scenes_built", &Runner::built)

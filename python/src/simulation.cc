@@ -6,6 +6,8 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/experiment/canvas_settings.h"
@@ -131,11 +133,6 @@ void bind_simulation(nb::module_& m) {
                   "vertices: shape (N, 3), W [m]; triangles: (M, 3), indices, wound so that the\n"
                   "right-hand normal points to the drawing side. Raises ValueError naming the\n"
                   "vertex or triangle at fault.")
-      .def_static("_from_settings", [](const nb::list& given) {
-        std::vector<std::string> assignments;
-        for (const nb::handle one : given) assignments.push_back(nb::cast<std::string>(one));
-        return canvas_of_settings(assignments);
-      })
       .def(
           "closest",
           [](const Canvas& c, nb::handle p_W) {
@@ -146,6 +143,10 @@ void bind_simulation(nb::module_& m) {
           },
           nb::arg("p_W"), nb::sig("def closest(self, p_W: numpy.typing.ArrayLike) -> SurfacePoint"),
           "The point closest to p_W, shape (3,) [m].");
+  m.def(
+      "canvas_of_settings",
+      [](const std::vector<std::string>& assignments) { return canvas_of_settings(assignments); },
+      nb::arg("assignments"), "The canvas of settings as --set takes them: canvas.kind=bowl.");
   nb::class_<OwnedWorld>(m, "World",
                          "Simulated world: a torque-controlled arm whose pen touches a canvas.\n"
                          "Threads may run separate worlds at once.")

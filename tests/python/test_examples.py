@@ -30,7 +30,7 @@ def test_types_of_package_and_examples():
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
     ran = subprocess.run(
-        [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--allow-untyped-defs", "--scripts-are-modules", *sorted(EXAMPLES.glob("*.py"))],
+        [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--scripts-are-modules", *sorted(EXAMPLES.glob("*.py"))],
         capture_output=True, text=True, timeout=600,
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr

@@ -230,3 +230,39 @@ def test_import_pulls_neither_ray_nor_matplotlib():
     code = "import impedraw, sys; print([m for m in ('ray','matplotlib','h5py','pandas','gymnasium','mujoco') if m in sys.modules])"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert said.stdout.strip() == "[]"
+
+
+def test_nothing_leaks_at_exit():
+    """nanobind counts its instances, types and functions when Python ends."""
+    code = (
+        "import impedraw as idr, numpy as np, copy, pickle\n"
+        "arm = idr.ArmModel.standard(); t = arm.compute(np.zeros(7), np.zeros(7))\n"
+        "c = idr.ImpedanceController(idr.ImpedanceSettings(), arm)\n"
+        "view = c.step(t, idr.TipReference(n_WD=-t.X_WE.R[:, 2]), idr.SurfaceEstimate()).tau\n"
+        "part = idr.ImpedanceSettings().contact; copy.deepcopy(part); pickle.dumps(part)\n"
+        "w = idr.World(arm.urdf, idr.Plane().canvas()); state = w.state.q\n"
+        "try: idr.ImpedanceSettings(normal_forc=3)\n"
+        "except ValueError: pass\n"
+        "del arm, t, c, view, part, w, state\n"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout == said.stderr == ""
+
+
+def test_many_steps_keep_memory():
+    """A reference lost in a step or in a result would show."""
+    import resource
+
+    arm = idr.ArmModel.standard()
+    t = arm.compute(np.zeros(7), np.zeros(7))
+    c = idr.ImpedanceController(idr.ImpedanceSettings(), arm)
+    reference, surface, F = idr.TipReference(n_WD=-t.X_WE.R[:, 2]), idr.SurfaceEstimate(), [0.0] * 6
+
+    def some():
+        for _ in range(20000):
+            out = c.step(t, reference, surface, F)
+            assert out.tau is not None and out.terms is not None and out.status.ok in (True, False)
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = some()
+    assert some() - before < 2000  # kB; an object a step would be 20,000
