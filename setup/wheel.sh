@@ -48,7 +48,7 @@ cd "$scratch"
 # Nothing of the source tree: neither its program, nor its package.
 env -u PYTHONPATH -u IMPEDRAW_PROGRAM "$root/build/wheel-test/bin/python" -m pytest -q -p no:cacheprovider --tb=short python
 # Nothing of the network or of a screen is in it.
-if unzip -l "$root"/dist/impedraw-*.whl 2>/dev/null | grep -E 'libcurl|libssl|libcrypto|libX11|libxcb|libmujoco|libpinocchio'; then
+if "$venv/bin/python" -m zipfile -l "$root"/dist/impedraw-*.whl | grep -E 'libcurl|libssl|libcrypto|libX11|libxcb|libmujoco|libpinocchio'; then
   echo "impedraw: the wheel has libraries that it must not have" >&2
   exit 1
 fi

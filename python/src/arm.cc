@@ -35,9 +35,10 @@ void bind_arm(nb::module_& m) {
       .field("torque", &ArmLimits::torque, "±, shape (n,) [Nm]")
       .field("speed", &ArmLimits::speed, "±, shape (n,) [rad/s]")
       .done();
-  nb::class_<Arm>(m, "ArmModel",
-                  "Rigid-body model of a serial arm with a pen, read from a URDF. Joints are in the\n"
-                  "order of the URDF. Not thread-safe: each thread takes a model of its own.")
+  nb::class_<Arm>(
+      m, "ArmModel",
+      "Rigid-body model of a serial arm with a pen, read from a URDF. Joints are in the\n"
+      "order of the URDF. Not thread-safe: each thread takes a model of its own.")
       .def_static(
           "from_urdf",
           [](const std::filesystem::path& urdf, const std::string& tip_frame) {
@@ -47,8 +48,7 @@ void bind_arm(nb::module_& m) {
           "tip_frame: frame E, origin at the tip's apex, z out of the tip. Raises ValueError if\n"
           "the file is missing or malformed, has more than 12 joints, or lacks the frame.")
       .def_static(
-          "standard",
-          [] { return Arm(data_folder() / "models/iiwa14_pen.urdf", "tip"); },
+          "standard", [] { return Arm(data_folder() / "models/iiwa14_pen.urdf", "tip"); },
           "The standard arm of seven joints with a pen.")
       .def_prop_ro("joints", [](const Arm& a) { return a.model.joints(); })
       .def_prop_ro("joint_names", [](const Arm& a) { return a.model.joint_names(); })

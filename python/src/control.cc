@@ -1,6 +1,5 @@
 #include "impedraw/control/impedance.h"
 
-
 #include "module.h"
 #include "record.h"
 
@@ -111,13 +110,13 @@ void bind_control(nb::module_& m) {
           [](Controller* self, const ImpedanceSettings& settings, nb::handle arm) {
             const bool model = nb::hasattr(arm, "joints");
             new (self) Controller(
-                settings,
-                static_cast<int>(integer_of(model ? nb::object(arm.attr("joints"))
-                                                  : nb::borrow(arm), "arm")));
+                settings, static_cast<int>(integer_of(
+                              model ? nb::object(arm.attr("joints")) : nb::borrow(arm), "arm")));
           },
           nb::arg("settings"), nb::arg("arm"),
           nb::sig("def __init__(self, settings: ImpedanceSettings, arm: ArmModel | int) -> None"),
-           "arm: the arm, or its number of joints. Raises ValueError as ImpedanceSettings.validate() does.")
+          "arm: the arm, or its number of joints. Raises ValueError as "
+          "ImpedanceSettings.validate() does.")
       .def(
           "step",
           [](Controller& c, const ArmTerms& arm, const TipReference& reference,
@@ -126,11 +125,13 @@ void bind_control(nb::module_& m) {
             c.require(arm);
             return c.law.step(arm, reference, surface, wrench_of(F_ext), {state_age, wrench_age});
           },
-          nb::arg("arm"), nb::arg("reference"), nb::arg("surface"), nb::arg("F_ext").none() = nb::none(),
-          nb::arg("state_age") = 0.0, nb::arg("wrench_age") = 0.0,
-          nb::sig("def step(self, arm: ArmTerms, reference: TipReference, surface: SurfaceEstimate, "
-                  "F_ext: numpy.typing.ArrayLike | None = None, state_age: float = 0.0, "
-                  "wrench_age: float = 0.0) -> ImpedanceTorque"),
+          nb::arg("arm"), nb::arg("reference"), nb::arg("surface"),
+          nb::arg("F_ext").none() = nb::none(), nb::arg("state_age") = 0.0,
+          nb::arg("wrench_age") = 0.0,
+          nb::sig(
+              "def step(self, arm: ArmTerms, reference: TipReference, surface: SurfaceEstimate, "
+              "F_ext: numpy.typing.ArrayLike | None = None, state_age: float = 0.0, "
+              "wrench_age: float = 0.0) -> ImpedanceTorque"),
           "Computes one step. F_ext: wrench of the environment on the tip at E in W, shape (6,)\n"
           "[N, Nm]; used with WrenchFeedback.measured alone. Ages [s] beyond timing's delays.\n"
           "Faults of the loop (not finite, stale) are in the result's status, not raised.")

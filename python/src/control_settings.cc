@@ -103,8 +103,7 @@ void bind_control_settings(nb::module_& m) {
       .field("enabled", &ObserverSettings::enabled, "needs a measured wrench")
       .field("bandwidth", &ObserverSettings::bandwidth, "K_o [rad/s], 1 to 900")
       .field("limit", &ObserverSettings::limit, "of each |r_j| [Nm], 0 to 1000")
-      .field("yield_limit", &ObserverSettings::yield_limit,
-             "n entries [Nm]; empty: no such bound")
+      .field("yield_limit", &ObserverSettings::yield_limit, "n entries [Nm]; empty: no such bound")
       .done();
   Record<ForceIntegralSettings>(m, "ForceIntegralSettings",
                                 "Slow, bounded integral of the force error.")

@@ -8,9 +8,7 @@ namespace impedraw::python {
 
 namespace {
 
-[[noreturn]] void raise(const std::string& message) {
-  throw nb::value_error(message.c_str());
-}
+[[noreturn]] void raise(const std::string& message) { throw nb::value_error(message.c_str()); }
 
 std::string shape_text(const std::vector<long>& shape) {
   std::string text = "(";
@@ -74,8 +72,7 @@ DoubleArray doubles_of(nb::handle value, const std::string& name) {
     const nb::object np = nb::module_::import_("numpy");
     const nb::object plain = np.attr("asarray")(value);
     const std::string kind = nb::cast<std::string>(plain.attr("dtype").attr("kind"));
-    if (kind != "f" && kind != "i" && kind != "u")
-      refuse(name, value, "an array of real numbers");
+    if (kind != "f" && kind != "i" && kind != "u") refuse(name, value, "an array of real numbers");
     const nb::object made = np.attr("array")(plain, nb::arg("dtype") = "float64",
                                              nb::arg("order") = "C", nb::arg("copy") = true);
     if (nb::try_cast<DoubleArray>(made, array, false)) return array;
@@ -91,8 +88,7 @@ void require_shape(const DoubleArray& array, const std::string& name, std::vecto
     is.push_back(static_cast<long>(array.shape(i)));
     fits = fits && (shape[i] < 0 || shape[i] == is[i]);
   }
-  if (!fits)
-    raise(name + " has the shape " + shape_text(is) + "; valid is " + shape_text(shape));
+  if (!fits) raise(name + " has the shape " + shape_text(is) + "; valid is " + shape_text(shape));
 }
 
 double processor_seconds() {

@@ -85,7 +85,8 @@ void bind_perception(nb::module_& m) {
             assign(p_W, p, "p_W");
             return e.estimate(p);
           },
-          nb::arg("p_W"), nb::sig("def estimate(self, p_W: numpy.typing.ArrayLike) -> SurfaceEstimate"),
+          nb::arg("p_W"),
+          nb::sig("def estimate(self, p_W: numpy.typing.ArrayLike) -> SurfaceEstimate"),
           "At a point, shape (3,), W [m].")
       .def(
           "estimate_all",
@@ -113,10 +114,9 @@ void bind_perception(nb::module_& m) {
                 status[i] = static_cast<std::int8_t>(s.status);
               }
             }
-            return nb::make_tuple(
-                nb::ndarray<nb::numpy, double>(normals, {n, 3}, of_normals),
-                nb::ndarray<nb::numpy, double>(distances, {n}, of_distances),
-                nb::ndarray<nb::numpy, std::int8_t>(status, {n}, of_status));
+            return nb::make_tuple(nb::ndarray<nb::numpy, double>(normals, {n, 3}, of_normals),
+                                  nb::ndarray<nb::numpy, double>(distances, {n}, of_distances),
+                                  nb::ndarray<nb::numpy, std::int8_t>(status, {n}, of_status));
           },
           nb::arg("p_W"),
           nb::sig("def estimate_all(self, p_W: numpy.typing.ArrayLike) -> "

@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
+#include <Eigen/Core>
 
 namespace impedraw::python {
 
@@ -45,9 +45,8 @@ std::string shown(nb::handle value);
 template <class T>
 concept Dense = std::is_base_of_v<Eigen::PlainObjectBase<T>, T>;
 template <class T>
-inline constexpr bool kFixedStorage =
-    Dense<T>&& T::MaxRowsAtCompileTime != Eigen::Dynamic&& T::MaxColsAtCompileTime !=
-    Eigen::Dynamic;
+inline constexpr bool kFixedStorage = Dense<T>&& T::MaxRowsAtCompileTime !=
+                                      Eigen::Dynamic&& T::MaxColsAtCompileTime != Eigen::Dynamic;
 template <class T>
 struct IsVector : std::false_type {};
 template <class T>
@@ -102,8 +101,7 @@ void assign(nb::handle value, T& x, const std::string& name) {
     if ((T::MaxRowsAtCompileTime != Eigen::Dynamic && rows > T::MaxRowsAtCompileTime) ||
         (T::MaxColsAtCompileTime != Eigen::Dynamic && cols > T::MaxColsAtCompileTime))
       refuse(name, value, "fewer rows and columns");
-    x = Eigen::Map<
-        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+    x = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         a.data(), rows, cols);
   }
 }
@@ -144,8 +142,7 @@ void set(nb::handle value, T& x, const std::string& name) {
       const nb::object members = nb::getattr(type, "__members__");
       member = members.attr("get")(value);
       if (member.is_none())
-        refuse(name, value,
-               "one of " + nb::cast<std::string>(nb::str(", ").attr("join")(members)));
+        refuse(name, value, "one of " + nb::cast<std::string>(nb::str(", ").attr("join")(members)));
     }
     if (!nb::try_cast<T>(member, x))
       refuse(name, value, "a " + nb::cast<std::string>(type.attr("__name__")));
@@ -225,13 +222,11 @@ class Record {
         {name, [member](T& self, nb::handle owner) { return get(self.*member, owner); },
          [member, name](T& self, nb::handle value) { set(value, self.*member, name); }});
     parameters_ += std::string(", ") + name + ": " + type_text<M>(true) + " = ...";
-    const std::string get_text =
-        std::string("def ") + name + "(self, /) -> " + type_text<M>(false);
+    const std::string get_text = std::string("def ") + name + "(self, /) -> " + type_text<M>(false);
     const std::string set_text =
         std::string("def ") + name + "(self, value: " + type_text<M>(true) + ", /) -> None";
     class_.def_prop_rw(
-        name,
-        [member](nb::handle_t<T> self) { return get(nb::cast<T&>(self).*member, self); },
+        name, [member](nb::handle_t<T> self) { return get(nb::cast<T&>(self).*member, self); },
         [member, name](T& self, nb::handle value) { set(value, self.*member, name); },
         nb::arg("value").none(), nb::for_getter(nb::sig(kept(get_text))),
         nb::for_setter(nb::sig(kept(set_text))), help);
@@ -260,8 +255,8 @@ class Record {
       std::string text = std::string(table().name) + "(";
       T& value = nb::cast<T&>(self);
       for (const Field& f : table().fields)
-        text += (&f == table().fields.data() ? "" : ", ") + f.name + "=" +
-                shown(f.get(value, self));
+        text +=
+            (&f == table().fields.data() ? "" : ", ") + f.name + "=" + shown(f.get(value, self));
       return text + ")";
     });
     class_.def(

@@ -162,14 +162,13 @@ class Runner {
     try {
       if (to_folder) {
         const std::lock_guard one(signals());
-        result->drawing = draw_into(result->folder, *experiment, seconds_since(start), false,
-                                    hooks);
+        result->drawing =
+            draw_into(result->folder, *experiment, seconds_since(start), false, hooks);
       } else {
         RunRecorder recorder(make_header(*experiment));
         hooks.row = [&recorder](const LogRow& row) { recorder.add(row); };
         result->drawing.outcome = impedraw::run(*experiment, {}, seconds_since(start), hooks);
-        result->drawing.metrics =
-            compute_metrics(recorder.take(result->drawing.outcome.wall));
+        result->drawing.metrics = compute_metrics(recorder.take(result->drawing.outcome.wall));
       }
     } catch (...) {
       scenes_.give_back(std::move(experiment->scene));
@@ -231,7 +230,8 @@ void bind_run(nb::module_& m) {
       .def("run", &Runner::run, nb::arg("options"), nb::arg("to_folder") = false,
            nb::arg("progress").none() = nb::none(),
            nb::sig("def run(self, options: DrawOptions, to_folder: bool = False, progress: "
-                   "collections.abc.Callable[[str, float], object] | None = None) -> dict[str, typing.Any]"),
+                   "collections.abc.Callable[[str, float], object] | None = None) -> dict[str, "
+                   "typing.Any]"),
            "Draws once. Without to_folder, nothing is written. Raises ValueError for what\n"
            "./impedraw draw refuses with exit code 2, before anything is written.")
       .def_prop_ro("scenes_built", &Runner::built)

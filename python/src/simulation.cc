@@ -161,8 +161,8 @@ void bind_simulation(nb::module_& m) {
           "set_state",
           [](OwnedWorld& w, nb::handle q, nb::handle v) {
             const JointVector at = w.vector(q, "q");
-            w.world.set_state(at, v.is_none() ? JointVector(JointVector::Zero(at.size()))
-                                              : w.vector(v, "v"));
+            w.world.set_state(
+                at, v.is_none() ? JointVector(JointVector::Zero(at.size())) : w.vector(v, "v"));
           },
           nb::arg("q"), nb::arg("v").none() = nb::none(),
           nb::sig("def set_state(self, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike | None "

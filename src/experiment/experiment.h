@@ -44,8 +44,7 @@ struct Experiment : PlannedDrawing {
 // after the drawing.
 PlannedDrawing prepare_plan(const Scenario& scenario, const Places& places = {},
                             Unreachable unreachable = Unreachable::refuse,
-                            const PrepareProgress& progress = {},
-                            SceneCache* scenes = nullptr);
+                            const PrepareProgress& progress = {}, SceneCache* scenes = nullptr);
 Experiment prepare(const Scenario& scenario, const Places& places = {},
                    Unreachable unreachable = Unreachable::refuse,
                    const PrepareProgress& progress = {}, SceneCache* scenes = nullptr);

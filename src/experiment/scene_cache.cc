@@ -38,8 +38,7 @@ std::string made_of(const Scenario& s) {
   // Without noise and errors of the cameras, the snapshot has nothing to draw by lot.
   const DepthNoise& noise = s.perception.noise;
   const bool exact = noise.sigma_at_1m == 0.0 && noise.quantum_at_1m == 0.0 &&
-                     s.perception.errors.shift == 0.0 &&
-                     s.perception.errors.turn_deg == 0.0;
+                     s.perception.errors.shift == 0.0 && s.perception.errors.turn_deg == 0.0;
   read.seed = exact || !s.perception.enabled ? 0 : s.seed;
   return settings_yaml(read) + files;
 }

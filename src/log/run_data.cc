@@ -109,8 +109,7 @@ void add_step(const LogStep& step, bool terms, RunData* run) {
   run->mode.push_back(static_cast<std::int8_t>(step.mode));
   run->joint_margin = std::min(run->joint_margin, step.joint_margin);
   run->joint_speed_share = std::fmax(run->joint_speed_share, step.joint_speed_share);
-  if (terms)
-    run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(step.clipped > 0);
+  if (terms) run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(step.clipped > 0);
 }
 
 // Adds steps [begin, begin + n) of a reduced log; false if they exist but cannot be read.

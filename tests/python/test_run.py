@@ -232,6 +232,17 @@ def test_import_pulls_neither_ray_nor_matplotlib():
     assert said.stdout.strip() == "[]"
 
 
+@pytest.mark.skipif("IMPEDRAW_PROGRAM" in os.environ, reason="the source tree's package")
+def test_a_wheel_brings_its_data():
+    """Nothing is read from where it was built."""
+    package = pathlib.Path(idr.__file__).parent
+    assert idr._impedraw.data_folder() == package / "data"
+    assert idr.ArmModel.standard().urdf.is_relative_to(package)
+    assert (package / "data/scenarios/bowl-sine.yaml").is_file() and (package / "py.typed").is_file()
+    written = idr.plan(text="Hi")  # with the fonts that it brings
+    assert written["not_drawable"] == []
+
+
 def test_nothing_leaks_at_exit():
     """nanobind counts its instances, types and functions when Python ends."""
     code = (

@@ -58,8 +58,8 @@ std::string run_script(const std::string& data, const std::filesystem::path& wan
   if (code < 0) throw InputError(fmt::format("wrap: {} does not start", python));
   if (code == 0) return flat.content();
   const std::string why = last_line(said.content());
-  throw InputError(fmt::format("wrap: {} failed: {}", script,
-                               why.empty() ? "it said nothing" : why));
+  throw InputError(
+      fmt::format("wrap: {} failed: {}", script, why.empty() ? "it said nothing" : why));
 }
 
 void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& flat) {
