@@ -41,6 +41,19 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
   out_.terms.setZero(joints, kTorqueTerms);
 }
 
+void ImpedanceController::retune(const TipGain& stiffness, double normal_force) {
+  ImpedanceSettings changed = settings_;
+  changed.stiffness = stiffness;
+  changed.normal_force = normal_force;
+  changed.validate(static_cast<int>(out_.tau.size()));
+  settings_.stiffness = stiffness;
+  settings_.normal_force = normal_force;
+  K_damping_ = settings_.damping_stiffness();
+  if (shaped_)
+    shaped_damping_ =
+        diagonal_damping(K_damping_, settings_.shaped_inertia, settings_.damping_ratio);
+}
+
 const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,
                                                  const SurfaceEstimate& surface,
                                                  const Wrench& F_given,

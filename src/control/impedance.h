@@ -140,6 +140,10 @@ class ImpedanceController {
 
   void reset() noexcept;  // restores the initial state: mode free, no carried force
 
+  // Changes K and F_n of the law from the next step on, and B with them; the state is kept. Throws
+  // InputError as the constructor does, and then changes nothing. Between steps, not within them.
+  void retune(const TipGain& stiffness, double normal_force);
+
  private:
   // Reference of (1) in one step, in W.
   struct ReferenceMotion {

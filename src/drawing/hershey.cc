@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/files/data_folder.h"
 
 namespace impedraw {
 
@@ -76,7 +77,11 @@ HersheyFont parse_jhf(std::string_view text, const std::string& name) {
   return font;
 }
 
-std::filesystem::path hershey_folder() { return "/usr/share/hershey-fonts"; }
+std::filesystem::path hershey_folder() {
+  std::error_code error;
+  const std::filesystem::path own = data_folder() / "hershey-fonts";  // of the Python package
+  return std::filesystem::is_directory(own, error) ? own : "/usr/share/hershey-fonts";
+}
 
 std::vector<std::string> hershey_font_names() {
   std::vector<std::string> names;

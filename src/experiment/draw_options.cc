@@ -8,6 +8,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/shapes.h"
+#include "impedraw/files/data_folder.h"
 #include "impedraw/settings/setting_error.h"
 #include "impedraw/terminal/say.h"
 
@@ -45,10 +46,10 @@ void check_name(const std::string& name, const SettingErrors& setting_errors) {
 Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
   const bool artwork_given = !options.svg.empty() || !options.text.empty();
-  const fs::path file = options.scenario.empty()
-                            ? fs::path(IMPEDRAW_ROOT) / "scenarios" /
-                                  (artwork_given ? "artwork.yaml" : "bowl-sine.yaml")
-                            : options.scenario;
+  const fs::path file =
+      options.scenario.empty()
+          ? data_folder() / "scenarios" / (artwork_given ? "artwork.yaml" : "bowl-sine.yaml")
+          : options.scenario;
   scenario.name = file.stem();
   // Artwork from the command line names the run, with the scenario in front where one was given.
   bool named = false;  // by --set, which counts whatever is drawn

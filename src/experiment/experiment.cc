@@ -16,7 +16,7 @@ bool is_given(const Places& places, const std::string& setting) {
 }  // namespace
 
 PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreachable unreachable,
-                            const PrepareProgress& progress) {
+                            const PrepareProgress& progress, SceneCache* scenes) {
   const SettingErrors setting_errors(places);
   Scenario scenario = given;
   scenario.drawing.placement = placement_settings(scenario.drawing);
@@ -25,24 +25,35 @@ PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreach
     if (progress) progress("ordering the strokes", 0.05 + 0.15 * share);
   });
   if (progress) progress("looking at the canvas", 0.2);
-  Scene scene = build_scene(scenario, artwork.X_WP, setting_errors);
-  Plan plan = make_plan(scenario, artwork, scene, unreachable, setting_errors, progress);
-  return {std::move(scenario), std::move(artwork), std::move(scene), std::move(plan)};
+  Scene scene = scenes ? scenes->take(scenario, artwork.X_WP, setting_errors)
+                       : build_scene(scenario, artwork.X_WP, setting_errors);
+  try {
+    Plan plan = make_plan(scenario, artwork, scene, unreachable, setting_errors, progress);
+    return {std::move(scenario), std::move(artwork), std::move(scene), std::move(plan)};
+  } catch (...) {
+    if (scenes) scenes->give_back(std::move(scene));
+    throw;
+  }
 }
 
 Experiment prepare(const Scenario& scenario, const Places& places, Unreachable unreachable,
-                   const PrepareProgress& progress) {
+                   const PrepareProgress& progress, SceneCache* scenes) {
   std::vector<KeptInput> inputs = read_input_files(scenario);  // before their content is used
-  PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress);
+  PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress, scenes);
   const bool rough = is_rough(drawing.scene, drawing.plan);
   ImpedanceSettings& s = drawing.scenario.control;
   if (!is_given(places, "control.pen_axis"))
     s.surface.pen_axis = rough ? PenAxis::plan : PenAxis::surface;
   if (!is_given(places, "control.normal_error"))
     s.friction.normal_error_deg = rough ? kRoughNormalError : 0.0;
-  ControlSetup control =
-      make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));
-  return {std::move(drawing), std::move(inputs), std::move(control)};
+  try {
+    ControlSetup control =
+        make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));
+    return {std::move(drawing), std::move(inputs), std::move(control)};
+  } catch (...) {
+    if (scenes) scenes->give_back(std::move(drawing.scene));
+    throw;
+  }
 }
 
 std::vector<std::string> notes_of(const PlannedDrawing& drawing) {

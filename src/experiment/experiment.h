@@ -17,6 +17,7 @@
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
+#include "impedraw/experiment/scene_cache.h"
 #include "impedraw/settings/yaml_read.h"
 
 namespace impedraw {
@@ -38,13 +39,15 @@ struct Experiment : PlannedDrawing {
 };
 
 // Throws InputError: one line that names the error, its location and what is valid. `places` holds
-// the source location of each setting, in the YAML or on the command line. Deterministic.
+// the source location of each setting, in the YAML or on the command line. Deterministic. `scenes`:
+// where the scene is taken from, and given back to where this throws; the caller gives it back
+// after the drawing.
 PlannedDrawing prepare_plan(const Scenario& scenario, const Places& places = {},
                             Unreachable unreachable = Unreachable::refuse,
-                            const PrepareProgress& progress = {});
+                            const PrepareProgress& progress = {}, SceneCache* scenes = nullptr);
 Experiment prepare(const Scenario& scenario, const Places& places = {},
                    Unreachable unreachable = Unreachable::refuse,
-                   const PrepareProgress& progress = {});
+                   const PrepareProgress& progress = {}, SceneCache* scenes = nullptr);
 
 // Repairs to the input, and what is not drawn, one line each.
 std::vector<std::string> notes_of(const PlannedDrawing& drawing);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "impedraw/common/input_file.h"
+#include "impedraw/files/data_folder.h"
 #include "impedraw/files/sha256.h"
 
 namespace impedraw {
@@ -25,7 +26,7 @@ std::optional<std::string> content_of(const fs::path& file) {
 }  // namespace
 
 fs::path urdf_of(const ArmSettings& s) {
-  return s.urdf.empty() ? fs::path(IMPEDRAW_ROOT) / "models/iiwa14_pen.urdf" : s.urdf;
+  return s.urdf.empty() ? data_folder() / "models/iiwa14_pen.urdf" : s.urdf;
 }
 
 void visit_input_files(Scenario& s,

@@ -7,6 +7,7 @@
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/input_files.h"
+#include "impedraw/files/data_folder.h"
 #include "impedraw/settings/settings_doc.h"
 
 namespace impedraw {
@@ -41,7 +42,7 @@ void add_link_mesh(const fs::path& file, int link, const VisualShape& shape,
 }
 
 fs::path own_meshes(const fs::path& urdf) {
-  return fs::path(IMPEDRAW_ROOT) / "build/arm-meshes" / urdf.stem();
+  return data_folder() / "build/arm-meshes" / urdf.stem();
 }
 
 std::vector<PageLinkMesh> link_meshes(const fs::path& urdf, const std::vector<DrawnLink>& arm) {

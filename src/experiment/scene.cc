@@ -106,6 +106,11 @@ SurfaceHeight Scene::surface(const Pose& X_WP) const {
   return level_surface(blind.top_z);
 }
 
+void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& setting_errors) {
+  check_joint_settings(s, urdf_of(s.arm), scene.arm, setting_errors);
+  check_pushes(s, *scene.world, setting_errors);
+}
+
 Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
   std::vector<std::string> notes;
   auto canvas = setting_errors.locate({"canvas"}, [&] {

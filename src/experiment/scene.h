@@ -50,4 +50,7 @@ struct Scene {
 // canvas or arm, a start out of reach, or too little of the canvas in view.
 Scene build_scene(Scenario& scenario, const Pose& X_WP, const SettingErrors& setting_errors);
 
+// Of settings that do not make the scene but name its joints and links. Throws InputError.
+void check_scene(const Scenario& scenario, const Scene& scene, const SettingErrors& setting_errors);
+
 }  // namespace impedraw

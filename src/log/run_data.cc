@@ -5,6 +5,7 @@
 #include <cstring>
 #include <new>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -93,6 +94,24 @@ void add_rows(const RunRows& rows, RunData* run) {
 
 namespace {
 
+// `terms`: the log has torque terms.
+void add_step(const LogStep& step, bool terms, RunData* run) {
+  run->time.push_back(step.time);
+  run->f.push_back(step.force);
+  run->contact_point.push_back(step.contact_point);
+  run->tilt.push_back(step.tilt);
+  run->normal_error.push_back(step.normal_error);
+  run->push.push_back(step.push);
+  run->step_time.push_back(step.step_time);
+  run->torque_share.push_back(static_cast<float>(step.torque_share));
+  run->time_scale.push_back(static_cast<float>(step.time_scale));
+  run->stroke.push_back(step.stroke);
+  run->mode.push_back(static_cast<std::int8_t>(step.mode));
+  run->joint_margin = std::min(run->joint_margin, step.joint_margin);
+  run->joint_speed_share = std::fmax(run->joint_speed_share, step.joint_speed_share);
+  if (terms) run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(step.clipped > 0);
+}
+
 // Adds steps [begin, begin + n) of a reduced log; false if they exist but cannot be read.
 bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepChecks* checks,
                RunData* run) {
@@ -115,26 +134,35 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepCheck
   std::transform(steps.begin(), steps.end(), modes.begin(), [](auto& step) { return step.mode; });
   checks->modes(modes);
   for (const LogStep& step : steps) {
-    run->time.push_back(step.time);
-    run->f.push_back(step.force);
-    run->contact_point.push_back(step.contact_point);
-    run->tilt.push_back(step.tilt);
-    run->normal_error.push_back(step.normal_error);
-    run->push.push_back(step.push);
-    run->step_time.push_back(step.step_time);
-    run->torque_share.push_back(static_cast<float>(step.torque_share));
-    run->time_scale.push_back(static_cast<float>(step.time_scale));
-    run->stroke.push_back(step.stroke);
-    run->mode.push_back(static_cast<std::int8_t>(step.mode));
-    run->joint_margin = std::min(run->joint_margin, step.joint_margin);
-    run->joint_speed_share = std::fmax(run->joint_speed_share, step.joint_speed_share);
-    if (!log.header().torque_terms.empty())
-      run->clipped = run->clipped.value_or(0) + static_cast<std::size_t>(step.clipped > 0);
+    add_step(step, !log.header().torque_terms.empty(), run);
   }
   return true;
 }
 
 }  // namespace
+
+RunRecorder::RunRecorder(const RunLogHeader& header)
+    : steps_(header), terms_(!header.torque_terms.empty()) {
+  run_.joint_names = header.joint_names;
+  run_.mode_names = header.mode_names;
+  run_.joint_lower = header.joint_lower;
+  run_.joint_upper = header.joint_upper;
+  run_.torque_limit = header.torque_limit;
+  run_.joint_speed_limit = header.joint_speed_limit;
+  run_.canvas_vertices = header.canvas_vertices;
+  run_.canvas_triangles = header.canvas_triangles;
+  run_.cloud_points = header.cloud_points;
+  run_.target_points = header.target_points;
+  run_.target_stroke = header.target_stroke;
+  run_.attributes = header.attributes;
+}
+
+void RunRecorder::add(const LogRow& row) { add_step(steps_.measure(row), terms_, &run_); }
+
+RunData RunRecorder::take(const WallTimes& wall) {
+  run_.wall = wall;
+  return std::move(run_);
+}
 
 RunData read_run(const std::filesystem::path& path) {
   const LogReader log(path);

@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 
 #include "impedraw/log/log.h"
+#include "impedraw/log/log_step.h"
 #include "impedraw/log/run_rows.h"
 
 namespace impedraw {
@@ -67,6 +68,20 @@ struct RunData : RunConstants {
 
 // Appends rows of a full log to `run`, whose limits must be set.
 void add_rows(const RunRows& rows, RunData* run);
+
+// The same, row by row while the run goes on, for a run that leaves no log: equal to read_run() of
+// its log but for step_time, which is kept to a float's precision.
+class RunRecorder {
+ public:
+  explicit RunRecorder(const RunLogHeader& header);
+  void add(const LogRow& row);
+  RunData take(const WallTimes& wall);
+
+ private:
+  LogSteps steps_;
+  bool terms_;
+  RunData run_;
+};
 
 // Throws InputError as read_rows does. The log of a killed run is read up to the last row that is
 // complete in every dataset.

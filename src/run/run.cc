@@ -79,12 +79,15 @@ class Runner {
         clock_(clock_settings(e), e.control.impedance.timing.dt),
         guard_(e.scene.arm.limits().speed),
         heights_(e.scenario.blind.top_z),
-        log_(resumption ? RunLog::append_to(log_file, make_header(e))
-                        : RunLog(log_file, make_header(e))),
         row_(e.scene.arm.joints()) {
     out_.tau = JointVector::Zero(e.scene.arm.joints());
     out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
     if (resumption) ink_ = resumption->ink;
+    if (log_file.empty()) return;
+    if (resumption)
+      log_.emplace(RunLog::append_to(log_file, make_header(e)));
+    else
+      log_.emplace(log_file, make_header(e));
   }
 
   // Follows the path from its beginning to its end, or until something stops the run.
@@ -109,7 +112,7 @@ class Runner {
 
   double time() const { return state_->time; }
   RunOutcome& outcome() { return outcome_; }
-  RunLog& log() { return log_; }
+  WallTimes close_log(const WallTimes& wall) { return log_ ? log_->close(wall) : wall; }
   const InkWatch& ink() const { return ink_; }
 
  private:
@@ -211,7 +214,7 @@ class Runner {
 
     driver_.command(out_.tau, out_.terms.col(kGravity));
     fill_contact(driver_.truth(), &row_);
-    log_.append(row_);
+    if (log_) log_->append(row_);
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
     ink_.add(desired.stroke, desired.along,
@@ -304,7 +307,7 @@ class Runner {
   double height_ = 0.0;    // of the tip above the plan of a stroke that is found by touch [m]
   double searched_ = 0.0;  // for a surface [s]
   StepWatchdog watchdog_;
-  RunLog log_;
+  std::optional<RunLog> log_;
   LogRow row_;
   ImpedanceTorque out_;
   InkWatch ink_;
@@ -382,7 +385,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;
   outcome.first_time = resumption ? resumption->time : 0.0;
   outcome.wall.loop = seconds_since(loop_start);
-  outcome.wall = runner.log().close(outcome.wall);
+  outcome.wall = runner.close_log(outcome.wall);
   return outcome;
 }
 

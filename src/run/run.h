@@ -83,9 +83,9 @@ std::optional<Resumption> read_resumption(const Experiment& experiment,
 bool writes(const Experiment& experiment, ContactMode mode, double normal_force);
 
 // Runs the experiment. The arm must be at the beginning of the plan's path, or at the last posture
-// of a resumption. Streams to `log_file`. start_up: wall time already spent [s]. Throws LogError if
-// the log cannot be written, InputError if the driver does not match the arm, and what
-// Driver::start() throws.
+// of a resumption. Streams to `log_file`; empty: keeps no log. start_up: wall time already spent
+// [s]. Throws LogError if the log cannot be written, InputError if the driver does not match the
+// arm, and what Driver::start() throws.
 RunOutcome run(Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 

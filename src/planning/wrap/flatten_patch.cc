@@ -9,6 +9,7 @@
 
 #include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/files/data_folder.h"
 #include "impedraw/files/run_python.h"
 
 namespace impedraw {
@@ -41,18 +42,24 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
+std::string script_file() {
+  return (data_folder() / "src/planning/wrap/flatten_patch.py").string();
+}
+
 // Runs the script on the patch's data. Returns what it makes of them.
 std::string run_script(const std::string& data, const std::filesystem::path& wanted_python) {
-  const std::string python = wanted_python.empty() ? IMPEDRAW_PYTHON : wanted_python.string();
+  const std::string python =
+      (wanted_python.empty() ? python_interpreter() : wanted_python).string();
+  const std::string script = script_file();
   const MemoryFile patch(data), flat, said;
   const int code = run_python({.python = python,
-                               .arguments = {IMPEDRAW_FLATTEN_SCRIPT, "/dev/fd/3", "/dev/fd/4"},
+                               .arguments = {script, "/dev/fd/3", "/dev/fd/4"},
                                .files = {{&patch, 3}, {&flat, 4}, {&said, 1}, {&said, 2}}});
   if (code < 0) throw InputError(fmt::format("wrap: {} does not start", python));
   if (code == 0) return flat.content();
   const std::string why = last_line(said.content());
-  throw InputError(fmt::format("wrap: {} failed: {}", IMPEDRAW_FLATTEN_SCRIPT,
-                               why.empty() ? "it said nothing" : why));
+  throw InputError(
+      fmt::format("wrap: {} failed: {}", script, why.empty() ? "it said nothing" : why));
 }
 
 void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& flat) {
@@ -79,7 +86,7 @@ std::vector<Vector2d> flatten_patch(const SurfacePatch& patch,
   const std::size_t size = flat.size() * sizeof(Vector2d);
   if (made.size() != size)
     throw InputError(
-        fmt::format("wrap: {} gave {} bytes, not {}", IMPEDRAW_FLATTEN_SCRIPT, made.size(), size));
+        fmt::format("wrap: {} gave {} bytes, not {}", script_file(), made.size(), size));
   std::memcpy(static_cast<void*>(flat.data()), made.data(), size);
   require_unfolded(patch, flat);
   return flat;

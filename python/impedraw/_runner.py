@@ -1,0 +1,99 @@
+"""Runs one drawing after another in this process, for sweeps and learners.
+
+The scene (canvas, arm, world, snapshot of the cameras) of a run is kept. A later run whose settings
+make the same scene takes it as it is, and gives bit for bit the same numbers as one without.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from . import _impedraw
+from ._settings import assignments
+
+_local = threading.local()
+
+
+def _runner() -> _impedraw.Runner:
+    """This thread's runner."""
+    if not hasattr(_local, "runner"):
+        _local.runner = _impedraw.Runner()
+    runner: _impedraw.Runner = _local.runner
+    return runner
+
+
+def options(
+    settings: Mapping[str, Any],
+    scenario: str | os.PathLike[str] | None = None,
+    *,
+    svg: str | os.PathLike[str] | None = None,
+    text: str | None = None,
+    shape: str | None = None,
+    no_perception: bool = False,
+    keep_order: bool = False,
+    skip_unreachable: bool = False,
+    out: str | os.PathLike[str] | None = None,
+) -> _impedraw.DrawOptions:
+    """What the command line would take."""
+    made = _impedraw.DrawOptions()
+    made.assignments = assignments(settings)
+    if scenario is not None:
+        made.scenario = os.fspath(scenario)
+    if svg is not None:
+        made.svg = os.fspath(svg)
+    if text is not None:
+        made.text = text
+    if shape is not None:
+        made.shape = shape
+    made.no_perception = no_perception
+    made.keep_order = keep_order
+    made.skip_unreachable = skip_unreachable
+    if out is not None:
+        made.out = os.fspath(out)
+    return made
+
+
+def run(
+    settings: Mapping[str, Any],
+    scenario: str | os.PathLike[str] | None = None,
+    *,
+    svg: str | os.PathLike[str] | None = None,
+    text: str | None = None,
+    shape: str | None = None,
+    no_perception: bool = False,
+    keep_order: bool = False,
+    skip_unreachable: bool = False,
+    out: str | os.PathLike[str] | None = None,
+    default_out: bool = False,
+    progress: Callable[[str, float], object] | None = None,
+) -> dict[str, Any]:
+    """Draws, and returns what came of it.
+
+    settings: as ``--set`` takes them, by full names or nested: ``{"path.draw_speed": 0.1}``.
+    scenario: a YAML file; None: as ``./impedraw draw`` chooses.
+    out: folder of the run, with log, pictures and report, as ``./impedraw draw --out`` makes it;
+    None: nothing is written, unless ``default_out``: then runs/NAME.
+
+    Returns a dict of plain values: ``end`` ("finished", "stopped", "interrupted"), ``cause`` (of a
+    stop), ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``met``
+    (seconds of each controller status), ``simulated`` [s], ``wall`` [s], ``drawn_again``,
+    ``lacking``, ``notes``, ``name``, ``folder``.
+
+    Raises ValueError, one line, for settings that ``./impedraw draw`` refuses with exit code 2.
+    """
+    given = options(
+        settings,
+        scenario,
+        svg=svg,
+        text=text,
+        shape=shape,
+        no_perception=no_perception,
+        keep_order=keep_order,
+        skip_unreachable=skip_unreachable,
+        out=out,
+    )
+    result: dict[str, Any] = _runner().run(given, out is not None or default_out, progress)
+    return result

@@ -1,0 +1,75 @@
+#include "impedraw/arm/arm_model.h"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/vector.h>
+
+#include "impedraw/files/data_folder.h"
+#include "module.h"
+#include "record.h"
+
+namespace impedraw::python {
+
+namespace {
+
+struct Arm {
+  ArmModel model;
+  std::filesystem::path urdf;
+  explicit Arm(const std::filesystem::path& file, const std::string& tip)
+      : model(file, tip), urdf(file) {}
+
+  JointVector vector(nb::handle value, const char* name) const {
+    JointVector x;
+    assign(value, x, name);
+    if (x.size() != model.joints())
+      refuse(name, value, std::to_string(model.joints()) + " entries, one for each joint");
+    return x;
+  }
+};
+
+}  // namespace
+
+void bind_arm(nb::module_& m) {
+  Record<ArmLimits>(m, "ArmLimits", "Limits of an arm's joints, as its URDF gives them.")
+      .field("lower", &ArmLimits::lower, "shape (n,) [rad]")
+      .field("upper", &ArmLimits::upper, "shape (n,) [rad]")
+      .field("torque", &ArmLimits::torque, "±, shape (n,) [Nm]")
+      .field("speed", &ArmLimits::speed, "±, shape (n,) [rad/s]")
+      .done();
+  nb::class_<Arm>(
+      m, "ArmModel",
+      "Rigid-body model of a serial arm with a pen, read from a URDF. Joints are in the\n"
+      "order of the URDF. Not thread-safe: each thread takes a model of its own.")
+      .def_static(
+          "from_urdf",
+          [](const std::filesystem::path& urdf, const std::string& tip_frame) {
+            return Arm(urdf, tip_frame);
+          },
+          nb::arg("urdf"), nb::arg("tip_frame") = "tip",
+          "tip_frame: frame E, origin at the tip's apex, z out of the tip. Raises ValueError if\n"
+          "the file is missing or malformed, has more than 12 joints, or lacks the frame.")
+      .def_static(
+          "standard", [] { return Arm(data_folder() / "models/iiwa14_pen.urdf", "tip"); },
+          "The standard arm of seven joints with a pen.")
+      .def_prop_ro("joints", [](const Arm& a) { return a.model.joints(); })
+      .def_prop_ro("joint_names", [](const Arm& a) { return a.model.joint_names(); })
+      .def_prop_ro("limits", [](const Arm& a) { return ArmLimits(a.model.limits()); })
+      .def_prop_ro("urdf", [](const Arm& a) { return a.urdf; })
+      .def(
+          "compute",
+          [](Arm& a, nb::handle q, nb::handle v) {
+            ArmTerms terms(a.model.joints());
+            a.model.compute(a.vector(q, "q"), a.vector(v, "v"), &terms);
+            return terms;
+          },
+          nb::arg("q"), nb::arg("v"),
+          nb::sig("def compute(self, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike) -> "
+                  "ArmTerms"),
+          "All terms at q, shape (n,) [rad], and v, shape (n,) [rad/s]. Their relative difference\n"
+          "from MuJoCo's is below 1e-9.")
+      .def(
+          "tip_pose", [](Arm& a, nb::handle q) { return a.model.tip_pose(a.vector(q, "q")); },
+          nb::arg("q"), nb::sig("def tip_pose(self, q: numpy.typing.ArrayLike) -> Pose"),
+          "X_WE at q, shape (n,) [rad].");
+}
+
+}  // namespace impedraw::python

@@ -1,0 +1,279 @@
+"""Drawings in this process against the command line, and the simulated world."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import impedraw as idr
+from impedraw import _runner
+
+WALL = {"step_time_p50", "step_time_p99", "step_time_p999", "real_time_factor"}
+LINE = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10"><path d="M0 5 H20" stroke="black" fill="none"/></svg>'
+
+
+@pytest.fixture(scope="module")
+def line(tmp_path_factory):
+    file = tmp_path_factory.mktemp("artwork") / "line.svg"
+    file.write_text(LINE)
+    return file
+
+
+PLANE = {"canvas.kind": "plane", "drawing.placement.scale": 1}
+
+
+@pytest.fixture(scope="module")
+def drawn(line, tmp_path_factory):
+    seen = []
+    out = tmp_path_factory.mktemp("run") / "line"
+    run = idr.draw(line, canvas=idr.Plane(), settings={"drawing": {"placement": {"scale": 1}}}, out=out,
+                   progress=lambda what, share: seen.append(share))
+    return run, seen
+
+
+def counted(metrics):
+    return {k: v for k, v in metrics.items() if k not in WALL}
+
+
+def test_draw_leaves_a_run(drawn):
+    run, seen = drawn
+    assert run.end == "finished" and run.name == "line"
+    written = json.loads((run.folder / "metrics.json").read_text())
+    assert {k: run.metrics[k] for k in run.metrics} == {k: written[k] for k in run.metrics}
+    assert run.metrics.ink_error_rms is not None and run.metrics.ink_error_rms < 0.1
+    assert run.metrics.gaps == 0 and isinstance(run.metrics.gaps, int)
+    assert "[mm]" in type(run.metrics).ink_error_rms.__doc__
+    force = run.log["contact/force"]
+    assert force.shape == (len(run.log["time"]), 3) and run.log.unit("contact/force") == "N"
+    assert "time" in run.log and "nothing" not in list(run.log)
+    with pytest.raises(KeyError, match="no dataset 'nothing'"):
+        run.log["nothing"]
+    assert seen and all(0 <= share <= 1 for share in seen)
+    assert "<iframe" in run._repr_html_()
+    again = idr.Run.open(run.folder)
+    assert counted(again.metrics) == counted(run.metrics)
+
+
+def test_dataframe(drawn):
+    pytest.importorskip("pandas")
+    table = drawn[0].to_dataframe()
+    assert table.index.name == "time" and np.array_equal(table["contact/force.z"], drawn[0].log["contact/force"][:, 2])
+
+
+@pytest.mark.skipif("IMPEDRAW_PROGRAM" not in os.environ, reason="without the source tree's program")
+def test_the_command_line_draws_the_same(drawn, line, tmp_path):
+    subprocess.run(
+        [os.environ["IMPEDRAW_PROGRAM"], "draw", "--svg", line, "--out", tmp_path / "run",
+         *[word for s in PLANE.items() for word in ("--set", f"{s[0]}={s[1]}")]],
+        check=True, capture_output=True,
+    )
+    told = json.loads((tmp_path / "run/metrics.json").read_text())
+    assert {k: told[k] for k in counted(drawn[0].metrics)} == counted(drawn[0].metrics)
+    for name in ("/joint/torque", "/contact/force", "/tip/position"):
+        np.testing.assert_array_equal(drawn[0].log[name], idr.Log(tmp_path / "run/run.h5")[name])
+
+
+def test_kept_scenes_and_no_log_change_no_bit(drawn, line):
+    """One runner over many settings, against a new one for each."""
+    cases = [
+        {}, {"control.normal_force": 3}, {}, {"seed": 7, "perception.noise.sigma_at_1m": 0.001},
+        {"world.tip.friction": 0.1}, {"control.wrench": "realistic"}, {}, {"perception.enabled": False},
+        {"path.draw_speed": 0.02, "seed": 8, "perception.noise.sigma_at_1m": 0.001}, {"seed": 9},
+    ]
+    kept = idr._impedraw.Runner()
+    for case in cases:
+        given = _runner.options({**PLANE, **case}, svg=line)
+        a, b = kept.run(given), idr._impedraw.Runner().run(given)
+        assert counted(a["metrics"]) == counted(b["metrics"]), case
+        assert a["end"] == b["end"] and a["met"] == b["met"]
+        if not case:
+            assert counted(a["metrics"]) == counted(drawn[0].metrics)
+    # {}, 3 N and the seed without noise share a scene.
+    assert kept.scenes_reused == 4 and kept.scenes_built == 6
+
+
+@pytest.mark.parametrize(
+    "settings, message",
+    [
+        ({"control.normal_forc": 3}, "unknown key 'normal_forc' in control; did you mean 'normal_force'?"),
+        ({"control.normal_force": 99}, "control.normal_force is 99 N, allowed is 0 to 50 N"),
+        ({"control.normal_force": float("nan")}, "control.normal_force"),
+        ({"control": {"normal_force": object()}}, "a setting is of type object"),
+        ({"drawing.placement.scale": 90}, "drawing"),
+    ],
+)
+def test_what_is_refused_writes_nothing(settings, message, line, tmp_path):
+    with pytest.raises(ValueError) as fault:
+        idr.draw(line, canvas=idr.Plane(), settings=settings, out=tmp_path / "run")
+    assert message in str(fault.value) and "\n" not in str(fault.value)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_scene_is_kept_after_a_refusal(line):
+    runner = idr._impedraw.Runner()
+    runner.run(_runner.options(PLANE, svg=line))
+    with pytest.raises(ValueError):
+        runner.run(_runner.options({**PLANE, "drawing.placement.scale": 30}, svg=line))
+    with pytest.raises(ValueError):  # named by a setting that does not make the scene
+        runner.run(_runner.options({**PLANE, "control.null_stiffness": [1, 2]}, svg=line))
+    runner.run(_runner.options(PLANE, svg=line))
+    assert runner.scenes_built == 1 and runner.scenes_reused == 2
+
+
+def test_the_pre_flight_tells_what_cannot_be_drawn(line):
+    good = idr.plan(line, canvas=idr.Plane())
+    assert good["not_drawable"] == []
+    bad = idr.plan(line, canvas=idr.Plane(), settings={"drawing.placement.scale": 30})
+    assert bad["not_drawable"] and "text" in bad["not_drawable"][0]
+
+
+def test_ctrl_c_lifts_the_pen_and_keeps_the_log(tmp_path):
+    code = (
+        "import impedraw as idr, os, signal\n"
+        "def seen(what, share):\n"
+        "    if what == 'drawing' and share > 0.1: os.kill(os.getpid(), signal.SIGINT)\n"
+        f"try: idr.draw(out={str(tmp_path / 'run')!r}, progress=seen)\n"
+        "except KeyboardInterrupt as e: print('interrupt:', e)\n"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert "interrupt: interrupted at t =" in said.stdout and "the pen was lifted" in said.stdout, said
+    log = idr.Log(tmp_path / "run/run.h5")
+    assert len(log["time"]) > 100 and log["tip/position"][-1][2] > log["tip/position"][-300][2]
+
+
+def test_an_error_of_the_callback_ends_the_run(line):
+    def fail(what, share):
+        raise RuntimeError("mine")
+
+    with pytest.raises(RuntimeError, match="mine"):
+        _runner.run(PLANE, svg=line, progress=fail)
+
+
+def world():
+    arm = idr.ArmModel.standard()
+    w = idr.World(arm.urdf, idr.Bowl().canvas())
+    return arm, w
+
+
+def test_world_falls_freely_and_holds():
+    """With τ = g the arm at rest stays; without, it begins with M v̇ = −g."""
+    arm, w = world()
+    q = np.array([0, 0.3, 0, -1.6, 0, 1.2, 0])
+    w.set_state(q)
+    t = arm.compute(q, np.zeros(7))
+    for _ in range(100):
+        w.step(t.g)
+    np.testing.assert_allclose(w.state.q, q, atol=1e-6)
+    w.set_state(q)
+    w.step(np.zeros(7))
+    np.testing.assert_allclose(w.state.v, -1e-3 * np.linalg.solve(t.M, t.g), rtol=1e-6, atol=1e-9)
+    assert w.state.time == pytest.approx(1e-3) and w.failure is None
+    with pytest.raises(ValueError, match="tau is .*; valid is 7 entries"):
+        w.step(np.zeros(6))
+    with pytest.raises(ValueError, match="tau is .*; valid is finite"):
+        w.step(np.full(7, np.nan))
+
+
+def swing(seed):
+    arm, w = world()
+    w.set_state(np.array([0, 0.3, 0, -1.6, 0, 1.2, 0]))
+    rng = np.random.default_rng(seed)
+    for _ in range(300):
+        w.step(rng.normal(0, 3, 7))
+    return w.state.q.copy()
+
+
+def test_worlds_in_threads_are_as_alone():
+    alone = [swing(seed) for seed in range(4)]
+    together = [None] * 4
+
+    def work(seed):
+        together[seed] = swing(seed)
+
+    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert all(np.array_equal(a, b) for a, b in zip(alone, together))
+
+
+def test_world_keeps_its_canvas_alive():
+    import gc
+
+    arm = idr.ArmModel.standard()
+    w = idr.World(arm.urdf, idr.Plane().canvas())
+    gc.collect()
+    w.set_state(np.array([0, 0.3, 0, -1.6, 0, 1.2, 0]))
+    w.step(np.zeros(7))
+    assert w.touching_link == ""
+
+
+def test_canvas_of_a_mesh():
+    v = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.0]])
+    c = idr.Canvas.from_mesh(v, [[0, 1, 2], [1, 3, 2]])
+    p = c.closest([0.5, 0.25, 0.1])
+    np.testing.assert_allclose(p.p_W, [0.5, 0.25, 0], atol=1e-15)
+    assert p.distance == pytest.approx(0.1) and list(p.n_W) == [0, 0, 1]
+    with pytest.raises(ValueError, match="an index of a vertex, 0 to 3"):
+        idr.Canvas.from_mesh(v, [[0, 1, 9]])
+    with pytest.raises(ValueError, match="canvas.cap.radius"):
+        idr.Bowl(radius=-1).canvas()
+
+
+def test_import_pulls_neither_ray_nor_matplotlib():
+    code = "import impedraw, sys; print([m for m in ('ray','matplotlib','h5py','pandas','gymnasium','mujoco') if m in sys.modules])"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == "[]"
+
+
+@pytest.mark.skipif("IMPEDRAW_PROGRAM" in os.environ, reason="the source tree's package")
+def test_a_wheel_brings_its_data():
+    """Nothing is read from where it was built."""
+    package = pathlib.Path(idr.__file__).parent
+    assert idr._impedraw.data_folder() == package / "data"
+    assert idr.ArmModel.standard().urdf.is_relative_to(package)
+    assert (package / "data/scenarios/bowl-sine.yaml").is_file() and (package / "py.typed").is_file()
+    written = idr.plan(text="Hi")  # with the fonts that it brings
+    assert written["not_drawable"] == []
+
+
+def test_nothing_leaks_at_exit():
+    """nanobind counts its instances, types and functions when Python ends."""
+    code = (
+        "import impedraw as idr, numpy as np, copy, pickle\n"
+        "arm = idr.ArmModel.standard(); t = arm.compute(np.zeros(7), np.zeros(7))\n"
+        "c = idr.ImpedanceController(idr.ImpedanceSettings(), arm)\n"
+        "view = c.step(t, idr.TipReference(n_WD=-t.X_WE.R[:, 2]), idr.SurfaceEstimate()).tau\n"
+        "part = idr.ImpedanceSettings().contact; copy.deepcopy(part); pickle.dumps(part)\n"
+        "w = idr.World(arm.urdf, idr.Plane().canvas()); state = w.state.q\n"
+        "try: idr.ImpedanceSettings(normal_forc=3)\n"
+        "except ValueError: pass\n"
+        "del arm, t, c, view, part, w, state\n"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout == said.stderr == ""
+
+
+def test_many_steps_keep_memory():
+    """A reference lost in a step or in a result would show."""
+    import resource
+
+    arm = idr.ArmModel.standard()
+    t = arm.compute(np.zeros(7), np.zeros(7))
+    c = idr.ImpedanceController(idr.ImpedanceSettings(), arm)
+    reference, surface, F = idr.TipReference(n_WD=-t.X_WE.R[:, 2]), idr.SurfaceEstimate(), [0.0] * 6
+
+    def some():
+        for _ in range(20000):
+            out = c.step(t, reference, surface, F)
+            assert out.tau is not None and out.terms is not None and out.status.ok in (True, False)
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = some()
+    assert some() - before < 2000  # kB; an object a step would be 20,000
