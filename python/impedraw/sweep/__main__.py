@@ -195,6 +195,13 @@ def identity_of(spec: Spec, context, root: Path) -> dict:  # noqa: ANN001
         if not Path(context.program).is_file():
             raise SweepError(f"--program {context.program}: is no file; ./impedraw builds it")
         program = content_digest([Path(context.program)])
+    if context.runner == "native":
+        try:
+            from impedraw import _impedraw
+        except ImportError as error:
+            raise SweepError(f"--runner native: the compiled package is missing: {error}; valid "
+                             "are process and noop") from None
+        program = content_digest([Path(_impedraw.__file__)])
     return {"spec": spec.digest(), "runner": context.runner, "program": program,
             "inputs": content_digest(input_files(spec, root)), "name": spec.name,
             "columns": context.columns, "axes": context.axes}

@@ -23,22 +23,35 @@ class Sequence(list[Any]):
     line: int
 
 
-class _Loader(yaml.SafeLoader):
-    """YAML 1.2's numbers and booleans: 1e3 is a number, `on` and `no` are words."""
+def _with_yaml_1_2(loader: type) -> type:
+    """Of the loader's kind, with YAML 1.2's numbers and booleans: 1e3 is a number, `on` a word."""
+    made = type("Loader", (loader,), {})
+    left = ("bool", "float", "int", "timestamp")
+    made.yaml_implicit_resolvers = {
+        first: [(tag, pattern) for tag, pattern in resolvers
+                if tag.rsplit(":", 1)[-1] not in left]
+        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
+    for tag, pattern, first in (
+        ("bool", r"^(true|false)$", "tf"),
+        ("int", r"^[-+]?[0-9]+$", "-+0123456789"),
+        ("float", r"^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?$", "-+.0123456789"),
+    ):
+        made.add_implicit_resolver(f"tag:yaml.org,2002:{tag}", re.compile(pattern), list(first))
+    return made
 
 
-_Loader.yaml_implicit_resolvers = {
-    first: [(tag, pattern) for tag, pattern in resolvers
-            if tag not in ("tag:yaml.org,2002:bool", "tag:yaml.org,2002:float",
-                           "tag:yaml.org,2002:int", "tag:yaml.org,2002:timestamp")]
-    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
-}
-_Loader.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile(r"^(true|false)$"), list("tf"))
-_Loader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$"),
-                              list("-+0123456789"))
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float",
-    re.compile(r"^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?$"), list("-+.0123456789"))
+_Loader = _with_yaml_1_2(yaml.SafeLoader)
+_FastLoader = _with_yaml_1_2(getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+
+
+def read_scenario(file: Path) -> dict[str, Any]:
+    """A scenario's mapping, without lines, in C. Raises OSError, ValueError."""
+    with open(file, encoding="utf-8") as text:
+        try:
+            return yaml.load(text, Loader=_FastLoader) or {}
+        except yaml.YAMLError as error:
+            raise ValueError(f"{file}: {error}".splitlines()[0]) from None
 
 
 def read_yaml(file: Path) -> Map:

@@ -162,7 +162,7 @@ class Page:
         accept = "".join(f"<li><b>{html.escape(n)}</b> <code>{html.escape(c)}</code></li>"
                          for n, c in self.spec.accept.items())
         return (f"<h1>{html.escape(self.spec.name)}</h1><p>{html.escape(self.spec.about)}</p>"
-                f"<p class=figures>{self.count} runs: {html.escape(told)}; {wall:.0f} s of one "
+                f"<p class=figures>{self.count} runs: {html.escape(told)}; {wall:.3g} s of one "
                 f"core</p><p>{_command(self.command)}</p>"
                 + (f"<p>A run has failed that does not meet:</p><ul>{accept}</ul>" if accept
                    else ""))
@@ -441,7 +441,7 @@ class _scale:
 
     def __init__(self, low: float, high: float, first: float, last: float,
                  log: bool | None = None) -> None:
-        self.log = (low > 0 and high / low > 20) if log is None else log
+        self.log = (low > 0 and high / low >= 10) if log is None else log
         if high <= low:
             low, high = low - (abs(low) or 1.0) * 0.5, high + (abs(high) or 1.0) * 0.5
             self.log = False

@@ -5,6 +5,7 @@ after the other. What it returns is the case's row, short of what the engine add
 nothing: what goes wrong with a run is its state and cause.
 """
 
+import faulthandler
 import hashlib
 import json
 import os
@@ -17,11 +18,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-import yaml
 
 from .errors import SweepError
 from .expression import Expression
-from .settings import flat
+from .located_yaml import read_scenario
+from .settings import Settings, flat, resolved
 from .spec import Case
 
 # A case's state. All but `ok` count as failed; `missed`: a condition of `accept` does not hold.
@@ -159,9 +160,8 @@ class Process:
             return Outcome("crashed", f"crashed: exit code {code}: {cause}")
         try:
             metrics = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
-            with open(folder / "scenario.yaml", encoding="utf-8") as file:
-                scenario = yaml.load(file, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-        except (OSError, ValueError, yaml.YAMLError) as error:
+            scenario = read_scenario(folder / "scenario.yaml")
+        except (OSError, ValueError) as error:
             return Outcome("error", f"error: what the run left cannot be read: {error}")
         outcome.reasons = metrics.pop("reasons", {})
         metrics.pop("wall_seconds", None)
@@ -198,6 +198,52 @@ class Process:
         os.replace(new, kept)
 
 
+class Native:
+    """Runs the drawing in this process, by the compiled package. The scene (canvas, arm, snapshot
+    of the cameras) of the last runs is kept, and nothing is written: a short run takes a tenth of
+    what a child process takes. A run that crashes, or takes longer than the limit of time, ends
+    the worker, which the engine notices. `settings` holds what the scenario and the case set."""
+
+    def __init__(self, context: Context) -> None:
+        from impedraw import _runner
+
+        self.run, self.context = _runner.run, context
+        self.defaults = Settings.read(
+            Path(context.root) / "docs/scenario.schema.json").defaults()
+        self.scenarios: dict[str, dict[str, Any]] = {}
+        self.keeper = Process(context) if set(context.keep.values()) != {"never"} else None
+        self.accept = {k: Expression(v) for k, v in context.accept.items()}
+
+    def __call__(self, case: Case) -> Outcome:
+        words = case.draw.get("arguments", [])
+        path = os.path.join(self.context.root, case.draw["scenario"])
+        if path not in self.scenarios:
+            self.scenarios[path] = resolved(Path(path), self.defaults)
+        svg = case.draw.get("svg")
+        faulthandler.dump_traceback_later(self.context.limits["time"], exit=True)
+        try:
+            got = self.run(
+                case.settings, path, svg=os.path.join(self.context.root, svg) if svg else None,
+                text=case.draw.get("text"), shape=case.draw.get("shape"),
+                no_perception="--no-perception" in words, keep_order="--keep-order" in words,
+                skip_unreachable="--skip-unreachable" in words)
+        except ValueError as error:
+            return Outcome("refused", f"refused: {self._within(str(error))}")
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+        outcome = Outcome("ok", "", got["metrics"], got["reasons"],
+                          {**self.scenarios[path], **case.settings})
+        if got["end"] != "finished":
+            outcome.state, outcome.cause = "stopped", f"stopped: {self._within(got['cause'])}"
+        if self.keeper and (("always" in self.context.keep.values())
+                            or judged(outcome, self.accept).state != "ok"):
+            self.keeper(case)  # once more, with all its files
+        return outcome
+
+    def _within(self, text: str) -> str:
+        return text.replace(self.context.root + "/", "")
+
+
 def _scratch(context: Context) -> str | None:
     """A folder of the data set where it can be seen, so that what is left over can be removed."""
     folder = Path(context.out) / "scratch"
@@ -215,16 +261,13 @@ def _signal_name(number: int) -> str:
         return "unknown"
 
 
-RUNNERS: dict[str, type] = {"noop": Noop, "process": Process}
+RUNNERS: dict[str, type] = {"noop": Noop, "process": Process, "native": Native}
 
 
 def make_runner(context: Context) -> Runner:
     """The runner that the context names. Raises SweepError."""
-    if context.runner == "native":
-        try:
-            from impedraw.sweep_runner import Native  # comes with the compiled package
-        except ImportError as error:
-            raise SweepError(f"--runner native: the compiled package is missing: {error}; valid "
-                             "are process and noop") from None
-        return Native(context)
-    return RUNNERS[context.runner](context)
+    try:
+        return RUNNERS[context.runner](context)
+    except ImportError as error:
+        raise SweepError(f"--runner {context.runner}: the compiled package is missing: {error}; "
+                         "valid are process and noop") from None

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from .located_yaml import read_scenario
+
 # Keys of a case that are no settings but arguments of `impedraw draw`.
 DRAW_ARGUMENTS = ("scenario", "svg", "text", "shape", "arguments")
 
@@ -31,6 +33,11 @@ class Settings:
     def columns(self) -> dict[str, str]:
         """The column type of each setting that is not deprecated."""
         return {name: self.column_type(name) for name, leaf in sorted(self.leaves.items())
+                if not leaf.get("deprecated")}
+
+    def defaults(self) -> dict[str, Any]:
+        """The default of each setting that is not deprecated."""
+        return {name: leaf.get("default") for name, leaf in self.leaves.items()
                 if not leaf.get("deprecated")}
 
     def column_type(self, name: str) -> str:
@@ -108,6 +115,13 @@ def flat(scenario: Mapping[str, Any], name: str = "") -> dict[str, Any]:
         else:
             found[full] = value
     return found
+
+
+def resolved(file: Path, defaults: Mapping[str, Any]) -> dict[str, Any]:
+    """Every setting that a scenario has of itself: the defaults, what it extends, its own."""
+    own = flat(read_scenario(file))
+    before = own.pop("extends", None)
+    return {**(resolved(file.parent / before, defaults) if before else defaults), **own}
 
 
 def text_of(value: Any) -> str:
