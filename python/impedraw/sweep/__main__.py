@@ -83,6 +83,11 @@ def _sweep(options: argparse.Namespace) -> int:
         raise SweepError(f"{spec.file}: no case is left by its conditions")
     out = Path(options.out) if options.out else Path("runs") / spec.name
     if options.dry_run:
+        if spec.tune is not None:
+            trials = spec.tune.get("trials", 100)
+            print(f"{spec.name}: {trials} trials of {count} cases, {trials * count} runs; into "
+                  f"{out}")
+            return FINISHED
         print(f"{spec.name}: {count} cases, {_times(spec, out)}")
         return FINISHED
     if spec.tune is not None:
@@ -96,7 +101,7 @@ def run(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
         count: int) -> int:
     """Runs what the data set lacks, then writes the page."""
     from .dataset import Dataset, read_dataset
-    from .engine import Interrupted, Stop, run_on_ray, run_serial
+    from .engine import Interrupted, Stop
     from .progress import Progress
     from .report import write_report
 
@@ -104,7 +109,7 @@ def run(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
         table, identity = read_dataset(out)
         if identity.get("spec") != spec.digest():
             raise SweepError(f"--out {out}: is the data set of another specification")
-        print(f"  {write_report(spec, table, out, settings, _repeat(options))}")
+        print(f"  {write_report(spec, table, out, settings, repeat_command(options))}")
         return FINISHED
     context = make_context(spec, options, root, settings, out)
     data = Dataset(out, identity_of(spec, context, root), options.again)
@@ -116,19 +121,13 @@ def run(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
             print(f"impedraw: {len(done)} runs are kept from an earlier sweep; --again discards "
                   "them", file=sys.stderr)
         progress = Progress(spec.name, count, count - left, failed)
-        rows = _Buffer(data, progress)
         cases = (c for c in _selected(spec, options.only) if bytes.fromhex(c.key) not in done)
         interrupted = False
         try:
-            if left and options.serial:
-                run_serial(context, cases, rows.add, rows.tick, stop)
-            elif left:
-                run_on_ray(context, cases, left, rows.add, rows.tick, stop, options.address,
-                           options.workers)
+            execute(context, data, progress, cases, options, stop, left)
         except Interrupted:
             interrupted = True
         finally:
-            rows.flush()
             if left:
                 progress.draw(last=True)
         there = data.compact()
@@ -137,7 +136,7 @@ def run(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
                   "continues", file=sys.stderr)
             return 128 + stop.signal
         table = data.table()
-        page = write_report(spec, table, out, settings, _repeat(options))
+        page = write_report(spec, table, out, settings, repeat_command(options))
         bad = sum(table["failed"].to_pylist())
         print(f"{table.num_rows} runs, {bad} failed")
         print(f"  {out.resolve() / 'runs.parquet'}\n  {page}")
@@ -145,6 +144,24 @@ def run(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
     finally:
         stop.restore()
         data.close()
+
+
+def execute(context, data, progress, cases, options, stop, count=None,  # noqa: ANN001, ANN201
+            keep_ray: bool = False) -> None:
+    """Runs the cases and writes their rows. Raises Interrupted when what is there is written."""
+    from .engine import run_on_ray, run_serial
+
+    if count is None:
+        count = len(cases)
+    rows = _Buffer(data, progress)
+    try:
+        if count and options.serial:
+            run_serial(context, iter(cases), rows.add, rows.tick, stop)
+        elif count:
+            run_on_ray(context, iter(cases), count, rows.add, rows.tick, stop, options.address,
+                       options.workers, keep_ray)
+    finally:
+        rows.flush()
 
 
 class _Buffer:
@@ -248,7 +265,8 @@ def _times(spec: Spec, out: Path) -> str:
     return f"{len(spec.blocks)} block{'s' if len(spec.blocks) > 1 else ''} ({told}); into {out}"
 
 
-def _repeat(options: argparse.Namespace) -> str:
+def repeat_command(options: argparse.Namespace) -> str:
+    """The command that goes on with this sweep."""
     words = ["./impedraw sweep", options.spec]
     if options.out:
         words += ["--out", options.out]

@@ -9,6 +9,7 @@ row. A batch whose node goes away is sent again.
 import os
 import secrets
 import signal
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -104,7 +105,7 @@ def start_ray(address: str | None, workers: int | None) -> int:
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     os.environ.setdefault("RAY_DEDUP_LOGS", "0")
     os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
-    if address is None:
+    if address is None and "ray" not in sys.modules:
         # Ray replaces 127.0.0.1 by the machine's own address, and listens on every interface,
         # unless clusters are switched off: the switch that it has for Windows and macOS.
         os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
@@ -114,11 +115,13 @@ def start_ray(address: str | None, workers: int | None) -> int:
     import ray
 
     try:
-        if address is None:
+        if ray.is_initialized():
+            pass
+        elif address is None:
             ray.init(num_cpus=workers or _cores(), num_gpus=0, include_dashboard=False,
                      _node_ip_address="127.0.0.1", object_store_memory=_OBJECT_STORE,
                      log_to_driver=False, logging_level="ERROR", configure_logging=True)
-        elif not ray.is_initialized():
+        else:
             ray.init(address=address, log_to_driver=False, logging_level="ERROR")
     except Exception as error:
         first = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
@@ -151,7 +154,7 @@ def _run_batch(identity: str, context: Context, cases: list[Case]) -> tuple[Any,
 
 def run_on_ray(context: Context, cases: Iterator[Case], total: int, on_rows: OnRows,
                tick: Callable[[], None], stop: Stop, address: str | None = None,
-               workers: int | None = None) -> None:
+               workers: int | None = None, keep_ray: bool = False) -> None:
     """Runs the cases on a local Ray, or on the cluster at `address`. Raises Interrupted."""
     slots = start_ray(address, workers)
     import ray
@@ -162,7 +165,7 @@ def run_on_ray(context: Context, cases: Iterator[Case], total: int, on_rows: OnR
     try:
         _run(ray, context, Batches(cases, total), slots, on_rows, tick, stop, workers)
     finally:
-        if address is None:
+        if address is None and not (keep_ray and not stop.signal):
             ray.shutdown()
 
 

@@ -48,16 +48,17 @@ class Axis:
 
 
 def write_report(spec: Spec, table: pa.Table, out: Path, settings: Settings,
-                 command: str) -> Path:
-    """Writes OUT/report.html and returns its path. Raises SweepError."""
+                 command: str, more: str = "") -> Path:
+    """Writes OUT/report.html and returns its path; `more` is HTML. Raises SweepError."""
     page = out / "report.html"
-    write_whole(page, Page(spec, table, out, settings, command).text().encode("utf-8"))
+    write_whole(page, Page(spec, table, out, settings, command, more).text().encode("utf-8"))
     return page.resolve()
 
 
 class Page:
     def __init__(self, spec: Spec, table: pa.Table, out: Path, settings: Settings,
-                 command: str) -> None:
+                 command: str, more: str) -> None:
+        self.more = more
         self.spec, self.table, self.out = spec, table, out
         self.settings, self.command = settings, command
         self.columns = {n: table[n].to_pylist() for n in table.column_names
@@ -138,7 +139,7 @@ class Page:
     # --- parts of the page ---------------------------------------------------------------------
 
     def text(self) -> str:
-        body = [self.summary()]
+        body = [self.summary(), self.more]
         report = self.spec.report
         if any(k in report for k in ("tables", "maps", "lines")):
             for kind, draw in (("maps", self.map), ("lines", self.lines),
