@@ -84,6 +84,22 @@ def test_driver_and_worker_killed_and_the_result_is_that_of_a_serial_run(spec, t
     assert result(tmp_path / "b").equals(serial)
 
 
+@pytest.mark.skipif(os.environ.get("IMPEDRAW_LONG") != "1", reason="long: ./check --all")
+def test_a_hundred_thousand_cases_and_three_kills(spec, tmp_path):
+    file = spec(250, 400)
+    print(f"seed {SEED}")
+    killed = run_and_kill(command(file, tmp_path / "a"), SEED, 3, 40)
+    assert killed["code"] == 0 and killed["peak_mb"] < 1000, killed
+    rows = result(tmp_path / "a")
+    assert rows.num_rows == 100_000 == len(set(rows["key"].to_pylist()))
+    few = sweep(file, tmp_path / "serial", "--serial", "--only", "-00")
+    assert few.returncode == 0, few.stderr
+    subset = result(tmp_path / "serial")
+    keys = set(subset["key"].to_pylist())
+    mine = rows.filter([k in keys for k in rows["key"].to_pylist()])
+    assert subset.num_rows > 200 and mine.equals(subset)
+
+
 def test_a_run_that_kills_its_worker_is_a_row(spec, tmp_path):
     done = sweep(spec(4, 10), tmp_path / "d", options={"crash": "0", "fail": "1"})
     assert done.returncode == 0, done.stderr

@@ -8,8 +8,10 @@ row. A batch whose node goes away is sent again.
 
 import os
 import secrets
+import shutil
 import signal
 import sys
+import tempfile
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -96,11 +98,11 @@ class Batches:
         return batch or None
 
 
-def start_ray(address: str | None, workers: int | None) -> int:
+def start_ray(address: str | None, workers: int | None, folder: str | None) -> int:
     """Starts Ray on this machine, or joins a cluster. Returns how many CPUs are there.
 
     A local Ray listens on 127.0.0.1 alone, and asks for a token that only this process and its
-    children know. Raises SweepError.
+    children know; its sockets and logs are in `folder`. Raises SweepError.
     """
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     os.environ.setdefault("RAY_DEDUP_LOGS", "0")
@@ -119,7 +121,7 @@ def start_ray(address: str | None, workers: int | None) -> int:
             pass
         elif address is None:
             ray.init(num_cpus=workers or _cores(), num_gpus=0, include_dashboard=False,
-                     _node_ip_address="127.0.0.1", object_store_memory=_OBJECT_STORE,
+                     _node_ip_address="127.0.0.1", _temp_dir=folder, object_store_memory=_OBJECT_STORE,
                      log_to_driver=False, logging_level="ERROR", configure_logging=True)
         else:
             ray.init(address=address, log_to_driver=False, logging_level="ERROR")
@@ -128,6 +130,21 @@ def start_ray(address: str | None, workers: int | None) -> int:
         where = f"--address {address}" if address else "Ray"
         raise SweepError(f"{where}: cannot be started or reached: {first}") from None
     return _slots(ray)
+
+
+def _ray_folder(out: Path) -> str:
+    """For sockets, whose paths must be short, and logs. The data set remembers which it is, so that
+    what a killed sweep left is removed by the next one."""
+    note, prefix = out / ".ray", "impedraw-ray-"
+    left = os.path.basename(note.read_text(encoding="utf-8").strip()) if note.exists() else ""
+    if left.startswith(prefix):
+        path = os.path.join(tempfile.gettempdir(), left)
+        if "ray" in sys.modules and os.path.isdir(path):
+            return path  # of this sweep's own Ray, which goes on
+        shutil.rmtree(path, ignore_errors=True)
+    made = tempfile.mkdtemp(prefix=prefix)
+    note.write_text(os.path.basename(made), encoding="utf-8")
+    return made
 
 
 def _cores() -> int:
@@ -156,7 +173,8 @@ def run_on_ray(context: Context, cases: Iterator[Case], total: int, on_rows: OnR
                tick: Callable[[], None], stop: Stop, address: str | None = None,
                workers: int | None = None, keep_ray: bool = False) -> None:
     """Runs the cases on a local Ray, or on the cluster at `address`. Raises Interrupted."""
-    slots = start_ray(address, workers)
+    folder = _ray_folder(Path(context.out)) if address is None else None
+    slots = start_ray(address, workers, folder)
     import ray
 
     mine = stop  # ray.init may have put its own handlers
@@ -167,6 +185,7 @@ def run_on_ray(context: Context, cases: Iterator[Case], total: int, on_rows: OnR
     finally:
         if address is None and not (keep_ray and not stop.signal):
             ray.shutdown()
+            shutil.rmtree(folder or "", ignore_errors=True)
 
 
 def _run(ray: Any, context: Context, batches: Batches, slots: int, on_rows: OnRows,
@@ -197,8 +216,8 @@ def _run(ray: Any, context: Context, batches: Batches, slots: int, on_rows: OnRo
                 try:
                     table, seconds = ray.get(reference)
                 except ray.exceptions.RayTaskError as error:
-                    raise SweepError(str(error.cause)) from None if isinstance(
-                        error.cause, SweepError) else error
+                    told = str(error.cause).strip().splitlines() or [type(error.cause).__name__]
+                    raise SweepError(f"a worker: {told[0]}") from error
                 except (ray.exceptions.WorkerCrashedError,
                         ray.exceptions.OutOfMemoryError) as error:
                     if len(batch) > 1:

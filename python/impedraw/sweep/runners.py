@@ -145,6 +145,7 @@ class Process:
             outcome = self._outcome(folder, done.returncode,
                                     done.stderr.decode("utf-8", "replace"))
         self._keep(case, folder, outcome)
+        shutil.rmtree(folder, ignore_errors=True)
         return outcome
 
     def _outcome(self, folder: Path, code: int, told: str) -> Outcome:
