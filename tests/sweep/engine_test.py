@@ -178,3 +178,12 @@ def test_an_expression_that_matches_no_case(spec, tmp_path):
     done = sweep(spec(2, 2), tmp_path / "d", "--serial", "--only", "nothing-like-this")
     assert done.returncode == 2 and "--list shows them" in done.stderr
     assert not (tmp_path / "d").exists()
+
+
+@pytest.mark.parametrize(("address", "told"), [
+    ("127.0.0.1:1", "no cluster is there"), ("ray://x:1", "HOST:PORT"), ("x", "HOST:PORT"),
+    ("127.0.0.1:99999", "HOST:PORT")])
+def test_an_address_where_no_cluster_is(spec, tmp_path, address, told):
+    done = sweep(spec(2, 2), tmp_path / "d", "--address", address)
+    assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
+    assert not (tmp_path / "d").exists()

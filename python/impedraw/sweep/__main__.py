@@ -90,6 +90,10 @@ def _sweep(options: argparse.Namespace) -> int:
             return FINISHED
         print(f"{spec.name}: {count} cases, {_times(spec, out)}")
         return FINISHED
+    if options.address and not options.serial:
+        from .engine import require_cluster
+
+        require_cluster(options.address)
     if spec.tune is not None:
         from .tuning import tune
 

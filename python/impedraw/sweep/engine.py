@@ -10,6 +10,7 @@ import os
 import secrets
 import shutil
 import signal
+import socket
 import sys
 import tempfile
 import time
@@ -96,6 +97,18 @@ class Batches:
                 break
         self.left -= len(batch)
         return batch or None
+
+
+def require_cluster(address: str) -> None:
+    """Raises SweepError where nobody listens at HOST:PORT: Ray itself would wait for minutes."""
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdigit() or not 0 < int(port) < 65536 or "/" in host:
+        raise SweepError(f"--address {address}: valid is HOST:PORT, as `ray start --head` tells it")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), timeout=5.0).close()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise SweepError(f"--address {address}: no cluster is there: {reason}") from None
 
 
 def start_ray(address: str | None, workers: int | None, folder: str | None) -> int:
