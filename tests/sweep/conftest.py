@@ -1,4 +1,7 @@
-"""Shared by the tests of sweeps. IMPEDRAW names the program; without it, tests that draw are left out."""
+"""Shared by the tests of sweeps.
+
+IMPEDRAW names the program; without it, tests that draw are left out.
+"""
 
 import json
 import os

@@ -1,4 +1,7 @@
-"""The runner in the worker's process gives the figures of the child process. Needs the compiled package."""
+"""The runner in the worker's process gives the figures of the child process.
+
+Needs the compiled package.
+"""
 
 import pytest
 

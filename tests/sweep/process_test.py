@@ -1,4 +1,4 @@
-"""Runs of the program itself: figures as `impedraw draw` gives them, and every way to fail is a row."""
+"""Runs of the program: figures as `impedraw draw` gives them, and every way to fail is a row."""
 
 import json
 import os
@@ -68,7 +68,11 @@ axes:
       good: {control.normal_force: 3}
       missed: {control.normal_force: 5}
       refused: {canvas.kind: mesh}
-      stopped: {scenario: scenarios/bowl-sine.yaml, world.errors.rotor_inertia: 0.3, preflight.arm: false, drawing.placement.scale: 1}
+      stopped:
+        scenario: scenarios/bowl-sine.yaml
+        world.errors.rotor_inertia: 0.3
+        preflight.arm: false
+        drawing.placement.scale: 1
 """)
     done = sweep(file, tmp_path / "d", "--workers", "2", runner="process")
     assert done.returncode == 0, done.stderr

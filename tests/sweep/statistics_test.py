@@ -10,7 +10,8 @@ from impedraw.sweep.statistics import half_width, mean_over_seeds, t95
 
 def test_student_against_published_values():
     # NIST/SEMATECH e-Handbook, 1.3.6.7.2, column 0.975.
-    for freedom, value in {1: 12.706, 5: 2.571, 30: 2.042, 40: 2.021, 60: 2.000, 100: 1.984}.items():
+    published = {1: 12.706, 5: 2.571, 30: 2.042, 40: 2.021, 60: 2.000, 100: 1.984}
+    for freedom, value in published.items():
         assert t95(freedom) == pytest.approx(value, abs=2e-3)
 
 

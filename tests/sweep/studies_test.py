@@ -15,7 +15,7 @@ from impedraw.sweep.settings import plain, text_of
 
 def cells_of(command):
     """name → (scenario, svg, settings) of what `impedraw robustness --list` prints."""
-    text = subprocess.run([os.environ["IMPEDRAW"], command, "--list"], cwd=ROOT, check=True,
+    text = subprocess.run([os.environ["IMPEDRAW"], *command, "--list"], cwd=ROOT, check=True,
                           capture_output=True, text=True).stdout
     cells = {}
     for name, line in re.findall(r"^(\S.*)\n    (.*)$", text, re.M):
@@ -48,13 +48,15 @@ def value_of(text):
 
 
 @needs_program
-@pytest.mark.parametrize("name", ["robustness", "reach"])
-def test_the_cells_are_those_of_the_command(name, settings):
+@pytest.mark.parametrize(("name", "command"), [
+    ("robustness", ["robustness"]), ("reach", ["reach"]),
+    ("surfaces", ["robustness", "--part", "surfaces"])])
+def test_the_cells_are_those_of_the_command(name, command, settings):
     spec = load_spec(ROOT / f"studies/{name}.yaml", ROOT, settings)
     mine = {c.name: (c.draw["scenario"], c.draw.get("svg"),
                      {k: value_of(text_of(v)) for k, v in c.settings.items()})
             for c in spec.cases()}
-    theirs = cells_of(name)
+    theirs = cells_of(command)
     assert mine.keys() == theirs.keys()
     for cell in theirs:
         assert mine[cell] == theirs[cell], cell

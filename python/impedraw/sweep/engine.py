@@ -134,7 +134,8 @@ def start_ray(address: str | None, workers: int | None, folder: str | None) -> i
             pass
         elif address is None:
             ray.init(num_cpus=workers or _cores(), num_gpus=0, include_dashboard=False,
-                     _node_ip_address="127.0.0.1", _temp_dir=folder, object_store_memory=_OBJECT_STORE,
+                     _node_ip_address="127.0.0.1", _temp_dir=folder,
+                     object_store_memory=_OBJECT_STORE,
                      log_to_driver=False, logging_level="ERROR", configure_logging=True)
         else:
             ray.init(address=address, log_to_driver=False, logging_level="ERROR")

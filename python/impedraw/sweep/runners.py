@@ -224,7 +224,7 @@ class Native:
         faulthandler.dump_traceback_later(self.context.limits["time"], exit=True)
         try:
             got = self.run(
-                case.settings, path, svg=os.path.join(self.context.root, svg) if svg else None,
+                self._settings(case), path, svg=os.path.join(self.context.root, svg) if svg else None,
                 text=case.draw.get("text"), shape=case.draw.get("shape"),
                 no_perception="--no-perception" in words, keep_order="--keep-order" in words,
                 skip_unreachable="--skip-unreachable" in words)
@@ -240,6 +240,11 @@ class Native:
                             or judged(outcome, self.accept).state != "ok"):
             self.keeper(case)  # once more, with all its files
         return outcome
+
+    def _settings(self, case: Case) -> dict[str, Any]:
+        """With files from the root of the tree, as the worker's working directory is another."""
+        return {k: os.path.join(self.context.root, v) if v and k.endswith((".file", ".svg")) else v
+                for k, v in case.settings.items()}
 
     def _within(self, text: str) -> str:
         return text.replace(self.context.root + "/", "")
