@@ -123,6 +123,10 @@ REFUSED = {
     "arguments: ['--out', /etc]": (2, "arguments", "not valid"),
     "blocks: []": (2, "blocks", "empty"),
     "axes: {path.draw_speed: [0.1}": (2, "", "no valid YAML"),
+    "report: {maps: [{x: path.draw_sped, y: seed}]}": (2, "report: maps: x", "no axis"),
+    "report: {maps: [{z: seed}]}": (2, "report: maps: z", "no such key"),
+    "report: {lines: [{x: seed, block: b}]}": (2, "report: lines: block", "no block b"),
+    "report: {lines: 3}": (2, "report: lines", "a list"),
     "set: {world: {tip: 3}}": (2, "world", "no setting"),
 }
 

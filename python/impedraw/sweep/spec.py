@@ -263,8 +263,35 @@ class _Reader:
             accept[key] = self.condition(top["accept"], key, text).text
         report = self.mapping(top, "report")
         self.known(report, {"tables", "maps", "lines", "worst", "metrics"}, "report: ")
+        self.shown(report, blocks)
         return Spec(self.file, name, str(top.get("about", "") or ""), blocks, keep, accept, limits,
                     dict(report), self.tune(top))
+
+    def shown(self, report: Map, blocks: list[_Block]) -> None:
+        """Checks what the page is to show, so that a wrong name is told before anything is run."""
+        keys = {"tables": {"rows", "columns", "metrics"}, "maps": {"x", "y", "metric"},
+                "lines": {"x", "by", "metric"}}
+        axes = {a.name for b in blocks for a in b.axes} | {"scenario", "svg", "group"}
+        for kind, own in keys.items():
+            parts = report.get(kind, [])
+            if not isinstance(parts, list):
+                raise self.fail(report, f"report: {kind}", "valid is a list")
+            for part in parts:
+                if not isinstance(part, Map):
+                    raise self.fail(report, f"report: {kind}", "valid is a list of mappings")
+                self.known(part, own | {"block", "title"}, f"report: {kind}: ")
+                for key in own - {"metric", "metrics", "by"} | ({"by"} & part.keys()):
+                    axis = part.get(key)
+                    if axis not in axes and axis not in self.settings.leaves:
+                        raise self.fail(part, f"report: {kind}: {key}", f"'{axis}' is no axis; "
+                                        + nearest(str(axis), axes))
+                if "block" in part and part["block"] not in {b.name for b in blocks}:
+                    raise self.fail(part, f"report: {kind}: block", f"no block {part['block']}; "
+                                    + nearest(str(part["block"]), [b.name for b in blocks]))
+        if not isinstance(report.get("worst", Map()), Map):
+            raise self.fail(report, "report: worst", "valid is {metric: NAME, count: N}")
+        if not isinstance(report.get("metrics", []), list):
+            raise self.fail(report, "report: metrics", "valid is a list of metrics")
 
     def tune(self, top: Map) -> dict[str, Any] | None:
         if "tune" not in top:
