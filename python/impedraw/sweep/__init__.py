@@ -1,0 +1,13 @@
+"""Sweeps: many runs of a scenario, on one machine or on a cluster, in one data set.
+
+A specification (spec.py) names scenario and axes. Its cases are run by a runner (runners.py) in
+batches on Ray (engine.py); each gives one row of a Parquet data set (dataset.py), from which a
+page is made (report.py). `./impedraw sweep SPEC.yaml` is the command (__main__.py).
+
+Importing this package imports neither Ray nor pyarrow, nor the compiled part of impedraw.
+"""
+
+from .errors import SweepError
+from .spec import Case, Spec, load_spec
+
+__all__ = ["Case", "Spec", "SweepError", "load_spec"]

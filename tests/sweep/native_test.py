@@ -1,0 +1,39 @@
+"""The runner in the worker's process gives the figures of the child process.
+
+Needs the compiled package.
+"""
+
+import pytest
+
+from conftest import needs_program, sweep
+from impedraw.sweep.dataset import read_dataset
+from process_test import SHORT, write
+
+pytest.importorskip("impedraw._runner", reason="the compiled package is not installed")
+
+
+@needs_program
+def test_native_runs_are_those_of_the_program(tmp_path):
+    file = write(tmp_path, SHORT + "accept: {light: force_mean < 4}\ncase: '{how}'\naxes:\n  how:\n"
+                 "    levels:\n      good: {control.normal_force: 3}\n"
+                 "      other: {control.normal_force: 5, seed: 2}\n"
+                 "      refused: {canvas.kind: mesh}\n")
+    rows = {}
+    for runner in ("process", "native"):
+        done = sweep(file, tmp_path / runner, "--serial", runner=runner)
+        assert done.returncode == 0, done.stderr
+        rows[runner] = {r["case"]: r for r in read_dataset(tmp_path / runner)[0].to_pylist()}
+    assert rows["native"].keys() == rows["process"].keys() == {"good", "other", "refused"}
+    compared = 0
+    for name, process in rows["process"].items():
+        native = rows["native"][name]
+        assert (native["state"], native["failed"]) == (process["state"], process["failed"])
+        metrics = set(list(process)[list(process).index("null_metrics") :])
+        for column in metrics & {"coverage", "ink_error_rms", "force_mean", "force_sd", "ink_up",
+                                 "tilt_max", "speed_mean", "draw_time", "joint_margin_min"}:
+            assert native[column] == process[column], column
+            compared += process[column] is not None
+        for column in ("path.draw_speed", "canvas.kind", "control.normal_force", "seed"):
+            if process[column] is not None:
+                assert native[column] == process[column], column
+    assert compared >= 16
