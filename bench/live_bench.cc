@@ -10,7 +10,7 @@
 
 #include <unistd.h>
 
-#include "impedraw/app/live_view.h"
+#include "impedraw/live/live_view.h"
 #include "impedraw/live/live_server.h"
 #include "impedraw/run/run.h"
 #include "live/socket_client.h"

@@ -65,6 +65,22 @@ void say_comparison(const fs::path& folder) {
       fs::absolute(folder / "compare.html").lexically_normal().string());
 }
 
+// docs/settings.md, which is this program's own output.
+std::string settings_page() {
+  return "# Settings\n\n"
+         "This page lists every setting of a scenario. `./impedraw settings --markdown` prints "
+         "it.\n\n"
+         "A YAML file names the settings that differ from their default "
+         "(`control: {normal_force: 3}`). `extends: other.yaml` takes everything from another file "
+         "first. The command line sets any one of them (`--set control.normal_force=3`, `--set "
+         "perception.cameras.0.width=320`). An N in a name stands for the index of a list's "
+         "element, counted from 0.\n\n"
+         "Editors complete and check scenario files with the JSON Schema "
+         "[scenario.schema.json](scenario.schema.json). Settings that have been renamed are listed "
+         "in [migration.md](migration.md).\n\n" +
+         settings_markdown<Scenario>();
+}
+
 }  // namespace
 
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
@@ -209,26 +225,6 @@ int compare_finished(const std::vector<fs::path>& runs, const fs::path& out) {
   say_comparison(folder);
   return kFinished;
 }
-
-namespace {
-
-// docs/settings.md, which is this program's own output.
-std::string settings_page() {
-  return "# Settings\n\n"
-         "This page lists every setting of a scenario. `./impedraw settings --markdown` prints "
-         "it.\n\n"
-         "A YAML file names the settings that differ from their default "
-         "(`control: {normal_force: 3}`). `extends: other.yaml` takes everything from another file "
-         "first. The command line sets any one of them (`--set control.normal_force=3`, `--set "
-         "perception.cameras.0.width=320`). An N in a name stands for the index of a list's "
-         "element, counted from 0.\n\n"
-         "Editors complete and check scenario files with the JSON Schema "
-         "[scenario.schema.json](scenario.schema.json). Settings that have been renamed are listed "
-         "in [migration.md](migration.md).\n\n" +
-         settings_markdown<Scenario>();
-}
-
-}  // namespace
 
 int calibrate_tool(const DrawOptions& options, int poses) {
   DrawOptions with_sensor = options;

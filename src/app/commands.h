@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "impedraw/app/live_view.h"
+#include "impedraw/live/live_view.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/draw_options.h"
 

@@ -18,9 +18,9 @@
 #include <CLI/CLI.hpp>
 
 #include "impedraw/app/commands.h"
-#include "impedraw/app/film.h"
 #include "impedraw/app/inspect.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/report/film.h"
 #include "impedraw/settings/settings_text.h"
 #include "impedraw/study/reach.h"
 #include "impedraw/study/robustness.h"

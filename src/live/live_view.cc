@@ -1,4 +1,4 @@
-#include "impedraw/app/live_view.h"
+#include "impedraw/live/live_view.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "impedraw/app/film.h"
+#include "impedraw/report/film.h"
 
 #include <unistd.h>
 
