@@ -10,8 +10,8 @@
 
 #include <unistd.h>
 
-#include "impedraw/live/live_view.h"
 #include "impedraw/live/live_server.h"
+#include "impedraw/live/live_view.h"
 #include "impedraw/run/run.h"
 #include "live/socket_client.h"
 

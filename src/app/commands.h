@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "impedraw/live/live_view.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/draw_options.h"
+#include "impedraw/live/live_view.h"
 
 namespace impedraw {
 

@@ -1,5 +1,5 @@
-// Scenes that are kept between drawings: found where the settings make the same one, and bit for bit
-// what a new one is.
+// Scenes that are kept between drawings: found where the settings make the same one, and bit for
+// bit what a new one is.
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
