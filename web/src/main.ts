@@ -6,6 +6,7 @@ import { h, numberText, save, timeText } from "./dom";
 import { colourNames, hashOf, momentOf, viewNames, type Colour, type View } from "./link";
 import { LiveLink, LiveRun } from "./live";
 import { Plots } from "./plots";
+import { withPlainCanvases } from "./software";
 import { Scene, targetColour, type Legend } from "./scene";
 import { about, changedSettings, comparison, findings, liveTiles, numbers, planNumbers, settings, strokeComparison, strokes, tiles } from "./tables";
 
@@ -585,7 +586,7 @@ class Page {
     const ratio = Math.min(devicePixelRatio, 2);
     strip.width = Math.max(1, strip.clientWidth * ratio);
     strip.height = Math.max(1, strip.clientHeight * ratio);
-    const context = strip.getContext("2d");
+    const context = withPlainCanvases(() => strip.getContext("2d"));
     if (!context) return;
     const x = (t: number) => ((t - this.begin) / Math.max(this.end - this.begin, 1e-6)) * strip.width;
     const { time, mode } = this.run.scene;

@@ -4,6 +4,7 @@ import { kinds, quantile, runColour } from "./colours";
 import type { Run, Series } from "./data";
 import { h, save } from "./dom";
 import { Pyramid } from "./pyramid";
+import { withPlainCanvases } from "./software";
 
 interface Curve {
   series: Series;
@@ -196,7 +197,7 @@ export class Plots {
     const words = panel.words;
     const now = h("div", { class: "instant" });
     const values = h("div", { class: "values", "aria-hidden": "true" });
-    const chart = new uPlot({
+    const chart = withPlainCanvases(() => new uPlot({
       width: Math.max(200, body.clientWidth), height: words ? 110 : 132, padding: [6, 8, 0, 0],
       legend: { show: false }, series, bands,
       cursor: {
@@ -250,7 +251,7 @@ export class Plots {
         }],
         setCursor: [(u) => this.showValues(values, curves, u, words)],
       },
-    }, this.data(curves, body.clientWidth), body);
+    }, this.data(curves, body.clientWidth), body));
     chart.over.append(now);
     body.append(values);
     this.legend(values, curves);

@@ -6,6 +6,8 @@ import { kinds, problemColour, quantile, rampAt, rgb, runColour } from "./colour
 import { lastAt } from "./columns";
 import type { Colouring, Finding, Matrix, Run } from "./data";
 import { linkFrames } from "./kinematics";
+import { inSoftware } from "./software";
+import { straightTo } from "./thin";
 import { Lines } from "./lines";
 import type { Colour, View } from "./link";
 
@@ -33,6 +35,9 @@ interface Ink {
 export const targetColour = "#6f9fcc";
 const forceScale = 0.02; // [m/N]
 const normalLength = 0.06; // [m]
+// Ink of more points is drawn by fewer, off by at most `inkOff` [m]: a tenth of a thin line's width.
+const fineInk = 4000;
+const inkOff = 4e-5;
 
 function matrix4(m: Matrix): three.Matrix4 {
   return new three.Matrix4().set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
@@ -40,19 +45,6 @@ function matrix4(m: Matrix): three.Matrix4 {
 
 function pointAt(points: Float64Array[], i: number): three.Vector3 {
   return new three.Vector3(points[0][i], points[1][i], points[2][i]);
-}
-
-// The points from i to k lie within `off` of the line between these two [m].
-function isStraight(points: Float64Array[], i: number, k: number, off: number): boolean {
-  const from = pointAt(points, i);
-  const along = pointAt(points, k).sub(from);
-  const square = Math.max(along.lengthSq(), 1e-18);
-  for (let j = i + 1; j < k; ++j) {
-    const away = pointAt(points, j).sub(from);
-    const f = away.dot(along) / square;
-    if (f < 0 || f > 1 || away.addScaledVector(along, -f).lengthSq() > off * off) return false;
-  }
-  return true;
 }
 
 // A line with an arrow's head; both keep their width whatever the length.
@@ -180,8 +172,7 @@ export class Scene {
       const end = line + 1 < begins.length ? begins[line + 1] : covered.length;
       const has = (i: number) => covered[i] > 0 && covered[i + 1] > 0;
       for (let i = begins[line]; i + 1 < end;) {
-        let next = i + 1;
-        while (next + 1 < end && next - i < 60 && has(next) === has(i) && isStraight(points, i, next + 1, 2e-5)) ++next;
+        const next = straightTo(points, i, end, 60, 2e-5, (k) => has(k) === has(i));
         for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
         isCovered.push(has(i));
         i = next;
@@ -221,14 +212,19 @@ export class Scene {
       const positions: number[] = [];
       const times: number[] = [];
       const point: number[] = [];
+      const long = time.length > fineInk;
+      const add = (i: number, next: number) => {
+        for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
+        times.push(time[next]);
+        point.push(i);
+      };
       for (let line = 0; line < begins.length; ++line) {
         const end = line + 1 < begins.length ? begins[line + 1] : time.length;
-        for (let i = begins[line]; i < end; ++i) {
-          const next = i + 1 < end ? i + 1 : i;
-          if (next === i && end - begins[line] > 1) break; // a line of one point is a dot
-          for (const k of [i, next]) positions.push(points[0][k], points[1][k], points[2][k]);
-          times.push(time[next]);
-          point.push(i);
+        if (end - begins[line] === 1) add(begins[line], begins[line]); // a dot
+        for (let i = begins[line]; i + 1 < end;) {
+          const next = long ? straightTo(points, i, end, 30, inkOff) : i + 1;
+          add(i, next);
+          i = next;
         }
       }
       const lines = new Lines(positions);
@@ -629,17 +625,6 @@ export class Scene {
     this.render();
     return new Promise((done) => this.canvas.toBlob(done, "image/png"));
   }
-}
-
-// A renderer without a graphics card, which smooth edges and more than a million pixels would cost
-// most of its time.
-function inSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  if (!gl) return false;
-  const known = gl.getExtension("WEBGL_debug_renderer_info");
-  const name = String(known ? gl.getParameter(known.UNMASKED_RENDERER_WEBGL) : "");
-  gl.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
 }
 
 // Shades a body that stands still, once: light from above and from the front left.

@@ -173,6 +173,11 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
     assert.ok(Math.abs(low0 - Math.min(...q0)) < 1e-4 && Math.abs(high0 - Math.max(...q0)) < 1e-4);
   });
 
+  await t.test("plots are not painted by an emulated graphics card", async () => {
+    const plain = await page.evaluate(() => [...document.querySelectorAll(".plot canvas, canvas.strip")].map((c) => c.getContext("2d").getContextAttributes().willReadFrequently));
+    assert.ok(plain.length >= 3 && plain.every((x) => x === true), String(plain));
+  });
+
   await t.test("keys and controls", async () => {
     for (const [key, view] of [["1", "top"], ["2", "front"], ["3", "side"], ["4", "pen"], ["5", "tip"], ["0", "free"]]) {
       await page.keyboard.press(key);

@@ -5,6 +5,7 @@ import { lastAt, unpack } from "../src/columns";
 import { linkFrames, rotation } from "../src/kinematics";
 import { hashOf, momentOf } from "../src/link";
 import { Pyramid } from "../src/pyramid";
+import { straightTo } from "../src/thin";
 import { differenceText, holds } from "../src/tables";
 import { numberText } from "../src/dom";
 
@@ -97,4 +98,22 @@ test("quantiles and colours", () => {
   assert.ok(Number.isNaN(quantile([NaN], 0.5)));
   const light = (c: number[]) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
   for (let i = 0; i < 20; ++i) assert.ok(light(rampAt((i + 1) / 20)) > light(rampAt(i / 20)), "lightness rises");
+});
+
+test("a circle of many points is drawn by few, within the tolerance of each", () => {
+  const n = 2000, radius = 0.02, off = 4e-5;
+  const at = (k: number) => (2 * Math.PI * k) / n;
+  const points = [Array.from({ length: n }, (_, k) => radius * Math.cos(at(k))), Array.from({ length: n }, (_, k) => radius * Math.sin(at(k))), new Array<number>(n).fill(0.1)];
+  const ends = [0];
+  while (ends[ends.length - 1] + 1 < n) ends.push(straightTo(points, ends[ends.length - 1], n, 1000, off));
+  // A chord over the angle a stands r (1 − cos a/2) off its arc.
+  const longest = 2 * Math.acos(1 - off / radius);
+  assert.ok(ends.length < (2.05 * Math.PI) / longest + 2 && ends.length > (1.9 * Math.PI) / longest, `${ends.length} ends`);
+  ends.slice(1).forEach((k, i) => assert.ok(radius * (1 - Math.cos((at(k) - at(ends[i])) / 2)) < 1.0001 * off));
+  // A line that turns back is not shortened, nor one across points that differ, nor beyond the end.
+  assert.equal(straightTo([[0, 2, 1], [0, 0, 0], [0, 0, 0]], 0, 3, 9, off), 1);
+  const straight = [[0, 1, 2, 3, 4], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0]];
+  assert.equal(straightTo(straight, 0, 5, 9, off), 4);
+  assert.equal(straightTo(straight, 0, 5, 3, off), 3);
+  assert.equal(straightTo(straight, 0, 5, 9, off, (k) => k < 2), 2);
 });
