@@ -37,15 +37,15 @@ export function numbers(run: Run): HTMLElement {
 export function comparison(runs: Run[]): HTMLElement {
   const two = runs.length === 2;
   const head = h("tr", {}, h("th", {}, "metric"), ...runs.map((run) => h("th", { class: "n" }, run.name)),
-    two ? h("th", { class: "n" }, "difference") : null, h("th", {}, "unit"), h("th", {}, "meaning"));
+    two ? h("th", { class: "n" }, "difference") : null, h("th", {}, "unit"));
   const rows = runs[0].definitions.map((d) => {
     const values = runs.map((run) => run.metrics[d.name]);
     const reasons = [...new Set(runs.map((run) => ((run.metrics.reasons ?? {}) as Record<string, string>)[d.name]).filter(Boolean))];
-    const meaning = h("td", {}, d.meaning);
-    if (reasons.length) meaning.append(h("span", { class: "why" }, ` (none: ${reasons.join("; ")})`));
-    return h("tr", {}, h("td", {}, h("code", {}, d.name)), ...values.map((v) => h("td", { class: "n" }, numberText(v))),
+    // Beneath the name: in a column of its own it stood beyond the panel's edge.
+    const meaning = reasons.length ? `${d.meaning} (none: ${reasons.join("; ")})` : d.meaning;
+    return h("tr", {}, h("td", {}, h("code", {}, d.name), h("div", { class: "why" }, meaning)), ...values.map((v) => h("td", { class: "n" }, numberText(v))),
       two ? h("td", { class: "n" }, differenceText(values[0], values[1])) : null,
-      h("td", {}, d.unit === "1" ? "" : d.unit), meaning);
+      h("td", {}, d.unit === "1" ? "" : d.unit));
   });
   return h("div", { class: "scroll" }, h("table", { class: "comparison" }, h("thead", {}, head), h("tbody", {}, ...rows)));
 }
@@ -175,6 +175,7 @@ function strokeButton(of: { stroke: number; pass: number; begin: number }, go: (
 }
 
 const inkText = (ink: number) => (Number.isFinite(ink) ? (1e3 * ink).toFixed(1) : "no ink");
+const forceText = (force: number) => (Number.isFinite(force) ? force.toFixed(2) : "–");
 
 // The strokes of runs side by side; the button goes to when the first of them draws it.
 export function strokeComparison(runs: Run[], go: (t: number) => void): HTMLElement {
@@ -183,7 +184,7 @@ export function strokeComparison(runs: Run[], go: (t: number) => void): HTMLElem
   const all = new Map(of.flatMap((strokes) => [...strokes]).reverse());
   const rows = [...all.values()].sort((a, b) => a.begin - b.begin || a.stroke - b.stroke);
   const columns: [string, (s: DrawnStroke) => string][] = [
-    ["ink [mm]", (s) => inkText(s.ink)], ["worst error [mm]", (s) => numberText(s.error, 3)], ["force, median [N]", (s) => numberText(s.force, 3)],
+    ["ink [mm]", (s) => inkText(s.ink)], ["worst error [mm]", (s) => numberText(s.error, 3)], ["force, median [N]", (s) => forceText(s.force)],
   ];
   const head = h("thead", {},
     h("tr", {}, h("th", {}), ...columns.map(([title]) => h("th", { class: "n", colspan: runs.length, scope: "colgroup" }, title))),
@@ -199,7 +200,7 @@ export function strokeComparison(runs: Run[], go: (t: number) => void): HTMLElem
 export function strokes(run: Run, go: (t: number) => void, look: (p: number[], part: Part) => void): HTMLElement {
   const rows = drawnStrokes(run).map((s) => h("tr", { "data-begin": s.begin, "data-end": s.end },
     h("td", {}, strokeButton(s, go)), h("td", { class: "n" }, timeText(s.begin)), h("td", { class: "n" }, timeText(s.end - s.begin)),
-    h("td", { class: "n" }, inkText(s.ink)), h("td", { class: "n" }, numberText(s.error, 3)), h("td", { class: "n" }, numberText(s.force, 3))));
+    h("td", { class: "n" }, inkText(s.ink)), h("td", { class: "n" }, numberText(s.error, 3)), h("td", { class: "n" }, forceText(s.force))));
   const box = h("div", {});
   box.append(h("div", { class: "scroll" }, h("table", { class: "strokes" }, h("thead", {}, h("tr", {},
     h("th", {}, "stroke"), ...["from", "for", "ink [mm]", "worst error [mm]", "force, median [N]"].map((x) => h("th", { class: "n" }, x)))),

@@ -363,6 +363,8 @@ test("runs compared share one camera and one time line", { timeout: 600_000, ski
   const blue = around.filter((colours) => colours.some(([r, g, b]) => b > r + 60)).length;
   const orange = around.filter((colours) => colours.some(([r, g, b]) => r > b + 60)).length;
   assert.ok(blue >= 10 && orange >= 10, `both inks are seen: ${blue} and ${orange} of 12 places`);
+  const beyond = await page.locator(".scroll:has(> table.comparison)").evaluate((box) => box.scrollWidth - box.clientWidth);
+  assert.ok(beyond <= 1, `the table of two runs is ${beyond} px wider than its panel`);
   const table = await page.locator("table.comparison").textContent();
   assert.match(table, /ink_error_rms/);
   await page.screenshot({ path: join(shots, "compare.png") });
