@@ -51,7 +51,10 @@ doctor() {
 
   echo
   echo "Disk"
-  for name in "$venv" "$root/build" "$root/runs"; do printf '  %-6s %s\n' "$(disk "$name")" "$name"; done
+  for name in "$venv" "$root/build" "$root/runs" "$root/dist"; do printf '  %-6s %s\n' "$(disk "$name")" "$name"; done
+  for name in sweep-venv python-tests wheel-tools wheel-test; do
+    [[ ! -d $root/build/$name ]] || printf '  %-6s of it %s\n' "$(disk "$root/build/$name")" "$root/build/$name"
+  done
 
   echo
   if (( missing )); then
@@ -59,7 +62,7 @@ doctor() {
   else
     echo "Nothing is missing."
   fi
-  echo "To remove all: delete the three folders above. Nothing else was written, apart from the Debian"
+  echo "To remove all: delete the first four folders above. Nothing else was written, apart from the Debian"
   echo "packages (apt-get remove NAME; other software may use them) and cargo's downloads in ~/.cargo."
   (( missing == 0 ))
 }
