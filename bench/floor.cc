@@ -3,10 +3,11 @@
 #include <Eigen/Cholesky>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
-#include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
-#include <pinocchio/parsers/urdf.hpp>
+#include <pinocchio/multibody/data.hpp>
+
+#include "floor_model.h"
 
 namespace impedraw {
 
@@ -19,7 +20,7 @@ struct Floor::Model {
 };
 
 Floor::Floor(const char* urdf) : model_(std::make_unique<Model>()) {
-  pinocchio::urdf::buildModel(urdf, model_->model);
+  model_->model = floor_model(urdf);
   model_->data = pinocchio::Data(model_->model);
   model_->tip = model_->model.getFrameId("tip");
   model_->zero = Eigen::VectorXd::Zero(7);
@@ -31,10 +32,12 @@ double Floor::compute(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   using namespace pinocchio;
   Model& m = *model_;
   const auto frame = LOCAL_WORLD_ALIGNED;
-  crba(m.model, m.data, q, Convention::WORLD);  // mass matrix (and joint Jacobians)
+  // the argument type that Pinocchio's library is precompiled for
+  const Eigen::Ref<const Eigen::VectorXd> q_ref(q), v_ref(v), zero(m.zero);
+  crba(m.model, m.data, q_ref, Convention::WORLD);  // mass matrix (and joint Jacobians)
   m.data.M.triangularView<Eigen::StrictlyLower>() = m.data.M.transpose();
-  const Eigen::VectorXd& bias = nonLinearEffects(m.model, m.data, q, v);  // bias
-  forwardKinematics(m.model, m.data, q, v, m.zero);
+  const Eigen::VectorXd& bias = nonLinearEffects(m.model, m.data, q_ref, v_ref);  // bias
+  forwardKinematics(m.model, m.data, q_ref, v_ref, zero);
   const Motion drift = getFrameClassicalAcceleration(m.model, m.data, m.tip, frame);  // drift
   updateFramePlacement(m.model, m.data, m.tip);
   getFrameJacobian(m.model, m.data, m.tip, frame, m.J);           // Jacobian

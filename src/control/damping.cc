@@ -20,10 +20,17 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
     for (int q = p + 1; q < 6; ++q) {
       const double off = C(p, q);
       if (off * off <= 1e-11 * std::abs(C(p, p) * C(q, q))) continue;  // most pairs on a warm start
-      const double theta = (C(q, q) - C(p, p)) / (2.0 * off);
-      const double t =
-          std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
-      const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
+      const double gap = C(q, q) - C(p, p);
+      double t, c;
+      if (off * off < 1e-8 * gap * gap) {  // nearly all on a warm start: c and t to t⁴ and t³
+        t = off / gap;
+        c = 1.0 - 0.5 * t * t;
+      } else {
+        const double theta = gap / (2.0 * off);
+        t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
+        c = 1.0 / std::sqrt(t * t + 1.0);
+      }
+      const double s = t * c;
       const Vector6 row_p = C.col(p), row_q = C.col(q);  // C is symmetric: rows equal columns
       Vector6 new_p = c * row_p - s * row_q, new_q = s * row_p + c * row_q;
       new_p[p] = row_p[p] - t * off;

@@ -12,11 +12,13 @@ bool OperationalSpace::update(const ArmTerms& arm) noexcept {
   const auto& L = factor_M_.matrixLLT();
   const int n = static_cast<int>(arm.J.cols());
   Y_.resize(n, 6);
+  inverse_diagonal_.resize(n);
   A_.setZero();
   for (int i = 0; i < n; ++i) {  // forward substitution by rows
     Eigen::Matrix<double, 1, 6> row = arm.J.col(i).transpose();
     for (int k = 0; k < i; ++k) row -= L(i, k) * Y_.row(k);
-    row /= L(i, i);
+    inverse_diagonal_[i] = 1.0 / L(i, i);
+    row *= inverse_diagonal_[i];
     Y_.row(i) = row;
     A_ += row.transpose() * row;
   }
@@ -38,7 +40,7 @@ void OperationalSpace::factor_inertia() noexcept {
   for (int i = 0; i < 6; ++i) {
     Vector6 row = Vector6::Unit(i);
     for (int k = 0; k < i; ++k) row -= U_(i, k) * U_inverse_.row(k).transpose();
-    U_inverse_.row(i) = row.transpose() / U_(i, i);
+    U_inverse_.row(i) = row.transpose() * (1.0 / U_(i, i));
   }
   Lambda_.noalias() = U_inverse_.transpose().lazyProduct(U_inverse_);
 }
@@ -73,7 +75,7 @@ Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept 
   Vector6 task = Vector6::Zero();
   for (int i = 0; i < x.size(); ++i) {
     for (int k = 0; k < i; ++k) x[i] -= L(i, k) * x[k];
-    x[i] /= L(i, i);
+    x[i] *= inverse_diagonal_[i];
     task += x[i] * Y_.row(i).transpose();
   }
   return Lambda_ * task;

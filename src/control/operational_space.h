@@ -52,6 +52,7 @@ class OperationalSpace {
   Eigen::LLT<JointMatrix> factor_M_;
   // rows of fixed length let the compiler vectorise the small solve
   Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kMaxJoints, 6> Y_;
+  JointVector inverse_diagonal_;  // of the factor of M
   Matrix6 A_ = Matrix6::Identity(), U_ = A_, U_inverse_ = A_, Lambda_ = A_;
 };
 

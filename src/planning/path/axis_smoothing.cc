@@ -23,7 +23,24 @@ constexpr int kLevels = 6;      // up to 11 times the smoothing
 class AxisSmoothing {
  public:
   AxisSmoothing(const std::vector<AxisKnot>& knots, double smoothing)
-      : knots_(knots), smoothing_(smoothing) {}
+      : knots_(knots), smoothing_(smoothing) {
+    within_.reserve(knots.size());
+    across_.reserve(knots.size());
+    for (std::size_t i = 0; i < knots.size(); ++i) {
+      within_.push_back(within(i));
+      across_.push_back(fitted(i, smoothing, 0, knots.size() - 1));
+    }
+  }
+
+  const std::vector<Vector3d>& within() const { return within_; }  // level kWithin
+  const std::vector<Vector3d>& across() const { return across_; }  // level 0
+
+  Vector3d axis(std::size_t i, double level) const {
+    if (level <= kWithin) return within_[i];
+    if (level > 0.0) return fitted(i, width(level), 0, knots_.size() - 1);
+    return level == 0.0 ? across_[i]
+                        : (across_[i] + level * (across_[i] - within_[i])).normalized();
+  }
 
   std::vector<Vector3d> at(const std::vector<double>& level) const {
     std::vector<Vector3d> axes;
@@ -60,10 +77,8 @@ class AxisSmoothing {
  private:
   double width(double level) const { return smoothing_ * std::pow(kLevel, std::max(0.0, level)); }
 
-  Vector3d axis(std::size_t i, double level) const {
+  Vector3d within(std::size_t i) const {
     const std::size_t last = knots_.size() - 1;
-    const Vector3d across = fitted(i, width(level), 0, last);
-    if (level >= 0.0) return across;
     std::size_t from = i, to = i;
     const auto inside = [&](std::size_t k) {
       const double distance = std::abs(knots_[k].along - knots_[i].along);
@@ -71,11 +86,9 @@ class AxisSmoothing {
     };
     while (from > 0 && inside(from)) --from;
     while (to < last && inside(to)) ++to;
-    const Vector3d within =
-        knots_[i].corner
-            ? (fitted(i, smoothing_, from, i) + fitted(i, smoothing_, i, to)).normalized()
-            : fitted(i, smoothing_, from, to);
-    return (across + level * (across - within)).normalized();
+    return knots_[i].corner
+               ? (fitted(i, smoothing_, from, i) + fitted(i, smoothing_, i, to)).normalized()
+               : fitted(i, smoothing_, from, to);
   }
 
   // Local parabola through the normals of the knots from `from` to `to`. It preserves normals that
@@ -84,8 +97,9 @@ class AxisSmoothing {
   Vector3d fitted(std::size_t i, double sigma, std::size_t from, std::size_t to) const {
     const double s = knots_[i].along;
     if (!(sigma > 0.0)) return knots_[i].n;
-    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero(),
-                    normals = moments;  // Σ w b bᵀ, Σ w b nᵀ with b = (1, x, x²)
+    // Σ w xᵏ, of which Σ w b bᵀ consists, and Σ w b nᵀ, with b = (1, x, x²)
+    double m0 = 0.0, m1 = 0.0, m2 = 0.0, m3 = 0.0, m4 = 0.0;
+    Vector3d n0 = Vector3d::Zero(), n1 = n0, n2 = n0;
     int used = 0;
     const auto add = [&](std::size_t k) {
       const double x = (knots_[k].along - s) / sigma;
@@ -94,9 +108,15 @@ class AxisSmoothing {
       const double before = k > from ? knots_[k].along - knots_[k - 1].along : 0.0;
       const double after = k < to ? knots_[k + 1].along - knots_[k].along : 0.0;
       const double w = (before + after) / sigma * std::exp(-0.5 * x * x);
-      const Vector3d b(1.0, x, x * x);
-      moments += w * b * b.transpose();
-      normals += w * b * knots_[k].n.transpose();
+      const double wx = w * x, wxx = wx * x;
+      m0 += w;
+      m1 += wx;
+      m2 += wxx;
+      m3 += wxx * x;
+      m4 += wxx * x * x;
+      n0 += w * knots_[k].n;
+      n1 += wx * knots_[k].n;
+      n2 += wxx * knots_[k].n;
       ++used;
       return true;
     };
@@ -104,6 +124,9 @@ class AxisSmoothing {
     }
     for (std::size_t k = i; k-- > from && add(k);) {
     }
+    Eigen::Matrix3d moments, normals;
+    moments << m0, m1, m2, m1, m2, m3, m2, m3, m4;
+    normals << n0.transpose(), n1.transpose(), n2.transpose();
     const Eigen::LDLT<Eigen::Matrix3d> factor(moments);
     if (used < 4 || !(factor.vectorD().minCoeff() > 1e-6 * factor.vectorD().maxCoeff()))
       return knots_[i].n;  // too few
@@ -112,6 +135,7 @@ class AxisSmoothing {
 
   const std::vector<AxisKnot>& knots_;
   double smoothing_;
+  std::vector<Vector3d> within_, across_;
 };
 
 }  // namespace
@@ -120,18 +144,22 @@ std::vector<Vector3d> smoothed_axes(const std::vector<AxisKnot>& knots, double s
                                     const TiltLimits& limits) {
   const std::size_t n = knots.size();
   const AxisSmoothing smoothed(knots, smoothing);
+  if (!(smoothing > 0.0) || !(limits.allowance > 0.0) || n < 4) return smoothed.within();
   std::vector<double> level(n, kWithin);
-  if (!(smoothing > 0.0) || !(limits.allowance > 0.0) || n < 4) return smoothed.at(level);
-  const std::vector<Vector3d> base = smoothed.at(std::vector<double>(n, 0.0));
+  const std::vector<Vector3d>& base = smoothed.across();
   const auto leaves = [&](const std::vector<Vector3d>& axes, std::size_t i) {
     return level[i] > 0.0 && angle_between(axes[i], base[i]) > limits.allowance;
   };
   // Each knot takes the lowest level that keeps the limits there, unless that leaves the normal too
   // far.
   std::vector<char> done(n, 0);
-  std::vector<Vector3d> axes;
+  std::vector<Vector3d> axes = smoothed.within();
   for (double k = kWithin; k <= kLevels; ++k) {
-    axes = smoothed.at(std::vector<double>(n, k));
+    for (std::size_t i = 0; i < n; ++i) {
+      // what `leaves` and `keeps` read
+      const bool read = !done[i] || (i > 0 && !done[i - 1]) || (i + 1 < n && !done[i + 1]);
+      if (read) axes[i] = smoothed.axis(i, k);
+    }
     bool all = true;
     for (std::size_t i = 0; i < n; ++i) {
       if (done[i]) continue;
