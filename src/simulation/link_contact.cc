@@ -45,25 +45,25 @@ LinkContact::LinkContact(const mjModel* shape, const Canvas* canvas) : canvas_(c
 void LinkContact::reset() noexcept {
   link_.clear();
   for (Body& body : bodies_) {
-    body.a_W = body.b_W = Vector3d::Zero();
+    body.a_K = body.b_K = Vector3d::Zero();
     body.free = -1.0;
   }
 }
 
-void LinkContact::update(const mjData* data) noexcept {
+void LinkContact::update(const mjData* data, const Pose& X_KW) noexcept {
   if (!canvas_ || !link_.empty()) return;
   for (Body& body : bodies_) {
     const Eigen::Map<const Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>> R_WL(data->xmat +
                                                                               9 * body.id);
     const Eigen::Map<const Eigen::Matrix<mjtNum, 3, 1>> p_WL(data->xpos + 3 * body.id);
-    const Vector3d a_W = p_WL + R_WL * body.a, b_W = p_WL + R_WL * body.b;
-    if (!a_W.allFinite() || !b_W.allFinite()) return;
+    const Vector3d a_K = X_KW * (p_WL + R_WL * body.a), b_K = X_KW * (p_WL + R_WL * body.b);
+    if (!a_K.allFinite() || !b_K.allFinite()) return;
     // No point of the axis moves further than the end that moves most.
-    const double moved2 = std::max((a_W - body.a_W).squaredNorm(), (b_W - body.b_W).squaredNorm());
+    const double moved2 = std::max((a_K - body.a_K).squaredNorm(), (b_K - body.b_K).squaredNorm());
     if (body.free > 0.0 && moved2 < body.free * body.free) continue;
-    body.a_W = a_W;
-    body.b_W = b_W;
-    if (touches(body, a_W, b_W, &body.free)) {
+    body.a_K = a_K;
+    body.b_K = b_K;
+    if (touches(body, a_K, b_K, &body.free)) {
       link_ = body.link;
       return;
     }
@@ -71,14 +71,14 @@ void LinkContact::update(const mjData* data) noexcept {
 }
 
 // free: how far the axis is from having the canvas within the radius.
-bool LinkContact::touches(const Body& body, const Vector3d& a_W, const Vector3d& b_W,
+bool LinkContact::touches(const Body& body, const Vector3d& a_K, const Vector3d& b_K,
                           double* free) const noexcept {
-  const double length = (b_W - a_W).norm();
-  const Vector3d along = length > 0.0 ? Vector3d((b_W - a_W) / length) : Vector3d::UnitZ();
+  const double length = (b_K - a_K).norm();
+  const Vector3d along = length > 0.0 ? Vector3d((b_K - a_K) / length) : Vector3d::UnitZ();
   const auto inside = [&](const Vector3d& q) {
-    const double s = (q - a_W).dot(along);
-    if (body.flat) return s >= 0.0 && s <= length && (q - a_W - s * along).norm() <= body.radius;
-    return (q - a_W - std::clamp(s, 0.0, length) * along).norm() <= body.radius;
+    const double s = (q - a_K).dot(along);
+    if (body.flat) return s >= 0.0 && s <= length && (q - a_K - s * along).norm() <= body.radius;
+    return (q - a_K - std::clamp(s, 0.0, length) * along).norm() <= body.radius;
   };
   // Intervals of the axis whose middle is far enough are done; the others are halved. The stack
   // holds one interval of each length.
@@ -92,7 +92,7 @@ bool LinkContact::touches(const Body& body, const Vector3d& a_W, const Vector3d&
   while (n > 0) {
     const Interval at = open[--n];
     const double half = 0.5 * (at.end - at.begin), middle = at.begin + half;
-    const Vector3d p = a_W + middle * along;
+    const Vector3d p = a_K + middle * along;
     const auto closest = canvas_->closest(p, body.radius + half + kAhead);
     if (!closest) continue;  // further away than kAhead everywhere
     if (inside(closest->p_W)) return true;

@@ -15,6 +15,7 @@
 #include <mujoco/mujoco.h>
 
 #include "impedraw/canvas/canvas.h"
+#include "impedraw/common/pose.h"
 
 namespace impedraw {
 
@@ -26,9 +27,9 @@ class LinkContact {
   LinkContact(const mjModel* shape, const Canvas* canvas);
 
   void reset() noexcept;
-  // data: of a model with the same bodies, at the present state. Allocates nothing but for a new
-  // contact's name.
-  void update(const mjData* data) noexcept;
+  // data: of a model with the same bodies, at the present state; X_KW: to the canvas's frame.
+  // Allocates nothing but for a new contact's name.
+  void update(const mjData* data, const Pose& X_KW) noexcept;
   const std::string& link() const { return link_; }  // empty: none
 
  private:
@@ -38,11 +39,11 @@ class LinkContact {
     Eigen::Vector3d a, b;  // ends of the axis, in the link's frame [m]
     double radius = 0.0;   // [m]
     bool flat = false;     // a cylinder, else rounded ends
-    // ends at the last query, W [m], and how far they may move from there without a touch
-    Eigen::Vector3d a_W, b_W;
+    // ends at the last query, K [m], and how far they may move from there without a touch
+    Eigen::Vector3d a_K, b_K;
     double free = 0.0;
   };
-  bool touches(const Body& body, const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W,
+  bool touches(const Body& body, const Eigen::Vector3d& a_K, const Eigen::Vector3d& b_K,
                double* free) const noexcept;
 
   const Canvas* canvas_;

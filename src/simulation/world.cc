@@ -194,7 +194,8 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   }
   contact_ = whole;
   mujoco_->link_torque.setZero();
-  mujoco_->link_contact->update(mujoco_->data);
+  mujoco_->link_contact->update(mujoco_->data,
+                                motion_.moves() ? motion_.at(state_.time).X_WK.inverse() : Pose());
   if (settings_.flange_sensor && has_flange())
     flange_wrench_ = mujoco_->flange->wrench(start, mujoco_->carried, share * F_env, settings_.dt);
 
@@ -259,9 +260,12 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   RowMatrix3X J_C(3, n);                                  // of the contact point, in C
   Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
   bool tip_converged = true;
+  Eigen::Vector3d canvas_velocity = Eigen::Vector3d::Zero();  // at the contact point, in C
   if (canvas_) {
     const double radius = settings_.tip.radius;
-    const Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
+    Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
+    const Pose X_WK = motion_.moves() ? motion_.at(state_.time).X_WK : Pose();
+    if (motion_.moves()) centre = X_WK.inverse() * centre;
     // A tip pressed through by more than this is no longer in contact.
     if (const auto closest = canvas_->closest(centre, 10.0 * radius);
         closest && !(closest->on_edge && closest->distance <= 0.0)) {
@@ -269,6 +273,10 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       contact_.touching = tip.penetration > 0.0;
       contact_.p_WC = closest->p_W;
       contact_.n_W = closest->n_W;
+      if (motion_.moves()) {  // the mesh is in K
+        contact_.p_WC = X_WK * contact_.p_WC;
+        contact_.n_W = X_WK.R * contact_.n_W;
+      }
     }
   }
   if (contact_.touching) {
@@ -280,7 +288,12 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       mj_solveM(w.model, w.data, w.M_inverse_Jt.col(i).data(), row.data(), 1);
     }
     tip.G.noalias() = J_C.lazyProduct(w.M_inverse_Jt);
-    tip.v_free = J_C.lazyProduct(w.v);
+    if (motion_.moves()) {
+      // at the end of the step, as the tip's velocity
+      const CanvasMotion::State next = motion_.at(state_.time + h);
+      canvas_velocity = R_WC.transpose() * next.velocity_at(contact_.p_WC);
+    }
+    tip.v_free = J_C.lazyProduct(w.v) - canvas_velocity;
     const TipImpulse found = solve_tip_contact(tip, settings_.tip);
     tip_impulse = found.p;
     tip_converged = found.converged;
@@ -324,7 +337,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
               sign * std::max(0.0, sign * limit[j] - (sign * w.v[j] + gap / h) / mobility));
       }
       if (contact_.touching) {
-        tip.v_free = J_C.lazyProduct(w.v) - tip.G * tip_impulse;
+        tip.v_free = J_C.lazyProduct(w.v) - canvas_velocity - tip.G * tip_impulse;
         const TipImpulse found = solve_tip_contact(tip, settings_.tip, tip_impulse);
         const Eigen::Vector3d& next = found.p;
         tip_converged = found.converged;

@@ -21,6 +21,7 @@
 #include "impedraw/common/pose.h"
 #include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/simulation/canvas_motion.h"
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/model_errors.h"
@@ -71,6 +72,11 @@ class World {
   ~World();
 
   int joints() const;
+  // The canvas moves from now on as `motion` says at the world's time. Friction acts on the
+  // velocity of the tip relative to the canvas, and so does the contact's damper.
+  void move_canvas(const CanvasMotion& motion) { motion_ = motion; }
+  // Where it is at the current state.
+  CanvasMotion::State canvas_state() const { return motion_.at(state_.time); }
   void set_state(const JointVector& q, const JointVector& v);
   const WorldState& state() const { return state_; }
 
@@ -132,6 +138,7 @@ class World {
 
   WorldSettings settings_;
   const Canvas* canvas_;
+  CanvasMotion motion_;
   double h_;  // of an integration step [s]
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;

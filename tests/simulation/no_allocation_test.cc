@@ -39,6 +39,11 @@ TEST(NoAllocation, AStepWithEveryErrorAndTheSensorsMakesNone) {
   probe.set_state(working_posture(), JointVector::Zero(7));
   const Canvas canvas = plane_under(probe.state().X_WE.p, 0.3e-3);
   World world(kArm, &canvas, settings);
+  CanvasMotionSettings motion;
+  motion.sway = {1e-4, 0.0, 1e-4};
+  motion.roll = 1e-3;
+  motion.jolts = 1e-5;
+  world.move_canvas(CanvasMotion(motion));
   world.set_state(working_posture(), JointVector::Zero(7));
   WrenchSensor sensor(WrenchSensorSettings::realistic(), settings.dt, 1);
   JointSensor joints({.quantum = 1e-5,
