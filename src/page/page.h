@@ -63,8 +63,9 @@ struct PageRun {
   std::filesystem::path log;            // run.h5
   std::filesystem::path scenario_file;  // its text is shown; may be missing
   std::filesystem::path strokes_file;   // strokes.json; may be missing
-  std::vector<PagePicture> pictures;    // those that exist are shown
-  std::string limits = "{}";            // JSON: {metric: {min, max}}
+  // Asked for last, so that they may be drawn meanwhile; those that exist are shown.
+  std::function<std::vector<PagePicture>()> pictures;
+  std::string limits = "{}";  // JSON: {metric: {min, max}}
 };
 
 // The data of the page: a JSON text that refers to `columns`, and these. Throws InputError if the

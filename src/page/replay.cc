@@ -360,7 +360,8 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
   const ReplayLog log(page.log);
   add_rows(columns, log, run, context, &out);
   out["complete"] = out["rows_read"] == log.rows();
-  out["pictures"] = pictures_json(columns, page.pictures);
+  out["pictures"] =
+      pictures_json(columns, page.pictures ? page.pictures() : std::vector<PagePicture>());
   // What others wrote need not be UTF-8.
   return {out.dump(-1, ' ', false, Json::error_handler_t::replace), columns.bytes()};
 }

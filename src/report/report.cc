@@ -34,8 +34,11 @@ PageRun page_of(const std::filesystem::path& folder, const RunData& run,
   page.log = folder / "run.h5";
   page.scenario_file = folder / "scenario.yaml";
   page.strokes_file = folder / "strokes.json";
-  page.pictures = {{"Ink against target, seen from above", shown_picture(folder / "ink_top")},
-                   {"Ink against target, on the page", shown_picture(folder / "ink_page")}};
+  page.pictures = [folder, written = settings.pictures_written]() -> std::vector<PagePicture> {
+    if (written) written();
+    return {{"Ink against target, seen from above", shown_picture(folder / "ink_top")},
+            {"Ink against target, on the page", shown_picture(folder / "ink_page")}};
+  };
   page.limits = limits_json(settings.limits).dump();
   return page;
 }

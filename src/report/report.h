@@ -24,7 +24,8 @@ struct ReportSettings {
   std::string title{};  // empty: the log's attribute `scenario`
   // by metric name; the page shows the limit and whether it is met
   std::map<std::string, MetricLimit> limits{};
-  PageContext page{};  // of report.html: what its log does not hold
+  PageContext page{};                        // of report.html: what its log does not hold
+  std::function<void()> pictures_written{};  // returns when they are; called before they are read
 };
 
 // Writes folder/report.html from folder/run.h5, of which `run` holds a part. Shows ink_top,

@@ -58,8 +58,8 @@ CanvasMotion::CanvasMotion(const CanvasMotionSettings& settings) : settings_(set
     throw InputError("canvas motion: stop must be at least ramp after start");
   s.turn_axis = direction(s.turn_axis, "turn_axis");
   s.roll_axis = direction(s.roll_axis, "roll_axis");
-  moves_ = !s.velocity.isZero(0.0) || s.turn_speed != 0.0 || !s.sway.isZero(0.0) ||
-           s.roll != 0.0 || s.jolts > 0.0;
+  moves_ = !s.velocity.isZero(0.0) || s.turn_speed != 0.0 || !s.sway.isZero(0.0) || s.roll != 0.0 ||
+           s.jolts > 0.0;
   if (s.jolts <= 0.0) return;
   // Waves of equal power, one in each of kJoltWaves bands.
   std::mt19937_64 random(s.seed);

@@ -1,5 +1,6 @@
 // Motion of the true canvas in the world. Frame K is fixed to the canvas and coincides with W as
-// long as nothing has moved: a mesh is placed in W, and its coordinates are those in K from then on.
+// long as nothing has moved: a mesh is placed in W, and its coordinates are those in K from then
+// on.
 //
 //   p_W = c + d(t) + R(t) (p_K − c)         R(t) = Rot(turn axis, θ(t)) · Rot(sway axis, ψ(t))
 //
@@ -61,8 +62,8 @@ class CanvasMotion {
   // Where the canvas is, and how it moves.
   struct State {
     Pose X_WK;
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();       // of the point that is at `centre` in K [m/s]
-    Eigen::Vector3d w = Eigen::Vector3d::Zero();       // angular velocity, W [rad/s]
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();  // of the point that is at `centre` in K [m/s]
+    Eigen::Vector3d w = Eigen::Vector3d::Zero();  // angular velocity, W [rad/s]
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of that point, W [m]
 
     // of the canvas's point that is at p_W now [m/s]

@@ -118,8 +118,8 @@ TEST(CanvasMotion, JoltsHaveTheirStrengthAndNothingAboveTheirBandwidth) {
       const double t = kStep * i, h = 1e-3;
       const Vector3d d = motion.at(t).X_WK.p;
       power += d.cwiseAbs2() / kSamples;
-      acceleration = acceleration.cwiseMax(
-          ((motion.at(t + h).v - motion.at(t - h).v) / (2.0 * h)).cwiseAbs());
+      acceleration =
+          acceleration.cwiseMax(((motion.at(t + h).v - motion.at(t - h).v) / (2.0 * h)).cwiseAbs());
     }
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(std::sqrt(power[axis]), s.jolts, 0.05 * s.jolts);
