@@ -37,3 +37,20 @@ def test_native_runs_are_those_of_the_program(tmp_path):
             if process[column] is not None:
                 assert native[column] == process[column], column
     assert compared >= 16
+
+
+def test_every_way_to_end_a_run_is_a_row(tmp_path):
+    """Signals, a hang, no memory left: the next run of the same worker goes on."""
+    file = write(tmp_path, "name: fault\nscenario: scenarios/robustness-nominal.yaml\n"
+                 "svg: tests/sweep/line.csv\nset: {drawing.redraw: false}\n"
+                 "limits: {time: 20, memory: 2.5}\ncase: 'n{seed}'\nseeds: 6\n")
+    fault = {"n2": "SIGSEGV", "n3": "hang", "n4": "memory", "n5": "SIGKILL"}
+    done = sweep(file, tmp_path / "d", "--serial", runner="native", options={"fault": fault})
+    assert done.returncode == 0, done.stderr
+    rows = read_dataset(tmp_path / "d")[0].to_pylist()
+    assert [(r["case"], r["state"], (r["cause"] or "")[:32]) for r in rows] == [
+        ("n1", "ok", ""), ("n2", "crashed", "crashed: signal 11 (SIGSEGV)"),
+        ("n3", "timeout", "timeout: took longer than 20 s"),
+        ("n4", "crashed", "crashed: out of memory: the limit"[:32]),
+        ("n5", "crashed", "crashed: signal 9 (SIGKILL)"), ("n6", "ok", "")]
+    assert rows[0]["coverage"] == rows[5]["coverage"] > 0.99
