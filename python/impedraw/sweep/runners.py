@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -28,8 +28,11 @@ from .native_child import LENGTH, send
 from .settings import Settings, flat, resolved
 from .spec import Case
 
-# A case's state. All but `ok` count as failed; `missed`: a condition of `accept` does not hold.
-STATES = ("ok", "missed", "refused", "stopped", "timeout", "crashed", "error")
+# A case's state. All but GOOD count as failed; `missed`: a condition of `accept` does not hold;
+# `nothing`: all of the drawing was to be left out if it cannot be drawn, and none of it can.
+STATES = ("ok", "nothing", "missed", "refused", "stopped", "timeout", "crashed", "error")
+GOOD = ("ok", "nothing")
+_NOTHING = "nothing can be drawn: "  # as src/experiment/plan.cc begins
 
 # Metrics that depend on the machine: kept, and left out where two data sets are compared.
 WALL_METRICS = ("step_time_p50", "step_time_p99", "step_time_p999", "real_time_factor")
@@ -60,6 +63,7 @@ class Outcome:
     metrics: dict[str, float | None] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)  # why a metric is null
     settings: dict[str, Any] = field(default_factory=dict)  # every one, resolved
+    not_drawn: dict[str, int] = field(default_factory=dict)  # findings of the pre-flight by problem
 
 
 class Runner(Protocol):
@@ -77,13 +81,12 @@ def judged(outcome: Outcome, accept: dict[str, Expression]) -> Outcome:
         try:
             holds = bool(condition(values))
         except ValueError as error:
-            return Outcome("error", f"accept: {name}: {error}", outcome.metrics, outcome.reasons,
-                           outcome.settings)
+            return replace(outcome, state="error", cause=f"accept: {name}: {error}")
         if not holds:
             metrics = sorted(n for n in condition.names if n in outcome.metrics)
             told = ", ".join(f"{n} is {_number(outcome.metrics[n])}" for n in metrics)
             cause = f"{name}: {condition.text}" + (f", but {told}" if told else "")
-            return Outcome("missed", cause, outcome.metrics, outcome.reasons, outcome.settings)
+            return replace(outcome, state="missed", cause=cause)
     return outcome
 
 
@@ -153,7 +156,7 @@ class Process:
         if code < 0:
             return Outcome("crashed", f"crashed: signal {-code} ({_signal_name(-code)})")
         if code == 2:
-            return Outcome("refused", f"refused: {cause}")
+            return _refused(cause)
         if code not in (0, 3):
             return Outcome("crashed", f"crashed: exit code {code}: {cause}")
         try:
@@ -162,6 +165,7 @@ class Process:
         except (OSError, ValueError) as error:
             return Outcome("error", f"error: what the run left cannot be read: {error}")
         outcome.reasons = metrics.pop("reasons", {})
+        outcome.not_drawn = metrics.pop("not_drawn", {})
         metrics.pop("wall_seconds", None)
         outcome.metrics = {k: v for k, v in metrics.items()
                            if v is None or isinstance(v, (int, float))}
@@ -173,7 +177,7 @@ class Process:
     def _keep(self, case: Case, folder: Path, outcome: Outcome) -> None:
         keep = self.context.keep
         accept = {k: Expression(v) for k, v in self.context.accept.items()}
-        failed = judged(outcome, accept).state != "ok"
+        failed = judged(outcome, accept).state not in GOOD
         wanted = {what for what, when in keep.items() if when == "always"
                   or (when == "failed" and failed)}
         if not wanted or not folder.is_dir():
@@ -232,18 +236,18 @@ class Native:
         if isinstance(answer, Outcome):
             outcome = answer
         elif "refused" in answer:
-            return Outcome("refused", f"refused: {self._within(answer['refused'])}")
+            return _refused(self._within(answer["refused"]))
         elif "error" in answer:
             return Outcome("error", f"error: {self._within(answer['error'])}")
         else:
             got = answer["result"]
             outcome = Outcome("ok", "", got["metrics"], got["reasons"],
-                              {**self.scenarios[path], **case.settings})
+                              {**self.scenarios[path], **case.settings}, got["not_drawn"])
             if got["end"] != "finished":
                 outcome.state = "stopped"
                 outcome.cause = f"stopped: {self._within(got['cause'])}"
         if self.keeper and (("always" in self.context.keep.values())
-                            or judged(outcome, self.accept).state != "ok"):
+                            or judged(outcome, self.accept).state not in GOOD):
             self.keeper(case)  # once more, with all its files
         return outcome
 
@@ -320,6 +324,12 @@ class Native:
 
     def _within(self, text: str) -> str:
         return text.replace(self.context.root + "/", "")
+
+
+def _refused(cause: str) -> Outcome:
+    if cause.startswith(_NOTHING):
+        return Outcome("nothing", cause)
+    return Outcome("refused", f"refused: {cause}")
 
 
 def _limited(context: Context) -> list[str]:
