@@ -5,7 +5,8 @@
 //              SD is that of the population. Percentiles interpolate linearly. Forces are pooled
 //              over strokes.
 // Keys         in the order of metric_definitions(), then `not_drawn`: {problem: findings},
-//              `reasons`: {name: why it is null} and `wall_seconds`. A metric that cannot be computed is null, not 0.
+//              `reasons`: {name: why it is null} and `wall_seconds`. A metric that cannot be
+//              computed is null, not 0.
 //
 // A stroke may be drawn in several passes. Each pass has its own first touch, settling and
 // touchdown. The ink of all passes covers the target.

@@ -5,11 +5,14 @@
 namespace impedraw {
 
 std::string promise_text(const Promise& p) {
-  const nlohmann::ordered_json text = {
-      {"asked", p.asked},           {"promised", p.promised},
-      {"undrawable", p.undrawable}, {"unnamed", p.unnamed},
-      {"problems", p.problems},     {"slope", p.slope},
-      {"time", p.time},             {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
+  const nlohmann::ordered_json text = {{"asked", p.asked},
+                                       {"promised", p.promised},
+                                       {"undrawable", p.undrawable},
+                                       {"unnamed", p.unnamed},
+                                       {"problems", p.problems},
+                                       {"slope", p.slope},
+                                       {"time", p.time},
+                                       {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
   return text.dump();
 }
 

@@ -66,17 +66,18 @@ TEST(Metrics, WhatWasPromisedIsReadFromTheLog) {
   EXPECT_TRUE(metrics_of(run).at("length_promised").is_null());
 }
 
-// The canvas: level for x ≤ 25 mm, 60° steep beyond it, in two pieces, so that no normal is between
-// them. The ink is 1 mm beside the target on the level half, and far below it on the steep one.
+// The canvas: level for x ≤ 25 mm, 60° steep beyond it and 5 mm lower, in two pieces, so that no
+// normal is between them. The ink is 1 mm beside the target on the level half, and far below it on
+// the steep one.
 TEST(Metrics, GentleInkErrorLeavesSteepSlopesOut) {
   MadeUp run = plain_run();
-  const double fall = std::tan(60 * kDegree), low = -0.475 * fall;
-  run.canvas_vertices = {{-1, -1, 0},    {0.025, -1, 0}, {0.025, 1, 0}, {-1, 1, 0},
-                         {0.025, -1, 0}, {0.5, -1, low}, {0.5, 1, low}, {0.025, 1, 0}};
+  const double fall = std::tan(60 * kDegree), low = -5e-3 - 0.475 * fall;
+  run.canvas_vertices = {{-1, -1, 0},        {0.025, -1, 0}, {0.025, 1, 0}, {-1, 1, 0},
+                         {0.025, -1, -5e-3}, {0.5, -1, low}, {0.5, 1, low}, {0.025, 1, -5e-3}};
   run.canvas_triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
   for (std::size_t i = 1000; i < 2000; ++i) {
     const double x = 1e-3 * 0.05 * (static_cast<double>(i) - 1000.0);
-    run.contact_point[i] = {x, 1e-3, x > 0.025 ? -(x - 0.025) * fall : 0.0};
+    run.contact_point[i] = {x, 1e-3, x > 0.025 ? -5e-3 - (x - 0.025) * fall : 0.0};
   }
   EXPECT_TRUE(metrics_of(run).at("ink_error_rms_to_45").is_null());
   run.attributes[kPromiseAttribute] = promise_text({});
