@@ -79,6 +79,7 @@ from ._impedraw import (
 from ._draw import draw, plan
 from ._metrics import Metrics
 from ._run import Log, Run
+from ._sweep import Sweep, sweep
 from .canvases import (
     Bowl,
     CanvasShape,
@@ -104,7 +105,7 @@ if _data.is_dir():  # of a wheel; in a source tree the library knows where it st
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("gym", "sweep"):  # they need more than NumPy
+    if name == "gym":  # it needs more than NumPy
         return importlib.import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
@@ -162,6 +163,7 @@ __all__ = [
     "SurfacePoint",
     "SurfaceSettings",
     "SurfaceStatus",
+    "Sweep",
     "Terrain",
     "TimingSettings",
     "TipContact",
@@ -185,4 +187,5 @@ __all__ = [
     "identify_tool",
     "plan",
     "plan_tip_path",
+    "sweep",
 ]

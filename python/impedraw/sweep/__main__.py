@@ -130,13 +130,9 @@ def _sweep(options: argparse.Namespace) -> int:
         for case in _selected(spec, options.only):
             print(f"{case.name}\n    {case.command()}")
         return FINISHED
-    count = sum(1 for _ in _selected(spec, options.only))
-    if count == 0:
-        if options.only:
-            raise SweepError(f"--only {options.only}: no case's name matches; --list shows them")
-        raise SweepError(f"{spec.file}: no case is left by its conditions")
     out = Path(options.out) if options.out else Path("runs") / spec.name
     if options.dry_run:
+        count = sum(1 for _ in _selected(spec, options.only))
         if spec.tune is not None:
             trials = spec.tune.get("trials", 100)
             print(f"{spec.name}: {trials} trials of {count} cases, {trials * count} runs; into "
@@ -144,6 +140,17 @@ def _sweep(options: argparse.Namespace) -> int:
             return FINISHED
         print(f"{spec.name}: {count} cases, {_times(spec, out)}")
         return FINISHED
+    return run_loaded(spec, options, root, settings, out)
+
+
+def run_loaded(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
+               out: Path) -> int:
+    """Runs a checked specification. Returns the exit code. Raises SweepError."""
+    count = sum(1 for _ in _selected(spec, options.only))
+    if count == 0:
+        if options.only:
+            raise SweepError(f"--only {options.only}: no case's name matches; --list shows them")
+        raise SweepError(f"{spec.file}: no case is left by its conditions")
     if options.address and not options.serial:
         from .engine import require_cluster
 
@@ -196,8 +203,9 @@ def run(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
         table = data.table()
         page = write_report(spec, table, out, settings, repeat_command(options))
         bad = sum(table["failed"].to_pylist())
-        print(f"{table.num_rows} runs, {bad} failed")
-        print(f"  {out.resolve() / 'runs.parquet'}\n  {page}")
+        if not getattr(options, "quiet", False):
+            print(f"{table.num_rows} runs, {bad} failed")
+            print(f"  {out.resolve() / 'runs.parquet'}\n  {page}")
         return FINISHED
     finally:
         stop.restore()
