@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 _HERE = Path(__file__).resolve().parent
+
+
+def _part(name: str) -> Any:
+    """Of impedraw.sweep, whose own needs are not those of the package."""
+    try:
+        importlib.import_module("pyarrow")
+        return importlib.import_module(f".sweep.{name}", __package__)
+    except ModuleNotFoundError as error:
+        raise ImportError(f"{error}; pip install 'impedraw[sweep]'") from None
 
 
 class Sweep:
@@ -23,9 +33,7 @@ class Sweep:
     @classmethod
     def open(cls, folder: str | os.PathLike[str]) -> Sweep:
         """Reads a data set, also one that is being written. Raises ValueError where there is none."""
-        from .sweep.dataset import read_dataset
-
-        table, identity = read_dataset(Path(folder))
+        table, identity = _part("dataset").read_dataset(Path(folder))
         return cls(Path(folder), identity, table)
 
     @property
@@ -70,25 +78,17 @@ def sweep(
     ``impedraw[sweep]``. Raises ValueError, one line, before anything is written;
     KeyboardInterrupt on Ctrl-C, with what is done kept.
     """
-    try:
-        import pyarrow  # noqa: F401  # type: ignore[import-not-found,unused-ignore]
-        import yaml  # noqa: F401
-    except ImportError as error:
-        raise ImportError(f"{error}; pip install 'impedraw[sweep]'") from None
     import argparse
 
-    from .sweep import __main__ as command
-    from .sweep.settings import Settings
-    from .sweep.spec import load_spec, spec_of
-
+    command, specs = _part("__main__"), _part("spec")
     data = _HERE / "data"
     root = data if data.is_dir() else _HERE.parents[1]
-    settings = Settings.read(root / "docs/scenario.schema.json")
+    settings = _part("settings").Settings.read(root / "docs/scenario.schema.json")
     if isinstance(spec, Mapping):
-        loaded, file = spec_of(spec, root, settings), None
+        loaded, file = specs.spec_of(spec, root, settings), None
     else:
         file = os.fspath(spec)
-        loaded = load_spec(file, root, settings)
+        loaded = specs.load_spec(file, root, settings)
     folder = Path(out) if out is not None else Path("runs") / loaded.name
     options = argparse.Namespace(
         spec=file, out=os.fspath(out) if out is not None else None, only=only, workers=workers,

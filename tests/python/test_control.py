@@ -209,3 +209,49 @@ def test_tip_path_refuses():
         idr.plan_tip_path([[[0, 0], [1, 0]]], 0.0, idr.PathSettings(draw_speed=-1))
     with pytest.raises(ValueError, match="no strokes|stroke"):
         idr.plan_tip_path([], 0.0)
+
+
+def test_preflight_tells_what_the_arm_cannot_draw():
+    arm = idr.ArmModel.standard()
+    q = [0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0]
+    line = np.column_stack([np.linspace(0.55, 1.4, 400), np.zeros(400)])
+    checked = idr.check_strokes([line], 0.2, arm, q)
+    assert checked.drawable and checked.findings
+    # Parts and findings cover the stroke once.
+    parts = sorted([(p.from_, p.to) for p in checked.drawable] + [(f.part.from_, f.part.to) for f in checked.findings])
+    assert parts[0][0] == 0.0 and abs(parts[-1][1] - 0.85) < 1e-9
+    assert all(abs(a[1] - b[0]) < 1e-9 for a, b in zip(parts, parts[1:]))
+    assert checked.findings[-1].problem in (idr.Problem.out_of_reach, idr.Problem.near_singular, idr.Problem.joint_limit, idr.Problem.torque)
+    # The far end, 1.4 m away, is beyond the arm: the model itself says how far the flange gets.
+    assert checked.drawable[-1].to < 0.85
+    only_surface = idr.check_strokes([line], 0.2, arm, q, idr.PreflightSettings(arm=False))
+    assert not only_surface.findings
+    with pytest.raises(ValueError, match="step"):
+        idr.check_strokes([line], 0.2, arm, q, idr.PreflightSettings(step=9.0))
+    with pytest.raises(ValueError, match="start_q"):
+        idr.check_strokes([line], 0.2, arm, [0.0, 1.0])
+    near = line[:40]
+    path = idr.plan_tip_path([near], 0.2, idr.PathSettings(start_p_WE=arm.tip_pose(q).p))
+    assert idr.check_transitions(path, [near], arm, q) == []
+
+
+def test_a_canvas_is_a_surface_to_plan_on():
+    canvas = idr.Bowl().canvas()
+    path = idr.plan_tip_path([np.array([[0.6, 0.0], [0.62, 0.0]])], canvas)
+    middle = path.at(path.duration / 2).reference.p_WD
+    assert abs(canvas.closest(middle).distance) < 0.05
+
+
+def test_joint_sensor_rounds_delays_and_repeats():
+    settings = idr.JointSensorSettings(quantum=1e-3, delay=0.002, velocity="none")
+    sensor = idr.JointSensor(settings, 2)
+    read = [sensor.read([1e-2 * k + 4e-4, 0.0], [1.0, 0.0])[0][0] for k in range(5)]
+    assert read[2:] == pytest.approx([0.0, 1e-2, 2e-2], abs=1e-12)
+    noisy = idr.JointSensorSettings(position_noise=1e-3)
+    a, b, c = (idr.JointSensor(noisy, 2, seed=s).read([0.0, 0.0], [0.0, 0.0])[0] for s in (1, 1, 2))
+    assert (a == b).all() and (a != c).any()
+    assert idr.WorldSettings(joint_sensor=noisy).joint_sensor == noisy
+    with pytest.raises(ValueError, match="joints"):
+        idr.JointSensor(noisy, 0)
+    with pytest.raises(ValueError, match="quantum"):
+        idr.JointSensor(idr.JointSensorSettings(quantum=-1.0), 2)

@@ -10,6 +10,7 @@ import importlib.util
 import json
 import os
 import pickle
+import re
 import select
 import shutil
 import signal
@@ -32,7 +33,7 @@ from .spec import Case
 # `nothing`: all of the drawing was to be left out if it cannot be drawn, and none of it can.
 STATES = ("ok", "nothing", "missed", "refused", "stopped", "timeout", "crashed", "error")
 GOOD = ("ok", "nothing")
-_NOTHING = "nothing can be drawn: "  # as src/experiment/plan.cc begins
+_NOTHING = re.compile(r"(^|: )nothing can be drawn: ")  # as src/experiment/plan.cc says
 
 # Metrics that depend on the machine: kept, and left out where two data sets are compared.
 WALL_METRICS = ("step_time_p50", "step_time_p99", "step_time_p999", "real_time_factor")
@@ -327,7 +328,7 @@ class Native:
 
 
 def _refused(cause: str) -> Outcome:
-    if cause.startswith(_NOTHING):
+    if _NOTHING.search(cause):
         return Outcome("nothing", cause)
     return Outcome("refused", f"refused: {cause}")
 
