@@ -43,10 +43,10 @@ void bind_preflight(nb::module_& m) {
       .value("pen_collision", Problem::pen_collision)
       .value("joint_jump", Problem::joint_jump)
       .value("too_short", Problem::too_short);
-  Record<StrokePart>(m, "StrokePart", "The interval [from_, to] of a stroke, along its line.")
+  Record<StrokePart>(m, "StrokePart", "The interval [start, end] of a stroke, along its line.")
       .field("stroke", &StrokePart::stroke, "number of the stroke, from 0")
-      .field("from_", &StrokePart::from, "from its first point [m]")
-      .field("to", &StrokePart::to, "from its first point [m]")
+      .field("start", &StrokePart::from, "from its first point [m]")
+      .field("end", &StrokePart::to, "from its first point [m]")
       .done();
   Record<Finding>(m, "Finding", "A part of a stroke that cannot be drawn, and why.")
       .field("part", &Finding::part, "which")
