@@ -101,13 +101,15 @@ void bind_planning(nb::module_& m) {
       .def_prop_ro("duration", &TipPath::duration, "[s]")
       .def_prop_ro("pen_down_length", &TipPath::pen_down_length, "on the surface [m]")
       .def("at", &TipPath::at, nb::arg("t"), "At t [s], held within 0 and the duration.");
-  m.def("plan_tip_path", &plan_path, nb::arg("strokes"), nb::arg("surface"),
-        nb::arg("settings") = PathSettings(),
-        nb::sig("def plan_tip_path(strokes: collections.abc.Sequence[numpy.typing.ArrayLike], "
-                "surface: SurfaceEstimator | Canvas | float, settings: PathSettings = ...) -> TipPath"),
-        "Plans the tip's motion along strokes, each of shape (N, 2) in the drawing plane P [m].\n"
-        "surface: an estimator, a canvas, or the height of a level plane in P [m]. ValueError for a\n"
-        "setting out of range or a stroke point without surface.");
+  m.def(
+      "plan_tip_path", &plan_path, nb::arg("strokes"), nb::arg("surface"),
+      nb::arg("settings") = PathSettings(),
+      nb::sig(
+          "def plan_tip_path(strokes: collections.abc.Sequence[numpy.typing.ArrayLike], "
+          "surface: SurfaceEstimator | Canvas | float, settings: PathSettings = ...) -> TipPath"),
+      "Plans the tip's motion along strokes, each of shape (N, 2) in the drawing plane P [m].\n"
+      "surface: an estimator, a canvas, or the height of a level plane in P [m]. ValueError for a\n"
+      "setting out of range or a stroke point without surface.");
 }
 
 }  // namespace impedraw::python

@@ -96,18 +96,19 @@ void bind_preflight(nb::module_& m) {
         nb::arg("obstacle").none() = nb::none(),
         nb::sig("def check_strokes(strokes: collections.abc.Sequence[numpy.typing.ArrayLike], "
                 "surface: SurfaceEstimator | Canvas | float, arm: ArmModel, start_q: "
-                "numpy.typing.ArrayLike, settings: PreflightSettings = ..., obstacle: Canvas | None "
-                "= None) -> Preflight"),
-        "Checks, before anything moves, which parts of strokes can be drawn. strokes: each of shape\n"
-        "(N, 2) in the drawing plane P [m]. start_q: the arm's posture before it moves, shape (n,)\n"
-        "[rad]. obstacle: what the arm must not touch. Raises ValueError for a setting out of range.");
+                "numpy.typing.ArrayLike, settings: PreflightSettings = ..., obstacle: Canvas | "
+                "None = None) -> Preflight"),
+        "Checks, before anything moves, which parts of strokes can be drawn. strokes: each of\n"
+        "shape (N, 2) in the drawing plane P [m]. start_q: the arm's posture before it moves,\n"
+        "shape (n,) [rad]. obstacle: what the arm must not touch. Raises ValueError for a setting\n"
+        "out of range.");
   m.def("check_transitions", &checked_moves, nb::arg("path"), nb::arg("strokes"), nb::arg("arm"),
         nb::arg("start_q"), nb::arg("settings") = PreflightSettings(),
         nb::arg("obstacle").none() = nb::none(),
         nb::sig("def check_transitions(path: TipPath, strokes: "
                 "collections.abc.Sequence[numpy.typing.ArrayLike], arm: ArmModel, start_q: "
-                "numpy.typing.ArrayLike, settings: PreflightSettings = ..., obstacle: Canvas | None "
-                "= None) -> list[Finding]"),
+                "numpy.typing.ArrayLike, settings: PreflightSettings = ..., obstacle: Canvas | "
+                "None = None) -> list[Finding]"),
         "Checks the motions between the strokes of a path that was planned from them.");
 }
 

@@ -137,7 +137,8 @@ void bind_simulation(nb::module_& m) {
           },
           nb::arg("q"), nb::arg("v"),
           nb::sig("def read(self, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike) -> "
-                  "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
+                  "tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"),
           "The reading of the next sample: q [rad] and v [rad/s], shapes (n,).");
   using W = WorldSettings;
   Record<W>(m, "WorldSettings", "Settings of the simulated world.")

@@ -29,9 +29,11 @@ TEST(Promise, LengthThatIsNeitherPromisedNorNamedIsFound) {
   ASSERT_FALSE(preflight.findings.empty());
   ASSERT_FALSE(preflight.drawable.empty());
   EXPECT_LE(unnamed_length(drawing), kRounding);
+  const auto shorter = [](const Finding& a, const Finding& b) {
+    return a.part.length() < b.part.length();
+  };
   const auto longest =
-      std::max_element(preflight.findings.begin(), preflight.findings.end(),
-                       [](const Finding& a, const Finding& b) { return a.part.length() < b.part.length(); });
+      std::max_element(preflight.findings.begin(), preflight.findings.end(), shorter);
   const double named_length = longest->part.length();
   ASSERT_GT(named_length, 5e-3);
   preflight.findings.erase(longest);
