@@ -18,7 +18,7 @@ import zipfile
 NEEDS = ["mujoco", "mujoco-core", "libpinocchio"]  # wheels whose libraries stand beside the package
 FOREIGN = ["libmujoco.so.*", "libpinocchio_*", "libconsole_bridge*", "liburdfdom*", "libboost_*", "libcoal*", "liboctomap*", "liboctomath*",
            "libassimp*", "libqhull*", "libtinyxml2*"]  # of cmeel's and MuJoCo's wheels: not copied
-DATA = ["models/iiwa14_pen.urdf", "scenarios/*.yaml", "artwork/*.svg", "src/planning/wrap/flatten_patch.py", "build/arm-meshes/*/*"]
+DATA = ["models/iiwa14_pen.urdf", "docs/scenario.schema.json", "scenarios/*.yaml", "artwork/*.svg", "src/planning/wrap/flatten_patch.py", "build/arm-meshes/*/*"]
 FONTS = pathlib.Path("/usr/share/hershey-fonts")
 
 
@@ -37,6 +37,8 @@ def requirements(root):
 def metadata(root):
     needs, pinned = requirements(root)
     extras = {"log": [f"h5py>={pinned['h5py'].rsplit('.', 1)[0]}"], "table": ["pandas>=2"], "gym": ["gymnasium>=1"],
+              "sweep": [line for line in (root / "setup/sweep-requirements.txt").read_text().split("\n")
+                        if line.partition("==")[0].lower() in ("ray", "pyarrow", "optuna", "pyyaml")],
               "wrap": [f"libigl=={pinned['libigl']}", f"scipy=={pinned['scipy']}"]}
     lines = ["Metadata-Version: 2.1", "Name: impedraw", f"Version: {version_of(root)}",
              "Summary: A pen on a robot arm draws on unknown curved surfaces under operational-space impedance control",

@@ -42,11 +42,12 @@ FIGURES = ROOT / "docs/figures.json"
 
 UNITS = {
     "mm": "ink_error_rms ink_error_p95 ink_error_max longest_gap ink_up cloud_bias_mean "
-    "cloud_bias_sd yield yield_last back back_early",
+    "cloud_bias_sd yield yield_last back back_early ink_error_rms_to_45 length_asked length_promised "
+    "length_undrawable length_unnamed",
     "N": "force_mean force_sd force_rms_error force_peak touchdown_peak",
-    "deg": "tilt_mean tilt_p95 tilt_max normal_error_mean normal_error_p95",
+    "deg": "tilt_mean tilt_p95 tilt_max normal_error_mean normal_error_p95 slope_max",
     "mm/s": "speed_mean speed_p95",
-    "s": "draw_time",
+    "s": "draw_time planned_time",
     "rad": "joint_margin_min",
 }
 UNIT_OF = {metric: unit for unit, metrics in UNITS.items() for metric in metrics.split()}

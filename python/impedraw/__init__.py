@@ -28,6 +28,7 @@ from ._impedraw import (
     ContactSettings,
     ControlStatus,
     ErrorProjection,
+    Finding,
     ForceIntegralSettings,
     FrictionSettings,
     ImpedanceController,
@@ -35,6 +36,8 @@ from ._impedraw import (
     ImpedanceTorque,
     InertiaShaping,
     JointRangeSettings,
+    JointSensor,
+    JointSensorSettings,
     JointStateEstimator,
     JointStateEstimatorSettings,
     LimitSettings,
@@ -50,7 +53,12 @@ from ._impedraw import (
     PenAxis,
     Phase,
     Pose,
+    Preflight,
+    PreflightMargins,
+    PreflightSettings,
+    Problem,
     StabilityCheckSettings,
+    StrokePart,
     SurfaceEstimate,
     SurfaceEstimator,
     SurfaceFit,
@@ -67,18 +75,22 @@ from ._impedraw import (
     Tool,
     ToolIdentification,
     ToolRemoval,
+    VelocityReading,
     World,
     WorldSettings,
     WorldState,
     WrenchEstimator,
     WrenchEstimatorSettings,
     WrenchFeedback,
+    check_strokes,
+    check_transitions,
     identify_tool,
     plan_tip_path,
 )
 from ._draw import draw, plan
 from ._metrics import Metrics
 from ._run import Log, Run
+from ._sweep import Sweep, sweep
 from .canvases import (
     Bowl,
     CanvasShape,
@@ -104,7 +116,7 @@ if _data.is_dir():  # of a wheel; in a source tree the library knows where it st
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("gym", "sweep"):  # they need more than NumPy
+    if name == "gym":  # it needs more than NumPy
         return importlib.import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
@@ -126,6 +138,7 @@ __all__ = [
     "Cylinder",
     "Dome",
     "ErrorProjection",
+    "Finding",
     "ForceIntegralSettings",
     "FrictionSettings",
     "ImpedanceController",
@@ -133,6 +146,8 @@ __all__ = [
     "ImpedanceTorque",
     "InertiaShaping",
     "JointRangeSettings",
+    "JointSensor",
+    "JointSensorSettings",
     "JointStateEstimator",
     "JointStateEstimatorSettings",
     "LimitSettings",
@@ -152,16 +167,22 @@ __all__ = [
     "Phase",
     "Plane",
     "Pose",
+    "Preflight",
+    "PreflightMargins",
+    "PreflightSettings",
+    "Problem",
     "Rough",
     "Run",
     "Saddle",
     "StabilityCheckSettings",
+    "StrokePart",
     "SurfaceEstimate",
     "SurfaceEstimator",
     "SurfaceFit",
     "SurfacePoint",
     "SurfaceSettings",
     "SurfaceStatus",
+    "Sweep",
     "Terrain",
     "TimingSettings",
     "TipContact",
@@ -174,6 +195,7 @@ __all__ = [
     "ToolIdentification",
     "ToolRemoval",
     "Trough",
+    "VelocityReading",
     "Wave",
     "World",
     "WorldSettings",
@@ -181,8 +203,11 @@ __all__ = [
     "WrenchEstimator",
     "WrenchEstimatorSettings",
     "WrenchFeedback",
+    "check_strokes",
+    "check_transitions",
     "draw",
     "identify_tool",
     "plan",
     "plan_tip_path",
+    "sweep",
 ]

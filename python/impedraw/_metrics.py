@@ -51,6 +51,11 @@ class Metrics(Mapping[str, float | None]):
         return self._values["ink_error_max"]
 
     @property
+    def ink_error_rms_to_45(self) -> float | None:
+        """Ink_error_rms where the canvas leans by less than 45° from the drawing axis [mm]."""
+        return self._values["ink_error_rms_to_45"]
+
+    @property
     def coverage(self) -> float | None:
         """Share of the target's length with ink within 0.5 mm."""
         return self._values["coverage"]
@@ -155,6 +160,36 @@ class Metrics(Mapping[str, float | None]):
     def time_scale_mean(self) -> float | None:
         """Speed of the plan's clock over pen-down samples, mean."""
         return self._values["time_scale_mean"]
+
+    @property
+    def length_asked(self) -> float | None:
+        """Length of the artwork, in the drawing plane [mm]."""
+        return self._values["length_asked"]
+
+    @property
+    def length_promised(self) -> float | None:
+        """Of that, what the pre-flight promised [mm]."""
+        return self._values["length_promised"]
+
+    @property
+    def length_undrawable(self) -> float | None:
+        """Of that, what the pre-flight named as not drawable [mm]."""
+        return self._values["length_undrawable"]
+
+    @property
+    def length_unnamed(self) -> float | None:
+        """Of that, neither promised nor named; 0 but for a fault [mm]."""
+        return self._values["length_unnamed"]
+
+    @property
+    def slope_max(self) -> float | None:
+        """Steepest slope of the canvas under the target, against the level [deg]."""
+        return self._values["slope_max"]
+
+    @property
+    def planned_time(self) -> float | None:
+        """Duration of the planned path [s]."""
+        return self._values["planned_time"]
 
     @property
     def torque_saturated(self) -> float | None:

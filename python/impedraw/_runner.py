@@ -78,8 +78,8 @@ def run(
     None: nothing is written, unless ``default_out``: then runs/NAME.
 
     Returns a dict of plain values: ``end`` ("finished", "stopped", "interrupted"), ``cause`` (of a
-    stop), ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``met``
-    (seconds of each controller status), ``simulated`` [s], ``wall`` [s], ``drawn_again``,
+    stop), ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``not_drawn``
+    (findings of the pre-flight by problem), ``met`` (seconds of each controller status), ``simulated`` [s], ``wall`` [s], ``drawn_again``,
     ``lacking``, ``notes``, ``name``, ``folder``.
 
     Raises ValueError, one line, for settings that ``./impedraw draw`` refuses with exit code 2.

@@ -1,32 +1,12 @@
-#include "impedraw/arm/arm_model.h"
+#include "arm.h"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/vector.h>
 
 #include "impedraw/files/data_folder.h"
 #include "module.h"
-#include "record.h"
 
 namespace impedraw::python {
-
-namespace {
-
-struct Arm {
-  ArmModel model;
-  std::filesystem::path urdf;
-  explicit Arm(const std::filesystem::path& file, const std::string& tip)
-      : model(file, tip), urdf(file) {}
-
-  JointVector vector(nb::handle value, const char* name) const {
-    JointVector x;
-    assign(value, x, name);
-    if (x.size() != model.joints())
-      refuse(name, value, std::to_string(model.joints()) + " entries, one for each joint");
-    return x;
-  }
-};
-
-}  // namespace
 
 void bind_arm(nb::module_& m) {
   Record<ArmLimits>(m, "ArmLimits", "Limits of an arm's joints, as its URDF gives them.")

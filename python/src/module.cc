@@ -39,4 +39,5 @@ NB_MODULE(_impedraw, m) {
   python::bind_perception(m);
   python::bind_planning(m);
   python::bind_simulation(m);
+  python::bind_preflight(m);
 }

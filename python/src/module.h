@@ -13,6 +13,7 @@ void bind_sensing(nb::module_& m);
 void bind_arm(nb::module_& m);
 void bind_perception(nb::module_& m);
 void bind_planning(nb::module_& m);
+void bind_preflight(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_run(nb::module_& m);
 

@@ -3,11 +3,9 @@
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/planning/path/tip_planner.h"
 #include "module.h"
-#include "record.h"
+#include "planning.h"
 
 namespace impedraw::python {
-
-namespace {
 
 std::vector<PlacedStroke> strokes_of(nb::handle strokes) {
   if (!nb::isinstance<nb::sequence>(strokes)) refuse("strokes", strokes, "a sequence of arrays");
@@ -30,15 +28,19 @@ std::vector<PlacedStroke> strokes_of(nb::handle strokes) {
   return placed;
 }
 
+SurfaceHeight height_of(nb::handle surface, const Pose& X_WP) {
+  SurfaceEstimator* seen = nullptr;
+  if (nb::try_cast<SurfaceEstimator*>(surface, seen) && seen) return perceived_height(*seen, X_WP);
+  Canvas* canvas = nullptr;
+  if (nb::try_cast<Canvas*>(surface, canvas) && canvas) return canvas_height(*canvas, X_WP);
+  return level_surface(number_of(surface, "surface"));
+}
+
+namespace {
+
 TipPath plan_path(nb::handle strokes, nb::handle surface, const PathSettings& settings) {
   const std::vector<PlacedStroke> placed = strokes_of(strokes);
-  SurfaceHeight height;
-  SurfaceEstimator* seen = nullptr;
-  if (nb::try_cast<SurfaceEstimator*>(surface, seen) && seen) {
-    height = perceived_height(*seen, settings.X_WP);
-  } else {
-    height = level_surface(number_of(surface, "surface"));
-  }
+  const SurfaceHeight height = height_of(surface, settings.X_WP);
   const nb::gil_scoped_release no_gil;
   return plan_tip_path(placed, height, settings);
 }
@@ -70,14 +72,22 @@ void bind_planning(nb::module_& m) {
       .field("turn_speed", &S::turn_speed, "of n during travel [rad/s]")
       .field("turn_acceleration", &S::turn_acceleration, "[rad/s²]")
       .field("safe_height", &S::safe_height, "travel above the surface's highest point [m]")
+      .field("highest_z", &S::highest_z,
+             "the surface's highest point [m]; None: the highest that the strokes touch")
       .field("smoothing_time", &S::smoothing_time, "over which an acceleration builds up [s]")
       .field("corner_angle_deg", &S::corner_angle_deg, "a larger turn is a corner [deg]")
       .field("tolerance", &S::tolerance, "of the line against the strokes [m]")
       .field("rounding", &S::rounding, "beside bends made of straight lines [m]")
+      .field("knot_spacing", &S::knot_spacing, "largest between surface queries [m]")
       .field("normal_smoothing", &S::normal_smoothing, "length over which normals are averaged [m]")
+      .field("tilt_allowance_deg", &S::tilt_allowance_deg,
+             "by which n may leave the normal to turn slower [deg]")
       .field("tilt_speed", &S::tilt_speed, "of n along a stroke [rad/s]")
       .field("tilt_acceleration", &S::tilt_acceleration, "[rad/s²]")
       .field("normal_acceleration", &S::normal_acceleration, "across the surface [m/s²]")
+      .field("normal_speed", &S::normal_speed, "the normal's error times the speed [m/s]")
+      .field("joint_speed_share", &S::joint_speed_share, "of the arm's joint speeds, 0.01 to 1")
+      .field("joint_acceleration", &S::joint_acceleration, "of each joint [rad/s²]")
       .field("vertical_pen", &S::vertical_pen, "n = +z always")
       .field("sink", &S::sink, "of the desired point below the surface [m]")
       .done();
@@ -91,13 +101,15 @@ void bind_planning(nb::module_& m) {
       .def_prop_ro("duration", &TipPath::duration, "[s]")
       .def_prop_ro("pen_down_length", &TipPath::pen_down_length, "on the surface [m]")
       .def("at", &TipPath::at, nb::arg("t"), "At t [s], held within 0 and the duration.");
-  m.def("plan_tip_path", &plan_path, nb::arg("strokes"), nb::arg("surface"),
-        nb::arg("settings") = PathSettings(),
-        nb::sig("def plan_tip_path(strokes: collections.abc.Sequence[numpy.typing.ArrayLike], "
-                "surface: SurfaceEstimator | float, settings: PathSettings = ...) -> TipPath"),
-        "Plans the tip's motion along strokes, each of shape (N, 2) in the drawing plane P [m].\n"
-        "surface: an estimator, or the height of a level plane in P [m]. Raises ValueError for a\n"
-        "setting out of range or a stroke point without surface.");
+  m.def(
+      "plan_tip_path", &plan_path, nb::arg("strokes"), nb::arg("surface"),
+      nb::arg("settings") = PathSettings(),
+      nb::sig(
+          "def plan_tip_path(strokes: collections.abc.Sequence[numpy.typing.ArrayLike], "
+          "surface: SurfaceEstimator | Canvas | float, settings: PathSettings = ...) -> TipPath"),
+      "Plans the tip's motion along strokes, each of shape (N, 2) in the drawing plane P [m].\n"
+      "surface: an estimator, a canvas, or the height of a level plane in P [m]. ValueError for a\n"
+      "setting out of range or a stroke point without surface.");
 }
 
 }  // namespace impedraw::python

@@ -115,7 +115,9 @@ nb::object get(T& x, nb::handle owner) {
     for (auto& entry : x) list.append(nb::cast(entry));
     return list;
   } else if constexpr (IsOptional<T>::value) {
-    return x ? nb::cast(*x) : nb::object(nb::none());
+    if (!x) return nb::none();
+    if constexpr (Dense<typename T::value_type>) return array(*x, nb::handle());
+    return nb::cast(*x);
   } else if constexpr (std::is_class_v<T> && !std::is_same_v<T, std::string>) {
     return nb::cast(&x, nb::rv_policy::reference_internal, owner);
   } else {

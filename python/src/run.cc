@@ -95,6 +95,7 @@ nb::dict dict_of(const Result& r) {
   d["cause"] = outcome.cause;
   d["metrics"] = metrics_dict(r.drawing.metrics);
   d["reasons"] = reasons_dict(r.drawing.metrics);
+  d["not_drawn"] = r.drawing.metrics.not_drawn;
   d["met"] = outcome.met;
   d["simulated"] = outcome.simulated;
   nb::dict wall;

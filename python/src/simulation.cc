@@ -39,6 +39,25 @@ struct OwnedWorld {
   }
 };
 
+struct OwnedSensor {
+  JointSensor sensor;
+  int joints;
+  OwnedSensor(const JointSensorSettings& settings, int n, double dt, std::uint64_t seed)
+      : sensor(settings, n > 0 && n <= kMaxJoints ? n : 1, dt, seed), joints(n) {
+    if (n < 1 || n > kMaxJoints)
+      refuse("joints", nb::cast(n), "1 to " + std::to_string(kMaxJoints));
+  }
+
+  JointVector vector(nb::handle value, const char* name) const {
+    JointVector x;
+    assign(value, x, name);
+    if (x.size() != joints)
+      refuse(name, value, std::to_string(joints) + " entries, one for each joint");
+    if (!x.allFinite()) refuse(name, value, "finite");
+    return x;
+  }
+};
+
 std::shared_ptr<Canvas> canvas_of_mesh(nb::handle vertices, nb::handle triangles) {
   const DoubleArray v = doubles_of(vertices, "vertices"), t = doubles_of(triangles, "triangles");
   require_shape(v, "vertices", {-1, 3});
@@ -95,6 +114,32 @@ void bind_simulation(nb::module_& m) {
       .field("loop_delay", &E::loop_delay, "[s]")
       .field("pen_longer", &E::pen_longer, "[m]")
       .done();
+  using J = JointSensorSettings;
+  Record<J>(m, "JointSensorSettings", "What the joints' sensors give.")
+      .field("quantum", &J::quantum, "resolution of the position; 0: continuous [rad]")
+      .field("position_noise", &J::position_noise, "standard deviation [rad]")
+      .field("velocity_noise", &J::velocity_noise, "standard deviation [rad/s]")
+      .field("delay", &J::delay, "rounded to samples, 0 to 0.03 [s]")
+      .field("velocity", &J::velocity, "how the velocity is read")
+      .field("velocity_bandwidth", &J::velocity_bandwidth, "of its low-pass; 0: none [rad/s]")
+      .done();
+  nb::class_<OwnedSensor>(m, "JointSensor",
+                          "Reads joint positions and velocities as the joints' sensors give them.\n"
+                          "A seed fixes the noise to the last bit.")
+      .def(nb::init<const JointSensorSettings&, int, double, std::uint64_t>(), nb::arg("settings"),
+           nb::arg("joints"), nb::arg("dt") = 1e-3, nb::arg("seed") = 1,
+           "dt: between samples [s]. Raises ValueError for a setting out of range.")
+      .def(
+          "read",
+          [](OwnedSensor& s, nb::handle q, nb::handle v) {
+            const JointReading read = s.sensor.sample(s.vector(q, "q"), s.vector(v, "v"));
+            return nb::make_tuple(array(read.q, nb::handle()), array(read.v, nb::handle()));
+          },
+          nb::arg("q"), nb::arg("v"),
+          nb::sig("def read(self, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike) -> "
+                  "tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"),
+          "The reading of the next sample: q [rad] and v [rad/s], shapes (n,).");
   using W = WorldSettings;
   Record<W>(m, "WorldSettings", "Settings of the simulated world.")
       .field("dt", &W::dt, "of a control step, over which the torque is held [s]")
@@ -103,6 +148,7 @@ void bind_simulation(nb::module_& m) {
       .field("joint_friction", &W::joint_friction, "dry friction, every joint: ± [Nm]")
       .field("gravity", &W::gravity, "along −z [m/s²]")
       .field("errors", &W::errors, "differences from the URDF")
+      .field("joint_sensor", &W::joint_sensor, "of the arm that draw() simulates; see JointSensor")
       .field("flange_sensor", &W::flange_sensor, "enables flange_wrench")
       .done();
   Record<TipContact>(m, "TipContact", "Contact over the last step.")

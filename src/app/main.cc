@@ -22,9 +22,6 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/report/film.h"
 #include "impedraw/settings/settings_text.h"
-#include "impedraw/study/reach.h"
-#include "impedraw/study/robustness.h"
-#include "impedraw/study/surfaces.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/say.h"
 
@@ -51,23 +48,6 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
                    "override a setting, as in --set path.draw_speed=0.1; may be repeated")
       ->take_all()
       ->allow_extra_args(false);
-}
-
-void add_table_options(CLI::App* command, impedraw::CellTableOptions* options) {
-  command->add_option("--out", options->out,
-                      "folder for the table and the picture, created if missing (default: runs/" +
-                          command->get_name() + ")");
-  command
-      ->add_option("--jobs", options->jobs,
-                   "number of cells to run at a time (default: the number of cores)")
-      ->check(CLI::Range(1, 1024));
-  command->add_option("--only", options->only,
-                      "run only cells whose name matches this regular expression");
-  command->add_flag(
-      "--again", options->again,
-      "run all cells again (default: keep what an earlier run in that folder finished)");
-  command->add_flag("--list", options->list,
-                    "print the name of each cell and the command that runs it alone");
 }
 
 // Some libraries' messages are longer.
@@ -111,7 +91,11 @@ int run_program(int argc, char** argv) {
       "operational-space impedance control.");
   app.name("./impedraw");
   app.require_subcommand(1);
-  app.footer("Each command has its own help with examples: ./impedraw draw --help");
+  app.footer(
+      "Each command has its own help with examples: ./impedraw draw --help\n"
+      "Beside them, ./impedraw runs many drawings (sweep, robustness, reach), measures the figures "
+      "of the documentation (figures), builds it (docs) and the Python package (wheel), and says "
+      "what is installed (doctor).");
   app.failure_message(CLI::FailureMessage::simple);
   impedraw::DrawOptions options;
   int code = 0;
@@ -280,38 +264,6 @@ int run_program(int argc, char** argv) {
       "  ./impedraw calibrate-tool --set world.errors.mass_scale=1.2");
   calibrate->callback([&] { code = impedraw::calibrate_tool(options, poses); });
 
-  impedraw::CellTableOptions table;
-  CLI::App* robustness = app.add_subcommand(
-      "robustness",
-      "vary speed, slope, force, canvas and model errors cell by cell; writes a table and a plot");
-  robustness->footer(
-      "After ctrl-C, the same command continues. Cells that fail are findings: the exit code is 0 "
-      "once all have run.\n"
-      "Examples:\n  ./impedraw robustness\n  ./impedraw robustness --only "
-      "'^matrix-nominal-200mm_s' --out /tmp/fast\n"
-      "  ./impedraw robustness --list | grep -A1 wave");
-  std::string part = "model";
-  robustness
-      ->add_option("--part", part,
-                   "model: speeds, slopes, model errors and canvases; surfaces: rough surfaces, of "
-                   "scenarios/surfaces.csv")
-      ->check(CLI::IsMember({"model", "surfaces"}))
-      ->capture_default_str();
-  robustness->callback(
-      [&] { code = part == "surfaces" ? impedraw::surfaces(table) : impedraw::robustness(table); });
-
-  CLI::App* reach =
-      app.add_subcommand("reach",
-                         "draw ten drawings on ten canvases: what is drawn, how well, "
-                         "what is not and why; writes a table and pictures");
-  reach->footer(
-      "After ctrl-C, the same command continues. Combinations that miss a limit are findings: the "
-      "exit code is 0 once all have run.\n"
-      "Examples:\n  ./impedraw reach\n  ./impedraw reach --only '^koi-on' --out /tmp/koi\n  "
-      "./impedraw reach --list | grep -A1 wall");
-  reach->callback([&] { code = impedraw::reach(table); });
-  for (CLI::App* command : {robustness, reach}) add_table_options(command, &table);
-
   CLI::App* settings = app.add_subcommand(
       "settings", "list every setting of a scenario: default, limits, unit, meaning");
   impedraw::SettingsForm form = impedraw::SettingsForm::text;
@@ -346,8 +298,7 @@ int run_program(int argc, char** argv) {
         "impedraw_bench");
   });
 
-  for (CLI::App* command :
-       {draw, plan, compare, report, film, inspect, calibrate, robustness, reach})
+  for (CLI::App* command : {draw, plan, compare, report, film, inspect, calibrate})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check(

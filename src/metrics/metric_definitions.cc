@@ -35,6 +35,9 @@ const std::vector<MetricDefinition>& metric_definitions() {
        &Metrics::ink_error_rms},
       {"ink_error_p95", "mm", "the same, 95th percentile", &Metrics::ink_error_p95},
       {"ink_error_max", "mm", "the same, largest", &Metrics::ink_error_max},
+      {"ink_error_rms_to_45", "mm",
+       "ink_error_rms where the canvas leans by less than 45° from the drawing axis",
+       &Metrics::ink_error_rms_to_45},
       {"coverage", "1", "share of the target's length with ink within 0.5 mm", &Metrics::coverage},
       {"gaps", "1", "uncovered spans longer than 1 mm", &Metrics::gaps, true},
       {"longest_gap", "mm", "the longest of them", &Metrics::longest_gap},
@@ -63,6 +66,15 @@ const std::vector<MetricDefinition>& metric_definitions() {
       {"draw_time", "s", "pen-down time", &Metrics::draw_time},
       {"time_scale_mean", "1", "speed of the plan's clock over pen-down samples, mean",
        &Metrics::time_scale_mean},
+      {"length_asked", "mm", "length of the artwork, in the drawing plane", &Metrics::length_asked},
+      {"length_promised", "mm", "of that, what the pre-flight promised", &Metrics::length_promised},
+      {"length_undrawable", "mm", "of that, what the pre-flight named as not drawable",
+       &Metrics::length_undrawable},
+      {"length_unnamed", "mm", "of that, neither promised nor named; 0 but for a fault",
+       &Metrics::length_unnamed},
+      {"slope_max", "deg", "steepest slope of the canvas under the target, against the level",
+       &Metrics::slope_max},
+      {"planned_time", "s", "duration of the planned path", &Metrics::planned_time},
       {"torque_saturated", "1", "share of steps in which a joint's torque was clipped",
        &Metrics::torque_saturated},
       {"joint_margin_min", "rad", "smallest distance to a joint limit", &Metrics::joint_margin_min},
@@ -91,6 +103,7 @@ nlohmann::ordered_json metrics_json(const Metrics& metrics) {
     out[d.name] = number(metric.value(), d.count);
     if (!metric.value()) reasons[d.name] = metric.reason();
   }
+  out["not_drawn"] = metrics.not_drawn;
   out["reasons"] = reasons;
   // The real-time factor excludes start-up and reports.
   out["wall_seconds"] = {{"start_up", seconds(metrics.wall.start_up)},

@@ -5,11 +5,13 @@
 #include <initializer_list>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/ink/coverage.h"
+#include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 
 namespace impedraw {
@@ -20,6 +22,7 @@ constexpr double kShortestGap = 1e-3;  // [m]
 constexpr double kOutside = 1e-3;      // [m]
 // after the first touch [s]; the margin absorbs the rounding of times
 constexpr double kSettling = 0.2 + 1e-9;
+constexpr double kGentle = std::numbers::pi / 4;  // slope [rad]
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // Gives several missing metrics the same reason.
@@ -201,22 +204,85 @@ void angles(const RunData& run, Metrics& m) {
   }
 }
 
-void cloud(const RunData& run, Metrics& m) {
+// The canvas of the log, made where a metric needs it.
+class LoggedCanvas {
+ public:
+  explicit LoggedCanvas(const RunData& run) : run_(run) {}
+  // Throws InputError where the log holds none, or a faulty one.
+  const Canvas& get() {
+    if (!canvas_) {
+      if (run_.canvas_triangles.empty()) throw InputError("the log holds no canvas");
+      canvas_.emplace(TriangleMesh{run_.canvas_vertices, run_.canvas_triangles});
+    }
+    return *canvas_;
+  }
+
+ private:
+  const RunData& run_;
+  std::optional<Canvas> canvas_;
+};
+
+void cloud(const RunData& run, LoggedCanvas& canvas, Metrics& m) {
   if (run.cloud_points.empty())
     return lack(m, {&Metrics::cloud_bias_mean, &Metrics::cloud_bias_sd},
                 "no cloud: the run had no perception");
-  if (run.canvas_triangles.empty())
-    return lack(m, {&Metrics::cloud_bias_mean, &Metrics::cloud_bias_sd}, "the log holds no canvas");
   try {
-    const Canvas canvas(TriangleMesh{run.canvas_vertices, run.canvas_triangles});
     std::vector<double> distance;
     for (const Eigen::Vector3d& p : run.cloud_points)
-      distance.push_back(1e3 * canvas.closest(p).distance);
+      distance.push_back(1e3 * canvas.get().closest(p).distance);
     m.cloud_bias_mean = mean(distance);
     m.cloud_bias_sd = standard_deviation(distance);
   } catch (const InputError& e) {
     lack(m, {&Metrics::cloud_bias_mean, &Metrics::cloud_bias_sd}, e.what());
   }
+}
+
+// No normal of the canvas, interpolated between its triangles' or not, leans by kGentle or more.
+bool is_gentle(const RunData& run, const Eigen::Vector3d& axis_W) {
+  const auto& p = run.canvas_vertices;
+  return std::all_of(run.canvas_triangles.begin(), run.canvas_triangles.end(),
+                     [&](const Eigen::Vector3i& t) {
+                       const Eigen::Vector3d n = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
+                       return n.dot(axis_W) > std::cos(kGentle) * n.norm();
+                     });
+}
+
+void gentle_ink(const RunData& run, const InkMatch& d, const std::optional<Promise>& promise,
+                LoggedCanvas& canvas, Metrics& m) {
+  if (!promise)
+    return lack(m, {&Metrics::ink_error_rms_to_45}, "the log does not hold the drawing axis");
+  try {
+    std::vector<double> error;
+    const bool all = !run.canvas_triangles.empty() && is_gentle(run, promise->axis_W);
+    for (std::size_t i = 0; i < d.error.size(); ++i) {
+      if (!counts(run, i) || !std::isfinite(d.error[i])) continue;
+      if (!all) {
+        const auto there = canvas.get().closest(run.contact_point[i], 1e-3);
+        if (!there || there->n_W.dot(promise->axis_W) <= std::cos(kGentle)) continue;
+      }
+      error.push_back(1e3 * d.error[i]);
+    }
+    if (error.empty())
+      return lack(m, {&Metrics::ink_error_rms_to_45}, "no ink with a target on slopes below 45°");
+    m.ink_error_rms_to_45 = root_mean_square(error);
+  } catch (const InputError& e) {
+    lack(m, {&Metrics::ink_error_rms_to_45}, e.what());
+  }
+}
+
+void promised(const std::optional<Promise>& promise, Metrics& m) {
+  if (!promise)
+    return lack(m,
+                {&Metrics::length_asked, &Metrics::length_promised, &Metrics::length_undrawable,
+                 &Metrics::length_unnamed, &Metrics::slope_max, &Metrics::planned_time},
+                "the log does not say what the pre-flight promised");
+  m.length_asked = 1e3 * promise->asked;
+  m.length_promised = 1e3 * promise->promised;
+  m.length_undrawable = 1e3 * promise->undrawable;
+  m.length_unnamed = 1e3 * promise->unnamed;
+  m.slope_max = kDegrees * promise->slope;
+  m.planned_time = promise->time;
+  m.not_drawn = promise->problems;
 }
 
 void clock(const RunData& run, Metrics& m) {
@@ -311,7 +377,11 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
   stray_ink(run, drawn, m);
   force(run, drawn, m);
   angles(run, m);
-  cloud(run, m);
+  const std::optional<Promise> promise = read_promise(run.attributes);
+  LoggedCanvas canvas(run);
+  cloud(run, canvas, m);
+  gentle_ink(run, drawn, promise, canvas, m);
+  promised(promise, m);
   motion(run, drawn, m);
   clock(run, m);
   arm(run, m);

@@ -4,8 +4,9 @@
 //              ink/ink_lines.h.
 //              SD is that of the population. Percentiles interpolate linearly. Forces are pooled
 //              over strokes.
-// Keys         in the order of metric_definitions(), then `reasons`: {name: why it is null}, then
-//              `wall_seconds`. A metric that cannot be computed is null, not 0.
+// Keys         in the order of metric_definitions(), then `not_drawn`: {problem: findings},
+//              `reasons`: {name: why it is null} and `wall_seconds`. A metric that cannot be
+//              computed is null, not 0.
 //
 // A stroke may be drawn in several passes. Each pass has its own first touch, settling and
 // touchdown. The ink of all passes covers the target.
@@ -19,6 +20,7 @@
 // real_time_factor includes the time to write the rest of the log (wall_loop + wall_writing).
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -54,13 +56,16 @@ class Metric {
 struct Metrics {
   Metric contact_fraction, strokes_missed;
   Metric ink_error_rms, ink_error_p95, ink_error_max;
+  Metric ink_error_rms_to_45;
   Metric coverage, gaps, longest_gap, ink_outside, ink_up;
   Metric force_mean, force_sd, force_rms_error, force_peak, touchdown_peak;
   Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;
   Metric cloud_bias_mean, cloud_bias_sd;
   Metric speed_mean, speed_p95, draw_time, time_scale_mean;
+  Metric length_asked, length_promised, length_undrawable, length_unnamed, slope_max, planned_time;
   Metric torque_saturated, joint_margin_min, joint_speed_share_max;
   Metric step_time_p50, step_time_p99, step_time_p999, real_time_factor;
+  std::map<std::string, int> not_drawn;  // findings of the pre-flight, by problem
   WallTimes wall;
 };
 

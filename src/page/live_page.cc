@@ -59,7 +59,7 @@ PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
       {"columns", live_columns(header)}, {"duration", page.duration}, {"strokes", page.strokes}};
   out["attributes"] = Json::object();
   for (const auto& [key, value] : header.attributes)
-    if (key != "settings" && value.size() < 200) out["attributes"][key] = value;
+    if (key != "settings" && key != "promise" && value.size() < 200) out["attributes"][key] = value;
   out["definitions"] = Json::array();
   out["metrics"] = out["limits"] = out["strokes"] = Json::object();
   out["scenario"] = page.scenario;

@@ -304,7 +304,7 @@ Json step_times(const RunData& run) {
 Json about_json(const RunData& run) {
   Json attributes = Json::object();
   for (const auto& [key, value] : run.attributes)
-    if (key != "settings" && value.size() < 200) attributes[key] = value;
+    if (key != "settings" && key != "promise" && value.size() < 200) attributes[key] = value;
   return attributes;
 }
 

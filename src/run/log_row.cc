@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "impedraw/run/promise_of.h"
 #include "impedraw/run/run_inputs.h"
 
 namespace impedraw {
@@ -30,6 +31,7 @@ RunLogHeader make_header(const Experiment& e) {
   h.attributes = record_of(e.scenario, e.inputs);
   h.attributes["scenario"] = e.scenario.name;
   h.attributes["seed"] = std::to_string(e.scenario.seed);
+  h.attributes[kPromiseAttribute] = promise_text(promise_of(e));
   return h;
 }
 

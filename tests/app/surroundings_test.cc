@@ -72,7 +72,7 @@ TEST_F(SurroundingsTest, NamesThatAreTooLong) {
        {Words{"draw", "--set", "name=" + name}, Words{"plan", "--out", name},
         Words{"draw", "--svg", name + ".svg"}, Words{"plan", name + ".yaml"}, Words{"report", name},
         Words{"inspect", name + ".svg"}, Words{"inspect", name + ".stl"},
-        Words{"plan", "--set", "arm.urdf=" + name}, Words{"robustness", "--out", name}})
+        Words{"plan", "--set", "arm.urdf=" + name}})
     refused(call(arguments), "");
 }
 

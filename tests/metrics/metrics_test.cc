@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 #include "made_up_rows.h"
 
@@ -34,11 +35,58 @@ TEST(Metrics, PlainRun) {
   expect("joint_speed_share_max", 0.0);
   expect("step_time_p50", 10.0);
   // Every name of docs/metrics.md is there, and each null has its reason.
-  EXPECT_EQ(metric_definitions().size(), 33u);
+  EXPECT_EQ(metric_definitions().size(), 40u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));
     EXPECT_EQ(m.at(d.name).is_null(), m.at("reasons").contains(d.name)) << d.name;
   }
+}
+
+TEST(Metrics, WhatWasPromisedIsReadFromTheLog) {
+  MadeUp run = plain_run();
+  EXPECT_TRUE(metrics_of(run).at("length_promised").is_null());
+  Promise promise;
+  promise.asked = 0.1;
+  promise.promised = 0.06;
+  promise.undrawable = 0.039;
+  promise.unnamed = 0.001;
+  promise.problems = {{"too_steep", 2}, {"fold", 1}};
+  promise.slope = 30 * kDegree;
+  promise.time = 12.5;
+  run.attributes[kPromiseAttribute] = promise_text(promise);
+  const Json m = metrics_of(run);
+  EXPECT_NEAR(m.at("length_asked").get<double>(), 100.0, 1e-9);
+  EXPECT_NEAR(m.at("length_promised").get<double>(), 60.0, 1e-9);
+  EXPECT_NEAR(m.at("length_undrawable").get<double>(), 39.0, 1e-9);
+  EXPECT_NEAR(m.at("length_unnamed").get<double>(), 1.0, 1e-9);
+  EXPECT_NEAR(m.at("slope_max").get<double>(), 30.0, 1e-9);
+  EXPECT_EQ(m.at("planned_time"), 12.5);
+  EXPECT_EQ(m.at("not_drawn"), (Json{{"fold", 1}, {"too_steep", 2}}));
+  run.attributes[kPromiseAttribute] = "{\"asked\": 1}";
+  EXPECT_TRUE(metrics_of(run).at("length_promised").is_null());
+}
+
+// The canvas: level for x ≤ 25 mm, 60° steep beyond it and 5 mm lower, in two pieces, so that no
+// normal is between them. The ink is 1 mm beside the target on the level half, and far below it on
+// the steep one.
+TEST(Metrics, GentleInkErrorLeavesSteepSlopesOut) {
+  MadeUp run = plain_run();
+  const double fall = std::tan(60 * kDegree), low = -5e-3 - 0.475 * fall;
+  run.canvas_vertices = {{-1, -1, 0},        {0.025, -1, 0}, {0.025, 1, 0}, {-1, 1, 0},
+                         {0.025, -1, -5e-3}, {0.5, -1, low}, {0.5, 1, low}, {0.025, 1, -5e-3}};
+  run.canvas_triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+  for (std::size_t i = 1000; i < 2000; ++i) {
+    const double x = 1e-3 * 0.05 * (static_cast<double>(i) - 1000.0);
+    run.contact_point[i] = {x, 1e-3, x > 0.025 ? -5e-3 - (x - 0.025) * fall : 0.0};
+  }
+  EXPECT_TRUE(metrics_of(run).at("ink_error_rms_to_45").is_null());
+  run.attributes[kPromiseAttribute] = promise_text({});
+  const double all = metrics_of(run).at("ink_error_rms").get<double>();
+  const double gentle = metrics_of(run).at("ink_error_rms_to_45").get<double>();
+  EXPECT_NEAR(gentle, 1.0, 1e-9);
+  EXPECT_GT(all, 2.0);
+  run.canvas_triangles.resize(2);  // all level: nothing is left out, though the ink is off it
+  EXPECT_DOUBLE_EQ(metrics_of(run).at("ink_error_rms_to_45").get<double>(), all);
 }
 
 TEST(Metrics, ContactFractionCountsPenDownSamplesWithInk) {
@@ -292,8 +340,9 @@ TEST(Metrics, EveryFieldIsDefinedOnce) {
     EXPECT_FALSE((m.*d.member).value()) << d.name << " has the field of another";
     m.*d.member = 1.0;
   }
-  EXPECT_EQ(metric_definitions().size() * sizeof(Metric) + sizeof(WallTimes), sizeof(Metrics));
-  EXPECT_EQ(metrics_json(m).size(), metric_definitions().size() + 2) << "two share a name";
+  EXPECT_EQ(metric_definitions().size() * sizeof(Metric) + sizeof(m.not_drawn) + sizeof(WallTimes),
+            sizeof(Metrics));
+  EXPECT_EQ(metrics_json(m).size(), metric_definitions().size() + 3) << "two share a name";
 }
 
 TEST(Metrics, NoRowsAtAll) {

@@ -1,10 +1,13 @@
 """The control side against closed forms and against itself called another way."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from conftest import POSTURE
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 import impedraw as idr
 
@@ -13,7 +16,7 @@ speeds = st.lists(st.floats(-0.5, 0.5), min_size=7, max_size=7).map(np.array)
 
 
 @given(q=postures, v=speeds)
-def test_arm_terms_keep_the_laws_of_mechanics(q, v):
+def test_arm_terms_keep_the_laws_of_mechanics(q: Any, v: Any) -> None:
     arm = idr.ArmModel.standard()
     t = arm.compute(q, v)
     assert np.array_equal(t.M, t.M.T) and np.linalg.eigvalsh(t.M).min() > 0
@@ -32,7 +35,7 @@ def test_arm_terms_keep_the_laws_of_mechanics(q, v):
 
 
 @given(q=postures, v=speeds, offset=st.lists(st.floats(-0.01, 0.01), min_size=3, max_size=3))
-def test_free_motion_follows_the_closed_loop(q, v, offset):
+def test_free_motion_follows_the_closed_loop(q: Any, v: Any, offset: Any) -> None:
     """M_d (V̇ − V̇_d) = B (V_d − V) + K e along the tangents, from the torque alone (1)."""
     arm = idr.ArmModel.standard()
     s = idr.ImpedanceSettings(
@@ -56,7 +59,7 @@ def test_free_motion_follows_the_closed_loop(q, v, offset):
     np.testing.assert_allclose(acceleration[:3], np.linalg.solve(M, K @ offset), atol=1e-7)
 
 
-def test_a_step_is_what_the_same_step_was(arm, posture):
+def test_a_step_is_what_the_same_step_was(arm: idr.ArmModel, posture: NDArray[np.float64]) -> None:
     """Two controllers with the same inputs give the same bits; a result is not changed by the next."""
     a, b = (idr.ImpedanceController(idr.ImpedanceSettings(), arm.joints) for _ in range(2))
     rng = np.random.default_rng(1)
@@ -70,10 +73,10 @@ def test_a_step_is_what_the_same_step_was(arm, posture):
         assert x == y
         if first is None:
             first, kept = x, x.tau.copy()
-    assert np.array_equal(first.tau, kept)
+    assert first is not None and np.array_equal(first.tau, kept)
 
 
-def test_faults_of_the_loop_are_told_in_the_status(arm, posture):
+def test_faults_of_the_loop_are_told_in_the_status(arm: idr.ArmModel, posture: NDArray[np.float64]) -> None:
     c = idr.ImpedanceController(idr.ImpedanceSettings(), 7)
     t = arm.compute(posture, np.zeros(7))
     ref = idr.TipReference(p_WD=t.X_WE.p, n_WD=-t.X_WE.R[:, 2])
@@ -98,7 +101,7 @@ def test_faults_of_the_loop_are_told_in_the_status(arm, posture):
     centre=st.lists(st.floats(-0.1, 0.1), min_size=3, max_size=3),
     bias=st.lists(st.floats(-5, 5), min_size=6, max_size=6),
 )
-def test_tool_is_identified(mass, centre, bias):
+def test_tool_is_identified(mass: Any, centre: Any, bias: Any) -> None:
     g = np.array([0, 0, -9.81])
     turns = [np.eye(3)]
     for a in range(3):
@@ -113,14 +116,14 @@ def test_tool_is_identified(mass, centre, bias):
     np.testing.assert_allclose(found.bias_S, bias, atol=1e-8)
 
 
-def test_tool_needs_poses():
+def test_tool_needs_poses() -> None:
     with pytest.raises(ValueError, match="3"):
         idr.identify_tool([np.eye(3)] * 2, np.zeros((2, 6)))
     with pytest.raises(ValueError, match=r"readings_S has the shape \(3, 5\)"):
         idr.identify_tool([np.eye(3)] * 3, np.zeros((3, 5)))
 
 
-def test_wrench_estimator_tares_and_moves_the_wrench_to_the_tip():
+def test_wrench_estimator_tares_and_moves_the_wrench_to_the_tip() -> None:
     X_ES = idr.Pose(p=[0, 0, -0.1])
     e = idr.WrenchEstimator(idr.WrenchEstimatorSettings(X_ES=X_ES, tare_time=0.05))
     rest = idr.Pose()
@@ -134,7 +137,7 @@ def test_wrench_estimator_tares_and_moves_the_wrench_to_the_tip():
     assert e.fault
 
 
-def test_joint_state_estimator_follows_a_steady_motion(arm):
+def test_joint_state_estimator_follows_a_steady_motion(arm: idr.ArmModel) -> None:
     s = idr.JointStateEstimatorSettings()
     e = idr.JointStateEstimator(s, 7)
     q, v = POSTURE.copy(), np.full(7, 0.1)
@@ -147,7 +150,7 @@ def test_joint_state_estimator_follows_a_steady_motion(arm):
 
 
 @given(tilt=st.floats(-0.4, 0.4), height=st.floats(-0.2, 0.2))
-def test_surface_estimator_of_a_plane(tilt, height):
+def test_surface_estimator_of_a_plane(tilt: Any, height: Any) -> None:
     rng = np.random.default_rng(3)
     xy = rng.uniform(-0.1, 0.1, (4000, 2))
     points = np.c_[xy, tilt * xy[:, 0] + height]
@@ -173,12 +176,12 @@ def test_surface_estimator_of_a_plane(tilt, height):
         (np.full((100, 3), np.nan), "finite"),
     ],
 )
-def test_surface_estimator_refuses(points, message):
+def test_surface_estimator_refuses(points: Any, message: Any) -> None:
     with pytest.raises(ValueError, match=message):
         idr.SurfaceEstimator(points, [0, 0, 1])
 
 
-def test_a_view_of_the_cloud_keeps_it_alive():
+def test_a_view_of_the_cloud_keeps_it_alive() -> None:
     import gc
 
     points = idr.SurfaceEstimator(np.random.default_rng(0).uniform(0, 0.1, (500, 3)), [0, 0, 1]).points
@@ -187,7 +190,7 @@ def test_a_view_of_the_cloud_keeps_it_alive():
 
 
 @given(length=st.floats(0.02, 0.2), z=st.floats(-0.1, 0.1))
-def test_tip_path_of_a_line(length, z):
+def test_tip_path_of_a_line(length: Any, z: Any) -> None:
     s = idr.PathSettings()
     path = idr.plan_tip_path([[[0.5, 0.0], [0.5 + length, 0.0]]], z, s)
     assert path.pen_down_length == pytest.approx(length, rel=1e-9)
@@ -202,10 +205,56 @@ def test_tip_path_of_a_line(length, z):
     np.testing.assert_allclose(x.reference.v_WD, v, atol=1e-4)
 
 
-def test_tip_path_refuses():
+def test_tip_path_refuses() -> None:
     with pytest.raises(ValueError, match=r"strokes\[0\] has the shape \(2, 3\)"):
         idr.plan_tip_path([np.zeros((2, 3))], 0.0)
     with pytest.raises(ValueError, match="draw_speed"):
         idr.plan_tip_path([[[0, 0], [1, 0]]], 0.0, idr.PathSettings(draw_speed=-1))
     with pytest.raises(ValueError, match="no strokes|stroke"):
         idr.plan_tip_path([], 0.0)
+
+
+def test_preflight_tells_what_the_arm_cannot_draw() -> None:
+    arm = idr.ArmModel.standard()
+    q = [0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0]
+    line = np.column_stack([np.linspace(0.55, 1.4, 400), np.zeros(400)])
+    checked = idr.check_strokes([line], 0.2, arm, q)
+    assert checked.drawable and checked.findings
+    # Parts and findings cover the stroke once.
+    parts = sorted([(p.start, p.end) for p in checked.drawable] + [(f.part.start, f.part.end) for f in checked.findings])
+    assert parts[0][0] == 0.0 and abs(parts[-1][1] - 0.85) < 1e-9
+    assert all(abs(a[1] - b[0]) < 1e-9 for a, b in zip(parts, parts[1:]))
+    assert checked.findings[-1].problem in (idr.Problem.out_of_reach, idr.Problem.near_singular, idr.Problem.joint_limit, idr.Problem.torque)
+    # The far end, 1.4 m away, is beyond the arm: the model itself says how far the flange gets.
+    assert checked.drawable[-1].end < 0.85
+    only_surface = idr.check_strokes([line], 0.2, arm, q, idr.PreflightSettings(arm=False))
+    assert not only_surface.findings
+    with pytest.raises(ValueError, match="step"):
+        idr.check_strokes([line], 0.2, arm, q, idr.PreflightSettings(step=9.0))
+    with pytest.raises(ValueError, match="start_q"):
+        idr.check_strokes([line], 0.2, arm, [0.0, 1.0])
+    near = line[:40]
+    path = idr.plan_tip_path([near], 0.2, idr.PathSettings(start_p_WE=arm.tip_pose(q).p))
+    assert idr.check_transitions(path, [near], arm, q) == []
+
+
+def test_a_canvas_is_a_surface_to_plan_on() -> None:
+    canvas = idr.Bowl().canvas()
+    path = idr.plan_tip_path([np.array([[0.6, 0.0], [0.62, 0.0]])], canvas)
+    middle = path.at(path.duration / 2).reference.p_WD
+    assert abs(canvas.closest(middle).distance) < 0.05
+
+
+def test_joint_sensor_rounds_delays_and_repeats() -> None:
+    settings = idr.JointSensorSettings(quantum=1e-3, delay=0.002, velocity="none")
+    sensor = idr.JointSensor(settings, 2)
+    read = [sensor.read([1e-2 * k + 4e-4, 0.0], [1.0, 0.0])[0][0] for k in range(5)]
+    assert read[2:] == pytest.approx([0.0, 1e-2, 2e-2], abs=1e-12)
+    noisy = idr.JointSensorSettings(position_noise=1e-3)
+    a, b, c = (idr.JointSensor(noisy, 2, seed=s).read([0.0, 0.0], [0.0, 0.0])[0] for s in (1, 1, 2))
+    assert (a == b).all() and (a != c).any()
+    assert idr.WorldSettings(joint_sensor=noisy).joint_sensor == noisy
+    with pytest.raises(ValueError, match="joints"):
+        idr.JointSensor(noisy, 0)
+    with pytest.raises(ValueError, match="quantum"):
+        idr.JointSensor(idr.JointSensorSettings(quantum=-1.0), 2)

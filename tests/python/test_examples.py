@@ -4,6 +4,7 @@ import os
 import pathlib
 import subprocess
 import sys
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,7 @@ EXAMPLES = next(p for p in (HERE.parent.parent / "python/examples", HERE.parent 
 
 
 @pytest.mark.parametrize("example", sorted(EXAMPLES.glob("*.py")), ids=lambda p: p.stem)
-def test_example(example, tmp_path):
+def test_example(example: Any, tmp_path: pathlib.Path) -> None:
     if example.stem.startswith("3_"):
         pytest.importorskip("mujoco")
     ran = subprocess.run([sys.executable, example], cwd=tmp_path, capture_output=True, text=True, timeout=600)
@@ -20,7 +21,7 @@ def test_example(example, tmp_path):
     assert ran.stdout
 
 
-def test_types_of_package_and_examples(tmp_path):
+def test_types_of_package_and_examples(tmp_path: pathlib.Path) -> None:
     pytest.importorskip("mypy")
     import impedraw
 
@@ -36,7 +37,7 @@ def test_types_of_package_and_examples(tmp_path):
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
     ran = subprocess.run(
-        [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--scripts-are-modules", *sorted(EXAMPLES.glob("*.py"))],
+        [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--scripts-are-modules", *sorted(EXAMPLES.glob("*.py")), *sorted(pathlib.Path(__file__).parent.glob("*.py"))],
         capture_output=True, text=True, cwd=tmp_path, env=environment, timeout=600,
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr

@@ -4,6 +4,7 @@ import copy
 import gc
 import math
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,12 +20,12 @@ RECORDS = [
 ]
 
 
-def test_all_records_are_here():
+def test_all_records_are_here() -> None:
     assert len(RECORDS) >= 35
 
 
 @pytest.mark.parametrize("record", RECORDS, ids=lambda r: r.__name__)
-def test_copies_are_equal_and_their_own(record):
+def test_copies_are_equal_and_their_own(record: Any) -> None:
     a = record()
     assert a == record() and not a != record()
     for b in (copy.copy(a), copy.deepcopy(a), pickle.loads(pickle.dumps(a))):
@@ -43,7 +44,7 @@ def test_copies_are_equal_and_their_own(record):
 
 
 @given(force=st.floats(0, 50), k=st.floats(0, 20000), q=st.lists(st.floats(-3, 3), min_size=7, max_size=7))
-def test_values_come_back_exactly(force, k, q):
+def test_values_come_back_exactly(force: Any, k: Any, q: Any) -> None:
     s = idr.ImpedanceSettings(
         normal_force=force,
         stiffness=idr.TipGain(linear=idr.AxialGain(tangent=k)),
@@ -54,7 +55,7 @@ def test_values_come_back_exactly(force, k, q):
     assert pickle.loads(pickle.dumps(s)) == s
 
 
-def test_groups_are_references_and_outlive_their_owner():
+def test_groups_are_references_and_outlive_their_owner() -> None:
     s = idr.ImpedanceSettings()
     contact = s.contact
     contact.touch_force = 0.7
@@ -66,7 +67,7 @@ def test_groups_are_references_and_outlive_their_owner():
     assert contact.touch_force == 0.7 and list(axis) == [0, 0, 1] and len(junk) == 200
 
 
-def test_arrays_are_views_where_storage_is_fixed():
+def test_arrays_are_views_where_storage_is_fixed() -> None:
     r = idr.TipReference()
     r.p_WD[1] = 0.25
     assert list(r.p_WD) == [0, 0.25, 0]
@@ -78,13 +79,13 @@ def test_arrays_are_views_where_storage_is_fixed():
 @pytest.mark.parametrize(
     "make, message",
     [
-        (lambda: idr.ImpedanceSettings(normal_forc=3), "did you mean 'normal_force'?"),
-        (lambda: idr.ImpedanceSettings(normal_force="abc"), "normal_force is 'abc'; valid is a number"),
-        (lambda: idr.ImpedanceSettings(normal_force=None), "normal_force is None; valid is a number"),
+        (lambda: idr.ImpedanceSettings(normal_forc=3), "did you mean 'normal_force'?"),  # type: ignore[call-arg]
+        (lambda: idr.ImpedanceSettings(normal_force="abc"), "normal_force is 'abc'; valid is a number"),  # type: ignore[arg-type]
+        (lambda: idr.ImpedanceSettings(normal_force=None), "normal_force is None; valid is a number"),  # type: ignore[arg-type]
         (lambda: idr.ImpedanceSettings(inertia="heavy"), "valid is one of natural, scaled, shaped"),
-        (lambda: idr.ImpedanceSettings(contact=3), "valid is a ContactSettings"),
-        (lambda: idr.ObserverSettings(enabled=1), "valid is True or False"),
-        (lambda: idr.NormalSettings(k=3.5), "k is 3.5; valid is a whole number"),
+        (lambda: idr.ImpedanceSettings(contact=3), "valid is a ContactSettings"),  # type: ignore[arg-type]
+        (lambda: idr.ObserverSettings(enabled=1), "valid is True or False"),  # type: ignore[arg-type]
+        (lambda: idr.NormalSettings(k=3.5), "k is 3.5; valid is a whole number"),  # type: ignore[arg-type]
         (lambda: idr.TipReference(p_WD=[1, 2]), "p_WD has the shape (2,); valid is (3,)"),
         (lambda: idr.TipReference(p_WD=["a", "b", "c"]), "valid is an array of real numbers"),
         (lambda: idr.TipReference(p_WD=[[1], [2, 3]]), "valid is an array of real numbers"),
@@ -98,14 +99,14 @@ def test_arrays_are_views_where_storage_is_fixed():
         (lambda: idr.WrenchEstimator(idr.WrenchEstimatorSettings(filter_bandwidth=1e9)), "filter_bandwidth"),
     ],
 )
-def test_faults_are_one_line_that_names_the_value(make, message):
+def test_faults_are_one_line_that_names_the_value(make: Any, message: Any) -> None:
     with pytest.raises(ValueError) as fault:
         make()
     assert message in str(fault.value) and "\n" not in str(fault.value)
 
 
 @pytest.mark.parametrize("layout", ["fortran", "strided", "reversed", "float32", "int", "list", "readonly"])
-def test_arrays_of_any_layout(layout):
+def test_arrays_of_any_layout(layout: Any) -> None:
     R = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
     given = {
         "fortran": np.asfortranarray(R),

@@ -6,6 +6,7 @@ import pathlib
 import subprocess
 import sys
 import threading
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ LINE = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewB
 
 
 @pytest.fixture(scope="module")
-def line(tmp_path_factory):
+def line(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     file = tmp_path_factory.mktemp("artwork") / "line.svg"
     file.write_text(LINE)
     return file
@@ -28,7 +29,7 @@ PLANE = {"canvas.kind": "plane", "drawing.placement.scale": 1}
 
 
 @pytest.fixture(scope="module")
-def drawn(line, tmp_path_factory):
+def drawn(line: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[idr.Run, list[float]]:
     seen = []
     out = tmp_path_factory.mktemp("run") / "line"
     run = idr.draw(line, canvas=idr.Plane(), settings={"drawing": {"placement": {"scale": 1}}}, out=out,
@@ -36,18 +37,18 @@ def drawn(line, tmp_path_factory):
     return run, seen
 
 
-def counted(metrics):
+def counted(metrics: Any) -> Any:
     return {k: v for k, v in metrics.items() if k not in WALL}
 
 
-def test_draw_leaves_a_run(drawn):
+def test_draw_leaves_a_run(drawn: tuple[idr.Run, list[float]]) -> None:
     run, seen = drawn
     assert run.end == "finished" and run.name == "line"
     written = json.loads((run.folder / "metrics.json").read_text())
     assert {k: run.metrics[k] for k in run.metrics} == {k: written[k] for k in run.metrics}
     assert run.metrics.ink_error_rms is not None and run.metrics.ink_error_rms < 0.1
     assert run.metrics.gaps == 0 and isinstance(run.metrics.gaps, int)
-    assert "[mm]" in type(run.metrics).ink_error_rms.__doc__
+    assert "[mm]" in (type(run.metrics).ink_error_rms.__doc__ or "")
     force = run.log["contact/force"]
     assert force.shape == (len(run.log["time"]), 3) and run.log.unit("contact/force") == "N"
     assert "time" in run.log and "nothing" not in list(run.log)
@@ -59,14 +60,14 @@ def test_draw_leaves_a_run(drawn):
     assert counted(again.metrics) == counted(run.metrics)
 
 
-def test_dataframe(drawn):
+def test_dataframe(drawn: tuple[idr.Run, list[float]]) -> None:
     pytest.importorskip("pandas")
     table = drawn[0].to_dataframe()
     assert table.index.name == "time" and np.array_equal(table["contact/force.z"], drawn[0].log["contact/force"][:, 2])
 
 
 @pytest.mark.skipif("IMPEDRAW_PROGRAM" not in os.environ, reason="without the source tree's program")
-def test_the_command_line_draws_the_same(drawn, line, tmp_path):
+def test_the_command_line_draws_the_same(drawn: tuple[idr.Run, list[float]], line: pathlib.Path, tmp_path: pathlib.Path) -> None:
     subprocess.run(
         [os.environ["IMPEDRAW_PROGRAM"], "draw", "--svg", line, "--out", tmp_path / "run",
          *[word for s in PLANE.items() for word in ("--set", f"{s[0]}={s[1]}")]],
@@ -78,9 +79,9 @@ def test_the_command_line_draws_the_same(drawn, line, tmp_path):
         np.testing.assert_array_equal(drawn[0].log[name], idr.Log(tmp_path / "run/run.h5")[name])
 
 
-def test_kept_scenes_and_no_log_change_no_bit(drawn, line):
+def test_kept_scenes_and_no_log_change_no_bit(drawn: tuple[idr.Run, list[float]], line: pathlib.Path) -> None:
     """One runner over many settings, against a new one for each."""
-    cases = [
+    cases: list[dict[str, Any]] = [
         {}, {"control.normal_force": 3}, {}, {"seed": 7, "perception.noise.sigma_at_1m": 0.001},
         {"world.tip.friction": 0.1}, {"control.wrench": "realistic"}, {}, {"perception.enabled": False},
         {"path.draw_speed": 0.02, "seed": 8, "perception.noise.sigma_at_1m": 0.001}, {"seed": 9},
@@ -107,14 +108,14 @@ def test_kept_scenes_and_no_log_change_no_bit(drawn, line):
         ({"drawing.placement.scale": 90}, "drawing"),
     ],
 )
-def test_what_is_refused_writes_nothing(settings, message, line, tmp_path):
+def test_what_is_refused_writes_nothing(settings: Any, message: Any, line: pathlib.Path, tmp_path: pathlib.Path) -> None:
     with pytest.raises(ValueError) as fault:
         idr.draw(line, canvas=idr.Plane(), settings=settings, out=tmp_path / "run")
     assert message in str(fault.value) and "\n" not in str(fault.value)
     assert not (tmp_path / "run").exists()
 
 
-def test_a_scene_is_kept_after_a_refusal(line):
+def test_a_scene_is_kept_after_a_refusal(line: pathlib.Path) -> None:
     runner = idr._impedraw.Runner()
     runner.run(_runner.options(PLANE, svg=line))
     with pytest.raises(ValueError):
@@ -125,14 +126,14 @@ def test_a_scene_is_kept_after_a_refusal(line):
     assert runner.scenes_built == 1 and runner.scenes_reused == 2
 
 
-def test_the_pre_flight_tells_what_cannot_be_drawn(line):
+def test_the_pre_flight_tells_what_cannot_be_drawn(line: pathlib.Path) -> None:
     good = idr.plan(line, canvas=idr.Plane())
     assert good["not_drawable"] == []
     bad = idr.plan(line, canvas=idr.Plane(), settings={"drawing.placement.scale": 30})
     assert bad["not_drawable"] and "text" in bad["not_drawable"][0]
 
 
-def test_ctrl_c_lifts_the_pen_and_keeps_the_log(tmp_path):
+def test_ctrl_c_lifts_the_pen_and_keeps_the_log(tmp_path: pathlib.Path) -> None:
     code = (
         "import impedraw as idr, os, signal\n"
         "def seen(what, share):\n"
@@ -146,21 +147,21 @@ def test_ctrl_c_lifts_the_pen_and_keeps_the_log(tmp_path):
     assert len(log["time"]) > 100 and log["tip/position"][-1][2] > log["tip/position"][-300][2]
 
 
-def test_an_error_of_the_callback_ends_the_run(line):
-    def fail(what, share):
+def test_an_error_of_the_callback_ends_the_run(line: pathlib.Path) -> None:
+    def fail(what: Any, share: Any) -> None:
         raise RuntimeError("mine")
 
     with pytest.raises(RuntimeError, match="mine"):
         _runner.run(PLANE, svg=line, progress=fail)
 
 
-def world():
+def world() -> Any:
     arm = idr.ArmModel.standard()
     w = idr.World(arm.urdf, idr.Bowl().canvas())
     return arm, w
 
 
-def test_world_falls_freely_and_holds():
+def test_world_falls_freely_and_holds() -> None:
     """With τ = g the arm at rest stays; without, it begins with M v̇ = −g."""
     arm, w = world()
     q = np.array([0, 0.3, 0, -1.6, 0, 1.2, 0])
@@ -179,7 +180,7 @@ def test_world_falls_freely_and_holds():
         w.step(np.full(7, np.nan))
 
 
-def swing(seed):
+def swing(seed: int) -> Any:
     arm, w = world()
     w.set_state(np.array([0, 0.3, 0, -1.6, 0, 1.2, 0]))
     rng = np.random.default_rng(seed)
@@ -188,11 +189,11 @@ def swing(seed):
     return w.state.q.copy()
 
 
-def test_worlds_in_threads_are_as_alone():
+def test_worlds_in_threads_are_as_alone() -> None:
     alone = [swing(seed) for seed in range(4)]
     together = [None] * 4
 
-    def work(seed):
+    def work(seed: int) -> None:
         together[seed] = swing(seed)
 
     threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
@@ -200,10 +201,10 @@ def test_worlds_in_threads_are_as_alone():
         t.start()
     for t in threads:
         t.join()
-    assert all(np.array_equal(a, b) for a, b in zip(alone, together))
+    assert all(b is not None and np.array_equal(a, b) for a, b in zip(alone, together))
 
 
-def test_world_keeps_its_canvas_alive():
+def test_world_keeps_its_canvas_alive() -> None:
     import gc
 
     arm = idr.ArmModel.standard()
@@ -214,7 +215,7 @@ def test_world_keeps_its_canvas_alive():
     assert w.touching_link == ""
 
 
-def test_canvas_of_a_mesh():
+def test_canvas_of_a_mesh() -> None:
     v = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.0]])
     c = idr.Canvas.from_mesh(v, [[0, 1, 2], [1, 3, 2]])
     p = c.closest([0.5, 0.25, 0.1])
@@ -226,14 +227,14 @@ def test_canvas_of_a_mesh():
         idr.Bowl(radius=-1).canvas()
 
 
-def test_import_pulls_neither_ray_nor_matplotlib():
+def test_import_pulls_neither_ray_nor_matplotlib() -> None:
     code = "import impedraw, sys; print([m for m in ('ray','matplotlib','h5py','pandas','gymnasium','mujoco') if m in sys.modules])"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert said.stdout.strip() == "[]"
 
 
 @pytest.mark.skipif("IMPEDRAW_PROGRAM" in os.environ, reason="the source tree's package")
-def test_a_wheel_brings_its_data():
+def test_a_wheel_brings_its_data() -> None:
     """Nothing is read from where it was built."""
     package = pathlib.Path(idr.__file__).parent
     assert idr._impedraw.data_folder() == package / "data"
@@ -243,7 +244,7 @@ def test_a_wheel_brings_its_data():
     assert written["not_drawable"] == []
 
 
-def test_nothing_leaks_at_exit():
+def test_nothing_leaks_at_exit() -> None:
     """nanobind counts its instances, types and functions when Python ends."""
     code = (
         "import impedraw as idr, numpy as np, copy, pickle\n"
@@ -260,7 +261,7 @@ def test_nothing_leaks_at_exit():
     assert said.stdout == said.stderr == ""
 
 
-def test_many_steps_keep_memory():
+def test_many_steps_keep_memory() -> Any:
     """A reference lost in a step or in a result would show."""
     import resource
 
@@ -269,7 +270,7 @@ def test_many_steps_keep_memory():
     c = idr.ImpedanceController(idr.ImpedanceSettings(), arm)
     reference, surface, F = idr.TipReference(n_WD=-t.X_WE.R[:, 2]), idr.SurfaceEstimate(), [0.0] * 6
 
-    def some():
+    def some() -> Any:
         for _ in range(20000):
             out = c.step(t, reference, surface, F)
             assert out.tau is not None and out.terms is not None and out.status.ok in (True, False)

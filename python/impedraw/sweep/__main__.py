@@ -23,8 +23,45 @@ Examples:
 """
 
 
+# Commands that are studies: what follows `--study` on the command line of this module.
+_STUDIES = {
+    "robustness": "vary speed, slope, force, canvas and model errors cell by cell",
+    "reach": "draw ten drawings on ten canvases: what is drawn, how well, what is not and why",
+}
+_STUDY_EXAMPLES = {
+    "robustness": """
+After ctrl-C, the same command continues. Cells that fail are findings: the exit code is 0 once all
+have run.
+Examples:
+  ./impedraw robustness
+  ./impedraw robustness --only '^matrix-nominal-200mm_s' --out /tmp/fast
+  ./impedraw robustness --list | grep -A1 wave
+""",
+    "reach": """
+After ctrl-C, the same command continues. Combinations that miss a limit are findings: the exit code
+is 0 once all have run.
+Examples:
+  ./impedraw reach
+  ./impedraw reach --only '^koi-on' --out /tmp/koi
+  ./impedraw reach --list | grep -A1 wall
+""",
+}
+
+
 def main(arguments: list[str] | None = None) -> int:
-    options = _parser().parse_args(arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if "--study" in arguments:
+        at = arguments.index("--study")
+        name = arguments[at + 1]
+        options = _study_parser(name).parse_args([*arguments[:at], *arguments[at + 2 :]])
+        part = getattr(options, "part", "model")
+        options.spec = str(Path(options.root) / "studies" / (
+            "surfaces.yaml" if part == "surfaces" else f"{name}.yaml"))
+        options.command = " ".join(["./impedraw", name,
+                                    *(["--part surfaces"] if part == "surfaces" else [])])
+    else:
+        options = _parser().parse_args(arguments)
+        options.command = f"./impedraw sweep {options.spec}"
     try:
         return _sweep(options)
     except SweepError as error:
@@ -36,7 +73,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> None:  # type: ignore[override]
-        print(f"impedraw: sweep: {message}; see ./impedraw sweep --help", file=sys.stderr)
+        name = self.prog.split()[-1]
+        print(f"impedraw: {name}: {message}; see {self.prog} --help", file=sys.stderr)
         raise SystemExit(BAD_INPUT)
 
 
@@ -45,11 +83,28 @@ def _parser() -> argparse.ArgumentParser:
                 formatter_class=argparse.RawDescriptionHelpFormatter,
                 description="run every case of a specification, into one Parquet data set")
     p.add_argument("spec", help="YAML file, see docs/sweeps.md")
+    _add_options(p)
+    return p
+
+
+def _study_parser(name: str) -> argparse.ArgumentParser:
+    p = _Parser(prog=f"./impedraw {name}", epilog=_STUDY_EXAMPLES[name], allow_abbrev=False,
+                formatter_class=argparse.RawDescriptionHelpFormatter,
+                description=f"{_STUDIES[name]}; a sweep of studies/{name}.yaml, see docs/sweeps.md")
+    if name == "robustness":
+        p.add_argument("--part", default="model", choices=["model", "surfaces"],
+                       help="model: speeds, slopes, model errors and canvases (default); "
+                       "surfaces: rough, stepped and scanned surfaces, studies/surfaces.yaml")
+    _add_options(p)
+    return p
+
+
+def _add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument("--out", help="folder of the data set (default: runs/NAME)")
     p.add_argument("--dry-run", action="store_true", help="count the cases, write nothing")
     p.add_argument("--list", action="store_true", help="print name and command of each case")
     p.add_argument("--only", default="", help="only cases whose name matches this expression")
-    p.add_argument("--workers", type=_workers, help="runs at a time (default: one a core)")
+    p.add_argument("--workers", "--jobs", type=_workers, help="runs at a time (default: one a core)")
     p.add_argument("--address", help="of a Ray cluster (default: one of its own, on 127.0.0.1)")
     p.add_argument("--serial", action="store_true", help="in this process, without Ray")
     p.add_argument("--runner", default="process", choices=["process", "native", "noop"],
@@ -59,7 +114,6 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--root", default=".", help=argparse.SUPPRESS)
     p.add_argument("--program", default="impedraw", help=argparse.SUPPRESS)
     p.add_argument("--noop-options", default="", help=argparse.SUPPRESS)  # JSON, for tests
-    return p
 
 
 def _workers(text: str) -> int:
@@ -76,13 +130,9 @@ def _sweep(options: argparse.Namespace) -> int:
         for case in _selected(spec, options.only):
             print(f"{case.name}\n    {case.command()}")
         return FINISHED
-    count = sum(1 for _ in _selected(spec, options.only))
-    if count == 0:
-        if options.only:
-            raise SweepError(f"--only {options.only}: no case's name matches; --list shows them")
-        raise SweepError(f"{spec.file}: no case is left by its conditions")
     out = Path(options.out) if options.out else Path("runs") / spec.name
     if options.dry_run:
+        count = sum(1 for _ in _selected(spec, options.only))
         if spec.tune is not None:
             trials = spec.tune.get("trials", 100)
             print(f"{spec.name}: {trials} trials of {count} cases, {trials * count} runs; into "
@@ -90,6 +140,17 @@ def _sweep(options: argparse.Namespace) -> int:
             return FINISHED
         print(f"{spec.name}: {count} cases, {_times(spec, out)}")
         return FINISHED
+    return run_loaded(spec, options, root, settings, out)
+
+
+def run_loaded(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
+               out: Path) -> int:
+    """Runs a checked specification. Returns the exit code. Raises SweepError."""
+    count = sum(1 for _ in _selected(spec, options.only))
+    if count == 0:
+        if options.only:
+            raise SweepError(f"--only {options.only}: no case's name matches; --list shows them")
+        raise SweepError(f"{spec.file}: no case is left by its conditions")
     if options.address and not options.serial:
         from .engine import require_cluster
 
@@ -142,8 +203,9 @@ def run(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings,
         table = data.table()
         page = write_report(spec, table, out, settings, repeat_command(options))
         bad = sum(table["failed"].to_pylist())
-        print(f"{table.num_rows} runs, {bad} failed")
-        print(f"  {out.resolve() / 'runs.parquet'}\n  {page}")
+        if not getattr(options, "quiet", False):
+            print(f"{table.num_rows} runs, {bad} failed")
+            print(f"  {out.resolve() / 'runs.parquet'}\n  {page}")
         return FINISHED
     finally:
         stop.restore()
@@ -271,7 +333,7 @@ def _times(spec: Spec, out: Path) -> str:
 
 def repeat_command(options: argparse.Namespace) -> str:
     """The command that goes on with this sweep."""
-    words = ["./impedraw sweep", options.spec]
+    words = [options.command]
     if options.out:
         words += ["--out", options.out]
     if options.only:

@@ -13,6 +13,7 @@ import signal
 import socket
 import sys
 import tempfile
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -35,11 +36,13 @@ class Interrupted(Exception):
 
 
 class Stop:
-    """Turns SIGINT and SIGTERM into a flag."""
+    """Turns SIGINT and SIGTERM into a flag, in the main thread."""
 
     def __init__(self) -> None:
         self.signal = 0
         self._before = {}
+        if threading.current_thread() is not threading.main_thread():
+            return  # signals are not this thread's
         for number in (signal.SIGINT, signal.SIGTERM):
             self._before[number] = signal.signal(number, self._requested)
 
@@ -161,6 +164,13 @@ def _ray_folder(out: Path) -> str:
     return made
 
 
+_own: list[bool] = []  # the Ray of this process was started here, and is not the caller's
+
+
+def _is_running() -> bool:
+    return "ray" in sys.modules and bool(sys.modules["ray"].is_initialized())
+
+
 def _cores() -> int:
     return len(os.sched_getaffinity(0))
 
@@ -188,17 +198,20 @@ def run_on_ray(context: Context, cases: Iterator[Case], total: int, on_rows: OnR
                workers: int | None = None, keep_ray: bool = False) -> None:
     """Runs the cases on a local Ray, or on the cluster at `address`. Raises Interrupted."""
     folder = _ray_folder(Path(context.out)) if address is None else None
+    foreign = _is_running() and not _own
     slots = start_ray(address, workers, folder)
     import ray
 
-    mine = stop  # ray.init may have put its own handlers
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, mine._requested)
+    if address is None and not foreign:
+        _own.append(True)
+    for number in stop._before:  # ray.init may have put its own handlers
+        signal.signal(number, stop._requested)
     try:
         _run(ray, context, Batches(cases, total), slots, on_rows, tick, stop, workers)
     finally:
-        if address is None and not (keep_ray and not stop.signal):
+        if address is None and not foreign and not (keep_ray and not stop.signal):
             ray.shutdown()
+            _own.clear()
             shutil.rmtree(folder or "", ignore_errors=True)
 
 

@@ -61,6 +61,11 @@ def read_yaml(file: Path) -> Map:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8"
         raise SweepError(f"{file}: cannot be read: {reason}") from None
+    return read_text(text, file)
+
+
+def read_text(text: str, file: Path) -> Map:
+    """The mapping of a file's text. Raises SweepError."""
     try:
         node = yaml.compose(text, Loader=_Loader)
         value = _value(node, file, 0) if node is not None else None

@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from .expression import Expression
-from .runners import WALL_METRICS, Context, Outcome, Runner, judged
+from .runners import GOOD, WALL_METRICS, Context, Outcome, Runner, judged
 from .spec import Case
 
 # Columns that are not the same when a run is repeated.
@@ -22,7 +22,7 @@ _HEAD = [("index", pa.int64()), ("key", pa.string()), ("case", pa.string()),
          ("group", pa.string()), ("scenario", pa.string()), ("svg", pa.string()),
          ("text", pa.string()), ("shape", pa.string()), ("arguments", pa.string()),
          ("set", pa.string()), ("state", pa.string()), ("cause", pa.string()),
-         ("failed", pa.bool_()), ("null_metrics", pa.string())]
+         ("failed", pa.bool_()), ("not_drawn", pa.string()), ("null_metrics", pa.string())]
 
 
 def run_cases(context: Context, runner: Runner, cases: Iterable[Case]) -> pa.Table:
@@ -73,7 +73,8 @@ def _row(case: Case, outcome: Outcome, wall_time: float) -> dict[str, Any]:
         "scenario": draw.get("scenario"), "svg": draw.get("svg"), "text": draw.get("text"),
         "shape": draw.get("shape"), "arguments": " ".join(draw.get("arguments", [])) or None,
         "set": json.dumps(case.settings, ensure_ascii=False, separators=(",", ":")),
-        "state": outcome.state, "cause": outcome.cause or None, "failed": outcome.state != "ok",
+        "state": outcome.state, "cause": outcome.cause or None, "failed": outcome.state not in GOOD,
+        "not_drawn": json.dumps(outcome.not_drawn, sort_keys=True) if outcome.not_drawn else None,
         "null_metrics": json.dumps(outcome.reasons, ensure_ascii=False, sort_keys=True)
         if outcome.reasons else None,
         "levels": case.levels, "settings": {**case.settings, **outcome.settings},

@@ -5,28 +5,35 @@ after the other. What it returns is the case's row, short of what the engine add
 nothing: what goes wrong with a run is its state and cause.
 """
 
-import faulthandler
 import hashlib
+import importlib.util
 import json
 import os
+import pickle
+import re
+import select
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
-
 
 from .errors import SweepError
 from .expression import Expression
 from .located_yaml import read_scenario
+from .native_child import LENGTH, send
 from .settings import Settings, flat, resolved
 from .spec import Case
 
-# A case's state. All but `ok` count as failed; `missed`: a condition of `accept` does not hold.
-STATES = ("ok", "missed", "refused", "stopped", "timeout", "crashed", "error")
+# A case's state. All but GOOD count as failed; `missed`: a condition of `accept` does not hold;
+# `nothing`: all of the drawing was to be left out if it cannot be drawn, and none of it can.
+STATES = ("ok", "nothing", "missed", "refused", "stopped", "timeout", "crashed", "error")
+GOOD = ("ok", "nothing")
+_NOTHING = re.compile(r"(^|: )nothing can be drawn: ")  # as src/experiment/plan.cc says
 
 # Metrics that depend on the machine: kept, and left out where two data sets are compared.
 WALL_METRICS = ("step_time_p50", "step_time_p99", "step_time_p999", "real_time_factor")
@@ -57,6 +64,7 @@ class Outcome:
     metrics: dict[str, float | None] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)  # why a metric is null
     settings: dict[str, Any] = field(default_factory=dict)  # every one, resolved
+    not_drawn: dict[str, int] = field(default_factory=dict)  # findings of the pre-flight by problem
 
 
 class Runner(Protocol):
@@ -74,13 +82,12 @@ def judged(outcome: Outcome, accept: dict[str, Expression]) -> Outcome:
         try:
             holds = bool(condition(values))
         except ValueError as error:
-            return Outcome("error", f"accept: {name}: {error}", outcome.metrics, outcome.reasons,
-                           outcome.settings)
+            return replace(outcome, state="error", cause=f"accept: {name}: {error}")
         if not holds:
             metrics = sorted(n for n in condition.names if n in outcome.metrics)
             told = ", ".join(f"{n} is {_number(outcome.metrics[n])}" for n in metrics)
             cause = f"{name}: {condition.text}" + (f", but {told}" if told else "")
-            return Outcome("missed", cause, outcome.metrics, outcome.reasons, outcome.settings)
+            return replace(outcome, state="missed", cause=cause)
     return outcome
 
 
@@ -119,13 +126,7 @@ class Process:
     def __init__(self, context: Context) -> None:
         self.context = context
         self.scratch = Path(tempfile.mkdtemp(prefix="impedraw-sweep-", dir=_scratch(context)))
-        prlimit, setpriv = shutil.which("prlimit"), shutil.which("setpriv")
-        self.prefix: list[str] = []
-        if setpriv:  # a child must not outlive a worker that was killed
-            self.prefix += [setpriv, "--pdeathsig", "KILL", "--"]
-        if prlimit:
-            memory = int(context.limits["memory"] * 1e9)
-            self.prefix += [prlimit, f"--as={memory}", f"--data={memory}", "--core=0", "--"]
+        self.prefix = _limited(context)
 
     def __call__(self, case: Case) -> Outcome:
         folder = self.scratch / "run"
@@ -156,7 +157,7 @@ class Process:
         if code < 0:
             return Outcome("crashed", f"crashed: signal {-code} ({_signal_name(-code)})")
         if code == 2:
-            return Outcome("refused", f"refused: {cause}")
+            return _refused(cause)
         if code not in (0, 3):
             return Outcome("crashed", f"crashed: exit code {code}: {cause}")
         try:
@@ -165,6 +166,7 @@ class Process:
         except (OSError, ValueError) as error:
             return Outcome("error", f"error: what the run left cannot be read: {error}")
         outcome.reasons = metrics.pop("reasons", {})
+        outcome.not_drawn = metrics.pop("not_drawn", {})
         metrics.pop("wall_seconds", None)
         outcome.metrics = {k: v for k, v in metrics.items()
                            if v is None or isinstance(v, (int, float))}
@@ -176,7 +178,7 @@ class Process:
     def _keep(self, case: Case, folder: Path, outcome: Outcome) -> None:
         keep = self.context.keep
         accept = {k: Expression(v) for k, v in self.context.accept.items()}
-        failed = judged(outcome, accept).state != "ok"
+        failed = judged(outcome, accept).state not in GOOD
         wanted = {what for what, when in keep.items() if when == "always"
                   or (when == "failed" and failed)}
         if not wanted or not folder.is_dir():
@@ -200,20 +202,22 @@ class Process:
 
 
 class Native:
-    """Runs the drawing in this process, by the compiled package. The scene (canvas, arm, snapshot
-    of the cameras) of the last runs is kept, and nothing is written: a short run takes a tenth of
-    what a child process takes. A run that crashes, or takes longer than the limit of time, ends
-    the worker, which the engine notices. `settings` holds what the scenario and the case set."""
+    """Draws by the compiled package, in one child process that goes from run to run. The scene
+    (canvas, arm, snapshot of the cameras) of the last runs is kept there, and nothing is written: a
+    short run takes a tenth of what `impedraw draw` takes. Limits of time and memory are those of a
+    run; a child that ends is made anew. `settings` holds what the scenario and the case set."""
 
     def __init__(self, context: Context) -> None:
-        from impedraw import _runner
-
-        self.run, self.context = _runner.run, context
+        if importlib.util.find_spec("impedraw._impedraw") is None:
+            raise ImportError("impedraw._impedraw is not installed")
+        self.context = context
         self.defaults = Settings.read(
             Path(context.root) / "docs/scenario.schema.json").defaults()
         self.scenarios: dict[str, dict[str, Any]] = {}
         self.keeper = Process(context) if set(context.keep.values()) != {"never"} else None
         self.accept = {k: Expression(v) for k, v in context.accept.items()}
+        self.prefix = _limited(context)
+        self.child: subprocess.Popen[bytes] | None = None
 
     def __call__(self, case: Case) -> Outcome:
         words = case.draw.get("arguments", [])
@@ -221,25 +225,98 @@ class Native:
         if path not in self.scenarios:
             self.scenarios[path] = resolved(Path(path), self.defaults)
         svg = case.draw.get("svg")
-        faulthandler.dump_traceback_later(self.context.limits["time"], exit=True)
-        try:
-            got = self.run(
-                self._settings(case), path, svg=os.path.join(self.context.root, svg) if svg else None,
-                text=case.draw.get("text"), shape=case.draw.get("shape"),
-                no_perception="--no-perception" in words, keep_order="--keep-order" in words,
-                skip_unreachable="--skip-unreachable" in words)
-        except ValueError as error:
-            return Outcome("refused", f"refused: {self._within(str(error))}")
-        finally:
-            faulthandler.cancel_dump_traceback_later()
-        outcome = Outcome("ok", "", got["metrics"], got["reasons"],
-                          {**self.scenarios[path], **case.settings})
-        if got["end"] != "finished":
-            outcome.state, outcome.cause = "stopped", f"stopped: {self._within(got['cause'])}"
+        request = {
+            "settings": self._settings(case), "scenario": path,
+            "svg": os.path.join(self.context.root, svg) if svg else None,
+            "text": case.draw.get("text"), "shape": case.draw.get("shape"),
+            "no_perception": "--no-perception" in words, "keep_order": "--keep-order" in words,
+            "skip_unreachable": "--skip-unreachable" in words}
+        if fault := self.context.options.get("fault", {}).get(case.name):
+            request["fault"] = fault
+        answer = self._asked(request)
+        if isinstance(answer, Outcome):
+            outcome = answer
+        elif "refused" in answer:
+            return _refused(self._within(answer["refused"]))
+        elif "error" in answer:
+            return Outcome("error", f"error: {self._within(answer['error'])}")
+        else:
+            got = answer["result"]
+            outcome = Outcome("ok", "", got["metrics"], got["reasons"],
+                              {**self.scenarios[path], **case.settings}, got["not_drawn"])
+            if got["end"] != "finished":
+                outcome.state = "stopped"
+                outcome.cause = f"stopped: {self._within(got['cause'])}"
         if self.keeper and (("always" in self.context.keep.values())
-                            or judged(outcome, self.accept).state != "ok"):
+                            or judged(outcome, self.accept).state not in GOOD):
             self.keeper(case)  # once more, with all its files
         return outcome
+
+    def _asked(self, request: dict[str, Any]) -> Any:
+        """The child's answer; an Outcome where there is none."""
+        limit = self.context.limits["time"]
+        try:
+            if self.child is None:
+                self._start()
+            assert self.child is not None and self.child.stdin is not None
+            send(self.child.stdin, request)
+            answer = self._answer(limit)
+        except TimeoutError:
+            self._end()
+            return Outcome("timeout", f"timeout: took longer than {limit:g} s")
+        except (EOFError, OSError):
+            code = self._end()
+            return Outcome("crashed", f"crashed: signal {-code} ({_signal_name(-code)})"
+                           if code < 0 else f"crashed: exit code {code}")
+        if "memory" in answer:
+            self._end()
+            return Outcome("crashed", "crashed: out of memory: the limit is "
+                           f"{self.context.limits['memory']:g} GB")
+        return answer
+
+    def _start(self) -> None:
+        self.child = subprocess.Popen(
+            [*self.prefix, sys.executable, "-P", "-m", "impedraw.sweep.native_child"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            cwd=self.context.root)
+        self._answer(60.0)
+
+    def _answer(self, limit: float) -> Any:
+        assert self.child is not None and self.child.stdout is not None
+        handle, until = self.child.stdout.fileno(), time.monotonic() + limit
+        content, wanted = b"", LENGTH.size
+        while len(content) < wanted:
+            ready, _, _ = select.select([handle], [], [], max(0.0, until - time.monotonic()))
+            if not ready:
+                raise TimeoutError
+            piece = os.read(handle, 1 << 20)
+            if not piece:
+                raise EOFError
+            content += piece
+            if wanted == LENGTH.size and len(content) >= wanted:
+                wanted += LENGTH.unpack(content[:wanted])[0]
+        return pickle.loads(content[LENGTH.size :])
+
+    def _end(self) -> int:
+        """Ends the child and returns its exit code."""
+        child, self.child = self.child, None
+        if child is None:
+            return 0
+        try:
+            code = child.wait(0.2)  # it may have ended by itself
+        except subprocess.TimeoutExpired:
+            child.kill()
+            code = child.wait()
+        for stream in (child.stdin, child.stdout):
+            try:
+                if stream:
+                    stream.close()
+            except OSError:
+                pass
+        return code
+
+    def __del__(self) -> None:
+        self._end()
 
     def _settings(self, case: Case) -> dict[str, Any]:
         """With files from the root of the tree, as the worker's working directory is another."""
@@ -248,6 +325,24 @@ class Native:
 
     def _within(self, text: str) -> str:
         return text.replace(self.context.root + "/", "")
+
+
+def _refused(cause: str) -> Outcome:
+    if _NOTHING.search(cause):
+        return Outcome("nothing", cause)
+    return Outcome("refused", f"refused: {cause}")
+
+
+def _limited(context: Context) -> list[str]:
+    """What stands before a child's command, for its limits."""
+    prlimit, setpriv = shutil.which("prlimit"), shutil.which("setpriv")
+    words: list[str] = []
+    if setpriv:  # a child must not outlive a worker that was killed
+        words += [setpriv, "--pdeathsig", "KILL", "--"]
+    if prlimit:
+        memory = int(context.limits["memory"] * 1e9)
+        words += [prlimit, f"--as={memory}", f"--data={memory}", "--core=0", "--"]
+    return words
 
 
 def _scratch(context: Context) -> str | None:

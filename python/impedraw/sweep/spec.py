@@ -29,7 +29,7 @@ from typing import Any
 
 from .errors import SweepError, nearest
 from .expression import Expression
-from .located_yaml import Map, Sequence, read_yaml
+from .located_yaml import Map, Sequence, read_text, read_yaml
 from .settings import DRAW_ARGUMENTS, Settings, plain, text_of
 
 _BLOCK_KEYS = {"name", "scenario", "svg", "text", "shape", "arguments", "set", "axes", "seeds",
@@ -167,6 +167,15 @@ def load_spec(file: Path | str, root: Path, settings: Settings) -> Spec:
     """Reads and checks a specification. Raises SweepError."""
     file = Path(file)
     return _Reader(file, root, settings).spec(read_yaml(file))
+
+
+def spec_of(content: Mapping[str, Any], root: Path, settings: Settings) -> Spec:
+    """The same from a mapping. Raises SweepError."""
+    try:
+        text = json.dumps(content)  # is YAML
+    except (TypeError, ValueError) as error:
+        raise SweepError(f"sweep: {error}; valid are mappings, lists, numbers and texts") from None
+    return _Reader(Path("sweep"), root, settings).spec(read_text(text, Path("sweep")))
 
 
 def _combinations(

@@ -1,0 +1,39 @@
+#include "impedraw/metrics/promise.h"
+
+#include <nlohmann/json.hpp>
+
+namespace impedraw {
+
+std::string promise_text(const Promise& p) {
+  const nlohmann::ordered_json text = {{"asked", p.asked},
+                                       {"promised", p.promised},
+                                       {"undrawable", p.undrawable},
+                                       {"unnamed", p.unnamed},
+                                       {"problems", p.problems},
+                                       {"slope", p.slope},
+                                       {"time", p.time},
+                                       {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
+  return text.dump();
+}
+
+std::optional<Promise> read_promise(const std::map<std::string, std::string>& attributes) {
+  const auto found = attributes.find(kPromiseAttribute);
+  if (found == attributes.end()) return std::nullopt;
+  const auto text = nlohmann::json::parse(found->second, nullptr, false);
+  try {
+    Promise p;
+    text.at("asked").get_to(p.asked);
+    text.at("promised").get_to(p.promised);
+    text.at("undrawable").get_to(p.undrawable);
+    text.at("unnamed").get_to(p.unnamed);
+    text.at("problems").get_to(p.problems);
+    text.at("slope").get_to(p.slope);
+    text.at("time").get_to(p.time);
+    for (int i = 0; i < 3; ++i) p.axis_W[i] = text.at("axis").at(i).get<double>();
+    return p;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // another program's attribute
+  }
+}
+
+}  // namespace impedraw

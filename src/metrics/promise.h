@@ -1,0 +1,29 @@
+// What the pre-flight promised of a drawing, as the log keeps it: the root attribute `promise` of
+// run.h5, JSON. Without it (older logs), metrics that need it are null.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+namespace impedraw {
+
+struct Promise {
+  // Lengths are in the drawing plane [m]. Of the artwork, hatched and dashed: `asked`. Of the parts
+  // that are drawn: `promised`. Of those that the pre-flight names with a reason: `undrawable`.
+  // Neither promised nor named: `unnamed`, 0 but for rounding or a fault.
+  double asked = 0.0, promised = 0.0, undrawable = 0.0, unnamed = 0.0;
+  std::map<std::string, int> problems;  // findings by problem: {"too_steep", 3}
+  double slope = 0.0;                   // steepest under the target, against the level [rad]
+  double time = 0.0;                    // of the planned path [s]
+  Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();  // the drawing axis, out of the canvas
+};
+
+inline constexpr const char* kPromiseAttribute = "promise";
+
+std::string promise_text(const Promise& promise);
+std::optional<Promise> read_promise(const std::map<std::string, std::string>& attributes);
+
+}  // namespace impedraw

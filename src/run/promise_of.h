@@ -1,0 +1,14 @@
+// What the pre-flight promises of a drawing, in numbers.
+#pragma once
+
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/metrics/promise.h"
+
+namespace impedraw {
+
+Promise promise_of(const PlannedDrawing& drawing);
+
+// The artwork's length that is neither promised nor named [m].
+double unnamed_length(const PlannedDrawing& drawing);
+
+}  // namespace impedraw
