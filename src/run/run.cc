@@ -213,7 +213,7 @@ class Runner {
     fill_state(e_, *state_, driver_.truth(), desired, loop_, out_, &row_);
 
     driver_.command(out_.tau, out_.terms.col(kGravity));
-    fill_contact(driver_.truth(), &row_);
+    fill_contact(e_, driver_.truth(), out_.mode, &row_);
     if (log_) log_->append(row_);
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
