@@ -7,6 +7,9 @@
 #include <random>
 #include <stdexcept>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
 #include <gtest/gtest.h>
 
 #include "seeds.h"

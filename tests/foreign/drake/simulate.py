@@ -90,12 +90,14 @@ def build(folder, lcm, arguments):
 class Commands:
     def __init__(self, lcm):
         self.utime, self.torque, self.count = None, numpy.zeros(7), 0
+        self.arrivals = {}  # utime echoed: when it arrived
         lcm.Subscribe("IIWA_COMMAND", self.receive)
 
     def receive(self, data):
         self.utime = struct.unpack_from(">q", data, 8)[0]
         self.torque = numpy.array(struct.unpack_from(">7d", data, 24))
         self.count += 1
+        self.arrivals[self.utime] = time.perf_counter()
 
 
 def main():
@@ -130,6 +132,8 @@ def main():
     rows = collections.defaultdict(list)
     waits, answered, sent = [], 0, 0
     began = ended = None
+    print("statuses begin", flush=True)
+    sent_at_of = {}  # utime: when it was sent, where time runs free
     wall = time.perf_counter()
     first_wall, k = wall, 0
     while True:
@@ -157,14 +161,15 @@ def main():
             sent_at = time.perf_counter()
             own_utime = int(1e6 * context.get_time())  # cut, as IiwaStatusSender does; an echo of another one would show
             if began is None:
+                # By the wall's clock, and every message that is there: a driver must never run ahead of the arm.
+                while lcm.HandleSubscriptions(1 if time.perf_counter() < wall + t else 0) or time.perf_counter() < wall + t:
+                    pass
                 if commands.utime is not None:
                     began = t
                     first_wall = time.perf_counter()
-                while time.perf_counter() < wall + t:
-                    lcm.HandleSubscriptions(1)
-            elif not arguments.free:
+            if began is not None and not arguments.free:
                 sent += 1
-                deadline = sent_at + (5.0 if sent < 5 else 2.0)
+                deadline = time.perf_counter() + (5.0 if sent < 5 else 2.0)
                 while commands.utime != own_utime and time.perf_counter() < deadline:
                     lcm.HandleSubscriptions(100)
                 if commands.utime != own_utime:
@@ -172,8 +177,9 @@ def main():
                     break
                 answered += 1
                 waits.append(time.perf_counter() - sent_at)
-            else:
+            elif began is not None:
                 sent += 1
+                sent_at_of[own_utime] = sent_at
                 lcm.HandleSubscriptions(0)
                 while time.perf_counter() < wall + t:
                     lcm.HandleSubscriptions(0)
@@ -194,10 +200,14 @@ def main():
             break
         k += 1
         simulator.AdvanceTo(k * step)
+    if arguments.free:
+        waits = [commands.arrivals[utime] - at for utime, at in sent_at_of.items() if utime in commands.arrivals]
+        answered = len(waits)
     took = time.perf_counter() - first_wall
     numpy.savez(
         arguments.out,
         waits=waits,
+        delays=waits,
         sent=sent,
         answered=answered,
         commands=commands.count,

@@ -60,10 +60,10 @@ def slide(line):
     def normal(p):
         return (scene.BOWL_CENTRE - p) / numpy.linalg.norm(scene.BOWL_CENTRE - p)
 
-    plant.SetPositions(pc, line[0] + (c["ball_radius"] - 3e-4) * normal(line[0]))
+    plant.SetPositions(pc, line[0] + (c["ball_radius"] - 5e-4) * normal(line[0]))
     port = plant.get_actuation_input_port()
     results = plant.get_contact_results_output_port()
-    forces = []
+    forces, depths = [], []
     settle = 0.5
     steps = int((settle + length[-1] / SPEED) / c["plant_step"])
     simulator.Initialize()
@@ -79,7 +79,7 @@ def slide(line):
         track -= n * (n @ track)
         # The path's own bend along the normal: on the sphere the slider must be turned, which takes m v²/R.
         bend = MASS * (v @ v) / scene.BOWL_RADIUS * n
-        damping = -2 * 10.0 * MASS * n * (n @ v)  # along the normal: 10 rad/s, far slower than the contact
+        damping = -2 * BANDWIDTH * MASS * n * (n @ v)  # along the normal, where the contact alone is a spring
         port.FixValue(pc, track - PUSH * n + bend + damping)
         simulator.AdvanceTo((k + 1) * c["plant_step"])
         contact = results.Eval(pc)
@@ -90,12 +90,14 @@ def slide(line):
             f += abs(F @ n)
         if t > settle + 0.2:
             forces.append(f)
+            depths.append(c["ball_radius"] + numpy.linalg.norm(p - scene.BOWL_CENTRE) - scene.BOWL_RADIUS)
     f = numpy.array(forces)
     return {
         "contact_fraction": float((f > 0.1).mean()),
         "force_mean": float(f.mean()),
         "force_median": float(numpy.median(f)),
         "force_sd": float(f.std()),
+        "depth_mm": float(1e3 * numpy.mean(depths)),
     }
 
 
