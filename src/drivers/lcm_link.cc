@@ -146,7 +146,16 @@ struct LcmLink::State {
   bool lost = false;
 
   ~State() {
-    if (lcm) library.destroy(lcm);
+    if (!lcm) return;
+    const int socket = library.fileno(lcm);
+    // lcm_destroy() takes back the subscriptions, for which it would connect again after a loss:
+    // then the handle is left as it is.
+    pollfd peer{socket, POLLRDHUP, 0};
+    lost = lost || socket < 0 || poll(&peer, 1, 0) == 1;
+    if (!lost)
+      library.destroy(lcm);
+    else if (socket >= 0)
+      close(socket);
   }
 };
 

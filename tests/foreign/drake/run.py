@@ -32,7 +32,7 @@ DRAWINGS = {
     "m": ("iiwa-m.yaml", ["--wrench"]),
     "sine-no-wrench": ("iiwa-sine-no-wrench.yaml", []),
     "m-no-wrench": ("iiwa-m-no-wrench.yaml", []),
-    "sine-heavy": ("iiwa-sine.yaml", ["--wrench", "--rotor", "0.1", "--pen-mass", "1.2"]),
+    "sine-heavy": ("iiwa-sine-no-wrench.yaml", ["--rotor", "0.1", "--pen-mass", "1.2"]),
 }
 
 
