@@ -101,7 +101,8 @@ int check_arm(const DrawOptions& options, double seconds) {
       "{:.3f}); {} out of order\n",
       steps.size() + 1, wall, static_cast<double>(steps.size()) / wall, step,
       *std::max_element(steps.begin(), steps.end()), old);
-  say(stdout, "arrival   median {:.3f} ms after the last, 99 % {:.3f}, 99.9 % {:.3f}, longest {:.3f}\n",
+  say(stdout,
+      "arrival   median {:.3f} ms after the last, 99 % {:.3f}, 99.9 % {:.3f}, longest {:.3f}\n",
       share_of(&gaps, 0.5), share_of(&gaps, 0.99), share_of(&gaps, 0.999), longest);
   say(stdout, "clock     the arm's runs at {:.4f} of this machine's\n", arm_time / wall);
   std::string posture;
@@ -145,10 +146,11 @@ int hold_arm(const DrawOptions& options, double seconds) {
   const IiwaLcm::Counts counts = driver.counts();
   const double drift = (state.q - begin).cwiseAbs().maxCoeff();
   driver.stop();
-  say(stdout, "held {:.2f} s: {} statuses answered, {} not received; sent {:.3f} ms after arrival "
+  say(stdout,
+      "held {:.2f} s: {} statuses answered, {} not received; sent {:.3f} ms after arrival "
       "(99 %: {:.3f}); drift {:.6f} rad\n",
-      state.time, counts.answered, counts.missed, share_of(&answers, 0.5),
-      share_of(&answers, 0.99), drift);
+      state.time, counts.answered, counts.missed, share_of(&answers, 0.5), share_of(&answers, 0.99),
+      drift);
   if (!driver.fault().empty()) throw std::runtime_error(driver.fault());
   return interrupt.requested() ? interrupt.exit_code() : kFinished;
 }

@@ -137,9 +137,8 @@ int draw(const DrawOptions& options, const LiveOptions& live) {
     say(stdout, "live    {}\n", view.address());
     std::fflush(stdout);
   }
-  const Drawing drawing =
-      draw_into(folder, experiment, seconds_since(start), options.resume, view.hooks(),
-                driver_maker(experiment));
+  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume,
+                                    view.hooks(), driver_maker(experiment));
   view.finish(folder / "report.html");
   const RunOutcome& outcome = drawing.outcome;
   const std::string before =
@@ -147,11 +146,12 @@ int draw(const DrawOptions& options, const LiveOptions& live) {
           ? fmt::format("{:.2f} s simulated, ", outcome.first_time + outcome.simulated)
           : "";
   say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}{}report  {}\n", scenario.name, before,
-      outcome.simulated, !before.empty()                                      ? "of it since the resume"
+      outcome.simulated,
+      !before.empty()                                    ? "of it since the resume"
       : experiment.scenario.arm.driver == ArmDriver::sim ? "simulated"
-                                                         : "of the arm's clock", outcome.wall.loop,
-      metrics_table(drawing.metrics), contact_line(experiment), met_line(drawing.outcome),
-      ink_lines(experiment, drawing.outcome),
+                                                         : "of the arm's clock",
+      outcome.wall.loop, metrics_table(drawing.metrics), contact_line(experiment),
+      met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
       fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing);
 }

@@ -316,8 +316,8 @@ int run_program(int argc, char** argv) {
   reach->callback([&] { code = impedraw::reach(table); });
   for (CLI::App* command : {robustness, reach}) add_table_options(command, &table);
 
-  CLI::App* arm = app.add_subcommand(
-      "arm", "check or hold an arm that is not simulated here (docs/arms.md)");
+  CLI::App* arm =
+      app.add_subcommand("arm", "check or hold an arm that is not simulated here (docs/arms.md)");
   arm->require_subcommand(1);
   arm->footer(
       "Examples:\n  ./impedraw arm check --arm iiwa-lcm\n  ./impedraw arm hold --seconds 10 "

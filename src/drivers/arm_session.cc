@@ -5,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 
 namespace impedraw {
 
@@ -92,9 +92,10 @@ bool ArmSession::receive(const ArmStatus& status, double now) noexcept {
   if (first) apply(Event::status);
   check(status);
   if (!first && may_send() && static_cast<double>(step) > 1e6 * settings_.max_gap)
-    fail(fmt::format("the arm's clock jumped by {:.3f} s; at most {:.3f} s may lie between two "
-                     "statuses",
-                     1e-6 * static_cast<double>(step), settings_.max_gap));
+    fail(
+        fmt::format("the arm's clock jumped by {:.3f} s; at most {:.3f} s may lie between two "
+                    "statuses",
+                    1e-6 * static_cast<double>(step), settings_.max_gap));
   const double quiet = 1e-6 * static_cast<double>(status.utime - first_utime_);
   if (state_ == SessionState::quiet && quiet >= settings_.quiet_time &&
       now - first_arrival_ >= settings_.quiet_time)
@@ -133,8 +134,7 @@ void ArmSession::fail(const std::string& cause) noexcept {
 
 const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noexcept {
   if (!may_send()) return sent_;
-  const double since =
-      answered_ == 0 ? 0.0 : 1e-6 * static_cast<double>(last_.utime - answered_);
+  const double since = answered_ == 0 ? 0.0 : 1e-6 * static_cast<double>(last_.utime - answered_);
   const double dt = stale ? 1e-3 : std::clamp(since, 0.0, kLongestStep);
   answered_ = last_.utime;
   if (!sent_any_) entered_ = last_.utime;  // the ramp begins with the first command
@@ -152,8 +152,8 @@ const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noe
   if (ending) {
     damped_ += stale ? 1e-3 : std::max(dt, 1e-6);
     const bool calm = last_.v.cwiseAbs().maxCoeff() < kAtRest;
-    damping_over_ = damping_over_ || stale || calm || damped_ > settings_.damp_time ||
-                    !last_.v.allFinite();
+    damping_over_ =
+        damping_over_ || stale || calm || damped_ > settings_.damp_time || !last_.v.allFinite();
   }
   const bool follow = state_ == SessionState::start || state_ == SessionState::run;
   for (Eigen::Index j = 0; j < sent_.size(); ++j) {
@@ -172,8 +172,7 @@ const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noe
 }
 
 JointVector joint_damping(const JointMatrix& M, double T) {
-  const JointMatrix inverse =
-      M.ldlt().solve(JointMatrix::Identity(M.rows(), M.cols()));
+  const JointMatrix inverse = M.ldlt().solve(JointMatrix::Identity(M.rows(), M.cols()));
   return (T * inverse.diagonal().array()).inverse().matrix();
 }
 

@@ -29,17 +29,18 @@ double seconds_now() {
 
 void require_iiwa(const ArmModel& arm) {
   if (arm.joints() != kIiwaJoints)
-    throw InputError(fmt::format("arm.urdf: the arm has {} joints, an iiwa has {}", arm.joints(),
-                                 kIiwaJoints));
+    throw InputError(
+        fmt::format("arm.urdf: the arm has {} joints, an iiwa has {}", arm.joints(), kIiwaJoints));
   const ArmLimits& limits = arm.limits();
   for (int j = 0; j < kIiwaJoints; ++j) {
     const double range = kRangeDeg[j] * 3.14159265358979323846 / 180.0 + 1e-3;
     const std::string& name = arm.joint_names()[static_cast<std::size_t>(j)];
     if (!(limits.lower[j] >= -range && limits.upper[j] <= range))
-      throw InputError(fmt::format(
-          "arm.urdf: {} may turn from {:.3f} to {:.3f} rad, an iiwa's joint {} by ±{:.3f} rad: this "
-          "describes another arm",
-          name, limits.lower[j], limits.upper[j], j + 1, range));
+      throw InputError(
+          fmt::format("arm.urdf: {} may turn from {:.3f} to {:.3f} rad, an iiwa's joint {} by "
+                      "±{:.3f} rad: this "
+                      "describes another arm",
+                      name, limits.lower[j], limits.upper[j], j + 1, range));
     if (!(limits.torque[j] <= kTorque[j] + 1e-6))
       throw InputError(fmt::format(
           "arm.urdf: {} may use {:.0f} Nm, an iiwa's joint {} at most {:.0f} Nm: this describes "
@@ -53,8 +54,8 @@ SessionSettings session_settings(const ArmSettings& settings, ArmModel& arm,
   SessionSettings s;
   s.torque_limit = arm.limits().torque;
   s.speed_limit = kSpeedShare * arm.limits().speed;
-  s.external_limit = kExternalShare * JointVector(Eigen::Map<const Eigen::VectorXd>(
-                                          kExternal.data(), kIiwaJoints));
+  s.external_limit = kExternalShare *
+                     JointVector(Eigen::Map<const Eigen::VectorXd>(kExternal.data(), kIiwaJoints));
   ArmTerms terms(arm.joints());
   arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
   s.damping = joint_damping(terms.M);
@@ -150,9 +151,9 @@ void IiwaLcm::start() {
   }
   check_posture();
   if (wants_wrench_ && !wrench_any_)
-    throw std::runtime_error(fmt::format(
-        "control.wrench: ground_truth needs the wrench at the tip on {}, and none came",
-        kTipWrenchChannel));
+    throw std::runtime_error(
+        fmt::format("control.wrench: ground_truth needs the wrench at the tip on {}, and none came",
+                    kTipWrenchChannel));
 }
 
 void IiwaLcm::check_posture() const {

@@ -1,5 +1,5 @@
-// The LCM messages of the KUKA LBR iiwa, as drake-iiwa-driver and Drake's IiwaDriver speak them, and
-// of the wrench at the tip. Encoded as LCM does: a fingerprint of the type, then the fields in
+// The LCM messages of the KUKA LBR iiwa, as drake-iiwa-driver and Drake's IiwaDriver speak them,
+// and of the wrench at the tip. Encoded as LCM does: a fingerprint of the type, then the fields in
 // order, big-endian. Checked against Drake's encoder (tests/drivers, tests/foreign/drake).
 //
 //   lcmt_iiwa_command  { int64 utime; int32 num_joints; double joint_position[num_joints];

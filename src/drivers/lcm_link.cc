@@ -40,7 +40,8 @@ sockaddr_in address_of(const std::string& url) {
     const bool digits =
         !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
     const int number = digits ? std::stoi(port) : 0;
-    if (number >= 1 && number <= 65535 && inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1) {
+    if (number >= 1 && number <= 65535 &&
+        inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1) {
       address.sin_port = htons(static_cast<std::uint16_t>(number));
       return address;
     }
@@ -168,8 +169,7 @@ LcmLink::LcmLink(const std::string& url) {
     state_->lcm = state_->library.create(url.c_str());
   }
   if (!state_->lcm || state_->library.fileno(state_->lcm) < 0)
-    throw std::runtime_error(
-        fmt::format("arm.url {}: what listens there is no LCM broker", url));
+    throw std::runtime_error(fmt::format("arm.url {}: what listens there is no LCM broker", url));
   const int socket = state_->library.fileno(state_->lcm), on = 1;
   setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   const timeval patience{0, static_cast<suseconds_t>(1e6 * kSocketPatience)};
@@ -180,8 +180,7 @@ LcmLink::LcmLink(const std::string& url) {
 LcmLink::~LcmLink() = default;
 
 void LcmLink::subscribe(const std::string& channel, Handler handler) {
-  state_->subscriptions.push_back(
-      std::make_unique<Subscription>(Subscription{std::move(handler)}));
+  state_->subscriptions.push_back(std::make_unique<Subscription>(Subscription{std::move(handler)}));
   state_->library.subscribe(state_->lcm, channel.c_str(), Subscription::receive,
                             state_->subscriptions.back().get());
 }

@@ -3,8 +3,8 @@
 //
 // What liblcm 1.3 does otherwise, and this does not:
 //   - waiting on a lost connection aborts the process: the descriptor is checked before each wait;
-//   - a publish, a wait and even lcm_destroy() reconnect behind the caller's back: after a loss
-//     nothing of it is called again;
+//   - a publish, a wait and even lcm_destroy() reconnect by themselves: after a loss nothing of it
+//     is called again;
 //   - it writes a message in five pieces: TCP_NODELAY is set, or each one costs 40 ms;
 //   - half a message blocks for ever: the socket gets a time limit of kSocketPatience;
 //   - it tells of trouble on stderr: kept silent while connecting, and a lost peer is noticed before

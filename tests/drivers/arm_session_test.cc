@@ -245,8 +245,7 @@ TEST(JointDamping, IsSlowAgainstTheDelay) {
     A.col(0) *= 10.0;
     const JointMatrix M = A * A.transpose() + 1e-3 * Eigen::MatrixXd::Identity(n, n);
     const JointVector D = joint_damping(M, 0.1);
-    const Eigen::VectorXcd rates =
-        (M.inverse() * Eigen::MatrixXd(D.asDiagonal())).eigenvalues();
+    const Eigen::VectorXcd rates = (M.inverse() * Eigen::MatrixXd(D.asDiagonal())).eigenvalues();
     EXPECT_LT(rates.real().maxCoeff(), n / 0.1 * (1.0 + 1e-6));
     EXPECT_GT(rates.real().minCoeff(), 0.0);
   }

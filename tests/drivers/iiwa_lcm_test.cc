@@ -282,7 +282,8 @@ TEST_F(IiwaLcmTest, AnArmElsewhereIsNotMoved) {
     driver.start();
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("joint_1 stands at 0.100 rad, the drawing starts at 0.000"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("joint_1 stands at 0.100 rad, the drawing starts at 0.000"));
   }
   driver.stop();
   arm.end();

@@ -100,6 +100,15 @@ def slider(name):
     return json.loads(subprocess.run([DRAKE, HERE / "slider.py", OUT / "target.npy"], capture_output=True, text=True, check=True).stdout)
 
 
+def speed():
+    """Real-time factor of the sine, as a share of that with a client that only replays its torques; run one after the other."""
+    drawn = draw("sine")["real_time_factor"]
+    with broker() as (url, _), simulation(url, OUT / "replay.npz", start_posture(HERE / "iiwa-sine.yaml"), ["--wrench"]):
+        subprocess.run([DRAKE, HERE / "replay.py", url, OUT / "sine.npz"], check=True, capture_output=True)
+    replayed = float(numpy.load(OUT / "replay.npz")["real_time_factor"])
+    return {"drawn": drawn, "replayed": replayed, "share": drawn / replayed, "cores": os.cpu_count(), "load": os.getloadavg()[0]}
+
+
 def require(what, holds, found=""):
     if not holds:
         raise AssertionError(f"{what}: {found}")
@@ -178,6 +187,7 @@ OTHER = {
     "sigint": lambda: interrupted("sigint", signal.SIGINT),
     "sigterm": lambda: interrupted("sigterm", signal.SIGTERM),
     "hold": hold,
+    "speed": speed,
 }
 USUAL = ["absent", "sine", "slider-sine", "broker-killed", "sigterm"]
 EVERY = list(DRAWINGS) + ["slider-sine", "slider-m"] + list(OTHER)
