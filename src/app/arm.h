@@ -13,7 +13,8 @@ namespace impedraw {
 // Makes the scenario's driver; empty for the simulated arm. Refers to the experiment.
 DriverMaker driver_maker(Experiment& experiment);
 
-// Throws InputError where a run is to be paused or paced whose arm does not wait.
+// Throws InputError where the loop would be paused (redrawing, live view, pace) and the arm does
+// not wait.
 void require_steady_loop(const Scenario& scenario, const LiveOptions& live);
 
 // Says where contact and ink of the run come from, if not from the simulator.

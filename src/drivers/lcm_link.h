@@ -7,8 +7,8 @@
 //     is called again;
 //   - it writes a message in five pieces: TCP_NODELAY is set, or each one costs 40 ms;
 //   - half a message blocks for ever: the socket gets a time limit of kSocketPatience;
-//   - it tells of trouble on stderr: kept silent while connecting, and a lost peer is noticed before
-//     a publish.
+//   - it tells of trouble on stderr: kept silent while connecting, and a lost peer is noticed
+//     before a publish.
 #pragma once
 
 #include <cstdint>

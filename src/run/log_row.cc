@@ -76,7 +76,9 @@ void fill_contact(const Experiment& e, const GroundTruth* truth, ContactMode mod
     row->contact_force = !measured ? LogRow::no_vector()
                          : touches ? Eigen::Vector3d(row->wrench_measured.head<3>())
                                    : Eigen::Vector3d::Zero();
-    row->contact_point = touches ? row->tip_position : LogRow::no_vector();
+    row->contact_point =
+        touches ? Eigen::Vector3d(row->tip_position - row->surface_distance * row->surface_normal)
+                : LogRow::no_vector();
     row->contact_normal = touches ? row->surface_normal : LogRow::no_vector();
     return;
   }

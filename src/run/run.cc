@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/control/step_watchdog.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/run/control_loop.h"
@@ -391,6 +392,9 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
 
 RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks, const Resumption* resumption) {
+  if (e.scenario.arm.driver != ArmDriver::sim)
+    throw InputError(
+        "arm.driver is iiwa-lcm, and only ./impedraw draw drives such an arm; valid here is sim");
   SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption),
                    resumption ? resumption->time : 0.0);
   return run(e, arm, log_file, start_up, hooks, resumption);
