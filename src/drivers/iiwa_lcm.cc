@@ -236,6 +236,13 @@ const ArmState& IiwaLcm::read() noexcept {
 
 void IiwaLcm::command(const JointVector& tau, const JointVector& gravity) noexcept {
   if (!link_ || !fault_.empty()) return;
+  if (!session_->sent_any()) {
+    // The loop has opened its log since it read the state. Clock and ramp begin now, with zero in
+    // answer to the newest status: otherwise the plan would be ahead of an arm that rests.
+    receive(seconds_now());
+    first_utime_ = session_->last().utime;
+    if (!fault_.empty()) return;
+  }
   wanted_ = tau - gravity;
   send(wanted_, false);
   last_step_ = seconds_now() - read_at_;

@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <bit>
+#include <chrono>
 #include <cstring>
 #include <string>
 #include <thread>
@@ -225,6 +226,24 @@ TEST_F(IiwaLcmTest, EachStatusIsAnsweredWithItsOwnTimeAndZeroComesLast) {
   EXPECT_EQ(arm.commands.front().torque0, 0.0);
   EXPECT_NEAR(most, 10.0, 1e-9);  // without gravity
   EXPECT_EQ(arm.commands.back().torque0, 0.0);
+}
+
+// What the loop does between its first read() and its first command() is no time of the arm's.
+TEST_F(IiwaLcmTest, TheClockBeginsWithTheFirstCommand) {
+  MadeUpArm arm;
+  IiwaLcm driver(settings_for(arm.url), model_, 1e-3, torque(0.0), false);
+  driver.start();
+  const ArmState& state = driver.read();
+  EXPECT_EQ(state.time, 0.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  driver.command(torque(110.0), torque(100.0));
+  driver.read();
+  EXPECT_GT(state.time, 0.5e-3);
+  EXPECT_LT(state.time, 0.02);
+  driver.stop();
+  arm.end();
+  ASSERT_FALSE(arm.commands.empty());
+  EXPECT_EQ(arm.commands.front().torque0, 0.0);
 }
 
 TEST_F(IiwaLcmTest, ABrokerThatDiesIsAFaultAtOnceAndNoAbort) {

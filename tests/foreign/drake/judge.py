@@ -12,6 +12,7 @@ import h5py
 import numpy
 
 BOWL_CENTRE = numpy.array([0.60, 0.0, 0.40])
+SPEED = numpy.radians([85, 85, 100, 75, 130, 135, 135])  # the iiwa 14's limits [rad/s]
 INK, SETTLING = 0.1, 0.2  # [N], [s]
 
 
@@ -72,6 +73,9 @@ def judge(simulation, folder):
         "force_loudest_hz": float(numpy.argmax(spectrum) * 1e3 / max(len(settled), 1)),
         "touchdown_peak": float(touchdown),
         "time_scale_mean": float(scale[down].mean()),
+        # Of the first 10 ms of commands: without a bump, all that the ramp lets through of it.
+        "start_torque": float(numpy.abs(sim["torque"][sim["began"]][:10]).max()),
+        "joint_speed_share": float((numpy.abs(sim["v"]) / SPEED).max()),
         "statuses_sent": int(sim["sent"]),
         "statuses_answered": int(sim["answered"]),
         "left": bool(sim["left"]),
