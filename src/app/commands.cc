@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/app/arm.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/experiment.h"
@@ -129,24 +130,28 @@ int draw(const DrawOptions& options, const LiveOptions& live) {
     as_given.control.surface.pen_axis = experiment.scenario.control.surface.pen_axis;
     require_same(as_given, folder);
   }
+  require_steady_loop(experiment.scenario, live);
   print_notes(experiment);
   view.begin(experiment, again(folder));
   if (!view.address().empty()) {
     say(stdout, "live    {}\n", view.address());
     std::fflush(stdout);
   }
-  const Drawing drawing =
-      draw_into(folder, experiment, seconds_since(start), options.resume, view.hooks());
+  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), options.resume,
+                                    view.hooks(), driver_maker(experiment));
   view.finish(folder / "report.html");
   const RunOutcome& outcome = drawing.outcome;
   const std::string before =
       outcome.first_time > 0.0
           ? fmt::format("{:.2f} s simulated, ", outcome.first_time + outcome.simulated)
           : "";
-  say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}report  {}\n", scenario.name, before,
-      outcome.simulated, before.empty() ? "simulated" : "of it since the resume", outcome.wall.loop,
-      metrics_table(drawing.metrics), met_line(drawing.outcome),
-      ink_lines(experiment, drawing.outcome),
+  say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}{}report  {}\n", scenario.name, before,
+      outcome.simulated,
+      !before.empty()                                    ? "of it since the resume"
+      : experiment.scenario.arm.driver == ArmDriver::sim ? "simulated"
+                                                         : "of the arm's clock",
+      outcome.wall.loop, metrics_table(drawing.metrics), contact_line(experiment),
+      met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
       fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing);
 }

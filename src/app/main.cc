@@ -17,6 +17,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "impedraw/app/arm.h"
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect.h"
 #include "impedraw/common/errors.h"
@@ -110,6 +111,9 @@ int run_program(int argc, char** argv) {
       "draw what passes the pre-flight and list the rest (default: draw all or nothing)");
   draw->add_flag("--resume", options.resume,
                  "continue an interrupted run: keep what it drew, draw what has no ink");
+  draw->add_option("--arm", options.arm,
+                   "who moves the arm: sim, or iiwa-lcm (default: as the scenario says)")
+      ->check(CLI::IsMember({"sim", "iiwa-lcm"}));
   impedraw::LiveOptions live;
   CLI::Option* show = draw->add_flag(
       "--live", live.show, "show the run in a browser while it goes on; prints the address");
@@ -263,6 +267,34 @@ int run_program(int argc, char** argv) {
       "scenarios/bowl-m-sensor.yaml --poses 12\n"
       "  ./impedraw calibrate-tool --set world.errors.mass_scale=1.2");
   calibrate->callback([&] { code = impedraw::calibrate_tool(options, poses); });
+
+  CLI::App* arm =
+      app.add_subcommand("arm", "check or hold an arm that is not simulated here (docs/arms.md)");
+  arm->require_subcommand(1);
+  arm->footer(
+      "Examples:\n  ./impedraw arm check --arm iiwa-lcm\n  ./impedraw arm hold --seconds 10 "
+      "--set arm.url=tcpq://127.0.0.1:7702");
+  double arm_seconds = 2.0;
+  CLI::App* arm_check = arm->add_subcommand(
+      "check", "connect and receive: rate, jitter and posture; sends nothing, moves nothing");
+  arm_check->callback([&] { code = impedraw::check_arm(options, arm_seconds); });
+  CLI::App* arm_hold = arm->add_subcommand(
+      "hold", "command zero torque, so that the arm carries itself; ctrl-C ends it");
+  arm_hold->callback([&] { code = impedraw::hold_arm(options, arm_seconds); });
+  for (CLI::App* command : {arm_check, arm_hold}) {
+    command->add_option("scenario", options.scenario,
+                        "YAML file that names the arm (default: the standard bowl's)");
+    command->add_option("--arm", options.arm, "which arm: iiwa-lcm (default)")
+        ->check(CLI::IsMember({"iiwa-lcm"}));
+    command->add_option("--seconds", arm_seconds, "how long")
+        ->check(CLI::Range(0.1, 86400.0))
+        ->capture_default_str();
+    command
+        ->add_option("--set", options.assignments,
+                     "override a setting, as in --set arm.url=tcpq://127.0.0.1:7702")
+        ->take_all()
+        ->allow_extra_args(false);
+  }
 
   CLI::App* settings = app.add_subcommand(
       "settings", "list every setting of a scenario: default, limits, unit, meaning");

@@ -30,6 +30,14 @@ std::vector<std::string> control_setting_names() {
 constexpr double kFrictionShare = 0.005;  // of the joint's torque limit
 constexpr double kLeastFriction = 1.5;    // [Nm]
 
+// A session with a real arm lets 900 Nm/s pass: the law stays below, so that it knows of the limit.
+constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
+
+double torque_rate(const Scenario& s) {
+  return s.arm.driver == ArmDriver::sim ? s.control.torque_rate
+                                        : std::min(s.control.torque_rate, kRealTorqueRate);
+}
+
 ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, const Plan& plan,
                                      double wrench_delay) {
   const ArmLimits& limits = scene.arm.limits();
@@ -41,10 +49,12 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
   if (s.control.torque_delay)
     settings.timing.loop_delay =
         std::max(settings.timing.loop_delay, *s.control.torque_delay + settings.timing.dt);
+  if (s.arm.driver != ArmDriver::sim)
+    settings.timing.loop_delay =
+        std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
-  settings.limits.torque_rate =
-      Eigen::VectorXd::Constant(limits.torque.size(), s.control.torque_rate);
+  settings.limits.torque_rate = Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s));
   if (settings.observer.yield_limit.empty())
     for (const double torque : limits.torque)
       settings.observer.yield_limit.push_back(
@@ -94,6 +104,7 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
   setup.estimator =
       estimator_settings(s.control.sensing, setup.sensor, s.world.dt, s.world.gravity);
   double wrench_delay = s.world.dt;
+  if (s.arm.driver != ArmDriver::sim) wrench_delay += s.arm.wrench_delay;
   if (has_sensor(setup.source)) {
     setting_errors.locate({"control.sensing", "wrench_sensor", "control.wrench"}, [&] {
       const WrenchSensor valid(setup.sensor, s.world.dt, 0);  // throws

@@ -80,6 +80,10 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     name_after("text");
     places.put("drawing.text.text", fmt::format("--text {}", shown(options.text)));
   }
+  if (!options.arm.empty()) {
+    scenario.arm.driver = options.arm == "sim" ? ArmDriver::sim : ArmDriver::iiwa_lcm;
+    places.put("arm.driver", fmt::format("--arm {}", options.arm));
+  }
   if (options.keep_order) scenario.drawing.keep_order = true;
   if (options.skip_unreachable) scenario.drawing.skip_unreachable = true;
   if (options.no_perception) {

@@ -67,6 +67,7 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
   json["pen_down_m"] = e.plan.path.pen_down_length();
   json["pen_up_m"] = PathTally(e.plan.path).pen_up;
   json["time_s"] = e.plan.path.duration();
+  json["start_q"] = std::vector<double>(e.scene.start_q.begin(), e.scene.start_q.end());
   json["distortion"] = {{"projected", distortion_json(projected_distortion(e))}};
   if (e.plan.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped_distortion(e));
   const PreflightMargins& m = e.plan.preflight.margins;

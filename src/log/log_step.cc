@@ -15,6 +15,7 @@ double to_float(double x) { return static_cast<double>(static_cast<float>(x)); }
 }  // namespace
 
 double normal_force(const Eigen::Vector3d& force, const Eigen::Vector3d& normal) {
+  if (!force.allFinite()) return LogRow::kNone;
   const double f = force.dot(normal);
   return std::isfinite(f) ? f : 0.0;
 }

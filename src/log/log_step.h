@@ -34,7 +34,8 @@ struct LogStep {
   double step_time = 0.0;   // [s]; stored in float precision
 };
 
-double normal_force(const Eigen::Vector3d& force, const Eigen::Vector3d& normal);  // 0: no contact
+// 0: no contact; NaN: not known, as the force is NaN.
+double normal_force(const Eigen::Vector3d& force, const Eigen::Vector3d& normal);
 
 // Angles [rad]. Both are NaN except on pen-down ink: a stroke is planned and `force` =
 // normal_force() is large enough to write.

@@ -41,7 +41,7 @@ struct RunConstants {
 // n control steps.
 struct RunData : RunConstants {
   std::vector<double> time;  // [s]
-  std::vector<double> f;     // contact force · outward normal [N], 0 out of contact
+  std::vector<double> f;     // contact force · outward normal [N], 0 out of contact, NaN unknown
   Points contact_point;      // [m]; NaN out of contact
   std::vector<double>
       tilt;  // angle between −z_E and the canvas's normal [rad]; NaN except on pen-down ink

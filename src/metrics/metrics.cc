@@ -386,6 +386,33 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
   clock(run, m);
   arm(run, m);
   step_time(run, m);
+  // A run of an arm that is not simulated here, and whose wrench nobody measured.
+  if (run.rows() > 0 &&
+      std::all_of(run.f.begin(), run.f.end(), [](double f) { return std::isnan(f); }))
+    lack(m,
+         {&Metrics::contact_fraction,
+          &Metrics::strokes_missed,
+          &Metrics::ink_error_rms,
+          &Metrics::ink_error_p95,
+          &Metrics::ink_error_max,
+          &Metrics::coverage,
+          &Metrics::gaps,
+          &Metrics::longest_gap,
+          &Metrics::ink_outside,
+          &Metrics::ink_up,
+          &Metrics::force_mean,
+          &Metrics::force_sd,
+          &Metrics::force_rms_error,
+          &Metrics::force_peak,
+          &Metrics::touchdown_peak,
+          &Metrics::tilt_mean,
+          &Metrics::tilt_p95,
+          &Metrics::tilt_max,
+          &Metrics::normal_error_mean,
+          &Metrics::normal_error_p95,
+          &Metrics::speed_mean,
+          &Metrics::speed_p95},
+         "contact is unknown: the arm was not simulated here, and no wrench was measured");
   m.wall = run.wall;
   return m;
 }

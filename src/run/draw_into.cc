@@ -91,17 +91,13 @@ std::function<void()> give_up_on(const Interrupt& interrupt, const fs::path& fol
 }
 
 Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up, bool resume,
-                  const RunHooks& watch) {
+                  const RunHooks& watch, const DriverMaker& make_driver) {
   make_folder(folder);
   const FolderLock lock(folder);
   require_own_log(folder);
   std::optional<Resumption> resumption;
   if (resume) resumption = resumption_in(folder, experiment);
   require_room(folder, experiment, resumption);
-  for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
-                            "ink_page.svg", "ink_page.png", "strokes.json"})
-    if (is_own_file(folder / stale)) fs::remove(folder / stale);
-
   Drawing drawing;
   {
     Interrupt interrupt;
@@ -110,7 +106,11 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     hooks.row = watch.row;
     if (watch.held)
       hooks.held = [&](double time) { return !interrupt.requested() && watch.held(time); };
+    // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
+      for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
+                                "ink_page.svg", "ink_page.png", "strokes.json"})
+        if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();
     };
@@ -121,8 +121,13 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
       if (watch.progress) watch.progress(p);
       line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time});
     };
-    drawing.outcome =
-        run(experiment, folder / "run.h5", start_up, hooks, resumption ? &*resumption : nullptr);
+    const Resumption* const resumed = resumption ? &*resumption : nullptr;
+    if (make_driver) {
+      const auto driver = make_driver(resumed ? resumed->q : experiment.scene.start_q);
+      drawing.outcome = run(experiment, *driver, folder / "run.h5", start_up, hooks, resumed);
+    } else {
+      drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks, resumed);
+    }
     drawing.signal_code = interrupt.requested() ? interrupt.exit_code() : 128 + SIGINT;
   }
   const Interrupt interrupt;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "impedraw/metrics/metrics.h"
@@ -21,8 +22,13 @@ struct Drawing {
 // nothing has been drawn yet. `watch`: hooks beside the own ones; a signal ends what is held.
 // Throws InputError if another process writes there, Interrupted if a signal comes while the
 // results are made.
+//
+// make_driver: the arm that draws, given the posture at which it must stand [rad]; empty: the
+// simulated one.
+using DriverMaker = std::function<std::unique_ptr<Driver>(const JointVector& start_q)>;
 Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
-                  bool resume = false, const RunHooks& watch = {});
+                  bool resume = false, const RunHooks& watch = {},
+                  const DriverMaker& make_driver = {});
 
 // Throws Interrupted once a signal has come: the results in the folder are left unfinished. Refers
 // to `interrupt`.

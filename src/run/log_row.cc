@@ -30,6 +30,10 @@ RunLogHeader make_header(const Experiment& e) {
   h.dt = e.scenario.world.dt;
   h.attributes = record_of(e.scenario, e.inputs);
   h.attributes["scenario"] = e.scenario.name;
+  if (e.scenario.arm.driver != ArmDriver::sim)
+    h.attributes["contact"] = e.control.impedance.wrench == WrenchFeedback::measured
+                                  ? "estimated: the measured wrench at the model's tip"
+                                  : "unknown: no simulator of ours, and no wrench";
   h.attributes["seed"] = std::to_string(e.scenario.seed);
   h.attributes[kPromiseAttribute] = promise_text(promise_of(e));
   return h;
@@ -67,8 +71,19 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   row->stroke_along = desired.along;
 }
 
-void fill_contact(const GroundTruth* truth, LogRow* row) {
-  if (!truth) return;
+void fill_contact(const Experiment& e, const GroundTruth* truth, ContactMode mode, LogRow* row) {
+  if (!truth) {
+    const bool measured = e.control.impedance.wrench == WrenchFeedback::measured;
+    const bool touches = mode == ContactMode::contact && row->surface_normal.allFinite();
+    row->contact_force = !measured ? LogRow::no_vector()
+                         : touches ? Eigen::Vector3d(row->wrench_measured.head<3>())
+                                   : Eigen::Vector3d::Zero();
+    row->contact_point =
+        touches ? Eigen::Vector3d(row->tip_position - row->surface_distance * row->surface_normal)
+                : LogRow::no_vector();
+    row->contact_normal = touches ? row->surface_normal : LogRow::no_vector();
+    return;
+  }
   row->disturbance_force = truth->disturbance_force;
   row->contact_force = truth->contact_force;
   row->contact_point = truth->contact_point;

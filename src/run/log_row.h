@@ -18,7 +18,10 @@ void fill_state(const Experiment& experiment, const ArmState& state, const Groun
                 const PathSample& desired, const ControlLoop& loop, const ImpedanceTorque& out,
                 LogRow* row);
 
-// Fills the forces on the tip, after the command. Without ground truth they remain unknown.
-void fill_contact(const GroundTruth* truth, LogRow* row);
+// Fills the forces on the tip, after the command and fill_state(). Without ground truth: in contact
+// the controller's own estimates, that is the measured wrench, the model's tip and the seen normal
+// (attribute `contact` of the log says so); without a wrench they are NaN.
+void fill_contact(const Experiment& experiment, const GroundTruth* truth, ContactMode mode,
+                  LogRow* row);
 
 }  // namespace impedraw

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/control/step_watchdog.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/run/control_loop.h"
@@ -213,7 +214,7 @@ class Runner {
     fill_state(e_, *state_, driver_.truth(), desired, loop_, out_, &row_);
 
     driver_.command(out_.tau, out_.terms.col(kGravity));
-    fill_contact(driver_.truth(), &row_);
+    fill_contact(e_, driver_.truth(), out_.mode, &row_);
     if (log_) log_->append(row_);
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
@@ -391,6 +392,9 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
 
 RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks, const Resumption* resumption) {
+  if (e.scenario.arm.driver != ArmDriver::sim)
+    throw InputError(
+        "arm.driver is iiwa-lcm, and only ./impedraw draw drives such an arm; valid here is sim");
   SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption),
                    resumption ? resumption->time : 0.0);
   return run(e, arm, log_file, start_up, hooks, resumption);

@@ -90,7 +90,8 @@ RunOutcome run(Experiment& experiment, Driver& driver, const std::filesystem::pa
                double start_up, const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 
 // The same with the simulated arm, which starts at the required posture. The scenario's pushes and
-// faults occur in the first run only, not in a resumed one.
+// faults occur in the first run only, not in a resumed one. Throws InputError if the scenario names
+// another arm.
 RunOutcome run(Experiment& experiment, const std::filesystem::path& log_file, double start_up,
                const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 

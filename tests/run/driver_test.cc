@@ -14,7 +14,9 @@
 #include "allocations.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
+#include "impedraw/log/run_data.h"
 #include "impedraw/log/run_rows.h"
+#include "impedraw/metrics/metrics.h"
 #include "impedraw/run/calibrate_tool.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/log_row.h"
@@ -120,6 +122,44 @@ TEST_F(DriverTest, TheLoopDrawsTheSameWithoutTheTruth) {
   }
 }
 
+// The log then holds the wrench as it was measured, and nothing where it was not.
+TEST_F(DriverTest, WithoutTheTruthContactIsWhatWasMeasured) {
+  Experiment e = prepared("bowl-sine");
+  TestDriver driver(e);
+  ASSERT_EQ(run(e, driver, log_, 0.0).end, RunEnd::finished);
+  const RunRows with = read_rows(log_);
+  driver.truthful = false;
+  ASSERT_EQ(run(e, driver, log_, 0.0).end, RunEnd::finished);
+  const RunRows without = read_rows(log_);
+  int compared = 0;
+  for (std::size_t i = 1; i < with.time.size(); i += 10) {
+    if (with.stroke[i] < 0 || with.stroke[i - 1] < 0) continue;
+    // A wrench is that of the step before.
+    ASSERT_LT((without.contact_force[i] - with.contact_force[i - 1]).norm(), 1e-6) << i;
+    // The tip yields by half a millimetre at the most.
+    ASSERT_LT((without.contact_point[i] - with.contact_point[i]).norm(), 1e-3) << i;
+    ++compared;
+  }
+  EXPECT_GT(compared, 900);
+
+  Experiment unfelt = prepared("bowl-sine-natural");
+  TestDriver blind(unfelt);
+  blind.truthful = false;
+  ASSERT_EQ(run(unfelt, blind, log_, 0.0).end, RunEnd::finished);
+  for (const Eigen::Vector3d& force : read_rows(log_).contact_force)
+    ASSERT_TRUE(force.array().isNaN().all());
+  const Metrics metrics = compute_metrics(read_run(log_));
+  EXPECT_THAT(metrics.contact_fraction.reason(), HasSubstr("contact is unknown"));
+  EXPECT_THAT(metrics.coverage.reason(), HasSubstr("contact is unknown"));
+  EXPECT_TRUE(metrics.joint_margin_min.value());
+}
+
+TEST_F(DriverTest, AnArmThatIsNotSimulatedHereIsNotSimulated) {
+  Experiment e = prepared("bowl-sine", {"arm.driver=iiwa-lcm", "control.inertia=natural"});
+  EXPECT_THROW(run(e, log_, 0.0), InputError);
+  EXPECT_FALSE(fs::exists(log_));
+}
+
 TEST_F(DriverTest, GravityIsThePartThatHoldsTheArm) {
   Experiment e = prepared("bowl-sine");
   TestDriver driver(e);
@@ -200,7 +240,7 @@ TEST(Driver, ACycleAllocatesNothing) {
         const ImpedanceTorque& out = loop.step(*state, desired.reference);
         fill_state(e, *state, arm.truth(), desired, loop, out, &row);
         arm.command(out.tau, out.terms.col(kGravity));
-        fill_contact(arm.truth(), &row);
+        fill_contact(e, arm.truth(), out.mode, &row);
         state = &arm.read();
       }
     };

@@ -1,0 +1,163 @@
+#include "impedraw/app/arm.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/common/exit_code.h"
+#include "impedraw/drivers/iiwa_lcm.h"
+#include "impedraw/experiment/input_files.h"
+#include "impedraw/terminal/clock.h"
+#include "impedraw/terminal/interrupt.h"
+#include "impedraw/terminal/say.h"
+
+namespace impedraw {
+
+namespace {
+
+struct NamedArm {
+  Scenario scenario;
+  std::unique_ptr<ArmModel> model;
+};
+
+NamedArm named_arm(DrawOptions options) {
+  if (options.arm.empty()) options.arm = "iiwa-lcm";
+  NamedArm arm;
+  arm.scenario = resolve(options);
+  arm.model = std::make_unique<ArmModel>(urdf_of(arm.scenario.arm));
+  return arm;
+}
+
+double share_of(std::vector<double>* x, double share) {
+  if (x->empty()) return std::nan("");
+  const auto i = static_cast<std::ptrdiff_t>(share * static_cast<double>(x->size() - 1));
+  std::nth_element(x->begin(), x->begin() + i, x->end());
+  return (*x)[static_cast<std::size_t>(i)];
+}
+
+}  // namespace
+
+DriverMaker driver_maker(Experiment& e) {
+  if (e.scenario.arm.driver == ArmDriver::sim) return {};
+  if (has_sensor(e.control.source))
+    throw InputError(
+        "control.wrench: sensor and realistic are simulated; with arm.driver iiwa-lcm valid are "
+        "none and ground_truth (the wrench at the tip, from whoever measures it)");
+  return [&e](const JointVector& start_q) {
+    return std::make_unique<IiwaLcm>(e.scenario.arm, e.scene.arm, e.scenario.world.dt, start_q,
+                                     e.control.source == WrenchSource::truth);
+  };
+}
+
+void require_steady_loop(const Scenario& scenario, const LiveOptions& live) {
+  if (scenario.arm.driver == ArmDriver::sim || scenario.arm.clock == ArmClock::lock_step) return;
+  if (scenario.drawing.redraw)
+    throw InputError(
+        "drawing.redraw is true, and arm.clock is wall: the way to redraw is planned between two "
+        "steps, and that arm does not wait; set drawing.redraw=false, or arm.clock=lock_step for a "
+        "simulator that waits");
+  if (live.show || live.pace > 0.0)
+    throw InputError(
+        "--live and --pace stop the loop between two steps, and arm.clock is wall: that arm does "
+        "not wait; valid with arm.clock lock_step, or with --arm sim");
+}
+
+std::string contact_line(const Experiment& e) {
+  if (e.scenario.arm.driver == ArmDriver::sim) return {};
+  return e.control.source == WrenchSource::truth
+             ? "contact as measured: the wrench that was received, at the tip of the arm's model\n"
+             : "contact unknown: the arm is not simulated here and nothing measures its wrench\n";
+}
+
+int check_arm(const DrawOptions& options, double seconds) {
+  NamedArm arm = named_arm(options);
+  IiwaLcm driver(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  std::vector<double> steps, gaps;  // between statuses: by the arm's clock, by this one's [ms]
+  double first = 0.0, last = 0.0;
+  std::int64_t first_utime = 0, utime = 0;
+  long old = 0;
+  JointVector q, v;
+  driver.observe(seconds, [&](const ArmStatus& status, double now) {
+    if (first == 0.0) {
+      first = now;
+      first_utime = status.utime;
+    } else if (status.utime <= utime) {
+      ++old;
+      return;
+    } else {
+      steps.push_back(1e-3 * static_cast<double>(status.utime - utime));
+      gaps.push_back(1e3 * (now - last));
+    }
+    last = now;
+    utime = status.utime;
+    q = status.q;
+    v = status.v;
+  });
+  if (steps.empty()) throw std::runtime_error("one status came, and no second one");
+  const double arm_time = 1e-6 * static_cast<double>(utime - first_utime), wall = last - first;
+  const double step = share_of(&steps, 0.5), longest = *std::max_element(gaps.begin(), gaps.end());
+  say(stdout,
+      "statuses  {} in {:.2f} s: {:.1f} Hz; one every {:.3f} ms of the arm's clock (longest "
+      "{:.3f}); {} out of order\n",
+      steps.size() + 1, wall, static_cast<double>(steps.size()) / wall, step,
+      *std::max_element(steps.begin(), steps.end()), old);
+  say(stdout,
+      "arrival   median {:.3f} ms after the last, 99 % {:.3f}, 99.9 % {:.3f}, longest {:.3f}\n",
+      share_of(&gaps, 0.5), share_of(&gaps, 0.99), share_of(&gaps, 0.999), longest);
+  say(stdout, "clock     the arm's runs at {:.4f} of this machine's\n", arm_time / wall);
+  std::string posture;
+  for (const double angle : q) posture += fmt::format(" {:.4f}", angle);
+  say(stdout, "posture  {} rad; fastest joint {:.4f} rad/s\n", posture, v.cwiseAbs().maxCoeff());
+  const double period = 1e3 * arm.scenario.world.dt;
+  if (std::abs(step - period) > 0.05 * period) {
+    say(stderr,
+        "impedraw: the arm's statuses are {:.3f} ms apart, the controller's step is {:.3f} ms: "
+        "draw is refused\n",
+        step, period);
+    return kMissed;
+  }
+  if (longest > 1e3 * arm.scenario.arm.max_silence) {
+    say(stderr, "impedraw: a status came {:.1f} ms after the last; arm.max_silence is {:.1f} ms\n",
+        longest, 1e3 * arm.scenario.arm.max_silence);
+    return kMissed;
+  }
+  return kFinished;
+}
+
+int hold_arm(const DrawOptions& options, double seconds) {
+  NamedArm arm = named_arm(options);
+  IiwaLcm driver(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  const Interrupt interrupt;
+  const StartedDriver started(driver);
+  const JointVector zero = JointVector::Zero(driver.info().joints);
+  const ArmState& state = driver.read();
+  const JointVector begin = state.q;
+  std::vector<double> answers;  // from a status's arrival to its answer [ms]
+  answers.reserve(static_cast<std::size_t>(1100.0 * std::min(seconds, 3600.0)));
+  driver.command(zero, zero);
+  driver.hold();
+  while (driver.fault().empty() && !interrupt.requested() && state.time < seconds) {
+    driver.read();
+    if (!driver.fault().empty()) break;
+    const auto read = Clock::now();
+    driver.command(zero, zero);
+    if (answers.size() < answers.capacity()) answers.push_back(1e3 * seconds_since(read));
+  }
+  const IiwaLcm::Counts counts = driver.counts();
+  const double drift = (state.q - begin).cwiseAbs().maxCoeff();
+  driver.stop();
+  say(stdout,
+      "held {:.2f} s: {} statuses answered, {} not received; sent {:.3f} ms after arrival "
+      "(99 %: {:.3f}); drift {:.6f} rad\n",
+      state.time, counts.answered, counts.missed, share_of(&answers, 0.5), share_of(&answers, 0.99),
+      drift);
+  if (!driver.fault().empty()) throw std::runtime_error(driver.fault());
+  return interrupt.requested() ? interrupt.exit_code() : kFinished;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,27 @@
+// Arms that are not simulated here: making a driver, and the commands `arm check` and `arm hold`.
+#pragma once
+
+#include <string>
+
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/live/live_view.h"
+#include "impedraw/run/draw_into.h"
+
+namespace impedraw {
+
+// Makes the scenario's driver; empty for the simulated arm. Refers to the experiment.
+DriverMaker driver_maker(Experiment& experiment);
+
+// Throws InputError where the loop would be paused (redrawing, live view, pace) and the arm does
+// not wait.
+void require_steady_loop(const Scenario& scenario, const LiveOptions& live);
+
+// Says where contact and ink of the run come from, if not from the simulator.
+std::string contact_line(const Experiment& experiment);
+
+// Exit code 0 if the arm could be used, kMissed if its statuses come too irregularly.
+int check_arm(const DrawOptions& options, double seconds);
+int hold_arm(const DrawOptions& options, double seconds);
+
+}  // namespace impedraw

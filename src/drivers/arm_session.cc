@@ -1,0 +1,179 @@
+#include "impedraw/drivers/arm_session.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+
+namespace impedraw {
+
+namespace {
+
+constexpr std::array<const char*, 8> kStateNames = {"waiting", "quiet", "start", "run",
+                                                    "hold",    "fault", "stop",  "ended"};
+
+}  // namespace
+
+const char* name_of(SessionState state) { return kStateNames[static_cast<std::size_t>(state)]; }
+
+ArmSession::ArmSession(const SessionSettings& settings)
+    : settings_(settings),
+      last_(static_cast<int>(settings.torque_limit.size())),
+      sent_(JointVector::Zero(settings.torque_limit.size())) {
+  const auto positive = [&](const JointVector& x) {
+    return x.size() == sent_.size() && (x.array() > 0.0).all();
+  };
+  if (sent_.size() == 0 || !positive(settings.torque_limit) || !positive(settings.speed_limit) ||
+      !positive(settings.external_limit) || !positive(settings.damping))
+    throw std::invalid_argument("a session's limits are positive, one for each joint");
+}
+
+void ArmSession::apply(Event event) noexcept {
+  using S = SessionState;
+  struct Row {
+    S from;
+    Event event;
+    S to;
+  };
+  static constexpr Row rows[] = {
+      {S::waiting, Event::status, S::quiet}, {S::waiting, Event::stop, S::ended},
+      {S::waiting, Event::fail, S::ended},   {S::quiet, Event::quiet_over, S::start},
+      {S::quiet, Event::stop, S::ended},     {S::quiet, Event::fail, S::ended},
+      {S::start, Event::ramped, S::run},     {S::start, Event::hold, S::hold},
+      {S::start, Event::stop, S::stop},      {S::start, Event::fail, S::fault},
+      {S::run, Event::hold, S::hold},        {S::run, Event::stop, S::stop},
+      {S::run, Event::fail, S::fault},       {S::hold, Event::run, S::start},
+      {S::hold, Event::stop, S::stop},       {S::hold, Event::fail, S::fault},
+      {S::fault, Event::at_rest, S::ended},  {S::stop, Event::at_rest, S::ended},
+  };
+  for (const Row& row : rows) {
+    if (row.from != state_ || row.event != event) continue;
+    state_ = row.to;
+    entered_ = last_.utime;
+    damped_ = 0.0;
+    // Nothing was ever sent: there is nothing to take back, and the arm would take a first command
+    // as the beginning of a session.
+    if ((state_ == S::stop || state_ == S::fault) && !sent_any_) state_ = S::ended;
+    return;
+  }
+}
+
+bool ArmSession::may_send() const noexcept {
+  return state_ != SessionState::waiting && state_ != SessionState::quiet &&
+         state_ != SessionState::ended;
+}
+
+bool ArmSession::receive(const ArmStatus& status, double now) noexcept {
+  if (state_ == SessionState::ended) return false;
+  if (state_ == SessionState::waiting) {
+    first_arrival_ = now;
+    first_utime_ = status.utime;
+  } else if (status.utime <= last_.utime) {
+    if (++old_ > kMostOld)
+      fail(fmt::format("the arm's clock went back by {:.3f} s and stayed there",
+                       1e-6 * static_cast<double>(last_.utime - status.utime)));
+    return false;
+  }
+  old_ = 0;
+  const std::int64_t step = status.utime - last_.utime;
+  const bool first = state_ == SessionState::waiting;
+  last_.utime = status.utime;
+  last_arrival_ = now;
+  last_.q = status.q;
+  last_.v = status.v;
+  last_.external = status.external;
+  if (!first) {
+    if (usual_ == 0 || step < usual_) usual_ = step;
+    missed_ += (step + usual_ / 2) / usual_ - 1;
+  }
+  if (first) apply(Event::status);
+  check(status);
+  if (!first && may_send() && static_cast<double>(step) > 1e6 * settings_.max_gap)
+    fail(
+        fmt::format("the arm's clock jumped by {:.3f} s; at most {:.3f} s may lie between two "
+                    "statuses",
+                    1e-6 * static_cast<double>(step), settings_.max_gap));
+  const double quiet = 1e-6 * static_cast<double>(status.utime - first_utime_);
+  if (state_ == SessionState::quiet && quiet >= settings_.quiet_time &&
+      now - first_arrival_ >= settings_.quiet_time)
+    apply(Event::quiet_over);
+  return may_send();
+}
+
+void ArmSession::check(const ArmStatus& status) noexcept {
+  if (!status.q.allFinite() || !status.v.allFinite() || !status.external.allFinite())
+    return fail("the arm's status has numbers that are not finite");
+  Eigen::Index j = 0;
+  (status.v.array().abs() / settings_.speed_limit.array()).maxCoeff(&j);
+  if (std::abs(status.v[j]) > settings_.speed_limit[j])
+    return fail(fmt::format("joint {} turns at {:.2f} rad/s, more than {:.2f} rad/s", j + 1,
+                            std::abs(status.v[j]), settings_.speed_limit[j]));
+  (status.external.array().abs() / settings_.external_limit.array()).maxCoeff(&j);
+  if (std::abs(status.external[j]) > settings_.external_limit[j])
+    fail(fmt::format("an external torque of {:.1f} Nm acts on joint {}, more than {:.1f} Nm",
+                     std::abs(status.external[j]), j + 1, settings_.external_limit[j]));
+}
+
+void ArmSession::tick(double now) noexcept {
+  if (state_ == SessionState::waiting || state_ == SessionState::ended) return;
+  if (now - last_arrival_ > settings_.max_silence)
+    fail(fmt::format("no status of the arm for {:.3f} s", now - last_arrival_));
+}
+
+void ArmSession::hold() noexcept { apply(Event::hold); }
+void ArmSession::run() noexcept { apply(Event::run); }
+void ArmSession::stop() noexcept { apply(Event::stop); }
+
+void ArmSession::fail(const std::string& cause) noexcept {
+  if (cause_.empty()) cause_ = cause;
+  apply(Event::fail);
+}
+
+const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noexcept {
+  if (!may_send()) return sent_;
+  const double since = answered_ == 0 ? 0.0 : 1e-6 * static_cast<double>(last_.utime - answered_);
+  const double dt = stale ? 1e-3 : std::clamp(since, 0.0, kLongestStep);
+  answered_ = last_.utime;
+  if (!sent_any_) entered_ = last_.utime;  // the ramp begins with the first command
+
+  const bool asked = state_ == SessionState::start || state_ == SessionState::run;
+  if (asked && !(wanted.size() == sent_.size() && wanted.allFinite()))
+    fail("the controller's torque is not finite");
+  double share = 1.0;
+  if (state_ == SessionState::start) {
+    share = 1e-6 * static_cast<double>(last_.utime - entered_) / settings_.ramp_time;
+    if (share >= 1.0) apply(Event::ramped);
+    share = std::min(share, 1.0);
+  }
+  const bool ending = state_ == SessionState::fault || state_ == SessionState::stop;
+  if (ending) {
+    damped_ += stale ? 1e-3 : std::max(dt, 1e-6);
+    const bool calm = last_.v.cwiseAbs().maxCoeff() < kAtRest;
+    damping_over_ =
+        damping_over_ || stale || calm || damped_ > settings_.damp_time || !last_.v.allFinite();
+  }
+  const bool follow = state_ == SessionState::start || state_ == SessionState::run;
+  for (Eigen::Index j = 0; j < sent_.size(); ++j) {
+    double tau = 0.0;
+    if (follow)
+      tau = share * wanted[j];
+    else if (ending && !damping_over_)
+      tau = -settings_.damping[j] * last_.v[j];
+    const double limit = settings_.torque_limit[j], most = settings_.torque_rate * dt;
+    tau = std::clamp(tau, -limit, limit);
+    sent_[j] = std::clamp(tau, sent_[j] - most, sent_[j] + most);
+  }
+  sent_any_ = true;
+  if (ending && damping_over_ && sent_.isZero(0.0)) apply(Event::at_rest);
+  return sent_;
+}
+
+JointVector joint_damping(const JointMatrix& M, double T) {
+  const JointMatrix inverse = M.ldlt().solve(JointMatrix::Identity(M.rows(), M.cols()));
+  return (T * inverse.diagonal().array()).inverse().matrix();
+}
+
+}  // namespace impedraw

@@ -1,0 +1,113 @@
+// From an arm's first status to the last zero torque: the states of a session with a torque-driven
+// arm, and what may be sent in each. Pure: no sockets, no clock of its own. Every driver of a real
+// arm uses it.
+//
+//   state     sent in answer to a status                           leaves it
+//   waiting   nothing                                              first status
+//   quiet     nothing: the arm refuses commands at first           quiet_time, arm's clock and wall
+//   start     r τ, r from 0 to 1 over ramp_time                    ramp over
+//   run       τ as wanted
+//   hold      0: the arm carries its own weight
+//   fault     −D v, then 0                                         0 sent after damp_time
+//   stop      −D v, then 0                                         0 sent after damp_time
+//   ended     nothing; the last command was 0 (or none was sent)
+//
+// Any state but ended goes to fault on a fault and to stop on a request; a fault during a stop
+// stays a stop with a named cause. In every state |τ_j| ≤ torque_limit_j and
+// |Δτ_j| ≤ torque_rate Δt, with Δt from the arm's clock, at most kLongestStep.
+//
+// τ is without gravity: the arm compensates its own weight. D is diagonal and must be small against
+// the joints' inertia over the loop's delay: see joint_damping().
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "impedraw/control/arm_terms.h"
+
+namespace impedraw {
+
+struct ArmStatus {
+  std::int64_t utime = 0;  // the arm's clock [µs]
+  JointVector q, v;        // [rad], [rad/s]
+  JointVector external;    // external joint torque as the arm estimates it [Nm]
+
+  explicit ArmStatus(int joints) : q(JointVector::Zero(joints)), v(q), external(q) {}
+};
+
+struct SessionSettings {
+  // One entry per joint, all positive.
+  JointVector torque_limit;    // without gravity [Nm]
+  JointVector speed_limit;     // a faster joint is a fault [rad/s]
+  JointVector external_limit;  // a larger external torque is a fault [Nm]
+  JointVector damping;         // D [Nm s/rad]
+  double torque_rate = 900.0;  // [Nm/s]
+  double quiet_time = 0.25;    // [s]
+  double ramp_time = 0.2;      // [s]
+  double damp_time = 0.3;      // longest [s]
+  double max_silence = 0.05;   // without a new status, by the wall clock [s]
+  double max_gap = 0.02;       // between two statuses, by the arm's clock [s]
+};
+
+enum class SessionState { waiting, quiet, start, run, hold, fault, stop, ended };
+const char* name_of(SessionState state);
+
+class ArmSession {
+ public:
+  static constexpr double kLongestStep = 2e-3;  // of the torque rate's Δt [s]
+  static constexpr double kAtRest = 0.02;       // joint speed at which damping is over [rad/s]
+  static constexpr int kMostOld = 20;           // statuses in a row that are older than the last
+
+  // Throws std::invalid_argument if a limit is not positive or the sizes differ.
+  explicit ArmSession(const SessionSettings& settings);
+
+  // The following do not throw and do not allocate, but for the text of a fault.
+
+  // A status that arrived at `now` [s of the wall clock]. Returns true if it is to be answered: it
+  // is newer than the last, and the state allows sending.
+  bool receive(const ArmStatus& status, double now) noexcept;
+  // Notices silence.
+  void tick(double now) noexcept;
+
+  void hold() noexcept;
+  void run() noexcept;  // after hold()
+  void stop() noexcept;
+  void fail(const std::string& cause) noexcept;  // the first cause stays
+
+  // The torque that answers the last status; `wanted` counts in start and run alone. Call once for
+  // each status that receive() asks to answer. Without a new status (`stale`), in stop and fault:
+  // lowers the torque to zero at torque_rate.
+  const JointVector& answer(const JointVector& wanted, bool stale = false) noexcept;
+
+  SessionState state() const noexcept { return state_; }
+  const std::string& cause() const noexcept { return cause_; }  // of a fault; empty: none
+  bool may_send() const noexcept;
+  bool sent_any() const noexcept { return sent_any_; }
+  const ArmStatus& last() const noexcept { return last_; }
+  const JointVector& sent() const noexcept { return sent_; }
+  long missed() const noexcept { return missed_; }  // statuses, by the gaps in the arm's clock
+
+ private:
+  enum class Event { status, quiet_over, ramped, hold, run, stop, fail, at_rest };
+  void apply(Event event) noexcept;
+  void check(const ArmStatus& status) noexcept;
+
+  SessionSettings settings_;
+  SessionState state_ = SessionState::waiting;
+  ArmStatus last_;
+  double first_arrival_ = 0.0, last_arrival_ = 0.0;  // [s]
+  std::int64_t first_utime_ = 0, entered_ = 0;       // [µs]
+  std::int64_t answered_ = 0, usual_ = 0;            // utime answered; usual step [µs]
+  double damped_ = 0.0;                              // time in fault or stop [s]
+  int old_ = 0;
+  long missed_ = 0;
+  bool sent_any_ = false, damping_over_ = false;
+  JointVector sent_;
+  std::string cause_;
+};
+
+// D_j = 1/(T (M⁻¹)_jj): with n joints no mode is damped faster than n/T, so that a delay of T/n/2
+// and less stays harmless. M: inertia at the posture [kg m²], T [s].
+JointVector joint_damping(const JointMatrix& M, double T = 0.1);
+
+}  // namespace impedraw

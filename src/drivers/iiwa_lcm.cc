@@ -1,0 +1,289 @@
+#include "impedraw/drivers/iiwa_lcm.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+// KUKA's data sheets: ranges are those of both arms, torques of the iiwa 14, the stronger one. A
+// model that allows more describes another arm.
+constexpr std::array<double, kIiwaJoints> kRangeDeg = {170, 120, 170, 120, 170, 120, 175};
+constexpr std::array<double, kIiwaJoints> kTorque = {320, 320, 176, 176, 110, 40, 40};  // [Nm]
+// drake-iiwa-driver ends a session at these external torques; a tenth less ends ours before [Nm].
+constexpr std::array<double, kIiwaJoints> kExternal = {60, 60, 60, 30, 12, 12, 6};
+constexpr double kExternalShare = 0.9, kSpeedShare = 1.2;
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void require_iiwa(const ArmModel& arm) {
+  if (arm.joints() != kIiwaJoints)
+    throw InputError(
+        fmt::format("arm.urdf: the arm has {} joints, an iiwa has {}", arm.joints(), kIiwaJoints));
+  const ArmLimits& limits = arm.limits();
+  for (int j = 0; j < kIiwaJoints; ++j) {
+    const double range = kRangeDeg[j] * 3.14159265358979323846 / 180.0 + 1e-3;
+    const std::string& name = arm.joint_names()[static_cast<std::size_t>(j)];
+    if (!(limits.lower[j] >= -range && limits.upper[j] <= range))
+      throw InputError(
+          fmt::format("arm.urdf: {} may turn from {:.3f} to {:.3f} rad, an iiwa's joint {} by "
+                      "±{:.3f} rad: this "
+                      "describes another arm",
+                      name, limits.lower[j], limits.upper[j], j + 1, range));
+    if (!(limits.torque[j] <= kTorque[j] + 1e-6))
+      throw InputError(fmt::format(
+          "arm.urdf: {} may use {:.0f} Nm, an iiwa's joint {} at most {:.0f} Nm: this describes "
+          "another arm",
+          name, limits.torque[j], j + 1, kTorque[j]));
+  }
+}
+
+SessionSettings session_settings(const ArmSettings& settings, ArmModel& arm,
+                                 const JointVector& posture) {
+  SessionSettings s;
+  s.torque_limit = arm.limits().torque;
+  s.speed_limit = kSpeedShare * arm.limits().speed;
+  s.external_limit = kExternalShare *
+                     JointVector(Eigen::Map<const Eigen::VectorXd>(kExternal.data(), kIiwaJoints));
+  ArmTerms terms(arm.joints());
+  arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
+  s.damping = joint_damping(terms.M);
+  s.max_silence = settings.max_silence;
+  return s;
+}
+
+}  // namespace
+
+IiwaLcm::IiwaLcm(const ArmSettings& settings, ArmModel& arm, double period,
+                 std::optional<JointVector> start_q, bool wrench)
+    : settings_(settings),
+      period_(period),
+      joint_names_(arm.joint_names()),
+      limits_(arm.limits()),
+      start_q_(std::move(start_q)),
+      wants_wrench_(wrench),
+      decoded_(kIiwaJoints),
+      state_(kIiwaJoints),
+      wanted_(JointVector::Zero(kIiwaJoints)),
+      zero_(wanted_) {
+  require_iiwa(arm);
+  check_lcm_url(settings.url);
+  session_settings_ =
+      session_settings(settings, arm, start_q_ ? *start_q_ : JointVector::Zero(kIiwaJoints));
+  session_ = std::make_unique<ArmSession>(session_settings_);
+}
+
+IiwaLcm::~IiwaLcm() { stop(); }
+
+DriverInfo IiwaLcm::info() const {
+  return {kIiwaJoints, period_, wants_wrench_ ? WrenchReading::tip : WrenchReading::none, true};
+}
+
+void IiwaLcm::connect() {
+  link_ = std::make_unique<LcmLink>(settings_.url);
+  link_->subscribe(kIiwaStatusChannel, [this](std::span<const std::uint8_t> bytes) {
+    const Decoded result = decode_iiwa_status(bytes, &decoded_);
+    if (result == Decoded::ok)
+      decoded_any_ = true;
+    else if (misread_.empty())
+      misread_ = fmt::format("{} carries a message {}", kIiwaStatusChannel, name_of(result));
+  });
+  if (!wants_wrench_) return;
+  link_->subscribe(kTipWrenchChannel, [this](std::span<const std::uint8_t> bytes) {
+    const Decoded result = decode_tip_wrench(bytes, &wrench_);
+    if (result == Decoded::ok)
+      wrench_any_ = true;
+    else if (misread_.empty())
+      misread_ = fmt::format("{} carries a message {}", kTipWrenchChannel, name_of(result));
+  });
+}
+
+void IiwaLcm::observe(double seconds,
+                      const std::function<void(const ArmStatus&, double now)>& seen) {
+  connect();
+  const double begin = seconds_now(), end = begin + seconds;
+  bool any = false;
+  while (seconds_now() < (any ? end : begin + kPatience)) {
+    if (!link_->wait(0.1)) {
+      if (!link_->connected()) throw std::runtime_error("the LCM broker closed the connection");
+      continue;
+    }
+    decoded_any_ = false;
+    link_->handle();
+    if (!misread_.empty()) throw std::runtime_error(misread_);
+    if (!decoded_any_) continue;
+    any = true;
+    seen(decoded_, seconds_now());
+  }
+  link_.reset();
+  if (!any)
+    throw std::runtime_error(fmt::format("arm.url {}: no message on {} within {:.0f} s",
+                                         settings_.url, kIiwaStatusChannel, kPatience));
+}
+
+void IiwaLcm::start() {
+  session_ = std::make_unique<ArmSession>(session_settings_);
+  fault_.clear();
+  misread_.clear();
+  statuses_ = answered_ = 0;
+  began_ = answerable_ = wrench_any_ = false;
+  connect();
+  const double patience = seconds_now() + kPatience;
+  // Until the session may send. The statuses are only looked at: nothing is answered yet.
+  while (!receive(seconds_now() + 0.1)) {
+    if (!fault_.empty()) throw std::runtime_error(fault_);
+    if (session_->state() == SessionState::waiting && seconds_now() > patience)
+      throw std::runtime_error(fmt::format("arm.url {}: no message on {} within {:.0f} s",
+                                           settings_.url, kIiwaStatusChannel, kPatience));
+    if (seconds_now() > patience + 10.0)
+      throw std::runtime_error("the arm's clock stands still or runs far too slowly");
+  }
+  check_posture();
+  if (wants_wrench_ && !wrench_any_)
+    throw std::runtime_error(
+        fmt::format("control.wrench: ground_truth needs the wrench at the tip on {}, and none came",
+                    kTipWrenchChannel));
+}
+
+void IiwaLcm::check_posture() const {
+  const JointVector& q = session_->last().q;
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    const std::string& name = joint_names_[static_cast<std::size_t>(j)];
+    if (q[j] < limits_.lower[j] || q[j] > limits_.upper[j])
+      throw std::runtime_error(fmt::format(
+          "{} stands at {:.3f} rad, beyond the {:.3f} to {:.3f} rad of arm.urdf: another arm, or "
+          "another zero",
+          name, q[j], limits_.lower[j], limits_.upper[j]));
+    if (start_q_ && std::abs(q[j] - (*start_q_)[j]) > kStartTolerance)
+      throw std::runtime_error(fmt::format(
+          "{} stands at {:.3f} rad, the drawing starts at {:.3f} rad (within {:.2f} rad); "
+          "./impedraw plan --json says where: start_q",
+          name, q[j], (*start_q_)[j], kStartTolerance));
+  }
+}
+
+bool IiwaLcm::receive(double until) noexcept {
+  bool fresh = false;
+  while (true) {
+    const double now = seconds_now();
+    // What has already arrived is taken first, so that the newest status is answered.
+    if (!link_->wait(fresh ? 0.0 : std::max(0.0, until - now))) {
+      if (!link_->connected()) session_->fail("the connection to the LCM broker was lost");
+      break;
+    }
+    decoded_any_ = false;
+    if (!link_->handle()) {
+      session_->fail("the connection to the LCM broker was lost");
+      break;
+    }
+    if (!misread_.empty()) {
+      session_->fail(misread_);
+      break;
+    }
+    if (!decoded_any_) continue;
+    ++statuses_;
+    fresh = session_->receive(decoded_, seconds_now()) || fresh;
+  }
+  session_->tick(seconds_now());
+  note_fault();
+  if (fresh) answerable_ = true;
+  return fresh;
+}
+
+void IiwaLcm::note_fault() noexcept {
+  if (fault_.empty() && !session_->cause().empty())
+    fault_ = fmt::format("arm: {} (state {})", session_->cause(), name_of(session_->state()));
+}
+
+const ArmState& IiwaLcm::read() noexcept {
+  if (!link_ || !fault_.empty()) return state_;
+  if (began_ || !answerable_) {
+    const double end = seconds_now() + settings_.max_silence + 0.01;
+    while (fault_.empty() && !receive(end)) {
+    }
+  } else {
+    receive(seconds_now());  // only what has arrived since start()
+  }
+  const ArmStatus& last = session_->last();
+  if (!began_) {
+    began_ = true;
+    first_utime_ = last.utime;
+  }
+  state_.time = state_.state_time = 1e-6 * static_cast<double>(last.utime - first_utime_);
+  state_.q = last.q;
+  state_.v = last.v;
+  state_.step_time = settings_.clock == ArmClock::wall ? last_step_ : 0.0;
+  if (wants_wrench_) {
+    state_.wrench = wrench_.wrench;
+    // The delay that the set-up knows of is no age (driver.h).
+    state_.wrench_time =
+        1e-6 * static_cast<double>(wrench_.utime - first_utime_) + settings_.wrench_delay;
+  }
+  read_at_ = seconds_now();
+  return state_;
+}
+
+void IiwaLcm::command(const JointVector& tau, const JointVector& gravity) noexcept {
+  if (!link_ || !fault_.empty()) return;
+  if (!session_->sent_any()) {
+    // The loop has opened its log since it read the state. Clock and ramp begin now, with zero in
+    // answer to the newest status: otherwise the plan would be ahead of an arm that rests.
+    receive(seconds_now());
+    first_utime_ = session_->last().utime;
+    if (!fault_.empty()) return;
+  }
+  wanted_ = tau - gravity;
+  send(wanted_, false);
+  last_step_ = seconds_now() - read_at_;
+}
+
+void IiwaLcm::send(const JointVector& wanted, bool stale) noexcept {
+  if (!answerable_ && !stale) return;
+  answerable_ = false;
+  if (!session_->may_send()) return;
+  const JointVector& tau = session_->answer(wanted, stale);
+  std::array<std::uint8_t, kIiwaCommandSize> bytes;
+  encode_iiwa_command(session_->last().utime, tau, bytes);
+  if (!link_->publish(kIiwaCommandChannel, bytes))
+    session_->fail("the connection to the LCM broker was lost");
+  else if (!stale)
+    ++answered_;
+  note_fault();
+}
+
+void IiwaLcm::hold() noexcept { session_->hold(); }
+
+IiwaLcm::Counts IiwaLcm::counts() const noexcept {
+  return {statuses_, answered_, session_->missed()};
+}
+
+void IiwaLcm::stop() noexcept {
+  if (!link_) return;
+  session_->stop();
+  // Damps and lowers the torque to zero, in answer to statuses; without them, by itself.
+  constexpr double kLongest = 2.0;  // [s]
+  const double end = seconds_now() + kLongest;
+  const double patience = settings_.clock == ArmClock::wall ? 0.005 : settings_.max_silence;
+  bool silent = false;
+  while (session_->may_send() && link_->connected() && seconds_now() < end) {
+    if (answerable_)
+      send(zero_, false);
+    else if (silent)
+      send(zero_, true);
+    silent = session_->may_send() && !receive(seconds_now() + (silent ? 0.001 : patience));
+  }
+  link_.reset();
+}
+
+}  // namespace impedraw

@@ -1,0 +1,88 @@
+// KUKA's LBR iiwa through LCM, driven by torque alone: the messages of drake-iiwa-driver and of
+// Drake's simulated iiwa (iiwa_messages.h), the session of arm_session.h.
+//
+// Clock    ArmSettings::clock. In lock-step each status is answered by one command that carries the
+//          status's own utime, and the arm waits for it: after the session's quiet time, whoever
+//          simulates waits from the first command on. On a wall clock the newest status is
+//          answered, and the loop must not pause: see docs/arms.md.
+// State    positions and velocities of the status. The status's torques are never taken for force.
+// Wrench   of the channel IMPEDRAW_TIP_WRENCH, where the scenario wants one.
+// Torque   without gravity: the arm adds its own.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "impedraw/arm/arm_model.h"
+#include "impedraw/drivers/arm_session.h"
+#include "impedraw/drivers/iiwa_messages.h"
+#include "impedraw/drivers/lcm_link.h"
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/run/driver.h"
+
+namespace impedraw {
+
+class IiwaLcm : public Driver {
+ public:
+  struct Counts {
+    long statuses = 0, answered = 0;  // received; answered by a command
+    long missed = 0;                  // never received, by the arm's clock
+  };
+
+  // start_q: where the arm must stand at start(), within kStartTolerance; nothing: anywhere.
+  // `arm` is asked for limits and inertia here only. Throws InputError if it cannot be an iiwa's
+  // model.
+  IiwaLcm(const ArmSettings& settings, ArmModel& arm, double period,
+          std::optional<JointVector> start_q, bool wrench);
+  ~IiwaLcm() override;
+
+  static constexpr double kStartTolerance = 0.02;  // of each joint [rad]
+  static constexpr double kPatience = 2.0;         // for the first status, at start() [s]
+
+  DriverInfo info() const override;
+  void start() override;
+  const ArmState& read() noexcept override;
+  void command(const JointVector& tau, const JointVector& gravity) noexcept override;
+  const std::string& fault() const noexcept override { return fault_; }
+  void stop() noexcept override;
+
+  void hold() noexcept;  // from now on zero torque: the arm carries itself
+  const ArmSession& session() const { return *session_; }
+  Counts counts() const noexcept;
+
+  // Connects and receives statuses for `seconds`, and sends nothing. `seen` is called with each.
+  // Throws as start() does.
+  void observe(double seconds, const std::function<void(const ArmStatus&, double now)>& seen);
+
+ private:
+  void connect();
+  void await_first();
+  // Receives until a status is to be answered or `until` [s]; true if there is one.
+  bool receive(double until) noexcept;
+  void send(const JointVector& wanted, bool stale) noexcept;
+  void note_fault() noexcept;
+  void check_posture() const;
+
+  ArmSettings settings_;
+  double period_;
+  std::vector<std::string> joint_names_;
+  ArmLimits limits_;
+  std::optional<JointVector> start_q_;
+  bool wants_wrench_;
+  SessionSettings session_settings_;
+  std::unique_ptr<LcmLink> link_;
+  std::unique_ptr<ArmSession> session_;
+  ArmStatus decoded_;
+  TipWrench wrench_;
+  bool decoded_any_ = false, wrench_any_ = false, answerable_ = false, began_ = false;
+  long statuses_ = 0, answered_ = 0;
+  double read_at_ = 0.0, last_step_ = 0.0;  // [s]
+  std::int64_t first_utime_ = 0;
+  std::string misread_;  // why a message could not be read
+  ArmState state_;
+  JointVector wanted_, zero_;
+  std::string fault_;
+};
+
+}  // namespace impedraw

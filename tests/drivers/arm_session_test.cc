@@ -1,0 +1,255 @@
+// The session's promises, whatever arrives: torque bounded in size and rate, a named state, nothing
+// sent too early, zero last.
+#include "impedraw/drivers/arm_session.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <gtest/gtest.h>
+
+#include "seeds.h"
+
+namespace impedraw {
+namespace {
+
+constexpr int kJoints = 3;
+
+SessionSettings settings() {
+  SessionSettings s;
+  s.torque_limit = JointVector::Constant(kJoints, 40.0);
+  s.speed_limit = JointVector::Constant(kJoints, 2.0);
+  s.external_limit = JointVector::Constant(kJoints, 20.0);
+  s.damping = JointVector::Constant(kJoints, 3.0);
+  return s;
+}
+
+JointVector all(double x) { return JointVector::Constant(kJoints, x); }
+
+ArmStatus at(std::int64_t utime, double v = 0.0) {
+  ArmStatus status(kJoints);
+  status.utime = utime;
+  status.v = all(v);
+  return status;
+}
+
+// A session that has just left the quiet time; the last status is at 1.25 s.
+ArmSession begun() {
+  ArmSession session(settings());
+  for (int ms = 0; ms <= 250; ++ms) session.receive(at(1'000'000 + 1000 * ms), 1e-3 * ms + 1e-9);
+  EXPECT_EQ(session.state(), SessionState::start);
+  return session;
+}
+
+TEST(ArmSession, NothingMayBeSentWithinTheQuietTimeOfEitherClock) {
+  ArmSession slow(settings());  // the arm's clock runs at half the wall's speed
+  ArmSession fast(settings());  // at twice
+  for (int ms = 0; ms < 250; ++ms) {
+    EXPECT_FALSE(slow.receive(at(1 + 1000 * ms), 2e-3 * ms)) << ms;
+    EXPECT_FALSE(fast.receive(at(1 + 2000 * ms), 1e-3 * ms)) << ms;
+  }
+  EXPECT_TRUE(slow.receive(at(250'001), 0.5));
+  EXPECT_TRUE(fast.receive(at(500'001), 0.25));
+}
+
+TEST(ArmSession, TheTorqueIsRampedUpFromTheFirstCommand) {
+  ArmSession session = begun();
+  for (int ms = 1; ms <= 300; ++ms) {
+    ASSERT_TRUE(session.receive(at(1'250'000 + 1000 * ms), 0.25 + 1e-3 * ms));
+    const JointVector tau = session.answer(all(10.0));
+    const double share = std::min(1.0, (ms - 1) / 200.0);
+    EXPECT_NEAR(tau[0], 10.0 * share, 1e-9) << ms;
+  }
+  EXPECT_EQ(session.state(), SessionState::run);
+}
+
+TEST(ArmSession, AStopDampsAndEndsWithZero) {
+  ArmSession session = begun();
+  std::int64_t utime = 1'250'000;
+  double now = 0.25, v = 1.0;
+  const auto cycle = [&] {
+    session.receive(at(utime += 1000, v), now += 1e-3);
+    return JointVector(session.answer(all(9.0)));
+  };
+  for (int i = 0; i < 300; ++i) cycle();
+  session.stop();
+  EXPECT_EQ(session.state(), SessionState::stop);
+  JointVector tau = all(9.0);
+  for (int i = 0; i < 20; ++i) tau = cycle();
+  EXPECT_NEAR(tau[1], -3.0 * v, 1e-12);
+  int cycles = 0;
+  for (; session.may_send() && cycles < 1000; ++cycles) tau = cycle();
+  EXPECT_EQ(session.state(), SessionState::ended);
+  EXPECT_LT(cycles, 400);
+  EXPECT_TRUE(tau.isZero(0.0));
+  EXPECT_TRUE(session.cause().empty());
+}
+
+TEST(ArmSession, SilenceIsAFaultAndLowersTheTorqueByItself) {
+  ArmSession session = begun();
+  for (int ms = 1; ms <= 300; ++ms) {
+    session.receive(at(1'250'000 + 1000 * ms), 0.25 + 1e-3 * ms);
+    session.answer(all(30.0));
+  }
+  session.tick(0.55 + 0.049);
+  EXPECT_EQ(session.state(), SessionState::run);
+  session.tick(0.55 + 0.051);
+  EXPECT_EQ(session.state(), SessionState::fault);
+  EXPECT_EQ(session.cause(), "no status of the arm for 0.051 s");
+  int cycles = 0;
+  for (; session.may_send() && cycles < 100; ++cycles) session.answer(all(30.0), true);
+  EXPECT_NEAR(cycles, 30.0 / 0.9, 2.0);  // at 900 Nm/s, a millisecond each
+  EXPECT_TRUE(session.sent().isZero(0.0));
+}
+
+TEST(ArmSession, FaultsAreNamed) {
+  const auto cause = [](const auto& happen) {
+    ArmSession session = begun();
+    session.receive(at(1'251'000), 0.251);
+    session.answer(all(0.0));
+    happen(session);
+    EXPECT_TRUE(session.state() == SessionState::fault || session.state() == SessionState::ended);
+    return session.cause();
+  };
+  EXPECT_EQ(cause([](ArmSession& s) { s.receive(at(1'252'000, 2.5), 0.252); }),
+            "joint 1 turns at 2.50 rad/s, more than 2.00 rad/s");
+  EXPECT_EQ(cause([](ArmSession& s) {
+              ArmStatus status = at(1'252'000);
+              status.external[2] = -25.0;
+              s.receive(status, 0.252);
+            }),
+            "an external torque of 25.0 Nm acts on joint 3, more than 20.0 Nm");
+  EXPECT_EQ(cause([](ArmSession& s) { s.receive(at(1'351'000), 0.252); }),
+            "the arm's clock jumped by 0.100 s; at most 0.020 s may lie between two statuses");
+  EXPECT_EQ(cause([](ArmSession& s) {
+              for (int i = 0; i <= ArmSession::kMostOld; ++i) s.receive(at(1'001'000), 0.252);
+            }),
+            "the arm's clock went back by 0.250 s and stayed there");
+  EXPECT_EQ(cause([](ArmSession& s) {
+              s.receive(at(1'252'000, std::numeric_limits<double>::quiet_NaN()), 0.252);
+            }),
+            "the arm's status has numbers that are not finite");
+  EXPECT_EQ(cause([](ArmSession& s) {
+              s.receive(at(1'252'000), 0.252);
+              s.answer(all(std::numeric_limits<double>::infinity()));
+            }),
+            "the controller's torque is not finite");
+}
+
+TEST(ArmSession, BeforeTheFirstCommandAFaultLeavesNothingToTakeBack) {
+  ArmSession session(settings());
+  session.receive(at(1), 0.0);
+  session.fail("somebody says no");
+  EXPECT_EQ(session.state(), SessionState::ended);
+  EXPECT_FALSE(session.sent_any());
+  EXPECT_EQ(session.cause(), "somebody says no");
+}
+
+TEST(ArmSession, BadSettingsAreRefused) {
+  SessionSettings s = settings();
+  s.damping[1] = 0.0;
+  EXPECT_THROW(ArmSession{s}, std::invalid_argument);
+  s = settings();
+  s.external_limit = all(1.0).head(2);
+  EXPECT_THROW(ArmSession{s}, std::invalid_argument);
+}
+
+// Any order of messages, gaps, duplicates, clock jumps, requests and torques.
+TEST(ArmSession, AnythingMayHappen) {
+  for (unsigned seed = 0; seed < seeds(200, 5000); ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const auto uniform = [&](double a, double b) {
+      return std::uniform_real_distribution<double>(a, b)(random);
+    };
+    const auto chance = [&](double p) { return uniform(0.0, 1.0) < p; };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    ArmSession session(settings());
+    const double trouble = chance(0.5) ? 0.0 : 0.02;
+    std::int64_t utime = 5, newest = 0, first = -1;
+    double now = 0.0, first_now = 0.0;
+    JointVector before = all(0.0);
+    bool faulted = false, was_ended = false;
+    for (int i = 0; i < 1500; ++i) {
+      now += chance(trouble) ? uniform(0.0, 0.2) : 1e-3;
+      utime += chance(trouble) ? static_cast<std::int64_t>(uniform(-1e5, 1e5))
+                               : (chance(0.05) ? 0 : 1000);
+      ArmStatus status = at(utime, uniform(-1.0, 1.0) * (chance(trouble) ? 5.0 : 1.0));
+      if (chance(0.1 * trouble)) status.q[1] = nan;
+      if (chance(0.1 * trouble)) status.external[0] = uniform(-50.0, 50.0);
+      if (first < 0) {
+        first = utime;
+        first_now = now;
+      }
+      const bool answer = session.receive(status, now);
+      if (answer) {
+        EXPECT_GT(utime, newest);
+        EXPECT_GE(now - first_now, 0.25);
+        EXPECT_GE(utime - first, 250'000);
+      }
+      newest = std::max(newest, utime);
+      if (chance(0.3)) session.tick(now);
+      if (chance(0.002)) session.hold();
+      if (chance(0.002)) session.run();
+      if (chance(0.0005)) session.stop();
+      if (answer || chance(0.01)) {
+        const bool could = session.may_send();
+        JointVector wanted = all(uniform(-80.0, 80.0));
+        if (chance(0.1 * trouble)) wanted[2] = nan;
+        const JointVector tau = session.answer(wanted, !answer);
+        ASSERT_TRUE(tau.allFinite());
+        ASSERT_LE(tau.cwiseAbs().maxCoeff(), 40.0);
+        ASSERT_LE((tau - before).cwiseAbs().maxCoeff(), 900.0 * ArmSession::kLongestStep + 1e-12);
+        if (!could) {
+          ASSERT_EQ(tau, before);
+        }
+        before = tau;
+      }
+      ASSERT_STRNE(name_of(session.state()), "");
+      // A fault is for good, and ended is ended.
+      const bool ended = session.state() == SessionState::ended;
+      if (faulted) {
+        ASSERT_TRUE(session.state() == SessionState::fault || ended);
+      }
+      if (was_ended) {
+        ASSERT_TRUE(ended);
+      }
+      faulted = faulted || session.state() == SessionState::fault;
+      was_ended = ended;
+      if (ended) {
+        ASSERT_TRUE(session.sent().isZero(0.0));
+      }
+      if (session.state() == SessionState::fault) {
+        ASSERT_FALSE(session.cause().empty());
+      }
+    }
+    // However it stands, it can be brought to an end without any further status.
+    session.stop();
+    for (int i = 0; i < 200 && session.may_send(); ++i) session.answer(all(1.0), true);
+    ASSERT_FALSE(session.may_send());
+    ASSERT_TRUE(session.sent().isZero(0.0));
+  }
+}
+
+// No mode is damped faster than n/T: for random inertias, as far from diagonal as they come.
+TEST(JointDamping, IsSlowAgainstTheDelay) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    const int n = 7;
+    Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+    A.col(0) *= 10.0;
+    const JointMatrix M = A * A.transpose() + 1e-3 * Eigen::MatrixXd::Identity(n, n);
+    const JointVector D = joint_damping(M, 0.1);
+    const Eigen::VectorXcd rates = (M.inverse() * Eigen::MatrixXd(D.asDiagonal())).eigenvalues();
+    EXPECT_LT(rates.real().maxCoeff(), n / 0.1 * (1.0 + 1e-6));
+    EXPECT_GT(rates.real().minCoeff(), 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,95 @@
+"""Judges a drawing from Drake's own log: contact results and poses of simulate.py's file. impedraw's log gives only what was planned: the
+strokes' times and the target.
+
+Usage: judge.py SIMULATION.npz RUN_FOLDER [--json]
+Terms as in docs/metrics.md; contact point and force are Drake's, the normal is the sphere's.
+"""
+import json
+import pathlib
+import sys
+
+import h5py
+import numpy
+
+BOWL_CENTRE = numpy.array([0.60, 0.0, 0.40])
+SPEED = numpy.radians([85, 85, 100, 75, 130, 135, 135])  # the iiwa 14's limits [rad/s]
+INK, SETTLING = 0.1, 0.2  # [N], [s]
+
+
+def distance_to_line(points, line):
+    """Of each point to a polyline [m]."""
+    best = numpy.full(len(points), numpy.inf)
+    for a, b in zip(line[:-1], line[1:]):
+        d = b - a
+        s = numpy.clip((points - a) @ d / max(d @ d, 1e-18), 0.0, 1.0)
+        best = numpy.minimum(best, numpy.linalg.norm(points - a - s[:, None] * d, axis=1))
+    return best
+
+
+def judge(simulation, folder):
+    sim = numpy.load(simulation)
+    with h5py.File(pathlib.Path(folder) / "run.h5") as log:
+        time, stroke, q = log["/time"][:], log["/stroke"][:], log["/joint/position"][:]
+        scale = log["/time_scale"][:]
+        target, of = log["/target/points"][:], log["/target/stroke"][:]
+    # The clocks are aligned by the joint positions, which the statuses carry bit by bit: a row late in the run has one match.
+    row = len(time) // 2
+    (match,) = numpy.nonzero((sim["q"] == q[row]).all(axis=1))
+    assert len(match) == 1, f"{len(match)} steps of Drake have the joint positions of row {row}"
+    shift = sim["time"][match[0]] - time[row]
+    at = numpy.rint(1e3 * (time + shift)).astype(int) + 1  # the step after: Drake's contact is that of the step that ended
+    kept = at < len(sim["time"])
+    time, stroke, scale, at = time[kept], stroke[kept], scale[kept], at[kept]
+    point = sim["point"][at]
+    normal = BOWL_CENTRE - point
+    normal /= numpy.linalg.norm(normal, axis=1)[:, None]
+    f = numpy.nan_to_num(numpy.einsum("ij,ij->i", sim["force"][at], normal))
+    ink, runs = f > INK, scale >= 0.2
+    down = stroke >= 0
+    error, settled, touchdown = [], [], 0.0
+    for s in numpy.unique(stroke[down]):
+        own = stroke == s
+        drawn = own & ink & runs
+        if drawn.any():
+            error.append(distance_to_line(point[drawn], target[of == s]))
+        # The first touch may come before the stroke's own first step.
+        begin = numpy.nonzero(own)[0][0]
+        before = numpy.nonzero((stroke[:begin] >= 0) | (time[:begin] < time[begin] - 2.0))[0]
+        first = numpy.nonzero(ink[(before[-1] + 1 if len(before) else 0) :])[0]
+        if not len(first):
+            continue
+        touch = (before[-1] + 1 if len(before) else 0) + first[0]
+        touchdown = max(touchdown, f[(time >= time[touch]) & (time <= time[touch] + SETTLING)].max())
+        settled.append(f[drawn & (time > time[touch] + SETTLING)])
+    error, settled = 1e3 * numpy.concatenate(error or [[numpy.nan]]), numpy.concatenate(settled or [[numpy.nan]])
+    spectrum = numpy.abs(numpy.fft.rfft(settled - settled.mean())) if len(settled) > 100 else numpy.zeros(2)
+    return {
+        "contact_fraction": float((down & ink & runs).sum() / (down & runs).sum()),
+        "ink_error_rms": float(numpy.sqrt((error**2).mean())),
+        "ink_error_max": float(error.max()),
+        "force_mean": float(settled.mean()),
+        "force_median": float(numpy.median(settled)),
+        "force_sd": float(settled.std()),
+        "force_loudest_hz": float(numpy.argmax(spectrum) * 1e3 / max(len(settled), 1)),
+        "touchdown_peak": float(touchdown),
+        "time_scale_mean": float(scale[down].mean()),
+        # Of the first 10 ms of commands: without a bump, all that the ramp lets through of it.
+        "start_torque": float(numpy.abs(sim["torque"][sim["began"]][:10]).max()),
+        "joint_speed_share": float((numpy.abs(sim["v"]) / SPEED).max()),
+        "statuses_sent": int(sim["sent"]),
+        "statuses_answered": int(sim["answered"]),
+        "left": bool(sim["left"]),
+        "last_torque": float(numpy.abs(sim["last_torque"]).max()),
+        "real_time_factor": float(sim["real_time_factor"]),
+        "wait_median_ms": float(1e3 * numpy.median(sim["waits"])) if len(sim["waits"]) else None,
+        "wait_p99_ms": float(1e3 * numpy.percentile(sim["waits"], 99)) if len(sim["waits"]) else None,
+    }
+
+
+if __name__ == "__main__":
+    found = judge(sys.argv[1], sys.argv[2])
+    if "--json" in sys.argv:
+        print(json.dumps(found, indent=2))
+    else:
+        for name, value in found.items():
+            print(f"{name:20} {value if not isinstance(value, float) else format(value, '.4g')}")

@@ -1,0 +1,44 @@
+"""Fills the table of docs/arms.md from build/foreign/drake/figures.json, which run.py --all leaves.
+
+Usage: python3 tests/foreign/drake/table.py
+"""
+import json
+import pathlib
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+figures = json.loads((ROOT / "build/foreign/drake/figures.json").read_text())
+PAGE = ROOT / "docs/arms.md"
+NAMES = {
+    "sine": "sine, wrench of Drake's contact 2 ms late",
+    "m": "M, the same",
+    "sine-no-wrench": "sine, no wrench, natural inertia",
+    "m-no-wrench": "M, the same",
+    "sine-heavy": "sine, no wrench, rotor inertia 0.1 kg m² and the pen a fifth heavier than believed",
+}
+lines = [
+    "| drawing | contact | ink RMS, max [mm] | force mean ± SD [N] | floor's SD [N] | touchdown [N] | unanswered statuses |",
+    "|---|---|---|---|---|---|---|",
+]
+for name, text in NAMES.items():
+    if name not in figures:
+        continue
+    f = figures[name]
+    floor = figures.get("slider-" + name.split("-")[0])
+    lines.append(
+        f"| {text} | {f['contact_fraction']:.4f} | {f['ink_error_rms']:.3f}, {f['ink_error_max']:.2f} | {f['force_mean']:.3f} ± {f['force_sd']:.3f} "
+        f"| {format(floor['force_sd'], '.3f') if floor else '–'} | {f['touchdown_peak']:.2f} | {f['unanswered'] - f['left']} of {f['statuses_sent']} |"
+    )
+if "hold" in figures:
+    h = figures["hold"]
+    lines += [
+        "",
+        f"Free-running at 1 kHz for 10 s of `arm hold`: {100 * h['answered_share']:.2f} % of {h['statuses']} statuses answered, "
+        f"{h['answer_p50_ms']:.2f} ms after they were sent (median; 99 %: {h['answer_p99_ms']:.2f} ms; two cores that others use too), "
+        f"drift {h['drift_rad']:.1e} rad.",
+    ]
+for name, text in (("absent", "No broker"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle")):
+    if name in figures:
+        lines += ["", f"{text}: `{figures[name]['stderr']}`"]
+page = PAGE.read_text()
+begin, end = page.index("<!-- drake -->") + len("<!-- drake -->"), page.index("<!-- /drake -->")
+PAGE.write_text(page[:begin] + "\n" + "\n".join(lines) + "\n" + page[end:])
