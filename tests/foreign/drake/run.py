@@ -1,6 +1,6 @@
 """impedraw's drawings on Drake's iiwa, judged from Drake's own log, and what happens when something is missing or dies.
 
-Usage: .venv/bin/python tests/foreign/drake/run.py [--all] [CASE …]    (default: sine, slider-sine and all that moves nothing for long)
+Usage: .venv/bin/python tests/foreign/drake/run.py [--all] [CASE …]    (default: absent, sine, slider-sine, broker-killed, sigterm)
 Exit code 0 if every bound of bounds.json and every check holds. Leaves build/foreign/drake/figures.json.
 """
 import contextlib
