@@ -78,6 +78,7 @@ bool ArmSession::receive(const ArmStatus& status, double now) noexcept {
     return false;
   }
   old_ = 0;
+  ++received_;
   const std::int64_t step = status.utime - last_.utime;
   const bool first = state_ == SessionState::waiting;
   last_.utime = status.utime;
@@ -101,6 +102,11 @@ bool ArmSession::receive(const ArmStatus& status, double now) noexcept {
       now - first_arrival_ >= settings_.quiet_time)
     apply(Event::quiet_over);
   return may_send();
+}
+
+double ArmSession::mean_step() const noexcept {
+  return 1e-6 * static_cast<double>(last_.utime - first_utime_) /
+         (received_ > 1 ? static_cast<double>(received_ - 1) : std::nan(""));
 }
 
 void ArmSession::check(const ArmStatus& status) noexcept {

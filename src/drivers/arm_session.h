@@ -85,6 +85,8 @@ class ArmSession {
   bool sent_any() const noexcept { return sent_any_; }
   const ArmStatus& last() const noexcept { return last_; }
   const JointVector& sent() const noexcept { return sent_; }
+  // Mean time between two statuses by the arm's clock [s]; NaN before the second.
+  double mean_step() const noexcept;
   long missed() const noexcept { return missed_; }  // statuses, by the gaps in the arm's clock
 
  private:
@@ -100,7 +102,7 @@ class ArmSession {
   std::int64_t answered_ = 0, usual_ = 0;            // utime answered; usual step [µs]
   double damped_ = 0.0;                              // time in fault or stop [s]
   int old_ = 0;
-  long missed_ = 0;
+  long missed_ = 0, received_ = 0;
   bool sent_any_ = false, damping_over_ = false;
   JointVector sent_;
   std::string cause_;

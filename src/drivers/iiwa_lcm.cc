@@ -149,6 +149,11 @@ void IiwaLcm::start() {
     if (seconds_now() > patience + 10.0)
       throw std::runtime_error("the arm's clock stands still or runs far too slowly");
   }
+  const double step = session_->mean_step();
+  if (!(std::abs(step - period_) < 0.2 * period_))
+    throw std::runtime_error(
+        fmt::format("the arm's statuses are {:.3f} ms apart, the controller's step is {:.3f} ms",
+                    1e3 * step, 1e3 * period_));
   check_posture();
   if (wants_wrench_ && !wrench_any_)
     throw std::runtime_error(

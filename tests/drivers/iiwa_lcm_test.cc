@@ -309,6 +309,21 @@ TEST_F(IiwaLcmTest, AnArmElsewhereIsNotMoved) {
   EXPECT_TRUE(arm.commands.empty());
 }
 
+TEST_F(IiwaLcmTest, AnArmAtAnotherRateIsNotMoved) {
+  MadeUpArm arm;
+  IiwaLcm driver(settings_for(arm.url), model_, 5e-3, torque(0.0), false);
+  try {
+    driver.start();
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(),
+                 "the arm's statuses are 1.000 ms apart, the controller's step is 5.000 ms");
+  }
+  driver.stop();
+  arm.end();
+  EXPECT_TRUE(arm.commands.empty());
+}
+
 TEST_F(IiwaLcmTest, AMissingWrenchIsToldBeforeAnythingMoves) {
   MadeUpArm arm;
   IiwaLcm driver(settings_for(arm.url), model_, 1e-3, torque(0.0), true);

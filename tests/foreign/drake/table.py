@@ -16,8 +16,8 @@ NAMES = {
     "sine-heavy": "sine, no wrench, rotor inertia 0.1 kg m² and the pen a fifth heavier than believed",
 }
 lines = [
-    "| drawing | contact | ink RMS, max [mm] | force mean ± SD [N] | floor's SD [N] | touchdown [N] | unanswered statuses |",
-    "|---|---|---|---|---|---|---|",
+    "| drawing | contact | ink RMS, max [mm] | force mean ± SD [N] | floor's SD [N] | touchdown [N] | first 10 ms of torque [Nm] | largest joint speed of its limit | unanswered statuses |",
+    "|---|---|---|---|---|---|---|---|---|",
 ]
 for name, text in NAMES.items():
     if name not in figures:
@@ -26,7 +26,7 @@ for name, text in NAMES.items():
     floor = figures.get("slider-" + name.split("-")[0])
     lines.append(
         f"| {text} | {f['contact_fraction']:.4f} | {f['ink_error_rms']:.3f}, {f['ink_error_max']:.2f} | {f['force_mean']:.3f} ± {f['force_sd']:.3f} "
-        f"| {format(floor['force_sd'], '.3f') if floor else '–'} | {f['touchdown_peak']:.2f} | {f['unanswered'] - f['left']} of {f['statuses_sent']} |"
+        f"| {format(floor['force_sd'], '.3f') if floor else '–'} | {f['touchdown_peak']:.2f} | {f['start_torque']:.2f} | {f['joint_speed_share']:.2f} | {f['unanswered'] - f['left']} of {f['statuses_sent']} |"
     )
 if "hold" in figures:
     h = figures["hold"]
@@ -35,6 +35,13 @@ if "hold" in figures:
         f"Free-running at 1 kHz for 10 s of `arm hold`: {100 * h['answered_share']:.2f} % of {h['statuses']} statuses answered, "
         f"{h['answer_p50_ms']:.2f} ms after they were sent (median; 99 %: {h['answer_p99_ms']:.2f} ms; two cores that others use too), "
         f"drift {h['drift_rad']:.1e} rad.",
+    ]
+if "speed" in figures:
+    s = figures["speed"]
+    lines += [
+        "",
+        f"Real-time factor of the sine in lock-step {s['drawn']:.2f}, of a client that only replays its torques {s['replayed']:.2f}, one after the other "
+        f"on {s['cores']} cores at a load of {s['load']:.1f}: Drake and the broker are what takes the time.",
     ]
 for name, text in (("absent", "No broker"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle")):
     if name in figures:
