@@ -42,7 +42,10 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   report.page = page_context(
       scenario, artwork, fmt::format("./impedraw draw {}", (folder / "scenario.yaml").string()));
   report.page.check = check;
-  report.pictures_written = [&pictures] { pictures.get(); };
+  report.pictures_written = [&] {
+    pictures.get();
+    step();
+  };
   write_report(folder, run, drawn, metrics, report);
   return metrics;
 }

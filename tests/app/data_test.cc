@@ -223,9 +223,9 @@ TEST_F(Data, EverySignalLiftsThePenAndTimesCountFromTheBeginning) {
 TEST_F(Data, ASignalWhileResultsAreMadeIsSaidInOneLine) {
   for (const bool again : {false, true}) {
     SCOPED_TRACE(again);
-    fs::remove(run("ink_page.png"));
+    fs::remove(run("metrics.json"));  // written before the pictures and the page
     Process process(folder_, again ? Words{"report", "run"} : draw(kShort));
-    until(process, run("ink_page.png"));
+    until(process, run("metrics.json"));
     process.signal(SIGINT);
     const Ended ended = process.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;
