@@ -11,6 +11,9 @@ namespace impedraw {
 namespace {
 
 constexpr double kRelax = 0.05;     // tip path over which the redundant joints settle [m]
+// A step that turns a joint by more than kTurn [rad] is walked in pieces of kPieceTurn.
+constexpr double kTurn = 0.05, kPieceTurn = 0.01;
+constexpr int kMostPieces = 100;
 constexpr double kBendShare = 0.8;  // of the acceleration, for the path's bend
 
 }  // namespace
@@ -67,13 +70,26 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   int slopes_known = 0;
   for (int k = 1; k <= steps; ++k) {
     const double u = k * du;
-    const bool reached = follow(spline.at(u), du);
+    bool reached = follow(spline.at(u), du);
     double speed = 1e9, slope_most = 0.0, bend_most = 0.0;
     if (known && reached) {
-      const JointVector slope = (q_ - before) / du;
-      const double share = (slope.cwiseAbs().array() / limit_.array()).maxCoeff();
+      JointVector steepest_slope = (q_ - before).cwiseAbs() / du;
+      // Near a singular posture the joints turn by much within the step, and not evenly.
+      const double turned = du * steepest_slope.maxCoeff();
+      if (turned > kTurn) {
+        const int pieces = std::min(kMostPieces, static_cast<int>(std::ceil(turned / kPieceTurn)));
+        q_ = before;
+        JointVector q = before;
+        for (int i = 1; reached && i <= pieces; ++i) {
+          reached = follow(spline.at(u - du + i * du / pieces), du / pieces);
+          steepest_slope = steepest_slope.cwiseMax((q_ - q).cwiseAbs() * pieces / du);
+          q = q_;
+        }
+      }
+      const double share = (steepest_slope.array() / limit_.array()).maxCoeff();
       if (share > 0.0) speed = 1.0 / share;
-      slope_most = slope.cwiseAbs().maxCoeff();
+      slope_most = steepest_slope.maxCoeff();
+      const JointVector slope = (q_ - before) / du;
       // over two steps: the bend of less is that of the normals' noise
       if (slopes_known > 1) bend_most = (slope - slope_earlier).cwiseAbs().maxCoeff() / (2.0 * du);
       slope_earlier = slope_before;

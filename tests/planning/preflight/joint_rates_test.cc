@@ -40,9 +40,10 @@ double largest_share(ArmModel& arm, const TipPath& path, const JointVector& star
   for (const StrokeTimes& stroke : path.strokes()) {
     TipReference r = path.at(stroke.start).reference;
     JointVector q = find_posture(arm, {r.p_WD, -r.n_WD}, start).q;
+    // The approach and settle_time last longer than the redundant joint takes to relax.
     double off = 0.0;
-    for (int i = 0; i < 8; ++i)
-      off = follow(arm, r, i == 0 ? 1.0 - std::exp(-1.0) : 0.0, start, &q);
+    for (int i = 0; i < 16; ++i)
+      off = follow(arm, r, i < 8 ? 1.0 - std::exp(-1.0) : 0.0, start, &q);
     if (off > 1e-6) return std::nan("");
     for (double t = stroke.start; t < stroke.end; t += kDt) {
       r = path.at(t + kDt).reference;
@@ -82,8 +83,7 @@ PathSettings fast() {
   return settings;
 }
 
-// Fails for seed 20 of 40 (1.17 of a limit).
-TEST(JointRates, DISABLED_NoJointPassesItsLimitAlongRandomPaths) {
+TEST(JointRates, NoJointPassesItsLimitAlongRandomPaths) {
   ArmModel arm(surfaces::kArm);
   const JointVector start = surfaces::start_posture(arm);
   const PathSettings settings = fast();
