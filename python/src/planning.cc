@@ -88,6 +88,8 @@ void bind_planning(nb::module_& m) {
       .field("normal_speed", &S::normal_speed, "the normal's error times the speed [m/s]")
       .field("joint_speed_share", &S::joint_speed_share, "of the arm's joint speeds, 0.01 to 1")
       .field("joint_acceleration", &S::joint_acceleration, "of each joint [rad/s²]")
+      .field("joint_torque_share", &S::joint_torque_share,
+             "of the torque that the controller may use, 0.01 to 1")
       .field("vertical_pen", &S::vertical_pen, "n = +z always")
       .field("sink", &S::sink, "of the desired point below the surface [m]")
       .done();

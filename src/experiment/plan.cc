@@ -55,6 +55,8 @@ class Planning {
   Plan make() {
     plan_.path_settings = path_settings();
     const std::vector<StrokePart> lost = lay_on_surface();
+    plan_.load = {s_.control.normal_force, s_.control.friction.coefficient,
+                  s_.control.torque_share};
     plan_.rest_q = rest_posture(s_.arm, artwork_, plan_.requested, scene_, setting_errors_);
     check(lost);
     for (bool done = false; !done;) {
@@ -389,7 +391,8 @@ std::vector<double> finer_bend(const SurfaceEstimator& seen, const Pose& X_WP,
 }  // namespace
 
 SpanLimits stroke_limits(Scene& scene, const Plan& plan) {
-  const SpanLimits joints = JointRates(scene.arm, plan.path_settings, scene.start_q, plan.rest_q);
+  const SpanLimits joints =
+      JointRates(scene.arm, plan.path_settings, scene.start_q, plan.rest_q, plan.load);
   if (!scene.perception) return joints;
   return [joints, seen = &*scene.perception, X_WP = plan.path_settings.X_WP,
           fastest = plan.path_settings.normal_speed,

@@ -11,6 +11,7 @@
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
 #include "impedraw/planning/path/tip_planner.h"
+#include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/target.h"
 #include "impedraw/planning/wrap/wrap.h"
@@ -29,6 +30,7 @@ struct Plan {
   Preflight preflight;
   // The promised strokes: the drawable parts in order, numbered from 0 as in target, path and log.
   std::vector<PlacedStroke> strokes;
+  DrawingLoad load;                // on the arm, while the pen is down
   PathSettings path_settings;      // the planner's; a sensor must be tared within start_hold
   TipPath path;                    // empty if nothing can be drawn
   TargetLine target;               // on the true canvas, in W

@@ -29,8 +29,11 @@ constexpr Lifted kLimits[] = {
     {"path.normal_speed", [](PathSettings& s) { s.normal_speed = 1.0; }},
     {"path.tilt_speed and tilt_acceleration",
      [](PathSettings& s) { s.tilt_speed = 20.0, s.tilt_acceleration = kFree; }},
-    {"path.joint_speed_share and joint_acceleration",
-     [](PathSettings& s) { s.joint_speed_share = 1.0, s.joint_acceleration = kFree; }},
+    {"path.joint_speed_share, joint_acceleration and joint_torque_share",
+     [](PathSettings& s) {
+       s.joint_speed_share = s.joint_torque_share = 1.0, s.joint_acceleration = kFree;
+     }},
+    {"path.draw_acceleration", [](PathSettings& s) { s.draw_acceleration = 20.0; }},
 };
 
 TipPath path_with(PlannedDrawing& e, const PathSettings& settings) {

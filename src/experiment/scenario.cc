@@ -309,6 +309,9 @@ void describe(Fields& f, PathSettings& s) {
           "Share of the arm's joint speed limits that a stroke may use.");
   f.field(Limits::joint_acceleration, s.joint_acceleration,
           "Largest acceleration of a joint along a stroke.");
+  f.field(Limits::joint_torque_share, s.joint_torque_share,
+          "Share of the torque that the controller may use (control.torque_share) for holding, "
+          "pressing and motion along a stroke.");
   f.field(Limits::tilt_allowance, s.tilt_allowance_deg,
           "Largest angle by which the pen's axis may leave the surface normal where it would "
           "otherwise turn faster than tilt_speed or tilt_acceleration.");

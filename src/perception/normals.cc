@@ -78,6 +78,11 @@ constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStep
 // kHoleMargin off such places, so that a pen with a tip of 1 mm stays on the surface [m].
 constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 5e-3;
 constexpr int kLooks = 8;  // around
+// A plan's patch that leaves a residual above kTwoSheets may lie over a step or a crease: it is
+// fitted again with less weight for points further off than kOtherSheet, which is approached from
+// above in kSheetFits fits [m].
+constexpr double kTwoSheets = 5e-4, kOtherSheet = 1e-3;
+constexpr int kSheetFits = 5;
 constexpr int kAround = 40;
 
 // N(p); the last point is the furthest.
@@ -341,7 +346,7 @@ struct SurfaceEstimator::Index {
     found.n = tree.nearest_unordered(p, settings.k, settings.max_radius, reach2, found.index,
                                      found.squared, &found.closest);
     LocalSurface surface;
-    const SurfaceStatus status = fit(cloud, p, settings.k, found, surface);
+    const SurfaceStatus status = fit(cloud, p, settings.k, found, surface, planning);
     if (status != SurfaceStatus::ok) return {.status = status};
     const SurfaceEstimate coarse{status, surface.n, surface.distance};
     if (planning) return planned(p, coarse, found.closest);
@@ -425,7 +430,7 @@ struct SurfaceEstimator::Index {
   }
 
   SurfaceStatus fit(const PointCloud& cloud, const Vector3d& p, int k, const Neighbours& found,
-                    LocalSurface& surface) const {
+                    LocalSurface& surface, bool one_sheet = false) const {
     if (found.n < k || !(found.squared[k - 1] > 0.0)) return SurfaceStatus::too_few;
     Neighbourhood around;
     around.n = k;
@@ -441,10 +446,35 @@ struct SurfaceEstimator::Index {
                         : 1.0;
     }
     const Vector3d& eye = cloud.eyes[cloud.camera[found.closest]];
-    surface = fit_surface(around, settings.fit, eye - cloud.points[found.closest]);
+    const Vector3d towards = eye - cloud.points[found.closest];
+    surface = fit_surface(around, settings.fit, towards);
+    if (one_sheet && surface.is_surface && surface.residual > kTwoSheets)
+      fit_one_sheet(towards, &around, &surface);
     if (!surface.is_surface) return SurfaceStatus::too_few;
     return surface.one_sidedness > settings.max_one_sidedness ? SurfaceStatus::off_edge
                                                               : SurfaceStatus::ok;
+  }
+
+  // Least squares with redescending weights w / (1 + (r/c)²)² for points off by r, c falling to
+  // kOtherSheet: ends on the sheet that most of the weight lies on, which is the query's.
+  void fit_one_sheet(const Vector3d& towards, Neighbourhood* around, LocalSurface* surface) const {
+    double weight[kMostNeighbours], off[kMostNeighbours];
+    std::copy(around->w, around->w + around->n, weight);
+    for (int pass = 1; pass <= kSheetFits && surface->is_surface; ++pass) {
+      double most = 0.0;
+      for (int i = 0; i < around->n; ++i) {
+        const Vector3d d = Vector3d(around->x[i], around->y[i], around->z[i]) +
+                           surface->distance * surface->n;
+        off[i] = surface->n.dot(d) + 0.5 * d.dot(surface->bend * d);
+        most = std::max(most, std::abs(off[i]));
+      }
+      const double c = std::max(kOtherSheet, std::ldexp(most, -pass));
+      for (int i = 0; i < around->n; ++i) {
+        const double beyond = 1.0 + (off[i] / c) * (off[i] / c);
+        around->w[i] = weight[i] / (beyond * beyond);
+      }
+      *surface = fit_surface(*around, settings.fit, towards);
+    }
   }
 
   // Each neighbour i has a surface point f_i, its normal n_i and the derivative bend_i. It predicts

@@ -9,7 +9,9 @@ constexpr int kDeepest = 12;  // halvings below the spacing, at a fold of the ca
 // At a fold one halving follows another. A surface that is rough at any scale, as one estimated
 // from noisy points, would ask for all of them everywhere.
 constexpr int kMostHalvings = 4 * kDeepest;
-constexpr double kClosest = 1e-8;  // [m] seen along z; a remaining gap is a step of the canvas
+// Points this close, seen along z, end the search for a step of the canvas [m]. Beside a steep wall
+// an estimated surface may step back and forth within it.
+constexpr double kClosest = 1e-5;
 
 struct Point {
   Vector2d p_P, page;
@@ -45,7 +47,8 @@ class Projection {
   void join(const Point& a, const Point& b, int depth) {
     const double gap = (b.on_canvas - a.on_canvas).norm();
     if (gap == 0) return;
-    const bool wide = gap > settings_.spacing && (b.p_P - a.p_P).norm() > kClosest;
+    const bool wide = gap > settings_.spacing;
+    if (wide && (b.p_P - a.p_P).norm() < kClosest) return push(b);
     if (depth == 0) left_ = kMostHalvings;
     if (wide || (depth < kDeepest && left_ > 0)) {
       const Point middle = projected((a.p_P + b.p_P) / 2, (a.page + b.page) / 2);

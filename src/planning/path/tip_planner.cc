@@ -237,6 +237,7 @@ void validate(const PathSettings& s) {
   require_in_range("path", Limits::normal_smoothing, s.normal_smoothing);
   require_in_range("path", Limits::joint_speed_share, s.joint_speed_share);
   require_in_range("path", Limits::joint_acceleration, s.joint_acceleration);
+  require_in_range("path", Limits::joint_torque_share, s.joint_torque_share);
   require_in_range("path", Limits::normal_acceleration, s.normal_acceleration);
   require_in_range("path", Limits::normal_speed, s.normal_speed);
   require_in_range("path", Limits::tilt_allowance, s.tilt_allowance_deg);

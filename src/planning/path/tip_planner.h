@@ -61,6 +61,8 @@ struct PathSettings {
   double normal_speed = 0.008;
   double joint_speed_share = 0.7;  // of the arm's joint speeds, along a stroke (joint_rates.h)
   double joint_acceleration = 15;  // of each joint, along a stroke [rad/s²]
+  // of the torque that the controller may use, for holding, pressing and motion along a stroke
+  double joint_torque_share = 0.8;
   bool vertical_pen = false;       // n = +z always (blind)
   // depth of the desired point below the surface while the pen is down (blind) [m]
   double sink = 0;
@@ -88,6 +90,7 @@ struct PathSettings {
     static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 0.1}};
     static constexpr Limit joint_speed_share = {"joint_speed_share", "", {0.01, 1.0}};
     static constexpr Limit joint_acceleration = {"joint_acceleration", "rad/s²", {0.1, 1000.0}};
+    static constexpr Limit joint_torque_share = {"joint_torque_share", "", {0.01, 1.0}};
     static constexpr Limit normal_acceleration = {"normal_acceleration", "m/s²", {0.01, 100.0}};
     static constexpr Limit normal_speed = {"normal_speed", "m/s", {1e-4, 1.0}};
     static constexpr Limit tilt_allowance = {"tilt_allowance", "deg", {0.0, 45.0}};

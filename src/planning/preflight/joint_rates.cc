@@ -14,17 +14,19 @@ constexpr double kRelax = 0.05;     // tip path over which the redundant joints 
 // A step that turns a joint by more than kTurn [rad] is walked in pieces of kPieceTurn.
 constexpr double kTurn = 0.05, kPieceTurn = 0.01;
 constexpr int kMostPieces = 100;
-constexpr double kBendShare = 0.8;  // of the acceleration, for the path's bend
+constexpr double kBendShare = 0.8;  // of acceleration and torque, for the path's bend
 
 }  // namespace
 
 JointRates::JointRates(ArmModel& arm, const PathSettings& settings, const JointVector& start_q,
-                       const JointVector& rest_q)
+                       const JointVector& rest_q, const DrawingLoad& load)
     : arm_(&arm),
       X_WP_(settings.X_WP),
       vertical_pen_(settings.vertical_pen),
       limit_(settings.joint_speed_share * arm.limits().speed),
       acceleration_(settings.joint_acceleration),
+      torque_(settings.joint_torque_share * load.torque_share * arm.limits().torque),
+      load_(load),
       rest_(rest_q),
       q_(start_q),
       terms_(arm.joints()) {}
@@ -53,6 +55,20 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
   return false;
 }
 
+// What motion may take of each joint's torque at q_: all but gravity, the push along n and friction
+// across it, in the direction that is worst for the joint.
+JointVector JointRates::torque_left(const SplinePoint& at) const {
+  const Eigen::Vector3d n_W = X_WP_.R * at.n;
+  JointVector left(q_.size());
+  for (int j = 0; j < q_.size(); ++j) {
+    const Eigen::Vector3d column = terms_.J.col(j).head<3>();
+    const double along = column.dot(n_W);
+    left[j] = torque_[j] - std::abs(terms_.g[j] - load_.normal_force * along) -
+              load_.friction * load_.normal_force * (column - along * n_W).norm();
+  }
+  return left;
+}
+
 void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* spans) {
   // The arm comes from elsewhere, and settles.
   const SplinePoint first = spline.at(0.0);
@@ -64,6 +80,8 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   const int steps = std::max(1, static_cast<int>(std::ceil(spline.length() / kStep)));
   const double du = spline.length() / steps;
   std::vector<double> steepest(spans->size(), 0.0), sharpest(spans->size(), 0.0);
+  // of a joint's torque that is left, per u̇² and per ü
+  std::vector<double> torque_of_speed(spans->size(), 0.0), torque_of_thrust(spans->size(), 0.0);
   std::size_t span = 0;
   JointVector before = q_, slope_before = JointVector::Zero(q_.size()),
               slope_earlier = slope_before;
@@ -71,7 +89,7 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   for (int k = 1; k <= steps; ++k) {
     const double u = k * du;
     bool reached = follow(spline.at(u), du);
-    double speed = 1e9, slope_most = 0.0, bend_most = 0.0;
+    double speed = 1e9, slope_most = 0.0, bend_most = 0.0, of_speed = 0.0, of_thrust = 0.0;
     if (known && reached) {
       JointVector steepest_slope = (q_ - before).cwiseAbs() / du;
       // Near a singular posture the joints turn by much within the step, and not evenly.
@@ -91,7 +109,16 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
       slope_most = steepest_slope.maxCoeff();
       const JointVector slope = (q_ - before) / du;
       // over two steps: the bend of less is that of the normals' noise
-      if (slopes_known > 1) bend_most = (slope - slope_earlier).cwiseAbs().maxCoeff() / (2.0 * du);
+      const JointVector bend = slopes_known > 1 ? JointVector((slope - slope_earlier) / (2.0 * du))
+                                                : JointVector::Zero(slope.size());
+      bend_most = bend.cwiseAbs().maxCoeff();
+      arm_->compute(q_, slope, &terms_);
+      const JointVector left = torque_left(spline.at(u));
+      if (left.minCoeff() > 0.0) {
+        const JointVector speeding = terms_.M * bend + terms_.Cv;
+        of_speed = (speeding.cwiseAbs().array() / left.array()).maxCoeff();
+        of_thrust = ((terms_.M * slope).cwiseAbs().array() / left.array()).maxCoeff();
+      }
       slope_earlier = slope_before;
       slope_before = slope;
       ++slopes_known;
@@ -107,6 +134,8 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
       (*spans)[span].speed = std::min((*spans)[span].speed, speed);
       steepest[span] = std::max(steepest[span], slope_most);
       sharpest[span] = std::max(sharpest[span], bend_most);
+      torque_of_speed[span] = std::max(torque_of_speed[span], of_speed);
+      torque_of_thrust[span] = std::max(torque_of_thrust[span], of_thrust);
     }
     if (span > 0) --span;
   }
@@ -114,9 +143,15 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
     SpeedSpan& limited = (*spans)[i];
     if (sharpest[i] > 0.0)
       limited.speed = std::min(limited.speed, std::sqrt(kBendShare * acceleration_ / sharpest[i]));
-    const double left = acceleration_ - sharpest[i] * limited.speed * limited.speed;
+    if (torque_of_speed[i] > 0.0)
+      limited.speed = std::min(limited.speed, std::sqrt(kBendShare / torque_of_speed[i]));
+    const double squared = limited.speed * limited.speed;
     if (steepest[i] > 0.0)
-      limited.acceleration = std::min(limited.acceleration, left / steepest[i]);
+      limited.acceleration =
+          std::min(limited.acceleration, (acceleration_ - sharpest[i] * squared) / steepest[i]);
+    if (torque_of_thrust[i] > 0.0)
+      limited.acceleration = std::min(limited.acceleration,
+                                      (1.0 - torque_of_speed[i] * squared) / torque_of_thrust[i]);
   }
 }
 

@@ -19,6 +19,9 @@ using Eigen::Vector3d;
 constexpr double kSharp = 1e-5;
 // distance of ends from edges, so that rounding cannot put them on the other side [m]
 constexpr double kRetreat = 1e-6;
+// Beyond kSteep [rad] the heights kChord [m] to either side are looked at, too: beside a steep wall
+// an estimated normal may lean less than the wall.
+constexpr double kSteep = 1.0, kChord = 5e-4;
 // the pen keeps off higher folds [m], by at most kFoldMargin [m]
 constexpr double kRidden = 1e-3, kFoldMargin = 4e-3;
 
@@ -69,9 +72,19 @@ class Walk {
       return look;
     }
     look.slope = std::acos(std::clamp(look.sample->n_P.z(), -1.0, 1.0));
+    if (look.slope > kSteep) look.slope = std::max(look.slope, chord_slope(*look.sample));
     if (look.slope > settings_.max_slope_deg * std::numbers::pi / 180)
       look.problem = Problem::too_steep;
     return look;
+  }
+
+  // Slope of the heights on either side of a place, up and down [rad]; 0 where they are unknown.
+  double chord_slope(const SurfaceSample& at) const {
+    const Vector2d uphill = -kChord * at.n_P.head<2>().normalized();
+    const Vector2d up = at.p_P.head<2>() + uphill, down = at.p_P.head<2>() - uphill;
+    const auto above = surface_(up.x(), up.y()), below = surface_(down.x(), down.y());
+    if (!above || !below) return 0.0;
+    return std::atan2(std::abs(above->p_P.z() - below->p_P.z()), 2.0 * kChord);
   }
 
   // Height difference between l and r that neither the slopes at both nor a bend in between

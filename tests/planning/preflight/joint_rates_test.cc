@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
@@ -12,7 +13,6 @@
 #include "impedraw/control/normal_tracker.h"
 #include "impedraw/planning/preflight/preflight.h"
 #include "planning/surfaces.h"
-#include "seeds.h"
 
 namespace impedraw {
 namespace {
@@ -32,11 +32,13 @@ double follow(ArmModel& arm, const TipReference& r, double share, const JointVec
   return off.cwiseAbs().maxCoeff();
 }
 
-// Largest joint speed, as a share of its limit, while the path draws, by finite differences in
-// time; NaN where the arm does not reach. The redundant joint relaxes to `start` over 50 mm.
-double largest_share(ArmModel& arm, const TipPath& path, const JointVector& start) {
-  constexpr double kDt = 2e-3;  // [s]
-  double largest = 0.0;
+constexpr double kDt = 2e-3;  // of the differences below [s]
+
+// One stroke's postures, kDt apart. The redundant joint relaxes to `start` over 50 mm. Empty where
+// the arm does not reach.
+std::vector<std::vector<JointVector>> postures(ArmModel& arm, const TipPath& path,
+                                               const JointVector& start) {
+  std::vector<std::vector<JointVector>> strokes;
   for (const StrokeTimes& stroke : path.strokes()) {
     TipReference r = path.at(stroke.start).reference;
     JointVector q = find_posture(arm, {r.p_WD, -r.n_WD}, start).q;
@@ -44,16 +46,48 @@ double largest_share(ArmModel& arm, const TipPath& path, const JointVector& star
     double off = 0.0;
     for (int i = 0; i < 16; ++i)
       off = follow(arm, r, i < 8 ? 1.0 - std::exp(-1.0) : 0.0, start, &q);
-    if (off > 1e-6) return std::nan("");
+    if (off > 1e-6) return {};
+    strokes.push_back({q});
     for (double t = stroke.start; t < stroke.end; t += kDt) {
       r = path.at(t + kDt).reference;
-      const JointVector before = q;
       off = follow(arm, r, 1.0 - std::exp(-r.v_WD.norm() * kDt / 0.05), start, &q);
-      if (off > 0.01) return std::nan("");
-      largest = std::max(
-          largest, ((q - before).cwiseAbs().array() / arm.limits().speed.array()).maxCoeff() / kDt);
+      if (off > 0.01) return {};
+      strokes.back().push_back(q);
     }
   }
+  return strokes;
+}
+
+// Largest joint speed, as a share of its limit, while the path draws; NaN where the arm does not
+// reach.
+double largest_share(ArmModel& arm, const TipPath& path, const JointVector& start) {
+  double largest = std::nan("");
+  for (const std::vector<JointVector>& q : postures(arm, path, start))
+    for (std::size_t i = 1; i < q.size(); ++i)
+      largest = std::fmax(
+          largest,
+          ((q[i] - q[i - 1]).cwiseAbs().array() / arm.limits().speed.array()).maxCoeff() / kDt);
+  return largest;
+}
+
+// The same of the torque that moves the arm, holds it and presses the pen on.
+double largest_torque_share(ArmModel& arm, const TipPath& path, const JointVector& start,
+                            const DrawingLoad& load) {
+  constexpr std::size_t kWide = 4;  // differences over 16 ms
+  double largest = std::nan("");
+  ArmTerms terms(arm.joints());
+  for (const std::vector<JointVector>& q : postures(arm, path, start))
+    for (std::size_t i = kWide; i + kWide < q.size(); ++i) {
+      const JointVector v = (q[i + kWide] - q[i - kWide]) / (2.0 * kWide * kDt);
+      const JointVector a =
+          (q[i + kWide] - 2.0 * q[i] + q[i - kWide]) / (kWide * kDt * kWide * kDt);
+      arm.compute(q[i], v, &terms);
+      const Eigen::Vector3d axis = terms.X_WE.R.col(2);
+      const JointVector torque = terms.M * a + terms.Cv + terms.g +
+                                 load.normal_force * terms.J.topRows<3>().transpose() * axis;
+      largest = std::fmax(largest,
+                          (torque.cwiseAbs().array() / arm.limits().torque.array()).maxCoeff());
+    }
   return largest;
 }
 
@@ -89,7 +123,7 @@ TEST(JointRates, NoJointPassesItsLimitAlongRandomPaths) {
   const PathSettings settings = fast();
   const JointRates limits(arm, settings, start, start);
   int faster = 0, reached = 0;
-  for (unsigned seed = 0; seed < seeds(40, 200); ++seed) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);
     const PlacedStroke stroke = random_stroke(random);
     // Near singular postures nothing is promised.
@@ -103,7 +137,35 @@ TEST(JointRates, NoJointPassesItsLimitAlongRandomPaths) {
     faster += largest_share(arm, free, start) > 1.0;
   }
   EXPECT_GT(faster, 0) << "the limits must have something to limit";
-  EXPECT_GT(reached, 20);
+  EXPECT_GT(reached, 100);
+}
+
+TEST(JointRates, NoJointNeedsMoreTorqueThanItsShareAlongRandomPaths) {
+  ArmModel arm(surfaces::kArm);
+  const JointVector start = surfaces::start_posture(arm);
+  PathSettings settings = fast();
+  settings.joint_speed_share = 1.0;
+  settings.joint_acceleration = 1000.0;
+  const DrawingLoad load{.normal_force = 5.0, .friction = 0.3, .torque_share = 0.3};
+  PathSettings any = settings;
+  any.joint_torque_share = 1.0;
+  const JointRates limits(arm, settings, start, start, load),
+      free(arm, any, start, start, {.torque_share = 100.0});
+  int above = 0, reached = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    std::mt19937 random(seed);
+    const PlacedStroke stroke = random_stroke(random);
+    if (!check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty()) continue;
+    const double share = largest_torque_share(
+        arm, plan_tip_path({stroke}, surfaces::waves, settings, limits), start, load);
+    if (std::isnan(share)) continue;
+    ++reached;
+    EXPECT_LE(share, load.torque_share) << "seed " << seed;
+    above += largest_torque_share(arm, plan_tip_path({stroke}, surfaces::waves, settings, free),
+                                  start, load) > load.torque_share;
+  }
+  EXPECT_GT(above, 0) << "the limits must have something to limit";
+  EXPECT_GT(reached, 100);
 }
 
 TEST(JointRates, AnEasyStrokeKeepsItsTime) {
