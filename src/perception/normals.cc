@@ -463,8 +463,8 @@ struct SurfaceEstimator::Index {
     for (int pass = 1; pass <= kSheetFits && surface->is_surface; ++pass) {
       double most = 0.0;
       for (int i = 0; i < around->n; ++i) {
-        const Vector3d d = Vector3d(around->x[i], around->y[i], around->z[i]) +
-                           surface->distance * surface->n;
+        const Vector3d d =
+            Vector3d(around->x[i], around->y[i], around->z[i]) + surface->distance * surface->n;
         off[i] = surface->n.dot(d) + 0.5 * d.dot(surface->bend * d);
         most = std::max(most, std::abs(off[i]));
       }

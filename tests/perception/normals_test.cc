@@ -222,6 +222,22 @@ TEST(Normals, WeighPointsByThePixelsBehindThem) {
               5e-5);
 }
 
+// A plan's patch, 15 mm wide, reaches over a step of the surface 6 mm away. Weights that fall with
+// the distance alone leave the normal 10 degrees off and more.
+TEST(Normals, APlansPatchKeepsToOneSideOfAStep) {
+  for (const double step : {0.01, 0.02, 0.05}) {
+    const auto stepped = [&](double x, double) { return x < 0.0 ? 0.1 * x + step : 0.1 * x; };
+    const SurfaceEstimator seen(sheet(0.06, 0.004, stepped), {}), plan(seen, 0.66);
+    const Vector3d n = Vector3d(-0.1, 0, 1).normalized();
+    for (const double x : {-0.012, -0.008, -0.006, 0.006, 0.008, 0.012}) {
+      const SurfaceEstimate e = plan.estimate({x, 0.002, stepped(x, 0)});
+      ASSERT_EQ(e.status, SurfaceStatus::ok) << x;
+      EXPECT_LT(angle_deg(e.n_W, n), 1.0) << "step " << step << " x " << x;
+      EXPECT_LT(std::abs(e.distance), 1e-4) << "step " << step << " x " << x;
+    }
+  }
+}
+
 TEST(Normals, TooFewWithinReach) {
   const PointCloud cloud = sheet(0.05, 0.003, kFlat);
   for (const auto& way : every_way()) {

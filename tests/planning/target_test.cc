@@ -59,6 +59,20 @@ TEST(Target, AStepOfTheCanvasEnds) {
   EXPECT_LT(project_target({surfaces::line({{0.5, 0}, {0.7, 0}})}, step).points.size(), 1000u);
 }
 
+// Beside a steep wall the nearest sheet of an estimated surface may change back and forth.
+TEST(Target, AStepThatFlickersCountsFewTimes) {
+  const SurfaceHeight flickers = [](double x, double y) {
+    const double hash = std::sin(1e9 * x) * 43758.5453;
+    const bool upper = std::abs(x - 0.6) < 5e-6 ? hash - std::floor(hash) < 0.5 : x > 0.6;
+    return SurfaceSample{{x, y, upper ? 0.105 : 0.1}, Vector3d::UnitZ()};
+  };
+  const TargetLine line = project_target({surfaces::line({{0.5, 0}, {0.7, 0}})}, flickers);
+  double length = 0.0;
+  for (std::size_t i = 1; i < line.points.size(); ++i)
+    length += (line.points[i] - line.points[i - 1]).norm();
+  EXPECT_LT(length, 0.2 + 5 * 0.005);
+}
+
 TEST(Target, LeavingTheCanvasIsAnError) {
   EXPECT_THROW(project_target({surfaces::line({{0.6, 0}, {0.6, 0.2}})}, surfaces::bowl),
                InputError);

@@ -63,7 +63,7 @@ struct PathSettings {
   double joint_acceleration = 15;  // of each joint, along a stroke [rad/s²]
   // of the torque that the controller may use, for holding, pressing and motion along a stroke
   double joint_torque_share = 0.8;
-  bool vertical_pen = false;       // n = +z always (blind)
+  bool vertical_pen = false;  // n = +z always (blind)
   // depth of the desired point below the surface while the pen is down (blind) [m]
   double sink = 0;
 

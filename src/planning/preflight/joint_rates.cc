@@ -10,7 +10,7 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kRelax = 0.05;     // tip path over which the redundant joints settle [m]
+constexpr double kRelax = 0.05;  // tip path over which the redundant joints settle [m]
 // A step that turns a joint by more than kTurn [rad] is walked in pieces of kPieceTurn.
 constexpr double kTurn = 0.05, kPieceTurn = 0.01;
 constexpr int kMostPieces = 100;

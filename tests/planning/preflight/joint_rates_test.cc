@@ -85,8 +85,8 @@ double largest_torque_share(ArmModel& arm, const TipPath& path, const JointVecto
       const Eigen::Vector3d axis = terms.X_WE.R.col(2);
       const JointVector torque = terms.M * a + terms.Cv + terms.g +
                                  load.normal_force * terms.J.topRows<3>().transpose() * axis;
-      largest = std::fmax(largest,
-                          (torque.cwiseAbs().array() / arm.limits().torque.array()).maxCoeff());
+      largest =
+          std::fmax(largest, (torque.cwiseAbs().array() / arm.limits().torque.array()).maxCoeff());
     }
   return largest;
 }
@@ -164,7 +164,7 @@ TEST(JointRates, NoJointNeedsMoreTorqueThanItsShareAlongRandomPaths) {
     above += largest_torque_share(arm, plan_tip_path({stroke}, surfaces::waves, settings, free),
                                   start, load) > load.torque_share;
   }
-  EXPECT_GT(above, 0) << "the limits must have something to limit";
+  EXPECT_GT(above, 5) << "the limits must have something to limit";
   EXPECT_GT(reached, 100);
 }
 

@@ -1,9 +1,12 @@
 // Where a stroke is cut on surfaces in closed form.
 #include "impedraw/planning/preflight/surface_walk.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <random>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "planning/surfaces.h"
@@ -41,6 +44,30 @@ std::vector<Problem> problems(const std::vector<SurfaceSpan>& spans) {
     if (span.problem) found.push_back(*span.problem);
   }
   return found;
+}
+
+// Estimated from few points, the normals on a steep wall lean less than the wall.
+TEST(SurfaceWalk, AWallIsAsSteepAsItsHeights) {
+  const double wall_deg = 80, estimated_deg = 70, rise = 0.02,
+               run = rise / std::tan(wall_deg * kDegree);
+  const SurfaceHeight surface = [&](double x, double y) -> std::optional<SurfaceSample> {
+    const double z = 0.1 + std::clamp((x - 0.6) / run, 0.0, 1.0) * rise;
+    const bool on_wall = x > 0.6 - 1e-3 && x < 0.6 + run + 1e-3;
+    const double lean = on_wall ? estimated_deg * kDegree : 0.0;
+    return SurfaceSample{{x, y, z}, Vector3d(-std::sin(lean), 0, std::cos(lean))};
+  };
+  PreflightSettings settings;
+  settings.max_slope_deg = 75;
+  const auto spans = walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), surface, settings);
+  for (const SurfaceSpan& span : spans) {
+    if (span.problem) continue;
+    for (const SurfaceSample& sample : span.samples)
+      EXPECT_FALSE(sample.p_P.z() > 0.102 && sample.p_P.z() < 0.118) << sample.p_P.transpose();
+  }
+  EXPECT_THAT(problems(spans), testing::Contains(Problem::too_steep));
+  settings.max_slope_deg = 85;
+  EXPECT_TRUE(
+      problems(walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), surface, settings)).empty());
 }
 
 TEST(SurfaceWalk, KeepsItsMarginFromAHole) {
