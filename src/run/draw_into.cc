@@ -1,6 +1,7 @@
 #include "impedraw/run/draw_into.h"
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <optional>
 
@@ -9,6 +10,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
+#include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/run/folder_lock.h"
@@ -42,6 +44,15 @@ nlohmann::ordered_json parts_json(const Experiment& e, const std::vector<StrokeP
 // strokes.json: what was promised, what was not and why, what was drawn twice, and what has no ink.
 void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome& outcome) {
   nlohmann::ordered_json json = plan_json(e);
+  // Where what was left out would lie, for the page: x y z of point after point.
+  const std::vector<PlanLine> lines = lines_of_findings(e, e.surface());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::vector<double> line;
+    for (const Eigen::Vector3d& p_P : lines[i].points)
+      for (const double x : Eigen::Vector3d(e.artwork.X_WP * p_P))
+        line.push_back(1e-4 * std::round(1e4 * x));
+    json["not_drawable"][i]["line_m"] = line;
+  }
   json["drawn_again"] = parts_json(e, outcome.drawn_again);
   json["lacking"] = parts_json(e, outcome.lacking);
   write_whole(folder / "strokes.json", json.dump(2) + "\n");

@@ -1,5 +1,5 @@
 // The page of a run: scene, time line, plots, numbers. Test hook: window.impedraw.
-import { kinds, problemColour, rampCss, runColour } from "./colours";
+import { bareColour, kinds, leftOutColour, problemColour, rampCss, runColour } from "./colours";
 import { lastAt } from "./columns";
 import { inflate, parse, type Finding, type Run } from "./data";
 import { h, numberText, save, timeText } from "./dom";
@@ -223,9 +223,13 @@ class Page {
       mark.style.setProperty("--key", colour ?? "transparent");
       box.append(h("label", {}, tick, ` ${label} `, colour ? mark : null));
     }
-    const bare = h("i");
-    bare.style.setProperty("--key", kinds[3]);
-    if (!this.isPlan) box.append(h("label", {}, bare, "target without ink"));
+    const keyed = (colour: string, text: string) => {
+      const key = h("i");
+      key.style.setProperty("--key", colour);
+      box.append(h("label", {}, key, text));
+    };
+    if (!this.isPlan) keyed(bareColour, "target without ink");
+    if (!this.isPlan && this.run.findings.length) keyed(leftOutColour, "left out: cannot be drawn");
     const still = h("button", { type: "button", class: "small" }, "save picture");
     still.addEventListener("click", async () => {
       for (const scene of this.over ? [this.scenes[0]] : this.scenes) {
@@ -305,7 +309,7 @@ class Page {
       scene.lookAt(finding.world_m, 0.6);
     }
     this.state.textContent = `stroke ${finding.stroke}: ${finding.text}`;
-    this.state.style.borderLeftColor = problemColour(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0);
+    this.state.style.borderLeftColor = this.isPlan ? problemColour(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0) : leftOutColour;
     this.dirty = true;
   }
 

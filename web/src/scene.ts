@@ -2,7 +2,7 @@
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BodyMaterial, creased, geometryOfMesh, interleaved, ShadedMaterial } from "./bodies";
-import { kinds, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
+import { bareColour, kinds, leftOutColour, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
 import { lastAt } from "./columns";
 import type { Colouring, Finding, Matrix, Run } from "./data";
 import { linkFrames } from "./kinematics";
@@ -180,12 +180,12 @@ export class Scene {
     }
     const target = new Lines(positions, 0.75);
     const pale = rgb(targetColour);
-    const bare = rgb(kinds[3]);
+    const bare = rgb(bareColour);
     target.tint((s) => (isCovered[s] ? pale : bare));
     target.renderOrder = 1;
     this.targets = [target];
     const group = new three.Group().add(target);
-    // What a plan leaves out, by its reason.
+    // What is left out: of a plan, by its reason.
     this.problems().forEach((problem, k) => {
       const ends = this.run.findings.filter((f) => f.problem === problem).flatMap((f) => {
         const at = Array.from(f.line[0], (_, i) => [f.line[0][i], f.line[1][i], f.line[2][i]]);
@@ -193,7 +193,7 @@ export class Scene {
         return at.slice(1).flatMap((p, i) => [...at[i], ...p]);
       });
       const lines = new Lines(ends);
-      lines.tint(() => rgb(problemColour(k)));
+      lines.tint(() => rgb(this.run.kind === "plan" ? problemColour(k) : leftOutColour));
       lines.material.transparent = true;
       lines.renderOrder = 3;
       this.targets.push(lines);
