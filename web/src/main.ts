@@ -700,6 +700,9 @@ class Page {
         for (const s of this.scenes) s.setShown(part, false);
         this.draw();
       },
+      // What is not hidden, and the range of time that the plots show.
+      shown: () => Object.entries(scene?.parts ?? {}).filter(([, part]) => part.visible).map(([name]) => name),
+      range: () => this.plots.shownRange(),
       extremes: (name: string) => this.plots.extremes(name),
       hash: () => this.hash(),
       // The colours within `reach` pixels of where points of W stand in the picture.
