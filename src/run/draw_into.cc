@@ -158,12 +158,14 @@ PrepareProgress shown_on(ProgressLine& line) {
 
 Experiment prepare_visibly(const Scenario& scenario, const Places& places) {
   ProgressLine line;
-  return prepare(scenario, places, Unreachable::refuse, shown_on(line));
+  return prepare(scenario, places, Unreachable::refuse, shown_on(line), nullptr,
+                 PlanSummary::beside);
 }
 
 PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places) {
   ProgressLine line;
-  return prepare_plan(scenario, places, Unreachable::tell, shown_on(line));
+  return prepare_plan(scenario, places, Unreachable::tell, shown_on(line), nullptr,
+                      PlanSummary::beside);
 }
 
 void print_notes(const PlannedDrawing& drawing) {
