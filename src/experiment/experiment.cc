@@ -17,9 +17,8 @@ bool is_given(const Places& places, const std::string& setting) {
 std::shared_future<Distortion> distortion_beside(const PlacedArtwork& artwork, const Scene& scene) {
   return std::async(std::launch::async,
                     [strokes = artwork.strokes, surface = scene.surface(artwork.X_WP),
-                     canvas = scene.canvas, cloud = scene.planning] {
-                      return distortion_of_projection(strokes, surface);
-                    })
+                     canvas = scene.canvas,
+                     cloud = scene.planning] { return distortion_of_projection(strokes, surface); })
       .share();
 }
 

@@ -45,8 +45,8 @@ struct Experiment : PlannedDrawing {
 // Throws InputError: one line that names the error, its location and what is valid. `places` holds
 // the source location of each setting, in the YAML or on the command line. Deterministic. `scenes`:
 // where the scene is taken from, and given back to where this throws; the caller gives it back
-// after the drawing. `summary`: of the plan, will be asked for; what of it takes long is computed on
-// a thread of its own, beside the planning.
+// after the drawing. `summary`: of the plan, will be asked for; what of it takes long is computed
+// on a thread of its own, beside the planning.
 enum class PlanSummary { later, beside };
 PlannedDrawing prepare_plan(const Scenario& scenario, const Places& places = {},
                             Unreachable unreachable = Unreachable::refuse,

@@ -113,8 +113,8 @@ hid_t open_lengthened(const std::string& path, int file, std::uint64_t size, std
     at += static_cast<std::uint64_t>(n);
   }
   const Id access = own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file in memory");
-  H5FD_file_image_callbacks_t callbacks{lend,      copy_nothing, refuse_to_grow, take_back,
-                                        same_image, keep_image,  &image};
+  H5FD_file_image_callbacks_t callbacks{lend,       copy_nothing, refuse_to_grow, take_back,
+                                        same_image, keep_image,   &image};
   hid_t opened = H5I_INVALID_HID;
   if (H5Pset_fapl_core(access, 1 << 16, false) >= 0 &&
       H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&

@@ -2,8 +2,8 @@
 //
 // In the log of a killed run, some datasets may lack rows or may be extended but not written.
 // rows() counts the rows that are complete in every dataset; later ones are ignored. The rows and
-// steps of a reduced log end at the same time. So it is with a file that lost its end, in a copy for
-// instance, as long as what does not grow is there.
+// steps of a reduced log end at the same time. So it is with a file that lost its end, in a copy
+// for instance, as long as what does not grow is there.
 #pragma once
 
 #include <filesystem>
