@@ -17,6 +17,7 @@ export interface Link {
 export interface Mesh {
   vertices: Float64Array[];
   triangles: Float64Array;
+  coarse: Float64Array | null; // fewer triangles on the same vertices, for who has no graphics card
   of: number; // triangles of the whole
   error_mm: number;
 }
@@ -157,7 +158,7 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
   const columns = data.subarray(4 + length);
   const one = (how: Packed) => unpack(columns, how);
   const each = (list: Packed[]) => list.map(one);
-  const mesh = (m: any): Mesh => ({ of: m.of, error_mm: m.error_mm, vertices: each(m.vertices), triangles: one(m.triangles) });
+  const mesh = (m: any): Mesh => ({ of: m.of, error_mm: m.error_mm, vertices: each(m.vertices), triangles: one(m.triangles), coarse: m.coarse ? one(m.coarse) : null });
   const colouring = (c: any): Colouring => ({ name: c.name, label: c.label, unit: c.unit, values: one(c.values) });
   const ofRun = () => [["force", "normal force", "N"], ["error", "ink error", "mm"], ["tilt", "tilt", "deg"], ["speed", "speed", "mm/s"]]
     .map(([name, label, unit]) => ({ name, label, unit, values: one(json.ink[name]) }));

@@ -6,7 +6,7 @@ import { bareColour, kinds, leftOutColour, problemColour, quantile, rampAt, rgb,
 import { lastAt } from "./columns";
 import type { Colouring, Finding, Matrix, Run } from "./data";
 import { linkFrames } from "./kinematics";
-import { inSoftware } from "./software";
+import { inSoftware, wantsCoarse } from "./software";
 import { straightTo } from "./thin";
 import { Lines } from "./lines";
 import type { Colour, View } from "./link";
@@ -124,9 +124,10 @@ export class Scene {
   // `others`: runs whose ink can be laid over this one's. `panes`: scenes that share the page.
   // Throws an error where there is no WebGL.
   constructor(private run: Run, private others: Run[] = [], private panes = 1) {
-    // Opaque, which three.js does not ask for: else the browser draws what lies behind, too.
+    // Opaque, which three.js does not ask for: else the browser draws what lies behind, too. Desynchronized: without a graphics
+    // card, that saves a copy of each picture.
     this.canvas = document.createElement("canvas");
-    const context = this.canvas.getContext("webgl2", { alpha: false, antialias: !this.software, powerPreference: "high-performance" });
+    const context = this.canvas.getContext("webgl2", { alpha: false, antialias: !this.software, desynchronized: this.software, powerPreference: "high-performance" });
     if (!context) throw new Error("no WebGL 2");
     this.renderer = new three.WebGLRenderer({ canvas: this.canvas, context });
     this.camera.up.set(0, 0, 1);
@@ -151,6 +152,8 @@ export class Scene {
     const geometry = geometryOfMesh(this.run.canvas);
     geometry.computeVertexNormals();
     this.shades = shade(geometry);
+    // Its corners have the shade of the fine one.
+    if (wantsCoarse() && this.run.canvas.coarse) geometry.setIndex(new three.BufferAttribute(Uint32Array.from(this.run.canvas.coarse), 1));
     // Pushed back a little, so that ink on the surface is not hidden by it.
     this.canvasMaterial = new ShadedMaterial();
     return new three.Mesh(geometry, this.canvasMaterial);
@@ -286,7 +289,7 @@ export class Scene {
       const group = new three.Group();
       group.matrixAutoUpdate = false;
       for (const mesh of link.meshes)
-        group.add(new three.Mesh(creased(mesh, 0.6), index % 2 === 1 && index > 1 ? mid : light));
+        group.add(new three.Mesh(creased(mesh, wantsCoarse() && mesh.coarse ? mesh.coarse : mesh.triangles, 0.6), index % 2 === 1 && index > 1 ? mid : light));
       for (const shape of link.meshes.length ? [] : link.shapes) {
         const thin = shape.kind === "cylinder" && shape.size[0] < 0.02;
         // The foot's would stand in the floor; others are a little smaller than the tubes that they join.

@@ -3,6 +3,7 @@ import { quantile } from "./colours";
 import type { Finding, Limit, Part, Run } from "./data";
 import { h, numberText, timeText } from "./dom";
 import type { LiveNumbers } from "./live";
+import { wantsCoarse } from "./software";
 
 export function holds(value: unknown, limit: Limit): boolean {
   return typeof value === "number" && value >= (limit.min ?? -Infinity) && value <= (limit.max ?? Infinity);
@@ -274,6 +275,8 @@ export function about(run: Run): HTMLElement {
   const shown = run.canvas.triangles.length / 3;
   if (shown < run.canvas.of)
     add("canvas shown with", `${shown} of ${run.canvas.of} triangles, off by at most ${run.canvas.error_mm.toFixed(2)} mm`);
+  if (wantsCoarse() && (run.canvas.coarse || run.arm.some((link) => link.meshes.some((mesh) => mesh.coarse))))
+    add("shapes", "coarser than in the file, as this browser draws without a graphics card");
   const points = run.cloud.points[0].length;
   if (points < run.cloud.of) add("cloud shown with", `${points} of ${run.cloud.of} points`);
   if (run.armNotice)
