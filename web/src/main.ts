@@ -63,6 +63,7 @@ class Page {
   private gone = new AbortController(); // another page takes this one's place
   private follows = true; // the end of a run that goes on
   private inkShown = 0;
+  private thinned = 0; // as the ink that is shown
   private refreshed = 0; // [ms]
   private coloured = 0; // [ms]
   private liveState = h("output", { class: "live-state", role: "status" });
@@ -121,7 +122,7 @@ class Page {
       facts.push("live");
       if (this.run.attributes.seed) facts.push(`seed ${this.run.attributes.seed}`);
     } else if (this.isPlan) {
-      facts.push("plan, nothing has moved", `${this.run.duration.toFixed(1)} s`, `${this.run.spans.length} parts to draw`,
+      facts.push("plan, nothing has moved", `${this.run.duration.toFixed(1)} s`, `${this.run.spans.length} part${this.run.spans.length === 1 ? "" : "s"} to draw`,
         this.run.findings.length ? `${this.run.findings.length} cannot be drawn` : "all can be drawn");
     } else if (this.runs.length > 1) {
       facts.push(`${this.runs.length} runs compared`);
@@ -399,7 +400,12 @@ class Page {
     const { time } = this.run.scene;
     this.end = time[time.length - 1];
     this.slider.max = String(this.end);
-    this.scenes[0]?.grow(this.inkShown);
+    if (this.live && this.live.run.thinned !== this.thinned) {
+      this.thinned = this.live.run.thinned;
+      this.scenes[0]?.growAgain();
+    } else {
+      this.scenes[0]?.grow(this.inkShown);
+    }
     this.inkShown = this.run.ink.time.length;
     const now = performance.now();
     if (now - this.refreshed > 300) {

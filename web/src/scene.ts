@@ -100,6 +100,7 @@ export class Scene {
   private orbit: OrbitControls;
   private links: three.Group[] = [];
   private armMaterials: BodyMaterial[] = [];
+  private penMaterial!: BodyMaterial;
   private pen: three.Mesh | null = null;
   private normal = new Arrow(kinds[2], true);
   private force = new Arrow(kinds[1], false);
@@ -239,6 +240,15 @@ export class Scene {
     return new three.Group().add(...this.inks.map((ink) => ink.lines));
   }
 
+  // The ink of a run that goes on has lost points: all of it anew.
+  growAgain(): void {
+    const [ink] = this.inks;
+    ink.lines.forget();
+    ink.point = [];
+    ink.time = [];
+    this.grow(0);
+  }
+
   // A run that goes on has more ink, from its point `first` on.
   grow(first: number): void {
     const [{ run, lines, point, time }] = this.inks;
@@ -280,7 +290,7 @@ export class Scene {
     const arm = new three.Group();
     const light = new BodyMaterial(0xd8dbe0);
     const darker = new BodyMaterial(0x8b94a1);
-    const ink = new BodyMaterial(0x24406e);
+    const ink = (this.penMaterial = new BodyMaterial(0x24406e));
     const mid = new BodyMaterial(0xc3c8cf);
     this.armMaterials = [light, darker, mid];
     const { arm: links } = this.run;
@@ -481,6 +491,7 @@ export class Scene {
   setDark(dark: boolean): void {
     this.dark = dark;
     this.renderer.setClearColor(dark ? "#14171c" : "#f3f4f6", 1);
+    this.penMaterial.setColour(dark ? 0x5f8ed6 : 0x24406e);
     this.gridMaterial.color.set(dark ? "#39404a" : "#c9ced6");
     this.setMap(this.map?.name ?? "");
     this.setColour(this.colour);
