@@ -117,6 +117,7 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     hooks.row = watch.row;
     if (watch.held)
       hooks.held = [&](double time) { return !interrupt.requested() && watch.held(time); };
+    if (watch.paused) hooks.paused = [&] { return !interrupt.requested() && watch.paused(); };
     // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
       for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
