@@ -38,6 +38,7 @@ const normalLength = 0.06; // [m]
 // Ink of more points is drawn by fewer, off by at most `inkOff` [m]: a tenth of a thin line's width.
 const fineInk = 4000;
 const inkOff = 4e-5;
+const coarseOff = 0.08; // of a canvas's coarse triangles [mm]
 
 function matrix4(m: Matrix): three.Matrix4 {
   return new three.Matrix4().set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
@@ -112,6 +113,7 @@ export class Scene {
   private over = false;
   private sharpness: number | null = null;
   private canvasMaterial!: ShadedMaterial;
+  private canvasOff = 0; // [m]
   private gridMaterial!: three.LineBasicMaterial;
   private drawing = new three.Sphere(new three.Vector3(0.6, 0, 0.1), 0.2);
   private whole = new three.Sphere();
@@ -154,7 +156,9 @@ export class Scene {
     geometry.computeVertexNormals();
     this.shades = shade(geometry);
     // Its corners have the shade of the fine one.
-    if (wantsCoarse() && this.run.canvas.coarse) geometry.setIndex(new three.BufferAttribute(Uint32Array.from(this.run.canvas.coarse), 1));
+    const coarse = wantsCoarse() && this.run.canvas.coarse !== null;
+    this.canvasOff = 1.5e-3 * (this.run.canvas.error_mm + (coarse ? coarseOff : 0));
+    if (coarse && this.run.canvas.coarse) geometry.setIndex(new three.BufferAttribute(Uint32Array.from(this.run.canvas.coarse), 1));
     // Pushed back a little, so that ink on the surface is not hidden by it.
     this.canvasMaterial = new ShadedMaterial();
     return new three.Mesh(geometry, this.canvasMaterial);
@@ -576,6 +580,9 @@ export class Scene {
     const pixel = (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / height;
     const width = Math.min(12, Math.max(1.8, (1e-3 * this.run.inkWidth) / pixel));
     const thick = Math.max(0.6, (1.3 * pixel) / 0.0012);
+    // The canvas is pushed back by as much as its triangles may stand above the ink; a unit of depth is smaller from near.
+    const unit = distance ** 2 / (this.camera.near * 2 ** 24);
+    this.canvasMaterial.polygonOffsetUnits = Math.max(150, this.canvasOff / unit);
     this.force.setWidth(thick);
     this.normal.setWidth(thick);
     // Ink over ink: those below stay visible beside those above.
