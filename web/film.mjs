@@ -79,6 +79,7 @@ async function render() {
     viewport: { width: job.width, height: job.height }, colorScheme: job.theme, offline: true,
   });
   const page = await context.newPage();
+  await page.addInitScript(() => (window.impedrawFine = true)); // the fine shapes, whatever a frame costs
   await page.goto(pathToFileURL(job.page).href);
   const ready = await page.evaluate(() => window.impedraw?.then((hook) => typeof hook.film === "function"));
   if (!ready) throw new Error(`${job.page}: made by an older version; write it anew with ./impedraw report`);

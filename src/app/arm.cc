@@ -61,10 +61,10 @@ void require_steady_loop(const Scenario& scenario, const LiveOptions& live) {
         "drawing.redraw is true, and arm.clock is wall: the way to redraw is planned between two "
         "steps, and that arm does not wait; set drawing.redraw=false, or arm.clock=lock_step for a "
         "simulator that waits");
-  if (live.show || live.pace > 0.0)
+  if (live.pace > 0.0)
     throw InputError(
-        "--live and --pace stop the loop between two steps, and arm.clock is wall: that arm does "
-        "not wait; valid with arm.clock lock_step, or with --arm sim");
+        "--pace stops the loop between two steps, and arm.clock is wall: that arm does not wait; "
+        "valid with arm.clock lock_step, or with --arm sim");
 }
 
 std::string contact_line(const Experiment& e) {

@@ -87,7 +87,8 @@ IiwaLcm::IiwaLcm(const ArmSettings& settings, ArmModel& arm, double period,
 IiwaLcm::~IiwaLcm() { stop(); }
 
 DriverInfo IiwaLcm::info() const {
-  return {kIiwaJoints, period_, wants_wrench_ ? WrenchReading::tip : WrenchReading::none, true};
+  return {kIiwaJoints, period_, wants_wrench_ ? WrenchReading::tip : WrenchReading::none, true,
+          settings_.clock == ArmClock::lock_step};
 }
 
 void IiwaLcm::connect() {

@@ -13,10 +13,20 @@ bool is_given(const Places& places, const std::string& setting) {
   return !places.of(setting).starts_with("default of ");
 }
 
+// It has copies of what it reads, or keeps it: artwork and scene move on meanwhile.
+std::shared_future<Distortion> distortion_beside(const PlacedArtwork& artwork, const Scene& scene) {
+  return std::async(std::launch::async,
+                    [strokes = artwork.strokes, surface = scene.surface(artwork.X_WP),
+                     canvas = scene.canvas,
+                     cloud = scene.planning] { return distortion_of_projection(strokes, surface); })
+      .share();
+}
+
 }  // namespace
 
 PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreachable unreachable,
-                            const PrepareProgress& progress, SceneCache* scenes) {
+                            const PrepareProgress& progress, SceneCache* scenes,
+                            PlanSummary summary) {
   const SettingErrors setting_errors(places);
   Scenario scenario = given;
   scenario.drawing.placement = placement_settings(scenario.drawing);
@@ -28,8 +38,11 @@ PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreach
   Scene scene = scenes ? scenes->take(scenario, artwork.X_WP, setting_errors)
                        : build_scene(scenario, artwork.X_WP, setting_errors);
   try {
+    std::shared_future<Distortion> projected;
+    if (summary == PlanSummary::beside) projected = distortion_beside(artwork, scene);
     Plan plan = make_plan(scenario, artwork, scene, unreachable, setting_errors, progress);
-    return {std::move(scenario), std::move(artwork), std::move(scene), std::move(plan)};
+    return {std::move(scenario), std::move(artwork), std::move(scene), std::move(plan),
+            std::move(projected)};
   } catch (...) {
     if (scenes) scenes->give_back(std::move(scene));
     throw;
@@ -37,10 +50,10 @@ PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreach
 }
 
 Experiment prepare(const Scenario& scenario, const Places& places, Unreachable unreachable,
-                   const PrepareProgress& progress, SceneCache* scenes) {
+                   const PrepareProgress& progress, SceneCache* scenes, PlanSummary summary) {
   std::vector<KeptInput> inputs = read_input_files(scenario);  // before their content is used
-  PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress, scenes);
-  const bool rough = is_rough(drawing.scene, drawing.plan);
+  PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress, scenes, summary);
+  const bool rough = drawing.plan.rough;
   ImpedanceSettings& s = drawing.scenario.control;
   if (!is_given(places, "control.pen_axis"))
     s.surface.pen_axis = rough ? PenAxis::plan : PenAxis::surface;

@@ -8,6 +8,7 @@
 // plan.h, control_setup.h). All errors in a scenario are found here, before any file is written.
 #pragma once
 
+#include <future>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
 #include "impedraw/experiment/scene_cache.h"
+#include "impedraw/planning/wrap/distortion.h"
 #include "impedraw/settings/yaml_read.h"
 
 namespace impedraw {
@@ -28,6 +30,8 @@ struct PlannedDrawing {
   PlacedArtwork artwork;
   Scene scene;
   Plan plan;
+  // Of the drawing's lengths when it is projected, if it was asked for: see prepare_plan().
+  std::shared_future<Distortion> projected;
 
   // The planner's surface, in P. Refers to the scene.
   SurfaceHeight surface() const { return scene.surface(artwork.X_WP); }
@@ -41,13 +45,17 @@ struct Experiment : PlannedDrawing {
 // Throws InputError: one line that names the error, its location and what is valid. `places` holds
 // the source location of each setting, in the YAML or on the command line. Deterministic. `scenes`:
 // where the scene is taken from, and given back to where this throws; the caller gives it back
-// after the drawing.
+// after the drawing. `summary`: of the plan, will be asked for; what of it takes long is computed
+// on a thread of its own, beside the planning.
+enum class PlanSummary { later, beside };
 PlannedDrawing prepare_plan(const Scenario& scenario, const Places& places = {},
                             Unreachable unreachable = Unreachable::refuse,
-                            const PrepareProgress& progress = {}, SceneCache* scenes = nullptr);
+                            const PrepareProgress& progress = {}, SceneCache* scenes = nullptr,
+                            PlanSummary summary = PlanSummary::later);
 Experiment prepare(const Scenario& scenario, const Places& places = {},
                    Unreachable unreachable = Unreachable::refuse,
-                   const PrepareProgress& progress = {}, SceneCache* scenes = nullptr);
+                   const PrepareProgress& progress = {}, SceneCache* scenes = nullptr,
+                   PlanSummary summary = PlanSummary::later);
 
 // Repairs to the input, and what is not drawn, one line each.
 std::vector<std::string> notes_of(const PlannedDrawing& drawing);

@@ -71,6 +71,19 @@ void add_surface(const PlannedDrawing& e, PlanPicture* picture) {
 
 }  // namespace
 
+std::vector<PlanLine> lines_of_findings(const PlannedDrawing& e, const SurfaceHeight& surface) {
+  const Pose X_PW = e.artwork.X_WP.inverse();
+  std::vector<PlanLine> lines;
+  std::optional<StrokeRuler> ruler;
+  for (const Finding& f : e.plan.preflight.findings) {
+    const PlacedStroke& whole = e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)];
+    if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
+    const PlacedStroke part = ruler->part(f.part.from, f.part.to);
+    lines.push_back(plan_line(StrokeRuler(part), surface, (X_PW * f.p_W).z(), words_of(f.problem)));
+  }
+  return lines;
+}
+
 PlanPicture picture_of_plan(const PlannedDrawing& e, const SurfaceHeight& surface) {
   PlanPicture picture;
   picture.title = e.scenario.name;
@@ -79,20 +92,13 @@ PlanPicture picture_of_plan(const PlannedDrawing& e, const SurfaceHeight& surfac
       e.plan.preflight.findings.empty()
           ? "all can be drawn"
           : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
-  const Pose X_PW = e.artwork.X_WP.inverse();
   add_surface(e, &picture);
   for (const PlacedStroke& stroke : e.plan.strokes)
     picture.lines.push_back(plan_line(StrokeRuler(stroke), surface, 0.0, ""));
-  std::optional<StrokeRuler> ruler;
-  for (const Finding& f : e.plan.preflight.findings) {
-    const PlacedStroke& whole = e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)];
-    if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
-    const PlacedStroke part = ruler->part(f.part.from, f.part.to);
-    picture.lines.push_back(
-        plan_line(StrokeRuler(part), surface, (X_PW * f.p_W).z(), words_of(f.problem)));
-  }
+  for (PlanLine& line : lines_of_findings(e, surface)) picture.lines.push_back(std::move(line));
   // The map of roughness: a dot for each point of the cloud.
   if (e.scene.perception) {
+    const Pose X_PW = e.artwork.X_WP.inverse();
     PlanLine dot{{Eigen::Vector3d::Zero()}, "rougher than the cameras resolve"};
     for (const Eigen::Vector3d& p_W : e.scene.perception->cloud().points) {
       if (!is_unresolved(e.scene.perception->roughness(p_W))) continue;

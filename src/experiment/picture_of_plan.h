@@ -12,4 +12,9 @@ inline constexpr double kPictureSpacing = 2e-3;  // of the points of a stroke [m
 // With cameras nothing in it is taken from the true canvas. `surface`: the planner's, in P.
 PlanPicture picture_of_plan(const PlannedDrawing& drawing, const SurfaceHeight& surface);
 
+// What the pre-flight rejects, in the order of its findings, in P: on the surface, or as high as
+// the finding where there is none.
+std::vector<PlanLine> lines_of_findings(const PlannedDrawing& drawing,
+                                        const SurfaceHeight& surface);
+
 }  // namespace impedraw

@@ -1,6 +1,7 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
+#include <future>
 #include <memory>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/pen_axis.h"
 #include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/experiment/rest_posture.h"
 #include "impedraw/planning/preflight/joint_rates.h"
@@ -63,11 +65,15 @@ class Planning {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });
       try {
         plan_path();
+        // On the second core while the target is projected: it reads neither target nor notes.
+        std::future<bool> rough =
+            std::async(std::launch::async, [this] { return is_rough(scene_, plan_); });
         const std::vector<PlacedStroke> desired = desired_strokes();
         const double looks = 2.0 * length_of(desired) / TargetSettings().spacing +
                              static_cast<double>(desired.size());
         plan_.target = project_target(
             desired, told(judged_surface(), "projecting the target", 0.9, 0.98, looks));
+        plan_.rough = rough.get();
         done = true;
       } catch (const OffSurface& off) {
         leave_out(off);  // an edge finer than the pre-flight's sampling

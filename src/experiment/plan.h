@@ -34,6 +34,7 @@ struct Plan {
   PathSettings path_settings;      // the planner's; a sensor must be tared within start_hold
   TipPath path;                    // empty if nothing can be drawn
   TargetLine target;               // on the true canvas, in W
+  bool rough = false;              // as is_rough() (pen_axis.h)
   std::vector<std::string> notes;  // what is not drawn, one line each
 };
 

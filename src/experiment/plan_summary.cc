@@ -54,6 +54,7 @@ double length_not_drawable(const PlannedDrawing& e) {
 }
 
 Distortion projected_distortion(const PlannedDrawing& e) {
+  if (e.projected.valid()) return e.projected.get();
   return distortion_of_projection(e.artwork.strokes, e.surface());
 }
 Distortion wrapped_distortion(const PlannedDrawing& e) {

@@ -79,8 +79,8 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
     scene->perception.emplace(
         take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q));
   });
-  scene->planning.emplace(*scene->perception,
-                          std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning));
+  scene->planning = std::make_shared<const SurfaceEstimator>(
+      *scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning));
   scene->obstacle =
       std::make_shared<const Canvas>(seen_facets(*scene->perception, s.perception.voxel));
 }

@@ -24,7 +24,7 @@ struct Scene {
   std::unique_ptr<World> world;                // at the start posture
   std::optional<SurfaceEstimator> perception;  // absent: blind
   // The same cloud for the planner, with a stricter edge test to keep the plan clear of its edges.
-  std::optional<SurfaceEstimator> planning;
+  std::shared_ptr<const SurfaceEstimator> planning;
   // The seen surface as small facets around the cloud's points, which the arm must not touch;
   // without perception the true canvas. Never null.
   std::shared_ptr<const Canvas> obstacle;

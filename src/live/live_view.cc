@@ -139,6 +139,7 @@ RunHooks LiveView::hooks() {
     hooks.row = [this](const LogRow& row) { feed_->add(row); };
     hooks.progress = [this](const RunProgress& progress) { feed_->share(progress.share); };
     hooks.interrupted = [this] { return server_->stopped(); };
+    hooks.paused = [this] { return server_->paused(); };
   }
   if (!server_ && options_.pace <= 0.0) return hooks;
   hooks.held = [this, begun = steady_clock::now(), first = -1.0](double time) mutable {

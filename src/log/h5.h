@@ -1,6 +1,7 @@
 // Thin wrappers of HDF5 calls that report errors as exceptions. Private to src/log.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -48,6 +49,11 @@ void quiet_errors();
 // message if there is one.
 void check(hid_t result, const std::string& doing);
 Id own(hid_t id, herr_t (*close)(hid_t), const std::string& doing);
+
+// Opens a file to read. One that is cut short is opened as a copy in memory, as long as the whole
+// was, with zeros for what is missing: chunks that lie there do not decompress. `missing` [bytes].
+// Throws Error.
+Id open_to_read(const std::string& path, std::size_t* missing);
 
 void write_attribute(hid_t object, const std::string& name, const std::string& text);
 void write_attribute(hid_t object, const std::string& name, double value);

@@ -406,6 +406,7 @@ bool recover_log(const std::filesystem::path& path) {
   if (!is_own_file(old) || !is_own_file(path)) return false;
   JournalReader journal(old);
   std::optional<LogReader> in(path);
+  if (in->cut_short()) in->fail("is cut short: it is not the log that run.journal goes on from");
   RunLog::Writer w(path, in->header());
   w.go_on_from(*in);
   const double log_id = in->log_id();

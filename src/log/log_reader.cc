@@ -76,11 +76,9 @@ bool is_marked_log(const std::filesystem::path& path) {
 
 std::map<std::string, std::string> log_attributes(const std::filesystem::path& path) {
   h5::quiet_errors();
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0) throw InputError(path.string() + ": not an HDF5 file, or a broken one");
-  const h5::Id log(file, H5Fclose);
   try {
-    return texts(log);
+    std::size_t missing = 0;
+    return texts(h5::open_to_read(path, &missing));
   } catch (const h5::Error& e) {
     throw InputError(path.string() + ": " + e.what());
   }
@@ -98,9 +96,11 @@ bool has_steps(const std::filesystem::path& path) {
 LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
   h5::quiet_errors();
   require_input_file(path);
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0) fail("not an HDF5 file, or a broken one; a run's log (run.h5) is needed");
-  file_ = h5::Id(file, H5Fclose);
+  try {
+    file_ = h5::open_to_read(path, &missing_);
+  } catch (const h5::Error& e) {
+    fail(std::string(e.what()) + "; a run's log (run.h5) is needed");
+  }
   try {
     const hid_t position = open("/joint/position").id, mode = open("/mode").id;
     header_.joint_lower = to_vector(h5::read_numbers(position, "lower"));
@@ -219,6 +219,10 @@ const LogReader::Dataset& LogReader::open(const std::string& name) const {
       (chunk > 0 ? kMostCompressed : 1.0) * static_cast<double>(std::filesystem::file_size(path_)))
     fail("dataset " + name + " has " + std::to_string(shape[0]) +
          " rows, more than the file holds");
+  // Nothing tells zeros in place of numbers that are not compressed.
+  if (cut_short() && chunk == 0 && shape[0] > 0 &&
+      H5Dget_offset(id) + H5Dget_storage_size(id) > std::filesystem::file_size(path_))
+    fail("is cut short, and dataset " + name + " is among what is missing");
   dataset.rows = shape[0];
   dataset.width = rank == 1 || rank == 2 ? static_cast<int>(shape[1]) : 0;
   return datasets_.emplace(name, std::move(dataset)).first->second;
@@ -343,6 +347,7 @@ void LogReader::require(const RunLogHeader& given) const {
     const std::size_t there = open(name).rows;
     if (there != here) differ("size of " + name, std::to_string(there), std::to_string(here));
   };
+  if (cut_short()) differ("its length", std::to_string(missing_) + " bytes too few", "all needed");
   compare("joints", header_.joint_names, given.joint_names);
   limits("lower limit", header_.joint_lower, given.joint_lower);
   limits("upper limit", header_.joint_upper, given.joint_upper);

@@ -2,7 +2,8 @@
 //
 // In the log of a killed run, some datasets may lack rows or may be extended but not written.
 // rows() counts the rows that are complete in every dataset; later ones are ignored. The rows and
-// steps of a reduced log end at the same time.
+// steps of a reduced log end at the same time. So it is with a file that lost its end, in a copy
+// for instance, as long as what does not grow is there.
 #pragma once
 
 #include <filesystem>
@@ -39,7 +40,10 @@ class LogReader {
   WallTimes wall() const;
   double log_id() const;  // changes whenever the log is written; 0 in logs of older versions
 
-  // Throws InputError naming what differs between `header` and this log.
+  // The file is shorter than it says it is; what is missing counts as rows that cannot be read.
+  bool cut_short() const { return missing_ > 0; }
+
+  // Throws InputError naming what differs between `header` and this log, or that it is cut short.
   void require(const RunLogHeader& header) const;
 
   bool has(const std::string& name) const {
@@ -78,6 +82,7 @@ class LogReader {
   std::vector<T> whole(const std::string& name, int width, bool integer) const;
 
   std::filesystem::path path_;
+  std::size_t missing_ = 0;  // [bytes]
   h5::Id file_;
   mutable std::map<std::string, Dataset> datasets_;  // already opened
   RunLogHeader header_;

@@ -12,6 +12,7 @@ int ReplayLog::joints() const { return log_->joints(); }
 const std::vector<std::string>& ReplayLog::torque_terms() const {
   return log_->header().torque_terms;
 }
+bool ReplayLog::cut_short() const { return log_->cut_short(); }
 bool ReplayLog::reduced() const { return log_->rate() == LogRate::reduced; }
 
 bool ReplayLog::read(std::size_t begin, std::size_t n, ReplayRows* rows) const {

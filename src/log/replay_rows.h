@@ -37,7 +37,8 @@ class ReplayLog {
   std::size_t rows() const;  // that are complete in every dataset
   int joints() const;
   const std::vector<std::string>& torque_terms() const;
-  bool reduced() const;  // rows of selected steps only
+  bool reduced() const;    // rows of selected steps only
+  bool cut_short() const;  // rows() are what is left of a file that lost its end
 
   // Reads rows [begin, begin + n). Returns false if they exist but cannot be read.
   bool read(std::size_t begin, std::size_t n, ReplayRows* rows) const;

@@ -14,6 +14,7 @@ constexpr double kMostTurned = 1e3;  // of a joint [rad]
 
 ResumeLog read_resume_log(const std::filesystem::path& path) {
   const LogReader log(path);
+  if (log.cut_short()) log.fail("is cut short, so that the run cannot be continued");
   const bool reduced = log.rate() == LogRate::reduced;
   const std::string steps = reduced ? "/every_step" : "";
   ResumeLog drawn;

@@ -169,6 +169,7 @@ RunData read_run(const std::filesystem::path& path) {
   try {
     RunData run;
     static_cast<RunConstants&>(run) = constants(log);
+    run.cut_short = log.cut_short();
     reserve(&run, log.steps());
     RunRows chunk;
     StepChecks checks(log);

@@ -34,7 +34,8 @@ struct RunConstants {
   Points cloud_points;
   Points target_points;
   std::vector<int> target_stroke;
-  WallTimes wall;  // NaN if the run was killed before it closed its log
+  WallTimes wall;          // NaN if the run was killed before it closed its log
+  bool cut_short = false;  // the file lost its end: the steps are what is left
   std::map<std::string, std::string> attributes;  // the root's text attributes
 };
 

@@ -26,6 +26,7 @@ Json pose_json(const Pose& X) {
 Json number_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 constexpr std::size_t kMostLinkTriangles = 4000;
+constexpr double kLinkOff = 1e-3;  // [m]; a pixel of the whole scene
 
 Json arm_json(PackedColumns& columns, const PageContext& context,
               const std::vector<std::string>& joints) {
@@ -44,7 +45,8 @@ Json arm_json(PackedColumns& columns, const PageContext& context,
     Json meshes = Json::array();
     for (const PageLinkMesh& mesh : context.meshes)
       if (mesh.link == static_cast<int>(i))
-        meshes.push_back(mesh_json(columns, mesh.vertices, mesh.triangles, kMostLinkTriangles));
+        meshes.push_back(
+            mesh_json(columns, mesh.vertices, mesh.triangles, kMostLinkTriangles, kLinkOff));
     out.push_back({{"name", link.name},
                    {"parent", link.parent},
                    {"pose", pose_json(link.X_PL)},
@@ -77,13 +79,18 @@ Json numbers_json(const Eigen::VectorXd& v) {
 }
 
 Json mesh_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& vertices,
-               const std::vector<Eigen::Vector3i>& triangles, std::size_t most, PageMesh* kept) {
+               const std::vector<Eigen::Vector3i>& triangles, std::size_t most, double off,
+               PageMesh* kept) {
   PageMesh mesh = page_mesh(vertices, triangles, most);
   Json out;
+  const auto corners = [&columns](const std::vector<Eigen::Vector3i>& of) {
+    return columns.add(
+        3 * of.size(), [&](std::size_t i) { return static_cast<double>(of[i / 3][i % 3]); }, 1.0);
+  };
   out["vertices"] = points_json(columns, mesh.vertices, 2e-5);
-  out["triangles"] = columns.add(
-      3 * mesh.triangles.size(),
-      [&](std::size_t i) { return static_cast<double>(mesh.triangles[i / 3][i % 3]); }, 1.0);
+  out["triangles"] = corners(mesh.triangles);
+  const std::vector<Eigen::Vector3i> coarse = coarse_triangles(mesh, off);
+  if (!coarse.empty()) out["coarse"] = corners(coarse);
   out["of"] = triangles.size();
   out["error_mm"] = 1e3 * mesh.error;
   if (kept) *kept = std::move(mesh);

@@ -19,10 +19,12 @@ nlohmann::json points_json(PackedColumns& columns, const std::vector<Eigen::Vect
 nlohmann::json vector_json(const Eigen::Vector3d& v);
 nlohmann::json numbers_json(const Eigen::VectorXd& v);  // null where not finite
 
-// A mesh of at most about `most` triangles; `kept`: what became of it.
+// A mesh of at most about `most` triangles, and a coarse one within `off` of that [m], where it has
+// much fewer; `kept`: what became of it.
+inline constexpr double kCanvasOff = 8e-5;  // as coarseOff of web/src/scene.ts
 nlohmann::json mesh_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& vertices,
                          const std::vector<Eigen::Vector3i>& triangles, std::size_t most = 16000,
-                         PageMesh* kept = nullptr);
+                         double off = kCanvasOff, PageMesh* kept = nullptr);
 
 // `values` with name, label and unit.
 nlohmann::json series_json(std::string name, std::string label, std::string unit,

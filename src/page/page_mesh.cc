@@ -13,11 +13,12 @@ Vector3d area_normal(const std::vector<Vector3d>& vertices, unsigned a, unsigned
   return (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]);
 }
 
-// Collapsed edges leave triangles without an area, and some that fold over their neighbours: they
-// face away from the surface as it was at their corners.
-std::vector<unsigned> without_folds(const std::vector<Vector3d>& vertices,
-                                    const std::vector<unsigned>& whole,
-                                    const std::vector<unsigned>& thinned) {
+// Collapsed edges leave triangles without an area, and slivers that fold over their neighbours:
+// they face away from the surface as it was at their corners, and are turned over. (Without them
+// there would be pinholes.)
+std::vector<unsigned> unfolded(const std::vector<Vector3d>& vertices,
+                               const std::vector<unsigned>& whole,
+                               const std::vector<unsigned>& thinned) {
   std::vector<Vector3d> normals(vertices.size(), Vector3d::Zero());
   for (std::size_t i = 0; i + 2 < whole.size(); i += 3) {
     const Vector3d n = area_normal(vertices, whole[i], whole[i + 1], whole[i + 2]);
@@ -28,9 +29,29 @@ std::vector<unsigned> without_folds(const std::vector<Vector3d>& vertices,
     const unsigned a = thinned[i], b = thinned[i + 1], c = thinned[i + 2];
     const Vector3d around =
         normals[a].normalized() + normals[b].normalized() + normals[c].normalized();
-    if (area_normal(vertices, a, b, c).dot(around) > 0.0) kept.insert(kept.end(), {a, b, c});
+    const double faces = area_normal(vertices, a, b, c).dot(around);
+    if (faces > 0.0) kept.insert(kept.end(), {a, b, c});
+    if (faces < 0.0) kept.insert(kept.end(), {a, c, b});
   }
   return kept;
+}
+
+constexpr std::size_t kStride = 3 * sizeof(float);
+
+std::vector<float> floats_of(const std::vector<Vector3d>& vertices) {
+  std::vector<float> positions;
+  positions.reserve(3 * vertices.size());
+  for (const Vector3d& v : vertices)
+    for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(v[k]));
+  return positions;
+}
+
+std::vector<unsigned> corners_of(const std::vector<Eigen::Vector3i>& triangles) {
+  std::vector<unsigned> corners;
+  corners.reserve(3 * triangles.size());
+  for (const Eigen::Vector3i& triangle : triangles)
+    for (int k = 0; k < 3; ++k) corners.push_back(static_cast<unsigned>(triangle[k]));
+  return corners;
 }
 
 // Leaves out the vertices that no triangle uses.
@@ -58,17 +79,10 @@ PageMesh compacted(const std::vector<Vector3d>& vertices, const std::vector<unsi
 
 PageMesh page_mesh(const std::vector<Eigen::Vector3d>& vertices,
                    const std::vector<Eigen::Vector3i>& triangles, std::size_t most) {
-  std::vector<unsigned> corners;
-  corners.reserve(3 * triangles.size());
-  for (const Eigen::Vector3i& triangle : triangles)
-    for (int k = 0; k < 3; ++k) corners.push_back(static_cast<unsigned>(triangle[k]));
+  std::vector<unsigned> corners = corners_of(triangles);
   double error = 0.0;
   if (triangles.size() > most) {
-    std::vector<float> positions;
-    positions.reserve(3 * vertices.size());
-    for (const Eigen::Vector3d& v : vertices)
-      for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(v[k]));
-    constexpr std::size_t kStride = 3 * sizeof(float);
+    const std::vector<float> positions = floats_of(vertices);
     constexpr float kAnyError = 1e-2f;  // of the mesh's extent
     const double scale = meshopt_simplifyScale(positions.data(), vertices.size(), kStride);
     std::vector<unsigned> fewer(corners.size());
@@ -80,13 +94,31 @@ PageMesh page_mesh(const std::vector<Eigen::Vector3d>& vertices,
       n = meshopt_simplifySloppy(fewer.data(), corners.data(), corners.size(), positions.data(),
                                  vertices.size(), kStride, 3 * most, 1.0f, &relative);
     fewer.resize(n);
-    corners = without_folds(vertices, corners, fewer);
+    corners = unfolded(vertices, corners, fewer);
     error = relative * scale;
   }
   // The order of triangles that deflates best is also the one that a graphics card likes best.
   if (!corners.empty())
     meshopt_optimizeVertexCache(corners.data(), corners.data(), corners.size(), vertices.size());
   return compacted(vertices, corners, error);
+}
+
+std::vector<Eigen::Vector3i> coarse_triangles(const PageMesh& mesh, double off) {
+  const std::vector<unsigned> corners = corners_of(mesh.triangles);
+  const std::vector<float> positions = floats_of(mesh.vertices);
+  const double scale = meshopt_simplifyScale(positions.data(), mesh.vertices.size(), kStride);
+  if (corners.empty() || !(scale > 0.0)) return {};
+  std::vector<unsigned> fewer(corners.size());
+  fewer.resize(meshopt_simplify(fewer.data(), corners.data(), corners.size(), positions.data(),
+                                mesh.vertices.size(), kStride, 0, static_cast<float>(off / scale),
+                                meshopt_SimplifyLockBorder, nullptr));
+  fewer = unfolded(mesh.vertices, corners, fewer);
+  if (fewer.empty() || 3 * fewer.size() > 2 * corners.size()) return {};
+  meshopt_optimizeVertexCache(fewer.data(), fewer.data(), fewer.size(), mesh.vertices.size());
+  std::vector<Eigen::Vector3i> coarse;
+  for (std::size_t i = 0; i + 2 < fewer.size(); i += 3)
+    coarse.push_back(Eigen::Matrix<unsigned, 3, 1>(fewer.data() + i).cast<int>());
+  return coarse;
 }
 
 }  // namespace impedraw

@@ -56,7 +56,8 @@ PagePayload make_payload(const PlanPage& plan, const PageContext& context) {
   for (const Eigen::Vector3d& span : plan.spans)
     out["spans"].push_back({static_cast<int>(span[0]), span[1], span[2]});
   PageMesh mesh;
-  out["canvas"] = mesh_json(columns, plan.canvas_vertices, plan.canvas_triangles, 16000, &mesh);
+  out["canvas"] =
+      mesh_json(columns, plan.canvas_vertices, plan.canvas_triangles, 16000, kCanvasOff, &mesh);
   out["maps"] = Json::array();
   for (const PageMap& map : plan.maps)
     out["maps"].push_back(series_json(

@@ -359,7 +359,7 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
   step();
   const ReplayLog log(page.log);
   add_rows(columns, log, run, context, &out);
-  out["complete"] = out["rows_read"] == log.rows();
+  out["complete"] = out["rows_read"] == log.rows() && !log.cut_short();
   out["pictures"] =
       pictures_json(columns, page.pictures ? page.pictures() : std::vector<PagePicture>());
   // What others wrote need not be UTF-8.

@@ -1,6 +1,7 @@
 #include "impedraw/run/draw_into.h"
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <optional>
 
@@ -9,6 +10,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
+#include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/run/folder_lock.h"
@@ -42,6 +44,15 @@ nlohmann::ordered_json parts_json(const Experiment& e, const std::vector<StrokeP
 // strokes.json: what was promised, what was not and why, what was drawn twice, and what has no ink.
 void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome& outcome) {
   nlohmann::ordered_json json = plan_json(e);
+  // Where what was left out would lie, for the page: x y z of point after point.
+  const std::vector<PlanLine> lines = lines_of_findings(e, e.surface());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::vector<double> line;
+    for (const Eigen::Vector3d& p_P : lines[i].points)
+      for (const double x : Eigen::Vector3d(e.artwork.X_WP * p_P))
+        line.push_back(1e-4 * std::round(1e4 * x));
+    json["not_drawable"][i]["line_m"] = line;
+  }
   json["drawn_again"] = parts_json(e, outcome.drawn_again);
   json["lacking"] = parts_json(e, outcome.lacking);
   write_whole(folder / "strokes.json", json.dump(2) + "\n");
@@ -106,6 +117,7 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     hooks.row = watch.row;
     if (watch.held)
       hooks.held = [&](double time) { return !interrupt.requested() && watch.held(time); };
+    if (watch.paused) hooks.paused = [&] { return !interrupt.requested() && watch.paused(); };
     // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
       for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
@@ -147,12 +159,14 @@ PrepareProgress shown_on(ProgressLine& line) {
 
 Experiment prepare_visibly(const Scenario& scenario, const Places& places) {
   ProgressLine line;
-  return prepare(scenario, places, Unreachable::refuse, shown_on(line));
+  return prepare(scenario, places, Unreachable::refuse, shown_on(line), nullptr,
+                 PlanSummary::beside);
 }
 
 PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places) {
   ProgressLine line;
-  return prepare_plan(scenario, places, Unreachable::tell, shown_on(line));
+  return prepare_plan(scenario, places, Unreachable::tell, shown_on(line), nullptr,
+                      PlanSummary::beside);
 }
 
 void print_notes(const PlannedDrawing& drawing) {

@@ -52,6 +52,7 @@ struct DriverInfo {
   double period = 1e-3;  // between two cycles [s]
   WrenchReading wrench = WrenchReading::none;
   bool velocity = true;  // ArmState::v is given; otherwise the loop must estimate it
+  bool waits = true;     // in lock-step: time stands still between read() and command()
 };
 
 struct ArmState {

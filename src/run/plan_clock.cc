@@ -32,8 +32,12 @@ void PlanClock::advance(const PenDeviation& pen) noexcept {
                              share(settings_.joint, joint)});
   desired = std::min(desired, pen.limit);
   if (pen.waits) desired = 0.0;
-  stood_ = desired < settings_.least ? stood_ + dt_ : std::max(0.0, stood_ - dt_);
-  if (stood_ > settings_.patience) desired = std::max(desired, settings_.least);
+  if (!pen.paused) {
+    stood_ = desired < settings_.least ? stood_ + dt_ : std::max(0.0, stood_ - dt_);
+    if (stood_ > settings_.patience) desired = std::max(desired, settings_.least);
+  } else {
+    desired = 0.0;
+  }
   const double next =
       std::clamp(desired, rate_ - settings_.slow_down * dt_, rate_ + settings_.speed_up * dt_);
   slope_ = (next - rate_) / dt_;

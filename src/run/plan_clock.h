@@ -48,6 +48,7 @@ struct PenDeviation {
   double limit = 1.0;         // greatest rate that the joints allow (joint_forecast.h)
   bool waits = false;         // for contact at a stroke's first point
   double normal_speed = 0.0;  // of the tip [m/s]
+  bool paused = false;        // by a user: the clock stands, and no patience is lost
 };
 
 class PlanClock {

@@ -9,6 +9,7 @@
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
+#include "impedraw/terminal/say.h"
 
 namespace impedraw {
 
@@ -18,6 +19,9 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     if (check) check();
   };
   const RunData run = read_run(folder / "run.h5");
+  if (run.cut_short)
+    say(stderr, "note: {}: is cut short; results are of the run up to {:.2f} s\n",
+        (folder / "run.h5").string(), run.time.empty() ? 0.0 : run.time.back());
   step();
   const InkMatch drawn = match_ink(run);
   step();

@@ -72,6 +72,7 @@ class Runner {
       : e_(e),
         driver_(driver),
         hooks_(hooks),
+        waits_(driver.info().waits),
         first_time_(resumption ? resumption->time : 0.0),
         loop_(e.control, e.scene.arm, driver.info(),
               surface_source(e, disturbances_of(e, resumption))),
@@ -185,6 +186,7 @@ class Runner {
     if (searched_ > longest_search(e_)) return false;
     if (out_.mode == ContactMode::approach && p_PE.z() < e_.scenario.blind.plane_z) return false;
     PenDeviation pen;
+    pen.paused = paused();
     pen.waits = searching || (desired.stroke >= 0 && out_.mode == ContactMode::approach);
     if (contact && desired.stroke >= 0) pen.tilt = tilt_of_pen();
     clock_.advance(pen);
@@ -203,7 +205,7 @@ class Runner {
   // Runs and logs one control cycle. Returns false if the run is over.
   bool step(const PathSample& desired) {
     const double t = time(), step_time = state_->step_time;
-    while (hooks_.held && hooks_.held(t)) {
+    while (waits_ && hooks_.held && hooks_.held(t)) {
     }
     const auto step_start = Clock::now();
     if (!state_->stalled)
@@ -267,6 +269,7 @@ class Runner {
   // How far the pen is from what the plan asks of it.
   PenDeviation deviation(const PathSample& desired, double planned) const {
     PenDeviation pen;
+    pen.paused = paused();
     if (!e_.scene.perception) return pen;
     pen.limit = forecast_.limit(planned);
     pen.joint =
@@ -284,6 +287,8 @@ class Runner {
     return pen;
   }
 
+  bool paused() const { return !waits_ && hooks_.paused && hooks_.paused(); }
+
   void stop(RunEnd end, const std::string& cause) {
     if (outcome_.end != RunEnd::finished) return;
     outcome_.end = end;
@@ -297,6 +302,7 @@ class Runner {
   Experiment& e_;
   Driver& driver_;
   const RunHooks& hooks_;
+  bool waits_;         // the driver, for the next command
   double first_time_;  // of the log, where an earlier run left off [s]
   ControlLoop loop_;
   StartedDriver started_;

@@ -45,6 +45,9 @@ struct RunHooks {
   // Asked before each control step, with the driver's time [s], until it returns false: pauses and
   // paces the run. It sleeps a little itself where it returns true. For a driver in lock-step.
   std::function<bool(double)> held;
+  // The same for a driver on a wall clock, which cannot wait: while it is true, the plan's clock
+  // stands, and the pen keeps its place and its push. Asked in each control step; must not wait.
+  std::function<bool()> paused;
 };
 
 inline constexpr double kBadStateTime = 0.2;  // [s]

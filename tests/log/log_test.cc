@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/log/resume_log.h"
 #include "impedraw/log/run_data.h"
 #include "made_up_run.h"
 
@@ -339,6 +340,51 @@ TEST_F(RunLogTest, BadFilesAreNamed) {
       std::string(IMPEDRAW_PYTHON) + " -c \"import h5py; h5py.File('" + other + "', 'w')\"";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_THAT(message(folder_ / "other.h5"), HasSubstr("/joint/position is missing"));
+}
+
+// A copy that broke off, a disk that was full.
+TEST_F(RunLogTest, AFileThatLostItsEndIsReadUpToThere) {
+  constexpr std::size_t kRows = 40000;
+  {
+    RunLog log(path(), small_header());
+    for (std::size_t i = 0; i < kRows; ++i) log.append(numbered_row(static_cast<int>(i)));
+    log.close(WallTimes{1.0, 2.0, 3.0});
+  }
+  const RunData whole = read_run(path());
+  ASSERT_EQ(whole.rows(), kRows);
+  EXPECT_FALSE(whole.cut_short);
+  const auto size = std::filesystem::file_size(path());
+  std::size_t before = kRows;
+  for (const double share : {0.999, 0.9, 0.7, 0.5, 0.3}) {
+    std::filesystem::resize_file(path(), static_cast<std::uintmax_t>(share * size));
+    const RunRows rows = read_rows(path());
+    EXPECT_LE(rows.rows(), before) << share;
+    // Chunks of all datasets follow each other: of each share, as much is left.
+    EXPECT_GE(rows.rows() + 2 * 4096, share * kRows) << share;
+    for (std::size_t i = 0; i < rows.rows(); i += 997) expect_row(rows, i);
+    if (rows.rows() > 0) expect_row(rows, rows.rows() - 1);
+    before = rows.rows();
+    const RunData run = read_run(path());
+    EXPECT_EQ(run.rows(), rows.rows());
+    EXPECT_TRUE(run.cut_short);
+    EXPECT_EQ(run.f, std::vector<double>(whole.f.begin(), whole.f.begin() + run.rows()));
+  }
+  EXPECT_LT(before, kRows / 2);
+  EXPECT_GT(before, 0u);
+  const auto refuses = [&](const auto& doing) {
+    try {
+      doing();
+      return std::string();
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+  };
+  EXPECT_THAT(refuses([&] { read_resume_log(path()); }), HasSubstr("is cut short"));
+  EXPECT_THAT(refuses([&] { RunLog::append_to(path(), small_header()); }),
+              HasSubstr("bytes too few"));
+  EXPECT_EQ(std::filesystem::file_size(path()), static_cast<std::uintmax_t>(0.3 * size));
+  std::filesystem::resize_file(path(), 1000);  // its superblock, and little else
+  EXPECT_THAT(refuses([&] { read_run(path()); }), HasSubstr(path().string()));
 }
 
 TEST_F(RunLogTest, ForgedFilesAreRefused) {

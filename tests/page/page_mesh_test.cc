@@ -1,9 +1,14 @@
 #include "impedraw/page/page_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
+
+#include "impedraw/common/seeded_normals.h"
 
 namespace impedraw {
 namespace {
@@ -63,6 +68,49 @@ TEST(PageMesh, TwoMillionTrianglesBecomeAsManyAsAPageShows) {
   }
   EXPECT_NEAR(area, 0.16, 1e-4);
   EXPECT_LT(worst, 0.2e-3);
+}
+
+// How many edges have one triangle alone.
+long border_edges(const std::vector<Eigen::Vector3i>& triangles) {
+  std::map<std::pair<int, int>, int> sides;
+  for (const Eigen::Vector3i& t : triangles)
+    for (int k = 0; k < 3; ++k) ++sides[std::minmax({t[k], t[(k + 1) % 3]})];
+  return std::count_if(sides.begin(), sides.end(), [](const auto& s) { return s.second == 1; });
+}
+
+TEST(PageMesh, ThinningMakesNoHoles) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  make_bowl(200, &vertices, &triangles);
+  // Uneven, so that collapsed edges fold.
+  SeededNormals normals(7);
+  for (Eigen::Vector3d& v : vertices)
+    if (v.head<2>().cwiseAbs().maxCoeff() < 0.1999)
+      v.head<2>() += 4e-4 * Eigen::Vector2d(normals.next(), normals.next());
+  const PageMesh mesh = page_mesh(vertices, triangles, 5000);
+  EXPECT_EQ(border_edges(mesh.triangles), 800);
+}
+
+TEST(PageMesh, CoarseTrianglesStayWithinTheirTolerance) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  make_bowl(100, &vertices, &triangles);
+  const PageMesh mesh = page_mesh(vertices, triangles, 100000);
+  const std::vector<Eigen::Vector3i> coarse = coarse_triangles(mesh, 1e-4);
+  EXPECT_LT(3 * coarse.size(), mesh.triangles.size());
+  EXPECT_GT(coarse.size(), 500u);
+  EXPECT_EQ(border_edges(coarse), 400);
+  double worst = 0.0, area = 0.0;
+  for (const Eigen::Vector3i& t : coarse) {
+    const Eigen::Vector3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+    const Eigen::Vector3d p = (a + b + c) / 3.0;
+    worst = std::max(worst, std::abs(p.z() - p.head<2>().squaredNorm()));
+    area += 0.5 * (b - a).cross(c - a).z();
+  }
+  EXPECT_NEAR(area, 0.16, 1e-3);
+  EXPECT_LT(worst, 2e-4) << "the quadric's measure, not the largest distance";
+  EXPECT_TRUE(coarse_triangles(mesh, 1e-9).empty()) << "nothing to save";
+  EXPECT_TRUE(coarse_triangles({}, 1e-4).empty());
 }
 
 TEST(PageMesh, ASmallMeshStaysWhole) {

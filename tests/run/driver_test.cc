@@ -160,6 +160,64 @@ TEST_F(DriverTest, AnArmThatIsNotSimulatedHereIsNotSimulated) {
   EXPECT_FALSE(fs::exists(log_));
 }
 
+// A driver on a wall clock: time goes on whatever the loop does. A pause holds the plan's clock:
+// the pen stays where it is with its push, and the drawing comes out whole.
+TEST_F(DriverTest, AnArmThatDoesNotWaitIsPausedByThePlansClock) {
+  Experiment e = prepared("bowl-sine", {"log.rate=full"});
+  TestDriver driver(e);
+  driver.changed_info().waits = false;
+  constexpr double kFrom = 6.0, kTo = 8.5;  // [s]; longer than the clock's patience
+  double time = 0.0;
+  RunHooks hooks;
+  hooks.held = [](double) {
+    ADD_FAILURE() << "an arm that does not wait was held between two steps";
+    return false;
+  };
+  hooks.paused = [&] { return time >= kFrom && time < kTo; };
+  hooks.row = [&](const LogRow& row) { time = row.time; };
+  const RunOutcome outcome = run(e, driver, log_, 0.0, hooks);
+  ASSERT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
+  EXPECT_NEAR(outcome.simulated, e.plan.path.duration() + kTo - kFrom, 0.3);
+  EXPECT_EQ(driver.order, "start stop ");
+
+  const RunRows rows = read_rows(log_);
+  Eigen::AlignedBox3d tip;
+  double least = 1e9, most = 0.0;
+  for (std::size_t i = 0; i < rows.time.size(); ++i) {
+    if (rows.time[i] < kFrom + 0.3 || rows.time[i] > kTo) continue;
+    EXPECT_EQ(rows.time_scale[i], 0.0) << rows.time[i];
+    tip.extend(rows.tip_position[i]);
+    least = std::min(least, rows.contact_force[i].norm());
+    most = std::max(most, rows.contact_force[i].norm());
+  }
+  EXPECT_LT(tip.diagonal().norm(), 2e-4);
+  EXPECT_GT(least, 4.5);
+  EXPECT_LT(most, 5.5);
+  const RunData drawn = read_run(log_);
+  const Metrics metrics = compute_metrics(drawn, match_ink(drawn));
+  EXPECT_EQ(metrics.coverage.value().value_or(-1.0), 1.0);
+  EXPECT_EQ(metrics.gaps.value().value_or(-1.0), 0.0);
+  EXPECT_LT(metrics.ink_error_rms.value().value_or(1e9), 0.05);
+  EXPECT_GT(metrics.force_peak.value().value_or(-1.0), 4.9);
+  EXPECT_LT(metrics.force_peak.value().value_or(1e9), 5.5);
+}
+
+TEST_F(DriverTest, AnArmThatDoesNotWaitIsStoppedInAPause) {
+  Experiment e = prepared("bowl-sine");
+  TestDriver driver(e);
+  driver.changed_info().waits = false;
+  double time = 0.0;
+  RunHooks hooks;
+  hooks.paused = [&] { return time >= 5.0; };
+  hooks.interrupted = [&] { return time >= 9.0; };
+  hooks.row = [&](const LogRow& row) { time = row.time; };
+  const RunOutcome outcome = run(e, driver, log_, 0.0, hooks);
+  EXPECT_EQ(outcome.end, RunEnd::interrupted);
+  EXPECT_THAT(outcome.cause, HasSubstr("the pen was lifted"));
+  EXPECT_LT(time, 12.0);
+  EXPECT_EQ(read_rows(log_).contact_force.back().norm(), 0.0) << "the pen is up";
+}
+
 TEST_F(DriverTest, GravityIsThePartThatHoldsTheArm) {
   Experiment e = prepared("bowl-sine");
   TestDriver driver(e);

@@ -55,6 +55,18 @@ TEST(PlanClock, LosesPatience) {
   EXPECT_DOUBLE_EQ(clock.rate(), settings.least);
 }
 
+// A user's pause lasts as long as it lasts, and the pen's patience is what it was.
+TEST(PlanClock, StandsWhileItIsPaused) {
+  PlanClock clock({}, kDt);
+  PenDeviation paused;
+  paused.paused = true;
+  for (int i = 0; i < 60000; ++i) clock.advance(paused);
+  EXPECT_EQ(clock.rate(), 0.0);
+  EXPECT_NEAR(clock.lag(), 60.0, 0.1);
+  for (int i = 0; i < 500; ++i) clock.advance({});
+  EXPECT_EQ(clock.rate(), 1.0);
+}
+
 TEST(PlanClock, TakesUnknownDeviationsForNone) {
   PlanClock clock({}, kDt);
   const double unknown = std::nan("");

@@ -84,8 +84,7 @@ export function geometryOfMesh(mesh: Mesh): three.BufferGeometry {
 }
 
 // A body whose faces join smoothly where they meet at less than `angle` [rad]; a sharp edge has two corners in one place.
-export function creased(mesh: Mesh, angle: number): three.BufferGeometry {
-  const { vertices, triangles } = mesh;
+export function creased({ vertices }: Mesh, triangles: Float64Array, angle: number): three.BufferGeometry {
   const faces = triangles.length / 3;
   const sharp = Math.cos(angle);
   // Normals of the faces, as long as their area is large.

@@ -5,6 +5,9 @@ export const kinds = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#5
 
 // Of a run among those compared.
 export const runColour = (k: number): string => kinds[k % kinds.length];
+// Of a target without ink, and of what a run left out because it cannot be drawn.
+export const bareColour = kinds[3];
+export const leftOutColour = kinds[6];
 // Of the k-th reason why a plan leaves something out.
 export const problemColour = (k: number): string => kinds[[1, 3, 4, 6, 2, 5, 7][k % 7]];
 

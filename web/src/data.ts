@@ -17,6 +17,7 @@ export interface Link {
 export interface Mesh {
   vertices: Float64Array[];
   triangles: Float64Array;
+  coarse: Float64Array | null; // fewer triangles on the same vertices, for who has no graphics card
   of: number; // triangles of the whole
   error_mm: number;
 }
@@ -29,7 +30,7 @@ export interface Colouring {
   values: Float64Array;
 }
 
-// A part of a stroke that a plan leaves out.
+// A part of a stroke that a plan, or a run, leaves out.
 export interface Finding {
   stroke: number;
   from_mm: number;
@@ -63,6 +64,7 @@ export interface Part {
   problem?: string;
   text?: string;
   world_m?: number[];
+  line_m?: number[]; // x y z of point after point
 }
 
 export interface Run {
@@ -136,6 +138,18 @@ export async function inflate(base64: string): Promise<Uint8Array<ArrayBuffer>> 
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+// Of a run, whose log has no lines of what it does not draw. Those of older versions told only a place.
+function leftOut(parts: Part[] = []): Finding[] {
+  return parts.filter((part) => part.line_m && part.line_m.length >= 3).map((part) => {
+    const flat = part.line_m as number[];
+    const line = [0, 1, 2].map((axis) => Float64Array.from(flat.filter((_, i) => i % 3 === axis)));
+    return {
+      stroke: part.stroke, from_mm: part.from_mm, to_mm: part.to_mm, problem: part.problem ?? "", text: part.text ?? "",
+      world_m: part.world_m ?? line.map((column) => column[0]), line, q: [],
+    };
+  });
+}
+
 /* eslint-disable @typescript-eslint/no-explicit-any */
 export function parse(data: Uint8Array<ArrayBuffer>): Run {
   const length = new DataView(data.buffer, data.byteOffset).getUint32(0, true);
@@ -144,7 +158,7 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
   const columns = data.subarray(4 + length);
   const one = (how: Packed) => unpack(columns, how);
   const each = (list: Packed[]) => list.map(one);
-  const mesh = (m: any): Mesh => ({ of: m.of, error_mm: m.error_mm, vertices: each(m.vertices), triangles: one(m.triangles) });
+  const mesh = (m: any): Mesh => ({ of: m.of, error_mm: m.error_mm, vertices: each(m.vertices), triangles: one(m.triangles), coarse: m.coarse ? one(m.coarse) : null });
   const colouring = (c: any): Colouring => ({ name: c.name, label: c.label, unit: c.unit, values: one(c.values) });
   const ofRun = () => [["force", "normal force", "N"], ["error", "ink error", "mm"], ["tilt", "tilt", "deg"], ["speed", "speed", "mm/s"]]
     .map(([name, label, unit]) => ({ name, label, unit, values: one(json.ink[name]) }));
@@ -164,7 +178,7 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
   return {
     kind: json.kind ?? "run", live: json.live ?? null, name: json.name ?? json.title, commit: json.commit ?? "",
     maps: (json.maps ?? []).map(colouring), plan: json.plan ?? {},
-    findings: (json.findings ?? []).map((f: any) => ({ ...f, line: each(f.line) })),
+    findings: json.findings ? json.findings.map((f: any) => ({ ...f, line: each(f.line) })) : leftOut(json.strokes?.not_drawable),
     title: json.title, version: json.version, command: json.command, attributes: json.attributes,
     closed: json.closed, complete: json.complete, duration: json.duration,
     definitions: json.definitions, metrics: json.metrics, limits: json.limits ?? {},

@@ -43,6 +43,11 @@ export class Lines extends three.Mesh<three.BufferGeometry, three.ShaderMaterial
     this.append(points);
   }
 
+  // None of them; their room stays.
+  forget(): void {
+    this.segments = 0;
+  }
+
   // More segments, which have no colour yet.
   append(points: number[]): void {
     const first = this.segments;

@@ -23,7 +23,18 @@ export class Column {
   last(): number {
     return this.n > 0 ? this.data[this.n - 1] : NaN;
   }
+
+  // Keeps those whose index is in `kept`, which rises.
+  thin(kept: number[]): void {
+    kept.forEach((from, to) => (this.data[to] = this.data[from]));
+    this.n = kept.length;
+  }
 }
+
+// The memory of a run that lasts for hours is bounded: beyond this many rows, or points of ink, every second one goes. The report
+// has all of them.
+const mostRows = 60000;
+const mostInk = 60000;
 
 const inkForce = 0.1; // [N]; less leaves no ink, as in the metrics
 
@@ -89,8 +100,9 @@ export class LiveRun {
   private passes = new Map<number, number>();
   private sums = { n: 0, force: 0, force2: 0, error2: 0, errors: 0, errorMax: 0, tilt: 0, tilts: 0 };
   readonly width: number;
+  thinned = 0; // times that points of the ink have gone
 
-  constructor(readonly run: Run) {
+  constructor(readonly run: Run, private most = { rows: mostRows, ink: mostInk }) {
     const names = run.live?.columns ?? [];
     this.width = names.length;
     names.forEach((name, i) => this.index.set(name, i));
@@ -149,7 +161,32 @@ export class LiveRun {
       this.more.get("ink_error")?.push(error);
       this.more.get("speed")?.push(speed);
     }
+    if (this.of("time").values.length > this.most.rows) this.thinRows();
+    if (this.ink.time.values.length > this.most.ink) this.thinInk();
     this.publish();
+  }
+
+  // The last two stay: what comes next is compared with them.
+  private thinRows(): void {
+    const n = this.of("time").values.length;
+    const kept: number[] = [];
+    for (let i = 0; i < n; ++i) if (i % 2 === 0 || i >= n - 2) kept.push(i);
+    for (const column of [...this.columns, ...this.more.values()]) column.thin(kept);
+  }
+
+  // A line's ends stay.
+  private thinInk(): void {
+    const { ink } = this;
+    const begins = Array.from(ink.begins.values);
+    const n = ink.time.values.length;
+    const kept: number[] = [];
+    begins.forEach((begin, line) => {
+      const end = begins[line + 1] ?? n;
+      ink.begins.values[line] = kept.length;
+      for (let i = begin; i < end; ++i) if ((i - begin) % 2 === 0 || i === end - 1) kept.push(i);
+    });
+    for (const column of [...ink.points, ink.time, ink.force, ink.error, ink.tilt, ink.speed]) column.thin(kept);
+    ++this.thinned;
   }
 
   private addSpan(stroke: number, time: number): void {

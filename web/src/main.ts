@@ -1,5 +1,5 @@
 // The page of a run: scene, time line, plots, numbers. Test hook: window.impedraw.
-import { kinds, problemColour, rampCss, runColour } from "./colours";
+import { bareColour, kinds, leftOutColour, problemColour, rampCss, runColour } from "./colours";
 import { lastAt } from "./columns";
 import { inflate, parse, type Finding, type Run } from "./data";
 import { h, numberText, save, timeText } from "./dom";
@@ -63,6 +63,7 @@ class Page {
   private gone = new AbortController(); // another page takes this one's place
   private follows = true; // the end of a run that goes on
   private inkShown = 0;
+  private thinned = 0; // as the ink that is shown
   private refreshed = 0; // [ms]
   private coloured = 0; // [ms]
   private liveState = h("output", { class: "live-state", role: "status" });
@@ -121,7 +122,7 @@ class Page {
       facts.push("live");
       if (this.run.attributes.seed) facts.push(`seed ${this.run.attributes.seed}`);
     } else if (this.isPlan) {
-      facts.push("plan, nothing has moved", `${this.run.duration.toFixed(1)} s`, `${this.run.spans.length} parts to draw`,
+      facts.push("plan, nothing has moved", `${this.run.duration.toFixed(1)} s`, `${this.run.spans.length} part${this.run.spans.length === 1 ? "" : "s"} to draw`,
         this.run.findings.length ? `${this.run.findings.length} cannot be drawn` : "all can be drawn");
     } else if (this.runs.length > 1) {
       facts.push(`${this.runs.length} runs compared`);
@@ -223,9 +224,13 @@ class Page {
       mark.style.setProperty("--key", colour ?? "transparent");
       box.append(h("label", {}, tick, ` ${label} `, colour ? mark : null));
     }
-    const bare = h("i");
-    bare.style.setProperty("--key", kinds[3]);
-    if (!this.isPlan) box.append(h("label", {}, bare, "target without ink"));
+    const keyed = (colour: string, text: string) => {
+      const key = h("i");
+      key.style.setProperty("--key", colour);
+      box.append(h("label", {}, key, text));
+    };
+    if (!this.isPlan) keyed(bareColour, "target without ink");
+    if (!this.isPlan && this.run.findings.length) keyed(leftOutColour, "left out: cannot be drawn");
     const still = h("button", { type: "button", class: "small" }, "save picture");
     still.addEventListener("click", async () => {
       for (const scene of this.over ? [this.scenes[0]] : this.scenes) {
@@ -305,7 +310,7 @@ class Page {
       scene.lookAt(finding.world_m, 0.6);
     }
     this.state.textContent = `stroke ${finding.stroke}: ${finding.text}`;
-    this.state.style.borderLeftColor = problemColour(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0);
+    this.state.style.borderLeftColor = this.isPlan ? problemColour(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0) : leftOutColour;
     this.dirty = true;
   }
 
@@ -395,7 +400,12 @@ class Page {
     const { time } = this.run.scene;
     this.end = time[time.length - 1];
     this.slider.max = String(this.end);
-    this.scenes[0]?.grow(this.inkShown);
+    if (this.live && this.live.run.thinned !== this.thinned) {
+      this.thinned = this.live.run.thinned;
+      this.scenes[0]?.growAgain();
+    } else {
+      this.scenes[0]?.grow(this.inkShown);
+    }
     this.inkShown = this.run.ink.time.length;
     const now = performance.now();
     if (now - this.refreshed > 300) {
@@ -696,6 +706,9 @@ class Page {
         for (const s of this.scenes) s.setShown(part, false);
         this.draw();
       },
+      // What is not hidden, and the range of time that the plots show.
+      shown: () => Object.entries(scene?.parts ?? {}).filter(([, part]) => part.visible).map(([name]) => name),
+      range: () => this.plots.shownRange(),
       extremes: (name: string) => this.plots.extremes(name),
       hash: () => this.hash(),
       // The colours within `reach` pixels of where points of W stand in the picture.

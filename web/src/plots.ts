@@ -350,6 +350,10 @@ export class Plots {
     }
   }
 
+  shownRange(): [number, number] {
+    return this.range;
+  }
+
   extremes(name: string): [number, number] | null {
     const series = this.run.series.get(name);
     return series ? this.pyramid(series).extremes() : null;

@@ -2,11 +2,11 @@
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BodyMaterial, creased, geometryOfMesh, interleaved, ShadedMaterial } from "./bodies";
-import { kinds, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
+import { bareColour, kinds, leftOutColour, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
 import { lastAt } from "./columns";
 import type { Colouring, Finding, Matrix, Run } from "./data";
 import { linkFrames } from "./kinematics";
-import { inSoftware } from "./software";
+import { inSoftware, wantsCoarse } from "./software";
 import { straightTo } from "./thin";
 import { Lines } from "./lines";
 import type { Colour, View } from "./link";
@@ -38,6 +38,7 @@ const normalLength = 0.06; // [m]
 // Ink of more points is drawn by fewer, off by at most `inkOff` [m]: a tenth of a thin line's width.
 const fineInk = 4000;
 const inkOff = 4e-5;
+const coarseOff = 0.08; // of a canvas's coarse triangles [mm]
 
 function matrix4(m: Matrix): three.Matrix4 {
   return new three.Matrix4().set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
@@ -100,6 +101,7 @@ export class Scene {
   private orbit: OrbitControls;
   private links: three.Group[] = [];
   private armMaterials: BodyMaterial[] = [];
+  private penMaterial!: BodyMaterial;
   private pen: three.Mesh | null = null;
   private normal = new Arrow(kinds[2], true);
   private force = new Arrow(kinds[1], false);
@@ -111,6 +113,7 @@ export class Scene {
   private over = false;
   private sharpness: number | null = null;
   private canvasMaterial!: ShadedMaterial;
+  private canvasOff = 0; // [m]
   private gridMaterial!: three.LineBasicMaterial;
   private drawing = new three.Sphere(new three.Vector3(0.6, 0, 0.1), 0.2);
   private whole = new three.Sphere();
@@ -124,9 +127,10 @@ export class Scene {
   // `others`: runs whose ink can be laid over this one's. `panes`: scenes that share the page.
   // Throws an error where there is no WebGL.
   constructor(private run: Run, private others: Run[] = [], private panes = 1) {
-    // Opaque, which three.js does not ask for: else the browser draws what lies behind, too.
+    // Opaque, which three.js does not ask for: else the browser draws what lies behind, too. Desynchronized: without a graphics
+    // card, that saves a copy of each picture.
     this.canvas = document.createElement("canvas");
-    const context = this.canvas.getContext("webgl2", { alpha: false, antialias: !this.software, powerPreference: "high-performance" });
+    const context = this.canvas.getContext("webgl2", { alpha: false, antialias: !this.software, desynchronized: this.software, powerPreference: "high-performance" });
     if (!context) throw new Error("no WebGL 2");
     this.renderer = new three.WebGLRenderer({ canvas: this.canvas, context });
     this.camera.up.set(0, 0, 1);
@@ -151,6 +155,10 @@ export class Scene {
     const geometry = geometryOfMesh(this.run.canvas);
     geometry.computeVertexNormals();
     this.shades = shade(geometry);
+    // Its corners have the shade of the fine one.
+    const coarse = wantsCoarse() && this.run.canvas.coarse !== null;
+    this.canvasOff = 1.5e-3 * (this.run.canvas.error_mm + (coarse ? coarseOff : 0));
+    if (coarse && this.run.canvas.coarse) geometry.setIndex(new three.BufferAttribute(Uint32Array.from(this.run.canvas.coarse), 1));
     // Pushed back a little, so that ink on the surface is not hidden by it.
     this.canvasMaterial = new ShadedMaterial();
     return new three.Mesh(geometry, this.canvasMaterial);
@@ -180,12 +188,12 @@ export class Scene {
     }
     const target = new Lines(positions, 0.75);
     const pale = rgb(targetColour);
-    const bare = rgb(kinds[3]);
+    const bare = rgb(bareColour);
     target.tint((s) => (isCovered[s] ? pale : bare));
     target.renderOrder = 1;
     this.targets = [target];
     const group = new three.Group().add(target);
-    // What a plan leaves out, by its reason.
+    // What is left out: of a plan, by its reason.
     this.problems().forEach((problem, k) => {
       const ends = this.run.findings.filter((f) => f.problem === problem).flatMap((f) => {
         const at = Array.from(f.line[0], (_, i) => [f.line[0][i], f.line[1][i], f.line[2][i]]);
@@ -193,7 +201,7 @@ export class Scene {
         return at.slice(1).flatMap((p, i) => [...at[i], ...p]);
       });
       const lines = new Lines(ends);
-      lines.tint(() => rgb(problemColour(k)));
+      lines.tint(() => rgb(this.run.kind === "plan" ? problemColour(k) : leftOutColour));
       lines.material.transparent = true;
       lines.renderOrder = 3;
       this.targets.push(lines);
@@ -234,6 +242,15 @@ export class Scene {
       return { run, lines, point, time: times };
     });
     return new three.Group().add(...this.inks.map((ink) => ink.lines));
+  }
+
+  // The ink of a run that goes on has lost points: all of it anew.
+  growAgain(): void {
+    const [ink] = this.inks;
+    ink.lines.forget();
+    ink.point = [];
+    ink.time = [];
+    this.grow(0);
   }
 
   // A run that goes on has more ink, from its point `first` on.
@@ -277,7 +294,7 @@ export class Scene {
     const arm = new three.Group();
     const light = new BodyMaterial(0xd8dbe0);
     const darker = new BodyMaterial(0x8b94a1);
-    const ink = new BodyMaterial(0x24406e);
+    const ink = (this.penMaterial = new BodyMaterial(0x24406e));
     const mid = new BodyMaterial(0xc3c8cf);
     this.armMaterials = [light, darker, mid];
     const { arm: links } = this.run;
@@ -286,7 +303,7 @@ export class Scene {
       const group = new three.Group();
       group.matrixAutoUpdate = false;
       for (const mesh of link.meshes)
-        group.add(new three.Mesh(creased(mesh, 0.6), index % 2 === 1 && index > 1 ? mid : light));
+        group.add(new three.Mesh(creased(mesh, wantsCoarse() && mesh.coarse ? mesh.coarse : mesh.triangles, 0.6), index % 2 === 1 && index > 1 ? mid : light));
       for (const shape of link.meshes.length ? [] : link.shapes) {
         const thin = shape.kind === "cylinder" && shape.size[0] < 0.02;
         // The foot's would stand in the floor; others are a little smaller than the tubes that they join.
@@ -478,6 +495,7 @@ export class Scene {
   setDark(dark: boolean): void {
     this.dark = dark;
     this.renderer.setClearColor(dark ? "#14171c" : "#f3f4f6", 1);
+    this.penMaterial.setColour(dark ? 0x5f8ed6 : 0x24406e);
     this.gridMaterial.color.set(dark ? "#39404a" : "#c9ced6");
     this.setMap(this.map?.name ?? "");
     this.setColour(this.colour);
@@ -562,6 +580,9 @@ export class Scene {
     const pixel = (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / height;
     const width = Math.min(12, Math.max(1.8, (1e-3 * this.run.inkWidth) / pixel));
     const thick = Math.max(0.6, (1.3 * pixel) / 0.0012);
+    // The canvas is pushed back by as much as its triangles may stand above the ink; a unit of depth is smaller from near.
+    const unit = distance ** 2 / (this.camera.near * 2 ** 24);
+    this.canvasMaterial.polygonOffsetUnits = Math.max(150, this.canvasOff / unit);
     this.force.setWidth(thick);
     this.normal.setWidth(thick);
     // Ink over ink: those below stay visible beside those above.

@@ -16,6 +16,17 @@ function look(): boolean {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
+// Fewer triangles will do: each costs such a renderer time. A film has all of them.
+export function wantsCoarse(): boolean {
+  return inSoftware() && !window.impedrawFine;
+}
+
+declare global {
+  interface Window {
+    impedrawFine?: boolean;
+  }
+}
+
 // Makes something that draws on 2-D canvases. Without a graphics card these are painted by the processor at once: through an
 // emulated card, the plots of a long run took seconds, in which the scene stood.
 export function withPlainCanvases<T>(make: () => T): T {

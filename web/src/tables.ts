@@ -3,6 +3,7 @@ import { quantile } from "./colours";
 import type { Finding, Limit, Part, Run } from "./data";
 import { h, numberText, timeText } from "./dom";
 import type { LiveNumbers } from "./live";
+import { wantsCoarse } from "./software";
 
 export function holds(value: unknown, limit: Limit): boolean {
   return typeof value === "number" && value >= (limit.min ?? -Infinity) && value <= (limit.max ?? Infinity);
@@ -17,20 +18,20 @@ export function numbers(run: Run): HTMLElement {
   const limited = Object.keys(run.limits).length > 0;
   const reasons = (run.metrics.reasons ?? {}) as Record<string, string>;
   const head = h("tr", {}, h("th", {}, "metric"), h("th", { class: "n" }, "value"), h("th", {}, "unit"),
-    limited ? h("th", { class: "n" }, "limit") : null, h("th", {}, "meaning"));
+    limited ? h("th", { class: "n" }, "limit") : null);
   const rows = run.definitions.map((d) => {
     const value = run.metrics[d.name];
     const limit = run.limits[d.name];
     const met = !limit || holds(value, limit);
     const judged = limit ? (met ? "ok" : "bad") : "";
-    const meaning = h("td", {}, d.meaning);
-    if (reasons[d.name]) meaning.append(h("span", { class: "why" }, ` (none: ${reasons[d.name]})`));
-    return h("tr", {}, h("td", {}, h("code", {}, d.name)),
+    // Beneath the name: a column of its own is narrow, and stands beyond the edge of a small screen.
+    const meaning = reasons[d.name] ? `${d.meaning} (none: ${reasons[d.name]})` : d.meaning;
+    return h("tr", {}, h("td", {}, h("code", {}, d.name), h("div", { class: "why" }, meaning)),
       h("td", { class: `n ${judged}` }, numberText(value) + (limit && !met ? " ✗" : limit ? " ✓" : "")),
       h("td", {}, d.unit === "1" ? "" : d.unit),
-      limited ? h("td", { class: "n" }, limit ? limitText(limit) : "") : null, meaning);
+      limited ? h("td", { class: "n" }, limit ? limitText(limit) : "") : null);
   });
-  return h("div", { class: "scroll" }, h("table", {}, h("thead", {}, head), h("tbody", {}, ...rows)));
+  return h("div", { class: "scroll" }, h("table", { class: "numbers" }, h("thead", {}, head), h("tbody", {}, ...rows)));
 }
 
 // The numbers of runs side by side; of two, their difference.
@@ -274,6 +275,8 @@ export function about(run: Run): HTMLElement {
   const shown = run.canvas.triangles.length / 3;
   if (shown < run.canvas.of)
     add("canvas shown with", `${shown} of ${run.canvas.of} triangles, off by at most ${run.canvas.error_mm.toFixed(2)} mm`);
+  if (wantsCoarse() && (run.canvas.coarse || run.arm.some((link) => link.meshes.some((mesh) => mesh.coarse))))
+    add("shapes", "coarser than in the file, as this browser draws without a graphics card");
   const points = run.cloud.points[0].length;
   if (points < run.cloud.of) add("cloud shown with", `${points} of ${run.cloud.of} points`);
   if (run.armNotice)

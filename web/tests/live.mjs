@@ -7,7 +7,8 @@
 import assert from "node:assert/strict";
 import { execFileSync, spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { createServer } from "node:net";
+import { get } from "node:http";
+import { connect, createServer } from "node:net";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -142,6 +143,35 @@ test("ctrl-C ends a paused run", { timeout: 120_000 }, async () => {
   await until(async () => (await ask()).state === "paused", "paused");
   run.process.kill("SIGINT");
   assert.equal(await run.ended, 130, run.err);
+});
+
+test("a viewer that stops reading, a wrong token and a foreign origin change nothing", { timeout: 120_000 }, async () => {
+  const run = await draw("hostile", "--pace", "4");
+  const { port, host, searchParams } = new URL(run.address);
+  const token = searchParams.get("token");
+  const status = (target, headers) => new Promise((done, fail) => {
+    const asked = get({ port, host: "127.0.0.1", path: target, headers }, (answer) => done(answer.resume().statusCode));
+    asked.on("upgrade", (answer, socket) => {
+      done(answer.statusCode);
+      socket.destroy();
+    });
+    asked.on("error", fail);
+  });
+  const upgrade = (origin) => ({ Host: host, Connection: "Upgrade", Upgrade: "websocket", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", ...(origin ? { Origin: origin } : {}) });
+  const wrong = token.replace(/.$/, (last) => (last === "0" ? "1" : "0"));
+  assert.equal(await status(`/?token=${wrong}`), 403);
+  assert.equal(await status(`/live?token=${wrong}`, upgrade(`http://${host}`)), 403);
+  assert.equal(await status(`/live?token=${token}`, upgrade("http://evil.example")), 403);
+  assert.equal(await status(`/live?token=${token}`, upgrade()), 403);
+  assert.equal(await status(`/live?token=${token}`, upgrade(`http://${host}`)), 101);
+  // One that is let in and never reads.
+  const stuck = connect(Number(port), "127.0.0.1");
+  stuck.pause();
+  stuck.on("error", () => {});
+  stuck.write([`GET /live?token=${token} HTTP/1.1`, ...Object.entries(upgrade(`http://${host}`)).map(([key, value]) => `${key}: ${value}`), "", ""].join("\r\n"));
+  assert.equal(await run.ended, 0, run.err);
+  stuck.destroy();
+  assert.equal(JSON.parse(readFileSync(join(run.folder, "metrics.json"))).strokes_missed, 0);
 });
 
 test("a port that is in use, and a port without --live, are bad input", { timeout: 60_000 }, async () => {

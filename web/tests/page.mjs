@@ -8,7 +8,7 @@
 // Pictures of all views stand in IMPEDRAW_WEB/shots.
 import assert from "node:assert/strict";
 import { execFileSync, spawn, spawnSync } from "node:child_process";
-import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, truncateSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -25,6 +25,11 @@ const scratch = mkdtempSync(join(tmpdir(), "impedraw-page-"));
 mkdirSync(shots, { recursive: true });
 
 const name = "<img src=x onerror=window.hacked=1> & <b>bold";
+// The drawing's file and its layer, too.
+const artwork = join(scratch, "<img src=x onerror=hacked=1>.svg");
+const layered = (paths) =>
+  '<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="40mm" height="40mm" viewBox="0 0 40 40">' +
+  `<g inkscape:groupmode="layer" inkscape:label="&lt;img src=x onerror=hacked=2&gt;" id="a">${paths}</g></svg>`;
 const folder = process.env.RUN ? resolve(process.env.RUN) : join(scratch, "run");
 let browser;
 let log;
@@ -36,7 +41,8 @@ rows = lambda name: f[name][:].tolist()
 clean = lambda a: [None if x != x else x for x in a]
 print(json.dumps({
   "time": rows("time"), "q": rows("joint/position"), "tip": rows("tip/position"), "stroke": rows("stroke"),
-  "point": [clean(p) for p in rows("contact/point")], "force": rows("contact/force"),
+  "point": [clean(p) for p in rows("contact/point")], "force": rows("contact/force"), "normal": [clean(p) for p in rows("contact/normal")],
+  "v": rows("joint/velocity"), "torque": rows("joint/torque"), "push": rows("push"), "gravity": rows("torque/gravity"),
   "names": [n.decode() if isinstance(n, bytes) else n for n in f["joint/position"].attrs["names"]],
 }))`;
 
@@ -98,10 +104,8 @@ const ask = (page, what, ...values) =>
 
 before(async () => {
   if (!process.env.RUN) {
-    writeFileSync(join(scratch, "line.svg"),
-      '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40">' +
-      '<path d="M5 5H25V15" fill="none" stroke="black"/><path d="M5 20H20" fill="none" stroke="black"/></svg>');
-    execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", `name=${name}`, "--set", "log.rate=full", "--out", folder], { stdio: "pipe" });
+    writeFileSync(artwork, layered('<path d="M5 5H25V15" fill="none" stroke="black"/><path d="M5 20H20" fill="none" stroke="black"/>'));
+    execFileSync(program, ["draw", "--svg", artwork, "--set", `name=${name}`, "--set", "log.rate=full", "--out", folder], { stdio: "pipe" });
   }
   log = JSON.parse(execFileSync(python, ["-c", logReader, join(folder, "run.h5")], { maxBuffer: 1 << 30 }));
   browser = await chromium.launch({
@@ -141,6 +145,15 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
     assert.ok(worst < 1e-4, `frames are off by ${1000 * worst} mm`);
   });
 
+  await t.test("the scene is not blank: the arm stands where its links are", async () => {
+    await ask(page, "setView", "side");
+    const around = async () => (await ask(page, "coloursAround", Object.values(await ask(page, "frames")).map((X) => [X[3], X[7], X[11]]), 0)).map(([c]) => c.join());
+    const [arm, links] = [await around(), Object.keys(await ask(page, "frames")).length];
+    await ask(page, "hide", "arm");
+    const bare = await around();
+    assert.ok(links >= 9 && arm.filter((c, i) => c !== bare[i]).length >= links - 1, `${arm} without the arm ${bare}`);
+  });
+
   await t.test("ink stands where the pen touched, and only once it has", async () => {
     const rows = log.force.map((f, i) => i).filter((i) => log.stroke[i] >= 0 && Math.hypot(...log.force[i]) > 1);
     assert.ok(rows.length > 200);
@@ -165,12 +178,19 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
   });
 
   await t.test("plots show the log's extremes", async () => {
-    const [, high] = await ask(page, "extremes", "force");
-    const normalForce = log.force.map((f) => Math.hypot(...f));
-    assert.ok(high <= Math.max(...normalForce) + 1e-3 && high > 0.8 * Math.max(...normalForce));
-    const [low0, high0] = await ask(page, "extremes", "position_0");
-    const q0 = log.q.map((q) => q[0]);
-    assert.ok(Math.abs(low0 - Math.min(...q0)) < 1e-4 && Math.abs(high0 - Math.max(...q0)) < 1e-4);
+    const off = async (name, values, quantum) => {
+      const shown = await ask(page, "extremes", name);
+      const wanted = [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))];
+      assert.ok(shown.every((x, i) => Math.abs(x - wanted[i]) <= 0.51 * quantum), `${name}: ${shown}, in the log ${wanted}`);
+    };
+    await off("force", log.force.map((f, i) => f.reduce((sum, x, axis) => sum + x * (log.normal[i][axis] ?? 0), 0)), 1e-3);
+    await off("push", log.push, 1e-3);
+    for (const j of log.names.keys()) {
+      await off(`position_${j}`, log.q.map((q) => q[j]), 1e-4);
+      await off(`velocity_${j}`, log.v.map((v) => v[j]), 2e-4);
+      await off(`torque_${j}`, log.torque.map((v) => v[j]), 1e-2);
+      await off(`gravity_${j}`, log.gravity.map((v) => v[j]), 1e-2);
+    }
   });
 
   await t.test("plots are not painted by an emulated graphics card", async () => {
@@ -187,8 +207,20 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
     assert.equal((await ask(page, "state")).t, log.time[0]);
     await page.keyboard.press("ArrowRight");
     assert.ok(Math.abs((await ask(page, "state")).t - log.time[0] - 0.1) < 1e-9);
+    const goesTo = async (key, t) => {
+      await page.keyboard.press(key);
+      assert.ok(Math.abs((await ask(page, "state")).t - t) < 1e-9, key);
+    };
+    await goesTo("Shift+ArrowRight", log.time[0] + 1.1);
+    await goesTo("ArrowLeft", log.time[0] + 1);
+    await goesTo("Shift+ArrowLeft", log.time[0]);
+    await goesTo("End", (await ask(page, "state")).end);
+    await goesTo("Home", log.time[0]);
     await page.keyboard.press("c");
     assert.equal((await ask(page, "state")).colour, "force");
+    await page.keyboard.press("-");
+    assert.equal((await ask(page, "state")).speed, 0.5);
+    await page.keyboard.press("+");
     await page.keyboard.press("+");
     assert.equal((await ask(page, "state")).speed, 2);
     await page.keyboard.press(" ");
@@ -216,6 +248,112 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
     assert.deepEqual(nameless, []);
   });
 
+  await t.test("each button and choice", async () => {
+    for (const [label, view] of [["top", "top"], ["front", "front"], ["side", "side"], ["along the pen", "pen"], ["follow the tip", "tip"], ["all", "free"]]) {
+      await page.getByRole("button", { name: label, exact: true }).click();
+      assert.equal((await ask(page, "state")).view, view);
+    }
+    for (const colour of ["nothing", "force", "error", "tilt", "speed", "pass"]) {
+      await page.getByRole("combobox", { name: "colour of the ink" }).selectOption(colour);
+      assert.equal((await ask(page, "state")).colour, colour);
+      const unit = { force: "[N]", error: "[mm]", tilt: "[deg]", speed: "[mm/s]", pass: "pass 1", nothing: "" }[colour];
+      assert.ok((await page.locator(".legend:not(.of-map)").textContent()).includes(unit), colour);
+    }
+    await page.getByRole("combobox", { name: "speed of the replay" }).selectOption("0.1");
+    assert.equal((await ask(page, "state")).speed, 0.1);
+    await page.getByRole("slider", { name: "time of the replay" }).fill("1.25");
+    assert.equal((await ask(page, "state")).t, 1.25);
+
+    await page.getByText("Show", { exact: true }).click();
+    for (const part of ["arm", "cloud", "target", "ink", "normal", "force", "cameras", "grid"]) {
+      const box = page.getByRole("checkbox", { name: part, exact: true });
+      await ask(page, "hide", part);
+      await box.setChecked(false);
+      await box.check();
+      await ask(page, "seek", log.time[50 + log.force.findIndex((f) => Math.hypot(...f) > 1)]); // arrows are shown where there is something
+      assert.ok((await ask(page, "shown")).includes(part), part);
+      await box.uncheck();
+      assert.ok(!(await ask(page, "shown")).includes(part), part);
+      await box.setChecked(part !== "cloud");
+    }
+    const opacity = page.getByRole("slider", { name: "opacity of the canvas" });
+    await opacity.fill("0");
+    assert.ok(!(await ask(page, "shown")).includes("canvas"));
+    await opacity.fill("0.5");
+    assert.ok((await ask(page, "shown")).includes("canvas"));
+    const saved = async (button) => {
+      const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
+      return { name: download.suggestedFilename(), content: readFileSync(await download.path()) };
+    };
+    const isPng = ({ content }) => content.length > 1500 && content.subarray(1, 4).toString() === "PNG";
+    assert.ok(isPng(await saved(page.getByRole("button", { name: "save picture" }))));
+    await ask(page, "seek", 1.25);
+    await page.getByRole("button", { name: "link to this moment" }).click();
+    assert.equal(await page.evaluate(() => location.hash), "#t=1.25&view=free&colour=pass");
+    await page.getByText("Show", { exact: true }).click();
+    const back = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    const light = await back();
+    await page.getByRole("button", { name: "light or dark" }).click();
+    assert.notEqual(await back(), light);
+    await page.getByRole("button", { name: "light or dark" }).click();
+    assert.equal(await back(), light);
+
+    // Tabs by the keyboard.
+    await page.getByRole("tab", { name: "Settings" }).focus();
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.getByRole("tab", { name: "Pictures" }).getAttribute("aria-selected"), "true");
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.getByRole("tab", { name: "Plots" }).getAttribute("aria-selected"), "true");
+
+    // Plots: drag to zoom, click to go there, in step with each other.
+    const plot = page.getByRole("region", { name: "normal force" }).locator(".u-over");
+    await page.waitForFunction(() => document.querySelector(".u-over").clientWidth > 300); // plots in a tab that was hidden get their width when it is shown
+    const box = await plot.boundingBox();
+    const drag = async (from, to) => {
+      await page.mouse.move(box.x + from * box.width, box.y + 40);
+      await page.mouse.down();
+      await page.mouse.move(box.x + to * box.width, box.y + 42, { steps: 4 });
+      await page.mouse.up();
+    };
+    const [begin, end] = await ask(page, "range");
+    await drag(0.25, 0.75);
+    const zoomed = await ask(page, "range");
+    zoomed.forEach((t, i) => assert.ok(Math.abs(t - (begin + [0.25, 0.75][i] * (end - begin))) < 0.02 * (end - begin), `${zoomed} of ${begin} to ${end}`));
+    const csv = await saved(page.getByRole("button", { name: "joint position: save as CSV" }));
+    const rows = csv.content.toString().trim().split("\n").slice(1).map((line) => line.split(",").map(Number));
+    assert.ok(rows.length > 100 && rows[0][0] >= zoomed[0] - 1e-3 && rows.at(-1)[0] <= zoomed[1] + 1e-3, "the CSV has what is shown");
+    await plot.click({ position: { x: 0.5 * box.width, y: 30 } });
+    assert.ok(Math.abs((await ask(page, "state")).t - (zoomed[0] + zoomed[1]) / 2) < 0.02 * (end - begin));
+    await page.getByRole("button", { name: "whole run" }).click();
+    assert.deepEqual(await ask(page, "range"), [begin, end]);
+    assert.ok(isPng(await saved(page.getByRole("button", { name: "normal force: save as PNG" }))));
+    await page.getByRole("combobox", { name: "joint", exact: true }).selectOption("2");
+    await page.getByRole("region", { name: "torque terms" }).scrollIntoViewIfNeeded(); // plots are made when they come into sight
+    await page.getByRole("heading", { name: `torque terms of ${log.names[2]}` }).waitFor({ state: "attached" });
+    // Of one joint, in its own unit: the row of a time is the log's.
+    const position = (await saved(page.getByRole("button", { name: "joint position: save as CSV" }))).content.toString().trim().split("\n").map((line) => line.split(","));
+    assert.equal(position[1].length, 3);
+    const [t, least, largest] = position[1 + Math.floor(position.length / 2)].map(Number);
+    const q = log.q[log.time.findIndex((x) => x >= t - 1e-6)][2];
+    assert.ok(least - 1e-4 <= q && q <= largest + 1e-4, `${least} to ${largest} at ${t} s, in the log ${q}`);
+    await page.getByRole("button", { name: "pause" }).count().then((n) => assert.equal(n, 0, "nothing plays"));
+
+    // A click on the ink goes to when it was drawn.
+    await ask(page, "setView", "top");
+    await ask(page, "seek", log.time.at(-1));
+    const row = log.stroke.indexOf(0) + 600;
+    const [u, v] = await ask(page, "project", log.point[row]);
+    const canvas = await page.locator(".pane canvas").boundingBox();
+    await page.mouse.click(canvas.x + u, canvas.y + v);
+    const gone = await ask(page, "state");
+    const there = log.point[log.time.findIndex((x) => x >= gone.t - 1e-6)];
+    assert.ok(Math.hypot(...there.map((x, i) => x - log.point[row][i])) < 1e-3, `to ${gone.t} s, drawn at ${log.time[row]} s`);
+    // Faint or not, the canvas is as it was for what follows.
+    await page.getByText("Show", { exact: true }).click();
+    await opacity.fill("1");
+    await page.getByText("Show", { exact: true }).click();
+  });
+
   await t.test("text of files stays text", { skip: Boolean(process.env.RUN) }, async () => {
     assert.equal(await page.locator("h1").textContent(), name);
     assert.equal(await page.title(), name);
@@ -241,7 +379,17 @@ test("pictures of all views", { timeout: 600_000 }, async () => {
   const middle = (log.time[0] + log.time.at(-1)) / 2;
   await shoot("light", { hash: `#t=${middle}` });
   await shoot("dark", { colorScheme: "dark", hash: `#t=${middle}&view=tip` });
-  await shoot("narrow", { viewport: { width: 360, height: 740 }, hash: "#colour=error&view=top" });
+  // Of a small screen, no table is wider than its box, in any tab.
+  await shoot("narrow", { viewport: { width: 360, height: 740 }, hash: "#colour=error&view=top" }, async (page) => {
+    for (const tab of await page.getByRole("tab").all()) {
+      await tab.click();
+      const beyond = await page.locator(".scroll:visible").evaluateAll((list) => list.map((box) => box.scrollWidth - box.clientWidth));
+      assert.ok(beyond.every((x) => x <= 0), `${await tab.textContent()}: ${beyond} px wider than 360 px allow`);
+    }
+    await page.getByRole("tab", { name: "Plots" }).click();
+  });
+  for (const view of ["top", "front", "side", "pen", "tip"]) await shoot(`view-${view}`, { hash: `#t=${middle}&view=${view}&colour=error` });
+  await shoot("4k", { viewport: { width: 3840, height: 2160 }, hash: `#t=${middle}` });
   await shoot("numbers", {}, (page) => page.getByRole("tab", { name: "Numbers" }).click());
 });
 
@@ -255,6 +403,47 @@ test("a log that ends early is shown up to there, and says so", { timeout: 600_0
   const { end } = await ask(page, "state");
   assert.ok(Math.abs(end - log.time[Math.floor(log.time.length / 2) - 1]) < 2e-3);
   assert.match(await page.getByRole("alert").textContent(), /ends before the run was closed: the run is shown up to/);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a file that lost its end is shown up to there, and says so", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async () => {
+  const cut = join(scratch, "lost");
+  cpSync(folder, cut, { recursive: true });
+  truncateSync(join(cut, "run.h5"), Math.floor(0.6 * statSync(join(cut, "run.h5")).size));
+  const told = spawnSync(program, ["report", cut], { encoding: "utf8" });
+  assert.equal(told.status, 0, told.stderr);
+  assert.match(told.stderr, /run\.h5: is cut short; results are of the run up to [\d.]+ s/);
+  const { page, wrong, close } = await open(join(cut, "report.html"));
+  const { end } = await ask(page, "state");
+  assert.ok(end > 0.2 * log.time.at(-1) && end < 0.95 * log.time.at(-1), `${end} s of ${log.time.at(-1)}`);
+  assert.match(await page.getByRole("alert").textContent(), /cannot be read to its end: the run is shown up to/);
+  const shown = (await ask(page, "frames")).tip;
+  const tip = log.tip[log.time.findIndex((t) => t >= end - 1e-6)];
+  assert.ok(Math.hypot(shown[3] - tip[0], shown[7] - tip[1], shown[11] - tip[2]) < 1e-4, "its last posture is the log's of then");
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("what a run left out stands in the scene in a colour of its own", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async () => {
+  writeFileSync(join(scratch, "part.svg"),
+    '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100"><path d="M150 50H400" fill="none" stroke="black"/></svg>');
+  const out = join(scratch, "part");
+  execFileSync(program, ["draw", "--svg", join(scratch, "part.svg"), "--skip-unreachable", "--set", "drawing.placement.fit_radius=0.3", "--set", "path.draw_speed=0.2", "--out", out], { stdio: "pipe" });
+  const { not_drawable } = JSON.parse(readFileSync(join(out, "strokes.json"), "utf8"));
+  assert.ok(not_drawable.length >= 1);
+  const { page, wrong, close } = await open(join(out, "report.html"));
+  assert.equal((await ask(page, "findings")).length, not_drawable.length);
+  for (const part of ["arm", "normal", "force", "cameras", "grid"]) await ask(page, "hide", part);
+  await ask(page, "setView", "top");
+  const line = await ask(page, "findingLine", 0);
+  const middle = line[Math.floor(line.length / 2)];
+  const [colours] = await ask(page, "coloursAround", [middle], 2);
+  assert.ok(colours.some(([r, g, b]) => Math.abs(r - 0x8a) + Math.abs(g - 0x6d) + Math.abs(b - 0x3b) < 60), JSON.stringify(colours));
+  const [u, v] = await ask(page, "project", middle);
+  const canvas = await page.locator(".pane canvas").boundingBox();
+  await page.mouse.click(canvas.x + u, canvas.y + v);
+  assert.ok((await page.locator(".state").textContent()).includes(not_drawable[0].text), "a click tells why");
   assert.deepEqual(wrong, []);
   await close();
 });
@@ -318,7 +507,7 @@ test("a plan shows what fails, and the arm where it does", { timeout: 600_000, s
 
 test("runs compared share one camera and one time line", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async () => {
   const other = join(scratch, "other");
-  execFileSync(program, ["draw", "--svg", join(scratch, "line.svg"), "--set", "name=slower", "--set", "path.draw_speed=0.03", "--set", "log.rate=full", "--out", other], { stdio: "pipe" });
+  execFileSync(program, ["draw", "--svg", artwork, "--set", "name=slower", "--set", "path.draw_speed=0.03", "--set", "log.rate=full", "--out", other], { stdio: "pipe" });
   const out = join(scratch, "compared");
   execFileSync(program, ["compare", folder, other, "--out", out], { stdio: "pipe" });
   for (const [words, told] of [
@@ -423,6 +612,8 @@ test("without WebGL the page shows its flat pictures", { timeout: 600_000 }, asy
   assert.match(await page.getByRole("alert").textContent(), /no WebGL/);
   const widths = await page.locator(".stage img").evaluateAll((list) => Promise.all(list.map((i) => i.decode().then(() => i.naturalWidth))));
   assert.ok(widths.length >= 1 && widths.every((w) => w > 100));
+  const painted = await page.locator(".plot canvas").evaluateAll((list) => list.map((c) => new Set(new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer)).size));
+  assert.ok(painted.length >= 3 && painted.slice(0, 3).every((colours) => colours > 4), `plots are painted: ${painted}`);
   await page.screenshot({ path: join(shots, "flat.png") });
   await flat.close();
 });

@@ -4,6 +4,8 @@ import { quantile, rampAt } from "../src/colours";
 import { lastAt, unpack } from "../src/columns";
 import { linkFrames, rotation } from "../src/kinematics";
 import { hashOf, momentOf } from "../src/link";
+import { LiveRun } from "../src/live";
+import type { Run } from "../src/data";
 import { Pyramid } from "../src/pyramid";
 import { straightTo } from "../src/thin";
 import { differenceText, holds } from "../src/tables";
@@ -116,4 +118,42 @@ test("a circle of many points is drawn by few, within the tolerance of each", ()
   assert.equal(straightTo(straight, 0, 5, 9, off), 4);
   assert.equal(straightTo(straight, 0, 5, 3, off), 3);
   assert.equal(straightTo(straight, 0, 5, 9, off, (k) => k < 2), 2);
+});
+
+test("a run that goes on for hours is kept in bounded memory, and its numbers count every row", () => {
+  const columns = ["time", "wall", "share", "stroke", "force", "tilt", "mode", ...["contact_point", "tip", "pen_axis", "contact_force", "normal"].flatMap((name) => ["x", "y", "z"].map((axis) => `${name}_${axis}`))];
+  const straight = [0, 1, 2].map((axis) => Float64Array.from([0, axis === 0 ? 1e4 : 0]));
+  const run = {
+    live: { columns, duration: 1, strokes: 40 }, series: new Map(), spans: [], joints: { names: [] },
+    target: { points: straight, begins: Float64Array.of(0), strokes: [0] }, ink: { colours: [] }, scene: {},
+  } as unknown as Run;
+  const live = new LiveRun(run, { rows: 1000, ink: 600 });
+  const n = 20000, each = 500; // rows of a stroke, the last ten without ink
+  let force = 0;
+  for (let row = 0; row < n; ++row) {
+    const values = new Float32Array(columns.length);
+    const put = (name: string, x: number) => (values[columns.indexOf(name)] = x);
+    const down = row % each < each - 10;
+    put("time", 0.01 * (row + 1));
+    put("stroke", down ? Math.floor(row / each) : -1);
+    put("force", down ? 1 + (row % 7) : 0);
+    put("contact_point_x", row);
+    if (down) force += 1 + (row % 7);
+    live.append(values);
+    assert.ok(run.scene.time.length <= 1001 && run.ink.time.length <= 601);
+  }
+  const { ink, scene } = run;
+  assert.ok(scene.time.length > 400 && ink.time.length > 250 && live.thinned > 3);
+  assert.ok(Math.abs(scene.time[0] - 0.01) < 1e-6 && Math.abs(scene.time.at(-1)! - 0.01 * n) < 1e-3);
+  for (let i = 1; i < scene.time.length; ++i) assert.ok(scene.time[i] > scene.time[i - 1]);
+  // Each stroke still has its own line, from its first point to its last.
+  assert.deepEqual([...ink.stroke], Array.from({ length: n / each }, (_, k) => k));
+  [...ink.begins].forEach((begin, k) => {
+    const end = (ink.begins[k + 1] ?? ink.time.length) - 1;
+    assert.equal(ink.points[0][begin], k * each);
+    assert.equal(ink.points[0][end], k * each + each - 11);
+    assert.ok(Math.abs(ink.time[end] - 0.01 * (k * each + each - 10)) < 1e-3, "a point keeps its time");
+  });
+  assert.equal(run.spans.length, n / each);
+  assert.ok(Math.abs(live.numbers().force - force / (n - (10 * n) / each)) < 1e-6);
 });
