@@ -52,6 +52,9 @@ ArmModel::ArmModel(ArmModel&&) noexcept = default;
 int ArmModel::joints() const { return workspace_->urdf.model.nv; }
 const std::vector<std::string>& ArmModel::joint_names() const { return workspace_->joint_names; }
 const ArmLimits& ArmModel::limits() const { return workspace_->limits; }
+const std::vector<double>& ArmModel::rest_posture() const {
+  return workspace_->urdf.notes.rest_posture;
+}
 
 void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept {
   Workspace& w = *workspace_;
