@@ -21,6 +21,7 @@ import mujoco  # noqa: E402
 import numpy  # noqa: E402
 from franka_sim import mujoco_franka_sim  # noqa: E402
 from franka_sim.control_modes import ControlMode  # noqa: E402
+from franka_sim.franka_protocol import RobotMode  # noqa: E402
 from franka_sim.franka_sim_server import FrankaSimServer  # noqa: E402
 from franka_sim.server import state_stream  # noqa: E402
 
@@ -69,7 +70,7 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
             self.stalled -= 1
             if not self.stalled:
                 os.kill(self.client, signal.SIGCONT)
-        elif server.comm.awaiting_answer and not self.arguments.free:
+        elif server.comm.awaiting_answer and server.robot_state.state["robot_mode"] == RobotMode.kMove and not self.arguments.free:
             before = time.perf_counter()
             self.answered.wait(2.0)
             self.waits.append(time.perf_counter() - before)
@@ -80,8 +81,8 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
         if self.due("overspeed"):
             self.pushed = 300
         self._apply_control()
-        if self.pushed and moving:
-            self.pushed -= 1
+        self.pushed = max(0, self.pushed - 1) if moving else 0
+        if self.pushed:
             self.data.qfrc_applied[self.arm_dofs_idx[0]] += 80.0
         torque = numpy.array(self.latest_torques) if moving else numpy.zeros(7)
         mujoco.mj_kinematics(self.model, self.data)
