@@ -61,7 +61,8 @@ DriverMaker driver_maker(Experiment& e) {
   if (has_sensor(e.control.source))
     throw InputError(
         "control.wrench: sensor and realistic are simulated; with arm.driver iiwa-lcm valid are "
-        "none and ground_truth (the wrench at the tip, from whoever measures it), with franka none");
+        "none and ground_truth (the wrench at the tip, from whoever measures it), with franka "
+        "none");
   if (e.scenario.arm.driver == ArmDriver::franka && e.control.source == WrenchSource::truth)
     throw InputError(
         "control.wrench: ground_truth needs a measured wrench, and Franka's arm gives none; valid "

@@ -303,8 +303,9 @@ int run_program(int argc, char** argv) {
       "make-urdf", "write the description of an arm of models/arms with a pen on its flange");
   arm_urdf->add_option("--arm", bare_arm, "fr3, gen3, iiwa14, iiwa7, panda or ur5e")->required();
   arm_urdf
-      ->add_option("--tool-length", pen.length, "from the flange to the pen's tip, in m, along the "
-                                                "flange's axis")
+      ->add_option("--tool-length", pen.length,
+                   "from the flange to the pen's tip, in m, along the "
+                   "flange's axis")
       ->check(CLI::Range(0.02, 1.0))
       ->capture_default_str();
   arm_urdf->add_option("--tool-mass", pen.mass, "of the whole tool, in kg")

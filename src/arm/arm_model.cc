@@ -43,6 +43,7 @@ ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_fra
   w.joint_names.assign(model.names.begin() + 1, model.names.end());
   w.limits = {model.lowerPositionLimit, model.upperPositionLimit, model.upperEffortLimit,
               model.upperVelocityLimit};
+  w.limits.torque_rate = w.urdf.notes.torque_rate;
   w.q = w.v = Eigen::VectorXd::Zero(model.nv);
 }
 

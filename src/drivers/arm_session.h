@@ -55,8 +55,8 @@ const char* name_of(SessionState state);
 
 class ArmSession {
  public:
-  static constexpr double kAtRest = 0.02;       // joint speed at which damping is over [rad/s]
-  static constexpr int kMostOld = 20;           // statuses in a row that are older than the last
+  static constexpr double kAtRest = 0.02;  // joint speed at which damping is over [rad/s]
+  static constexpr int kMostOld = 20;      // statuses in a row that are older than the last
 
   // Throws std::invalid_argument if a limit is not positive or the sizes differ.
   explicit ArmSession(const SessionSettings& settings);

@@ -32,9 +32,9 @@ sockaddr_in fci_address(const std::string& url) {
     const std::size_t colon = rest.find(':');
     const std::string host = rest.substr(0, colon),
                       port = colon == std::string::npos ? "" : rest.substr(colon + 1);
-    const bool digits = colon == std::string::npos ||
-                        (!port.empty() && port.size() <= 5 &&
-                         port.find_first_not_of("0123456789") == std::string::npos);
+    const bool digits =
+        colon == std::string::npos || (!port.empty() && port.size() <= 5 &&
+                                       port.find_first_not_of("0123456789") == std::string::npos);
     const int number = port.empty() ? kFciPort : digits ? std::stoi(port) : 0;
     if (digits && number >= 1 && number <= 65535 &&
         inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1) {
@@ -145,7 +145,8 @@ void FciLink::read_responses(double patience, std::uint32_t id) {
   const auto begin = Clock::now();
   std::array<std::uint8_t, 65536> some;
   while (!responses_.contains(id)) {
-    if (tcp_ < 0) throw std::runtime_error(fmt::format("arm.url {}: the connection was lost", url_));
+    if (tcp_ < 0)
+      throw std::runtime_error(fmt::format("arm.url {}: the connection was lost", url_));
     const double left = patience - seconds_since(begin);
     if (!readable(tcp_, left)) return;
     const ssize_t n = recv(tcp_, some.data(), some.size(), 0);
@@ -163,9 +164,8 @@ void FciLink::read_responses(double patience, std::uint32_t id) {
             "arm.url {}: what answers there is no arm with Franka's control interface", url_));
       }
       if (received_.size() < header.size) break;
-      responses_.emplace(header.id,
-                         std::vector<std::uint8_t>(received_.begin() + kFciHeaderSize,
-                                                   received_.begin() + header.size));
+      responses_.emplace(header.id, std::vector<std::uint8_t>(received_.begin() + kFciHeaderSize,
+                                                              received_.begin() + header.size));
       received_.erase(received_.begin(), received_.begin() + header.size);
     }
   }
@@ -183,8 +183,8 @@ bool FciLink::receive_next(double seconds, FciState* state) noexcept {
   while (udp_ >= 0 && readable(udp_, seconds - seconds_since(begin))) {
     sockaddr_in from{};
     socklen_t size = sizeof from;
-    const ssize_t n = recvfrom(udp_, bytes.data(), bytes.size(), 0,
-                               reinterpret_cast<sockaddr*>(&from), &size);
+    const ssize_t n =
+        recvfrom(udp_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
     if (n < 0 || (!peer_known_ && from.sin_addr.s_addr != host_)) continue;
     if (!decode_fci_state({bytes.data(), static_cast<std::size_t>(n)}, state)) continue;
     // Torques go where the states come from; the first state says where.

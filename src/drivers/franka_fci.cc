@@ -26,14 +26,13 @@ constexpr std::array<double, 6> kContactForce = {30, 30, 30, 25, 25, 25};
 constexpr double kContactShare = 0.9, kFastest = 1.2;
 
 SessionSettings fci_session_settings(const ArmSettings& settings, ArmModel& arm,
-                                 const JointVector& posture, double period) {
+                                     const JointVector& posture, double period) {
   SessionSettings s;
   s.torque_limit = arm.limits().torque;
   // The arm's own limit comes first, with a reflex that can be recovered from.
   s.speed_limit = kFastest * arm.limits().speed;
-  s.external_limit =
-      kContactShare *
-      JointVector(Eigen::Map<const Eigen::VectorXd>(kContactTorque.data(), kFciJoints));
+  s.external_limit = kContactShare * JointVector(Eigen::Map<const Eigen::VectorXd>(
+                                         kContactTorque.data(), kFciJoints));
   ArmTerms terms(arm.joints());
   arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
   s.damping = joint_damping(terms.M);
@@ -245,8 +244,8 @@ void FrankaFci::begin_motion() {
       return;
     }
   } while (last_.mode != FciMode::move || !last_.external_controller);
-  session_ = std::make_unique<ArmSession>(
-      fci_session_settings(settings_, arm_, last_.arm.q, period_));
+  session_ =
+      std::make_unique<ArmSession>(fci_session_settings(settings_, arm_, last_.arm.q, period_));
   moving_ = true;
   first_utime_ = last_.arm.utime;
   answerable_ = session_->receive(last_.arm, wall_seconds());
@@ -366,8 +365,8 @@ void FrankaFci::stop() noexcept {
       send(zero_, false);
     else if (silent)
       send(zero_, true);
-    silent = moving_ && session_->may_send() &&
-             !receive(wall_seconds() + (silent ? 0.001 : patience));
+    silent =
+        moving_ && session_->may_send() && !receive(wall_seconds() + (silent ? 0.001 : patience));
   }
   end_motion();
   session_.reset();

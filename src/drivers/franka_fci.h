@@ -1,9 +1,9 @@
-// Franka's arm (FR3) through its control interface, driven by torque alone: fci_messages.h, and the
-// session of arm_session.h from the first torque on.
+// Franka's arm (FR3) through its control interface, driven by torque alone: fci_messages.h, and
+// the session of arm_session.h from the first torque on.
 //
-// Start    The arm's own URDF, which it sends, must have our model's kinematics, and must allow what
-//          our model allows. The motion begins with the first command(), so that the arm does not
-//          wait for a log to be opened.
+// Start    The arm's own URDF, which it sends, must have our model's kinematics, and must allow
+//          what our model allows. The motion begins with the first command(), so that the arm does
+//          not wait for a log to be opened.
 // Clock    ArmSettings::clock: states count milliseconds. An arm that misses twenty answers in a row
 //          stops by a reflex, so the loop must not pause, except where a simulator waits.
 // Torque   without gravity: the arm adds its own. At most 900 Nm/s for each state answered: it

@@ -54,7 +54,8 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
         std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
-  settings.limits.torque_rate = Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s, limits));
+  settings.limits.torque_rate =
+      Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s, limits));
   if (settings.observer.yield_limit.empty())
     for (const double torque : limits.torque)
       settings.observer.yield_limit.push_back(

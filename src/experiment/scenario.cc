@@ -151,9 +151,11 @@ void describe(Fields& f, PreflightSettings& s) {
 
 void describe(Fields& f, ArmSettings& s) {
   using Limits = ArmSettings::Limits;
-  f.choice("driver", s.driver, {{"sim", ArmDriver::sim}, {"iiwa-lcm", ArmDriver::iiwa_lcm}, {"franka", ArmDriver::franka}},
-           "Who moves the arm: the simulator here, KUKA's iiwa over LCM, or Franka's FR3 through its "
-           "control interface (docs/arms.md).");
+  f.choice(
+      "driver", s.driver,
+      {{"sim", ArmDriver::sim}, {"iiwa-lcm", ArmDriver::iiwa_lcm}, {"franka", ArmDriver::franka}},
+      "Who moves the arm: the simulator here, KUKA's iiwa over LCM, or Franka's FR3 through its "
+      "control interface (docs/arms.md).");
   f.field("url", s.url,
           "iiwa-lcm: the LCM broker, as in tcpq://127.0.0.1:7701. franka: the arm, as in "
           "fci://172.16.0.2.");

@@ -34,7 +34,8 @@ std::string arm_text(const std::string& name) {
 
 // As the arm sends it: links named link1 … link7.
 std::string franka_names(std::string urdf) {
-  for (std::size_t at = 0; (at = urdf.find("\"link_", at)) != std::string::npos;) urdf.erase(at + 5, 1);
+  for (std::size_t at = 0; (at = urdf.find("\"link_", at)) != std::string::npos;)
+    urdf.erase(at + 5, 1);
   return urdf;
 }
 
@@ -132,8 +133,7 @@ class MadeUpArm {
           std::memcpy(&echoed, command.data(), 8);
           torque0.push_back(tau);
           answered.push_back(echoed);
-          if (!reflexed && reflex_after >= 0 &&
-              static_cast<long>(torque0.size()) >= reflex_after) {
+          if (!reflexed && reflex_after >= 0 && static_cast<long>(torque0.size()) >= reflex_after) {
             reflexed = true;
             mode = 4;
             controller = 3;

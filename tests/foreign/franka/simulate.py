@@ -120,7 +120,7 @@ class Pace:
 
     def sleep(self, seconds):
         if self.arm.arguments.free or self.arm.stalled or not self.arm.server.comm.active:
-            time.sleep(seconds)
+            time.sleep(min(seconds, 1e-3))  # its schedule may be seconds ahead after a fast motion
 
 
 class Server(FrankaSimServer):
