@@ -4,14 +4,21 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
+#include "impedraw/common/input_file.h"
+#include "impedraw/drivers/franka_fci.h"
 #include "impedraw/drivers/iiwa_lcm.h"
 #include "impedraw/experiment/input_files.h"
+#include "impedraw/files/data_folder.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/settings/settings_text.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/say.h"
@@ -33,6 +40,13 @@ NamedArm named_arm(DrawOptions options) {
   return arm;
 }
 
+std::unique_ptr<ForeignArm> make_arm(const ArmSettings& settings, ArmModel& model, double period,
+                                     std::optional<JointVector> start_q, bool wrench) {
+  if (settings.driver == ArmDriver::franka)
+    return std::make_unique<FrankaFci>(settings, model, period, std::move(start_q));
+  return std::make_unique<IiwaLcm>(settings, model, period, std::move(start_q), wrench);
+}
+
 double share_of(std::vector<double>* x, double share) {
   if (x->empty()) return std::nan("");
   const auto i = static_cast<std::ptrdiff_t>(share * static_cast<double>(x->size() - 1));
@@ -47,10 +61,15 @@ DriverMaker driver_maker(Experiment& e) {
   if (has_sensor(e.control.source))
     throw InputError(
         "control.wrench: sensor and realistic are simulated; with arm.driver iiwa-lcm valid are "
-        "none and ground_truth (the wrench at the tip, from whoever measures it)");
+        "none and ground_truth (the wrench at the tip, from whoever measures it), with franka "
+        "none");
+  if (e.scenario.arm.driver == ArmDriver::franka && e.control.source == WrenchSource::truth)
+    throw InputError(
+        "control.wrench: ground_truth needs a measured wrench, and Franka's arm gives none; valid "
+        "with arm.driver franka is none");
   return [&e](const JointVector& start_q) {
-    return std::make_unique<IiwaLcm>(e.scenario.arm, e.scene.arm, e.scenario.world.dt, start_q,
-                                     e.control.source == WrenchSource::truth);
+    return make_arm(e.scenario.arm, e.scene.arm, e.scenario.world.dt, start_q,
+                    e.control.source == WrenchSource::truth);
   };
 }
 
@@ -76,7 +95,9 @@ std::string contact_line(const Experiment& e) {
 
 int check_arm(const DrawOptions& options, double seconds) {
   NamedArm arm = named_arm(options);
-  IiwaLcm driver(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  const auto made =
+      make_arm(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  ForeignArm& driver = *made;
   std::vector<double> steps, gaps;  // between statuses: by the arm's clock, by this one's [ms]
   double first = 0.0, last = 0.0;
   std::int64_t first_utime = 0, utime = 0;
@@ -129,9 +150,31 @@ int check_arm(const DrawOptions& options, double seconds) {
   return kFinished;
 }
 
+int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out) {
+  const std::filesystem::path folder = data_folder() / "models/arms";
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".urdf") names.push_back(entry.path().stem());
+  std::sort(names.begin(), names.end());
+  if (std::find(names.begin(), names.end(), arm) == names.end())
+    throw InputError(fmt::format("--arm: {}", not_among(arm, names)));
+  const std::filesystem::path to = out.empty() ? std::filesystem::path(arm + "_pen.urdf") : out;
+  const std::string bare = InputFile(folder / (arm + ".urdf")).read(4'000'000);
+  write_whole(to, urdf_with_pen(bare, pen));
+  const ArmModel model(to);
+  say(stdout, "{}: {} joints; draw with it: --set arm.urdf={}{}\n", to.string(), model.joints(),
+      to.string(),
+      model.joints() < 7 ? "\nwithout a null space: the posture follows from the pen alone, which "
+                           "may turn about itself to stay away from joint limits"
+                         : "");
+  return kFinished;
+}
+
 int hold_arm(const DrawOptions& options, double seconds) {
   NamedArm arm = named_arm(options);
-  IiwaLcm driver(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  const auto made =
+      make_arm(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  ForeignArm& driver = *made;
   const Interrupt interrupt;
   const StartedDriver started(driver);
   const JointVector zero = JointVector::Zero(driver.info().joints);
@@ -148,7 +191,7 @@ int hold_arm(const DrawOptions& options, double seconds) {
     driver.command(zero, zero);
     if (answers.size() < answers.capacity()) answers.push_back(1e3 * seconds_since(read));
   }
-  const IiwaLcm::Counts counts = driver.counts();
+  const ForeignArm::Counts counts = driver.counts();
   const double drift = (state.q - begin).cwiseAbs().maxCoeff();
   driver.stop();
   say(stdout,

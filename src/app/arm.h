@@ -1,8 +1,10 @@
 // Arms that are not simulated here: making a driver, and the commands `arm check` and `arm hold`.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
+#include "impedraw/arm/arm_notes.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/live/live_view.h"
@@ -23,5 +25,8 @@ std::string contact_line(const Experiment& experiment);
 // Exit code 0 if the arm could be used, kMissed if its statuses come too irregularly.
 int check_arm(const DrawOptions& options, double seconds);
 int hold_arm(const DrawOptions& options, double seconds);
+
+// Writes the description of an arm of models/arms with a pen on its flange.
+int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out);
 
 }  // namespace impedraw

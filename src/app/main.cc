@@ -112,8 +112,8 @@ int run_program(int argc, char** argv) {
   draw->add_flag("--resume", options.resume,
                  "continue an interrupted run: keep what it drew, draw what has no ink");
   draw->add_option("--arm", options.arm,
-                   "who moves the arm: sim, or iiwa-lcm (default: as the scenario says)")
-      ->check(CLI::IsMember({"sim", "iiwa-lcm"}));
+                   "who moves the arm: sim, iiwa-lcm or franka (default: as the scenario says)")
+      ->check(CLI::IsMember({"sim", "iiwa-lcm", "franka"}));
   impedraw::LiveOptions live;
   CLI::Option* show = draw->add_flag(
       "--live", live.show, "show the run in a browser while it goes on; prints the address");
@@ -284,8 +284,8 @@ int run_program(int argc, char** argv) {
   for (CLI::App* command : {arm_check, arm_hold}) {
     command->add_option("scenario", options.scenario,
                         "YAML file that names the arm (default: the standard bowl's)");
-    command->add_option("--arm", options.arm, "which arm: iiwa-lcm (default)")
-        ->check(CLI::IsMember({"iiwa-lcm"}));
+    command->add_option("--arm", options.arm, "which arm: iiwa-lcm (default) or franka")
+        ->check(CLI::IsMember({"iiwa-lcm", "franka"}));
     command->add_option("--seconds", arm_seconds, "how long")
         ->check(CLI::Range(0.1, 86400.0))
         ->capture_default_str();
@@ -295,6 +295,24 @@ int run_program(int argc, char** argv) {
         ->take_all()
         ->allow_extra_args(false);
   }
+
+  std::string bare_arm;
+  impedraw::PenOnFlange pen;
+  std::filesystem::path arm_file;
+  CLI::App* arm_urdf = arm->add_subcommand(
+      "make-urdf", "write the description of an arm of models/arms with a pen on its flange");
+  arm_urdf->add_option("--arm", bare_arm, "fr3, gen3, iiwa14, iiwa7, panda or ur5e")->required();
+  arm_urdf
+      ->add_option("--tool-length", pen.length,
+                   "from the flange to the pen's tip, in m, along the "
+                   "flange's axis")
+      ->check(CLI::Range(0.02, 1.0))
+      ->capture_default_str();
+  arm_urdf->add_option("--tool-mass", pen.mass, "of the whole tool, in kg")
+      ->check(CLI::Range(1e-3, 20.0))
+      ->capture_default_str();
+  arm_urdf->add_option("--out", arm_file, "the file (default: ARM_pen.urdf)");
+  arm_urdf->callback([&] { code = impedraw::make_urdf(bare_arm, pen, arm_file); });
 
   CLI::App* settings = app.add_subcommand(
       "settings", "list every setting of a scenario: default, limits, unit, meaning");

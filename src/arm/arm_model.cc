@@ -43,6 +43,7 @@ ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_fra
   w.joint_names.assign(model.names.begin() + 1, model.names.end());
   w.limits = {model.lowerPositionLimit, model.upperPositionLimit, model.upperEffortLimit,
               model.upperVelocityLimit};
+  w.limits.torque_rate = w.urdf.notes.torque_rate;
   w.q = w.v = Eigen::VectorXd::Zero(model.nv);
 }
 
@@ -52,6 +53,9 @@ ArmModel::ArmModel(ArmModel&&) noexcept = default;
 int ArmModel::joints() const { return workspace_->urdf.model.nv; }
 const std::vector<std::string>& ArmModel::joint_names() const { return workspace_->joint_names; }
 const ArmLimits& ArmModel::limits() const { return workspace_->limits; }
+const std::vector<double>& ArmModel::rest_posture() const {
+  return workspace_->urdf.notes.rest_posture;
+}
 
 void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept {
   Workspace& w = *workspace_;

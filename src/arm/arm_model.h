@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct ArmLimits {
   Eigen::VectorXd lower, upper;  // joint range [rad]
   Eigen::VectorXd torque;        // ± [Nm]
   Eigen::VectorXd speed;         // ± [rad/s]
+  // Of every joint's torque [Nm/s]; infinite where the description does not say.
+  double torque_rate = std::numeric_limits<double>::infinity();
 };
 
 // Collision capsule of a link: all points within `radius` of the segment a–b.
@@ -38,6 +41,8 @@ class ArmModel {
   int joints() const;
   const std::vector<std::string>& joint_names() const;
   const ArmLimits& limits() const;
+  // Where the description says (arm_notes.h), else empty [rad].
+  const std::vector<double>& rest_posture() const;
 
   // Computes all terms at (q, v). Allocates nothing. The relative difference from MuJoCo's terms is
   // < 1e-9 (tests/arm).

@@ -140,6 +140,11 @@ UrdfModel read_urdf(const std::filesystem::path& urdf) {
     throw InputError(fmt::format("arm description {}: {}", urdf.string(), error.what()));
   }
   const int n = arm.model.nv;
+  arm.notes = read_arm_notes(urdf);
+  const std::size_t rest = arm.notes.rest_posture.size();
+  if (rest != 0 && rest != static_cast<std::size_t>(n))
+    throw InputError(fmt::format("arm description {}: rest_posture has {} angles for {} joints",
+                                 urdf.string(), rest, n));
   if (arm.model.nq != n || arm.model.njoints != n + 1)
     throw InputError(
         fmt::format("arm description {}: every joint must have one axis", urdf.string()));

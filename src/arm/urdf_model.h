@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/arm/arm_notes.h"
+
 namespace impedraw {
 
 struct LinkCapsule {
@@ -19,6 +21,7 @@ struct LinkCapsule {
 struct UrdfModel {
   pinocchio::Model model;  // every joint has one axis
   std::vector<LinkCapsule> capsules;
+  ArmNotes notes;
 };
 
 // Throws InputError as ArmModel's constructor does.

@@ -141,7 +141,7 @@ void ArmSession::fail(const std::string& cause) noexcept {
 const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noexcept {
   if (!may_send()) return sent_;
   const double since = answered_ == 0 ? 0.0 : 1e-6 * static_cast<double>(last_.utime - answered_);
-  const double dt = stale ? 1e-3 : std::clamp(since, 0.0, kLongestStep);
+  const double dt = stale ? 1e-3 : std::clamp(since, 0.0, settings_.longest_step);
   answered_ = last_.utime;
   if (!sent_any_) entered_ = last_.utime;  // the ramp begins with the first command
 

@@ -14,7 +14,7 @@
 //
 // Any state but ended goes to fault on a fault and to stop on a request; a fault during a stop
 // stays a stop with a named cause. In every state |τ_j| ≤ torque_limit_j and
-// |Δτ_j| ≤ torque_rate Δt, with Δt from the arm's clock, at most kLongestStep.
+// |Δτ_j| ≤ torque_rate Δt, with Δt from the arm's clock, at most longest_step.
 //
 // τ is without gravity: the arm compensates its own weight. D is diagonal and must be small against
 // the joints' inertia over the loop's delay: see joint_damping().
@@ -42,6 +42,7 @@ struct SessionSettings {
   JointVector external_limit;  // a larger external torque is a fault [Nm]
   JointVector damping;         // D [Nm s/rad]
   double torque_rate = 900.0;  // [Nm/s]
+  double longest_step = 2e-3;  // of the torque rate's Δt [s]
   double quiet_time = 0.25;    // [s]
   double ramp_time = 0.2;      // [s]
   double damp_time = 0.3;      // longest [s]
@@ -54,9 +55,8 @@ const char* name_of(SessionState state);
 
 class ArmSession {
  public:
-  static constexpr double kLongestStep = 2e-3;  // of the torque rate's Δt [s]
-  static constexpr double kAtRest = 0.02;       // joint speed at which damping is over [rad/s]
-  static constexpr int kMostOld = 20;           // statuses in a row that are older than the last
+  static constexpr double kAtRest = 0.02;  // joint speed at which damping is over [rad/s]
+  static constexpr int kMostOld = 20;      // statuses in a row that are older than the last
 
   // Throws std::invalid_argument if a limit is not positive or the sizes differ.
   explicit ArmSession(const SessionSettings& settings);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -22,10 +21,6 @@ constexpr std::array<double, kIiwaJoints> kTorque = {320, 320, 176, 176, 110, 40
 // drake-iiwa-driver ends a session at these external torques; a tenth less ends ours before [Nm].
 constexpr std::array<double, kIiwaJoints> kExternal = {60, 60, 60, 30, 12, 12, 6};
 constexpr double kExternalShare = 0.9, kSpeedShare = 1.2;
-
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void require_iiwa(const ArmModel& arm) {
   if (arm.joints() != kIiwaJoints)
@@ -110,12 +105,11 @@ void IiwaLcm::connect() {
   });
 }
 
-void IiwaLcm::observe(double seconds,
-                      const std::function<void(const ArmStatus&, double now)>& seen) {
+void IiwaLcm::observe(double seconds, const Seen& seen) {
   connect();
-  const double begin = seconds_now(), end = begin + seconds;
+  const double begin = wall_seconds(), end = begin + seconds;
   bool any = false;
-  while (seconds_now() < (any ? end : begin + kPatience)) {
+  while (wall_seconds() < (any ? end : begin + kPatience)) {
     if (!link_->wait(0.1)) {
       if (!link_->connected()) throw std::runtime_error("the LCM broker closed the connection");
       continue;
@@ -125,7 +119,7 @@ void IiwaLcm::observe(double seconds,
     if (!misread_.empty()) throw std::runtime_error(misread_);
     if (!decoded_any_) continue;
     any = true;
-    seen(decoded_, seconds_now());
+    seen(decoded_, wall_seconds());
   }
   link_.reset();
   if (!any)
@@ -140,14 +134,14 @@ void IiwaLcm::start() {
   statuses_ = answered_ = 0;
   began_ = answerable_ = wrench_any_ = false;
   connect();
-  const double patience = seconds_now() + kPatience;
+  const double patience = wall_seconds() + kPatience;
   // Until the session may send. The statuses are only looked at: nothing is answered yet.
-  while (!receive(seconds_now() + 0.1)) {
+  while (!receive(wall_seconds() + 0.1)) {
     if (!fault_.empty()) throw std::runtime_error(fault_);
-    if (session_->state() == SessionState::waiting && seconds_now() > patience)
+    if (session_->state() == SessionState::waiting && wall_seconds() > patience)
       throw std::runtime_error(fmt::format("arm.url {}: no message on {} within {:.0f} s",
                                            settings_.url, kIiwaStatusChannel, kPatience));
-    if (seconds_now() > patience + 10.0)
+    if (wall_seconds() > patience + 10.0)
       throw std::runtime_error("the arm's clock stands still or runs far too slowly");
   }
   const double step = session_->mean_step();
@@ -182,7 +176,7 @@ void IiwaLcm::check_posture() const {
 bool IiwaLcm::receive(double until) noexcept {
   bool fresh = false;
   while (true) {
-    const double now = seconds_now();
+    const double now = wall_seconds();
     // What has already arrived is taken first, so that the newest status is answered.
     if (!link_->wait(fresh ? 0.0 : std::max(0.0, until - now))) {
       if (!link_->connected()) session_->fail("the connection to the LCM broker was lost");
@@ -199,9 +193,9 @@ bool IiwaLcm::receive(double until) noexcept {
     }
     if (!decoded_any_) continue;
     ++statuses_;
-    fresh = session_->receive(decoded_, seconds_now()) || fresh;
+    fresh = session_->receive(decoded_, wall_seconds()) || fresh;
   }
-  session_->tick(seconds_now());
+  session_->tick(wall_seconds());
   note_fault();
   if (fresh) answerable_ = true;
   return fresh;
@@ -215,11 +209,11 @@ void IiwaLcm::note_fault() noexcept {
 const ArmState& IiwaLcm::read() noexcept {
   if (!link_ || !fault_.empty()) return state_;
   if (began_ || !answerable_) {
-    const double end = seconds_now() + settings_.max_silence + 0.01;
+    const double end = wall_seconds() + settings_.max_silence + 0.01;
     while (fault_.empty() && !receive(end)) {
     }
   } else {
-    receive(seconds_now());  // only what has arrived since start()
+    receive(wall_seconds());  // only what has arrived since start()
   }
   const ArmStatus& last = session_->last();
   if (!began_) {
@@ -236,7 +230,7 @@ const ArmState& IiwaLcm::read() noexcept {
     state_.wrench_time =
         1e-6 * static_cast<double>(wrench_.utime - first_utime_) + settings_.wrench_delay;
   }
-  read_at_ = seconds_now();
+  read_at_ = wall_seconds();
   return state_;
 }
 
@@ -245,13 +239,13 @@ void IiwaLcm::command(const JointVector& tau, const JointVector& gravity) noexce
   if (!session_->sent_any()) {
     // The loop has opened its log since it read the state. Clock and ramp begin now, with zero in
     // answer to the newest status: otherwise the plan would be ahead of an arm that rests.
-    receive(seconds_now());
+    receive(wall_seconds());
     first_utime_ = session_->last().utime;
     if (!fault_.empty()) return;
   }
   wanted_ = tau - gravity;
   send(wanted_, false);
-  last_step_ = seconds_now() - read_at_;
+  last_step_ = wall_seconds() - read_at_;
 }
 
 void IiwaLcm::send(const JointVector& wanted, bool stale) noexcept {
@@ -279,15 +273,15 @@ void IiwaLcm::stop() noexcept {
   session_->stop();
   // Damps and lowers the torque to zero, in answer to statuses; without them, by itself.
   constexpr double kLongest = 2.0;  // [s]
-  const double end = seconds_now() + kLongest;
+  const double end = wall_seconds() + kLongest;
   const double patience = settings_.clock == ArmClock::wall ? 0.005 : settings_.max_silence;
   bool silent = false;
-  while (session_->may_send() && link_->connected() && seconds_now() < end) {
+  while (session_->may_send() && link_->connected() && wall_seconds() < end) {
     if (answerable_)
       send(zero_, false);
     else if (silent)
       send(zero_, true);
-    silent = session_->may_send() && !receive(seconds_now() + (silent ? 0.001 : patience));
+    silent = session_->may_send() && !receive(wall_seconds() + (silent ? 0.001 : patience));
   }
   link_.reset();
 }

@@ -16,20 +16,15 @@
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/drivers/arm_session.h"
+#include "impedraw/drivers/foreign_arm.h"
 #include "impedraw/drivers/iiwa_messages.h"
 #include "impedraw/drivers/lcm_link.h"
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/run/driver.h"
 
 namespace impedraw {
 
-class IiwaLcm : public Driver {
+class IiwaLcm : public ForeignArm {
  public:
-  struct Counts {
-    long statuses = 0, answered = 0;  // received; answered by a command
-    long missed = 0;                  // never received, by the arm's clock
-  };
-
   // start_q: where the arm must stand at start(), within kStartTolerance; nothing: anywhere.
   // `arm` is asked for limits and inertia here only. Throws InputError if it cannot be an iiwa's
   // model.
@@ -47,13 +42,10 @@ class IiwaLcm : public Driver {
   const std::string& fault() const noexcept override { return fault_; }
   void stop() noexcept override;
 
-  void hold() noexcept;  // from now on zero torque: the arm carries itself
+  void hold() noexcept override;
   const ArmSession& session() const { return *session_; }
-  Counts counts() const noexcept;
-
-  // Connects and receives statuses for `seconds`, and sends nothing. `seen` is called with each.
-  // Throws as start() does.
-  void observe(double seconds, const std::function<void(const ArmStatus&, double now)>& seen);
+  Counts counts() const noexcept override;
+  void observe(double seconds, const Seen& seen) override;
 
  private:
   void connect();

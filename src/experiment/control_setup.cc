@@ -33,9 +33,9 @@ constexpr double kLeastFriction = 1.5;    // [Nm]
 // A session with a real arm lets 900 Nm/s pass: the law stays below, so that it knows of the limit.
 constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 
-double torque_rate(const Scenario& s) {
-  return s.arm.driver == ArmDriver::sim ? s.control.torque_rate
-                                        : std::min(s.control.torque_rate, kRealTorqueRate);
+double torque_rate(const Scenario& s, const ArmLimits& limits) {
+  const double rate = std::min(s.control.torque_rate, limits.torque_rate);
+  return s.arm.driver == ArmDriver::sim ? rate : std::min(rate, kRealTorqueRate);
 }
 
 ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, const Plan& plan,
@@ -54,7 +54,8 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
         std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
-  settings.limits.torque_rate = Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s));
+  settings.limits.torque_rate =
+      Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s, limits));
   if (settings.observer.yield_limit.empty())
     for (const double torque : limits.torque)
       settings.observer.yield_limit.push_back(

@@ -81,7 +81,9 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     places.put("drawing.text.text", fmt::format("--text {}", shown(options.text)));
   }
   if (!options.arm.empty()) {
-    scenario.arm.driver = options.arm == "sim" ? ArmDriver::sim : ArmDriver::iiwa_lcm;
+    scenario.arm.driver = options.arm == "sim"      ? ArmDriver::sim
+                          : options.arm == "franka" ? ArmDriver::franka
+                                                    : ArmDriver::iiwa_lcm;
     places.put("arm.driver", fmt::format("--arm {}", options.arm));
   }
   if (options.keep_order) scenario.drawing.keep_order = true;

@@ -21,7 +21,7 @@ struct DrawOptions {
   bool skip_unreachable = false;         // omits what fails the pre-flight
   std::string place = "fixed";           // placement of the canvas: fixed, auto
   bool resume = false;                   // continues the run in `out`
-  std::string arm;                       // sim, iiwa-lcm; empty: as the scenario says
+  std::string arm;                       // sim, iiwa-lcm, franka; empty: as the scenario says
   std::filesystem::path out;             // empty: runs/<name> in the working directory
   std::vector<std::string> assignments;  // --set
 };

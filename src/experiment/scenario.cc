@@ -151,20 +151,28 @@ void describe(Fields& f, PreflightSettings& s) {
 
 void describe(Fields& f, ArmSettings& s) {
   using Limits = ArmSettings::Limits;
-  f.choice("driver", s.driver, {{"sim", ArmDriver::sim}, {"iiwa-lcm", ArmDriver::iiwa_lcm}},
-           "Who moves the arm: the simulator here, or KUKA's iiwa over LCM (docs/arms.md).");
-  f.field("url", s.url, "iiwa-lcm: the LCM broker, as in tcpq://127.0.0.1:7701.");
+  f.choice(
+      "driver", s.driver,
+      {{"sim", ArmDriver::sim}, {"iiwa-lcm", ArmDriver::iiwa_lcm}, {"franka", ArmDriver::franka}},
+      "Who moves the arm: the simulator here, KUKA's iiwa over LCM, or Franka's FR3 through its "
+      "control interface (docs/arms.md).");
+  f.field("url", s.url,
+          "iiwa-lcm: the LCM broker, as in tcpq://127.0.0.1:7701. franka: the arm, as in "
+          "fci://172.16.0.2.");
   f.choice("clock", s.clock, {{"wall", ArmClock::wall}, {"lock_step", ArmClock::lock_step}},
-           "iiwa-lcm: wall: states come by the arm's own clock; lock_step: the arm is simulated "
+           "Not sim: wall: states come by the arm's own clock; lock_step: the arm is simulated "
            "and waits for the answer to each state.");
   f.field(Limits::delay, s.delay,
-          "iiwa-lcm: time from a state until the torque that answers it acts; control.loop_delay "
+          "Not sim: time from a state until the torque that answers it acts; control.loop_delay "
           "is then at least one step longer.");
   f.field(Limits::wrench_delay, s.wrench_delay,
           "iiwa-lcm: age of the wrench at the tip when it arrives, for control.wrench: "
           "ground_truth, which is then what the channel IMPEDRAW_TIP_WRENCH carries.");
   f.field(Limits::max_silence, s.max_silence,
-          "iiwa-lcm: time without a state, by the wall clock, after which the session ends.");
+          "Not sim: time without a state, by the wall clock, after which the session ends.");
+  f.field(Limits::recoveries, s.recoveries,
+          "franka: how often in a run the arm may be asked to recover from a reflex, after which "
+          "the drawing goes on. Never after a collision.");
   f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.");
   f.field(Limits::posture_seed, s.posture_seed,
           "Joint angles from which the inverse kinematics starts, one per joint; empty: those of "

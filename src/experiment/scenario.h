@@ -62,7 +62,7 @@ struct DrawingSettings {
 };
 
 // Who moves the arm, and whose clock the loop follows.
-enum class ArmDriver { sim, iiwa_lcm };
+enum class ArmDriver { sim, iiwa_lcm, franka };
 enum class ArmClock {
   wall,       // the arm's state comes when it comes
   lock_step,  // the arm waits for the command that answers its state: simulators
@@ -70,12 +70,13 @@ enum class ArmClock {
 
 struct ArmSettings {
   ArmDriver driver = ArmDriver::sim;
-  // The settings up to max_silence are for an arm that is not simulated here.
-  std::string url = "tcpq://127.0.0.1:7701";  // of the broker
+  // The settings up to recoveries are for an arm that is not simulated here.
+  std::string url = "tcpq://127.0.0.1:7701";  // of the broker, or of the arm
   ArmClock clock = ArmClock::wall;
   double delay = 1e-3;         // from a state to the torque that answers it acting [s]
   double wrench_delay = 2e-3;  // age of the wrench at the tip when it arrives [s]
   double max_silence = 0.05;   // without a state, by the wall clock; then the session ends [s]
+  int recoveries = 3;          // from reflexes of the arm, in one run
 
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
   // The inverse kinematics of the start starts here and stays near, one entry per joint [rad];
@@ -90,6 +91,7 @@ struct ArmSettings {
     static constexpr Limit delay = {"delay", "s", {0.0, 0.02}};
     static constexpr Limit wrench_delay = {"wrench_delay", "s", {0.0, 0.02}};
     static constexpr Limit max_silence = {"max_silence", "s", {0.005, 60.0}};
+    static constexpr Limit recoveries = {"recoveries", "", {0, 100}};
     static constexpr Limit posture_seed = {"posture_seed", "rad", {-3.2, 3.2}};
     static constexpr Limit q_0 = {"q_0", "rad", {-3.2, 3.2}};
     static constexpr Limit start = {"start", "m", {-2.0, 2.0}};

@@ -101,6 +101,7 @@ JointVector start_posture(const ArmSettings& settings, ArmModel& arm, const Pose
                           const SettingErrors& setting_errors) {
   const PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
   std::vector<double> seed = settings.posture_seed;
+  if (seed.empty()) seed = arm.rest_posture();
   if (seed.empty() && arm.joints() == 7) seed = {0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0};
   const IkResult found =
       seed.empty() ? searched(arm, start) : find_posture(arm, start, as_joints(seed));

@@ -22,7 +22,8 @@ inline constexpr double kMarginLength = 0.3;  // converts angles to lengths [m/r
 double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q);
 
 // The tip is at arm.start and the pen normal to the drawing plane of X_WP. The inverse kinematics
-// starts from arm.posture_seed. Without one it starts from the iiwa's working posture, for an arm
+// starts from arm.posture_seed, else from the rest posture that the arm's description names
+// (arm_notes.h). Without one it starts from the iiwa's working posture, for an arm
 // of seven joints, and otherwise from postures spread over the joint ranges. Of what these reach,
 // the arm starts with the greatest distance from singularities and joint limits, preferably with
 // its links on the pen's side of the surface. Throws InputError if arm.start is out of reach.

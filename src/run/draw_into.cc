@@ -18,6 +18,7 @@
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/run/run_inputs.h"
+#include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
@@ -88,6 +89,30 @@ void require_room(const fs::path& folder, const Experiment& experiment,
   require_space(folder, earlier + log_bytes(make_header(experiment), seconds), seconds);
 }
 
+// An arm that stopped by itself, and can recover, goes on where it stopped: as --resume does, but
+// from where the arm now rests.
+void draw_on_after_reflexes(const fs::path& folder, Experiment& experiment, Driver& driver,
+                            RunHooks hooks, RunOutcome* outcome) {
+  hooks.begun = {};  // the folder's files are those of this run
+  for (int i = 0; i < experiment.scenario.arm.recoveries; ++i) {
+    if (outcome->end != RunEnd::stopped || driver.fault().empty()) return;
+    const std::string cause = driver.fault();
+    const auto stopped = Clock::now();
+    JointVector q;
+    if (!driver.recover(&q)) return;
+    std::optional<Resumption> rest = resumption_in(folder, experiment);
+    if (!rest) rest.emplace();
+    rest->q = q;
+    say(stderr, "note: {}; the arm recovered within {:.2f} s, and the drawing goes on\n", cause,
+        seconds_since(stopped));
+    const RunOutcome before = *outcome;
+    *outcome = run(experiment, driver, folder / "run.h5", 0.0, hooks, &*rest);
+    outcome->wall.start_up = before.wall.start_up;
+    outcome->wall.loop += before.wall.loop;
+    for (const auto& [name, seconds] : before.met) outcome->met[name] += seconds;
+  }
+}
+
 }  // namespace
 
 std::function<void()> give_up_on(const Interrupt& interrupt, const fs::path& folder) {
@@ -137,6 +162,7 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     if (make_driver) {
       const auto driver = make_driver(resumed ? resumed->q : experiment.scene.start_q);
       drawing.outcome = run(experiment, *driver, folder / "run.h5", start_up, hooks, resumed);
+      draw_on_after_reflexes(folder, experiment, *driver, hooks, &drawing.outcome);
     } else {
       drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks, resumed);
     }

@@ -113,6 +113,10 @@ class Driver {
   // Leaves the arm in a safe state. May be called in any state and repeatedly.
   virtual void stop() noexcept = 0;
 
+  // After a fault and stop(): clears the fault where the arm allows it and it is of a kind after
+  // which a program may go on. True: start() may be called again, and the arm rests at *q.
+  virtual bool recover(JointVector*) noexcept { return false; }
+
   virtual const GroundTruth* truth() const noexcept { return nullptr; }
 };
 

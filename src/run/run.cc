@@ -400,7 +400,7 @@ RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double star
                const RunHooks& hooks, const Resumption* resumption) {
   if (e.scenario.arm.driver != ArmDriver::sim)
     throw InputError(
-        "arm.driver is iiwa-lcm, and only ./impedraw draw drives such an arm; valid here is sim");
+        "arm.driver is not sim, and only ./impedraw draw drives such an arm; valid here is sim");
   SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q, disturbances_of(e, resumption),
                    resumption ? resumption->time : 0.0);
   return run(e, arm, log_file, start_up, hooks, resumption);

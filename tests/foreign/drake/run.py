@@ -17,9 +17,10 @@ import time
 import h5py
 import numpy
 
-from judge import judge
-
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from judge import judge  # noqa: E402
+
 ROOT = HERE.parents[2]
 PROGRAM = ROOT / "build/release/src/app/impedraw"
 DRAKE = ROOT / "build/drake-venv/bin/python"

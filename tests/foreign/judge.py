@@ -1,8 +1,8 @@
-"""Judges a drawing from Drake's own log: contact results and poses of simulate.py's file. impedraw's log gives only what was planned: the
+"""Judges a drawing from the foreign simulator's own log: contact results and poses of its simulate.py's file. impedraw's log gives only what was planned: the
 strokes' times and the target.
 
 Usage: judge.py SIMULATION.npz RUN_FOLDER [--json]
-Terms as in docs/metrics.md; contact point and force are Drake's, the normal is the sphere's.
+Terms as in docs/metrics.md; contact point and force are the simulator's, the normal is the sphere's.
 """
 import json
 import pathlib
@@ -26,18 +26,33 @@ def distance_to_line(points, line):
     return best
 
 
+def shifts(time, q, sim):
+    """Of the simulator's clock to the run's, for each row: by the joint positions, which the states carry bit by bit. After a fault that
+    the arm recovered from, the run's clock goes on where it stopped. Postures that occur more than once count as those before."""
+    where = {}
+    for i, posture in enumerate(sim["q"]):
+        where.setdefault(posture.astype(q.dtype).tobytes(), []).append(i)
+    shift = numpy.full(len(time), numpy.nan)
+    for i, posture in enumerate(q):
+        found = where.get(posture.tobytes(), ())
+        if len(found) == 1:
+            shift[i] = sim["time"][found[0]] - time[i]
+    known = numpy.nonzero(~numpy.isnan(shift))[0]
+    assert len(known) > 0.5 * len(time), f"{len(known)} of {len(time)} rows have joint positions that the simulator had"
+    before = numpy.maximum.accumulate(numpy.where(numpy.isnan(shift), 0, numpy.arange(len(shift))))
+    before[: known[0]] = known[0]
+    return shift[before]
+
+
 def judge(simulation, folder):
     sim = numpy.load(simulation)
     with h5py.File(pathlib.Path(folder) / "run.h5") as log:
         time, stroke, q = log["/time"][:], log["/stroke"][:], log["/joint/position"][:]
         scale = log["/time_scale"][:]
         target, of = log["/target/points"][:], log["/target/stroke"][:]
-    # The clocks are aligned by the joint positions, which the statuses carry bit by bit: a row late in the run has one match.
-    row = len(time) // 2
-    (match,) = numpy.nonzero((sim["q"] == q[row]).all(axis=1))
-    assert len(match) == 1, f"{len(match)} steps of Drake have the joint positions of row {row}"
-    shift = sim["time"][match[0]] - time[row]
-    at = numpy.rint(1e3 * (time + shift)).astype(int) + 1  # the step after: Drake's contact is that of the step that ended
+    shift = shifts(time, q, sim)
+    # Drake's contact is that of the step that ended, MuJoCo's that of the step that begins.
+    at = numpy.rint(1e3 * (time + shift)).astype(int) + int(sim.get("contact_offset", 1))
     kept = at < len(sim["time"])
     time, stroke, scale, at = time[kept], stroke[kept], scale[kept], at[kept]
     point = sim["point"][at]
@@ -75,7 +90,7 @@ def judge(simulation, folder):
         "time_scale_mean": float(scale[down].mean()),
         # Of the first 10 ms of commands: without a bump, all that the ramp lets through of it.
         "start_torque": float(numpy.abs(sim["torque"][sim["began"]][:10]).max()),
-        "joint_speed_share": float((numpy.abs(sim["v"]) / SPEED).max()),
+        "joint_speed_share": float((numpy.abs(sim["v"]) / sim.get("speed_limit", SPEED)).max()),
         "statuses_sent": int(sim["sent"]),
         "statuses_answered": int(sim["answered"]),
         "left": bool(sim["left"]),

@@ -1,0 +1,33 @@
+// An arm that is not simulated here: what `arm check` and `arm hold` need of its driver.
+#pragma once
+
+#include <chrono>
+#include <functional>
+
+#include "impedraw/drivers/arm_session.h"
+#include "impedraw/run/driver.h"
+
+namespace impedraw {
+
+// The wall clock [s].
+inline double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+class ForeignArm : public Driver {
+ public:
+  struct Counts {
+    long statuses = 0, answered = 0;  // received; answered by a command
+    long missed = 0;                  // never received, by the arm's clock
+  };
+  // Called with each status and when it arrived [s of the wall clock].
+  using Seen = std::function<void(const ArmStatus&, double now)>;
+
+  // From now on zero torque: the arm carries itself.
+  virtual void hold() noexcept = 0;
+  virtual Counts counts() const noexcept = 0;
+  // Connects and receives statuses for `seconds`, and sends no torque. Throws as start() does.
+  virtual void observe(double seconds, const Seen& seen) = 0;
+};
+
+}  // namespace impedraw
