@@ -18,7 +18,7 @@ import zipfile
 NEEDS = ["mujoco", "mujoco-core", "libpinocchio"]  # wheels whose libraries stand beside the package
 FOREIGN = ["libmujoco.so.*", "libpinocchio_*", "libconsole_bridge*", "liburdfdom*", "libboost_*", "libcoal*", "liboctomap*", "liboctomath*",
            "libassimp*", "libqhull*", "libtinyxml2*"]  # of cmeel's and MuJoCo's wheels: not copied
-DATA = ["models/iiwa14_pen.urdf", "docs/scenario.schema.json", "scenarios/*.yaml", "artwork/*.svg", "src/planning/wrap/flatten_patch.py", "build/arm-meshes/*/*"]
+DATA = ["models/iiwa14_pen.urdf", "models/arms/*.urdf", "docs/scenario.schema.json", "scenarios/*.yaml", "artwork/*.svg", "src/planning/wrap/flatten_patch.py", "build/arm-meshes/*/*"]
 FONTS = pathlib.Path("/usr/share/hershey-fonts")
 
 

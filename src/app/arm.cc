@@ -164,9 +164,10 @@ int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesys
   const ArmModel model(to);
   say(stdout, "{}: {} joints; draw with it: --set arm.urdf={}{}\n", to.string(), model.joints(),
       to.string(),
-      model.joints() < 7 ? "\nwithout a null space: the posture follows from the pen alone, which "
-                           "may turn about itself to stay away from joint limits"
-                         : "");
+      model.joints() < 7
+          ? "\nsix joints leave no null space: nothing moves the arm away from joint limits, and "
+            "rest posture and null-space stiffness have no effect"
+          : "");
   return kFinished;
 }
 

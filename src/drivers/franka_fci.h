@@ -2,10 +2,10 @@
 // the session of arm_session.h from the first torque on.
 //
 // Start    The arm's own URDF, which it sends, must have our model's kinematics, and must allow
-//          what our model allows. The motion begins with the first command(), so that the arm does
-//          not wait for a log to be opened.
-// Clock    ArmSettings::clock: states count milliseconds. An arm that misses twenty answers in a row
-//          stops by a reflex, so the loop must not pause, except where a simulator waits.
+//          what our model allows. The motion begins with the first command(): the arm does not
+//          wait for a log to be opened.
+// Clock    ArmSettings::clock: states count milliseconds. An arm that misses twenty answers in a
+//          row stops by a reflex, so the loop must not pause, except where a simulator waits.
 // Torque   without gravity: the arm adds its own. At most 900 Nm/s for each state answered: it
 //          stops at 1000.
 // Reflex   A fault that names the arm's errors. recover() asks the arm to clear it, unless

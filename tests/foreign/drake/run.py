@@ -184,8 +184,23 @@ def hold():
     }
 
 
+def other_arm():
+    """The model of another arm is refused by name before anything is sent: a joint's range of an FR3, six joints of a UR5e."""
+    scenario, said = HERE / "iiwa-sine.yaml", {}
+    with broker() as (url, _), simulation(url, OUT / "other.npz", start_posture(scenario), ["--wrench", "--seconds", "1"]) as drake:
+        for name in ("fr3", "ur5e"):
+            urdf = OUT / f"{name}_pen.urdf"
+            subprocess.run([PROGRAM, "arm", "make-urdf", "--arm", name, "--out", urdf], check=True, capture_output=True)
+            run = subprocess.run([*draw_arguments(scenario, url, OUT / "other"), "--set", f"arm.urdf={urdf}"], capture_output=True, text=True)
+            require("refused", run.returncode != 0 and one_line(run.stderr) and "arm.urdf" in run.stderr, run.stderr)
+            said[name] = run.stderr.strip()
+        drake.kill()
+    return {"stderr": said["fr3"], "ur5e": said["ur5e"]}
+
+
 OTHER = {
     "absent": absent,
+    "other-arm": other_arm,
     "broker-killed": lambda: interrupted("broker-killed", "broker"),
     "sigint": lambda: interrupted("sigint", signal.SIGINT),
     "sigterm": lambda: interrupted("sigterm", signal.SIGTERM),

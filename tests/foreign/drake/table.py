@@ -43,7 +43,7 @@ if "speed" in figures:
         f"Real-time factor of the sine in lock-step {s['drawn']:.2f}, of a client that only replays its torques {s['replayed']:.2f}, one after the other "
         f"on {s['cores']} cores at a load of {s['load']:.1f}: Drake and the broker are what takes the time.",
     ]
-for name, text in (("absent", "No broker"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle")):
+for name, text in (("absent", "No broker"), ("other-arm", "An FR3's model"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle")):
     if name in figures:
         lines += ["", f"{text}: `{figures[name]['stderr']}`"]
 page = PAGE.read_text()
