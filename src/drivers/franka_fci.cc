@@ -151,7 +151,9 @@ FrankaFci::FrankaFci(const ArmSettings& settings, ArmModel& arm, double period,
 
 FrankaFci::~FrankaFci() { stop(); }
 
-DriverInfo FrankaFci::info() const { return {kFciJoints, period_, WrenchReading::none, true}; }
+DriverInfo FrankaFci::info() const {
+  return {kFciJoints, period_, WrenchReading::none, true, settings_.clock == ArmClock::lock_step};
+}
 
 void FrankaFci::connect() {
   if (link_ && link_->connected()) return;
