@@ -27,7 +27,7 @@ def quat(rpy):
 
 
 def follow_bowl(model, data, tip, plane):
-    """Lays the bowl's tangent plane under the tip: MuJoCo's meshes are convex, and on the facets of a height field a tip hops. From one
+    """Lays the bowl's tangent plane under the tip: MuJoCo's meshes are convex, and a height field is a set of flat cells. From one
     step to the next the tip moves by 50 um, where plane and sphere differ by 4 nm. (Its first placement is no identity, or MuJoCo takes
     that of the world for it.)"""
     normal = BOWL_CENTRE - data.geom_xpos[tip]
