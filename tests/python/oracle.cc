@@ -1,4 +1,5 @@
-// The library's own results, for tests of the Python package: called by ctypes, so that nothing of the bindings stands between.
+// The library's own results, for tests of the Python package: called by ctypes, so that nothing of
+// the bindings stands between.
 // Arrays are of doubles, matrices row by row; results are written to `out`.
 #include <cstdint>
 
@@ -39,8 +40,10 @@ void oracle_arm(const char* urdf, const double* q, const double* v, double* out)
   put(t.V_WE, put(t.X_WE.R, put(t.X_WE.p, out)));
 }
 
-// settings: normal force, tangential stiffness, touch force, mass along the normal, inertia (number). Each of n steps takes
-// q, v, p_WD, n_WD, pen_down, surface's n_W and distance, F_ext: 31 numbers. out, each step: tau, terms, mode, push: 65 numbers.
+// settings: normal force, tangential stiffness, touch force, mass along the normal, inertia
+// (number). Each of n steps takes
+// q, v, p_WD, n_WD, pen_down, surface's n_W and distance, F_ext: 31 numbers. out, each step: tau,
+// terms, mode, push: 65 numbers.
 void oracle_control(const char* urdf, const double* settings, int n, const double* steps,
                     double* out) {
   ImpedanceSettings s;
@@ -88,7 +91,8 @@ void oracle_surface(const double* points, int count, const double* viewpoint, in
   }
 }
 
-// One stroke on a level plane. out: duration, then for each of n times p_WD, v_WD, a_WD, n_WD, stroke, along: 14 numbers.
+// One stroke on a level plane. out: duration, then for each of n times p_WD, v_WD, a_WD, n_WD,
+// stroke, along: 14 numbers.
 void oracle_path(const double* stroke, int count, double height, double draw_speed, int n,
                  const double* times, double* out) {
   PlacedStroke placed;

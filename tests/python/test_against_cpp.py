@@ -21,7 +21,8 @@ SEEDS = st.integers(0, 2**32 - 1)
 def ask(name: str, count: int, *given: Any) -> Any:
     """The numbers that a function of oracle.cc writes."""
     out = np.full(count, np.nan)
-    kept, words = [], []
+    kept: list[Any] = []
+    words: list[Any] = []
     for x in given:
         if isinstance(x, float):
             words.append(ctypes.c_double(x))

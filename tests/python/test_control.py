@@ -261,6 +261,7 @@ def test_joint_sensor_rounds_delays_and_repeats() -> None:
 
 
 NAN3 = np.array([0.0, np.nan, 0.0])
+LINE = np.array([[0.0, 0], [0.01, 0]])
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
 
 
@@ -272,13 +273,13 @@ SQUARE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
         (lambda: idr.Canvas.from_mesh(SQUARE, [[0, 1, np.nan]]), "an index of a vertex, 0 to 2"),
         (lambda: idr.Canvas.from_mesh(SQUARE, "abc"), "an array of real numbers"),
         (lambda: idr.Plane().canvas().closest(NAN3), "p_W is [0.0, nan, 0.0]; valid is finite"),
-        (lambda: idr.Plane().canvas().closest([1j, 0, 0]), "an array of real numbers"),  # type: ignore[list-item]
+        (lambda: idr.Plane().canvas().closest([1j, 0, 0]), "an array of real numbers"),
         (lambda: idr.SurfaceEstimator(np.zeros((50, 3)), NAN3), "viewpoint is"),
         (lambda: idr.SurfaceEstimator(np.zeros((50, 3)), [0, 0, 1], weight=np.zeros(50)), "positive and finite"),
         (lambda: idr.plan_tip_path([np.full((2, 2), np.nan)], 0.0), "strokes[0]"),
         (lambda: idr.plan_tip_path([np.zeros((0, 2))], 0.0), "at least one point"),
-        (lambda: idr.plan_tip_path([[[0, 0], [0.01, 0]]], "table"), "surface is 'table'; valid is a number"),  # type: ignore[arg-type]
-        (lambda: idr.plan_tip_path([[[9, 9], [9, 9.01]]], idr.Plane().canvas()), "leaves the canvas"),
+        (lambda: idr.plan_tip_path([LINE], "table"), "surface is 'table'; valid is a number"),  # type: ignore[arg-type]
+        (lambda: idr.plan_tip_path([LINE + 9], idr.Plane().canvas()), "leaves the canvas"),
         (lambda: idr.World("/nowhere.urdf"), "/nowhere.urdf"),
         (lambda: idr.World(idr.ArmModel.standard().urdf).step(np.zeros(7), NAN3), "f_push_W is [0.0, nan, 0.0]; valid is finite"),
         (lambda: idr.World(idr.ArmModel.standard().urdf).set_state(np.full(7, np.inf)), "q is"),

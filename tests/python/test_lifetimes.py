@@ -171,7 +171,7 @@ def test_arguments_are_given_back() -> None:
     calls: list[Callable[[], Any]] = [
         lambda: c.step(t, reference, surface, six),
         lambda: c.step(t, reference, surface, wrong),
-        lambda: c.step(t, reference, surface, ragged),  # type: ignore[arg-type]
+        lambda: c.step(t, reference, surface, ragged),
         lambda: arm.compute(seven, strided),
         lambda: arm.compute(wrong, seven),
         lambda: w.step(strided),
