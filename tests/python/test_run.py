@@ -64,7 +64,9 @@ def test_draw_leaves_a_run(drawn: tuple[idr.Run, list[float]]) -> None:
 
 
 def test_show_in_a_notebook_and_elsewhere(drawn: tuple[idr.Run, list[float]], monkeypatch: pytest.MonkeyPatch) -> None:
-    run, shown, opened = drawn[0], [], []
+    run = drawn[0]
+    shown: list[Any] = []
+    opened: list[str] = []
     notebook, display = types.ModuleType("IPython"), types.ModuleType("IPython.display")
     setattr(notebook, "get_ipython", lambda: notebook)
     setattr(display, "display", shown.append)
