@@ -25,10 +25,12 @@ if(IMPEDRAW_PRECOMPILED_HEADERS)
   target_precompile_headers(impedraw_eigen_headers PRIVATE
     <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/SVD>)
 
-  find_package(GTest REQUIRED)
-  add_executable(impedraw_test_headers EXCLUDE_FROM_ALL ${empty})  # as tests are: -fPIE
-  target_compile_options(impedraw_test_headers PRIVATE -O1)
-  target_link_libraries(impedraw_test_headers PRIVATE Eigen3::Eigen fmt::fmt GTest::gtest GTest::gmock)
-  target_precompile_headers(impedraw_test_headers PRIVATE
-    ${IMPEDRAW_COMMON_HEADERS} <gmock/gmock.h> <gtest/gtest.h>)
+  if(NOT SKBUILD)
+    find_package(GTest REQUIRED)
+    add_executable(impedraw_test_headers EXCLUDE_FROM_ALL ${empty})  # as tests are: -fPIE
+    target_compile_options(impedraw_test_headers PRIVATE -O1)
+    target_link_libraries(impedraw_test_headers PRIVATE Eigen3::Eigen fmt::fmt GTest::gtest GTest::gmock)
+    target_precompile_headers(impedraw_test_headers PRIVATE
+      ${IMPEDRAW_COMMON_HEADERS} <gmock/gmock.h> <gtest/gtest.h>)
+  endif()
 endif()

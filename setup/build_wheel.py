@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
-"""Packs dist/impedraw-VERSION-cp3XX-….whl from a build: the package's Python files, the extension that is linked for wheels, its
-stubs, and the data that it reads. auditwheel then adds the libraries of Debian. MuJoCo and Pinocchio are wheels that it depends on.
+"""Makes dist/impedraw-VERSION-cp3XX-….whl from a build, or dist/impedraw-VERSION.tar.gz from the tree. A wheel holds what the build's
+install component `python` does; auditwheel adds the libraries of Debian. MuJoCo and Pinocchio are wheels that it depends on. Names,
+versions and requirements are those of pyproject.toml.
 
-build_wheel.py ROOT BUILD DIST PYTHON_WITH_AUDITWHEEL
+build_wheel.py wheel ROOT BUILD DIST PYTHON_WITH_AUDITWHEEL
+build_wheel.py sdist ROOT DIST                                 with a Python that has scikit-build-core
+build_wheel.py check ROOT                                      pyproject.toml pins what requirements.txt does
 """
 
 import base64
@@ -13,62 +16,61 @@ import re
 import subprocess
 import sys
 import tempfile
+import tomllib
 import zipfile
 
-NEEDS = ["mujoco", "mujoco-core", "libpinocchio"]  # wheels whose libraries stand beside the package
 FOREIGN = ["libmujoco.so.*", "libpinocchio_*", "libconsole_bridge*", "liburdfdom*", "libboost_*", "libcoal*", "liboctomap*", "liboctomath*",
            "libassimp*", "libqhull*", "libtinyxml2*"]  # of cmeel's and MuJoCo's wheels: not copied
-DATA = ["models/iiwa14_pen.urdf", "models/arms/*.urdf", "docs/scenario.schema.json", "scenarios/*.yaml", "artwork/*.svg", "src/planning/wrap/flatten_patch.py", "build/arm-meshes/*/*"]
-FONTS = pathlib.Path("/usr/share/hershey-fonts")
 
 
 def version_of(root):
     return re.search(r"project\(impedraw VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text()).group(1)
 
 
-def requirements(root):
-    pinned = dict(line.split("==") for line in (root / "requirements.txt").read_text().split("\n") if "==" in line and line[0] != "#")
-    cmeel = [name for name in pinned if name.startswith("cmeel") or name == "libcoal"]
-    needs = [f"numpy>={pinned['numpy'].rsplit('.', 1)[0]}"]
-    needs += [f"{name}=={pinned[name]}" for name in ["mujoco-core", "libpinocchio", *cmeel]]
-    return needs, pinned
+def check(root):
+    """A wheel is compiled with the wheels of requirements.txt and asks for those of pyproject.toml."""
+    def pins(lines):
+        return dict(line.strip().lower().split("==") for line in lines if "==" in line and line[0] != "#")
+
+    pinned = pins((root / "requirements.txt").read_text().splitlines()) | pins((root / "setup/sweep-requirements.txt").read_text().splitlines())
+    tools = pins((root / "setup/wheel-requirements.txt").read_text().splitlines())
+    of = tomllib.loads((root / "pyproject.toml").read_text())
+    lists = {"build-system.requires": of["build-system"]["requires"], "project.dependencies": of["project"]["dependencies"],
+             **{f"project.optional-dependencies.{name}": needs for name, needs in of["project"]["optional-dependencies"].items()}}
+    wrong = []
+    for where, needs in lists.items():
+        for name, version in pins(needs).items():
+            expected = (tools | pinned).get(name)
+            if version != expected:
+                wrong.append(f"pyproject.toml: {where}: {name}=={version}; this tree's lists have {expected}")
+        for need in needs:
+            name, _, least = need.lower().partition(">=")
+            if least and name in pinned and not (pinned[name] + ".").startswith(least + "."):
+                wrong.append(f"pyproject.toml: {where}: {need}; this tree's lists have {pinned[name]}")
+    compiled_with = {name for name in pinned if name.startswith("cmeel") or name in ("libcoal", "libpinocchio", "mujoco-core")}
+    for where in ("build-system.requires", "project.dependencies"):
+        wrong += [f"pyproject.toml: {where}: lacks {name}" for name in sorted(compiled_with - set(pins(lists[where])))]
+    if wrong:
+        raise SystemExit("\n".join(wrong))
 
 
 def metadata(root):
-    needs, pinned = requirements(root)
-    extras = {"log": [f"h5py>={pinned['h5py'].rsplit('.', 1)[0]}"], "table": ["pandas>=2"], "gym": ["gymnasium>=1"],
-              "sweep": [line for line in (root / "setup/sweep-requirements.txt").read_text().split("\n")
-                        if line.partition("==")[0].lower() in ("ray", "pyarrow", "optuna", "pyyaml")],
-              "wrap": [f"libigl=={pinned['libigl']}", f"scipy=={pinned['scipy']}"]}
-    lines = ["Metadata-Version: 2.1", "Name: impedraw", f"Version: {version_of(root)}",
-             "Summary: A pen on a robot arm draws on unknown curved surfaces under operational-space impedance control",
-             "License: Apache-2.0", f"Requires-Python: =={sys.version_info[0]}.{sys.version_info[1]}.*",
-             *[f"Requires-Dist: {n}" for n in [*needs, *extras["log"]]]]
-    for name, of in extras.items():
-        lines += [f"Provides-Extra: {name}", *[f"Requires-Dist: {n}; extra == '{name}'" for n in of]]
-    lines += ["Description-Content-Type: text/markdown", "", (root / "python/README.md").read_text()]
+    of = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    lines = ["Metadata-Version: 2.4", f"Name: {of['name']}", f"Version: {version_of(root)}", f"Summary: {of['description']}",
+             f"License-Expression: {of['license']}", *[f"License-File: {name}" for name in of["license-files"]],
+             f"Requires-Python: =={sys.version_info[0]}.{sys.version_info[1]}.*", *[f"Requires-Dist: {need}" for need in of["dependencies"]]]
+    for name, needs in of["optional-dependencies"].items():
+        lines += [f"Provides-Extra: {name}", *[f"Requires-Dist: {need}; extra == '{name}'" for need in needs]]
+    lines += ["Description-Content-Type: text/markdown", "", (root / of["readme"]).read_text()]
     return "\n".join(lines)
 
 
-def content(root, build):
+def content(root, build, stage):
     """Path in the wheel → file."""
-    files = {}
-    for file in sorted((root / "python/impedraw").rglob("*")):
-        if file.is_file() and "__pycache__" not in file.parts:
-            files[f"impedraw/{file.relative_to(root / 'python/impedraw')}"] = file
-    for file in (build / "python/wheel").glob("_impedraw*.so"):
-        files[f"impedraw/{file.name}"] = file
-    files["impedraw/_impedraw.pyi"] = build / "python/impedraw/_impedraw.pyi"
-    for pattern in DATA:
-        for file in sorted(root.glob(pattern)):
-            files[f"impedraw/data/{file.relative_to(root)}"] = file
-    for file in sorted(FONTS.glob("*.jhf")):
-        files[f"impedraw/data/hershey-fonts/{file.name}"] = file
+    subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", stage], check=True, stdout=subprocess.DEVNULL)
+    files = {str(file.relative_to(stage)): file for file in sorted(stage.rglob("*")) if file.is_file()}
     for name in ("LICENSE", "THIRD_PARTY.md"):
-        files[f"impedraw-{version_of(root)}.dist-info/{name}"] = root / name
-    copyright_of_fonts = pathlib.Path("/usr/share/doc/hershey-fonts-data/copyright")
-    if copyright_of_fonts.is_file():
-        files["impedraw/data/hershey-fonts/copyright"] = copyright_of_fonts
+        files[f"impedraw-{version_of(root)}.dist-info/licenses/{name}"] = root / name
     return files
 
 
@@ -81,7 +83,7 @@ def pack(root, build, folder):
              f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: impedraw\nRoot-Is-Purelib: false\nTag: {tag}-{tag}-linux_x86_64\n".encode()}
     record = []
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as out:
-        for name, data in [*((n, f.read_bytes()) for n, f in content(root, build).items()), *texts.items()]:
+        for name, data in [*((n, f.read_bytes()) for n, f in content(root, build, folder / "stage").items()), *texts.items()]:
             entry = zipfile.ZipInfo(name, (2026, 1, 1, 0, 0, 0))  # the same content gives the same wheel
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             out.writestr(entry, data, compresslevel=9)
@@ -91,9 +93,8 @@ def pack(root, build, folder):
     return wheel
 
 
-def main():
-    root, build, dist = (pathlib.Path(a) for a in sys.argv[1:4])
-    tools = pathlib.Path(sys.argv[4])
+def make_wheel(root, build, dist, tools):
+    check(root)
     with tempfile.TemporaryDirectory() as folder:
         plain = pack(root, build, pathlib.Path(folder))
         dist.mkdir(exist_ok=True)
@@ -106,7 +107,29 @@ def main():
         excluded = [word for pattern in FOREIGN for word in ("--exclude", pattern)]
         subprocess.run([tools, "-m", "auditwheel", "repair", "--strip", "-z", "9", "--plat", "manylinux_2_36_x86_64", *excluded, "-w", dist, plain],
                        check=True, env=environment)
-    made = next(dist.glob("impedraw-*.whl"))
+    return next(dist.glob("impedraw-*.whl"))
+
+
+def make_sdist(root, dist):
+    check(root)
+    from scikit_build_core.build import build_sdist
+
+    for need in ("build/web/page.html", "build/arm-meshes/iiwa14_pen"):
+        if not (root / need).exists():
+            raise SystemExit(f"{root / need} is not there: ./impedraw fetches and makes it when it builds, which needs the network")
+    for old in dist.glob("impedraw-*.tar.gz"):
+        old.unlink()
+    os.chdir(root)
+    return dist / build_sdist(str(dist))
+
+
+def main():
+    what, *places = sys.argv[1:]
+    places = [pathlib.Path(place) for place in places]
+    if what == "check":
+        check(*places)
+        return
+    made = {"wheel": make_wheel, "sdist": make_sdist}[what](*places)
     print(f"{made} {made.stat().st_size / 1e6:.1f} MB")
 
 

@@ -1,18 +1,25 @@
 #!/bin/bash
-# ./impedraw wheel [--test]: builds the Python package's wheel into dist/. --test: installs it into an empty venv
-# (build/wheel-test) and runs the package's tests there, without the source tree.
+# ./impedraw wheel [--sdist] [--test]: builds the Python package's wheel into dist/; --sdist: its source distribution. --test: installs
+# that into an empty venv (build/wheel-test, build/sdist-test) and runs the package's tests there, without the source tree; a source
+# distribution compiles for some minutes. --sdist --configure: only unpacks it and lets CMake look at all that it needs.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "$0")")/.." && pwd)
-case "${1-} $#" in
-  ' 0' | '--test 1') ;;
-  '--help 1' | '-h 1') sed -n '2,3s/^# //p' "$0"; exit ;;
-  *) echo "impedraw: wheel takes no argument but --test" >&2; exit 2 ;;
+case "$*" in
+  '' | --test) sdist='' ;;
+  --sdist | '--sdist --test' | '--sdist --configure') sdist=1 ;;
+  --help | -h) sed -n '2,4s/^# //p' "$0"; exit ;;
+  *) echo "impedraw: wheel takes no arguments but --sdist and --test" >&2; exit 2 ;;
 esac
+for task; do :; done  # the last argument
 . "$root/setup/prepare.sh"
 # In a test, all is built, and another process may hold the build's lock.
 if [[ -z ${IMPEDRAW_WHEEL_BUILT-} ]]; then
-  prepare impedraw_wheel_extension
-  prepare impedraw_stub
+  if [[ $sdist ]]; then
+    prepare impedraw_web
+  else
+    prepare impedraw_wheel_extension
+    prepare impedraw_stub
+  fi
 fi
 
 # venv_of NAME LIST PIP_ARGUMENTS…: build/NAME with the wheels of a list, unless it has them already.
@@ -29,24 +36,45 @@ venv_of() {
 
 venv_of wheel-tools "$root/setup/wheel-requirements.txt"
 mkdir -p "$root/build"
-if ! "$venv/bin/python" "$root/setup/build_wheel.py" "$root" "$out" "$root/dist" "$root/build/wheel-tools/bin/python" >"$root/build/wheel.log" 2>&1; then
+if [[ $sdist ]]; then made=(sdist "$root" "$root/dist"); else made=(wheel "$root" "$out" "$root/dist" "$root/build/wheel-tools/bin/python"); fi
+if ! "$root/build/wheel-tools/bin/python" "$root/setup/build_wheel.py" "${made[@]}" >"$root/build/wheel.log" 2>&1; then
   tail -n 20 "$root/build/wheel.log" >&2
   exit 1
 fi
 tail -n 1 "$root/build/wheel.log"
-[[ ${1-} == --test ]] || exit 0
 
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+# The package's tests with the interpreter of a venv. Nothing of the source tree: neither its program, nor its package.
+run_tests() {
+  cp -r "$root/tests/python" "$root/python/examples" "$scratch"
+  ( cd "$scratch" && env -u PYTHONPATH -u IMPEDRAW_PROGRAM "$1/bin/python" -m pytest -q -p no:cacheprovider --tb=short python )
+}
+case ${task-} in
+  --test) ;;
+  --configure)
+    tar -xzf "$root"/dist/impedraw-*.tar.gz -C "$scratch" --strip-components=1
+    cmake -S "$scratch" -B "$scratch/build/source" -G Ninja -DSKBUILD=ON -DPython_EXECUTABLE="$venv/bin/python" >"$root/build/wheel.log" ||
+      { tail -n 20 "$root/build/wheel.log" >&2; exit 1; }
+    echo "the source distribution is configured"
+    exit ;;
+  *) exit 0 ;;
+esac
+
+if [[ $sdist ]]; then
+  rm -rf "$root/build/sdist-test"
+  venv_of sdist-test "$root/tests/python/requirements.txt" --no-deps
+  CMAKE_BUILD_PARALLEL_LEVEL=$(jobs) "$root/build/sdist-test/bin/python" -m pip install --no-input --disable-pip-version-check -q "$root"/dist/impedraw-*.tar.gz
+  "$root/build/sdist-test/bin/python" -m pip check
+  run_tests "$root/build/sdist-test"
+  exit
+fi
 # Only what the wheel's metadata asks for, and the tests' own wheels.
 venv_of wheel-test "$root/tests/python/requirements.txt" --no-deps
 "$root/build/wheel-test/bin/python" -m pip install --only-binary :all: --no-input --disable-pip-version-check -q --force-reinstall --no-deps "$root"/dist/impedraw-*.whl
 "$root/build/wheel-test/bin/python" -m pip install --only-binary :all: --no-input --disable-pip-version-check -q "$root"/dist/impedraw-*.whl
 "$root/build/wheel-test/bin/python" -m pip check
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-cp -r "$root/tests/python" "$root/python/examples" "$scratch"
-cd "$scratch"
-# Nothing of the source tree: neither its program, nor its package.
-env -u PYTHONPATH -u IMPEDRAW_PROGRAM "$root/build/wheel-test/bin/python" -m pytest -q -p no:cacheprovider --tb=short python
+run_tests "$root/build/wheel-test"
 # Nothing of the network or of a screen is in it.
 if "$venv/bin/python" -m zipfile -l "$root"/dist/impedraw-*.whl | grep -E 'libcurl|libssl|libcrypto|libX11|libxcb|libmujoco|libpinocchio'; then
   echo "impedraw: the wheel has libraries that it must not have" >&2

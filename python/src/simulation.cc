@@ -221,6 +221,7 @@ void bind_simulation(nb::module_& m) {
             const JointVector torque = w.vector(tau, "tau");
             Eigen::Vector3d f = Eigen::Vector3d::Zero();
             if (!push.is_none()) assign(push, f, "f_push_W");
+            if (!f.allFinite()) refuse("f_push_W", push, "finite");
             const nb::gil_scoped_release no_gil;
             return TipContact(w.world.step(torque, f));
           },

@@ -80,8 +80,8 @@ constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 5e-3;
 constexpr int kLooks = 8;  // around
 // A plan's patch that leaves a residual above kTwoSheets may lie over a step or a crease: it is
 // fitted again with less weight for points further off than kOtherSheet, which is approached from
-// above in kSheetFits fits [m].
-constexpr double kTwoSheets = 5e-4, kOtherSheet = 1e-3;
+// above in kSheetFits fits [m]. Noise asks for more, in multiples of the cloud's median residual.
+constexpr double kTwoSheets = 5e-4, kOtherSheet = 1e-3, kOfNoise = 5.0;
 constexpr int kSheetFits = 5;
 constexpr int kAround = 40;
 
@@ -128,6 +128,7 @@ struct SurfaceEstimator::Index {
   std::vector<float> level, level_nearby;
   std::vector<Roughness> rough;
   std::vector<char> steps;  // the surface steps there, or within kStepMargin
+  double noise = 0.0;       // median residual of the finest patches [m]
   bool planning = false;    // answers for a plan: see the constructor from another estimator
 
   Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
@@ -155,6 +156,7 @@ struct SurfaceEstimator::Index {
         level_nearby(seen.level_nearby),
         rough(seen.rough),
         steps(seen.steps),
+        noise(seen.noise),
         planning(true) {
     settings.max_one_sidedness = max_one_sidedness;
     fit_every_point();
@@ -248,7 +250,8 @@ struct SurfaceEstimator::Index {
     std::vector<double> finest;
     for (const Residuals& r : residuals) finest.push_back(r.finest);
     std::nth_element(finest.begin(), finest.begin() + n / 2, finest.end());
-    const double least = std::max(kStep, kAboveNoise * finest[n / 2]);
+    noise = finest[n / 2];
+    const double least = std::max(kStep, kAboveNoise * noise);
     steps.assign(n, 0);
     for (int i = 0; i < n; ++i) {
       const Residuals& r = residuals[i];
@@ -346,7 +349,7 @@ struct SurfaceEstimator::Index {
     found.n = tree.nearest_unordered(p, settings.k, settings.max_radius, reach2, found.index,
                                      found.squared, &found.closest);
     LocalSurface surface;
-    const SurfaceStatus status = fit(cloud, p, settings.k, found, surface, planning);
+    const SurfaceStatus status = fit(cloud, p, settings.k, found, surface, planning && finest);
     if (status != SurfaceStatus::ok) return {.status = status};
     const SurfaceEstimate coarse{status, surface.n, surface.distance};
     if (planning) return planned(p, coarse, found.closest);
@@ -448,7 +451,8 @@ struct SurfaceEstimator::Index {
     const Vector3d& eye = cloud.eyes[cloud.camera[found.closest]];
     const Vector3d towards = eye - cloud.points[found.closest];
     surface = fit_surface(around, settings.fit, towards);
-    if (one_sheet && surface.is_surface && surface.residual > kTwoSheets)
+    if (one_sheet && surface.is_surface &&
+        surface.residual > std::max(kTwoSheets, kOfNoise * noise))
       fit_one_sheet(towards, &around, &surface);
     if (!surface.is_surface) return SurfaceStatus::too_few;
     return surface.one_sidedness > settings.max_one_sidedness ? SurfaceStatus::off_edge
@@ -468,7 +472,7 @@ struct SurfaceEstimator::Index {
         off[i] = surface->n.dot(d) + 0.5 * d.dot(surface->bend * d);
         most = std::max(most, std::abs(off[i]));
       }
-      const double c = std::max(kOtherSheet, std::ldexp(most, -pass));
+      const double c = std::max({kOtherSheet, kOfNoise * noise, std::ldexp(most, -pass)});
       for (int i = 0; i < around->n; ++i) {
         const double beyond = 1.0 + (off[i] / c) * (off[i] / c);
         around->w[i] = weight[i] / (beyond * beyond);

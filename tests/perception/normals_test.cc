@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -227,7 +228,10 @@ TEST(Normals, WeighPointsByThePixelsBehindThem) {
 TEST(Normals, APlansPatchKeepsToOneSideOfAStep) {
   for (const double step : {0.01, 0.02, 0.05}) {
     const auto stepped = [&](double x, double) { return x < 0.0 ? 0.1 * x + step : 0.1 * x; };
-    const SurfaceEstimator seen(sheet(0.06, 0.004, stepped), {}), plan(seen, 0.66);
+    FinerClouds finer;
+    for (const double spacing : {0.002, 0.001}) finer.push_back(sheet(0.03, spacing, stepped));
+    const SurfaceEstimator seen(sheet(0.06, 0.004, stepped), {}, std::move(finer)),
+        plan(seen, 0.66);
     const Vector3d n = Vector3d(-0.1, 0, 1).normalized();
     for (const double x : {-0.012, -0.008, -0.006, 0.006, 0.008, 0.012}) {
       const SurfaceEstimate e = plan.estimate({x, 0.002, stepped(x, 0)});

@@ -258,3 +258,54 @@ def test_joint_sensor_rounds_delays_and_repeats() -> None:
         idr.JointSensor(noisy, 0)
     with pytest.raises(ValueError, match="quantum"):
         idr.JointSensor(idr.JointSensorSettings(quantum=-1.0), 2)
+
+
+NAN3 = np.array([0.0, np.nan, 0.0])
+LINE = np.array([[0.0, 0], [0.01, 0]])
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
+
+
+@pytest.mark.parametrize(
+    "call, message",
+    [
+        (lambda: idr.Canvas.from_mesh(SQUARE * np.nan, [[0, 1, 2]]), "finite"),
+        (lambda: idr.Canvas.from_mesh(SQUARE, np.zeros((1, 4))), r"triangles has the shape (1, 4); valid is (N, 3)"),
+        (lambda: idr.Canvas.from_mesh(SQUARE, [[0, 1, np.nan]]), "an index of a vertex, 0 to 2"),
+        (lambda: idr.Canvas.from_mesh(SQUARE, "abc"), "an array of real numbers"),
+        (lambda: idr.Plane().canvas().closest(NAN3), "p_W is [0.0, nan, 0.0]; valid is finite"),
+        (lambda: idr.Plane().canvas().closest([1j, 0, 0]), "an array of real numbers"),
+        (lambda: idr.SurfaceEstimator(np.zeros((50, 3)), NAN3), "viewpoint is"),
+        (lambda: idr.SurfaceEstimator(np.zeros((50, 3)), [0, 0, 1], weight=np.zeros(50)), "positive and finite"),
+        (lambda: idr.plan_tip_path([np.full((2, 2), np.nan)], 0.0), "strokes[0]"),
+        (lambda: idr.plan_tip_path([np.zeros((0, 2))], 0.0), "at least one point"),
+        (lambda: idr.plan_tip_path([LINE], "table"), "surface is 'table'; valid is a number"),  # type: ignore[arg-type]
+        (lambda: idr.plan_tip_path([LINE + 9], idr.Plane().canvas()), "leaves the canvas"),
+        (lambda: idr.World("/nowhere.urdf"), "/nowhere.urdf"),
+        (lambda: idr.World(idr.ArmModel.standard().urdf).step(np.zeros(7), NAN3), "f_push_W is [0.0, nan, 0.0]; valid is finite"),
+        (lambda: idr.World(idr.ArmModel.standard().urdf).set_state(np.full(7, np.inf)), "q is"),
+        (lambda: idr.World(idr.ArmModel.standard().urdf, settings=idr.WorldSettings(gravity=np.nan)), "gravity"),
+        (lambda: idr.JointStateEstimator(idr.JointStateEstimatorSettings(), 7).update(np.zeros(6)), "q_read"),
+        (lambda: idr.ArmModel.standard().compute(POSTURE, np.zeros((7, 1))), "v has the shape (7, 1); valid is (N,)"),
+    ],
+)
+def test_bad_input_is_one_line(call: Any, message: str) -> None:
+    with pytest.raises(ValueError) as fault:
+        call()
+    assert message in str(fault.value) and "\n" not in str(fault.value), str(fault.value)
+
+
+def test_a_surface_that_is_not_known_is_told_in_the_status(arm: idr.ArmModel) -> None:
+    t = arm.compute(POSTURE, np.zeros(7))
+    n = -t.X_WE.R[:, 2]
+    down = idr.TipReference(p_WD=t.X_WE.p, n_WD=n, pen_down=True)
+    c = idr.ImpedanceController(idr.ImpedanceSettings(), arm)
+    for k in range(100):  # in contact
+        assert not c.step(t, down, idr.SurfaceEstimate(status="ok", n_W=n, distance=0.0)).status.bad_input
+    for status in ("none", "too_few", "off_edge"):
+        out = c.step(t, down, idr.SurfaceEstimate(status=status, n_W=n * np.nan))
+        # Without any perception there is nothing to lose: the planned normal is followed.
+        assert out.status.surface_lost == (status != "none")
+        assert not out.status.bad_input and np.isfinite(out.tau).all()
+    for wrong in (n * np.nan, 2 * n):
+        out = c.step(t, down, idr.SurfaceEstimate(status="ok", n_W=wrong))
+        assert out.status.bad_input and np.isfinite(out.tau).all()

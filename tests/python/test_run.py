@@ -1,11 +1,14 @@
 """Drawings in this process against the command line, and the simulated world."""
 
+import html
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import threading
+import types
 from typing import Any
 
 import numpy as np
@@ -58,6 +61,26 @@ def test_draw_leaves_a_run(drawn: tuple[idr.Run, list[float]]) -> None:
     assert "<iframe" in run._repr_html_()
     again = idr.Run.open(run.folder)
     assert counted(again.metrics) == counted(run.metrics)
+
+
+def test_show_in_a_notebook_and_elsewhere(drawn: tuple[idr.Run, list[float]], monkeypatch: pytest.MonkeyPatch) -> None:
+    run = drawn[0]
+    shown: list[Any] = []
+    opened: list[str] = []
+    notebook, display = types.ModuleType("IPython"), types.ModuleType("IPython.display")
+    setattr(notebook, "get_ipython", lambda: notebook)
+    setattr(display, "display", shown.append)
+    monkeypatch.setitem(sys.modules, "IPython", notebook)
+    monkeypatch.setitem(sys.modules, "IPython.display", display)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    run.show()
+    assert shown == [run] and opened == []
+    # What the cell shows is the page, as a frame that runs its scripts and nothing of the notebook's.
+    frame = re.fullmatch(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts" [^>]*></iframe>', run._repr_html_())
+    assert frame and html.unescape(frame[1]) == run.page.read_text(encoding="utf-8")
+    setattr(notebook, "get_ipython", lambda: None)  # IPython is installed, but this is no notebook
+    run.show()
+    assert shown == [run] and opened == [run.page.resolve().as_uri()]
 
 
 def test_dataframe(drawn: tuple[idr.Run, list[float]]) -> None:
