@@ -1,18 +1,21 @@
-"""Writes docs/command-line.md from the program's --help.
+"""Writes docs/command-line.md from the --help of the program and of the sweeps. Needs PyYAML.
 
 usage: command_line_page.py [--check] PROGRAM PAGE
 
 Writes PAGE; with --check compares instead, and fails where it differs.
 """
 
+import os
+import pathlib
 import re
 import subprocess
 import sys
+import types
 
 INTRODUCTION = """\
 # Command line
 
-<!-- Made by setup/command_line_page.py from the program's --help: ./impedraw docs writes it anew. -->
+<!-- Made by setup/command_line_page.py from each --help: ./impedraw docs writes it anew. -->
 
 `./impedraw` installs and builds what is missing, then runs the program. `./impedraw docs` builds this
 documentation. The other commands:
@@ -30,7 +33,20 @@ def page(program):
     parts = [INTRODUCTION, f"```text\n{whole}\n```\n"]
     for command in commands:
         parts.append(f"## {command}\n\n```text\n{help_of(program, command)}\n```\n")
+    for command, text in sweeps():
+        parts.append(f"## {command}\n\n```text\n{text}\n```\n")
     return "\n".join(parts)
+
+
+def sweeps():
+    """Name and help of each command that runs many drawings, without the package's compiled part."""
+    os.environ["COLUMNS"] = "100"  # argparse wraps its text there
+    package = types.ModuleType("impedraw")
+    package.__path__ = [str(pathlib.Path(__file__).parents[1] / "python" / "impedraw")]
+    sys.modules["impedraw"] = package
+    from impedraw.sweep.__main__ import help_texts
+
+    return help_texts().items()
 
 
 def main():

@@ -71,6 +71,13 @@ def main(arguments: list[str] | None = None) -> int:
         return INTERRUPTED
 
 
+def help_texts() -> dict[str, str]:
+    """The --help of each command, for the documentation."""
+    parsers = {"sweep": _parser(), **{name: _study_parser(name) for name in _STUDIES}}
+    return {name: "\n".join(line.rstrip() for line in parser.format_help().strip().splitlines())
+            for name, parser in parsers.items()}
+
+
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> None:  # type: ignore[override]
         name = self.prog.split()[-1]
