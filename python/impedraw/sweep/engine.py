@@ -26,6 +26,7 @@ from .runners import Context, make_runner
 from .spec import Case
 
 BATCH_SECONDS = 5.0
+SERIAL_ROWS_SECONDS = 0.5  # between two tables of a serial sweep; a kill loses at most so much
 MOST_IN_BATCH = 2000
 WORKER_DEATHS = 3
 _OBJECT_STORE = 100 * 2**20  # [B]; a batch's rows are at most some megabytes
@@ -63,14 +64,27 @@ OnRows = Callable[[Rows], None]
 def run_serial(context: Context, cases: Iterator[Case], on_rows: OnRows,
                tick: Callable[[], None], stop: Stop) -> None:
     """One case after the other, in this process. The reference for everything else."""
-    from .rows import run_cases
+    from .rows import rows_of, table_of
 
-    runner = make_runner(context)
-    for case in cases:
-        if stop.signal:
-            raise Interrupted
-        on_rows(run_cases(context, runner, [case]))
-        tick()
+    def until_stopped() -> Iterator[Case]:
+        for case in cases:
+            if stop.signal:
+                raise Interrupted
+            yield case
+
+    rows: list[dict[str, Any]] = []
+    since = time.monotonic()
+    try:
+        for row in rows_of(context, make_runner(context), until_stopped()):
+            rows.append(row)
+            if time.monotonic() - since > SERIAL_ROWS_SECONDS:
+                on_rows(table_of(context, rows))
+                tick()
+                rows, since = [], time.monotonic()
+    finally:
+        if rows:
+            on_rows(table_of(context, rows))
+            tick()
 
 
 class Batches:

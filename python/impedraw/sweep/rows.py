@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import pyarrow as pa
@@ -27,8 +27,13 @@ _HEAD = [("index", pa.int64()), ("key", pa.string()), ("case", pa.string()),
 
 def run_cases(context: Context, runner: Runner, cases: Iterable[Case]) -> pa.Table:
     """Runs the cases one after the other; a row each."""
+    return table_of(context, list(rows_of(context, runner, cases)))
+
+
+def rows_of(context: Context, runner: Runner, cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
+    """The same, a row as soon as its run has ended. A table of many rows costs little more than
+    one of a single row."""
     accept = {name: Expression(text) for name, text in context.accept.items()}
-    rows = []
     for case in cases:
         start = time.perf_counter()
         try:
@@ -36,8 +41,7 @@ def run_cases(context: Context, runner: Runner, cases: Iterable[Case]) -> pa.Tab
         except Exception as error:  # noqa: BLE001: a fault of one run is its row
             outcome = Outcome("error", f"error: {type(error).__name__}: {error}")
         outcome = judged(outcome, accept)
-        rows.append(_row(case, outcome, time.perf_counter() - start))
-    return table_of(context, rows)
+        yield _row(case, outcome, time.perf_counter() - start)
 
 
 def failed_table(context: Context, case: Case, state: str, cause: str) -> pa.Table:
