@@ -5,6 +5,7 @@
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/arm/least_energy_step.h"
+#include "impedraw/planning/preflight/posture_check.h"
 
 namespace impedraw {
 
@@ -55,20 +56,6 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
   return false;
 }
 
-// What motion may take of each joint's torque at q_: all but gravity, the push along n and friction
-// across it, in the direction that is worst for the joint.
-JointVector JointRates::torque_left(const SplinePoint& at) const {
-  const Eigen::Vector3d n_W = X_WP_.R * at.n;
-  JointVector left(q_.size());
-  for (int j = 0; j < q_.size(); ++j) {
-    const Eigen::Vector3d column = terms_.J.col(j).head<3>();
-    const double along = column.dot(n_W);
-    left[j] = torque_[j] - std::abs(terms_.g[j] - load_.normal_force * along) -
-              load_.friction * load_.normal_force * (column - along * n_W).norm();
-  }
-  return left;
-}
-
 void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* spans) {
   // The arm comes from elsewhere, and settles.
   const SplinePoint first = spline.at(0.0);
@@ -113,7 +100,8 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
                                                 : JointVector::Zero(slope.size());
       bend_most = bend.cwiseAbs().maxCoeff();
       arm_->compute(q_, slope, &terms_);
-      const JointVector left = torque_left(spline.at(u));
+      const JointVector left = torque_ - holding_torque(terms_, -(X_WP_.R * spline.at(u).n),
+                                                        load_.normal_force, load_.friction);
       if (left.minCoeff() > 0.0) {
         const JointVector speeding = terms_.M * bend + terms_.Cv;
         of_speed = (speeding.cwiseAbs().array() / left.array()).maxCoeff();

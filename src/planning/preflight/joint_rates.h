@@ -36,7 +36,6 @@ class JointRates {
 
  private:
   bool follow(const SplinePoint& at, double moved);
-  JointVector torque_left(const SplinePoint& at) const;
 
   ArmModel* arm_;
   Pose X_WP_;

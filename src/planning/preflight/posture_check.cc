@@ -40,6 +40,18 @@ JointVector sized(const JointVector& q, const ArmModel& arm, const char* name) {
 
 }  // namespace
 
+JointVector holding_torque(const ArmTerms& terms, const Vector3d& axis, double normal_force,
+                           double friction) {
+  JointVector torque(terms.g.size());
+  for (Eigen::Index j = 0; j < torque.size(); ++j) {
+    const Vector3d column = terms.J.col(j).head<3>();
+    const double along = column.dot(axis);
+    torque[j] = std::abs(terms.g[j] + normal_force * along) +
+                friction * normal_force * (column - along * axis).norm();
+  }
+  return torque;
+}
+
 PostureCheck::PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                            const PreflightSettings& settings)
     : arm_(arm),
@@ -128,18 +140,14 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
                        settings_.space.max_effective_mass));
 
   if (asked.torque) {
-    const Vector3d axis = pen.z_WE;
+    const JointVector torque =
+        holding_torque(terms_, pen.z_WE, settings_.normal_force, settings_.friction);
     int worst = 0;
     double needed = 0;
     for (int j = 0; j < n; ++j) {
-      const Vector3d column = terms_.J.col(j).head<3>();
-      const double push = settings_.normal_force * column.dot(axis);
-      const double across =
-          settings_.friction * settings_.normal_force * (column - column.dot(axis) * axis).norm();
-      const double torque = std::abs(terms_.g[j] + push) + across;
-      if (torque <= p.margins.torque_share * limits.torque[j]) continue;
-      p.margins.torque_share = torque / limits.torque[j];
-      needed = torque;
+      if (torque[j] <= p.margins.torque_share * limits.torque[j]) continue;
+      p.margins.torque_share = torque[j] / limits.torque[j];
+      needed = torque[j];
       worst = j;
     }
     if (p.margins.torque_share > settings_.torque_share)

@@ -26,6 +26,12 @@ struct Posture {
   PreflightMargins margins;  // of this posture; slope is not set
 };
 
+// Joint torques that hold the arm still and press the pen on with `normal_force` [N] along `axis`
+// (into the surface, W), while friction across it takes the direction that is worst for each joint
+// [Nm]: |g_j + J_jᵀ axis F| + μ F |J_jᵀ across axis|. ≥ 0.
+JointVector holding_torque(const ArmTerms& terms, const Eigen::Vector3d& axis, double normal_force,
+                           double friction);
+
 // Checks postures for pen placements. n is the pen's axis, outward. World frame W.
 class PostureCheck {
  public:
