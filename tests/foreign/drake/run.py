@@ -4,11 +4,11 @@ Usage: .venv/bin/python tests/foreign/drake/run.py [--all] [CASE …]    (defaul
 Exit code 0 if every bound of bounds.json and every check holds. Leaves build/foreign/drake/figures.json.
 """
 import contextlib
+import functools
 import json
 import os
 import pathlib
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -19,10 +19,10 @@ import numpy
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
+import cases  # noqa: E402
+from cases import PROGRAM, ROOT, make_urdf, one_line, require, unused_port, wait_until_drawing  # noqa: E402
 from judge import judge  # noqa: E402
 
-ROOT = HERE.parents[2]
-PROGRAM = ROOT / "build/release/src/app/impedraw"
 DRAKE = ROOT / "build/drake-venv/bin/python"
 OUT = ROOT / "build/foreign/drake"
 BOUNDS = json.loads((HERE / "bounds.json").read_text())
@@ -50,32 +50,12 @@ def broker():
 
 
 def start_posture(scenario):
-    plan = subprocess.run(
-        [PROGRAM, "plan", "--json", scenario, "--set", "arm.driver=sim", "--out", OUT / "plan"], capture_output=True, text=True, check=True
-    )
-    return json.loads(plan.stdout)["start_q"]
+    return cases.start_posture(scenario, OUT)
 
 
-@contextlib.contextmanager
 def simulation(url, file, start, arguments):
-    """Drake, once it sends statuses. Ends by itself after the driver has left; killed at the end at the latest."""
-    with open(file.with_suffix(".log"), "w") as log:
-        process = subprocess.Popen(
-            [DRAKE, HERE / "simulate.py", url, file, "--start=" + ",".join(map(repr, start)), *arguments], stdout=log, stderr=log
-        )
-    try:
-        for _ in range(600):
-            if "statuses begin" in file.with_suffix(".log").read_text():
-                break
-            if process.poll() is not None:
-                raise RuntimeError("simulate.py ended: " + file.with_suffix(".log").read_text()[-500:])
-            time.sleep(0.1)
-        yield process
-        if process.poll() is None:
-            process.wait(60)
-    finally:
-        process.kill()
-        process.wait()
+    command = [DRAKE, HERE / "simulate.py", url, file, "--start=" + ",".join(map(repr, start)), *arguments]
+    return cases.simulation(command, file, "statuses begin")
 
 
 def draw_arguments(scenario, url, folder):
@@ -112,20 +92,9 @@ def speed():
     return {"drawn": drawn, "replayed": replayed, "share": drawn / replayed, "cores": os.cpu_count(), "load": os.getloadavg()[0]}
 
 
-def require(what, holds, found=""):
-    if not holds:
-        raise AssertionError(f"{what}: {found}")
-
-
-def one_line(text):
-    return len([line for line in text.strip().splitlines() if not line.startswith("note:")]) == 1
-
-
 def absent():
     """No broker: one line, a code that is not 0, and no log."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        url = f"tcpq://127.0.0.1:{free.getsockname()[1]}"
+    url = f"tcpq://127.0.0.1:{unused_port()}"
     with tempfile.TemporaryDirectory() as folder:
         for command in (draw_arguments(HERE / "iiwa-sine.yaml", url, f"{folder}/run"), [PROGRAM, "arm", "check", "--set", f"arm.url={url}"]):
             run = subprocess.run(command, capture_output=True, text=True)
@@ -139,11 +108,7 @@ def interrupted(name, kind):
     scenario, file = HERE / "iiwa-sine.yaml", OUT / f"{name}.npz"
     with broker() as (url, process), simulation(url, file, start_posture(scenario), ["--wrench"]) as drake:
         run = subprocess.Popen(draw_arguments(scenario, url, OUT / name), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        journal = OUT / name / "run.journal"
-        for _ in range(600):
-            if journal.exists() and journal.stat().st_size > 2_000_000:
-                break
-            time.sleep(0.05)
+        wait_until_drawing(OUT / name)
         require("the drawing began", run.poll() is None)
         if kind == "broker":
             process.kill()
@@ -189,8 +154,7 @@ def other_arm():
     scenario, said = HERE / "iiwa-sine.yaml", {}
     with broker() as (url, _), simulation(url, OUT / "other.npz", start_posture(scenario), ["--wrench", "--seconds", "1"]) as drake:
         for name in ("fr3", "ur5e"):
-            urdf = OUT / f"{name}_pen.urdf"
-            subprocess.run([PROGRAM, "arm", "make-urdf", "--arm", name, "--out", urdf], check=True, capture_output=True)
+            urdf = make_urdf(name, OUT)
             run = subprocess.run([*draw_arguments(scenario, url, OUT / "other"), "--set", f"arm.urdf={urdf}"], capture_output=True, text=True)
             require("refused", run.returncode != 0 and one_line(run.stderr) and "arm.urdf" in run.stderr, run.stderr)
             said[name] = run.stderr.strip()
@@ -198,7 +162,9 @@ def other_arm():
     return {"stderr": said["fr3"], "ur5e": said["ur5e"]}
 
 
-OTHER = {
+CASES = {
+    **{name: functools.partial(draw, name) for name in DRAWINGS},
+    **{name: functools.partial(slider, name) for name in ("slider-sine", "slider-m")},
     "absent": absent,
     "other-arm": other_arm,
     "broker-killed": lambda: interrupted("broker-killed", "broker"),
@@ -208,36 +174,7 @@ OTHER = {
     "speed": speed,
 }
 USUAL = ["absent", "sine", "slider-sine", "broker-killed", "sigterm"]
-EVERY = [name for name in DRAWINGS if name in BOUNDS] + ["slider-sine", "slider-m"] + list(OTHER)
-
-
-def main():
-    OUT.mkdir(parents=True, exist_ok=True)
-    names = [name for name in sys.argv[1:] if name != "--all"] or (EVERY if "--all" in sys.argv or os.environ.get("IMPEDRAW_LONG") else USUAL)
-    unknown = [name for name in names if name not in EVERY and name not in DRAWINGS]
-    if unknown:
-        sys.exit(f"run.py: no case {unknown[0]}; valid are {', '.join(dict.fromkeys([*DRAWINGS, *EVERY]))}")
-    file = OUT / "figures.json"
-    figures = json.loads(file.read_text()) if file.exists() else {}
-    failed = 0
-    for name in names:
-        begin = time.perf_counter()
-        try:
-            found = draw(name) if name in DRAWINGS else slider(name) if name.startswith("slider-") else OTHER[name]()
-        except Exception as error:  # a case that cannot run is a failed one; the others still run
-            print(f"{name}: FAILED: {error}", flush=True)
-            failed += 1
-            continue
-        missed = [f"{key} {found[key]:.4g} not in {low} to {high}" for key, (low, high) in BOUNDS.get(name, {}).items()
-                  if not low <= found[key] <= high]
-        failed += bool(missed)
-        figures[name] = found
-        file.write_text(json.dumps(figures, indent=1) + "\n")
-        shown = ", ".join(f"{key} {value:.4g}" for key, value in found.items() if isinstance(value, float))
-        print(f"{name}: {'FAILED: ' + '; '.join(missed) if missed else 'ok'} ({time.perf_counter() - begin:.0f} s) {shown}", flush=True)
-    print(f"drake: {len(names)} cases, {failed} failed")
-    sys.exit(bool(failed))
-
+EVERY = [name for name in CASES if name in BOUNDS or name not in DRAWINGS]
 
 if __name__ == "__main__":
-    main()
+    cases.main("drake", OUT, BOUNDS, CASES, USUAL, EVERY)

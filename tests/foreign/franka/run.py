@@ -3,69 +3,41 @@
 Usage: .venv/bin/python tests/foreign/franka/run.py [--all] [CASE …]    (default: absent, other-arm, sine)
 Exit code 0 if every bound of bounds.json and every check holds. Leaves build/foreign/franka/figures.json.
 """
-import contextlib
 import json
 import os
 import pathlib
 import signal
-import socket
 import subprocess
 import sys
-import time
 
 import h5py
 import numpy
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
+import cases  # noqa: E402
+from cases import PROGRAM, ROOT, make_urdf, one_line, require, unused_port, wait_until_drawing  # noqa: E402
 from judge import judge  # noqa: E402
 
-ROOT = HERE.parents[2]
-PROGRAM = ROOT / "build/release/src/app/impedraw"
 PYTHON = ROOT / "build/franka-venv/bin/python"
 OUT = ROOT / "build/foreign/franka"
 BOUNDS = json.loads((HERE / "bounds.json").read_text())
-with socket.socket() as free:  # the real arm's port is 1337
-    free.bind(("127.0.0.1", 0))
-    PORT = free.getsockname()[1]
+PORT = unused_port()  # the real arm's is 1337
 URL = f"arm.url=fci://127.0.0.1:{PORT}"
 NAMES = {"torque-step": "controller_torque_discontinuity", "stall": "communication_constraints_violation", "overspeed": "joint_velocity_violation"}
 
 
 def arm(name="fr3"):
-    file = OUT / f"{name}_pen.urdf"
-    subprocess.run([PROGRAM, "arm", "make-urdf", "--arm", name, "--out", file], check=True, capture_output=True)
-    return file
+    return make_urdf(name, OUT)
 
 
 def start_posture(scenario):
-    plan = subprocess.run(
-        [PROGRAM, "plan", "--json", scenario, "--set", "arm.driver=sim", "--set", f"arm.urdf={arm()}", "--out", OUT / "plan"],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    return json.loads(plan.stdout)["start_q"]
+    return cases.start_posture(scenario, OUT, "--set", f"arm.urdf={arm()}")
 
 
-@contextlib.contextmanager
 def simulation(file, start, arguments=()):
-    """The server, once it listens. Ends by itself after the driver has left; killed at the end at the latest."""
-    with open(file.with_suffix(".log"), "w") as log:
-        process = subprocess.Popen(
-            [PYTHON, HERE / "simulate.py", str(PORT), file, "--start=" + ",".join(map(repr, start)), *arguments], stdout=log, stderr=log
-        )
-    try:
-        for _ in range(600):
-            if "listens" in file.with_suffix(".log").read_text():
-                break
-            if process.poll() is not None:
-                raise RuntimeError("simulate.py ended: " + file.with_suffix(".log").read_text()[-500:])
-            time.sleep(0.1)
-        yield process
-        if process.poll() is None:
-            process.wait(60)
-    finally:
-        process.kill()
-        process.wait()
+    command = [PYTHON, HERE / "simulate.py", str(PORT), file, "--start=" + ",".join(map(repr, start)), *arguments]
+    return cases.simulation(command, file, "listens")
 
 
 def draw_arguments(scenario, folder, urdf):
@@ -125,21 +97,10 @@ def provoked(kind):
     return found
 
 
-def require(what, holds, found=""):
-    if not holds:
-        raise AssertionError(f"{what}: {found}")
-
-
-def one_line(text):
-    return len([line for line in text.strip().splitlines() if not line.startswith("note:")]) == 1
-
-
 def absent():
     """Nobody there: one line, a code that is not 0, and no log."""
     folder = OUT / "absent"
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        url = f"fci://127.0.0.1:{free.getsockname()[1]}"
+    url = f"fci://127.0.0.1:{unused_port()}"
     command = draw_arguments(HERE / "fr3-sine.yaml", folder, arm())
     run = subprocess.run([*command, "--set", f"arm.url={url}"], capture_output=True, text=True)
     require("no arm", run.returncode == 3 and one_line(run.stderr), (run.returncode, run.stderr))
@@ -165,11 +126,7 @@ def sigterm():
     scenario, file, folder = HERE / "fr3-sine.yaml", OUT / "sigterm.npz", OUT / "sigterm"
     with simulation(file, start_posture(scenario)):
         run = subprocess.Popen(draw_arguments(scenario, folder, arm()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        journal = folder / "run.journal"
-        for _ in range(600):
-            if journal.exists() and journal.stat().st_size > 2_000_000:
-                break
-            time.sleep(0.05)
+        wait_until_drawing(folder)
         run.send_signal(signal.SIGTERM)
         _, said = run.communicate(timeout=120)
     require("exit code", run.returncode == 128 + signal.SIGTERM and one_line(said), (run.returncode, said))
@@ -209,33 +166,5 @@ CASES = {
 USUAL = ["absent", "other-arm", "sine"]
 
 
-def main():
-    OUT.mkdir(parents=True, exist_ok=True)
-    names = [n for n in sys.argv[1:] if n != "--all"] or (list(CASES) if "--all" in sys.argv or os.environ.get("IMPEDRAW_LONG") else USUAL)
-    unknown = [name for name in names if name not in CASES]
-    if unknown:
-        sys.exit(f"run.py: no case {unknown[0]}; valid are {', '.join(CASES)}")
-    file = OUT / "figures.json"
-    figures = json.loads(file.read_text()) if file.exists() else {}
-    failed = 0
-    for name in names:
-        begin = time.perf_counter()
-        try:
-            found = CASES[name]()
-        except Exception as error:  # a case that cannot run is a failed one; the others still run
-            print(f"{name}: FAILED: {error}", flush=True)
-            failed += 1
-            continue
-        missed = [f"{key} {found[key]:.4g} not in {low} to {high}" for key, (low, high) in BOUNDS.get(name, {}).items()
-                  if not low <= found[key] <= high]  # fmt: skip
-        failed += bool(missed)
-        figures[name] = found
-        file.write_text(json.dumps(figures, indent=1) + "\n")
-        shown = ", ".join(f"{key} {value:.4g}" for key, value in found.items() if isinstance(value, float))
-        print(f"{name}: {'FAILED: ' + '; '.join(missed) if missed else 'ok'} ({time.perf_counter() - begin:.0f} s) {shown}", flush=True)
-    print(f"franka: {len(names)} cases, {failed} failed")
-    sys.exit(bool(failed))
-
-
 if __name__ == "__main__":
-    main()
+    cases.main("franka", OUT, BOUNDS, CASES, USUAL, list(CASES))

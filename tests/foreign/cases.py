@@ -1,0 +1,98 @@
+"""What the cases against each foreign simulator share: impedraw's program, a simulator beside it, checks, bounds and figures."""
+import contextlib
+import json
+import os
+import pathlib
+import socket
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "build/release/src/app/impedraw"
+
+
+def unused_port():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+def make_urdf(name, folder):
+    file = folder / f"{name}_pen.urdf"
+    subprocess.run([PROGRAM, "arm", "make-urdf", "--arm", name, "--out", file], check=True, capture_output=True)
+    return file
+
+
+def start_posture(scenario, out, *arguments):
+    plan = subprocess.run(
+        [PROGRAM, "plan", "--json", scenario, "--set", "arm.driver=sim", *arguments, "--out", out / "plan"], capture_output=True, text=True, check=True
+    )
+    return json.loads(plan.stdout)["start_q"]
+
+
+@contextlib.contextmanager
+def simulation(command, file, ready):
+    """The simulator, once its log says `ready`. Ends by itself after the driver has left; killed at the end at the latest."""
+    with open(file.with_suffix(".log"), "w") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log)
+    try:
+        for _ in range(600):
+            if ready in file.with_suffix(".log").read_text():
+                break
+            if process.poll() is not None:
+                raise RuntimeError("simulate.py ended: " + file.with_suffix(".log").read_text()[-500:])
+            time.sleep(0.1)
+        yield process
+        if process.poll() is None:
+            process.wait(60)
+    finally:
+        process.kill()
+        process.wait()
+
+
+def wait_until_drawing(folder):
+    """Until the journal shows that the drawing is well under way."""
+    journal = folder / "run.journal"
+    for _ in range(600):
+        if journal.exists() and journal.stat().st_size > 2_000_000:
+            break
+        time.sleep(0.05)
+
+
+def require(what, holds, found=""):
+    if not holds:
+        raise AssertionError(f"{what}: {found}")
+
+
+def one_line(text):
+    return len([line for line in text.strip().splitlines() if not line.startswith("note:")]) == 1
+
+
+def main(simulator, out, bounds, cases, usual, every):
+    """Runs the cases that the command line names, by default the usual ones. `cases`: a function for each name."""
+    out.mkdir(parents=True, exist_ok=True)
+    names = [name for name in sys.argv[1:] if name != "--all"] or (every if "--all" in sys.argv or os.environ.get("IMPEDRAW_LONG") else usual)
+    unknown = [name for name in names if name not in cases]
+    if unknown:
+        sys.exit(f"run.py: no case {unknown[0]}; valid are {', '.join(cases)}")
+    file = out / "figures.json"
+    figures = json.loads(file.read_text()) if file.exists() else {}
+    failed = 0
+    for name in names:
+        begin = time.perf_counter()
+        try:
+            found = cases[name]()
+        except Exception as error:  # a case that cannot run is a failed one; the others still run
+            print(f"{name}: FAILED: {error}", flush=True)
+            failed += 1
+            continue
+        missed = [f"{key} {found[key]:.4g} not in {low} to {high}" for key, (low, high) in bounds.get(name, {}).items()
+                  if not low <= found[key] <= high]  # fmt: skip
+        failed += bool(missed)
+        figures[name] = found
+        file.write_text(json.dumps(figures, indent=1) + "\n")
+        shown = ", ".join(f"{key} {value:.4g}" for key, value in found.items() if isinstance(value, float))
+        print(f"{name}: {'FAILED: ' + '; '.join(missed) if missed else 'ok'} ({time.perf_counter() - begin:.0f} s) {shown}", flush=True)
+    print(f"{simulator}: {len(names)} cases, {failed} failed")
+    sys.exit(bool(failed))
