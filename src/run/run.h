@@ -55,6 +55,13 @@ inline constexpr double kShortestGap = 1e-3;  // shorter gaps are ignored [m]
 // Overlap of a redrawn part with the ink at each end [m].
 inline constexpr double kRedrawOverlap = 1e-3;
 
+// Ink further off its place counts as none, where the surface is perceived [m].
+inline constexpr double kInPlace = 1e-3;
+// Given up behind a wall that was felt [m]; and walls in a run, after which it ends.
+inline constexpr double kBeyondWall = 3e-3, kSameWall = 1e-2;
+inline constexpr double kLiftAtWall = 0.01;  // before the rest is planned anew [m]
+inline constexpr std::size_t kMostWalls = 200;
+
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
   std::string cause;        // of a stop
@@ -64,6 +71,7 @@ struct RunOutcome {
   std::map<std::string, double> met;
   SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
+  std::vector<StrokePart> walls;        // before which a stroke was given up; not drawn again
   // Have no ink at the end of a finished run.
   std::vector<StrokePart> lacking;
   WallTimes wall;
