@@ -25,7 +25,7 @@ class LoopbackServer {
   LoopbackServer(const LoopbackServer&) = delete;
   LoopbackServer& operator=(const LoopbackServer&) = delete;
 
-  const std::string& address() const { return address_; }  // IP:PORT
+  const std::string& address() const { return address_; }         // IP:PORT
   int take() const { return accept(socket_, nullptr, nullptr); }  // < 0 once it was refused
   void refuse() const { shutdown(socket_, SHUT_RDWR); }
 
