@@ -14,10 +14,13 @@
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
+#include "impedraw/run/fences.h"
+#include "impedraw/run/incident.h"
 #include "impedraw/run/joint_forecast.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
+#include "impedraw/run/real_time.h"
 #include "impedraw/run/simulated_arm.h"
 #include "impedraw/run/speed_guard.h"
 #include "impedraw/run/touched_heights.h"
@@ -78,6 +81,9 @@ class Runner {
         first_time_(resumption ? resumption->time : 0.0),
         loop_(e.control, e.scene.arm, driver.info(),
               surface_source(e, disturbances_of(e, resumption))),
+        fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
+        last_(driver.info().period, e.scene.arm),
+        real_time_(!waits_ && e.scenario.arm.real_time),
         started_(driver),
         state_(&driver.read()),
         clock_(clock_settings(e), e.control.impedance.timing.dt),
@@ -86,6 +92,7 @@ class Runner {
         row_(e.scene.arm.joints()) {
     out_.tau = JointVector::Zero(e.scene.arm.joints());
     out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
+    outcome_.not_real_time = real_time_.lacks();
     if (resumption) ink_ = resumption->ink;
     if (log_file.empty()) return;
     if (resumption)
@@ -123,6 +130,9 @@ class Runner {
   RunOutcome& outcome() { return outcome_; }
   WallTimes close_log(const WallTimes& wall) { return log_ ? log_->close(wall) : wall; }
   const InkWatch& ink() const { return ink_; }
+  void keep_last() {
+    if (outcome_.end == RunEnd::stopped) outcome_.last = last_.rows();
+  }
 
  private:
   struct StrokeCount {
@@ -219,7 +229,7 @@ class Runner {
 
   // Runs and logs one control cycle. Returns false if the run is over.
   bool step(const PathSample& desired) {
-    const double t = time(), step_time = state_->step_time;
+    const double t = time(), step_time = state_->step_time, age = t - state_->state_time;
     while (waits_ && hooks_.held && hooks_.held(t)) {
     }
     const auto step_start = Clock::now();
@@ -235,6 +245,7 @@ class Runner {
     if (log_) log_->append(row_);
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
+    last_.add(row_, loop_, age);
     ink_.add(desired.stroke, desired.along,
              writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)) && in_place());
 
@@ -244,12 +255,20 @@ class Runner {
       stop(RunEnd::stopped, lost);
       return false;
     }
+    if (hooks_.emergency && !halted_ && hooks_.emergency()) {
+      if (!halt(fmt::format("emergency stop at t = {:.3f} s", first_time_ + t))) return false;
+    } else if (fences_.update(loop_.terms().X_WE.p, loop_.terms().V_WE.head<3>(),
+                              loop_.F_ext().head<3>(), dt())) {
+      if (!halt(fmt::format("{} at t = {:.3f} s", fences_.crossed(), first_time_ + t)))
+        return false;
+    }
     if (guard_.update(loop_.terms().v, dt())) {
       stop(RunEnd::stopped, fmt::format("{} was far above its speed limit of {:.2f} rad/s "
                                         "at t = {:.3f} s; the motion was damped and the pen lifted",
                                         e_.scene.arm.joint_names()[guard_.joint()],
                                         e_.scene.arm.limits().speed[guard_.joint()], t));
     } else if (guard_.calmed()) {
+      if (halted_) return false;
       lift();
     }
     if (watchdog_.update(step_time)) {
@@ -328,6 +347,17 @@ class Runner {
     outcome_.cause = cause;
   }
 
+  // Ends the run where the pen is. A driver damps in stop(), by its own session; the simulated arm
+  // only ends there, so that the loop damps it first. Returns true if the loop goes on for that.
+  bool halt(const std::string& cause) {
+    outcome_.end = RunEnd::stopped;  // also while the pen of an interrupted run is lifted
+    outcome_.cause = cause;
+    halted_ = true;
+    if (!driver_.truth()) return false;
+    guard_.brake();
+    return true;
+  }
+
   void lift(double height = EmergencyLift::kHeight) {
     if (!lifting_) lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q), out_.n_WD, height);
   }
@@ -338,6 +368,10 @@ class Runner {
   bool waits_;         // the driver, for the next command
   double first_time_;  // of the log, where an earlier run left off [s]
   ControlLoop loop_;
+  Fences fences_;
+  LastSeconds last_;
+  bool halted_ = false;  // by a fence or an emergency stop
+  RealTime real_time_;   // before the driver starts: its session begins in this thread
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
   PlanClock clock_;
@@ -477,6 +511,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
     }
   }
   if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
+  runner.keep_last();
   outcome.simulated = runner.time();
   if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;
   outcome.first_time = resumption ? resumption->time : 0.0;

@@ -34,7 +34,6 @@ DRAWINGS = {
     "sine-no-wrench": ("iiwa-sine-no-wrench.yaml", []),
     "m-no-wrench": ("iiwa-m-no-wrench.yaml", []),
     "sine-heavy": ("iiwa-sine-no-wrench.yaml", ["--rotor", "0.1", "--pen-mass", "1.2"]),
-    # No bound: what docs/arms.md says of the observer.
     "sine-heavy-wrench": ("iiwa-sine.yaml", ["--wrench", "--rotor", "0.1", "--pen-mass", "1.2"]),
 }
 
