@@ -489,7 +489,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
                        std::abs(walls.back().to - at.to) < kSameWall
                    ? 2.0 * beyond
                    : kBeyondWall;
-      walls.push_back({at.stroke, at.from - kInPlace, at.to + beyond});
+      walls.push_back({at.stroke, at.from - kRedrawOverlap, at.to + beyond});
       const std::optional<TipPath> around = plan_around(e, runner.q(), runner.ink(), &walls);
       if (!around) return;
       runner.follow(*around, again);

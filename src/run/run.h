@@ -71,7 +71,7 @@ inline constexpr double kShortestGap = 1e-3;  // shorter gaps are ignored [m]
 inline constexpr double kRedrawOverlap = 1e-3;
 
 // Ink further off its place counts as none, where the surface is perceived [m].
-inline constexpr double kInPlace = 1e-3;
+inline constexpr double kInPlace = 2.5e-3;
 // Given up behind a wall that was felt [m]; and walls in a run, after which it ends.
 inline constexpr double kBeyondWall = 3e-3, kSameWall = 1e-2;
 inline constexpr double kLiftAtWall = 0.01;  // before the rest is planned anew [m]
