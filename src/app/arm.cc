@@ -165,6 +165,26 @@ int check_arm(const DrawOptions& options, double seconds) {
   return kFinished;
 }
 
+RestingArm posture_at_rest(const DrawOptions& options, double seconds, double at_rest) {
+  NamedArm arm = named_arm(options);
+  const auto driver =
+      make_arm(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  JointVector sum = JointVector::Zero(arm.model->joints());
+  double fastest = 0.0;
+  long count = 0;
+  driver->observe(seconds, [&](const ArmStatus& status, double) {
+    sum += status.q;
+    fastest = std::max(fastest, status.v.cwiseAbs().maxCoeff());
+    ++count;
+  });
+  if (count == 0) throw std::runtime_error("no status of the arm came");
+  if (!(fastest <= at_rest))
+    throw std::runtime_error(
+        fmt::format("the arm moves: a joint turns at {:.3f} rad/s, at most {:.3f} rad/s is rest",
+                    fastest, at_rest));
+  return {sum / static_cast<double>(count), std::move(arm.model)};
+}
+
 int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out) {
   const std::filesystem::path folder = data_folder() / "models/arms";
   std::vector<std::string> names;
