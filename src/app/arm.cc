@@ -140,11 +140,12 @@ int check_arm(const DrawOptions& options, double seconds) {
       share_of(&gaps, 0.5), share_of(&gaps, 0.99), share_of(&gaps, 0.999), longest);
   std::vector<double> late = wake_up_delays(arm.scenario.world.dt, kWakeUps);
   for (double& x : late) x *= 1e3;
+  const double latest = *std::max_element(late.begin(), late.end());
   say(stdout,
       "jitter    this machine wakes the loop {:.3f} ms late (median), 99 % {:.3f}, longest {:.3f} "
       "of {}; {}\n",
-      share_of(&late, 0.5), share_of(&late, 0.99), *std::max_element(late.begin(), late.end()),
-      late.size(), arm.scenario.arm.real_time ? priority_line(real_time) : "usual priority");
+      share_of(&late, 0.5), share_of(&late, 0.99), latest, late.size(),
+      arm.scenario.arm.real_time ? priority_line(real_time) : "usual priority");
   say(stdout, "clock     the arm's runs at {:.4f} of this machine's\n", arm_time / wall);
   std::string posture;
   for (const double angle : q) posture += fmt::format(" {:.4f}", angle);

@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kAtRest = 0.01;  // joint speed while a touch is noted [rad/s]
+constexpr double kAtRest = 0.01;    // joint speed while a touch is noted [rad/s]
 constexpr double kTouchTime = 0.5;  // over which its posture is averaged [s]
 
 fs::path file_in(const fs::path& folder) { return folder / "commissioning.json"; }
@@ -97,9 +97,8 @@ int commission_friction(const DrawOptions& options, const fs::path& folder) {
   require_step(json, folder, "latency");
   CommissionedArm arm(options);
   const RealTime real_time(!arm.driver->info().waits && arm.experiment.scenario.arm.real_time);
-  const std::vector<JointFriction> found =
-      identify_friction(arm.experiment.scene.arm, *arm.driver,
-                        json["latency"].at("delay_s").get<double>());
+  const std::vector<JointFriction> found = identify_friction(
+      arm.experiment.scene.arm, *arm.driver, json["latency"].at("delay_s").get<double>());
   Json joints = Json::array();
   say(stdout, "joint      friction [Nm]  viscous [Nm s/rad]  residual [Nm]\n");
   for (std::size_t j = 0; j < found.size(); ++j) {
@@ -164,10 +163,9 @@ int commission_pen_length(const fs::path& folder) {
   std::vector<Pose> touches;
   for (const Json& touch : json["pen touches"]) touches.push_back(pose_of(touch));
   const PenLength found = identify_pen_length(touches);
-  write_step(folder, std::move(json), "pen-length",
-             {{"longer_m", found.longer},
-              {"error_m", found.error},
-              {"residual_m", found.residual}});
+  write_step(
+      folder, std::move(json), "pen-length",
+      {{"longer_m", found.longer}, {"error_m", found.error}, {"residual_m", found.residual}});
   say(stdout,
       "pen       {:.2f} ± {:.2f} mm longer than modelled, from {} touches of one point (residual "
       "{:.2f} mm)\n          give it to ./impedraw arm make-urdf --tool-length, or to the URDF's "

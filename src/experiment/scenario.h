@@ -53,7 +53,7 @@ struct DrawingSettings {
   WrapSettings wrap;
   bool skip_unreachable = false;  // omits what fails the pre-flight; else nothing is drawn
   bool redraw = true;             // redraws once what got no ink
-  // Height above the surface at which the drawing is gone through in the air [m]; none: it is drawn.
+  // Height above the surface at which the drawing is gone through in the air [m]; none: no dry run.
   std::optional<double> dry_run;
 
   struct Limits {

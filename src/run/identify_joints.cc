@@ -15,16 +15,16 @@ namespace impedraw {
 namespace {
 
 constexpr double kMostStiffness = 300.0;  // of each joint [Nm/rad]
-constexpr double kPhase = 0.35;  // bandwidth of a joint's stiffness times the loop's delay
-constexpr double kSweep = 0.2;         // to each side of the start [rad]
+constexpr double kPhase = 0.35;           // bandwidth of a joint's stiffness times the loop's delay
+constexpr double kSweep = 0.2;            // to each side of the start [rad]
 constexpr std::array<double, 2> kSpeeds = {0.15, 0.4};  // [rad/s]
 constexpr int kRounds = 2;
-constexpr double kMoves = 0.03;        // a joint that is faster moves [rad/s]
-constexpr double kLeastMoved = 3.0;    // in all sweeps [s]
-constexpr double kMargin = 0.05;       // that a sweep keeps from a joint's limits [rad]
-constexpr double kLeastShake = 0.02;         // [Nm]
-constexpr double kMostShake = 0.1;           // of the last joint's torque limit
-constexpr double kShakeSpeed = 0.1;          // of its speed limit, at which it moves enough
+constexpr double kMoves = 0.03;       // a joint that is faster moves [rad/s]
+constexpr double kLeastMoved = 3.0;   // in all sweeps [s]
+constexpr double kMargin = 0.05;      // that a sweep keeps from a joint's limits [rad]
+constexpr double kLeastShake = 0.02;  // [Nm]
+constexpr double kMostShake = 0.1;    // of the last joint's torque limit
+constexpr double kShakeSpeed = 0.1;   // of its speed limit, at which it moves enough
 constexpr double kLeastExplained = 0.5;
 constexpr double kMostFriction = 1.0 / 3.0;  // of the joint's torque limit
 
@@ -35,8 +35,8 @@ class Holder {
   Holder(ArmModel& arm, Driver& driver, double delay)
       : arm_(arm), driver_(driver), terms_(arm.joints()), state_(&driver.read()), q0_(state_->q) {
     arm_.compute(q0_, state_->v, &terms_);
-    const JointMatrix inverse = terms_.M.ldlt().solve(
-        JointMatrix::Identity(terms_.M.rows(), terms_.M.cols()));
+    const JointMatrix inverse =
+        terms_.M.ldlt().solve(JointMatrix::Identity(terms_.M.rows(), terms_.M.cols()));
     const JointVector inertia = inverse.diagonal().cwiseInverse();
     const double bandwidth = kPhase / delay;
     stiffness_ = (bandwidth * bandwidth * inertia).cwiseMin(kMostStiffness);
@@ -46,8 +46,8 @@ class Holder {
   // One cycle towards (q_d, v_d), with a torque added. Returns what was commanded beyond gravity.
   JointVector step(const JointVector& q_d, const JointVector& v_d, const JointVector& added) {
     arm_.compute(state_->q, state_->v, &terms_);
-    JointVector tau = stiffness_.cwiseProduct(q_d - state_->q) +
-                      damping_.cwiseProduct(v_d - state_->v) + added;
+    JointVector tau =
+        stiffness_.cwiseProduct(q_d - state_->q) + damping_.cwiseProduct(v_d - state_->v) + added;
     tau = tau.cwiseMin(arm_.limits().torque).cwiseMax(-arm_.limits().torque);
     driver_.command(terms_.g + tau, terms_.g);
     state_ = &driver_.read();
@@ -129,10 +129,11 @@ LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds) {
   }
   best.delay = best_d * dt;
   if (!(best.explained >= kLeastExplained))
-    throw std::runtime_error(fmt::format(
-        "the last joint does not answer its torque: {:.0f} % of its acceleration is explained, {:.0f} "
-        "% are needed; is it blocked, or is its velocity noisy?",
-        1e2 * std::max(0.0, best.explained), 1e2 * kLeastExplained));
+    throw std::runtime_error(
+        fmt::format("the last joint does not answer its torque: {:.0f} % of its acceleration is "
+                    "explained, {:.0f} "
+                    "% are needed; is it blocked, or is its velocity noisy?",
+                    1e2 * std::max(0.0, best.explained), 1e2 * kLeastExplained));
   if (best_d == kMostSteps)
     throw std::runtime_error(
         fmt::format("the loop's delay is {} steps or more: too long to draw with", kMostSteps));
@@ -183,9 +184,9 @@ std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, doub
     }
     sweep(q0[j], kSpeeds[0]);
     if (static_cast<double>(samples.size()) * dt < kLeastMoved)
-      throw std::runtime_error(fmt::format(
-          "{}: it moved for {:.1f} s only, {:.1f} s are needed: is a brake closed?", name,
-          static_cast<double>(samples.size()) * dt, kLeastMoved));
+      throw std::runtime_error(
+          fmt::format("{}: it moved for {:.1f} s only, {:.1f} s are needed: is a brake closed?",
+                      name, static_cast<double>(samples.size()) * dt, kLeastMoved));
     Eigen::MatrixXd A(static_cast<Eigen::Index>(samples.size()), 5);
     Eigen::VectorXd y(A.rows());
     for (Eigen::Index i = 0; i < A.rows(); ++i) {

@@ -10,19 +10,19 @@
 namespace impedraw {
 
 struct LoopDelay {
-  double delay = 0.0;     // from a state to the torque that answers it acting, in whole steps [s]
-  double explained = 0.0; // share of the last joint's acceleration that the torque then explains
+  double delay = 0.0;      // from a state to the torque that answers it acting, in whole steps [s]
+  double explained = 0.0;  // share of the last joint's acceleration that the torque then explains
 };
 
 // Shakes the last joint by torques of random sign, as small as move it and at most a tenth of its
-// limit, and finds the delay with which its velocity answers. Throws std::runtime_error if the arm does not answer (the
-// share is below 0.5), or the delay would be kMostSteps.
+// limit, and finds the delay with which its velocity answers. Throws std::runtime_error if the arm
+// does not answer (the share is below 0.5), or the delay would be kMostSteps.
 inline constexpr int kMostSteps = 20;
 LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds = 2.0);
 
 struct JointFriction {
-  double coulomb = 0.0;  // [Nm]
-  double viscous = 0.0;  // [Nm s/rad]
+  double coulomb = 0.0;   // [Nm]
+  double viscous = 0.0;   // [Nm s/rad]
   double residual = 0.0;  // RMS of the torque that the law leaves [Nm]
 };
 

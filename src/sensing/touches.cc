@@ -13,24 +13,22 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kLeastTilt = 10.0;       // [deg]
-constexpr double kPenResidual = 1e-3;     // [m]
-constexpr double kMostLonger = 0.05;      // [m]
-constexpr double kLeastWidth = 0.01;      // of the marks, across their longest direction [m]
-constexpr double kPageResidual = 2e-3;    // [m]
+constexpr double kLeastTilt = 10.0;     // [deg]
+constexpr double kPenResidual = 1e-3;   // [m]
+constexpr double kMostLonger = 0.05;    // [m]
+constexpr double kLeastWidth = 0.01;    // of the marks, across their longest direction [m]
+constexpr double kPageResidual = 2e-3;  // [m]
 
 }  // namespace
 
 PenLength identify_pen_length(const std::vector<Pose>& touches) {
   const auto n = static_cast<double>(touches.size());
   if (touches.size() < 3)
-    throw InputError(
-        fmt::format("{} touches of the point; at least 3 are needed", touches.size()));
+    throw InputError(fmt::format("{} touches of the point; at least 3 are needed", touches.size()));
   double tilt = 0.0;
   Eigen::Vector3d z = Eigen::Vector3d::Zero(), p = Eigen::Vector3d::Zero();
   for (const Pose& a : touches) {
-    if (!a.p.allFinite() || !a.R.allFinite())
-      throw InputError("a touch's pose is not finite");
+    if (!a.p.allFinite() || !a.R.allFinite()) throw InputError("a touch's pose is not finite");
     z += a.R.col(2) / n;
     p += a.p / n;
     for (const Pose& b : touches)
@@ -86,12 +84,11 @@ Registration register_page(const std::vector<Eigen::Vector3d>& p_P,
     spread += (p_P[i] - mean_P) * (p_P[i] - mean_P).transpose() / n;
     cross += (p_W[i] - mean_W) * (p_P[i] - mean_P).transpose();
   }
-  const double width = std::sqrt(
-      Eigen::JacobiSVD<Eigen::Matrix3d>(spread).singularValues()[1]);
+  const double width = std::sqrt(Eigen::JacobiSVD<Eigen::Matrix3d>(spread).singularValues()[1]);
   if (!(width >= kLeastWidth))
-    throw InputError(fmt::format(
-        "the marks lie within {:.1f} mm of one line; at least {:.0f} mm are needed", 1e3 * width,
-        1e3 * kLeastWidth));
+    throw InputError(
+        fmt::format("the marks lie within {:.1f} mm of one line; at least {:.0f} mm are needed",
+                    1e3 * width, 1e3 * kLeastWidth));
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();
   sign[2] = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;

@@ -8,8 +8,8 @@
 namespace impedraw {
 
 struct PenLength {
-  double longer = 0.0;  // of the true pen than the modelled one [m]
-  double error = 0.0;   // standard error, from the residuals [m]
+  double longer = 0.0;                            // of the true pen than the modelled one [m]
+  double error = 0.0;                             // standard error, from the residuals [m]
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // the point that was touched [m]
   double residual = 0.0;                          // RMS per axis [m]
 };

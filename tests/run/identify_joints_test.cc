@@ -23,8 +23,8 @@ Experiment prepared(const std::vector<std::string>& assignments) {
 TEST(IdentifyDelay, TheDelayThatWasPutInIsFound) {
   for (const int steps : {0, 1, 3, 8}) {
     SCOPED_TRACE(steps);
-    Experiment e = prepared({"world.errors.loop_delay=" + std::to_string(1e-3 * steps),
-                             "world.joint_friction=0.3"});
+    Experiment e = prepared(
+        {"world.errors.loop_delay=" + std::to_string(1e-3 * steps), "world.joint_friction=0.3"});
     SimulatedArm arm(e, e.scene.start_q, Disturbances());
     const LoopDelay found = identify_delay(e.scene.arm, arm);
     EXPECT_NEAR(found.delay, 1e-3 * steps, 1e-9);

@@ -12,13 +12,13 @@
 namespace impedraw {
 namespace {
 
+using Eigen::Vector3d;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-using Eigen::Vector3d;
 
 // The model's tip poses when a pen that is `longer` touches c, tilted by up to `tilt` [rad].
-std::vector<Pose> touches_of(double longer, const Vector3d& c, double tilt, double noise,
-                             int count, unsigned seed) {
+std::vector<Pose> touches_of(double longer, const Vector3d& c, double tilt, double noise, int count,
+                             unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> gauss(0.0, 1.0);
   std::uniform_real_distribution<double> angle(-3.1, 3.1);
@@ -26,9 +26,10 @@ std::vector<Pose> touches_of(double longer, const Vector3d& c, double tilt, doub
   for (int i = 0; i < count; ++i) {
     const double about = angle(random);
     Pose X;
-    X.R = (Eigen::AngleAxisd(tilt * (i % 3) / 2.0, Vector3d(std::cos(about), std::sin(about), 0.0)) *
-           Eigen::AngleAxisd(3.14159265358979, Vector3d::UnitX()))
-              .toRotationMatrix();
+    X.R =
+        (Eigen::AngleAxisd(tilt * (i % 3) / 2.0, Vector3d(std::cos(about), std::sin(about), 0.0)) *
+         Eigen::AngleAxisd(3.14159265358979, Vector3d::UnitX()))
+            .toRotationMatrix();
     X.p = c - longer * X.R.col(2) + noise * Vector3d(gauss(random), gauss(random), gauss(random));
     touches.push_back(X);
   }
@@ -75,8 +76,8 @@ TEST(Registration, WhatWasPutInIsFound) {
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   for (int i = 0; i < 50; ++i) {
     Pose X;
-    X.R = Eigen::Quaterniond(Eigen::Vector4d(any(random), any(random), any(random), any(random))
-                                 .normalized())
+    X.R = Eigen::Quaterniond(
+              Eigen::Vector4d(any(random), any(random), any(random), any(random)).normalized())
               .toRotationMatrix();
     X.p = Vector3d(any(random), any(random), any(random));
     for (const std::size_t n : {std::size_t{3}, std::size_t{4}}) {  // coplanar: no mirror image
