@@ -140,11 +140,12 @@ int check_arm(const DrawOptions& options, double seconds) {
       share_of(&gaps, 0.5), share_of(&gaps, 0.99), share_of(&gaps, 0.999), longest);
   std::vector<double> late = wake_up_delays(arm.scenario.world.dt, kWakeUps);
   for (double& x : late) x *= 1e3;
+  const double latest = *std::max_element(late.begin(), late.end());
   say(stdout,
       "jitter    this machine wakes the loop {:.3f} ms late (median), 99 % {:.3f}, longest {:.3f} "
       "of {}; {}\n",
-      share_of(&late, 0.5), share_of(&late, 0.99), *std::max_element(late.begin(), late.end()),
-      late.size(), arm.scenario.arm.real_time ? priority_line(real_time) : "usual priority");
+      share_of(&late, 0.5), share_of(&late, 0.99), latest, late.size(),
+      arm.scenario.arm.real_time ? priority_line(real_time) : "usual priority");
   say(stdout, "clock     the arm's runs at {:.4f} of this machine's\n", arm_time / wall);
   std::string posture;
   for (const double angle : q) posture += fmt::format(" {:.4f}", angle);
@@ -163,6 +164,26 @@ int check_arm(const DrawOptions& options, double seconds) {
     return kMissed;
   }
   return kFinished;
+}
+
+RestingArm posture_at_rest(const DrawOptions& options, double seconds, double at_rest) {
+  NamedArm arm = named_arm(options);
+  const auto driver =
+      make_arm(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  JointVector sum = JointVector::Zero(arm.model->joints());
+  double fastest = 0.0;
+  long count = 0;
+  driver->observe(seconds, [&](const ArmStatus& status, double) {
+    sum += status.q;
+    fastest = std::max(fastest, status.v.cwiseAbs().maxCoeff());
+    ++count;
+  });
+  if (count == 0) throw std::runtime_error("no status of the arm came");
+  if (!(fastest <= at_rest))
+    throw std::runtime_error(
+        fmt::format("the arm moves: a joint turns at {:.3f} rad/s, at most {:.3f} rad/s is rest",
+                    fastest, at_rest));
+  return {sum / static_cast<double>(count), std::move(arm.model)};
 }
 
 int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out) {

@@ -33,10 +33,10 @@ constexpr double kLeastFriction = 1.5;    // [Nm]
 // A session with a real arm lets 900 Nm/s pass: the law stays below, so that it knows of the limit.
 constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 
-// Of a real arm's momentum observer: its bandwidth times the loop's delay. Where the rotors' inertia
-// is not in the model, what the observer adds is itself a part of what it sees, with a share of
-// nearly 1 on a light wrist: through the delay that loop rings. With 0.1 kg m² and 2 ms, 200 rad/s
-// shook the wrist until the session ended; 50 rad/s and 20 rad/s did not.
+// Of a real arm's momentum observer: its bandwidth times the loop's delay. Where rotor inertia is
+// not in the model, what the observer adds is itself a part of what it sees, with a share of nearly
+// 1 on a light wrist: through the delay that loop rings. With 0.1 kg m² and 2 ms, 200 rad/s shook
+// the wrist until the session ended; 50 rad/s and 20 rad/s did not.
 constexpr double kRealObserver = 0.1;
 
 double torque_rate(const Scenario& s, const ArmLimits& limits) {

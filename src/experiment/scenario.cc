@@ -119,6 +119,9 @@ void describe(Fields& f, DrawingSettings& s) {
           "Leaves out and reports what fails the pre-flight; otherwise nothing is drawn.");
   f.field("redraw", s.redraw,
           "Draws the parts that got no ink, judged by contact and force, once more at the end.");
+  f.field(Limits::dry_run, s.dry_run,
+          "Goes through the drawing in the air, at this height above the surface along the drawing "
+          "plane's normal, and never seeks contact; null: draws.");
   f.field("placement", s.placement,
           "Placement of the page on the canvas. A built-in shape has scale 1 unless a size is "
           "given.");

@@ -53,11 +53,14 @@ struct DrawingSettings {
   WrapSettings wrap;
   bool skip_unreachable = false;  // omits what fails the pre-flight; else nothing is drawn
   bool redraw = true;             // redraws once what got no ink
+  // Height above the surface at which the drawing is gone through in the air [m]; none: no dry run.
+  std::optional<double> dry_run;
 
   struct Limits {
     static constexpr Limit join_gap = {"join_gap", "mm", {0.0, 100.0}};
     static constexpr Limit simplify = {"simplify", "mm", {0.0, 100.0}};
     static constexpr Limit tilt = {"tilt", "deg", {-180.0, 180.0}};
+    static constexpr Limit dry_run = {"dry_run", "m", {0.005, 0.3}};
   };
 };
 

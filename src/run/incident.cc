@@ -51,13 +51,14 @@ std::string plot(const std::vector<IncidentRow>& rows, const char* name,
   std::string lines;
   for (int i = 0; i <= 4; ++i) {
     const double x = kWidth - kRight - 0.25 * i * (kWidth - kLeft - kRight);
-    lines += fmt::format(
-        R"(<line x1="{0:.1f}" y1="0" x2="{0:.1f}" y2="{1}"/><text x="{0:.1f}" y="{2}" class="t">{3:.3g} s</text>)",
-        x, kHeight, kHeight + 14, end - 0.25 * i * kIncidentTime);
+    lines += fmt::format(R"(<line x1="{0:.1f}" y1="0" x2="{0:.1f}" y2="{1}"/>)"
+                         R"(<text x="{0:.1f}" y="{2}">{3:.4g} s</text>)",
+                         x, kHeight, kHeight + 14, end - 0.25 * i * kIncidentTime);
   }
   return fmt::format(
       R"(<h2>{0}</h2>
-<svg viewBox="0 0 {1} {2}" role="img" aria-label="{0}, at most {3:.4g}">{4}<text x="{5}" y="10" class="v">{3:.3g}</text><text x="{5}" y="{6}" class="v">0</text><path d="{7}"/></svg>
+<svg viewBox="0 0 {1} {2}" role="img" aria-label="{0}, at most {3:.4g}">{4}
+<text x="{5}" y="10">{3:.3g}</text><text x="{5}" y="{6}">0</text><path d="{7}"/></svg>
 )",
       name, kWidth, kHeight + 18, most, lines, kLeft - 6, kHeight, path);
 }
@@ -97,7 +98,7 @@ void write_incident(const std::filesystem::path& folder, const Scenario& scenari
       R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Incident: {0}</title>
 <style>
-body {{ font: 14px/1.4 sans-serif; max-width: 840px; margin: 1.5em auto; color: #222; background: #fff }}
+body {{ font: 14px/1.4 sans-serif; max-width: 840px; margin: 1.5em auto; color: #222 }}
 h1 {{ font-size: 1.3em }} h2 {{ font-size: 1em; margin: 0.8em 0 0.2em }}
 svg {{ width: 100%; display: block }} path {{ fill: none; stroke: #1f5fa8; stroke-width: 1.2 }}
 line {{ stroke: #ddd }} text {{ font-size: 11px; fill: #555; text-anchor: end }}

@@ -165,6 +165,10 @@ class Runner {
       if (one && down && !desired.reference.pen_down && !lifting_) return;
       down = desired.reference.pen_down;
       if (one) desired.reference = at_touched_height(desired.reference);
+      if (dry_run_) {
+        desired.reference.p_WD += *dry_run_ * e_.control.impedance.surface.drawing_axis_W;
+        desired.reference.pen_down = false;
+      }
       desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
@@ -370,8 +374,9 @@ class Runner {
   ControlLoop loop_;
   Fences fences_;
   LastSeconds last_;
-  bool halted_ = false;  // by a fence or an emergency stop
-  RealTime real_time_;   // before the driver starts: its session begins in this thread
+  std::optional<double> dry_run_ = e_.scenario.drawing.dry_run;  // [m]
+  bool halted_ = false;                                          // by a fence or an emergency stop
+  RealTime real_time_;  // before the driver starts: its session begins in this thread
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
   PlanClock clock_;
@@ -462,6 +467,10 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force) {
 
 RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks, const Resumption* resumption) {
+  if (e.scenario.drawing.dry_run && e.scene.by_touch())
+    throw InputError(
+        "drawing.dry_run: the surface is found by touch, so that nothing tells its height; valid "
+        "is null, or perception.enabled true");
   const auto before_log = Clock::now();
   const TipPath rest = resumption ? plan_rest(e, *resumption) : TipPath();
   const TipPath& path = resumption ? rest : e.plan.path;
@@ -496,7 +505,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
     }
   };
   go_around(false);
-  if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw &&
+  if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run && e.scenario.drawing.redraw &&
       !(outcome.drawn_again = rest_but_for(e, runner.ink(), walls)).empty()) {
     const TipReference last = path.at(path.duration()).reference;
     const Pose here = e.scene.arm.tip_pose(runner.q());
@@ -510,7 +519,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
       go_around(true);
     }
   }
-  if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
+  if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();
   runner.keep_last();
   outcome.simulated = runner.time();
   if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;

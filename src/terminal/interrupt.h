@@ -20,8 +20,8 @@ class Interrupted : public std::runtime_error {
 };
 
 // During its lifetime, the first of these signals sets the flag; a second one ends the program at
-// once, as without this class; SIGQUIT sets its flag also after one of them. If SIGHUP was ignored (nohup), it stays so. At most one
-// instance may exist at a time.
+// once, as without this class. SIGQUIT sets its flag also after one of them. If SIGHUP was ignored
+// (nohup), it stays so. At most one instance may exist at a time.
 class Interrupt {
  public:
   Interrupt();
