@@ -28,7 +28,7 @@ TEST(WallWatch, NoticesATipThatStandsAndIsPushedBack) {
 }
 
 TEST(WallWatch, NeedsForceLagAndStandstillTogether) {
-  EXPECT_EQ(cycles({0.04, 0, 0}, {2e-3, 0, 0}, {-6, 0, 5}), -1);       // it moves
+  EXPECT_EQ(cycles({0.04, 0, 0}, {2e-3, 0, 0}, {-6, 0, 5}), -1);        // it moves
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-1.5, 0, 5}), -1);  // friction alone
   EXPECT_EQ(cycles(Vector3d::Zero(), {0.5e-3, 0, 0}, {-6, 0, 5}), -1);  // it is in place
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {0, -9, 5}), -1);    // pushed aside, not back
