@@ -237,11 +237,11 @@ def execute(context, data, progress, cases, options, stop, count=None,  # noqa: 
         rows.flush()
 
 
-PART_SECONDS = 5.0
+PART_SECONDS = 2.0
 
 
 class _Buffer:
-    """Gathers rows: a part is written every five seconds, as long as a batch takes, not for each."""
+    """Gathers rows: a part is written every two seconds, and not for every batch."""
 
     def __init__(self, data: "object", progress: "object") -> None:
         self.data, self.progress = data, progress
