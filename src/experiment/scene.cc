@@ -98,6 +98,17 @@ void check_pushes(const Scenario& s, const World& world, const SettingErrors& se
   }
 }
 
+// What is not built yet is refused, not ignored.
+CanvasMotion canvas_motion(const Scenario& s) {
+  CanvasMotionSettings settings = s.canvas.motion;
+  settings.seed = static_cast<std::uint64_t>(s.seed);
+  CanvasMotion motion(settings);
+  if (motion.moves())
+    throw InputError(
+        "canvas.motion: the loop cannot follow a canvas that moves yet; valid is none");
+  return motion;
+}
+
 }  // namespace
 
 SurfaceHeight Scene::surface(const Pose& X_WP) const {
@@ -126,6 +137,7 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   settings.flange_sensor = has_sensor(s.control.source);
   auto world = setting_errors.locate(
       {"arm.urdf"}, [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
+  setting_errors.locate({"canvas.motion"}, [&] { world->move_canvas(canvas_motion(s)); });
   check_pushes(s, *world, setting_errors);
   Scene scene{.canvas = std::move(canvas),
               .arm = std::move(arm),
