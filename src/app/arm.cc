@@ -18,6 +18,7 @@
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
+#include "impedraw/run/real_time.h"
 #include "impedraw/settings/settings_text.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/interrupt.h"
@@ -45,6 +46,12 @@ std::unique_ptr<ForeignArm> make_arm(const ArmSettings& settings, ArmModel& mode
   if (settings.driver == ArmDriver::franka)
     return std::make_unique<FrankaFci>(settings, model, period, std::move(start_q));
   return std::make_unique<IiwaLcm>(settings, model, period, std::move(start_q), wrench);
+}
+
+constexpr int kWakeUps = 1000;
+
+std::string priority_line(const RealTime& real_time) {
+  return real_time.lacks().empty() ? "SCHED_FIFO, memory locked" : real_time.lacks();
 }
 
 double share_of(std::vector<double>* x, double share) {
@@ -98,6 +105,7 @@ int check_arm(const DrawOptions& options, double seconds) {
   const auto made =
       make_arm(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
   ForeignArm& driver = *made;
+  const RealTime real_time(arm.scenario.arm.real_time);
   std::vector<double> steps, gaps;  // between statuses: by the arm's clock, by this one's [ms]
   double first = 0.0, last = 0.0;
   std::int64_t first_utime = 0, utime = 0;
@@ -130,6 +138,14 @@ int check_arm(const DrawOptions& options, double seconds) {
   say(stdout,
       "arrival   median {:.3f} ms after the last, 99 % {:.3f}, 99.9 % {:.3f}, longest {:.3f}\n",
       share_of(&gaps, 0.5), share_of(&gaps, 0.99), share_of(&gaps, 0.999), longest);
+  std::vector<double> late = wake_up_delays(arm.scenario.world.dt, kWakeUps);
+  for (double& x : late) x *= 1e3;
+  const double latest = *std::max_element(late.begin(), late.end());
+  say(stdout,
+      "jitter    this machine wakes the loop {:.3f} ms late (median), 99 % {:.3f}, longest {:.3f} "
+      "of {}; {}\n",
+      share_of(&late, 0.5), share_of(&late, 0.99), latest, late.size(),
+      arm.scenario.arm.real_time ? priority_line(real_time) : "usual priority");
   say(stdout, "clock     the arm's runs at {:.4f} of this machine's\n", arm_time / wall);
   std::string posture;
   for (const double angle : q) posture += fmt::format(" {:.4f}", angle);
@@ -148,6 +164,26 @@ int check_arm(const DrawOptions& options, double seconds) {
     return kMissed;
   }
   return kFinished;
+}
+
+RestingArm posture_at_rest(const DrawOptions& options, double seconds, double at_rest) {
+  NamedArm arm = named_arm(options);
+  const auto driver =
+      make_arm(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
+  JointVector sum = JointVector::Zero(arm.model->joints());
+  double fastest = 0.0;
+  long count = 0;
+  driver->observe(seconds, [&](const ArmStatus& status, double) {
+    sum += status.q;
+    fastest = std::max(fastest, status.v.cwiseAbs().maxCoeff());
+    ++count;
+  });
+  if (count == 0) throw std::runtime_error("no status of the arm came");
+  if (!(fastest <= at_rest))
+    throw std::runtime_error(
+        fmt::format("the arm moves: a joint turns at {:.3f} rad/s, at most {:.3f} rad/s is rest",
+                    fastest, at_rest));
+  return {sum / static_cast<double>(count), std::move(arm.model)};
 }
 
 int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out) {
@@ -177,6 +213,7 @@ int hold_arm(const DrawOptions& options, double seconds) {
       make_arm(arm.scenario.arm, *arm.model, arm.scenario.world.dt, std::nullopt, false);
   ForeignArm& driver = *made;
   const Interrupt interrupt;
+  const RealTime real_time(arm.scenario.arm.real_time);
   const StartedDriver started(driver);
   const JointVector zero = JointVector::Zero(driver.info().joints);
   const ArmState& state = driver.read();
@@ -185,7 +222,8 @@ int hold_arm(const DrawOptions& options, double seconds) {
   answers.reserve(static_cast<std::size_t>(1100.0 * std::min(seconds, 3600.0)));
   driver.command(zero, zero);
   driver.hold();
-  while (driver.fault().empty() && !interrupt.requested() && state.time < seconds) {
+  while (driver.fault().empty() && !interrupt.requested() && !interrupt.emergency() &&
+         state.time < seconds) {
     driver.read();
     if (!driver.fault().empty()) break;
     const auto read = Clock::now();
@@ -200,7 +238,10 @@ int hold_arm(const DrawOptions& options, double seconds) {
       "(99 %: {:.3f}); drift {:.6f} rad\n",
       state.time, counts.answered, counts.missed, share_of(&answers, 0.5), share_of(&answers, 0.99),
       drift);
+  if (arm.scenario.arm.real_time && !real_time.lacks().empty())
+    say(stderr, "note: arm.real_time: {}\n", real_time.lacks());
   if (!driver.fault().empty()) throw std::runtime_error(driver.fault());
+  if (interrupt.emergency()) throw std::runtime_error("emergency stop");
   return interrupt.requested() ? interrupt.exit_code() : kFinished;
 }
 

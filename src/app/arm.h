@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "impedraw/arm/arm_notes.h"
@@ -25,6 +26,15 @@ std::string contact_line(const Experiment& experiment);
 // Exit code 0 if the arm could be used, kMissed if its statuses come too irregularly.
 int check_arm(const DrawOptions& options, double seconds);
 int hold_arm(const DrawOptions& options, double seconds);
+
+struct RestingArm {
+  JointVector q;  // mean [rad]
+  std::unique_ptr<ArmModel> model;
+};
+
+// The posture in which an arm that is not simulated here rests for `seconds`; sends nothing. Throws
+// std::runtime_error if a joint is faster than `at_rest` [rad/s].
+RestingArm posture_at_rest(const DrawOptions& options, double seconds, double at_rest);
 
 // Writes the description of an arm of models/arms with a pen on its flange.
 int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out);

@@ -14,11 +14,13 @@
 #include <map>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "impedraw/app/arm.h"
 #include "impedraw/app/commands.h"
+#include "impedraw/app/commission.h"
 #include "impedraw/app/inspect.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/report/film.h"
@@ -313,6 +315,48 @@ int run_program(int argc, char** argv) {
       ->capture_default_str();
   arm_urdf->add_option("--out", arm_file, "the file (default: ARM_pen.urdf)");
   arm_urdf->callback([&] { code = impedraw::make_urdf(bare_arm, pen, arm_file); });
+
+  std::filesystem::path commissioning = "commissioning";
+  std::string mark;
+  CLI::App* latency = arm->add_subcommand(
+      "latency", "measure the loop's delay by small torques on the last joint, in the air");
+  latency->callback([&] { code = impedraw::commission_latency(options, commissioning); });
+  CLI::App* friction = arm->add_subcommand(
+      "friction", "measure each joint's friction by slow sweeps of 0.2 rad, in the air");
+  friction->callback([&] { code = impedraw::commission_friction(options, commissioning); });
+  CLI::App* touch =
+      arm->add_subcommand("touch", "note where the tip rests: led there by hand; moves nothing");
+  touch
+      ->add_option("--mark", mark,
+                   "pen: the one point of pen-length, touched at several tilts; X,Y: a mark of the "
+                   "page, in m")
+      ->required();
+  touch->callback([&] { code = impedraw::commission_touch(options, commissioning, mark); });
+  CLI::App* pen_length =
+      arm->add_subcommand("pen-length", "the pen's length, from touches of one point");
+  pen_length->callback([&] { code = impedraw::commission_pen_length(commissioning); });
+  CLI::App* page = arm->add_subcommand("register", "where the page is, from touches of its marks");
+  page->callback([&] { code = impedraw::commission_register(commissioning); });
+  for (CLI::App* command : {latency, friction, touch, pen_length, page})
+    command
+        ->add_option("--into", commissioning,
+                     "folder of commissioning.json, which each step reads and adds to")
+        ->capture_default_str();
+  for (CLI::App* command : {latency, friction, touch}) {
+    command->add_option("scenario", options.scenario,
+                        "YAML file that names the arm (default: the standard bowl's)");
+    command
+        ->add_option("--arm", options.arm,
+                     command == touch ? "which arm: iiwa-lcm (default) or franka"
+                                      : "which arm: sim, iiwa-lcm or franka (default: as the "
+                                        "scenario says)")
+        ->check(CLI::IsMember(command == touch
+                                  ? std::vector<std::string>{"iiwa-lcm", "franka"}
+                                  : std::vector<std::string>{"sim", "iiwa-lcm", "franka"}));
+    command->add_option("--set", options.assignments, "override a setting")
+        ->take_all()
+        ->allow_extra_args(false);
+  }
 
   CLI::App* settings = app.add_subcommand(
       "settings", "list every setting of a scenario: default, limits, unit, meaning");

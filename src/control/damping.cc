@@ -19,7 +19,7 @@ void jacobi_sweep(Matrix6& C, Matrix6& Z) {
   for (int p = 0; p < 5; ++p) {
     for (int q = p + 1; q < 6; ++q) {
       const double off = C(p, q);
-      if (off * off <= 1e-11 * std::abs(C(p, p) * C(q, q))) continue;  // most pairs on a warm start
+      if (off * off <= 1e-9 * std::abs(C(p, p) * C(q, q))) continue;  // most pairs on a warm start
       const double gap = C(q, q) - C(p, p);
       double t, c;
       if (off * off < 1e-8 * gap * gap) {  // nearly all on a warm start: c and t to t⁴ and t³

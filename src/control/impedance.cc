@@ -8,6 +8,7 @@ namespace impedraw {
 
 namespace {
 
+constexpr double kSelfMotionSpeed = 1.0;  // of the fastest joint; at twice that, no pull [rad/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
 
 }  // namespace
@@ -332,8 +333,12 @@ void ImpedanceController::apply_inertia(TaskTerms* F) const noexcept {
 JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept {
   const JointVector D_q = 2.0 * settings_.null_space.damping_ratio *
                           null_stiffness_.cwiseProduct(arm.M.diagonal()).cwiseSqrt();
-  return null_stiffness_.cwiseProduct(q_0_ - arm.q) - D_q.cwiseProduct(arm.v) +
-         limit_repulsion(arm.q);
+  // Past a singular posture, which has held it, the arm would swing back to q_0 at several times
+  // its joints' speed limits: the pull fades while they are fast.
+  const JointVector pull = null_stiffness_.cwiseProduct(q_0_ - arm.q);
+  const double fast = arm.v.cwiseAbs().maxCoeff() / kSelfMotionSpeed - 1.0;
+  const double share = pull.dot(arm.v) > 0.0 ? std::clamp(1.0 - fast, 0.0, 1.0) : 1.0;
+  return share * pull - D_q.cwiseProduct(arm.v) + limit_repulsion(arm.q);
 }
 
 // τ_limit

@@ -7,17 +7,39 @@
 
 namespace impedraw {
 
+namespace {
+
+// Cholesky factor of a symmetric matrix: the lower triangle of L. Plain loops: for these sizes
+// Eigen's LLT takes twice the time. NaN where the matrix is not positive definite.
+template <typename Square>
+void factor(const Square& A, Square* L) noexcept {
+  const auto n = A.rows();
+  L->resize(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    double d = A(j, j);
+    for (Eigen::Index k = 0; k < j; ++k) d -= (*L)(j, k) * (*L)(j, k);
+    const double root = std::sqrt(d), inverse = 1.0 / root;
+    (*L)(j, j) = root;
+    for (Eigen::Index i = j + 1; i < n; ++i) {
+      double x = A(i, j);
+      for (Eigen::Index k = 0; k < j; ++k) x -= (*L)(i, k) * (*L)(j, k);
+      (*L)(i, j) = x * inverse;
+    }
+  }
+}
+
+}  // namespace
+
 bool OperationalSpace::update(const ArmTerms& arm) noexcept {
-  factor_M_.compute(arm.M);
-  const auto& L = factor_M_.matrixLLT();
+  factor(arm.M, &L_);
   const int n = static_cast<int>(arm.J.cols());
   Y_.resize(n, 6);
   inverse_diagonal_.resize(n);
   A_.setZero();
   for (int i = 0; i < n; ++i) {  // forward substitution by rows
     Eigen::Matrix<double, 1, 6> row = arm.J.col(i).transpose();
-    for (int k = 0; k < i; ++k) row -= L(i, k) * Y_.row(k);
-    inverse_diagonal_[i] = 1.0 / L(i, i);
+    for (int k = 0; k < i; ++k) row -= L_(i, k) * Y_.row(k);
+    inverse_diagonal_[i] = 1.0 / L_(i, i);
     row *= inverse_diagonal_[i];
     Y_.row(i) = row;
     A_ += row.transpose() * row;
@@ -34,9 +56,7 @@ bool OperationalSpace::update(const ArmTerms& arm) noexcept {
 }
 
 void OperationalSpace::factor_inertia() noexcept {
-  const Eigen::LLT<Matrix6> factor(A_);
-  U_ = factor.matrixL();
-  if (factor.info() != Eigen::Success) U_.setConstant(std::nan(""));
+  factor(A_, &U_);
   for (int i = 0; i < 6; ++i) {
     Vector6 row = Vector6::Unit(i);
     for (int k = 0; k < i; ++k) row -= U_(i, k) * U_inverse_.row(k).transpose();
@@ -70,11 +90,10 @@ bool OperationalSpace::release_lost_directions() noexcept {
 }
 
 Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept {
-  const auto& L = factor_M_.matrixLLT();
   JointVector x = tau;
   Vector6 task = Vector6::Zero();
   for (int i = 0; i < x.size(); ++i) {
-    for (int k = 0; k < i; ++k) x[i] -= L(i, k) * x[k];
+    for (int k = 0; k < i; ++k) x[i] -= L_(i, k) * x[k];
     x[i] *= inverse_diagonal_[i];
     task += x[i] * Y_.row(i).transpose();
   }

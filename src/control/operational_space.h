@@ -16,7 +16,7 @@
 // (λ² + ε²)/λ, with ε growing from 0, so that torque stays bounded. Other directions are unchanged.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "impedraw/control/arm_terms.h"
 
@@ -49,7 +49,7 @@ class OperationalSpace {
   bool release_lost_directions() noexcept;
 
   OperationalSpaceSettings settings_;
-  Eigen::LLT<JointMatrix> factor_M_;
+  JointMatrix L_;  // lower triangle only
   // rows of fixed length let the compiler vectorise the small solve
   Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kMaxJoints, 6> Y_;
   JointVector inverse_diagonal_;  // of the factor of M

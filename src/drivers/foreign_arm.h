@@ -3,7 +3,11 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "impedraw/arm/arm_model.h"
 #include "impedraw/drivers/arm_session.h"
 #include "impedraw/run/driver.h"
 
@@ -16,6 +20,9 @@ inline double wall_seconds() {
 
 class ForeignArm : public Driver {
  public:
+  static constexpr double kStartTolerance = 0.02;  // of each joint [rad]
+  static constexpr double kPatience = 2.0;         // for the first state, at start() [s]
+
   struct Counts {
     long statuses = 0, answered = 0;  // received; answered by a command
     long missed = 0;                  // never received, by the arm's clock
@@ -29,5 +36,11 @@ class ForeignArm : public Driver {
   // Connects and receives statuses for `seconds`, and sends no torque. Throws as start() does.
   virtual void observe(double seconds, const Seen& seen) = 0;
 };
+
+// Throws std::runtime_error that names the joint, unless all joints are within their range and,
+// where start_q is given, within ForeignArm::kStartTolerance of it.
+void require_posture(const JointVector& q, const ArmLimits& limits,
+                     const std::vector<std::string>& joint_names,
+                     const std::optional<JointVector>& start_q);
 
 }  // namespace impedraw

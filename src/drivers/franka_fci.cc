@@ -180,22 +180,6 @@ void FrankaFci::require_same_arm() {
   impedraw::require_same_arm(urdf, arm_);
 }
 
-void FrankaFci::require_posture() const {
-  for (int j = 0; j < kFciJoints; ++j) {
-    const std::string& name = arm_.joint_names()[static_cast<std::size_t>(j)];
-    const double q = last_.arm.q[j];
-    if (q < arm_.limits().lower[j] || q > arm_.limits().upper[j])
-      throw std::runtime_error(
-          fmt::format("{} stands at {:.3f} rad, beyond the {:.3f} to {:.3f} rad of arm.urdf", name,
-                      q, arm_.limits().lower[j], arm_.limits().upper[j]));
-    if (start_q_ && std::abs(q - (*start_q_)[j]) > kStartTolerance)
-      throw std::runtime_error(fmt::format(
-          "{} stands at {:.3f} rad, the drawing starts at {:.3f} rad (within {:.2f} rad); "
-          "./impedraw plan --json says where: start_q",
-          name, q, (*start_q_)[j], kStartTolerance));
-  }
-}
-
 void FrankaFci::observe(double seconds, const Seen& seen) {
   connect();
   const double end = wall_seconds() + seconds;
@@ -219,7 +203,7 @@ void FrankaFci::start() {
         "brakes open",
         name_of(last_.mode), errors.empty() ? "" : ", after " + errors));
   }
-  require_posture();
+  require_posture(last_.arm.q, arm_.limits(), arm_.joint_names(), start_q_);
   const auto answer = link_->request(FciCommand::set_collision_behavior,
                                      fci_collision_behavior(kContactTorque, kContactForce));
   if (answer.empty() || answer[0] != kFciSuccess)

@@ -25,9 +25,7 @@ namespace impedraw {
 
 class FrankaFci : public ForeignArm {
  public:
-  static constexpr double kStartTolerance = 0.02;  // of each joint [rad]
-  static constexpr double kPatience = 2.0;         // for the first state [s]
-  static constexpr double kRecovery = 5.0;         // for the arm to clear a reflex [s]
+  static constexpr double kRecovery = 5.0;  // for the arm to clear a reflex [s]
 
   // start_q: where the arm must stand at start(), within kStartTolerance; nothing: anywhere. `arm`
   // must outlive the driver. Throws InputError if it has not seven joints, or the url is invalid.
@@ -51,7 +49,6 @@ class FrankaFci : public ForeignArm {
   void connect();
   void await_state();
   void require_same_arm();
-  void require_posture() const;
   void begin_motion();
   bool receive(double until) noexcept;
   void send(const JointVector& wanted, bool stale) noexcept;

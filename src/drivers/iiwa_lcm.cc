@@ -149,28 +149,11 @@ void IiwaLcm::start() {
     throw std::runtime_error(
         fmt::format("the arm's statuses are {:.3f} ms apart, the controller's step is {:.3f} ms",
                     1e3 * step, 1e3 * period_));
-  check_posture();
+  require_posture(session_->last().q, limits_, joint_names_, start_q_);
   if (wants_wrench_ && !wrench_any_)
     throw std::runtime_error(
         fmt::format("control.wrench: ground_truth needs the wrench at the tip on {}, and none came",
                     kTipWrenchChannel));
-}
-
-void IiwaLcm::check_posture() const {
-  const JointVector& q = session_->last().q;
-  for (Eigen::Index j = 0; j < q.size(); ++j) {
-    const std::string& name = joint_names_[static_cast<std::size_t>(j)];
-    if (q[j] < limits_.lower[j] || q[j] > limits_.upper[j])
-      throw std::runtime_error(fmt::format(
-          "{} stands at {:.3f} rad, beyond the {:.3f} to {:.3f} rad of arm.urdf: another arm, or "
-          "another zero",
-          name, q[j], limits_.lower[j], limits_.upper[j]));
-    if (start_q_ && std::abs(q[j] - (*start_q_)[j]) > kStartTolerance)
-      throw std::runtime_error(fmt::format(
-          "{} stands at {:.3f} rad, the drawing starts at {:.3f} rad (within {:.2f} rad); "
-          "./impedraw plan --json says where: start_q",
-          name, q[j], (*start_q_)[j], kStartTolerance));
-  }
 }
 
 bool IiwaLcm::receive(double until) noexcept {

@@ -32,9 +32,6 @@ class IiwaLcm : public ForeignArm {
           std::optional<JointVector> start_q, bool wrench);
   ~IiwaLcm() override;
 
-  static constexpr double kStartTolerance = 0.02;  // of each joint [rad]
-  static constexpr double kPatience = 2.0;         // for the first status, at start() [s]
-
   DriverInfo info() const override;
   void start() override;
   const ArmState& read() noexcept override;
@@ -54,7 +51,6 @@ class IiwaLcm : public ForeignArm {
   bool receive(double until) noexcept;
   void send(const JointVector& wanted, bool stale) noexcept;
   void note_fault() noexcept;
-  void check_posture() const;
 
   ArmSettings settings_;
   double period_;

@@ -33,6 +33,12 @@ constexpr double kLeastFriction = 1.5;    // [Nm]
 // A session with a real arm lets 900 Nm/s pass: the law stays below, so that it knows of the limit.
 constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 
+// Of a real arm's momentum observer: its bandwidth times the loop's delay. Where rotor inertia is
+// not in the model, what the observer adds is itself a part of what it sees, with a share of nearly
+// 1 on a light wrist: through the delay that loop rings. With 0.1 kg m² and 2 ms, 200 rad/s shook
+// the wrist until the session ended; 50 rad/s and 20 rad/s did not.
+constexpr double kRealObserver = 0.1;
+
 double torque_rate(const Scenario& s, const ArmLimits& limits) {
   const double rate = std::min(s.control.torque_rate, limits.torque_rate);
   return s.arm.driver == ArmDriver::sim ? rate : std::min(rate, kRealTorqueRate);
@@ -56,6 +62,9 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
   settings.limits.torque = s.control.torque_share * limits.torque;
   settings.limits.torque_rate =
       Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s, limits));
+  if (s.arm.driver != ArmDriver::sim)
+    settings.observer.bandwidth =
+        std::min(settings.observer.bandwidth, kRealObserver / settings.timing.loop_delay);
   if (settings.observer.yield_limit.empty())
     for (const double torque : limits.torque)
       settings.observer.yield_limit.push_back(

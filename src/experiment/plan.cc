@@ -138,7 +138,7 @@ class Planning {
   void name_step(Finding* finding) const;
   void promise();
   void plan_path();
-  void leave_out_barred(const std::vector<Finding>& transitions);
+  void leave_out_barred(const std::vector<Finding>& transitions, double share);
   void leave_out(const OffSurface& off);
   std::vector<PlacedStroke> desired_strokes() const;
 
@@ -193,11 +193,7 @@ PathSettings Planning::path_settings() const {
 
 PreflightSettings Planning::preflight_settings() const {
   PreflightSettings s = impedraw::preflight_settings(s_, artwork_.X_WP, seen_, plan_.rest_q);
-  // The misfit is an RMS.
-  if (scene_.perception)
-    s.height_error = [this](const Eigen::Vector3d& p_W) {
-      return 2.0 * scene_.perception->roughness(p_W).misfit;
-    };
+  s.height_error = height_error(scene_);
   return s;
 }
 
@@ -272,7 +268,8 @@ void Planning::promise() {
 
 // Plans the path and omits strokes that it cannot reach.
 void Planning::plan_path() {
-  while (!plan_.strokes.empty()) {  // each round leaves out at least one
+  // Each round shortens or leaves out at least one, by more than the last.
+  for (double share = 0.1; !plan_.strokes.empty(); share *= 2.0) {
     const double looks = 3.0 * length_of(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
     plan_.path = plan_from(
@@ -283,14 +280,15 @@ void Planning::plan_path() {
         plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
         [&](double share) { tell("checking the ways between strokes", 0.8 + 0.1 * share); });
     if (transitions.empty()) return;
-    leave_out_barred(transitions);
+    leave_out_barred(transitions, share);
     promise();
   }
   plan_.path = TipPath();
 }
 
-// Findings have the path's stroke numbers. A stroke whose approach is blocked cannot be drawn.
-void Planning::leave_out_barred(const std::vector<Finding>& transitions) {
+// Findings have the path's stroke numbers. Where the way to a stroke or off it is barred, the
+// stroke is shortened at that end by a share of its length, or left out if too little remains.
+void Planning::leave_out_barred(const std::vector<Finding>& transitions, double share) {
   Preflight& preflight = plan_.preflight;
   std::vector<StrokePart> left;
   std::vector<const Finding*> barring(preflight.drawable.size(), nullptr);  // the first of each
@@ -302,13 +300,24 @@ void Planning::leave_out_barred(const std::vector<Finding>& transitions) {
     if (!barring[i]) {
       left.push_back(preflight.drawable[i]);
     } else {
+      constexpr double kShorten = 5e-3;  // at least [m]
       Finding f = *barring[i];
       f.part = preflight.drawable[i];
+      StrokePart rest = f.part;
+      const double less = std::max(kShorten, share * rest.length());
+      if (rest.length() > less + kShorten && f.way != WayEnd::none) {
+        (f.way == WayEnd::first ? rest.from : rest.to) += f.way == WayEnd::first ? less : -less;
+        (f.way == WayEnd::first ? f.part.to : f.part.from) =
+            f.way == WayEnd::first ? rest.from : rest.to;
+        left.push_back(rest);
+      }
       f.part.stroke = source(f.part.stroke);
       preflight.findings.push_back(std::move(f));
     }
   }
-  if (left.size() == preflight.drawable.size()) throw InputError(finding_text(transitions.front()));
+  const bool any =
+      std::any_of(barring.begin(), barring.end(), [](auto* f) { return f != nullptr; });
+  if (!any) throw InputError(finding_text(transitions.front()));
   preflight.drawable = std::move(left);
 }
 
@@ -365,6 +374,14 @@ PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP,
   s.space = scenario.control.operational_space;
   s.rest_q = rest_q;
   return s;
+}
+
+std::function<double(const Eigen::Vector3d&)> height_error(const Scene& scene) {
+  if (!scene.perception) return {};
+  // The misfit is an RMS.
+  return [seen = &*scene.perception](const Eigen::Vector3d& p_W) {
+    return 2.0 * seen->roughness(p_W).misfit;
+  };
 }
 
 Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& scene,

@@ -119,6 +119,9 @@ void describe(Fields& f, DrawingSettings& s) {
           "Leaves out and reports what fails the pre-flight; otherwise nothing is drawn.");
   f.field("redraw", s.redraw,
           "Draws the parts that got no ink, judged by contact and force, once more at the end.");
+  f.field(Limits::dry_run, s.dry_run,
+          "Goes through the drawing in the air, at this height above the surface along the drawing "
+          "plane's normal, and never seeks contact; null: draws.");
   f.field("placement", s.placement,
           "Placement of the page on the canvas. A built-in shape has scale 1 unless a size is "
           "given.");
@@ -173,6 +176,9 @@ void describe(Fields& f, ArmSettings& s) {
   f.field(Limits::recoveries, s.recoveries,
           "franka: how often in a run the arm may be asked to recover from a reflex, after which "
           "the drawing goes on. Never after a collision.");
+  f.field("real_time", s.real_time,
+          "Not sim, clock: wall: the loop's thread asks the system for real-time priority and "
+          "locked memory; where it gets none, a note says so.");
   f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.");
   f.field(Limits::posture_seed, s.posture_seed,
           "Joint angles from which the inverse kinematics starts, one per joint; empty: those of "
@@ -182,6 +188,15 @@ void describe(Fields& f, ArmSettings& s) {
           "of the drawing.");
   f.field(Limits::start, s.start_p_WE,
           "Position of the pen tip during the snapshot and at the start.");
+}
+
+void describe(Fields& f, FenceSettings& s) {
+  using Limits = FenceSettings::Limits;
+  f.field(Limits::low, s.low, "Lowest coordinates that the tip may have.");
+  f.field(Limits::high, s.high, "Highest coordinates that the tip may have.");
+  f.field(Limits::force, s.force,
+          "Measured force on the tip that ends the run; null: none. Needs control.wrench.");
+  f.field(Limits::speed, s.speed, "Speed of the tip that ends the run; null: none.");
 }
 
 void describe(Fields& f, CameraSettings& s) {
@@ -673,6 +688,9 @@ void describe(Fields& f, Scenario& s) {
   f.field("drawing", s.drawing, "What is drawn.");
   f.field("canvas", s.canvas, "The surface that is drawn on.");
   f.field("arm", s.arm, "The robot arm.");
+  f.field("fence", s.fence,
+          "What ends a run at once: the arm damps its motion, then stands, and incident.html tells "
+          "the last two seconds.");
   f.field("perception", s.perception, "How the canvas is seen.");
   f.field("blind", s.blind, "Control without perception.");
   f.field("path", s.path, "Motion of the pen tip.");

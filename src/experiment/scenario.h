@@ -54,11 +54,14 @@ struct DrawingSettings {
   WrapSettings wrap;
   bool skip_unreachable = false;  // omits what fails the pre-flight; else nothing is drawn
   bool redraw = true;             // redraws once what got no ink
+  // Height above the surface at which the drawing is gone through in the air [m]; none: no dry run.
+  std::optional<double> dry_run;
 
   struct Limits {
     static constexpr Limit join_gap = {"join_gap", "mm", {0.0, 100.0}};
     static constexpr Limit simplify = {"simplify", "mm", {0.0, 100.0}};
     static constexpr Limit tilt = {"tilt", "deg", {-180.0, 180.0}};
+    static constexpr Limit dry_run = {"dry_run", "m", {0.005, 0.3}};
   };
 };
 
@@ -78,6 +81,8 @@ struct ArmSettings {
   double wrench_delay = 2e-3;  // age of the wrench at the tip when it arrives [s]
   double max_silence = 0.05;   // without a state, by the wall clock; then the session ends [s]
   int recoveries = 3;          // from reflexes of the arm, in one run
+  // On a wall clock: the loop's thread asks for SCHED_FIFO and locked memory (run/real_time.h).
+  bool real_time = true;
 
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
   // The inverse kinematics of the start starts here and stays near, one entry per joint [rad];
@@ -96,6 +101,21 @@ struct ArmSettings {
     static constexpr Limit posture_seed = {"posture_seed", "rad", {-3.2, 3.2}};
     static constexpr Limit q_0 = {"q_0", "rad", {-3.2, 3.2}};
     static constexpr Limit start = {"start", "m", {-2.0, 2.0}};
+  };
+};
+
+// What ends a run at once, with any arm (run/fences.h).
+struct FenceSettings {
+  // The box that the tip must stay in, W [m].
+  Eigen::Vector3d low{-2.0, -2.0, -2.0}, high{2.0, 2.0, 2.0};
+  std::optional<double> force;  // measured, of the canvas on the tip [N]; none: no fence
+  std::optional<double> speed;  // of the tip [m/s]; none: no fence
+
+  struct Limits {
+    static constexpr Limit low = {"low", "m", {-2.0, 2.0}};
+    static constexpr Limit high = {"high", "m", {-2.0, 2.0}};
+    static constexpr Limit force = {"force", "N", {1.0, 200.0}};
+    static constexpr Limit speed = {"speed", "m/s", {0.01, 5.0}};
   };
 };
 
@@ -227,6 +247,7 @@ struct Scenario {
   DrawingSettings drawing;
   CanvasSettings canvas;
   ArmSettings arm;
+  FenceSettings fence;
   PerceptionSettings perception;
   BlindSettings blind;
   PathSettings path;

@@ -80,7 +80,7 @@ struct Shared {
   const std::string token;
   std::string page;
   int port = 0;
-  std::atomic<bool> paused = false, stopped = false;
+  std::atomic<bool> paused = false, stopped = false, emergency = false;
   std::atomic<std::size_t> viewer_count = 0;
 
   // Of the server's thread.
@@ -94,7 +94,8 @@ struct Shared {
   std::size_t rows() const { return kept.size() / settings.row_width; }
   std::string status() const {
     const char* state = report ? "finished" : ending ? "ending" : paused ? "paused" : "running";
-    return fmt::format(R"({{"state": "{}", "stopping": {}}})", state, stopped.load());
+    return fmt::format(R"({{"state": "{}", "stopping": {}}})", state,
+                       stopped.load() || emergency.load());
   }
   void notify();
   void obey(std::string_view command);
@@ -221,10 +222,14 @@ void Shared::notify() {
 
 void Shared::obey(std::string_view command) {
   if (ending || report) return;
-  if (command == "pause" && !stopped) paused = true;
+  if (command == "pause" && !stopped && !emergency) paused = true;
   if (command == "resume") paused = false;
   if (command == "stop") {
     stopped = true;
+    paused = false;
+  }
+  if (command == "emergency") {
+    emergency = true;
     paused = false;
   }
   notify();
@@ -459,6 +464,7 @@ void LiveServer::serve(std::string page) { impl_->serve(std::move(page)); }
 RowRing& LiveServer::rows() noexcept { return impl_->shared().ring; }
 bool LiveServer::paused() const noexcept { return impl_->shared().paused; }
 bool LiveServer::stopped() const noexcept { return impl_->shared().stopped; }
+bool LiveServer::emergency() const noexcept { return impl_->shared().emergency; }
 float LiveServer::milliseconds() const noexcept { return impl_->milliseconds(); }
 void LiveServer::ending() { impl_->ending(); }
 void LiveServer::finish(std::string data, std::chrono::milliseconds patience) {

@@ -2,7 +2,7 @@
 // thread of its own.
 //
 //   loop thread ── RowRing ──> server thread: rows kept ──> each viewer's socket
-//   loop thread <── atomics ── pause, resume, stop
+//   loop thread <── atomics ── pause, resume, stop, emergency
 //
 // Only 127.0.0.1 is listened to. A request needs the token of the address and a Host of this
 // server; a WebSocket needs its Origin, too (RFC 6455, 10.2: any page may open a socket here). What
@@ -16,7 +16,7 @@
 //   text    {"state": "running" | "paused" | "ending" | "finished", "stopping": bool}
 //   binary  uint32 0, uint32 rows, then float32 rows × row_width: rows, oldest first
 //   binary  uint32 1, then the data of the finished report, as in its page
-// From a viewer, text: pause, resume, stop.
+// From a viewer, text: pause, resume, stop, emergency.
 #pragma once
 
 #include <chrono>
@@ -56,6 +56,7 @@ class LiveServer {
   RowRing& rows() noexcept;
   bool paused() const noexcept;
   bool stopped() const noexcept;        // once, for good
+  bool emergency() const noexcept;      // the same
   float milliseconds() const noexcept;  // since construction, by the steady clock
 
   // The run is over: its results are being made.

@@ -140,6 +140,7 @@ RunHooks LiveView::hooks() {
     hooks.progress = [this](const RunProgress& progress) { feed_->share(progress.share); };
     hooks.interrupted = [this] { return server_->stopped(); };
     hooks.paused = [this] { return server_->paused(); };
+    hooks.emergency = [this] { return server_->emergency(); };
   }
   if (!server_ && options_.pace <= 0.0) return hooks;
   hooks.held = [this, begun = steady_clock::now(), first = -1.0](double time) mutable {
@@ -153,7 +154,7 @@ RunHooks LiveView::hooks() {
       begun += steady_clock::now() - now;  // a pause is not caught up with
       return true;
     }
-    if (options_.pace <= 0.0) return false;
+    if (options_.pace <= 0.0 || (server_ && server_->emergency())) return false;
     const std::chrono::duration<double> due((time - first) / options_.pace);
     const auto left = begun + due - now;
     if (left.count() <= 0) return false;

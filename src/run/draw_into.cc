@@ -14,6 +14,7 @@
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/run/folder_lock.h"
+#include "impedraw/run/incident.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
@@ -97,6 +98,7 @@ void draw_on_after_reflexes(const fs::path& folder, Experiment& experiment, Driv
   for (int i = 0; i < experiment.scenario.arm.recoveries; ++i) {
     if (outcome->end != RunEnd::stopped || driver.fault().empty()) return;
     const std::string cause = driver.fault();
+    write_incident(folder, experiment.scenario, *outcome);
     const auto stopped = Clock::now();
     JointVector q;
     if (!driver.recover(&q)) return;
@@ -140,13 +142,18 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     ProgressLine line;
     RunHooks hooks;
     hooks.row = watch.row;
+    hooks.emergency = [&] {
+      return interrupt.emergency() || (watch.emergency && watch.emergency());
+    };
     if (watch.held)
-      hooks.held = [&](double time) { return !interrupt.requested() && watch.held(time); };
+      hooks.held = [&](double time) {
+        return !interrupt.requested() && !interrupt.emergency() && watch.held(time);
+      };
     if (watch.paused) hooks.paused = [&] { return !interrupt.requested() && watch.paused(); };
     // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
       for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
-                                "ink_page.svg", "ink_page.png", "strokes.json"})
+                                "ink_page.svg", "ink_page.png", "strokes.json", "incident.html"})
         if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();
@@ -170,6 +177,10 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
   }
   const Interrupt interrupt;
   const auto check = give_up_on(interrupt, folder);
+  if (drawing.outcome.end == RunEnd::stopped)
+    write_incident(folder, experiment.scenario, drawing.outcome);
+  if (!drawing.outcome.not_real_time.empty())
+    say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);
   drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check);
   return drawing;

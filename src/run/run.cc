@@ -10,16 +10,21 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/control/step_watchdog.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
+#include "impedraw/run/fences.h"
+#include "impedraw/run/incident.h"
 #include "impedraw/run/joint_forecast.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
+#include "impedraw/run/real_time.h"
 #include "impedraw/run/simulated_arm.h"
 #include "impedraw/run/speed_guard.h"
 #include "impedraw/run/touched_heights.h"
+#include "impedraw/run/wall_watch.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
@@ -76,6 +81,9 @@ class Runner {
         first_time_(resumption ? resumption->time : 0.0),
         loop_(e.control, e.scene.arm, driver.info(),
               surface_source(e, disturbances_of(e, resumption))),
+        fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
+        last_(driver.info().period, e.scene.arm),
+        real_time_(!waits_ && e.scenario.arm.real_time),
         started_(driver),
         state_(&driver.read()),
         clock_(clock_settings(e), e.control.impedance.timing.dt),
@@ -84,6 +92,7 @@ class Runner {
         row_(e.scene.arm.joints()) {
     out_.tau = JointVector::Zero(e.scene.arm.joints());
     out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
+    outcome_.not_real_time = real_time_.lacks();
     if (resumption) ink_ = resumption->ink;
     if (log_file.empty()) return;
     if (resumption)
@@ -107,15 +116,23 @@ class Runner {
              again, &count);
     }
     const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
-    const EmergencyLift up(time(), X_WE.p, -X_WE.R.col(2));
+    const EmergencyLift up(time(), X_WE, -X_WE.R.col(2));
     while (outcome_.end == RunEnd::finished && !up.done(time()))
       if (!step({up.at(time()), -1, std::nan(""), Phase::lift})) return;
   }
+
+  // The place of a wall before which the last path was given up; nothing: it was followed to its
+  // end.
+  const std::optional<StrokePart>& wall() const { return wall_; }
+  const JointVector& q() const { return state_->q; }
 
   double time() const { return state_->time; }
   RunOutcome& outcome() { return outcome_; }
   WallTimes close_log(const WallTimes& wall) { return log_ ? log_->close(wall) : wall; }
   const InkWatch& ink() const { return ink_; }
+  void keep_last() {
+    if (outcome_.end == RunEnd::stopped) outcome_.last = last_.rows();
+  }
 
  private:
   struct StrokeCount {
@@ -128,6 +145,8 @@ class Runner {
     const Odometer odometer(path);
     bool down = false;
     height_ = searched_ = 0.0;
+    wall_.reset();
+    wall_watch_.reset();
     clock_.restart();
     forecast_ = {};
     if (e_.scene.perception)
@@ -138,16 +157,26 @@ class Runner {
     };
     for (long i = 0; i < steps() || lifting_ || guard_.braking(); ++i) {
       const double t = time(), planned = t - begin - clock_.lag();
-      if (lifting_ && lifting_->done(t)) return;
+      if (lifting_ && lifting_->done(t)) {
+        if (wall_) lifting_.reset();
+        return;
+      }
       PathSample desired = path.at(planned);
       if (one && down && !desired.reference.pen_down && !lifting_) return;
       down = desired.reference.pen_down;
       if (one) desired.reference = at_touched_height(desired.reference);
+      if (dry_run_) {
+        desired.reference.p_WD += *dry_run_ * e_.control.impedance.surface.drawing_axis_W;
+        desired.reference.pen_down = false;
+      }
       desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
       if (one && !lifting_ && !wait_for_touch(desired)) return;
-      if (!one && !lifting_) clock_.advance(deviation(desired, planned));
+      if (!one && !lifting_) {
+        clock_.advance(deviation(desired, planned));
+        look_for_wall(desired);
+      }
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
         stop(RunEnd::interrupted,
@@ -204,7 +233,7 @@ class Runner {
 
   // Runs and logs one control cycle. Returns false if the run is over.
   bool step(const PathSample& desired) {
-    const double t = time(), step_time = state_->step_time;
+    const double t = time(), step_time = state_->step_time, age = t - state_->state_time;
     while (waits_ && hooks_.held && hooks_.held(t)) {
     }
     const auto step_start = Clock::now();
@@ -220,8 +249,9 @@ class Runner {
     if (log_) log_->append(row_);
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
+    last_.add(row_, loop_, age);
     ink_.add(desired.stroke, desired.along,
-             writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)));
+             writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)) && in_place());
 
     state_ = &driver_.read();
     const std::string lost = lost_control(t);
@@ -229,12 +259,20 @@ class Runner {
       stop(RunEnd::stopped, lost);
       return false;
     }
+    if (hooks_.emergency && !halted_ && hooks_.emergency()) {
+      if (!halt(fmt::format("emergency stop at t = {:.3f} s", first_time_ + t))) return false;
+    } else if (fences_.update(loop_.terms().X_WE.p, loop_.terms().V_WE.head<3>(),
+                              loop_.F_ext().head<3>(), dt())) {
+      if (!halt(fmt::format("{} at t = {:.3f} s", fences_.crossed(), first_time_ + t)))
+        return false;
+    }
     if (guard_.update(loop_.terms().v, dt())) {
       stop(RunEnd::stopped, fmt::format("{} was far above its speed limit of {:.2f} rad/s "
                                         "at t = {:.3f} s; the motion was damped and the pen lifted",
                                         e_.scene.arm.joint_names()[guard_.joint()],
                                         e_.scene.arm.limits().speed[guard_.joint()], t));
     } else if (guard_.calmed()) {
+      if (halted_) return false;
       lift();
     }
     if (watchdog_.update(step_time)) {
@@ -279,12 +317,30 @@ class Runner {
     pen.waits = out_.mode == ContactMode::approach;
     pen.tilt = smallest_rotation(X_WE.R.col(2), -out_.axis_WD).norm();
     if (out_.mode != ContactMode::contact) return pen;
-    const Eigen::Vector3d off = out_.p_WD - X_WE.p;
-    pen.tip = (off - out_.n_WD * out_.n_WD.dot(off)).norm();
+    pen.tip = behind().norm();
     pen.normal_speed = out_.n_WD.dot(loop_.terms().V_WE.head<3>());
     if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
       pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
     return pen;
+  }
+
+  // Of the tip from the desired point, across the surface [m].
+  Eigen::Vector3d behind() const {
+    const Eigen::Vector3d off = out_.p_WD - loop_.terms().X_WE.p;
+    return off - out_.n_WD * out_.n_WD.dot(off);
+  }
+
+  // The ink lies where it shall, as far as the arm knows.
+  bool in_place() const { return !e_.scene.perception || behind().norm() < kInPlace; }
+
+  void look_for_wall(const PathSample& desired) {
+    if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
+    if (desired.stroke < 0 || out_.mode != ContactMode::contact) return wall_watch_.reset();
+    if (!wall_watch_.update(out_.n_WD, desired.reference.v_WD, loop_.terms().V_WE.head<3>(),
+                            behind(), loop_.F_ext().head<3>(), dt()))
+      return;
+    wall_ = StrokePart{desired.stroke, desired.along - behind().norm(), desired.along};
+    lift(kLiftAtWall);
   }
 
   bool paused() const { return !waits_ && hooks_.paused && hooks_.paused(); }
@@ -295,8 +351,19 @@ class Runner {
     outcome_.cause = cause;
   }
 
-  void lift() {
-    if (!lifting_) lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q).p, out_.n_WD);
+  // Ends the run where the pen is. A driver damps in stop(), by its own session; the simulated arm
+  // only ends there, so that the loop damps it first. Returns true if the loop goes on for that.
+  bool halt(const std::string& cause) {
+    outcome_.end = RunEnd::stopped;  // also while the pen of an interrupted run is lifted
+    outcome_.cause = cause;
+    halted_ = true;
+    if (!driver_.truth()) return false;
+    guard_.brake();
+    return true;
+  }
+
+  void lift(double height = EmergencyLift::kHeight) {
+    if (!lifting_) lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q), out_.n_WD, height);
   }
 
   Experiment& e_;
@@ -305,11 +372,18 @@ class Runner {
   bool waits_;         // the driver, for the next command
   double first_time_;  // of the log, where an earlier run left off [s]
   ControlLoop loop_;
+  Fences fences_;
+  LastSeconds last_;
+  std::optional<double> dry_run_ = e_.scenario.drawing.dry_run;  // [m]
+  bool halted_ = false;                                          // by a fence or an emergency stop
+  RealTime real_time_;  // before the driver starts: its session begins in this thread
   StartedDriver started_;
   const ArmState* state_;  // the driver's last
   PlanClock clock_;
   JointForecast forecast_;
   SpeedGuard guard_;
+  WallWatch wall_watch_;
+  std::optional<StrokePart> wall_;
   TouchedHeights heights_;
   double height_ = 0.0;    // of the tip above the plan of a stroke that is found by touch [m]
   double searched_ = 0.0;  // for a surface [s]
@@ -338,6 +412,36 @@ TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts, const Ei
                    stroke_limits(e.scene, e.plan));
 }
 
+// What lacks ink, but for the places before walls.
+std::vector<StrokePart> rest_but_for(const Experiment& e, const InkWatch& ink,
+                                     const std::vector<StrokePart>& walls) {
+  std::vector<StrokePart> done = ink.parts();
+  done.insert(done.end(), walls.begin(), walls.end());
+  return rest_of(e.plan.strokes, done, kShortestGap);
+}
+
+// A path for it, from the posture q. The ways are others than those that were checked before the
+// run: a stroke that they bar is given up, too.
+std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const InkWatch& ink,
+                                   std::vector<StrokePart>* walls) {
+  const Pose X_WE = e.scene.arm.tip_pose(q);
+  PreflightSettings checks =
+      preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception.has_value(), e.plan.rest_q);
+  checks.height_error = height_error(e.scene);
+  while (true) {
+    const std::vector<StrokePart> rest = rest_but_for(e, ink, *walls);
+    if (rest.empty()) return std::nullopt;
+    TipPath path = plan_parts(e, rest, X_WE.p, -X_WE.R.col(2), 0.0);
+    if (!e.scenario.preflight.arm) return path;
+    std::vector<PlacedStroke> strokes = strokes_of(e, rest);
+    for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].number = static_cast<int>(i);
+    const std::vector<Finding> barred =
+        check_transitions(path, strokes, e.scene.arm, e.scene.obstacle.get(), q, checks);
+    if (barred.empty()) return path;
+    for (const Finding& f : barred) walls->push_back(rest[static_cast<std::size_t>(f.part.stroke)]);
+  }
+}
+
 // What an earlier run left undrawn.
 std::vector<StrokePart> rest_of(const Experiment& e, const Resumption& resumption) {
   return rest_of(e.plan.strokes, resumption.ink.parts(), kShortestGap);
@@ -363,6 +467,10 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force) {
 
 RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks, const Resumption* resumption) {
+  if (e.scenario.drawing.dry_run && e.scene.by_touch())
+    throw InputError(
+        "drawing.dry_run: the surface is found by touch, so that nothing tells its height; valid "
+        "is null, or perception.enabled true");
   const auto before_log = Clock::now();
   const TipPath rest = resumption ? plan_rest(e, *resumption) : TipPath();
   const TipPath& path = resumption ? rest : e.plan.path;
@@ -379,15 +487,40 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   else
     runner.follow(path, false);
   const auto lacking = [&] { return rest_of(e.plan.strokes, runner.ink().parts(), kShortestGap); };
-  if (outcome.end == RunEnd::finished && e.scenario.drawing.redraw &&
-      !(outcome.drawn_again = lacking()).empty()) {
+  std::vector<StrokePart>& walls = outcome.walls;
+  double beyond = kBeyondWall;
+  // Goes around the wall that ended a path: plans what lacks ink, from where the pen now is. Each
+  // further attempt at the same wall keeps twice as far off it.
+  const auto go_around = [&](bool again) {
+    while (outcome.end == RunEnd::finished && runner.wall() && walls.size() < kMostWalls) {
+      const StrokePart at = *runner.wall();
+      beyond = !walls.empty() && walls.back().stroke == at.stroke &&
+                       std::abs(walls.back().to - at.to) < kSameWall
+                   ? 2.0 * beyond
+                   : kBeyondWall;
+      walls.push_back({at.stroke, at.from - kRedrawOverlap, at.to + beyond});
+      const std::optional<TipPath> around = plan_around(e, runner.q(), runner.ink(), &walls);
+      if (!around) return;
+      runner.follow(*around, again);
+    }
+  };
+  go_around(false);
+  if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run && e.scenario.drawing.redraw &&
+      !(outcome.drawn_again = rest_but_for(e, runner.ink(), walls)).empty()) {
     const TipReference last = path.at(path.duration()).reference;
-    if (by_touch)
+    const Pose here = e.scene.arm.tip_pose(runner.q());
+    const bool turned = !walls.empty();  // the pen is not at the plan's end
+    if (by_touch) {
       runner.feel(strokes_of(e, outcome.drawn_again), 0.0, true);
-    else
-      runner.follow(plan_parts(e, outcome.drawn_again, last.p_WD, last.n_WD, 0.0), true);
+    } else {
+      runner.follow(plan_parts(e, outcome.drawn_again, turned ? here.p : last.p_WD,
+                               turned ? Eigen::Vector3d(-here.R.col(2)) : last.n_WD, 0.0),
+                    true);
+      go_around(true);
+    }
   }
-  if (outcome.end == RunEnd::finished) outcome.lacking = lacking();
+  if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();
+  runner.keep_last();
   outcome.simulated = runner.time();
   if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;
   outcome.first_time = resumption ? resumption->time : 0.0;

@@ -26,6 +26,17 @@ namespace impedraw {
 
 enum class RunEnd { finished, stopped, interrupted };
 
+// One control step of the record of a run's last seconds (run/incident.h).
+struct IncidentRow {
+  double time = 0.0;         // of the driver's clock, as the log's [s]
+  double force = 0.0;        // on the tip [N]: measured, else the simulator's; NaN: unknown
+  double speed = 0.0;        // of the tip [m/s]
+  double joint_speed = 0.0;  // largest share of a joint's speed limit
+  double torque = 0.0;       // largest share of a joint's torque limit
+  double state_age = 0.0;    // [s]
+  double step_time = 0.0;    // of the control step [s]
+};
+
 struct RunProgress {
   double time;  // from the run's beginning, also after a resume [s]
   int stroke;   // number of strokes begun in the pass
@@ -48,22 +59,37 @@ struct RunHooks {
   // The same for a driver on a wall clock, which cannot wait: while it is true, the plan's clock
   // stands, and the pen keeps its place and its push. Asked in each control step; must not wait.
   std::function<bool()> paused;
+  // Asked in each control step; must not wait. True: the motion is damped and the run ends where
+  // the pen is, without lifting it.
+  std::function<bool()> emergency;
 };
 
 inline constexpr double kBadStateTime = 0.2;  // [s]
+inline constexpr double kIncidentTime = 2.0;  // [s]
 inline constexpr double kShortestGap = 1e-3;  // shorter gaps are ignored [m]
 // Overlap of a redrawn part with the ink at each end [m].
 inline constexpr double kRedrawOverlap = 1e-3;
 
+// Ink further off its place counts as none, where the surface is perceived [m].
+inline constexpr double kInPlace = 2.5e-3;
+// Given up behind a wall that was felt [m]; and walls in a run, after which it ends.
+inline constexpr double kBeyondWall = 3e-3, kSameWall = 1e-2;
+inline constexpr double kLiftAtWall = 0.01;  // before the rest is planned anew [m]
+inline constexpr std::size_t kMostWalls = 200;
+
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
-  std::string cause;        // of a stop
+  std::string cause;              // of a stop
+  std::vector<IncidentRow> last;  // of a stop: its last kIncidentTime, oldest first
+  // Why the loop's thread has no real-time priority; empty: it has, or needs none.
+  std::string not_real_time;
   double simulated = 0.0;   // of the driver's clock [s]
   double first_time = 0.0;  // where an earlier run left off [s]
   // Duration of each controller status: limits met, bad inputs [s].
   std::map<std::string, double> met;
   SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
+  std::vector<StrokePart> walls;        // before which a stroke was given up; not drawn again
   // Have no ink at the end of a finished run.
   std::vector<StrokePart> lacking;
   WallTimes wall;

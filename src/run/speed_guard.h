@@ -28,11 +28,19 @@ class SpeedGuard {
       return true;
     }
     braked_ += dt;
-    if (share < kCalm || braked_ > kLongest) {
+    if (share < calm_ || braked_ > kLongest) {
       braking_ = false;
       calmed_ = true;
     }
     return false;
+  }
+
+  // Brakes as if it had tripped, and until the arm stands.
+  void brake() noexcept {
+    calm_ = kStill;
+    if (braking_) return;
+    braking_ = true;
+    braked_ = above_ = 0.0;
   }
 
   bool braking() const { return braking_; }
@@ -43,9 +51,11 @@ class SpeedGuard {
   static constexpr double kTrip = 2.5;      // share of the limits; a stop of a joint gives 1.9
   static constexpr double kConfirm = 3e-3;  // longer than an outlier of a noisy velocity [s]
   static constexpr double kCalm = 0.05;     // share of the limits
+  static constexpr double kStill = 0.002;   // share of the limits
   static constexpr double kLongest = 0.5;   // [s]
 
   JointVector limit_;
+  double calm_ = kCalm;  // share at which braking ends
   bool braking_ = false, calmed_ = false;
   double above_ = 0.0, braked_ = 0.0;  // [s]
   int joint_ = 0;

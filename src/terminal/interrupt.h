@@ -1,5 +1,6 @@
 // Turns ctrl-C, SIGTERM and SIGHUP (the terminal is gone) into a flag that the loop polls, so that
-// the pen is lifted before an interrupted run ends.
+// the pen is lifted before an interrupted run ends. SIGQUIT (ctrl-\) sets another one: emergency
+// stop.
 #pragma once
 
 #include <stdexcept>
@@ -19,8 +20,8 @@ class Interrupted : public std::runtime_error {
 };
 
 // During its lifetime, the first of these signals sets the flag; a second one ends the program at
-// once, as without this class. If SIGHUP was ignored (nohup), it stays so. At most one
-// instance may exist at a time.
+// once, as without this class. SIGQUIT sets its flag also after one of them. If SIGHUP was ignored
+// (nohup), it stays so. At most one instance may exist at a time.
 class Interrupt {
  public:
   Interrupt();
@@ -29,6 +30,7 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   bool requested() const noexcept;  // cheap enough for every step
+  bool emergency() const noexcept;  // SIGQUIT came; requested() is not set by it
   int exit_code() const noexcept;   // 128 + signal (ctrl-C: 130); 0 without one
 };
 

@@ -220,6 +220,17 @@ TEST_F(Data, EverySignalLiftsThePenAndTimesCountFromTheBeginning) {
   }
 }
 
+TEST_F(Data, AnEmergencyStopDampsWhereThePenIsAndLeavesAnIncident) {
+  const Ended ended = draw_until(SIGQUIT);
+  EXPECT_EQ(ended.code, 3) << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr("emergency stop at t = "));
+  const RunData data = read_run(run("run.h5"));
+  ASSERT_GT(data.rows(), 0u);
+  EXPECT_LT(data.time.back(), time_in(ended.err) + 0.6) << "the motion is damped, not lifted";
+  EXPECT_THAT(content_of(run("incident.html")), HasSubstr("emergency stop"));
+  EXPECT_TRUE(fs::exists(run("metrics.json")));
+}
+
 TEST_F(Data, ASignalWhileResultsAreMadeIsSaidInOneLine) {
   for (const bool again : {false, true}) {
     SCOPED_TRACE(again);

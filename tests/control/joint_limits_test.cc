@@ -60,6 +60,38 @@ TEST(JointLimits, RepelAsTheFormulaSaysUpToTheLimitAndBeyond) {
   }
 }
 
+// Past a singular posture an arm that was held there swung back at 5 rad/s and more.
+TEST(NullSpace, DoesNotPullAFastArmFaster) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  const JointVector q = working_posture();
+  s.null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0);
+  s.null_space.q_0 = q + JointVector::Constant(7, 0.5);
+  s.joint_range = {};
+  ArmTerms terms(7);
+  // What q_0 adds to the null-space torque, at a speed of all joints towards it.
+  const auto pull = [&](double speed) {
+    arm.compute(q, JointVector::Constant(7, speed), &terms);
+    TipReference reference;
+    reference.p_WD = terms.X_WE.p;
+    reference.n_WD = -terms.X_WE.R.col(2);
+    const auto torque = [&](const Eigen::VectorXd& q_0) {
+      ImpedanceSettings with = s;
+      with.null_space.q_0 = q_0;
+      ImpedanceController controller(with, 7);
+      return JointVector(
+          controller.step(terms, reference, {}, Wrench::Zero()).terms.col(kNullSpace));
+    };
+    return (torque(s.null_space.q_0) - torque(q)).eval();
+  };
+  const JointVector at_rest = pull(0.0);
+  EXPECT_GT(at_rest.norm(), 0.1);
+  EXPECT_LT((pull(0.9) - at_rest).norm(), 1e-9);
+  EXPECT_LT((pull(1.5) - 0.5 * at_rest).norm(), 1e-9);
+  EXPECT_LT(pull(2.5).norm(), 1e-9);
+  EXPECT_LT((pull(-2.5) - at_rest).norm(), 1e-9);  // braking is never weakened
+}
+
 TEST(JointLimits, RepelSmoothly) {
   ArmModel arm(kArm);
   ArmTerms terms(7);

@@ -19,6 +19,7 @@
 
 #include "impedraw/arm/arm_notes.h"
 #include "impedraw/common/errors.h"
+#include "loopback_server.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -43,24 +44,16 @@ std::string franka_names(std::string urdf) {
 // or each millisecond while there is none. After `reflex_after` commands it stops by a reflex.
 class MadeUpArm {
  public:
-  MadeUpArm() : server_(socket(AF_INET, SOCK_STREAM, 0)), udp_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    bind(server_, reinterpret_cast<sockaddr*>(&address), size);
-    listen(server_, 1);
-    getsockname(server_, reinterpret_cast<sockaddr*>(&address), &size);
-    url = "fci://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  MadeUpArm() : udp_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    url = "fci://" + server_.address();
     thread_ = std::thread([this] { serve(); });
   }
   ~MadeUpArm() { end(); }
 
   void end() {
     over_ = true;
-    shutdown(server_, SHUT_RDWR);
+    server_.refuse();
     if (thread_.joinable()) thread_.join();
-    close(server_);
     close(udp_);
   }
 
@@ -76,7 +69,7 @@ class MadeUpArm {
 
  private:
   void serve() {
-    const int peer = accept(server_, nullptr, nullptr);
+    const int peer = server_.take();
     if (peer < 0) return;
     std::vector<std::uint8_t> got;
     std::array<std::uint8_t, 4096> some;
@@ -167,7 +160,8 @@ class MadeUpArm {
     send(peer, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
 
-  int server_, udp_;
+  LoopbackServer server_;
+  int udp_;
   std::atomic<bool> over_ = false;
   std::thread thread_;
 };

@@ -1,7 +1,6 @@
 // The driver against a made-up arm at the other end of a socket: LCM's tcpq as a broker speaks it.
 #include "impedraw/drivers/iiwa_lcm.h"
 
-#include <arpa/inet.h>
 #include <dlfcn.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -19,6 +18,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
+#include "loopback_server.h"
 
 namespace impedraw {
 namespace {
@@ -47,24 +47,16 @@ class MadeUpArm {
     std::int64_t newest;  // utime of the last status before it
   };
 
-  MadeUpArm() : server_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    bind(server_, reinterpret_cast<sockaddr*>(&address), size);
-    listen(server_, 4);
-    getsockname(server_, reinterpret_cast<sockaddr*>(&address), &size);
-    url = "tcpq://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  MadeUpArm() {
+    url = "tcpq://" + server_.address();
     thread_ = std::thread([this] { serve(); });
   }
   ~MadeUpArm() { end(); }
 
   void end() {
     over_ = true;
-    shutdown(server_, SHUT_RDWR);
+    server_.refuse();
     if (thread_.joinable()) thread_.join();
-    close(server_);
   }
 
   std::string url;
@@ -75,7 +67,7 @@ class MadeUpArm {
  private:
   void serve() {
     while (!over_) {
-      const int peer = accept(server_, nullptr, nullptr);
+      const int peer = server_.take();
       if (peer < 0) return;
       Bytes got;
       gone_ = false;
@@ -163,7 +155,7 @@ class MadeUpArm {
     send(peer, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
 
-  int server_;
+  LoopbackServer server_;
   std::atomic<bool> over_ = false;
   bool gone_ = false;
   std::thread thread_;

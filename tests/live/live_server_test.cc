@@ -183,6 +183,18 @@ TEST_F(LiveServerTest, AViewerPausesResumesAndStopsForAll) {
   EXPECT_THAT(text_with(other, R"("stopping": true)"), HasSubstr("running"));
 }
 
+TEST_F(LiveServerTest, AViewerStopsInAnEmergencyAndNobodyPausesAfterThat) {
+  SocketClient one(server_->port()), other(server_->port());
+  ASSERT_EQ(join(one), 101);
+  ASSERT_EQ(join(other), 101);
+  EXPECT_FALSE(server_->emergency());
+  one.send_text("emergency");
+  EXPECT_TRUE(eventually([&] { return server_->emergency(); }));
+  other.send_text("pause");
+  EXPECT_THAT(text_with(other, R"("stopping": true)"), HasSubstr("running"));
+  EXPECT_FALSE(server_->paused());
+}
+
 TEST_F(LiveServerTest, TheReportReachesWhoWatches) {
   SocketClient client(server_->port());
   ASSERT_EQ(join(client), 101);

@@ -27,6 +27,22 @@ TEST(Interrupt, FirstSignalSetsTheFlag) {
   EXPECT_FALSE(fresh.requested()) << "a new one starts without the old one's signal";
 }
 
+TEST(Interrupt, QuitIsAnEmergencyAndNoInterrupt) {
+  Interrupt interrupt;
+  EXPECT_FALSE(interrupt.emergency());
+  std::raise(SIGQUIT);
+  EXPECT_TRUE(interrupt.emergency());
+  EXPECT_FALSE(interrupt.requested());
+}
+
+TEST(Interrupt, QuitCountsAfterAnInterruptToo) {
+  Interrupt interrupt;
+  std::raise(SIGINT);
+  std::raise(SIGQUIT);
+  EXPECT_TRUE(interrupt.emergency());
+  EXPECT_EQ(interrupt.exit_code(), 130);
+}
+
 TEST(InterruptDeathTest, SecondSignalEndsTheProgram) {
   EXPECT_EXIT(
       {

@@ -282,7 +282,7 @@ export class LiveLink {
     this.connect();
   }
 
-  send(command: "pause" | "resume" | "stop"): void {
+  send(command: "pause" | "resume" | "stop" | "emergency"): void {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(command);
   }
 

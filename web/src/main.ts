@@ -69,6 +69,7 @@ class Page {
   private liveState = h("output", { class: "live-state", role: "status" });
   private livePause = h("button", { type: "button" }, "pause the run");
   private liveStop = h("button", { type: "button" }, "stop with a lift");
+  private liveEmergency = h("button", { type: "button", class: "emergency", title: "damps the motion and ends the run where the pen is" }, "emergency stop");
   private liveFollow = h("button", { type: "button", "aria-pressed": "true" }, "follow the run");
   private liveNumbers = h("div", {});
   readonly stage = h("div", { class: "stage" });
@@ -138,9 +139,10 @@ class Page {
       const { link } = this.live;
       this.livePause.addEventListener("click", () => link.send(link.state === "paused" ? "resume" : "pause"));
       this.liveStop.addEventListener("click", () => link.send("stop"));
+      this.liveEmergency.addEventListener("click", () => link.send("emergency"));
       this.liveFollow.addEventListener("click", () => this.setFollow(!this.follows));
       header.append(h("div", { class: "live", role: "group", "aria-label": "the run that goes on" },
-        this.liveState, this.livePause, this.liveStop, this.liveFollow));
+        this.liveState, this.livePause, this.liveStop, this.liveEmergency, this.liveFollow));
     }
     for (const run of this.runs) {
       const cut = !run.complete ? "cannot be read to its end" : !run.closed ? "ends before the run was closed" : "";
@@ -379,7 +381,7 @@ class Page {
     const { run, link } = this.live;
     const now = run.numbers();
     const words = {
-      connecting: "connecting …", running: link.stopping ? "stopping: the pen is lifted" : "running", paused: "paused",
+      connecting: "connecting …", running: link.stopping ? "stopping" : "running", paused: "paused",
       ending: "the run has ended; its report is being made …", finished: "finished",
       lost: "the run's program does not answer; trying again …",
     }[link.state];
@@ -392,6 +394,7 @@ class Page {
     this.livePause.textContent = link.state === "paused" ? "resume the run" : "pause the run";
     const going = link.state === "running" || link.state === "paused";
     this.livePause.disabled = this.liveStop.disabled = !going || link.stopping;
+    this.liveEmergency.disabled = !going; // also while the pen is lifted
     this.liveNumbers.replaceChildren(liveTiles(now, this.run, this.run.live?.strokes ?? 0));
   }
 

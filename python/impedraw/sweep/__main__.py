@@ -237,8 +237,11 @@ def execute(context, data, progress, cases, options, stop, count=None,  # noqa: 
         rows.flush()
 
 
+PART_SECONDS = 2.0
+
+
 class _Buffer:
-    """Gathers rows, so that a part is written every two seconds and not for every batch."""
+    """Gathers rows: a part is written every two seconds, and not for every batch."""
 
     def __init__(self, data: "object", progress: "object") -> None:
         self.data, self.progress = data, progress
@@ -252,7 +255,7 @@ class _Buffer:
         self.progress.count(table.num_rows, sum(table["failed"].to_pylist()))
 
     def tick(self) -> None:
-        if self.tables and time.monotonic() - self.since > 2.0:
+        if self.tables and time.monotonic() - self.since > PART_SECONDS:
             self.flush()
         self.progress.draw()
 

@@ -26,7 +26,7 @@ from .runners import Context, make_runner
 from .spec import Case
 
 BATCH_SECONDS = 5.0
-SERIAL_ROWS_SECONDS = 0.5  # between two tables of a serial sweep; a kill loses at most so much
+SERIAL_ROWS_SECONDS = 2.0  # between two tables of a serial sweep
 MOST_IN_BATCH = 2000
 WORKER_DEATHS = 3
 _OBJECT_STORE = 100 * 2**20  # [B]; a batch's rows are at most some megabytes

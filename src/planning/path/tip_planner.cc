@@ -21,8 +21,10 @@ using Eigen::Vector3d;
 constexpr double kCentripetalShare = 0.8;
 // share of the limits used; the rest covers maxima between the samples of PathSpline::bounds
 constexpr double kMargin = 0.999;
-// n_z below which a lift goes straight up after clearing the surface
-constexpr double kSteepest = 0.5;
+// Between strokes the pen leans off the drawing axis by no more than this, so that the arm reaches
+// far over steep surfaces. From a steeper place a lift goes straight up after clearing the surface,
+// and the pen rights itself on the way [rad].
+constexpr double kLeaning = 35.0 * std::numbers::pi / 180.0;
 constexpr double kClearance = 0.01;  // length of that clearing move along n [m]
 constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are skipped
 
@@ -77,7 +79,15 @@ class Planner {
   // clear of the surface. above() then leads straight up.
   Vector3d clear_of(const Vector3d& p, const Vector3d& n) const {
     const double rise = std::max(0.0, safe_z_ - p.z());
-    return p + n * (n.z() >= kSteepest ? rise / n.z() : kClearance);
+    return p + n * (n.z() >= std::cos(kLeaning) ? rise / n.z() : kClearance);
+  }
+  // n, or what is nearest to it and leans by kLeaning.
+  static Vector3d righted(const Vector3d& n) {
+    if (n.z() >= std::cos(kLeaning)) return n;
+    const double flat = n.head<2>().norm();
+    if (flat < 1e-9) return Vector3d::UnitZ();
+    const double s = std::sin(kLeaning) / flat;
+    return {s * n.x(), s * n.y(), std::cos(kLeaning)};
   }
   Vector3d above(const Vector3d& p, const Vector3d& n) const {
     Vector3d q = clear_of(p, n);
@@ -128,8 +138,8 @@ class Planner {
 
   void travel_to(const Vector3d& above_hover, const Vector3d& hover, const Vector3d& n) {
     const double v = s_.travel_speed, a = s_.travel_acceleration;
-    if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, n_, Phase::travel, v, a);
-    move(above_hover, n, Phase::travel, v, a);
+    if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, righted(n_), Phase::travel, v, a);
+    move(above_hover, righted(n), Phase::travel, v, a);
     move(clear_of(hover, n), n, Phase::travel, v, a);
     move(hover, n, Phase::travel, v, a);
   }
@@ -200,7 +210,7 @@ class Planner {
   void lift() {
     const Vector3d out = clear_of(p_, n_);
     move(out, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
-    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, n_, Phase::lift, s_.travel_speed,
+    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, righted(n_), Phase::lift, s_.travel_speed,
          s_.travel_acceleration);
   }
 

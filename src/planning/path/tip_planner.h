@@ -60,7 +60,7 @@ struct PathSettings {
   // [m/s]. The tip's damping times this changes the contact force by about a newton.
   double normal_speed = 0.008;
   double joint_speed_share = 0.7;  // of the arm's joint speeds, along a stroke (joint_rates.h)
-  double joint_acceleration = 15;  // of each joint, along a stroke [rad/s²]
+  double joint_acceleration = 25;  // of each joint, along a stroke [rad/s²]
   // of the torque that the controller may use, for holding, pressing and motion along a stroke
   double joint_torque_share = 0.8;
   bool vertical_pen = false;  // n = +z always (blind)

@@ -56,7 +56,8 @@ std::vector<Finding> check_transitions(const TipPath& path,
                                       : "on the way there",
                                text),
                    stroke.page.front(),
-                   p};
+                   p,
+                   lift || back ? WayEnd::last : WayEnd::first};
     amounts[i] = amount;
   };
 

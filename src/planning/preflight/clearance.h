@@ -9,7 +9,7 @@
 //                  c(h) = min(c, kPenOpening h)  desired clearance, 0 at the tip, which must touch
 // The pen is the body whose end is nearest to the tip, at most 50 mm away. r is its radius; h_0 is
 // the height above the tip at which it begins. On a plane whose normal is at angle θ to the pen,
-// the gap is positive up to cos θ = sin α + kPenOpening: 60° for a pen of 5 mm that begins 10 mm
+// the gap is positive up to cos θ = sin α + kPenOpening: 53° for a pen of 5 mm that begins 10 mm
 // up.
 //
 // A gap may be overestimated by up to a tenth plus 1 mm, but it is always negative where something
@@ -29,7 +29,7 @@ namespace impedraw {
 
 inline constexpr double kFarEnough = 0.03;   // larger gaps are reported as this value [m]
 inline constexpr double kTipLength = 5e-3;   // unchecked length of the pen above its tip [m]
-inline constexpr double kPenOpening = 0.05;  // [1]
+inline constexpr double kPenOpening = 0.15;  // [1]
 
 struct Gap {
   double gap = kFarEnough;     // [m]; < 0: penetration

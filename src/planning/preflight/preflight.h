@@ -110,6 +110,9 @@ struct PreflightSettings {
 // Throws InputError naming the setting, its value and the allowed range.
 void validate(const PreflightSettings& settings);
 
+// The end of a stroke at which the way to it or off it fails.
+enum class WayEnd { none, first, last };
+
 struct Finding {
   StrokePart part;
   Problem problem = Problem::off_canvas;
@@ -117,6 +120,7 @@ struct Finding {
   Eigen::Vector2d page_mm = Eigen::Vector2d::Zero();  // the worst point
   // the worst point [m]; off the canvas: at the height where the stroke left it, or of P's origin
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
+  WayEnd way = WayEnd::none;
 };
 
 // Worst values over the drawable parts.

@@ -14,6 +14,7 @@ NAMES = {
     "sine-no-wrench": "sine, no wrench, natural inertia",
     "m-no-wrench": "M, the same",
     "sine-heavy": "sine, no wrench, rotor inertia 0.1 kg m² and the pen a fifth heavier than believed",
+    "sine-heavy-wrench": "the same with the late wrench",
 }
 lines = [
     "| drawing | contact | ink RMS, max [mm] | force mean ± SD [N] | floor's SD [N] | touchdown [N] | first 10 ms of torque [Nm] | largest joint speed of its limit | unanswered statuses |",

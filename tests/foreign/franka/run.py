@@ -1,6 +1,6 @@
 """impedraw's drawings on franka-sim's FR3, judged from MuJoCo's own log, and reflexes that are provoked there.
 
-Usage: .venv/bin/python tests/foreign/franka/run.py [--all] [CASE …]    (default: absent, other-arm, sine)
+Usage: .venv/bin/python tests/foreign/franka/run.py [--all] [CASE …]    (default: absent, other-arm, sine, slider-sine)
 Exit code 0 if every bound of bounds.json and every check holds. Leaves build/foreign/franka/figures.json.
 """
 import json
@@ -121,6 +121,14 @@ def other_arm():
     return {"stderr": said["panda"], "iiwa": said["iiwa14"]}
 
 
+def slider(name):
+    """The floor, along the line that was drawn before."""
+    with h5py.File(OUT / name / "run.h5") as log:
+        target, stroke = log["/target/points"][:], log["/target/stroke"][:]
+    numpy.save(OUT / "target.npy", target[stroke == 0])
+    return json.loads(subprocess.run([PYTHON, HERE / "slider.py", OUT / "target.npy"], capture_output=True, text=True, check=True).stdout)
+
+
 def sigterm():
     """SIGTERM in the middle: the pen is lifted, the last torque is zero."""
     scenario, file, folder = HERE / "fr3-sine.yaml", OUT / "sigterm.npz", OUT / "sigterm"
@@ -157,13 +165,15 @@ CASES = {
     "other-arm": other_arm,
     "sine": lambda: draw("sine")[0],
     "m": lambda: draw("m", "fr3-m.yaml")[0],
+    "slider-sine": lambda: slider("sine"),
+    "slider-m": lambda: slider("m"),
     "torque-step": lambda: provoked("torque-step"),
     "stall": lambda: provoked("stall"),
     "overspeed": lambda: provoked("overspeed"),
     "sigterm": sigterm,
     "hold": hold,
 }
-USUAL = ["absent", "other-arm", "sine"]
+USUAL = ["absent", "other-arm", "sine", "slider-sine"]
 
 
 if __name__ == "__main__":

@@ -37,6 +37,9 @@ for name, text in (
         f"| {text} | `{reflex}` | {f['recovered_s']:.1f} | {f['first_torque']:.2f} | {f['ink_error_rms']:.3f}, {f['ink_error_max']:.2f} | {f['coverage']:.3f} |"
     )
 lines += ["", "Of the time until the first torque, 0.7 s is franka-sim's own wait for a standstill; a busy machine's two cores did the rest."]
+if "slider-sine" in figures:
+    f = figures["slider-sine"]
+    lines += ["", f"The floor, an ideal slider of 3 kg along the same line: {f['force_median']:.3f} N (median), SD {f['force_sd']:.3f} N, contact {f['contact_fraction']:.4f}."]
 for name, text in (("absent", "No arm"), ("other-arm", "A Panda's model"), ("sigterm", "SIGTERM in the middle")):
     if name in figures:
         lines += ["", f"{text}: `{figures[name]['stderr']}`"]

@@ -65,6 +65,29 @@ TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
   EXPECT_EQ(path.at(-1).reference.p_WD, path.at(0).reference.p_WD);
 }
 
+// An arm cannot hold its pen at 60° wherever it can hold it at 35°.
+TEST(TipPath, ThePenRightsItselfBetweenStrokesOnASteepSurface) {
+  const double slope = std::tan(60.0 * std::numbers::pi / 180.0);
+  const SurfaceHeight steep = [slope](double x, double y) -> std::optional<SurfaceSample> {
+    return SurfaceSample{{x, y, 0.1 + slope * (x - 0.6)}, Vector3d(-slope, 0, 1).normalized()};
+  };
+  PathSettings settings;
+  const TipPath path = plan_tip_path(
+      {line({{0.6, -0.05}, {0.6, -0.03}}), line({{0.6, 0.03}, {0.6, 0.05}}, 1)}, steep, settings);
+  double drawn = 0.0, least = 1e9;
+  for (double t = 0.0; t < path.duration(); t += 1e-3) {
+    const PathSample s = path.at(t);
+    const double leaning = std::acos(s.reference.n_WD.z());
+    if (s.phase == Phase::draw) drawn = std::max(drawn, leaning);
+    // Between the strokes, at the safe height.
+    if (s.phase == Phase::travel && s.reference.p_WD.z() > 0.1 + settings.safe_height - 1e-6)
+      least = std::min(least, leaning);
+    ASSERT_LT(s.reference.w_WD.norm(), settings.turn_speed + 1e-9);
+  }
+  EXPECT_NEAR(drawn, 60.0 * std::numbers::pi / 180.0, 1e-6);
+  EXPECT_LT(least, 35.0 * std::numbers::pi / 180.0 + 1e-9);
+}
+
 TEST(TipPath, StrokeAndPenDownAreTimedAsMeasured) {
   const std::vector<PlacedStroke> strokes{line({{0.55, 0}, {0.6, 0.05}}),
                                           line({{0.6, -0.05}, {0.65, -0.05}, {0.65, 0}}, 1)};

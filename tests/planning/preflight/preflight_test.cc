@@ -161,13 +161,13 @@ TEST_F(PreflightTest, TorqueIsWhatVirtualWorkSays) {
 }
 
 TEST_F(PreflightTest, PenStopsShortOfAWall) {
-  // Upright pen towards a wall that ends 50 mm above the tip: 5 mm of shaft, and 2.5 mm of
-  // clearance there.
+  // Upright pen towards a wall that ends 50 mm above the tip: 5 mm of shaft, and 5 mm of clearance
+  // there.
   const Canvas wall(surfaces::wall(0.66, 0.5, 0, 0.15));
   const Preflight done =
       check({surfaces::line({{0.60, 0}, {0.66, 0}})}, surfaces::flat(0.1), &wall);
   ASSERT_EQ(problems(done), std::vector{Problem::pen_collision});
-  EXPECT_NEAR(done.drawable.at(0).to, 0.0525, settings.edge_tolerance + 5e-5);
+  EXPECT_NEAR(done.drawable.at(0).to, 0.05, settings.edge_tolerance + 5e-5);
   EXPECT_NE(done.findings[0].text.find("the pen "), std::string::npos);
   EXPECT_NE(done.findings[0].text.find("too near the canvas"), std::string::npos);
   // A higher one keeps the flange away, which is wider.

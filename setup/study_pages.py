@@ -1,0 +1,297 @@
+"""Writes docs/surface_cells.md, docs/robustness.md or docs/reach.md, and their pictures, from a sweep's data set.
+
+    ./impedraw robustness --part surfaces --out /tmp/surfaces && .venv/bin/python setup/study_pages.py surfaces /tmp/surfaces
+    ./impedraw robustness --out /tmp/robustness && .venv/bin/python setup/study_pages.py robustness /tmp/robustness
+    ./impedraw reach --out /tmp/reach && .venv/bin/python setup/study_pages.py reach /tmp/reach
+"""
+import datetime
+import json
+import math
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+BLUE, ORANGE, GREEN, RED = "#163a8a", "#d9822b", "#2f8f6b", "#b22222"
+READ = """import json, sys, pyarrow.parquet
+keep = ("case", "group", "scenario", "svg", "set", "state", "cause", "failed", "not_drawn", "key")
+table = pyarrow.parquet.read_table(sys.argv[1])
+names = [n for n in table.column_names if n in keep or "." not in n]
+json.dump(table.select(names).to_pylist(), sys.stdout, default=str)"""
+
+
+def rows_of(folder):
+    """pyarrow stands in the sweeps' environment, matplotlib in the program's."""
+    command = [ROOT / "build/sweep-venv/bin/python", "-c", READ, folder / "runs.parquet"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def stamp():
+    describe = ["git", "describe", "--always", "--dirty=+", "--exclude=*"]
+    commit = subprocess.run(describe, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+    return f"{datetime.datetime.now(datetime.UTC):%Y-%m-%d}, commit {commit}"
+
+
+def digits(x):
+    if x is None or not math.isfinite(x):
+        return "–"
+    if x < 1e-4:
+        return "0" if x == 0 else "<0.0001"
+    return f"{x:.{min(4, max(0, 1 - math.floor(math.log10(x))))}f}"
+
+
+def command(row):
+    words = ["./impedraw draw", row["scenario"]] + (["--svg", row["svg"]] if row["svg"] else [])
+    for name, value in json.loads(row["set"]).items():
+        text = f"{name}={value if isinstance(value, str) else json.dumps(value)}"
+        words.append(f"--set '{text}'" if " " in text else f"--set {text}")
+    return " ".join(words)
+
+
+def failed_list(rows):
+    lines = []
+    for row in rows:
+        if row["failed"]:
+            lines += [f"- `{row['case']}`: {row['cause']}", f"  `{command(row)}`"]
+    return lines
+
+
+def failure(row):
+    return "" if not row["failed"] else f"**✗ {(row['cause'] or row['state']).split(':')[0].split(' ')[0]}** "
+
+
+def share(rows):
+    asked = sum(row["length_asked"] or 0.0 for row in rows)
+    return sum(row["length_promised"] or 0.0 for row in rows) / asked if asked else 0.0
+
+
+def surfaces(rows, folder):
+    del folder
+    drawings = ("text", "spiral", "hatch")
+    bad = sum(row["failed"] for row in rows)
+    unstable = sum("far above its speed limit" in (row["cause"] or "") or "unstable" in (row["cause"] or "") for row in rows)
+    lines = ["# Surfaces", "",
+             f"`./impedraw robustness --part surfaces`, {stamp()}: {len(rows)} cells of `studies/surfaces.yaml`; **{bad} missed a limit**, "
+             f"{unstable} were unstable; {100 * share(rows):.0f} % of the length that was asked for is promised. Each entry gives *ink error RMS [mm] / "
+             "standard deviation of the normal force [N] / mean speed [mm/s] / share of the length promised*. **✗** marks a cell that stopped or "
+             "missed a limit; the last list says which."]  # fmt: skip
+    for group in dict.fromkeys(row["group"] for row in rows):
+        cells = {row["case"]: row for row in rows if row["group"] == group}
+        lines += ["", f"## {group}", "", f"{100 * share(cells.values()):.0f} % of the length is promised.", "",
+                  "| | " + " | ".join(drawings) + " |", "|---" * (len(drawings) + 1) + "|"]  # fmt: skip
+        for surface in dict.fromkeys(case.rsplit("-", 1)[0] for case in cells):
+            entries = []
+            for drawing in drawings:
+                row = cells.get(f"{surface}-{drawing}")
+                if row is None:
+                    entries.append("")
+                    continue
+                values = [digits(row[name]) for name in ("ink_error_rms", "force_sd", "speed_mean")]
+                entries.append(("**✗** " if row["failed"] else "") + " / ".join([*values, f"{share([row]):.2f}"]))
+            lines.append(f"| {surface} | " + " | ".join(entries) + " |")
+    return "surface_cells.md", [*lines, "", "## Cells that missed a limit", "", *failed_list(rows)]
+
+
+def entry(row, mean_force=False):
+    if row is None:
+        return ""
+    if row["ink_error_rms"] is None:
+        return failure(row).strip() or "–"
+    values = [digits(row["ink_error_rms"]), digits(row["force_sd"])] + ([f"{row['force_mean']:.2f}"] if mean_force else [])
+    return failure(row) + " / ".join(values)
+
+
+def axis_of(cells):
+    """The setting that the cells of a group differ in."""
+    sets = [json.loads(row["set"]) for row in cells]
+    return next((name for name in sets[0] if len({json.dumps(s.get(name)) for s in sets}) > 1), list(sets[0])[0])
+
+
+def robustness(rows, folder):
+    del folder
+    by_case, bad = {row["case"]: row for row in rows}, sum(row["failed"] for row in rows)
+    slopes, speeds, forces = (0, 15, 30, 45, 60), (10, 50, 100, 200), (1, 5, 20)
+    lines = ["# Robustness", "",
+             f"`./impedraw robustness`, {stamp()}: {len(rows)} cells, **{bad} failed**. Each entry gives *ink error RMS [mm] / standard deviation of the "
+             "normal force [N]*, and in the last table also the *mean normal force [N]*. The desired force is 5 N unless the row gives another.", "",
+             "The matrix of speeds, slopes and forces draws a circle on a leaning plane (`scenarios/robustness-nominal.yaml`, `robustness-realistic.yaml`). "
+             "All other cells draw the standard sine and change what their row names. Every cell also sets `drawing.redraw=false` and "
+             "`preflight.arm=false`, so that the law is judged without a second pass, also where the pre-flight would refuse.", "",
+             "**✗** marks a failed cell. A cell fails if it is refused (the drawing cannot be planned), stops or takes too long; if a stroke has no ink "
+             "(missed), if less than 98 % of the pen-down samples have ink (contact), if more than 5 % of the ink's length is over 1 mm from its target "
+             "(astray), or if its mean speed is below 90 % of the desired speed (slow). `runs.parquet` of the [sweep](sweeps.md) has every setting and "
+             "metric of each cell.", "",
+             "![Error and force against slope, speed, force and each model error](robustness.png)"]  # fmt: skip
+    for state in ("nominal", "realistic"):
+        lines += ["", f"## Speed, slope and normal force: {state}", "", "| | " + " | ".join(f"{s}°" for s in slopes) + " |", "|---" * 6 + "|"]
+        for force in forces:
+            for speed in speeds:
+                cells = [by_case.get(f"matrix-{state}-{speed}mm_s-{slope}deg-{force}N") for slope in slopes]
+                lines.append(f"| {force} N, {speed} mm/s | " + " | ".join(map(entry, cells)) + " |")
+    for prefix, title in (("error", "Each model error alone"),
+                          ("tuned", "What the controller is not told, under the tuning for real arms")):  # fmt: skip
+        lines += ["", f"## {title}", "", "| | first value | second | third |", "|---|---|---|---|"]
+        for group in dict.fromkeys(row["group"] for row in rows if row["group"].startswith(prefix)):
+            cells = [row for row in rows if row["group"] == group]
+            if len(cells) == 1:
+                lines.append(f"| {group.removeprefix(prefix + '-').replace('-', ' ')} | {entry(cells[0])} | | |")
+                continue
+            name = axis_of(cells)
+            lines.append(f"| `{name}` | " + " | ".join(f"{json.loads(row['set'])[name]:g}: {entry(row)}" for row in cells) + " |")
+    lines += ["", "## Canvases, at 50 mm/s and 5 N", "", "| | nominal | realistic |", "|---|---|---|"]
+    for canvas in dict.fromkeys(row["case"].split("-")[1] for row in rows if row["group"] == "canvas"):
+        cells = [by_case.get(f"canvas-{canvas}-{state}") for state in ("nominal", "realistic")]
+        lines.append(f"| {canvas.replace('_', ' ')} | " + " | ".join(map(entry, cells)) + " |")
+    lines += ["", "## Effect of each switch", "", "| | off | on |", "|---|---|---|"]
+    for case in dict.fromkeys(row["case"].rsplit("-", 1)[0] for row in rows if row["group"].startswith("switch")):
+        group = by_case[f"{case}-off"]["group"]
+        label = f"{group.removeprefix('switch-').replace('_', ' ')}: {case.removeprefix(group + '-')}"
+        lines.append(f"| {label} | " + " | ".join(entry(by_case.get(f"{case}-{s}"), True) for s in ("off", "on")) + " |")
+    picture_of_robustness(rows, by_case, slopes, speeds, forces)
+    return "robustness.md", [*lines, "", "## Failed cells", "", *failed_list(rows)]
+
+
+def picture_of_robustness(rows, by_case, slopes, speeds, forces):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    pyplot.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e6e6ea"})
+    groups = [g for g in dict.fromkeys(row["group"] for row in rows)
+              if g.startswith(("error", "tuned")) and sum(row["group"] == g for row in rows) > 1]  # fmt: skip
+    across = 4
+    down = math.ceil(len(groups) / across)
+    figure = pyplot.figure(figsize=(14.5, 7.5 + 2.3 * down), layout="constrained")
+    top, bottom = figure.subfigures(2, 1, height_ratios=[7, 2.3 * down])
+    axes = top.subplots(2, 3, sharey="row")
+    for i, (metric, title) in enumerate((("ink_error_rms", "ink error, RMS [mm]"), ("force_sd", "normal force, standard deviation [N]"))):
+        for j, (label, values) in enumerate((("slope [deg]", slopes), ("speed [mm/s]", speeds), ("push [N]", forces))):
+            ax = axes[i][j]
+            for state, colour in (("nominal", BLUE), ("realistic", ORANGE)):
+                for a in (speeds, slopes, slopes)[j]:
+                    for b in (forces, forces, speeds)[j]:
+                        def case(x, a=a, b=b, j=j, state=state):
+                            speed, slope, force = ((a, x, b), (x, a, b), (b, a, x))[j]
+                            return by_case.get(f"matrix-{state}-{speed}mm_s-{slope}deg-{force}N")
+                        main = (a, b) == ((50, 5), (30, 5), (30, 50))[j]
+                        found = [(x, row) for x in values if (row := case(x)) and row[metric]]
+                        ax.plot([x for x, _ in found], [row[metric] for _, row in found], color=colour, lw=2 if main else 0.7, alpha=1 if main else 0.25,
+                                marker="o" if main else "", ms=4, label=f"{state}, the others at 50 mm/s, 30°, 5 N" if main else None)  # fmt: skip
+                        wrong = [(x, row[metric]) for x, row in found if row["failed"]]
+                        ax.plot([x for x, _ in wrong], [y for _, y in wrong], "x", color=RED, ms=6, mew=2, zorder=3)
+            ax.set_yscale("log")
+            if j:
+                ax.set_xscale("log")
+            ax.set_xticks(values, [str(v) for v in values])
+            ax.minorticks_off()
+            ax.set_xlabel(label)
+            ax.set_title(title if j == 0 else "", loc="left", fontsize=9)
+    handles, labels = axes[0][0].get_legend_handles_labels()
+    handles.append(pyplot.Line2D([], [], marker="x", color=RED, ls="", mew=2))
+    top.legend(handles, [*labels, "failed"], loc="outside upper left", ncols=3, frameon=False)
+    bottom.suptitle("Each model error alone (error), and what the controller is not told under the tuning for real arms (tuned); both on the sine at 50 mm/s",
+                    fontsize=10, x=0.01, ha="left")  # fmt: skip
+    panels = bottom.subplots(down, across, squeeze=False, sharey=True)
+    for ax, group in zip(panels.flat, groups):
+        cells = [row for row in rows if row["group"] == group]
+        name = axis_of(cells)
+        places = range(len(cells))
+        for metric, colour, mark, label in (("ink_error_rms", BLUE, "o", "ink error, RMS [mm]"), ("force_sd", GREEN, "s", "force, SD [N]")):
+            found = [(x, row) for x, row in zip(places, cells) if row[metric]]
+            ax.plot([x for x, _ in found], [row[metric] for _, row in found], color=colour, marker=mark, ms=4, label=label)
+        for x, row in zip(places, cells):
+            if row["failed"]:
+                ax.plot([x], [row["ink_error_rms"] or 20.0], "x", color=RED, ms=7, mew=2)
+        ax.set_yscale("log")
+        ax.set_ylim(1e-3, 30)
+        ax.set_xticks(list(places), [f"{json.loads(row['set'])[name]:g}" for row in cells])
+        ax.set_xlim(-0.3, len(cells) - 0.7)
+        ax.set_title(f"{group.split('-')[0]}: {name.split('.', 1)[1] if name.startswith('world.') else name}", loc="left", fontsize=8)
+    for ax in list(panels.flat)[len(groups):]:
+        ax.set_visible(False)
+    panels[0][0].legend(frameon=False, fontsize=7, loc="upper left")
+    figure.savefig(DOCS / "robustness.png", dpi=100)
+
+
+def reach(rows, folder):
+    text = (DOCS / "reach.md").read_text()
+    tail = text[text.index("## Drawings"): text.index("## Parts that are not drawn")].rstrip()
+    drawings = list(dict.fromkeys(row["case"].split("-on-")[0] for row in rows))
+    canvases = list(dict.fromkeys(row["case"].split("-on-")[1] for row in rows))
+    by_case, bad = {row["case"]: row for row in rows}, sum(row["failed"] for row in rows)
+    asked, promised = (sum(row[n] or 0.0 for row in rows) / 1e3 for n in ("length_asked", "length_promised"))
+    lines = ["# Reach", "",
+             f"`./impedraw reach`, {stamp()}: ten drawings on ten canvases. {len(rows)} combinations were run, and **{bad} missed a limit**. The pre-flight "
+             f"promised {promised:.1f} m of the {asked:.1f} m asked for, and named the rest with its reason.", "",
+             "A combination meets its limits if every stroke is drawn or named by the pre-flight, the coverage of the promised length is at least 0.995, the "
+             "ink error is at most 0.2 mm RMS where the canvas leans by less than 45° from the drawing axis, and the program does not crash. `runs.parquet` of "
+             "the [sweep](sweeps.md) has the other figures of each combination. `./impedraw reach --list` prints the command that draws it alone.", "",
+             "![Each drawing on each canvas](reach.png)", "", "## Ink error [mm] / coverage", "",
+             "| | " + " | ".join(canvases) + " |", "|---" * (len(canvases) + 1) + "|"]  # fmt: skip
+
+    def of(drawing, canvas, write):
+        row = by_case.get(f"{drawing}-on-{canvas}")
+        return "" if row is None else ("**✗** " if row["failed"] else "") + write(row)
+
+    def error(row):
+        return f"{digits(row['ink_error_rms_to_45'] or row['ink_error_rms'])} / {row['coverage']:.4f}" if row["coverage"] is not None else "nothing"
+
+    def length(row):
+        promised, asked = round(row["length_promised"] or 0.0), round(row["length_asked"] or 0.0)
+        return f"{asked} mm" if promised >= asked else f"**{promised}** of {asked} mm"
+
+    for drawing in drawings:
+        lines.append(f"| {drawing} | " + " | ".join(of(drawing, c, error) for c in canvases) + " |")
+    lines += ["", "## Promised length", "", "Length in the drawing plane that the pre-flight promised. Bold: less than asked for.", "",
+              "| | " + " | ".join(canvases) + " |", "|---" * (len(canvases) + 1) + "|"]  # fmt: skip
+    for drawing in drawings:
+        lines.append(f"| {drawing} | " + " | ".join(of(drawing, c, length) for c in canvases) + " |")
+    lines += ["", tail, "", "## Parts that are not drawn", "",
+              "Parts of strokes by reason. `./impedraw plan` with scenario and drawing lists them one by one.", "", "| | [mm] | parts by reason |", "|---|---|---|"]  # fmt: skip
+    for row in rows:
+        if row["length_undrawable"]:
+            reasons = json.loads(row["not_drawn"] or "{}")
+            lines.append(f"| `{row['case']}` | {row['length_undrawable']:.0f} | " + "; ".join(f"{k} {v}" for k, v in reasons.items()) + " |")
+    picture_of_reach(by_case, drawings, canvases, folder)
+    return "reach.md", [*lines, *(["", "## Combinations that missed a limit", "", *failed_list(rows)] if bad else [])]
+
+
+def picture_of_reach(by_case, drawings, canvases, folder):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(len(drawings), len(canvases), figsize=(1.7 * len(canvases), 1.9 * len(drawings)), layout="constrained")
+    for i, drawing in enumerate(drawings):
+        for j, canvas in enumerate(canvases):
+            ax, row = axes[i][j], by_case.get(f"{drawing}-on-{canvas}")
+            ax.set_xticks([])
+            ax.set_yticks([])
+            found = sorted((folder / "kept").glob(f"{row['key']}*/**/ink_top.png")) if row else []
+            if found:
+                ax.imshow(pyplot.imread(found[0]))
+            if row:
+                ax.set_xlabel("nothing to draw" if row["coverage"] is None else f"{digits(row['ink_error_rms_to_45'])} mm  {row['coverage']:.4f}", fontsize=7)
+            if i == 0:
+                ax.set_title(canvas, fontsize=9)
+            if j == 0:
+                ax.set_ylabel(drawing, fontsize=9)
+    figure.savefig(DOCS / "reach.png", dpi=100)
+
+
+def main():
+    pages = {"surfaces": surfaces, "robustness": robustness, "reach": reach}
+    if len(sys.argv) != 3 or sys.argv[1] not in pages:
+        sys.exit(__doc__)
+    folder = pathlib.Path(sys.argv[2])
+    rows = rows_of(folder)
+    name, lines = pages[sys.argv[1]](rows, folder)
+    (DOCS / name).write_text("\n".join(lines) + "\n")
+    print(f"docs/{name}: {len(rows)} cells, {sum(row['failed'] for row in rows)} missed a limit")
+
+
+if __name__ == "__main__":
+    main()

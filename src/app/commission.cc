@@ -1,0 +1,207 @@
+#include "impedraw/app/commission.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "impedraw/app/arm.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/common/exit_code.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/run/identify_joints.h"
+#include "impedraw/run/real_time.h"
+#include "impedraw/run/simulated_arm.h"
+#include "impedraw/sensing/touches.h"
+#include "impedraw/terminal/say.h"
+
+namespace impedraw {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kAtRest = 0.01;    // joint speed while a touch is noted [rad/s]
+constexpr double kTouchTime = 0.5;  // over which its posture is averaged [s]
+
+fs::path file_in(const fs::path& folder) { return folder / "commissioning.json"; }
+
+Json read_file(const fs::path& folder) {
+  std::ifstream in(file_in(folder));
+  if (!in) return Json::object();
+  Json json = Json::parse(in, nullptr, false);
+  if (!json.is_object())
+    throw InputError(fmt::format("{}: is not what ./impedraw arm latency writes; move it away",
+                                 file_in(folder).string()));
+  return json;
+}
+
+// Throws unless the step before has left its result.
+void require_step(const Json& json, const fs::path& folder, const char* before) {
+  if (!json.contains(before))
+    throw InputError(fmt::format("{}: has no '{}'; run ./impedraw arm {} --into {} first",
+                                 file_in(folder).string(), before, before, folder.string()));
+}
+
+void write_step(const fs::path& folder, Json json, const char* step, Json result) {
+  fs::create_directories(folder);
+  json[step] = std::move(result);
+  write_whole(file_in(folder), json.dump(2) + "\n");
+}
+
+// The arm of the options: the simulated one over its canvas, or another.
+struct CommissionedArm {
+  Experiment experiment;
+  std::unique_ptr<Driver> driver;
+
+  explicit CommissionedArm(const DrawOptions& options) : experiment(prepare(resolve(options))) {
+    const DriverMaker make = driver_maker(experiment);
+    if (make)
+      driver = make(experiment.scene.start_q);
+    else
+      driver = std::make_unique<SimulatedArm>(experiment, experiment.scene.start_q, Disturbances());
+  }
+};
+
+std::vector<double> numbers(const JointVector& x) { return {x.begin(), x.end()}; }
+
+}  // namespace
+
+int commission_latency(const DrawOptions& options, const fs::path& folder) {
+  Json json = read_file(folder);
+  CommissionedArm arm(options);
+  const RealTime real_time(!arm.driver->info().waits && arm.experiment.scenario.arm.real_time);
+  const LoopDelay found = identify_delay(arm.experiment.scene.arm, *arm.driver);
+  write_step(folder, std::move(json), "latency",
+             {{"delay_s", found.delay}, {"explained", found.explained}});
+  say(stdout,
+      "delay     {:.4f} s from a state to its torque; explains {:.1f} % of the last joint's "
+      "acceleration\n\nAs a setting of a scenario:\n{}: {:.4f}\n",
+      found.delay, 1e2 * found.explained,
+      arm.experiment.scenario.arm.driver == ArmDriver::sim ? "control.torque_delay" : "arm.delay",
+      found.delay);
+  return kFinished;
+}
+
+int commission_friction(const DrawOptions& options, const fs::path& folder) {
+  Json json = read_file(folder);
+  require_step(json, folder, "latency");
+  CommissionedArm arm(options);
+  const RealTime real_time(!arm.driver->info().waits && arm.experiment.scenario.arm.real_time);
+  const std::vector<JointFriction> found = identify_friction(
+      arm.experiment.scene.arm, *arm.driver, json["latency"].at("delay_s").get<double>());
+  Json joints = Json::array();
+  say(stdout, "joint      friction [Nm]  viscous [Nm s/rad]  residual [Nm]\n");
+  for (std::size_t j = 0; j < found.size(); ++j) {
+    const std::string& name = arm.experiment.scene.arm.joint_names()[j];
+    joints.push_back({{"joint", name},
+                      {"coulomb_Nm", found[j].coulomb},
+                      {"viscous_Nms", found[j].viscous},
+                      {"residual_Nm", found[j].residual}});
+    say(stdout, "{:10} {:13.3f}  {:18.3f}  {:13.3f}\n", name, found[j].coulomb, found[j].viscous,
+        found[j].residual);
+  }
+  write_step(folder, std::move(json), "friction", std::move(joints));
+  return kFinished;
+}
+
+int commission_touch(const DrawOptions& options, const fs::path& folder, const std::string& mark) {
+  Json json = read_file(folder);
+  require_step(json, folder, "friction");
+  double x = 0.0, y = 0.0;
+  char more = 0;
+  const bool pen = mark == "pen";
+  if (!pen && std::sscanf(mark.c_str(), "%lf,%lf%c", &x, &y, &more) != 2)
+    throw InputError(fmt::format(
+        "--mark: '{}' is no mark; valid are pen, and X,Y of a mark on the page in m", mark));
+  if (!pen) require_step(json, folder, "pen-length");
+  const auto [q, model] = posture_at_rest(options, kTouchTime, kAtRest);
+  const Pose X_WE = model->tip_pose(q);
+  Json touch = {{"q", numbers(q)},
+                {"p_WE", {X_WE.p.x(), X_WE.p.y(), X_WE.p.z()}},
+                {"R_WE", std::vector<double>(X_WE.R.data(), X_WE.R.data() + 9)}};
+  if (!pen) touch["mark"] = {x, y};
+  Json touches = json.value(pen ? "pen touches" : "page touches", Json::array());
+  touches.push_back(std::move(touch));
+  const std::size_t count = touches.size();
+  write_step(folder, std::move(json), pen ? "pen touches" : "page touches", std::move(touches));
+  say(stdout, "touch {}: the tip of the model is at ({:.4f}, {:.4f}, {:.4f}) m\n", count,
+      X_WE.p.x(), X_WE.p.y(), X_WE.p.z());
+  return kFinished;
+}
+
+namespace {
+
+Pose pose_of(const Json& touch) {
+  Pose X;
+  for (Eigen::Index i = 0; i < 3; ++i)
+    X.p[i] = touch.at("p_WE").at(static_cast<std::size_t>(i)).get<double>();
+  for (Eigen::Index i = 0; i < 9; ++i)
+    X.R.data()[i] = touch.at("R_WE").at(static_cast<std::size_t>(i)).get<double>();
+  return X;
+}
+
+std::string touch_first(const fs::path& folder, const char* mark) {
+  return fmt::format("{}: no such touches; ./impedraw arm touch --mark {} --into {} notes them",
+                     file_in(folder).string(), mark, folder.string());
+}
+
+}  // namespace
+
+int commission_pen_length(const fs::path& folder) {
+  Json json = read_file(folder);
+  if (!json.contains("pen touches")) throw InputError(touch_first(folder, "pen"));
+  std::vector<Pose> touches;
+  for (const Json& touch : json["pen touches"]) touches.push_back(pose_of(touch));
+  const PenLength found = identify_pen_length(touches);
+  write_step(
+      folder, std::move(json), "pen-length",
+      {{"longer_m", found.longer}, {"error_m", found.error}, {"residual_m", found.residual}});
+  say(stdout,
+      "pen       {:.2f} ± {:.2f} mm longer than modelled, from {} touches of one point (residual "
+      "{:.2f} mm)\n          give it to ./impedraw arm make-urdf --tool-length, or to the URDF's "
+      "tip frame\n",
+      1e3 * found.longer, 1e3 * found.error, touches.size(), 1e3 * found.residual);
+  return kFinished;
+}
+
+int commission_register(const fs::path& folder) {
+  Json json = read_file(folder);
+  require_step(json, folder, "pen-length");
+  if (!json.contains("page touches")) throw InputError(touch_first(folder, "X,Y"));
+  const double longer = json["pen-length"].at("longer_m").get<double>();
+  std::vector<Eigen::Vector3d> p_P, p_W;
+  for (const Json& touch : json["page touches"]) {
+    const Pose X = pose_of(touch);
+    p_P.emplace_back(touch.at("mark").at(0).get<double>(), touch.at("mark").at(1).get<double>(),
+                     0.0);
+    p_W.push_back(X.p + longer * X.R.col(2));
+  }
+  const Registration found = register_page(p_P, p_W);
+  const Eigen::Matrix3d& R = found.X_WP.R;
+  const double degree = 180.0 / std::numbers::pi;
+  const double roll = degree * std::atan2(R(2, 1), R(2, 2)),
+               pitch = degree * std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
+               yaw = degree * std::atan2(R(1, 0), R(0, 0));
+  const Eigen::Vector3d& p = found.X_WP.p;
+  write_step(folder, std::move(json), "register",
+             {{"p_WP_m", {p.x(), p.y(), p.z()}},
+              {"roll_pitch_yaw_deg", {roll, pitch, yaw}},
+              {"residual_m", found.residual}});
+  say(stdout,
+      "page      its origin is at ({:.4f}, {:.4f}, {:.4f}) m, roll, pitch, yaw ({:.2f}, {:.2f}, "
+      "{:.2f}) degrees; residual {:.2f} mm over {} marks\n",
+      p.x(), p.y(), p.z(), roll, pitch, yaw, 1e3 * found.residual, p_P.size());
+  return kFinished;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,213 @@
+#include "impedraw/run/identify_joints.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kMostStiffness = 300.0;  // of each joint [Nm/rad]
+constexpr double kPhase = 0.35;           // bandwidth of a joint's stiffness times the loop's delay
+constexpr double kSweep = 0.2;            // to each side of the start [rad]
+constexpr std::array<double, 2> kSpeeds = {0.15, 0.4};  // [rad/s]
+constexpr int kRounds = 2;
+constexpr double kMoves = 0.03;       // a joint that is faster moves [rad/s]
+constexpr double kLeastMoved = 3.0;   // in all sweeps [s]
+constexpr double kMargin = 0.05;      // that a sweep keeps from a joint's limits [rad]
+constexpr double kLeastShake = 0.02;  // [Nm]
+constexpr double kMostShake = 0.1;    // of the last joint's torque limit
+constexpr double kShakeSpeed = 0.1;   // of its speed limit, at which it moves enough
+constexpr double kLeastExplained = 0.5;
+constexpr double kMostFriction = 1.0 / 3.0;  // of the joint's torque limit
+
+class Holder {
+ public:
+  // delay: the longest that the loop may have [s]. A light joint gets less stiffness: through the
+  // delay it would oscillate.
+  Holder(ArmModel& arm, Driver& driver, double delay)
+      : arm_(arm), driver_(driver), terms_(arm.joints()), state_(&driver.read()), q0_(state_->q) {
+    arm_.compute(q0_, state_->v, &terms_);
+    const JointMatrix inverse =
+        terms_.M.ldlt().solve(JointMatrix::Identity(terms_.M.rows(), terms_.M.cols()));
+    const JointVector inertia = inverse.diagonal().cwiseInverse();
+    const double bandwidth = kPhase / delay;
+    stiffness_ = (bandwidth * bandwidth * inertia).cwiseMin(kMostStiffness);
+    damping_ = 1.4 * stiffness_.cwiseProduct(inertia).cwiseSqrt();
+  }
+
+  // One cycle towards (q_d, v_d), with a torque added. Returns what was commanded beyond gravity.
+  JointVector step(const JointVector& q_d, const JointVector& v_d, const JointVector& added) {
+    arm_.compute(state_->q, state_->v, &terms_);
+    JointVector tau =
+        stiffness_.cwiseProduct(q_d - state_->q) + damping_.cwiseProduct(v_d - state_->v) + added;
+    tau = tau.cwiseMin(arm_.limits().torque).cwiseMax(-arm_.limits().torque);
+    driver_.command(terms_.g + tau, terms_.g);
+    state_ = &driver_.read();
+    if (!driver_.fault().empty()) throw std::runtime_error(driver_.fault());
+    return tau;
+  }
+  const JointVector& start() const { return q0_; }
+  const ArmState& state() const { return *state_; }
+  const ArmTerms& terms() const { return terms_; }
+
+ private:
+  ArmModel& arm_;
+  Driver& driver_;
+  ArmTerms terms_;
+  const ArmState* state_;
+  JointVector q0_, stiffness_, damping_;
+};
+
+}  // namespace
+
+LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds) {
+  const StartedDriver started(driver);
+  Holder holder(arm, driver, kMostSteps * driver.info().period);
+  const double dt = driver.info().period;
+  const auto last = static_cast<Eigen::Index>(arm.joints() - 1);
+  const JointVector zero = JointVector::Zero(arm.joints());
+  const long steps = std::lround(seconds / dt), settle = std::lround(0.5 / dt);
+  std::mt19937 random(1);
+  std::bernoulli_distribution coin(0.5);
+  std::vector<double> tau, v;
+  // Pairs of 5 ms up and 5 ms down, or the other way round by a coin: what the first half adds to
+  // the speed, the second takes away. Returns the largest speed [rad/s].
+  const auto shake = [&](double amplitude, long count) {
+    JointVector added = zero;
+    double fastest = 0.0, sign = 1.0;
+    tau.clear();
+    v.clear();
+    for (long k = 0; k < count; ++k) {
+      if (k % 10 == 0)
+        sign = coin(random) ? 1.0 : -1.0;
+      else if (k % 5 == 0)
+        sign = -sign;
+      added[last] = sign * amplitude;
+      v.push_back(holder.state().v[last]);
+      fastest = std::max(fastest, std::abs(v.back()));
+      tau.push_back(holder.step(holder.start(), zero, added)[last]);
+    }
+    return fastest;
+  };
+  for (long k = 0; k < settle; ++k) holder.step(holder.start(), zero, zero);
+  // Friction and rotor are not known yet: from a small torque on, until the joint moves.
+  const double most = kMostShake * arm.limits().torque[last];
+  double amplitude = kLeastShake;
+  while (shake(amplitude, std::lround(0.2 / dt)) < kShakeSpeed * arm.limits().speed[last] &&
+         amplitude < most)
+    amplitude = std::min(most, 1.5 * amplitude);
+  shake(amplitude, steps);
+  for (long k = 0; k < settle; ++k) holder.step(holder.start(), zero, zero);
+  // v_{k+1} − v_k = a τ_{k−d} + b v_k + c sign(v_k) + e, by least squares for each d.
+  LoopDelay best;
+  int best_d = 0;
+  best.explained = -1.0;
+  const auto rows = static_cast<Eigen::Index>(v.size()) - kMostSteps - 2;
+  Eigen::VectorXd y(rows);
+  for (int d = 0; d <= kMostSteps; ++d) {
+    Eigen::MatrixXd A(rows, 4);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const auto k = static_cast<std::size_t>(i + kMostSteps);
+      y[i] = v[k + 1] - v[k];
+      A.row(i) << tau[k - static_cast<std::size_t>(d)], v[k], v[k] > 0.0 ? 1.0 : -1.0, 1.0;
+    }
+    const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
+    const double share =
+        1.0 - (y - A * x).squaredNorm() / (y.array() - y.mean()).matrix().squaredNorm();
+    if (share > best.explained && x[0] > 0.0) {
+      best.explained = share;
+      best_d = d;
+    }
+  }
+  best.delay = best_d * dt;
+  if (!(best.explained >= kLeastExplained))
+    throw std::runtime_error(
+        fmt::format("the last joint does not answer its torque: {:.0f} % of its acceleration is "
+                    "explained, {:.0f} "
+                    "% are needed; is it blocked, or is its velocity noisy?",
+                    1e2 * std::max(0.0, best.explained), 1e2 * kLeastExplained));
+  if (best_d == kMostSteps)
+    throw std::runtime_error(
+        fmt::format("the loop's delay is {} steps or more: too long to draw with", kMostSteps));
+  return best;
+}
+
+std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, double delay) {
+  const StartedDriver started(driver);
+  Holder holder(arm, driver, delay + 2.0 * driver.info().period);
+  const double dt = driver.info().period;
+  const int n = arm.joints();
+  const JointVector zero = JointVector::Zero(n), q0 = holder.start();
+  std::vector<JointFriction> found(static_cast<std::size_t>(n));
+  for (int j = 0; j < n; ++j) {
+    const double low = std::max(q0[j] - kSweep, arm.limits().lower[j] + kMargin),
+                 high = std::min(q0[j] + kSweep, arm.limits().upper[j] - kMargin);
+    const std::string& name = arm.joint_names()[static_cast<std::size_t>(j)];
+    if (high - low < kSweep)
+      throw std::runtime_error(fmt::format(
+          "{} stands {:.2f} rad from a limit: a sweep needs {:.2f} rad", name,
+          std::min(q0[j] - arm.limits().lower[j], arm.limits().upper[j] - q0[j]), kSweep));
+    JointVector q_d = q0, v_d = zero;
+    std::vector<Eigen::Matrix<double, 6, 1>> samples;  // sign(v), v, a, q, 1; τ
+    const auto sweep = [&](double to, double speed) {
+      const double from = q_d[j], direction = to > from ? 1.0 : -1.0;
+      const long steps = std::lround(std::abs(to - from) / (speed * dt));
+      for (long k = 1; k <= steps; ++k) {
+        q_d[j] = from + (to - from) * static_cast<double>(k) / static_cast<double>(steps);
+        v_d[j] = direction * speed;
+        const double q = holder.state().q[j];
+        const JointVector before = holder.state().v;
+        const double v = before[j], sent = holder.step(q_d, v_d, zero)[j];
+        const JointVector a = (holder.state().v - before) / dt;
+        // The others are held by springs: what their motion takes is in the model.
+        const double tau = sent - holder.terms().M.row(j).dot(a) - holder.terms().Cv[j];
+        if (std::abs(v) > kMoves)
+          samples.push_back({v > 0.0 ? 1.0 : -1.0, v, a[j], q - q0[j], 1.0, tau});
+      }
+      v_d[j] = 0.0;
+    };
+    sweep(low, kSpeeds[0]);
+    samples.clear();
+    for (const double speed : kSpeeds) {
+      for (int i = 0; i < kRounds; ++i) {
+        sweep(high, speed);
+        sweep(low, speed);
+      }
+    }
+    sweep(q0[j], kSpeeds[0]);
+    if (static_cast<double>(samples.size()) * dt < kLeastMoved)
+      throw std::runtime_error(
+          fmt::format("{}: it moved for {:.1f} s only, {:.1f} s are needed: is a brake closed?",
+                      name, static_cast<double>(samples.size()) * dt, kLeastMoved));
+    Eigen::MatrixXd A(static_cast<Eigen::Index>(samples.size()), 5);
+    Eigen::VectorXd y(A.rows());
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      A.row(i) = samples[static_cast<std::size_t>(i)].head<5>().transpose();
+      y[i] = samples[static_cast<std::size_t>(i)][5];
+    }
+    const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
+    JointFriction& f = found[static_cast<std::size_t>(j)];
+    f.coulomb = x[0];
+    f.viscous = x[1];
+    f.residual = (y - A * x).norm() / std::sqrt(static_cast<double>(A.rows()));
+    const double fast = f.coulomb + kSpeeds[1] * f.viscous;
+    const double least = -std::max(0.1, 2.0 * f.residual),
+                 most = kMostFriction * arm.limits().torque[j];
+    if (!(f.coulomb >= least && f.coulomb <= most && fast >= least && fast <= most))
+      throw std::runtime_error(fmt::format(
+          "{}: friction of {:.2f} Nm and {:.2f} Nm s/rad is implausible; valid is 0 to {:.1f} Nm: "
+          "does something touch the arm, or is its model wrong?",
+          name, f.coulomb, f.viscous, most));
+  }
+  return found;
+}
+
+}  // namespace impedraw

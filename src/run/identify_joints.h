@@ -1,0 +1,38 @@
+// What small motions of an arm in the air tell of its joints: the delay of its loop, and friction.
+// The arm moves by joint stiffness plus modelled gravity about the posture in which it stands.
+#pragma once
+
+#include <vector>
+
+#include "impedraw/arm/arm_model.h"
+#include "impedraw/run/driver.h"
+
+namespace impedraw {
+
+struct LoopDelay {
+  double delay = 0.0;      // from a state to the torque that answers it acting, in whole steps [s]
+  double explained = 0.0;  // share of the last joint's acceleration that the torque then explains
+};
+
+// Shakes the last joint by torques of random sign, as small as move it and at most a tenth of its
+// limit, and finds the delay with which its velocity answers. Throws std::runtime_error if the arm
+// does not answer (the share is below 0.5), or the delay would be kMostSteps.
+inline constexpr int kMostSteps = 20;
+LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds = 2.0);
+
+struct JointFriction {
+  double coulomb = 0.0;   // [Nm]
+  double viscous = 0.0;   // [Nm s/rad]
+  double residual = 0.0;  // RMS of the torque that the law leaves [Nm]
+};
+
+// Sweeps each joint slowly to and fro, at two speeds, with the others held.
+//
+// Law       τ = c sign(v) + b v + I a + k (q − q_0) + e      beyond the modelled torque
+// Least squares over all samples in which the joint moves; I, k and e take what the
+// model misses. delay: of the loop, which bounds the stiffness of light joints [s]. Throws
+// std::runtime_error that names the joint if it hardly moves, if a sweep finds no room, or if its
+// friction would be negative beyond the residual or above a third of its torque limit.
+std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, double delay);
+
+}  // namespace impedraw

@@ -1,0 +1,49 @@
+// Delays and frictions that are put into the simulated arm, and what is found.
+#include "impedraw/run/identify_joints.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/run/simulated_arm.h"
+
+namespace impedraw {
+namespace {
+
+Experiment prepared(const std::vector<std::string>& assignments) {
+  DrawOptions options;
+  options.scenario = "scenarios/bowl-sine.yaml";
+  options.assignments = assignments;
+  return prepare(resolve(options));
+}
+
+TEST(IdentifyDelay, TheDelayThatWasPutInIsFound) {
+  for (const int steps : {0, 1, 3, 8}) {
+    SCOPED_TRACE(steps);
+    Experiment e = prepared(
+        {"world.errors.loop_delay=" + std::to_string(1e-3 * steps), "world.joint_friction=0.3"});
+    SimulatedArm arm(e, e.scene.start_q, Disturbances());
+    const LoopDelay found = identify_delay(e.scene.arm, arm);
+    EXPECT_NEAR(found.delay, 1e-3 * steps, 1e-9);
+    EXPECT_GT(found.explained, 0.5);
+  }
+}
+
+TEST(IdentifyFriction, TheFrictionThatWasPutInIsFound) {
+  Experiment e = prepared({"world.joint_friction=0.8", "world.errors.viscous_friction=1.5",
+                           "world.errors.loop_delay=0.001"});
+  SimulatedArm arm(e, e.scene.start_q, Disturbances());
+  const std::vector<JointFriction> found = identify_friction(e.scene.arm, arm, 1e-3);
+  ASSERT_EQ(found.size(), 7u);
+  for (std::size_t j = 0; j < 7; ++j) {
+    SCOPED_TRACE(j);
+    EXPECT_NEAR(found[j].coulomb, 0.8, 0.1);
+    EXPECT_NEAR(found[j].viscous, 1.5, 0.3);
+  }
+}
+
+}  // namespace
+}  // namespace impedraw

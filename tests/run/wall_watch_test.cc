@@ -1,0 +1,55 @@
+// A pen before a wall, and what must not be taken for one.
+#include "impedraw/run/wall_watch.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kCycle = 1e-3;
+const Vector3d n = Vector3d::UnitZ(), v_D(0.05, 0.0, 0.0);
+
+// Cycles until the wall is noticed; −1: not within a second.
+int cycles(const Vector3d& v, const Vector3d& behind, const Vector3d& F,
+           const Vector3d& desired = v_D) {
+  WallWatch watch;
+  for (int i = 1; i <= 1000; ++i)
+    if (watch.update(n, desired, v, behind, F, kCycle)) return i;
+  return -1;
+}
+
+TEST(WallWatch, NoticesATipThatStandsAndIsPushedBack) {
+  EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 5}),
+            std::lround(WallWatch::kConfirm / kCycle));
+}
+
+TEST(WallWatch, NeedsForceLagAndStandstillTogether) {
+  EXPECT_EQ(cycles({0.04, 0, 0}, {2e-3, 0, 0}, {-6, 0, 5}), -1);        // it moves
+  EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-1.5, 0, 5}), -1);  // friction alone
+  EXPECT_EQ(cycles(Vector3d::Zero(), {0.5e-3, 0, 0}, {-6, 0, 5}), -1);  // it is in place
+  EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {0, -9, 5}), -1);    // pushed aside, not back
+  EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 5}, {1e-3, 0, 0}), -1);  // none wanted
+}
+
+TEST(WallWatch, IgnoresForceAndMotionAlongTheNormal) {
+  EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 5}, {0.05, 0, 0.05}),
+            cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 40}));
+}
+
+// A hand's push of 10 N against the motion for less than kConfirm, again and again.
+TEST(WallWatch, ForgetsShortBlows) {
+  WallWatch watch;
+  const int blow = static_cast<int>(0.6 * WallWatch::kConfirm / kCycle);
+  for (int i = 0; i < 5000; ++i) {
+    const bool pushed = i % (2 * blow) < blow;
+    EXPECT_FALSE(watch.update(n, v_D, pushed ? Vector3d::Zero() : v_D, {2e-3, 0, 0},
+                              pushed ? Vector3d(-10, 0, 5) : Vector3d(-1.5, 0, 5), kCycle));
+  }
+}
+
+}  // namespace
+}  // namespace impedraw
