@@ -81,9 +81,11 @@ struct GroundTruth {
   JointVector q, v;
   Pose X_WE;
   Vector6 V_WE = Vector6::Zero();
+  Pose X_WK;  // of the canvas
   // Over the cycle that the last command() began.
   Eigen::Vector3d contact_force = Eigen::Vector3d::Zero();  // of the canvas on the tip, W [N]
-  // The point of the canvas closest to the tip and the outward normal there, W; NaN out of contact.
+  // The point of the canvas closest to the tip and the outward normal there, in the canvas's frame
+  // K, which is W until the canvas moves; NaN out of contact.
   Eigen::Vector3d contact_point = no_vector(), contact_normal = no_vector();
   Eigen::Vector3d disturbance_force = Eigen::Vector3d::Zero();  // a push on the pen, W [N]
   // Since start().

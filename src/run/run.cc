@@ -58,6 +58,32 @@ SurfaceSource surface_source(const Experiment& e, Disturbances disturbances) {
   };
 }
 
+// Of the true motion, to judge the controller alone. Accelerations by central differences.
+CanvasEstimate true_canvas(const CanvasMotion& motion, double time) {
+  constexpr double kStep = 1e-4;  // [s]
+  const auto origin_of = [&](double t, Eigen::Vector3d* v) {
+    const CanvasMotion::State state = motion.at(t);
+    *v = state.velocity_at(state.X_WK.p);
+    return state;
+  };
+  Eigen::Vector3d v, before, after;
+  const CanvasMotion::State now = origin_of(time, &v), earlier = origin_of(time - kStep, &before),
+                            later = origin_of(time + kStep, &after);
+  CanvasEstimate estimate;
+  estimate.status = CanvasStatus::ok;
+  estimate.motion = {now.X_WK, v, (after - before) / (2.0 * kStep), now.w,
+                     (later.w - earlier.w) / (2.0 * kStep)};
+  return estimate;
+}
+
+CanvasSource canvas_source(const Experiment& e) {
+  const CanvasMotion& motion = e.scene.world->canvas_motion();
+  if (e.scene.perception && e.scenario.perception.canvas_pose == CanvasPoseSource::truth &&
+      motion.moves())
+    return [&motion](double time) { return true_canvas(motion, time); };
+  return {};
+}
+
 // An approach may take so long to find a surface [s].
 double longest_search(const Experiment& e) {
   const ApproachSettings& approach = e.control.impedance.approach;
@@ -80,7 +106,7 @@ class Runner {
         waits_(driver.info().waits),
         first_time_(resumption ? resumption->time : 0.0),
         loop_(e.control, e.scene.arm, driver.info(),
-              surface_source(e, disturbances_of(e, resumption))),
+              surface_source(e, disturbances_of(e, resumption)), canvas_source(e)),
         fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
         last_(driver.info().period, e.scene.arm),
         real_time_(!waits_ && e.scenario.arm.real_time),
@@ -103,6 +129,30 @@ class Runner {
 
   // Follows the path from its beginning to its end, or until something stops the run.
   void follow(const TipPath& path, bool again) { follow(path, again, nullptr); }
+
+  bool canvas_moves() const { return loop_.canvas().follows(); }
+
+  // The arm rests while the cameras watch the canvas; from then on the pen moves with it.
+  void watch() {
+    const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
+    PathSample rest;
+    rest.reference.p_WD = X_WE.p;
+    rest.reference.n_WD = -X_WE.R.col(2);
+    rest.stroke = -1;
+    rest.along = std::nan("");
+    rest.phase = Phase::travel;
+    const double end = time() + e_.scenario.perception.watch;
+    while (time() < end) {
+      if (!step(rest)) return;
+      if (hooks_.interrupted && hooks_.interrupted())
+        return stop(RunEnd::interrupted,
+                    fmt::format("interrupted at t = {:.3f} s", first_time_ + time()));
+    }
+    loop_.join_canvas(rest.reference);
+  }
+
+  // The tip in the canvas's frame.
+  Pose X_KE() const { return loop_.canvas().pose().inverse() * e_.scene.arm.tip_pose(state_->q); }
 
   // Draws on a surface that is found by touch, stroke by stroke. Each way is planned from where the
   // pen is and from the heights touched so far, and its clock waits for touch.
@@ -149,7 +199,7 @@ class Runner {
     wall_watch_.reset();
     clock_.restart();
     forecast_ = {};
-    if (e_.scene.perception)
+    if (e_.scene.perception && !canvas_moves())
       forecast_ = JointForecast(e_.scene.arm, path, state_->q, e_.plan.rest_q,
                                 e_.plan.path_settings.joint_speed_share);
     const auto steps = [&] {
@@ -318,10 +368,17 @@ class Runner {
     pen.tilt = smallest_rotation(X_WE.R.col(2), -out_.axis_WD).norm();
     if (out_.mode != ContactMode::contact) return pen;
     pen.tip = behind().norm();
-    pen.normal_speed = out_.n_WD.dot(loop_.terms().V_WE.head<3>());
+    pen.normal_speed = out_.n_WD.dot(velocity_on_canvas());
     if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
       pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
     return pen;
+  }
+
+  // Of the tip, in W.
+  Eigen::Vector3d velocity_on_canvas() const {
+    const Eigen::Vector3d v = loop_.terms().V_WE.head<3>();
+    const FrameMotion* const carrier = loop_.canvas().carrier();
+    return carrier ? Eigen::Vector3d(v - carrier->velocity_at(loop_.terms().X_WE.p)) : v;
   }
 
   // Of the tip from the desired point, across the surface [m].
@@ -336,8 +393,9 @@ class Runner {
   void look_for_wall(const PathSample& desired) {
     if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
     if (desired.stroke < 0 || out_.mode != ContactMode::contact) return wall_watch_.reset();
-    if (!wall_watch_.update(out_.n_WD, desired.reference.v_WD, loop_.terms().V_WE.head<3>(),
-                            behind(), loop_.F_ext().head<3>(), dt()))
+    const Eigen::Vector3d v_D = loop_.canvas().pose().R * desired.reference.v_WD;
+    if (!wall_watch_.update(out_.n_WD, v_D, velocity_on_canvas(), behind(),
+                            loop_.F_ext().head<3>(), dt()))
       return;
     wall_ = StrokePart{desired.stroke, desired.along - behind().norm(), desired.along};
     lift(kLiftAtWall);
@@ -363,7 +421,8 @@ class Runner {
   }
 
   void lift(double height = EmergencyLift::kHeight) {
-    if (!lifting_) lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q), out_.n_WD, height);
+    const Eigen::Matrix3d R_KW = loop_.canvas().pose().R.transpose();
+    if (!lifting_) lifting_.emplace(time(), X_KE(), R_KW * out_.n_WD, height);
   }
 
   Experiment& e_;
@@ -422,16 +481,15 @@ std::vector<StrokePart> rest_but_for(const Experiment& e, const InkWatch& ink,
 
 // A path for it, from the posture q. The ways are others than those that were checked before the
 // run: a stroke that they bar is given up, too.
-std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const InkWatch& ink,
-                                   std::vector<StrokePart>* walls) {
-  const Pose X_WE = e.scene.arm.tip_pose(q);
+std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const Pose& X_KE,
+                                   const InkWatch& ink, std::vector<StrokePart>* walls) {
   PreflightSettings checks =
       preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception.has_value(), e.plan.rest_q);
   checks.height_error = height_error(e.scene);
   while (true) {
     const std::vector<StrokePart> rest = rest_but_for(e, ink, *walls);
     if (rest.empty()) return std::nullopt;
-    TipPath path = plan_parts(e, rest, X_WE.p, -X_WE.R.col(2), 0.0);
+    TipPath path = plan_parts(e, rest, X_KE.p, -X_KE.R.col(2), 0.0);
     if (!e.scenario.preflight.arm) return path;
     std::vector<PlacedStroke> strokes = strokes_of(e, rest);
     for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].number = static_cast<int>(i);
@@ -453,6 +511,20 @@ TipPath plan_rest(Experiment& e, const Resumption& resumption) {
   if (parts.empty()) return {};
   const Pose X_WE = e.scene.arm.tip_pose(resumption.q);
   return plan_parts(e, parts, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold);
+}
+
+// Watches the canvas, then plans from where the pen is over it: the plan that was made before holds
+// for its start, which the canvas has left.
+void follow_canvas(Experiment& e, const Resumption* resumption, Runner* runner) {
+  runner->watch();
+  if (runner->outcome().end != RunEnd::finished) return;
+  const Pose X_KE = runner->X_KE();
+  const std::vector<PlacedStroke> strokes =
+      resumption ? strokes_of(e, rest_of(e, *resumption)) : e.plan.strokes;
+  if (strokes.empty()) return;
+  runner->follow(plan_from(e.plan.path_settings, e.surface(), strokes, X_KE.p, -X_KE.R.col(2),
+                           CanvasFollower::kJoin, stroke_limits(e.scene, e.plan)),
+                 false);
 }
 
 }  // namespace
@@ -484,6 +556,8 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   if (by_touch)
     runner.feel(resumption ? strokes_of(e, rest_of(e, *resumption)) : e.plan.strokes,
                 e.plan.path_settings.start_hold, false);
+  else if (runner.canvas_moves())
+    follow_canvas(e, resumption, &runner);
   else
     runner.follow(path, false);
   const auto lacking = [&] { return rest_of(e.plan.strokes, runner.ink().parts(), kShortestGap); };
@@ -499,7 +573,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
                    ? 2.0 * beyond
                    : kBeyondWall;
       walls.push_back({at.stroke, at.from - kRedrawOverlap, at.to + beyond});
-      const std::optional<TipPath> around = plan_around(e, runner.q(), runner.ink(), &walls);
+      const std::optional<TipPath> around = plan_around(e, runner.q(), runner.X_KE(), runner.ink(), &walls);
       if (!around) return;
       runner.follow(*around, again);
     }
@@ -508,7 +582,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run && e.scenario.drawing.redraw &&
       !(outcome.drawn_again = rest_but_for(e, runner.ink(), walls)).empty()) {
     const TipReference last = path.at(path.duration()).reference;
-    const Pose here = e.scene.arm.tip_pose(runner.q());
+    const Pose here = runner.X_KE();
     const bool turned = !walls.empty();  // the pen is not at the plan's end
     if (by_touch) {
       runner.feel(strokes_of(e, outcome.drawn_again), 0.0, true);

@@ -57,6 +57,7 @@ const ArmState& SimulatedArm::read() noexcept {
   truth_.v = now.v;
   truth_.X_WE = now.X_WE;
   truth_.V_WE = now.V_WE;
+  if (world_.canvas_motion().moves()) truth_.X_WK = world_.canvas_state().X_WK;
   look_for_faults();
 
   state_.time = now.time;
@@ -116,7 +117,8 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   Eigen::Vector3d push = Eigen::Vector3d::Zero();
   const Eigen::Vector3d p_WE = truth_.X_WE.p;
   if (disturbances_.any_push())
-    push = disturbances_.push(world_.state().time, canvas_.closest(p_WE).n_W);
+    push = disturbances_.push(world_.state().time,
+                               truth_.X_WK.R * canvas_.closest(truth_.X_WK.inverse() * p_WE).n_W);
   for (std::size_t i = 0; i < pushed_links_.size(); ++i)
     if (const LinkPush& on = disturbances_.link_pushes()[i]; on.acts(world_.state().time))
       world_.push_link(pushed_links_[i], on.force_W);
@@ -124,6 +126,10 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   truth_.contact_force = contact.f_W;
   truth_.contact_point = contact.touching ? contact.p_WC : GroundTruth::no_vector();
   truth_.contact_normal = contact.touching ? contact.n_W : GroundTruth::no_vector();
+  if (contact.touching && world_.canvas_motion().moves()) {
+    truth_.contact_point = truth_.X_WK.inverse() * contact.p_WC;
+    truth_.contact_normal = truth_.X_WK.R.transpose() * contact.n_W;
+  }
   truth_.disturbance_force = push;
   truth_.cutoffs = world_.cutoffs();
   tip_wrench_ << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);

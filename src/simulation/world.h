@@ -75,6 +75,7 @@ class World {
   // The canvas moves from now on as `motion` says at the world's time. Friction acts on the
   // velocity of the tip relative to the canvas, and so does the contact's damper.
   void move_canvas(const CanvasMotion& motion) { motion_ = motion; }
+  const CanvasMotion& canvas_motion() const { return motion_; }
   // Where it is at the current state.
   CanvasMotion::State canvas_state() const { return motion_.at(state_.time); }
   void set_state(const JointVector& q, const JointVector& v);
