@@ -6,10 +6,12 @@
 
 namespace impedraw {
 
-LeastEnergyStep least_energy_step(const ArmTerms& arm, const Vector6& dx, const JointVector& drift,
+LeastEnergyStep least_energy_step(const ArmTerms& arm, const Vector6& dx, const JointVector& pull,
                                   double epsilon) {
   const TipJacobian& J = arm.J;
-  const Eigen::MatrixXd M_inv_Jt = arm.M.llt().solve(J.transpose());
+  const auto M = arm.M.llt();
+  const Eigen::MatrixXd M_inv_Jt = M.solve(J.transpose());
+  const JointVector drift = M.solve(pull);
   const Matrix6 A = J * M_inv_Jt + epsilon * Matrix6::Identity();
   const Eigen::LLT<Matrix6> factor = A.llt();
   return {M_inv_Jt * factor.solve(dx), drift - M_inv_Jt * factor.solve(J * drift)};

@@ -14,8 +14,11 @@ JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVect
   constexpr double kFurthestStep = 0.3;  // of a joint; a longer one would leave the path [rad]
   constexpr double kLeast = 0.05;        // rate
   const double dt = kStep / kSubsteps;
+  const double relax = 1.0 - std::exp(-dt / kRelax);
   const JointVector speed = arm.limits().speed;
   ArmTerms terms(arm.joints());
+  arm.compute(start, JointVector::Zero(start.size()), &terms);
+  const JointVector weight = relaxation_weight(terms);
   JointVector q = start;
   std::vector<float> own;
   for (double t = 0.0; t < path.duration(); t += kStep) {
@@ -25,7 +28,7 @@ JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVect
       arm.compute(q, JointVector::Zero(q.size()), &terms);
       const LeastEnergyStep least =
           least_energy_step(terms, tip_displacement(terms.X_WE, r.p_WD, -r.n_WD),
-                            (1.0 - std::exp(-dt / kRelax)) * (rest_q - q), 1e-6);
+                            relax * weight.cwiseProduct(rest_q - q), 1e-6);
       // The clock slows the task's part alone.
       const JointVector& task = least.task;
       JointVector step = least.task + least.redundant;

@@ -14,7 +14,9 @@ namespace impedraw {
 
 class WallWatch {
  public:
-  static constexpr double kForce = 4.0;        // against the desired motion [N]
+  // Against the desired motion: no less than this [N], and than this share of the normal force,
+  // which friction stays below.
+  static constexpr double kForce = 4.0, kForceShare = 0.8;
   static constexpr double kProgress = 0.3;     // of the desired speed
   static constexpr double kLeastSpeed = 2e-3;  // desired [m/s]
   static constexpr double kBehind = 1.0e-3;    // of the desired point [m]
@@ -31,8 +33,9 @@ class WallWatch {
     const double speed = along.norm();
     if (speed < kLeastSpeed) return false;  // says nothing
     const Eigen::Vector3d way = along / speed;
+    const double least = std::max(kForce, kForceShare * n.dot(F));
     const bool stuck =
-        way.dot(v) < kProgress * speed && -way.dot(F) > kForce && way.dot(behind) > kBehind;
+        way.dot(v) < kProgress * speed && -way.dot(F) > least && way.dot(behind) > kBehind;
     stuck_ = stuck ? stuck_ + dt : std::max(0.0, stuck_ - dt);
     if (stuck_ < kConfirm) return false;
     stuck_ = 0.0;

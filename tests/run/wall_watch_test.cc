@@ -37,7 +37,13 @@ TEST(WallWatch, NeedsForceLagAndStandstillTogether) {
 
 TEST(WallWatch, IgnoresForceAndMotionAlongTheNormal) {
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 5}, {0.05, 0, 0.05}),
-            cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 40}));
+            cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 7}));
+}
+
+// Pressed on with 20 N, a tip at rest is held by 6 N of friction.
+TEST(WallWatch, TakesNoFrictionForAWall) {
+  EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 20}), -1);
+  EXPECT_GT(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-17, 0, 20}), 0);
 }
 
 // A hand's push of 10 N against the motion for less than kConfirm, again and again.

@@ -49,7 +49,10 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
       q_ = q;
       return true;
     }
-    const LeastEnergyStep step = least_energy_step(terms_, off, relax * (rest_ - q), 1e-9);
+    // A share of the way at each posture, as it is stable for any; over one stroke it winds nothing
+    // up.
+    const JointVector pull = terms_.M * (relax * (rest_ - q));
+    const LeastEnergyStep step = least_energy_step(terms_, off, pull, 1e-9);
     q += step.task + step.redundant;
     relax = 0.0;
   }
