@@ -9,8 +9,8 @@ namespace impedraw {
 namespace {
 
 constexpr double kSelfMotionSpeed = 1.0;  // of the fastest joint; at twice that, no pull [rad/s]
-constexpr double kRiseRate = 20.0;     // of what the tip's motion tells of the surface's [1/s]
-constexpr double kFastestRise = 0.2;  // [m/s]
+constexpr double kRiseRate = 80.0;        // of what the tip's motion tells of the surface's [1/s]
+constexpr double kFastestRise = 0.2;      // [m/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
 
 }  // namespace
@@ -59,8 +59,7 @@ void ImpedanceController::retune(const TipGain& stiffness, double normal_force) 
 
 const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,
                                                  const SurfaceEstimate& surface,
-                                                 const Wrench& F_given,
-                                                 const InputAges& ages,
+                                                 const Wrench& F_given, const InputAges& ages,
                                                  const FrameMotion* carrier) noexcept {
   const bool was_limited = out_.status.torque_limited;
   carrier_ = carrier;
@@ -230,12 +229,13 @@ void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
 // is learned, slowly enough that the damping along n stays.
 void ImpedanceController::update_rise(const ArmTerms& arm) noexcept {
   if (!carrier_ || out_.mode != ContactMode::contact) {
-    rise_ = 0.0;  // its effect decays with the force carried over at the switch
+    rise_ = out_.rise = 0.0;  // its effect decays with the force carried over at the switch
     return;
   }
   const Eigen::Vector3d v = arm.V_WE.head<3>() - carrier_velocity(arm.X_WE.p);
   rise_ += kRiseRate * settings_.timing.dt * (out_.n_WD.dot(v) - rise_);
   rise_ = std::clamp(rise_, -kFastestRise, kFastestRise);
+  out_.rise = rise_;
 }
 
 // Updates B for this posture, if the desired inertia depends on posture.

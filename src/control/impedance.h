@@ -35,10 +35,10 @@
 // In contact  e is the error of the ink, not of the tip, seen along the drawing axis z (13):
 //             ErrorProjection. K has no normal part. z_E is aligned with −n, or with the plan's
 //             axis (PenAxis); rotation about z_E is only damped.
-// Carrier     A canvas that moves carries reference, surface and contact (moving_frame.h). In contact
-//             the desired velocity along n is that of the carrier there, plus what the tip's own
-//             motion in contact shows it to lack: the tip is the fastest sensor along n. Friction
-//             acts against the velocity relative to the carrier.
+// Carrier     A canvas that moves carries reference, surface and contact (moving_frame.h). In
+//             contact the desired velocity along n is that of the carrier there, plus what the
+//             tip's own motion in contact shows it to lack: the tip is the fastest sensor along n.
+//             Friction acts against the velocity relative to the carrier.
 // Modes       contact_mode.h. The desired force stays continuous at a mode switch: the difference
 //             is carried over and decays with `switch_time`.
 // Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
@@ -118,8 +118,9 @@ struct ImpedanceTorque {
       terms;
   ContactMode mode = ContactMode::free;
   ControlStatus status;
-  double push = 0.0;                                   // desired normal force [N]
-  double task_share = 1.0;                             // s of torque_limits.h
+  double push = 0.0;        // desired normal force [N]
+  double rise = 0.0;        // of the surface along n, beyond the carrier's velocity there [m/s]
+  double task_share = 1.0;  // s of torque_limits.h
   Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();      // desired tip, compensation included [m]
   Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();     // normal that the push follows
   Eigen::Vector3d axis_WD = Eigen::Vector3d::UnitZ();  // desired pen axis, outward: z_D = −axis_WD
@@ -209,7 +210,7 @@ class ImpedanceController {
   bool force_from_zero_ = false;  // the desired force starts from zero
   bool on_surface_ = false;       // the last step used the law for approach and contact
   ContactMode last_mode_ = ContactMode::free;
-  double force_integral_ = 0.0;     // [N]
+  double force_integral_ = 0.0;           // [N]
   const FrameMotion* carrier_ = nullptr;  // of this step
   double rise_ = 0.0;  // of the surface along n in contact, beyond the carrier's velocity [m/s]
   double approach_distance_ = 0.0;  // desired distance to the surface during the approach [m]

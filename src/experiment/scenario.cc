@@ -666,6 +666,7 @@ void describe(Fields& f, FaultSettings& s) {
             {"nan_wrench", FaultKind::nan_wrench},
             {"stale_wrench", FaultKind::stale_wrench},
             {"no_cloud", FaultKind::no_cloud},
+            {"no_frames", FaultKind::no_frames},
             {"slow_step", FaultKind::slow_step}},
            "Fault around the controller.");
   f.field(Limits::start, s.start,

@@ -53,8 +53,8 @@ class LiveView::Feed {
     const double f = touches ? row.contact_force.dot(normal) : 0.0;
     if (std::isnan(force_) || std::abs(f - row.push) > std::abs(force_ - row.push)) force_ = f;
     if (touches && f > kInkForce) {
-      tilt_ = larger_of(
-          tilt_, degrees(-normal.dot(row.tip_orientation * Eigen::Vector3d::UnitZ())));
+      tilt_ =
+          larger_of(tilt_, degrees(-normal.dot(row.tip_orientation * Eigen::Vector3d::UnitZ())));
       normal_error_ = larger_of(normal_error_, degrees(normal.dot(row.surface_normal)));
     }
     step_time_ = larger_of(step_time_, row.step_time);

@@ -211,7 +211,8 @@ struct RunLog::Writer {
   }
 
   void add_row(const LogRow& row) {
-    add(*streams[0], [&](const auto& put) { put_row(row, terms, joint_sensor, moving_canvas, put); });
+    add(*streams[0],
+        [&](const auto& put) { put_row(row, terms, joint_sensor, moving_canvas, put); });
   }
 
   void append(const LogRow& row) {

@@ -83,7 +83,8 @@ struct LogRow {
   double time_scale = 1.0;
   double step_time = 0.0;  // wall time of the controller step [s]
   // The canvas's frame K in W, true and as the controller estimates it; its estimated twist, of the
-  // origin of K, linear part first [m/s, rad/s]. Only with RunLogHeader::moving_canvas; else K is W.
+  // origin of K, linear part first [m/s, rad/s]. Only with RunLogHeader::moving_canvas; else K is
+  // W.
   Pose canvas_pose, estimated_canvas_pose;
   Vector6 estimated_canvas_twist = Vector6::Zero();
 

@@ -167,7 +167,8 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
 void LogFile::make_tables(const RunLogHeader& header) {
   tables_.push_back({log_columns(header), chunk_rows(LogTable::rows, header.rate)});
   if (header.rate == LogRate::reduced)
-    tables_.push_back({step_columns(header.moving_canvas), chunk_rows(LogTable::steps, header.rate)});
+    tables_.push_back(
+        {step_columns(header.moving_canvas), chunk_rows(LogTable::steps, header.rate)});
   std::size_t largest = 0;
   for (const Table& table : tables_) {
     for (const LogColumn& column : table.columns)

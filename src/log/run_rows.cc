@@ -50,9 +50,9 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
     std::vector<Eigen::Matrix<double, 7, 1>> pose(n);
     take(kCanvasPoseColumn, 7, false, pose.data());
     for (std::size_t i = 0; i < n; ++i)
-      rows->contact_normal[i] = Eigen::Quaterniond(pose[i][3], pose[i][4], pose[i][5], pose[i][6])
-                                    .toRotationMatrix() *
-                                rows->contact_normal[i];
+      rows->contact_normal[i] =
+          Eigen::Quaterniond(pose[i][3], pose[i][4], pose[i][5], pose[i][6]).toRotationMatrix() *
+          rows->contact_normal[i];
   }
   points("/surface/normal", rows->surface_normal);
   numbers("/surface/distance", rows->surface_distance);

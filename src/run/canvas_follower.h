@@ -41,6 +41,8 @@ class CanvasFollower {
     joined_at_ = time_;
     from_ = in_W;
   }
+  // References are in W again.
+  void leave() noexcept { joined_at_ = std::numeric_limits<double>::infinity(); }
 
   const CanvasEstimate& estimate() const noexcept { return estimate_; }
   // X_WK as estimated; the identity where the canvas stands.
@@ -48,8 +50,8 @@ class CanvasFollower {
   // Null unless the pen moves with the canvas.
   const FrameMotion* carrier() const noexcept { return joined() ? &estimate_.motion : nullptr; }
   bool lost() const noexcept {
-    return joined() && (estimate_.status == CanvasStatus::stale ||
-                        estimate_.status == CanvasStatus::lost);
+    return joined() &&
+           (estimate_.status == CanvasStatus::stale || estimate_.status == CanvasStatus::lost);
   }
 
   TipReference in_world(const TipReference& reference) const noexcept;

@@ -82,7 +82,8 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
     surface_ = touch_->estimate_at(query);
   }
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
-  const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages, canvas_.carrier());
+  const ImpedanceTorque& out =
+      controller_.step(terms_, reference, surface_, F_ext_, ages, canvas_.carrier());
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
   on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
   n_ = out.n_WD;

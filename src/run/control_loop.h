@@ -16,15 +16,15 @@
 
 namespace impedraw {
 
-// The perceived surface near a point of the canvas's frame K, which is W for a canvas that stands,
-// in its axes; at a time [s] of the driver's clock. Called once per control step; must not allocate.
+// The perceived surface near a point of the canvas's frame K, in its axes; at a time [s] of the
+// driver's clock. K is W for a canvas that stands. Called once per control step; must not allocate.
 using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_K, double time)>;
 
 class ControlLoop {
  public:
   // `surface` empty: the surface is learned from touch if the set-up says so, else unknown.
-  // `canvas` empty: it stands. Throws InputError if the driver's joints, period or wrench do not match the set-up. `arm` must outlive
-  // the loop.
+  // `canvas` empty: it stands. Throws InputError if the driver's joints, period or wrench do not
+  // match the set-up. `arm` must outlive the loop.
   ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
               SurfaceSource surface, CanvasSource canvas = {});
 
@@ -42,6 +42,8 @@ class ControlLoop {
   const CanvasFollower& canvas() const { return canvas_; }
   // The pen moves with the canvas from the next step on; `reference`: of the last step.
   void join_canvas(const TipReference& reference) noexcept { canvas_.join(reference); }
+  // The pen stays behind: references are in W again.
+  void leave_canvas() noexcept { canvas_.leave(); }
   // The tip as measured, in K.
   Pose X_KE() const noexcept { return canvas_.pose().inverse() * terms_.X_WE; }
   // The surface as it is learned from touch; null if it is not.

@@ -37,6 +37,7 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/perception/canvas_tracker.h"
 #include "impedraw/simulation/solver_cutoffs.h"
 
 namespace impedraw {
@@ -118,6 +119,10 @@ class Driver {
   // After a fault and stop(): clears the fault where the arm allows it and it is of a kind after
   // which a program may go on. True: start() may be called again, and the arm rests at *q.
   virtual bool recover(JointVector*) noexcept { return false; }
+
+  // The next frame of a canvas that moves, of those that have arrived; false: there is none. Called
+  // until then, once per cycle after read().
+  virtual bool next_frame(CanvasFrame*) noexcept { return false; }
 
   virtual const GroundTruth* truth() const noexcept { return nullptr; }
 };

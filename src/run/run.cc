@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -76,7 +77,16 @@ CanvasEstimate true_canvas(const CanvasMotion& motion, double time) {
   return estimate;
 }
 
-CanvasSource canvas_source(const Experiment& e) {
+// Cameras keep capturing, and find where the canvas is.
+std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e) {
+  const PerceptionSettings& p = e.scenario.perception;
+  if (!e.scene.perception || !p.frames.enabled || p.canvas_pose != CanvasPoseSource::tracked)
+    return nullptr;
+  return std::make_unique<CanvasTracker>(CanvasTrackerSettings{p.fiducials});
+}
+
+CanvasSource canvas_source(const Experiment& e, CanvasTracker* tracker) {
+  if (tracker) return [tracker](double time) { return tracker->follow(time); };
   const CanvasMotion& motion = e.scene.world->canvas_motion();
   if (e.scene.perception && e.scenario.perception.canvas_pose == CanvasPoseSource::truth &&
       motion.moves())
@@ -105,8 +115,9 @@ class Runner {
         hooks_(hooks),
         waits_(driver.info().waits),
         first_time_(resumption ? resumption->time : 0.0),
+        tracker_(canvas_tracker(e)),
         loop_(e.control, e.scene.arm, driver.info(),
-              surface_source(e, disturbances_of(e, resumption)), canvas_source(e)),
+              surface_source(e, disturbances_of(e, resumption)), canvas_source(e, tracker_.get())),
         fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
         last_(driver.info().period, e.scene.arm),
         real_time_(!waits_ && e.scenario.arm.real_time),
@@ -130,6 +141,7 @@ class Runner {
   // Follows the path from its beginning to its end, or until something stops the run.
   void follow(const TipPath& path, bool again) { follow(path, again, nullptr); }
 
+  bool lost_canvas() const { return lost_canvas_; }
   bool canvas_moves() const { return loop_.canvas().follows(); }
 
   // The arm rests while the cameras watch the canvas; from then on the pen moves with it.
@@ -148,6 +160,12 @@ class Runner {
         return stop(RunEnd::interrupted,
                     fmt::format("interrupted at t = {:.3f} s", first_time_ + time()));
     }
+    if (loop_.canvas().estimate().status == CanvasStatus::lost)
+      return stop(RunEnd::stopped,
+                  fmt::format("no camera saw three marks of the canvas within {:.3g} s; "
+                              "perception.fiducials.points and perception.cameras tell where they "
+                              "should be",
+                              e_.scenario.perception.watch));
     loop_.join_canvas(rest.reference);
   }
 
@@ -196,6 +214,7 @@ class Runner {
     bool down = false;
     height_ = searched_ = 0.0;
     wall_.reset();
+    lost_canvas_ = false;
     wall_watch_.reset();
     clock_.restart();
     forecast_ = {};
@@ -226,6 +245,8 @@ class Runner {
       if (!one && !lifting_) {
         clock_.advance(deviation(desired, planned));
         look_for_wall(desired);
+        look_for_reach();
+        if (found_again()) return;
       }
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
@@ -286,6 +307,8 @@ class Runner {
     const double t = time(), step_time = state_->step_time, age = t - state_->state_time;
     while (waits_ && hooks_.held && hooks_.held(t)) {
     }
+    if (tracker_)
+      for (CanvasFrame frame; driver_.next_frame(&frame);) tracker_->add(frame);
     const auto step_start = Clock::now();
     if (!state_->stalled)
       out_ = guard_.braking() ? loop_.brake(*state_) : loop_.step(*state_, desired.reference);
@@ -357,7 +380,7 @@ class Runner {
   // How far the pen is from what the plan asks of it.
   PenDeviation deviation(const PathSample& desired, double planned) const {
     PenDeviation pen;
-    pen.paused = paused();
+    pen.paused = paused() || loop_.canvas().lost();
     if (!e_.scene.perception) return pen;
     pen.limit = forecast_.limit(planned);
     pen.joint =
@@ -368,7 +391,7 @@ class Runner {
     pen.tilt = smallest_rotation(X_WE.R.col(2), -out_.axis_WD).norm();
     if (out_.mode != ContactMode::contact) return pen;
     pen.tip = behind().norm();
-    pen.normal_speed = out_.n_WD.dot(velocity_on_canvas());
+    pen.normal_speed = out_.n_WD.dot(velocity_on_canvas()) - out_.rise;
     if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
       pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
     return pen;
@@ -394,11 +417,36 @@ class Runner {
     if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
     if (desired.stroke < 0 || out_.mode != ContactMode::contact) return wall_watch_.reset();
     const Eigen::Vector3d v_D = loop_.canvas().pose().R * desired.reference.v_WD;
-    if (!wall_watch_.update(out_.n_WD, v_D, velocity_on_canvas(), behind(),
-                            loop_.F_ext().head<3>(), dt()))
+    if (!wall_watch_.update(out_.n_WD, v_D, velocity_on_canvas(), behind(), loop_.F_ext().head<3>(),
+                            dt()))
       return;
     wall_ = StrokePart{desired.stroke, desired.along - behind().norm(), desired.along};
     lift(kLiftAtWall);
+  }
+
+  // The canvas was lost, the pen let go of it, and now it is known again. The rest of the path
+  // would be followed in the air.
+  bool found_again() {
+    const CanvasFollower& canvas = loop_.canvas();
+    if (canvas.lost() && out_.mode == ContactMode::retreat) lost_canvas_ = true;
+    return lost_canvas_ && !canvas.lost() && !lifting_;
+  }
+
+  // A canvas that moves may take the pen where the arm cannot follow. The pen then lets go of it.
+  void look_for_reach() {
+    constexpr double kLeftBehind = 15e-3;  // [m]
+    constexpr double kConfirm = 0.1;       // [s]
+    if (!loop_.canvas().joined()) return;
+    const bool behind = (out_.p_WD - loop_.terms().X_WE.p).norm() > kLeftBehind;
+    left_behind_ = behind ? left_behind_ + dt() : 0.0;
+    if (left_behind_ < kConfirm) return;
+    stop(RunEnd::stopped,
+         fmt::format("the canvas left the arm's reach at t = {:.3f} s, at ({:.2f}, "
+                     "{:.2f}, {:.2f}) m; the pen was lifted",
+                     first_time_ + time(), out_.p_WD.x(), out_.p_WD.y(), out_.p_WD.z()));
+    loop_.leave_canvas();
+    lifting_.emplace(time(), loop_.terms().X_WE, e_.control.impedance.surface.drawing_axis_W,
+                     kLiftOffCanvas);
   }
 
   bool paused() const { return !waits_ && hooks_.paused && hooks_.paused(); }
@@ -428,8 +476,9 @@ class Runner {
   Experiment& e_;
   Driver& driver_;
   const RunHooks& hooks_;
-  bool waits_;         // the driver, for the next command
-  double first_time_;  // of the log, where an earlier run left off [s]
+  bool waits_;                              // the driver, for the next command
+  double first_time_;                       // of the log, where an earlier run left off [s]
+  std::unique_ptr<CanvasTracker> tracker_;  // null: one snapshot before the run
   ControlLoop loop_;
   Fences fences_;
   LastSeconds last_;
@@ -453,7 +502,9 @@ class Runner {
   InkWatch ink_;
   RunOutcome outcome_;
   std::optional<EmergencyLift> lifting_;
-  double bad_state_ = 0.0;  // [s]
+  double bad_state_ = 0.0;    // [s]
+  double left_behind_ = 0.0;  // by the canvas [s]
+  bool lost_canvas_ = false;  // during the present path, in contact
 };
 
 // The parts, overlapping the ink at both ends.
@@ -573,17 +624,32 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
                    ? 2.0 * beyond
                    : kBeyondWall;
       walls.push_back({at.stroke, at.from - kRedrawOverlap, at.to + beyond});
-      const std::optional<TipPath> around = plan_around(e, runner.q(), runner.X_KE(), runner.ink(), &walls);
+      const std::optional<TipPath> around =
+          plan_around(e, runner.q(), runner.X_KE(), runner.ink(), &walls);
       if (!around) return;
       runner.follow(*around, again);
     }
   };
+  // Goes on where a lost canvas ended a path.
+  bool strayed = false;
+  const auto go_on = [&](bool again) {
+    for (int i = 0; outcome.end == RunEnd::finished && runner.lost_canvas() && i < kMostLosses;
+         ++i) {
+      const std::vector<StrokePart> rest = rest_but_for(e, runner.ink(), walls);
+      strayed = true;
+      if (rest.empty()) return;
+      const Pose here = runner.X_KE();
+      runner.follow(plan_parts(e, rest, here.p, -here.R.col(2), 0.0), again);
+    }
+  };
   go_around(false);
+  go_on(false);
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run && e.scenario.drawing.redraw &&
       !(outcome.drawn_again = rest_but_for(e, runner.ink(), walls)).empty()) {
     const TipReference last = path.at(path.duration()).reference;
     const Pose here = runner.X_KE();
-    const bool turned = !walls.empty();  // the pen is not at the plan's end
+    const bool turned =
+        !walls.empty() || strayed || runner.canvas_moves();  // the pen is not at the plan's end
     if (by_touch) {
       runner.feel(strokes_of(e, outcome.drawn_again), 0.0, true);
     } else {
@@ -591,6 +657,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
                                turned ? Eigen::Vector3d(-here.R.col(2)) : last.n_WD, 0.0),
                     true);
       go_around(true);
+      go_on(true);
     }
   }
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();

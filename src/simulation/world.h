@@ -118,9 +118,11 @@ class World {
   // Names the cause if the motion became non-finite or MuJoCo warned. The state is then invalid.
   const std::optional<std::string>& failure() const { return failure_; }
 
-  // Distance along a unit ray to the arm's body in the posture of set_state() [m]; infinite if the
-  // ray misses. For the cameras; callable from any thread.
+  // Distance along a unit ray to the arm's body [m], in the posture of set_state() or of the last
+  // pose_body(); infinite if the ray misses. For the cameras; callable from any thread.
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
+  // Puts that body where the arm is now. Allocates nothing.
+  void pose_body() noexcept;
 
   // MuJoCo's M, C v + g and J of the simulated arm at the current state. Independent reference for
   // tests of the controller's terms.
