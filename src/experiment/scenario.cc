@@ -251,6 +251,10 @@ void describe(Fields& f, FrameSettings& s) {
   f.field(Limits::latency, s.latency, "Mean time from a frame's exposure to its use.");
   f.field(Limits::latency_jitter, s.latency_jitter, "Standard deviation of that time.");
   f.field(Limits::drop, s.drop, "Share of the frames that never arrive.");
+  f.field("prediction", s.prediction,
+          "Predicts the canvas's pose from the last frame to the present; off: to see its worth.");
+  f.field("feedforward", s.feedforward,
+          "Feeds the canvas's velocity and acceleration forward; off: to see their worth.");
   f.field(Limits::skew, s.skew, "Time from one camera's exposure to the next one's.");
   f.field(Limits::width, s.width, "Width of a frame.");
   f.field(Limits::height, s.height, "Height of a frame.");

@@ -19,8 +19,9 @@ constexpr double kFirstSpeed = 0.5, kFirstAcceleration = 2.0;  // standard devia
 AxisFilter AxisFilter::started(double x, double variance, int order) noexcept {
   AxisFilter f;
   f.state.x = x;
-  f.P = {variance, 0.0, 0.0, order > 1 ? kFirstSpeed * kFirstSpeed : 0.0, 0.0,
-         order > 2 ? kFirstAcceleration * kFirstAcceleration : 0.0};
+  f.P = {variance, 0.0,
+         0.0,      order > 1 ? kFirstSpeed * kFirstSpeed : 0.0,
+         0.0,      order > 2 ? kFirstAcceleration * kFirstAcceleration : 0.0};
   return f;
 }
 
@@ -30,7 +31,8 @@ void AxisFilter::predict(double dt, double q, int order) noexcept {
   auto& [xx, xv, xa, vv, va, aa] = P;
   const double h = 0.5 * dt * dt;
   // F P Fᵀ with F = [1 dt h; 0 1 dt; 0 0 1]
-  const double xx1 = xx + 2.0 * dt * xv + 2.0 * h * xa + dt * dt * vv + 2.0 * dt * h * va + h * h * aa;
+  const double xx1 =
+      xx + 2.0 * dt * xv + 2.0 * h * xa + dt * dt * vv + 2.0 * dt * h * va + h * h * aa;
   const double xv1 = xv + dt * (xa + vv) + (h + dt * dt) * va + dt * h * aa;
   const double xa1 = xa + dt * va + h * aa;
   const double vv1 = vv + 2.0 * dt * va + dt * dt * aa;
@@ -191,8 +193,8 @@ double solve(std::span<const AxisSample> samples, double origin,
 
 // The k-th rate that leaves least, near `first` or, where that is 0, anywhere.
 double best_rate(std::span<const AxisSample> samples, double origin,
-                 std::array<double, AxisWave::kSinusoids> rates, int k, double first, double slowest,
-                 double* least) {
+                 std::array<double, AxisWave::kSinusoids> rates, int k, double first,
+                 double slowest, double* least) {
   const double fastest = 2.0 * std::numbers::pi * WaveFit::kFastest;
   const double span = samples.back().time - samples.front().time;
   double step = 2.0 * std::numbers::pi * 0.25 / span;
@@ -225,7 +227,7 @@ double best_rate(std::span<const AxisSample> samples, double origin,
 
 AxisWave WaveFit::fit(std::span<const AxisSample> given, const AxisWave& last,
                       bool search) noexcept {
-  constexpr double kWorth = 25.0;     // χ² that a sinusoid must explain for each of its unknowns
+  constexpr double kWorth = 25.0;      // χ² that a sinusoid must explain for each of its unknowns
   constexpr double kLeastTurns = 1.2;  // within the samples
   if (given.empty()) return {};
   const std::span<const AxisSample> samples =
@@ -234,8 +236,7 @@ AxisWave WaveFit::fit(std::span<const AxisSample> given, const AxisWave& last,
   AxisWave wave;
   if (span < kLeastTime) return wave;
   const double origin = samples.back().time;
-  const double slowest =
-      2.0 * std::numbers::pi * std::max(kSlowest, kLeastTurns / span);
+  const double slowest = 2.0 * std::numbers::pi * std::max(kSlowest, kLeastTurns / span);
   std::array<double, AxisWave::kSinusoids> rates = last.fitted ? last.rate : decltype(last.rate){};
   if (search) {
     double left = solve(samples, origin, {}, nullptr);

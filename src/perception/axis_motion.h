@@ -2,13 +2,14 @@
 //
 //   steady, drifting   constant velocity, or constant acceleration: Kalman filters whose highest
 //                      derivative is driven by white noise of spectral density q
-//   band-limited       any motion whose spectrum ends at f_c, beside a constant velocity: the linear
-//                      predictor of least variance for a flat spectrum below f_c
+//   band-limited       any motion whose spectrum ends at f_c, beside a constant velocity: the
+//                      linear predictor of least variance for a flat spectrum below f_c
 //   swinging           x(t) = x0 + v0 t + Σ a_k cos ω_k t + b_k sin ω_k t, up to two sinusoids, by
 //                      least squares over the last seconds; ω by search
 //
 // Sources: C. E. Rasmussen, C. K. I. Williams, "Gaussian Processes for Machine Learning", 2006,
-// equation (2.25), for the band-limited model; Y. Bar-Shalom, "Estimation with Applications to Tracking and Navigation", section 6.2.
+// equation (2.25), for the band-limited model; Y. Bar-Shalom, "Estimation with Applications to
+// Tracking and Navigation", section 6.2, for the filters.
 #pragma once
 
 #include <array>
@@ -89,8 +90,8 @@ class BandLimited {
 // is left out. Leaves it not fitted where the samples last less than kLeastTime. Allocates nothing.
 class WaveFit {
  public:
-  static constexpr double kLeastTime = 2.5;                      // [s]
-  static constexpr double kSlowest = 0.15, kFastest = 2.5;       // [Hz]
+  static constexpr double kLeastTime = 2.5;                 // [s]
+  static constexpr double kSlowest = 0.15, kFastest = 2.5;  // [Hz]
   static constexpr int kMostSamples = 256;
   static AxisWave fit(std::span<const AxisSample> samples, const AxisWave& last,
                       bool search) noexcept;

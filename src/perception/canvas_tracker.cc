@@ -20,10 +20,10 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr std::size_t kMostEntries = 1200, kFewestOld = 60;
-constexpr double kLeastSpread = 5e-3;      // of marks beside a line [m]
-constexpr double kLeastAngle = 0.02;       // of the rotation that two cameras' noise may leave [rad]
-constexpr double kReferAnew = 1.0;         // of φ [rad]
-constexpr double kScoreTime = 1.0;         // [s]
+constexpr double kLeastSpread = 5e-3;  // of marks beside a line [m]
+constexpr double kLeastAngle = 0.02;   // of the rotation that two cameras' noise may leave [rad]
+constexpr double kReferAnew = 1.0;     // of φ [rad]
+constexpr double kScoreTime = 1.0;     // [s]
 constexpr double kSearchPeriod = 1.0 / 12;  // from one axis to the next [s]
 
 Matrix3d rotation(const Vector3d& phi) {
@@ -258,8 +258,7 @@ void CanvasTracker::collect() noexcept {
   for (auto& samples : samples_) samples.clear();
   for (const Entry& e : entries_) {
     if (e.time < entries_.back().time - kWindow) continue;
-    const bool same =
-        !samples_[0].empty() && e.time - samples_[0].back().time < kOneTime;
+    const bool same = !samples_[0].empty() && e.time - samples_[0].back().time < kOneTime;
     for (int i = 0; i < kAxes; ++i) {
       if (!same) {
         samples_[i].push_back({e.time, e.x[i], e.variance[i]});
@@ -282,7 +281,8 @@ void CanvasTracker::fit_bands() noexcept {
   const std::size_t n = samples_[0].size() - first;
   std::array<double, BandLimited::kMostSamples> times, weights, x;
   double mean = 0.0;
-  for (std::size_t k = 0; k < n; ++k) mean += samples_[0][first + k].variance / static_cast<double>(n);
+  for (std::size_t k = 0; k < n; ++k)
+    mean += samples_[0][first + k].variance / static_cast<double>(n);
   for (std::size_t k = 0; k < n; ++k) {
     times[k] = samples_[0][first + k].time;
     weights[k] = mean / samples_[0][first + k].variance;
@@ -382,14 +382,15 @@ CanvasEstimate CanvasTracker::follow(double time) noexcept {
   if (!anew)
     lateness_ += dt / kScoreTime * (std::clamp(time - entries_.back().time, 0.01, 0.3) - lateness_);
   for (int i = 0; i < kAxes; ++i) {
-    const AxisState target = blend(entries_.back(), i, time);
+    const AxisState target =
+        blend(entries_.back(), i, settings_.prediction ? time : entries_.back().time);
     AxisState& s = smooth_[i];
     if (anew) {
       s = target;
       continue;
     }
-    const double a = target.a + kSmoothing * kSmoothing * (target.x - s.x) +
-                     2.0 * kSmoothing * (target.v - s.v);
+    const double a =
+        target.a + kSmoothing * kSmoothing * (target.x - s.x) + 2.0 * kSmoothing * (target.v - s.v);
     s.x += dt * (s.v + 0.5 * dt * a);
     s.v += dt * a;
     // The corrections are the estimate's motion, not the canvas's: they are not fed forward.

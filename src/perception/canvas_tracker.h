@@ -23,7 +23,7 @@ namespace impedraw {
 
 // A mark that a camera found.
 struct FoundMark {
-  int mark = 0;                                  // index into FiducialSettings::points
+  int mark = 0;                                   // index into FiducialSettings::points
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // [m]
 };
 
@@ -43,7 +43,8 @@ struct CanvasFrame {
 
 struct CanvasTrackerSettings {
   FiducialSettings fiducials;
-  double longest_age = 1.0;    // of the last frame [s]
+  bool prediction = true;       // off: the pose at the last frame is taken for the present one
+  double longest_age = 1.0;     // of the last frame [s]
   double largest_error = 4e-3;  // to be expected of the position [m]
 };
 
@@ -58,7 +59,8 @@ class CanvasTracker {
   // In any order; one that is older than kWindow, and one that tells no pose, is ignored.
   void add(const CanvasFrame& frame) noexcept;
 
-  // At `time`, not before that of the last call. Without smoothing: what the bank predicts.
+  // At `time`, not before that of the last call. Without smoothing: what the bank
+  // predicts.
   CanvasEstimate predict(double time) const noexcept;
   // The same, smoothed. Once per control step.
   CanvasEstimate follow(double time) noexcept;

@@ -18,6 +18,9 @@ struct FrameSettings {
   double drop = 0.05;            // share of the frames that never arrive
   // From one camera's exposure to the next one's, of the same frame [s].
   double skew = 0.0;
+  // What each is worth: off, the pen goes where the canvas was at the last frame, or without the
+  // canvas's velocity and acceleration.
+  bool prediction = true, feedforward = true;
   int width = 320, height = 240;  // of a frame; the snapshot has the camera's own size
 
   struct Limits {

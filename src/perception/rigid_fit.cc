@@ -25,8 +25,7 @@ Vector3d centroid(std::span<const Vector3d> points) {
 RigidFit fit_rigid(std::span<const Vector3d> p_K, std::span<const Vector3d> p_W) noexcept {
   const Vector3d c_K = centroid(p_K), c_W = centroid(p_W);
   Matrix3d H = Matrix3d::Zero();
-  for (std::size_t i = 0; i < p_K.size(); ++i)
-    H += (p_W[i] - c_W) * (p_K[i] - c_K).transpose();
+  for (std::size_t i = 0; i < p_K.size(); ++i) H += (p_W[i] - c_W) * (p_K[i] - c_K).transpose();
   const Eigen::JacobiSVD<Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
   // Marks in one plane leave a reflection open.
   const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;

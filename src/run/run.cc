@@ -82,11 +82,17 @@ std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e) {
   const PerceptionSettings& p = e.scenario.perception;
   if (!e.scene.perception || !p.frames.enabled || p.canvas_pose != CanvasPoseSource::tracked)
     return nullptr;
-  return std::make_unique<CanvasTracker>(CanvasTrackerSettings{p.fiducials});
+  return std::make_unique<CanvasTracker>(
+      CanvasTrackerSettings{.fiducials = p.fiducials, .prediction = p.frames.prediction});
 }
 
 CanvasSource canvas_source(const Experiment& e, CanvasTracker* tracker) {
-  if (tracker) return [tracker](double time) { return tracker->follow(time); };
+  if (tracker)
+    return [tracker, feeds = e.scenario.perception.frames.feedforward](double time) {
+      CanvasEstimate estimate = tracker->follow(time);
+      if (!feeds) estimate.motion = {.X_WK = estimate.motion.X_WK};
+      return estimate;
+    };
   const CanvasMotion& motion = e.scene.world->canvas_motion();
   if (e.scene.perception && e.scenario.perception.canvas_pose == CanvasPoseSource::truth &&
       motion.moves())

@@ -42,8 +42,7 @@ bool SimulatedCameras::sees(const DepthCamera& camera, const Eigen::Vector3d& p_
   const double distance = way.norm();
   const Eigen::Vector3d direction = way / distance;
   if (world_.ray_to_arm(camera.X_WC.p, direction) < distance - kSkin) return false;
-  const auto hit =
-      canvas_.ray(X_WK.inverse() * camera.X_WC.p, X_WK.R.transpose() * direction);
+  const auto hit = canvas_.ray(X_WK.inverse() * camera.X_WC.p, X_WK.R.transpose() * direction);
   return !hit || hit->t > distance - kSkin;
 }
 
@@ -63,13 +62,13 @@ void SimulatedCameras::capture(int number, double time, bool lost) noexcept {
     const Eigen::Vector3d p_W = X_WK * fiducials_.points[i].p_K;
     if (!sees(camera.actual, p_W, X_WK)) continue;
     coming.frame.marks[static_cast<std::size_t>(coming.frame.count++)] = {static_cast<int>(i),
-                                                                         error * p_W + noise};
+                                                                          error * p_W + noise};
   }
   if (dropped || lost || coming_.size() == kMostComing) return;
   coming.arrives = time + std::max(0.0, late);
-  const auto at = std::upper_bound(
-      coming_.begin(), coming_.end(), coming.arrives,
-      [](double arrives, const Coming& other) { return arrives < other.arrives; });
+  const auto at =
+      std::upper_bound(coming_.begin(), coming_.end(), coming.arrives,
+                       [](double arrives, const Coming& other) { return arrives < other.arrives; });
   coming_.insert(at, coming);
 }
 
@@ -78,8 +77,8 @@ void SimulatedCameras::expose(bool lost) noexcept {
   bool posed = false;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     Camera& camera = cameras_[i];
-    const double due = static_cast<double>(camera.exposed) / frames_.rate +
-                       static_cast<double>(i) * frames_.skew;
+    const double due =
+        static_cast<double>(camera.exposed) / frames_.rate + static_cast<double>(i) * frames_.skew;
     if (time < due - 1e-9) continue;
     if (!posed) world_.pose_body();
     posed = true;

@@ -43,7 +43,8 @@ TEST(AxisFilter, GrowsUncertainAsIntegratedNoise) {
   for (int order = 1; order <= 3; ++order) {
     AxisFilter filter;
     filter.predict(0.5, 2.0, order);
-    const double t = 0.5, expected[] = {2.0 * t, 2.0 * t * t * t / 3.0, 2.0 * std::pow(t, 5) / 20.0};
+    const double t = 0.5,
+                 expected[] = {2.0 * t, 2.0 * t * t * t / 3.0, 2.0 * std::pow(t, 5) / 20.0};
     EXPECT_NEAR(filter.P[0], expected[order - 1], 1e-12) << order;
     AxisFilter twice;
     twice.predict(0.2, 2.0, order);
@@ -82,8 +83,7 @@ TEST(BandLimited, IsTheLinearPredictorOfItsSpectrum) {
   const AxisPolynomial got = model.predict(x);
   const auto k = [&](double a, double b) {
     const double u = 2.0 * std::numbers::pi * kCutoff * (a - b);
-    return (u == 0.0 ? 1.0 : std::sin(u) / u) + 100.0 +
-           100.0 * (a - t.back()) * (b - t.back());
+    return (u == 0.0 ? 1.0 : std::sin(u) / u) + 100.0 + 100.0 * (a - t.back()) * (b - t.back());
   };
   Eigen::MatrixXd K(60, 60);
   Eigen::VectorXd y(60);
@@ -112,7 +112,8 @@ TEST(WaveFit, FindsTwoSwingsInNoise) {
            0.012 * std::cos(2.0 * std::numbers::pi * 1.2 * t + 0.4);
   };
   std::vector<AxisSample> samples;
-  for (int i = 0; i < 180; ++i) samples.push_back({i / 30.0, motion(i / 30.0) + normal(random), 1e-8});
+  for (int i = 0; i < 180; ++i)
+    samples.push_back({i / 30.0, motion(i / 30.0) + normal(random), 1e-8});
   const AxisWave wave = WaveFit::fit(samples, {}, true);
   ASSERT_TRUE(wave.fitted);
   EXPECT_NEAR(wave.rate[0] / (2.0 * std::numbers::pi), 0.5, 0.005);

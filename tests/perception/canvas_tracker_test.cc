@@ -107,7 +107,8 @@ Errors follow(const CanvasMotionSettings& given, unsigned seed) {
     last_a = a;
     ++n;
   }
-  for (double* x : {&e.position, &e.angle, &e.velocity, &e.acceleration, &e.jump}) *x = std::sqrt(*x / n);
+  for (double* x : {&e.position, &e.angle, &e.velocity, &e.acceleration, &e.jump})
+    *x = std::sqrt(*x / n);
   e.stale = stale;
   e.judged = tracker.position_error();
   return e;

@@ -38,8 +38,8 @@ TEST(MovingCanvas, HalfASecondWithoutFramesInTheArmsShadow) {
 
 // The frames stay away for so long that the estimate is no longer to be relied on.
 TEST(MovingCanvas, PenLetsGoOfALostCanvasAndComesBack) {
-  const Figures f = draw_scenario(
-      "moving-turntable", {"faults=[{kind: no_frames, start: 0.5, duration: 2}]"});
+  const Figures f =
+      draw_scenario("moving-turntable", {"faults=[{kind: no_frames, start: 0.5, duration: 2}]"});
   EXPECT_GT(f.outcome.met.at("surface_lost"), 0.5);
   EXPECT_LT(f["force_peak"], 10.0);
   EXPECT_GT(f["coverage"], 0.99);
@@ -73,7 +73,8 @@ TEST(MovingCanvas, OnlyFramesTellHowItMoves) {
 }
 
 TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
-  const Figures f = draw_scenario("moving-conveyor", {"canvas.motion.start=1", "canvas.motion.velocity=[0, -0.09, 0]"},
+  const Figures f = draw_scenario("moving-conveyor",
+                                  {"canvas.motion.start=1", "canvas.motion.velocity=[0, -0.09, 0]"},
                                   RunEnd::stopped);
   EXPECT_NE(f.outcome.cause.find("left the arm's reach"), std::string::npos) << f.outcome.cause;
   EXPECT_LT(f["force_peak"], 15.0);
