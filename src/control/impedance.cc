@@ -9,6 +9,8 @@ namespace impedraw {
 namespace {
 
 constexpr double kSelfMotionSpeed = 1.0;  // of the fastest joint; at twice that, no pull [rad/s]
+constexpr double kRiseRate = 80.0;        // of what the tip's motion tells of the surface's [1/s]
+constexpr double kFastestRise = 0.2;      // [m/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
 
 }  // namespace
@@ -57,9 +59,10 @@ void ImpedanceController::retune(const TipGain& stiffness, double normal_force) 
 
 const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,
                                                  const SurfaceEstimate& surface,
-                                                 const Wrench& F_given,
-                                                 const InputAges& ages) noexcept {
+                                                 const Wrench& F_given, const InputAges& ages,
+                                                 const FrameMotion* carrier) noexcept {
   const bool was_limited = out_.status.torque_limited;
+  carrier_ = carrier;
   out_.status = input_status(arm, reference, surface, F_given, ages);
   if (out_.status.bad_input || out_.status.stale_state) return safe_torque();
   const bool has_wrench = measured_ && !out_.status.stale_wrench;
@@ -67,6 +70,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
 
   out_.status.near_singular = !space_.update(arm);  // Λ, J̄
   update_mode(reference, surface, F_ext);
+  update_rise(arm);
   if (!was_limited) update_force_integral(F_ext);
   update_damping();  // B
 
@@ -85,7 +89,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   apply_inertia(&F_act);
   F_act.col(kVelocityProduct) += space_.project_to_tip(arm.Cv);
   F_act.col(kWrench) -= F_ext;
-  F_act.col(kFeedforward).head<3>() += foreseen_friction(desired.V_d);
+  F_act.col(kFeedforward).head<3>() += foreseen_friction(arm, desired.V_d);
 
   // τ (12), (14)–(17)
   const JointVector tau_null = null_space_torque(arm);
@@ -133,7 +137,7 @@ void ImpedanceController::forget() noexcept {
   observer_.reset();
   last_mode_ = ContactMode::free;
   on_surface_ = false;
-  force_integral_ = 0.0;
+  force_integral_ = rise_ = 0.0;
   carried_force_.setZero();
   last_force_.setZero();
   force_from_zero_ = true;
@@ -221,6 +225,19 @@ void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
       std::clamp(force_integral_ + s.rate * settings_.timing.dt * error, -s.limit, s.limit);
 }
 
+// In contact the tip moves as the surface does: what its velocity along n has beyond the carrier's
+// is learned, slowly enough that the damping along n stays.
+void ImpedanceController::update_rise(const ArmTerms& arm) noexcept {
+  if (!carrier_ || out_.mode != ContactMode::contact) {
+    rise_ = out_.rise = 0.0;  // its effect decays with the force carried over at the switch
+    return;
+  }
+  const Eigen::Vector3d v = arm.V_WE.head<3>() - carrier_velocity(arm.X_WE.p);
+  rise_ += kRiseRate * settings_.timing.dt * (out_.n_WD.dot(v) - rise_);
+  rise_ = std::clamp(rise_, -kFastestRise, kFastestRise);
+  out_.rise = rise_;
+}
+
 // Updates B for this posture, if the desired inertia depends on posture.
 void ImpedanceController::update_damping() noexcept {
   if (shaped_) return;
@@ -292,7 +309,7 @@ Wrench ImpedanceController::tip_contact(const ArmTerms& arm, const Wrench& F_ext
   if (!measured_ || out_.mode != ContactMode::contact) return contact;
   const Eigen::Vector3d& n = out_.n_WD;
   const double f_n = std::max(0.0, n.dot(F_ext.head<3>()));
-  const Eigen::Vector3d v = arm.V_WE.head<3>();
+  const Eigen::Vector3d v = arm.V_WE.head<3>() - carrier_velocity(arm.X_WE.p);
   const Eigen::Vector3d v_t = v - n * n.dot(v);
   const Eigen::Vector3d slip = v_t / std::sqrt(v_t.squaredNorm() + s.fade_speed * s.fade_speed);
   const Eigen::Vector3d f_t = F_ext.head<3>() - n * n.dot(F_ext.head<3>());
@@ -305,11 +322,12 @@ Wrench ImpedanceController::tip_contact(const ArmTerms& arm, const Wrench& F_ext
 }
 
 // Feedforward force against friction along the stroke, without a measured wrench.
-Eigen::Vector3d ImpedanceController::foreseen_friction(const Vector6& V_d) const noexcept {
+Eigen::Vector3d ImpedanceController::foreseen_friction(const ArmTerms& arm,
+                                                       const Vector6& V_d) const noexcept {
   const FrictionSettings& s = settings_.friction;
   if (measured_ || s.feedforward <= 0.0 || out_.mode != ContactMode::contact)
     return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d v_d = V_d.head<3>();
+  const Eigen::Vector3d v_d = V_d.head<3>() - carrier_velocity(arm.X_WE.p);
   const double speed = std::sqrt(v_d.squaredNorm() + s.fade_speed * s.fade_speed);
   return s.feedforward * out_.push / speed * v_d;
 }

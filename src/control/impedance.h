@@ -35,6 +35,10 @@
 // In contact  e is the error of the ink, not of the tip, seen along the drawing axis z (13):
 //             ErrorProjection. K has no normal part. z_E is aligned with −n, or with the plan's
 //             axis (PenAxis); rotation about z_E is only damped.
+// Carrier     A canvas that moves carries reference, surface and contact (moving_frame.h). In
+//             contact the desired velocity along n is that of the carrier there, plus what the
+//             tip's own motion in contact shows it to lack: the tip is the fastest sensor along n.
+//             Friction acts against the velocity relative to the carrier.
 // Modes       contact_mode.h. The desired force stays continuous at a mode switch: the difference
 //             is carried over and decays with `switch_time`.
 // Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
@@ -59,6 +63,7 @@
 #include "impedraw/control/damping.h"
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/control/momentum_observer.h"
+#include "impedraw/control/moving_frame.h"
 #include "impedraw/control/normal_tracker.h"
 #include "impedraw/control/surface_estimate.h"
 #include "impedraw/control/tip_reference.h"
@@ -113,8 +118,9 @@ struct ImpedanceTorque {
       terms;
   ContactMode mode = ContactMode::free;
   ControlStatus status;
-  double push = 0.0;                                   // desired normal force [N]
-  double task_share = 1.0;                             // s of torque_limits.h
+  double push = 0.0;        // desired normal force [N]
+  double rise = 0.0;        // of the surface along n, beyond the carrier's velocity there [m/s]
+  double task_share = 1.0;  // s of torque_limits.h
   Eigen::Vector3d p_WD = Eigen::Vector3d::Zero();      // desired tip, compensation included [m]
   Eigen::Vector3d n_WD = Eigen::Vector3d::UnitZ();     // normal that the push follows
   Eigen::Vector3d axis_WD = Eigen::Vector3d::UnitZ();  // desired pen axis, outward: z_D = −axis_WD
@@ -128,10 +134,12 @@ class ImpedanceController {
 
   // Computes one step. The result belongs to this object and is overwritten by the next step.
   // `reference`: the plan at this instant. `surface`: the estimate at the tip, with status `none`
-  // if there is no perception. `F_ext` is used only with WrenchFeedback::measured.
+  // if there is no perception. `F_ext` is used only with WrenchFeedback::measured. `carrier`: how
+  // the canvas moves now; null: it stands. Reference and surface are given in W in either case.
   const ImpedanceTorque& step(const ArmTerms& arm, const TipReference& reference,
                               const SurfaceEstimate& surface, const Wrench& F_ext,
-                              const InputAges& ages = {}) noexcept;
+                              const InputAges& ages = {},
+                              const FrameMotion* carrier = nullptr) noexcept;
 
   // Gravity compensation and damping −c M v, c = kBrakeRate: takes the energy out of a motion that
   // the law no longer controls. Then continue with step(), in mode free.
@@ -167,12 +175,17 @@ class ImpedanceController {
   ReferenceMotion reference_on_plan(const ArmTerms& arm, const TipReference& reference) noexcept;
   ReferenceMotion reference_on_surface(const ArmTerms& arm, const TipReference& reference,
                                        const SurfaceEstimate& surface) noexcept;
+  void update_rise(const ArmTerms& arm) noexcept;
+  // Of the carrier at p_W.
+  Eigen::Vector3d carrier_velocity(const Eigen::Vector3d& p_W) const noexcept {
+    return carrier_ ? carrier_->velocity_at(p_W) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
 
   Vector6 damp(const Vector6& V) const noexcept;
   Vector6 spring_and_damper(const Vector6& V, ReferenceMotion* desired) noexcept;
   Vector6 handed_over(const Vector6& force, const Vector6& push) noexcept;
   Wrench tip_contact(const ArmTerms& arm, const Wrench& F_ext) const noexcept;
-  Eigen::Vector3d foreseen_friction(const Vector6& V_d) const noexcept;
+  Eigen::Vector3d foreseen_friction(const ArmTerms& arm, const Vector6& V_d) const noexcept;
   void apply_inertia(TaskTerms* F) const noexcept;
 
   JointVector null_space_torque(const ArmTerms& arm) noexcept;
@@ -197,7 +210,9 @@ class ImpedanceController {
   bool force_from_zero_ = false;  // the desired force starts from zero
   bool on_surface_ = false;       // the last step used the law for approach and contact
   ContactMode last_mode_ = ContactMode::free;
-  double force_integral_ = 0.0;     // [N]
+  double force_integral_ = 0.0;           // [N]
+  const FrameMotion* carrier_ = nullptr;  // of this step
+  double rise_ = 0.0;  // of the surface along n in contact, beyond the carrier's velocity [m/s]
   double approach_distance_ = 0.0;  // desired distance to the surface during the approach [m]
   Vector6 carried_force_ = Vector6::Zero();  // carried over at the last switch, decaying
   Vector6 last_force_ = Vector6::Zero();     // force + push of the last step

@@ -21,6 +21,17 @@ struct TangentMotion {
   Vector3d e, v, a;
 };
 
+// Of a point that rests in the carrier.
+struct CarrierMotion {
+  Vector3d v = Vector3d::Zero(), a = Vector3d::Zero();
+};
+
+CarrierMotion carrier_motion(const FrameMotion& carrier, const Vector3d& p_W) {
+  const Vector3d r = p_W - carrier.X_WK.p;
+  return {carrier.v + carrier.w.cross(r),
+          carrier.a + carrier.alpha.cross(r) + carrier.w.cross(carrier.w.cross(r))};
+}
+
 // Projection along z, with full stiffness on any slope: x − z (n·x)/(n·z) and its derivatives. The
 // plan's own height is ignored, because perception gives the surface.
 TangentMotion lifted(const Vector3d& e, const Vector3d& v, const Vector3d& a, const Vector3d& n,
@@ -66,7 +77,17 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
   const bool planned_axis = settings_.surface.pen_axis == PenAxis::plan;
   const Vector3d& w = planned_axis ? reference.w_WD : tracker_.w();
   out_.axis_WD = planned_axis ? reference.n_WD : n;
-  const Vector3d& z = settings_.surface.drawing_axis_W;
+  // The plan's motion relative to the carrier is projected, in axes that turn with it.
+  const Vector3d z = carrier_ ? Vector3d(carrier_->X_WK.R * settings_.surface.drawing_axis_W)
+                              : settings_.surface.drawing_axis_W;
+  Vector3d v_D = reference.v_WD, a_D = reference.a_WD, n_turn = tracker_.w();
+  CarrierMotion carried;
+  if (carrier_) {
+    carried = carrier_motion(*carrier_, reference.p_WD);
+    v_D -= carried.v;
+    a_D -= carried.a + 2.0 * carrier_->w.cross(v_D);
+    n_turn -= carrier_->w;
+  }
   const bool contact = out_.mode == ContactMode::contact;
   out_.push = contact ? settings_.normal_force : 0.0;
 
@@ -84,8 +105,11 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
                     std::abs(cosine) > settings_.surface.min_axis_cosine;
   const Vector3d e = out_.p_WD - arm.X_WE.p;
   TangentMotion tangent =
-      lift ? lifted(e, reference.v_WD, reference.a_WD, n, tracker_.w().cross(n), z)
-           : projected(e, reference.v_WD, reference.a_WD, n, z);
+      lift ? lifted(e, v_D, a_D, n, n_turn.cross(n), z) : projected(e, v_D, a_D, n, z);
+  if (carrier_) {
+    tangent.a += carried.a + 2.0 * carrier_->w.cross(tangent.v);
+    tangent.v += carried.v + rise_ * n;
+  }
 
   TipGain K = settings_.stiffness;
   Vector3d e_n = Vector3d::Zero();

@@ -167,6 +167,25 @@ void describe(Fields& f, MeshSettings& s) {
       "mesh.");
 }
 
+void describe(Fields& f, CanvasMotionSettings& s) {
+  using Limits = CanvasMotionSettings::Limits;
+  f.field(Limits::centre, s.centre, "Point that the canvas turns and rolls about.");
+  f.field(Limits::start, s.start, "Time at which it starts to move.");
+  f.field(Limits::stop, s.stop, "Time at which it starts to stop; null: it never stops.");
+  f.field(Limits::ramp, s.ramp, "Time that it takes to reach its full motion, and to stop.");
+  f.field(Limits::speed, s.velocity, "Constant velocity, as on a conveyor.");
+  f.field(Limits::turn_axis, s.turn_axis, "Axis of a turntable.");
+  f.field(Limits::turn_speed, s.turn_speed, "Angular speed of the turntable.");
+  f.field(Limits::sway, s.sway, "Amplitude of a sinusoidal translation, heave or sway.");
+  f.field(Limits::sway_frequency, s.sway_frequency, "Its frequency.");
+  f.field(Limits::roll_axis, s.roll_axis, "Axis of a sinusoidal rotation.");
+  f.field(Limits::roll, s.roll, "Its amplitude.");
+  f.field(Limits::roll_frequency, s.roll_frequency, "Its frequency.");
+  f.field(Limits::jolts, s.jolts, "Root-mean-square displacement by random jolts, on each axis.");
+  f.field(Limits::jolt_bandwidth, s.jolt_bandwidth,
+          "Frequency up to which the spectrum of the jolts is flat.");
+}
+
 void describe(Fields& f, CanvasSettings& s) {
   using Limits = CanvasSettings::Limits;
   f.choice("kind", s.kind,
@@ -195,6 +214,7 @@ void describe(Fields& f, CanvasSettings& s) {
   f.field("mesh", s.mesh, "Mesh from a file.");
   f.field(Limits::move, s.move, "Translation of the whole canvas, after its rotation.");
   f.field(Limits::turn, s.turn_deg, "Rotation of the whole canvas about the world's z axis.");
+  f.field("motion", s.motion, "Motion of the canvas during the run; none by default.");
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include "impedraw/canvas/built_in_rough.h"
 #include "impedraw/canvas/built_in_ruled.h"
 #include "impedraw/settings/schema.h"
+#include "impedraw/simulation/canvas_motion.h"
 
 namespace impedraw {
 
@@ -61,6 +62,7 @@ struct CanvasSettings {
   // Translation of the canvas, after its rotation: p = move + Rz(turn) p_made [m].
   Eigen::Vector3d move = Eigen::Vector3d::Zero();
   double turn_deg = 0.0;
+  CanvasMotionSettings motion;  // its seed comes from the scenario's
 
   struct Limits {
     static constexpr Limit move = {"move", "m", {-10.0, 10.0}};

@@ -13,6 +13,7 @@ enum class FaultKind {
   nan_wrench,    // the wrench is NaN
   stale_wrench,  // the wrench stays as it was when the fault began
   no_cloud,      // perception finds no surface under the tip
+  no_frames,     // the cameras' frames of a moving canvas get lost
   slow_step,     // one control step takes `duration`; the drives hold the last torque
 };
 

@@ -244,6 +244,32 @@ void describe(Fields& f, NormalSettings& s) {
           "edge.");
 }
 
+void describe(Fields& f, FrameSettings& s) {
+  using Limits = FrameSettings::Limits;
+  f.field("enabled", s.enabled, "Cameras keep capturing; off: one snapshot before drawing.");
+  f.field(Limits::rate, s.rate, "Frames of each camera in a second.");
+  f.field(Limits::latency, s.latency, "Mean time from a frame's exposure to its use.");
+  f.field(Limits::latency_jitter, s.latency_jitter, "Standard deviation of that time.");
+  f.field(Limits::drop, s.drop, "Share of the frames that never arrive.");
+  f.field("prediction", s.prediction,
+          "Predicts the canvas's pose from the last frame to the present; off: to see its worth.");
+  f.field("feedforward", s.feedforward,
+          "Feeds the canvas's velocity and acceleration forward; off: to see their worth.");
+  f.field(Limits::skew, s.skew, "Time from one camera's exposure to the next one's.");
+  f.field(Limits::width, s.width, "Width of a frame.");
+  f.field(Limits::height, s.height, "Height of a frame.");
+}
+
+void describe(Fields& f, Fiducial& s) {
+  f.field(Fiducial::Limits::position, s.p_K, "Position, while the canvas has not moved.");
+}
+
+void describe(Fields& f, FiducialSettings& s) {
+  f.field("points", s.points, "Marks on the canvas's frame.");
+  f.field(FiducialSettings::Limits::noise, s.noise,
+          "Standard deviation of each axis of a mark's position in one frame of one camera.");
+}
+
 void describe(Fields& f, PerceptionSettings& s) {
   using Limits = PerceptionSettings::Limits;
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
@@ -260,6 +286,14 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field(Limits::region_lower, s.region_lower, "Lower corner of the region of interest.");
   f.field(Limits::region_upper, s.region_upper, "Upper corner of the region of interest.");
   f.field("normals", s.normals, "Surface normals from the cloud, equations (18) and (19).");
+  f.field("frames", s.frames, "Frames of cameras that keep capturing.");
+  f.field("fiducials", s.fiducials, "Marks that tell where the canvas is.");
+  f.field(Limits::watch, s.watch,
+          "Time for which the arm watches the canvas before the first stroke.");
+  f.choice("canvas_pose", s.canvas_pose,
+           {{"tracked", CanvasPoseSource::tracked}, {"true", CanvasPoseSource::truth}},
+           "Where the pose of a moving canvas comes from. tracked: the frames; true: the "
+           "simulator, to judge the controller alone.");
 }
 
 void describe(Fields& f, TouchSettings& s) {
@@ -636,6 +670,7 @@ void describe(Fields& f, FaultSettings& s) {
             {"nan_wrench", FaultKind::nan_wrench},
             {"stale_wrench", FaultKind::stale_wrench},
             {"no_cloud", FaultKind::no_cloud},
+            {"no_frames", FaultKind::no_frames},
             {"slow_step", FaultKind::slow_step}},
            "Fault around the controller.");
   f.field(Limits::start, s.start,

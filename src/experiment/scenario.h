@@ -18,6 +18,7 @@
 #include "impedraw/experiment/wrench_input.h"
 #include "impedraw/log/log_settings.h"
 #include "impedraw/perception/cloud.h"
+#include "impedraw/perception/frame_settings.h"
 #include "impedraw/perception/normals.h"
 #include "impedraw/planning/path/tip_planner.h"
 #include "impedraw/planning/preflight/preflight.h"
@@ -154,8 +155,13 @@ struct PerceptionSettings {
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;
+  FrameSettings frames;
+  FiducialSettings fiducials;
+  double watch = kWatchTime;  // before the first stroke, if there are frames [s]
+  CanvasPoseSource canvas_pose = CanvasPoseSource::tracked;
 
   struct Limits : CloudSettings::Limits {
+    static constexpr Limit watch = kWatchLimit;
     static constexpr Limit region_lower = {"region_lower", "m", {-10.0, 10.0}};
     static constexpr Limit region_upper = {"region_upper", "m", {-10.0, 10.0}};
   };

@@ -11,6 +11,7 @@
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
 #include "impedraw/experiment/start_posture.h"
+#include "impedraw/perception/canvas_tracker.h"
 
 namespace impedraw {
 
@@ -98,6 +99,24 @@ void check_pushes(const Scenario& s, const World& world, const SettingErrors& se
   }
 }
 
+void check_frames(const Scenario& s, const SettingErrors& setting_errors) {
+  if (!s.perception.frames.enabled) return;
+  setting_errors.locate({"perception.frames"}, [&] {
+    if (!s.perception.enabled)
+      throw InputError(
+          "perception.frames.enabled: without perception there are no cameras; valid is false, or "
+          "perception.enabled true");
+  });
+  setting_errors.locate({"perception.fiducials"},
+                        [&] { CanvasTracker{CanvasTrackerSettings{s.perception.fiducials}}; });
+}
+
+CanvasMotion canvas_motion(const Scenario& s) {
+  CanvasMotionSettings settings = s.canvas.motion;
+  settings.seed = static_cast<std::uint64_t>(s.seed);
+  return CanvasMotion(settings);
+}
+
 }  // namespace
 
 SurfaceHeight Scene::surface(const Pose& X_WP) const {
@@ -109,6 +128,7 @@ SurfaceHeight Scene::surface(const Pose& X_WP) const {
 void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& setting_errors) {
   check_joint_settings(s, urdf_of(s.arm), scene.arm, setting_errors);
   check_pushes(s, *scene.world, setting_errors);
+  check_frames(s, setting_errors);
 }
 
 Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
@@ -126,7 +146,9 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   settings.flange_sensor = has_sensor(s.control.source);
   auto world = setting_errors.locate(
       {"arm.urdf"}, [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
+  setting_errors.locate({"canvas.motion"}, [&] { world->move_canvas(canvas_motion(s)); });
   check_pushes(s, *world, setting_errors);
+  check_frames(s, setting_errors);
   Scene scene{.canvas = std::move(canvas),
               .arm = std::move(arm),
               .start_q = {},

@@ -12,9 +12,6 @@
 
 namespace impedraw {
 
-namespace {
-
-// The camera that takes the image, where `believed` is what its points are computed with.
 DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
                         std::uint64_t seed) {
   SeededNormals normals(~seed);
@@ -31,7 +28,9 @@ DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
   return camera;
 }
 
-}  // namespace
+std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera) {
+  return static_cast<std::uint64_t>(scenario.seed) * 1000 + camera;
+}
 
 SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world,
                                ArmModel& arm, const JointVector& q) {
@@ -50,7 +49,7 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   for (std::size_t i = 0; i < p.cameras.size(); ++i) {
     const CameraSettings& c = p.cameras[i];
     cameras.push_back({c.width, c.height, c.fov_y_deg, look_at(c.p_WC, c.target_W)});
-    const std::uint64_t seed = static_cast<std::uint64_t>(s.seed) * 1000 + i;
+    const std::uint64_t seed = camera_seed(s, i);
     images.push_back(
         render_depth(true_camera(cameras.back(), p.errors, seed), cast, p.noise, seed));
     if (p.errors.depth_scale != 0.0)

@@ -8,6 +8,13 @@
 
 namespace impedraw {
 
+// The camera that takes the images, where points are computed with the one that is believed in; the
+// directions of its errors come from the seed.
+DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
+                        std::uint64_t seed);
+// The seed of a camera's errors and noise.
+std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera);
+
 // The arm is at q; its points are removed from the cloud. Throws InputError without cameras or with
 // too little of the canvas in view.
 SurfaceEstimator take_snapshot(const Scenario& scenario, const Canvas& canvas, const World& world,

@@ -49,12 +49,13 @@ class LiveView::Feed {
 
   void add(const LogRow& row) noexcept {
     const bool touches = std::isfinite(row.contact_normal.x());
-    const double f = touches ? row.contact_force.dot(row.contact_normal) : 0.0;
+    const Eigen::Vector3d normal = row.contact_normal_W();
+    const double f = touches ? row.contact_force.dot(normal) : 0.0;
     if (std::isnan(force_) || std::abs(f - row.push) > std::abs(force_ - row.push)) force_ = f;
     if (touches && f > kInkForce) {
-      tilt_ = larger_of(
-          tilt_, degrees(-row.contact_normal.dot(row.tip_orientation * Eigen::Vector3d::UnitZ())));
-      normal_error_ = larger_of(normal_error_, degrees(row.contact_normal.dot(row.surface_normal)));
+      tilt_ =
+          larger_of(tilt_, degrees(-normal.dot(row.tip_orientation * Eigen::Vector3d::UnitZ())));
+      normal_error_ = larger_of(normal_error_, degrees(normal.dot(row.surface_normal)));
     }
     step_time_ = larger_of(step_time_, row.step_time);
     if (row.time < last_ + spacing_ - 1e-9) return;

@@ -32,6 +32,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/log/log_settings.h"
 
@@ -61,9 +62,9 @@ struct LogRow {
   Eigen::Quaterniond desired_orientation = Eigen::Quaterniond::Identity();  // R_WD
   // true force of the canvas on the tip [N]
   Eigen::Vector3d contact_force = Eigen::Vector3d::Zero();
-  // point of the canvas closest to the tip sphere's centre [m]; NaN out of contact
+  // point of the canvas closest to the tip sphere's centre, in K [m]; NaN out of contact
   Eigen::Vector3d contact_point = no_vector();
-  // the canvas's outward unit normal there; NaN out of contact
+  // the canvas's outward unit normal there, in K; NaN out of contact
   Eigen::Vector3d contact_normal = no_vector();
   Vector6 wrench_measured = Vector6::Zero();  // F_ext as passed to the controller, at E [N, Nm]
   // the scenario's push on the pen [N]
@@ -81,6 +82,14 @@ struct LogRow {
   // speed of the plan's clock, 0 … 1; 1: as planned
   double time_scale = 1.0;
   double step_time = 0.0;  // wall time of the controller step [s]
+  // The canvas's frame K in W, true and as the controller estimates it; its estimated twist, of the
+  // origin of K, linear part first [m/s, rad/s]. Only with RunLogHeader::moving_canvas; else K is
+  // W.
+  Pose canvas_pose, estimated_canvas_pose;
+  Vector6 estimated_canvas_twist = Vector6::Zero();
+
+  Eigen::Vector3d contact_point_W() const { return canvas_pose * contact_point; }
+  Eigen::Vector3d contact_normal_W() const { return canvas_pose.R * contact_normal; }
 
   explicit LogRow(int joints)
       : joint_position(JointVector::Zero(joints)),
@@ -99,6 +108,7 @@ struct RunLogHeader {
       torque_limit;                   // n; [rad], [rad], [Nm]; ± inf if unlimited
   Eigen::VectorXd joint_speed_limit;  // n; [rad/s]; inf if unlimited; empty: not known
   bool joint_sensor = false;          // the rows have measured joint positions and velocities
+  bool moving_canvas = false;         // the rows have the pose of the canvas's frame K
   std::vector<std::string>
       torque_terms;  // at most kMaxTorqueTerms, each the name of a dataset /torque/<term>
   std::vector<std::string> mode_names;           // of LogRow::mode

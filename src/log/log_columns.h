@@ -13,6 +13,8 @@ namespace impedraw {
 
 // Logs of older versions lack it.
 inline constexpr const char* kSpeedShareColumn = "/every_step/joint_speed_share";
+// Only where the canvas moves.
+inline constexpr const char* kCanvasPoseColumn = "/canvas/pose";
 
 struct LogColumn {
   std::string name;  // path in the file
@@ -31,11 +33,11 @@ struct LogColumn {
 std::vector<LogColumn> log_columns(const RunLogHeader& header);
 
 // Columns of /every_step in the order in which put_step() visits them. The first is the time.
-const std::vector<LogColumn>& step_columns();
+const std::vector<LogColumn>& step_columns(bool moving_canvas = false);
 
 // Calls put(pointer to first value, count, size of one value) for each column of log_columns().
 template <typename Put>
-void put_row(const LogRow& row, int terms, bool joint_sensor, Put&& put) {
+void put_row(const LogRow& row, int terms, bool joint_sensor, bool moving_canvas, Put&& put) {
   const auto vector = [&](const auto& v) {
     put(v.data(), static_cast<int>(v.size()), sizeof(double));
   };
@@ -71,6 +73,14 @@ void put_row(const LogRow& row, int terms, bool joint_sensor, Put&& put) {
   number(row.stroke_along);
   number(row.time_scale);
   number(row.step_time);
+  if (moving_canvas) {
+    for (const Pose* pose : {&row.canvas_pose, &row.estimated_canvas_pose}) {
+      const Eigen::Quaterniond q(pose->R);
+      const double values[7] = {pose->p.x(), pose->p.y(), pose->p.z(), q.w(), q.x(), q.y(), q.z()};
+      put(values, 7, sizeof(double));
+    }
+    vector(row.estimated_canvas_twist);
+  }
 }
 
 // The same for step_columns(). Step is LogStep or const LogStep.

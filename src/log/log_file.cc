@@ -167,7 +167,8 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
 void LogFile::make_tables(const RunLogHeader& header) {
   tables_.push_back({log_columns(header), chunk_rows(LogTable::rows, header.rate)});
   if (header.rate == LogRate::reduced)
-    tables_.push_back({step_columns(), chunk_rows(LogTable::steps, header.rate)});
+    tables_.push_back(
+        {step_columns(header.moving_canvas), chunk_rows(LogTable::steps, header.rate)});
   std::size_t largest = 0;
   for (const Table& table : tables_) {
     for (const LogColumn& column : table.columns)
@@ -220,21 +221,22 @@ void LogFile::create_datasets(Table& table, const RunLogHeader& header) {
 double LogFile::write_static(const RunLogHeader& h) {
   static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) &&
                 sizeof(Eigen::Vector3i) == 3 * sizeof(int));
+  const char* const canvas = h.moving_canvas ? "canvas" : "world";  // frame
   write_fixed(file_, "/canvas/vertices", H5T_NATIVE_DOUBLE, h.canvas_vertices.data(),
-              h.canvas_vertices.size(), 3, "m", "world", "vertices of the true canvas");
+              h.canvas_vertices.size(), 3, "m", canvas, "vertices of the true canvas");
   write_fixed(
       file_, "/canvas/triangles", H5T_NATIVE_INT, h.canvas_triangles.data(),
       h.canvas_triangles.size(), 3, "1", "none",
       "triangles of the true canvas: indices of vertices, counter-clockwise seen from outside");
   write_fixed(file_, "/cloud/points", H5T_NATIVE_DOUBLE, h.cloud_points.data(),
-              h.cloud_points.size(), 3, "m", "world", "point cloud as the controller has it");
+              h.cloud_points.size(), 3, "m", canvas, "point cloud as the controller has it");
   write_fixed(file_, "/cloud/normals", H5T_NATIVE_DOUBLE, h.cloud_normals.data(),
-              h.cloud_normals.size(), 3, "1", "world",
+              h.cloud_normals.size(), 3, "1", canvas,
               "unit normals at the cloud's points, towards the camera that saw them");
   write_fixed(file_, "/cloud/camera", H5T_NATIVE_INT, h.cloud_camera.data(), h.cloud_camera.size(),
               1, "1", "none", "index of the camera that saw the point");
   write_fixed(file_, "/target/points", H5T_NATIVE_DOUBLE, h.target_points.data(),
-              h.target_points.size(), 3, "m", "world",
+              h.target_points.size(), 3, "m", canvas,
               "the artwork itself, projected on the true canvas");
   write_fixed(file_, "/target/stroke", H5T_NATIVE_INT, h.target_stroke.data(),
               h.target_stroke.size(), 1, "1", "none",

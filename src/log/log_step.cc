@@ -72,11 +72,12 @@ LogSteps::LogSteps(const RunLogHeader& header)
 LogStep LogSteps::measure(const LogRow& row) noexcept {
   LogStep step;
   step.time = row.time;
-  step.force = normal_force(row.contact_force, row.contact_normal);
+  const Eigen::Vector3d contact_normal = row.contact_normal_W();
+  step.force = normal_force(row.contact_force, contact_normal);
   step.contact_point = row.contact_point;
-  step.tilt = tilt_angle(row.tip_orientation, row.contact_normal, row.stroke, step.force);
-  step.normal_error = normal_error_angle(row.surface_normal, row.surface_distance,
-                                         row.contact_normal, row.stroke, step.force);
+  step.tilt = tilt_angle(row.tip_orientation, contact_normal, row.stroke, step.force);
+  step.normal_error = normal_error_angle(row.surface_normal, row.surface_distance, contact_normal,
+                                         row.stroke, step.force);
   step.push = row.push;
   step.torque_share = torque_share(row.joint_torque, torque_limit_);
   joint_margin_ = std::min(joint_margin_, joint_margin(row.joint_position, lower_, upper_));

@@ -1,5 +1,6 @@
 #include "impedraw/log/run_rows.h"
 
+#include "impedraw/log/log_columns.h"
 #include "impedraw/log/log_reader.h"
 
 namespace impedraw {
@@ -45,6 +46,14 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
   points("/contact/force", rows->contact_force);
   points("/contact/point", rows->contact_point);
   points("/contact/normal", rows->contact_normal);
+  if (log.has(kCanvasPoseColumn)) {
+    std::vector<Eigen::Matrix<double, 7, 1>> pose(n);
+    take(kCanvasPoseColumn, 7, false, pose.data());
+    for (std::size_t i = 0; i < n; ++i)
+      rows->contact_normal[i] =
+          Eigen::Quaterniond(pose[i][3], pose[i][4], pose[i][5], pose[i][6]).toRotationMatrix() *
+          rows->contact_normal[i];
+  }
   points("/surface/normal", rows->surface_normal);
   numbers("/surface/distance", rows->surface_distance);
   numbers("/push", rows->push);

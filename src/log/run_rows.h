@@ -23,7 +23,8 @@ struct RunRows {
   Points tip_position;
   std::vector<Eigen::Quaterniond> tip_orientation;
   Points desired_position;
-  Points contact_force, contact_point, contact_normal;
+  Points contact_force, contact_point;
+  Points contact_normal;  // in W, also where the log has it in the canvas's frame
   Points disturbance_force;
   Points surface_normal;
   std::vector<double> surface_distance, push, step_time;

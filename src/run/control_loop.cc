@@ -44,9 +44,10 @@ void require_fit(const ControlSetup& setup, int joints, const DriverInfo& driver
 }  // namespace
 
 ControlLoop::ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
-                         SurfaceSource surface)
+                         SurfaceSource surface, CanvasSource canvas)
     : arm_(arm),
       surface_source_(std::move(surface)),
+      canvas_(std::move(canvas)),
       controller_(setup.impedance, arm.joints()),
       period_(driver.period),
       coupled_(setup.impedance.inertia != InertiaShaping::shaped),
@@ -58,20 +59,31 @@ ControlLoop::ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverI
 }
 
 const ImpedanceTorque& ControlLoop::step(const ArmState& state,
-                                         const TipReference& reference) noexcept {
+                                         const TipReference& given) noexcept {
   update_arm(state);
+  canvas_.update(state.time);
+  const TipReference reference = canvas_.in_world(given);
   update_wrench(state);
   const Eigen::Vector3d& p_WE = terms_.X_WE.p;
   const bool ahead = coupled_ && on_surface_;
   const Eigen::Vector3d query = ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE;
   if (surface_source_) {
-    surface_ = surface_source_(query, state.time);
+    const FrameMotion* const carrier = canvas_.carrier();
+    if (carrier) {
+      surface_ = carried(surface_source_(carrier->X_WK.inverse() * query, state.time), *carrier);
+      if (canvas_.lost()) surface_.status = SurfaceStatus::too_few;
+    } else if (canvas_.follows()) {
+      surface_ = {};  // the pen is up, and watches
+    } else {
+      surface_ = surface_source_(query, state.time);
+    }
   } else if (touch_) {
     touch_->update(terms_.X_WE, terms_.V_WE, F_ext_.head<3>(), reference.pen_down);
     surface_ = touch_->estimate_at(query);
   }
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
-  const ImpedanceTorque& out = controller_.step(terms_, reference, surface_, F_ext_, ages);
+  const ImpedanceTorque& out =
+      controller_.step(terms_, reference, surface_, F_ext_, ages, canvas_.carrier());
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
   on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
   n_ = out.n_WD;
@@ -100,6 +112,7 @@ void ControlLoop::update_arm(const ArmState& state) noexcept {
 const ImpedanceTorque& ControlLoop::brake(const ArmState& state) noexcept {
   update_arm(state);
   update_wrench(state);
+  canvas_.update(state.time);
   on_surface_ = false;
   return controller_.brake(terms_);
 }

@@ -8,6 +8,7 @@
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/control_setup.h"
+#include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_surface.h"
@@ -15,19 +16,20 @@
 
 namespace impedraw {
 
-// The perceived surface near a point at a time [s] of the driver's clock. Called once per control
-// step; must not allocate.
-using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_W, double time)>;
+// The perceived surface near a point of the canvas's frame K, in its axes; at a time [s] of the
+// driver's clock. K is W for a canvas that stands. Called once per control step; must not allocate.
+using SurfaceSource = std::function<SurfaceEstimate(const Eigen::Vector3d& p_K, double time)>;
 
 class ControlLoop {
  public:
-  // `surface` empty: the surface is learned from touch if the set-up says so, else unknown. Throws
-  // InputError if the driver's joints, period or wrench do not match the set-up. `arm` must outlive
-  // the loop.
+  // `surface` empty: the surface is learned from touch if the set-up says so, else unknown.
+  // `canvas` empty: it stands. Throws InputError if the driver's joints, period or wrench do not
+  // match the set-up. `arm` must outlive the loop.
   ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
-              SurfaceSource surface);
+              SurfaceSource surface, CanvasSource canvas = {});
 
-  // One control step. The result refers to the controller's own output.
+  // One control step. `reference`: in K once canvas().joined(), else in W. The result refers to the
+  // controller's own output.
   const ImpedanceTorque& step(const ArmState& state, const TipReference& reference) noexcept;
 
   // A step that damps the motion instead of following the plan (ImpedanceController::brake).
@@ -37,6 +39,13 @@ class ControlLoop {
   const ArmTerms& terms() const { return terms_; }
   const Wrench& F_ext() const { return F_ext_; }
   const SurfaceEstimate& surface() const { return surface_; }
+  const CanvasFollower& canvas() const { return canvas_; }
+  // The pen moves with the canvas from the next step on; `reference`: of the last step.
+  void join_canvas(const TipReference& reference) noexcept { canvas_.join(reference); }
+  // The pen stays behind: references are in W again.
+  void leave_canvas() noexcept { canvas_.leave(); }
+  // The tip as measured, in K.
+  Pose X_KE() const noexcept { return canvas_.pose().inverse() * terms_.X_WE; }
   // The surface as it is learned from touch; null if it is not.
   const TouchSurface* touch() const { return touch_ ? &*touch_ : nullptr; }
   // True once the sensor's bias is known, or if there is no sensor.
@@ -48,6 +57,7 @@ class ControlLoop {
 
   ArmModel& arm_;
   SurfaceSource surface_source_;
+  CanvasFollower canvas_;
   ImpedanceController controller_;
   std::optional<JointStateEstimator> joint_estimator_;
   double period_;

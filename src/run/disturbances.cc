@@ -11,12 +11,14 @@ double time_at(const TipPath& path, double share) {
 
 Disturbances::Disturbances(const Scenario& scenario, const TipPath& path) {
   if (path.strokes().empty()) return;
+  // The plan begins once the canvas was watched.
+  const double watched = scenario.perception.frames.enabled ? scenario.perception.watch : 0.0;
   for (const FaultSettings& fault : scenario.faults) {
-    const double start = time_at(path, fault.start);
+    const double start = watched + time_at(path, fault.start);
     faults_.push_back({fault.kind, start, start + fault.duration});
   }
   for (const PushSettings& push : scenario.pushes) {
-    const double middle = time_at(path, push.middle);
+    const double middle = watched + time_at(path, push.middle);
     if (push.link.empty()) {
       pushes_.push_back({push, middle});
     } else if (push.direction_W.norm() > 1e-9) {

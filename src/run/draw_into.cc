@@ -240,7 +240,8 @@ std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {
     text = fmt::format("ink     {}, {:.1f} mm, had none at first and {} drawn again; {}\n",
                        counted(outcome.drawn_again.size()), total_mm(outcome.drawn_again),
                        outcome.drawn_again.size() == 1 ? "was" : "were",
-                       outcome.lacking.empty()
+                       outcome.end != RunEnd::finished ? "the run ended before all of it had ink"
+                       : outcome.lacking.empty()
                            ? "all of it has ink now"
                            : fmt::format("{} still lack it:", counted(outcome.lacking.size())));
   else

@@ -37,6 +37,7 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/perception/canvas_tracker.h"
 #include "impedraw/simulation/solver_cutoffs.h"
 
 namespace impedraw {
@@ -81,9 +82,11 @@ struct GroundTruth {
   JointVector q, v;
   Pose X_WE;
   Vector6 V_WE = Vector6::Zero();
+  Pose X_WK;  // of the canvas
   // Over the cycle that the last command() began.
   Eigen::Vector3d contact_force = Eigen::Vector3d::Zero();  // of the canvas on the tip, W [N]
-  // The point of the canvas closest to the tip and the outward normal there, W; NaN out of contact.
+  // The point of the canvas closest to the tip and the outward normal there, in the canvas's frame
+  // K, which is W until the canvas moves; NaN out of contact.
   Eigen::Vector3d contact_point = no_vector(), contact_normal = no_vector();
   Eigen::Vector3d disturbance_force = Eigen::Vector3d::Zero();  // a push on the pen, W [N]
   // Since start().
@@ -116,6 +119,10 @@ class Driver {
   // After a fault and stop(): clears the fault where the arm allows it and it is of a kind after
   // which a program may go on. True: start() may be called again, and the arm rests at *q.
   virtual bool recover(JointVector*) noexcept { return false; }
+
+  // The next frame of a canvas that moves, of those that have arrived; false: there is none. Called
+  // until then, once per cycle after read().
+  virtual bool next_frame(CanvasFrame*) noexcept { return false; }
 
   virtual const GroundTruth* truth() const noexcept { return nullptr; }
 };

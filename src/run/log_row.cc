@@ -7,6 +7,15 @@
 
 namespace impedraw {
 
+namespace {
+
+// True or as far as the controller knows.
+bool moves(const Experiment& e) {
+  return e.scene.world->canvas_motion().moves() || e.scenario.perception.frames.enabled;
+}
+
+}  // namespace
+
 RunLogHeader make_header(const Experiment& e) {
   RunLogHeader h;
   h.joint_names = e.scene.arm.joint_names();
@@ -14,6 +23,7 @@ RunLogHeader make_header(const Experiment& e) {
   h.joint_upper = e.scene.arm.limits().upper;
   h.torque_limit = e.scene.arm.limits().torque;
   h.joint_speed_limit = e.scene.arm.limits().speed;
+  h.moving_canvas = moves(e);
   h.joint_sensor = !e.scenario.world.joint_sensor.exact();
   for (const std::string_view name : kTorqueTermNames) h.torque_terms.emplace_back(name);
   for (const std::string_view name : kContactModeNames) h.mode_names.emplace_back(name);
@@ -69,6 +79,10 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   row->mode = static_cast<int>(out.mode);
   row->stroke = desired.stroke;
   row->stroke_along = desired.along;
+  if (truth) row->canvas_pose = truth->X_WK;
+  const FrameMotion& canvas = loop.canvas().estimate().motion;
+  row->estimated_canvas_pose = canvas.X_WK;
+  row->estimated_canvas_twist << canvas.v, canvas.w;
 }
 
 void fill_contact(const Experiment& e, const GroundTruth* truth, ContactMode mode, LogRow* row) {
@@ -78,10 +92,13 @@ void fill_contact(const Experiment& e, const GroundTruth* truth, ContactMode mod
     row->contact_force = !measured ? LogRow::no_vector()
                          : touches ? Eigen::Vector3d(row->wrench_measured.head<3>())
                                    : Eigen::Vector3d::Zero();
+    row->canvas_pose = row->estimated_canvas_pose;
+    const Pose X_KW = row->canvas_pose.inverse();
     row->contact_point =
-        touches ? Eigen::Vector3d(row->tip_position - row->surface_distance * row->surface_normal)
+        touches ? X_KW * (row->tip_position - row->surface_distance * row->surface_normal)
                 : LogRow::no_vector();
-    row->contact_normal = touches ? row->surface_normal : LogRow::no_vector();
+    row->contact_normal =
+        touches ? Eigen::Vector3d(X_KW.R * row->surface_normal) : LogRow::no_vector();
     return;
   }
   row->disturbance_force = truth->disturbance_force;

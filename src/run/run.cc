@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -58,6 +59,47 @@ SurfaceSource surface_source(const Experiment& e, Disturbances disturbances) {
   };
 }
 
+// Of the true motion, to judge the controller alone. Accelerations by central differences.
+CanvasEstimate true_canvas(const CanvasMotion& motion, double time) {
+  constexpr double kStep = 1e-4;  // [s]
+  const auto origin_of = [&](double t, Eigen::Vector3d* v) {
+    const CanvasMotion::State state = motion.at(t);
+    *v = state.velocity_at(state.X_WK.p);
+    return state;
+  };
+  Eigen::Vector3d v, before, after;
+  const CanvasMotion::State now = origin_of(time, &v), earlier = origin_of(time - kStep, &before),
+                            later = origin_of(time + kStep, &after);
+  CanvasEstimate estimate;
+  estimate.status = CanvasStatus::ok;
+  estimate.motion = {now.X_WK, v, (after - before) / (2.0 * kStep), now.w,
+                     (later.w - earlier.w) / (2.0 * kStep)};
+  return estimate;
+}
+
+// Cameras keep capturing, and find where the canvas is.
+std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e) {
+  const PerceptionSettings& p = e.scenario.perception;
+  if (!e.scene.perception || !p.frames.enabled || p.canvas_pose != CanvasPoseSource::tracked)
+    return nullptr;
+  return std::make_unique<CanvasTracker>(
+      CanvasTrackerSettings{.fiducials = p.fiducials, .prediction = p.frames.prediction});
+}
+
+CanvasSource canvas_source(const Experiment& e, CanvasTracker* tracker) {
+  if (tracker)
+    return [tracker, feeds = e.scenario.perception.frames.feedforward](double time) {
+      CanvasEstimate estimate = tracker->follow(time);
+      if (!feeds) estimate.motion = {.X_WK = estimate.motion.X_WK};
+      return estimate;
+    };
+  const CanvasMotion& motion = e.scene.world->canvas_motion();
+  if (e.scene.perception && e.scenario.perception.canvas_pose == CanvasPoseSource::truth &&
+      motion.moves())
+    return [&motion](double time) { return true_canvas(motion, time); };
+  return {};
+}
+
 // An approach may take so long to find a surface [s].
 double longest_search(const Experiment& e) {
   const ApproachSettings& approach = e.control.impedance.approach;
@@ -79,8 +121,9 @@ class Runner {
         hooks_(hooks),
         waits_(driver.info().waits),
         first_time_(resumption ? resumption->time : 0.0),
+        tracker_(canvas_tracker(e)),
         loop_(e.control, e.scene.arm, driver.info(),
-              surface_source(e, disturbances_of(e, resumption))),
+              surface_source(e, disturbances_of(e, resumption)), canvas_source(e, tracker_.get())),
         fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
         last_(driver.info().period, e.scene.arm),
         real_time_(!waits_ && e.scenario.arm.real_time),
@@ -103,6 +146,37 @@ class Runner {
 
   // Follows the path from its beginning to its end, or until something stops the run.
   void follow(const TipPath& path, bool again) { follow(path, again, nullptr); }
+
+  bool lost_canvas() const { return lost_canvas_; }
+  bool canvas_moves() const { return loop_.canvas().follows(); }
+
+  // The arm rests while the cameras watch the canvas; from then on the pen moves with it.
+  void watch() {
+    const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
+    PathSample rest;
+    rest.reference.p_WD = X_WE.p;
+    rest.reference.n_WD = -X_WE.R.col(2);
+    rest.stroke = -1;
+    rest.along = std::nan("");
+    rest.phase = Phase::travel;
+    const double end = time() + e_.scenario.perception.watch;
+    while (time() < end) {
+      if (!step(rest)) return;
+      if (hooks_.interrupted && hooks_.interrupted())
+        return stop(RunEnd::interrupted,
+                    fmt::format("interrupted at t = {:.3f} s", first_time_ + time()));
+    }
+    if (loop_.canvas().estimate().status == CanvasStatus::lost)
+      return stop(RunEnd::stopped,
+                  fmt::format("no camera saw three marks of the canvas within {:.3g} s; "
+                              "perception.fiducials.points and perception.cameras tell where they "
+                              "should be",
+                              e_.scenario.perception.watch));
+    loop_.join_canvas(rest.reference);
+  }
+
+  // The tip in the canvas's frame.
+  Pose X_KE() const { return loop_.canvas().pose().inverse() * e_.scene.arm.tip_pose(state_->q); }
 
   // Draws on a surface that is found by touch, stroke by stroke. Each way is planned from where the
   // pen is and from the heights touched so far, and its clock waits for touch.
@@ -146,10 +220,11 @@ class Runner {
     bool down = false;
     height_ = searched_ = 0.0;
     wall_.reset();
+    lost_canvas_ = false;
     wall_watch_.reset();
     clock_.restart();
     forecast_ = {};
-    if (e_.scene.perception)
+    if (e_.scene.perception && !canvas_moves())
       forecast_ = JointForecast(e_.scene.arm, path, state_->q, e_.plan.rest_q,
                                 e_.plan.path_settings.joint_speed_share);
     const auto steps = [&] {
@@ -176,6 +251,8 @@ class Runner {
       if (!one && !lifting_) {
         clock_.advance(deviation(desired, planned));
         look_for_wall(desired);
+        look_for_reach();
+        if (found_again()) return;
       }
       if (i % 10 != 0) continue;
       if (!lifting_ && hooks_.interrupted && hooks_.interrupted()) {
@@ -236,6 +313,8 @@ class Runner {
     const double t = time(), step_time = state_->step_time, age = t - state_->state_time;
     while (waits_ && hooks_.held && hooks_.held(t)) {
     }
+    if (tracker_)
+      for (CanvasFrame frame; driver_.next_frame(&frame);) tracker_->add(frame);
     const auto step_start = Clock::now();
     if (!state_->stalled)
       out_ = guard_.braking() ? loop_.brake(*state_) : loop_.step(*state_, desired.reference);
@@ -307,7 +386,7 @@ class Runner {
   // How far the pen is from what the plan asks of it.
   PenDeviation deviation(const PathSample& desired, double planned) const {
     PenDeviation pen;
-    pen.paused = paused();
+    pen.paused = paused() || loop_.canvas().lost();
     if (!e_.scene.perception) return pen;
     pen.limit = forecast_.limit(planned);
     pen.joint =
@@ -318,10 +397,17 @@ class Runner {
     pen.tilt = smallest_rotation(X_WE.R.col(2), -out_.axis_WD).norm();
     if (out_.mode != ContactMode::contact) return pen;
     pen.tip = behind().norm();
-    pen.normal_speed = out_.n_WD.dot(loop_.terms().V_WE.head<3>());
+    pen.normal_speed = out_.n_WD.dot(velocity_on_canvas()) - out_.rise;
     if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
       pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
     return pen;
+  }
+
+  // Of the tip, in W.
+  Eigen::Vector3d velocity_on_canvas() const {
+    const Eigen::Vector3d v = loop_.terms().V_WE.head<3>();
+    const FrameMotion* const carrier = loop_.canvas().carrier();
+    return carrier ? Eigen::Vector3d(v - carrier->velocity_at(loop_.terms().X_WE.p)) : v;
   }
 
   // Of the tip from the desired point, across the surface [m].
@@ -336,11 +422,37 @@ class Runner {
   void look_for_wall(const PathSample& desired) {
     if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
     if (desired.stroke < 0 || out_.mode != ContactMode::contact) return wall_watch_.reset();
-    if (!wall_watch_.update(out_.n_WD, desired.reference.v_WD, loop_.terms().V_WE.head<3>(),
-                            behind(), loop_.F_ext().head<3>(), dt()))
+    const Eigen::Vector3d v_D = loop_.canvas().pose().R * desired.reference.v_WD;
+    if (!wall_watch_.update(out_.n_WD, v_D, velocity_on_canvas(), behind(), loop_.F_ext().head<3>(),
+                            dt()))
       return;
     wall_ = StrokePart{desired.stroke, desired.along - behind().norm(), desired.along};
     lift(kLiftAtWall);
+  }
+
+  // The canvas was lost, the pen let go of it, and now it is known again. The rest of the path
+  // would be followed in the air.
+  bool found_again() {
+    const CanvasFollower& canvas = loop_.canvas();
+    if (canvas.lost() && out_.mode == ContactMode::retreat) lost_canvas_ = true;
+    return lost_canvas_ && !canvas.lost() && !lifting_;
+  }
+
+  // A canvas that moves may take the pen where the arm cannot follow. The pen then lets go of it.
+  void look_for_reach() {
+    constexpr double kLeftBehind = 15e-3;  // [m]
+    constexpr double kConfirm = 0.1;       // [s]
+    if (!loop_.canvas().joined()) return;
+    const bool behind = (out_.p_WD - loop_.terms().X_WE.p).norm() > kLeftBehind;
+    left_behind_ = behind ? left_behind_ + dt() : 0.0;
+    if (left_behind_ < kConfirm) return;
+    stop(RunEnd::stopped,
+         fmt::format("the canvas left the arm's reach at t = {:.3f} s, at ({:.2f}, "
+                     "{:.2f}, {:.2f}) m; the pen was lifted",
+                     first_time_ + time(), out_.p_WD.x(), out_.p_WD.y(), out_.p_WD.z()));
+    loop_.leave_canvas();
+    lifting_.emplace(time(), loop_.terms().X_WE, e_.control.impedance.surface.drawing_axis_W,
+                     kLiftOffCanvas);
   }
 
   bool paused() const { return !waits_ && hooks_.paused && hooks_.paused(); }
@@ -363,14 +475,16 @@ class Runner {
   }
 
   void lift(double height = EmergencyLift::kHeight) {
-    if (!lifting_) lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q), out_.n_WD, height);
+    const Eigen::Matrix3d R_KW = loop_.canvas().pose().R.transpose();
+    if (!lifting_) lifting_.emplace(time(), X_KE(), R_KW * out_.n_WD, height);
   }
 
   Experiment& e_;
   Driver& driver_;
   const RunHooks& hooks_;
-  bool waits_;         // the driver, for the next command
-  double first_time_;  // of the log, where an earlier run left off [s]
+  bool waits_;                              // the driver, for the next command
+  double first_time_;                       // of the log, where an earlier run left off [s]
+  std::unique_ptr<CanvasTracker> tracker_;  // null: one snapshot before the run
   ControlLoop loop_;
   Fences fences_;
   LastSeconds last_;
@@ -394,7 +508,9 @@ class Runner {
   InkWatch ink_;
   RunOutcome outcome_;
   std::optional<EmergencyLift> lifting_;
-  double bad_state_ = 0.0;  // [s]
+  double bad_state_ = 0.0;    // [s]
+  double left_behind_ = 0.0;  // by the canvas [s]
+  bool lost_canvas_ = false;  // during the present path, in contact
 };
 
 // The parts, overlapping the ink at both ends.
@@ -422,16 +538,15 @@ std::vector<StrokePart> rest_but_for(const Experiment& e, const InkWatch& ink,
 
 // A path for it, from the posture q. The ways are others than those that were checked before the
 // run: a stroke that they bar is given up, too.
-std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const InkWatch& ink,
-                                   std::vector<StrokePart>* walls) {
-  const Pose X_WE = e.scene.arm.tip_pose(q);
+std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const Pose& X_KE,
+                                   const InkWatch& ink, std::vector<StrokePart>* walls) {
   PreflightSettings checks =
       preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception.has_value(), e.plan.rest_q);
   checks.height_error = height_error(e.scene);
   while (true) {
     const std::vector<StrokePart> rest = rest_but_for(e, ink, *walls);
     if (rest.empty()) return std::nullopt;
-    TipPath path = plan_parts(e, rest, X_WE.p, -X_WE.R.col(2), 0.0);
+    TipPath path = plan_parts(e, rest, X_KE.p, -X_KE.R.col(2), 0.0);
     if (!e.scenario.preflight.arm) return path;
     std::vector<PlacedStroke> strokes = strokes_of(e, rest);
     for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].number = static_cast<int>(i);
@@ -453,6 +568,20 @@ TipPath plan_rest(Experiment& e, const Resumption& resumption) {
   if (parts.empty()) return {};
   const Pose X_WE = e.scene.arm.tip_pose(resumption.q);
   return plan_parts(e, parts, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold);
+}
+
+// Watches the canvas, then plans from where the pen is over it: the plan that was made before holds
+// for its start, which the canvas has left.
+void follow_canvas(Experiment& e, const Resumption* resumption, Runner* runner) {
+  runner->watch();
+  if (runner->outcome().end != RunEnd::finished) return;
+  const Pose X_KE = runner->X_KE();
+  const std::vector<PlacedStroke> strokes =
+      resumption ? strokes_of(e, rest_of(e, *resumption)) : e.plan.strokes;
+  if (strokes.empty()) return;
+  runner->follow(plan_from(e.plan.path_settings, e.surface(), strokes, X_KE.p, -X_KE.R.col(2),
+                           CanvasFollower::kJoin, stroke_limits(e.scene, e.plan)),
+                 false);
 }
 
 }  // namespace
@@ -484,6 +613,8 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   if (by_touch)
     runner.feel(resumption ? strokes_of(e, rest_of(e, *resumption)) : e.plan.strokes,
                 e.plan.path_settings.start_hold, false);
+  else if (runner.canvas_moves())
+    follow_canvas(e, resumption, &runner);
   else
     runner.follow(path, false);
   const auto lacking = [&] { return rest_of(e.plan.strokes, runner.ink().parts(), kShortestGap); };
@@ -499,17 +630,32 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
                    ? 2.0 * beyond
                    : kBeyondWall;
       walls.push_back({at.stroke, at.from - kRedrawOverlap, at.to + beyond});
-      const std::optional<TipPath> around = plan_around(e, runner.q(), runner.ink(), &walls);
+      const std::optional<TipPath> around =
+          plan_around(e, runner.q(), runner.X_KE(), runner.ink(), &walls);
       if (!around) return;
       runner.follow(*around, again);
     }
   };
+  // Goes on where a lost canvas ended a path.
+  bool strayed = false;
+  const auto go_on = [&](bool again) {
+    for (int i = 0; outcome.end == RunEnd::finished && runner.lost_canvas() && i < kMostLosses;
+         ++i) {
+      const std::vector<StrokePart> rest = rest_but_for(e, runner.ink(), walls);
+      strayed = true;
+      if (rest.empty()) return;
+      const Pose here = runner.X_KE();
+      runner.follow(plan_parts(e, rest, here.p, -here.R.col(2), 0.0), again);
+    }
+  };
   go_around(false);
+  go_on(false);
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run && e.scenario.drawing.redraw &&
       !(outcome.drawn_again = rest_but_for(e, runner.ink(), walls)).empty()) {
     const TipReference last = path.at(path.duration()).reference;
-    const Pose here = e.scene.arm.tip_pose(runner.q());
-    const bool turned = !walls.empty();  // the pen is not at the plan's end
+    const Pose here = runner.X_KE();
+    const bool turned =
+        !walls.empty() || strayed || runner.canvas_moves();  // the pen is not at the plan's end
     if (by_touch) {
       runner.feel(strokes_of(e, outcome.drawn_again), 0.0, true);
     } else {
@@ -517,6 +663,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
                                turned ? Eigen::Vector3d(-here.R.col(2)) : last.n_WD, 0.0),
                     true);
       go_around(true);
+      go_on(true);
     }
   }
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();

@@ -16,7 +16,8 @@ constexpr double kRunaway = 20.0;  // joint speed [rad/s], near ten times what s
 
 SimulatedArm::SimulatedArm(Experiment& e, const JointVector& start_q, Disturbances disturbances,
                            double first_time)
-    : world_(*e.scene.world),
+    : scenario_(e.scenario),
+      world_(*e.scene.world),
       canvas_(*e.scene.canvas),
       start_q_(start_q),
       joint_names_(e.scene.arm.joint_names()),
@@ -44,6 +45,7 @@ void SimulatedArm::start() {
   if (has_sensor(source_)) sensor_.emplace(sensor_settings_, dt_, seed_);
   if (!joint_sensor_settings_.exact())
     joint_sensor_.emplace(joint_sensor_settings_, world_.joints(), dt_, ~seed_);
+  if (scenario_.perception.frames.enabled) cameras_.emplace(scenario_, world_, canvas_);
   state_ = ArmState(world_.joints());
   truth_ = GroundTruth();
   tip_wrench_.setZero();
@@ -57,7 +59,10 @@ const ArmState& SimulatedArm::read() noexcept {
   truth_.v = now.v;
   truth_.X_WE = now.X_WE;
   truth_.V_WE = now.V_WE;
+  if (world_.canvas_motion().moves()) truth_.X_WK = world_.canvas_state().X_WK;
   look_for_faults();
+
+  if (cameras_) cameras_->expose(disturbances_.fault(FaultKind::no_frames, now.time));
 
   state_.time = now.time;
   state_.stalled = disturbances_.fault(FaultKind::slow_step, now.time);
@@ -116,7 +121,8 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   Eigen::Vector3d push = Eigen::Vector3d::Zero();
   const Eigen::Vector3d p_WE = truth_.X_WE.p;
   if (disturbances_.any_push())
-    push = disturbances_.push(world_.state().time, canvas_.closest(p_WE).n_W);
+    push = disturbances_.push(world_.state().time,
+                              truth_.X_WK.R * canvas_.closest(truth_.X_WK.inverse() * p_WE).n_W);
   for (std::size_t i = 0; i < pushed_links_.size(); ++i)
     if (const LinkPush& on = disturbances_.link_pushes()[i]; on.acts(world_.state().time))
       world_.push_link(pushed_links_[i], on.force_W);
@@ -124,6 +130,10 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   truth_.contact_force = contact.f_W;
   truth_.contact_point = contact.touching ? contact.p_WC : GroundTruth::no_vector();
   truth_.contact_normal = contact.touching ? contact.n_W : GroundTruth::no_vector();
+  if (contact.touching && world_.canvas_motion().moves()) {
+    truth_.contact_point = truth_.X_WK.inverse() * contact.p_WC;
+    truth_.contact_normal = truth_.X_WK.R.transpose() * contact.n_W;
+  }
   truth_.disturbance_force = push;
   truth_.cutoffs = world_.cutoffs();
   tip_wrench_ << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);

@@ -10,6 +10,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/run/simulated_cameras.h"
 #include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/wrench_sensor.h"
 
@@ -30,6 +31,9 @@ class SimulatedArm : public Driver {
   // when a link touches the canvas.
   const std::string& fault() const noexcept override { return fault_; }
   void stop() noexcept override {}
+  bool next_frame(CanvasFrame* frame) noexcept override {
+    return cameras_ && cameras_->next(world_.state().time, frame);
+  }
   const GroundTruth* truth() const noexcept override { return &truth_; }
 
  private:
@@ -37,6 +41,7 @@ class SimulatedArm : public Driver {
   void read_wrench(double time) noexcept;
   void look_for_faults();
 
+  const Scenario& scenario_;
   World& world_;
   const Canvas& canvas_;
   JointVector start_q_;
@@ -47,6 +52,7 @@ class SimulatedArm : public Driver {
   WrenchSensorSettings sensor_settings_;
   std::uint64_t seed_;
   std::optional<WrenchSensor> sensor_;
+  std::optional<SimulatedCameras> cameras_;  // absent: one snapshot before the run
   JointSensorSettings joint_sensor_settings_;
   std::optional<JointSensor> joint_sensor_;  // absent: exact
   std::vector<int> pushed_links_;            // of disturbances_.link_pushes()

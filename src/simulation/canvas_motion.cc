@@ -34,7 +34,7 @@ Rise rise(double x) {
 
 Vector3d direction(const Vector3d& axis, const char* name) {
   if (!axis.allFinite() || !(axis.norm() > 0.0))
-    throw InputError(std::string("canvas motion: ") + name + " is no direction");
+    throw InputError(std::string("canvas.motion.") + name + " is no direction");
   return axis.normalized();
 }
 
@@ -43,19 +43,19 @@ Vector3d direction(const Vector3d& axis, const char* name) {
 CanvasMotion::CanvasMotion(const CanvasMotionSettings& settings) : settings_(settings) {
   CanvasMotionSettings& s = settings_;
   using Limits = CanvasMotionSettings::Limits;
-  const char* const of = "canvas motion";
+  const char* const of = "canvas.motion";
   require_in_range(of, Limits::ramp, s.ramp);
-  require_in_range(of, Limits::speed, s.velocity.norm());
+  require_in_range(of, Limits::speed, s.velocity);
   require_in_range(of, Limits::turn_speed, s.turn_speed);
-  require_in_range(of, Limits::sway, s.sway.norm());
+  require_in_range(of, Limits::sway, s.sway);
   require_in_range(of, Limits::sway_frequency, s.sway_frequency);
   require_in_range(of, Limits::roll, s.roll);
   require_in_range(of, Limits::roll_frequency, s.roll_frequency);
   require_in_range(of, Limits::jolts, s.jolts);
   require_in_range(of, Limits::jolt_bandwidth, s.jolt_bandwidth);
-  if (!s.centre.allFinite()) throw InputError("canvas motion: centre is not finite");
-  if (!std::isfinite(s.start) || !(s.stop >= s.start + s.ramp))
-    throw InputError("canvas motion: stop must be at least ramp after start");
+  if (!s.centre.allFinite()) throw InputError("canvas.motion: centre is not finite");
+  if (!std::isfinite(s.start) || (s.stop && !(*s.stop >= s.start + s.ramp)))
+    throw InputError("canvas.motion.stop must be at least ramp after start");
   s.turn_axis = direction(s.turn_axis, "turn_axis");
   s.roll_axis = direction(s.roll_axis, "roll_axis");
   moves_ = !s.velocity.isZero(0.0) || s.turn_speed != 0.0 || !s.sway.isZero(0.0) || s.roll != 0.0 ||
@@ -77,7 +77,8 @@ CanvasMotion::CanvasMotion(const CanvasMotionSettings& settings) : settings_(set
 CanvasMotion::State CanvasMotion::at(double t) const noexcept {
   const CanvasMotionSettings& s = settings_;
   const double since = t - s.start;
-  const Rise begin = rise(since / s.ramp), end = rise((t - s.stop) / s.ramp);
+  const Rise begin = rise(since / s.ramp),
+             end = s.stop ? rise((t - *s.stop) / s.ramp) : Rise{0.0, 0.0, 0.0};
 
   // u and its rate; both ramps have the same length
   const double u = s.ramp * (begin.area - end.area), u_rate = begin.value - end.value;

@@ -11,7 +11,7 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,7 +27,8 @@ struct CanvasMotionSettings {
 
   // Conveyor and turntable. From `start` to `stop` [s]; each takes `ramp` [s] to reach or to leave
   // full speed, the acceleration is bounded and continuous.
-  double start = 0.0, stop = std::numeric_limits<double>::infinity(), ramp = 0.5;
+  double start = 0.0, ramp = 0.5;
+  std::optional<double> stop;                          // absent: never
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // W [m/s]
   Eigen::Vector3d turn_axis = Eigen::Vector3d::UnitZ();
   double turn_speed = 0.0;  // about turn_axis through the centre [rad/s]
@@ -45,10 +46,15 @@ struct CanvasMotionSettings {
   std::uint64_t seed = 1;
 
   struct Limits {
+    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
+    static constexpr Limit start = {"start", "s", {-1e4, 1e4}};
+    static constexpr Limit stop = {"stop", "s", {-1e4, 1e6}};
+    static constexpr Limit turn_axis = {"turn_axis", "", {-1.0, 1.0}};
+    static constexpr Limit roll_axis = {"roll_axis", "", {-1.0, 1.0}};
     static constexpr Limit ramp = {"ramp", "s", {0.01, 60.0}};
-    static constexpr Limit speed = {"velocity", "m/s", {0.0, 2.0}};
+    static constexpr Limit speed = {"velocity", "m/s", {-2.0, 2.0}};
     static constexpr Limit turn_speed = {"turn_speed", "rad/s", {-10.0, 10.0}};
-    static constexpr Limit sway = {"sway", "m", {0.0, 1.0}};
+    static constexpr Limit sway = {"sway", "m", {-1.0, 1.0}};
     static constexpr Limit sway_frequency = {"sway_frequency", "Hz", {0.0, 20.0}};
     static constexpr Limit roll = {"roll", "rad", {-1.0, 1.0}};
     static constexpr Limit roll_frequency = {"roll_frequency", "Hz", {0.0, 20.0}};

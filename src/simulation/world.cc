@@ -383,6 +383,11 @@ double World::ray_to_arm(const Eigen::Vector3d& origin_W,
   return distance < 0.0 ? std::numeric_limits<double>::infinity() : distance;
 }
 
+void World::pose_body() noexcept {
+  std::copy_n(state_.q.data(), state_.q.size(), mujoco_->shape_data->qpos);
+  mj_kinematics(mujoco_->shape, mujoco_->shape_data);
+}
+
 World::Terms World::terms() const {
   const mjModel* m = mujoco_->model;
   const mjData* d = mujoco_->data;

@@ -75,6 +75,7 @@ class World {
   // The canvas moves from now on as `motion` says at the world's time. Friction acts on the
   // velocity of the tip relative to the canvas, and so does the contact's damper.
   void move_canvas(const CanvasMotion& motion) { motion_ = motion; }
+  const CanvasMotion& canvas_motion() const { return motion_; }
   // Where it is at the current state.
   CanvasMotion::State canvas_state() const { return motion_.at(state_.time); }
   void set_state(const JointVector& q, const JointVector& v);
@@ -117,9 +118,11 @@ class World {
   // Names the cause if the motion became non-finite or MuJoCo warned. The state is then invalid.
   const std::optional<std::string>& failure() const { return failure_; }
 
-  // Distance along a unit ray to the arm's body in the posture of set_state() [m]; infinite if the
-  // ray misses. For the cameras; callable from any thread.
+  // Distance along a unit ray to the arm's body [m], in the posture of set_state() or of the last
+  // pose_body(); infinite if the ray misses. For the cameras; callable from any thread.
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
+  // Puts that body where the arm is now. Allocates nothing.
+  void pose_body() noexcept;
 
   // MuJoCo's M, C v + g and J of the simulated arm at the current state. Independent reference for
   // tests of the controller's terms.

@@ -87,7 +87,7 @@ TEST(CanvasMotion, VelocityIsTheDerivativeOfThePose) {
       EXPECT_LT((now.X_WK.R.transpose() * now.X_WK.R - Eigen::Matrix3d::Identity()).norm(), 1e-12);
     }
     EXPECT_TRUE(motion.at(s.start - 0.1).X_WK.p.isZero(0.0)) << "K is W before the start";
-    EXPECT_TRUE(motion.at(s.stop + s.ramp + 0.1).v.isZero(1e-15)) << "stopped";
+    EXPECT_TRUE(motion.at(*s.stop + s.ramp + 0.1).v.isZero(1e-15)) << "stopped";
   }
 }
 

@@ -1,0 +1,66 @@
+// Cameras that keep capturing: when frames are taken, when they arrive, and what is found in them
+// besides depths.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "impedraw/common/range.h"
+
+namespace impedraw {
+
+struct FrameSettings {
+  bool enabled = false;          // off: one snapshot before drawing
+  double rate = 30.0;            // of each camera [Hz]
+  double latency = 0.06;         // from exposure to the points being usable, mean [s]
+  double latency_jitter = 0.01;  // its standard deviation [s]
+  double drop = 0.05;            // share of the frames that never arrive
+  // From one camera's exposure to the next one's, of the same frame [s].
+  double skew = 0.0;
+  // What each is worth: off, the pen goes where the canvas was at the last frame, or without the
+  // canvas's velocity and acceleration.
+  bool prediction = true, feedforward = true;
+  int width = 320, height = 240;  // of a frame; the snapshot has the camera's own size
+
+  struct Limits {
+    static constexpr Limit rate = {"rate", "Hz", {1.0, 200.0}};
+    static constexpr Limit latency = {"latency", "s", {0.0, 0.5}};
+    static constexpr Limit latency_jitter = {"latency_jitter", "s", {0.0, 0.1}};
+    static constexpr Limit drop = {"drop", "", Range::to_below(0.0, 1.0)};
+    static constexpr Limit skew = {"skew", "s", {0.0, 0.1}};
+    static constexpr Limit width = {"width", "px", {16, 4096}};
+    static constexpr Limit height = {"height", "px", {16, 4096}};
+  };
+};
+
+// A mark on the canvas's frame, at p_K in frame K of the canvas; K is W while nothing has moved.
+struct Fiducial {
+  Eigen::Vector3d p_K = Eigen::Vector3d::Zero();  // [m]
+
+  struct Limits {
+    static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
+  };
+};
+
+// Each camera finds each of them in each frame, unless the arm hides it.
+struct FiducialSettings {
+  std::vector<Fiducial> points;
+  double noise = 0.3e-3;  // standard deviation of each axis of a point found [m]
+
+  struct Limits {
+    static constexpr Limit noise = {"noise", "m", {0.0, 0.05}};
+  };
+};
+
+// Where the controller has the pose of the canvas from.
+enum class CanvasPoseSource {
+  tracked,  // from the frames
+  truth     // from the simulator: to judge the controller alone
+};
+
+// How long the arm watches the canvas before the first stroke [s].
+inline constexpr double kWatchTime = 6.0;
+inline constexpr Limit kWatchLimit = {"watch", "s", {0.0, 600.0}};
+
+}  // namespace impedraw

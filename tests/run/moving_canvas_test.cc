@@ -1,0 +1,113 @@
+// Drawings on a bowl that moves, judged in its own frame, against the limits of bounds.json.
+#include <cmath>
+
+#include "drawn_scenario.h"
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+namespace {
+
+TEST(MovingCanvas, Conveyor) {
+  draw_within_bounds("moving-conveyor");
+  draw_within_bounds("moving-conveyor-M");
+}
+TEST(MovingCanvas, Turntable) {
+  draw_within_bounds("moving-turntable");
+  draw_within_bounds("moving-turntable-M");
+}
+TEST(MovingCanvas, Heave) {
+  draw_within_bounds("moving-heave");
+  draw_within_bounds("moving-heave-M");
+}
+TEST(MovingCanvas, Sway) {
+  draw_within_bounds("moving-sway");
+  draw_within_bounds("moving-sway-M");
+}
+TEST(MovingCanvas, Jolts) {
+  draw_within_bounds("moving-jolts");
+  draw_within_bounds("moving-jolts-M");
+}
+TEST(MovingCanvas, StandingIsWatchedAllTheSame) {
+  draw_within_bounds("standing-noisy");
+  draw_within_bounds("standing-noisy-M");
+}
+TEST(MovingCanvas, HalfASecondWithoutFramesInTheArmsShadow) {
+  draw_within_bounds("moving-lost");
+  draw_within_bounds("moving-lost-M");
+}
+
+// The frames stay away for so long that the estimate is no longer to be relied on.
+TEST(MovingCanvas, PenLetsGoOfALostCanvasAndComesBack) {
+  const Figures f =
+      draw_scenario("moving-turntable", {"faults=[{kind: no_frames, start: 0.5, duration: 2}]"});
+  EXPECT_GT(f.outcome.met.at("surface_lost"), 0.5);
+  EXPECT_LT(f["force_peak"], 10.0);
+  EXPECT_GT(f["coverage"], 0.99);
+}
+
+// With the motion told exactly what is left is the controller's error, and that of the normals.
+TEST(MovingCanvas, ErrorsAreThoseOfTheEstimate) {
+  for (const char* name : {"moving-heave", "moving-sway", "moving-jolts"}) {
+    const Figures f = draw_scenario(name, {"perception.canvas_pose=true"});
+    EXPECT_LT(f["ink_error_rms"], 0.03) << name;
+    EXPECT_LT(f["ink_error_max"], 0.3) << name;
+    EXPECT_LT(f["force_sd"], 0.05) << name;
+  }
+}
+
+// A canvas that moves and is taken for one that stands is not drawn on: what following it is worth.
+TEST(MovingCanvas, WithoutFollowingTheDrawingIsLost) {
+  const Figures f = draw_scenario("moving-turntable", {"perception.frames.enabled=false"});
+  EXPECT_GT(f["ink_error_rms"], 3.0);
+}
+
+// The same frames give the same drawing, whatever moved the canvas to where they show it: nothing
+// that controls or plans reads canvas.motion. A turn of nothing about another centre is another
+// motion with the same frames.
+TEST(MovingCanvas, OnlyFramesTellHowItMoves) {
+  const Figures one = draw_scenario("moving-heave"),
+                other = draw_scenario("moving-heave", {"canvas.motion.centre=[0.1, 0.7, -0.3]"});
+  // up to rounding of the canvas's pose
+  EXPECT_NEAR(one["ink_error_rms"], other["ink_error_rms"], 1e-5);
+  EXPECT_NEAR(one["force_sd"], other["force_sd"], 1e-5);
+}
+
+TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
+  const Figures f = draw_scenario("moving-conveyor",
+                                  {"canvas.motion.start=1", "canvas.motion.velocity=[0, -0.09, 0]"},
+                                  RunEnd::stopped);
+  EXPECT_NE(f.outcome.cause.find("left the arm's reach"), std::string::npos) << f.outcome.cause;
+  EXPECT_LT(f["force_peak"], 15.0);
+}
+
+std::string refused(const std::vector<std::string>& assignments) {
+  try {
+    draw_scenario("moving-heave", assignments, RunEnd::stopped);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MovingCanvas, BadInputIsNamed) {
+  EXPECT_NE(refused({"perception.fiducials.points=[{position: [0,0,0]}, {position: [1,0,0]}, "
+                     "{position: [2,0,0]}]"})
+                .find("straight line"),
+            std::string::npos);
+  EXPECT_NE(refused({"perception.fiducials.points=[]"}).find("0 points"), std::string::npos);
+  EXPECT_NE(refused({"perception.enabled=false"}).find("perception.frames.enabled"),
+            std::string::npos);
+}
+
+TEST(MovingCanvas, CamerasThatNeverSeeItAreSaid) {
+  const Figures f =
+      draw_scenario("moving-heave",
+                    {"perception.fiducials.points=[{position: [5,0,0]}, {position: [5,1,0]}, "
+                     "{position: [5,0,1]}]"},
+                    RunEnd::stopped);
+  EXPECT_NE(f.outcome.cause.find("no camera saw three marks"), std::string::npos)
+      << f.outcome.cause;
+}
+
+}  // namespace
+}  // namespace impedraw
