@@ -42,6 +42,7 @@ class LiveView::Feed {
   Feed(const RunLogHeader& header, double duration, LiveServer& server)
       : server_(server),
         terms_(header.torque_terms.size()),
+        moving_canvas_(header.moving_canvas),
         limit_(header.torque_limit),
         spacing_(std::max(kLiveSpacing, duration / kMostLiveRows)) {}
 
@@ -101,11 +102,17 @@ class LiveView::Feed {
     put(1e6 * step_time_);
     put(share_);
     for (std::size_t t = 0; t < terms_; ++t) put_all(row.torque_terms[t]);
+    if (moving_canvas_) {
+      const Eigen::Quaterniond q(row.canvas_pose.R);
+      put_all(row.canvas_pose.p);
+      for (const double x : {q.w(), q.x(), q.y(), q.z()}) put(x);
+    }
     server_.rows().commit();
   }
 
   LiveServer& server_;
   std::size_t terms_;
+  bool moving_canvas_;
   Eigen::VectorXd limit_;
   double spacing_, last_ = -std::numeric_limits<double>::infinity(), share_ = 0.0;
   double force_ = kNoNumber, tilt_ = kNoNumber, normal_error_ = kNoNumber, step_time_ = kNoNumber;

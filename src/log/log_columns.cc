@@ -63,7 +63,7 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
     columns.push_back({kCanvasPoseColumn, 7, false, "m, 1", "world",
                        "true pose of the canvas's frame, position and quaternion w x y z; the "
                        "world's at time 0"});
-    columns.push_back({"/canvas/estimated_pose", 7, false, "m, 1", "world",
+    columns.push_back({kEstimatedCanvasPoseColumn, 7, false, "m, 1", "world",
                        "the same as the controller estimates it"});
     columns.push_back({"/canvas/estimated_twist", 6, false, "m/s, rad/s", "world",
                        "estimated velocity of that frame's origin, and its angular velocity"});

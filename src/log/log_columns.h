@@ -15,6 +15,7 @@ namespace impedraw {
 inline constexpr const char* kSpeedShareColumn = "/every_step/joint_speed_share";
 // Only where the canvas moves.
 inline constexpr const char* kCanvasPoseColumn = "/canvas/pose";
+inline constexpr const char* kEstimatedCanvasPoseColumn = "/canvas/estimated_pose";
 
 struct LogColumn {
   std::string name;  // path in the file

@@ -12,6 +12,7 @@ int ReplayLog::joints() const { return log_->joints(); }
 const std::vector<std::string>& ReplayLog::torque_terms() const {
   return log_->header().torque_terms;
 }
+bool ReplayLog::canvas_moves() const { return log_->header().moving_canvas; }
 bool ReplayLog::cut_short() const { return log_->cut_short(); }
 bool ReplayLog::reduced() const { return log_->rate() == LogRate::reduced; }
 
@@ -40,6 +41,10 @@ bool ReplayLog::read(std::size_t begin, std::size_t n, ReplayRows* rows) const {
   column("/tip/orientation", 4, false, rows->tip_orientation);
   column("/contact/force", 3, false, rows->contact_force);
   column("/surface/normal", 3, false, rows->surface_normal);
+  if (canvas_moves()) {
+    column(kCanvasPoseColumn, 7, false, rows->canvas_pose);
+    column(kEstimatedCanvasPoseColumn, 7, false, rows->estimated_canvas_pose);
+  }
   column("/surface/distance", 1, false, rows->surface_distance);
   column("/mode", 1, true, rows->mode);
   column("/stroke", 1, true, rows->stroke);

@@ -22,6 +22,9 @@ struct ReplayRows {
   std::vector<Joints> torque_terms;  // in the order of ReplayLog::torque_terms()
   std::vector<Eigen::Vector3d> tip_position, contact_force, surface_normal;
   std::vector<Eigen::Vector4d> tip_orientation;  // w x y z
+  // Position and quaternion w x y z of the canvas's frame; empty where the canvas stands.
+  using CanvasPoses = std::vector<Eigen::Matrix<double, 7, 1>>;
+  CanvasPoses canvas_pose, estimated_canvas_pose;
   std::vector<double> surface_distance;
   std::vector<int> mode, stroke;
 
@@ -37,6 +40,7 @@ class ReplayLog {
   std::size_t rows() const;  // that are complete in every dataset
   int joints() const;
   const std::vector<std::string>& torque_terms() const;
+  bool canvas_moves() const;
   bool reduced() const;    // rows of selected steps only
   bool cut_short() const;  // rows() are what is left of a file that lost its end
 

@@ -44,6 +44,9 @@ std::vector<std::string> live_columns(const RunLogHeader& header) {
                            "mode", "stroke", "time_scale", "step_time", "share"})
     names.emplace_back(name);
   for (const std::string& term : header.torque_terms) each_joint(term);
+  if (header.moving_canvas)
+    for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz"})
+      names.push_back(std::string("canvas_pose_") + name);
   return names;
 }
 

@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/common/pose.h"
 #include "impedraw/ink/segments.h"
 #include "impedraw/log/replay_rows.h"
 #include "impedraw/metrics/statistics.h"
@@ -189,6 +192,53 @@ Json step_plots(PackedColumns& columns, const RunData& run, const InkMatch& draw
   return out;
 }
 
+Pose pose_of(const Eigen::Matrix<double, 7, 1>& row) {
+  return {row.head<3>(), Eigen::Quaterniond(row[3], row[4], row[5], row[6]).toRotationMatrix()};
+}
+
+// What is plotted of a moving canvas: how its centre moved and how far it turned, truly and as
+// estimated, and how far the estimate is off at the tip.
+class CanvasPlots {
+ public:
+  static constexpr std::size_t kSeries = 9;
+
+  CanvasPlots(std::size_t rows, const Points& canvas)
+      : centre_(canvas.empty() ? Eigen::Vector3d::Zero() : mean(canvas)),
+        bins_(std::max<std::size_t>(rows, 1), kJointBins, kSeries) {}
+
+  void add(std::size_t row, const Pose& truth, const Pose& estimated, const Eigen::Vector3d& tip) {
+    std::size_t s = 0;
+    for (const Pose* pose : {&truth, &estimated}) {
+      const Eigen::Vector3d moved = 1e3 * (*pose * centre_ - centre_);
+      for (int axis = 0; axis < 3; ++axis) bins_.add(s++, row, moved[axis]);
+      bins_.add(s++, row, kDegrees * Eigen::AngleAxisd(pose->R).angle());
+    }
+    bins_.add(s, row, 1e3 * (truth * (estimated.inverse() * tip) - tip).norm());
+  }
+
+  void write(PackedColumns& columns, Json* series) const {
+    static constexpr const char* kNames[kSeries] = {
+        "canvas_x",           "canvas_y",           "canvas_z",           "canvas_turn",
+        "estimated_canvas_x", "estimated_canvas_y", "estimated_canvas_z", "estimated_canvas_turn",
+        "canvas_error"};
+    for (std::size_t s = 0; s < kSeries; ++s) {
+      const bool turn = s == 3 || s == 7;
+      series->push_back(series_json(kNames[s], turn ? "turn of the canvas" : "canvas",
+                                    turn ? "deg" : "mm", bins_.json(columns, s, 2e-3)));
+    }
+  }
+
+ private:
+  static Eigen::Vector3d mean(const Points& points) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : points) sum += p;
+    return sum / static_cast<double>(points.size());
+  }
+
+  Eigen::Vector3d centre_;
+  Envelopes bins_;
+};
+
 // The rows of the scene, and what the log's rows say of the joints.
 void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
               const PageContext& context, Json* out) {
@@ -200,6 +250,9 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
   std::vector<double> time, mode, stroke;
   std::vector<std::vector<double>> q(j);
   Points tip, pen_axis, force, normal;
+  std::vector<std::vector<double>> canvas(log.canvas_moves() ? 7 : 0);
+  std::optional<CanvasPlots> canvas_plots;
+  if (log.canvas_moves()) canvas_plots.emplace(n, run.canvas_vertices);
 
   const double duration = run.time.empty() ? 0.0 : run.time.back() - run.time.front();
   const double spacing = duration > kLong ? kCoarse : kFine;
@@ -223,6 +276,9 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
           torques.add(t * j + a, row, rows.torque_terms[t](k, c));
       }
       joints.add(3 * j, row, 1e3 * rows.surface_distance[i]);
+      if (canvas_plots)
+        canvas_plots->add(row, pose_of(rows.canvas_pose[i]), pose_of(rows.estimated_canvas_pose[i]),
+                          rows.tip_position[i]);
       if (!time.empty() && row + 1 < n && rows.time[i] < time.back() + spacing - 1e-9) continue;
       time.push_back(rows.time[i]);
       for (std::size_t a = 0; a < j; ++a)
@@ -232,6 +288,16 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
       pen_axis.push_back(Eigen::Quaterniond(w[0], w[1], w[2], w[3]).toRotationMatrix().col(2));
       force.push_back(rows.contact_force[i]);
       normal.push_back(rows.surface_normal[i]);
+      if (!canvas.empty()) {
+        Eigen::Matrix<double, 7, 1> pose = rows.canvas_pose[i];
+        // q and −q are the same turn: without jumps, so that it can be interpolated and packed.
+        double same = 0.0;
+        for (int a = 3; a < 7; ++a)
+          if (const auto& q_a = canvas[static_cast<std::size_t>(a)]; !q_a.empty())
+            same += q_a.back() * pose[a];
+        if (same < 0.0) pose.tail<4>() *= -1.0;
+        for (std::size_t a = 0; a < 7; ++a) canvas[a].push_back(pose[static_cast<Eigen::Index>(a)]);
+      }
       mode.push_back(rows.mode[i]);
       stroke.push_back(rows.stroke[i]);
     }
@@ -250,6 +316,11 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
   scene["pen_axis"] = points_json(columns, pen_axis, 1e-4);
   scene["force"] = points_json(columns, force, 5e-3);
   scene["normal"] = points_json(columns, normal, 1e-3);
+  if (!canvas.empty()) {
+    scene["canvas"] = Json::array();
+    for (const std::vector<double>& values : canvas)
+      scene["canvas"].push_back(columns.add(values, 1e-5));
+  }
   scene["mode"] = columns.add(mode, 1.0);
   scene["stroke"] = columns.add(stroke, 1.0);
   (*out)["scene"] = std::move(scene);
@@ -269,6 +340,7 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
   }
   plots["series"].push_back(series_json("surface_distance", "distance to the estimated surface",
                                         "mm", joints.json(columns, 3 * j, 1e-3)));
+  if (canvas_plots) canvas_plots->write(columns, &plots["series"]);
   (*out)["joint_plots"] = std::move(plots);
 
   Json torque_plots;

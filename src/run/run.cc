@@ -217,7 +217,7 @@ class Runner {
   void follow(const TipPath& path, bool again, const StrokeCount* one) {
     const double begin = time();
     const Odometer odometer(path);
-    bool down = false;
+    bool down = false, last_up = false;
     height_ = searched_ = 0.0;
     wall_.reset();
     lost_canvas_ = false;
@@ -252,6 +252,10 @@ class Runner {
         clock_.advance(deviation(desired, planned));
         look_for_wall(desired);
         look_for_reach();
+        if (!last_up && off_a_moving_canvas() && planned > path.strokes().back().end) {
+          last_up = true;
+          if (rest_of(e_.plan.strokes, ink_.parts(), kShortestGap).empty()) let_go();
+        }
         if (found_again()) return;
       }
       if (i % 10 != 0) continue;
@@ -450,6 +454,16 @@ class Runner {
          fmt::format("the canvas left the arm's reach at t = {:.3f} s, at ({:.2f}, "
                      "{:.2f}, {:.2f}) m; the pen was lifted",
                      first_time_ + time(), out_.p_WD.x(), out_.p_WD.y(), out_.p_WD.z()));
+    let_go();
+  }
+
+  bool off_a_moving_canvas() const {
+    return loop_.canvas().joined() && out_.mode == ContactMode::free;
+  }
+
+  // The pen goes up and stays, wherever the canvas goes: also once all is drawn, as the canvas may
+  // soon be out of reach.
+  void let_go() {
     loop_.leave_canvas();
     lifting_.emplace(time(), loop_.terms().X_WE, e_.control.impedance.surface.drawing_axis_W,
                      kLiftOffCanvas);

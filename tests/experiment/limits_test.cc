@@ -71,6 +71,7 @@ const std::map<std::string, Words> kCompanions = {
     {"control.observer.yield_limit", {"control.observer.yield_limit=[0]"}},
     {"pushes", {"pushes=[{}]"}},
     {"faults", {"faults=[{}]"}},
+    {"perception.fiducials", {"perception.fiducials.points=[{}]"}},
     {"drawing.placement.margin", {"drawing.placement.fit_width=2"}},
     {"drawing.wrap.spacing", {"drawing.wrap.margin=0.04"}},
     {"drawing.wrap.margin", {"drawing.wrap.spacing=0.0005"}},

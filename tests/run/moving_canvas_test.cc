@@ -72,6 +72,21 @@ TEST(MovingCanvas, OnlyFramesTellHowItMoves) {
   EXPECT_NEAR(one["force_sd"], other["force_sd"], 1e-5);
 }
 
+// The bowl is in reach while it is drawn on, and soon after no more.
+TEST(MovingCanvas, ArmDoesNotRunAfterWhatIsDrawn) {
+  const std::string marks =
+      "[{position: [0.78, 0.51, 0.162]}, {position: [0.6, 0.69, 0.162]}, "
+      "{position: [0.42, 0.51, 0.162]}, {position: [0.6, 0.33, 0.162]}]";
+  const Figures f = draw_scenario(
+      "moving", {"drawing.text.text=o", "drawing.placement.fit_radius=0.015",
+                 "drawing.placement.centre=[0.6, 0.51]", "canvas.move=[0, 0.51, 0]",
+                 "canvas.motion.start=9.5", "canvas.motion.velocity=[0, -0.15, 0]",
+                 "perception.region_lower=[0.25, -0.75, 0]",
+                 "perception.region_upper=[1, 0.95, 0.6]", "perception.fiducials.points=" + marks});
+  EXPECT_GT(f["coverage"], 0.999);
+  EXPECT_LT(f["ink_error_rms"], 0.2);
+}
+
 TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
   const Figures f = draw_scenario("moving-conveyor",
                                   {"canvas.motion.start=1", "canvas.motion.velocity=[0, -0.09, 0]"},

@@ -121,6 +121,7 @@ export interface Run {
     penAxis: Float64Array[];
     force: Float64Array[];
     normal: Float64Array[];
+    canvas: Float64Array[]; // pose of its frame: x y z, then quaternion w x y z; none: it stands
     mode: Float64Array;
     stroke: Float64Array;
   };
@@ -201,7 +202,7 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
     scene: {
       time: one(json.scene.time), joints: each(json.scene.joints), tip: each(json.scene.tip),
       penAxis: each(json.scene.pen_axis), force: each(json.scene.force),
-      normal: each(json.scene.normal), mode: one(json.scene.mode), stroke: one(json.scene.stroke),
+      normal: each(json.scene.normal), canvas: each(json.scene.canvas ?? []), mode: one(json.scene.mode), stroke: one(json.scene.stroke),
     },
     series,
     terms: json.torque_plots.terms,

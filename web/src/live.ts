@@ -231,6 +231,7 @@ export class LiveRun {
     run.scene = {
       time: of("time"), joints: run.joints.names.map((_, j) => of(`position_${j}`)), tip: triple("tip"),
       penAxis: triple("pen_axis"), force: triple("contact_force"), normal: triple("normal"),
+      canvas: this.index.has("canvas_pose_x") ? ["x", "y", "z", "qw", "qx", "qy", "qz"].map((name) => of(`canvas_pose_${name}`)) : [],
       mode: of("mode"), stroke: of("stroke"),
     };
     run.duration = this.lastTime;

@@ -700,6 +700,7 @@ class Page {
       },
       findings: () => this.run.findings.map(({ problem, world_m, q }) => ({ problem, world_m, q })),
       project: (p: number[]) => scene?.project(p),
+      placed: (p: number[]) => scene?.placed(p).toArray(),
       setColour: (colour: Colour) => this.setColour(colour),
       setView: (view: View) => {
         this.setView(view);

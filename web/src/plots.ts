@@ -119,6 +119,14 @@ export class Plots {
       { title: "perception: tip to estimated surface", unit: "mm", curves: () => this.curve("surface_distance", "distance", 2) },
       { title: "largest joint torque", unit: "% of its limit", fromZero: true, curves: () => this.curve("torque", "torque", 0) },
     ];
+    // Of several runs one coordinate would be enough for nobody: their error tells more.
+    const canvas = this.runs.length > 1 ? [] : ["x", "y", "z"];
+    panels.push(
+      { title: "canvas: motion of its centre", unit: "mm",
+        curves: () => canvas.flatMap((axis, k) => [...this.curve(`canvas_${axis}`, axis, k), ...this.curve(`estimated_canvas_${axis}`, `${axis}, estimated`, k, { dash: [5, 3] })]) },
+      { title: "canvas: turn", unit: "deg", fromZero: true,
+        curves: () => (canvas.length ? [...this.curve("canvas_turn", "true", 0), ...this.curve("estimated_canvas_turn", "estimated", 1, { dash: [5, 3] })] : []) },
+      { title: "canvas: error of its estimated place, at the tip", unit: "mm", fromZero: true, curves: () => this.curve("canvas_error", "error", 0) });
     const clock = this.run.series.get("time_scale");
     if (clock && (this.run.kind === "live" || quantile(clock.low, 0) < 0.999))
       panels.push({ title: "speed of the plan's clock", unit: "1 = as planned", fromZero: true, curves: () => this.curve("time_scale", "clock", 0) });

@@ -97,6 +97,7 @@ export class Scene {
   readonly software = inSoftware();
   private renderer: three.WebGLRenderer;
   private scene = new three.Scene();
+  private carried = new three.Group(); // what is given in the canvas's frame
   private camera = new three.PerspectiveCamera(35, 1, 0.02, 30);
   private orbit: OrbitControls;
   private links: three.Group[] = [];
@@ -146,7 +147,9 @@ export class Scene {
       canvas: this.makeCanvas(), cloud: this.makeCloud(), target: this.makeTarget(), ink: this.makeInk(),
       arm: this.makeArm(), normal: this.normal, force: this.force, cameras: this.makeCameras(), grid: this.makeGrid(),
     };
-    for (const part of Object.values(this.parts)) this.scene.add(part);
+    this.scene.add(this.carried);
+    for (const [name, part] of Object.entries(this.parts))
+      (["canvas", "cloud", "target", "ink"].includes(name) ? this.carried : this.scene).add(part);
     this.measure();
     this.setDark(false);
   }
@@ -370,10 +373,15 @@ export class Scene {
     if (box.isEmpty()) box.setFromObject(this.parts.canvas);
     if (!box.isEmpty()) box.getBoundingSphere(this.drawing);
     this.drawing.radius = Math.max(this.drawing.radius, 0.03);
-    this.seek(this.run.scene.time[0] ?? 0);
-    this.scene.updateMatrixWorld(true);
-    const all = new three.Box3().setFromObject(this.parts.arm).union(box);
-    all.union(new three.Box3().setFromObject(this.parts.canvas));
+    const all = new three.Box3();
+    const { time, canvas } = this.run.scene;
+    // Where a canvas moves to is a part of the picture.
+    for (const share of canvas.length ? [1, 0.75, 0.5, 0.25, 0] : [0]) {
+      this.seek(time[Math.floor(share * (time.length - 1))] ?? 0);
+      this.scene.updateMatrixWorld(true);
+      all.union(new three.Box3().setFromObject(this.parts.canvas)).union(box.clone().applyMatrix4(this.carried.matrixWorld));
+    }
+    all.union(new three.Box3().setFromObject(this.parts.arm));
     all.getBoundingSphere(this.whole);
   }
 
@@ -386,6 +394,13 @@ export class Scene {
     const gap = scene.time[next] - scene.time[i];
     const f = gap > 0 ? Math.min(1, Math.max(0, (t - scene.time[i]) / gap)) : 0;
     const mixed = (column: Float64Array) => column[i] * (1 - f) + column[next] * f;
+    if (scene.canvas.length && scene.time.length) {
+      const [x, y, z, qw, qx, qy, qz] = scene.canvas;
+      const turn = (k: number) => new three.Quaternion(qx[k], qy[k], qz[k], qw[k]).normalize();
+      this.carried.position.set(mixed(x), mixed(y), mixed(z));
+      this.carried.quaternion.copy(turn(i)).slerp(turn(next), f);
+      this.carried.updateMatrixWorld(true);
+    }
     const q = this.posture ?? scene.joints.map(mixed);
     linkFrames(this.run.arm, q).forEach((X, link) => this.links[link].matrix.copy(matrix4(X)));
     const tip = new three.Vector3(mixed(scene.tip[0]), mixed(scene.tip[1]), mixed(scene.tip[2]));
@@ -454,7 +469,7 @@ export class Scene {
     // From above and along the pen the arm stands in the way.
     for (const material of this.armMaterials) material.setAlpha(view === "top" || view === "pen" ? 0.18 : 1);
     if (view === "free") look(new three.Vector3(0.75, -1, 0.62), this.whole);
-    if (view === "top") look(axis.clone().addScaledVector(up, -1e-3), this.drawing);
+    if (view === "top") look(axis.clone().addScaledVector(up, -1e-3), this.drawing.clone().applyMatrix4(this.carried.matrixWorld));
     if (view === "front") look(new three.Vector3(1, 0, 0.25), this.whole);
     if (view === "side") look(new three.Vector3(0, -1, 0.25), this.whole);
     if (view === "tip") {
@@ -473,7 +488,7 @@ export class Scene {
 
   // Turns the free view towards a point.
   lookAt(p: number[], distance = 0.35): void {
-    const target = new three.Vector3(...p);
+    const target = this.placed(p);
     const offset = this.camera.position.clone().sub(this.orbit.target).setLength(distance);
     this.orbit.target.copy(target);
     this.camera.position.copy(target).add(offset);
@@ -591,10 +606,15 @@ export class Scene {
     this.renderer.render(this.scene, this.camera);
   }
 
-  // Where a point of W stands in the picture [px], from its upper left corner.
+  // A point of the canvas's frame, in W at the instant that is shown.
+  placed(p: number[]): three.Vector3 {
+    return this.carried.localToWorld(new three.Vector3(...p));
+  }
+
+  // Where a point of the canvas's frame stands in the picture [px], from its upper left corner.
   project(p: number[]): [number, number] {
     this.camera.updateMatrixWorld();
-    const q = new three.Vector3(...p).project(this.camera);
+    const q = this.placed(p).project(this.camera);
     return [((q.x + 1) / 2) * this.canvas.clientWidth, ((1 - q.y) / 2) * this.canvas.clientHeight];
   }
 

@@ -13,7 +13,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
-import { pathToFileURL } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 
 const web = resolve(process.env.IMPEDRAW_WEB ?? "build/web");
 const program = resolve(process.env.IMPEDRAW ?? "build/release/src/app/impedraw");
@@ -501,6 +501,37 @@ test("a plan shows what fails, and the arm where it does", { timeout: 600_000, s
   assert.equal(await page.evaluate(() => window.hacked), undefined);
   assert.equal(await page.locator("h1").textContent(), name);
   await page.screenshot({ path: join(shots, "plan.png") });
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a canvas that moves takes its ink along", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async () => {
+  const out = join(scratch, "moving");
+  const scenario = fileURLToPath(new URL("../../scenarios/moving-turntable.yaml", import.meta.url));
+  execFileSync(program, ["draw", scenario, "--set", "log.rate=full", "--out", out], { stdio: "pipe" });
+  const rows = JSON.parse(execFileSync(python, ["-c", `
+import h5py, json, sys
+f = h5py.File(sys.argv[1])
+on = [i for i in range(len(f["time"])) if f["contact/point"][i, 0] == f["contact/point"][i, 0]][::1500]
+print(json.dumps([{k: f[k][i].tolist() for k in ("time", "canvas/pose", "contact/point", "tip/position")} for i in on]))`, join(out, "run.h5")]));
+  assert.ok(rows.length > 4);
+  const { page, wrong, close } = await open(join(out, "report.html"));
+  for (const row of rows) {
+    const [x, y, z, w, a, b, c] = row["canvas/pose"];
+    const p = row["contact/point"];
+    const turn = [[1 - 2 * (b * b + c * c), 2 * (a * b - w * c), 2 * (a * c + w * b)], [2 * (a * b + w * c), 1 - 2 * (a * a + c * c), 2 * (b * c - w * a)],
+      [2 * (a * c - w * b), 2 * (b * c + w * a), 1 - 2 * (a * a + b * b)]];
+    const expected = [x, y, z].map((o, i) => o + turn[i][0] * p[0] + turn[i][1] * p[1] + turn[i][2] * p[2]);
+    await ask(page, "seek", row.time);
+    const shown = await ask(page, "placed", p);
+    assert.ok(Math.hypot(...shown.map((u, i) => u - expected[i])) < 1e-4, `at ${row.time} s`);
+    assert.ok(Math.hypot(...shown.map((u, i) => u - row["tip/position"][i])) < 2e-3, "the ink is under the pen");
+  }
+  for (const plot of ["canvas: motion of its centre", "canvas: turn", "canvas: error of its estimated place"])
+    assert.equal(await page.locator(`section[aria-label^='${plot}']`).count(), 1, plot);
+  await page.screenshot({ path: join(shots, "moving.png") });
+  await page.locator("section[aria-label^='canvas: motion of its centre']").scrollIntoViewIfNeeded();
+  await page.screenshot({ path: join(shots, "moving-plots.png") });
   assert.deepEqual(wrong, []);
   await close();
 });
