@@ -531,6 +531,7 @@ print(json.dumps([{k: f[k][i].tolist() for k in ("time", "canvas/pose", "contact
     assert.equal(await page.locator(`section[aria-label^='${plot}']`).count(), 1, plot);
   await page.screenshot({ path: join(shots, "moving.png") });
   await page.locator("section[aria-label^='canvas: motion of its centre']").scrollIntoViewIfNeeded();
+  await page.waitForTimeout(1000); // plots follow what is seen
   await page.screenshot({ path: join(shots, "moving-plots.png") });
   assert.deepEqual(wrong, []);
   await close();
