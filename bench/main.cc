@@ -266,6 +266,8 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"its 99th percentile / median, best of five runs", steps.p99 / steps.median, 2.0},
       {"fresh normal / bare k-nearest-neighbour query (k = 60)",
        median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5},
+      {"frame, 320 x 240 px: points, registration, fusion / back-projection",
+       median.time("BM_frame_all") / median.time("BM_frame_back_project"), 5.0},
       // costs_bench.cc. The limits are about twice what was measured; those of whole runs a third
       // more. They detect changes in growth, not small slowdowns.
       {"2,000,000 triangles to a canvas / sort of a million", sorts("BM_mesh"), 60.0},

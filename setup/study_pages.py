@@ -323,6 +323,15 @@ def moving(rows, folder):
     for motion in dict.fromkeys(row["case"].split("-")[0] for row in rows if row["group"].endswith("-switched")):
         cells = [by_case[f"{motion}-{switch}"] for switch in SWITCHES]
         lines.append(f"| {motion} | " + " | ".join(f"{entry(c)} / {c['contact_fraction']:.3f}" for c in cells) + " |")
+    lines += ["", "## The canvas's own shape", "",
+              "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface of the snapshot is found again; `5 Hz`: every sixth frame. Terrain has "
+              "no marks, and moves as in `moving-sway`. Sine, the worse of two seeds; every pixel is cast.", "",
+              "| | ink RMS [mm] | force SD [N] | contact | real-time factor, at least |", "|---" * 5 + "|"]  # fmt: skip
+    for on in dict.fromkeys(row["case"].rsplit("-", 1)[0] for row in rows if row["group"] == "shape"):
+        cells = [row for row in rows if row["group"] == "shape" and row["case"].startswith(on + "-")]
+        worst = [max(row[m] or math.inf for row in cells) for m in ("ink_error_rms", "force_sd")]
+        lines.append(f"| {on.removeprefix('shape-')} | {worst[0]:.3f} | {worst[1]:.3f} | {min(row['contact_fraction'] for row in cells):.3f} | "
+                     f"{min(row['real_time_factor'] for row in cells):.1f} |")  # fmt: skip
     speeds, latencies = levels(rows, "conveyor", r"conveyor-(.+)mm_s-(.+)s")
     lines += ["", "## Speed and latency", "", "A letter of 30 mm on a conveyor, ink RMS [mm] / force SD [N].", "",
               "| latency | " + " | ".join(f"{v:g} mm/s" for v in speeds) + " |", "|---" * (len(speeds) + 1) + "|"]  # fmt: skip

@@ -256,6 +256,10 @@ void describe(Fields& f, FrameSettings& s) {
   f.field("feedforward", s.feedforward,
           "Feeds the canvas's velocity and acceleration forward; off: to see their worth.");
   f.field(Limits::skew, s.skew, "Time from one camera's exposure to the next one's.");
+  f.field("depth", s.depth,
+          "Frames carry depths, by which the canvas's own shape tells where it is; off: marks "
+          "alone do.");
+  f.field(Limits::depth_every, s.depth_every, "Every how many-th frame carries depths.");
   f.field(Limits::width, s.width, "Width of a frame.");
   f.field(Limits::height, s.height, "Height of a frame.");
 }

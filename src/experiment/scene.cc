@@ -107,6 +107,8 @@ void check_frames(const Scenario& s, const SettingErrors& setting_errors) {
           "perception.frames.enabled: without perception there are no cameras; valid is false, or "
           "perception.enabled true");
   });
+  // By its shape alone, a canvas is found without marks.
+  if (s.perception.frames.depth && s.perception.fiducials.points.empty()) return;
   setting_errors.locate({"perception.fiducials"},
                         [&] { CanvasTracker{CanvasTrackerSettings{s.perception.fiducials}}; });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -22,8 +23,11 @@ namespace {
 constexpr std::size_t kMostEntries = 1200, kFewestOld = 60;
 constexpr double kLeastSpread = 5e-3;  // of marks beside a line [m]
 constexpr double kLeastAngle = 0.02;   // of the rotation that two cameras' noise may leave [rad]
-constexpr double kReferAnew = 1.0;     // of φ [rad]
-constexpr double kScoreTime = 1.0;     // [s]
+// How sure the prediction is in directions that the shape leaves open [m], [rad]; and how sure the
+// shape can be at best, in both.
+constexpr double kOpenShift = 0.01, kOpenTurn = 0.1, kShapeFloor = 3e-5;
+constexpr double kReferAnew = 1.0;          // of φ [rad]
+constexpr double kScoreTime = 1.0;          // [s]
 constexpr double kSearchPeriod = 1.0 / 12;  // from one axis to the next [s]
 
 Matrix3d rotation(const Vector3d& phi) {
@@ -58,13 +62,22 @@ const std::array<CanvasTracker::Model, CanvasTracker::kFilters> CanvasTracker::k
     {{1, 1e-10}, {2, 1e-9}, {2, 1e-5}, {3, 1e-3}, {3, 0.1}}};
 const std::array<double, CanvasTracker::kBands> CanvasTracker::kCutoffs = {0.4, 0.7, 1.1, 1.8, 3.0};
 
-CanvasTracker::CanvasTracker(const CanvasTrackerSettings& settings) : settings_(settings) {
+CanvasTracker::CanvasTracker(const CanvasTrackerSettings& settings,
+                             std::unique_ptr<CanvasShape> shape)
+    : settings_(settings), shape_(std::move(shape)) {
   for (const Fiducial& f : settings.fiducials.points) marks_K_.push_back(f.p_K);
   require_in_range("perception.fiducials", FiducialSettings::Limits::noise,
                    settings.fiducials.noise);
+  entries_.reserve(kMostEntries + 1);
+  for (auto& samples : samples_) samples.reserve(kMostEntries + 1);
+  if (shape_ && marks_K_.empty()) {
+    centre_K_ = shape_->centre_K();
+    return;
+  }
   if (marks_K_.size() < 3 || marks_K_.size() > CanvasFrame::kMostMarks)
     throw InputError(fmt::format(
-        "perception.fiducials.points has {} points; a canvas that moves is found by 3 to {}",
+        "perception.fiducials.points has {} points; a canvas that moves is found by 3 to {}, or by "
+        "its shape (perception.frames.depth)",
         marks_K_.size(), CanvasFrame::kMostMarks));
   const double spread = spread_beside_line(marks_K_);
   if (!(spread >= kLeastSpread))
@@ -74,12 +87,54 @@ CanvasTracker::CanvasTracker(const CanvasTrackerSettings& settings) : settings_(
         1e3 * spread, 1e3 * kLeastSpread));
   centre_K_ = Vector3d::Zero();
   for (const Vector3d& p : marks_K_) centre_K_ += p / static_cast<double>(marks_K_.size());
-  entries_.reserve(kMostEntries + 1);
-  for (auto& samples : samples_) samples.reserve(kMostEntries + 1);
 }
 
-// The pose that the frame tells, with the variance of each coordinate.
-bool CanvasTracker::measure(const CanvasFrame& frame, Entry* entry) const noexcept {
+// The pose that the frame tells, with the variance of each coordinate. Marks and shape count by
+// their information; without marks the prediction counts a little, for what the shape leaves open.
+bool CanvasTracker::measure(const CanvasFrame& frame, Entry* entry) noexcept {
+  Matrix6 information = Matrix6::Zero();  // about the centre, in W
+  const bool marked = measure_marks(frame, entry, &information);
+  if (marked) open_ = 0;
+  if (shape_ && frame.depth) {
+    const Pose predicted = marked             ? entry->X_WK
+                           : entries_.empty() ? Pose()
+                                              : predict(frame.time).motion.X_WK;
+    const ShapeRegistration& found = shape_->look(frame, predicted);
+    if (found.found) {
+      if (!marked) {
+        open_ = found.open;
+        entry->time = frame.time;
+        entry->X_WK = predicted;
+        information.diagonal() << Vector3d::Constant(1.0 / (kOpenShift * kOpenShift)),
+            Vector3d::Constant(1.0 / (kOpenTurn * kOpenTurn));
+      }
+      // About the centre, and no surer than cameras are placed.
+      const Vector3d centre = found.X_WK * centre_K_;
+      Matrix6 to_c = Matrix6::Identity();  // ξ about c from ξ about the centre
+      to_c.topRightCorner<3, 3>() = -cross(found.c_W - centre);
+      Matrix6 shape = to_c.transpose() * found.information * to_c;
+      const Matrix6 floor = Vector6::Constant(kShapeFloor * kShapeFloor).asDiagonal();
+      shape = shape * (Matrix6::Identity() + floor * shape).inverse();
+      const Pose off = found.X_WK * entry->X_WK.inverse();
+      Vector6 xi;
+      xi << found.X_WK * centre_K_ - entry->X_WK * centre_K_, rotation_vector(off.R);
+      information += shape;
+      const Matrix6 covariance = information.inverse();
+      const Vector6 step = covariance * (shape * xi);
+      const Vector3d c = entry->X_WK * centre_K_ + step.head<3>();
+      entry->X_WK.R = rotation(step.tail<3>()) * entry->X_WK.R;
+      entry->X_WK.p = c - entry->X_WK.R * centre_K_;
+      for (int i = 0; i < kAxes; ++i) entry->variance[i] = covariance(i, i);
+      shape_->fuse(entry->X_WK);
+      return true;
+    }
+  }
+  return marked;
+}
+
+// Of the marks alone.
+bool CanvasTracker::measure_marks(const CanvasFrame& frame, Entry* entry,
+                                  Matrix6* information) const noexcept {
   std::array<Vector3d, CanvasFrame::kMostMarks> p_K, p_W;
   std::size_t n = 0;
   for (const FoundMark& m : frame.found()) {
@@ -96,11 +151,15 @@ bool CanvasTracker::measure(const CanvasFrame& frame, Entry* entry) const noexce
   // The centre of all marks may lie beside that of those found.
   const Vector3d r = fit.X_WK.R * (centre_K_ - fit.centre_K);
   const Matrix3d S = cross(r);
-  const Matrix3d turned = S * fit.rotation_covariance * S.transpose();
-  for (int i = 0; i < 3; ++i) {
-    entry->variance[i] = variance * (fit.position_variance + turned(i, i));
-    entry->variance[3 + i] = variance * fit.rotation_covariance(i, i);
-  }
+  Matrix6 covariance;
+  covariance.topLeftCorner<3, 3>() =
+      fit.position_variance * Matrix3d::Identity() + S * fit.rotation_covariance * S.transpose();
+  covariance.topRightCorner<3, 3>() = -S * fit.rotation_covariance;
+  covariance.bottomLeftCorner<3, 3>() = covariance.topRightCorner<3, 3>().transpose();
+  covariance.bottomRightCorner<3, 3>() = fit.rotation_covariance;
+  covariance *= variance;
+  for (int i = 0; i < kAxes; ++i) entry->variance[i] = covariance(i, i);
+  if (shape_) *information = covariance.inverse();
   return entry->variance[3] + entry->variance[4] + entry->variance[5] < kLeastAngle * kLeastAngle;
 }
 
@@ -364,7 +423,9 @@ CanvasEstimate CanvasTracker::estimate(const std::array<AxisState, kAxes>& s,
   }
   const bool old = out.age > settings_.longest_age;
   const bool unsure = std::sqrt(position) > settings_.largest_error;
-  out.status = old || unsure ? CanvasStatus::stale : CanvasStatus::ok;
+  out.status = old || unsure ? CanvasStatus::stale
+               : open_ > 0   ? CanvasStatus::undetermined
+                             : CanvasStatus::ok;
   return out;
 }
 
@@ -412,6 +473,14 @@ const char* CanvasTracker::model(int axis) const noexcept {
   if (most >= kFilters) return "band";
   static constexpr const char* kNames[] = {"standing", "steady", "drifting"};
   return kNames[kBank[static_cast<std::size_t>(most)].order - 1];
+}
+
+std::string CanvasTracker::open_directions() const {
+  std::string text;
+  for (int k = 0; shape_ && k < open_ && k < shape_->last().open; ++k)
+    text += (k == 0 ? "" : ", or ") +
+            shape_->last().open_directions[static_cast<std::size_t>(k)].text();
+  return text;
 }
 
 }  // namespace impedraw

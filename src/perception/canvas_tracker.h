@@ -1,45 +1,30 @@
 // Where the canvas is and how it moves, from frames that are late.
 //
-// Each frame tells a pose of the canvas at the time of its exposure. The six coordinates, the
-// position of the marks' centre in W and the rotation vector φ, R_WK = exp(φ) R_0, are each
-// followed by a bank of models (axis_motion.h). A model counts by how well it predicted lately what
-// came later, across as long a time as frames are late. The prediction for the present is smoothed:
-// it follows the bank with kSmoothing, so that the arm sees no steps as frames arrive.
+// Each frame tells a pose of the canvas at the time of its exposure, by the marks that were found,
+// by the canvas's shape in its depths (canvas_shape.h), or by both, each as far as it is sure. The
+// six coordinates, the position of a centre in W and the rotation vector φ, R_WK = exp(φ) R_0, are
+// each followed by a bank of models (axis_motion.h). The centre is that of the marks, or of the
+// shape. A model counts by how well it predicted lately what came later, across as long a time as
+// frames are late. The prediction for the present is smoothed: it follows the bank with kSmoothing,
+// so that the arm sees no steps as frames arrive.
 //
 // The status says when not to rely on it: `stale` if the frames are too old, or if the error to be
-// expected at the age of the last frame, from the errors of the predictions before, is too large.
+// expected at the age of the last frame, from the errors of the predictions before, is too large;
+// `undetermined` if there are directions in which neither marks nor shape tell where it is.
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <span>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "impedraw/control/canvas_estimate.h"
 #include "impedraw/perception/axis_motion.h"
+#include "impedraw/perception/canvas_frame.h"
+#include "impedraw/perception/canvas_shape.h"
 #include "impedraw/perception/frame_settings.h"
 
 namespace impedraw {
-
-// A mark that a camera found.
-struct FoundMark {
-  int mark = 0;                                   // index into FiducialSettings::points
-  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // [m]
-};
-
-// What a camera saw of the canvas at one time.
-struct CanvasFrame {
-  static constexpr int kMostMarks = 16;
-
-  double time = 0.0;  // of its exposure, on the driver's clock [s]
-  int camera = 0;
-  int count = 0;  // of marks
-  std::array<FoundMark, kMostMarks> marks{};
-
-  std::span<const FoundMark> found() const noexcept {
-    return {marks.data(), static_cast<std::size_t>(count)};
-  }
-};
 
 struct CanvasTrackerSettings {
   FiducialSettings fiducials;
@@ -54,7 +39,9 @@ class CanvasTracker {
   static constexpr double kSmoothing = 30.0;  // [1/s]
 
   // Throws InputError that names the setting: fewer than three marks, collinear ones, too many.
-  explicit CanvasTracker(const CanvasTrackerSettings& settings);
+  // With a shape there need be no marks; what it leaves open then stays as predicted.
+  explicit CanvasTracker(const CanvasTrackerSettings& settings,
+                         std::unique_ptr<CanvasShape> shape = nullptr);
 
   // In any order; one that is older than kWindow, and one that tells no pose, is ignored.
   void add(const CanvasFrame& frame) noexcept;
@@ -70,6 +57,11 @@ class CanvasTracker {
   double position_error() const noexcept;
   // The model that counts most for a coordinate, 0 to 5: "steady", "drifting" or "swinging".
   const char* model(int axis) const noexcept;
+  // How the canvas might have moved without being noticed: the directions that its shape leaves
+  // open, where no marks tell them; empty where there are none.
+  std::string open_directions() const;
+  // Null without one.
+  const CanvasShape* shape() const noexcept { return shape_.get(); }
 
  private:
   static constexpr int kAxes = 6;
@@ -99,7 +91,8 @@ class CanvasTracker {
     double weight = 0.0;                   // of evidence
   };
 
-  bool measure(const CanvasFrame& frame, Entry* entry) const noexcept;
+  bool measure(const CanvasFrame& frame, Entry* entry) noexcept;
+  bool measure_marks(const CanvasFrame& frame, Entry* entry, Matrix6* information) const noexcept;
   void express(Entry* entry, const Eigen::Vector3d& near) const noexcept;
   void update_from(std::size_t first) noexcept;
   void judge(const Entry& entry) noexcept;
@@ -114,6 +107,7 @@ class CanvasTracker {
   CanvasEstimate estimate(const std::array<AxisState, kAxes>& state, double time) const noexcept;
 
   CanvasTrackerSettings settings_;
+  std::unique_ptr<CanvasShape> shape_;
   std::vector<Eigen::Vector3d> marks_K_;
   Eigen::Vector3d centre_K_;
   std::vector<Entry> entries_;  // in order of time
@@ -121,6 +115,7 @@ class CanvasTracker {
   std::array<std::vector<AxisSample>, kAxes> samples_;  // frames of one time as one
   BandLimited band_;
   Eigen::Matrix3d R_0_ = Eigen::Matrix3d::Identity();
+  int open_ = 0;            // directions that nothing tells
   double lateness_ = 0.06;  // smoothed [s]
   double now_ = 0.0, searched_at_ = 0.0;
   int search_axis_ = 0;

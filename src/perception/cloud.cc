@@ -44,15 +44,15 @@ void validate(const std::vector<DepthImage>& images, const std::vector<DepthCame
   }
 }
 
-bool inside(const Capsule& capsule, double padding, const Vector3d& p) {
+}  // namespace
+
+bool inside(const Capsule& capsule, double padding, const Vector3d& p) noexcept {
   const Vector3d axis = capsule.b_W - capsule.a_W;
   const double length2 = axis.squaredNorm();
   const double s = length2 > 0.0 ? std::clamp(axis.dot(p - capsule.a_W) / length2, 0.0, 1.0) : 0.0;
   const double reach = capsule.radius + padding;
   return (capsule.a_W + s * axis - p).squaredNorm() <= reach * reach;
 }
-
-}  // namespace
 
 PointCloud back_project(const std::vector<DepthImage>& images,
                         const std::vector<DepthCamera>& cameras, const CloudSettings& settings,

@@ -29,6 +29,9 @@ struct Capsule {
   double radius = 0.0;                            // [m], ≥ 0
 };
 
+// Whether p is in it, or within `padding` of it [m].
+bool inside(const Capsule& capsule, double padding, const Eigen::Vector3d& p) noexcept;
+
 struct CloudSettings {
   // Side of the cubes in which points are averaged [m]; 0 keeps every point. On a surface with
   // radius of curvature R, a cube's mean is off by about voxel²/(12 R): 4 µm inside the standard

@@ -21,6 +21,9 @@ struct FrameSettings {
   // What each is worth: off, the pen goes where the canvas was at the last frame, or without the
   // canvas's velocity and acceleration.
   bool prediction = true, feedforward = true;
+  // Every depth_every-th frame carries depths, in which the canvas's shape is found.
+  bool depth = false;
+  int depth_every = 1;
   int width = 320, height = 240;  // of a frame; the snapshot has the camera's own size
 
   struct Limits {
@@ -29,6 +32,7 @@ struct FrameSettings {
     static constexpr Limit latency_jitter = {"latency_jitter", "s", {0.0, 0.1}};
     static constexpr Limit drop = {"drop", "", Range::to_below(0.0, 1.0)};
     static constexpr Limit skew = {"skew", "s", {0.0, 0.1}};
+    static constexpr Limit depth_every = {"depth_every", "", {1, 1000}};
     static constexpr Limit width = {"width", "px", {16, 4096}};
     static constexpr Limit height = {"height", "px", {16, 4096}};
   };

@@ -179,6 +179,11 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
   const auto check = give_up_on(interrupt, folder);
   if (drawing.outcome.end == RunEnd::stopped)
     write_incident(folder, experiment.scenario, drawing.outcome);
+  if (!drawing.outcome.canvas_open.empty())
+    say(stderr,
+        "note: the canvas's shape does not show whether it {}; it is taken not to; "
+        "perception.fiducials would tell\n",
+        drawing.outcome.canvas_open);
   if (!drawing.outcome.not_real_time.empty())
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);

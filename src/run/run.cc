@@ -82,8 +82,16 @@ std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e) {
   const PerceptionSettings& p = e.scenario.perception;
   if (!e.scene.perception || !p.frames.enabled || p.canvas_pose != CanvasPoseSource::tracked)
     return nullptr;
+  std::unique_ptr<CanvasShape> shape;
+  if (p.frames.depth) {
+    CanvasShapeSettings settings;
+    settings.points.sigma_at_1m = std::max(p.noise.sigma_at_1m, 1e-4);
+    settings.self_padding = p.self_padding;
+    shape = std::make_unique<CanvasShape>(e.scene.perception->cloud(), settings);
+  }
   return std::make_unique<CanvasTracker>(
-      CanvasTrackerSettings{.fiducials = p.fiducials, .prediction = p.frames.prediction});
+      CanvasTrackerSettings{.fiducials = p.fiducials, .prediction = p.frames.prediction},
+      std::move(shape));
 }
 
 CanvasSource canvas_source(const Experiment& e, CanvasTracker* tracker) {
@@ -172,6 +180,7 @@ class Runner {
                               "perception.fiducials.points and perception.cameras tell where they "
                               "should be",
                               e_.scenario.perception.watch));
+    if (tracker_) outcome_.canvas_open = tracker_->open_directions();
     loop_.join_canvas(rest.reference);
   }
 

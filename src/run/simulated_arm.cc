@@ -19,6 +19,7 @@ SimulatedArm::SimulatedArm(Experiment& e, const JointVector& start_q, Disturbanc
     : scenario_(e.scenario),
       world_(*e.scene.world),
       canvas_(*e.scene.canvas),
+      arm_(e.scene.arm),
       start_q_(start_q),
       joint_names_(e.scene.arm.joint_names()),
       dt_(e.scenario.world.dt),
@@ -45,7 +46,7 @@ void SimulatedArm::start() {
   if (has_sensor(source_)) sensor_.emplace(sensor_settings_, dt_, seed_);
   if (!joint_sensor_settings_.exact())
     joint_sensor_.emplace(joint_sensor_settings_, world_.joints(), dt_, ~seed_);
-  if (scenario_.perception.frames.enabled) cameras_.emplace(scenario_, world_, canvas_);
+  if (scenario_.perception.frames.enabled) cameras_.emplace(scenario_, world_, canvas_, arm_);
   state_ = ArmState(world_.joints());
   truth_ = GroundTruth();
   tip_wrench_.setZero();

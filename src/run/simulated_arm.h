@@ -44,6 +44,7 @@ class SimulatedArm : public Driver {
   const Scenario& scenario_;
   World& world_;
   const Canvas& canvas_;
+  ArmModel& arm_;
   JointVector start_q_;
   std::vector<std::string> joint_names_;
   double dt_, first_time_;

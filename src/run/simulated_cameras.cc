@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "impedraw/experiment/snapshot.h"
 
@@ -12,11 +14,24 @@ namespace {
 constexpr std::size_t kMostComing = 4096;
 constexpr double kSkin = 5e-3;  // what is hit this close before a mark is the mark itself [m]
 
+constexpr double kRoundArm = 0.05;  // capsules stand for its links to within this [m]
+
+// Whether a ray comes near a capsule, taken as a ball about all of it.
+bool passes(const Eigen::Vector3d& o, const Eigen::Vector3d& d, const Capsule& c) noexcept {
+  const Eigen::Vector3d middle = 0.5 * (c.a_W + c.b_W) - o;
+  const double radius = 0.5 * (c.b_W - c.a_W).norm() + c.radius + kRoundArm;
+  return (middle - middle.dot(d) * d).squaredNorm() < radius * radius;
+}
+
 }  // namespace
 
-SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas)
+SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
+                                   ArmModel& arm)
     : world_(world),
       canvas_(canvas),
+      arm_(arm),
+      noise_(scenario.perception.noise),
+      depth_scale_(1.0 + scenario.perception.errors.depth_scale),
       frames_(scenario.perception.frames),
       fiducials_(scenario.perception.fiducials) {
   for (std::size_t i = 0; i < scenario.perception.cameras.size(); ++i) {
@@ -24,7 +39,7 @@ SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const
     const DepthCamera believed = {frames_.width, frames_.height, c.fov_y_deg,
                                   look_at(c.p_WC, c.target_W)};
     const std::uint64_t seed = camera_seed(scenario, i);
-    cameras_.push_back({believed, true_camera(believed, scenario.perception.errors, seed), 0,
+    cameras_.push_back({believed, true_camera(believed, scenario.perception.errors, seed), 0, seed,
                         SeededNormals(seed ^ 0x6672616d65)});
   }
   coming_.reserve(kMostComing);
@@ -66,10 +81,39 @@ void SimulatedCameras::capture(int number, double time, bool lost) noexcept {
   }
   if (dropped || lost || coming_.size() == kMostComing) return;
   coming.arrives = time + std::max(0.0, late);
+  if (frames_.depth && camera.exposed % static_cast<std::uint64_t>(frames_.depth_every) == 0)
+    take_image(camera, X_WK, &coming);
   const auto at =
       std::upper_bound(coming_.begin(), coming_.end(), coming.arrives,
                        [](double arrives, const Coming& other) { return arrives < other.arrives; });
-  coming_.insert(at, coming);
+  coming_.insert(at, std::move(coming));
+}
+
+// Only the pixels about the canvas can see it; the others are cast at nothing.
+void SimulatedCameras::take_image(const Camera& camera, const Pose& X_WK, Coming* coming) const {
+  for (const BodyCapsule& c : arm_.body_capsules(world_.state().q))
+    coming->arm.push_back({c.a_W, c.b_W, c.radius});
+  const Pose X_KW = X_WK.inverse();
+  const Eigen::AlignedBox3d& box = canvas_.bounds();
+  const CastRay cast = [&](const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
+    constexpr double kNothing = std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d o_K = X_KW * o, d_K = X_KW.R * d;
+    // The box, by its slabs.
+    double from = 0.0, to = kNothing;
+    for (int i = 0; i < 3; ++i) {
+      const double a = (box.min()[i] - o_K[i]) / d_K[i], b = (box.max()[i] - o_K[i]) / d_K[i];
+      from = std::max(from, std::min(a, b));
+      to = std::min(to, std::max(a, b));
+    }
+    if (!(from <= to + 1e-9)) return kNothing;
+    const auto hit = canvas_.ray(o_K, d_K);
+    if (!hit) return kNothing;
+    for (const Capsule& c : coming->arm)
+      if (passes(o, d, c)) return std::min(hit->t, world_.ray_to_arm(o, d));
+    return hit->t;
+  };
+  coming->image = render_depth(camera.actual, cast, noise_, camera.seed + (camera.exposed << 20));
+  for (double& depth : coming->image.depth) depth *= depth_scale_;
 }
 
 void SimulatedCameras::expose(bool lost) noexcept {
@@ -89,8 +133,14 @@ void SimulatedCameras::expose(bool lost) noexcept {
 
 bool SimulatedCameras::next(double time, CanvasFrame* frame) noexcept {
   if (coming_.empty() || coming_.front().arrives > time) return false;
-  *frame = coming_.front().frame;
+  given_ = std::move(coming_.front());
   coming_.erase(coming_.begin());
+  *frame = given_.frame;
+  if (!given_.image.depth.empty()) {
+    frame->depth = &given_.image;
+    frame->camera_model = &cameras_[static_cast<std::size_t>(frame->camera)].believed;
+    frame->arm = given_.arm;
+  }
   return true;
 }
 

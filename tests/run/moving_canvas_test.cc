@@ -72,6 +72,33 @@ TEST(MovingCanvas, OnlyFramesTellHowItMoves) {
   EXPECT_NEAR(one["force_sd"], other["force_sd"], 1e-5);
 }
 
+// Marks are not needed where the canvas has a shape.
+TEST(MovingCanvas, ShapeAloneTellsWhereItIs) {
+  const Figures f = draw_scenario("moving-shape");
+  EXPECT_GT(f["contact_fraction"], 0.999);
+  EXPECT_LT(f["ink_error_rms"], 0.3);
+  EXPECT_LT(f["force_sd"], 0.1);
+  EXPECT_EQ(f.outcome.canvas_open, "");
+}
+
+// Both together: less noise of the pose, so a steadier force.
+TEST(MovingCanvas, ShapeHelpsMarks) {
+  const Figures f = draw_scenario("moving-jolts", {"perception.frames.depth=true"});
+  EXPECT_GT(f["contact_fraction"], 0.999);
+  EXPECT_LT(f["ink_error_rms"], 0.55);
+  EXPECT_LT(f["force_sd"], 0.35);
+}
+
+// Waves along x look the same wherever they slide along y.
+TEST(MovingCanvas, WhatTheShapeLeavesOpenIsNamed) {
+  const Figures f =
+      draw_scenario("moving-heave", {"perception.frames.depth=true", "perception.frames.rate=10",
+                                     "canvas.kind=wave", "perception.fiducials.points=[]"});
+  EXPECT_NE(f.outcome.canvas_open.find("slides along (0.0"), std::string::npos)
+      << f.outcome.canvas_open;
+  EXPECT_GT(f["contact_fraction"], 0.99);
+}
+
 // The bowl is in reach while it is drawn on, and soon after no more.
 TEST(MovingCanvas, ArmDoesNotRunAfterWhatIsDrawn) {
   const std::string marks =

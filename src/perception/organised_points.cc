@@ -1,0 +1,117 @@
+#include "impedraw/perception/organised_points.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "impedraw/common/range_check.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kOutlier = 4.0;  // standard deviations
+
+}  // namespace
+
+OrganisedPoints::OrganisedPoints(const OrganisedSettings& settings) : settings_(settings) {
+  using Limits = OrganisedSettings::Limits;
+  require_in_range("organised points", Limits::stride, settings.stride);
+  require_in_range("organised points", Limits::half_window, settings.half_window);
+  require_in_range("organised points", Limits::jump, settings.jump);
+  require_in_range("organised points", Limits::sigma_at_1m, settings.sigma_at_1m);
+  require_in_range("organised points", Limits::least_share, settings.least_share);
+  const int h = settings.half_window;
+  Matrix6d sum = Matrix6d::Zero();
+  for (int j = -h; j <= h; ++j)
+    for (int i = -h; i <= h; ++i) {
+      const double x = static_cast<double>(i) / h, y = static_cast<double>(j) / h;
+      Pixel pixel;
+      pixel.basis << 1.0, x, y, x * x, x * y, y * y;
+      pixel.i = i;
+      pixel.j = j;
+      sum += pixel.basis * pixel.basis.transpose();
+      window_.push_back(pixel);
+    }
+  whole_inverse_ = sum.inverse();
+}
+
+void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
+                           const Eigen::AlignedBox3d& region, std::span<const Capsule> arm,
+                           double padding, std::vector<SeenPoint>* out) const {
+  const int h = settings_.half_window;
+  const double f = camera.focal_length(), sigma = settings_.sigma_at_1m;
+  const auto least =
+      static_cast<int>(std::ceil(settings_.least_share * static_cast<double>(window_.size())));
+  for (int j = h; j + h < image.height; j += settings_.stride)
+    for (int i = h; i + h < image.width; i += settings_.stride) {
+      const double z_0 = image.at(i, j);
+      if (!(z_0 > 0.0) || !std::isfinite(z_0)) continue;
+      const Eigen::Vector3d ray = camera.direction_C(i, j);
+      if (!region.contains(camera.X_WC * (z_0 * ray))) continue;
+      // Relative to the middle's, so that sums lose no digits.
+      const double base = 1.0 / z_0, near = 1.0 / (z_0 + settings_.jump) - base,
+                   far = 1.0 / std::max(1e-3, z_0 - settings_.jump) - base;
+      Vector6d right = Vector6d::Zero();
+      int count = 0;
+      const auto value = [&](const Pixel& pixel) {
+        return 1.0 / image.at(i + pixel.i, j + pixel.j) - base;
+      };
+      for (const Pixel& pixel : window_) {
+        const double v = value(pixel);
+        if (!(v > near && v < far)) continue;
+        right += v * pixel.basis;
+        ++count;
+      }
+      if (count < least) continue;
+      Vector6d fit;
+      double variance;
+      bool whole = count == static_cast<int>(window_.size());
+      if (whole) {
+        fit = whole_inverse_ * right;
+        variance = whole_inverse_(0, 0);
+        for (const Pixel& pixel : window_)
+          whole = whole && std::abs(value(pixel) - fit.dot(pixel.basis)) < kOutlier * sigma;
+      }
+      if (!whole) {
+        // Twice: with all that may belong to the surface, then without what is off.
+        bool fitted = false;
+        Vector6d before = Vector6d::Zero();
+        for (int pass = 0; pass < 2; ++pass) {
+          Matrix6d left = Matrix6d::Zero();
+          right.setZero();
+          count = 0;
+          for (const Pixel& pixel : window_) {
+            const double v = value(pixel);
+            if (!(v > near && v < far)) continue;
+            if (pass > 0 && std::abs(v - before.dot(pixel.basis)) > kOutlier * sigma) continue;
+            left.selfadjointView<Eigen::Lower>().rankUpdate(pixel.basis);
+            right += v * pixel.basis;
+            ++count;
+          }
+          const Eigen::LDLT<Matrix6d> factor(left.selfadjointView<Eigen::Lower>());
+          fitted = count >= least && factor.rcond() > 1e-6;
+          if (!fitted) break;
+          fit = before = factor.solve(right);
+          variance = factor.solve(Vector6d::Unit(0).eval())[0];
+        }
+        if (!fitted) continue;
+      }
+      const double inverse = base + fit[0];
+      if (!(inverse > 0.0)) continue;
+      const double a = fit[1] * f / h, b = fit[2] * f / h;
+      Eigen::Vector3d n_C(a, b, inverse - a * ray.x() - b * ray.y());
+      n_C.normalize();
+      if (n_C.dot(ray) > 0.0) n_C = -n_C;
+      const double z = 1.0 / inverse;
+      SeenPoint sample;
+      sample.p = camera.X_WC * (z * ray);
+      sample.n = camera.X_WC.R * n_C;
+      sample.deviation = sigma * std::sqrt(variance) * z * z * std::abs(n_C.dot(ray));
+      bool hidden = false;
+      for (const Capsule& capsule : arm) hidden = hidden || inside(capsule, padding, sample.p);
+      if (!hidden) out->push_back(sample);
+    }
+}
+
+}  // namespace impedraw

@@ -1,0 +1,138 @@
+#include "impedraw/perception/surface_model.h"
+
+#include <bit>
+#include <cmath>
+
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kSameSide = 0.7;  // cosine
+constexpr double kBeside = 0.5;    // as near along the surface belongs to a point [cubes]
+
+std::size_t hash(const Eigen::Matrix<std::int32_t, 3, 1>& c) {
+  return static_cast<std::size_t>((static_cast<std::uint64_t>(c.x()) * 73856093u) ^
+                                  (static_cast<std::uint64_t>(c.y()) * 19349663u) ^
+                                  (static_cast<std::uint64_t>(c.z()) * 83492791u));
+}
+
+}  // namespace
+
+SurfaceModel::SurfaceModel(double voxel, std::size_t most) : voxel_(voxel), most_(most) {
+  if (!(voxel >= 1e-4 && voxel <= 0.1))
+    throw InputError("surface model: voxel must be from 0.0001 to 0.1 m");
+  if (most < 1 || most > 100000000)
+    throw InputError("surface model: it must have room for 1 to 1e8 points");
+  points_.reserve(most);
+  cubes_.reserve(most);
+  slots_.assign(std::bit_ceil(2 * most), 0);
+}
+
+SurfaceModel::Cube SurfaceModel::cube_of(const Eigen::Vector3d& p_K) const noexcept {
+  return (p_K / voxel_).array().floor().cast<std::int32_t>();
+}
+
+// Of the cube, or the empty one where it belongs.
+std::size_t SurfaceModel::slot_of(const Cube& cube) const noexcept {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t at = hash(cube) & mask;
+  while (slots_[at] != 0 && cubes_[slots_[at] - 1] != cube) at = (at + 1) & mask;
+  return at;
+}
+
+void SurfaceModel::add(std::span<const SeenPoint> samples, const Pose& X_WK) noexcept {
+  const Pose X_KW = X_WK.inverse();
+  for (const SeenPoint& s : samples) {
+    if (!(s.deviation > 0.0) || !s.p.allFinite()) continue;
+    const Eigen::Vector3d p = X_KW * s.p, n = X_KW.R * s.n;
+    if (!(p.cwiseAbs().maxCoeff() < 1e4)) continue;
+    std::size_t at = beside(p, n);
+    if (at == points_.size()) {
+      const Cube cube = cube_of(p);
+      const std::size_t slot = slot_of(cube);
+      if (slots_[slot] == 0) {
+        if (points_.size() == most_) continue;
+        points_.push_back({});
+        cubes_.push_back(cube);
+        slots_[slot] = static_cast<std::uint32_t>(points_.size());
+      }
+      at = slots_[slot] - 1;
+    }
+    Point& point = points_[at];
+    if (point.samples > 0 && point.n.dot(n) < 0.0) continue;
+    const double w = 1.0 / (s.deviation * s.deviation), all = point.weight + w;
+    point.p += (w / all) * (p - point.p);
+    point.n = (point.weight * point.n + w * n).normalized();
+    point.weight = all;
+    ++point.samples;
+  }
+}
+
+// The point that the sample belongs to: the nearest one along the surface. Its distance along the
+// normal may be noise, and must not put it into another cube.
+std::size_t SurfaceModel::beside(const Eigen::Vector3d& p_K,
+                                 const Eigen::Vector3d& n_K) const noexcept {
+  const Cube middle = cube_of(p_K);
+  std::size_t best = points_.size();
+  double least = kBeside * kBeside * voxel_ * voxel_;
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        const std::uint32_t found = slots_[slot_of(middle + Cube(x, y, z))];
+        if (found == 0) continue;
+        const Point& point = points_[found - 1];
+        if (point.n.dot(n_K) < kSameSide) continue;
+        const Eigen::Vector3d way = p_K - point.p;
+        const double along = point.n.dot(way), distance = way.squaredNorm() - along * along;
+        if (distance >= least) continue;
+        best = found - 1;
+        least = distance;
+      }
+  return best;
+}
+
+const SurfaceModel::Point* SurfaceModel::nearest(const Eigen::Vector3d& p_K,
+                                                 const Eigen::Vector3d& n_K) const noexcept {
+  if (!(p_K.cwiseAbs().maxCoeff() < 1e4)) return nullptr;
+  const Cube middle = cube_of(p_K);
+  const Point* best = nullptr;
+  double least = 0.0;
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        const std::uint32_t found = slots_[slot_of(middle + Cube(x, y, z))];
+        if (found == 0) continue;
+        const Point& point = points_[found - 1];
+        const double distance = (point.p - p_K).squaredNorm();
+        if ((best && distance >= least) || point.n.dot(n_K) < kSameSide) continue;
+        best = &point;
+        least = distance;
+      }
+  return best;
+}
+
+PointCloud SurfaceModel::cloud(std::span<const Eigen::Vector3d> eyes_K, int least) const {
+  PointCloud cloud;
+  cloud.eyes.assign(eyes_K.begin(), eyes_K.end());
+  for (const Point& point : points_) {
+    if (point.samples < least) continue;
+    cloud.points.push_back(point.p);
+    cloud.weight.push_back(point.samples);
+    // The camera that it faces most.
+    int best = 0;
+    double most = -2.0;
+    for (std::size_t i = 0; i < eyes_K.size(); ++i) {
+      const double facing = point.n.dot((eyes_K[i] - point.p).normalized());
+      if (facing > most) {
+        most = facing;
+        best = static_cast<int>(i);
+      }
+    }
+    cloud.camera.push_back(best);
+  }
+  return cloud;
+}
+
+}  // namespace impedraw
