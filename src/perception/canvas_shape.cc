@@ -30,14 +30,13 @@ CanvasShape::CanvasShape(const PointCloud& seen, const CanvasShapeSettings& sett
 }
 
 const ShapeRegistration& CanvasShape::look(const CanvasFrame& frame,
-                                      const Pose& X_WK_predicted) noexcept {
+                                           const Pose& X_WK_predicted) noexcept {
   samples_.clear();
   last_ = {};
   if (!frame.depth || !frame.camera_model) return last_;
   Eigen::AlignedBox3d region;
   for (int k = 0; k < 8; ++k)
-    region.extend(X_WK_predicted *
-                  box_K_.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
+    region.extend(X_WK_predicted * box_K_.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(settings_.margin);
   points_.find(*frame.depth, *frame.camera_model, {region.min() - margin, region.max() + margin},
                frame.arm, settings_.self_padding, &samples_);

@@ -59,8 +59,8 @@ OpenDirection open_direction(const Vector6& e, const Vector3d& c, double radius)
   open.axis_W = phi.normalized();
   open.point_W = c + phi.cross(t) / phi.squaredNorm();
   open.pitch = open.axis_W.dot(t) / phi.norm();
-  open.kind = std::abs(open.pitch) < 0.1 * radius ? OpenDirection::Kind::turn
-                                                  : OpenDirection::Kind::screw;
+  open.kind =
+      std::abs(open.pitch) < 0.1 * radius ? OpenDirection::Kind::turn : OpenDirection::Kind::screw;
   return open;
 }
 
@@ -87,8 +87,8 @@ std::string OpenDirection::text() const {
 }
 
 ShapeRegistration register_samples(const SurfaceModel& model, std::span<const SeenPoint> samples,
-                              const Pose& X_WK_predicted,
-                              const RegistrationSettings& settings) noexcept {
+                                   const Pose& X_WK_predicted,
+                                   const RegistrationSettings& settings) noexcept {
   ShapeRegistration result;
   result.X_WK = X_WK_predicted;
   if (samples.empty()) return result;
@@ -122,9 +122,9 @@ ShapeRegistration register_samples(const SurfaceModel& model, std::span<const Se
     if (i == settings.iterations || step.norm() < kSettled) break;
     const Vector3d phi = step.tail<3>() / radius;
     const double angle = phi.norm();
-    const Eigen::Matrix3d turn =
-        angle > 1e-12 ? Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix()
-                      : Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d turn = angle > 1e-12
+                                     ? Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix()
+                                     : Eigen::Matrix3d::Identity();
     result.X_WK.p = turn * (result.X_WK.p - result.c_W) + result.c_W + step.head<3>();
     result.X_WK.R = Eigen::Quaterniond(turn * result.X_WK.R).normalized().toRotationMatrix();
   }

@@ -56,7 +56,8 @@ struct OpenDirection {
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();  // on the turn's axis [m]
   double pitch = 0.0;                                 // of a screw [m/rad]
 
-  // "slides along (1.00, 0.00, 0.00)", "turns about (0.00, 0.00, 1.00) through (0.60, 0.00, 0.10) m"
+  // "slides along (1.00, 0.00, 0.00)",
+  // "turns about (0.00, 0.00, 1.00) through (0.60, 0.00, 0.10) m"
   std::string text() const;
 };
 
@@ -64,7 +65,7 @@ struct ShapeRegistration {
   bool found = false;
   Pose X_WK;
   int matches = 0;
-  double rms = 0.0;                             // of the matches' distances along the normals [m]
+  double rms = 0.0;                               // of the matches' distances along the normals [m]
   Eigen::Vector3d c_W = Eigen::Vector3d::Zero();  // that turns refer to [m]
   // Inverse covariance of ξ about c, in W; 0 in open directions [1/m², 1/(m rad), 1/rad²].
   Matrix6 information = Matrix6::Zero();
@@ -76,7 +77,7 @@ struct ShapeRegistration {
 
 // samples: in W. Allocates nothing.
 ShapeRegistration register_samples(const SurfaceModel& model, std::span<const SeenPoint> samples,
-                              const Pose& X_WK_predicted,
-                              const RegistrationSettings& settings = {}) noexcept;
+                                   const Pose& X_WK_predicted,
+                                   const RegistrationSettings& settings = {}) noexcept;
 
 }  // namespace impedraw

@@ -2,8 +2,8 @@
 // body's own frame K.
 //
 // Points about a voxel apart, found by a hash table of cubes, keep the weighted mean of the samples
-// near them, with weights 1/deviation². What is hidden now stays as it was seen before; what comes into sight is added; more frames average
-// the noise away.
+// near them, with weights 1/deviation². What is hidden now stays as it was seen before; what comes
+// into sight is added; more frames average the noise away.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class SurfaceModel {
   std::span<const Point> points() const noexcept { return points_; }
   bool full() const noexcept { return points_.size() == most_; }
 
-  // For a SurfaceEstimator: only points of at least `least` samples. Weights are numbers of samples.
+  // For a SurfaceEstimator: only points of at least `least` samples. Weights: numbers of samples.
   PointCloud cloud(std::span<const Eigen::Vector3d> eyes_K, int least = 1) const;
 
  private:
@@ -54,7 +54,7 @@ class SurfaceModel {
   double voxel_;
   std::size_t most_;
   std::vector<Point> points_;
-  std::vector<Cube> cubes_;          // of points_
+  std::vector<Cube> cubes_;           // of points_
   std::vector<std::uint32_t> slots_;  // hash table: 1 + index into points_, 0: empty
 };
 

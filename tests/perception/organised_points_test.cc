@@ -16,9 +16,7 @@ using Eigen::Vector3d;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 const Eigen::AlignedBox3d kEverywhere(Vector3d::Constant(-10.0), Vector3d::Constant(10.0));
 
-DepthCamera camera() {
-  return {320, 240, 60.0, look_at({0.9, 0.3, 0.8}, {0.6, 0.0, 0.1})};
-}
+DepthCamera camera() { return {320, 240, 60.0, look_at({0.9, 0.3, 0.8}, {0.6, 0.0, 0.1})}; }
 
 // n·p = d
 CastRay plane(const Vector3d& n, double d) {
@@ -38,7 +36,7 @@ CastRay sphere(const Vector3d& c, double radius) {
 }
 
 std::vector<SeenPoint> samples_of(const CastRay& cast, const DepthNoise& noise = {},
-                                      unsigned seed = 1) {
+                                  unsigned seed = 1) {
   std::vector<SeenPoint> out;
   OrganisedPoints().find(render_depth(camera(), cast, noise, seed, 1), camera(), kEverywhere, {},
                          0.0, &out);
@@ -46,7 +44,8 @@ std::vector<SeenPoint> samples_of(const CastRay& cast, const DepthNoise& noise =
 }
 
 TEST(OrganisedPoints, PlaneIsExactHoweverItLeans) {
-  for (const Vector3d& towards : {Vector3d(0, 0, 1), Vector3d(0.6, 0.1, 1), Vector3d(-0.2, 0.8, 1)}) {
+  for (const Vector3d& towards :
+       {Vector3d(0, 0, 1), Vector3d(0.6, 0.1, 1), Vector3d(-0.2, 0.8, 1)}) {
     const Vector3d n = towards.normalized();
     const double d = n.dot(Vector3d(0.6, 0.0, 0.1));
     const auto samples = samples_of(plane(n, d));
@@ -62,11 +61,12 @@ TEST(OrganisedPoints, CurvatureDoesNotBias) {
   const Vector3d c(0.6, 0.0, 0.35);
   int count = 0;
   for (const SeenPoint& s : samples_of(sphere(c, 0.3))) {
-    // Seen flatter than 30°, a pixel is as wide as the surface's shape.
+    // What is left are third derivatives. Seen flatter than 30°, a pixel is as wide as the
+    // surface's shape.
     if (s.n.dot((camera().X_WC.p - s.p).normalized()) < 0.5) continue;
     ++count;
     EXPECT_NEAR((s.p - c).norm(), 0.3, 2e-5);
-    EXPECT_LT(kDegrees * std::acos(std::min(1.0, -s.n.dot((s.p - c).normalized()))), 0.3);  // third derivatives
+    EXPECT_LT(kDegrees * std::acos(std::min(1.0, -s.n.dot((s.p - c).normalized()))), 0.3);
   }
   EXPECT_GT(count, 1000);
 }

@@ -61,7 +61,7 @@ SurfaceModel model_of(const Surface& surface) {
 
 // Seen with the body at X_WK, noise along the normals and in them.
 std::vector<SeenPoint> seen(const Surface& surface, const Pose& X_WK, double noise,
-                                SeededNormals& random) {
+                            SeededNormals& random) {
   std::vector<SeenPoint> samples;
   for (int i = -20; i <= 20; ++i)
     for (int j = -20; j <= 20; ++j) {
