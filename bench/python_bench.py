@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
 """./impedraw bench --python: what a call from Python costs, as ratios to the same call from C++ in the same process, and of whole
-commands to each other. Parts alternate; medians are compared. The exit code is 1 if a limit is exceeded.
+commands to each other. Parts alternate; medians are compared. The exit code is 1 if a limit is exceeded. With --fill, the table goes
+into docs/python.md.
 
-python_bench.py PACKAGE_FOLDER PROGRAM
+python_bench.py PACKAGE_FOLDER PROGRAM [--fill]
 """
 
+import datetime
 import os
+import pathlib
+import re
 import shutil
 import statistics
 import subprocess
@@ -14,6 +18,7 @@ import tempfile
 import time
 
 PACKAGE, PROGRAM = sys.argv[1:3]
+PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs/python.md"
 sys.path.insert(0, PACKAGE)
 
 import numpy as np  # noqa: E402
@@ -21,6 +26,7 @@ import numpy as np  # noqa: E402
 import impedraw as idr  # noqa: E402
 
 missed = []
+rows = []
 
 
 def tell(what, ratio, limit, detail):
@@ -28,6 +34,7 @@ def tell(what, ratio, limit, detail):
     if ratio > limit:
         missed.append(what)
     print(f"{what:<34} {ratio:6.3f}  limit {limit:5.2f}  {verdict:<6} {detail}")
+    rows.append(f"| {what} | {ratio:.2f} | {limit:.2f} | {detail} |\n")
 
 
 def cpu(call, n):
@@ -122,4 +129,11 @@ def importing():
 
 for part in (importing, controller_step, world_step, draw):
     part()
+if "--fill" in sys.argv:
+    table = (f"On {os.cpu_count()} cores, Python {sys.version.split()[0]}, {datetime.date.today()}:\n\n"
+             "| | measured | limit | medians |\n|---|---|---|---|\n" + "".join(rows))
+    marked = r"(?s)(<!-- bench:python -->\n).*(<!-- /bench -->)"
+    text, count = re.subn(marked, lambda m: m[1] + table + m[2], PAGE.read_text())
+    assert count == 1, f"{PAGE}: no marker bench:python"
+    PAGE.write_text(text)
 sys.exit(1 if missed else 0)

@@ -16,15 +16,16 @@
 
 A figure's id is RUN.METRIC, as in bowl-sine.ink_error_rms. METRIC is a key of metrics.json. For a
 run with several seeds, RUN is the first seed, RUN@3 is seed 3, and RUN@worst is the worst of all.
-quotes.py defines the markers.
+quotes.py defines the markers. The runs are those of studies/figures.yaml.
 """
 
 import argparse
-import concurrent.futures
+import functools
 import json
 import math
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import subprocess
@@ -39,6 +40,8 @@ from figure_tables import STANDARD, TABLES, Tables
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BOUNDS = ROOT / "tests/run/bounds.json"
 FIGURES = ROOT / "docs/figures.json"
+STUDY = ROOT / "studies/figures.yaml"
+REUSE = False  # --reuse: what this build has run already is not run again
 
 UNITS = {
     "mm": "ink_error_rms ink_error_p95 ink_error_max longest_gap ink_up cloud_bias_mean "
@@ -54,65 +57,45 @@ UNIT_OF = {metric: unit for unit, metrics in UNITS.items() for metric in metrics
 # These depend on the machine.
 WALL_TIMES = set("step_time_p50 step_time_p99 step_time_p999 real_time_factor".split())
 
-# Runs that README and docs quote in addition to those of tests/run/bounds.json: a name and the
-# arguments of `draw`.
-MORE_RUNS = r"""
-realistic-unobserved  scenarios/bowl-sine-realistic.yaml --set control.observer.enabled=false
-natural-dry-friction  scenarios/bowl-sine-natural.yaml --set world.joint_friction=0.1
-natural-foreseen      scenarios/bowl-sine-natural.yaml --set control.friction_feedforward=0.3
-noise                 scenarios/bowl-sine.yaml --set perception.noise.sigma_at_1m=0.001
-noise-wide            scenarios/bowl-sine.yaml --set perception.noise.sigma_at_1m=0.001 \
-                      --set perception.voxel=0.006 --set perception.normals.k=120
-fast                  scenarios/bowl-sine.yaml --set path.draw_speed=0.2 \
-                      --set path.draw_acceleration=5
-slow-tracker          scenarios/bowl-sine.yaml --set control.normal_bandwidth=10
-koi                   --svg artwork/koi.svg
-koi-blind             --svg artwork/koi.svg --no-perception
-gallery-wall          scenarios/gallery-wall.yaml
-gallery-island        scenarios/gallery-island.yaml
-gallery-cylinder      scenarios/gallery-cylinder.yaml
-gallery-text          scenarios/gallery-text.yaml
-gallery-tile          scenarios/gallery-tile.yaml
-gallery-leaf          scenarios/gallery-leaf.yaml
-"""
-
-
 @dataclass
 class Run:
-    """One call of `impedraw draw`, or one for each seed."""
+    """The cases of one block of STUDY: their commands by seed, as words after `./impedraw`."""
 
-    arguments: list[str]
-    seeds: list[int] = field(default_factory=lambda: [1])
+    commands: dict[int, list[str]] = field(default_factory=dict)
+
+    @property
+    def seeds(self) -> list[int]:
+        return list(self.commands)
 
     def command(self, seed: int) -> list[str]:
-        return ["draw", *self.arguments] + (
-            ["--set", f"seed={seed}"] if seed != self.seeds[0] or len(self.seeds) > 1 else []
-        )
+        return self.commands[seed]
 
 
 def bounds() -> dict:
     return json.loads(BOUNDS.read_text())
 
 
-def runs() -> dict[str, Run]:
-    """Every run that a document can quote: those of bounds.json, and MORE_RUNS."""
-    table = {}
-    for name, entry in bounds()["runs"].items():
-        arguments = [f"scenarios/{entry['scenario']}.yaml"] + [
-            a for s in entry["set"] for a in ("--set", s)
-        ]
-        table[name] = Run(arguments, entry["seeds"])
+def sweep(*arguments: str | pathlib.Path) -> list[str | pathlib.Path]:
+    """`./impedraw sweep` of STUDY, whose environment ./impedraw has made."""
+    python = ROOT / "build/sweep-venv/bin/python"
+    return [python, "-P", "-m", "impedraw.sweep", STUDY, "--root", ROOT, *arguments]
 
-    for line in MORE_RUNS.replace("\\\n", " ").strip().splitlines():
-        name, *arguments = shlex.split(line)
-        table[name] = Run(arguments)
+
+@functools.cache
+def runs() -> dict[str, Run]:
+    """Every run that a document can quote, in the study's order."""
+    listed = subprocess.run(sweep("--list"), capture_output=True, text=True)
+    if listed.returncode != 0:
+        raise RunFailed(listed.stderr.strip().removeprefix("impedraw: "))
+    lines = listed.stdout.splitlines()
+    table: dict[str, Run] = {}
+    for case, command in zip(lines[::2], lines[1::2], strict=True):
+        name, _, seed = case.partition("@")
+        table.setdefault(name, Run()).commands[int(seed or 1)] = shlex.split(command)[1:]
     return table
 
 
 # --- Running --------------------------------------------------------------------------------------
-
-
-REUSE = False  # --reuse: for work on the documents; the runs may be of another commit
 
 
 class RunFailed(Exception):
@@ -123,21 +106,40 @@ def program() -> str:
     return os.environ.get("IMPEDRAW_PROGRAM", str(ROOT / "build/release/src/app/impedraw"))
 
 
-def draw(name: str, seed: int, run: Run, folder: pathlib.Path) -> dict:
-    """Runs `impedraw draw` and returns its metrics.json."""
-    out = folder / (name if len(run.seeds) == 1 else f"{name}@{seed}")
-    if REUSE and (out / "metrics.json").exists():
-        return json.loads((out / "metrics.json").read_text())
-    shutil.rmtree(out, ignore_errors=True)
+# pyarrow stands in the sweep's environment, h5py in the program's.
+READ = """import json, sys, pyarrow.parquet
+table = pyarrow.parquet.read_table(sys.argv[1])
+metrics = [f.name for f in table.schema if f.type == "double" and "." not in f.name]
+metrics.remove("wall_time")
+json.dump(table.select(["case", "key", "failed", "cause", *metrics]).to_pylist(), sys.stdout, default=str)"""
+
+
+def swept(names: set[str], folder: pathlib.Path) -> dict[str, dict]:
+    """Runs `names` and returns the data set's rows by case. What the study keeps of a case is at
+    folder/runs/CASE."""
+    cases = "|".join(re.escape(name) for name in sorted(names))
     done = subprocess.run(
-        [program(), *run.command(seed), "--out", str(out)], cwd=ROOT, capture_output=True, text=True
+        [*sweep("--only", f"^({cases})(@.*)?$", "--program", program(), "--out", folder),
+         *([] if REUSE else ["--again"])],
+        stdout=subprocess.DEVNULL,
     )
     if done.returncode != 0:
-        raise RunFailed(
-            f"./impedraw {shlex.join(run.command(seed))} ended with {done.returncode}: "
-            f"{done.stderr.strip()}"
-        )
-    return json.loads((out / "metrics.json").read_text())
+        raise RunFailed(f"the sweep of {STUDY.relative_to(ROOT)} ended with {done.returncode}")
+    table = subprocess.run(
+        [ROOT / "build/sweep-venv/bin/python", "-c", READ, folder / "runs.parquet"],
+        check=True, capture_output=True, text=True,
+    ).stdout
+    rows = {row["case"]: row for row in json.loads(table)}
+    shutil.rmtree(folder / "runs", ignore_errors=True)
+    (folder / "runs").mkdir()
+    for case, row in rows.items():
+        if row["failed"]:
+            name, _, seed = case.partition("@")
+            command = shlex.join(runs()[name].command(int(seed or 1)))
+            raise RunFailed(f"./impedraw {command}: {row['cause']}")
+        if (folder / "kept" / row["key"]).is_dir():
+            (folder / "runs" / case).symlink_to(pathlib.Path("../kept") / row["key"])
+    return rows
 
 
 def push_response(folder: pathlib.Path) -> dict:
@@ -165,39 +167,18 @@ def push_response(folder: pathlib.Path) -> dict:
 
 def measure(names: set[str], folder: pathlib.Path) -> dict[str, dict]:
     """Runs `names`. Returns the metrics by RUN, RUN@SEED and RUN@worst."""
-    table = runs()
     if "bowl-push" in names:
         names = names | {"bowl-sine"}
-    jobs = [(name, seed) for name in table if name in names for seed in table[name].seeds]
-    folder.mkdir(parents=True, exist_ok=True)
-    measured = {}
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        futures = {
-            pool.submit(draw, name, seed, table[name], folder): (name, seed) for name, seed in jobs
-        }
-        for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-            name, seed = futures[future]
-            try:
-                metrics = future.result()
-            except RunFailed:
-                pool.shutdown(cancel_futures=True)
-                raise
-            if len(table[name].seeds) > 1:
-                measured[f"{name}@{seed}"] = metrics
-            if seed == table[name].seeds[0]:
-                measured[name] = metrics
-            print(
-                f"figures: {done}/{len(jobs)} {name}"
-                + (f", seed {seed}" if len(table[name].seeds) > 1 else ""),
-                file=sys.stderr,
-            )
+    if not names:
+        return {}
+    measured = swept(names, folder)
     if "bowl-push" in measured:
-        measured["bowl-push"].update(push_response(folder))
+        measured["bowl-push"].update(push_response(folder / "runs"))
     for name in names:
-        if len(table[name].seeds) > 1:
-            measured[f"{name}@worst"] = worst(
-                [measured[f"{name}@{seed}"] for seed in table[name].seeds]
-            )
+        seeds = runs()[name].seeds
+        if len(seeds) > 1:
+            measured[name] = measured[f"{name}@{seeds[0]}"]
+            measured[f"{name}@worst"] = worst([measured[f"{name}@{seed}"] for seed in seeds])
     return measured
 
 
@@ -267,16 +248,10 @@ def as_figures(measured: dict[str, dict]) -> dict[str, dict]:
         name, _, which = key.partition("@")
         run = table[name]
         seed = int(which) if which.isdigit() else run.seeds[0]
-        command = (
-            shlex.join(["./impedraw", *run.command(seed)])
-            if which != "worst"
-            else shlex.join(["./impedraw", "draw", *run.arguments, "--set"])
-            + " seed="
-            + "|".join(map(str, run.seeds))
-        )
-        scenario = next(
-            (a for a in run.arguments if a.startswith("scenarios/")), "scenarios/bowl.yaml"
-        )
+        command = shlex.join(["./impedraw", *run.command(seed)])
+        if which == "worst":
+            command = command.replace("seed=1", "seed=" + "|".join(map(str, run.seeds)))
+        scenario = next(a for a in run.command(seed) if a.startswith("scenarios/"))
         for metric, value in metrics.items():
             if isinstance(value, (int, float)) and metric not in WALL_TIMES:
                 figures[f"{key}.{metric}"] = {
@@ -289,11 +264,21 @@ def as_figures(measured: dict[str, dict]) -> dict[str, dict]:
     return figures
 
 
+def speed(command: list[str], out: pathlib.Path) -> float:
+    shutil.rmtree(out, ignore_errors=True)
+    done = subprocess.run(
+        [program(), *command, "--out", str(out)], cwd=ROOT, capture_output=True, text=True
+    )
+    if done.returncode != 0:
+        raise RunFailed(f"./impedraw {shlex.join(command)}: {done.stderr.strip()}")
+    return json.loads((out / "metrics.json").read_text())["real_time_factor"]
+
+
 def speeds(folder: pathlib.Path) -> dict[str, dict]:
     """Measures real-time factors, one run at a time so that runs do not slow each other."""
     table, at, figures = runs(), commit(), {}
     for name in STANDARD:
-        factors = sorted(draw(name, 1, table[name], folder)["real_time_factor"] for _ in range(7))
+        factors = sorted(speed(table[name].command(1), folder / "speed") for _ in range(7))
         for which, value in (("median", factors[3]), ("slowest", factors[0])):
             figures[f"{name}.real_time_factor_{which}"] = {
                 "value": float(f"{value:.3g}"),
@@ -405,9 +390,9 @@ def main() -> int:
     parser.add_argument("--pictures", action="store_true")
     parser.add_argument("--list", action="store_true")
     parser.add_argument(
-        "--out", type=pathlib.Path, default=ROOT / "build/figures", help="where the runs go"
+        "--out", type=pathlib.Path, default=ROOT / "build/figures-runs", help="where the runs go"
     )
-    parser.add_argument("--reuse", action="store_true", help="take runs that are there already")
+    parser.add_argument("--reuse", action="store_true", help="take runs that this build has made already")
     options = parser.parse_args()
     global REUSE
     REUSE = options.reuse
@@ -432,7 +417,7 @@ def work(options) -> int:
         import pictures
 
         measure(set(pictures.RUNS), options.out)
-        pictures.make(program(), ROOT, options.out)
+        pictures.make(program(), ROOT, options.out / "runs")
         print("wrote docs/images")
         return 0
     pages = documents(options.rows)

@@ -134,6 +134,18 @@ class Runs(unittest.TestCase):
             ["draw", "scenarios/bowl-sine-realistic.yaml", "--set", "seed=3"],
         )
 
+    def test_the_study_has_what_the_tests_bound(self):
+        """The C++ tests read bounds.json, `figures` the study."""
+        runs = figures.runs()
+        for name, entry in figures.bounds()["runs"].items():
+            words = ["draw", f"scenarios/{entry['scenario']}.yaml"]
+            for setting in entry["set"]:
+                words += ["--set", setting]
+            for seed in entry["seeds"]:
+                more = ["--set", f"seed={seed}"] if len(entry["seeds"]) > 1 else []
+                self.assertEqual(runs[name].command(seed), words + more)
+            self.assertEqual(runs[name].seeds, entry["seeds"], name)
+
     def test_sine_and_m_have_the_same_seeds(self):
         runs = figures.runs()
         self.assertEqual(runs["bowl-sine-realistic"].seeds, runs["bowl-m-realistic"].seeds)

@@ -58,6 +58,22 @@ def test_figures_are_those_of_draw_and_of_a_serial_sweep(tmp_path):
     assert row["canvas.plane.normal"] == [0, 0, 1]
 
 
+def test_a_block_keeps_what_it_asks_for(tmp_path):
+    file = write(tmp_path, SHORT + """keep: {log: failed}
+blocks:
+  - {case: plain, set: {control.normal_force: 3}}
+  - {case: log, keep: {log: always}}
+  - {case: pictures, keep: {pictures: always}, set: {control.normal_force: 4}}
+""")
+    done = sweep(file, tmp_path / "d", "--serial", runner="process")
+    assert done.returncode == 0, done.stderr
+    kept = {name: tmp_path / "d/kept" / row["key"] for name, row in rows_of(tmp_path / "d").items()}
+    assert not kept["plain"].exists()
+    assert (kept["log"] / "run.h5").exists() and not (kept["log"] / "ink_top.png").exists()
+    assert (kept["pictures"] / "ink_top.png").exists()
+    assert not (kept["pictures"] / "run.h5").exists()
+
+
 def test_failures_are_rows_with_their_reason_and_keep_what_was_asked(tmp_path):
     file = write(tmp_path, SHORT + """keep: {log: failed}
 case: '{how}'

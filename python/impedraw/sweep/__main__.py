@@ -275,7 +275,7 @@ def make_context(spec: Spec, options: argparse.Namespace, root: Path, settings: 
     if options.runner == "noop":
         columns = {n: columns.get(n, "text") for n in sorted(spec.set_names())}
     return Context(options.runner, str(root), str(Path(options.program).resolve()),
-                   str(out.resolve()), columns, spec.axis_names(), spec.keep, spec.accept,
+                   str(out.resolve()), columns, spec.axis_names(), spec.accept,
                    spec.limits, json.loads(options.noop_options or "{}"))
 
 

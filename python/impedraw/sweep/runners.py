@@ -49,7 +49,6 @@ class Context:
     out: str  # the data set's folder
     columns: dict[str, str]  # settings with a column, and its type (Settings.column_types)
     axes: list[str]  # named axes
-    keep: dict[str, str] = field(default_factory=lambda: {"log": "never", "pictures": "never"})
     accept: dict[str, str] = field(default_factory=dict)
     limits: dict[str, float] = field(default_factory=lambda: {"time": 120.0, "memory": 8.0})
     options: dict[str, Any] = field(default_factory=dict)  # of the runner; for tests
@@ -176,10 +175,9 @@ class Process:
         return outcome
 
     def _keep(self, case: Case, folder: Path, outcome: Outcome) -> None:
-        keep = self.context.keep
         accept = {k: Expression(v) for k, v in self.context.accept.items()}
         failed = judged(outcome, accept).state not in GOOD
-        wanted = {what for what, when in keep.items() if when == "always"
+        wanted = {what for what, when in case.keep.items() if when == "always"
                   or (when == "failed" and failed)}
         if not wanted or not folder.is_dir():
             return
@@ -214,7 +212,7 @@ class Native:
         self.defaults = Settings.read(
             Path(context.root) / "docs/scenario.schema.json").defaults()
         self.scenarios: dict[str, dict[str, Any]] = {}
-        self.keeper = Process(context) if set(context.keep.values()) != {"never"} else None
+        self.keeper: Process | None = None
         self.accept = {k: Expression(v) for k, v in context.accept.items()}
         self.prefix = _limited(context)
         self.child: subprocess.Popen[bytes] | None = None
@@ -247,8 +245,10 @@ class Native:
             if got["end"] != "finished":
                 outcome.state = "stopped"
                 outcome.cause = f"stopped: {self._within(got['cause'])}"
-        if self.keeper and (("always" in self.context.keep.values())
-                            or judged(outcome, self.accept).state not in GOOD):
+        asked = set(case.keep.values())
+        if "always" in asked or ("failed" in asked
+                                 and judged(outcome, self.accept).state not in GOOD):
+            self.keeper = self.keeper or Process(self.context)
             self.keeper(case)  # once more, with all its files
         return outcome
 

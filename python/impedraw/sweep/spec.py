@@ -33,8 +33,8 @@ from .located_yaml import Map, Sequence, read_text, read_yaml
 from .settings import DRAW_ARGUMENTS, Settings, plain, text_of
 
 _BLOCK_KEYS = {"name", "scenario", "svg", "text", "shape", "arguments", "set", "axes", "seeds",
-               "when", "case"}
-_TOP_KEYS = _BLOCK_KEYS | {"about", "blocks", "keep", "accept", "limits", "report", "tune"}
+               "when", "case", "keep"}
+_TOP_KEYS = _BLOCK_KEYS | {"about", "blocks", "accept", "limits", "report", "tune"}
 _KEEP = {"log": "never", "pictures": "never"}
 _KEEP_WHEN = ("never", "failed", "always")
 _LIMITS = {"time": 120.0, "memory": 8.0}  # of one run: wall time [s], address space [GB]
@@ -59,6 +59,7 @@ class Case:
     draw: dict[str, Any]  # scenario, svg, text, shape, arguments
     settings: dict[str, Any]  # by full name
     levels: dict[str, str] = field(default_factory=dict)  # the label on each named axis
+    keep: dict[str, str] = field(default_factory=dict)  # log, pictures: never, failed or always
 
     def arguments(self) -> list[str]:
         """What follows `impedraw draw`."""
@@ -101,6 +102,7 @@ class _Block:
     when: Expression | None
     case: str
     place: str
+    keep: dict[str, str]
 
 
 @dataclass
@@ -111,7 +113,6 @@ class Spec:
     name: str
     about: str
     blocks: list[_Block]
-    keep: dict[str, str]
     accept: dict[str, str]  # name → condition that a run must meet, in this order
     limits: dict[str, float]
     report: dict[str, Any]
@@ -129,7 +130,7 @@ class Spec:
                 seen.add(digest)
                 values = {**draw, **settings, **levels}
                 name = _named(block, values) or f"{block.name}-{key[:8]}"
-                yield Case(index, key, name, block.name, draw, settings, levels)
+                yield Case(index, key, name, block.name, draw, settings, levels, block.keep)
                 index += 1
 
     def axis_names(self) -> list[str]:
@@ -150,9 +151,9 @@ class Spec:
         """Hash of every case, and of what is kept and judged; comments and order of keys apart."""
         hashed = hashlib.sha256()
         for case in self.cases():
-            hashed.update(f"{case.key} {case.name} {case.group} {sorted(case.levels.items())}\n"
-                          .encode())
-        hashed.update(json.dumps([self.keep, list(self.accept.items()), self.limits]).encode())
+            hashed.update(f"{case.key} {case.name} {case.group} {sorted(case.levels.items())} "
+                          f"{case.keep}\n".encode())
+        hashed.update(json.dumps([list(self.accept.items()), self.limits]).encode())
         return hashed.hexdigest()[:32]
 
 
@@ -261,7 +262,6 @@ class _Reader:
             block = Map(shared)
             block.line, block.lines = top.line, top.lines
             blocks = [self.block(block, None, name)]
-        keep = self.choices(top, "keep", _KEEP, _KEEP_WHEN)
         limits = dict(_LIMITS)
         for key, value in self.mapping(top, "limits").items():
             if key not in limits:
@@ -273,7 +273,7 @@ class _Reader:
         report = self.mapping(top, "report")
         self.known(report, {"tables", "maps", "lines", "worst", "metrics"}, "report: ")
         self.shown(report, blocks)
-        return Spec(self.file, name, str(top.get("about", "") or ""), blocks, keep, accept, limits,
+        return Spec(self.file, name, str(top.get("about", "") or ""), blocks, accept, limits,
                     dict(report), self.tune(top))
 
     def shown(self, report: Map, blocks: list[_Block]) -> None:
@@ -353,7 +353,11 @@ class _Reader:
                 once[key] = axis.name
         when = self.condition(given, "when", given["when"]) if "when" in given else None
         case = self.word(given, "case", self.word(top, "case", "") if top is not None else "")
-        block = _Block(name, draw, constants, axes, when, case, f"{self.file}:{given.line}")
+        keep = dict(_KEEP)
+        for source in (top, given):
+            if source is not None:
+                keep = self.choices(source, "keep", keep, _KEEP_WHEN)
+        block = _Block(name, draw, constants, axes, when, case, f"{self.file}:{given.line}", keep)
         if not draw.get("scenario") and not any("scenario" in p.set for a in axes
                                                 for p in a.points):
             raise self.fail(given, "scenario", "missing; valid is a scenario's YAML file")

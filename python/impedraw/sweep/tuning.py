@@ -145,7 +145,7 @@ class Trials:
                 key = case_key({**case.draw, "trial": self.asked + 1}, both)
                 cases.append(Case(self.asked * len(self.base) + i, key,
                                   f"trial-{self.asked}/{case.name}", case.group, case.draw, both,
-                                  {**case.levels, "trial": str(self.asked)}))
+                                  {**case.levels, "trial": str(self.asked)}, case.keep))
             self.running.append((trial, chosen, cases))
             self.asked += 1
         return [c for _, _, cases in self.running for c in cases]
