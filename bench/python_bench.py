@@ -9,7 +9,6 @@ python_bench.py PACKAGE_FOLDER PROGRAM [--fill]
 import datetime
 import os
 import pathlib
-import re
 import shutil
 import statistics
 import subprocess
@@ -18,12 +17,14 @@ import tempfile
 import time
 
 PACKAGE, PROGRAM = sys.argv[1:3]
-PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs/python.md"
-sys.path.insert(0, PACKAGE)
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs/python.md"
+sys.path[:0] = [PACKAGE, str(ROOT / "setup")]
 
 import numpy as np  # noqa: E402
 
 import impedraw as idr  # noqa: E402
+from quotes import fill_part  # noqa: E402
 
 missed = []
 rows = []
@@ -34,7 +35,7 @@ def tell(what, ratio, limit, detail):
     if ratio > limit:
         missed.append(what)
     print(f"{what:<34} {ratio:6.3f}  limit {limit:5.2f}  {verdict:<6} {detail}")
-    rows.append(f"| {what} | {ratio:.2f} | {limit:.2f} | {detail} |\n")
+    rows.append(f"| {what} | {ratio:.2f} | {limit:.2f} | {detail} |")
 
 
 def cpu(call, n):
@@ -130,10 +131,7 @@ def importing():
 for part in (importing, controller_step, world_step, draw):
     part()
 if "--fill" in sys.argv:
-    table = (f"On {os.cpu_count()} cores, Python {sys.version.split()[0]}, {datetime.date.today()}:\n\n"
-             "| | measured | limit | medians |\n|---|---|---|---|\n" + "".join(rows))
-    marked = r"(?s)(<!-- bench:python -->\n).*(<!-- /bench -->)"
-    text, count = re.subn(marked, lambda m: m[1] + table + m[2], PAGE.read_text())
-    assert count == 1, f"{PAGE}: no marker bench:python"
-    PAGE.write_text(text)
+    fill_part(PAGE, "bench", [
+        f"On {os.cpu_count()} cores, Python {sys.version.split()[0]}, {datetime.date.today()}:", "",
+        "| | measured | limit | medians |", "|---|---|---|---|", *rows])
 sys.exit(1 if missed else 0)

@@ -7,6 +7,8 @@ import pathlib
 import subprocess
 import sys
 
+from quotes import fill_part
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/arms-by-urdf.md"
 TITLES = {"iiwa14": "KUKA iiwa 14", "iiwa7": "KUKA iiwa 7", "fr3": "Franka FR3", "panda": "Franka Panda", "ur5e": "UR5e", "gen3": "Kinova Gen3"}
@@ -42,9 +44,7 @@ def main():
                 f"| {m['force_mean']:.3f} ± {m['force_sd']:.3f} | {m['touchdown_peak']:.2f} | {m['joint_margin_min']:.2f} | {m['joint_speed_share_max']:.2f} |"
             )
             print(lines[-1], flush=True)
-    page = PAGE.read_text()
-    begin, end = page.index("<!-- arms -->") + len("<!-- arms -->"), page.index("<!-- /arms -->")
-    PAGE.write_text(page[:begin] + "\n" + "\n".join(lines) + "\n" + page[end:])
+    fill_part(PAGE, "arms", lines)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ A quoted number is stale if it differs by more than one in its last digit.
 """
 
 import math
+import pathlib
 import re
 from typing import Callable
 
@@ -19,6 +20,15 @@ TABLE = re.compile(
     re.DOTALL,
 )
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
+
+
+def fill_part(page: pathlib.Path, name: str, lines: list[str]) -> None:
+    """Writes `lines` between <!-- name --> and <!-- /name --> of a page."""
+    head, begin, rest = page.read_text().partition(f"<!-- {name} -->\n")
+    _, end, tail = rest.partition(f"<!-- /{name} -->")
+    if not begin or not end:
+        raise QuoteError(f"{page}: no <!-- {name} --> with its end")
+    page.write_text(head + begin + "\n".join(lines) + "\n" + end + tail)
 
 
 class QuoteError(Exception):

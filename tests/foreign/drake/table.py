@@ -4,8 +4,12 @@ Usage: python3 tests/foreign/drake/table.py
 """
 import json
 import pathlib
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "setup"))
+from quotes import fill_part  # noqa: E402
+
 figures = json.loads((ROOT / "build/foreign/drake/figures.json").read_text())
 PAGE = ROOT / "docs/arms.md"
 NAMES = {
@@ -47,6 +51,4 @@ if "speed" in figures:
 for name, text in (("absent", "No broker"), ("other-arm", "An FR3's model"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle")):
     if name in figures:
         lines += ["", f"{text}: `{figures[name]['stderr']}`"]
-page = PAGE.read_text()
-begin, end = page.index("<!-- drake -->") + len("<!-- drake -->"), page.index("<!-- /drake -->")
-PAGE.write_text(page[:begin] + "\n" + "\n".join(lines) + "\n" + page[end:])
+fill_part(PAGE, "drake", lines)

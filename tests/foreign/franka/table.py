@@ -4,8 +4,12 @@ Usage: python3 tests/foreign/franka/table.py
 """
 import json
 import pathlib
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "setup"))
+from quotes import fill_part  # noqa: E402
+
 PAGE = ROOT / "docs/arms.md"
 figures = json.loads((ROOT / "build/foreign/franka/figures.json").read_text())
 lines = [
@@ -46,6 +50,4 @@ for name, text in (("absent", "No arm"), ("other-arm", "A Panda's model"), ("sig
 if "hold" in figures:
     h = figures["hold"]
     lines += ["", f"Free-running, `arm hold` for 10 s at a load of {h['load']:.1f} on two cores: `{h['hold']}`; {100 * h['success_mean']:.1f} % of the commands in time, drift {h['drift_rad']:.1e} rad."]
-page = PAGE.read_text()
-begin, end = page.index("<!-- franka -->") + len("<!-- franka -->"), page.index("<!-- /franka -->")
-PAGE.write_text(page[:begin] + "\n" + "\n".join(lines) + "\n" + page[end:])
+fill_part(PAGE, "franka", lines)
