@@ -2,53 +2,23 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <optional>
 
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/input_file.h"
+#include "impedraw/common/text_fields.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
 
-std::string_view trimmed(std::string_view text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 bool same_word(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char c, unsigned char d) {
     return std::tolower(c) == std::tolower(d);
   });
-}
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-  const bool separated = line.find_first_of(",;") != std::string_view::npos;
-  const char* separators = separated ? ",;" : " \t";
-  std::vector<std::string_view> fields;
-  while (true) {
-    const std::size_t end = line.find_first_of(separators);
-    const std::string_view field = trimmed(line.substr(0, end));
-    if (separated || !field.empty()) fields.push_back(field);
-    if (end == std::string_view::npos) return fields;
-    line.remove_prefix(end + 1);
-  }
-}
-
-std::optional<double> number_in(std::string_view field) {
-  if (field.starts_with('+')) field.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (error != std::errc() || end != field.data() + field.size() || field.empty())
-    return std::nullopt;
-  return value;
 }
 
 class Reading {

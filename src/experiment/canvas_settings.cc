@@ -184,6 +184,9 @@ void describe(Fields& f, CanvasMotionSettings& s) {
   f.field(Limits::jolts, s.jolts, "Root-mean-square displacement by random jolts, on each axis.");
   f.field(Limits::jolt_bandwidth, s.jolt_bandwidth,
           "Frequency up to which the spectrum of the jolts is flat.");
+  f.field("file", s.file,
+          "A recorded motion in place of all of these, CSV: t [s], x, y, z [m], qw, qx, qy, qz of "
+          "any frame fixed to the canvas, at least every 0.25 s.");
 }
 
 void describe(Fields& f, CanvasSettings& s) {

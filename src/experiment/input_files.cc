@@ -33,6 +33,7 @@ void visit_input_files(Scenario& s,
                        const std::function<void(const std::string&, fs::path&)>& visit) {
   if (!s.drawing.svg.empty()) visit("drawing.svg", s.drawing.svg);
   if (s.canvas.kind == CanvasKind::mesh) visit("canvas.mesh.file", s.canvas.mesh.file);
+  if (!s.canvas.motion.file.empty()) visit("canvas.motion.file", s.canvas.motion.file);
   s.arm.urdf = urdf_of(s.arm);
   visit("arm.urdf", s.arm.urdf);
 }

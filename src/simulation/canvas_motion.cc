@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
@@ -60,6 +61,22 @@ CanvasMotion::CanvasMotion(const CanvasMotionSettings& settings) : settings_(set
   s.roll_axis = direction(s.roll_axis, "roll_axis");
   moves_ = !s.velocity.isZero(0.0) || s.turn_speed != 0.0 || !s.sway.isZero(0.0) || s.roll != 0.0 ||
            s.jolts > 0.0;
+  if (!s.file.empty()) {
+    if (moves_)
+      throw InputError(
+          "canvas.motion.file: a recorded motion stands alone; valid beside it are start, stop and "
+          "ramp");
+    recorded_ = std::make_shared<RecordedMotion>(read_recorded_motion(s.file));
+    const double end = s.start + recorded_->duration();
+    if (recorded_->duration() < s.ramp)
+      throw InputError(fmt::format("canvas.motion.ramp: {} s; the record lasts {:.3g} s", s.ramp,
+                                   recorded_->duration()));
+    if (s.stop && *s.stop > end)
+      throw InputError(
+          fmt::format("canvas.motion.stop: {} s; the record ends at {:.6g} s", *s.stop, end));
+    if (!s.stop) s.stop = end;
+    moves_ = true;
+  }
   if (s.jolts <= 0.0) return;
   // Waves of equal power, one in each of kJoltWaves bands.
   std::mt19937_64 random(s.seed);
@@ -74,7 +91,21 @@ CanvasMotion::CanvasMotion(const CanvasMotionSettings& settings) : settings_(set
   }
 }
 
+CanvasMotion::State CanvasMotion::recorded_at(double t) const noexcept {
+  const CanvasMotionSettings& s = settings_;
+  const Rise begin = rise((t - s.start) / s.ramp), end = rise((t - *s.stop) / s.ramp);
+  const double rate = begin.value - end.value;
+  const RecordedMotion::State body = recorded_->at(s.ramp * (begin.area - end.area));
+  State state;
+  state.X_WK = body.X;
+  state.w = rate * body.w;
+  state.centre = body.X * s.centre;
+  state.v = rate * (body.v + body.w.cross(state.centre - body.p));
+  return state;
+}
+
 CanvasMotion::State CanvasMotion::at(double t) const noexcept {
+  if (recorded_) return recorded_at(t);
   const CanvasMotionSettings& s = settings_;
   const double since = t - s.start;
   const Rise begin = rise(since / s.ramp),

@@ -7,10 +7,14 @@
 //   d = velocity · u(t) + Σ sway + jolts    u: time since `start`, with a smooth start and stop
 //   θ = turn_speed · u(t)
 //
+// Or X_WK = X(u(t)) of a recorded motion, which slows down to end with the record.
+//
 // Nothing in perception, planning or control may read it: they see frames of cameras and forces.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -18,6 +22,7 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/common/range.h"
+#include "impedraw/simulation/recorded_motion.h"
 
 namespace impedraw {
 
@@ -44,6 +49,9 @@ struct CanvasMotionSettings {
   double jolts = 0.0;           // RMS [m]
   double jolt_bandwidth = 1.0;  // [Hz]
   std::uint64_t seed = 1;
+
+  // A recorded motion (recorded_motion.h), in place of all of these. Empty: none.
+  std::filesystem::path file;
 
   struct Limits {
     static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
@@ -79,7 +87,7 @@ class CanvasMotion {
   };
 
   CanvasMotion() = default;  // stands still
-  // Throws InputError, which names the field.
+  // Reads the file if there is one. Throws InputError, which names the field.
   explicit CanvasMotion(const CanvasMotionSettings& settings);
 
   bool moves() const { return moves_; }
@@ -93,9 +101,12 @@ class CanvasMotion {
     double rate, phase;  // [rad/s], [rad]
   };
 
+  State recorded_at(double t) const noexcept;
+
   CanvasMotionSettings settings_;
   bool moves_ = false;
   std::vector<Wave> jolts_;
+  std::shared_ptr<const RecordedMotion> recorded_;
 };
 
 }  // namespace impedraw

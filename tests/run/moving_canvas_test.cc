@@ -1,8 +1,12 @@
 // Drawings on a bowl that moves, judged in its own frame, against the limits of bounds.json.
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/simulation/canvas_motion.h"
+#include "scratch_folder.h"
 
 namespace impedraw {
 namespace {
@@ -72,6 +76,36 @@ TEST(MovingCanvas, OnlyFramesTellHowItMoves) {
   EXPECT_NEAR(one["force_sd"], other["force_sd"], 1e-5);
 }
 
+// A sinusoid that runs backwards in time is the same with the other sign: it is followed as well.
+TEST(MovingCanvas, ASwingBackwardsInTimeIsFollowedAsWell) {
+  const Figures one = draw_scenario("moving-heave"),
+                other = draw_scenario("moving-heave", {"canvas.motion.sway=[0, 0, -0.05]"});
+  EXPECT_NEAR(one["ink_error_rms"], other["ink_error_rms"], 0.3 * one["ink_error_rms"]);
+  EXPECT_NEAR(one["force_sd"], other["force_sd"], 0.3 * one["force_sd"]);
+}
+
+// The same heave, as a tracker of the bowl's rim recorded it at 30 Hz, its ramp included.
+class RecordedCanvas : public ScratchFolder {};
+
+TEST_F(RecordedCanvas, IsDrawnOnAsTheMotionItself) {
+  CanvasMotionSettings heave;
+  heave.sway = {0.0, 0.0, 0.05};
+  heave.sway_frequency = 0.5;
+  heave.ramp = 2.0;
+  const CanvasMotion motion(heave);
+  std::string rows = "t,x,y,z,qw,qx,qy,qz\n";
+  for (int i = 0; i <= 30 * 60; ++i) {
+    const Eigen::Vector3d p = motion.at(i / 30.0).X_WK.p + Eigen::Vector3d(0.78, 0.0, 0.162);
+    rows += fmt::format("{},{},{},{},1,0,0,0\n", i / 30.0, p.x(), p.y(), p.z());
+  }
+  const std::string file = write("rim.csv", rows).string();
+  const Figures f =
+      draw_scenario("moving-heave", {"canvas.motion.sway=[0, 0, 0]", "canvas.motion.file=" + file});
+  const Figures direct = draw_scenario("moving-heave");
+  EXPECT_NEAR(f["ink_error_rms"], direct["ink_error_rms"], 0.2 * direct["ink_error_rms"]);
+  EXPECT_NEAR(f["force_sd"], direct["force_sd"], 0.2 * direct["force_sd"]);
+}
+
 // Marks are not needed where the canvas has a shape.
 TEST(MovingCanvas, ShapeAloneTellsWhereItIs) {
   const Figures f = draw_scenario("moving-shape");
@@ -137,6 +171,7 @@ TEST(MovingCanvas, BadInputIsNamed) {
                 .find("straight line"),
             std::string::npos);
   EXPECT_NE(refused({"perception.fiducials.points=[]"}).find("0 points"), std::string::npos);
+  EXPECT_NE(refused({"canvas.motion.file=nowhere.csv"}).find("canvas.motion"), std::string::npos);
   EXPECT_NE(refused({"perception.enabled=false"}).find("perception.frames.enabled"),
             std::string::npos);
 }

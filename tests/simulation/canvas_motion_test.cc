@@ -8,9 +8,11 @@
 #include <random>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
+#include "scratch_folder.h"
 #include "seeds.h"
 #include "worlds.h"
 
@@ -149,6 +151,99 @@ TEST(CanvasMotion, RefusesWhatIsNoMotion) {
   CanvasMotionSettings fast;
   fast.velocity = {3.0, 0.0, 0.0};
   EXPECT_THROW(CanvasMotion{fast}, InputError);
+}
+
+// Rows of a motion in closed form.
+std::string recorded(const CanvasMotion& motion, const Pose& X_KB, double from, double step,
+                     int n) {
+  std::string text = "t,x,y,z,qw,qx,qy,qz\n";
+  for (int i = 0; i < n; ++i) {
+    const double t = from + step * i;
+    const Pose X_WK = motion.at(t).X_WK;
+    const Vector3d p = X_WK * X_KB.p;
+    Eigen::Quaterniond q(X_WK.R * X_KB.R);
+    if (i % 7 == 3) q.coeffs() *= -1.0;  // is the same rotation
+    text += fmt::format("{},{},{},{},{},{},{},{}\n", t + 100.0, p.x(), p.y(), p.z(), q.w(), q.x(),
+                        q.y(), q.z());
+  }
+  return text;
+}
+
+CanvasMotionSettings rocking() {
+  CanvasMotionSettings s;
+  s.start = -2.0;
+  s.centre = {0.6, 0.0, 0.1};
+  s.sway = {0.02, 0.05, -0.03};
+  s.roll_axis = {1.0, 0.5, 0.0};
+  s.roll = 0.2;
+  return s;
+}
+
+TEST(RecordedMotion, PlaysBackWhatWasRecordedOfAnyFrameOfTheBody) {
+  const CanvasMotion true_motion(rocking());
+  Pose X_KB;
+  X_KB.p = {0.3, -0.2, 0.5};
+  X_KB.R = Eigen::AngleAxisd(1.0, Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  const RecordedMotion record(recorded(true_motion, X_KB, 0.0, 0.02, 301), "r.csv");
+  EXPECT_NEAR(record.duration(), 6.0, 1e-9);
+  const Pose from = true_motion.at(0.0).X_WK;
+  for (double t = 0.3; t < 5.7; t += 0.0137) {  // the spline's ends are straight, the motion's not
+    const CanvasMotion::State truth = true_motion.at(t);
+    const RecordedMotion::State played = record.at(t);
+    const Vector3d p_K(0.5, 0.1, 0.2);
+    EXPECT_LT((played.X * (from * p_K) - truth.X_WK * p_K).norm(), 2e-6) << "t = " << t;
+    const Vector3d v = played.v + played.w.cross(truth.X_WK * p_K - played.p);
+    EXPECT_LT((v - truth.velocity_at(truth.X_WK * p_K)).norm(), 2e-4) << "t = " << t;
+  }
+}
+
+class RecordedMotionFile : public ScratchFolder {};
+
+TEST_F(RecordedMotionFile, StartsAndEndsAtRestAndItsVelocityIsTheDerivative) {
+  CanvasMotionSettings s;
+  s.start = 1.0;
+  s.ramp = 0.4;
+  s.file = write("r.csv", recorded(CanvasMotion(rocking()), {}, 0.0, 0.04, 101));
+  const CanvasMotion motion(s);
+  EXPECT_TRUE(motion.moves());
+  for (double t = 0.8; t < 6.0; t += 0.0173) {
+    const CanvasMotion::State now = motion.at(t);
+    const double h = 1e-5;
+    const Vector3d p_K(0.5, 0.1, 0.2);
+    const Vector3d difference =
+        (motion.at(t + h).X_WK * p_K - motion.at(t - h).X_WK * p_K) / (2.0 * h);
+    EXPECT_LT((now.velocity_at(now.X_WK * p_K) - difference).norm(), 1e-6) << "t = " << t;
+  }
+  EXPECT_TRUE(motion.at(0.9).X_WK.p.isZero(1e-15));
+  EXPECT_TRUE(motion.at(1.0 + 4.0 + 0.5).v.isZero(1e-12)) << "stopped where the record ends";
+}
+
+TEST(RecordedMotion, RefusesGapsAndJumpsByTheirLine) {
+  const auto refused = [](const std::string& rows) -> std::string {
+    try {
+      RecordedMotion(rows, "r.csv");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string row = "0,0,0,0,1,0,0,0\n";
+  EXPECT_EQ(refused(row + "0.1,0.1,0,0,1,0,0,0\n"), "");
+  EXPECT_EQ(refused("# tracker\n\n" + row + "0.6,0,0,0,1,0,0,0\n"),
+            "r.csv: line 4: a gap of 0.6 s before t = 0.6 s; valid are at most 0.25 s");
+  EXPECT_EQ(refused(row + "0.1,0.5,0,0,1,0,0,0\n"),
+            "r.csv: line 2: jumps at 5 m/s; valid are at most 2 m/s");
+  EXPECT_EQ(refused(row + "0.1,0,0,0,0,1,0,0\n"),
+            "r.csv: line 2: turns at 31.4 rad/s; valid are at most 10 rad/s");
+  EXPECT_EQ(refused(row + "0,0,0,0,1,0,0,0\n"),
+            "r.csv: line 2: t = 0 s does not follow 0 s; times must increase");
+  EXPECT_EQ(refused(row + "0.1,0,0,0,1,0,0\n"),
+            "r.csv: line 2: has 7 fields; valid are 8: t, x, y, z, qw, qx, qy, qz");
+  EXPECT_EQ(refused(row + "0.1,0,nan,0,1,0,0,0\n"), "r.csv: line 2: 'nan' is no number");
+  EXPECT_EQ(refused(row + "0.1,0,0,0,0.5,0,0,0\n"),
+            "r.csv: line 2: the quaternion's norm is 0.5; valid is 1");
+  EXPECT_EQ(refused(row), "r.csv: has fewer than two rows");
+  EXPECT_EQ(refused(""), "r.csv: has fewer than two rows");
 }
 
 // A block of mass m on a belt of speed u: friction accelerates it by μ F/m until it goes along.
