@@ -1,5 +1,7 @@
 #include "impedraw/app/commission.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -16,6 +18,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/input_files.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/run/identify_joints.h"
 #include "impedraw/run/real_time.h"
@@ -32,6 +35,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kAtRest = 0.01;    // joint speed while a touch is noted [rad/s]
 constexpr double kTouchTime = 0.5;  // over which its posture is averaged [s]
+constexpr double kPenOff = 5e-4;    // of the tip that is commissioned from the URDF's [m]
 
 fs::path file_in(const fs::path& folder) { return folder / "commissioning.json"; }
 
@@ -74,6 +78,15 @@ struct CommissionedArm {
 
 std::vector<double> numbers(const JointVector& x) { return {x.begin(), x.end()}; }
 
+// Tells arms, and pens, from each other: names of the joints, and the tip with all of them at 0.
+Json identity_of(ArmModel& model) {
+  const Pose X_WE = model.tip_pose(JointVector::Zero(model.joints()));
+  const Eigen::Vector3d z = X_WE.R.col(2);
+  return {{"joints", model.joint_names()},
+          {"p_WE_at_zero_m", {X_WE.p.x(), X_WE.p.y(), X_WE.p.z()}},
+          {"pen_axis_at_zero", {z.x(), z.y(), z.z()}}};
+}
+
 }  // namespace
 
 int commission_latency(const DrawOptions& options, const fs::path& folder) {
@@ -81,6 +94,7 @@ int commission_latency(const DrawOptions& options, const fs::path& folder) {
   CommissionedArm arm(options);
   const RealTime real_time(!arm.driver->info().waits && arm.experiment.scenario.arm.real_time);
   const LoopDelay found = identify_delay(arm.experiment.scene.arm, *arm.driver);
+  json["arm"] = identity_of(arm.experiment.scene.arm);
   write_step(folder, std::move(json), "latency",
              {{"delay_s", found.delay}, {"explained", found.explained}});
   say(stdout,
@@ -117,19 +131,20 @@ int commission_friction(const DrawOptions& options, const fs::path& folder) {
 int commission_touch(const DrawOptions& options, const fs::path& folder, const std::string& mark) {
   Json json = read_file(folder);
   require_step(json, folder, "friction");
-  double x = 0.0, y = 0.0;
+  double x = 0.0, y = 0.0, z = 0.0;
   char more = 0;
   const bool pen = mark == "pen";
-  if (!pen && std::sscanf(mark.c_str(), "%lf,%lf%c", &x, &y, &more) != 2)
+  if (!pen && std::sscanf(mark.c_str(), "%lf,%lf%c", &x, &y, &more) != 2 &&
+      std::sscanf(mark.c_str(), "%lf,%lf,%lf%c", &x, &y, &z, &more) != 3)
     throw InputError(fmt::format(
-        "--mark: '{}' is no mark; valid are pen, and X,Y of a mark on the page in m", mark));
+        "--mark: '{}' is no mark; valid are pen, and X,Y or X,Y,Z of a mark in m", mark));
   if (!pen) require_step(json, folder, "pen-length");
   const auto [q, model] = posture_at_rest(options, kTouchTime, kAtRest);
   const Pose X_WE = model->tip_pose(q);
   Json touch = {{"q", numbers(q)},
                 {"p_WE", {X_WE.p.x(), X_WE.p.y(), X_WE.p.z()}},
                 {"R_WE", std::vector<double>(X_WE.R.data(), X_WE.R.data() + 9)}};
-  if (!pen) touch["mark"] = {x, y};
+  if (!pen) touch["mark"] = {x, y, z};
   Json touches = json.value(pen ? "pen touches" : "page touches", Json::array());
   touches.push_back(std::move(touch));
   const std::size_t count = touches.size();
@@ -182,8 +197,8 @@ int commission_register(const fs::path& folder) {
   std::vector<Eigen::Vector3d> p_P, p_W;
   for (const Json& touch : json["page touches"]) {
     const Pose X = pose_of(touch);
-    p_P.emplace_back(touch.at("mark").at(0).get<double>(), touch.at("mark").at(1).get<double>(),
-                     0.0);
+    const auto mark = touch.at("mark").get<std::array<double, 3>>();
+    p_P.emplace_back(mark[0], mark[1], mark[2]);
     p_W.push_back(X.p + longer * X.R.col(2));
   }
   const Registration found = register_page(p_P, p_W);
@@ -202,6 +217,57 @@ int commission_register(const fs::path& folder) {
       "{:.2f}) degrees; residual {:.2f} mm over {} marks\n",
       p.x(), p.y(), p.z(), roll, pitch, yaw, 1e3 * found.residual, p_P.size());
   return kFinished;
+}
+
+DrawOptions with_commissioning(DrawOptions options, const fs::path& folder) try {
+  if (folder.empty()) return options;
+  const std::string file = file_in(folder).string();
+  const Json json = read_file(folder);
+  require_step(json, folder, "latency");
+  const Scenario scenario = resolve(options);
+  ArmModel model(urdf_of(scenario.arm));
+  const auto& arm = json.at("arm");
+  if (arm.at("joints") != Json(model.joint_names()))
+    throw InputError(fmt::format("--commissioned {}: is of another arm, with the joints {}", file,
+                                 arm.at("joints").dump()));
+  const auto vector = [](const Json& x) {
+    const auto v = x.get<std::array<double, 3>>();
+    return Eigen::Vector3d(v[0], v[1], v[2]);
+  };
+  // The tip may have moved since, by what the pen was found to be longer.
+  const double longer =
+      json.contains("pen-length") ? json["pen-length"].at("longer_m").get<double>() : 0.0;
+  const Eigen::Vector3d p = vector(arm.at("p_WE_at_zero_m")),
+                        true_p = p + longer * vector(arm.at("pen_axis_at_zero"));
+  const double off = (model.tip_pose(JointVector::Zero(model.joints())).p - true_p).norm();
+  if (off > kPenOff)
+    throw InputError(fmt::format(
+        "--commissioned {}: the pen's tip is {:.1f} mm from where the URDF has it{}", file,
+        1e3 * off,
+        longer != 0.0 ? fmt::format("; it was found {:.1f} mm longer than it was then: make the "
+                                    "URDF with it, ./impedraw arm make-urdf --tool-length",
+                                    1e3 * longer)
+                      : "; valid is the URDF that was commissioned"));
+
+  std::vector<std::string> found;
+  found.push_back(fmt::format(
+      "{}={}", scenario.arm.driver == ArmDriver::sim ? "control.torque_delay" : "arm.delay",
+      json["latency"].at("delay_s").get<double>()));
+  if (json.contains("register") && scenario.canvas.kind == CanvasKind::mesh) {
+    const Json& page = json["register"];
+    const auto list = [](const Json& x) {
+      const auto v = x.get<std::array<double, 3>>();
+      return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]);
+    };
+    found.push_back("canvas.mesh.position=" + list(page.at("p_WP_m")));
+    found.push_back("canvas.mesh.rotation=" + list(page.at("roll_pitch_yaw_deg")));
+  }
+  for (const std::string& assignment : found) say(stderr, "commissioned  {}\n", assignment);
+  options.assignments.insert(options.assignments.begin(), found.begin(), found.end());
+  return options;
+} catch (const Json::exception& error) {
+  throw InputError(
+      fmt::format("--commissioned {}: is damaged: {}", file_in(folder).string(), error.what()));
 }
 
 }  // namespace impedraw

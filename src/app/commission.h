@@ -3,7 +3,8 @@
 //
 //   latency → friction → touch (often) → pen-length → register
 //
-// All but touch, pen-length and register move the arm, in the air, by little.
+// All but touch, pen-length and register move the arm, in the air, by little. `draw --commissioned`
+// takes the results.
 #pragma once
 
 #include <filesystem>
@@ -17,10 +18,16 @@ namespace impedraw {
 int commission_latency(const DrawOptions& options, const std::filesystem::path& folder);
 int commission_friction(const DrawOptions& options, const std::filesystem::path& folder);
 // Notes the tip's pose at rest, led there by hand or brought by another program. `mark`: "pen" for
-// a touch of the one point of pen-length, or "X,Y", where a mark of the page is [m].
+// a touch of the one point of pen-length, or "X,Y" or "X,Y,Z", where a mark of the page or of the
+// mesh is [m].
 int commission_touch(const DrawOptions& options, const std::filesystem::path& folder,
                      const std::string& mark);
 int commission_pen_length(const std::filesystem::path& folder);
 int commission_register(const std::filesystem::path& folder);
+
+// The options with what was found as settings before those of the command line: the loop's delay,
+// and, for a mesh, the pose of the page. Says what it takes. Throws InputError for a folder of
+// another arm, one without a delay, and a pen of another length than the URDF's.
+DrawOptions with_commissioning(DrawOptions options, const std::filesystem::path& folder);
 
 }  // namespace impedraw

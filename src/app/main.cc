@@ -132,7 +132,9 @@ int run_program(int argc, char** argv) {
       "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind\n"
       "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run\n"
       "  ./impedraw draw --text Hi --live --pace 1      # watch it in real time");
-  draw->callback([&] { code = impedraw::draw(options, live); });
+  std::filesystem::path commissioned;
+  draw->callback(
+      [&] { code = impedraw::draw(impedraw::with_commissioning(options, commissioned), live); });
 
   bool plan_json = false, plan_suggest = false;
   CLI::App* plan = app.add_subcommand("plan",
@@ -149,7 +151,10 @@ int run_program(int argc, char** argv) {
       "--set drawing.placement.fit_radius=0.3\n"
       "  ./impedraw draw --svg flower.svg --set drawing.placement.fit_radius=0.3 "
       "--skip-unreachable");
-  plan->callback([&] { code = impedraw::plan(options, plan_json, plan_suggest); });
+  plan->callback([&] {
+    code = impedraw::plan(impedraw::with_commissioning(options, commissioned), plan_json,
+                          plan_suggest);
+  });
 
   for (CLI::App* command : {draw, plan})
     command
@@ -157,6 +162,11 @@ int run_program(int argc, char** argv) {
                      "where the canvas stands: fixed, as the scenario says; auto, where the "
                      "arm reaches the drawing best")
         ->check(CLI::IsMember({"fixed", "auto"}));
+
+  for (CLI::App* command : {draw, plan})
+    command->add_option("--commissioned", commissioned,
+                        "folder that ./impedraw arm latency … register left: the loop's delay "
+                        "and a mesh's pose are taken from it");
 
   CLI::App* compare = app.add_subcommand(
       "compare",
@@ -327,9 +337,10 @@ int run_program(int argc, char** argv) {
   CLI::App* touch =
       arm->add_subcommand("touch", "note where the tip rests: led there by hand; moves nothing");
   touch
-      ->add_option("--mark", mark,
-                   "pen: the one point of pen-length, touched at several tilts; X,Y: a mark of the "
-                   "page, in m")
+      ->add_option(
+          "--mark", mark,
+          "pen: the one point of pen-length, touched at several tilts; X,Y or X,Y,Z: a mark of the "
+          "page, in m")
       ->required();
   touch->callback([&] { code = impedraw::commission_touch(options, commissioning, mark); });
   CLI::App* pen_length =
