@@ -4,7 +4,7 @@
 // Clock    ArmSettings::clock. In lock-step each status is answered by one command that carries the
 //          status's own utime, and the arm waits for it: after the session's quiet time, whoever
 //          simulates waits from the first command on. On a wall clock the newest status is
-//          answered, and the loop must not wait: see docs/arms.md.
+//          answered, and the loop must not wait: see docs/arm-iiwa.md.
 // State    positions and velocities of the status. The status's torques are never taken for force.
 // Wrench   of the channel IMPEDRAW_TIP_WRENCH, where the scenario wants one.
 // Torque   without gravity: the arm adds its own.

@@ -43,21 +43,27 @@ bool Fences::update(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE,
   return kind_ != Kind::none;
 }
 
+// With as many decimals as tell what was measured from the fence.
 std::string Fences::crossed() const {
+  const auto told = [](double value, double fence, int decimals, const char* unit) {
+    while (decimals < 9 &&
+           fmt::format("{:.{}f}", value, decimals) == fmt::format("{:.{}f}", fence, decimals))
+      ++decimals;
+    return fmt::format("{0:.{2}f} {3}, the fence is {1:.{2}f} {3}", value, fence, decimals, unit);
+  };
   switch (kind_) {
     case Kind::none:
       return {};
     case Kind::box:
       return fmt::format(
-          "fence.{}: the tip's {} was {:.3f} m, the fence is {:.3f} m",
-          value_ < settings_.low[axis_] ? "low" : "high", "xyz"[axis_], value_,
-          value_ < settings_.low[axis_] ? settings_.low[axis_] : settings_.high[axis_]);
+          "fence.{}: the tip's {} was {}", value_ < settings_.low[axis_] ? "low" : "high",
+          "xyz"[axis_],
+          told(value_, value_ < settings_.low[axis_] ? settings_.low[axis_] : settings_.high[axis_],
+               3, "m"));
     case Kind::force:
-      return fmt::format("fence.force: the force on the tip was {:.1f} N, the fence is {:.1f} N",
-                         value_, *settings_.force);
+      return "fence.force: the force on the tip was " + told(value_, *settings_.force, 1, "N");
     case Kind::speed:
-      return fmt::format("fence.speed: the tip moved at {:.3f} m/s, the fence is {:.3f} m/s",
-                         value_, *settings_.speed);
+      return "fence.speed: the tip moved at " + told(value_, *settings_.speed, 3, "m/s");
   }
   return {};
 }

@@ -70,6 +70,14 @@ TEST(Fences, ForceAndSpeedMustStayBeyondForThreeCycles) {
   EXPECT_EQ(speed.crossed(), "fence.speed: the tip moved at 0.301 m/s, the fence is 0.300 m/s");
 }
 
+TEST(Fences, AMessageNeverSaysTheSameNumberTwice) {
+  const Vector3d p(0.0, 0.0, 0.2), none = Vector3d::Zero(), just(0.0, 0.0, 20.004);
+  Fences force(all_fences(), true);
+  while (!force.update(p, none, just, kDt)) continue;
+  EXPECT_EQ(force.crossed(),
+            "fence.force: the force on the tip was 20.004 N, the fence is 20.000 N");
+}
+
 TEST(Fences, WhatIsNotFiniteIsNoCrossing) {
   const Vector3d bad = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   Fences fences(all_fences(), true);

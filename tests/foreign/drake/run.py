@@ -122,7 +122,11 @@ def interrupted(name, kind):
     if kind == "broker":
         require("exit code 3", run.returncode == 3, run.returncode)
         return {"stderr": said.strip()}
-    require("exit code", run.returncode == 128 + kind, (run.returncode, said))
+    emergency = kind == signal.SIGQUIT
+    require("exit code", run.returncode == (3 if emergency else 128 + kind), (run.returncode, said))
+    if emergency:
+        require("named", "emergency stop" in said, said)
+        require("an incident is left", (OUT / name / "incident.html").exists())
     found = numpy.load(file)
     require("the last command is zero", not found["last_torque"].any(), found["last_torque"])
     require("the arm rests", abs(found["v"][-1]).max() < 0.05, found["v"][-1])
@@ -165,6 +169,20 @@ def other_arm():
     return {"stderr": said["fr3"], "ur5e": said["ur5e"]}
 
 
+def stock_rate():
+    """Drake's iiwa at its stock 200 Hz: refused with the reason, and no torque is sent."""
+    scenario, file = HERE / "iiwa-sine.yaml", OUT / "stock-rate.npz"
+    with broker() as (url, _), simulation(url, file, start_posture(scenario), ["--rate", "200", "--seconds", "1"]) as drake:
+        run = subprocess.run(draw_arguments(scenario, url, OUT / "stock-rate"), capture_output=True, text=True)
+        require("refused", run.returncode == 3 and one_line(run.stderr), (run.returncode, run.stderr))
+        require("with the reason", "200" in run.stderr or "5.0" in run.stderr, run.stderr)
+        check = subprocess.run([PROGRAM, "arm", "check", "--seconds", "1", "--set", f"arm.url={url}"], capture_output=True, text=True)
+        require("arm check tells, too", check.returncode == 1 and "draw is refused" in check.stderr, (check.returncode, check.stderr))
+        require("nothing was sent", drake.poll() is None)
+        drake.kill()
+    return {"stderr": run.stderr.strip(), "check": check.stderr.strip()}
+
+
 CASES = {
     **{name: functools.partial(draw, name) for name in DRAWINGS},
     **{name: functools.partial(slider, name) for name in ("slider-sine", "slider-m")},
@@ -173,6 +191,8 @@ CASES = {
     "broker-killed": lambda: interrupted("broker-killed", "broker"),
     "sigint": lambda: interrupted("sigint", signal.SIGINT),
     "sigterm": lambda: interrupted("sigterm", signal.SIGTERM),
+    "emergency": lambda: interrupted("emergency", signal.SIGQUIT),
+    "stock-rate": stock_rate,
     "hold": hold,
     "speed": speed,
 }

@@ -1,4 +1,4 @@
-"""Fills the table of docs/arms.md from build/foreign/drake/figures.json, which run.py --all leaves.
+"""Fills the table of docs/arm-iiwa.md from build/foreign/drake/figures.json, which run.py --all leaves.
 
 Usage: python3 tests/foreign/drake/table.py
 """
@@ -11,7 +11,7 @@ sys.path.insert(0, str(ROOT / "setup"))
 from quotes import fill_part  # noqa: E402
 
 figures = json.loads((ROOT / "build/foreign/drake/figures.json").read_text())
-PAGE = ROOT / "docs/arms.md"
+PAGE = ROOT / "docs/arm-iiwa.md"
 NAMES = {
     "sine": "sine, wrench of Drake's contact 2 ms late",
     "m": "M, the same",
@@ -48,7 +48,7 @@ if "speed" in figures:
         f"Real-time factor of the sine in lock-step {s['drawn']:.2f}, of a client that only replays its torques {s['replayed']:.2f}, one after the other "
         f"on {s['cores']} cores at a load of {s['load']:.1f}: Drake and the broker are what takes the time.",
     ]
-for name, text in (("absent", "No broker"), ("other-arm", "An FR3's model"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle")):
+for name, text in (("absent", "No broker"), ("other-arm", "An FR3's model"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle"), ("emergency", "Emergency stop in the middle"), ("stock-rate", "Statuses at Drake's stock 200 Hz")):
     if name in figures:
         lines += ["", f"{text}: `{figures[name]['stderr']}`"]
 fill_part(PAGE, "drake", lines)

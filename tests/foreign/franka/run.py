@@ -129,15 +129,17 @@ def slider(name):
     return json.loads(subprocess.run([PYTHON, HERE / "slider.py", OUT / "target.npy"], capture_output=True, text=True, check=True).stdout)
 
 
-def sigterm():
-    """SIGTERM in the middle: the pen is lifted, the last torque is zero."""
-    scenario, file, folder = HERE / "fr3-sine.yaml", OUT / "sigterm.npz", OUT / "sigterm"
+def interrupted(name, kind):
+    """A signal in the middle: SIGTERM lifts the pen, SIGQUIT is the emergency stop; the last torque is zero."""
+    scenario, file, folder = HERE / "fr3-sine.yaml", OUT / f"{name}.npz", OUT / name
     with simulation(file, start_posture(scenario)):
         run = subprocess.Popen(draw_arguments(scenario, folder, arm()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         wait_until_drawing(folder)
-        run.send_signal(signal.SIGTERM)
+        run.send_signal(kind)
         _, said = run.communicate(timeout=120)
-    require("exit code", run.returncode == 128 + signal.SIGTERM and one_line(said), (run.returncode, said))
+    code = 3 if kind == signal.SIGQUIT else 128 + kind
+    require("exit code", run.returncode == code and one_line(said), (run.returncode, said))
+    require("incident", (folder / "incident.html").exists() == (kind == signal.SIGQUIT))
     found = numpy.load(file)
     require("the last torque is zero", not found["last_torque"].any(), found["last_torque"])
     return {"stderr": said.strip(), "last_torque": 0.0}
@@ -170,7 +172,8 @@ CASES = {
     "torque-step": lambda: provoked("torque-step"),
     "stall": lambda: provoked("stall"),
     "overspeed": lambda: provoked("overspeed"),
-    "sigterm": sigterm,
+    "sigterm": lambda: interrupted("sigterm", signal.SIGTERM),
+    "emergency": lambda: interrupted("emergency", signal.SIGQUIT),
     "hold": hold,
 }
 USUAL = ["absent", "other-arm", "sine", "slider-sine"]

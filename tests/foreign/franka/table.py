@@ -1,4 +1,4 @@
-"""Fills the table of docs/arms.md from build/foreign/franka/figures.json, which run.py --all leaves.
+"""Fills the table of docs/arm-franka.md from build/foreign/franka/figures.json, which run.py --all leaves.
 
 Usage: python3 tests/foreign/franka/table.py
 """
@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "setup"))
 from quotes import fill_part  # noqa: E402
 
-PAGE = ROOT / "docs/arms.md"
+PAGE = ROOT / "docs/arm-franka.md"
 figures = json.loads((ROOT / "build/foreign/franka/figures.json").read_text())
 lines = [
     "| drawing | contact | ink RMS, max [mm] | force median, SD [N] | touchdown [N] | largest torque rate [Nm/s] | first 10 ms of torque [Nm] | command success, least | largest joint speed of its limit |",
@@ -44,7 +44,7 @@ lines += ["", "Of the time until the first torque, 0.7 s is franka-sim's own wai
 if "slider-sine" in figures:
     f = figures["slider-sine"]
     lines += ["", f"The floor, an ideal slider of 3 kg along the same line: {f['force_median']:.3f} N (median), SD {f['force_sd']:.3f} N, contact {f['contact_fraction']:.4f}."]
-for name, text in (("absent", "No arm"), ("other-arm", "A Panda's model"), ("sigterm", "SIGTERM in the middle")):
+for name, text in (("absent", "No arm"), ("other-arm", "A Panda's model"), ("sigterm", "SIGTERM in the middle"), ("emergency", "Emergency stop in the middle")):
     if name in figures:
         lines += ["", f"{text}: `{figures[name]['stderr']}`"]
 if "hold" in figures:
