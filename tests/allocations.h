@@ -13,8 +13,11 @@ extern "C" void* __libc_memalign(std::size_t, std::size_t);
 namespace {
 std::atomic<bool> counting{false};
 std::atomic<int> allocations{0};
+thread_local bool counting_here = false;
+thread_local int allocations_here = 0;
 void count() {
   if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+  if (counting_here) ++allocations_here;
 }
 
 template <typename F>
@@ -24,6 +27,16 @@ int allocations_in(F&& f) {
   f();
   counting = false;
   return allocations;
+}
+
+// Of the calling thread alone.
+template <typename F>
+[[maybe_unused]] int allocations_of_this_thread_in(F&& f) {
+  allocations_here = 0;
+  counting_here = true;
+  f();
+  counting_here = false;
+  return allocations_here;
 }
 }  // namespace
 

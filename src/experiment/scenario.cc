@@ -255,6 +255,9 @@ void describe(Fields& f, FrameSettings& s) {
           "Predicts the canvas's pose from the last frame to the present; off: to see its worth.");
   f.field("feedforward", s.feedforward,
           "Feeds the canvas's velocity and acceleration forward; off: to see their worth.");
+  f.field("wait_for_rest", s.wait_for_rest,
+          "For a canvas that is moved by hand between strokes: while it moves, the pen waits above "
+          "it and the plan's clock stands.");
   f.field(Limits::skew, s.skew, "Time from one camera's exposure to the next one's.");
   f.field("depth", s.depth,
           "Frames carry depths, by which the canvas's own shape tells where it is; off: marks "

@@ -21,6 +21,8 @@ struct FrameSettings {
   // What each is worth: off, the pen goes where the canvas was at the last frame, or without the
   // canvas's velocity and acceleration.
   bool prediction = true, feedforward = true;
+  // A canvas that is moved by hand between strokes: the pen waits above it until it stands.
+  bool wait_for_rest = false;
   // Every depth_every-th frame carries depths, in which the canvas's shape is found.
   bool depth = false;
   int depth_every = 1;

@@ -22,6 +22,7 @@
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
 #include "impedraw/run/real_time.h"
+#include "impedraw/run/rest_watch.h"
 #include "impedraw/run/simulated_arm.h"
 #include "impedraw/run/speed_guard.h"
 #include "impedraw/run/touched_heights.h"
@@ -258,6 +259,8 @@ class Runner {
       if (!step(desired)) return;
       if (one && !lifting_ && !wait_for_touch(desired)) return;
       if (!one && !lifting_) {
+        if (e_.scenario.perception.frames.wait_for_rest && loop_.canvas().joined())
+          rest_watch_.update(loop_.canvas().estimate().motion, loop_.terms().X_WE.p, dt());
         clock_.advance(deviation(desired, planned));
         look_for_wall(desired);
         look_for_reach();
@@ -399,7 +402,8 @@ class Runner {
   // How far the pen is from what the plan asks of it.
   PenDeviation deviation(const PathSample& desired, double planned) const {
     PenDeviation pen;
-    pen.paused = paused() || loop_.canvas().lost();
+    pen.paused = paused() || loop_.canvas().lost() ||
+                 (rest_watch_.moves() && desired.stroke < 0 && out_.mode == ContactMode::free);
     if (!e_.scene.perception) return pen;
     pen.limit = forecast_.limit(planned);
     pen.joint =
@@ -520,6 +524,7 @@ class Runner {
   JointForecast forecast_;
   SpeedGuard guard_;
   WallWatch wall_watch_;
+  RestWatch rest_watch_;
   std::optional<StrokePart> wall_;
   TouchedHeights heights_;
   double height_ = 0.0;    // of the tip above the plan of a stroke that is found by touch [m]

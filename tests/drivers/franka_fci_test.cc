@@ -17,6 +17,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "allocations.h"
 #include "impedraw/arm/arm_notes.h"
 #include "impedraw/common/errors.h"
 #include "loopback_server.h"
@@ -220,6 +221,17 @@ TEST_F(FrankaFciTest, TorqueRampsWithoutABumpAndEndsWithZero) {
   EXPECT_DOUBLE_EQ(most, 30.0);
   EXPECT_EQ(arm.torque0.back(), 0.0);
   EXPECT_TRUE(arm.finished);
+}
+
+// Between the states, too, nothing goes to the heap: neither in the session nor in the protocol.
+TEST_F(FrankaFciTest, ACycleAllocatesNothing) {
+  FrankaFci driver(settings, model, 1e-3, arm.q);
+  driver.start();
+  drive(driver, 50);
+  EXPECT_EQ(allocations_of_this_thread_in([&] { drive(driver, 300); }), 0);
+  EXPECT_EQ(driver.fault(), "");
+  driver.stop();
+  EXPECT_GT(allocations_of_this_thread_in([] { delete new int(1); }), 0) << "it is counted";
 }
 
 TEST_F(FrankaFciTest, AReflexIsNamedAndRecoveredFrom) {

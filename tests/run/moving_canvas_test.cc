@@ -106,6 +106,33 @@ TEST_F(RecordedCanvas, IsDrawnOnAsTheMotionItself) {
   EXPECT_NEAR(f["force_sd"], direct["force_sd"], 0.2 * direct["force_sd"]);
 }
 
+// Two letters, and the bowl is moved by 60 mm after the first: the second waits until it stands.
+TEST(MovingCanvas, PenWaitsWhileItIsMovedByHandBetweenStrokes) {
+  const std::vector<std::string> moved = {"drawing.text.text=ll",
+                                          "drawing.placement.fit_radius=0.03",
+                                          "canvas.motion.sway=[0, 0, 0]",
+                                          "canvas.motion.velocity=[0, -0.04, 0]",
+                                          "canvas.motion.start=9.6",
+                                          "canvas.motion.ramp=0.3", "canvas.motion.stop=11.1"};
+  std::vector<std::string> waiting = moved;
+  waiting.push_back("perception.frames.wait_for_rest=true");
+  const auto share_moving = [](const Figures& f) {  // of the contact, while the bowl moves [s]
+    double time = 0.0;
+    for (std::size_t i = 1; i < f.run.time.size(); ++i) {
+      const bool moves = f.run.time[i] > 9.9 && f.run.time[i] < 11.3;
+      if (moves && f.run.contact_force[i].norm() > 0.5) time += f.run.time[i] - f.run.time[i - 1];
+    }
+    return time;
+  };
+  const Figures follows = draw_scenario("moving-heave", moved),
+                waits = draw_scenario("moving-heave", waiting);
+  EXPECT_GT(share_moving(follows), 0.3) << "the second letter is drawn meanwhile";
+  EXPECT_LT(share_moving(waits), share_moving(follows) - 0.3);
+  EXPECT_GT(waits["coverage"], 0.999);
+  EXPECT_LT(waits["ink_error_rms"], 0.1);
+  EXPECT_GT(waits.run.time.size(), follows.run.time.size() + 500) << "steps of 1 ms";
+}
+
 // Marks are not needed where the canvas has a shape.
 TEST(MovingCanvas, ShapeAloneTellsWhereItIs) {
   const Figures f = draw_scenario("moving-shape");
