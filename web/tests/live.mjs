@@ -125,6 +125,17 @@ test("a run is paused, resumed and watched to its end; the page then is the repo
     assert.equal(metrics[name], unwatched[name], name);
 });
 
+test("an emergency stop from the page damps where the pen is and leaves an incident", { timeout: 120_000 }, async () => {
+  const run = await draw("emergency", "--pace", "1");
+  const { page, ask, press } = await watch(run);
+  await until(async () => (await ask()).ink > 50, "ink on the page");
+  await press("emergency stop");
+  assert.equal(await run.ended, 3, run.err);
+  assert.match(run.err, /emergency stop at t = [\d.]+ s/);
+  assert.ok(existsSync(join(run.folder, "incident.html")));
+  await page.close();
+});
+
 test("a run is stopped from the page: the pen is lifted, and the exit code is ctrl-C's", { timeout: 120_000 }, async () => {
   const run = await draw("stopped", "--pace", "1");
   const { page, ask, press } = await watch(run);

@@ -8,6 +8,7 @@ import functools
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -169,6 +170,40 @@ def other_arm():
     return {"stderr": said["fr3"], "ur5e": said["ur5e"]}
 
 
+def shoved():
+    """Somebody leans on joint 4: the driver ends the session by name before the arm's own does at 30 Nm, damped, and zero comes last."""
+    scenario, file = HERE / "iiwa-sine.yaml", OUT / "shoved.npz"
+    with broker() as (url, _), simulation(url, file, start_posture(scenario), ["--wrench", "--shove", "35"]):
+        run = subprocess.run(draw_arguments(scenario, url, OUT / "shoved"), capture_output=True, text=True)
+    require("a fault", run.returncode == 3 and one_line(run.stderr), (run.returncode, run.stderr))
+    require("by name", "an external torque of" in run.stderr and "on joint 4" in run.stderr, run.stderr)
+    found = numpy.load(file)
+    require("the last command is zero", not found["last_torque"].any(), found["last_torque"])
+    return {"stderr": run.stderr.strip(), "last_torque": 0.0}
+
+
+def commissioned():
+    """The commissioning commands move Drake's arm: its delay is found, friction of which it has none, and where its tip rests."""
+    scenario, folder = HERE / "iiwa-sine-no-wrench.yaml", OUT / "commissioning"
+    shutil.rmtree(folder, ignore_errors=True)
+
+    def step(name, *arguments):
+        with broker() as (url, _), simulation(url, OUT / f"commission-{name}.npz", start_posture(scenario), []):
+            run = subprocess.run(
+                [PROGRAM, "arm", name, scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}", "--into", folder, *arguments],
+                capture_output=True, text=True)  # fmt: skip
+        require(name, run.returncode == 0, run.stderr)
+
+    for name in ("latency", "friction"):
+        step(name)
+    found = json.loads((folder / "commissioning.json").read_text())
+    return {
+        "delay_ms": 1e3 * found["latency"]["delay_s"],
+        "explained": found["latency"]["explained"],
+        "most_friction_Nm": max(joint["coulomb_Nm"] for joint in found["friction"]),
+    }
+
+
 def stock_rate():
     """Drake's iiwa at its stock 200 Hz: refused with the reason, and no torque is sent."""
     scenario, file = HERE / "iiwa-sine.yaml", OUT / "stock-rate.npz"
@@ -192,6 +227,8 @@ CASES = {
     "sigint": lambda: interrupted("sigint", signal.SIGINT),
     "sigterm": lambda: interrupted("sigterm", signal.SIGTERM),
     "emergency": lambda: interrupted("emergency", signal.SIGQUIT),
+    "commissioned": commissioned,
+    "shoved": shoved,
     "stock-rate": stock_rate,
     "hold": hold,
     "speed": speed,

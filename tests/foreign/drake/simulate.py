@@ -24,6 +24,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlant, MultibodyPlantConfig
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, TriggerType
+from pydrake.systems.primitives import Adder
 from pydrake.systems.lcm import LcmPublisherSystem, LcmSubscriberSystem
 
 import scene
@@ -76,7 +77,12 @@ def build(folder, lcm, arguments):
     builder.Connect(subscriber.get_output_port(), receiver.get_message_input_port())
     builder.Connect(receiver.get_commanded_torque_output_port(), driver.GetInputPort("torque"))
     builder.Connect(plant.get_state_output_port(arm), driver.GetInputPort("state"))
-    builder.Connect(plant.get_generalized_contact_forces_output_port(arm), driver.GetInputPort("generalized_contact_forces"))
+    # Somebody leans on the arm: joint torques that act on it, and that its driver reports as it does those of contact.
+    external = builder.AddSystem(Adder(2, 7))
+    builder.ExportInput(external.get_input_port(1), "shove")
+    builder.ConnectInput("shove", plant.get_applied_generalized_force_input_port())
+    builder.Connect(plant.get_generalized_contact_forces_output_port(arm), external.get_input_port(0))
+    builder.Connect(external.get_output_port(), driver.GetInputPort("generalized_contact_forces"))
     builder.Connect(driver.GetOutputPort("actuation"), plant.get_actuation_input_port(arm))
     for port in ("position_commanded", "position_measured", "velocity_estimated", "torque_commanded", "torque_measured", "torque_external"):
         if driver.HasOutputPort(port) and sender.HasInputPort(port):
@@ -111,6 +117,7 @@ def main():
     parser.add_argument("--pen-mass", type=float, default=1.0)
     parser.add_argument("--rotor", type=float, default=0.0)
     parser.add_argument("--rate", type=float, default=1000.0, help="of the statuses [Hz]")
+    parser.add_argument("--shove", type=float, default=0.0, help="torque on joint 4, 3 s after the first command [Nm]")
     arguments = parser.parse_args()
 
     lcm = DrakeLcm(arguments.url)
@@ -122,6 +129,7 @@ def main():
     plant_context = plant.GetMyContextFromRoot(context)
     publisher_context = publisher.GetMyContextFromRoot(context)
     plant.SetPositions(plant_context, arm, arguments.start)
+    diagram.GetInputPort("shove").FixValue(context, numpy.zeros(7))
     simulator.Initialize()
     (ball,) = plant.GetCollisionGeometriesForBody(plant.GetBodyByName("pen"))
     tip = plant.GetFrameByName("tip")
@@ -150,6 +158,8 @@ def main():
             moment = sign * F.rotational() + numpy.cross(point - X_WE.translation(), force)
         late.append((t, numpy.concatenate([force, moment])))
         measured_at, wrench = late.popleft()
+        if arguments.shove and began is not None and t - began > 3.0:
+            diagram.GetInputPort("shove").FixValue(context, numpy.eye(7)[3] * arguments.shove)
         publish = k % every == 0
         if publish:
             if arguments.wrench:

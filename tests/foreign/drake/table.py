@@ -48,7 +48,14 @@ if "speed" in figures:
         f"Real-time factor of the sine in lock-step {s['drawn']:.2f}, of a client that only replays its torques {s['replayed']:.2f}, one after the other "
         f"on {s['cores']} cores at a load of {s['load']:.1f}: Drake and the broker are what takes the time.",
     ]
-for name, text in (("absent", "No broker"), ("other-arm", "An FR3's model"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle"), ("emergency", "Emergency stop in the middle"), ("stock-rate", "Statuses at Drake's stock 200 Hz")):
+if "commissioned" in figures:
+    c = figures["commissioned"]
+    lines += [
+        "",
+        f"`arm latency` and `arm friction` there: {c['delay_ms']:.1f} ms from a status to its torque, {100 * c['explained']:.1f} % of the last joint's acceleration "
+        f"explained; friction of at most {c['most_friction_Nm']:.2f} Nm in any joint, where there is none.",
+    ]
+for name, text in (("absent", "No broker"), ("other-arm", "An FR3's model"), ("broker-killed", "Broker killed in the middle"), ("sigterm", "SIGTERM in the middle"), ("emergency", "Emergency stop in the middle"), ("shoved", "35 Nm on joint 4 in the middle"), ("stock-rate", "Statuses at Drake's stock 200 Hz")):
     if name in figures:
         lines += ["", f"{text}: `{figures[name]['stderr']}`"]
 fill_part(PAGE, "drake", lines)
