@@ -108,12 +108,11 @@ TEST_F(RecordedCanvas, IsDrawnOnAsTheMotionItself) {
 
 // Two letters, and the bowl is moved by 60 mm after the first: the second waits until it stands.
 TEST(MovingCanvas, PenWaitsWhileItIsMovedByHandBetweenStrokes) {
-  const std::vector<std::string> moved = {"drawing.text.text=ll",
-                                          "drawing.placement.fit_radius=0.03",
-                                          "canvas.motion.sway=[0, 0, 0]",
-                                          "canvas.motion.velocity=[0, -0.04, 0]",
-                                          "canvas.motion.start=9.6",
-                                          "canvas.motion.ramp=0.3", "canvas.motion.stop=11.1"};
+  const std::vector<std::string> moved = {
+      "drawing.text.text=ll",         "drawing.placement.fit_radius=0.03",
+      "canvas.motion.sway=[0, 0, 0]", "canvas.motion.velocity=[0, -0.04, 0]",
+      "canvas.motion.start=9.6",      "canvas.motion.ramp=0.3",
+      "canvas.motion.stop=11.1"};
   std::vector<std::string> waiting = moved;
   waiting.push_back("perception.frames.wait_for_rest=true");
   const auto share_moving = [](const Figures& f) {  // of the contact, while the bowl moves [s]
