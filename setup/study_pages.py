@@ -326,7 +326,7 @@ def moving(rows, folder):
     lines += ["", "## The canvas's own shape", "",
               "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface of the snapshot is found again; `5 Hz`: every sixth frame. Terrain has "
               "no marks, and moves as in `moving-sway`. Sine, the worse of two seeds; every pixel is cast.", "",
-              "| | ink RMS [mm] | force SD [N] | contact | real-time factor, at least |", "|---" * 5 + "|"]  # fmt: skip
+              "| | ink RMS [mm] | force SD [N] | contact | real-time factor, at least, of two runs at a time on a machine that others used |", "|---" * 5 + "|"]  # fmt: skip
     for on in dict.fromkeys(row["case"].rsplit("-", 1)[0] for row in rows if row["group"] == "shape"):
         cells = [row for row in rows if row["group"] == "shape" and row["case"].startswith(on + "-")]
         worst = [max(row[m] or math.inf for row in cells) for m in ("ink_error_rms", "force_sd")]

@@ -1,12 +1,15 @@
 // The library's own results, for tests of the Python package: called by ctypes, so that nothing of
 // the bindings stands between.
 // Arrays are of doubles, matrices row by row; results are written to `out`.
+#include <algorithm>
 #include <cstdint>
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/perception/normals.h"
+#include "impedraw/perception/organised_points.h"
+#include "impedraw/perception/registration.h"
 #include "impedraw/planning/path/tip_planner.h"
 #include "impedraw/sensing/wrench_estimator.h"
 #include "impedraw/simulation/world.h"
@@ -89,6 +92,43 @@ void oracle_surface(const double* points, int count, const double* viewpoint, in
     *out++ = e.distance;
     *out++ = static_cast<double>(e.status);
   }
+}
+
+// Samples of a depth image: how many, then p_W, n_W, deviation of each: 7 numbers. X_WC: R, p.
+void oracle_depth_samples(const double* depth, int width, int height, double fov_y_deg,
+                          const double* X_WC, int most, double* out) {
+  DepthImage image{width, height, std::vector<double>(depth, depth + width * height)};
+  Pose X;
+  X.R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(X_WC);
+  X.p = vector_at(X_WC + 9);
+  const DepthCamera camera{width, height, fov_y_deg, X};
+  const Eigen::Vector3d far = Eigen::Vector3d::Constant(100.0);
+  std::vector<SeenPoint> samples;
+  OrganisedPoints().find(image, camera, {-far, far}, {}, 0.0, &samples);
+  const int count = std::min(most, static_cast<int>(samples.size()));
+  *out++ = count;
+  for (int i = 0; i < count; ++i) {
+    const SeenPoint& s = samples[static_cast<std::size_t>(i)];
+    out = put(s.n, put(s.p, out));
+    *out++ = s.deviation;
+  }
+}
+
+// Where the body is whose model the first samples are, from later ones. out: R, p, found, open.
+void oracle_registration(const double* model, int model_count, const double* later, int later_count,
+                         double* out) {
+  const auto samples_of = [](const double* x, int count) {
+    std::vector<SeenPoint> samples;
+    for (int i = 0; i < count; ++i, x += 7)
+      samples.push_back({vector_at(x), vector_at(x + 3), x[6]});
+    return samples;
+  };
+  SurfaceModel surface;
+  surface.add(samples_of(model, model_count), {});
+  const ShapeRegistration found = register_samples(surface, samples_of(later, later_count), {});
+  out = put(found.X_WK.p, put(found.X_WK.R, out));
+  *out++ = found.found;
+  *out++ = found.open;
 }
 
 // One stroke on a level plane. out: duration, then for each of n times p_WD, v_WD, a_WD, n_WD,
