@@ -199,7 +199,9 @@ bool LcmLink::wait(double seconds) noexcept {
 
 bool LcmLink::handle() noexcept {
   if (!connected()) return false;
-  if (state_->library.handle(state_->lcm) != 0) state_->lost = true;
+  // Of a connection that broke, liblcm would tell on stderr.
+  pollfd peer{state_->library.fileno(state_->lcm), POLLRDHUP, 0};
+  if (poll(&peer, 1, 0) == 1 || state_->library.handle(state_->lcm) != 0) state_->lost = true;
   return connected();
 }
 

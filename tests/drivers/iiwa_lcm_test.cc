@@ -61,6 +61,7 @@ class MadeUpArm {
 
   std::string url;
   std::atomic<long> dies_after = -1, silent_after = -1;  // commands
+  std::atomic<bool> resets = false;                      // the connection, at the end
   std::atomic<double> q0 = 0.0;
   std::vector<Command> commands;  // read after end()
 
@@ -79,6 +80,8 @@ class MadeUpArm {
         got.erase(got.begin(), got.begin() + 8);
         drive(peer, &got);
       }
+      const linger at_once{1, 0};
+      if (resets) setsockopt(peer, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
       close(peer);
     }
   }
@@ -242,13 +245,14 @@ TEST_F(IiwaLcmTest, ABrokerThatDiesIsAFaultAtOnceAndNoAbort) {
   for (int seed = 0; seed < 5; ++seed) {
     MadeUpArm arm;
     arm.dies_after = 100 + seed;
+    arm.resets = seed % 2 == 1;
     IiwaLcm driver(settings_for(arm.url), model_, 1e-3, torque(0.0), false);
     driver.start();
     testing::internal::CaptureStderr();
     int cycles = 0;
     for (; cycles < 1000 && driver.fault().empty(); ++cycles) drive(driver, 1);
     driver.stop();
-    testing::internal::GetCapturedStderr();
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "liblcm tells nothing of its own";
     EXPECT_LE(cycles, 100 + seed + 100);
     EXPECT_THAT(driver.fault(), HasSubstr("the connection to the LCM broker was lost"));
   }

@@ -172,7 +172,7 @@ TEST_F(IncidentTest, AFenceThatIsCrossedEndsTheRunByName) {
   Experiment box = prepared({"fence.low=[-2,-2,0.3]"});
   const RunOutcome stopped = run(box, log, 0.0);
   EXPECT_EQ(stopped.end, RunEnd::stopped);
-  EXPECT_THAT(stopped.cause, StartsWith("fence.low: the tip's z was 0.300 m"));
+  EXPECT_THAT(stopped.cause, StartsWith("fence.low: the tip's z was 0.299"));
   const RunRows rows = read_rows(log);
   for (const Vector3d& p : rows.tip_position) EXPECT_GT(p.z(), 0.28);
 }
