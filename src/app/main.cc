@@ -156,17 +156,16 @@ int run_program(int argc, char** argv) {
                           plan_suggest);
   });
 
-  for (CLI::App* command : {draw, plan})
+  for (CLI::App* command : {draw, plan}) {
     command
         ->add_option("--place", options.place,
                      "where the canvas stands: fixed, as the scenario says; auto, where the "
                      "arm reaches the drawing best")
         ->check(CLI::IsMember({"fixed", "auto"}));
-
-  for (CLI::App* command : {draw, plan})
     command->add_option("--commissioned", commissioned,
                         "folder that ./impedraw arm latency … register left: the loop's delay "
                         "and a mesh's pose are taken from it");
+  }
 
   CLI::App* compare = app.add_subcommand(
       "compare",

@@ -146,13 +146,18 @@ struct LcmLink::State {
   std::vector<std::unique_ptr<Subscription>> subscriptions;
   bool lost = false;
 
+  // The broker has closed or reset the connection.
+  bool peer_left() const noexcept {
+    pollfd peer{library.fileno(lcm), POLLRDHUP, 0};
+    return poll(&peer, 1, 0) == 1;
+  }
+
   ~State() {
     if (!lcm) return;
     const int socket = library.fileno(lcm);
     // lcm_destroy() takes back the subscriptions, for which it would connect again after a loss:
     // then the handle is left as it is.
-    pollfd peer{socket, POLLRDHUP, 0};
-    lost = lost || socket < 0 || poll(&peer, 1, 0) == 1;
+    lost = lost || socket < 0 || peer_left();
     if (!lost)
       library.destroy(lcm);
     else if (socket >= 0)
@@ -200,20 +205,14 @@ bool LcmLink::wait(double seconds) noexcept {
 bool LcmLink::handle() noexcept {
   if (!connected()) return false;
   // Of a connection that broke, liblcm would tell on stderr.
-  pollfd peer{state_->library.fileno(state_->lcm), POLLRDHUP, 0};
-  if (poll(&peer, 1, 0) == 1 || state_->library.handle(state_->lcm) != 0) state_->lost = true;
+  if (state_->peer_left() || state_->library.handle(state_->lcm) != 0) state_->lost = true;
   return connected();
 }
 
 bool LcmLink::publish(const char* channel, std::span<const std::uint8_t> bytes) noexcept {
   if (!connected()) return false;
-  pollfd peer{state_->library.fileno(state_->lcm), POLLRDHUP, 0};
-  if (poll(&peer, 1, 0) == 1) {
-    state_->lost = true;
-    return false;
-  }
-  if (state_->library.publish(state_->lcm, channel, bytes.data(),
-                              static_cast<unsigned>(bytes.size())) != 0)
+  if (state_->peer_left() || state_->library.publish(state_->lcm, channel, bytes.data(),
+                                                     static_cast<unsigned>(bytes.size())) != 0)
     state_->lost = true;
   return connected();
 }

@@ -11,6 +11,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/common/rotation_vector.h"
 #include "impedraw/perception/rigid_fit.h"
 
 namespace impedraw {
@@ -29,12 +30,6 @@ constexpr double kOpenShift = 0.01, kOpenTurn = 0.1, kShapeFloor = 3e-5;
 constexpr double kReferAnew = 1.0;          // of φ [rad]
 constexpr double kScoreTime = 1.0;          // [s]
 constexpr double kSearchPeriod = 1.0 / 12;  // from one axis to the next [s]
-
-Matrix3d rotation(const Vector3d& phi) {
-  const double angle = phi.norm();
-  if (angle < 1e-12) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix();
-}
 
 Vector3d rotation_vector(const Matrix3d& R) {
   const Eigen::AngleAxisd turn(R);

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/common/range_check.h"
+#include "impedraw/common/rotation_vector.h"
 
 namespace impedraw {
 
@@ -120,11 +121,7 @@ ShapeRegistration register_samples(const SurfaceModel& model, std::span<const Se
       }
     }
     if (i == settings.iterations || step.norm() < kSettled) break;
-    const Vector3d phi = step.tail<3>() / radius;
-    const double angle = phi.norm();
-    const Eigen::Matrix3d turn = angle > 1e-12
-                                     ? Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix()
-                                     : Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d turn = rotation(step.tail<3>() / radius);
     result.X_WK.p = turn * (result.X_WK.p - result.c_W) + result.c_W + step.head<3>();
     result.X_WK.R = Eigen::Quaterniond(turn * result.X_WK.R).normalized().toRotationMatrix();
   }

@@ -42,6 +42,19 @@ std::size_t SurfaceModel::slot_of(const Cube& cube) const noexcept {
   return at;
 }
 
+// Calls f with the index of each point of the 27 cubes about p_K that faces as n_K does.
+template <typename F>
+void SurfaceModel::each_about(const Eigen::Vector3d& p_K, const Eigen::Vector3d& n_K,
+                              F&& f) const noexcept {
+  const Cube middle = cube_of(p_K);
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        const std::uint32_t found = slots_[slot_of(middle + Cube(x, y, z))];
+        if (found != 0 && points_[found - 1].n.dot(n_K) >= kSameSide) f(found - 1);
+      }
+}
+
 void SurfaceModel::add(std::span<const SeenPoint> samples, const Pose& X_WK) noexcept {
   const Pose X_KW = X_WK.inverse();
   for (const SeenPoint& s : samples) {
@@ -74,65 +87,30 @@ void SurfaceModel::add(std::span<const SeenPoint> samples, const Pose& X_WK) noe
 // normal may be noise, and must not put it into another cube.
 std::size_t SurfaceModel::beside(const Eigen::Vector3d& p_K,
                                  const Eigen::Vector3d& n_K) const noexcept {
-  const Cube middle = cube_of(p_K);
   std::size_t best = points_.size();
   double least = kBeside * kBeside * voxel_ * voxel_;
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z) {
-        const std::uint32_t found = slots_[slot_of(middle + Cube(x, y, z))];
-        if (found == 0) continue;
-        const Point& point = points_[found - 1];
-        if (point.n.dot(n_K) < kSameSide) continue;
-        const Eigen::Vector3d way = p_K - point.p;
-        const double along = point.n.dot(way), distance = way.squaredNorm() - along * along;
-        if (distance >= least) continue;
-        best = found - 1;
-        least = distance;
-      }
+  each_about(p_K, n_K, [&](std::size_t at) {
+    const Eigen::Vector3d way = p_K - points_[at].p;
+    const double along = points_[at].n.dot(way), distance = way.squaredNorm() - along * along;
+    if (distance >= least) return;
+    best = at;
+    least = distance;
+  });
   return best;
 }
 
 const SurfaceModel::Point* SurfaceModel::nearest(const Eigen::Vector3d& p_K,
                                                  const Eigen::Vector3d& n_K) const noexcept {
   if (!(p_K.cwiseAbs().maxCoeff() < 1e4)) return nullptr;
-  const Cube middle = cube_of(p_K);
   const Point* best = nullptr;
   double least = 0.0;
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z) {
-        const std::uint32_t found = slots_[slot_of(middle + Cube(x, y, z))];
-        if (found == 0) continue;
-        const Point& point = points_[found - 1];
-        const double distance = (point.p - p_K).squaredNorm();
-        if ((best && distance >= least) || point.n.dot(n_K) < kSameSide) continue;
-        best = &point;
-        least = distance;
-      }
+  each_about(p_K, n_K, [&](std::size_t at) {
+    const double distance = (points_[at].p - p_K).squaredNorm();
+    if (best && distance >= least) return;
+    best = &points_[at];
+    least = distance;
+  });
   return best;
-}
-
-PointCloud SurfaceModel::cloud(std::span<const Eigen::Vector3d> eyes_K, int least) const {
-  PointCloud cloud;
-  cloud.eyes.assign(eyes_K.begin(), eyes_K.end());
-  for (const Point& point : points_) {
-    if (point.samples < least) continue;
-    cloud.points.push_back(point.p);
-    cloud.weight.push_back(point.samples);
-    // The camera that it faces most.
-    int best = 0;
-    double most = -2.0;
-    for (std::size_t i = 0; i < eyes_K.size(); ++i) {
-      const double facing = point.n.dot((eyes_K[i] - point.p).normalized());
-      if (facing > most) {
-        most = facing;
-        best = static_cast<int>(i);
-      }
-    }
-    cloud.camera.push_back(best);
-  }
-  return cloud;
 }
 
 }  // namespace impedraw

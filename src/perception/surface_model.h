@@ -42,13 +42,12 @@ class SurfaceModel {
   std::span<const Point> points() const noexcept { return points_; }
   bool full() const noexcept { return points_.size() == most_; }
 
-  // For a SurfaceEstimator: only points of at least `least` samples. Weights: numbers of samples.
-  PointCloud cloud(std::span<const Eigen::Vector3d> eyes_K, int least = 1) const;
-
  private:
   using Cube = Eigen::Matrix<std::int32_t, 3, 1>;
   Cube cube_of(const Eigen::Vector3d& p_K) const noexcept;
   std::size_t slot_of(const Cube& cube) const noexcept;
+  template <typename F>
+  void each_about(const Eigen::Vector3d& p_K, const Eigen::Vector3d& n_K, F&& f) const noexcept;
   std::size_t beside(const Eigen::Vector3d& p_K, const Eigen::Vector3d& n_K) const noexcept;
 
   double voxel_;

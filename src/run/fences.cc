@@ -54,12 +54,11 @@ std::string Fences::crossed() const {
   switch (kind_) {
     case Kind::none:
       return {};
-    case Kind::box:
-      return fmt::format(
-          "fence.{}: the tip's {} was {}", value_ < settings_.low[axis_] ? "low" : "high",
-          "xyz"[axis_],
-          told(value_, value_ < settings_.low[axis_] ? settings_.low[axis_] : settings_.high[axis_],
-               3, "m"));
+    case Kind::box: {
+      const bool low = value_ < settings_.low[axis_];
+      return fmt::format("fence.{}: the tip's {} was {}", low ? "low" : "high", "xyz"[axis_],
+                         told(value_, low ? settings_.low[axis_] : settings_.high[axis_], 3, "m"));
+    }
     case Kind::force:
       return "fence.force: the force on the tip was " + told(value_, *settings_.force, 1, "N");
     case Kind::speed:
