@@ -56,6 +56,16 @@ class Metrics(Mapping[str, float | None]):
         return self._values["ink_error_rms_to_45"]
 
     @property
+    def tracking_error_rms(self) -> float | None:
+        """Distance of the tip from where the controller wanted it at that instant, along the canvas, root mean square; a lag along the line counts [mm]."""
+        return self._values["tracking_error_rms"]
+
+    @property
+    def tracking_error_max(self) -> float | None:
+        """Distance of the tip from where the controller wanted it at that instant, along the canvas, largest [mm]."""
+        return self._values["tracking_error_max"]
+
+    @property
     def coverage(self) -> float | None:
         """Share of the target's length with ink within 0.5 mm."""
         return self._values["coverage"]

@@ -84,6 +84,9 @@ const std::vector<LogColumn>& step_columns(bool moving_canvas) {
          "angle between the pen and the canvas's true normal; NaN but on pen-down ink"},
         {"/every_step/normal_error", 1, false, "rad", "none",
          "angle between the estimated and the true normal; NaN but on pen-down ink"},
+        {"/every_step/tracking_error", 1, false, "m", "none",
+         "distance of the tip from its desired position, along the canvas; NaN but on pen-down "
+         "ink"},
         {"/every_step/push", 1, false, "N", "surface normal", "normal force asked for"},
         {"/every_step/torque_share", 1, false, "1", "none",
          "largest joint torque against its limit, to a float's precision"},

@@ -93,6 +93,7 @@ void put_step(Step& step, Put&& put) {
   put(step.contact_point.data(), 3, sizeof(double));
   number(step.tilt);
   number(step.normal_error);
+  number(step.tracking_error);
   number(step.push);
   number(step.torque_share);
   number(step.joint_margin);

@@ -33,6 +33,13 @@ double normal_error_angle(const Eigen::Vector3d& surface_normal, double surface_
   return angle_between(surface_normal, contact_normal);
 }
 
+double tracking_distance(const Eigen::Vector3d& tip, const Eigen::Vector3d& desired,
+                         const Eigen::Vector3d& contact_normal, int stroke, double force) {
+  if (stroke < 0 || !is_ink(force)) return LogRow::kNone;
+  const Eigen::Vector3d error = tip - desired;
+  return (error - contact_normal * contact_normal.dot(error)).norm();
+}
+
 double torque_share(const JointReference& torque, const JointReference& limit) {
   return to_float((torque.array().abs() / limit.array()).maxCoeff());
 }
@@ -78,6 +85,8 @@ LogStep LogSteps::measure(const LogRow& row) noexcept {
   step.tilt = tilt_angle(row.tip_orientation, contact_normal, row.stroke, step.force);
   step.normal_error = normal_error_angle(row.surface_normal, row.surface_distance, contact_normal,
                                          row.stroke, step.force);
+  step.tracking_error = tracking_distance(row.tip_position, row.desired_position, contact_normal,
+                                          row.stroke, step.force);
   step.push = row.push;
   step.torque_share = torque_share(row.joint_torque, torque_limit_);
   joint_margin_ = std::min(joint_margin_, joint_margin(row.joint_position, lower_, upper_));

@@ -16,6 +16,7 @@ struct LogStep {
   Eigen::Vector3d contact_point = LogRow::no_vector();  // [m]; NaN out of contact
   double tilt = LogRow::kNone;                          // [rad]
   double normal_error = LogRow::kNone;                  // [rad]
+  double tracking_error = LogRow::kNone;                // [m]
   double push = 0.0;                                    // [N]
   // largest ratio of a joint's |torque| to its limit; stored in float precision
   double torque_share = 0.0;
@@ -43,6 +44,11 @@ double tilt_angle(const Eigen::Quaterniond& tip, const Eigen::Vector3d& contact_
                   double force);
 double normal_error_angle(const Eigen::Vector3d& surface_normal, double surface_distance,
                           const Eigen::Vector3d& contact_normal, int stroke, double force);
+
+// Distance between the tip and where the controller wanted it at the same instant, along the canvas:
+// without its part along the true normal [m]. NaN as above.
+double tracking_distance(const Eigen::Vector3d& tip, const Eigen::Vector3d& desired,
+                         const Eigen::Vector3d& contact_normal, int stroke, double force);
 
 using JointReference = Eigen::Ref<const Eigen::VectorXd>;
 double torque_share(const JointReference& torque, const JointReference& limit);

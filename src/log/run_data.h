@@ -1,4 +1,4 @@
-// The part of run.h5 that metrics and pictures need: 85 bytes per step.
+// The part of run.h5 that metrics and pictures need: 93 bytes per step.
 //
 // The log is read chunk by chunk; a reduced log is read from /every_step. Joint margin and clipped
 // torques are reduced to one number each while reading. Forces and angles are computed step by step
@@ -49,6 +49,8 @@ struct RunData : RunConstants {
   std::vector<double>
       // angle between the estimated normal and the canvas's [rad]; also NaN without an estimate
       normal_error;
+  // of the tip from its desired position, along the canvas [m]; NaN except on pen-down ink
+  std::vector<double> tracking_error;
   std::vector<double> push;         // [N]
   std::vector<double> step_time;    // [s]
   std::vector<float> torque_share;  // largest ratio of a joint's |torque| to its limit

@@ -38,6 +38,11 @@ const std::vector<MetricDefinition>& metric_definitions() {
       {"ink_error_rms_to_45", "mm",
        "ink_error_rms where the canvas leans by less than 45° from the drawing axis",
        &Metrics::ink_error_rms_to_45},
+      {"tracking_error_rms", "mm",
+       "distance of the tip from where the controller wanted it at that instant, along the canvas, "
+       "root mean square; a lag along the line counts",
+       &Metrics::tracking_error_rms},
+      {"tracking_error_max", "mm", "the same, largest", &Metrics::tracking_error_max},
       {"coverage", "1", "share of the target's length with ink within 0.5 mm", &Metrics::coverage},
       {"gaps", "1", "uncovered spans longer than 1 mm", &Metrics::gaps, true},
       {"longest_gap", "mm", "the longest of them", &Metrics::longest_gap},

@@ -107,6 +107,18 @@ void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
   }
 }
 
+void tracking(const RunData& run, Metrics& m) {
+  std::vector<double> error;
+  for (std::size_t i = 0; i < run.rows(); ++i)
+    if (counts(run, i) && std::isfinite(run.tracking_error[i]))
+      error.push_back(1e3 * run.tracking_error[i]);
+  if (error.empty())
+    return lack(m, {&Metrics::tracking_error_rms, &Metrics::tracking_error_max},
+                "no pen-down ink, or a log of an older version");
+  m.tracking_error_rms = root_mean_square(error);
+  m.tracking_error_max = maximum(error);
+}
+
 void coverage(const RunData& run, const InkMatch& d, Metrics& m) {
   double length = 0.0, uncovered = 0.0, longest = 0.0;
   std::size_t gaps = 0;
@@ -373,6 +385,7 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
   Metrics m;
   contact(run, drawn, m);
   accuracy(run, drawn, m);
+  tracking(run, m);
   coverage(run, drawn, m);
   stray_ink(run, drawn, m);
   force(run, drawn, m);
@@ -395,6 +408,8 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
           &Metrics::ink_error_rms,
           &Metrics::ink_error_p95,
           &Metrics::ink_error_max,
+          &Metrics::tracking_error_rms,
+          &Metrics::tracking_error_max,
           &Metrics::coverage,
           &Metrics::gaps,
           &Metrics::longest_gap,

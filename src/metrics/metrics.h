@@ -57,6 +57,7 @@ struct Metrics {
   Metric contact_fraction, strokes_missed;
   Metric ink_error_rms, ink_error_p95, ink_error_max;
   Metric ink_error_rms_to_45;
+  Metric tracking_error_rms, tracking_error_max;
   Metric coverage, gaps, longest_gap, ink_outside, ink_up;
   Metric force_mean, force_sd, force_rms_error, force_peak, touchdown_peak;
   Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;

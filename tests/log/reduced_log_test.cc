@@ -86,6 +86,7 @@ void expect_same_steps(const RunData& a, const RunData& b) {
   expect_same(a.contact_point, b.contact_point, "contact_point");
   expect_same(a.tilt, b.tilt, "tilt");
   expect_same(a.normal_error, b.normal_error, "normal_error");
+  expect_same(a.tracking_error, b.tracking_error, "tracking_error");
   expect_same(a.push, b.push, "push");
   expect_same(a.torque_share, b.torque_share, "torque_share");
   expect_same(a.time_scale, b.time_scale, "time_scale");
@@ -180,7 +181,7 @@ def look(name, o):
         assert len(o) == (m if name.startswith('every_step/') else n), (name, o.shape)
         o[()]
 f.visititems(look)
-assert len(named) == 15 + 21 + 9, len(named)
+assert len(named) == 16 + 21 + 9, len(named)
 assert np.all(np.diff(f['time'][:]) > 0) and np.allclose(np.diff(f['every_step/time'][:]), 1e-3)
 assert f['joint/position'].shape == (n, 7) and f['tip/orientation'].shape == (n, 4)
 force = np.nansum(f['contact/force'][:] * f['contact/normal'][:], axis=1)

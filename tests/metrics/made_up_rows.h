@@ -42,6 +42,8 @@ inline RunRows part(const RunRows& all, std::size_t begin, std::size_t end) {
   cut_joints(out.joint_velocity, all.joint_velocity);
   cut_joints(out.joint_torque, all.joint_torque);
   cut_joints(out.torque_before_limits, all.torque_before_limits);
+  cut(out.tip_position, all.tip_position);
+  cut(out.desired_position, all.desired_position);
   cut(out.tip_orientation, all.tip_orientation);
   cut(out.contact_force, all.contact_force);
   cut(out.contact_point, all.contact_point);
@@ -78,6 +80,7 @@ inline MadeUp empty_run(std::size_t n) {
       RunRows::Joints::Zero(static_cast<Eigen::Index>(n), 2);
   run.contact_force = RunRows::Points(n, zero);
   run.contact_point = run.contact_normal = run.surface_normal = RunRows::Points(n, none);
+  run.tip_position = run.desired_position = RunRows::Points(n, zero);
   run.tip_orientation.assign(n, pen(0.0));
   run.surface_distance.assign(n, kNone);
   run.push.assign(n, 0.0);

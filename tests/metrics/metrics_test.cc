@@ -21,8 +21,8 @@ TEST(Metrics, PlainRun) {
   };
   expect("contact_fraction", 1.0);
   expect("strokes_missed", 0);
-  for (const char* name : {"ink_error_rms", "ink_error_p95", "ink_error_max", "gaps", "longest_gap",
-                           "ink_outside", "ink_up", "force_sd", "force_rms_error", "tilt_mean",
+  for (const char* name : {"ink_error_rms", "ink_error_p95", "ink_error_max", "tracking_error_rms",
+                           "tracking_error_max", "gaps", "longest_gap", "ink_outside", "ink_up", "force_sd", "force_rms_error", "tilt_mean",
                            "tilt_p95", "tilt_max", "torque_saturated"}) {
     expect(name, 0.0);
   }
@@ -35,7 +35,7 @@ TEST(Metrics, PlainRun) {
   expect("joint_speed_share_max", 0.0);
   expect("step_time_p50", 10.0);
   // Every name of docs/metrics.md is there, and each null has its reason.
-  EXPECT_EQ(metric_definitions().size(), 40u);
+  EXPECT_EQ(metric_definitions().size(), 42u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));
     EXPECT_EQ(m.at(d.name).is_null(), m.at("reasons").contains(d.name)) << d.name;
@@ -222,6 +222,23 @@ TEST(Metrics, Tilt) {
   EXPECT_NEAR(value(run, "tilt_mean"), 1.2, 1e-9);
   EXPECT_NEAR(value(run, "tilt_p95"), 3.0, 1e-9);
   EXPECT_NEAR(value(run, "tilt_max"), 3.0, 1e-9);
+}
+
+// 3 mm ahead and 4 mm aside is 5 mm; what is along the normal, and rows without ink, do not count.
+TEST(Metrics, TrackingError) {
+  MadeUp run = plain_run();
+  for (std::size_t i = 0; i < 3000; ++i) run.tip_position[i] = {1.0, 1.0, 1.0};
+  for (std::size_t i = 1000; i < 2000; ++i) {
+    run.desired_position[i] = {0.1, 0.2, 0.3};
+    run.tip_position[i] = run.desired_position[i] + Eigen::Vector3d(3e-3, 4e-3, 0.5);
+    if (i >= 1500) run.tip_position[i] = run.desired_position[i];
+  }
+  EXPECT_NEAR(value(run, "tracking_error_max"), 5.0, 1e-9);
+  EXPECT_NEAR(value(run, "tracking_error_rms"), 5.0 / std::numbers::sqrt2, 1e-9);
+  for (std::size_t i = 1000; i < 1500; ++i) run.time_scale[i] = 0.1;  // the plan stands
+  EXPECT_EQ(value(run, "tracking_error_max"), 0.0);
+  for (std::size_t i = 0; i < run.rows(); ++i) lift(run, i);
+  expect_null(run, {"tracking_error_rms", "tracking_error_max"}, "no pen-down ink");
 }
 
 TEST(Metrics, NormalError) {
