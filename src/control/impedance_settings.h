@@ -143,7 +143,7 @@ struct ImpedanceSettings {
   InertiaShaping inertia = InertiaShaping::shaped;
   WrenchFeedback wrench = WrenchFeedback::measured;
   // K: [N/m], [Nm/rad]. Its linear normal part applies only in free motion and approach.
-  TipGain stiffness{{3000.0, 1500.0}, {100.0, 0.0}};
+  TipGain stiffness{{5000.0, 1500.0}, {60.0, 0.0}};
   // Determines the damping of an axis with zero stiffness: [N/m], [Nm/rad].
   TipGain reference_stiffness{{0.0, 1500.0}, {0.0, 10.0}};
   TipGain shaped_inertia{{4.0, 3.0}, {0.05, 0.02}};  // M_d if shaped: [kg], [kg m²]

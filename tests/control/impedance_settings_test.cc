@@ -143,7 +143,7 @@ TEST(LoopDelay, TheObserverPutsATorqueWhereTheLoopDelayHasItAct) {
 
 TEST(LoopDelay, TheSameDelayBoundsTheDamping) {
   ArmModel arm(kArm);
-  for (const double late : {0.0, 5e-3}) {
+  for (const double late : {0.0, 8e-3}) {
     ImpedanceSettings s = natural_settings(arm);
     s.timing.loop_delay = 1e-3 + late;
     FreeArm free(s);
@@ -159,7 +159,7 @@ TEST(VelocityDelay, BoundsTheDampingAndTheInertiaInContact) {
   ArmModel arm(kArm);
   for (double TimingSettings::*delay :
        {&TimingSettings::velocity_age, &TimingSettings::velocity_lag}) {
-    for (const double late : {0.0, 5e-3}) {
+    for (const double late : {0.0, 8e-3}) {
       ImpedanceSettings s = natural_settings(arm);
       s.timing.*delay = late;
       FreeArm free(s);

@@ -49,7 +49,7 @@ def test_a_killed_tuning_goes_on_to_the_same_end(tmp_path):
     # The first trial is what the scenario and the defaults have.
     row = a.to_pylist()[0]
     assert row["axis:trial"] == "0" and row["control.damping_ratio"] == 0.8
-    assert row["control.stiffness_tangent"] == 3000 and row["control.inertia"] == "shaped"
+    assert row["control.stiffness_tangent"] == 5000 and row["control.inertia"] == "shaped"
 
 
 def test_the_best_is_the_best_of_the_feasible(tmp_path):
