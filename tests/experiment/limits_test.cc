@@ -205,7 +205,8 @@ void check_control(const Scenario& s) {
   WrenchSensor(s.wrench_sensor, s.world.dt, 1);
   WrenchEstimator{estimator};
   JointStateEstimator({s.world.dt, c.joint_sensing.bandwidth,
-                       c.joint_sensing.sensor_delay.value_or(0.0), c.torque_delay.value_or(0.0)},
+                       c.joint_sensing.sensor_delay.value_or(0.0), c.torque_delay.value_or(0.0),
+                       c.joint_sensing.least_bandwidth},
                       7);
 }
 
