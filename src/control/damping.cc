@@ -24,8 +24,8 @@ void turn(double& x, double& y, double c, double s) {
   x = turned;
 }
 
-// One cyclic Jacobi sweep towards diagonal C: C ← Gᵀ C G, Z ← Z G for each pair. Element by element:
-// whole columns, loaded just after single elements of them were stored, take twice the time.
+// One cyclic Jacobi sweep towards diagonal C: C ← Gᵀ C G, Z ← Z G for each pair. By elements: whole
+// columns, loaded just after single elements of them were stored, take twice the time.
 void jacobi_sweep(Lower& C, Matrix6& Z) {
   for (int p = 0; p < 5; ++p) {
     for (int q = p + 1; q < 6; ++q) {

@@ -86,6 +86,32 @@ LimitedTorque TorqueLimits::clip(const JointVector& tau) noexcept {
   return out;
 }
 
+LimitedTorque TorqueLimits::nearest(const JointVector& tau,
+                                    const OperationalSpace& space) noexcept {
+  const Eigen::Index n = tau.size();
+  JointVector lower = -limit_, upper = limit_;
+  if (started_ && step_.size() != 0) {
+    lower = lower.cwiseMax(last_ - step_);
+    upper = upper.cwiseMin(last_ + step_);
+  }
+  LimitedTorque out{tau.cwiseMax(lower).cwiseMin(upper)};
+  out.limited = out.tau != tau;
+  if (out.limited) {
+    constexpr int kSweeps = 20;  // of projected Gauss-Seidel
+    JointMatrix inverse(n, n);   // M⁻¹
+    for (Eigen::Index j = 0; j < n; ++j)
+      inverse.col(j) = space.acceleration(JointVector::Unit(n, j));
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const double error = inverse.col(i).dot(out.tau - tau);
+        out.tau[i] = std::clamp(out.tau[i] - error / inverse(i, i), lower[i], upper[i]);
+      }
+  }
+  last_ = out.tau;
+  started_ = true;
+  return out;
+}
+
 LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task,
                                   const JointVector& null, const ArmTerms& arm,
                                   const OperationalSpace& space) noexcept {
@@ -101,7 +127,9 @@ LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& ta
     if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
     out.tau = out.tau.cwiseMax(-limit_).cwiseMin(limit_);  // for rounding errors and step 3
   }
-  clip_rate(&out);
+  const LimitedTorque within = nearest(out.tau, space);
+  out.tau = within.tau;
+  out.limited |= within.limited;
   return out;
 }
 

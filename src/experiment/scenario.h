@@ -196,7 +196,7 @@ struct JointSensingSettings {
   VelocitySource velocity = VelocitySource::measured;
   double bandwidth = JointStateEstimatorSettings().bandwidth;  // of the estimator [rad/s]
   double least_bandwidth = JointStateEstimatorSettings().least_bandwidth;  // with noise [rad/s]
-  std::optional<double> sensor_delay;                          // absent: the true delay [s]
+  std::optional<double> sensor_delay;  // absent: the true delay [s]
 
   using Limits = JointStateEstimatorSettings::Limits;
 };

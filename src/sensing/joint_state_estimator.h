@@ -12,8 +12,8 @@
 //           such as the onset of dry friction, is followed with the filter's bandwidth.
 //           A reading's white noise σ reaches v̂ with about 2 σ √(bandwidth³ Δt).
 // Noise     σ of each joint's readings is measured: the third difference of positions has the
-//           variance 20 σ², and the arm's own motion has next to none in it. Where v̂ would have more
-//           than kVelocityNoise of it, the joint's filter has a lower bandwidth, at least
+//           variance 20 σ², and the arm's own motion has next to none in it. Where v̂ would have
+//           more than kVelocityNoise of it, the joint's filter has a lower bandwidth, at least
 //           least_bandwidth. A drop lasts for seconds after the noise.
 //
 // â [rad/s²] stands for wrong masses and friction. The reading of the joints' velocity is not used:
@@ -77,8 +77,8 @@ class JointStateEstimator {
   // The lowest of any joint's filter at present [rad/s].
   double bandwidth() const { return lowest_bandwidth_; }
 
-  // Lag of v to what the model does not explain, for stability checks, without noise: sensor_delay +
-  // 1/bandwidth [s].
+  // Lag of v to what the model does not explain, for stability checks, without noise:
+  // sensor_delay + 1/bandwidth [s].
   double lag() const { return settings_.sensor_delay + 1.0 / settings_.bandwidth; }
 
   // Forgets everything. The next reading is taken as a state of rest.

@@ -38,7 +38,7 @@ struct WrenchEstimatorSettings {
   double filter_bandwidth = 0.0;  // ω, below 2/Δt; 0: no filter [rad/s]
   double tare_time = 0.4;         // [s]
   // The tool is at rest below both, in the mean: speed of the tip [m/s], angular speed [rad/s].
-  // An arm that settles against its joints' friction creeps at 3 mm/s, which adds nothing to a bias.
+  // An arm that settles against its joints' friction creeps at 3 mm/s, and adds nothing to a bias.
   double tare_speed = 5.0e-3, tare_turn_rate = 3.0e-2;
   // of the sensor, ± on each axis [N]
   double range_force = std::numeric_limits<double>::infinity();

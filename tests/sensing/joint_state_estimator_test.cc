@@ -38,8 +38,8 @@ struct Motion {
 };
 
 struct Errors {
-  double q = 0.0, v = 0.0;  // largest
-  double v_sd = 0.0;        // of the second joint
+  double q = 0.0, v = 0.0;              // largest
+  double v_sd = 0.0;                    // of the second joint
   double noise = 0.0, bandwidth = 0.0;  // at the end: of the second joint's readings, as measured
 };
 
@@ -119,12 +119,13 @@ TEST(JointStateEstimator, FiltersNoise) {
   }
 }
 
-// The noise that was put in is found beside a motion of 4.4 rad/s and 48 rad/s², and beside a torque
-// that the model lacks.
+// The noise that was put in is found beside a motion of 4.4 rad/s and 48 rad/s², and beside a
+// torque that the model lacks.
 TEST(JointStateEstimator, MeasuresTheNoiseOfTheReadings) {
   for (const double sigma : {1e-6, 3e-6, 1e-5, 1e-4})
     EXPECT_NEAR(follow({kDt, 300.0, 1e-3, 0.0}, 0.2, 0.05, sigma).noise, sigma, 0.15 * sigma);
-  EXPECT_LT(follow({kDt, 300.0, 0.0, 0.0}, 0.2).noise, 1e-6) << "48 rad/s² at once, two seconds ago";
+  EXPECT_LT(follow({kDt, 300.0, 0.0, 0.0}, 0.2).noise, 1e-6)
+      << "48 rad/s² at once, two seconds ago";
   for (const double quantum : {1e-5, 1e-4}) {
     const double rounding = quantum / std::sqrt(12.0);
     EXPECT_NEAR(follow({kDt, 300.0, 0.0, 0.0}, 0.2, 0.0, 0.0, quantum).noise, rounding,

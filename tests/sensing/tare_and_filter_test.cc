@@ -58,8 +58,8 @@ TEST(TareAndFilter, DoesNotTareAToolThatMoves) {
   EXPECT_TRUE(slow.estimator.tared()) << "under the limit is rest";
 }
 
-// The defect: a velocity that is estimated from positions with 3e-6 rad of noise has 2 mm/s of it at
-// the tip, and a single sample above the limit began the tare afresh, for ever.
+// The defect: a velocity that is estimated from positions with 3e-6 rad of noise has 2 mm/s of it
+// at the tip, and a single sample above the limit began the tare afresh, for ever.
 TEST(TareAndFilter, NoiseOfTheVelocityIsNoMotion) {
   std::mt19937 rng(7);
   std::normal_distribution<double> noise;
