@@ -381,7 +381,7 @@ class Runner {
     if (rattle_guard_.update(loop_.F_ext().head<3>().dot(out_.n_WD), out_.mode, out_.push, dt())) {
       const ImpedanceSettings& control = e_.control.impedance;
       stop(RunEnd::stopped,
-           fmt::format("the pen hammered on the canvas at t = {:.3f} s, with {:.0f} N about its "
+           fmt::format("the pen hammered on the canvas at t = {:.3f} s, ± {:.0f} N at a "
                        "push of {:.1f} N: tip or canvas may be stiffer than "
                        "control.contact_stiffness_max, {:.3g} N/m",
                        first_time_ + t, rattle_guard_.deviation() * out_.push, out_.push,

@@ -194,8 +194,8 @@ TEST(TorqueLimits, DoNotThrowTheArmAboutForItsElbow) {
 }
 
 // Within the rates, the torque's acceleration is nearest to what was asked: Kuhn and Tucker's
-// conditions of min (τ − asked)ᵀ M⁻¹ (τ − asked), with M inverted by Eigen. The defect: each joint clipped by
-// itself, and base joints that lacked 100 Nm threw the wrist about at 20 rad/s.
+// conditions of min (τ − asked)ᵀ M⁻¹ (τ − asked), with M inverted by Eigen. The defect: each joint
+// clipped by itself, and base joints that lacked 100 Nm threw the wrist about at 20 rad/s.
 TEST(TorqueLimits, TheRateIsSharedByLeastConstraint) {
   ArmModel arm(kArm);
   const unsigned seed = 4;

@@ -160,11 +160,12 @@ TEST(SpeedGuard, TripsEarlierWhereTorquesAreLimited) {
 }
 
 TEST(RattleGuard, TripsAtBlowsOfSeveralTimesThePush) {
-  RattleGuard gentle, hammer, air;
+  RattleGuard gentle, hammer, air, heavy;
   bool tripped = false;
   for (int i = 0; i < 3000; ++i) {
     const double phase = std::sin(0.5 * i);  // 80 Hz
     EXPECT_FALSE(gentle.update(5.0 + 5.0 * phase, ContactMode::contact, 5.0, kDt));
+    EXPECT_FALSE(heavy.update(20.0 + 5.0 * phase, ContactMode::contact, 5.0, kDt));
     EXPECT_FALSE(air.update(30.0 * phase, ContactMode::free, 5.0, kDt));
     tripped |= hammer.update(5.0 + 20.0 * phase, ContactMode::contact, 5.0, kDt);
   }
