@@ -104,6 +104,8 @@ void bind_sensing(nb::module_& m) {
       .field("bandwidth", &J::bandwidth, "of the filter [rad/s], 1 to 900")
       .field("sensor_delay", &J::sensor_delay, "age of a reading [s], 0 to 0.03")
       .field("torque_delay", &J::torque_delay, "until a torque acts [s], 0 to 0.03")
+      .field("least_bandwidth", &J::least_bandwidth,
+             "noise of the readings lowers the bandwidth to this at the most [rad/s], 1 to 900")
       .done()
       .def("validate", &J::validate, "Raises ValueError naming the setting and what is valid.");
   nb::class_<JointEstimator>(m, "JointStateEstimator",

@@ -7,39 +7,49 @@ namespace impedraw {
 
 namespace {
 
-bool is_diagonal(const Matrix6& C, double tolerance) {
-  for (int j = 1; j < 6; ++j)
-    for (int i = 0; i < j; ++i)
-      if (C(i, j) * C(i, j) > tolerance * tolerance * std::abs(C(i, i) * C(j, j))) return false;
+// A symmetric 6×6 matrix by its lower triangle: c[i][j], j ≤ i.
+using Lower = double[6][6];
+
+bool is_diagonal(const Lower& c, double tolerance) {
+  for (int i = 1; i < 6; ++i)
+    for (int j = 0; j < i; ++j)
+      if (c[i][j] * c[i][j] > tolerance * tolerance * std::abs(c[i][i] * c[j][j])) return false;
   return true;
 }
 
-// One cyclic Jacobi sweep towards diagonal C: C ← Gᵀ C G, Z ← Z G for each pair.
-void jacobi_sweep(Matrix6& C, Matrix6& Z) {
+// Turns x and y: (x, y) ← (c x − s y, s x + c y).
+void turn(double& x, double& y, double c, double s) {
+  const double turned = c * x - s * y;
+  y = s * x + c * y;
+  x = turned;
+}
+
+// One cyclic Jacobi sweep towards diagonal C: C ← Gᵀ C G, Z ← Z G for each pair. By elements: whole
+// columns, loaded just after single elements of them were stored, take twice the time.
+void jacobi_sweep(Lower& C, Matrix6& Z) {
   for (int p = 0; p < 5; ++p) {
     for (int q = p + 1; q < 6; ++q) {
-      const double off = C(p, q);
-      if (off * off <= 1e-9 * std::abs(C(p, p) * C(q, q))) continue;  // most pairs on a warm start
-      const double gap = C(q, q) - C(p, p);
+      const double off = C[q][p];
+      if (off * off <= 1e-9 * std::abs(C[p][p] * C[q][q])) continue;  // most pairs on a warm start
+      const double gap = C[q][q] - C[p][p];
       double t, c;
-      if (off * off < 1e-8 * gap * gap) {  // nearly all on a warm start: c and t to t⁴ and t³
-        t = off / gap;
-        c = 1.0 - 0.5 * t * t;
+      if (off * off < 1e-4 * gap * gap) {  // nearly all on a warm start
+        const double x = off / gap, x2 = x * x;
+        t = x * (1.0 - x2 * (1.0 - 2.0 * x2));  // tan(atan(2x)/2), to x⁷
+        const double t2 = t * t;
+        c = 1.0 - t2 * (0.5 - t2 * (0.375 - 0.3125 * t2));  // 1/√(1 + t²), to rounding
       } else {
         const double theta = gap / (2.0 * off);
         t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
         c = 1.0 / std::sqrt(t * t + 1.0);
       }
       const double s = t * c;
-      const Vector6 row_p = C.col(p), row_q = C.col(q);  // C is symmetric: rows equal columns
-      Vector6 new_p = c * row_p - s * row_q, new_q = s * row_p + c * row_q;
-      new_p[p] = row_p[p] - t * off;
-      new_q[q] = row_q[q] + t * off;
-      new_p[q] = new_q[p] = 0.0;
-      C.col(p) = new_p;
-      C.col(q) = new_q;
-      C.row(p) = new_p.transpose();
-      C.row(q) = new_q.transpose();
+      C[p][p] -= t * off;
+      C[q][q] += t * off;
+      C[q][p] = 0.0;
+      for (int k = 0; k < p; ++k) turn(C[p][k], C[q][k], c, s);
+      for (int k = p + 1; k < q; ++k) turn(C[k][p], C[q][k], c, s);
+      for (int k = q + 1; k < 6; ++k) turn(C[k][p], C[k][q], c, s);
       const Vector6 z_p = Z.col(p), z_q = Z.col(q);
       Z.col(p) = c * z_p - s * z_q;
       Z.col(q) = s * z_p + c * z_q;
@@ -55,10 +65,12 @@ void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear,
   Matrix6 KT;
   KT.topRows<3>().noalias() = K_linear.lazyProduct(T.topRows<3>());
   KT.bottomRows<3>().noalias() = K_angular.lazyProduct(T.bottomRows<3>());
-  Matrix6 C = T.transpose() * KT;
+  Lower C;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) C[i][j] = T.col(i).dot(KT.col(j));
   constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7, a warm one at most 1
   for (int sweep = 0; sweep < kMaxSweeps && !is_diagonal(C, 1e-4); ++sweep) jacobi_sweep(C, Z_);
-  rate_ = 2.0 * damping_ratio * C.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (int i = 0; i < 6; ++i) rate_[i] = 2.0 * damping_ratio * std::sqrt(std::max(C[i][i], 0.0));
   largest_rate_ = rate_.maxCoeff();
 }
 

@@ -40,7 +40,7 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
       contact_(settings.contact, settings.timing.dt) {
   if (shaped_)
     shaped_damping_ = diagonal_damping(K_damping_, settings.shaped_inertia, settings.damping_ratio);
-  out_.tau = JointVector::Zero(joints);
+  out_.tau = behind_ = JointVector::Zero(joints);
   out_.terms.setZero(joints, kTorqueTerms);
 }
 
@@ -63,6 +63,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
                                                  const FrameMotion* carrier) noexcept {
   const bool was_limited = out_.status.torque_limited;
   carrier_ = carrier;
+  braked_ = false;
   out_.status = input_status(arm, reference, surface, F_given, ages);
   if (out_.status.bad_input || out_.status.stale_state) return safe_torque();
   const bool has_wrench = measured_ && !out_.status.stale_wrench;
@@ -106,7 +107,26 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   return out_;
 }
 
-const ImpedanceTorque& ImpedanceController::brake(const ArmTerms& arm) noexcept {
+// D ṽ + K ∫ṽ dt, ṽ: what v lacks of v_D. D and K are diagonal, so that no error of M adds energy.
+JointVector ImpedanceController::brake_torque(const ArmTerms& arm,
+                                              const JointVector& lack) const noexcept {
+  constexpr double kFast = 2.0;   // a speed from which to brake [rad/s]
+  constexpr double kShare = 0.3;  // of the braking time in which the torque may build up
+  const double most = kDampingLimit / 3.0 / settings_.timing.damping_delay();
+  const Eigen::VectorXd& rate = settings_.limits.torque_rate;
+  JointVector tau(lack.size());
+  for (Eigen::Index j = 0; j < tau.size(); ++j) {
+    const double M = arm.M(j, j);
+    double D = most / space_.acceleration(JointVector::Unit(tau.size(), j))[j];
+    if (rate.size() > 0) D = std::min(D, std::sqrt(kShare * rate[j] / kFast * M));
+    tau[j] = D * lack[j] + 0.25 * D * D / M * behind_[j];
+  }
+  return tau;
+}
+
+const ImpedanceTorque& ImpedanceController::brake(const ArmTerms& arm,
+                                                  const Eigen::Vector3d& v_WD) noexcept {
+  constexpr double kFurthest = 0.5;  // that a joint may be behind [rad]
   forget();
   out_.status = {};
   out_.status.bad_input = !arm.v.allFinite() || !arm.M.allFinite() || !arm.g.allFinite();
@@ -116,9 +136,20 @@ const ImpedanceTorque& ImpedanceController::brake(const ArmTerms& arm) noexcept 
   out_.p_WD = arm.X_WE.p;
   out_.n_WD = out_.axis_WD = -arm.X_WE.R.col(2);
   out_.terms.setZero();
-  out_.terms.col(kImpedance) = -kBrakeRate * (arm.M * arm.v);
+  out_.status.near_singular = !space_.update(arm);
+  Vector6 V_D;
+  V_D << v_WD, Eigen::Vector3d::Zero();
+  const JointVector v_D =
+      space_.acceleration(arm.J.transpose().lazyProduct(Vector6(space_.inertia() * V_D)));
+  if (!braked_) behind_.setZero();
+  braked_ = true;
+  behind_ += settings_.timing.dt * (v_D - arm.v);
+  behind_ = behind_.cwiseMax(-kFurthest).cwiseMin(kFurthest);
+  out_.terms.col(kImpedance) = brake_torque(arm, v_D - arm.v);
   out_.terms.col(kGravity) = arm.g;
-  const LimitedTorque limited = limits_.clip(out_.terms.rowwise().sum());
+  out_.status.bad_input = !std::isfinite(out_.terms.sum()) || !space_.inertia().allFinite();
+  if (out_.status.bad_input) return safe_torque();
+  const LimitedTorque limited = limits_.nearest(out_.terms.rowwise().sum(), space_);
   out_.tau = limited.tau;
   out_.status.torque_limited = limited.limited;
   return out_;

@@ -141,10 +141,15 @@ class ImpedanceController {
                               const InputAges& ages = {},
                               const FrameMotion* carrier = nullptr) noexcept;
 
-  // Gravity compensation and damping −c M v, c = kBrakeRate: takes the energy out of a motion that
-  // the law no longer controls. Then continue with step(), in mode free.
-  const ImpedanceTorque& brake(const ArmTerms& arm) noexcept;
-  static constexpr double kBrakeRate = 20.0;  // [1/s]
+  // Takes the energy out of a motion that the law no longer controls, with nothing that the law
+  // needs: no wrench, no observer, no shaped inertia. Then continue with step(), in mode free.
+  //   τ = g + D (v_D − v) + K ∫(v_D − v) dt,   D and K diagonal
+  //   D as high as a third of the damping criterion allows, and as the torque's rate can follow
+  //   from 2 rad/s; K = D²/(4 M_jj)
+  // v_D: zero, or the motion of least energy with the tip's velocity v_WD [m/s]. The integral holds
+  // against friction and a hand.
+  const ImpedanceTorque& brake(const ArmTerms& arm,
+                               const Eigen::Vector3d& v_WD = Eigen::Vector3d::Zero()) noexcept;
 
   void reset() noexcept;  // restores the initial state: mode free, no carried force
 
@@ -192,6 +197,7 @@ class ImpedanceController {
   JointVector limit_repulsion(const JointVector& q) noexcept;
   JointVector disturbance(const ArmTerms& arm, const Wrench& F_ext) noexcept;
   void apply_limits(const ArmTerms& arm) noexcept;
+  JointVector brake_torque(const ArmTerms& arm, const JointVector& lack) const noexcept;
 
   ImpedanceSettings settings_;  // completed
   TipGain K_damping_;           // K'
@@ -216,6 +222,8 @@ class ImpedanceController {
   double approach_distance_ = 0.0;  // desired distance to the surface during the approach [m]
   Vector6 carried_force_ = Vector6::Zero();  // carried over at the last switch, decaying
   Vector6 last_force_ = Vector6::Zero();     // force + push of the last step
+  JointVector behind_;                       // ∫(v_D − v) dt of brake() [rad]
+  bool braked_ = false;                      // by the last call
   ImpedanceTorque out_;
 };
 

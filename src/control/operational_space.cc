@@ -89,6 +89,20 @@ bool OperationalSpace::release_lost_directions() noexcept {
   return false;
 }
 
+JointVector OperationalSpace::acceleration(const JointVector& tau) const noexcept {
+  JointVector x = tau;
+  const auto n = x.size();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) x[i] -= L_(i, k) * x[k];
+    x[i] *= inverse_diagonal_[i];
+  }
+  for (Eigen::Index i = n; i-- > 0;) {
+    for (Eigen::Index k = i + 1; k < n; ++k) x[i] -= L_(k, i) * x[k];
+    x[i] *= inverse_diagonal_[i];
+  }
+  return x;
+}
+
 Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept {
   JointVector x = tau;
   Vector6 task = Vector6::Zero();

@@ -41,6 +41,8 @@ class OperationalSpace {
   const Matrix6& inverse_inertia_factor() const { return U_; }  // U, lower triangular
   const Matrix6& inertia_factor() const { return U_inverse_; }  // U⁻¹: Λ = U⁻ᵀ U⁻¹
 
+  // M⁻¹ τ
+  JointVector acceleration(const JointVector& tau) const noexcept;
   // J̄ᵀ τ: the wrench at the tip that is equivalent to τ
   Vector6 project_to_tip(const JointVector& tau) const noexcept;
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace impedraw {
 
@@ -29,30 +28,28 @@ Share largest_share(const JointVector& tau, const JointVector& u, const JointVec
     else if (a > 0.0)
       to = -1.0;
   };
-  const auto n = tau.size();
-  const auto bound = [&](Eigen::Index i, bool least) {  // of α, as {a, b} of a + b s
-    const double edge = (least == (d[i] > 0.0)) ? lower[i] : upper[i];
-    return std::pair{(edge - tau[i]) / d[i], -u[i] / d[i]};
+  struct Line {
+    double a, b;  // a + b s
   };
-  for (Eigen::Index i = 0; i < n; ++i) {
+  Line low[kMaxJoints], high[kMaxJoints];  // bounds of α
+  int bounds = 0;
+  for (Eigen::Index i = 0; i < tau.size(); ++i) {
     if (std::abs(d[i]) < kNone) {
       require(tau[i] - upper[i] - kNone, u[i]);
       require(lower[i] - tau[i] - kNone, -u[i]);
       continue;
     }
-    for (Eigen::Index j = 0; j < n; ++j) {
-      if (std::abs(d[j]) < kNone) continue;
-      const auto [a_low, b_low] = bound(i, true);
-      const auto [a_high, b_high] = bound(j, false);
-      require(a_low - a_high - kNone, b_low - b_high);
-    }
+    const double b = -u[i] / d[i];
+    low[bounds] = {((d[i] > 0.0 ? lower[i] : upper[i]) - tau[i]) / d[i], b};
+    high[bounds++] = {((d[i] > 0.0 ? upper[i] : lower[i]) - tau[i]) / d[i], b};
   }
+  for (int i = 0; i < bounds; ++i)
+    for (int j = 0; j < bounds; ++j) require(low[i].a - high[j].a - kNone, low[i].b - high[j].b);
   if (!(from <= to)) return {std::nan(""), 0.0};
   double least = -std::numeric_limits<double>::infinity(), most = -least;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (std::abs(d[i]) < kNone) continue;
-    least = std::max(least, bound(i, true).first + to * bound(i, true).second);
-    most = std::min(most, bound(i, false).first + to * bound(i, false).second);
+  for (int i = 0; i < bounds; ++i) {
+    least = std::max(least, low[i].a + to * low[i].b);
+    most = std::min(most, high[i].a + to * high[i].b);
   }
   return {to, std::max(least, std::min(most, 0.0))};
 }
@@ -89,6 +86,32 @@ LimitedTorque TorqueLimits::clip(const JointVector& tau) noexcept {
   return out;
 }
 
+LimitedTorque TorqueLimits::nearest(const JointVector& tau,
+                                    const OperationalSpace& space) noexcept {
+  const Eigen::Index n = tau.size();
+  JointVector lower = -limit_, upper = limit_;
+  if (started_ && step_.size() != 0) {
+    lower = lower.cwiseMax(last_ - step_);
+    upper = upper.cwiseMin(last_ + step_);
+  }
+  LimitedTorque out{tau.cwiseMax(lower).cwiseMin(upper)};
+  out.limited = out.tau != tau;
+  if (out.limited) {
+    constexpr int kSweeps = 20;  // of projected Gauss-Seidel
+    JointMatrix inverse(n, n);   // M⁻¹
+    for (Eigen::Index j = 0; j < n; ++j)
+      inverse.col(j) = space.acceleration(JointVector::Unit(n, j));
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const double error = inverse.col(i).dot(out.tau - tau);
+        out.tau[i] = std::clamp(out.tau[i] - error / inverse(i, i), lower[i], upper[i]);
+      }
+  }
+  last_ = out.tau;
+  started_ = true;
+  return out;
+}
+
 LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task,
                                   const JointVector& null, const ArmTerms& arm,
                                   const OperationalSpace& space) noexcept {
@@ -104,7 +127,9 @@ LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& ta
     if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
     out.tau = out.tau.cwiseMax(-limit_).cwiseMin(limit_);  // for rounding errors and step 3
   }
-  clip_rate(&out);
+  const LimitedTorque within = nearest(out.tau, space);
+  out.tau = within.tau;
+  out.limited |= within.limited;
   return out;
 }
 

@@ -38,6 +38,10 @@ class TorqueLimits {
 
   LimitedTorque apply(const JointVector& hold, const JointVector& task, const JointVector& null,
                       const ArmTerms& arm, const OperationalSpace& space) noexcept;
+  // The torque within limits and rates whose acceleration is nearest to that of `tau`: least
+  // (τ − tau)ᵀ M⁻¹ (τ − tau). While one joint's torque is still on its way, the others keep it from
+  // throwing them about.
+  LimitedTorque nearest(const JointVector& tau, const OperationalSpace& space) noexcept;
   // Clips each joint. For a torque without a task, such as the one commanded after bad input.
   LimitedTorque clip(const JointVector& tau) noexcept;
 

@@ -80,6 +80,27 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
 // Share of a motion that the arm's model may miss, and that an estimated velocity follows late.
 constexpr double kUnexplained = 1.0 / 3.0;
 
+double velocity_lag(const JointStateEstimatorSettings& settings, int joints) {
+  return kUnexplained * JointStateEstimator(settings, joints).lag();
+}
+
+// The lowest bandwidth, from `estimator.least_bandwidth` on, with which the set-up is stable.
+double least_stable_bandwidth(ImpedanceSettings control, JointStateEstimatorSettings estimator,
+                              int joints) {
+  constexpr double kStep = 1.1;
+  const double most = estimator.bandwidth;
+  for (double b = estimator.least_bandwidth; b < most; b *= kStep) {
+    estimator.bandwidth = b;
+    control.timing.velocity_lag = velocity_lag(estimator, joints);
+    try {
+      control.validate_inertia();
+      return b;
+    } catch (const InputError&) {
+    }
+  }
+  return most;
+}
+
 // What the controller knows of the joints' sensors, and the estimator that reads them.
 void set_up_joint_sensing(const Scenario& s, int joints, const SettingErrors& setting_errors,
                           ControlSetup* setup) {
@@ -97,9 +118,11 @@ void set_up_joint_sensing(const Scenario& s, int joints, const SettingErrors& se
     return;
   }
   setting_errors.locate({"control.joint_sensing"}, [&] {
-    setup->joint_estimator.emplace(
-        JointStateEstimatorSettings{timing.dt, sensing.bandwidth, delay, timing.torque_delay()});
-    timing.velocity_lag = kUnexplained * JointStateEstimator(*setup->joint_estimator, joints).lag();
+    setup->joint_estimator.emplace(JointStateEstimatorSettings{
+        timing.dt, sensing.bandwidth, delay, timing.torque_delay(), sensing.least_bandwidth});
+    timing.velocity_lag = velocity_lag(*setup->joint_estimator, joints);
+    setup->joint_estimator->least_bandwidth =
+        least_stable_bandwidth(setup->impedance, *setup->joint_estimator, joints);
   });
 }
 

@@ -195,7 +195,8 @@ enum class VelocitySource {
 struct JointSensingSettings {
   VelocitySource velocity = VelocitySource::measured;
   double bandwidth = JointStateEstimatorSettings().bandwidth;  // of the estimator [rad/s]
-  std::optional<double> sensor_delay;                          // absent: the true delay [s]
+  double least_bandwidth = JointStateEstimatorSettings().least_bandwidth;  // with noise [rad/s]
+  std::optional<double> sensor_delay;  // absent: the true delay [s]
 
   using Limits = JointStateEstimatorSettings::Limits;
 };

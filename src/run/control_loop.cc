@@ -109,12 +109,15 @@ void ControlLoop::update_arm(const ArmState& state) noexcept {
     arm_.compute(state.q, state.v, &terms_);
 }
 
-const ImpedanceTorque& ControlLoop::brake(const ArmState& state) noexcept {
+const ImpedanceTorque& ControlLoop::brake(const ArmState& state,
+                                          const Eigen::Vector3d& v_WD) noexcept {
   update_arm(state);
   update_wrench(state);
   canvas_.update(state.time);
   on_surface_ = false;
-  return controller_.brake(terms_);
+  const ImpedanceTorque& out = controller_.brake(terms_, v_WD);
+  if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
+  return out;
 }
 
 // Each reading is used once: a repeated one would look as if nothing moved.

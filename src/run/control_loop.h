@@ -32,8 +32,9 @@ class ControlLoop {
   // controller's own output.
   const ImpedanceTorque& step(const ArmState& state, const TipReference& reference) noexcept;
 
-  // A step that damps the motion instead of following the plan (ImpedanceController::brake).
-  const ImpedanceTorque& brake(const ArmState& state) noexcept;
+  // A step that damps the motion instead of following the plan, or moves the tip at v_WD
+  // (ImpedanceController::brake).
+  const ImpedanceTorque& brake(const ArmState& state, const Eigen::Vector3d& v_WD) noexcept;
 
   // Values of the last step.
   const ArmTerms& terms() const { return terms_; }

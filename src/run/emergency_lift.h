@@ -18,6 +18,8 @@ class EmergencyLift {
       : start_(start), height_(height), p_(X_WE.p), n_(n_W), axis_(-X_WE.R.col(2)) {}
 
   bool done(double t) const { return t >= start_ + kDuration; }
+  // How far the tip has come, along the normal [m].
+  double risen(const Eigen::Vector3d& p_WE) const { return n_.dot(p_WE - p_); }
   // Minimum-jerk motion from rest to rest.
   TipReference at(double t) const {
     const double s = std::clamp((t - start_) / kDuration, 0.0, 1.0);

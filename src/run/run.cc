@@ -21,6 +21,7 @@
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
+#include "impedraw/run/rattle_guard.h"
 #include "impedraw/run/real_time.h"
 #include "impedraw/run/rest_watch.h"
 #include "impedraw/run/simulated_arm.h"
@@ -242,7 +243,10 @@ class Runner {
     };
     for (long i = 0; i < steps() || lifting_ || guard_.braking(); ++i) {
       const double t = time(), planned = t - begin - clock_.lag();
-      if (lifting_ && lifting_->done(t)) {
+      if (lifting_ && lifting_->done(t) && !guard_.braking()) {
+        if (retreats_)
+          outcome_.cause += fmt::format("; the motion was damped and the pen lifted by {:.0f} mm",
+                                        1e3 * lifting_->risen(X_KE().p));
         if (wall_) lifting_.reset();
         return;
       }
@@ -333,7 +337,8 @@ class Runner {
       for (CanvasFrame frame; driver_.next_frame(&frame);) tracker_->add(frame);
     const auto step_start = Clock::now();
     if (!state_->stalled)
-      out_ = guard_.braking() ? loop_.brake(*state_) : loop_.step(*state_, desired.reference);
+      out_ = guard_.braking() || retreats_ ? loop_.brake(*state_, velocity_of_retreat(desired))
+                                           : loop_.step(*state_, desired.reference);
     row_.step_time = seconds_since(step_start);
     row_.time = first_time_ + t;
     row_.time_scale = clock_.rate();
@@ -351,6 +356,7 @@ class Runner {
     state_ = &driver_.read();
     const std::string lost = lost_control(t);
     if (!lost.empty()) {
+      if (retreats_) outcome_.cause += "; before the pen was up, " + lost;
       stop(RunEnd::stopped, lost);
       return false;
     }
@@ -361,14 +367,27 @@ class Runner {
       if (!halt(fmt::format("{} at t = {:.3f} s", fences_.crossed(), first_time_ + t)))
         return false;
     }
-    if (guard_.update(loop_.terms().v, dt())) {
-      stop(RunEnd::stopped, fmt::format("{} was far above its speed limit of {:.2f} rad/s "
-                                        "at t = {:.3f} s; the motion was damped and the pen lifted",
-                                        e_.scene.arm.joint_names()[guard_.joint()],
-                                        e_.scene.arm.limits().speed[guard_.joint()], t));
+    if (guard_.update(loop_.terms().v, out_.status.torque_limited, dt())) {
+      stop(RunEnd::stopped,
+           fmt::format("{} was above its speed limit of {:.2f} rad/s at t = {:.3f} s{}",
+                       e_.scene.arm.joint_names()[guard_.joint()],
+                       e_.scene.arm.limits().speed[guard_.joint()], first_time_ + t,
+                       out_.status.torque_limited ? ", with torques at their limits" : ""));
+      retreats_ = true;
     } else if (guard_.calmed()) {
       if (halted_) return false;
       lift();
+    }
+    if (rattle_guard_.update(loop_.F_ext().head<3>().dot(out_.n_WD), out_.mode, out_.push, dt())) {
+      const ImpedanceSettings& control = e_.control.impedance;
+      stop(RunEnd::stopped,
+           fmt::format("the pen hammered on the canvas at t = {:.3f} s, ± {:.0f} N at a "
+                       "push of {:.1f} N: tip or canvas may be stiffer than "
+                       "control.contact_stiffness_max, {:.3g} N/m",
+                       first_time_ + t, rattle_guard_.deviation() * out_.push, out_.push,
+                       control.stability_check.contact_stiffness_max));
+      retreats_ = true;
+      guard_.brake();
     }
     if (watchdog_.update(step_time)) {
       stop(RunEnd::stopped,
@@ -482,6 +501,12 @@ class Runner {
                      kLiftOffCanvas);
   }
 
+  // Of the tip, in W: up, once the motion that the law lost control of has been damped.
+  Eigen::Vector3d velocity_of_retreat(const PathSample& desired) const {
+    if (guard_.braking() || !lifting_) return Eigen::Vector3d::Zero();
+    return loop_.canvas().pose().R * desired.reference.v_WD;
+  }
+
   bool paused() const { return !waits_ && hooks_.paused && hooks_.paused(); }
 
   void stop(RunEnd end, const std::string& cause) {
@@ -523,6 +548,8 @@ class Runner {
   PlanClock clock_;
   JointForecast forecast_;
   SpeedGuard guard_;
+  RattleGuard rattle_guard_;
+  bool retreats_ = false;  // the law has lost control: the motion is damped, then the pen goes up
   WallWatch wall_watch_;
   RestWatch rest_watch_;
   std::optional<StrokePart> wall_;

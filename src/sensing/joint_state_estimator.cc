@@ -1,5 +1,6 @@
 #include "impedraw/sensing/joint_state_estimator.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "impedraw/common/range_check.h"
@@ -7,6 +8,9 @@
 namespace impedraw {
 
 namespace {
+
+constexpr int kNoiseWindow = 200;  // readings
+constexpr double kForget = 0.02;   // share of the noise that is forgotten after a window
 
 // M⁻¹ b by Cholesky's factorisation, in plain loops: for so few joints half the time of Eigen's.
 JointVector solve(const JointMatrix& M, const JointVector& b) noexcept {
@@ -36,6 +40,7 @@ JointVector solve(const JointMatrix& M, const JointVector& b) noexcept {
 void JointStateEstimatorSettings::validate() const {
   const char* group = "control.joint_sensing";
   require_in_range(group, Limits::bandwidth, bandwidth);
+  require_in_range(group, Limits::least_bandwidth, least_bandwidth);
   require_in_range("joint state estimator: dt", dt, {1e-3, 1.0 / bandwidth, false, true}, "s");
   require_in_range(group, Limits::sensor_delay, sensor_delay);
   require_in_range(group, Limits::torque_delay, torque_delay);
@@ -45,18 +50,56 @@ JointStateEstimator::JointStateEstimator(const JointStateEstimatorSettings& sett
     : settings_((settings.validate(), settings)),
       sensor_steps_(static_cast<int>(std::lround(settings.sensor_delay / settings.dt))),
       torque_steps_(static_cast<int>(std::lround(settings.torque_delay / settings.dt))),
-      q_(JointVector::Zero(joints)),
+      gain_q_(joints),
+      gain_v_(joints),
+      gain_a_(joints),
+      lowest_bandwidth_(settings.bandwidth),
+      squares_(JointVector::Zero(joints)),
+      noise_variance_(squares_),
+      q_(squares_),
       v_(q_),
       a_(q_),
       q_now_(q_),
       v_now_(q_),
       modelled_(q_) {
-  const double theta = std::exp(-settings.bandwidth * settings.dt), rest = 1.0 - theta;
-  gain_q_ = 1.0 - theta * theta * theta;
-  gain_v_ = 1.5 * (1.0 - theta * theta) * rest / settings.dt;
-  gain_a_ = rest * rest * rest / (settings.dt * settings.dt);
+  for (int j = 0; j < joints; ++j) set_gains(j, settings.bandwidth);
+  for (JointVector& d : differences_) d = q_;
   accelerations_.fill(q_);
   torques_.fill(q_);
+}
+
+void JointStateEstimator::set_gains(int joint, double bandwidth) noexcept {
+  const double dt = settings_.dt, theta = std::exp(-bandwidth * dt), rest = 1.0 - theta;
+  gain_q_[joint] = 1.0 - theta * theta * theta;
+  gain_v_[joint] = 1.5 * (1.0 - theta * theta) * rest / dt;
+  gain_a_[joint] = rest * rest * rest / (dt * dt);
+}
+
+// Of a reading one step after the last.
+void JointStateEstimator::measure_noise(const JointVector& q_read) noexcept {
+  JointVector difference = q_read;
+  for (JointVector& last : differences_) {
+    const JointVector next = difference - last;
+    last = difference;
+    difference = next;
+  }
+  if (++in_a_row_ <= 3) return;
+  squares_ += difference.cwiseAbs2();
+  if (++squared_ < kNoiseWindow) return;
+  lowest_bandwidth_ = settings_.bandwidth;
+  for (int j = 0; j < squares_.size(); ++j) {
+    noise_variance_[j] =
+        std::max(squares_[j] / (20.0 * squared_), (1.0 - kForget) * noise_variance_[j]);
+    // 2 σ √(bandwidth³ Δt) = kVelocityNoise
+    const double most = std::cbrt(0.25 * kVelocityNoise * kVelocityNoise /
+                                  (settings_.dt * std::max(noise_variance_[j], 1e-30)));
+    const double bandwidth =
+        std::min(settings_.bandwidth, std::max(settings_.least_bandwidth, most));
+    set_gains(j, bandwidth);
+    lowest_bandwidth_ = std::min(lowest_bandwidth_, bandwidth);
+  }
+  squares_.setZero();
+  squared_ = 0;
 }
 
 void JointStateEstimator::update(const JointVector& q_read, int steps) noexcept {
@@ -69,18 +112,23 @@ void JointStateEstimator::update(const JointVector& q_read, int steps) noexcept 
     accelerations_.fill(v_);
     step_ = 0;
     started_ = true;
+    in_a_row_ = 0;
+    measure_noise(q_read);
     return;
   }
   for (int i = 0; i < steps; ++i) advance();
+  if (steps != 1) in_a_row_ = 0;
+  measure_noise(q_read);
   const JointVector e = q_read - q_;
-  q_ += gain_q_ * e;
-  v_ += gain_v_ * e;
-  a_ += gain_a_ * e;
+  q_ += gain_q_.cwiseProduct(e);
+  v_ += gain_v_.cwiseProduct(e);
+  a_ += gain_a_.cwiseProduct(e);
   forecast();
 }
 
 void JointStateEstimator::coast(int steps) noexcept {
   if (!started_) return;
+  in_a_row_ = 0;
   for (int i = 0; i < steps; ++i) advance();
   forecast();
 }

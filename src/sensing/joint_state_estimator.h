@@ -11,6 +11,10 @@
 // Gives     q̂, v̂ without lag in a motion that the model explains, constant â included. The rest,
 //           such as the onset of dry friction, is followed with the filter's bandwidth.
 //           A reading's white noise σ reaches v̂ with about 2 σ √(bandwidth³ Δt).
+// Noise     σ of each joint's readings is measured: the third difference of positions has the
+//           variance 20 σ², and the arm's own motion has next to none in it. Where v̂ would have
+//           more than kVelocityNoise of it, the joint's filter has a lower bandwidth, at least
+//           least_bandwidth. A drop lasts for seconds after the noise.
 //
 // â [rad/s²] stands for wrong masses and friction. The reading of the joints' velocity is not used:
 // it adds nothing to positions of the same encoder.
@@ -32,9 +36,13 @@ struct JointStateEstimatorSettings {
   double bandwidth = 300.0;   // of the filter [rad/s]; below 1/dt
   double sensor_delay = 0.0;  // age of a reading when passed in, rounded to steps [s]
   double torque_delay = 0.0;  // from commanding a torque until it acts, rounded to steps [s]
+  // Noise of the readings lowers the bandwidth to this at the most; at or above bandwidth: not at
+  // all [rad/s].
+  double least_bandwidth = 150.0;
 
   struct Limits {
     static constexpr Limit bandwidth = {"bandwidth", "rad/s", {1.0, 900.0}};
+    static constexpr Limit least_bandwidth = {"least_bandwidth", "rad/s", {1.0, 900.0}};
     static constexpr Limit sensor_delay = {"sensor_delay", "s", {0.0, 0.03}};
     static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.03}};
   };
@@ -45,6 +53,7 @@ struct JointStateEstimatorSettings {
 class JointStateEstimator {
  public:
   static constexpr int kMaxDelaySteps = 32;
+  static constexpr double kVelocityNoise = 2.5e-3;  // standard deviation that v̂ may have [rad/s]
 
   // Throws InputError naming the setting, its value and what would be valid.
   JointStateEstimator(const JointStateEstimatorSettings& settings, int joints);
@@ -62,8 +71,14 @@ class JointStateEstimator {
   const JointVector& q() const { return q_now_; }  // [rad]
   const JointVector& v() const { return v_now_; }  // [rad/s]
 
-  // Lag of v to what the model does not explain, for stability checks: sensor_delay + 1/bandwidth
-  // [s].
+  // Standard deviation of the readings' noise, as measured, per joint [rad]. Of a rounded position
+  // in motion it is about quantum/√12.
+  JointVector noise() const { return noise_variance_.cwiseSqrt(); }
+  // The lowest of any joint's filter at present [rad/s].
+  double bandwidth() const { return lowest_bandwidth_; }
+
+  // Lag of v to what the model does not explain, for stability checks, without noise:
+  // sensor_delay + 1/bandwidth [s].
   double lag() const { return settings_.sensor_delay + 1.0 / settings_.bandwidth; }
 
   // Forgets everything. The next reading is taken as a state of rest.
@@ -72,10 +87,16 @@ class JointStateEstimator {
  private:
   void advance() noexcept;
   void forecast() noexcept;
+  void measure_noise(const JointVector& q_read) noexcept;
+  void set_gains(int joint, double bandwidth) noexcept;
 
   JointStateEstimatorSettings settings_;
   int sensor_steps_, torque_steps_;
-  double gain_q_, gain_v_, gain_a_;
+  JointVector gain_q_, gain_v_, gain_a_;
+  double lowest_bandwidth_;
+  // Readings in a row, their differences of order 0 to 2, and the squares of those of order 3.
+  int in_a_row_ = 0, squared_ = 0;
+  JointVector differences_[3], squares_, noise_variance_;
   bool started_ = false;
   long step_ = 0;          // steps advanced
   JointVector q_, v_, a_;  // q̂, v̂, â at the time of the newest reading

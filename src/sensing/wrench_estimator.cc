@@ -49,6 +49,7 @@ WrenchEstimator::WrenchEstimator(const WrenchEstimatorSettings& settings) : sett
   const double w_dt = settings.filter_bandwidth * settings.dt;
   filter_gain_ = w_dt / (2.0 + w_dt);
   tare_length_ = static_cast<int>(std::lround(settings.tare_time / settings.dt));
+  rest_gain_ = settings.dt / (settings.dt + 0.5 * settings.tare_time);
   motions_kept_ = static_cast<int>(std::lround(settings.sensor_delay / settings.dt)) + 2;
 }
 
@@ -118,7 +119,11 @@ bool WrenchEstimator::reading_valid(const Vector6& reading_S) const noexcept {
 void WrenchEstimator::tare(const Vector6& residue_S, const ToolMotion& motion) noexcept {
   const Eigen::Vector3d v_WS = motion.V_WS.head<3>(), w_WS = motion.V_WS.tail<3>();
   const Eigen::Vector3d v_WE = v_WS + w_WS.cross(motion.X_WS.R * p_SE_);
-  if (!(v_WE.norm() < settings_.tare_speed && w_WS.norm() < settings_.tare_turn_rate)) {
+  Vector6 V;
+  V << v_WE, w_WS;
+  mean_motion_ += rest_gain_ * (V - mean_motion_);
+  if (!(mean_motion_.head<3>().norm() < settings_.tare_speed &&
+        mean_motion_.tail<3>().norm() < settings_.tare_turn_rate)) {
     start_tare();
     return;
   }

@@ -13,7 +13,8 @@
 //           rule. At frequency f: phase −2 atan(2πf/ω), gain 1/(1 + (2πf/ω)²), which is one half
 //           at ω and −3 dB at 0.64 ω. The low-frequency delay is exactly 2/ω. White noise is
 //           reduced to √(ωΔt/4) of its standard deviation (ωΔt ≪ 1).
-// Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of uninterrupted rest.
+// Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of uninterrupted rest: of a
+//           velocity whose mean, by a low-pass of tare_time/2, is small. Its noise is no motion.
 //           Nothing may touch the tool meanwhile; the estimator cannot detect this. The bias
 //           includes the value at rest of any term that `removal` omits.
 // Requires  one update() per step, from the first step on; R_WE a rotation; readings that are
@@ -36,8 +37,9 @@ struct WrenchEstimatorSettings {
   double sensor_delay = 0.0;      // age of a reading when passed in, rounded to whole steps [s]
   double filter_bandwidth = 0.0;  // ω, below 2/Δt; 0: no filter [rad/s]
   double tare_time = 0.4;         // [s]
-  // The tool is at rest below both: speed of the tip [m/s], angular speed [rad/s].
-  double tare_speed = 2.0e-3, tare_turn_rate = 1.0e-2;
+  // The tool is at rest below both, in the mean: speed of the tip [m/s], angular speed [rad/s].
+  // An arm that settles against its joints' friction creeps at 3 mm/s, and adds nothing to a bias.
+  double tare_speed = 5.0e-3, tare_turn_rate = 3.0e-2;
   // of the sensor, ± on each axis [N]
   double range_force = std::numeric_limits<double>::infinity();
   double range_torque = std::numeric_limits<double>::infinity();  // [Nm]
@@ -87,12 +89,14 @@ class WrenchEstimator {
   Eigen::Vector3d p_SE_;
   double filter_gain_;  // ωΔt/(2 + ωΔt)
   int tare_length_;     // [steps]
+  double rest_gain_;    // of the low-pass of the motion
 
   // ring buffer of motions_kept_ entries, from the start of the reading's step until now
   std::array<Motion, kMaxDelaySteps + 2> motions_;
   int motions_kept_, newest_ = 0, known_ = 0;
 
   Vector6 tare_sum_ = Vector6::Zero(), bias_S_ = Vector6::Zero();
+  Vector6 mean_motion_ = Vector6::Zero();  // while taring: v_WE, ω [m/s, rad/s]
   int tare_steps_ = 0;
   bool taring_ = true, tared_ = false, fault_ = false;
   Vector6 filter_in_ = Vector6::Zero(), filter_middle_ = Vector6::Zero(),

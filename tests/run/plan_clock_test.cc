@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "impedraw/run/rattle_guard.h"
 #include "impedraw/run/speed_guard.h"
 
 namespace impedraw {
@@ -130,20 +131,48 @@ TEST(SpeedGuard, TripsAtALimitBrakesAndCalms) {
   SpeedGuard guard(Eigen::Vector2d(1.0, 2.0));
   JointVector v(2);
   v << 0.5, 1.9;
-  for (int i = 0; i < 100; ++i) EXPECT_FALSE(guard.update(v, kDt));
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(guard.update(v, false, kDt));
   v[1] = 5.5;
-  EXPECT_FALSE(guard.update(v, kDt)) << "one outlier of a noisy velocity";
+  EXPECT_FALSE(guard.update(v, false, kDt)) << "one outlier of a noisy velocity";
   v[1] = 1.0;
-  EXPECT_FALSE(guard.update(v, kDt));
+  EXPECT_FALSE(guard.update(v, false, kDt));
   v[1] = -5.5;
   int steps = 0;
-  while (!guard.update(v, kDt)) ASSERT_LT(++steps, 10);
+  while (!guard.update(v, false, kDt)) ASSERT_LT(++steps, 10);
   EXPECT_EQ(guard.joint(), 1);
   EXPECT_TRUE(guard.braking());
   v.setZero();
-  guard.update(v, kDt);
+  guard.update(v, false, kDt);
   EXPECT_FALSE(guard.braking());
   EXPECT_TRUE(guard.calmed());
+}
+
+// A law whose torques are at their limits cannot hold a joint that is too fast.
+TEST(SpeedGuard, TripsEarlierWhereTorquesAreLimited) {
+  const JointVector v = JointVector::Constant(1, 1.3);
+  SpeedGuard free(Eigen::VectorXd::Ones(1)), limited(Eigen::VectorXd::Ones(1));
+  bool tripped = false;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_FALSE(free.update(v, false, kDt));
+    tripped |= limited.update(v, true, kDt);
+  }
+  EXPECT_TRUE(tripped);
+}
+
+TEST(RattleGuard, TripsAtBlowsOfSeveralTimesThePush) {
+  RattleGuard gentle, hammer, air, heavy;
+  bool tripped = false;
+  for (int i = 0; i < 3000; ++i) {
+    const double phase = std::sin(0.5 * i);  // 80 Hz
+    EXPECT_FALSE(gentle.update(5.0 + 5.0 * phase, ContactMode::contact, 5.0, kDt));
+    EXPECT_FALSE(heavy.update(20.0 + 5.0 * phase, ContactMode::contact, 5.0, kDt));
+    EXPECT_FALSE(air.update(30.0 * phase, ContactMode::free, 5.0, kDt));
+    tripped |= hammer.update(5.0 + 20.0 * phase, ContactMode::contact, 5.0, kDt);
+  }
+  EXPECT_TRUE(tripped);
+  RattleGuard once;  // a blow of ten times the push, 10 ms long
+  for (int i = 0; i < 1000; ++i)
+    EXPECT_FALSE(once.update(i < 10 ? 50.0 : 5.0, ContactMode::contact, 5.0, kDt)) << i;
 }
 
 }  // namespace

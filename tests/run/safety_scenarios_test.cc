@@ -1,6 +1,8 @@
 // Each scenario safety-* provokes one fault. Tests the arm's reaction.
 #include <algorithm>
 
+#include <gmock/gmock.h>
+
 #include "drawn_scenario.h"
 #include "impedraw/control/contact_mode.h"
 
@@ -114,6 +116,40 @@ TEST(Safety, AStretchedArmLetsADirectionGo) {
   EXPECT_LE(torque_rate(f), kRate);
   EXPECT_EQ(f["torque_saturated"], 0.0);
   EXPECT_GE(f["contact_fraction"], 0.99);
+}
+
+// What the law cannot hold: the guard damps the motion long before 20 rad/s, lifts the pen and says
+// why. The defects: joint 5 at 20 rad/s, the pen thrust into the canvas at 200 N, a lift by the law
+// that had lost control, and a pen that hammered for a minute.
+TEST(Safety, WhatTheLawCannotHoldIsDampedAndThePenLifted) {
+  const struct {
+    const char* scenario;
+    std::vector<std::string> assignments;
+    const char* cause;
+    double force;  // greatest [N]
+  } cases[] = {
+      {"bowl-push",
+       {"pushes.0.force=60", "control.torque_rate=900"},
+       "torques at their limits",
+       60},
+      {"bowl-sine", {"world.errors.rotor_inertia=0.3"}, "above its speed limit", 1},
+      {"bowl-sine", {"world.errors.torque_ripple=1"}, "joint_7 was above its speed limit", 1},
+      {"bowl-sine", {"world.errors.loop_delay=0.008"}, "torques at their limits", 1},
+      {"bowl-sine",
+       {"world.errors.viscous_friction=5", "control.observer.enabled=false"},
+       "above its speed limit",
+       1},
+      {"bowl-sine", {"world.tip.stiffness=1e6"}, "hammered on the canvas", 80}};
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.assignments.front());
+    const Figures f = draw_scenario(c.scenario, c.assignments, RunEnd::stopped);
+    EXPECT_THAT(f.outcome.cause, testing::HasSubstr(c.cause));
+    EXPECT_THAT(f.outcome.cause, testing::HasSubstr("the motion was damped and the pen lifted by"));
+    EXPECT_LT(f.run.joint_velocity.cwiseAbs().maxCoeff(), 9.0);
+    EXPECT_LT(f.run.joint_velocity.bottomRows(1).cwiseAbs().maxCoeff(), 1.0);
+    EXPECT_LT(highest_force(f), c.force);
+    EXPECT_EQ(f.run.contact_force.back().norm(), 0.0);
+  }
 }
 
 // Every change of mode in every standard drawing.

@@ -38,14 +38,15 @@ struct Motion {
 };
 
 struct Errors {
-  double q = 0.0, v = 0.0;  // largest
-  double v_sd = 0.0;        // of the second joint
+  double q = 0.0, v = 0.0;              // largest
+  double v_sd = 0.0;                    // of the second joint
+  double noise = 0.0, bandwidth = 0.0;  // at the end: of the second joint's readings, as measured
 };
 
 // Lets the estimator follow the motion for 3 s; errors from `from` on. `unknown`: a torque on the
-// second joint that the model lacks, from t = 0 on. `noise`: of the readings [rad].
+// second joint that the model lacks, from t = 0 on. `noise`, `quantum`: of the readings [rad].
 Errors follow(const JointStateEstimatorSettings& settings, double from, double unknown = 0.0,
-              double noise = 0.0) {
+              double noise = 0.0, double quantum = 0.0) {
   const Motion motion;
   JointStateEstimator estimator(settings, 2);
   std::mt19937 rng(1);
@@ -60,6 +61,8 @@ Errors follow(const JointStateEstimatorSettings& settings, double from, double u
     const double t = i * kDt;
     JointVector reading = motion.q(t - settings.sensor_delay);
     for (double& x : reading) x += noise * normal(rng);
+    if (quantum > 0.0)
+      for (double& x : reading) x = quantum * std::round(x / quantum);
     estimator.update(reading);
     if (t >= from) {
       errors.q = std::max(errors.q, (estimator.q() - motion.q(t)).cwiseAbs().maxCoeff());
@@ -74,6 +77,8 @@ Errors follow(const JointStateEstimatorSettings& settings, double from, double u
     estimator.commanded(terms, Vector6::Zero(), tau);
   }
   errors.v_sd = std::sqrt(squares / count);
+  errors.noise = estimator.noise()[1];
+  errors.bandwidth = estimator.bandwidth();
   return errors;
 }
 
@@ -112,6 +117,37 @@ TEST(JointStateEstimator, FiltersNoise) {
     EXPECT_LT(e.v_sd, 1.3 * quoted + 2e-3) << bandwidth;
     EXPECT_LT(e.v_sd, 0.3 * std::sqrt(2.0) * sigma / kDt) << "a difference has more";
   }
+}
+
+// The noise that was put in is found beside a motion of 4.4 rad/s and 48 rad/s², and beside a
+// torque that the model lacks.
+TEST(JointStateEstimator, MeasuresTheNoiseOfTheReadings) {
+  for (const double sigma : {1e-6, 3e-6, 1e-5, 1e-4})
+    EXPECT_NEAR(follow({kDt, 300.0, 1e-3, 0.0}, 0.2, 0.05, sigma).noise, sigma, 0.15 * sigma);
+  EXPECT_LT(follow({kDt, 300.0, 0.0, 0.0}, 0.2).noise, 1e-6)
+      << "48 rad/s² at once, two seconds ago";
+  for (const double quantum : {1e-5, 1e-4}) {
+    const double rounding = quantum / std::sqrt(12.0);
+    EXPECT_NEAR(follow({kDt, 300.0, 0.0, 0.0}, 0.2, 0.0, 0.0, quantum).noise, rounding,
+                0.3 * rounding);
+  }
+}
+
+// The defect: with 3e-5 rad of noise the velocity had 15e-3 rad/s of it at 400 rad/s.
+TEST(JointStateEstimator, NoiseLowersTheBandwidth) {
+  const JointStateEstimatorSettings settings{kDt, 400.0, 0.0, 0.0, 100.0};
+  EXPECT_EQ(follow(settings, 0.5, 0.0, 0.0, 1e-5).bandwidth, 400.0) << "that much is borne";
+  for (const double sigma : {1e-5, 2e-5, 3e-5}) {
+    const Errors e = follow(settings, 0.5, 0.0, sigma);
+    const double most = JointStateEstimator::kVelocityNoise;
+    EXPECT_NEAR(2.0 * sigma * std::sqrt(std::pow(e.bandwidth, 3) * kDt), most, 0.25 * most);
+    EXPECT_LT(e.v_sd, 1.3 * most) << sigma;
+  }
+  EXPECT_EQ(follow(settings, 0.5, 0.0, 1e-3).bandwidth, 100.0) << "no further";
+  JointStateEstimatorSettings fixed = settings;
+  fixed.least_bandwidth = 400.0;
+  EXPECT_EQ(follow(fixed, 0.5, 0.0, 3e-5).bandwidth, 400.0);
+  EXPECT_GT(follow(fixed, 0.5, 0.0, 3e-5).v_sd, 8e-3);
 }
 
 TEST(JointStateEstimator, CoastsThroughMissingReadings) {
@@ -194,6 +230,7 @@ TEST(JointStateEstimator, RefusesWhatCannotBe) {
   EXPECT_NE(refusal({kDt, 1000.0, 0.0, 0.0}).find("bandwidth"), std::string::npos);
   EXPECT_NE(refusal({kDt, 300.0, 0.05, 0.0}).find("sensor_delay"), std::string::npos);
   EXPECT_NE(refusal({kDt, 300.0, 0.0, -1e-3}).find("torque_delay"), std::string::npos);
+  EXPECT_NE(refusal({kDt, 300.0, 0.0, 0.0, 0.0}).find("least_bandwidth"), std::string::npos);
 }
 
 }  // namespace

@@ -40,13 +40,15 @@ TEST(TareAndFilter, DoesNotTareAToolThatMoves) {
     Vector6 V = Vector6::Zero();
     V[axis] = axis < 3 ? 3.0 * still_settings().tare_speed : 3.0 * still_settings().tare_turn_rate;
     for (int i = 0; i < 5000; ++i) {
-      // at rest for 88 ms, never for 100
-      const Vector6 F = still.read(kBias, (i % 90 == 0 ? 1.0 : 0.0) * V);
+      // at rest for 40 ms, never for 100; the mean over 50 ms stays above the limit
+      const Vector6 F = still.read(kBias, (i % 100 < 60 ? 1.0 : 0.0) * V);
       ASSERT_TRUE(F.isZero(0.0)) << "axis " << axis << " step " << i;
     }
     EXPECT_FALSE(still.estimator.tared()) << "axis " << axis;
-    EXPECT_EQ(still.steps_to_tare(kBias), 100 - (4999 - 4951))
-        << "the last motion was over at step 4951";
+    // From below three times the limit, by a time constant of 51 steps to below the limit.
+    const int steps = still.steps_to_tare(kBias);
+    EXPECT_GE(steps, 60);
+    EXPECT_LE(steps, 100 + 51.0 * std::log(3.0));
     EXPECT_LT((still.estimator.bias() - kBias).norm(), 1e-12);
   }
   Still slow(still_settings());
@@ -54,6 +56,23 @@ TEST(TareAndFilter, DoesNotTareAToolThatMoves) {
   V[0] = 0.5 * still_settings().tare_speed;
   for (int i = 0; i < 110; ++i) slow.read(kBias, V);
   EXPECT_TRUE(slow.estimator.tared()) << "under the limit is rest";
+}
+
+// The defect: a velocity that is estimated from positions with 3e-6 rad of noise has 2 mm/s of it
+// at the tip, and a single sample above the limit began the tare afresh, for ever.
+TEST(TareAndFilter, NoiseOfTheVelocityIsNoMotion) {
+  std::mt19937 rng(7);
+  std::normal_distribution<double> noise;
+  Still still(still_settings());
+  const auto velocity = [&] {
+    Vector6 V = Vector6::NullaryExpr([&] { return noise(rng); });
+    V.head<3>() *= 2.0 * still_settings().tare_speed;
+    V.tail<3>() *= 2.0 * still_settings().tare_turn_rate;
+    return V;
+  };
+  for (int i = 0; i < 101; ++i) still.read(kBias, velocity());
+  EXPECT_TRUE(still.estimator.tared());
+  EXPECT_LT((still.estimator.bias() - kBias).norm(), 1e-9) << "the pen weighs nothing";
 }
 
 TEST(TareAndFilter, RestIsThatOfTheTip) {
