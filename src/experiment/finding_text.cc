@@ -27,6 +27,8 @@ std::string refusal_text(const Finding& f, bool seen) {
         return "makes the pen's shaft touch the canvas or the table";
       case Problem::joint_jump:
         return "cannot be followed without a jump of the joints";
+      case Problem::crawls:
+        return "would have to crawl";
       case Problem::too_short:
         return "leaves too short a remainder";
     }
