@@ -34,6 +34,7 @@ void bind_preflight(nb::module_& m) {
   nb::enum_<Problem>(m, "Problem", "Why a part of a stroke cannot be drawn.")
       .value("off_canvas", Problem::off_canvas)
       .value("fold", Problem::fold)
+      .value("crease", Problem::crease)
       .value("too_steep", Problem::too_steep)
       .value("out_of_reach", Problem::out_of_reach)
       .value("joint_limit", Problem::joint_limit)

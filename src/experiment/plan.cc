@@ -222,10 +222,15 @@ std::vector<StrokePart> Planning::lay_on_surface() {
   return std::move(laid.lost);
 }
 
-// The planner's surface ends at a step that the cameras do not resolve (normals.h).
+// The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
 void Planning::name_step(Finding* f) const {
   constexpr double kStep = 8e-4;  // [m]
   if (!scene_.perception || f->problem != Problem::off_canvas) return;
+  if (scene_.planning->in_crease(f->p_W)) {
+    f->problem = Problem::crease;
+    f->text = "two sides of the surface meet at over 60° here, and the tip would touch both";
+    return;
+  }
   const Roughness there = scene_.perception->roughness(f->p_W);
   if (!(there.misfit > kStep)) return;
   f->problem = Problem::fold;
@@ -369,14 +374,24 @@ void Planning::leave_out(const OffSurface& off) {
              .p_W = artwork_.X_WP * Eigen::Vector3d(off.p.x(), off.p.y(), 0.0)});
 }
 
-// Removes what surface and joints slow down too far. Returns false if nothing does.
+// Removes what surface and joints slow down too far. Returns false if nothing does. Stretches below
+// kCrawling of least_speed always go; as long as the mean, with something in hand since the run's
+// clock yields on rough ground, is below least_speed, those below a bound that rises go, too.
 bool Planning::leave_out_crawling() {
-  const double least = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
-  if (!(least > 0.0) || !is_slow_anywhere(plan_.path, least)) return false;
+  constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.2, kRise = 1.25;
+  const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
+  if (!(asked > 0.0)) return false;
+  double least = kCrawling * asked;
+  const bool slow_on_average = plan_.path.mean_speed() < kInHand * asked;
+  if (!slow_on_average && !is_slow_anywhere(plan_.path, least)) return false;
   const TipPath free =
       plan_from(unhindered(plan_.path_settings), surface(), plan_.strokes, s_.arm.start_p_WE,
                 z_WP(), plan_.path_settings.start_hold);
   std::vector<CrawlingStretch> slow = crawling_stretches(plan_.path, free, least);
+  while (slow.empty() && slow_on_average && least < kInHand * asked) {
+    least = std::min(kRise * least, kInHand * asked);
+    slow = crawling_stretches(plan_.path, free, least);
+  }
   std::reverse(slow.begin(), slow.end());  // so that the numbers of those before stay
   for (const CrawlingStretch& c : slow) {
     const double from = plan_.preflight.drawable[c.stroke].from;

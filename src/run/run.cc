@@ -449,11 +449,23 @@ class Runner {
     return std::nullopt;
   }
 
+  // True in the cycle in which the controller retreats from a place where the cameras have seen no
+  // surface: a gap between two bodies, for instance. A fault of perception is none.
+  bool lost_surface() {
+    const bool before = std::exchange(retreating_, out_.mode == ContactMode::retreat);
+    return retreating_ && !before && !canvas_moves() &&
+           e_.scene.perception->estimate(loop_.terms().X_WE.p).status != SurfaceStatus::ok;
+  }
+
   void look_for_wall(const PathSample& desired, const TipPath& path, double planned) {
     if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
     const bool down = out_.mode == ContactMode::contact || out_.mode == ContactMode::approach;
     if (!down) side_watch_.reset();
     if (down && side_watch_.update(out_.n_WD, loop_.F_ext().head<3>(), dt())) {
+      wall_ = place_on_path(desired, path, planned);
+      if (wall_) return lift(kLiftAtWall);
+    }
+    if (lost_surface()) {
       wall_ = place_on_path(desired, path, planned);
       if (wall_) return lift(kLiftAtWall);
     }
@@ -544,6 +556,7 @@ class Runner {
   SpeedGuard guard_;
   WallWatch wall_watch_;
   SideWatch side_watch_;
+  bool retreating_ = false;
   RestWatch rest_watch_;
   std::optional<StrokePart> wall_;
   TouchedHeights heights_;

@@ -182,6 +182,8 @@ const char* name_of(Problem problem) noexcept {
       return "off_canvas";
     case Problem::fold:
       return "fold";
+    case Problem::crease:
+      return "crease";
     case Problem::too_steep:
       return "too_steep";
     case Problem::out_of_reach:

@@ -43,6 +43,7 @@ namespace impedraw {
 enum class Problem {
   off_canvas,  // no surface: beyond its edge, or a hole
   fold,        // the surface jumps in height; both sides may be drawable
+  crease,      // two sides of the surface meet like an open book; both may be drawable
   too_steep,
   out_of_reach,
   joint_limit,
@@ -69,9 +70,10 @@ struct PreflightSettings {
   // distance kept from the surface's edges and holes, along the stroke [m]
   double edge_margin = 1e-3;
   double shortest = 5e-3;  // shortest part worth lowering the pen for [m]
-  // What the surface or the arm's joints slow down further than to this, or to half the drawing
-  // speed, is left out; 0: drawn however slow [m/s]. Not by check_strokes: by the planned path.
-  double least_speed = 10e-3;
+  // Mean speed of the drawing, at most half of the drawing speed. Where the surface or the arm's
+  // joints slow a stretch down to less than two thirds of it, it is left out, and more until the
+  // mean is kept; 0: all is drawn, however slowly [m/s]. Not by check_strokes: by the planned path.
+  double least_speed = 15e-3;
 
   double max_slope_deg = 75;       // between the surface's normal and z_P
   double fold_height = 0.5e-3;     // the pen's tip rides over lower steps [m]
