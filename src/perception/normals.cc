@@ -80,9 +80,9 @@ constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 5e-3;
 constexpr int kLooks = 8;  // around
 // A crease: the normals of two places on either side of it, as the finest patches tell them, lean
 // towards each other by more than kCreaseAngle [rad]. They are so far apart that each patch lies on
-// its own side, and so near that resolved terrain of 40° seldom bends as much. The plan keeps
-// kCreaseMargin off the middle between them [m].
-constexpr double kCreaseAngle = 60.0 * std::numbers::pi / 180.0;
+// its own side. Where their planes meet, a patch leaves a residual above kCreaseResidual [m]: in a
+// round valley it follows the bend. The plan keeps kCreaseMargin off that place [m].
+constexpr double kCreaseAngle = 60.0 * std::numbers::pi / 180.0, kCreaseResidual = 1e-4;
 constexpr double kCreaseNear = 6e-3, kCreaseFar = 9.5e-3, kCreaseMargin = 3.5e-3;
 // A plan: a fitted surface whose nearest point is further off than this many times the points'
 // spacing runs on beyond them.
@@ -191,14 +191,22 @@ struct SurfaceEstimator::Index {
       for (int k = 0; k < found; ++k) {
         const int j = index[k];
         if (j < i || at[j].status != SurfaceStatus::ok) continue;
-        const Vector3d between = cloud.points[j] - cloud.points[i];
+        const Vector3d half = 0.5 * (cloud.points[j] - cloud.points[i]);
         const Vector3d &a = at[i].n_W, &b = at[j].n_W;
+        const double cosine = a.dot(b);
         const bool apart = squared[k] > kCreaseNear * kCreaseNear;
-        if (!apart || a.dot(b) > std::cos(kCreaseAngle) || (b - a).dot(between) > 0.0) continue;
+        if (!apart || cosine > std::cos(kCreaseAngle) || (b - a).dot(half) > 0.0 || cosine < -0.9)
+          continue;
+        // From the middle between them onto the line where their planes meet.
+        const double to_a = -a.dot(half), to_b = b.dot(half), det = 1.0 - cosine * cosine;
+        const Vector3d line = cloud.points[i] + half + (to_a - cosine * to_b) / det * a +
+                              (to_b - cosine * to_a) / det * b;
         int about[kMostNeighbours];
         double off[kMostNeighbours];
-        const Vector3d middle = 0.5 * (cloud.points[i] + cloud.points[j]);
-        const int m = tree.nearest(middle, kMostNeighbours, kCreaseMargin, about, off);
+        const int m = tree.nearest(line, kMostNeighbours, kCreaseMargin, about, off);
+        if (m == 0) continue;
+        const Roughness& there = rough[about[0]];  // no radius: points on both sides are no surface
+        if (there.radius > 0.0 && there.residual < kCreaseResidual) continue;
         for (int l = 0; l < m; ++l) creases[about[l]] = 1;
       }
     }

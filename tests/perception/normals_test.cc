@@ -271,7 +271,8 @@ TEST(Normals, APlanKeepsOffCreasesAndOffNothingElse) {
   }
 }
 
-// Waves of 15 mm, 40° steep: a camera resolves them, and the tip follows their valleys.
+// Waves of 15 mm, up to 40° steep: cameras resolve them, and the tip fits into their valleys, though
+// places 9 mm apart lean towards each other by up to 77°.
 TEST(Normals, ResolvedWavesAreNoCreases) {
   const double k = 2.0 * std::numbers::pi / 0.015,
                a = std::tan(40.0 * std::numbers::pi / 180.0) / k;
@@ -286,7 +287,7 @@ TEST(Normals, ResolvedWavesAreNoCreases) {
   for (double x = -0.025; x < 0.025; x += 1e-3)
     for (double y = -0.025; y < 0.025; y += 5e-3, ++places)
       creases += plan.in_crease({x, y, waves(x, y)});
-  EXPECT_LT(creases, places / 5);
+  EXPECT_LT(creases, places / 50);
 }
 
 // In the middle of a hole the fit around it still tells a surface, 9 mm from the nearest point.
