@@ -31,8 +31,8 @@ struct MeshTopology {
     Eigen::Vector3d normal;
     // triangle across the edge from corner i to corner i + 1; −1: boundary of the surface
     std::array<int, 3> neighbour;
-    std::array<int, 3> vertex;  // index into side_normal and on_boundary
-    std::array<int, 3> smooth;  // of each corner, index into smooth_normal
+    std::array<int, 3> vertex;   // index into side_normal and on_boundary
+    std::array<int, 3> smooth;   // of each corner, index into smooth_normal
     std::array<bool, 3> crease;  // the edge from corner i to corner i + 1 is one
   };
   std::vector<Face> faces;

@@ -384,9 +384,8 @@ bool Planning::leave_out_crawling() {
   double least = kCrawling * asked;
   const bool slow_on_average = plan_.path.mean_speed() < kInHand * asked;
   if (!slow_on_average && !is_slow_anywhere(plan_.path, least)) return false;
-  const TipPath free =
-      plan_from(unhindered(plan_.path_settings), surface(), plan_.strokes, s_.arm.start_p_WE,
-                z_WP(), plan_.path_settings.start_hold);
+  const TipPath free = plan_from(unhindered(plan_.path_settings), surface(), plan_.strokes,
+                                 s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
   std::vector<CrawlingStretch> slow = crawling_stretches(plan_.path, free, least);
   while (slow.empty() && slow_on_average && least < kInHand * asked) {
     least = std::min(kRise * least, kInHand * asked);

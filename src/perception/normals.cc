@@ -136,10 +136,10 @@ struct SurfaceEstimator::Index {
   // Of each point of `cloud`: the level to use, 0 for the cloud itself, and the greatest nearby.
   std::vector<float> level, level_nearby;
   std::vector<Roughness> rough;
-  std::vector<char> steps;  // the surface steps there, or within kStepMargin
+  std::vector<char> steps;    // the surface steps there, or within kStepMargin
   std::vector<char> creases;  // of a plan: within kCreaseMargin of a crease; empty: none is known
-  double noise = 0.0;       // median residual of the finest patches [m]
-  bool planning = false;    // answers for a plan: see the constructor from another estimator
+  double noise = 0.0;         // median residual of the finest patches [m]
+  bool planning = false;      // answers for a plan: see the constructor from another estimator
 
   Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {

@@ -22,8 +22,8 @@ class SideWatch {
 
   void reset() noexcept { aside_ = 0.0; }
 
-  // One cycle with the tip on the surface, or on its way down. n: estimated normal; F: of the canvas
-  // on the tip [N]. True in the cycle in which the wall is certain.
+  // One cycle with the tip on the surface, or on its way down. n: estimated normal; F: force of the
+  // canvas on the tip [N]. True in the cycle in which the wall is certain.
   bool update(const Eigen::Vector3d& n, const Eigen::Vector3d& F, double dt) noexcept {
     const double along = n.dot(F), across = (F - along * n).norm();
     const bool aside = across > kForce && across > kSteep * along;

@@ -63,7 +63,8 @@ TEST(Canvas, NormalsAreNotSmoothedAcrossCreases) {
   for (const double lean : {0.5, 0.9}) {
     SCOPED_TRACE(lean);
     const Canvas canvas(roof(lean));
-    const Vector3d side(0, std::sin(lean), std::cos(lean)), down(0, std::cos(lean), -std::sin(lean));
+    const Vector3d side(0, std::sin(lean), std::cos(lean)),
+        down(0, std::cos(lean), -std::sin(lean));
     for (const double off : {1e-3, 0.1, 0.5}) {
       const Vector3d p = Vector3d(0.5, 0, 0) + off * down + 1e-3 * side;
       EXPECT_LT((canvas.closest(p).n_W - side).norm(), 1e-12);

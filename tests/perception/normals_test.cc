@@ -271,8 +271,8 @@ TEST(Normals, APlanKeepsOffCreasesAndOffNothingElse) {
   }
 }
 
-// Waves of 15 mm, up to 40° steep: cameras resolve them, and the tip fits into their valleys, though
-// places 9 mm apart lean towards each other by up to 77°.
+// Waves of 15 mm, up to 40° steep: cameras resolve them, and the tip fits into their valleys,
+// though places 9 mm apart lean towards each other by up to 77°.
 TEST(Normals, ResolvedWavesAreNoCreases) {
   const double k = 2.0 * std::numbers::pi / 0.015,
                a = std::tan(40.0 * std::numbers::pi / 180.0) / k;

@@ -8,8 +8,8 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kLook = 5e-3;     // between samples of the path [s]
-constexpr double kSlowed = 2.0;    // times as long as unhindered
+constexpr double kLook = 5e-3;      // between samples of the path [s]
+constexpr double kSlowed = 2.0;     // times as long as unhindered
 constexpr double kShortest = 2e-3;  // shorter strokes are not judged [m]
 
 // One stroke of a path, sample by sample.
@@ -20,8 +20,7 @@ struct Trace {
 Trace trace(const TipPath& path, const StrokeTimes& stroke) {
   Trace trace;
   double length = 0.0, along = 0.0;
-  const int steps =
-      std::max(1, static_cast<int>(std::ceil((stroke.end - stroke.start) / kLook)));
+  const int steps = std::max(1, static_cast<int>(std::ceil((stroke.end - stroke.start) / kLook)));
   for (int k = 0; k <= steps; ++k) {
     const double t = stroke.start + (stroke.end - stroke.start) * k / steps;
     const PathSample sample = path.at(t);
@@ -106,7 +105,8 @@ std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPa
       c.stroke = s;
       c.from = slow.along[w.begin];
       c.to = slow.along[w.end];
-      c.speed = (slow.length[w.end] - slow.length[w.begin]) / (slow.time[w.end] - slow.time[w.begin]);
+      c.speed =
+          (slow.length[w.end] - slow.length[w.begin]) / (slow.time[w.end] - slow.time[w.begin]);
       double longest = -1.0;
       for (std::size_t i = w.begin; i < w.end; ++i) {
         const double slowness =

@@ -18,10 +18,10 @@ namespace impedraw {
 inline constexpr double kCrawlWindow = 10e-3, kCrawlStep = 1e-3;  // [m]
 
 struct CrawlingStretch {
-  std::size_t stroke = 0;     // in the order of the path
-  double from = 0, to = 0;    // as in StrokePart, of the path's stroke [m]
-  double speed = 0;           // mean over the stretch [m/s]
-  double slowest = 0;         // place of least speed, between from and to [m]
+  std::size_t stroke = 0;        // in the order of the path
+  double from = 0, to = 0;       // as in StrokePart, of the path's stroke [m]
+  double speed = 0;              // mean over the stretch [m/s]
+  double slowest = 0;            // place of least speed, between from and to [m]
   Eigen::Vector3d p_W{0, 0, 0};  // there [m]
 };
 

@@ -52,8 +52,8 @@ TEST(Crawl, AStretchIsFoundWhereItIsAndItsNeighboursAreNot) {
 
 // 2 mm at 12 mm/s: within a window of 10 mm they cost 0.1 s.
 TEST(Crawl, AShortSlowPlaceIsNone) {
-  EXPECT_TRUE(crawling({surfaces::line({{0.5, 0}, {0.6, 0}})}, slow_between(0.54, 0.542, 12e-3))
-                  .empty());
+  EXPECT_TRUE(
+      crawling({surfaces::line({{0.5, 0}, {0.6, 0}})}, slow_between(0.54, 0.542, 12e-3)).empty());
 }
 
 // A zigzag of 4 mm: its corners alone make it slower than asked.
