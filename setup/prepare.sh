@@ -219,7 +219,7 @@ follow_pip() {
 # silence: without them, pages draw the arm's simple shapes. Tried again when something is next installed or built.
 begin_arm_meshes() {
   local to=$root/build/arm-meshes/iiwa14_pen surfaces=$root/build/surface-meshes
-  [[ -d $to && -d $surfaces ]] && return 0
+  [[ -d $to && -f $surfaces/sea_bed.obj ]] && return 0
   (
     trap - INT
     new=$(mktemp -d "$root/build/arm-meshes.XXXXXX") || exit
@@ -242,7 +242,7 @@ with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
     (folder / "iiwa14_pen" / "NOTICE").write_text("\n".join(said).strip() + "\n")
 PYTHON
     # The same wheel has surfaces for ./impedraw robustness --part surfaces.
-    "$venv/bin/python" "$root/setup/surface_meshes.py" "$new"/*.whl "$new/surfaces" && { [[ -d $surfaces ]] || mv -T "$new/surfaces" "$surfaces"; }
+    "$venv/bin/python" "$root/setup/surface_meshes.py" "$new"/*.whl "$new/surfaces" && { rm -rf "$surfaces"; mv -T "$new/surfaces" "$surfaces"; }
   ) </dev/null >"$root/build/arm-meshes.log" 2>&1 &
 }
 

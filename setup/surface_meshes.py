@@ -20,6 +20,9 @@ MODELS = {
     "football": ("soccerball.obj", np.eye(3)),
     "teddy": ("teddy2_VHACD_CHs.obj", np.eye(3)),
     "mug": ("objects/mug.obj", Y_UP),
+    "chassis": ("laikago/chassis_zup.obj", np.eye(3)),
+    "body": ("mini_cheetah/meshes/mini_body.obj", np.eye(3)),
+    "block": ("random_urdfs/007/007.obj", np.eye(3)),
 }
 
 
@@ -46,17 +49,26 @@ def write_obj(file, vertices, faces):
             out.write("f " + " ".join(map(str, f)) + "\n")
 
 
-def elevation():
-    """The mountains of matplotlib's examples, every second sample, heights one and a half times as they are."""
-    with matplotlib.cbook.get_sample_data("jacksboro_fault_dem.npz") as data:
-        heights = data["elevation"][::2, ::2].astype(float)
+def height_field(heights, metres):
+    """Triangles over a grid of heights, `metres` between samples."""
     rows, columns = heights.shape
-    metres = 60.0  # between samples, about
     x, y = np.meshgrid(metres * np.arange(columns), -metres * np.arange(rows))
     number = 1 + np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]
     faces = np.concatenate([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([b, c, d], -1).reshape(-1, 3)])
-    return np.stack([x, y, 1.5 * heights], -1).reshape(-1, 3), faces
+    return np.stack([x, y, heights], -1).reshape(-1, 3), faces
+
+
+def mountains():
+    """Those of matplotlib's examples, every second sample, heights one and a half times as they are."""
+    with matplotlib.cbook.get_sample_data("jacksboro_fault_dem.npz") as data:
+        return height_field(1.5 * data["elevation"][::2, ::2].astype(float), 60.0)
+
+
+def sea_bed():
+    """The coast and sea bed of matplotlib's examples, every second sample, of low relief."""
+    with matplotlib.cbook.get_sample_data("topobathy.npz") as data:
+        return height_field(data["topo"][::2, ::2] * 3e-3, 2.0)
 
 
 def main():
@@ -66,7 +78,8 @@ def main():
         for name, (member, rotation) in MODELS.items():
             vertices, faces = read_obj(package.read("pybullet_data/" + member).decode())
             write_obj(folder / f"{name}.obj", vertices @ rotation.T, faces)
-    write_obj(folder / "mountains.obj", *elevation())
+    write_obj(folder / "mountains.obj", *mountains())
+    write_obj(folder / "sea_bed.obj", *sea_bed())
 
 
 main()

@@ -34,6 +34,7 @@ void bind_preflight(nb::module_& m) {
   nb::enum_<Problem>(m, "Problem", "Why a part of a stroke cannot be drawn.")
       .value("off_canvas", Problem::off_canvas)
       .value("fold", Problem::fold)
+      .value("crease", Problem::crease)
       .value("too_steep", Problem::too_steep)
       .value("out_of_reach", Problem::out_of_reach)
       .value("joint_limit", Problem::joint_limit)
@@ -42,6 +43,7 @@ void bind_preflight(nb::module_& m) {
       .value("arm_collision", Problem::arm_collision)
       .value("pen_collision", Problem::pen_collision)
       .value("joint_jump", Problem::joint_jump)
+      .value("crawls", Problem::crawls)
       .value("too_short", Problem::too_short);
   Record<StrokePart>(m, "StrokePart", "The interval [start, end] of a stroke, along its line.")
       .field("stroke", &StrokePart::stroke, "number of the stroke, from 0")
@@ -79,6 +81,7 @@ void bind_preflight(nb::module_& m) {
       .field("edge_tolerance", &S::edge_tolerance, "of the ends of parts [m]")
       .field("edge_margin", &S::edge_margin, "kept from edges and holes [m]")
       .field("shortest", &S::shortest, "part worth lowering the pen for [m]")
+      .field("least_speed", &S::least_speed, "below which a stretch is left out [m/s]; 0: never")
       .field("max_slope_deg", &S::max_slope_deg, "of the surface against z_P [deg]")
       .field("fold_height", &S::fold_height, "the tip rides over lower steps [m]")
       .field("normal_smoothing", &S::normal_smoothing, "as in PathSettings [m]")

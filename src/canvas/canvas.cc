@@ -73,7 +73,7 @@ OnTriangle closest_on_triangle(const std::array<Vector3d, 3>& corner, const Vect
 Vector3d smooth_normal(const MeshTopology& topology, const MeshTopology::Face& face,
                        const Vector3d& weight) {
   Vector3d n = Vector3d::Zero();
-  for (int i = 0; i < 3; ++i) n += weight[i] * topology.smooth_normal[face.vertex[i]];
+  for (int i = 0; i < 3; ++i) n += weight[i] * topology.smooth_normal[face.smooth[i]];
   const double length = n.norm();
   return length > 1e-6
              ? Vector3d(n / length)
@@ -94,6 +94,14 @@ bool on_boundary(const MeshTopology& topology, const MeshTopology::Face& face, F
   if (feature <= kCorner2) return topology.on_boundary[face.vertex[feature]];
   return face.neighbour[feature - kSide0] < 0;
 }
+
+bool on_crease(const MeshTopology& topology, const MeshTopology::Face& face, Feature feature) {
+  if (feature == kInside) return false;
+  if (feature <= kCorner2) return topology.on_crease[face.vertex[feature]];
+  return face.crease[feature - kSide0];
+}
+
+constexpr double kOnEdge = 1e-7;  // nearer points are on the edge itself [m]
 
 struct Nearest {
   const MeshTopology* topology;
@@ -193,6 +201,9 @@ struct Canvas::Search {
                       (p - nearest.at.p).dot(side_normal(topology, face, nearest.at.feature)));
     result.triangle = nearest.triangle;
     result.on_edge = on_boundary(topology, face, nearest.at.feature);
+    // Over a sharp edge the surface's normal is any between those of its faces: that towards p.
+    if (on_crease(topology, face, nearest.at.feature) && nearest.squared > kOnEdge * kOnEdge)
+      result.n_W = (p - nearest.at.p) / result.distance;
     return result;
   }
 

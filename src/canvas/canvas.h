@@ -14,7 +14,8 @@ namespace impedraw {
 // The point of the canvas closest to a query point p.
 struct SurfacePoint {
   Eigen::Vector3d p_W;  // [m]
-  // unit, outward; interpolated between the vertices' normals, so continuous along the surface
+  // unit, outward; interpolated between the vertices' normals, so continuous along the surface but
+  // at creases (mesh_topology.h). Closest to p on one: from there to p.
   Eigen::Vector3d n_W;
   double distance = 0.0;  // ±|p − p_W| [m]; > 0 on the drawing side, < 0 behind it
   // index into mesh().triangles; −1 only if the query is not finite (distance is then NaN)

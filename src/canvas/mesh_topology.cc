@@ -65,6 +65,69 @@ void join_neighbours(MeshTopology& topology) {
                 });
 }
 
+// Corners of a vertex that no crease separates, by union and find over all corners of all faces.
+class Sides {
+ public:
+  explicit Sides(std::size_t faces) : parent_(3 * faces) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int find(int corner) {
+    while (parent_[corner] != corner) corner = parent_[corner] = parent_[parent_[corner]];
+    return corner;
+  }
+  void join(int a, int b) { parent_[find(a)] = find(b); }
+
+ private:
+  std::vector<int> parent_;
+};
+
+bool is_crease(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  static const double cosine = std::cos(MeshTopology::kCrease);
+  return !a.isZero(0.0) && !b.isZero(0.0) && a.dot(b) < cosine;
+}
+
+// One smooth normal for each side of a vertex on a crease. share: that of each corner's face,
+// weighted.
+void split_at_creases(const std::vector<Eigen::Vector3d>& share, MeshTopology& topology) {
+  Sides sides(topology.faces.size());
+  bool any = false;
+  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
+    MeshTopology::Face& face = topology.faces[f];
+    for (int i = 0; i < 3; ++i) {
+      const int other = face.neighbour[i];
+      if (other < 0) continue;
+      const MeshTopology::Face& beyond = topology.faces[other];
+      const int a = face.vertex[i], b = face.vertex[(i + 1) % 3];
+      face.crease[i] = is_crease(face.normal, beyond.normal);
+      if (face.crease[i]) {
+        any = topology.on_crease[a] = topology.on_crease[b] = true;
+        continue;
+      }
+      for (int j = 0; j < 3; ++j) {
+        const int corner = 3 * other + j;
+        if (beyond.vertex[j] == a) sides.join(3 * static_cast<int>(f) + i, corner);
+        if (beyond.vertex[j] == b) sides.join(3 * static_cast<int>(f) + (i + 1) % 3, corner);
+      }
+    }
+  }
+  if (!any) return;
+  std::vector<int> normal_of(3 * topology.faces.size(), -1);  // of each side
+  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
+    MeshTopology::Face& face = topology.faces[f];
+    for (int i = 0; i < 3; ++i) {
+      if (!topology.on_crease[face.vertex[i]]) continue;
+      const int corner = 3 * static_cast<int>(f) + i;
+      int& normal = normal_of[sides.find(corner)];
+      if (normal < 0) {
+        normal = static_cast<int>(topology.smooth_normal.size());
+        topology.smooth_normal.push_back(Eigen::Vector3d::Zero());
+      }
+      topology.smooth_normal[normal] += share[corner];
+      face.smooth[i] = normal;
+    }
+  }
+}
+
 }  // namespace
 
 void require_valid(const TriangleMesh& mesh) {
@@ -98,13 +161,17 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
   topology.smooth_normal.assign(mesh.vertices.size(), Eigen::Vector3d::Zero());
   topology.side_normal = topology.smooth_normal;
   topology.on_boundary.assign(mesh.vertices.size(), false);
+  topology.on_crease = topology.on_boundary;
+  std::vector<Eigen::Vector3d> share(3 * mesh.triangles.size(), Eigen::Vector3d::Zero());
   bool any_area = false;
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     auto& face = topology.faces[f];
     face.neighbour = {-1, -1, -1};
+    face.crease = {false, false, false};
     double longest = 0.0;
     for (int i = 0; i < 3; ++i) {
       face.vertex[i] = first[mesh.triangles[f][i]];
+      face.smooth[i] = face.vertex[i];
       face.corner[i] = mesh.vertices[mesh.triangles[f][i]];
     }
     for (int i = 0; i < 3; ++i)
@@ -119,17 +186,19 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];
       const Eigen::Vector3d v = face.corner[(i + 2) % 3] - face.corner[i];
-      topology.smooth_normal[face.vertex[i]] += cross / (u.squaredNorm() * v.squaredNorm());
+      share[3 * f + i] = cross / (u.squaredNorm() * v.squaredNorm());
+      topology.smooth_normal[face.vertex[i]] += share[3 * f + i];
       topology.side_normal[face.vertex[i]] += std::atan2(twice_area, u.dot(v)) * face.normal;
     }
   }
   if (!any_area)
     throw InputError(
         fmt::format("canvas mesh: none of its {} triangles has an area", mesh.triangles.size()));
+  join_neighbours(topology);
+  split_at_creases(share, topology);
   // A normal that cancels out (a fold) stays zero.
   for (auto& n : topology.smooth_normal) n.stableNormalize();
   for (auto& n : topology.side_normal) n.stableNormalize();
-  join_neighbours(topology);
   return topology;
 }
 

@@ -11,6 +11,8 @@ std::string refusal_text(const Finding& f, bool seen) {
         return "leaves the canvas";
       case Problem::fold:
         return "crosses a fold of the surface";
+      case Problem::crease:
+        return "crosses a crease of the surface";
       case Problem::too_steep:
         return "lies on too steep a slope";
       case Problem::out_of_reach:
@@ -27,6 +29,8 @@ std::string refusal_text(const Finding& f, bool seen) {
         return "makes the pen's shaft touch the canvas or the table";
       case Problem::joint_jump:
         return "cannot be followed without a jump of the joints";
+      case Problem::crawls:
+        return "would have to crawl";
       case Problem::too_short:
         return "leaves too short a remainder";
     }

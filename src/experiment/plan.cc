@@ -13,6 +13,7 @@
 #include "impedraw/experiment/pen_axis.h"
 #include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/experiment/rest_posture.h"
+#include "impedraw/planning/preflight/crawl.h"
 #include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/stroke_ruler.h"
 
@@ -37,6 +38,14 @@ Finding off_patch(const std::vector<PlacedStroke>& flat, const StrokePart& part,
       place_on(flat[static_cast<std::size_t>(part.stroke)], (part.from + part.to) / 2);
   return {part, Problem::off_canvas, "off the patch of the surface that the wrap lays flat",
           middle.page, X_WP * Eigen::Vector3d(middle.p_P.x(), middle.p_P.y(), 0.0)};
+}
+
+// What the line alone permits: neither the surface nor the arm's joints slow it down.
+PathSettings unhindered(PathSettings s) {
+  s.normal_acceleration = PathSettings::Limits::normal_acceleration.range.highest;
+  s.tilt_speed = PathSettings::Limits::tilt_speed.range.highest;
+  s.tilt_acceleration = PathSettings::Limits::tilt_acceleration.range.highest;
+  return s;
 }
 
 class Planning {
@@ -140,6 +149,8 @@ class Planning {
   void plan_path();
   void leave_out_barred(const std::vector<Finding>& transitions, double share);
   void leave_out(const OffSurface& off);
+  bool leave_out_crawling();
+  void take_away(std::size_t drawable, double from, double to, Finding finding);
   std::vector<PlacedStroke> desired_strokes() const;
 
   const Scenario& s_;
@@ -211,10 +222,15 @@ std::vector<StrokePart> Planning::lay_on_surface() {
   return std::move(laid.lost);
 }
 
-// The planner's surface ends at a step that the cameras do not resolve (normals.h).
+// The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
 void Planning::name_step(Finding* f) const {
   constexpr double kStep = 8e-4;  // [m]
   if (!scene_.perception || f->problem != Problem::off_canvas) return;
+  if (scene_.planning->in_crease(f->p_W)) {
+    f->problem = Problem::crease;
+    f->text = "two sides of the surface meet at over 60° here, and the tip would touch both";
+    return;
+  }
   const Roughness there = scene_.perception->roughness(f->p_W);
   if (!(there.misfit > kStep)) return;
   f->problem = Problem::fold;
@@ -268,83 +284,124 @@ void Planning::promise() {
 
 // Plans the path and omits strokes that it cannot reach.
 void Planning::plan_path() {
-  // Each round shortens or leaves out at least one, by more than the last.
-  for (double share = 0.1; !plan_.strokes.empty(); share *= 2.0) {
+  // Each round shortens or leaves out at least one, where ways are barred by more than the last.
+  for (double share = 0.1; !plan_.strokes.empty();) {
     const double looks = 3.0 * length_of(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
     plan_.path = plan_from(
         plan_.path_settings, told(surface(), "planning the path", 0.65, 0.8, looks), plan_.strokes,
         s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold, stroke_limits(scene_, plan_));
+    if (leave_out_crawling()) {
+      promise();
+      continue;
+    }
     if (!s_.preflight.arm) return;
     const std::vector<Finding> transitions = check_transitions(
         plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
         [&](double share) { tell("checking the ways between strokes", 0.8 + 0.1 * share); });
     if (transitions.empty()) return;
     leave_out_barred(transitions, share);
+    share *= 2.0;
     promise();
   }
   plan_.path = TipPath();
 }
 
 // Findings have the path's stroke numbers. Where the way to a stroke or off it is barred, the
-// stroke is shortened at that end by a share of its length, or left out if too little remains.
+// stroke is shortened at that end by a share of its length, or left out if too little remains;
+// where the arm cannot follow it from there, that part is left out, with more about it for a
+// greater share.
 void Planning::leave_out_barred(const std::vector<Finding>& transitions, double share) {
-  Preflight& preflight = plan_.preflight;
-  std::vector<StrokePart> left;
-  std::vector<const Finding*> barring(preflight.drawable.size(), nullptr);  // the first of each
+  constexpr double kShorten = 5e-3, kAbout = 50e-3;  // at least; times the share [m]
+  std::vector<const Finding*> barring(plan_.preflight.drawable.size(), nullptr);
   for (const Finding& f : transitions) {
     const auto i = static_cast<std::size_t>(f.part.stroke);
-    if (i < barring.size() && !barring[i]) barring[i] = &f;
+    if (i < barring.size() && !barring[i]) barring[i] = &f;  // the first of each
   }
-  for (std::size_t i = 0; i < preflight.drawable.size(); ++i) {
-    if (!barring[i]) {
-      left.push_back(preflight.drawable[i]);
-    } else {
-      constexpr double kShorten = 5e-3;  // at least [m]
-      Finding f = *barring[i];
-      f.part = preflight.drawable[i];
-      StrokePart rest = f.part;
-      const double less = std::max(kShorten, share * rest.length());
-      if (rest.length() > less + kShorten && f.way != WayEnd::none) {
-        (f.way == WayEnd::first ? rest.from : rest.to) += f.way == WayEnd::first ? less : -less;
-        (f.way == WayEnd::first ? f.part.to : f.part.from) =
-            f.way == WayEnd::first ? rest.from : rest.to;
-        left.push_back(rest);
-      }
-      f.part.stroke = source(f.part.stroke);
-      preflight.findings.push_back(std::move(f));
+  bool any = false;
+  for (std::size_t i = barring.size(); i-- > 0;) {  // so that the numbers of those before stay
+    if (!barring[i]) continue;
+    any = true;
+    const Finding& f = *barring[i];
+    const StrokePart whole = plan_.preflight.drawable[i];
+    double from = whole.from, to = whole.to;
+    const double less = std::max(kShorten, share * whole.length());
+    if (f.way == WayEnd::first) {
+      to = from + less;
+    } else if (f.way == WayEnd::last) {
+      from = to - less;
+    } else if (f.part.length() < whole.length()) {
+      from = whole.from + f.part.from - kAbout * share;
+      to = whole.from + f.part.to + kAbout * share;
     }
+    take_away(i, from, to, f);
   }
-  const bool any =
-      std::any_of(barring.begin(), barring.end(), [](auto* f) { return f != nullptr; });
   if (!any) throw InputError(finding_text(transitions.front()));
-  preflight.drawable = std::move(left);
+}
+
+// Takes [from, to] of a drawable part away, and what would be left too short beside it. The finding
+// says why.
+void Planning::take_away(std::size_t i, double from, double to, Finding finding) {
+  std::vector<StrokePart>& drawable = plan_.preflight.drawable;
+  const StrokePart whole = drawable[i];
+  StrokePart gone{whole.stroke, std::max(whole.from, from), std::min(whole.to, to)};
+  std::vector<StrokePart> left;
+  if (gone.from - whole.from > s_.preflight.shortest)
+    left.push_back({whole.stroke, whole.from, gone.from});
+  else
+    gone.from = whole.from;
+  if (whole.to - gone.to > s_.preflight.shortest)
+    left.push_back({whole.stroke, gone.to, whole.to});
+  else
+    gone.to = whole.to;
+  const auto at = drawable.erase(drawable.begin() + static_cast<std::ptrdiff_t>(i));
+  drawable.insert(at, left.begin(), left.end());
+  gone.stroke = source(whole.stroke);
+  finding.part = gone;
+  plan_.preflight.findings.push_back(std::move(finding));
 }
 
 // Removes a point without a surface, and a margin on both sides, from the drawable parts.
 void Planning::leave_out(const OffSurface& off) {
   constexpr double kAbout = 3e-3;  // [m]
-  const PlacedStroke& stroke = plan_.strokes[static_cast<std::size_t>(off.stroke)];
-  const double along = nearest_place(stroke, off.p);
-  std::vector<StrokePart>& drawable = plan_.preflight.drawable;
-  const StrokePart whole = drawable[static_cast<std::size_t>(off.stroke)];
-  StrokePart gone{whole.stroke, whole.from + std::max(0.0, along - kAbout),
-                  std::min(whole.to, whole.from + along + kAbout)};
-  std::vector<StrokePart> left;
-  for (const StrokePart& part : {StrokePart{whole.stroke, whole.from, gone.from},
-                                 StrokePart{whole.stroke, gone.to, whole.to}}) {
-    if (part.length() > s_.preflight.shortest)
-      left.push_back(part);
-    else
-      (part.from == whole.from ? gone.from : gone.to) =
-          part.from == whole.from ? part.from : part.to;
+  const auto i = static_cast<std::size_t>(off.stroke);
+  const PlacedStroke& stroke = plan_.strokes[i];
+  const double along = nearest_place(stroke, off.p), from = plan_.preflight.drawable[i].from;
+  take_away(i, from + along - kAbout, from + along + kAbout,
+            {.problem = Problem::off_canvas,
+             .text = "at an edge of the canvas",
+             .page_mm = place_on(stroke, along).page,
+             .p_W = artwork_.X_WP * Eigen::Vector3d(off.p.x(), off.p.y(), 0.0)});
+}
+
+// Removes what surface and joints slow down too far. Returns false if nothing does. Stretches below
+// kCrawling of least_speed always go; as long as the mean, with something in hand since the run's
+// clock yields on rough ground, is below least_speed, those below a bound that rises go, too.
+bool Planning::leave_out_crawling() {
+  constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.2, kRise = 1.25;
+  const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
+  if (!(asked > 0.0)) return false;
+  double least = kCrawling * asked;
+  const bool slow_on_average = plan_.path.mean_speed() < kInHand * asked;
+  if (!slow_on_average && !is_slow_anywhere(plan_.path, least)) return false;
+  const TipPath free = plan_from(unhindered(plan_.path_settings), surface(), plan_.strokes,
+                                 s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
+  std::vector<CrawlingStretch> slow = crawling_stretches(plan_.path, free, least);
+  while (slow.empty() && slow_on_average && least < kInHand * asked) {
+    least = std::min(kRise * least, kInHand * asked);
+    slow = crawling_stretches(plan_.path, free, least);
   }
-  drawable.erase(drawable.begin() + off.stroke);
-  drawable.insert(drawable.begin() + off.stroke, left.begin(), left.end());
-  gone.stroke = source(whole.stroke);
-  plan_.preflight.findings.push_back({gone, Problem::off_canvas, "at an edge of the canvas",
-                                      place_on(stroke, along).page,
-                                      artwork_.X_WP * Eigen::Vector3d(off.p.x(), off.p.y(), 0.0)});
+  std::reverse(slow.begin(), slow.end());  // so that the numbers of those before stay
+  for (const CrawlingStretch& c : slow) {
+    const double from = plan_.preflight.drawable[c.stroke].from;
+    take_away(c.stroke, from + c.from, from + c.to,
+              {.problem = Problem::crawls,
+               .text = fmt::format("{:.1f} mm/s on average, asked for {:.1f} mm/s", 1e3 * c.speed,
+                                   1e3 * least),
+               .page_mm = place_on(plan_.strokes[c.stroke], c.slowest).page,
+               .p_W = c.p_W});
+  }
+  return !slow.empty();
 }
 
 // The desired strokes lie on the true canvas, not on the perceived one.

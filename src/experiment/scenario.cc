@@ -139,6 +139,9 @@ void describe(Fields& f, PreflightSettings& s) {
           "Distance kept from edges and holes of the surface, along the stroke.");
   f.field(Limits::shortest, s.shortest,
           "Length below which the remainder of a stroke is not drawn.");
+  f.field(Limits::least_speed, s.least_speed,
+          "Mean speed of the drawing, but at most half of path.draw_speed. What the surface or the "
+          "joints slow down too far for it is not drawn; 0: all is drawn.");
   f.field(Limits::max_slope, s.max_slope_deg,
           "Largest angle between the surface normal and the drawing axis.");
   f.field(Limits::fold_height, s.fold_height,

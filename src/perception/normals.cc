@@ -78,6 +78,15 @@ constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStep
 // kHoleMargin off such places, so that a pen with a tip of 1 mm stays on the surface [m].
 constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 5e-3;
 constexpr int kLooks = 8;  // around
+// A crease: the normals of two places on either side of it, as the finest patches tell them, lean
+// towards each other by more than kCreaseAngle [rad]. They are so far apart that each patch lies on
+// its own side. Where their planes meet, a patch leaves a residual above kCreaseResidual [m]: in a
+// round valley it follows the bend. The plan keeps kCreaseMargin off that place [m].
+constexpr double kCreaseAngle = 60.0 * std::numbers::pi / 180.0, kCreaseResidual = 1e-4;
+constexpr double kCreaseNear = 6e-3, kCreaseFar = 9.5e-3, kCreaseMargin = 3.5e-3;
+// A plan: a fitted surface whose nearest point is further off than this many times the points'
+// spacing runs on beyond them.
+constexpr double kBeyondPoints = 1.5, kOnSurface = 1e-3;  // [1], [m]
 // A plan's patch that leaves a residual above kTwoSheets may lie over a step or a crease: it is
 // fitted again with less weight for points further off than kOtherSheet, which is approached from
 // above in kSheetFits fits [m]. Noise asks for more, in multiples of the cloud's median residual.
@@ -127,9 +136,10 @@ struct SurfaceEstimator::Index {
   // Of each point of `cloud`: the level to use, 0 for the cloud itself, and the greatest nearby.
   std::vector<float> level, level_nearby;
   std::vector<Roughness> rough;
-  std::vector<char> steps;  // the surface steps there, or within kStepMargin
-  double noise = 0.0;       // median residual of the finest patches [m]
-  bool planning = false;    // answers for a plan: see the constructor from another estimator
+  std::vector<char> steps;    // the surface steps there, or within kStepMargin
+  std::vector<char> creases;  // of a plan: within kCreaseMargin of a crease; empty: none is known
+  double noise = 0.0;         // median residual of the finest patches [m]
+  bool planning = false;      // answers for a plan: see the constructor from another estimator
 
   Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {
@@ -160,6 +170,46 @@ struct SurfaceEstimator::Index {
         planning(true) {
     settings.max_one_sidedness = max_one_sidedness;
     fit_every_point();
+    if (!finer.empty()) find_creases(seen);
+  }
+
+  void find_creases(const Index& seen) {
+    const int n = static_cast<int>(cloud.points.size());
+    std::vector<SurfaceEstimate> at(n);
+    const auto estimate = [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) at[i] = seen.fresh(cloud.points[i]);
+    };
+    std::thread other(estimate, 0, n / 2);
+    estimate(n / 2, n);
+    other.join();
+    creases.assign(n, 0);
+    int index[kMostNeighbours];
+    double squared[kMostNeighbours];
+    for (int i = 0; i < n; ++i) {
+      if (at[i].status != SurfaceStatus::ok || level_nearby[i] == 0.0f) continue;
+      const int found = tree.nearest(cloud.points[i], kMostNeighbours, kCreaseFar, index, squared);
+      for (int k = 0; k < found; ++k) {
+        const int j = index[k];
+        if (j < i || at[j].status != SurfaceStatus::ok) continue;
+        const Vector3d half = 0.5 * (cloud.points[j] - cloud.points[i]);
+        const Vector3d &a = at[i].n_W, &b = at[j].n_W;
+        const double cosine = a.dot(b);
+        const bool apart = squared[k] > kCreaseNear * kCreaseNear;
+        if (!apart || cosine > std::cos(kCreaseAngle) || (b - a).dot(half) > 0.0 || cosine < -0.9)
+          continue;
+        // From the middle between them onto the line where their planes meet.
+        const double to_a = -a.dot(half), to_b = b.dot(half), det = 1.0 - cosine * cosine;
+        const Vector3d line = cloud.points[i] + half + (to_a - cosine * to_b) / det * a +
+                              (to_b - cosine * to_a) / det * b;
+        int about[kMostNeighbours];
+        double off[kMostNeighbours];
+        const int m = tree.nearest(line, kMostNeighbours, kCreaseMargin, about, off);
+        if (m == 0) continue;
+        const Roughness& there = rough[about[0]];  // no radius: points on both sides are no surface
+        if (there.radius > 0.0 && there.residual < kCreaseResidual) continue;
+        for (int l = 0; l < m; ++l) creases[about[l]] = 1;
+      }
+    }
   }
 
   // One fit at p, and what it tells about the surface there.
@@ -351,17 +401,27 @@ struct SurfaceEstimator::Index {
     LocalSurface surface;
     const SurfaceStatus status = fit(cloud, p, settings.k, found, surface, planning && finest);
     if (status != SurfaceStatus::ok) return {.status = status};
+    if (planning && std::abs(surface.distance) < kOnSurface && runs_on_beyond(p, found))
+      return {.status = SurfaceStatus::off_edge};
     const SurfaceEstimate coarse{status, surface.n, surface.distance};
     if (planning) return planned(p, coarse, found.closest);
     if (finer.empty() || found.closest < 0 || level_nearby[found.closest] == 0.0f) return coarse;
     return refined(p, coarse);
   }
 
+  bool runs_on_beyond(const Vector3d& p, const Neighbours& found) const {
+    const double spacing2 = std::numbers::pi * found.squared[found.n - 1] / found.n;
+    return (cloud.points[found.closest] - p).squaredNorm() >
+           kBeyondPoints * kBeyondPoints * spacing2;
+  }
+
   // A plan follows the surface as the widest patches see it, which is smooth; where that is off by
-  // more than the pen's approach allows for, as the finer ones see it. It keeps off holes, and off
-  // steps that no patch resolves.
+  // more than the pen's approach allows for, as the finer ones see it. It keeps off holes, off
+  // steps that no patch resolves, and off creases.
   SurfaceEstimate planned(const Vector3d& p, const SurfaceEstimate& coarse, int closest) const {
     if (finest && closest >= 0 && (steps[closest] || rough[closest].misfit > kUneven))
+      return {.status = SurfaceStatus::off_edge};
+    if (closest >= 0 && !creases.empty() && creases[closest])
       return {.status = SurfaceStatus::off_edge};
     if (finest && beside_hole(p - coarse.distance * coarse.n_W, coarse.n_W))
       return {.status = SurfaceStatus::off_edge};
@@ -549,6 +609,14 @@ Roughness SurfaceEstimator::roughness(const Vector3d& p_W) const noexcept {
       index_->tree.nearest(p_W, 1, index_->settings.max_radius, &nearest, &squared) < 1)
     return {};
   return index_->rough[nearest];
+}
+
+bool SurfaceEstimator::in_crease(const Vector3d& p_W) const noexcept {
+  int nearest = 0;
+  double squared = 0.0;
+  return !index_->creases.empty() && p_W.allFinite() &&
+         index_->tree.nearest(p_W, 1, index_->settings.max_radius, &nearest, &squared) == 1 &&
+         index_->creases[nearest];
 }
 
 const PointCloud& SurfaceEstimator::cloud() const noexcept { return index_->cloud; }

@@ -92,7 +92,8 @@ class SurfaceEstimator {
   explicit SurfaceEstimator(PointCloud cloud, const NormalSettings& settings = {},
                             FinerClouds finer = {});
   // The same clouds for a plan, with another edge test: the surface as the widest patches see it,
-  // finer where that is 0.5 mm off or more; off_edge also beside holes and steps (normals.cc).
+  // finer where that is 0.5 mm off or more; off_edge also beside holes, steps and creases, and
+  // where the fitted surface runs on beyond the points (normals.cc).
   SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness);
   ~SurfaceEstimator();
   SurfaceEstimator(SurfaceEstimator&&) noexcept;
@@ -102,6 +103,11 @@ class SurfaceEstimator {
 
   // At the point of the cloud nearest to p_W.
   Roughness roughness(const Eigen::Vector3d& p_W) const noexcept;
+
+  // Of an estimator for a plan: the point of the cloud nearest to p_W lies in a crease, where two
+  // sides of the surface meet like an open book. The tip touches both, and stands before the one
+  // that it moves towards.
+  bool in_crease(const Eigen::Vector3d& p_W) const noexcept;
 
   // In the tree's order, so that neighbours are adjacent in memory.
   const PointCloud& cloud() const noexcept;

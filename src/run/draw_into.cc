@@ -43,6 +43,12 @@ nlohmann::ordered_json parts_json(const Experiment& e, const std::vector<StrokeP
   return list;
 }
 
+bool is_at_wall(const StrokePart& part, const std::vector<StrokePart>& walls) {
+  return std::any_of(walls.begin(), walls.end(), [&part](const StrokePart& wall) {
+    return wall.stroke == part.stroke && wall.from < part.to && part.from < wall.to;
+  });
+}
+
 // strokes.json: what was promised, what was not and why, what was drawn twice, and what has no ink.
 void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome& outcome) {
   nlohmann::ordered_json json = plan_json(e);
@@ -57,6 +63,9 @@ void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome
   }
   json["drawn_again"] = parts_json(e, outcome.drawn_again);
   json["lacking"] = parts_json(e, outcome.lacking);
+  for (std::size_t i = 0; i < outcome.lacking.size(); ++i)
+    json["lacking"][i]["reason"] =
+        is_at_wall(outcome.lacking[i], outcome.walls) ? "wall" : "no_ink";
   write_whole(folder / "strokes.json", json.dump(2) + "\n");
 }
 

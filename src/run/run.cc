@@ -233,6 +233,7 @@ class Runner {
     wall_.reset();
     lost_canvas_ = false;
     wall_watch_.reset();
+    side_watch_.reset();
     clock_.restart();
     forecast_ = {};
     if (e_.scene.perception && !canvas_moves())
@@ -266,7 +267,7 @@ class Runner {
         if (e_.scenario.perception.frames.wait_for_rest && loop_.canvas().joined())
           rest_watch_.update(loop_.canvas().estimate().motion, loop_.terms().X_WE.p, dt());
         clock_.advance(deviation(desired, planned));
-        look_for_wall(desired);
+        look_for_wall(desired, path, planned);
         look_for_reach();
         if (!last_up && off_a_moving_canvas() && planned > path.strokes().back().end) {
           last_up = true;
@@ -455,8 +456,38 @@ class Runner {
   // The ink lies where it shall, as far as the arm knows.
   bool in_place() const { return !e_.scene.perception || behind().norm() < kInPlace; }
 
-  void look_for_wall(const PathSample& desired) {
+  // The place on a stroke where the plan is, or that it has come down to.
+  static std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath& path,
+                                                 double planned) {
+    if (desired.stroke >= 0) return StrokePart{desired.stroke, desired.along, desired.along};
+    for (const StrokeTimes& stroke : path.strokes()) {
+      if (planned > stroke.end || planned < stroke.approach) continue;
+      const double along = path.at(std::max(planned, stroke.start + 1e-4)).along;
+      return StrokePart{stroke.number, along, along};
+    }
+    return std::nullopt;
+  }
+
+  // True in the cycle in which the controller retreats from a place where the cameras have seen no
+  // surface: a gap between two bodies, for instance. A fault of perception is none.
+  bool lost_surface() {
+    const bool before = std::exchange(retreating_, out_.mode == ContactMode::retreat);
+    return retreating_ && !before && !canvas_moves() &&
+           e_.scene.perception->estimate(loop_.terms().X_WE.p).status != SurfaceStatus::ok;
+  }
+
+  void look_for_wall(const PathSample& desired, const TipPath& path, double planned) {
     if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
+    const bool down = out_.mode == ContactMode::contact || out_.mode == ContactMode::approach;
+    if (!down) side_watch_.reset();
+    if (down && side_watch_.update(out_.n_WD, loop_.F_ext().head<3>(), dt())) {
+      wall_ = place_on_path(desired, path, planned);
+      if (wall_) return lift(kLiftAtWall);
+    }
+    if (lost_surface()) {
+      wall_ = place_on_path(desired, path, planned);
+      if (wall_) return lift(kLiftAtWall);
+    }
     if (desired.stroke < 0 || out_.mode != ContactMode::contact) return wall_watch_.reset();
     const Eigen::Vector3d v_D = loop_.canvas().pose().R * desired.reference.v_WD;
     if (!wall_watch_.update(out_.n_WD, v_D, velocity_on_canvas(), behind(), loop_.F_ext().head<3>(),
@@ -551,6 +582,8 @@ class Runner {
   RattleGuard rattle_guard_;
   bool retreats_ = false;  // the law has lost control: the motion is damped, then the pen goes up
   WallWatch wall_watch_;
+  SideWatch side_watch_;
+  bool retreating_ = false;
   RestWatch rest_watch_;
   std::optional<StrokePart> wall_;
   TouchedHeights heights_;
@@ -608,7 +641,14 @@ std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const Po
     const std::vector<Finding> barred =
         check_transitions(path, strokes, e.scene.arm, e.scene.obstacle.get(), q, checks);
     if (barred.empty()) return path;
-    for (const Finding& f : barred) walls->push_back(rest[static_cast<std::size_t>(f.part.stroke)]);
+    for (const Finding& f : barred) {
+      StrokePart part = rest[static_cast<std::size_t>(f.part.stroke)];
+      if (f.way == WayEnd::none) {
+        part.from = f.part.from - kBarredRoom;
+        part.to = f.part.to + kBarredRoom;
+      }
+      walls->push_back(part);
+    }
   }
 }
 

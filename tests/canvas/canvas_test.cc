@@ -51,6 +51,49 @@ TriangleMesh tetrahedron() {  // closed, with sharp corners, wound outward
           {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 }
 
+// A roof along x, whose sides of 1 m lean by `lean` [rad] and face up. Its ridge is y = 0.
+TriangleMesh roof(double lean) {
+  const double y = std::cos(lean), z = -std::sin(lean);
+  return {{{0, -y, z}, {1, -y, z}, {0, 0, 0}, {1, 0, 0}, {0, y, z}, {1, y, z}},
+          {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}}};
+}
+
+// Beside a sharp edge a flat face's normal is its own; over the edge it is the way to the point.
+TEST(Canvas, NormalsAreNotSmoothedAcrossCreases) {
+  for (const double lean : {0.5, 0.9}) {
+    SCOPED_TRACE(lean);
+    const Canvas canvas(roof(lean));
+    const Vector3d side(0, std::sin(lean), std::cos(lean)),
+        down(0, std::cos(lean), -std::sin(lean));
+    for (const double off : {1e-3, 0.1, 0.5}) {
+      const Vector3d p = Vector3d(0.5, 0, 0) + off * down + 1e-3 * side;
+      EXPECT_LT((canvas.closest(p).n_W - side).norm(), 1e-12);
+      const auto hit = canvas.ray(p, -side);
+      ASSERT_TRUE(hit);
+      EXPECT_LT((hit->n_W - side).norm(), 1e-12);
+    }
+    for (const double angle : {-0.8 * lean, 0.0, 0.4 * lean}) {
+      const Vector3d up(0, std::sin(angle), std::cos(angle));
+      const SurfacePoint above = canvas.closest(Vector3d(0.4, 0, 0) + 1e-3 * up);
+      EXPECT_NEAR(above.distance, 1e-3, 1e-15);
+      EXPECT_LT((above.n_W - up).norm(), 1e-12);
+    }
+  }
+}
+
+// A blunt edge stands for a smooth surface: the normal turns along the faces.
+TEST(Canvas, NormalsAreSmoothedAcrossBluntEdges) {
+  const double lean = 0.3;
+  const Canvas canvas(roof(lean));
+  const Vector3d side(0, std::sin(lean), std::cos(lean)), down(0, std::cos(lean), -std::sin(lean));
+  const auto lean_at = [&](double off) {
+    return std::asin(canvas.closest(Vector3d(0.5, 0, 0) + off * down + 1e-3 * side).n_W.y());
+  };
+  EXPECT_NEAR(lean_at(1e-9), 0.0, 1e-6);
+  EXPECT_GT(lean_at(0.6), lean_at(0.3));
+  EXPECT_LT(lean_at(0.6), lean);
+}
+
 TEST(Canvas, ClosestPointIsThatOfEveryTriangle) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);

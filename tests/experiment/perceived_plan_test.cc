@@ -12,6 +12,7 @@
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/picture_of_plan.h"
+#include "impedraw/planning/preflight/crawl.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -224,6 +225,36 @@ TEST_F(PerceivedPlan, ThePensAxisIsTheUsersOrTheSurfaces) {
   auto asked = rough;
   asked.push_back("control.pen_axis=surface");
   EXPECT_EQ(axis(asked), PenAxis::surface);
+}
+
+// Lettering on terrain of 40°, whose bends slow the wrist down. What crawls is left out with its
+// reason, until the mean that was asked for is kept; each metre is promised or named.
+TEST_F(PerceivedPlan, LeavesOutWhatWouldCrawl) {
+  const auto plan = [](const std::string& least_speed) {
+    DrawOptions options;
+    options.scenario = "scenarios/surfaces.yaml";
+    options.assignments = {"drawing.text.text=Hello", "canvas.rough.slope=40",
+                           "canvas.rough.wavelength=0.03", "canvas.rough.seed=4030",
+                           "preflight.least_speed=" + least_speed};
+    return prepare_plan(resolve(options), {}, Unreachable::skip);
+  };
+  const auto crawling = [](const PlannedDrawing& e) {
+    double length = 0.0;
+    for (const Finding& f : e.plan.preflight.findings)
+      if (f.problem == Problem::crawls) length += f.part.length();
+    return length;
+  };
+  const PlannedDrawing all = plan("0"), rest = plan("0.015");
+  EXPECT_EQ(crawling(all), 0.0);
+  EXPECT_LT(all.plan.path.mean_speed(), 0.016);
+  EXPECT_GT(crawling(rest), 0.01);
+  EXPECT_GE(rest.plan.path.mean_speed(), 0.018);
+  EXPECT_FALSE(is_slow_anywhere(rest.plan.path, 0.008));
+  const double promised = plane_length(rest.plan.strokes);
+  EXPECT_GT(promised, 0.6 * plane_length(all.plan.strokes));
+  double named = 0.0;
+  for (const Finding& f : rest.plan.preflight.findings) named += f.part.length();
+  EXPECT_NEAR(promised + named, plane_length(rest.artwork.strokes), 2e-4);
 }
 
 }  // namespace

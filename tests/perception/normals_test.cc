@@ -242,6 +242,68 @@ TEST(Normals, APlansPatchKeepsToOneSideOfAStep) {
   }
 }
 
+// z = |x| tan(half of the angle): a valley whose sides meet at that angle; negative: a ridge.
+SurfaceEstimator plan_over_valley(double angle_deg) {
+  const double rise = std::tan(angle_deg / 2.0 * std::numbers::pi / 180.0);
+  const auto valley = [rise](double x, double) { return rise * std::abs(x); };
+  FinerClouds finer;
+  for (const double spacing : {2e-3, 1e-3}) finer.push_back(sheet(0.04, spacing, valley));
+  const SurfaceEstimator seen(sheet(0.04, 4e-3, valley), {}, std::move(finer));
+  return SurfaceEstimator(seen, 0.5);
+}
+
+TEST(Normals, APlanKeepsOffCreasesAndOffNothingElse) {
+  for (const double angle : {75.0, 100.0}) {
+    SCOPED_TRACE(angle);
+    const double rise = std::tan(angle / 2.0 * std::numbers::pi / 180.0);
+    const SurfaceEstimator plan = plan_over_valley(angle);
+    for (const double y : {-0.01, 0.0, 0.012}) {
+      EXPECT_TRUE(plan.in_crease({0, y, 0}));
+      EXPECT_NE(plan.estimate({0, y, 0}).status, SurfaceStatus::ok);
+      EXPECT_FALSE(plan.in_crease({0.015, y, 0.015 * rise}));
+      EXPECT_EQ(plan.estimate({0.015, y, 0.015 * rise}).status, SurfaceStatus::ok);
+    }
+  }
+  for (const double angle : {0.0, 25.0, 45.0, -75.0, -100.0}) {
+    SCOPED_TRACE(angle);
+    const SurfaceEstimator plan = plan_over_valley(angle);
+    for (const double y : {-0.01, 0.0, 0.012}) EXPECT_FALSE(plan.in_crease({0, y, 0}));
+  }
+}
+
+// Waves of 15 mm, up to 40° steep: cameras resolve them, and the tip fits into their valleys,
+// though places 9 mm apart lean towards each other by up to 77°.
+TEST(Normals, ResolvedWavesAreNoCreases) {
+  const double k = 2.0 * std::numbers::pi / 0.015,
+               a = std::tan(40.0 * std::numbers::pi / 180.0) / k;
+  const auto waves = [=](double x, double y) {
+    return a * std::sin(k * x) * std::cos(0.3 * k * y);
+  };
+  FinerClouds finer;
+  for (const double spacing : {2e-3, 1e-3}) finer.push_back(sheet(0.04, spacing, waves));
+  const SurfaceEstimator seen(sheet(0.04, 4e-3, waves), {}, std::move(finer));
+  const SurfaceEstimator plan(seen, 0.5);
+  int creases = 0, places = 0;
+  for (double x = -0.025; x < 0.025; x += 1e-3)
+    for (double y = -0.025; y < 0.025; y += 5e-3, ++places)
+      creases += plan.in_crease({x, y, waves(x, y)});
+  EXPECT_LT(creases, places / 50);
+}
+
+// In the middle of a hole the fit around it still tells a surface, 9 mm from the nearest point.
+TEST(Normals, APlansSurfaceDoesNotRunOnBeyondItsPoints) {
+  PointCloud cloud = sheet(0.06, 4e-3, kFlat);
+  const auto in_hole = [](const Vector3d& p) { return p.head<2>().norm() < 9e-3; };
+  cloud.points.erase(std::remove_if(cloud.points.begin(), cloud.points.end(), in_hole),
+                     cloud.points.end());
+  cloud.camera.resize(cloud.points.size());
+  const SurfaceEstimator seen(std::move(cloud));
+  const SurfaceEstimator plan(seen, 0.5);
+  EXPECT_EQ(seen.estimate(Vector3d::Zero()).status, SurfaceStatus::ok);
+  EXPECT_EQ(plan.estimate(Vector3d::Zero()).status, SurfaceStatus::off_edge);
+  EXPECT_EQ(plan.estimate({0.03, 0, 0}).status, SurfaceStatus::ok);
+}
+
 TEST(Normals, TooFewWithinReach) {
   const PointCloud cloud = sheet(0.05, 0.003, kFlat);
   for (const auto& way : every_way()) {

@@ -2,6 +2,7 @@
 #include "impedraw/run/wall_watch.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -55,6 +56,34 @@ TEST(WallWatch, ForgetsShortBlows) {
     EXPECT_FALSE(watch.update(n, v_D, pushed ? Vector3d::Zero() : v_D, {2e-3, 0, 0},
                               pushed ? Vector3d(-10, 0, 5) : Vector3d(-1.5, 0, 5), kCycle));
   }
+}
+
+int cycles_aside(const Vector3d& F) {
+  SideWatch watch;
+  for (int i = 1; i <= 1000; ++i)
+    if (watch.update(n, F, kCycle)) return i;
+  return -1;
+}
+
+TEST(SideWatch, NoticesATipThatIsPushedAside) {
+  EXPECT_EQ(cycles_aside({-6, 5, 2}), std::lround(SideWatch::kConfirm / kCycle));
+  EXPECT_GT(cycles_aside({-5, 0, -1}), 0);  // even into the surface
+}
+
+TEST(SideWatch, TakesNeitherFrictionNorASlopeForAWall) {
+  EXPECT_EQ(cycles_aside({-1.5, 0, 5}), -1);  // friction of 0.3
+  // a normal that is 40° off, and friction: 57°
+  const double lean = (40.0 + 16.7) * std::numbers::pi / 180.0;
+  EXPECT_EQ(cycles_aside(8.0 * Vector3d(std::sin(lean), 0, std::cos(lean))), -1);
+  EXPECT_EQ(cycles_aside({-3, 0, 0.5}), -1);  // gently
+}
+
+TEST(SideWatch, ForgetsShortBlows) {
+  SideWatch watch;
+  const int blow = static_cast<int>(0.6 * SideWatch::kConfirm / kCycle);
+  for (int i = 0; i < 5000; ++i)
+    EXPECT_FALSE(
+        watch.update(n, i % (2 * blow) < blow ? Vector3d(-9, 0, 2) : Vector3d(-1, 0, 5), kCycle));
 }
 
 }  // namespace

@@ -35,6 +35,12 @@ TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
   }
 }
 
+double TipPath::mean_speed() const noexcept {
+  double time = 0;
+  for (const StrokeTimes& stroke : strokes_) time += stroke.end - stroke.start;
+  return time > 0 ? pen_down_length() / time : std::numeric_limits<double>::infinity();
+}
+
 double TipPath::pen_down_length() const noexcept {
   double sum = 0;
   for (const StrokeTimes& s : strokes_) sum += s.length;

@@ -77,6 +77,7 @@ class TipPath {
   PathSample at(double t) const noexcept;
 
   const std::vector<StrokeTimes>& strokes() const noexcept { return strokes_; }
+  double mean_speed() const noexcept;  // along the strokes; infinite if they take no time [m/s]
   double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
 
  private:

@@ -19,6 +19,8 @@ constexpr double kStep = 0.01;  // [m]
 constexpr double kTurn = 0.1;   // of the pen [rad]
 // a tip nearer to the canvas than this, or below it, touches it [m]
 constexpr double kTipFree = 1e-3;
+// of the margins that check_strokes asks for, kept where the same place is looked at again
+constexpr double kEased = 0.6;
 
 }  // namespace
 
@@ -31,6 +33,14 @@ std::vector<Finding> check_transitions(const TipPath& path,
   if (strokes.empty() || path.duration() == 0) return findings;
   PostureCheck check(arm, obstacle, start_q, settings);
   check.asked.torque = false;
+  // Along the strokes themselves check_strokes has looked already, but with postures that may have
+  // been found anew at their beginnings. Here they follow from the ways, as they do in the run.
+  PreflightSettings eased = settings;
+  eased.joint_margin *= kEased;
+  eased.clearance *= kEased;
+  eased.space.max_effective_mass /= kEased;
+  PostureCheck along_strokes(arm, obstacle, start_q, eased);
+  along_strokes.asked = {.torque = false, .pen = false};
 
   std::vector<double> amounts;  // severities of the findings
   std::size_t way_begins = 0;   // index of the current motion's first finding
@@ -61,6 +71,23 @@ std::vector<Finding> check_transitions(const TipPath& path,
     amounts[i] = amount;
   };
 
+  bool lost_along = false;  // the last finding is of the stroke at hand, and goes on
+  const auto report_along = [&](const PathSample& sample, const Posture& posture,
+                                const Vector3d& p) {
+    if (lost_along) {
+      findings.back().part.to = sample.along;
+      return;
+    }
+    lost_along = true;
+    const PlacedStroke& stroke = strokes[std::min(next, strokes.size() - 1)];
+    findings.push_back({{stroke.number, sample.along, sample.along},
+                        *posture.problem,
+                        "from the way there: " + posture.text,
+                        place_on(stroke, sample.along).page,
+                        p});
+    amounts.push_back(posture.amount);
+  };
+
   std::optional<Posture> last;
   Vector3d asked_p = Vector3d::Zero(), asked_n = Vector3d::UnitZ();
   bool was_way = false;
@@ -81,7 +108,12 @@ std::vector<Finding> check_transitions(const TipPath& path,
     const auto below = obstacle ? obstacle->closest(p, kTipFree + 0.02) : std::nullopt;
     check.asked.pen = !(below && below->distance < kTipFree);
     const PenPlacement pen{p, -n};
-    Posture posture = last ? check.follow(pen, *last, moved) : check.enter(pen, start_q);
+    PostureCheck& here = sample.stroke < 0 ? check : along_strokes;
+    Posture posture = last ? here.follow(pen, *last, moved) : check.enter(pen, start_q);
+    if (sample.stroke >= 0 && posture.problem)
+      report_along(sample, posture, p);
+    else
+      lost_along = false;
     // If the arm loses the path during a motion, only that motion is reported. The next stroke
     // starts from a new posture.
     if (last && !posture.reached && (last->reached || (change && !way))) {

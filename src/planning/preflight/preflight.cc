@@ -182,6 +182,8 @@ const char* name_of(Problem problem) noexcept {
       return "off_canvas";
     case Problem::fold:
       return "fold";
+    case Problem::crease:
+      return "crease";
     case Problem::too_steep:
       return "too_steep";
     case Problem::out_of_reach:
@@ -198,6 +200,8 @@ const char* name_of(Problem problem) noexcept {
       return "pen_collision";
     case Problem::joint_jump:
       return "joint_jump";
+    case Problem::crawls:
+      return "crawls";
     case Problem::too_short:
       return "too_short";
   }
@@ -212,6 +216,7 @@ void validate(const PreflightSettings& s) {
   require_in_range("preflight", Limits::edge_tolerance, s.edge_tolerance);
   require_in_range("preflight", Limits::edge_margin, s.edge_margin);
   require_in_range("preflight", Limits::shortest, s.shortest);
+  require_in_range("preflight", Limits::least_speed, s.least_speed);
   require_in_range("preflight", Limits::max_slope, s.max_slope_deg);
   require_in_range("preflight", Limits::fold_height, s.fold_height);
   require_in_range("preflight", Limits::normal_smoothing, s.normal_smoothing);

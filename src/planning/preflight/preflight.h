@@ -43,6 +43,7 @@ namespace impedraw {
 enum class Problem {
   off_canvas,  // no surface: beyond its edge, or a hole
   fold,        // the surface jumps in height; both sides may be drawable
+  crease,      // two sides of the surface meet like an open book; both may be drawable
   too_steep,
   out_of_reach,
   joint_limit,
@@ -51,6 +52,7 @@ enum class Problem {
   arm_collision,
   pen_collision,
   joint_jump,  // no continuous posture across this point; both sides may be drawable
+  crawls,      // would be drawn slower than least_speed (crawl.h)
   too_short    // drawable, but too short between parts that are not
 };
 const char* name_of(Problem problem) noexcept;
@@ -67,7 +69,11 @@ struct PreflightSettings {
   double edge_tolerance = 1e-4;  // accuracy of the ends of parts [m]
   // distance kept from the surface's edges and holes, along the stroke [m]
   double edge_margin = 1e-3;
-  double shortest = 1e-3;  // shortest part worth lowering the pen for [m]
+  double shortest = 5e-3;  // shortest part worth lowering the pen for [m]
+  // Mean speed of the drawing, at most half of the drawing speed. Where the surface or the arm's
+  // joints slow a stretch down to less than two thirds of it, it is left out, and more until the
+  // mean is kept; 0: all is drawn, however slowly [m/s]. Not by check_strokes: by the planned path.
+  double least_speed = 15e-3;
 
   double max_slope_deg = 75;       // between the surface's normal and z_P
   double fold_height = 0.5e-3;     // the pen's tip rides over lower steps [m]
@@ -93,6 +99,7 @@ struct PreflightSettings {
     static constexpr Limit edge_tolerance = {"edge_tolerance", "m", {1e-6, 0.01}};
     static constexpr Limit edge_margin = {"edge_margin", "m", {0.0, 0.1}};
     static constexpr Limit shortest = {"shortest", "m", {0.0, 1.0}};
+    static constexpr Limit least_speed = {"least_speed", "m/s", {0.0, 1.0}};
     static constexpr Limit max_slope = {"max_slope", "deg", {1.0, 89.0}};
     static constexpr Limit fold_height = {"fold_height", "m", {1e-6, 0.1}};
     static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 1.0}};
@@ -149,7 +156,8 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
 
 // Checks the motions between the strokes of a planned path (travel, approach and lift) every
 // centimetre and every 0.1 rad of turn. Each posture follows from the previous one, through the
-// strokes too. `strokes` are those the path was planned from.
+// strokes too: where one of these fails, though check_strokes found a posture, a finding without
+// WayEnd names the part. `strokes` are those the path was planned from.
 //
 // A finding's part is the whole stroke that the motion leads to; for the way back, the last stroke.
 // If the lift is blocked, only the stroke that it leaves is reported. page_mm is the stroke's first

@@ -1,4 +1,5 @@
 // The ways between the strokes of planned paths.
+#include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -60,6 +61,29 @@ TEST(PreflightWays, AWayOutOfReachIsSaid) {
   std::set<Problem> seen;
   for (const Finding& finding : findings) seen.insert(finding.problem);
   EXPECT_TRUE(seen.count(Problem::out_of_reach));
+}
+
+// The stroke runs out of the arm's reach, and nobody asked check_strokes.
+TEST(PreflightWays, AStrokeThatTheArmCannotFollowIsSaidWithItsPart) {
+  ArmModel arm(surfaces::kArm);
+  const auto stroke = surfaces::line({{0.70, 0}, {1.00, 0}});
+  const auto findings = ways(arm, {stroke}, surfaces::flat(0.1), nullptr);
+  const auto lost = std::find_if(findings.begin(), findings.end(),
+                                 [](const Finding& f) { return f.way == WayEnd::none; });
+  ASSERT_NE(lost, findings.end());
+  EXPECT_TRUE(lost->problem == Problem::out_of_reach || lost->problem == Problem::joint_limit ||
+              lost->problem == Problem::near_singular)
+      << name_of(lost->problem);
+  EXPECT_GT(lost->part.from, 0.02);
+  EXPECT_NEAR(lost->part.to, 0.30, 0.012);
+  EXPECT_EQ(lost->text.find("from the way there: "), 0u) << lost->text;
+  // Where the first pass drew its line, the second finds nothing.
+  const Preflight first =
+      check_strokes({stroke}, surfaces::flat(0.1), arm, nullptr, surfaces::start_posture(arm));
+  ASSERT_EQ(first.drawable.size(), 1u);
+  const PlacedStroke rest = part_of(stroke, 0.0, first.drawable[0].to);
+  for (const Finding& f : ways(arm, {rest}, surfaces::flat(0.1), nullptr))
+    EXPECT_NE(f.way, WayEnd::none) << f.text;
 }
 
 TEST(PreflightWays, ALiftOutOfReachIsSaidOfTheStrokeThatItIsOffAndOfNoOther) {

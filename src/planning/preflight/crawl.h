@@ -1,0 +1,36 @@
+// Stretches of a timed path along which the pen would crawl.
+//
+// Speed is judged over windows of kCrawlWindow along a stroke, on the surface, so that a corner
+// with its full stop counts for little. A window crawls if it is slower than `least_speed` and
+// takes more than twice as long as on the `unhindered` path: what a line's own corners take is not
+// held against it. Windows that touch are one stretch; its ends are trimmed to where the pen is
+// slower than `least_speed` over kCrawlStep.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "impedraw/planning/path/tip_path.h"
+
+namespace impedraw {
+
+inline constexpr double kCrawlWindow = 10e-3, kCrawlStep = 1e-3;  // [m]
+
+struct CrawlingStretch {
+  std::size_t stroke = 0;        // in the order of the path
+  double from = 0, to = 0;       // as in StrokePart, of the path's stroke [m]
+  double speed = 0;              // mean over the stretch [m/s]
+  double slowest = 0;            // place of least speed, between from and to [m]
+  Eigen::Vector3d p_W{0, 0, 0};  // there [m]
+};
+
+// `unhindered`: a path of the same strokes in the same order, without the limits that count.
+// Ordered by stroke, then along it.
+std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
+                                                double least_speed);
+
+// Whether any window of the path is slower than `least_speed`: without it nothing crawls.
+bool is_slow_anywhere(const TipPath& path, double least_speed);
+
+}  // namespace impedraw

@@ -1,0 +1,78 @@
+// Stretches that crawl: of a line whose speed is limited by hand where it is known.
+#include "impedraw/planning/preflight/crawl.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "impedraw/planning/path/tip_planner.h"
+#include "planning/surfaces.h"
+
+namespace impedraw {
+namespace {
+
+// No faster than `speed` where the spline's x is within [from, to].
+SpanLimits slow_between(double from, double to, double speed) {
+  return [=](const PathSpline& spline, std::vector<SpeedSpan>* spans) {
+    for (std::size_t i = 0; i < spans->size(); ++i) {
+      const double x = spline.at((spline.start(i) + spline.end(i)) / 2).p.x();
+      if (x >= from && x <= to) (*spans)[i].speed = std::min((*spans)[i].speed, speed);
+    }
+  };
+}
+
+std::vector<CrawlingStretch> crawling(const std::vector<PlacedStroke>& strokes,
+                                      const SpanLimits& limits, double least_speed = 10e-3,
+                                      double draw_speed = 0.05) {
+  PathSettings path;
+  path.draw_speed = draw_speed;
+  const TipPath free = plan_tip_path(strokes, surfaces::table, path),
+                slowed = plan_tip_path(strokes, surfaces::table, path, limits);
+  const auto found = crawling_stretches(slowed, free, least_speed);
+  EXPECT_TRUE(found.empty() || is_slow_anywhere(slowed, least_speed));
+  return found;
+}
+
+TEST(Crawl, AStretchIsFoundWhereItIsAndItsNeighboursAreNot) {
+  const PlacedStroke fast = surfaces::line({{0.5, 0.05}, {0.6, 0.05}}, 3),
+                     slow = surfaces::line({{0.5, 0.0}, {0.6, 0.0}}, 4);
+  const auto found = crawling({fast, slow}, [](const PathSpline& spline, auto* spans) {
+    if (spline.at(0).p.y() < 0.02) slow_between(0.53, 0.56, 5e-3)(spline, spans);
+  });
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].stroke, 1u);
+  EXPECT_NEAR(found[0].from, 0.03, 2e-3);
+  EXPECT_NEAR(found[0].to, 0.06, 2e-3);
+  EXPECT_NEAR(found[0].speed, 5e-3, 1e-3);
+  EXPECT_GT(found[0].slowest, found[0].from);
+  EXPECT_LT(found[0].slowest, found[0].to);
+  EXPECT_NEAR(found[0].p_W.x(), 0.5 + found[0].slowest, 1e-3);
+}
+
+// 2 mm at 12 mm/s: within a window of 10 mm they cost 0.1 s.
+TEST(Crawl, AShortSlowPlaceIsNone) {
+  EXPECT_TRUE(
+      crawling({surfaces::line({{0.5, 0}, {0.6, 0}})}, slow_between(0.54, 0.542, 12e-3)).empty());
+}
+
+// A zigzag of 4 mm: its corners alone make it slower than asked.
+TEST(Crawl, CornersAreTheLinesOwn) {
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 12; ++i) points.push_back({0.5 + 2e-3 * i, i % 2 ? 4e-3 : 0.0});
+  const PlacedStroke zigzag = surfaces::line(points);
+  PathSettings slow_corners;
+  slow_corners.draw_acceleration = 0.02;
+  const TipPath path = plan_tip_path({zigzag}, surfaces::table, slow_corners);
+  EXPECT_TRUE(is_slow_anywhere(path, 10e-3));
+  EXPECT_TRUE(crawling_stretches(path, path, 10e-3).empty());
+  EXPECT_LT(path.mean_speed(), 10e-3);
+}
+
+TEST(Crawl, SlowAndUnhinderedIsNone) {
+  EXPECT_TRUE(crawling({surfaces::line({{0.5, 0}, {0.6, 0}})}, {}, 10e-3, 5e-3).empty());
+  EXPECT_TRUE(crawling({surfaces::line({{0.5, 0}, {0.5, 0}})}, {}).empty());  // a dot
+}
+
+}  // namespace
+}  // namespace impedraw
