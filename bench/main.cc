@@ -20,6 +20,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/control/impedance.h"
+#include "impedraw/control/moving_frame.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/run/run.h"
@@ -32,12 +33,15 @@ namespace {
 
 const std::string kRoot = IMPEDRAW_ROOT;
 
-Experiment& experiment(const std::string& name) {
+Experiment& experiment(const std::string& name, const std::vector<std::string>& assignments = {}) {
   static std::map<std::string, Experiment> all;
-  if (const auto it = all.find(name); it != all.end()) return it->second;
+  std::string key = name;
+  for (const std::string& assignment : assignments) key += " " + assignment;
+  if (const auto it = all.find(key); it != all.end()) return it->second;
   DrawOptions options;
   options.scenario = kRoot + "/scenarios/" + name + ".yaml";
-  return all.emplace(name, prepare(resolve(options))).first->second;
+  options.assignments = assignments;
+  return all.emplace(key, prepare(resolve(options))).first->second;
 }
 
 // Successive postures at 1 kHz and 0.2 rad/s, back and forth, because the damping design starts
@@ -106,7 +110,8 @@ class Step {
       joints_.emplace(*e_.control.joint_estimator, e_.scene.arm.joints());
     while (!estimator_.tared()) estimator_.update(Vector6::Zero(), terms_.X_WE, Vector6::Zero());
   }
-  const ImpedanceTorque& operator()() {
+  // carrier: the canvas's motion, as it was predicted; null: it stands.
+  const ImpedanceTorque& operator()(const FrameMotion* carrier = nullptr) {
     const Posture& p = all_[i_];
     i_ = (i_ + 1) % all_.size();
     if (joints_) joints_->update(p.q);
@@ -114,7 +119,10 @@ class Step {
     Vector6 reading = Vector6::Zero();
     reading.head<3>() = terms_.X_WE.R.transpose() * (5.0 * surface_.n_W);
     const Vector6& F_ext = estimator_.update(reading, terms_.X_WE, terms_.V_WE);
-    const ImpedanceTorque& out = controller_.step(terms_, goal_, surface_, F_ext);
+    const ImpedanceTorque& out =
+        carrier ? controller_.step(terms_, carried(goal_, *carrier), carried(surface_, *carrier),
+                                   F_ext, {}, carrier)
+                : controller_.step(terms_, goal_, surface_, F_ext);
     if (joints_) joints_->commanded(terms_, F_ext, out.tau);
     return out;
   }
@@ -138,6 +146,16 @@ void step(benchmark::State& state, const std::string& name) {
 void BM_step_shaped(benchmark::State& state) { step(state, "bowl-sine-sensor"); }
 void BM_step_natural(benchmark::State& state) { step(state, "bowl-sine-realistic"); }
 void BM_step_estimated(benchmark::State& state) { step(state, "bowl-sine-real"); }
+
+// On a canvas that moves.
+void BM_step_carried(benchmark::State& state) {
+  Step one("bowl-sine-sensor");
+  FrameMotion motion;
+  motion.v = {0.01, -0.06, 0.02};
+  motion.a = {0.1, 0.2, -0.3};
+  motion.w = {0.01, 0.02, 0.03};
+  for (auto _ : state) benchmark::DoNotOptimize(one(&motion));
+}
 
 // Distribution of step times [ns]: the best of five runs, because other processes may disturb any
 // of them.
@@ -165,8 +183,9 @@ Spread spread(const std::string& name) {
 
 // A whole run with its log: processor time per control step. The counter is for information only
 // and depends on the machine and its load.
-void draw(benchmark::State& state, const std::string& name) {
-  Experiment& e = experiment(name);
+void draw(benchmark::State& state, const std::string& name,
+          const std::vector<std::string>& assignments = {}) {
+  Experiment& e = experiment(name, assignments);
   const std::filesystem::path log = std::filesystem::temp_directory_path() /
                                     ("impedraw_bench_" + std::to_string(getpid()) + ".h5");
   double simulated = 0.0, wall = 0.0;
@@ -184,6 +203,14 @@ void draw(benchmark::State& state, const std::string& name) {
 void BM_draw(benchmark::State& state) { draw(state, "bowl-sine"); }
 void BM_draw_natural(benchmark::State& state) { draw(state, "bowl-sine-natural"); }
 void BM_draw_blind(benchmark::State& state) { draw(state, "bowl-sine-blind"); }
+// Three cameras with images of 320 × 240 px.
+void BM_draw_images(benchmark::State& state) {
+  draw(state, "moving-heave",
+       {"perception.frames.depth=true", "perception.frames.region_of_interest=false"});
+}
+void BM_draw_images_5_hz(benchmark::State& state) {
+  draw(state, "moving-heave", {"perception.frames.depth=true", "perception.frames.depth_every=6"});
+}
 
 // Runs with and without a viewer, in turn. Once: it repeats by itself.
 LiveCosts live;
@@ -199,6 +226,7 @@ BENCHMARK(BM_arm_terms);
 BENCHMARK(BM_step_shaped);
 BENCHMARK(BM_step_natural);
 BENCHMARK(BM_step_estimated);
+BENCHMARK(BM_step_carried);
 BENCHMARK(BM_draw)->UseManualTime()->Unit(benchmark::kMicrosecond)->Iterations(1)->Repetitions(5);
 BENCHMARK(BM_draw_natural)
     ->UseManualTime()
@@ -211,6 +239,16 @@ BENCHMARK(BM_draw_blind)
     ->Iterations(1)
     ->Repetitions(5);
 
+BENCHMARK(BM_draw_images)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond)
+    ->Iterations(1)
+    ->Repetitions(1);
+BENCHMARK(BM_draw_images_5_hz)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond)
+    ->Iterations(1)
+    ->Repetitions(3);
 BENCHMARK(BM_live)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1)->Repetitions(1);
 
 // Collects every repetition in addition to the usual output.
@@ -263,9 +301,15 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"whole step with sensor and observer, natural inertia / floor", floors("BM_step_natural"),
        1.5},
       {"the same with estimated joint velocities / floor", floors("BM_step_estimated"), 1.6},
+      {"whole step on a canvas that moves, shaped inertia / floor", floors("BM_step_carried"), 1.6},
       {"its 99th percentile / median, best of five runs", steps.p99 / steps.median, 2.0},
       {"fresh normal / bare k-nearest-neighbour query (k = 60)",
        median.time("BM_normal_fresh/60") / median.time("BM_knn_bare/60"), 1.5},
+      {"fresh normal of 60 neighbours [us]", 1e-3 * median.time("BM_normal_fresh/60"), 5.0},
+      {"frame, 320 x 240 px: rendering in packets / ray by ray",
+       median.time("BM_frame_render") / median.time("BM_frame_render_one_by_one"), 0.6},
+      {"frame, 320 x 240 px: points, registration, fusion [ms]", 1e-6 * median.time("BM_frame_all"),
+       1.5},
       {"frame, 320 x 240 px: points, registration, fusion / back-projection",
        median.time("BM_frame_all") / median.time("BM_frame_back_project"), 5.0},
       // costs_bench.cc. The limits are about twice what was measured; those of whole runs a third
@@ -285,6 +329,11 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"simulated step with log, true wrench / floor", floors("BM_draw"), 11.0},
       {"simulated step with log, no wrench / floor", floors("BM_draw_natural"), 11.0},
       {"simulated step with log, blind / floor", floors("BM_draw_blind"), 10.0},
+      // Processor time of a simulated second, on one core: 1 / real_time_factor.
+      {"s for a second of three whole images at 30 Hz, all pixels",
+       1e-6 * median.time("BM_draw_images"), 1.0},
+      {"s for a second of three images at 5 Hz, region of interest",
+       1e-6 * median.time("BM_draw_images_5_hz"), 0.2},
       {"live view: ms behind the loop, median", live.delay_ms, 50.0},
       {"live view: % of real_time_factor lost to one viewer", 100.0 * (1.0 - 1.0 / live.slower),
        3.0},

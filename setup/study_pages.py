@@ -303,7 +303,7 @@ def moving(rows, folder):
     by_case, bad = {row["case"]: row for row in rows}, sum(row["failed"] for row in rows)
     lines = ["# A canvas that moves", "",
              "Three cameras keep capturing at 30 Hz, 60 ms late with 10 ms of jitter, one frame in twenty dropped; they find four marks on the bowl's rim, each with "
-             "0.3 mm of noise per axis, camera and frame. The surface is known from one snapshot with 1 mm of depth noise at 1 m. The arm watches for 6 s, then draws "
+             "0.3 mm of noise per axis, camera and frame. The surface is known from one snapshot with 1 mm of depth noise at 1 m, unless frames have depths. The arm watches for 6 s, then draws "
              "with 5 N at 50 mm/s along the canvas. All errors are measured in the canvas's own frame.", "",
              f"`./impedraw sweep studies/moving.yaml`, {stamp()}: {len(rows)} runs, **{bad} failed**. A run fails if it stops, if a stroke has no ink, if the pen is "
              "off the canvas for more than 2 % of the time, or if the ink error is over 1 mm RMS.", "",
@@ -325,13 +325,21 @@ def moving(rows, folder):
         lines.append(f"| {motion} | " + " | ".join(f"{entry(c)} / {c['contact_fraction']:.3f}" for c in cells) + " |")
     lines += ["", "## The canvas's own shape", "",
               "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface of the snapshot is found again; `5 Hz`: every sixth frame. Terrain has "
-              "no marks, and moves as in `moving-sway`. Sine, the worse of two seeds; every pixel is cast.", "",
+              "no marks, and moves as in `moving-sway`. Sine, the worse of two seeds; every pixel is cast, but at 5 Hz only those that may see the canvas.", "",
               "| | ink RMS [mm] | force SD [N] | contact | real-time factor, at least, of two runs at a time on a machine that others used |", "|---" * 5 + "|"]  # fmt: skip
     for on in dict.fromkeys(row["case"].rsplit("-", 1)[0] for row in rows if row["group"] == "shape"):
         cells = [row for row in rows if row["group"] == "shape" and row["case"].startswith(on + "-")]
         worst = [max(row[m] or math.inf for row in cells) for m in ("ink_error_rms", "force_sd")]
         lines.append(f"| {on.removeprefix('shape-')} | {worst[0]:.3f} | {worst[1]:.3f} | {min(row['contact_fraction'] for row in cells):.3f} | "
                      f"{min(row['real_time_factor'] for row in cells):.1f} |")  # fmt: skip
+    lines += ["", "## What frames add to the surface", "",
+              "A canvas that stands, with depths in each frame. The surface under the pen is that of one snapshot (`perception.frames.grow_surface=false`), or that "
+              "of all frames so far. Sine, the worse of two seeds.", "",
+              "| surface | normal off, mean [deg] | tilt mean [deg] | ink RMS [mm] | ink max [mm] | force SD [N] |", "|---" * 6 + "|"]  # fmt: skip
+    for surface in ("snapshot", "grown"):
+        cells = [row for row in rows if row["group"] == "standing" and row["case"].startswith(f"standing-{surface}-")]
+        worst = [max(row[m] for row in cells) for m in ("normal_error_mean", "tilt_mean", "ink_error_rms", "ink_error_max", "force_sd")]
+        lines.append(f"| {surface} | " + " | ".join(f"{x:.3f}" for x in worst) + " |")
     speeds, latencies = levels(rows, "conveyor", r"conveyor-(.+)mm_s-(.+)s")
     lines += ["", "## Speed and latency", "", "A letter of 30 mm on a conveyor, ink RMS [mm] / force SD [N].", "",
               "| latency | " + " | ".join(f"{v:g} mm/s" for v in speeds) + " |", "|---" * (len(speeds) + 1) + "|"]  # fmt: skip

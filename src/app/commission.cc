@@ -23,6 +23,7 @@
 #include "impedraw/run/identify_joints.h"
 #include "impedraw/run/real_time.h"
 #include "impedraw/run/simulated_arm.h"
+#include "impedraw/run/watch_marks.h"
 #include "impedraw/sensing/touches.h"
 #include "impedraw/terminal/say.h"
 
@@ -103,6 +104,44 @@ int commission_latency(const DrawOptions& options, const fs::path& folder) {
       found.delay, 1e2 * found.explained,
       arm.experiment.scenario.arm.driver == ArmDriver::sim ? "control.torque_delay" : "arm.delay",
       found.delay);
+  return kFinished;
+}
+
+int commission_camera_latency(const DrawOptions& options, const fs::path& folder, double seconds) {
+  Json json = read_file(folder);
+  CommissionedArm arm(options);
+  const Scenario& scenario = arm.experiment.scenario;
+  const PerceptionSettings& perception = scenario.perception;
+  if (!perception.frames.enabled)
+    throw InputError(
+        "perception.frames.enabled is false: no camera keeps capturing; name a scenario as "
+        "scenarios/moving-sway.yaml");
+  if (perception.fiducials.points.size() < 3)
+    throw InputError(fmt::format(
+        "perception.fiducials.points has {} points; the cameras' latency is found by 3 and more",
+        perception.fiducials.points.size()));
+  const CanvasMotion& motion = arm.experiment.scene.world->canvas_motion();
+  if (!motion.moves())
+    throw InputError(
+        "canvas.motion: the canvas stands; a known motion tells the cameras' latency, as "
+        "canvas.motion.sway or canvas.motion.file");
+  const Eigen::Vector3d centre = centre_of(perception.fiducials);
+  const CameraLatency found = find_camera_latency(
+      watch_marks(arm.experiment.scene.arm, *arm.driver, perception.fiducials, seconds),
+      [&](double time) { return motion.at(time).X_WK * centre; });
+  write_step(folder, std::move(json), "camera-latency",
+             {{"stamp_error_s", found.stamp_error},
+              {"stamp_error_deviation_s", found.stamp_error_deviation},
+              {"latency_s", found.latency},
+              {"latency_deviation_s", found.latency_deviation},
+              {"jitter_s", found.jitter}});
+  say(stdout,
+      "frames    {} with three marks and more, {:.2f} mm of noise per axis\n"
+      "stamps    {:.2f} ± {:.2f} ms later than the exposures\n"
+      "latency   {:.2f} ± {:.2f} ms from an exposure to its frame, one frame varies by {:.2f} ms\n"
+      "\nAs a setting of a scenario:\nperception.frames.stamp_error: {:.5f}\n",
+      found.frames, 1e3 * found.noise, 1e3 * found.stamp_error, 1e3 * found.stamp_error_deviation,
+      1e3 * found.latency, 1e3 * found.latency_deviation, 1e3 * found.jitter, found.stamp_error);
   return kFinished;
 }
 
@@ -262,6 +301,9 @@ DrawOptions with_commissioning(DrawOptions options, const fs::path& folder) try 
     found.push_back("canvas.mesh.position=" + list(page.at("p_WP_m")));
     found.push_back("canvas.mesh.rotation=" + list(page.at("roll_pitch_yaw_deg")));
   }
+  if (json.contains("camera-latency") && scenario.perception.frames.enabled)
+    found.push_back(fmt::format("perception.frames.stamp_error={}",
+                                json["camera-latency"].at("stamp_error_s").get<double>()));
   for (const std::string& assignment : found) say(stderr, "commissioned  {}\n", assignment);
   options.assignments.insert(options.assignments.begin(), found.begin(), found.end());
   return options;

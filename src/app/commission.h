@@ -2,6 +2,7 @@
 // commissioning.json of a folder, and refuses to begin without the steps before it:
 //
 //   latency → friction → touch (often) → pen-length → register
+//   camera-latency, at any time
 //
 // All but touch, pen-length and register move the arm, in the air, by little. `draw --commissioned`
 // takes the results.
@@ -17,6 +18,10 @@ namespace impedraw {
 // All return kFinished, and throw where a result is implausible; then nothing is written.
 int commission_latency(const DrawOptions& options, const std::filesystem::path& folder);
 int commission_friction(const DrawOptions& options, const std::filesystem::path& folder);
+// The cameras' latency and the error of their time stamps, while the canvas moves as the scenario's
+// canvas.motion says: a device that is known to. Needs no step before it.
+int commission_camera_latency(const DrawOptions& options, const std::filesystem::path& folder,
+                              double seconds);
 // Notes the tip's pose at rest, led there by hand or brought by another program. `mark`: "pen" for
 // a touch of the one point of pen-length, or "X,Y" or "X,Y,Z", where a mark of the page or of the
 // mesh is [m].

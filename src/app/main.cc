@@ -333,6 +333,15 @@ int run_program(int argc, char** argv) {
   CLI::App* friction = arm->add_subcommand(
       "friction", "measure each joint's friction by slow sweeps of 0.2 rad, in the air");
   friction->callback([&] { code = impedraw::commission_friction(options, commissioning); });
+  double watch_seconds = 20.0;
+  CLI::App* camera_latency = arm->add_subcommand(
+      "camera-latency",
+      "measure the cameras' latency while the canvas moves as canvas.motion says; moves nothing");
+  camera_latency->add_option("--seconds", watch_seconds, "how long")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  camera_latency->callback(
+      [&] { code = impedraw::commission_camera_latency(options, commissioning, watch_seconds); });
   CLI::App* touch =
       arm->add_subcommand("touch", "note where the tip rests: led there by hand; moves nothing");
   touch
@@ -347,12 +356,12 @@ int run_program(int argc, char** argv) {
   pen_length->callback([&] { code = impedraw::commission_pen_length(commissioning); });
   CLI::App* page = arm->add_subcommand("register", "where the page is, from touches of its marks");
   page->callback([&] { code = impedraw::commission_register(commissioning); });
-  for (CLI::App* command : {latency, friction, touch, pen_length, page})
+  for (CLI::App* command : {latency, friction, camera_latency, touch, pen_length, page})
     command
         ->add_option("--into", commissioning,
                      "folder of commissioning.json, which each step reads and adds to")
         ->capture_default_str();
-  for (CLI::App* command : {latency, friction, touch}) {
+  for (CLI::App* command : {latency, friction, camera_latency, touch}) {
     command->add_option("scenario", options.scenario,
                         "YAML file that names the arm (default: the standard bowl's)");
     command

@@ -207,6 +207,53 @@ struct Canvas::Search {
     return result;
   }
 
+  // Intersects the plane of the hit triangle in double precision. A ray within that plane keeps
+  // Embree's distance `found`.
+  static double exact_t(const MeshTopology::Face& face, const Vector3d& origin_W,
+                        const Vector3d& direction, double length, double found) {
+    const double along = direction.dot(face.normal);
+    if (std::abs(along) > 1e-9 * length)
+      return std::max(0.0, (face.corner[0] - origin_W).dot(face.normal) / along);
+    return found / length;
+  }
+
+  void rays(const Vector3d& origin_W, std::span<const Vector3d> directions,
+            std::span<double> distances) const {
+    constexpr std::size_t kPacket = 8;
+    const Eigen::Vector3f o = (origin_W - origin).cast<float>();
+    RTCRayHit8 packet;
+    alignas(32) int valid[kPacket];
+    for (std::size_t k = 0; k < kPacket; ++k) {
+      packet.ray.org_x[k] = o.x();
+      packet.ray.org_y[k] = o.y();
+      packet.ray.org_z[k] = o.z();
+      packet.ray.tnear[k] = packet.ray.time[k] = 0.0f;
+      packet.ray.mask[k] = ~0u;
+      packet.ray.id[k] = packet.ray.flags[k] = 0;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (std::size_t first = 0; first < directions.size(); first += kPacket) {
+      const std::size_t n = std::min(kPacket, directions.size() - first);
+      for (std::size_t k = 0; k < kPacket; ++k) {
+        const Vector3d& d = directions[first + std::min(k, n - 1)];
+        valid[k] = k < n ? -1 : 0;
+        packet.ray.dir_x[k] = static_cast<float>(d.x());
+        packet.ray.dir_y[k] = static_cast<float>(d.y());
+        packet.ray.dir_z[k] = static_cast<float>(d.z());
+        packet.ray.tfar[k] = std::numeric_limits<float>::infinity();
+        packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+      }
+      rtcIntersect8(valid, scene, &context, &packet);
+      for (std::size_t k = 0; k < n; ++k)
+        distances[first + k] = packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID
+                                   ? std::numeric_limits<double>::infinity()
+                                   : exact_t(topology.faces[packet.hit.primID[k]], origin_W,
+                                             directions[first + k], 1.0, packet.ray.tfar[k]);
+    }
+  }
+
   std::optional<RayHit> ray(const Vector3d& origin_W, const Vector3d& direction) const {
     const double length = direction.norm();
     if (!origin_W.allFinite() || !direction.allFinite() || length == 0.0) return std::nullopt;
@@ -226,14 +273,9 @@ struct Canvas::Search {
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    // Intersect the plane of the hit triangle in double precision. A ray within that plane keeps
-    // Embree's value.
     const int triangle = static_cast<int>(ray.hit.primID);
     const auto& face = topology.faces[triangle];
-    const double along = direction.dot(face.normal);
-    double t = ray.ray.tfar / length;
-    if (std::abs(along) > 1e-9 * length)
-      t = std::max(0.0, (face.corner[0] - origin_W).dot(face.normal) / along);
+    const double t = exact_t(face, origin_W, direction, length, ray.ray.tfar);
     const Vector3d p = origin_W + t * direction;
     return RayHit{t, p, smooth_normal(topology, face, closest_on_triangle(face.corner, p).weight),
                   triangle};
@@ -259,6 +301,11 @@ std::optional<SurfacePoint> Canvas::closest(const Vector3d& p_W,
 std::optional<RayHit> Canvas::ray(const Vector3d& origin_W,
                                   const Vector3d& direction_W) const noexcept {
   return search_->ray(origin_W, direction_W);
+}
+
+void Canvas::rays(const Vector3d& origin_W, std::span<const Vector3d> directions_W,
+                  std::span<double> distances) const noexcept {
+  search_->rays(origin_W, directions_W, distances);
 }
 
 const TriangleMesh& Canvas::mesh() const noexcept { return search_->mesh; }

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -55,6 +56,11 @@ class Canvas {
   // The direction need not have unit length.
   std::optional<RayHit> ray(const Eigen::Vector3d& origin_W,
                             const Eigen::Vector3d& direction_W) const noexcept;
+
+  // Distances of the first intersections along unit directions from one origin [m], infinity where
+  // there is none: the same numbers as ray(), in packets, which neighbouring directions make fast.
+  void rays(const Eigen::Vector3d& origin_W, std::span<const Eigen::Vector3d> directions_W,
+            std::span<double> distances) const noexcept;
 
   const TriangleMesh& mesh() const noexcept;
   const Eigen::AlignedBox3d& bounds() const noexcept;  // of the vertices [m], W

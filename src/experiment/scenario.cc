@@ -227,6 +227,8 @@ void describe(Fields& f, CameraErrors& s) {
       "Angle of each true camera to how it is believed to stand. Its axis comes from the seed.");
   f.field(CameraErrors::Limits::depth_scale, s.depth_scale,
           "Relative error of every depth: 0.01 reads 1 % too far.");
+  f.field(CameraErrors::Limits::time_stamp, s.time_stamp,
+          "How much later than its exposure a frame's time stamp is.");
 }
 
 void describe(Fields& f, NormalSettings& s) {
@@ -254,6 +256,10 @@ void describe(Fields& f, FrameSettings& s) {
   f.field(Limits::latency, s.latency, "Mean time from a frame's exposure to its use.");
   f.field(Limits::latency_jitter, s.latency_jitter, "Standard deviation of that time.");
   f.field(Limits::drop, s.drop, "Share of the frames that never arrive.");
+  f.field(
+      Limits::stamp_error, s.stamp_error,
+      "Subtracted from a frame's time stamp to have its exposure; ./impedraw arm camera-latency "
+      "finds it.");
   f.field("prediction", s.prediction,
           "Predicts the canvas's pose from the last frame to the present; off: to see its worth.");
   f.field("feedforward", s.feedforward,
@@ -266,6 +272,11 @@ void describe(Fields& f, FrameSettings& s) {
           "Frames carry depths, by which the canvas's own shape tells where it is; off: marks "
           "alone do.");
   f.field(Limits::depth_every, s.depth_every, "Every how many-th frame carries depths.");
+  f.field("grow_surface", s.grow_surface,
+          "Depths improve the surface under the pen; off: it stays as the snapshot saw it.");
+  f.field("region_of_interest", s.region_of_interest,
+          "A simulator casts only the rays of a frame that may meet the canvas; off: every pixel. "
+          "The images are the same.");
   f.field(Limits::width, s.width, "Width of a frame.");
   f.field(Limits::height, s.height, "Height of a frame.");
 }

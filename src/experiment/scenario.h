@@ -137,11 +137,13 @@ struct CameraErrors {
   double shift = 0.0;        // of its position [m]
   double turn_deg = 0.0;     // about an axis through its pinhole
   double depth_scale = 0.0;  // depths read 1 + depth_scale times the true ones
+  double time_stamp = 0.0;   // a frame's time stamp is later than its exposure by this [s]
 
   struct Limits {
     static constexpr Limit shift = {"shift", "m", {0.0, 0.1}};
     static constexpr Limit turn = {"turn", "deg", {0.0, 10.0}};
     static constexpr Limit depth_scale = {"depth_scale", "", {-0.2, 0.2}};
+    static constexpr Limit time_stamp = {"time_stamp", "s", {-0.2, 0.2}};
   };
 };
 

@@ -39,10 +39,13 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
     throw InputError(
         "perception.cameras is empty; give at least one camera, or perception.enabled: false");
   const Eigen::AlignedBox3d box = canvas.bounds();
-  const CastRay cast = [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-    double distance = world.ray_to_arm(origin, direction);
-    if (const auto hit = canvas.ray(origin, direction)) distance = std::min(distance, hit->t);
-    return distance;
+  PosedBody posed;
+  world.copy_body(&posed);
+  const CastRays cast = [&](const Eigen::Vector3d& origin,
+                            std::span<const Eigen::Vector3d> directions,
+                            std::span<double> distances) {
+    canvas.rays(origin, directions, distances);
+    posed.cover(origin, directions, distances, PosedBody::Rays::all);
   };
   std::vector<DepthCamera> cameras;
   std::vector<DepthImage> images;

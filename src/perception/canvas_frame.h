@@ -21,7 +21,7 @@ struct FoundMark {
 struct CanvasFrame {
   static constexpr int kMostMarks = 16;
 
-  double time = 0.0;  // of its exposure, on the driver's clock [s]
+  double time = 0.0;  // of its exposure as its stamp tells it, on the driver's clock [s]
   int camera = 0;
   int count = 0;  // of marks
   std::array<FoundMark, kMostMarks> marks{};

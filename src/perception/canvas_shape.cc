@@ -39,7 +39,7 @@ const ShapeRegistration& CanvasShape::look(const CanvasFrame& frame,
     region.extend(X_WK_predicted * box_K_.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(settings_.margin);
   points_.find(*frame.depth, *frame.camera_model, {region.min() - margin, region.max() + margin},
-               frame.arm, settings_.self_padding, &samples_);
+               frame.arm, settings_.self_padding, &samples_, looks_++);
   last_ = register_samples(model_, samples_, X_WK_predicted, settings_.registration);
   return last_;
 }

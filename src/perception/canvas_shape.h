@@ -45,6 +45,7 @@ class CanvasShape {
   SurfaceModel model_;
   Eigen::AlignedBox3d box_K_;
   Eigen::Vector3d centre_K_;
+  unsigned looks_ = 0;
   std::vector<SeenPoint> samples_;
   ShapeRegistration last_;
 };

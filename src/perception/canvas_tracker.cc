@@ -13,6 +13,7 @@
 #include "impedraw/common/range_check.h"
 #include "impedraw/common/rotation_vector.h"
 #include "impedraw/perception/rigid_fit.h"
+#include "impedraw/perception/rotation_coordinates.h"
 
 namespace impedraw {
 
@@ -31,42 +32,21 @@ constexpr double kReferAnew = 1.0;          // of φ [rad]
 constexpr double kScoreTime = 1.0;          // [s]
 constexpr double kSearchPeriod = 1.0 / 12;  // from one axis to the next [s]
 
-Vector3d rotation_vector(const Matrix3d& R) {
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
-}
-
-Matrix3d cross(const Vector3d& v) {
-  Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
-// ω = A(φ) φ̇ with exp(φ) as rotation and ω in the fixed frame.
-Matrix3d rate_map(const Vector3d& phi) {
-  const double t2 = phi.squaredNorm(), t = std::sqrt(t2);
-  const double b = t < 1e-4 ? 0.5 - t2 / 24.0 : (1.0 - std::cos(t)) / t2;
-  const double c = t < 1e-4 ? 1.0 / 6.0 - t2 / 120.0 : (t - std::sin(t)) / (t2 * t);
-  const Matrix3d S = cross(phi);
-  return Matrix3d::Identity() + b * S + c * S * S;
-}
-
 }  // namespace
-
-const std::array<CanvasTracker::Model, CanvasTracker::kFilters> CanvasTracker::kBank = {
-    {{1, 1e-10}, {2, 1e-9}, {2, 1e-5}, {3, 1e-3}, {3, 0.1}}};
-const std::array<double, CanvasTracker::kBands> CanvasTracker::kCutoffs = {0.4, 0.7, 1.1, 1.8, 3.0};
 
 CanvasTracker::CanvasTracker(const CanvasTrackerSettings& settings,
                              std::unique_ptr<CanvasShape> shape)
     : settings_(settings), shape_(std::move(shape)) {
+  belief_.prediction = settings.prediction;
+  belief_.longest_age = settings.longest_age;
+  belief_.largest_error = settings.largest_error;
   for (const Fiducial& f : settings.fiducials.points) marks_K_.push_back(f.p_K);
   require_in_range("perception.fiducials", FiducialSettings::Limits::noise,
                    settings.fiducials.noise);
   entries_.reserve(kMostEntries + 1);
   for (auto& samples : samples_) samples.reserve(kMostEntries + 1);
   if (shape_ && marks_K_.empty()) {
-    centre_K_ = shape_->centre_K();
+    belief_.centre_K = shape_->centre_K();
     return;
   }
   if (marks_K_.size() < 3 || marks_K_.size() > CanvasFrame::kMostMarks)
@@ -80,8 +60,8 @@ CanvasTracker::CanvasTracker(const CanvasTrackerSettings& settings,
         "perception.fiducials.points lie on a straight line (to {:.1f} mm), about which nothing "
         "tells how the canvas turns; at least {:.0f} mm beside it are needed",
         1e3 * spread, 1e3 * kLeastSpread));
-  centre_K_ = Vector3d::Zero();
-  for (const Vector3d& p : marks_K_) centre_K_ += p / static_cast<double>(marks_K_.size());
+  belief_.centre_K = Vector3d::Zero();
+  for (const Vector3d& p : marks_K_) belief_.centre_K += p / static_cast<double>(marks_K_.size());
 }
 
 // The pose that the frame tells, with the variance of each coordinate. Marks and shape count by
@@ -89,7 +69,7 @@ CanvasTracker::CanvasTracker(const CanvasTrackerSettings& settings,
 bool CanvasTracker::measure(const CanvasFrame& frame, Entry* entry) noexcept {
   Matrix6 information = Matrix6::Zero();  // about the centre, in W
   const bool marked = measure_marks(frame, entry, &information);
-  if (marked) open_ = 0;
+  if (marked) belief_.open = 0;
   if (shape_ && frame.depth) {
     const Pose predicted = marked             ? entry->X_WK
                            : entries_.empty() ? Pose()
@@ -97,28 +77,29 @@ bool CanvasTracker::measure(const CanvasFrame& frame, Entry* entry) noexcept {
     const ShapeRegistration& found = shape_->look(frame, predicted);
     if (found.found) {
       if (!marked) {
-        open_ = found.open;
+        belief_.open = found.open;
+        belief_.open_directions = found.open_directions;
         entry->time = frame.time;
         entry->X_WK = predicted;
         information.diagonal() << Vector3d::Constant(1.0 / (kOpenShift * kOpenShift)),
             Vector3d::Constant(1.0 / (kOpenTurn * kOpenTurn));
       }
       // About the centre, and no surer than cameras are placed.
-      const Vector3d centre = found.X_WK * centre_K_;
+      const Vector3d centre = found.X_WK * belief_.centre_K;
       Matrix6 to_c = Matrix6::Identity();  // ξ about c from ξ about the centre
-      to_c.topRightCorner<3, 3>() = -cross(found.c_W - centre);
+      to_c.topRightCorner<3, 3>() = -cross_matrix(found.c_W - centre);
       Matrix6 shape = to_c.transpose() * found.information * to_c;
       const Matrix6 floor = Vector6::Constant(kShapeFloor * kShapeFloor).asDiagonal();
       shape = shape * (Matrix6::Identity() + floor * shape).inverse();
       const Pose off = found.X_WK * entry->X_WK.inverse();
       Vector6 xi;
-      xi << found.X_WK * centre_K_ - entry->X_WK * centre_K_, rotation_vector(off.R);
+      xi << found.X_WK * belief_.centre_K - entry->X_WK * belief_.centre_K, rotation_vector(off.R);
       information += shape;
       const Matrix6 covariance = information.inverse();
       const Vector6 step = covariance * (shape * xi);
-      const Vector3d c = entry->X_WK * centre_K_ + step.head<3>();
+      const Vector3d c = entry->X_WK * belief_.centre_K + step.head<3>();
       entry->X_WK.R = rotation(step.tail<3>()) * entry->X_WK.R;
-      entry->X_WK.p = c - entry->X_WK.R * centre_K_;
+      entry->X_WK.p = c - entry->X_WK.R * belief_.centre_K;
       for (int i = 0; i < kAxes; ++i) entry->variance[i] = covariance(i, i);
       shape_->fuse(entry->X_WK);
       return true;
@@ -144,8 +125,8 @@ bool CanvasTracker::measure_marks(const CanvasFrame& frame, Entry* entry,
   entry->time = frame.time;
   entry->X_WK = fit.X_WK;
   // The centre of all marks may lie beside that of those found.
-  const Vector3d r = fit.X_WK.R * (centre_K_ - fit.centre_K);
-  const Matrix3d S = cross(r);
+  const Vector3d r = fit.X_WK.R * (belief_.centre_K - fit.centre_K);
+  const Matrix3d S = cross_matrix(r);
   Matrix6 covariance;
   covariance.topLeftCorner<3, 3>() =
       fit.position_variance * Matrix3d::Identity() + S * fit.rotation_covariance * S.transpose();
@@ -160,8 +141,8 @@ bool CanvasTracker::measure_marks(const CanvasFrame& frame, Entry* entry,
 
 // Its coordinates, φ next to `near`.
 void CanvasTracker::express(Entry* entry, const Vector3d& near) const noexcept {
-  const Vector3d c = entry->X_WK * centre_K_;
-  Vector3d phi = rotation_vector(entry->X_WK.R * R_0_.transpose());
+  const Vector3d c = entry->X_WK * belief_.centre_K;
+  Vector3d phi = rotation_vector(entry->X_WK.R * belief_.R_0.transpose());
   const double angle = phi.norm();
   if (angle > 1.0) {
     const double turn = 2.0 * std::numbers::pi;
@@ -181,68 +162,20 @@ void CanvasTracker::update_from(std::size_t first) noexcept {
       for (int i = 0; i < kAxes; ++i) {
         AxisFilter& f = e.filters[m][i];
         if (k == 0) {
-          f = AxisFilter::started(e.x[i], e.variance[i], kBank[m].order);
+          f = AxisFilter::started(e.x[i], e.variance[i], CanvasBelief::kBank[m].order);
           continue;
         }
         f = entries_[k - 1].filters[m][i];
-        f.predict(e.time - entries_[k - 1].time, kBank[m].noise, kBank[m].order);
+        f.predict(e.time - entries_[k - 1].time, CanvasBelief::kBank[m].noise,
+                  CanvasBelief::kBank[m].order);
         f.measure(e.x[i], e.variance[i]);
       }
   }
 }
 
-AxisState CanvasTracker::model_state(const Entry& from, int model, int axis,
-                                     double time) const noexcept {
-  if (model < kFilters) return from.filters[model][axis].ahead(time - from.time);
-  if (model < kSwinging) return from.bands[model - kFilters][axis].at(time);
-  return from.waves[axis].at(time);
-}
-
-bool CanvasTracker::holds(const Entry& entry, int model, int axis) const noexcept {
-  if (model < kFilters) return true;
-  return model < kSwinging ? entry.banded[axis] : entry.waves[axis].fitted;
-}
-
-std::array<double, CanvasTracker::kModels> CanvasTracker::weights(int axis) const noexcept {
-  // All errors hold the noise of what they are compared with: what one has beyond the best counts.
-  // Of models that do as well, the simpler one is to be preferred.
-  constexpr double kAlike = 0.03;  // in shares of that noise
-  const Score& score = scores_[axis];
-  const auto known = [&](int m) {
-    return holds(entries_.back(), m, axis) && (score.weight > 0.0 || m < kFilters);
-  };
-  double best = 1e300;
-  for (int m = 0; m < kModels; ++m)
-    if (known(m)) best = std::min(best, score.square[m]);
-  std::array<double, kModels> w{};
-  double sum = 0.0;
-  for (int m = 0; m < kModels; ++m) {
-    if (!known(m)) continue;
-    const double beyond = 1.0 + (score.square[m] - best) / (kAlike * score.noise + 1e-14);
-    const double simple = m < kFilters ? std::pow(0.3, m) : m < kSwinging ? 1e-2 : 0.1;
-    w[m] = simple / (beyond * beyond * beyond);
-    sum += w[m];
-  }
-  for (double& share : w) share /= sum;
-  return w;
-}
-
-AxisState CanvasTracker::blend(const Entry& from, int axis, double time) const noexcept {
-  const std::array<double, kModels> w = weights(axis);
-  AxisState out;
-  for (int m = 0; m < kModels; ++m) {
-    if (w[m] == 0.0) continue;
-    const AxisState s = model_state(from, m, axis, time);
-    out.x += w[m] * s.x;
-    out.v += w[m] * s.v;
-    out.a += w[m] * s.a;
-  }
-  return out;
-}
-
 // Compares what was predicted for the entry's time, from what was known one lateness before it.
 void CanvasTracker::judge(const Entry& entry) noexcept {
-  const double known = entry.time - lateness_;
+  const double known = entry.time - smoothed_.lateness();
   std::size_t k = entries_.size();
   while (k > 0 && entries_[k - 1].time > known) --k;
   if (k < 2) return;
@@ -250,21 +183,21 @@ void CanvasTracker::judge(const Entry& entry) noexcept {
   const double gap = k < 2 ? 0.03 : std::max(1e-3, entries_.back().time - entries_[k - 2].time);
   const double gain = std::min(1.0, std::min(gap, 0.03) / kScoreTime);
   for (int i = 0; i < kAxes; ++i) {
-    Score& s = scores_[i];
+    Score& s = belief_.scores[i];
     s.weight = s.weight + gain * (1.0 - s.weight);
     const double share = gain / s.weight;  // the first count in full
     double worst = 0.0;
     for (int m = 0; m < kModels; ++m) {
       // A model that did not hold yet is no better than the worst that did.
       double square = 4.0 * worst;
-      if (holds(from, m, i)) {
-        const double off = model_state(from, m, i, entry.time).x - entry.x[i];
+      if (belief_.holds(from, m, i)) {
+        const double off = belief_.model_state(from, m, i, entry.time).x - entry.x[i];
         square = off * off;
         worst = std::max(worst, square);
       }
       s.square[m] += share * (square - s.square[m]);
     }
-    const double off = blend(from, i, entry.time).x - entry.x[i];
+    const double off = belief_.blend(from, i, entry.time).x - entry.x[i];
     s.blended += share * (off * off - s.blended);
     s.noise += share * (entry.variance[i] - s.noise);
   }
@@ -272,13 +205,7 @@ void CanvasTracker::judge(const Entry& entry) noexcept {
 
 // φ grows large on a turntable, and its map singular at a full turn: a new R_0.
 void CanvasTracker::refer_anew() noexcept {
-  const auto phi_of = [](const auto& s) { return Vector3d(s[3].x, s[4].x, s[5].x); };
-  const Matrix3d R = rotation(phi_of(smooth_)) * R_0_;
-  const Vector3d w = rate_map(phi_of(smooth_)) * Vector3d(smooth_[3].v, smooth_[4].v, smooth_[5].v);
-  R_0_ = entries_.back().X_WK.R;
-  const Vector3d phi = rotation_vector(R * R_0_.transpose()), rate = rate_map(phi).inverse() * w;
-  for (int i = 0; i < 3; ++i) smooth_[3 + i] = {phi[i], rate[i], 0.0};
-
+  belief_.R_0 = entries_.back().X_WK.R;
   Vector3d near = Vector3d::Zero();
   for (std::size_t k = entries_.size(); k-- > 0;) {
     express(&entries_[k], near);
@@ -343,7 +270,7 @@ void CanvasTracker::fit_bands() noexcept {
   }
   last.banded.fill(false);
   for (int m = 0; m < kBands; ++m) {
-    if (!band_.set(kCutoffs[m], {times.data(), n}, {weights.data(), n})) return;
+    if (!band_.set(CanvasBelief::kCutoffs[m], {times.data(), n}, {weights.data(), n})) return;
     for (int i = 0; i < kAxes; ++i) {
       for (std::size_t k = 0; k < n; ++k) x[k] = samples_[i][first + k].x;
       last.bands[m][i] = band_.predict({x.data(), n});
@@ -356,7 +283,7 @@ void CanvasTracker::add(const CanvasFrame& frame) noexcept {
   Entry entry;
   if (!std::isfinite(frame.time) || !measure(frame, &entry)) return;
   if (!entries_.empty() && frame.time < entries_.back().time - kWindow) return;
-  if (entries_.empty()) R_0_ = entry.X_WK.R;
+  if (entries_.empty()) belief_.R_0 = entry.X_WK.R;
   Vector3d near = Vector3d::Zero();
   if (!entries_.empty())
     near = Vector3d(entries_.back().x[3], entries_.back().x[4], entries_.back().x[5]);
@@ -381,101 +308,23 @@ void CanvasTracker::add(const CanvasFrame& frame) noexcept {
   collect();
   fit_bands();
   fit_waves();
-}
-
-CanvasEstimate CanvasTracker::estimate(const std::array<AxisState, kAxes>& s,
-                                       double time) const noexcept {
-  CanvasEstimate out;
-  out.age = time - entries_.back().time;
-  const auto of = [&s](int first, double AxisState::*member) {
-    return Vector3d(s[first].*member, s[first + 1].*member, s[first + 2].*member);
-  };
-  const Vector3d c = of(0, &AxisState::x), c_v = of(0, &AxisState::v), c_a = of(0, &AxisState::a);
-  const Vector3d phi = of(3, &AxisState::x), rate = of(3, &AxisState::v),
-                 rise = of(3, &AxisState::a);
-  FrameMotion& m = out.motion;
-  m.X_WK.R = rotation(phi) * R_0_;
-  m.w = rate_map(phi) * rate;
-  constexpr double h = 1e-4;  // [s]
-  m.alpha = (rate_map(phi + h * rate) * (rate + h * rise) -
-             rate_map(phi - h * rate) * (rate - h * rise)) /
-            (2.0 * h);
-  const Vector3d r = -(m.X_WK.R * centre_K_);  // from the centre to K's origin
-  m.X_WK.p = c + r;
-  m.v = c_v + m.w.cross(r);
-  m.a = c_a + m.alpha.cross(r) + m.w.cross(m.w.cross(r));
-  out.centre_W = c;
-
-  // What was off after one lateness grows with its square, as an unforeseen acceleration's effect.
-  const double growth = std::max(1.0, out.age / lateness_);
-  double position = 0.0;
-  for (int i = 0; i < kAxes; ++i) {
-    const double known = entries_.back().filters[2][i].P[0];
-    const double off = std::max(0.0, scores_[i].blended - scores_[i].noise);
-    const double square = known + off * std::pow(growth, 4);
-    out.covariance(i < 3 ? 3 + i : i - 3, i < 3 ? 3 + i : i - 3) = square;
-    if (i < 3) position += square;
-  }
-  const bool old = out.age > settings_.longest_age;
-  const bool unsure = std::sqrt(position) > settings_.largest_error;
-  out.status = old || unsure ? CanvasStatus::stale
-               : open_ > 0   ? CanvasStatus::undetermined
-                             : CanvasStatus::ok;
-  return out;
-}
-
-CanvasEstimate CanvasTracker::predict(double time) const noexcept {
-  if (entries_.empty()) return {};
-  std::array<AxisState, kAxes> s;
-  for (int i = 0; i < kAxes; ++i) s[i] = blend(entries_.back(), i, time);
-  return estimate(s, time);
-}
-
-CanvasEstimate CanvasTracker::follow(double time) noexcept {
-  if (entries_.empty()) return {};
-  const double dt = time - smooth_time_;
-  const bool anew = smooth_time_ < 0.0 || !(dt >= 0.0) || dt > 0.1;
-  if (!anew)
-    lateness_ += dt / kScoreTime * (std::clamp(time - entries_.back().time, 0.01, 0.3) - lateness_);
-  for (int i = 0; i < kAxes; ++i) {
-    const AxisState target =
-        blend(entries_.back(), i, settings_.prediction ? time : entries_.back().time);
-    AxisState& s = smooth_[i];
-    if (anew) {
-      s = target;
-      continue;
-    }
-    const double a =
-        target.a + kSmoothing * kSmoothing * (target.x - s.x) + 2.0 * kSmoothing * (target.v - s.v);
-    s.x += dt * (s.v + 0.5 * dt * a);
-    s.v += dt * a;
-    // The corrections are the estimate's motion, not the canvas's: they are not fed forward.
-    s.a += std::min(1.0, kSmoothing * dt) * (target.a - s.a);
-  }
-  smooth_time_ = time;
-  return estimate(smooth_, time);
+  belief_.last = entries_.back();
+  belief_.known = true;
 }
 
 double CanvasTracker::position_error() const noexcept {
-  return std::sqrt(scores_[0].blended + scores_[1].blended + scores_[2].blended);
+  return std::sqrt(belief_.scores[0].blended + belief_.scores[1].blended +
+                   belief_.scores[2].blended);
 }
 
 const char* CanvasTracker::model(int axis) const noexcept {
   if (entries_.empty()) return "none";
-  const std::array<double, kModels> w = weights(axis);
+  const std::array<double, kModels> w = belief_.weights(axis);
   const auto most = std::max_element(w.begin(), w.end()) - w.begin();
   if (most == kSwinging) return "swinging";
   if (most >= kFilters) return "band";
   static constexpr const char* kNames[] = {"standing", "steady", "drifting"};
-  return kNames[kBank[static_cast<std::size_t>(most)].order - 1];
-}
-
-std::string CanvasTracker::open_directions() const {
-  std::string text;
-  for (int k = 0; shape_ && k < open_ && k < shape_->last().open; ++k)
-    text += (k == 0 ? "" : ", or ") +
-            shape_->last().open_directions[static_cast<std::size_t>(k)].text();
-  return text;
+  return kNames[CanvasBelief::kBank[static_cast<std::size_t>(most)].order - 1];
 }
 
 }  // namespace impedraw

@@ -1,6 +1,7 @@
 #include "impedraw/perception/depth_camera.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <numbers>
@@ -97,25 +98,84 @@ std::vector<DepthCamera> standard_cameras() {
 
 DepthNoise realistic_depth_noise() { return {.sigma_at_1m = 0.001}; }
 
-DepthImage render_depth(const DepthCamera& camera, const CastRay& cast_ray, const DepthNoise& noise,
-                        std::uint64_t seed, int threads) {
+PixelBox pixels_of(const DepthCamera& camera, const Eigen::AlignedBox3d& box, const Pose& X_WB) {
+  constexpr double kLeastDepth = 1e-3;  // [m]
+  const PixelBox all{0, 0, camera.width, camera.height};
+  if (box.isEmpty()) return {};
+  const double f = camera.focal_length();
+  Eigen::AlignedBox2d seen;
+  const Pose X_CW = camera.X_WC.inverse();
+  for (int k = 0; k < 8; ++k) {
+    const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(k);
+    const Vector3d p = X_CW * (X_WB * box.corner(corner));
+    if (!(p.z() > kLeastDepth)) return all;
+    seen.extend(Eigen::Vector2d(f * p.x() / p.z() + 0.5 * camera.width,
+                                f * p.y() / p.z() + 0.5 * camera.height));
+  }
+  // Pixel i reaches from i to i + 1. Rounding asks for one more at each side.
+  const auto pixel = [](double x, int most) {
+    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most)));
+  };
+  return {pixel(std::floor(seen.min().x()) - 1.0, camera.width),
+          pixel(std::floor(seen.min().y()) - 1.0, camera.height),
+          pixel(std::ceil(seen.max().x()) + 1.0, camera.width),
+          pixel(std::ceil(seen.max().y()) + 1.0, camera.height)};
+}
+
+namespace {
+
+constexpr int kBatch = 64;  // rays cast at a time
+
+void render_row(const DepthCamera& camera, const CastRays& cast_rays, const DepthNoise& noise,
+                std::uint64_t seed, int j, int left, int right, DepthImage* image) {
+  std::array<Vector3d, kBatch> directions;
+  std::array<double, kBatch> lengths, distances;
+  const double f = camera.focal_length();
+  const double y = (j + 0.5 - 0.5 * camera.height) / f;
+  for (int first = left; first < right; first += kBatch) {
+    const int n = std::min(kBatch, right - first);
+    for (int k = 0; k < n; ++k) {
+      const Vector3d d_C((first + k + 0.5 - 0.5 * camera.width) / f, y, 1.0);
+      lengths[k] = d_C.norm();
+      directions[k] = camera.X_WC.R * (d_C / lengths[k]);
+    }
+    const auto count = static_cast<std::size_t>(n);
+    cast_rays(camera.X_WC.p, {directions.data(), count}, {distances.data(), count});
+    for (int k = 0; k < n; ++k) {
+      if (!(distances[k] > 0.0) || !std::isfinite(distances[k])) continue;
+      const std::size_t pixel = static_cast<std::size_t>(j) * camera.width + first + k;
+      image->depth[pixel] = disturbed(distances[k] / lengths[k], noise, seed, pixel);
+    }
+  }
+}
+
+void clear(const DepthCamera& camera, DepthImage* image) {
+  image->width = camera.width;
+  image->height = camera.height;
+  image->depth.assign(static_cast<std::size_t>(camera.width) * camera.height,
+                      std::numeric_limits<double>::quiet_NaN());
+}
+
+}  // namespace
+
+void render_depth(const DepthCamera& camera, const CastRays& cast_rays, const DepthNoise& noise,
+                  std::uint64_t seed, const PixelBox& part, DepthImage* image) {
+  clear(camera, image);
+  for (int j = std::max(0, part.top); j < std::min(part.bottom, camera.height); ++j)
+    render_row(camera, cast_rays, noise, seed, j, std::max(0, part.left),
+               std::min(part.right, camera.width), image);
+}
+
+DepthImage render_depth(const DepthCamera& camera, const CastRays& cast_rays,
+                        const DepthNoise& noise, std::uint64_t seed, int threads) {
   validate(camera);
   validate(noise);
-  DepthImage image{camera.width, camera.height, {}};
-  image.depth.assign(static_cast<std::size_t>(image.width) * image.height,
-                     std::numeric_limits<double>::quiet_NaN());
+  DepthImage image;
+  clear(camera, &image);
   std::atomic<int> next_row{0};
   const auto render_rows = [&] {
-    for (int j = next_row++; j < image.height; j = next_row++) {
-      for (int i = 0; i < image.width; ++i) {
-        const Vector3d d_C = camera.direction_C(i, j);
-        const double length = d_C.norm();
-        const double distance = cast_ray(camera.X_WC.p, camera.X_WC.R * (d_C / length));
-        if (!(distance > 0.0) || !std::isfinite(distance)) continue;
-        const std::size_t pixel = static_cast<std::size_t>(j) * image.width + i;
-        image.depth[pixel] = disturbed(distance / length, noise, seed, pixel);
-      }
-    }
+    for (int j = next_row++; j < image.height; j = next_row++)
+      render_row(camera, cast_rays, noise, seed, j, 0, camera.width, &image);
   };
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   std::vector<std::thread> others;
@@ -123,6 +183,16 @@ DepthImage render_depth(const DepthCamera& camera, const CastRay& cast_ray, cons
   render_rows();
   for (auto& thread : others) thread.join();
   return image;
+}
+
+DepthImage render_depth(const DepthCamera& camera, const CastRay& cast_ray, const DepthNoise& noise,
+                        std::uint64_t seed, int threads) {
+  const CastRays one_by_one = [&](const Vector3d& origin, std::span<const Vector3d> directions,
+                                  std::span<double> distances) {
+    for (std::size_t k = 0; k < directions.size(); ++k)
+      distances[k] = cast_ray(origin, directions[k]);
+  };
+  return render_depth(camera, one_by_one, noise, seed, threads);
 }
 
 }  // namespace impedraw

@@ -12,9 +12,11 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "impedraw/common/pose.h"
 #include "impedraw/common/range.h"
@@ -80,10 +82,30 @@ DepthNoise realistic_depth_noise();
 using CastRay =
     std::function<double(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W)>;
 
+// The same along many directions from one origin, those of neighbouring pixels.
+using CastRays =
+    std::function<void(const Eigen::Vector3d& origin_W,
+                       std::span<const Eigen::Vector3d> directions_W, std::span<double> distances)>;
+
+// Columns and rows of an image: from the first to before the end [px].
+struct PixelBox {
+  int left = 0, top = 0, right = 0, bottom = 0;
+};
+
+// The pixels whose rays may meet a box in W, and a few beside it. Only where all of it is before
+// the camera; else all pixels.
+PixelBox pixels_of(const DepthCamera& camera, const Eigen::AlignedBox3d& box, const Pose& X_WB);
+
 // The same seed gives the same image for any number of threads (0: one per core), because a pixel's
 // noise depends only on (seed, pixel). Use a different seed for each camera. Throws InputError
 // naming a bad setting.
 DepthImage render_depth(const DepthCamera& camera, const CastRay& cast_ray,
                         const DepthNoise& noise = {}, std::uint64_t seed = 0, int threads = 0);
+DepthImage render_depth(const DepthCamera& camera, const CastRays& cast_rays,
+                        const DepthNoise& noise = {}, std::uint64_t seed = 0, int threads = 0);
+// The same into an image of the camera's size, in this thread; what is beside `part` sees nothing.
+// Allocates nothing where the image was used before. The camera must be valid.
+void render_depth(const DepthCamera& camera, const CastRays& cast_rays, const DepthNoise& noise,
+                  std::uint64_t seed, const PixelBox& part, DepthImage* image);
 
 }  // namespace impedraw

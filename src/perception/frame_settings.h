@@ -16,6 +16,9 @@ struct FrameSettings {
   double latency = 0.06;         // from exposure to the points being usable, mean [s]
   double latency_jitter = 0.01;  // its standard deviation [s]
   double drop = 0.05;            // share of the frames that never arrive
+  // What is subtracted from each frame's time stamp, so that it tells the exposure: found by
+  // ./impedraw arm camera-latency [s].
+  double stamp_error = 0.0;
   // From one camera's exposure to the next one's, of the same frame [s].
   double skew = 0.0;
   // What each is worth: off, the pen goes where the canvas was at the last frame, or without the
@@ -26,6 +29,9 @@ struct FrameSettings {
   // Every depth_every-th frame carries depths, in which the canvas's shape is found.
   bool depth = false;
   int depth_every = 1;
+  bool grow_surface = true;  // the surface under the pen improves with the depths
+  // A simulator casts only rays that may meet the canvas; off: every pixel. Changes no image.
+  bool region_of_interest = true;
   int width = 320, height = 240;  // of a frame; the snapshot has the camera's own size
 
   struct Limits {
@@ -33,6 +39,7 @@ struct FrameSettings {
     static constexpr Limit latency = {"latency", "s", {0.0, 0.5}};
     static constexpr Limit latency_jitter = {"latency_jitter", "s", {0.0, 0.1}};
     static constexpr Limit drop = {"drop", "", Range::to_below(0.0, 1.0)};
+    static constexpr Limit stamp_error = {"stamp_error", "s", {-0.2, 0.2}};
     static constexpr Limit skew = {"skew", "s", {0.0, 0.1}};
     static constexpr Limit depth_every = {"depth_every", "", {1, 1000}};
     static constexpr Limit width = {"width", "px", {16, 4096}};

@@ -457,19 +457,25 @@ struct SurfaceEstimator::Index {
     return false;
   }
 
-  // The level at p is the mean of its neighbours' levels. Blends the two estimates next to it.
-  SurfaceEstimate refined(const Vector3d& p, const SurfaceEstimate& coarse) const {
+  // The mean of the levels of p's neighbours; negative: it has too few.
+  double level_at(const Vector3d& p) const {
     int index[kBlended + 1];
     double squared[kBlended + 1];
     const int found = tree.nearest(p, kBlended + 1, settings.max_radius, index, squared);
-    if (found <= kBlended || !(squared[kBlended] > 0.0)) return coarse;
+    if (found <= kBlended || !(squared[kBlended] > 0.0)) return -1.0;
     double sum = 0.0, at = 0.0;
     for (int i = 0; i < kBlended; ++i) {
       const double fade = 1.0 - squared[i] / squared[kBlended], w = fade * fade;
       sum += w;
       at += w * level[index[i]];
     }
-    at /= sum;
+    return at / sum;
+  }
+
+  // Blends the two estimates next to the level at p.
+  SurfaceEstimate refined(const Vector3d& p, const SurfaceEstimate& coarse) const {
+    const double at = level_at(p);
+    if (at < 0.0) return coarse;
     const int below = std::min(static_cast<int>(at), static_cast<int>(finer.size()));
     const double share = at - below;
     const SurfaceEstimate low = below == 0 ? coarse : at_level(below - 1, p);
@@ -600,6 +606,11 @@ SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p_W) const noexcept {
   if (!p_W.allFinite()) return {.status = SurfaceStatus::too_few};
   return index_->settings.mode == NormalMode::fresh ? index_->fresh(p_W)
                                                     : index_->interpolated(p_W);
+}
+
+double SurfaceEstimator::finer_share(const Vector3d& p_W) const noexcept {
+  if (index_->finer.empty() || !p_W.allFinite()) return 0.0;
+  return std::clamp(index_->level_at(p_W), 0.0, 1.0);
 }
 
 Roughness SurfaceEstimator::roughness(const Vector3d& p_W) const noexcept {

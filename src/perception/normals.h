@@ -101,6 +101,10 @@ class SurfaceEstimator {
 
   SurfaceEstimate estimate(const Eigen::Vector3d& p_W) const noexcept;
 
+  // How far the surface near p_W is too rough for the cloud itself: 0, where it serves, to 1, where
+  // a finer cloud does.
+  double finer_share(const Eigen::Vector3d& p_W) const noexcept;
+
   // At the point of the cloud nearest to p_W.
   Roughness roughness(const Eigen::Vector3d& p_W) const noexcept;
 

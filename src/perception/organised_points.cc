@@ -38,13 +38,16 @@ OrganisedPoints::OrganisedPoints(const OrganisedSettings& settings) : settings_(
 
 void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
                            const Eigen::AlignedBox3d& region, std::span<const Capsule> arm,
-                           double padding, std::vector<SeenPoint>* out) const {
+                           double padding, std::vector<SeenPoint>* out, unsigned phase) const {
   const int h = settings_.half_window;
+  const auto stride = static_cast<unsigned>(settings_.stride);
+  const int left = h + static_cast<int>(phase % stride),
+            top = h + static_cast<int>(phase / stride % stride);
   const double f = camera.focal_length(), sigma = settings_.sigma_at_1m;
   const auto least =
       static_cast<int>(std::ceil(settings_.least_share * static_cast<double>(window_.size())));
-  for (int j = h; j + h < image.height; j += settings_.stride)
-    for (int i = h; i + h < image.width; i += settings_.stride) {
+  for (int j = top; j + h < image.height; j += settings_.stride)
+    for (int i = left; i + h < image.width; i += settings_.stride) {
       const double z_0 = image.at(i, j);
       if (!(z_0 > 0.0) || !std::isfinite(z_0)) continue;
       const Eigen::Vector3d ray = camera.direction_C(i, j);

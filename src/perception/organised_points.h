@@ -51,9 +51,12 @@ class OrganisedPoints {
   explicit OrganisedPoints(const OrganisedSettings& settings = {});
 
   // Appends the image's samples to `out`, in W, by the camera's pose. Samples outside of `region`
-  // and those within `padding` of the arm [m] are left out. Allocates only where `out` grows.
+  // and those within `padding` of the arm [m] are left out. Where it changes from image to image,
+  // `phase` shifts the windows, through all pixels in stride² images: a standing camera then sees
+  // more than the points of one grid. Allocates only where `out` grows.
   void find(const DepthImage& image, const DepthCamera& camera, const Eigen::AlignedBox3d& region,
-            std::span<const Capsule> arm, double padding, std::vector<SeenPoint>* out) const;
+            std::span<const Capsule> arm, double padding, std::vector<SeenPoint>* out,
+            unsigned phase = 0) const;
 
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;

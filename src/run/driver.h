@@ -121,7 +121,9 @@ class Driver {
   virtual bool recover(JointVector*) noexcept { return false; }
 
   // The next frame of a canvas that moves, of those that have arrived; false: there is none. Called
-  // until then, once per cycle after read().
+  // until then: in lock-step once per cycle after read(); on a wall clock by a thread of its own,
+  // from start() to stop(), and it must not wait long. What *frame refers to stays until the next
+  // call.
   virtual bool next_frame(CanvasFrame*) noexcept { return false; }
 
   virtual const GroundTruth* truth() const noexcept { return nullptr; }

@@ -10,13 +10,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
+#include "impedraw/run/posture_holder.h"
+
 namespace impedraw {
 
 namespace {
 
-constexpr double kMostStiffness = 300.0;  // of each joint [Nm/rad]
-constexpr double kPhase = 0.35;           // bandwidth of a joint's stiffness times the loop's delay
-constexpr double kSweep = 0.2;            // to each side of the start [rad]
+constexpr double kSweep = 0.2;                          // to each side of the start [rad]
 constexpr std::array<double, 2> kSpeeds = {0.15, 0.4};  // [rad/s]
 constexpr int kRounds = 2;
 constexpr double kMoves = 0.03;       // a joint that is faster moves [rad/s]
@@ -28,49 +28,11 @@ constexpr double kShakeSpeed = 0.1;   // of its speed limit, at which it moves e
 constexpr double kLeastExplained = 0.5;
 constexpr double kMostFriction = 1.0 / 3.0;  // of the joint's torque limit
 
-class Holder {
- public:
-  // delay: the longest that the loop may have [s]. A light joint gets less stiffness: through the
-  // delay it would oscillate.
-  Holder(ArmModel& arm, Driver& driver, double delay)
-      : arm_(arm), driver_(driver), terms_(arm.joints()), state_(&driver.read()), q0_(state_->q) {
-    arm_.compute(q0_, state_->v, &terms_);
-    const JointMatrix inverse =
-        terms_.M.ldlt().solve(JointMatrix::Identity(terms_.M.rows(), terms_.M.cols()));
-    const JointVector inertia = inverse.diagonal().cwiseInverse();
-    const double bandwidth = kPhase / delay;
-    stiffness_ = (bandwidth * bandwidth * inertia).cwiseMin(kMostStiffness);
-    damping_ = 1.4 * stiffness_.cwiseProduct(inertia).cwiseSqrt();
-  }
-
-  // One cycle towards (q_d, v_d), with a torque added. Returns what was commanded beyond gravity.
-  JointVector step(const JointVector& q_d, const JointVector& v_d, const JointVector& added) {
-    arm_.compute(state_->q, state_->v, &terms_);
-    JointVector tau =
-        stiffness_.cwiseProduct(q_d - state_->q) + damping_.cwiseProduct(v_d - state_->v) + added;
-    tau = tau.cwiseMin(arm_.limits().torque).cwiseMax(-arm_.limits().torque);
-    driver_.command(terms_.g + tau, terms_.g);
-    state_ = &driver_.read();
-    if (!driver_.fault().empty()) throw std::runtime_error(driver_.fault());
-    return tau;
-  }
-  const JointVector& start() const { return q0_; }
-  const ArmState& state() const { return *state_; }
-  const ArmTerms& terms() const { return terms_; }
-
- private:
-  ArmModel& arm_;
-  Driver& driver_;
-  ArmTerms terms_;
-  const ArmState* state_;
-  JointVector q0_, stiffness_, damping_;
-};
-
 }  // namespace
 
 LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds) {
   const StartedDriver started(driver);
-  Holder holder(arm, driver, kMostSteps * driver.info().period);
+  PostureHolder holder(arm, driver, kMostSteps * driver.info().period);
   const double dt = driver.info().period;
   const auto last = static_cast<Eigen::Index>(arm.joints() - 1);
   const JointVector zero = JointVector::Zero(arm.joints());
@@ -142,7 +104,7 @@ LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds) {
 
 std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, double delay) {
   const StartedDriver started(driver);
-  Holder holder(arm, driver, delay + 2.0 * driver.info().period);
+  PostureHolder holder(arm, driver, delay + 2.0 * driver.info().period);
   const double dt = driver.info().period;
   const int n = arm.joints();
   const JointVector zero = JointVector::Zero(n), q0 = holder.start();

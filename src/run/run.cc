@@ -12,6 +12,7 @@
 #include "impedraw/control/step_watchdog.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/run/canvas_watch.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
@@ -51,11 +52,13 @@ Disturbances disturbances_of(const Experiment& e, const Resumption* resumption) 
   return resumption ? Disturbances() : Disturbances(e.scenario, e.plan.path);
 }
 
-SurfaceSource surface_source(const Experiment& e, Disturbances disturbances) {
+// growing: null where the surface stays as the snapshot saw it.
+SurfaceSource surface_source(const Experiment& e, Disturbances disturbances,
+                             const GrowingSurface* growing) {
   if (!e.scene.perception) return {};
-  return [&cloud = *e.scene.perception, disturbances = std::move(disturbances)](
+  return [&cloud = *e.scene.perception, growing, disturbances = std::move(disturbances)](
              const Eigen::Vector3d& p_W, double time) {
-    SurfaceEstimate surface = cloud.estimate(p_W);
+    SurfaceEstimate surface = growing ? growing->estimate(p_W) : cloud.estimate(p_W);
     if (disturbances.fault(FaultKind::no_cloud, time)) surface.status = SurfaceStatus::too_few;
     return surface;
   };
@@ -96,10 +99,23 @@ std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e) {
       std::move(shape));
 }
 
-CanvasSource canvas_source(const Experiment& e, CanvasTracker* tracker) {
-  if (tracker)
-    return [tracker, feeds = e.scenario.perception.frames.feedforward](double time) {
-      CanvasEstimate estimate = tracker->follow(time);
+// Null where no camera keeps capturing.
+std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver) {
+  const PerceptionSettings& p = e.scenario.perception;
+  std::unique_ptr<CanvasTracker> tracker = canvas_tracker(e);
+  if (!tracker) return nullptr;
+  const bool lock_step = driver.info().waits;
+  std::unique_ptr<GrowingSurface> surface;
+  if (tracker->shape() && p.frames.grow_surface)
+    surface = std::make_unique<GrowingSurface>(*e.scene.perception, p.normals, lock_step);
+  return std::make_unique<CanvasWatch>(std::move(tracker), std::move(surface), driver,
+                                       p.frames.stamp_error, lock_step);
+}
+
+CanvasSource canvas_source(const Experiment& e, CanvasWatch* watch) {
+  if (watch)
+    return [watch, feeds = e.scenario.perception.frames.feedforward](double time) {
+      CanvasEstimate estimate = watch->follow(time);
       if (!feeds) estimate.motion = {.X_WK = estimate.motion.X_WK};
       return estimate;
     };
@@ -131,9 +147,11 @@ class Runner {
         hooks_(hooks),
         waits_(driver.info().waits),
         first_time_(resumption ? resumption->time : 0.0),
-        tracker_(canvas_tracker(e)),
-        loop_(e.control, e.scene.arm, driver.info(),
-              surface_source(e, disturbances_of(e, resumption)), canvas_source(e, tracker_.get())),
+        watch_(canvas_watch(e, driver)),
+        loop_(
+            e.control, e.scene.arm, driver.info(),
+            surface_source(e, disturbances_of(e, resumption), watch_ ? watch_->surface() : nullptr),
+            canvas_source(e, watch_.get())),
         fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
         last_(driver.info().period, e.scene.arm),
         real_time_(!waits_ && e.scenario.arm.real_time),
@@ -147,12 +165,18 @@ class Runner {
     out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
     outcome_.not_real_time = real_time_.lacks();
     if (resumption) ink_ = resumption->ink;
-    if (log_file.empty()) return;
-    if (resumption)
+    if (!log_file.empty() && resumption)
       log_.emplace(RunLog::append_to(log_file, make_header(e)));
-    else
+    else if (!log_file.empty())
       log_.emplace(log_file, make_header(e));
+    if (watch_) watch_->begin();
   }
+
+  ~Runner() {
+    if (watch_) watch_->end();
+  }
+  Runner(const Runner&) = delete;
+  Runner& operator=(const Runner&) = delete;
 
   // Follows the path from its beginning to its end, or until something stops the run.
   void follow(const TipPath& path, bool again) { follow(path, again, nullptr); }
@@ -182,7 +206,7 @@ class Runner {
                               "perception.fiducials.points and perception.cameras tell where they "
                               "should be",
                               e_.scenario.perception.watch));
-    if (tracker_) outcome_.canvas_open = tracker_->open_directions();
+    if (watch_) outcome_.canvas_open = watch_->belief().open_text();
     loop_.join_canvas(rest.reference);
   }
 
@@ -334,8 +358,7 @@ class Runner {
     const double t = time(), step_time = state_->step_time, age = t - state_->state_time;
     while (waits_ && hooks_.held && hooks_.held(t)) {
     }
-    if (tracker_)
-      for (CanvasFrame frame; driver_.next_frame(&frame);) tracker_->add(frame);
+    if (watch_) watch_->update(t);
     const auto step_start = Clock::now();
     if (!state_->stalled)
       out_ = guard_.braking() || retreats_ ? loop_.brake(*state_, velocity_of_retreat(desired))
@@ -565,9 +588,9 @@ class Runner {
   Experiment& e_;
   Driver& driver_;
   const RunHooks& hooks_;
-  bool waits_;                              // the driver, for the next command
-  double first_time_;                       // of the log, where an earlier run left off [s]
-  std::unique_ptr<CanvasTracker> tracker_;  // null: one snapshot before the run
+  bool waits_;                          // the driver, for the next command
+  double first_time_;                   // of the log, where an earlier run left off [s]
+  std::unique_ptr<CanvasWatch> watch_;  // null: one snapshot before the run
   ControlLoop loop_;
   Fences fences_;
   LastSeconds last_;

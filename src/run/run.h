@@ -86,7 +86,7 @@ struct RunOutcome {
   std::vector<IncidentRow> last;  // of a stop: its last kIncidentTime, oldest first
   // Why the loop's thread has no real-time priority; empty: it has, or needs none.
   std::string not_real_time;
-  // How the canvas may move without being noticed (CanvasTracker::open_directions()).
+  // How the canvas may move without being noticed (CanvasBelief::open_text()).
   std::string canvas_open;
   double simulated = 0.0;   // of the driver's clock [s]
   double first_time = 0.0;  // where an earlier run left off [s]

@@ -1,8 +1,9 @@
 #include "impedraw/run/simulated_cameras.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <span>
 #include <utility>
 
 #include "impedraw/experiment/snapshot.h"
@@ -14,24 +15,16 @@ namespace {
 constexpr std::size_t kMostComing = 4096;
 constexpr double kSkin = 5e-3;  // what is hit this close before a mark is the mark itself [m]
 
-constexpr double kRoundArm = 0.05;  // capsules stand for its links to within this [m]
-
-// Whether a ray comes near a capsule, taken as a ball about all of it.
-bool passes(const Eigen::Vector3d& o, const Eigen::Vector3d& d, const Capsule& c) noexcept {
-  const Eigen::Vector3d middle = 0.5 * (c.a_W + c.b_W) - o;
-  const double radius = 0.5 * (c.b_W - c.a_W).norm() + c.radius + kRoundArm;
-  return (middle - middle.dot(d) * d).squaredNorm() < radius * radius;
-}
-
 }  // namespace
 
 SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
-                                   ArmModel& arm)
+                                   ArmModel& arm, int threads)
     : world_(world),
       canvas_(canvas),
       arm_(arm),
       noise_(scenario.perception.noise),
       depth_scale_(1.0 + scenario.perception.errors.depth_scale),
+      time_stamp_(scenario.perception.errors.time_stamp),
       frames_(scenario.perception.frames),
       fiducials_(scenario.perception.fiducials) {
   for (std::size_t i = 0; i < scenario.perception.cameras.size(); ++i) {
@@ -42,7 +35,19 @@ SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const
     cameras_.push_back({believed, true_camera(believed, scenario.perception.errors, seed), 0, seed,
                         SeededNormals(seed ^ 0x6672616d65)});
   }
+  for (const Camera& camera : cameras_) validate(camera.actual);
   coming_.reserve(kMostComing);
+  unused_.reserve(kMostComing);
+  if (threads == 0) threads = std::thread::hardware_concurrency() > 1 ? 2 : 1;
+  if (frames_.depth && threads > 1) second_ = std::thread([this] { render_what_is_queued(); });
+}
+
+SimulatedCameras::~SimulatedCameras() {
+  if (!second_.joinable()) return;
+  ends_ = true;
+  ++posted_;
+  posted_.notify_one();
+  second_.join();
 }
 
 bool SimulatedCameras::sees(const DepthCamera& camera, const Eigen::Vector3d& p_W,
@@ -61,12 +66,22 @@ bool SimulatedCameras::sees(const DepthCamera& camera, const Eigen::Vector3d& p_
   return !hit || hit->t > distance - kSkin;
 }
 
+SimulatedCameras::Coming* SimulatedCameras::unused() {
+  if (unused_.empty()) {
+    all_.push_back(std::make_unique<Coming>());
+    return all_.back().get();
+  }
+  Coming* const coming = unused_.back();
+  unused_.pop_back();
+  return coming;
+}
+
 void SimulatedCameras::capture(int number, double time, bool lost) noexcept {
   Camera& camera = cameras_[static_cast<std::size_t>(number)];
   const Pose X_WK = world_.canvas_state().X_WK;
-  Coming coming;
-  coming.frame.time = time;
-  coming.frame.camera = number;
+  CanvasFrame frame;
+  frame.time = time + time_stamp_;
+  frame.camera = number;
   // Drawn for each frame, also of those that are lost, so that one does not change the next.
   const double late = frames_.latency + frames_.latency_jitter * camera.noise.next();
   const bool dropped = std::erfc(-camera.noise.next() / std::sqrt(2.0)) / 2.0 < frames_.drop;
@@ -76,44 +91,71 @@ void SimulatedCameras::capture(int number, double time, bool lost) noexcept {
     for (int k = 0; k < 3; ++k) noise[k] = fiducials_.noise * camera.noise.next();
     const Eigen::Vector3d p_W = X_WK * fiducials_.points[i].p_K;
     if (!sees(camera.actual, p_W, X_WK)) continue;
-    coming.frame.marks[static_cast<std::size_t>(coming.frame.count++)] = {static_cast<int>(i),
-                                                                          error * p_W + noise};
+    frame.marks[static_cast<std::size_t>(frame.count++)] = {static_cast<int>(i),
+                                                            error * p_W + noise};
   }
   if (dropped || lost || coming_.size() == kMostComing) return;
-  coming.arrives = time + std::max(0.0, late);
-  if (frames_.depth && camera.exposed % static_cast<std::uint64_t>(frames_.depth_every) == 0)
-    take_image(camera, X_WK, &coming);
-  const auto at =
-      std::upper_bound(coming_.begin(), coming_.end(), coming.arrives,
-                       [](double arrives, const Coming& other) { return arrives < other.arrives; });
-  coming_.insert(at, std::move(coming));
-}
-
-// Only the pixels about the canvas can see it; the others are cast at nothing.
-void SimulatedCameras::take_image(const Camera& camera, const Pose& X_WK, Coming* coming) const {
+  Coming* const coming = unused();
+  coming->frame = frame;
+  coming->arrives = time + std::max(0.0, late);
+  coming->has_depth =
+      frames_.depth && camera.exposed % static_cast<std::uint64_t>(frames_.depth_every) == 0;
+  const auto at = std::upper_bound(
+      coming_.begin(), coming_.end(), coming->arrives,
+      [](double arrives, const Coming* other) { return arrives < other->arrives; });
+  coming_.insert(at, coming);
+  if (!coming->has_depth) return;
+  coming->seed = camera.seed + (camera.exposed << 20);
+  coming->X_WK = X_WK;
+  world_.copy_body(&coming->body);
+  coming->arm.clear();
   for (const BodyCapsule& c : arm_.body_capsules(world_.state().q))
     coming->arm.push_back({c.a_W, c.b_W, c.radius});
-  const Pose X_KW = X_WK.inverse();
-  const Eigen::AlignedBox3d& box = canvas_.bounds();
-  const CastRay cast = [&](const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
-    constexpr double kNothing = std::numeric_limits<double>::infinity();
-    const Eigen::Vector3d o_K = X_KW * o, d_K = X_KW.R * d;
-    // The box, by its slabs.
-    double from = 0.0, to = kNothing;
-    for (int i = 0; i < 3; ++i) {
-      const double a = (box.min()[i] - o_K[i]) / d_K[i], b = (box.max()[i] - o_K[i]) / d_K[i];
-      from = std::max(from, std::min(a, b));
-      to = std::min(to, std::max(a, b));
+  coming->stage.store(Coming::waiting, std::memory_order_release);
+  if (!second_.joinable() || !queue_.give(coming)) return;
+  ++posted_;
+  posted_.notify_one();
+}
+
+void SimulatedCameras::render_if_waiting(Coming* coming) const noexcept {
+  int expected = Coming::waiting;
+  if (!coming->stage.compare_exchange_strong(expected, Coming::begun, std::memory_order_acq_rel))
+    return;
+  const DepthCamera& camera = cameras_[static_cast<std::size_t>(coming->frame.camera)].actual;
+  const CastRays cast = [this, coming](const Eigen::Vector3d& o_W,
+                                       std::span<const Eigen::Vector3d> d_W,
+                                       std::span<double> distances) {
+    constexpr std::size_t kBatch = 64;
+    std::array<Eigen::Vector3d, kBatch> d_K;
+    const Pose X_KW = coming->X_WK.inverse();
+    const Eigen::Vector3d o_K = X_KW * o_W;
+    for (std::size_t first = 0; first < d_W.size(); first += kBatch) {
+      const std::size_t n = std::min(kBatch, d_W.size() - first);
+      for (std::size_t k = 0; k < n; ++k) d_K[k] = X_KW.R * d_W[first + k];
+      canvas_.rays(o_K, {d_K.data(), n}, distances.subspan(first, n));
     }
-    if (!(from <= to + 1e-9)) return kNothing;
-    const auto hit = canvas_.ray(o_K, d_K);
-    if (!hit) return kNothing;
-    for (const Capsule& c : coming->arm)
-      if (passes(o, d, c)) return std::min(hit->t, world_.ray_to_arm(o, d));
-    return hit->t;
+    coming->body.cover(o_W, d_W, distances, PosedBody::Rays::finite);
   };
-  coming->image = render_depth(camera.actual, cast, noise_, camera.seed + (camera.exposed << 20));
-  for (double& depth : coming->image.depth) depth *= depth_scale_;
+  const PixelBox part = frames_.region_of_interest
+                            ? pixels_of(camera, canvas_.bounds(), coming->X_WK)
+                            : PixelBox{0, 0, camera.width, camera.height};
+  render_depth(camera, cast, noise_, coming->seed, part, &coming->image);
+  if (depth_scale_ != 1.0)
+    for (double& depth : coming->image.depth) depth *= depth_scale_;
+  coming->stage.store(Coming::done, std::memory_order_release);
+  coming->stage.notify_all();
+}
+
+void SimulatedCameras::render_what_is_queued() noexcept {
+  while (true) {
+    const unsigned seen = posted_.load();
+    if (ends_) return;
+    Coming* coming = nullptr;
+    if (queue_.take(&coming))
+      render_if_waiting(coming);
+    else
+      posted_.wait(seen);
+  }
 }
 
 void SimulatedCameras::expose(bool lost) noexcept {
@@ -132,15 +174,18 @@ void SimulatedCameras::expose(bool lost) noexcept {
 }
 
 bool SimulatedCameras::next(double time, CanvasFrame* frame) noexcept {
-  if (coming_.empty() || coming_.front().arrives > time) return false;
-  given_ = std::move(coming_.front());
+  if (coming_.empty() || coming_.front()->arrives > time) return false;
+  if (given_) unused_.push_back(given_);
+  given_ = coming_.front();
   coming_.erase(coming_.begin());
-  *frame = given_.frame;
-  if (!given_.image.depth.empty()) {
-    frame->depth = &given_.image;
-    frame->camera_model = &cameras_[static_cast<std::size_t>(frame->camera)].believed;
-    frame->arm = given_.arm;
-  }
+  *frame = given_->frame;
+  if (!given_->has_depth) return true;
+  render_if_waiting(given_);
+  while (given_->stage.load(std::memory_order_acquire) == Coming::begun)
+    given_->stage.wait(Coming::begun, std::memory_order_acquire);
+  frame->depth = &given_->image;
+  frame->camera_model = &cameras_[static_cast<std::size_t>(frame->camera)].believed;
+  frame->arm = given_->arm;
   return true;
 }
 

@@ -5,13 +5,21 @@
 // arrives after `latency`, normally distributed with `latency_jitter` and never before the
 // exposure, or, with probability `drop`, never. With perception.frames.depth it has the depth of
 // each pixel on the canvas, or on the arm before it.
+//
+// A second thread renders the depths between exposure and arrival; what it has not begun by then,
+// this one does. The images are the same with any number of threads, and with or without
+// frames.region_of_interest, which leaves out rays that cannot meet the canvas.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
+#include <thread>
 #include <vector>
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
+#include "impedraw/common/exchange.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/perception/canvas_tracker.h"
@@ -22,12 +30,17 @@ namespace impedraw {
 
 class SimulatedCameras {
  public:
-  // Refers to world, canvas and arm.
-  SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas, ArmModel& arm);
+  // Refers to world, canvas and arm. threads: 1 or 2; 0: 2, where the machine has as many.
+  SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas, ArmModel& arm,
+                   int threads = 0);
+  ~SimulatedCameras();
+  SimulatedCameras(const SimulatedCameras&) = delete;
+  SimulatedCameras& operator=(const SimulatedCameras&) = delete;
 
   // Once per cycle, at the world's state. lost: what is exposed now never arrives.
   void expose(bool lost) noexcept;
-  // The next of the frames that have arrived by `time`. Returns false if there is none.
+  // The next of the frames that have arrived by `time`. Returns false if there is none. Waits until
+  // its depths are rendered.
   bool next(double time, CanvasFrame* frame) noexcept;
 
  private:
@@ -37,28 +50,43 @@ class SimulatedCameras {
     std::uint64_t seed = 0;
     SeededNormals noise;
   };
+  // What its image needs stays as it was at the exposure.
   struct Coming {
     double arrives = 0.0;
     CanvasFrame frame;
-    DepthImage image;
+    bool has_depth = false;
+    std::uint64_t seed = 0;
+    Pose X_WK;
+    PosedBody body;
     std::vector<Capsule> arm;
+    DepthImage image;
+    // Of the image: whoever turns waiting into begun renders it.
+    enum Stage { waiting, begun, done };
+    std::atomic<int> stage = done;
   };
 
   void capture(int camera, double time, bool lost) noexcept;
   bool sees(const DepthCamera& camera, const Eigen::Vector3d& p_W, const Pose& X_WK) const noexcept;
-
-  void take_image(const Camera& camera, const Pose& X_WK, Coming* coming) const;
+  Coming* unused();
+  void render_if_waiting(Coming* coming) const noexcept;
+  void render_what_is_queued() noexcept;  // the second thread
 
   World& world_;
   const Canvas& canvas_;
   ArmModel& arm_;
   DepthNoise noise_;
-  double depth_scale_;
+  double depth_scale_, time_stamp_;
   FrameSettings frames_;
   FiducialSettings fiducials_;
   std::vector<Camera> cameras_;
-  std::vector<Coming> coming_;
-  Coming given_;  // the last that next() gave
+  std::vector<std::unique_ptr<Coming>> all_;
+  std::vector<Coming*> unused_, coming_;  // coming_: in order of arrival
+  Coming* given_ = nullptr;               // the last that next() gave
+
+  Queue<Coming*, 1024> queue_;
+  std::atomic<unsigned> posted_ = 0;  // changes with the queue, and at the end
+  std::atomic<bool> ends_ = false;
+  std::thread second_;
 };
 
 }  // namespace impedraw

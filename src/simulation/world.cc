@@ -388,6 +388,45 @@ void World::pose_body() noexcept {
   mj_kinematics(mujoco_->shape, mujoco_->shape_data);
 }
 
+void World::copy_body(PosedBody* body) const {
+  const mjModel* m = mujoco_->shape;
+  const mjData* d = mujoco_->shape_data;
+  const auto same = [m](int a, int b) {  // a URDF may list a body as visual and as collision
+    return m->geom_type[a] == m->geom_type[b] && m->geom_bodyid[a] == m->geom_bodyid[b] &&
+           m->geom_dataid[a] == m->geom_dataid[b] &&
+           std::equal(m->geom_size + 3 * a, m->geom_size + 3 * a + 3, m->geom_size + 3 * b) &&
+           std::equal(m->geom_pos + 3 * a, m->geom_pos + 3 * a + 3, m->geom_pos + 3 * b) &&
+           std::equal(m->geom_quat + 4 * a, m->geom_quat + 4 * a + 4, m->geom_quat + 4 * b);
+  };
+  if (body->model != m) {
+    *body = {};
+    body->model = m;
+    bool meshes = false;
+    for (int g = 0; g < m->ngeom; ++g) {
+      const bool invisible = m->geom_matid[g] < 0 && m->geom_rgba[4 * g + 3] == 0.0f;
+      const bool known = std::any_of(body->shapes.begin(), body->shapes.end(),
+                                     [&](const auto& shape) { return same(shape.geom, g); });
+      if (invisible || known) continue;
+      PosedBody::Shape shape;
+      shape.kind = m->geom_type[g];
+      shape.geom = g;
+      shape.size = Eigen::Map<const Eigen::Vector3d>(m->geom_size + 3 * g);
+      shape.radius = m->geom_rbound[g] > 0.0 ? m->geom_rbound[g] : 1e3;  // a plane has none
+      meshes = meshes || shape.kind == mjGEOM_MESH;
+      body->shapes.push_back(shape);
+    }
+    if (meshes) body->placed.reset(mj_makeData(m), mj_deleteData);
+  }
+  for (PosedBody::Shape& shape : body->shapes) {
+    shape.p_W = Eigen::Map<const Eigen::Vector3d>(d->geom_xpos + 3 * shape.geom);
+    shape.R_WG = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->geom_xmat +
+                                                                                9 * shape.geom);
+  }
+  if (!body->placed) return;
+  std::copy_n(d->geom_xpos, 3 * m->ngeom, body->placed->geom_xpos);
+  std::copy_n(d->geom_xmat, 9 * m->ngeom, body->placed->geom_xmat);
+}
+
 World::Terms World::terms() const {
   const mjModel* m = mujoco_->model;
   const mjData* d = mujoco_->data;

@@ -25,6 +25,7 @@
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/model_errors.h"
+#include "impedraw/simulation/posed_body.h"
 #include "impedraw/simulation/solver_cutoffs.h"
 #include "impedraw/simulation/tip_contact.h"
 
@@ -123,6 +124,8 @@ class World {
   double ray_to_arm(const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W) const;
   // Puts that body where the arm is now. Allocates nothing.
   void pose_body() noexcept;
+  // A copy of that body. Allocates nothing where *body is one of an earlier call.
+  void copy_body(PosedBody* body) const;
 
   // MuJoCo's M, C v + g and J of the simulated arm at the current state. Independent reference for
   // tests of the controller's terms.

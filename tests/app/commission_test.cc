@@ -64,6 +64,22 @@ TEST_F(CommissionTest, LatencyAndFrictionThatWerePutInAreFound) {
     EXPECT_NEAR(joint["coulomb_Nm"].get<double>(), 0.4, 0.02) << joint;
 }
 
+TEST_F(CommissionTest, CameraLatencyThatWasPutInIsFoundAndTaken) {
+  const std::string scenario = std::filesystem::absolute("scenarios/moving-sway.yaml").string();
+  const Ended ended = arm({"camera-latency", scenario, "--seconds", "12", "--set",
+                           "perception.errors.time_stamp=0.025"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const Json latency = found()["camera-latency"];
+  EXPECT_NEAR(latency["stamp_error_s"].get<double>(), 0.025, 1e-3);
+  EXPECT_NEAR(latency["latency_s"].get<double>(), 0.06, 2e-3);
+  EXPECT_NEAR(latency["jitter_s"].get<double>(), 0.01, 2e-3);
+  EXPECT_THAT(arm({"camera-latency", scenario, "--set", "canvas.motion.sway=[0, 0, 0]", "--set",
+                   "canvas.motion.roll=0"})
+                  .err,
+              HasSubstr("the canvas stands"));
+  EXPECT_THAT(arm({"camera-latency"}).err, HasSubstr("no camera keeps capturing"));
+}
+
 TEST_F(CommissionTest, PenAndPageOfMadeUpTouchesAreFound) {
   Json json;
   json["latency"] = {{"delay_s", 0.001}};

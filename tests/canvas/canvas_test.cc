@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/canvas/built_in.h"
+#include "impedraw/canvas/built_in_rough.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
@@ -311,6 +312,45 @@ TEST(Canvas, RefusesABrokenMeshByName) {
   m.triangles.emplace_back(0, 1, 2);
   expect_refused(m, "share the edge between vertices");
   expect_refused({good.vertices, {{0, 1, 1}}}, "has an area");
+}
+
+// A camera's rays over half of the image, rows and remainders of packets included.
+TEST(Canvas, RaysInPacketsAreTheRaysOneByOne) {
+  const std::vector<Canvas> canvases = [] {
+    std::vector<Canvas> all;
+    all.emplace_back(make_bowl({}));
+    all.emplace_back(make_terrain({}));
+    all.emplace_back(tetrahedron());
+    return all;
+  }();
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const Canvas& canvas : canvases) {
+    const Vector3d middle = canvas.bounds().center();
+    const double size = canvas.bounds().diagonal().norm();
+    long hits = 0, rays = 0;
+    for (int view = 0; view < 5; ++view) {
+      const Vector3d eye = middle + size * Vector3d(uniform(random), uniform(random), 1.2);
+      const Vector3d z = (middle - eye).normalized(), x = z.unitOrthogonal(), y = z.cross(x);
+      for (int row = 0; row < 120; ++row) {
+        std::vector<Vector3d> directions;
+        for (int i = 0; i < 157; ++i)
+          directions.push_back((z + (i - 78) * 6e-3 * x + (row - 60) * 6e-3 * y).normalized());
+        std::vector<double> distances(directions.size());
+        canvas.rays(eye, directions, distances);
+        for (std::size_t i = 0; i < directions.size(); ++i, ++rays) {
+          const auto one = canvas.ray(eye, directions[i]);
+          if (one)
+            EXPECT_EQ(distances[i], one->t);
+          else
+            EXPECT_EQ(distances[i], std::numeric_limits<double>::infinity());
+          hits += one.has_value();
+        }
+      }
+    }
+    EXPECT_GT(hits, rays / 10);
+    EXPECT_LT(hits, rays);
+  }
 }
 
 }  // namespace

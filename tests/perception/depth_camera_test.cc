@@ -137,6 +137,63 @@ TEST(RenderDepth, SameSeedSameImageOnAnyNumberOfThreads) {
   EXPECT_LT(same, 5);
 }
 
+// A box that turns and moves: no ray beside its pixels meets it, and they are not many more.
+TEST(RenderDepth, PixelsOfABoxHoldAllThatSeeIt) {
+  DepthCamera camera;
+  camera.width = 160;
+  camera.height = 120;
+  camera.X_WC = look_at({0.3, 0.1, 1}, {0, 0, 0});
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-0.1, -0.05, 0.0), Eigen::Vector3d(0.1, 0.05, 0.1));
+  for (int k = 0; k < 40; ++k) {
+    Pose X_WB;
+    X_WB.p = 0.02 * k * Eigen::Vector3d(std::cos(k), std::sin(k), 0.3 * std::sin(2.0 * k));
+    X_WB.R = Eigen::AngleAxisd(0.3 * k, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    const PixelBox part = pixels_of(camera, box, X_WB);
+    const Pose X_BW = X_WB.inverse();
+    int seeing = 0;
+    for (int j = 0; j < camera.height; ++j)
+      for (int i = 0; i < camera.width; ++i) {
+        const Eigen::Vector3d o = X_BW * camera.X_WC.p,
+                              d = X_BW.R * (camera.X_WC.R * camera.direction_C(i, j));
+        double from = 0.0, to = 1e9;
+        for (int a = 0; a < 3; ++a) {
+          const double one = (box.min()[a] - o[a]) / d[a], other = (box.max()[a] - o[a]) / d[a];
+          from = std::max(from, std::min(one, other));
+          to = std::min(to, std::max(one, other));
+        }
+        if (from > to) continue;
+        ++seeing;
+        EXPECT_TRUE(i >= part.left && i < part.right && j >= part.top && j < part.bottom)
+            << i << ' ' << j;
+      }
+    const int all = (part.right - part.left) * (part.bottom - part.top);
+    if (seeing > 0) EXPECT_LT(all, 4 * seeing + 2000) << k;
+  }
+  const PixelBox behind = pixels_of(camera, box, {{0, 0, 2}, Eigen::Matrix3d::Identity()});
+  EXPECT_EQ(behind.right - behind.left, camera.width) << "not all of it is before the camera";
+}
+
+TEST(RenderDepth, APartIsAsInTheWholeImage) {
+  DepthCamera camera;
+  camera.width = 120;
+  camera.height = 90;
+  camera.X_WC = look_at({0.3, 0, 1}, {0, 0, 0});
+  const CastRay one = plane(Vector3d::UnitZ(), 0);
+  const CastRays rays = [&](const Vector3d& o, std::span<const Vector3d> d, std::span<double> out) {
+    for (std::size_t k = 0; k < d.size(); ++k) out[k] = one(o, d[k]);
+  };
+  const DepthImage whole = render_depth(camera, one, realistic_depth_noise(), 3, 1);
+  DepthImage part;
+  render_depth(camera, rays, realistic_depth_noise(), 3, {10, 20, 95, 41}, &part);
+  for (int j = 0; j < camera.height; ++j)
+    for (int i = 0; i < camera.width; ++i) {
+      if (i >= 10 && i < 95 && j >= 20 && j < 41)
+        EXPECT_EQ(part.at(i, j), whole.at(i, j));
+      else
+        EXPECT_TRUE(std::isnan(part.at(i, j)));
+    }
+}
+
 TEST(RenderDepth, QuantisesDisparity) {
   DepthCamera camera;
   camera.X_WC = look_at({0.3, 0, 1}, {0, 0, 0});

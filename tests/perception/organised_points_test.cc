@@ -1,6 +1,7 @@
 // Points and normals of depth images, against surfaces that are known in closed form.
 #include "impedraw/perception/organised_points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -120,6 +121,22 @@ TEST(OrganisedPoints, ArmAndSurroundingsAreLeftOut) {
     EXPECT_TRUE(region.contains(s.p));
     EXPECT_GT(std::hypot(s.p.x() - 0.6, s.p.y()), 0.03);
   }
+}
+
+TEST(OrganisedPoints, PhasesGoThroughAllPixels) {
+  const DepthImage image = render_depth(camera(), plane(Vector3d::UnitZ(), 0.1), {}, 1, 1);
+  const OrganisedPoints points({.stride = 3});
+  std::vector<SeenPoint> all, every;
+  for (unsigned phase = 0; phase < 9; ++phase)
+    points.find(image, camera(), kEverywhere, {}, 0.0, &all, phase);
+  OrganisedPoints({.stride = 1}).find(image, camera(), kEverywhere, {}, 0.0, &every);
+  const auto before = [](const SeenPoint& a, const SeenPoint& b) {
+    return std::pair(a.p.x(), a.p.y()) < std::pair(b.p.x(), b.p.y());
+  };
+  std::sort(all.begin(), all.end(), before);
+  std::sort(every.begin(), every.end(), before);
+  ASSERT_EQ(all.size(), every.size());
+  for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i].p, every[i].p);
 }
 
 TEST(OrganisedPoints, SettingsAreChecked) {

@@ -2,9 +2,13 @@
 // needs no other data.
 #include "impedraw/run/driver.h"
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -13,6 +17,7 @@
 
 #include "allocations.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/exchange.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/log/run_rows.h"
@@ -72,6 +77,7 @@ class TestDriver : public Driver {
   const GroundTruth* truth() const noexcept override { return truthful ? inner_.truth() : nullptr; }
 
   DriverInfo& changed_info() { return info_; }
+  SimulatedArm& inner() { return inner_; }
 
   bool truthful = true, finite = true;
   double fault_time = -1.0;
@@ -152,6 +158,70 @@ TEST_F(DriverTest, WithoutTheTruthContactIsWhatWasMeasured) {
   EXPECT_THAT(metrics.contact_fraction.reason(), HasSubstr("contact is unknown"));
   EXPECT_THAT(metrics.coverage.reason(), HasSubstr("contact is unknown"));
   EXPECT_TRUE(metrics.joint_margin_min.value());
+}
+
+// As an arm on a wall clock whose cameras keep capturing: frames are taken by another thread, with
+// what they refer to their own.
+class CapturingDriver : public TestDriver {
+ public:
+  explicit CapturingDriver(Experiment& e) : TestDriver(e), loop_(std::this_thread::get_id()) {
+    changed_info().waits = false;
+  }
+  const ArmState& read() noexcept override {
+    const ArmState& state = TestDriver::read();
+    for (CanvasFrame frame; inner().next_frame(&frame);) {
+      auto copy = std::make_unique<Frame>();
+      copy->frame = frame;
+      copy->image = *frame.depth;
+      copy->camera = *frame.camera_model;
+      copy->arm.assign(frame.arm.begin(), frame.arm.end());
+      if (queue_.give(std::move(copy))) ++given_;
+    }
+    // The simulator runs ahead of any wall clock: it is held back to what perception can follow.
+    while (given_ > taken_) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    return state;
+  }
+  bool next_frame(CanvasFrame* frame) noexcept override {
+    if (std::this_thread::get_id() == loop_) in_loop = true;
+    std::unique_ptr<Frame> next;
+    if (!queue_.take(&next)) return false;
+    last_ = std::move(next);
+    *frame = last_->frame;
+    frame->depth = &last_->image;
+    frame->camera_model = &last_->camera;
+    frame->arm = last_->arm;
+    ++taken_;
+    return true;
+  }
+  bool in_loop = false;
+  int taken() const { return taken_; }
+
+ private:
+  struct Frame {
+    CanvasFrame frame;
+    DepthImage image;
+    DepthCamera camera;
+    std::vector<Capsule> arm;
+  };
+  std::thread::id loop_;
+  Queue<std::unique_ptr<Frame>, 256> queue_;
+  std::atomic<int> given_ = 0, taken_ = 0;
+  std::unique_ptr<Frame> last_;
+};
+
+TEST_F(DriverTest, OnAWallClockFramesAreTakenBesideTheLoop) {
+  Experiment e = prepared(
+      "moving-turntable",
+      {"perception.frames.depth=true", "perception.frames.rate=10", "drawing.redraw=false"});
+  CapturingDriver driver(e);
+  const RunOutcome outcome = run(e, driver, log_, 0.0);
+  EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
+  EXPECT_FALSE(driver.in_loop);
+  EXPECT_GT(driver.taken(), 300);
+  const Metrics m = compute_metrics(read_run(log_));
+  EXPECT_GT(m.contact_fraction.or_nan(), 0.99);
+  EXPECT_LT(m.ink_error_rms.or_nan(), 0.3);
+  EXPECT_LT(m.normal_error_mean.or_nan(), 0.3);
 }
 
 TEST_F(DriverTest, AnArmThatIsNotSimulatedHereIsNotSimulated) {

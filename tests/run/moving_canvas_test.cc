@@ -149,6 +149,17 @@ TEST(MovingCanvas, ShapeHelpsMarks) {
   EXPECT_LT(f["force_sd"], 0.35);
 }
 
+// The surface under the pen is that of all frames, not that of the snapshot alone.
+TEST(MovingCanvas, FramesAverageTheNoiseOfAStandingCanvasAway) {
+  const Figures snapshot = draw_scenario(
+      "standing-noisy", {"perception.frames.depth=true", "perception.frames.grow_surface=false"});
+  const Figures grows = draw_scenario("standing-noisy", {"perception.frames.depth=true"});
+  EXPECT_LT(grows["normal_error_mean"], 0.3 * snapshot["normal_error_mean"]);
+  EXPECT_LT(grows["tilt_mean"], 0.3 * snapshot["tilt_mean"]);
+  // The ink follows the estimate of the pose, not the normal.
+  EXPECT_LT(grows["ink_error_rms"], 1.1 * snapshot["ink_error_rms"]);
+}
+
 // Waves along x look the same wherever they slide along y.
 TEST(MovingCanvas, WhatTheShapeLeavesOpenIsNamed) {
   const Figures f =

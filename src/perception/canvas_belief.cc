@@ -1,0 +1,165 @@
+#include "impedraw/perception/canvas_belief.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "impedraw/common/rotation_vector.h"
+#include "impedraw/perception/rotation_coordinates.h"
+
+namespace impedraw {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kLatenessTime = 1.0;  // over which it is averaged [s]
+
+}  // namespace
+
+const std::array<CanvasBelief::Model, CanvasBelief::kFilters> CanvasBelief::kBank = {
+    {{1, 1e-10}, {2, 1e-9}, {2, 1e-5}, {3, 1e-3}, {3, 0.1}}};
+const std::array<double, CanvasBelief::kBands> CanvasBelief::kCutoffs = {0.4, 0.7, 1.1, 1.8, 3.0};
+
+AxisState CanvasBelief::model_state(const Entry& from, int model, int axis,
+                                    double time) const noexcept {
+  if (model < kFilters) return from.filters[model][axis].ahead(time - from.time);
+  if (model < kSwinging) return from.bands[model - kFilters][axis].at(time);
+  return from.waves[axis].at(time);
+}
+
+bool CanvasBelief::holds(const Entry& entry, int model, int axis) const noexcept {
+  if (model < kFilters) return true;
+  return model < kSwinging ? entry.banded[axis] : entry.waves[axis].fitted;
+}
+
+std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const noexcept {
+  // All errors hold the noise of what they are compared with: what one has beyond the best counts.
+  // Of models that do as well, the simpler one is to be preferred.
+  constexpr double kAlike = 0.03;  // in shares of that noise
+  const Score& score = scores[axis];
+  const auto known = [&](int m) {
+    return holds(last, m, axis) && (score.weight > 0.0 || m < kFilters);
+  };
+  double best = 1e300;
+  for (int m = 0; m < kModels; ++m)
+    if (known(m)) best = std::min(best, score.square[m]);
+  std::array<double, kModels> w{};
+  double sum = 0.0;
+  for (int m = 0; m < kModels; ++m) {
+    if (!known(m)) continue;
+    const double beyond = 1.0 + (score.square[m] - best) / (kAlike * score.noise + 1e-14);
+    const double simple = m < kFilters ? std::pow(0.3, m) : m < kSwinging ? 1e-2 : 0.1;
+    w[m] = simple / (beyond * beyond * beyond);
+    sum += w[m];
+  }
+  for (double& share : w) share /= sum;
+  return w;
+}
+
+AxisState CanvasBelief::blend(const Entry& from, int axis, double time) const noexcept {
+  const std::array<double, kModels> w = weights(axis);
+  AxisState out;
+  for (int m = 0; m < kModels; ++m) {
+    if (w[m] == 0.0) continue;
+    const AxisState s = model_state(from, m, axis, time);
+    out.x += w[m] * s.x;
+    out.v += w[m] * s.v;
+    out.a += w[m] * s.a;
+  }
+  return out;
+}
+
+CanvasEstimate CanvasBelief::estimate(const std::array<AxisState, kAxes>& s, double time,
+                                      double lateness) const noexcept {
+  CanvasEstimate out;
+  out.age = time - last.time;
+  const auto of = [&s](int first, double AxisState::*member) {
+    return Vector3d(s[first].*member, s[first + 1].*member, s[first + 2].*member);
+  };
+  const Vector3d c = of(0, &AxisState::x), c_v = of(0, &AxisState::v), c_a = of(0, &AxisState::a);
+  const Vector3d phi = of(3, &AxisState::x), rate = of(3, &AxisState::v),
+                 rise = of(3, &AxisState::a);
+  FrameMotion& m = out.motion;
+  m.X_WK.R = rotation(phi) * R_0;
+  m.w = rate_map(phi) * rate;
+  constexpr double h = 1e-4;  // [s]
+  m.alpha = (rate_map(phi + h * rate) * (rate + h * rise) -
+             rate_map(phi - h * rate) * (rate - h * rise)) /
+            (2.0 * h);
+  const Vector3d r = -(m.X_WK.R * centre_K);  // from the centre to K's origin
+  m.X_WK.p = c + r;
+  m.v = c_v + m.w.cross(r);
+  m.a = c_a + m.alpha.cross(r) + m.w.cross(m.w.cross(r));
+  out.centre_W = c;
+
+  // What was off after one lateness grows with its square, as an unforeseen acceleration's effect.
+  const double growth = std::max(1.0, out.age / lateness);
+  double position = 0.0;
+  for (int i = 0; i < kAxes; ++i) {
+    const double variance = last.filters[2][i].P[0];
+    const double off = std::max(0.0, scores[i].blended - scores[i].noise);
+    const double square = variance + off * std::pow(growth, 4);
+    out.covariance(i < 3 ? 3 + i : i - 3, i < 3 ? 3 + i : i - 3) = square;
+    if (i < 3) position += square;
+  }
+  const bool old = out.age > longest_age;
+  const bool unsure = std::sqrt(position) > largest_error;
+  out.status = old || unsure ? CanvasStatus::stale
+               : open > 0    ? CanvasStatus::undetermined
+                             : CanvasStatus::ok;
+  return out;
+}
+
+CanvasEstimate CanvasBelief::predict(double time, double lateness) const noexcept {
+  if (!known) return {};
+  std::array<AxisState, kAxes> s;
+  for (int i = 0; i < kAxes; ++i) s[i] = blend(last, i, time);
+  return estimate(s, time, lateness);
+}
+
+std::string CanvasBelief::open_text() const {
+  std::string text;
+  for (int k = 0; k < open; ++k)
+    text += (k == 0 ? "" : ", or ") + open_directions[static_cast<std::size_t>(k)].text();
+  return text;
+}
+
+// φ of another R_0, and its rate.
+void SmoothedCanvas::refer_to(const Matrix3d& R_0) noexcept {
+  const Vector3d phi_0(smooth_[3].x, smooth_[4].x, smooth_[5].x);
+  const Matrix3d R = rotation(phi_0) * R_0_;
+  const Vector3d w = rate_map(phi_0) * Vector3d(smooth_[3].v, smooth_[4].v, smooth_[5].v);
+  R_0_ = R_0;
+  const Vector3d phi = rotation_vector(R * R_0_.transpose()), rate = rate_map(phi).inverse() * w;
+  for (int i = 0; i < 3; ++i) smooth_[3 + i] = {phi[i], rate[i], 0.0};
+}
+
+CanvasEstimate SmoothedCanvas::follow(const CanvasBelief& belief, double time) noexcept {
+  if (!belief.known) return {};
+  const double dt = time - time_, shown = belief.last.time;
+  const bool anew = time_ < 0.0 || !(dt >= 0.0) || dt > 0.1;
+  if (belief.R_0 != R_0_) refer_to(belief.R_0);
+  if (!anew) lateness_ += dt / kLatenessTime * (std::clamp(time - shown, 0.01, 0.3) - lateness_);
+  for (int i = 0; i < CanvasBelief::kAxes; ++i) {
+    const AxisState target = belief.blend(belief.last, i, belief.prediction ? time : shown);
+    AxisState& s = smooth_[i];
+    if (anew) {
+      s = target;
+      continue;
+    }
+    const double a =
+        target.a + kSmoothing * kSmoothing * (target.x - s.x) + 2.0 * kSmoothing * (target.v - s.v);
+    s.x += dt * (s.v + 0.5 * dt * a);
+    s.v += dt * a;
+    // The corrections are the estimate's motion, not the canvas's: they are not fed forward.
+    s.a += std::min(1.0, kSmoothing * dt) * (target.a - s.a);
+  }
+  time_ = time;
+  return belief.estimate(smooth_, time, lateness_);
+}
+
+}  // namespace impedraw

@@ -1,0 +1,75 @@
+#include "impedraw/run/canvas_watch.h"
+
+#include <chrono>
+#include <utility>
+
+namespace impedraw {
+
+namespace {
+
+constexpr std::chrono::milliseconds kPoll{1};
+
+}  // namespace
+
+CanvasWatch::CanvasWatch(std::unique_ptr<CanvasTracker> tracker,
+                         std::unique_ptr<GrowingSurface> surface, Driver& driver,
+                         double stamp_error, bool lock_step)
+    : tracker_(std::move(tracker)),
+      surface_(std::move(surface)),
+      driver_(driver),
+      stamp_error_(stamp_error),
+      lock_step_(lock_step) {
+  // Here, before the loop's thread may get a real-time priority, which its threads would inherit.
+  if (!lock_step_) taker_ = std::thread([this] { take_frames_until_the_end(); });
+}
+
+void CanvasWatch::begin() {
+  stage_ = 1;
+  stage_.notify_one();
+}
+
+void CanvasWatch::end() {
+  if (!taker_.joinable()) return;
+  stage_ = 2;
+  stage_.notify_one();
+  taker_.join();
+}
+
+bool CanvasWatch::take_frames(double time) {
+  bool any = false;
+  for (CanvasFrame frame; driver_.next_frame(&frame); any = true) {
+    frame.time -= stamp_error_;
+    tracker_->add(frame);
+    if (surface_ && frame.depth) surface_->offer(tracker_->shape()->model().points(), time);
+  }
+  return any;
+}
+
+void CanvasWatch::take_frames_until_the_end() {
+  stage_.wait(0);
+  while (stage_ == 1) {
+    tracker_->follow(now_);  // tells it how late frames are
+    if (take_frames(now_)) {
+      latest_.slot() = tracker_->belief();
+      latest_.give();
+    } else {
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+}
+
+void CanvasWatch::update(double time) noexcept {
+  if (lock_step_) {
+    take_frames(time);
+  } else {
+    now_ = time;
+    latest_.refresh();
+  }
+  if (surface_) surface_->update(time);
+}
+
+CanvasEstimate CanvasWatch::follow(double time) noexcept {
+  return lock_step_ ? tracker_->follow(time) : smoothed_.follow(latest_.value(), time);
+}
+
+}  // namespace impedraw

@@ -1,0 +1,59 @@
+// Takes the cameras' frames: where the canvas is, how it moves, and what its surface is like.
+//
+// In lock-step frames are taken by the control loop's thread, at the cycle at which they arrive, so
+// that a run does not depend on the machine. On a wall clock a thread of its own takes them from
+// the driver. The loop then uses what has been found so far: it never waits, allocates nothing and
+// takes no lock (common/exchange.h).
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "impedraw/common/exchange.h"
+#include "impedraw/perception/canvas_tracker.h"
+#include "impedraw/perception/growing_surface.h"
+#include "impedraw/run/driver.h"
+
+namespace impedraw {
+
+class CanvasWatch {
+ public:
+  // surface: null where the surface stays as the snapshot saw it. stamp_error: FrameSettings [s].
+  CanvasWatch(std::unique_ptr<CanvasTracker> tracker, std::unique_ptr<GrowingSurface> surface,
+              Driver& driver, double stamp_error, bool lock_step);
+  ~CanvasWatch() { end(); }
+  CanvasWatch(const CanvasWatch&) = delete;
+  CanvasWatch& operator=(const CanvasWatch&) = delete;
+
+  // After the driver was started, and before it is stopped.
+  void begin();
+  void end();
+
+  // Once per control step, before the following.
+  void update(double time) noexcept;
+  CanvasEstimate follow(double time) noexcept;
+  // Null: as the snapshot saw it.
+  const GrowingSurface* surface() const noexcept { return surface_.get(); }
+  const CanvasBelief& belief() const noexcept {
+    return lock_step_ ? tracker_->belief() : latest_.value();
+  }
+
+ private:
+  bool take_frames(double time);
+  void take_frames_until_the_end();
+
+  std::unique_ptr<CanvasTracker> tracker_;  // on a wall clock, of the other thread
+  std::unique_ptr<GrowingSurface> surface_;
+  Driver& driver_;
+  double stamp_error_;
+  bool lock_step_;
+  // On a wall clock.
+  SmoothedCanvas smoothed_;
+  Latest<CanvasBelief> latest_;
+  std::atomic<double> now_ = 0.0;  // of the loop [s]
+  std::atomic<int> stage_ = 0;     // 0: not begun, 1: takes frames, 2: at its end
+  std::thread taker_;
+};
+
+}  // namespace impedraw
