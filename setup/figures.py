@@ -150,8 +150,9 @@ def push_response(folder: pathlib.Path) -> dict:
     with h5py.File(folder / "bowl-push/run.h5") as pushed, h5py.File(
         folder / "bowl-sine/run.h5"
     ) as alone:
-        force = pushed["disturbance/force"][:]
-        moved = 1e3 * (pushed["tip/position"][:] - alone["tip/position"][:])
+        n = min(len(pushed["time"]), len(alone["time"]))  # what the push left without ink is redrawn
+        force = pushed["disturbance/force"][:n]
+        moved = 1e3 * (pushed["tip/position"][:n] - alone["tip/position"][:n])
     rows = np.flatnonzero(np.linalg.norm(force, axis=1) > 1.0)
     first, last = rows[0], rows[-1]
     unit = force[first : last + 1] / np.linalg.norm(force[first : last + 1], axis=1, keepdims=True)
