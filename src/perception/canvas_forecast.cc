@@ -22,8 +22,8 @@ using Eigen::Vector3d;
 constexpr double kLever = 0.15;       // from the centre to where a turn's error counts [m]
 constexpr double kLeastTurn = 2e-3;   // below it nothing turns [rad/s]
 constexpr double kLeastTrend = 5e-4;  // beside a swing [m/s]
-constexpr std::array<double, 7> kWindows = {12.0, 8.0, 6.0, 4.5, 3.0, 1.5, 0.75};  // [s]
-constexpr double kShortestSwing = 3.0;                                             // a window [s]
+constexpr std::array<double, 8> kWindows = {12.0, 10.0, 8.0, 6.0, 4.5, 3.0, 1.5, 0.75};  // [s]
+constexpr double kShortestSwing = 3.0;  // a window [s]
 
 // Six coordinates at one time.
 struct Row {

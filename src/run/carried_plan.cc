@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/run.h"
@@ -18,10 +19,11 @@ using Eigen::Vector3d;
 
 constexpr int kPlaces = 7;            // along a stroke, at most
 constexpr double kMostLooks = 12000;  // postures of all windows together
-constexpr double kStepOfTime = 0.25;  // between starts that are tried [s]
+constexpr double kStepOfTime = 0.1;   // between starts that are tried [s]
 constexpr double kSoon = 0.3;         // a start that is that near is now [s]
 constexpr double kAbove = 0.02;       // the safe height: where a pen from its rest goes to [m]
 constexpr double kLastOfJoin = 0.3;   // the pen is where it goes to within 6 % by then [s]
+constexpr double kWaitAbove = 0.15;   // a stroke's first point, where it will be [m]
 constexpr double kAgain = 0.25;       // the next decision, where a window's edge is not clear [s]
 
 }  // namespace
@@ -163,6 +165,15 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
   if (first.start > pen.time + lead + kSoon) {
     out.kind = CarriedDecision::Kind::wait;
     out.until = first.start - (join_to(first.job) + down);
+    // Nearer, if there is time.
+    const Vector3d place = forecast.at(first.start) * hover[first.job].p_WD + kWaitAbove * up;
+    const double move = 1.875 * (place - pen.X_WE.p).norm() / e_.plan.path_settings.travel_speed;
+    if (!pen.joined && move > 1.0 &&
+        first.start > pen.time + move + CanvasFollower::kJoin + down + kSoon &&
+        find_posture(e_.scene.arm, {place, pen.X_WE.R.col(2)}, pen.q).reached) {
+      out.place_W = place;
+      out.until = pen.time + move;
+    }
     out.remarks.push_back(fmt::format(
         "stroke {} is in reach from {:.1f} to {:.1f} s", number_of(parts[first.job].stroke),
         first_time_ + first.window.from, first_time_ + first.window.until));

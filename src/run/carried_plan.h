@@ -31,13 +31,14 @@ struct CarriedDecision {
     wait,     // be up and at rest until `until`, then decide again
     nothing,  // no stroke is left that can be drawn
   } kind = Kind::nothing;
-  TipPath path;                      // in K
-  std::vector<StrokePart> parts;     // that it draws, in its order
-  double join = 0.0;                 // a pen at rest goes over to the path within this time [s]
-  double until = 0.0;                // [s]
-  std::string why;                   // it does not draw as planned
-  std::vector<UnreachedPart> lost;   // for good
-  std::vector<std::string> remarks;  // "stroke 3 is in reach from 4.2 to 9.8 s"
+  TipPath path;                   // in K
+  std::vector<StrokePart> parts;  // that it draws, in its order
+  double join = 0.0;              // a pen at rest goes over to the path within this time [s]
+  double until = 0.0;             // [s]
+  std::optional<Eigen::Vector3d> place_W;  // where to wait; nothing: where the pen is [m]
+  std::string why;                         // it does not draw as planned
+  std::vector<UnreachedPart> lost;         // for good
+  std::vector<std::string> remarks;        // "stroke 3 is in reach from 4.2 to 9.8 s"
 };
 
 // How the pen is at the time of the decision.

@@ -207,6 +207,23 @@ class Runner {
     }
   }
 
+  // Goes there in W, from rest to rest, until then; the pen stays as it is turned.
+  void go_to(const Eigen::Vector3d& p_W, double until) {
+    const Eigen::Vector3d from = rest_.p_WD;
+    const double begin = time(), duration = until - begin;
+    while (time() < until) {
+      const double u = (time() - begin) / duration;
+      PathSample on_way{rest_, -1, std::nan(""), Phase::travel};
+      on_way.reference.p_WD = from + u * u * u * (10.0 + u * (6.0 * u - 15.0)) * (p_W - from);
+      on_way.reference.v_WD = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration * (p_W - from);
+      on_way.reference.a_WD =
+          60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration) * (p_W - from);
+      if (!step(on_way)) return;
+    }
+    rest_.p_WD = p_W;
+    rest_.v_WD = rest_.a_WD = Eigen::Vector3d::Zero();
+  }
+
   // The pen goes up in W, clear of the canvas wherever that goes, and rests there.
   void retire() {
     if (!lifting_) let_go(clear_height());
@@ -416,7 +433,10 @@ class Runner {
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
     last_.add(row_, loop_, age);
-    if (loop_.canvas().follows() && knows_canvas()) history_.add(t, loop_.canvas().pose());
+    if (loop_.canvas().follows() && knows_canvas()) {
+      known_for_ += dt();
+      if (known_for_ > kSettled) history_.add(t, loop_.canvas().pose());
+    }
     ink_.add(desired.stroke, desired.along,
              writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)) && in_place());
 
@@ -631,7 +651,9 @@ class Runner {
   std::size_t followed_ = 0;  // strokes of the present path
   const Between* between_ = nullptr;
   CanvasHistory history_;
-  TipReference rest_;  // in W
+  static constexpr double kSettled = 1.0;  // the first estimates are not yet of its motion [s]
+  double known_for_ = 0.0;                 // of the canvas [s]
+  TipReference rest_;                      // in W
 };
 
 TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_WE,
@@ -778,7 +800,9 @@ class MovingDrawing {
     if (runner_.joined()) runner_.retire();
     // Forecasts are made anew: the motion may change.
     constexpr double kLongest = 1.0;  // [s]
-    if (finished())
+    if (finished() && next.place_W)
+      runner_.go_to(*next.place_W, next.until);
+    else if (finished())
       runner_.wait(std::clamp(next.until, runner_.time() + 0.05, runner_.time() + kLongest));
     waited_ += runner_.time() - begin;
     if (!finished() || waited_ < kMostWait) return finished();
