@@ -143,6 +143,8 @@ class Planning {
   PathSettings path_settings() const;
   PreflightSettings preflight_settings() const;
   std::vector<StrokePart> lay_on_surface();
+  bool may_move() const { return seen_ && s_.perception.frames.enabled; }
+  void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
   void name_step(Finding* finding) const;
   void promise();
@@ -238,12 +240,42 @@ void Planning::name_step(Finding* f) const {
                         2e3 * there.radius);
 }
 
+// Whether it is so only where the canvas is before it has been watched.
+bool passes_with_canvas(Problem problem) {
+  switch (problem) {
+    case Problem::out_of_reach:
+    case Problem::joint_limit:
+    case Problem::near_singular:
+    case Problem::torque:
+    case Problem::arm_collision:
+    case Problem::joint_jump:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// A canvas that may move: what the arm can reach is known once it has been watched, and the run
+// checks it then (run/carried_plan.h).
+void Planning::leave_to_run(std::vector<Finding>* findings) {
+  std::vector<StrokePart> parts = plan_.preflight.drawable;
+  std::erase_if(*findings, [&](const Finding& f) {
+    if (!passes_with_canvas(f.problem)) return false;
+    plan_.where_it_is.push_back(f);
+    parts.push_back(f.part);
+    return true;
+  });
+  plan_.preflight.drawable = merged(std::move(parts), s_.preflight.edge_tolerance);
+}
+
 void Planning::check(const std::vector<StrokePart>& lost) {
   plan_.preflight = setting_errors_.locate({"preflight"}, [&] {
     return check_strokes(plan_.requested, checked_surface(), scene_.arm, obstacle(), scene_.start_q,
                          preflight_settings(),
                          [&](double share) { tell("checking the strokes", 0.3 + 0.35 * share); });
   });
+  if (may_move()) leave_to_run(&plan_.preflight.findings);
+  for (Finding& f : plan_.where_it_is) f.part.stroke = source(f.part.stroke);
   for (Finding& f : plan_.preflight.findings) {
     f.part.stroke = source(f.part.stroke);
     name_step(&f);
@@ -296,9 +328,11 @@ void Planning::plan_path() {
       continue;
     }
     if (!s_.preflight.arm) return;
-    const std::vector<Finding> transitions = check_transitions(
+    std::vector<Finding> transitions = check_transitions(
         plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
         [&](double share) { tell("checking the ways between strokes", 0.8 + 0.1 * share); });
+    if (may_move())
+      std::erase_if(transitions, [](const Finding& f) { return passes_with_canvas(f.problem); });
     if (transitions.empty()) return;
     leave_out_barred(transitions, share);
     share *= 2.0;

@@ -28,6 +28,9 @@ struct Plan {
   JointVector rest_q;        // rest posture of the null space [rad]
   // Drawable parts have the numbers of `requested`; findings have the artwork's.
   Preflight preflight;
+  // Of a canvas that may move: what fails where it is before it has been watched, with the
+  // artwork's numbers. The run checks again where it will be.
+  std::vector<Finding> where_it_is;
   // The promised strokes: the drawable parts in order, numbered from 0 as in target, path and log.
   std::vector<PlacedStroke> strokes;
   DrawingLoad load;                // on the arm, while the pen is down

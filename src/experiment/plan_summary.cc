@@ -89,6 +89,11 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
                                     {"text", f.text},
                                     {"page_mm", {f.page_mm.x(), f.page_mm.y()}},
                                     {"world_m", {f.p_W.x(), f.p_W.y(), f.p_W.z()}}});
+  if (e.scenario.perception.frames.enabled) {
+    json["unreached_at_start"] = nlohmann::ordered_json::array();
+    for (const Finding& f : e.plan.where_it_is)
+      json["unreached_at_start"].push_back({{"stroke", f.part.stroke}, {"text", finding_text(f)}});
+  }
   return json;
 }
 
@@ -113,7 +118,17 @@ std::string plan_text(const PlannedDrawing& e) {
         m.slope_deg);
   text += distortion_text("projected", projected_distortion(e));
   if (e.plan.wrap) text += distortion_text("wrapped", wrapped_distortion(e));
-  if (e.plan.preflight.findings.empty()) return text + "  all of it can be drawn\n";
+  if (e.scenario.perception.frames.enabled) {
+    text +=
+        "  the canvas may move, which is not known before the arm has watched it: a run checks "
+        "reach "
+        "and joint speeds then, where the canvas will be\n";
+    for (const Finding& f : e.plan.where_it_is)
+      text += "    where it is now: " + finding_text(f) + "\n";
+  }
+  if (e.plan.preflight.findings.empty())
+    return text + (e.plan.where_it_is.empty() ? "  all of it can be drawn\n"
+                                              : "  the surface allows all of it\n");
   text +=
       fmt::format("  cannot be drawn: {} part{}, {:.1f} mm; --skip-unreachable draws the rest\n",
                   e.plan.preflight.findings.size(),

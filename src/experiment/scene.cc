@@ -11,6 +11,7 @@
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
 #include "impedraw/experiment/start_posture.h"
+#include "impedraw/perception/axis_motion.h"
 #include "impedraw/perception/canvas_tracker.h"
 
 namespace impedraw {
@@ -106,6 +107,14 @@ void check_frames(const Scenario& s, const SettingErrors& setting_errors) {
       throw InputError(
           "perception.frames.enabled: without perception there are no cameras; valid is false, or "
           "perception.enabled true");
+    const FrameSettings& frames = s.perception.frames;
+    const double most = BandLimited::kSpan - 2.0 * frames.latency_jitter;
+    if (frames.latency > most)
+      throw InputError(fmt::format(
+          "perception.frames.latency: {:.3g} s, with {:.3g} s of jitter; the canvas's motion can "
+          "be "
+          "predicted across {:.3g} s, so that valid is up to {:.3g} s",
+          frames.latency, frames.latency_jitter, BandLimited::kSpan, std::max(0.0, most)));
   });
   // By its shape alone, a canvas is found without marks.
   if (s.perception.frames.depth && s.perception.fiducials.points.empty()) return;

@@ -1,10 +1,12 @@
 #include "impedraw/log/resume_log.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "impedraw/log/log_checks.h"
+#include "impedraw/log/log_columns.h"
 #include "impedraw/log/log_file.h"
 #include "impedraw/log/log_reader.h"
 
@@ -60,6 +62,15 @@ ResumeLog read_resume_log(const std::filesystem::path& path) {
     if (!(drawn.joint_position.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kMostTurned))
       log.fail(fmt::format("dataset /joint/position: row {} is not finite or beyond ± {:g} rad",
                            log.rows() - 1, kMostTurned));
+    if (log.header().moving_canvas) {
+      Eigen::Matrix<double, 7, 1> x;  // position, quaternion w x y z
+      read(kEstimatedCanvasPoseColumn, 7, false, log.rows() - 1, 1, x.data());
+      const Eigen::Quaterniond R(x[3], x[4], x[5], x[6]);
+      if (!(x.allFinite() && std::abs(R.norm() - 1.0) < 1e-3))
+        log.fail(fmt::format("dataset {}: row {} is no pose", kEstimatedCanvasPoseColumn,
+                             log.rows() - 1));
+      drawn.canvas_pose = {x.head<3>(), R.normalized().toRotationMatrix()};
+    }
   }
   return drawn;
 }

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "impedraw/common/pose.h"
+
 namespace impedraw {
 
 struct ResumeRow {
@@ -21,6 +23,7 @@ struct ResumeRow {
 struct ResumeLog {
   std::vector<ResumeRow> rows;     // one per step, 32 bytes each
   Eigen::VectorXd joint_position;  // of the last row [rad]; empty if there is none
+  Pose canvas_pose;                // as last estimated; the identity for one that stands
 };
 
 // Reads the steps that RunLog::append_to would keep. Throws InputError naming the file if it is no

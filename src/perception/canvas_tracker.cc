@@ -72,7 +72,7 @@ bool CanvasTracker::measure(const CanvasFrame& frame, Entry* entry) noexcept {
   if (marked) belief_.open = 0;
   if (shape_ && frame.depth) {
     const Pose predicted = marked             ? entry->X_WK
-                           : entries_.empty() ? Pose()
+                           : entries_.empty() ? settings_.X_WK
                                               : predict(frame.time).motion.X_WK;
     const ShapeRegistration& found = shape_->look(frame, predicted);
     if (found.found) {

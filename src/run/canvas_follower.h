@@ -1,8 +1,8 @@
 // The plan follows the canvas: references of frame K, the canvas's, as they are in W now.
 //
 // Before join() references are given in W: the arm watches. From join() on they are given in K. The
-// reference goes over within kJoin, p = p_W + σ (p_K − p_W) with a minimum-jerk σ(t), so that the
-// pen picks up the canvas's motion without a jolt. Requires that both agree at join().
+// reference goes over within kJoin or longer, p = p_W + σ (p_K − p_W) with a minimum-jerk σ(t), so
+// that the pen picks up the canvas's motion without a jolt.
 #pragma once
 
 #include <functional>
@@ -36,9 +36,11 @@ class CanvasFollower {
     estimate_ = source_(time);
     time_ = time;
   }
-  // From now on references are given in K. `in_W`: the last one in W, at rest.
-  void join(const TipReference& in_W) noexcept {
+  // From now on references are given in K. `in_W`: the last one in W, at rest. Within `duration`
+  // the pen goes over to them [s].
+  void join(const TipReference& in_W, double duration = kJoin) noexcept {
     joined_at_ = time_;
+    duration_ = duration;
     from_ = in_W;
   }
   // References are in W again.
@@ -60,7 +62,7 @@ class CanvasFollower {
   CanvasSource source_;
   CanvasEstimate estimate_;
   double time_ = 0.0;
-  double joined_at_ = std::numeric_limits<double>::infinity();
+  double joined_at_ = std::numeric_limits<double>::infinity(), duration_ = kJoin;
   TipReference from_;
 };
 

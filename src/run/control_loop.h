@@ -41,8 +41,12 @@ class ControlLoop {
   const Wrench& F_ext() const { return F_ext_; }
   const SurfaceEstimate& surface() const { return surface_; }
   const CanvasFollower& canvas() const { return canvas_; }
-  // The pen moves with the canvas from the next step on; `reference`: of the last step.
-  void join_canvas(const TipReference& reference) noexcept { canvas_.join(reference); }
+  // The pen moves with the canvas from the next step on, and goes over to it within `duration` [s];
+  // `reference`: of the last step.
+  void join_canvas(const TipReference& reference,
+                   double duration = CanvasFollower::kJoin) noexcept {
+    canvas_.join(reference, duration);
+  }
   // The pen stays behind: references are in W again.
   void leave_canvas() noexcept { canvas_.leave(); }
   // The tip as measured, in K.

@@ -66,6 +66,14 @@ void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome
   for (std::size_t i = 0; i < outcome.lacking.size(); ++i)
     json["lacking"][i]["reason"] =
         is_at_wall(outcome.lacking[i], outcome.walls) ? "wall" : "no_ink";
+  if (e.scenario.perception.frames.enabled) {
+    std::vector<StrokePart> unreached;
+    for (const UnreachedPart& u : outcome.unreached) unreached.push_back(u.part);
+    json["unreached"] = parts_json(e, unreached);
+    for (std::size_t i = 0; i < unreached.size(); ++i)
+      json["unreached"][i]["text"] = outcome.unreached[i].text;
+    json["remarks"] = outcome.remarks;
+  }
   write_whole(folder / "strokes.json", json.dump(2) + "\n");
 }
 
@@ -193,6 +201,10 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
         "note: the canvas's shape does not show whether it {}; it is taken not to; "
         "perception.fiducials would tell\n",
         drawing.outcome.canvas_open);
+  for (const std::string& remark : drawing.outcome.remarks) say(stderr, "note: {}\n", remark);
+  if (experiment.scenario.drawing.skip_unreachable)
+    for (const UnreachedPart& u : drawing.outcome.unreached)
+      say(stderr, "note: not drawn: {}\n", u.text);
   if (!drawing.outcome.not_real_time.empty())
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);

@@ -31,6 +31,7 @@ std::optional<Resumption> read_resumption(const Experiment& e,
                        writes(e, static_cast<ContactMode>(row.mode), force));
   }
   resumption.q = before.joint_position;
+  resumption.X_WK = before.canvas_pose;
   resumption.time = before.rows.back().time + e.control.impedance.timing.dt;
   return resumption;
 }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/control/step_watchdog.h"
 #include "impedraw/experiment/height_sources.h"
@@ -82,11 +83,17 @@ CanvasEstimate true_canvas(const CanvasMotion& motion, double time) {
   return estimate;
 }
 
-// Cameras keep capturing, and find where the canvas is.
-std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e) {
+bool follows_canvas(const Experiment& e) {
   const PerceptionSettings& p = e.scenario.perception;
-  if (!e.scene.perception || !p.frames.enabled || p.canvas_pose != CanvasPoseSource::tracked)
-    return nullptr;
+  if (!e.scene.perception) return false;
+  return p.canvas_pose == CanvasPoseSource::tracked ? p.frames.enabled
+                                                    : e.scene.world->canvas_motion().moves();
+}
+
+// Cameras keep capturing, and find where the canvas is.
+std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e, const Resumption* resumption) {
+  const PerceptionSettings& p = e.scenario.perception;
+  if (!follows_canvas(e) || p.canvas_pose != CanvasPoseSource::tracked) return nullptr;
   std::unique_ptr<CanvasShape> shape;
   if (p.frames.depth) {
     CanvasShapeSettings settings;
@@ -95,14 +102,17 @@ std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e) {
     shape = std::make_unique<CanvasShape>(e.scene.perception->cloud(), settings);
   }
   return std::make_unique<CanvasTracker>(
-      CanvasTrackerSettings{.fiducials = p.fiducials, .prediction = p.frames.prediction},
+      CanvasTrackerSettings{.fiducials = p.fiducials,
+                            .prediction = p.frames.prediction,
+                            .X_WK = resumption ? resumption->X_WK : Pose()},
       std::move(shape));
 }
 
 // Null where no camera keeps capturing.
-std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver) {
+std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver,
+                                          const Resumption* resumption) {
   const PerceptionSettings& p = e.scenario.perception;
-  std::unique_ptr<CanvasTracker> tracker = canvas_tracker(e);
+  std::unique_ptr<CanvasTracker> tracker = canvas_tracker(e, resumption);
   if (!tracker) return nullptr;
   const bool lock_step = driver.info().waits;
   std::unique_ptr<GrowingSurface> surface;
@@ -112,7 +122,8 @@ std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver) {
                                        p.frames.stamp_error, lock_step);
 }
 
-CanvasSource canvas_source(const Experiment& e, CanvasWatch* watch) {
+// first_time: of the run [s].
+CanvasSource canvas_source(const Experiment& e, CanvasWatch* watch, double first_time) {
   if (watch)
     return [watch, feeds = e.scenario.perception.frames.feedforward](double time) {
       CanvasEstimate estimate = watch->follow(time);
@@ -120,10 +131,16 @@ CanvasSource canvas_source(const Experiment& e, CanvasWatch* watch) {
       return estimate;
     };
   const CanvasMotion& motion = e.scene.world->canvas_motion();
-  if (e.scene.perception && e.scenario.perception.canvas_pose == CanvasPoseSource::truth &&
-      motion.moves())
-    return [&motion](double time) { return true_canvas(motion, time); };
+  if (follows_canvas(e))
+    return [&motion, first_time](double time) { return true_canvas(motion, first_time + time); };
   return {};
+}
+
+Eigen::Vector3d middle_of(const TargetLine& target) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : target.points) sum += p;
+  return target.points.empty() ? sum
+                               : Eigen::Vector3d(sum / static_cast<double>(target.points.size()));
 }
 
 // An approach may take so long to find a surface [s].
@@ -147,11 +164,11 @@ class Runner {
         hooks_(hooks),
         waits_(driver.info().waits),
         first_time_(resumption ? resumption->time : 0.0),
-        watch_(canvas_watch(e, driver)),
+        watch_(canvas_watch(e, driver, resumption)),
         loop_(
             e.control, e.scene.arm, driver.info(),
             surface_source(e, disturbances_of(e, resumption), watch_ ? watch_->surface() : nullptr),
-            canvas_source(e, watch_.get())),
+            canvas_source(e, watch_.get(), first_time_)),
         fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
         last_(driver.info().period, e.scene.arm),
         real_time_(!waits_ && e.scenario.arm.real_time),
@@ -160,7 +177,8 @@ class Runner {
         clock_(clock_settings(e), e.control.impedance.timing.dt),
         guard_(e.scene.arm.limits().speed),
         heights_(e.scenario.blind.top_z),
-        row_(e.scene.arm.joints()) {
+        row_(e.scene.arm.joints()),
+        history_(middle_of(e.plan.target)) {
     out_.tau = JointVector::Zero(e.scene.arm.joints());
     out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
     outcome_.not_real_time = real_time_.lacks();
@@ -181,25 +199,19 @@ class Runner {
   // Follows the path from its beginning to its end, or until something stops the run.
   void follow(const TipPath& path, bool again) { follow(path, again, nullptr); }
 
+  void end(const std::string& cause) { stop(RunEnd::stopped, cause); }
+
   bool lost_canvas() const { return lost_canvas_; }
   bool canvas_moves() const { return loop_.canvas().follows(); }
 
-  // The arm rests while the cameras watch the canvas; from then on the pen moves with it.
+  // The arm rests while the cameras watch the canvas.
   void watch() {
     const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
-    PathSample rest;
-    rest.reference.p_WD = X_WE.p;
-    rest.reference.n_WD = -X_WE.R.col(2);
-    rest.stroke = -1;
-    rest.along = std::nan("");
-    rest.phase = Phase::travel;
-    const double end = time() + e_.scenario.perception.watch;
-    while (time() < end) {
-      if (!step(rest)) return;
-      if (hooks_.interrupted && hooks_.interrupted())
-        return stop(RunEnd::interrupted,
-                    fmt::format("interrupted at t = {:.3f} s", first_time_ + time()));
-    }
+    rest_.p_WD = X_WE.p;
+    rest_.n_WD = -X_WE.R.col(2);
+    if (first_time_ > 0.0) retire();  // an earlier run may have left the pen on the canvas
+    wait(time() + e_.scenario.perception.watch);
+    if (outcome_.end != RunEnd::finished) return;
     if (loop_.canvas().estimate().status == CanvasStatus::lost)
       return stop(RunEnd::stopped,
                   fmt::format("no camera saw three marks of the canvas within {:.3g} s; "
@@ -207,7 +219,71 @@ class Runner {
                               "should be",
                               e_.scenario.perception.watch));
     if (watch_) outcome_.canvas_open = watch_->belief().open_text();
-    loop_.join_canvas(rest.reference);
+  }
+
+  // Stays at rest in W, where retire() left the pen.
+  void wait(double until) {
+    const PathSample rest{rest_, -1, std::nan(""), Phase::travel};
+    while (time() < until) {
+      if (!step(rest)) return;
+      if (hooks_.interrupted && hooks_.interrupted())
+        return stop(RunEnd::interrupted,
+                    fmt::format("interrupted at t = {:.3f} s", first_time_ + time()));
+    }
+  }
+
+  // Goes there in W, from rest to rest, until then; the pen stays as it is turned.
+  void go_to(const Eigen::Vector3d& p_W, double until) {
+    const Eigen::Vector3d from = rest_.p_WD;
+    const double begin = time(), duration = until - begin;
+    while (time() < until) {
+      const double u = (time() - begin) / duration;
+      PathSample on_way{rest_, -1, std::nan(""), Phase::travel};
+      on_way.reference.p_WD = from + u * u * u * (10.0 + u * (6.0 * u - 15.0)) * (p_W - from);
+      on_way.reference.v_WD = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration * (p_W - from);
+      on_way.reference.a_WD =
+          60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration) * (p_W - from);
+      if (!step(on_way)) return;
+    }
+    rest_.p_WD = p_W;
+    rest_.v_WD = rest_.a_WD = Eigen::Vector3d::Zero();
+  }
+
+  // The pen goes up in W, clear of the canvas wherever that goes, and rests there.
+  void retire() {
+    if (!lifting_) let_go(clear_height());
+    while (!lifting_->done(time()))
+      if (!step({lifting_->at(time()), -1, std::nan(""), Phase::lift})) return;
+    rest_ = lifting_->at(time());
+    lifting_.reset();
+  }
+
+  // A pen at rest moves with the canvas from now on.
+  void join(double duration) { loop_.join_canvas(rest_, duration); }
+  bool joined() const { return loop_.canvas().joined(); }
+
+  CanvasForecast forecast() const {
+    return e_.scenario.perception.frames.wait_for_rest
+               ? CanvasForecast::standing(loop_.canvas().pose())
+               : history_.forecast();
+  }
+  CarriedPen pen() const {
+    return {time(), e_.scene.arm.tip_pose(state_->q), loop_.canvas().pose(), state_->q, joined()};
+  }
+  bool knows_canvas() const {
+    const CanvasStatus status = loop_.canvas().estimate().status;
+    return status == CanvasStatus::ok || status == CanvasStatus::undetermined;
+  }
+  // During the last path, in contact or on the way.
+  bool left_reach() const { return left_reach_; }
+  // Of the last path, those that the plan went along to their end.
+  std::size_t strokes_followed() const { return followed_; }
+  // Asked between the strokes of a path, with the plan's time: false ends it there.
+  using Between = std::function<bool(const TipPath& path, double planned)>;
+  void follow(const TipPath& path, bool again, const Between& between) {
+    between_ = &between;
+    follow(path, again, nullptr);
+    between_ = nullptr;
   }
 
   // The tip in the canvas's frame.
@@ -255,7 +331,9 @@ class Runner {
     bool down = false, last_up = false;
     height_ = searched_ = 0.0;
     wall_.reset();
-    lost_canvas_ = false;
+    lost_canvas_ = left_reach_ = false;
+    followed_ = 0;
+    Phase last_phase = Phase::travel;
     wall_watch_.reset();
     side_watch_.reset();
     clock_.restart();
@@ -272,10 +350,18 @@ class Runner {
         if (retreats_)
           outcome_.cause += fmt::format("; the motion was damped and the pen lifted by {:.0f} mm",
                                         1e3 * lifting_->risen(X_KE().p));
-        if (wall_) lifting_.reset();
+        rest_ = lifting_->at(t);
+        if (wall_ || left_reach_) lifting_.reset();
         return;
       }
       PathSample desired = path.at(planned);
+      while (!lifting_ && followed_ < path.strokes().size() &&
+             path.strokes()[followed_].end <= planned)
+        ++followed_;
+      if (between_ && !lifting_ && followed_ > 0 && last_phase == Phase::lift &&
+          desired.phase == Phase::travel && !(*between_)(path, planned))
+        return;
+      last_phase = desired.phase;
       if (one && down && !desired.reference.pen_down && !lifting_) return;
       down = desired.reference.pen_down;
       if (one) desired.reference = at_touched_height(desired.reference);
@@ -295,7 +381,9 @@ class Runner {
         look_for_reach();
         if (!last_up && off_a_moving_canvas() && planned > path.strokes().back().end) {
           last_up = true;
-          if (rest_of(e_.plan.strokes, ink_.parts(), kShortestGap).empty()) let_go();
+          std::vector<StrokePart> done = ink_.parts();
+          for (const UnreachedPart& u : outcome_.unreached) done.push_back(u.part);
+          if (rest_of(e_.plan.strokes, done, kShortestGap).empty()) let_go();
         }
         if (found_again()) return;
       }
@@ -374,6 +462,10 @@ class Runner {
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
     last_.add(row_, loop_, age);
+    if (loop_.canvas().follows() && knows_canvas()) {
+      known_for_ += dt();
+      if (known_for_ > kSettled) history_.add(t, loop_.canvas().pose());
+    }
     ink_.add(desired.stroke, desired.along,
              writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)) && in_place());
 
@@ -434,7 +526,7 @@ class Runner {
           out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale",
           kBadStateTime, first_time_ + t);
     const double hold = e_.plan.path_settings.start_hold;
-    if (t > hold && !loop_.tared())
+    if (t > hold + (first_time_ > 0.0 ? EmergencyLift::kDuration : 0.0) && !loop_.tared())
       return fmt::format(
           "the wrench sensor could not be tared: within the first {:.2g} s the arm must rest for "
           "{:.2g} s, with no reading at its range",
@@ -536,6 +628,11 @@ class Runner {
     const bool behind = (out_.p_WD - loop_.terms().X_WE.p).norm() > kLeftBehind;
     left_behind_ = behind ? left_behind_ + dt() : 0.0;
     if (left_behind_ < kConfirm) return;
+    if (e_.scenario.preflight.arm) {
+      left_reach_ = true;
+      left_behind_ = 0.0;
+      return let_go();
+    }
     stop(RunEnd::stopped,
          fmt::format("the canvas left the arm's reach at t = {:.3f} s, at ({:.2f}, "
                      "{:.2f}, {:.2f}) m; the pen was lifted",
@@ -549,10 +646,21 @@ class Runner {
 
   // The pen goes up and stays, wherever the canvas goes: also once all is drawn, as the canvas may
   // soon be out of reach.
-  void let_go() {
+  void let_go(double height = kLiftOffCanvas) {
     loop_.leave_canvas();
-    lifting_.emplace(time(), loop_.terms().X_WE, e_.control.impedance.surface.drawing_axis_W,
-                     kLiftOffCanvas);
+    lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q),
+                     e_.control.impedance.surface.drawing_axis_W, height);
+  }
+
+  // Up to where the run began, as far as the arm reaches [m].
+  double clear_height() const {
+    const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
+    const Eigen::Vector3d& up = e_.control.impedance.surface.drawing_axis_W;
+    double height = std::max(kLiftOffCanvas, up.dot(e_.scenario.arm.start_p_WE - X_WE.p));
+    while (height > kLiftOffCanvas &&
+           !find_posture(e_.scene.arm, {X_WE.p + height * up, X_WE.R.col(2)}, state_->q).reached)
+      height -= 0.02;
+    return height;
   }
 
   // Of the tip, in W: up, once the motion that the law lost control of has been damped.
@@ -621,17 +729,15 @@ class Runner {
   std::optional<EmergencyLift> lifting_;
   double bad_state_ = 0.0;    // [s]
   double left_behind_ = 0.0;  // by the canvas [s]
-  bool lost_canvas_ = false;  // during the present path, in contact
+  // During the present path: in contact; the canvas went where the arm does not reach.
+  bool lost_canvas_ = false, left_reach_ = false;
+  std::size_t followed_ = 0;  // strokes of the present path
+  const Between* between_ = nullptr;
+  CanvasHistory history_;
+  static constexpr double kSettled = 1.0;  // the first estimates are not yet of its motion [s]
+  double known_for_ = 0.0;                 // of the canvas [s]
+  TipReference rest_;                      // in W
 };
-
-// The parts, overlapping the ink at both ends.
-std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
-  std::vector<PlacedStroke> strokes;
-  for (const StrokePart& part : parts)
-    strokes.push_back(part_of(e.plan.strokes[static_cast<std::size_t>(part.stroke)],
-                              part.from - kRedrawOverlap, part.to + kRedrawOverlap));
-  return strokes;
-}
 
 TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_WE,
                    const Eigen::Vector3d& n_W, double hold) {
@@ -688,21 +794,158 @@ TipPath plan_rest(Experiment& e, const Resumption& resumption) {
   return plan_parts(e, parts, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold);
 }
 
-// Watches the canvas, then plans from where the pen is over it: the plan that was made before holds
-// for its start, which the canvas has left.
-void follow_canvas(Experiment& e, const Resumption* resumption, Runner* runner) {
-  runner->watch();
-  if (runner->outcome().end != RunEnd::finished) return;
-  const Pose X_KE = runner->X_KE();
-  const std::vector<PlacedStroke> strokes =
-      resumption ? strokes_of(e, rest_of(e, *resumption)) : e.plan.strokes;
-  if (strokes.empty()) return;
-  runner->follow(plan_from(e.plan.path_settings, e.surface(), strokes, X_KE.p, -X_KE.R.col(2),
-                           CanvasFollower::kJoin, stroke_limits(e.scene, e.plan)),
-                 false);
-}
+// Draws on a canvas that moves: what and when is decided by its forecast (carried_plan.h).
+class MovingDrawing {
+ public:
+  MovingDrawing(Experiment& e, Runner& runner, double first_time)
+      : e_(e), runner_(runner), plan_(e, first_time), first_time_(first_time) {}
+
+  // What is left of all strokes, but for walls and what is out of reach.
+  std::vector<StrokePart> rest() const {
+    std::vector<StrokePart> done = runner_.outcome().walls;
+    for (const UnreachedPart& u : runner_.outcome().unreached) done.push_back(u.part);
+    return rest_but_for(e_, runner_.ink(), done);
+  }
+
+  void draw(std::vector<StrokePart> pending, bool again) {
+    waited_ = 0.0;
+    for (int losses = 0; finished() && !pending.empty() && losses <= kMostLosses;) {
+      const CarriedDecision next = decide(pending);
+      for (const std::string& remark : next.remarks) remark_on(remark);
+      give_up(next.lost, &pending);
+      if (!finished()) return;
+      if (next.kind == CarriedDecision::Kind::nothing) continue;
+      if (next.kind == CarriedDecision::Kind::wait) {
+        if (!wait(next, &pending)) return;
+        continue;
+      }
+      waited_ = 0.0;
+      if (!runner_.joined()) runner_.join(next.join);
+      runner_.follow(next.path, again, [this](const TipPath& path, double planned) {
+        return !e_.scenario.preflight.arm ||
+               plan_.holds(path, planned, runner_.forecast(), runner_.pen());
+      });
+      if (!finished()) return;
+      if (runner_.wall()) {
+        if (!keep_off(*runner_.wall())) return;
+      } else if (runner_.left_reach()) {
+        if (!left_at(next.parts, runner_.strokes_followed())) return;
+      } else if (runner_.lost_canvas()) {
+        ++losses;
+      } else {
+        // A gap within what was followed is drawn later, with others.
+        for (std::size_t i = 0; i < runner_.strokes_followed(); ++i)
+          std::erase_if(pending, [&](const StrokePart& p) {
+            return p.stroke == next.parts[i].stroke && p.from == next.parts[i].from;
+          });
+        continue;
+      }
+      pending = rest();
+    }
+  }
+
+ private:
+  bool finished() const { return runner_.outcome().end == RunEnd::finished; }
+
+  CarriedDecision decide(const std::vector<StrokePart>& pending) {
+    const CarriedPen pen = runner_.pen();
+    if (e_.scenario.preflight.arm) return plan_.decide(pending, runner_.forecast(), pen);
+    CarriedDecision all;
+    all.kind = CarriedDecision::Kind::draw;
+    all.join = pen.joined ? 0.0 : CanvasFollower::kJoin;
+    const Pose here = runner_.X_KE();
+    all.path = plan_parts(e_, pending, here.p, -here.R.col(2), all.join);
+    all.parts = pending;
+    return all;
+  }
+
+  void remark_on(const std::string& remark) {
+    std::vector<std::string>& remarks = runner_.outcome().remarks;
+    const auto about = [](const std::string& r) {  // without times that were forecast anew
+      return r.substr(0, std::min(r.find(" from "), r.find(':')));
+    };
+    if (std::none_of(remarks.begin(), remarks.end(),
+                     [&](const std::string& r) { return about(r) == about(remark); }))
+      remarks.push_back(remark);
+  }
+
+  // Leaves them out, or ends the run.
+  void give_up(const std::vector<UnreachedPart>& lost, std::vector<StrokePart>* pending) {
+    for (const UnreachedPart& u : lost) {
+      runner_.outcome().unreached.push_back(u);
+      std::erase_if(*pending, [&](const StrokePart& p) {
+        return p.stroke == u.part.stroke && p.from == u.part.from;
+      });
+    }
+    if (lost.empty() || e_.scenario.drawing.skip_unreachable) return;
+    if (runner_.joined()) runner_.retire();
+    runner_.end(lost.front().text +
+                (lost.size() == 1 ? "" : fmt::format(", and {} more", lost.size() - 1)) +
+                "; --skip-unreachable draws the rest");
+  }
+
+  // Returns false if the run is over.
+  bool wait(const CarriedDecision& next, std::vector<StrokePart>* pending) {
+    const double begin = runner_.time();
+    if (runner_.joined()) runner_.retire();
+    // Forecasts are made anew: the motion may change.
+    constexpr double kLongest = 1.0;  // [s]
+    if (finished() && next.place_W)
+      runner_.go_to(*next.place_W, next.until);
+    else if (finished())
+      runner_.wait(std::clamp(next.until, runner_.time() + 0.05, runner_.time() + kLongest));
+    waited_ += runner_.time() - begin;
+    if (!finished() || waited_ < kMostWait) return finished();
+    std::vector<UnreachedPart> lost;
+    for (const StrokePart& part : *pending) lost.push_back({part, next.why});
+    give_up(lost, pending);
+    return finished();
+  }
+
+  // The canvas went out of reach although the forecast did not say so.
+  bool left_at(const std::vector<StrokePart>& parts, std::size_t stroke) {
+    if (++left_ < kMostLeft) return true;
+    const StrokePart& part = parts[std::min(stroke, parts.size() - 1)];
+    std::vector<StrokePart> none;
+    give_up(
+        {{part, fmt::format("stroke {} left the arm's reach at t = {:.1f} s, {} times",
+                            plan_.number_of(part.stroke), first_time_ + runner_.time(), left_)}},
+        &none);
+    left_ = 0;
+    return finished();
+  }
+
+  bool keep_off(const StrokePart& at) {
+    std::vector<StrokePart>& walls = runner_.outcome().walls;
+    beyond_ = !walls.empty() && walls.back().stroke == at.stroke &&
+                      std::abs(walls.back().to - at.to) < kSameWall
+                  ? 2.0 * beyond_
+                  : kBeyondWall;
+    walls.push_back({at.stroke, at.from - kRedrawOverlap, at.to + beyond_});
+    return walls.size() < kMostWalls;
+  }
+
+  Experiment& e_;
+  Runner& runner_;
+  CarriedPlan plan_;
+  double first_time_;
+  double waited_ = 0.0;  // since a stroke was followed [s]
+  double beyond_ = kBeyondWall;
+  int left_ = 0;
+};
 
 }  // namespace
+
+std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
+  std::vector<PlacedStroke> strokes;
+  for (const StrokePart& part : parts) {
+    const PlacedStroke& whole = e.plan.strokes[static_cast<std::size_t>(part.stroke)];
+    strokes.push_back(part.from <= 0.0 && part.to >= plane_length(whole)
+                          ? whole
+                          : part_of(whole, part.from - kRedrawOverlap, part.to + kRedrawOverlap));
+  }
+  return strokes;
+}
 
 bool writes(const Experiment& e, ContactMode mode, double normal_force) {
   const ImpedanceSettings& control = e.control.impedance;
@@ -719,7 +962,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
         "drawing.dry_run: the surface is found by touch, so that nothing tells its height; valid "
         "is null, or perception.enabled true");
   const auto before_log = Clock::now();
-  const TipPath rest = resumption ? plan_rest(e, *resumption) : TipPath();
+  const TipPath rest = resumption && !follows_canvas(e) ? plan_rest(e, *resumption) : TipPath();
   const TipPath& path = resumption ? rest : e.plan.path;
   Runner runner(e, driver, log_file, hooks, resumption);
   if (hooks.begun) hooks.begun();
@@ -731,9 +974,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   if (by_touch)
     runner.feel(resumption ? strokes_of(e, rest_of(e, *resumption)) : e.plan.strokes,
                 e.plan.path_settings.start_hold, false);
-  else if (runner.canvas_moves())
-    follow_canvas(e, resumption, &runner);
-  else
+  else if (!follows_canvas(e))
     runner.follow(path, false);
   const auto lacking = [&] { return rest_of(e.plan.strokes, runner.ink().parts(), kShortestGap); };
   std::vector<StrokePart>& walls = outcome.walls;
@@ -754,34 +995,28 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
       runner.follow(*around, again);
     }
   };
-  // Goes on where a lost canvas ended a path.
-  bool strayed = false;
-  const auto go_on = [&](bool again) {
-    for (int i = 0; outcome.end == RunEnd::finished && runner.lost_canvas() && i < kMostLosses;
-         ++i) {
-      const std::vector<StrokePart> rest = rest_but_for(e, runner.ink(), walls);
-      strayed = true;
-      if (rest.empty()) return;
-      const Pose here = runner.X_KE();
-      runner.follow(plan_parts(e, rest, here.p, -here.R.col(2), 0.0), again);
-    }
-  };
   go_around(false);
-  go_on(false);
-  if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run && e.scenario.drawing.redraw &&
-      !(outcome.drawn_again = rest_but_for(e, runner.ink(), walls)).empty()) {
-    const TipReference last = path.at(path.duration()).reference;
+  std::optional<MovingDrawing> moving;
+  if (follows_canvas(e)) {
+    moving.emplace(e, runner, resumption ? resumption->time : 0.0);
+    runner.watch();
+    if (outcome.end == RunEnd::finished) moving->draw(moving->rest(), false);
+  }
+  if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run && e.scenario.drawing.redraw) {
+    outcome.drawn_again = moving ? moving->rest() : rest_but_for(e, runner.ink(), walls);
     const Pose here = runner.X_KE();
-    const bool turned =
-        !walls.empty() || strayed || runner.canvas_moves();  // the pen is not at the plan's end
-    if (by_touch) {
+    const TipReference last = path.at(path.duration()).reference;
+    if (outcome.drawn_again.empty()) {
+    } else if (moving) {
+      moving->draw(outcome.drawn_again, true);
+    } else if (by_touch) {
       runner.feel(strokes_of(e, outcome.drawn_again), 0.0, true);
     } else {
+      const bool turned = !walls.empty();  // the pen is not at the plan's end
       runner.follow(plan_parts(e, outcome.drawn_again, turned ? here.p : last.p_WD,
                                turned ? Eigen::Vector3d(-here.R.col(2)) : last.n_WD, 0.0),
                     true);
       go_around(true);
-      go_on(true);
     }
   }
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();

@@ -18,6 +18,7 @@
 
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/log/log.h"
+#include "impedraw/run/carried_plan.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/run/ink_watch.h"
 #include "impedraw/simulation/world.h"
@@ -80,6 +81,11 @@ inline constexpr double kLiftOffCanvas = 0.1;  // that leaves the reach [m]
 inline constexpr double kLiftAtWall = 0.01;    // before the rest is planned anew [m]
 inline constexpr std::size_t kMostWalls = 200;
 
+// Of a canvas that moves: the pen waits so long for a stroke to come into reach [s]. A stroke during
+// which the canvas left the reach is tried again so often.
+inline constexpr double kMostWait = 45.0;
+inline constexpr int kMostLeft = 3;
+
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
   std::string cause;              // of a stop
@@ -95,6 +101,10 @@ struct RunOutcome {
   SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
   std::vector<StrokePart> walls;        // before which a stroke was given up; not drawn again
+  // Of a canvas that moves: what was out of reach, when and how far; and what was put in another
+  // order or waited for.
+  std::vector<UnreachedPart> unreached;
+  std::vector<std::string> remarks;
   // Have no ink at the end of a finished run.
   std::vector<StrokePart> lacking;
   WallTimes wall;
@@ -104,6 +114,7 @@ struct RunOutcome {
 struct Resumption {
   InkWatch ink;       // from the log's rows
   JointVector q;      // last posture [rad]
+  Pose X_WK;          // of the canvas, as last estimated
   double time = 0.0;  // first free time in the log [s]
 };
 
@@ -111,6 +122,10 @@ struct Resumption {
 // continued.
 std::optional<Resumption> read_resumption(const Experiment& experiment,
                                           const std::filesystem::path& log_file);
+
+// The parts, overlapping what they adjoin at both ends; a whole stroke as it is.
+std::vector<PlacedStroke> strokes_of(const Experiment& experiment,
+                                     const std::vector<StrokePart>& parts);
 
 // Returns true if the pen writes, by contact state and measured force along the estimated normal
 // [N] (ink_watch.h).

@@ -42,6 +42,7 @@ DriverInfo SimulatedArm::info() const {
 }
 
 void SimulatedArm::start() {
+  world_.canvas_moved_for(first_time_);
   world_.set_state(start_q_, JointVector::Zero(world_.joints()));
   if (has_sensor(source_)) sensor_.emplace(sensor_settings_, dt_, seed_);
   if (!joint_sensor_settings_.exact())

@@ -19,7 +19,8 @@ namespace impedraw {
 class SimulatedArm : public Driver {
  public:
   // Refers to the experiment's world and canvas. start() puts the arm at rest at start_q.
-  // first_time: of the run, for messages; a resumed run has one [s].
+  // first_time: of the run, where an earlier one left off: the canvas's motion goes on from there,
+  // and messages count from the first run's beginning [s].
   SimulatedArm(Experiment& experiment, const JointVector& start_q, Disturbances disturbances,
                double first_time = 0.0);
 

@@ -195,7 +195,7 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   contact_ = whole;
   mujoco_->link_torque.setZero();
   mujoco_->link_contact->update(mujoco_->data,
-                                motion_.moves() ? motion_.at(state_.time).X_WK.inverse() : Pose());
+                                motion_.moves() ? canvas_state().X_WK.inverse() : Pose());
   if (settings_.flange_sensor && has_flange())
     flange_wrench_ = mujoco_->flange->wrench(start, mujoco_->carried, share * F_env, settings_.dt);
 
@@ -264,7 +264,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   if (canvas_) {
     const double radius = settings_.tip.radius;
     Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
-    const Pose X_WK = motion_.moves() ? motion_.at(state_.time).X_WK : Pose();
+    const Pose X_WK = motion_.moves() ? canvas_state().X_WK : Pose();
     if (motion_.moves()) centre = X_WK.inverse() * centre;
     // A tip pressed through by more than this is no longer in contact.
     if (const auto closest = canvas_->closest(centre, 10.0 * radius);
@@ -290,7 +290,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
     tip.G.noalias() = J_C.lazyProduct(w.M_inverse_Jt);
     if (motion_.moves()) {
       // at the end of the step, as the tip's velocity
-      const CanvasMotion::State next = motion_.at(state_.time + h);
+      const CanvasMotion::State next = canvas_state(h);
       canvas_velocity = R_WC.transpose() * next.velocity_at(contact_.p_WC);
     }
     tip.v_free = J_C.lazyProduct(w.v) - canvas_velocity;

@@ -76,9 +76,13 @@ class World {
   // The canvas moves from now on as `motion` says at the world's time. Friction acts on the
   // velocity of the tip relative to the canvas, and so does the contact's damper.
   void move_canvas(const CanvasMotion& motion) { motion_ = motion; }
+  // How long it has moved at the world's time 0: where a run goes on [s].
+  void canvas_moved_for(double time) { moved_for_ = time; }
   const CanvasMotion& canvas_motion() const { return motion_; }
-  // Where it is at the current state.
-  CanvasMotion::State canvas_state() const { return motion_.at(state_.time); }
+  // Where it is at the current state, or so much later [s].
+  CanvasMotion::State canvas_state(double later = 0.0) const {
+    return motion_.at(moved_for_ + state_.time + later);
+  }
   void set_state(const JointVector& q, const JointVector& v);
   const WorldState& state() const { return state_; }
 
@@ -145,7 +149,8 @@ class World {
   WorldSettings settings_;
   const Canvas* canvas_;
   CanvasMotion motion_;
-  double h_;  // of an integration step [s]
+  double moved_for_ = 0.0;  // at the world's time 0 [s]
+  double h_;                // of an integration step [s]
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;
   TipContact contact_;

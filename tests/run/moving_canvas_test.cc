@@ -1,7 +1,9 @@
 // Drawings on a bowl that moves, judged in its own frame, against the limits of bounds.json.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
@@ -10,6 +12,9 @@
 
 namespace impedraw {
 namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
 
 TEST(MovingCanvas, Conveyor) {
   draw_within_bounds("moving-conveyor");
@@ -185,12 +190,118 @@ TEST(MovingCanvas, ArmDoesNotRunAfterWhatIsDrawn) {
   EXPECT_LT(f["ink_error_rms"], 0.2);
 }
 
-TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
+// Seen before the first stroke: nothing is drawn, and when and how far is said.
+TEST(MovingCanvas, WhatLeavesTheReachIsRefusedByName) {
   const Figures f = draw_scenario("moving-conveyor",
                                   {"canvas.motion.start=1", "canvas.motion.velocity=[0, -0.09, 0]"},
                                   RunEnd::stopped);
-  EXPECT_NE(f.outcome.cause.find("left the arm's reach"), std::string::npos) << f.outcome.cause;
+  EXPECT_THAT(f.outcome.cause, HasSubstr("stroke 0"));
+  EXPECT_THAT(f.outcome.cause, HasSubstr("at t = "));
+  EXPECT_THAT(f.outcome.cause, HasSubstr("m short"));
+  EXPECT_THAT(f.outcome.cause, HasSubstr("--skip-unreachable"));
+  EXPECT_EQ(f["strokes_missed"], 1.0);
+  EXPECT_LT(f.outcome.simulated, 8.5) << "after it was watched";
+}
+
+// Without the pre-flight the plan's clock yields as the canvas runs away, then the pen lets go.
+TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
+  const Figures f = draw_scenario(
+      "moving-conveyor",
+      {"canvas.motion.start=1", "canvas.motion.velocity=[0, -0.09, 0]", "preflight.arm=false"},
+      RunEnd::stopped);
+  EXPECT_THAT(f.outcome.cause, HasSubstr("left the arm's reach"));
   EXPECT_LT(f["force_peak"], 15.0);
+  ASSERT_FALSE(f.run.time_scale.empty());
+  double least = 1.0;
+  for (std::size_t i = 0; i < f.run.time.size(); ++i)
+    if (f.run.stroke[i] >= 0) least = std::min(least, f.run.time_scale[i]);
+  EXPECT_LT(least, 0.1);
+}
+
+// Two dashes on a conveyor: the one that the file has last leaves the reach first.
+TEST(MovingCanvas, StrokeThatLeavesFirstIsDrawnFirst) {
+  const Figures f = draw_scenario("moving-order");
+  EXPECT_EQ(f["coverage"], 1.0);
+  EXPECT_LT(f["ink_error_rms"], 0.2);
+  ASSERT_EQ(f.outcome.remarks.size(), 1u);
+  EXPECT_THAT(f.outcome.remarks[0], HasSubstr("stroke 1 is drawn first: as planned, stroke 1"));
+  const auto first_of = [&](int stroke) {
+    return std::find(f.run.stroke.begin(), f.run.stroke.end(), stroke) - f.run.stroke.begin();
+  };
+  EXPECT_LT(first_of(1), first_of(0));
+
+  // In the order of the file it fails.
+  const Figures planned = draw_scenario("moving-order", {"preflight.arm=false"}, RunEnd::stopped);
+  EXPECT_EQ(planned["strokes_missed"], 1.0);
+}
+
+// It carries the drawing out: what fits nowhere is left out, named with when and how far.
+TEST(MovingCanvas, WhatFitsNowhereIsNamedAndTheRestDrawn) {
+  const Figures f =
+      draw_scenario("moving-order", {"canvas.motion.start=-4", "drawing.skip_unreachable=true"});
+  ASSERT_EQ(f.outcome.unreached.size(), 1u);
+  EXPECT_EQ(f.outcome.unreached[0].part.stroke, 1);
+  EXPECT_THAT(f.outcome.unreached[0].text, HasSubstr("stroke 1 "));
+  EXPECT_THAT(f.outcome.unreached[0].text, HasSubstr(" at t = "));
+  EXPECT_EQ(f["coverage"], 0.5);
+  EXPECT_EQ(f["strokes_missed"], 1.0);
+  EXPECT_LT(f["ink_error_rms"], 0.3);
+}
+
+// A slow swing brings a dash into reach for some seconds only: the pen waits above until then.
+TEST(MovingCanvas, PenWaitsUntilAStrokeSwingsIntoReach) {
+  const Figures f = draw_scenario("moving-swing");
+  EXPECT_GT(f["coverage"], 0.95);  // of a dash along the swing
+  EXPECT_EQ(f["contact_fraction"], 1.0);
+  EXPECT_LT(f["ink_error_rms"], 0.3);
+  ASSERT_FALSE(f.outcome.remarks.empty());
+  EXPECT_THAT(f.outcome.remarks[0], HasSubstr("stroke 0 is in reach from "));
+
+  const Figures blunt = draw_scenario("moving-swing", {"preflight.arm=false"}, RunEnd::stopped);
+  EXPECT_LT(blunt["coverage"], 1.0) << "without waiting it fails";
+}
+
+// Before the stroke, and within it; the motion goes on from where it was, and so does the drawing.
+TEST(MovingCanvas, AnInterruptedRunGoesOn) {
+  const fs::path log =
+      fs::temp_directory_path() / ("impedraw_moving_" + std::to_string(getpid()) + ".h5");
+  const auto experiment = [](const std::vector<std::string>& assignments) {
+    DrawOptions options;
+    options.scenario = "scenarios/moving-turntable.yaml";
+    options.assignments = assignments;
+    return prepare(resolve(options));
+  };
+  struct Case {
+    double when;
+    std::vector<std::string> set;
+  };
+  for (const Case& c : {Case{7.5, {"log.rate=reduced"}}, Case{13.0, {}},
+                        Case{13.0, {"canvas.motion.sway=[0, 0, 0.05]"}}}) {
+    SCOPED_TRACE(c.when);
+    double now = 0.0;
+    RunHooks hooks;
+    hooks.progress = [&](const RunProgress& p) { now = p.time; };
+    hooks.interrupted = [&] { return now > c.when; };
+    Experiment first = experiment(c.set);
+    ASSERT_EQ(run(first, log, 0.0, hooks).end, RunEnd::interrupted);
+    const double until = read_run(log).time.back();
+
+    Experiment second = experiment(c.set);
+    const Resumption resumption = read_resumption(second, log).value();
+    const Pose true_pose = CanvasMotion(second.scenario.canvas.motion).at(resumption.time).X_WK;
+    EXPECT_LT((resumption.X_WK.p - true_pose.p).norm(), 5e-3);
+    const RunOutcome outcome = run(second, log, 0.0, {}, &resumption);
+    EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
+    EXPECT_TRUE(outcome.lacking.empty());
+    const RunData rows = read_run(log);
+    const Metrics metrics = compute_metrics(rows);
+    EXPECT_GT(rows.time.back(), until + 6.0) << "it is watched again";
+    EXPECT_EQ(metrics.coverage.or_nan(), 1.0);
+    EXPECT_LT(metrics.ink_error_rms.or_nan(), 0.2);
+    EXPECT_LT(metrics.ink_outside.or_nan(), 1e-3);
+    EXPECT_LT(metrics.touchdown_peak.or_nan(), 8.0);
+  }
+  fs::remove(log);
 }
 
 std::string refused(const std::vector<std::string>& assignments) {
@@ -209,6 +320,8 @@ TEST(MovingCanvas, BadInputIsNamed) {
             std::string::npos);
   EXPECT_NE(refused({"perception.fiducials.points=[]"}).find("0 points"), std::string::npos);
   EXPECT_NE(refused({"canvas.motion.file=nowhere.csv"}).find("canvas.motion"), std::string::npos);
+  EXPECT_THAT(refused({"perception.frames.latency=0.4"}),
+              HasSubstr("perception.frames.latency: 0.4 s, with 0.01 s of jitter"));
   EXPECT_NE(refused({"perception.enabled=false"}).find("perception.frames.enabled"),
             std::string::npos);
 }

@@ -46,8 +46,8 @@ Clearance::Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> 
   for (std::size_t i = 0; i < here.size(); ++i) {
     Body body;
     body.fixed = (here[i].a_W - moved[i].a_W).norm() + (here[i].b_W - moved[i].b_W).norm() < 1e-9;
-    body.a_W = here[i].a_W;
-    body.b_W = here[i].b_W;
+    body.a_K = here[i].a_W;
+    body.b_K = here[i].b_W;
     bodies_.push_back(body);
     const double to_tip = std::min((here[i].a_W - tip).norm(), (here[i].b_W - tip).norm());
     if (to_tip < nearest) nearest = to_tip, pen_ = static_cast<int>(i);
@@ -55,15 +55,15 @@ Clearance::Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> 
 }
 
 double Clearance::canvas_distance(Body& body, const BodyCapsule& at, double near_enough) {
-  const double moved = std::max((at.a_W - body.a_W).norm(), (at.b_W - body.b_W).norm());
+  const Vector3d a = X_KW_ * at.a_W, b = X_KW_ * at.b_W;
+  const double moved = std::max((a - body.a_K).norm(), (b - body.b_K).norm());
   if (body.distance - moved >= near_enough) return near_enough;
   const double ahead = near_enough + kAhead;
-  body.distance = distance_to_box(canvas_->bounds(), at.a_W, at.b_W);
-  body.a_W = at.a_W;
-  body.b_W = at.b_W;
+  body.distance = distance_to_box(canvas_->bounds(), a, b);
+  body.a_K = a;
+  body.b_K = b;
   if (body.distance >= near_enough) return near_enough;
-  const double found =
-      segment_distance(*canvas_, at.a_W, at.b_W, at.radius, at.radius + desired_, ahead);
+  const double found = segment_distance(*canvas_, a, b, at.radius, at.radius + desired_, ahead);
   body.distance = found < ahead ? at.radius + 0.9 * (found - at.radius) - 1.2e-3
                                 : ahead;  // no axis point is nearer
   return std::min(found, near_enough);
@@ -112,7 +112,7 @@ Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
   const double fastest = 1 + widens + kPenOpening;
   for (double h = std::min(kTipLength, length);;) {
     const double look = asked(h) + kFarEnough;
-    const auto nearest = canvas_->closest(X_WE.p + h * along, look);
+    const auto nearest = canvas_->closest(X_KW_ * (X_WE.p + h * along), look);
     const double gap = (nearest ? std::abs(nearest->distance) : look) - asked(h);
     take(gap, h, "canvas");
     if (h >= length) return result;

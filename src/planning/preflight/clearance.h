@@ -44,6 +44,9 @@ class Clearance {
   Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z, double desired,
             const JointVector& q);
 
+  // Where the canvas is from now on; at first its frame K is W.
+  void move_canvas(const Pose& X_WK) { X_KW_ = X_WK.inverse(); }
+
   // Smallest gap at posture q. Fast if q has changed little since the last call: distances change
   // by no more than the bodies move.
   Gap arm(const JointVector& q);  // without the pen
@@ -53,13 +56,14 @@ class Clearance {
  private:
   struct Body {
     bool fixed = false;        // no joint moves it
-    Eigen::Vector3d a_W, b_W;  // axis ends at the last canvas query [m]
+    Eigen::Vector3d a_K, b_K;  // axis ends at the last canvas query [m]
     double distance = 0;       // lower bound of the axis' distance from the canvas then [m]
   };
   double canvas_distance(Body& body, const BodyCapsule& at, double near_enough);
 
   ArmModel& arm_;
   const Canvas* canvas_;
+  Pose X_KW_;  // of the canvas
   std::optional<double> table_z_;
   double desired_;
   std::vector<Body> bodies_;  // as body_capsules()

@@ -47,6 +47,9 @@ class PostureCheck {
   // Continues from the last posture after the tip has moved by `moved` [m].
   Posture follow(const PenPlacement& pen, const Posture& last, double moved);
 
+  // Where the canvas is from now on; at first its frame K is W.
+  void move_canvas(const Pose& X_WK) { clearance_.move_canvas(X_WK); }
+
   // Enabled checks. Disable torque in the air, and pen with the tip pressed below the surface.
   struct Asked {
     bool torque = true, pen = true;

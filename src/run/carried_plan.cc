@@ -1,0 +1,219 @@
+#include "impedraw/run/carried_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/run/canvas_follower.h"
+#include "impedraw/run/run.h"
+#include "impedraw/run/stroke_schedule.h"
+
+namespace impedraw {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kPlaces = 7;            // along a stroke, at most
+constexpr double kMostLooks = 12000;  // postures of all windows together
+constexpr double kStepOfTime = 0.1;   // between starts that are tried [s]
+constexpr double kSoon = 0.3;         // a start that is that near is now [s]
+constexpr double kAbove = 0.02;       // the safe height: where a pen from its rest goes to [m]
+constexpr double kLastOfJoin = 0.3;   // the pen is where it goes to within 6 % by then [s]
+constexpr double kWaitAbove = 0.15;   // a stroke's first point, where it will be [m]
+constexpr double kAgain = 0.25;       // the next decision, where a window's edge is not clear [s]
+
+}  // namespace
+
+CarriedPlan::CarriedPlan(Experiment& experiment, double first_time)
+    : e_(experiment),
+      first_time_(first_time),
+      checks_(preflight_settings(experiment.scenario, experiment.artwork.X_WP,
+                                 experiment.scene.perception.has_value(), experiment.plan.rest_q)) {
+}
+
+int CarriedPlan::number_of(int stroke) const {
+  const Plan& plan = e_.plan;
+  return plan.source[static_cast<std::size_t>(
+      plan.preflight.drawable[static_cast<std::size_t>(stroke)].stroke)];
+}
+
+TipPath CarriedPlan::plan(const std::vector<StrokePart>& parts, const Vector3d& p_K,
+                          const Vector3d& n_K, double hold) const {
+  return plan_from(e_.plan.path_settings, e_.surface(), strokes_of(e_, parts), p_K, n_K, hold,
+                   stroke_limits(e_.scene, e_.plan));
+}
+
+// Of the path, begun now.
+std::optional<CarriedFault> CarriedPlan::fault(const TipPath& path, const CanvasForecast& forecast,
+                                               const CarriedPen& pen, double join) const {
+  CarriedPath carried{&path, pen.time, [&](double time) { return forecast.at(time); }, {}};
+  CanvasFollower follower([&](double time) {
+    CanvasEstimate canvas;
+    canvas.status = CanvasStatus::ok;
+    canvas.motion.X_WK = forecast.at(time);
+    return canvas;
+  });
+  if (!pen.joined) {
+    follower.update(pen.time);
+    TipReference rest;
+    rest.p_WD = pen.X_WE.p;
+    rest.n_WD = -pen.X_WE.R.col(2);
+    follower.join(rest, join);
+    carried.in_world = [&follower](const TipReference& in_K, double time) {
+      follower.update(time);
+      return follower.in_world(in_K);
+    };
+  }
+  return check_carried(carried, e_.scene.arm, e_.scene.obstacle.get(), pen.q, checks_, 0.0,
+                       kHorizon);
+}
+
+std::string CarriedPlan::fault_text(int stroke, const CarriedFault& fault) const {
+  return fmt::format("stroke {} {} at t = {:.1f} s: {}", number_of(stroke), fault.what,
+                     first_time_ + fault.time, fault.how);
+}
+
+bool CarriedPlan::holds(const TipPath& path, double planned, const CanvasForecast& forecast,
+                        const CarriedPen& pen) {
+  std::size_t next = 0;
+  while (next < path.strokes().size() && path.strokes()[next].end < planned) ++next;
+  if (next == path.strokes().size()) return true;
+  const CarriedPath carried{
+      &path, pen.time - planned, [&](double time) { return forecast.at(time); }, {}};
+  return !check_carried(carried, e_.scene.arm, e_.scene.obstacle.get(), pen.q, checks_, planned,
+                        path.strokes()[next].approach);
+}
+
+CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
+                                    const CanvasForecast& forecast, const CarriedPen& pen) {
+  CarriedDecision out;
+  if (parts.empty()) return out;
+  const Pose X_KE = pen.X_WK.inverse() * pen.X_WE;
+  out.join = pen.joined ? 0.0 : CanvasFollower::kJoin;
+  out.path = plan(parts, X_KE.p, -X_KE.R.col(2), out.join);
+  out.kind = CarriedDecision::Kind::draw;
+  out.parts = parts;
+  const std::optional<CarriedFault> planned = fault(out.path, forecast, pen, out.join);
+  if (!planned) return out;
+
+  // When each of them is in reach.
+  const std::vector<StrokeTimes> times = out.path.strokes();
+  const double count = static_cast<double>(times.size());
+  const int places =
+      std::clamp(static_cast<int>(kMostLooks * kStepOfTime / (kHorizon * count)), 3, kPlaces);
+  const double step = std::max(kStepOfTime, count * places * kHorizon / kMostLooks);
+  const CanvasCourse course = [&](double time) { return forecast.at(time); };
+  std::vector<StrokeJob> jobs;
+  std::vector<TipReference> hover;
+  double between = 0.0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const StrokePlaces of = places_of(out.path, i, places);
+    jobs.push_back({of.duration, reach_windows(of, course, e_.scene.arm, pen.q, checks_, pen.time,
+                                               pen.time + kHorizon, step)});
+    hover.push_back(out.path.at(times[i].approach).reference);
+    if (i > 0) between += (times[i].approach - times[i - 1].end) / (count - 1.0);
+  }
+
+  // How a pen at rest in W gets there: it goes over to a place above the first point.
+  const Vector3d up = e_.artwork.X_WP.R.col(2);
+  const double height = e_.plan.path_settings.safe_height + kAbove;
+  const auto start_of = [&](std::size_t job) { return Vector3d(hover[job].p_WD + height * up); };
+  const auto join_to = [&](std::size_t job) {
+    const double way = (forecast.at(pen.time + 2.0) * start_of(job) - pen.X_WE.p).norm();
+    return std::max(CanvasFollower::kJoin, 1.875 * way / e_.plan.path_settings.travel_speed);
+  };
+  const double down = 2.0 * height / e_.plan.path_settings.travel_speed;
+  const double lead = pen.joined ? std::max(between, 0.5) : join_to(0) + down;
+  const StrokeSchedule order = schedule_strokes(jobs, pen.time + lead, between);
+
+  out.kind = CarriedDecision::Kind::nothing;
+  out.path = {};
+  out.parts.clear();
+  const bool sure = forecast.window() >= kSure;
+  for (const std::size_t job : order.lost) {
+    if (!sure) break;
+    const StrokePart& part = parts[job];
+    const std::vector<StrokePart> alone = {part};
+    std::optional<CarriedFault> why;
+    if (planned->stroke == job)
+      why = planned;
+    else
+      why = fault(plan(alone, X_KE.p, -X_KE.R.col(2), out.join), forecast, pen, out.join);
+    std::string text =
+        why ? fault_text(part.stroke, *why)
+            : fmt::format("stroke {} is out of the arm's reach once others are drawn",
+                          number_of(part.stroke));
+    if (!jobs[job].windows.empty())
+      text += fmt::format("; it is in reach from {:.1f} to {:.1f} s",
+                          first_time_ + jobs[job].windows.front().from,
+                          first_time_ + jobs[job].windows.front().until);
+    out.lost.push_back({part, text});
+  }
+  if (order.slots.empty()) {
+    if (sure) return out;
+    out.kind = CarriedDecision::Kind::wait;
+    out.until = pen.time + 2.0 * kAgain;
+    out.why = fault_text(parts[planned->stroke].stroke, *planned);
+    return out;
+  }
+
+  const StrokeSlot& first = order.slots.front();
+  if (first.start > pen.time + lead + kSoon) {
+    out.kind = CarriedDecision::Kind::wait;
+    out.until = first.start - (join_to(first.job) + down);
+    // Nearer, if there is time.
+    const Vector3d place = forecast.at(first.start) * hover[first.job].p_WD + kWaitAbove * up;
+    const double move = 1.875 * (place - pen.X_WE.p).norm() / e_.plan.path_settings.travel_speed;
+    if (!pen.joined && move > 1.0 &&
+        first.start > pen.time + move + CanvasFollower::kJoin + down + kSoon &&
+        find_posture(e_.scene.arm, {place, pen.X_WE.R.col(2)}, pen.q).reached) {
+      out.place_W = place;
+      out.until = pen.time + move;
+    }
+    out.remarks.push_back(fmt::format(
+        "stroke {} is in reach from {:.1f} to {:.1f} s", number_of(parts[first.job].stroke),
+        first_time_ + first.window.from, first_time_ + first.window.until));
+    out.why = fault_text(parts[planned->stroke].stroke, *planned);
+    return out;
+  }
+
+  double end = first.start;
+  for (const StrokeSlot& slot : order.slots) {
+    if (slot.start > end + between + kSoon) break;
+    out.parts.push_back(parts[slot.job]);
+    end = slot.start + jobs[slot.job].duration;
+  }
+  while (!out.parts.empty()) {
+    if (pen.joined) {
+      out.path = plan(out.parts, X_KE.p, -X_KE.R.col(2), 0.0);
+    } else {
+      out.join = join_to(first.job);
+      // Down while the last of it goes over.
+      out.path = plan(out.parts, start_of(first.job), up, out.join - kLastOfJoin);
+    }
+    const std::optional<CarriedFault> why = fault(out.path, forecast, pen, out.join);
+    if (!why) break;
+    out.why = fault_text(out.parts[why->stroke].stroke, *why);
+    out.parts.resize(why->stroke);
+  }
+  if (out.parts.empty()) {
+    out.kind = CarriedDecision::Kind::wait;
+    out.until = pen.time + kAgain;
+    return out;
+  }
+  out.kind = CarriedDecision::Kind::draw;
+  const bool reordered =
+      out.parts.front().stroke != parts.front().stroke &&
+      std::none_of(order.lost.begin(), order.lost.end(), [](std::size_t job) { return job == 0; });
+  if (reordered)
+    out.remarks.push_back(fmt::format("stroke {} is drawn first: as planned, {}",
+                                      number_of(out.parts.front().stroke),
+                                      fault_text(parts[planned->stroke].stroke, *planned)));
+  return out;
+}
+
+}  // namespace impedraw

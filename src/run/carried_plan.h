@@ -1,0 +1,83 @@
+// What to draw next on a canvas that moves: the pre-flight over the envelope of its motion.
+//
+// The strokes are known in the canvas's frame K; where K will be is forecast from what has been
+// estimated (canvas_forecast.h). Before the first stroke, and again before each one, the plan is
+// checked where the canvas will be while it is followed (carried_path.h), kHorizon ahead. Where the
+// planned order holds, it is drawn. Where it does not, each stroke's windows of reach are found and
+// the strokes are put in another order (stroke_schedule.h); the pen waits, up and at rest in W,
+// until the next one comes into reach. What fits nowhere is named, with when and how far.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/perception/canvas_forecast.h"
+#include "impedraw/planning/preflight/carried_path.h"
+#include "impedraw/planning/stroke_part.h"
+
+namespace impedraw {
+
+// Cannot be drawn, as the canvas moves.
+struct UnreachedPart {
+  StrokePart part;   // of the promised strokes
+  std::string text;  // "stroke 5 leaves the arm's reach at t = 12.3 s: 0.14 m short"
+};
+
+struct CarriedDecision {
+  enum class Kind {
+    draw,     // follow `path`
+    wait,     // be up and at rest until `until`, then decide again
+    nothing,  // no stroke is left that can be drawn
+  } kind = Kind::nothing;
+  TipPath path;                   // in K
+  std::vector<StrokePart> parts;  // that it draws, in its order
+  double join = 0.0;              // a pen at rest goes over to the path within this time [s]
+  double until = 0.0;             // [s]
+  std::optional<Eigen::Vector3d> place_W;  // where to wait; nothing: where the pen is [m]
+  std::string why;                         // it does not draw as planned
+  std::vector<UnreachedPart> lost;         // for good
+  std::vector<std::string> remarks;        // "stroke 3 is in reach from 4.2 to 9.8 s"
+};
+
+// How the pen is at the time of the decision.
+struct CarriedPen {
+  double time = 0.0;  // of the driver's clock [s]
+  Pose X_WE, X_WK;    // X_WK: as estimated now
+  JointVector q;
+  bool joined = false;  // the pen moves with the canvas; else it rests in W
+};
+
+class CarriedPlan {
+ public:
+  static constexpr double kHorizon = 40.0;  // [s]
+  static constexpr double kSure = 3.0;      // of motion explained, for a verdict to be final [s]
+
+  // first_time: of the run, for messages [s].
+  CarriedPlan(Experiment& experiment, double first_time);
+
+  // parts: what shall be drawn, in the planned order. Takes some milliseconds for each stroke.
+  CarriedDecision decide(const std::vector<StrokePart>& parts, const CanvasForecast& forecast,
+                         const CarriedPen& pen);
+
+  // Whether the path's next stroke can still be drawn; `planned`: of the path [s].
+  bool holds(const TipPath& path, double planned, const CanvasForecast& forecast,
+             const CarriedPen& pen);
+
+  // The artwork's number of a promised stroke.
+  int number_of(int stroke) const;
+
+ private:
+  TipPath plan(const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_K,
+               const Eigen::Vector3d& n_K, double hold) const;
+  std::optional<CarriedFault> fault(const TipPath& path, const CanvasForecast& forecast,
+                                    const CarriedPen& pen, double join) const;
+  std::string fault_text(int stroke, const CarriedFault& fault) const;
+
+  Experiment& e_;
+  double first_time_;
+  PreflightSettings checks_;
+};
+
+}  // namespace impedraw
