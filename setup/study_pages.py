@@ -368,6 +368,11 @@ def moving(rows, folder):
         for a in amplitudes:
             cells = [by_case[f"heave-{a:g}mm-{f:g}Hz" + MAPS[switch]] for f in frequencies]
             lines.append(f"| ± {a:g} mm | " + " | ".join(map(entry, cells)) + " |")
+    lines += ["", "## Where the canvas will be", "",
+              "After the arm has watched, and again before each stroke, the plan is checked where the canvas will be ([decision 40](decisions/0040-reach-of-a-moving-canvas.md)). "
+              "`scenarios/moving-order.yaml`: a conveyor takes two dashes out of reach one after the other; the one that leaves first is drawn first. `scenarios/moving-swing.yaml`: a "
+              "swing of ± 200 mm brings a dash into reach for 3.8 s at a time; the pen waits. What fits nowhere is named with when and how far, in `strokes.json` under "
+              "`unreached` with `--skip-unreachable`, else the run ends."]  # fmt: skip
     picture_of_moving(by_case, speeds, latencies, amplitudes, frequencies)
     return "moving.md", [*lines, "", "## Failed runs", "", *failed_list(rows)]
 

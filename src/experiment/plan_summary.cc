@@ -125,10 +125,11 @@ std::string plan_text(const PlannedDrawing& e) {
         "and joint speeds then, where the canvas will be\n";
     for (const Finding& f : e.plan.where_it_is)
       text += "    where it is now: " + finding_text(f) + "\n";
+    if (e.plan.preflight.findings.empty())
+      return text + (e.plan.where_it_is.empty() ? "  where it is now, all of it can be drawn\n"
+                                                : "  its surface allows all of it\n");
   }
-  if (e.plan.preflight.findings.empty())
-    return text + (e.plan.where_it_is.empty() ? "  all of it can be drawn\n"
-                                              : "  the surface allows all of it\n");
+  if (e.plan.preflight.findings.empty()) return text + "  all of it can be drawn\n";
   text +=
       fmt::format("  cannot be drawn: {} part{}, {:.1f} mm; --skip-unreachable draws the rest\n",
                   e.plan.preflight.findings.size(),
