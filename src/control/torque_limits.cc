@@ -97,7 +97,7 @@ LimitedTorque TorqueLimits::nearest(const JointVector& tau,
   LimitedTorque out{tau.cwiseMax(lower).cwiseMin(upper)};
   out.limited = out.tau != tau;
   if (out.limited) {
-    constexpr int kSweeps = 20;  // of projected Gauss-Seidel
+    constexpr int kSweeps = 30;  // of projected Gauss-Seidel
     JointMatrix inverse(n, n);   // M⁻¹
     for (Eigen::Index j = 0; j < n; ++j)
       inverse.col(j) = space.acceleration(JointVector::Unit(n, j));

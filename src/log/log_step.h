@@ -45,8 +45,8 @@ double tilt_angle(const Eigen::Quaterniond& tip, const Eigen::Vector3d& contact_
 double normal_error_angle(const Eigen::Vector3d& surface_normal, double surface_distance,
                           const Eigen::Vector3d& contact_normal, int stroke, double force);
 
-// Distance between the tip and where the controller wanted it at the same instant, along the canvas:
-// without its part along the true normal [m]. NaN as above.
+// Distance between the tip and where the controller wanted it at the same instant, along the
+// canvas: without its part along the true normal [m]. NaN as above.
 double tracking_distance(const Eigen::Vector3d& tip, const Eigen::Vector3d& desired,
                          const Eigen::Vector3d& contact_normal, int stroke, double force);
 

@@ -40,9 +40,8 @@ RunConstants constants(const LogReader& log) {
 }
 
 void reserve(RunData* run, std::size_t n) {
-  for (auto* column :
-       {&run->time, &run->f, &run->tilt, &run->normal_error,
-        &run->tracking_error, &run->push, &run->step_time})
+  for (auto* column : {&run->time, &run->f, &run->tilt, &run->normal_error, &run->tracking_error,
+                       &run->push, &run->step_time})
     column->reserve(n);
   run->contact_point.reserve(n);
   run->torque_share.reserve(n);
@@ -80,8 +79,8 @@ void add_rows(const RunRows& rows, RunData* run) {
     run->tilt.push_back(tilt_angle(rows.tip_orientation[i], normal, stroke, f));
     run->normal_error.push_back(
         normal_error_angle(rows.surface_normal[i], rows.surface_distance[i], normal, stroke, f));
-    run->tracking_error.push_back(tracking_distance(
-        rows.tip_position[i], rows.desired_position[i], normal, stroke, f));
+    run->tracking_error.push_back(
+        tracking_distance(rows.tip_position[i], rows.desired_position[i], normal, stroke, f));
     run->mode.push_back(static_cast<std::int8_t>(rows.mode[i]));
     const JointReference torque = rows.joint_torque.row(k).transpose();
     run->torque_share.push_back(static_cast<float>(torque_share(torque, run->torque_limit)));

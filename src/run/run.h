@@ -81,8 +81,8 @@ inline constexpr double kLiftOffCanvas = 0.1;  // that leaves the reach [m]
 inline constexpr double kLiftAtWall = 0.01;    // before the rest is planned anew [m]
 inline constexpr std::size_t kMostWalls = 200;
 
-// Of a canvas that moves: the pen waits so long for a stroke to come into reach [s]. A stroke during
-// which the canvas left the reach is tried again so often.
+// Of a canvas that moves: the pen waits so long for a stroke to come into reach [s]. A stroke
+// during which the canvas left the reach is tried again so often.
 inline constexpr double kMostWait = 45.0;
 inline constexpr int kMostLeft = 3;
 

@@ -21,9 +21,10 @@ TEST(Metrics, PlainRun) {
   };
   expect("contact_fraction", 1.0);
   expect("strokes_missed", 0);
-  for (const char* name : {"ink_error_rms", "ink_error_p95", "ink_error_max", "tracking_error_rms",
-                           "tracking_error_max", "gaps", "longest_gap", "ink_outside", "ink_up", "force_sd", "force_rms_error", "tilt_mean",
-                           "tilt_p95", "tilt_max", "torque_saturated"}) {
+  for (const char* name :
+       {"ink_error_rms", "ink_error_p95", "ink_error_max", "tracking_error_rms",
+        "tracking_error_max", "gaps", "longest_gap", "ink_outside", "ink_up", "force_sd",
+        "force_rms_error", "tilt_mean", "tilt_p95", "tilt_max", "torque_saturated"}) {
     expect(name, 0.0);
   }
   for (const char* name : {"force_mean", "force_peak", "touchdown_peak"}) expect(name, 5.0);

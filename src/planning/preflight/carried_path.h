@@ -1,7 +1,7 @@
 // Checks a planned path on a canvas that moves, before it is followed.
 //
-// The path is in the canvas's frame K; `wanted` says where it has the pen in W. Postures follow each
-// other every 50 ms as in the pre-flight (posture_check.h), from the one in which the arm is:
+// The path is in the canvas's frame K; `wanted` says where it has the pen in W. Postures follow
+// each other every 50 ms as in the pre-flight (posture_check.h), from the one in which the arm is:
 //   reach, joint range, singular postures, torque with the pen down, the arm against canvas and
 //   table where the canvas then is, and
 //   joint speeds |dq_j| / dt of the motion of least kinetic energy (least_energy_step.h), canvas's
@@ -43,8 +43,8 @@ struct CarriedFault {
   std::string what, how;   // "leaves the arm's reach", "0.14 m short"
 };
 
-// The first stroke that cannot be drawn; nothing: all that begin before `until` can [s of the path].
-// `from`: of the path [s]; q: the arm's posture there. obstacle: in K; null: none.
+// The first stroke that cannot be drawn; nothing: all that begin before `until` can [s of the
+// path]. `from`: of the path [s]; q: the arm's posture there. obstacle: in K; null: none.
 std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel& arm,
                                           const Canvas* obstacle, const JointVector& q,
                                           const PreflightSettings& settings, double from = 0.0,
