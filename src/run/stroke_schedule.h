@@ -2,9 +2,9 @@
 //
 // Each stroke takes its time, and can be drawn in windows of time alone (reach_windows()). Two
 // orders are tried: the planned one, each stroke as early as it can be; and earliest deadline
-// first, which takes of the strokes that can be begun the one that will be out of reach soonest. The order
-// that leaves out fewer strokes counts; of two equal ones that which ends earlier, the planned one
-// unless it costs more than kWorth.
+// first, which takes of the strokes that can be begun the one that will be out of reach soonest.
+// The order that leaves out fewer strokes counts; of two equal ones that which ends earlier, the
+// planned one unless it costs more than kWorth.
 #pragma once
 
 #include <cstddef>
