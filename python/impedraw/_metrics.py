@@ -62,7 +62,7 @@ class Metrics(Mapping[str, float | None]):
 
     @property
     def tracking_error_max(self) -> float | None:
-        """Distance of the tip from where the controller wanted it at that instant, along the canvas, largest [mm]."""
+        """Distance of the tip from where the controller wanted it at that instant, largest [mm]."""
         return self._values["tracking_error_max"]
 
     @property

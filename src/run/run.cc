@@ -346,7 +346,7 @@ class Runner {
     };
     for (long i = 0; i < steps() || lifting_ || guard_.braking(); ++i) {
       const double t = time(), planned = t - begin - clock_.lag();
-      if (lifting_ && lifting_->done(t) && !guard_.braking()) {
+      if (lifting_ && lifting_->done(t) && !guard_.braking() && !swings(t)) {
         if (retreats_)
           outcome_.cause += fmt::format("; the motion was damped and the pen lifted by {:.0f} mm",
                                         1e3 * lifting_->risen(X_KE().p));
@@ -661,6 +661,14 @@ class Runner {
            !find_posture(e_.scene.arm, {X_WE.p + height * up, X_WE.R.col(2)}, state_->q).reached)
       height -= 0.02;
     return height;
+  }
+
+  // The arm of a run that was stopped still moves: a hand may have let go of it just now. Waits for
+  // rest, but not for ever.
+  bool swings(double t) const {
+    constexpr double kRest = 0.5;  // of the fastest joint [rad/s]
+    constexpr double kCalm = 2.0;  // at most [s]
+    return retreats_ && loop_.terms().v.cwiseAbs().maxCoeff() > kRest && !lifting_->done(t - kCalm);
   }
 
   // Of the tip, in W: up, once the motion that the law lost control of has been damped.

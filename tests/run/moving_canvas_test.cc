@@ -14,6 +14,7 @@ namespace impedraw {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AnyOf;
 using testing::HasSubstr;
 
 TEST(MovingCanvas, Conveyor) {
@@ -203,13 +204,15 @@ TEST(MovingCanvas, WhatLeavesTheReachIsRefusedByName) {
   EXPECT_LT(f.outcome.simulated, 8.5) << "after it was watched";
 }
 
-// Without the pre-flight the plan's clock yields as the canvas runs away, then the pen lets go.
+// Without the pre-flight the plan's clock yields as the canvas runs away, then the pen lets go: for
+// that, or as a joint that should follow is too fast with torques at their limits.
 TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
   const Figures f = draw_scenario(
       "moving-conveyor",
       {"canvas.motion.start=1", "canvas.motion.velocity=[0, -0.09, 0]", "preflight.arm=false"},
       RunEnd::stopped);
-  EXPECT_THAT(f.outcome.cause, HasSubstr("left the arm's reach"));
+  EXPECT_THAT(f.outcome.cause,
+              AnyOf(HasSubstr("left the arm's reach"), HasSubstr("above its speed limit")));
   EXPECT_LT(f["force_peak"], 15.0);
   ASSERT_FALSE(f.run.time_scale.empty());
   double least = 1.0;

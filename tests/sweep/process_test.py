@@ -99,7 +99,7 @@ axes:
     assert rows["missed"]["cause"].startswith("light: force_mean <= 4 or control.normal_force > 10,"
                                               " but force_mean is ")
     assert "canvas.mesh.file" in rows["refused"]["cause"]
-    assert "joint_4" in rows["stopped"]["cause"]
+    assert "above its speed limit" in rows["stopped"]["cause"]
     assert "ink_error_rms" in json.loads(rows["stopped"]["null_metrics"])
     kept = {k.name for k in (tmp_path / "d/kept").iterdir()}
     assert kept == {rows["missed"]["key"], rows["stopped"]["key"]}  # the refused one has no run
