@@ -137,7 +137,7 @@ TEST(Safety, WhatTheLawCannotHoldIsDampedAndThePenLifted) {
       {"bowl-sine", {"world.errors.loop_delay=0.008"}, "torques at their limits", 1},
       {"bowl-sine",
        {"world.errors.viscous_friction=5", "control.observer.enabled=false",
-        "control.rotational_stiffness_tangent=100"},
+        "control.stiffness_tangent=3000", "control.rotational_stiffness_tangent=100"},
        "above its speed limit",
        1},
       {"bowl-sine", {"world.tip.stiffness=1e6"}, "hammered on the canvas", 80}};
