@@ -31,7 +31,7 @@ highlight_language = "text"
 nitpick_ignore_regex = [
     ("cpp:identifier", r"(Eigen|std)(::.*)?"),
     ("cpp:identifier", r"(Vector6|Matrix6)::.*"),
-    ("cpp:identifier", r"Canvas|FlatChart|JointDrive|Mujoco|PathSpline"),
+    ("cpp:identifier", r"Canvas|FlatChart|JointDrive|Mujoco|PathSpline|PosedBody"),
     ("cpp:identifier", r"kMostNeighbours|kTorqueTerms"),
 ]
 
