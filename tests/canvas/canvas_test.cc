@@ -314,7 +314,8 @@ TEST(Canvas, RefusesABrokenMeshByName) {
   expect_refused({good.vertices, {{0, 1, 1}}}, "has an area");
 }
 
-// A camera's rays over half of the image, rows and remainders of packets included.
+// A camera's rays over half of the image, rows and remainders of packets included. Where a ray hits
+// the edge of two triangles, either may be taken, within the search in single precision.
 TEST(Canvas, RaysInPacketsAreTheRaysOneByOne) {
   const std::vector<Canvas> canvases = [] {
     std::vector<Canvas> all;
@@ -328,7 +329,7 @@ TEST(Canvas, RaysInPacketsAreTheRaysOneByOne) {
   for (const Canvas& canvas : canvases) {
     const Vector3d middle = canvas.bounds().center();
     const double size = canvas.bounds().diagonal().norm();
-    long hits = 0, rays = 0;
+    long hits = 0, rays = 0, same = 0;
     for (int view = 0; view < 5; ++view) {
       const Vector3d eye = middle + size * Vector3d(uniform(random), uniform(random), 1.2);
       const Vector3d z = (middle - eye).normalized(), x = z.unitOrthogonal(), y = z.cross(x);
@@ -340,16 +341,19 @@ TEST(Canvas, RaysInPacketsAreTheRaysOneByOne) {
         canvas.rays(eye, directions, distances);
         for (std::size_t i = 0; i < directions.size(); ++i, ++rays) {
           const auto one = canvas.ray(eye, directions[i]);
-          if (one)
-            EXPECT_EQ(distances[i], one->t);
-          else
+          if (one) {
+            EXPECT_NEAR(distances[i], one->t, 1e-8);  // [m]
+            same += distances[i] == one->t;
+          } else {
             EXPECT_EQ(distances[i], std::numeric_limits<double>::infinity());
+          }
           hits += one.has_value();
         }
       }
     }
     EXPECT_GT(hits, rays / 10);
     EXPECT_LT(hits, rays);
+    EXPECT_GE(same, hits - 10);
   }
 }
 
