@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -12,6 +13,9 @@ import h5py
 import numpy
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/foreign"))
+from judge import distance_to_line  # noqa: E402
+
 PROGRAM = pathlib.Path(os.environ.get("IMPEDRAW_PROGRAM", ROOT / "build/release/src/app/impedraw"))
 CENTRE, RADIUS, TIP = numpy.array([0.60, 0.0, 0.40]), 0.30, 1e-3  # of the bowl and of the pen's ball [m]
 INK, SETTLING = 0.1, 0.2  # [N], [s]
@@ -26,16 +30,6 @@ def matrices(quaternions):
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return numpy.moveaxis(numpy.array(rows), 2, 0)
-
-
-def to_line(points, line):
-    """Distance of each point to a polyline [m]."""
-    best = numpy.full(len(points), numpy.inf)
-    for a, b in zip(line[:-1], line[1:]):
-        along = b - a
-        share = numpy.clip((points - a) @ along / max(along @ along, 1e-18), 0.0, 1.0)
-        best = numpy.minimum(best, numpy.linalg.norm(points - a - share[:, None] * along, axis=1))
-    return best
 
 
 def judge(log, pose="/canvas/pose"):
@@ -55,7 +49,7 @@ def judge(log, pose="/canvas/pose"):
     for s in numpy.unique(stroke[down]):
         own = numpy.nonzero(stroke == s)[0]
         line = log["/target/points"][:][log["/target/stroke"][:] == s]
-        error.append(to_line(point_K[own][ink[own]], line))
+        error.append(distance_to_line(point_K[own][ink[own]], line))
         before = numpy.nonzero((stroke[: own[0]] >= 0) | (time[: own[0]] < time[own[0]] - 2.0))[0]
         begin = before[-1] + 1 if len(before) else 0
         touch = begin + numpy.nonzero(ink[begin:])[0][0]
