@@ -295,6 +295,7 @@ MOVING = {
     "standing-noisy": ("none", 1, 0.05, 0.25, 0.1, 0.3, 8),
 }
 MOVING_METRICS = ("contact_fraction", "ink_error_rms", "ink_error_max", "force_sd", "tilt_mean", "touchdown_peak")
+FACTORS = {"30Hz": 1, "5Hz": 5}  # real-time factors to reach
 SWITCHES = {"both": "as it is", "no_prediction": "without prediction", "no_feedforward": "without feed-forward"}
 BUDGET = {
     "nothing": "nothing",
@@ -303,6 +304,19 @@ BUDGET = {
     "estimate": "the estimate: the pose is told exactly (`perception.canvas_pose=true`)",
 }
 MAPS = {"both": "", "no_prediction": "-no_prediction", "no_feedforward": "-no_feedforward"}  # how their cases end
+
+
+def worst_of_scenario(rows, group, prefix):
+    """The worst of each metric, marked where it misses its limit."""
+    cells = [row for row in rows if row["group"] == group and row["case"].startswith(prefix)]
+    limits = next(limits for name, (_, *limits) in MOVING.items() if name in prefix)
+    texts = []
+    for i, (metric, limit) in enumerate(zip(MOVING_METRICS, limits)):
+        values = [row[metric] for row in cells]
+        worst = (min if i == 0 else max)((0 if i == 0 else math.inf) if v is None else v for v in values)
+        missed = worst < limit if i == 0 else worst > limit
+        texts.append(("**✗** " if missed else "") + f"{worst:.{(3, 3, 3, 3, 2, 1)[i]}f}")
+    return texts
 
 
 def moving(rows, folder):
@@ -317,35 +331,38 @@ def moving(rows, folder):
              "![Ink error and force against speed, latency, amplitude and frequency](moving.png)", "",
              "## Scenarios", "", "The worst of sine and M on five seeds.", "",
              "| scenario | motion | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] |", "|---" * 8 + "|"]  # fmt: skip
-    for name, (motion, *limits) in MOVING.items():
-        cells = [row for row in rows if row["group"] == "scenarios" and row["case"].startswith(name + "-")]
-        found = [(min if i == 0 else max)(row[metric] if row[metric] is not None else (0 if i == 0 else math.inf) for row in cells)
-                 for i, metric in enumerate(MOVING_METRICS)]  # fmt: skip
-        missed = [value < limit if i == 0 else value > limit for i, (value, limit) in enumerate(zip(found, limits))]
-        texts = [f"{found[0]:.3f}"] + [f"{value:.3f}" for value in found[1:4]] + [f"{found[4]:.2f}", f"{found[5]:.1f}"]
-        lines.append(f"| `{name}` | {motion} | " + " | ".join(("**✗** " if m else "") + t for m, t in zip(missed, texts)) + " |")
+    for name, (motion, *_) in MOVING.items():
+        lines.append(f"| `{name}` | {motion} | " + " | ".join(worst_of_scenario(rows, "scenarios", name + "-")) + " |")
     lines += ["", "## Where the error comes from", "",
               "Ink RMS [mm] / force SD [N] of the sine, without one source of error at a time. A canvas with acceleration a, not foreseen, moves by ½ a τ² while a frame is τ = "
               "60 ms + half a frame's interval, 77 ms, late: by 1.0 mm RMS in sway (a = 350 mm/s² RMS) if only its velocity were known, by 1.4 mm in jolts (460 mm/s² "
               "RMS, 265 mm/s² per axis).", "",
               "| left out | sway | jolts |", "|---|---|---|"]  # fmt: skip
     for part, what in BUDGET.items():
-        lines.append(f"| {what} | " + " | ".join(entry(by_case[f"budget-{on}-{part}"]) for on in ("sway", "jolts")) + " |")
+        lines.append(f"| {what} | " + " | ".join(entry(by_case[f"{on}-both" if part == "nothing" else f"budget-{on}-{part}"]) for on in ("sway", "jolts")) + " |")
     lines += ["", "What the controller adds is the last line. The marks' noise and the frames' lateness act together: the later the frames, the further a motion that noise blurs is "
               "extrapolated.", "", "## What prediction and feed-forward are worth", "", "Sine, ink RMS [mm] / force SD [N] / contact.", "",
               "| | " + " | ".join(SWITCHES.values()) + " |", "|---" * 4 + "|"]  # fmt: skip
     for motion in dict.fromkeys(row["case"].split("-")[0] for row in rows if row["group"].endswith("-switched")):
         cells = [by_case[f"{motion}-{switch}"] for switch in SWITCHES]
         lines.append(f"| {motion} | " + " | ".join(f"{entry(c)} / {c['contact_fraction']:.3f}" for c in cells) + " |")
-    lines += ["", "## The canvas's own shape", "",
-              "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface of the snapshot is found again; `5 Hz`: every sixth frame. Terrain has "
-              "no marks, and moves as in `moving-sway`. Sine, the worse of two seeds; every pixel is cast, but at 5 Hz only those that may see the canvas.", "",
-              "| | ink RMS [mm] | force SD [N] | contact | real-time factor, at least, of two runs at a time on a machine that others used |", "|---" * 5 + "|"]  # fmt: skip
-    for on in dict.fromkeys(row["case"].rsplit("-", 1)[0] for row in rows if row["group"] == "shape"):
-        cells = [row for row in rows if row["group"] == "shape" and row["case"].startswith(on + "-")]
+    lines += ["", "## Depths in the frames", "",
+              "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface is found again: in each frame, with every pixel cast "
+              "(30 Hz), or in every sixth with those pixels cast that may see the canvas (5 Hz). The worst of sine and M on five seeds; *factor*: the least real-time factor "
+              "of two runs at a time on two cores.", "",
+              "| scenario | depths | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] | factor |", "|---" * 9 + "|"]  # fmt: skip
+    for name in MOVING:
+        for depths in ("30Hz", "5Hz"):
+            case = f"{depths}-{name}-"
+            factor = min(row["real_time_factor"] for row in rows if row["case"].startswith(case))
+            missed = "**✗** " if factor < FACTORS[depths] else ""
+            lines.append(f"| `{name}` | {depths.replace('Hz', ' Hz')} | " + " | ".join(worst_of_scenario(rows, "depths", case)) + f" | {missed}{factor:.1f} |")
+    lines += ["", "Terrain has no marks, and moves as in `moving-sway`: its shape alone tells where it is. Sine, the worse of two seeds.", "",
+              "| depths | ink RMS [mm] | force SD [N] | contact |", "|---" * 4 + "|"]  # fmt: skip
+    for depths in ("30Hz", "5Hz"):
+        cells = [row for row in rows if row["case"].startswith(f"shape-{depths}-")]
         worst = [max(row[m] or math.inf for row in cells) for m in ("ink_error_rms", "force_sd")]
-        lines.append(f"| {on.removeprefix('shape-')} | {worst[0]:.3f} | {worst[1]:.3f} | {min(row['contact_fraction'] for row in cells):.3f} | "
-                     f"{min(row['real_time_factor'] for row in cells):.1f} |")  # fmt: skip
+        lines.append(f"| {depths.replace('Hz', ' Hz')} | {worst[0]:.3f} | {worst[1]:.3f} | {min(row['contact_fraction'] for row in cells):.3f} |")
     lines += ["", "## What frames add to the surface", "",
               "A canvas that stands, with depths in each frame. The surface under the pen is that of one snapshot (`perception.frames.grow_surface=false`), or that "
               "of all frames so far. Sine, the worse of two seeds.", "",
@@ -355,19 +372,17 @@ def moving(rows, folder):
         worst = [max(row[m] for row in cells) for m in ("normal_error_mean", "tilt_mean", "ink_error_rms", "ink_error_max", "force_sd")]
         lines.append(f"| {surface} | " + " | ".join(f"{x:.3f}" for x in worst) + " |")
     speeds, latencies = levels(rows, "conveyor", r"conveyor-(.+)mm_s-(.+)s")
-    lines += ["", "## Speed and latency", "", "A letter of 30 mm on a conveyor, ink RMS [mm] / force SD [N]. Missed, astray: see the failed runs."]
-    for switch, how in SWITCHES.items():
-        lines += ["", f"{how.capitalize()}:", "", "| latency | " + " | ".join(f"{v:g} mm/s" for v in speeds) + " |", "|---" * (len(speeds) + 1) + "|"]
-        for late in latencies:
-            cells = [by_case[f"conveyor-{v:g}mm_s-{late:g}s" + MAPS[switch]] for v in speeds]
-            lines.append(f"| {1e3 * late:g} ms | " + " | ".join(map(entry, cells)) + " |")
     amplitudes, frequencies = levels(rows, "heave", r"heave-(.+)mm-(.+)Hz")
-    lines += ["", "## Amplitude and frequency", "", "The same letter in a bowl that heaves, 60 ms late."]
-    for switch, how in SWITCHES.items():
-        lines += ["", f"{how.capitalize()}:", "", "| amplitude | " + " | ".join(f"{f:g} Hz" for f in frequencies) + " |", "|---" * (len(frequencies) + 1) + "|"]
-        for a in amplitudes:
-            cells = [by_case[f"heave-{a:g}mm-{f:g}Hz" + MAPS[switch]] for f in frequencies]
-            lines.append(f"| ± {a:g} mm | " + " | ".join(map(entry, cells)) + " |")
+    maps = (("Speed and latency", "A letter of 30 mm on a conveyor, ink RMS [mm] / force SD [N]. Missed, astray: see the failed runs.",
+             "latency", latencies, lambda y: f"{1e3 * y:g} ms", speeds, "mm/s", lambda x, y: f"conveyor-{x:g}mm_s-{y:g}s"),
+            ("Amplitude and frequency", "The same letter in a bowl that heaves, 60 ms late.",
+             "amplitude", amplitudes, lambda y: f"± {y:g} mm", frequencies, "Hz", lambda x, y: f"heave-{y:g}mm-{x:g}Hz"))  # fmt: skip
+    for title, what, down, ys, label, xs, unit, case in maps:
+        lines += ["", f"## {title}", "", what]
+        for switch, how in SWITCHES.items():
+            lines += ["", f"{how.capitalize()}:", "", f"| {down} | " + " | ".join(f"{x:g} {unit}" for x in xs) + " |", "|---" * (len(xs) + 1) + "|"]
+            for y in ys:
+                lines.append(f"| {label(y)} | " + " | ".join(entry(by_case[case(x, y) + MAPS[switch]]) for x in xs) + " |")
     lines += ["", "## Where the canvas will be", "",
               "After the arm has watched, and again before each stroke, the plan is checked where the canvas will be ([decision 40](decisions/0040-reach-of-a-moving-canvas.md)). "
               "`scenarios/moving-order.yaml`: a conveyor takes two dashes out of reach one after the other; the one that leaves first is drawn first. `scenarios/moving-swing.yaml`: a "

@@ -165,6 +165,11 @@ Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
   const auto to = [&](const Vector3d& p) -> Vector3d { return R * (p - pivot) + pivot + shift; };
   s.canvas.move = to(s.canvas.move);
   s.canvas.turn_deg = std::remainder(s.canvas.turn_deg + turn_deg, 360.0);
+  CanvasMotionSettings& motion = s.canvas.motion;
+  motion.centre = to(motion.centre);
+  for (Vector3d* direction : {&motion.velocity, &motion.turn_axis, &motion.sway, &motion.roll_axis})
+    *direction = R * *direction;
+  for (Fiducial& mark : s.perception.fiducials.points) mark.p_K = to(mark.p_K);
   s.drawing.placement.centre_m = centre + move;
   s.drawing.placement.rotate_deg = std::remainder(s.drawing.placement.rotate_deg + turn_deg, 360.0);
   for (CameraSettings& camera : s.perception.cameras) {
@@ -182,6 +187,9 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
                                  const std::function<void(double)>& progress) {
   if (!scenario.drawing.tilt_deg.isZero())
     throw InputError("--place auto needs a level drawing plane: drawing.tilt must be [0, 0, 0]");
+  if (!scenario.canvas.motion.file.empty())
+    throw InputError(
+        "--place auto cannot move a recorded motion: canvas.motion.file must be empty");
   PlannedDrawing e = prepare_plan(scenario, places, Unreachable::tell);
   // Where a mesh was put that nobody has placed.
   Scenario given = scenario;

@@ -28,12 +28,13 @@ struct PlacedCanvas {
   bool passes = false;
 };
 
-// Rotates canvas, drawing, cameras and camera targets by turn_deg about the vertical through the
-// drawing's centre, then translates them. The perception region keeps its size; its centre moves.
+// Rotates canvas, its motion and marks, drawing, cameras and camera targets by turn_deg about the
+// vertical through the drawing's centre, then translates them. The perception region keeps its size
+// and its centre moves. Jolts stay along the axes of W, and a recorded motion stays as it is.
 Scenario moved(const Scenario& scenario, const Eigen::Vector2d& move, double turn_deg);
 
-// `progress`: fraction done, 0 to 1. Throws InputError like prepare(), and for a tilted drawing
-// plane.
+// `progress`: fraction done, 0 to 1. Throws InputError like prepare(), for a tilted drawing plane
+// and for a recorded motion.
 PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
                                  const std::function<void(double)>& progress = {});
 

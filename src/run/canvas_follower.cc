@@ -4,22 +4,43 @@
 
 namespace impedraw {
 
-TipReference CanvasFollower::in_world(const TipReference& reference) const noexcept {
-  if (!joined()) return reference;
-  TipReference out = carried(reference, estimate_.motion);
-  const double u = std::clamp((time_ - joined_at_) / duration_, 0.0, 1.0);
-  if (u >= 1.0) return out;
+namespace {
+
+// From a to b, at u of 0 to 1 of the time.
+TipReference between(const TipReference& a, const TipReference& b, double u, double duration) {
   const double share = u * u * u * (10.0 + u * (6.0 * u - 15.0));
-  const double rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration_;
-  const double rise = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration_ * duration_);
-  const Eigen::Vector3d way = out.p_WD - from_.p_WD;
-  out.a_WD = rise * way + 2.0 * rate * out.v_WD + share * out.a_WD;
-  out.v_WD = rate * way + share * out.v_WD;
-  out.p_WD = from_.p_WD + share * way;
-  out.n_WD = ((1.0 - share) * from_.n_WD + share * out.n_WD).normalized();
-  out.w_WD *= share;
-  out.alpha_WD *= share;
+  const double rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration;
+  const double rise = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration);
+  const Eigen::Vector3d way = b.p_WD - a.p_WD, faster = b.v_WD - a.v_WD;
+  TipReference out = b;
+  out.p_WD = a.p_WD + share * way;
+  out.v_WD = a.v_WD + share * faster + rate * way;
+  out.a_WD = a.a_WD + share * (b.a_WD - a.a_WD) + 2.0 * rate * faster + rise * way;
+  out.n_WD = ((1.0 - share) * a.n_WD + share * b.n_WD).normalized();
+  out.w_WD = (1.0 - share) * a.w_WD + share * b.w_WD;
+  out.alpha_WD = (1.0 - share) * a.alpha_WD + share * b.alpha_WD;
   return out;
+}
+
+}  // namespace
+
+TipReference CanvasFollower::in_world(const TipReference& reference) const noexcept {
+  const double since = time_ - (joined() ? joined_at_ : left_at_);
+  const bool over = since >= duration_;
+  if (joined()) {
+    const TipReference out = carried(reference, estimate_.motion);
+    return over ? out : between(from_, out, std::max(0.0, since / duration_), duration_);
+  }
+  if (over) return reference;
+  const Pose X_KW = X_WK_left_.inverse();
+  TipReference in_K = reference;
+  in_K.p_WD = X_KW * reference.p_WD;
+  for (Eigen::Vector3d TipReference::*member :
+       {&TipReference::v_WD, &TipReference::a_WD, &TipReference::n_WD, &TipReference::w_WD,
+        &TipReference::alpha_WD})
+    in_K.*member = X_KW.R * in_K.*member;
+  return between(carried(in_K, estimate_.motion), reference, std::max(0.0, since / duration_),
+                 duration_);
 }
 
 }  // namespace impedraw

@@ -1,8 +1,9 @@
 // The plan follows the canvas: references of frame K, the canvas's, as they are in W now.
 //
-// Before join() references are given in W: the arm watches. From join() on they are given in K. The
-// reference goes over within kJoin or longer, p = p_W + σ (p_K − p_W) with a minimum-jerk σ(t), so
-// that the pen picks up the canvas's motion without a jolt.
+// Before join() references are given in W: the arm watches. From join() on they are given in K, and
+// from leave() on in W again. The pen goes over within a given time, p = p_a + σ (p_b − p_a) with a
+// minimum-jerk σ(t), so that it picks up the canvas's motion, or sheds it, without a jolt: a canvas
+// that rises does not run into a pen that has just been lifted.
 #pragma once
 
 #include <functional>
@@ -40,11 +41,18 @@ class CanvasFollower {
   // the pen goes over to them [s].
   void join(const TipReference& in_W, double duration = kJoin) noexcept {
     joined_at_ = time_;
+    left_at_ = -std::numeric_limits<double>::infinity();
     duration_ = duration;
     from_ = in_W;
   }
-  // References are in W again.
-  void leave() noexcept { joined_at_ = std::numeric_limits<double>::infinity(); }
+  // References are in W again. Within `duration` the pen goes over to them; meanwhile they are also
+  // carried along, from where K is now. A canvas that is lost carries nothing.
+  void leave(double duration = 0.0) noexcept {
+    left_at_ = joined() && !lost() ? time_ : -std::numeric_limits<double>::infinity();
+    duration_ = duration;
+    X_WK_left_ = pose();
+    joined_at_ = std::numeric_limits<double>::infinity();
+  }
 
   const CanvasEstimate& estimate() const noexcept { return estimate_; }
   // X_WK as estimated; the identity where the canvas stands.
@@ -63,7 +71,9 @@ class CanvasFollower {
   CanvasEstimate estimate_;
   double time_ = 0.0;
   double joined_at_ = std::numeric_limits<double>::infinity(), duration_ = kJoin;
+  double left_at_ = -std::numeric_limits<double>::infinity();
   TipReference from_;
+  Pose X_WK_left_;
 };
 
 }  // namespace impedraw

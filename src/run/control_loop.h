@@ -47,8 +47,8 @@ class ControlLoop {
                    double duration = CanvasFollower::kJoin) noexcept {
     canvas_.join(reference, duration);
   }
-  // The pen stays behind: references are in W again.
-  void leave_canvas() noexcept { canvas_.leave(); }
+  // References are in W again, and the pen goes over to them within `duration` [s].
+  void leave_canvas(double duration = 0.0) noexcept { canvas_.leave(duration); }
   // The tip as measured, in K.
   Pose X_KE() const noexcept { return canvas_.pose().inverse() * terms_.X_WE; }
   // The surface as it is learned from touch; null if it is not.

@@ -10,30 +10,38 @@ namespace impedraw {
 
 class EmergencyLift {
  public:
-  static constexpr double kDuration = 1.0;  // [s]
+  static constexpr double kDuration = 1.0;  // at least [s]
   static constexpr double kHeight = 0.03;   // [m]
+
+  static constexpr double kMostSpeed = 0.35;  // [m/s]
 
   // Keeps the pen's axis as it is at X_WE.
   EmergencyLift(double start, const Pose& X_WE, const Eigen::Vector3d& n_W, double height = kHeight)
-      : start_(start), height_(height), p_(X_WE.p), n_(n_W), axis_(-X_WE.R.col(2)) {}
+      : start_(start),
+        height_(height),
+        duration_(std::max(kDuration, 1.875 * height / kMostSpeed)),
+        p_(X_WE.p),
+        n_(n_W),
+        axis_(-X_WE.R.col(2)) {}
 
-  bool done(double t) const { return t >= start_ + kDuration; }
+  double duration() const { return duration_; }
+  bool done(double t) const { return t >= start_ + duration_; }
   // How far the tip has come, along the normal [m].
   double risen(const Eigen::Vector3d& p_WE) const { return n_.dot(p_WE - p_); }
   // Minimum-jerk motion from rest to rest.
   TipReference at(double t) const {
-    const double s = std::clamp((t - start_) / kDuration, 0.0, 1.0);
+    const double s = std::clamp((t - start_) / duration_, 0.0, 1.0);
     TipReference reference;
     reference.n_WD = axis_;
     reference.p_WD = p_ + height_ * s * s * s * (10.0 + s * (6.0 * s - 15.0)) * n_;
-    reference.v_WD = height_ / kDuration * 30.0 * s * s * (1.0 - s) * (1.0 - s) * n_;
+    reference.v_WD = height_ / duration_ * 30.0 * s * s * (1.0 - s) * (1.0 - s) * n_;
     reference.a_WD =
-        height_ / (kDuration * kDuration) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * n_;
+        height_ / (duration_ * duration_) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * n_;
     return reference;
   }
 
  private:
-  double start_, height_;
+  double start_, height_, duration_;
   Eigen::Vector3d p_, n_, axis_;
 };
 

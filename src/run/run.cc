@@ -209,7 +209,11 @@ class Runner {
     const Pose X_WE = e_.scene.arm.tip_pose(state_->q);
     rest_.p_WD = X_WE.p;
     rest_.n_WD = -X_WE.R.col(2);
-    if (first_time_ > 0.0) retire();  // an earlier run may have left the pen on the canvas
+    if (first_time_ > 0.0) {  // an earlier run may have left the pen on the canvas
+      lift_off_canvas();
+      raised_for_ = lifting_->duration();
+      retire();
+    }
     wait(time() + e_.scenario.perception.watch);
     if (outcome_.end != RunEnd::finished) return;
     if (loop_.canvas().estimate().status == CanvasStatus::lost)
@@ -251,7 +255,7 @@ class Runner {
 
   // The pen goes up in W, clear of the canvas wherever that goes, and rests there.
   void retire() {
-    if (!lifting_) let_go(clear_height());
+    if (!lifting_) lift_off_canvas();
     while (!lifting_->done(time()))
       if (!step({lifting_->at(time()), -1, std::nan(""), Phase::lift})) return;
     rest_ = lifting_->at(time());
@@ -383,7 +387,7 @@ class Runner {
           last_up = true;
           std::vector<StrokePart> done = ink_.parts();
           for (const UnreachedPart& u : outcome_.unreached) done.push_back(u.part);
-          if (rest_of(e_.plan.strokes, done, kShortestGap).empty()) let_go();
+          if (rest_of(e_.plan.strokes, done, kShortestGap).empty()) lift_off_canvas();
         }
         if (found_again()) return;
       }
@@ -526,7 +530,7 @@ class Runner {
           out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale",
           kBadStateTime, first_time_ + t);
     const double hold = e_.plan.path_settings.start_hold;
-    if (t > hold + (first_time_ > 0.0 ? EmergencyLift::kDuration : 0.0) && !loop_.tared())
+    if (t > hold + raised_for_ && !loop_.tared())
       return fmt::format(
           "the wrench sensor could not be tared: within the first {:.2g} s the arm must rest for "
           "{:.2g} s, with no reading at its range",
@@ -644,12 +648,17 @@ class Runner {
     return loop_.canvas().joined() && out_.mode == ContactMode::free;
   }
 
-  // The pen goes up and stays, wherever the canvas goes: also once all is drawn, as the canvas may
-  // soon be out of reach.
-  void let_go(double height = kLiftOffCanvas) {
+  // The pen goes up and stays, wherever the canvas goes; that took it where the arm cannot follow.
+  void let_go() {
     loop_.leave_canvas();
     lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q),
-                     e_.control.impedance.surface.drawing_axis_W, height);
+                     e_.control.impedance.surface.drawing_axis_W, kLiftOffCanvas);
+  }
+  // The same where the arm can follow still: a canvas that heaves does not catch up with the pen.
+  void lift_off_canvas() {
+    lifting_.emplace(time(), e_.scene.arm.tip_pose(state_->q),
+                     e_.control.impedance.surface.drawing_axis_W, clear_height());
+    loop_.leave_canvas(lifting_->duration());
   }
 
   // Up to where the run began, as far as the arm reaches [m].
@@ -735,6 +744,7 @@ class Runner {
   InkWatch ink_;
   RunOutcome outcome_;
   std::optional<EmergencyLift> lifting_;
+  double raised_for_ = 0.0;   // before a resumed run begins to watch [s]
   double bad_state_ = 0.0;    // [s]
   double left_behind_ = 0.0;  // by the canvas [s]
   // During the present path: in contact; the canvas went where the arm does not reach.

@@ -33,20 +33,29 @@ struct Figures {
 };
 
 // `end`: the expected end of the run.
-inline Figures draw_scenario(const std::string& name,
-                             const std::vector<std::string>& assignments = {},
-                             RunEnd end = RunEnd::finished) {
-  DrawOptions options;
-  options.scenario = "scenarios/" + name + ".yaml";
-  options.assignments = assignments;
-  Experiment experiment = prepare(resolve(options));
+inline Figures draw_scenario(const Scenario& scenario, RunEnd end = RunEnd::finished) {
+  Experiment experiment = prepare(scenario);
   const std::filesystem::path log = std::filesystem::temp_directory_path() /
                                     ("impedraw_figures_" + std::to_string(getpid()) + ".h5");
   const RunOutcome outcome = run(experiment, log, 0.0);
-  EXPECT_EQ(outcome.end, end) << name << ": " << outcome.cause;
+  EXPECT_EQ(outcome.end, end) << scenario.name << ": " << outcome.cause;
   Figures figures{outcome, read_rows(log), compute_metrics(read_run(log))};
   std::filesystem::remove(log);
   return figures;
+}
+
+inline Scenario resolve_scenario(const std::string& name,
+                                 const std::vector<std::string>& assignments = {}) {
+  DrawOptions options;
+  options.scenario = "scenarios/" + name + ".yaml";
+  options.assignments = assignments;
+  return resolve(options);
+}
+
+inline Figures draw_scenario(const std::string& name,
+                             const std::vector<std::string>& assignments = {},
+                             RunEnd end = RunEnd::finished) {
+  return draw_scenario(resolve_scenario(name, assignments), end);
 }
 
 // Draws a run of bounds.json with its first two seeds, or with all of them under IMPEDRAW_LONG, and

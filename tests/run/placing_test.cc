@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "drawn_scenario.h"
+#include "impedraw/common/errors.h"
 #include "impedraw/experiment/place_auto.h"
 
 namespace impedraw {
@@ -32,6 +33,18 @@ TEST(Placing, AMovedSceneIsTheSameScene) {
         1e-4)
         << i;
   EXPECT_NEAR(here.plan.path.pen_down_length(), there.plan.path.pen_down_length(), 1e-4);
+}
+
+TEST(Placing, ARecordedMotionIsRefused) {
+  Scenario scenario = resolve(DrawOptions());
+  scenario.canvas.motion.file = "somewhere.csv";
+  try {
+    place_automatically(scenario, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--place auto cannot move a recorded motion: canvas.motion.file must be empty");
+  }
 }
 
 // Out of reach, the drawing is refused. After placing, all of it can be drawn, and no pose of an
