@@ -152,6 +152,9 @@ namespace {
 constexpr int kMost = 2 + 2 * AxisWave::kSinusoids;
 using Normal = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
 using Right = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
+constexpr int kMostRates = kMost + AxisWave::kSinusoids;
+using Newton = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRates, kMostRates>;
+using NewtonRight = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRates, 1>;
 
 // Weighted least squares with the given rates, of which zeros are left out. Returns Σ w (x − fit)².
 // The slope is drawn towards 0, as a sinusoid slower than the window could be taken for it.
@@ -223,6 +226,64 @@ double best_rate(std::span<const AxisSample> samples, double origin,
   return best;
 }
 
+// All rates at once, by Gauss and Newton's method, from good first ones; one by one, two that lie
+// close would creep towards what is best. Returns what is left. Rates stay where they are if a step
+// would bring nothing, or two of them too close.
+double refine(std::span<const AxisSample> samples, double origin, double slowest,
+              std::array<double, AxisWave::kSinusoids>* rates, double left) {
+  constexpr int kSteps = 12, kHalvings = 6;
+  constexpr double kEnough = 1e-4;  // of what is left
+  const double fastest = 2.0 * std::numbers::pi * WaveFit::kFastest;
+  const double apart =
+      std::numbers::pi / (samples.back().time - samples.front().time);  // of two rates
+  for (int step = 0; step < kSteps; ++step) {
+    AxisWave wave;
+    solve(samples, origin, *rates, &wave);
+    int n = 2;
+    for (const double rate : *rates) n += rate != 0.0 ? 3 : 0;
+    Newton A = Newton::Zero(n, n);
+    NewtonRight b = NewtonRight::Zero(n), basis(n);
+    for (const AxisSample& s : samples) {
+      const double t = s.time - origin, w = 1.0 / s.variance;
+      basis[0] = 1.0;
+      basis[1] = t;
+      for (int k = 0, at = 2; k < AxisWave::kSinusoids; ++k) {
+        if ((*rates)[k] == 0.0) continue;
+        const double c = std::cos((*rates)[k] * t), d = std::sin((*rates)[k] * t);
+        basis[at++] = c;
+        basis[at++] = d;
+        basis[at++] = t * (wave.sine[k] * c - wave.cosine[k] * d);  // ∂/∂ω
+      }
+      A.selfadjointView<Eigen::Lower>().rankUpdate(basis, w);
+      b += w * (s.x - wave.at(s.time).x) * basis;
+    }
+    A.diagonal() *= 1.0 + 1e-9;
+    const NewtonRight change = Eigen::LLT<Newton>(A).solve(b);
+    const double before = left;
+    double part = 1.0;
+    for (int half = 0; half < kHalvings && left == before; ++half, part *= 0.5) {
+      std::array<double, AxisWave::kSinusoids> trial = *rates;
+      bool valid = true;
+      for (int k = 0, at = 4; k < AxisWave::kSinusoids; ++k) {
+        if (trial[k] == 0.0) continue;
+        trial[k] += part * change[at];
+        at += 3;
+        valid = valid && trial[k] >= slowest && trial[k] <= fastest;
+        for (int other = 0; other < k; ++other)
+          valid = valid && (trial[other] == 0.0 || std::abs(trial[k] - trial[other]) >= apart);
+      }
+      if (!valid) continue;
+      const double with = solve(samples, origin, trial, nullptr);
+      if (with < left) {
+        left = with;
+        *rates = trial;
+      }
+    }
+    if (!(left < (1.0 - kEnough) * before)) break;
+  }
+  return left;
+}
+
 }  // namespace
 
 AxisWave WaveFit::fit(std::span<const AxisSample> given, const AxisWave& last,
@@ -259,10 +320,7 @@ AxisWave WaveFit::fit(std::span<const AxisSample> given, const AxisWave& last,
         found[k] = 0.0;
         break;
       }
-      left = with;
-      if (k > 0)  // together they differ from what each was alone
-        for (int other = 0; other <= k; ++other)
-          found[other] = best_rate(samples, origin, found, other, found[other], slowest, &left);
+      left = refine(samples, origin, slowest, &found, with);
     }
     rates = found;
   }

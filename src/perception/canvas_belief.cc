@@ -151,10 +151,13 @@ CanvasEstimate SmoothedCanvas::follow(const CanvasBelief& belief, double time) n
       s = target;
       continue;
     }
-    const double a =
-        target.a + kSmoothing * kSmoothing * (target.x - s.x) + 2.0 * kSmoothing * (target.v - s.v);
-    s.x += dt * (s.v + 0.5 * dt * a);
-    s.v += dt * a;
+    // To the present first, so that like is compared with like; else it would run a step ahead.
+    s.x += dt * (s.v + 0.5 * dt * target.a);
+    s.v += dt * target.a;
+    const double correction =
+        kSmoothing * kSmoothing * (target.x - s.x) + 2.0 * kSmoothing * (target.v - s.v);
+    s.x += 0.5 * dt * dt * correction;
+    s.v += dt * correction;
     // The corrections are the estimate's motion, not the canvas's: they are not fed forward.
     s.a += std::min(1.0, kSmoothing * dt) * (target.a - s.a);
   }

@@ -1,6 +1,7 @@
 // The models of a coordinate's motion against closed forms, least squares and finite differences.
 #include "impedraw/perception/axis_motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -122,6 +123,26 @@ TEST(WaveFit, FindsTwoSwingsInNoise) {
   constexpr double h = 1e-5;
   EXPECT_NEAR(wave.at(6.1).v, (wave.at(6.1 + h).x - wave.at(6.1 - h).x) / (2 * h), 1e-7);
   EXPECT_NEAR(wave.at(6.1).a, (wave.at(6.1 + h).v - wave.at(6.1 - h).v) / (2 * h), 1e-6);
+}
+
+// 0.2 Hz apart, within 6 s. Found one after the other, each rate would wait for the other.
+TEST(WaveFit, TellsTwoCloseSwingsApart) {
+  const auto motion = [](double t) {
+    return 0.05 * std::sin(2.0 * std::numbers::pi * 0.5 * t) -
+           0.0054 * std::sin(2.0 * std::numbers::pi * 0.3 * t);
+  };
+  std::vector<AxisSample> samples;
+  AxisWave wave;
+  double worst = 0.0;
+  for (int i = 0; i < 600; ++i) {
+    const double t = i / 30.0, ahead = t + 0.077;
+    samples.push_back({t, motion(t), 1e-12});
+    if (samples.size() > 180) samples.erase(samples.begin());
+    const bool search = i % 15 == 0;
+    if (search || wave.fitted) wave = WaveFit::fit(samples, wave, search);
+    if (t > 6.0) worst = std::max(worst, std::abs(wave.at(ahead).x - motion(ahead)));
+  }
+  EXPECT_LT(worst, 5e-5);
 }
 
 TEST(WaveFit, SeesNoSwingInNoiseAloneNorInTooShortATime) {
