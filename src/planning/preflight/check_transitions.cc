@@ -40,7 +40,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
   eased.clearance *= kEased;
   eased.space.max_effective_mass /= kEased;
   PostureCheck along_strokes(arm, obstacle, start_q, eased);
-  along_strokes.asked = {.torque = false, .pen = false};
+  along_strokes.asked.torque = false;
 
   std::vector<double> amounts;  // severities of the findings
   std::size_t way_begins = 0;   // index of the current motion's first finding
