@@ -340,6 +340,7 @@ class Runner {
     Phase last_phase = Phase::travel;
     wall_watch_.reset();
     side_watch_.reset();
+    sink_watch_.reset();
     clock_.restart();
     forecast_ = {};
     if (e_.scene.perception && !canvas_moves())
@@ -595,10 +596,25 @@ class Runner {
            e_.scene.perception->estimate(loop_.terms().X_WE.p).status != SurfaceStatus::ok;
   }
 
+  bool sinks(const PathSample& desired) {
+    const bool touches =
+        out_.mode == ContactMode::contact &&
+        loop_.F_ext().head<3>().dot(out_.n_WD) > e_.control.impedance.contact.touch_force;
+    if (touches) touched_ = {desired.stroke, desired.along, desired.along};
+    return sink_watch_.update(loop_.surface().distance, touches);
+  }
+
   void look_for_wall(const PathSample& desired, const TipPath& path, double planned) {
     if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
     const bool down = out_.mode == ContactMode::contact || out_.mode == ContactMode::approach;
     if (!down) side_watch_.reset();
+    if (!down) sink_watch_.reset();
+    if (down && !canvas_moves() && sinks(desired)) {
+      wall_ = place_on_path(desired, path, planned);
+      if (wall_ && wall_->stroke == touched_.stroke)
+        wall_->from = std::min(wall_->from, touched_.from);
+      if (wall_) return lift(kLiftAtWall);
+    }
     if (down && side_watch_.update(out_.n_WD, loop_.F_ext().head<3>(), dt())) {
       wall_ = place_on_path(desired, path, planned);
       if (wall_) return lift(kLiftAtWall);
@@ -731,6 +747,8 @@ class Runner {
   bool retreats_ = false;  // the law has lost control: the motion is damped, then the pen goes up
   WallWatch wall_watch_;
   SideWatch side_watch_;
+  SinkWatch sink_watch_;
+  StrokePart touched_{-1, 0.0, 0.0};  // where the surface held the tip last
   bool retreating_ = false;
   RestWatch rest_watch_;
   std::optional<StrokePart> wall_;

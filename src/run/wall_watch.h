@@ -37,6 +37,26 @@ class SideWatch {
   double aside_ = 0.0;  // [s]
 };
 
+// Notices that the tip sinks where the cameras saw a surface: into a gap that is narrower than they
+// resolve. Held just beneath the surface it would go on, and catch under the gap's far side.
+class SinkWatch {
+ public:
+  static constexpr double kSunk = 1.5e-3;     // below where it last touched [m]
+  static constexpr double kDeepest = 3.0e-3;  // below the estimated surface, before any touch [m]
+
+  void reset() noexcept { at_touch_ = kSunk - kDeepest; }
+
+  // One cycle with the tip on the surface, or on its way down. distance: to the estimated surface
+  // [m]; touches: the surface holds the tip. True while the tip is too deep.
+  bool update(double distance, bool touches) noexcept {
+    if (touches && std::isfinite(distance)) at_touch_ = distance;
+    return !touches && distance < at_touch_ - kSunk;
+  }
+
+ private:
+  double at_touch_ = kSunk - kDeepest;  // [m]
+};
+
 class WallWatch {
  public:
   // Against the desired motion: no less than this [N], and than this share of the normal force,
