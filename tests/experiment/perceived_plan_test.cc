@@ -227,6 +227,27 @@ TEST_F(PerceivedPlan, ThePensAxisIsTheUsersOrTheSurfaces) {
   EXPECT_EQ(axis(asked), PenAxis::surface);
 }
 
+// Waves of 2 mm at 40°: what the cameras do not resolve is named, unless the user wants it drawn.
+TEST_F(PerceivedPlan, LeavesOutWhatIsTooRough) {
+  const std::vector<std::string> rough = {"drawing.text.text=l", "canvas.kind=rough",
+                                          "canvas.rough.slope=40", "canvas.rough.wavelength=0.002",
+                                          "preflight.least_speed=0"};
+  const auto too_rough = [&](const char* roughest) {  // [m]
+    std::vector<std::string> set = rough;
+    set.push_back(std::string("preflight.roughest=") + roughest);
+    const PlannedDrawing drawing = planned(staged(scenario(set)));
+    double length = 0.0;
+    for (const Finding& f : drawing.plan.preflight.findings) {
+      if (f.problem != Problem::too_rough) continue;
+      EXPECT_THAT(f.text, testing::StartsWith("rougher than the cameras resolve, by "));
+      length += f.part.length();
+    }
+    return length;
+  };
+  EXPECT_GT(too_rough("0.0002"), 0.01);
+  EXPECT_EQ(too_rough("0.0008"), 0.0);
+}
+
 // Lettering on terrain of 40°, whose bends slow the wrist down. What crawls is left out with its
 // reason, until the mean that was asked for is kept; each metre is promised or named.
 TEST_F(PerceivedPlan, LeavesOutWhatWouldCrawl) {

@@ -65,6 +65,19 @@ int cycles_aside(const Vector3d& F) {
   return -1;
 }
 
+TEST(SinkWatch, NoticesATipThatFallsBelowWhereItTouched) {
+  SinkWatch watch;
+  EXPECT_FALSE(watch.update(-0.2e-3, true));
+  EXPECT_FALSE(watch.update(-1.6e-3, false));
+  EXPECT_FALSE(watch.update(-1.6e-3, true));  // touches again, deeper: a hollow that was not seen
+  EXPECT_FALSE(watch.update(-3.0e-3, false));
+  EXPECT_TRUE(watch.update(-3.2e-3, false));
+  watch.reset();
+  EXPECT_FALSE(watch.update(-2.9e-3, false));  // comes down; pen and cameras err a little
+  EXPECT_TRUE(watch.update(-3.1e-3, false));
+  EXPECT_FALSE(watch.update(std::nan(""), false));
+}
+
 TEST(SideWatch, NoticesATipThatIsPushedAside) {
   EXPECT_EQ(cycles_aside({-6, 5, 2}), std::lround(SideWatch::kConfirm / kCycle));
   EXPECT_GT(cycles_aside({-5, 0, -1}), 0);  // even into the surface
