@@ -13,6 +13,8 @@ std::string refusal_text(const Finding& f, bool seen) {
         return "crosses a fold of the surface";
       case Problem::crease:
         return "crosses a crease of the surface";
+      case Problem::too_rough:
+        return "crosses what is too rough";
       case Problem::too_steep:
         return "lies on too steep a slope";
       case Problem::out_of_reach:

@@ -104,7 +104,8 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
         take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q));
   });
   scene->planning = std::make_shared<const SurfaceEstimator>(
-      *scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning));
+      *scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
+      s.preflight.roughest);
   scene->obstacle =
       std::make_shared<const Canvas>(seen_facets(*scene->perception, s.perception.voxel));
 }

@@ -65,9 +65,8 @@ constexpr double kGood = 3e-3;
 // The finest level has fewer neighbours: this share of k, but not below kFewest.
 constexpr double kFinestShare = 0.4;
 constexpr int kFewest = 16;
-// A plan: the misfit that a patch cannot follow, and the heights between which it leaves the
-// widest patches for finer ones [m].
-constexpr double kUneven = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
+// A plan: the heights between which it leaves the widest patches for finer ones [m].
+constexpr double kLeastOff = 5e-4, kMostOff = 1.5e-3;
 // A step of the surface: half of it on either side leaves a plane fit a residual of 0.26 times the
 // step, however small the patch is. So the finest patch has a residual above kStep [m], which
 // noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
@@ -140,6 +139,7 @@ struct SurfaceEstimator::Index {
   std::vector<char> creases;  // of a plan: within kCreaseMargin of a crease; empty: none is known
   double noise = 0.0;         // median residual of the finest patches [m]
   bool planning = false;      // answers for a plan: see the constructor from another estimator
+  double most_misfit = 0.0;   // of a plan [m]
 
   Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {
@@ -156,7 +156,7 @@ struct SurfaceEstimator::Index {
   }
 
   // The same clouds and levels with another edge test.
-  Index(const Index& seen, double max_one_sidedness)
+  Index(const Index& seen, double max_one_sidedness, double misfit)
       : settings(seen.settings),
         cloud(seen.cloud),
         tree(cloud.points),
@@ -167,7 +167,8 @@ struct SurfaceEstimator::Index {
         rough(seen.rough),
         steps(seen.steps),
         noise(seen.noise),
-        planning(true) {
+        planning(true),
+        most_misfit(misfit) {
     settings.max_one_sidedness = max_one_sidedness;
     fit_every_point();
     if (!finer.empty()) find_creases(seen);
@@ -419,7 +420,7 @@ struct SurfaceEstimator::Index {
   // more than the pen's approach allows for, as the finer ones see it. It keeps off holes, off
   // steps that no patch resolves, and off creases.
   SurfaceEstimate planned(const Vector3d& p, const SurfaceEstimate& coarse, int closest) const {
-    if (finest && closest >= 0 && (steps[closest] || rough[closest].misfit > kUneven))
+    if (finest && closest >= 0 && (steps[closest] || rough[closest].misfit > most_misfit))
       return {.status = SurfaceStatus::off_edge};
     if (closest >= 0 && !creases.empty() && creases[closest])
       return {.status = SurfaceStatus::off_edge};
@@ -596,8 +597,9 @@ struct SurfaceEstimator::Index {
 SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& settings,
                                    FinerClouds finer)
     : index_(std::make_unique<Index>(std::move(cloud), settings, std::move(finer))) {}
-SurfaceEstimator::SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness)
-    : index_(std::make_unique<Index>(*seen.index_, max_one_sidedness)) {}
+SurfaceEstimator::SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness,
+                                   double most_misfit)
+    : index_(std::make_unique<Index>(*seen.index_, max_one_sidedness, most_misfit)) {}
 SurfaceEstimator::~SurfaceEstimator() = default;
 SurfaceEstimator::SurfaceEstimator(SurfaceEstimator&&) noexcept = default;
 SurfaceEstimator& SurfaceEstimator::operator=(SurfaceEstimator&&) noexcept = default;

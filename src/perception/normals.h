@@ -92,9 +92,11 @@ class SurfaceEstimator {
   explicit SurfaceEstimator(PointCloud cloud, const NormalSettings& settings = {},
                             FinerClouds finer = {});
   // The same clouds for a plan, with another edge test: the surface as the widest patches see it,
-  // finer where that is 0.5 mm off or more; off_edge also beside holes, steps and creases, and
-  // where the fitted surface runs on beyond the points (normals.cc).
-  SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness);
+  // finer where that is 0.5 mm off or more; off_edge also beside holes, steps and creases, where
+  // the fitted surface runs on beyond the points (normals.cc), and where it is rougher than
+  // most_misfit [m].
+  SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness,
+                   double most_misfit = 8e-4);
   ~SurfaceEstimator();
   SurfaceEstimator(SurfaceEstimator&&) noexcept;
   SurfaceEstimator& operator=(SurfaceEstimator&&) noexcept;

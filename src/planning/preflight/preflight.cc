@@ -184,6 +184,8 @@ const char* name_of(Problem problem) noexcept {
       return "fold";
     case Problem::crease:
       return "crease";
+    case Problem::too_rough:
+      return "too_rough";
     case Problem::too_steep:
       return "too_steep";
     case Problem::out_of_reach:
@@ -217,6 +219,7 @@ void validate(const PreflightSettings& s) {
   require_in_range("preflight", Limits::edge_margin, s.edge_margin);
   require_in_range("preflight", Limits::shortest, s.shortest);
   require_in_range("preflight", Limits::least_speed, s.least_speed);
+  require_in_range("preflight", Limits::roughest, s.roughest);
   require_in_range("preflight", Limits::max_slope, s.max_slope_deg);
   require_in_range("preflight", Limits::fold_height, s.fold_height);
   require_in_range("preflight", Limits::normal_smoothing, s.normal_smoothing);

@@ -44,6 +44,7 @@ enum class Problem {
   off_canvas,  // no surface: beyond its edge, or a hole
   fold,        // the surface jumps in height; both sides may be drawable
   crease,      // two sides of the surface meet like an open book; both may be drawable
+  too_rough,   // rougher than the cameras resolve: ink would lie off its place
   too_steep,
   out_of_reach,
   joint_limit,
@@ -75,6 +76,12 @@ struct PreflightSettings {
   // mean is kept; 0: all is drawn, however slowly [m/s]. Not by check_strokes: by the planned path.
   double least_speed = 15e-3;
 
+  // RMS misfit of the surface's smallest patch beyond which a place counts as too rough (Roughness of
+  // perception/normals.h) [m]. A ball of radius r touches at r sin α off the line, α between true
+  // and estimated normal. 0.2 mm in waves of 4 mm are slopes of 18° RMS: for r = 1 mm, 0.6 mm at
+  // two standard deviations. Not by check_strokes: by the surface that it is given.
+  double roughest = 2e-4;
+
   double max_slope_deg = 75;       // between the surface's normal and z_P
   double fold_height = 0.5e-3;     // the pen's tip rides over lower steps [m]
   double normal_smoothing = 5e-3;  // as in PathSettings [m]
@@ -100,6 +107,7 @@ struct PreflightSettings {
     static constexpr Limit edge_margin = {"edge_margin", "m", {0.0, 0.1}};
     static constexpr Limit shortest = {"shortest", "m", {0.0, 1.0}};
     static constexpr Limit least_speed = {"least_speed", "m/s", {0.0, 1.0}};
+    static constexpr Limit roughest = {"roughest", "m", {1e-5, 0.01}};
     static constexpr Limit max_slope = {"max_slope", "deg", {1.0, 89.0}};
     static constexpr Limit fold_height = {"fold_height", "m", {1e-6, 0.1}};
     static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 1.0}};
