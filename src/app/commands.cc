@@ -145,13 +145,14 @@ int draw(const DrawOptions& options, const LiveOptions& live) {
       outcome.first_time > 0.0
           ? fmt::format("{:.2f} s simulated, ", outcome.first_time + outcome.simulated)
           : "";
-  say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}{}report  {}\n", scenario.name, before,
+  say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}{}{}report  {}\n", scenario.name, before,
       outcome.simulated,
       !before.empty()                                    ? "of it since the resume"
       : experiment.scenario.arm.driver == ArmDriver::sim ? "simulated"
                                                          : "of the arm's clock",
       outcome.wall.loop, metrics_table(drawing.metrics), contact_line(experiment),
-      met_line(drawing.outcome), ink_lines(experiment, drawing.outcome),
+      met_line(drawing.outcome), velocity_line(experiment, drawing.outcome),
+      ink_lines(experiment, drawing.outcome),
       fs::absolute(folder / "report.html").lexically_normal().string());
   return exit_code(drawing);
 }

@@ -53,6 +53,10 @@ class ControlLoop {
   Pose X_KE() const noexcept { return canvas_.pose().inverse() * terms_.X_WE; }
   // The surface as it is learned from touch; null if it is not.
   const TouchSurface* touch() const { return touch_ ? &*touch_ : nullptr; }
+  // Null if the joints' velocities are measured.
+  const JointStateEstimator* joint_estimator() const {
+    return joint_estimator_ ? &*joint_estimator_ : nullptr;
+  }
   // True once the sensor's bias is known, or if there is no sensor.
   bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
 

@@ -129,6 +129,9 @@ void draw_on_after_reflexes(const fs::path& folder, Experiment& experiment, Driv
     outcome->wall.start_up = before.wall.start_up;
     outcome->wall.loop += before.wall.loop;
     for (const auto& [name, seconds] : before.met) outcome->met[name] += seconds;
+    if (before.slow_velocity && !(outcome->slow_velocity && outcome->slow_velocity->bandwidth <
+                                                                before.slow_velocity->bandwidth))
+      outcome->slow_velocity = before.slow_velocity;
   }
 }
 
@@ -256,6 +259,20 @@ std::string met_line(const RunOutcome& outcome) {
   for (const auto& [name, seconds] : outcome.met)
     text += fmt::format("{}{} {:.3g} s", text.empty() ? "status  " : ", ", name, seconds);
   return (text.empty() ? text : text + "\n") + cutoff_line(outcome.cutoffs);
+}
+
+std::string velocity_line(const Experiment& e, const RunOutcome& outcome) {
+  if (!outcome.slow_velocity || !e.control.joint_estimator) return {};
+  const SlowVelocity& slow = *outcome.slow_velocity;
+  const JointStateEstimatorSettings& estimator = *e.control.joint_estimator;
+  return fmt::format(
+      "joints  velocity was estimated with a bandwidth of {:.0f} rad/s, not {:.0f}: the readings "
+      "of {} have noise of {:.2g} rad{}\n",
+      slow.bandwidth, estimator.bandwidth, e.scene.arm.joint_names()[slow.joint], slow.noise,
+      slow.bandwidth > estimator.least_bandwidth ? ""
+      : estimator.least_bandwidth > e.scenario.control.joint_sensing.least_bandwidth
+          ? "; the stability checks allow no less"
+          : "; control.joint_sensing.least_bandwidth allows no less");
 }
 
 std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {

@@ -48,6 +48,15 @@ void count_status(const ControlStatus& status, double dt, std::map<std::string, 
     if (set) (*met)[name] += dt;
 }
 
+void note_slow_velocity(const JointStateEstimator& estimator, double asked,
+                        std::optional<SlowVelocity>* slowest) noexcept {
+  const double bandwidth = estimator.bandwidth();
+  if (bandwidth >= (*slowest ? (*slowest)->bandwidth : asked)) return;
+  int joint = 0;
+  const double noise = estimator.noise().maxCoeff(&joint);
+  *slowest = SlowVelocity{bandwidth, noise, joint};
+}
+
 // A resumed run has none: they occurred in the first run.
 Disturbances disturbances_of(const Experiment& e, const Resumption* resumption) {
   return resumption ? Disturbances() : Disturbances(e.scenario, e.plan.path);
@@ -466,6 +475,9 @@ class Runner {
     if (log_) log_->append(row_);
     if (hooks_.row) hooks_.row(row_);
     count_status(out_.status, dt(), &outcome_.met);
+    if (const JointStateEstimator* const estimator = loop_.joint_estimator())
+      note_slow_velocity(*estimator, e_.control.joint_estimator->bandwidth,
+                         &outcome_.slow_velocity);
     last_.add(row_, loop_, age);
     if (loop_.canvas().follows() && knows_canvas()) {
       known_for_ += dt();

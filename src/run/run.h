@@ -86,6 +86,13 @@ inline constexpr std::size_t kMostWalls = 200;
 inline constexpr double kMostWait = 45.0;
 inline constexpr int kMostLeft = 3;
 
+// Noise of a joint's positions that lowered the bandwidth of its velocity's estimate.
+struct SlowVelocity {
+  double bandwidth = 0.0;  // the lowest of the run [rad/s]
+  double noise = 0.0;      // standard deviation of the joint's readings then, as measured [rad]
+  int joint = 0;           // with the most noise
+};
+
 struct RunOutcome {
   RunEnd end = RunEnd::finished;
   std::string cause;              // of a stop
@@ -98,6 +105,7 @@ struct RunOutcome {
   double first_time = 0.0;  // where an earlier run left off [s]
   // Duration of each controller status: limits met, bad inputs [s].
   std::map<std::string, double> met;
+  std::optional<SlowVelocity> slow_velocity;
   SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
   std::vector<StrokePart> walls;        // before which a stroke was given up; not drawn again

@@ -55,7 +55,21 @@ TEST(PositionNoise, TheLimitsOfRealHold) {
     EXPECT_LE(f["touchdown_peak"], 8.0);
     EXPECT_GE(f["speed_mean"], 47.0);
     EXPECT_GE(f["time_scale_mean"], 0.95);
+    // What noise costs is told: of white noise 2 σ √(b³ Δt) = 2.5e-3 rad/s, not below 150 rad/s.
+    ASSERT_TRUE(f.outcome.slow_velocity);
+    const SlowVelocity& slow = *f.outcome.slow_velocity;
+    if (noise[0] != 'p') continue;
+    const double sigma = std::stod(std::string(noise).substr(15));
+    // As measured, the noisiest of seven joints in the noisiest window: 1.25 σ.
+    EXPECT_GT(slow.noise, 0.95 * sigma);
+    EXPECT_LT(slow.noise, 1.4 * sigma);
+    EXPECT_NEAR(slow.bandwidth, std::max(150.0, std::cbrt(1.5625e-3 / (slow.noise * slow.noise))),
+                1e-3 * slow.bandwidth);
   }
+}
+
+TEST(PositionNoise, NothingIsSaidOfExactPositions) {
+  EXPECT_FALSE(draw_scenario("bowl-sine-velocity-noise").outcome.slow_velocity);
 }
 
 TEST(SlowTorque, Sine) {
