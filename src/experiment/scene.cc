@@ -47,6 +47,28 @@ void put_in_reach(TriangleMesh* mesh, Scenario* s, std::vector<std::string>* not
       move.x(), move.y(), move.z()));
 }
 
+// An open sheet whose front faces away from the drawing, as many scanners write it: cameras see it
+// from behind as well as from the front, but its front alone would bear the pen. It is turned.
+void turn_to_drawing(TriangleMesh* mesh, const Scenario& s, const Eigen::Vector3d& z_WP,
+                     std::vector<std::string>* notes) {
+  constexpr double kClear = 0.25;  // of its area; the areas of a closed mesh add up to nothing
+  if (s.canvas.kind != CanvasKind::mesh || s.canvas.mesh.side != MeshSettings::Side::outward)
+    return;
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();
+  double area = 0.0;
+  for (const Eigen::Vector3i& t : mesh->triangles) {
+    const Eigen::Vector3d& p = mesh->vertices[t[0]];
+    const Eigen::Vector3d twice = (mesh->vertices[t[1]] - p).cross(mesh->vertices[t[2]] - p);
+    facing += twice;
+    area += twice.norm();
+  }
+  if (facing.dot(z_WP) > -kClear * area) return;
+  for (Eigen::Vector3i& t : mesh->triangles) std::swap(t[1], t[2]);
+  notes->push_back(
+      "the mesh is an open sheet whose front faces away from the drawing; it was turned, as by "
+      "canvas.mesh.side: inward");
+}
+
 // A square around each point of the seen surface, across its normal: squares of neighbours meet.
 TriangleMesh seen_facets(const SurfaceEstimator& seen, double voxel) {
   const double spacing = std::max(voxel, 0.004);  // [m]
@@ -148,6 +170,7 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   auto canvas = setting_errors.locate({"canvas"}, [&] {
     TriangleMesh mesh = make_mesh(s.canvas, &notes);
     put_in_reach(&mesh, &s, &notes);
+    turn_to_drawing(&mesh, s, X_WP.R.col(2), &notes);
     return std::make_shared<Canvas>(std::move(mesh));
   });
   // The arm model comes before the world: its reader names the joint or link that is at fault.

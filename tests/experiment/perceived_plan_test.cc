@@ -202,6 +202,37 @@ TEST_F(PerceivedPlan, AMeshThatIsWhereTheDrawingIsStaysThere) {
   EXPECT_NEAR(e.scene.canvas->bounds().center().x(), 0.58, 1e-9);
 }
 
+// The pen would fall through the back of a sheet: its front alone bears it.
+TEST_F(PerceivedPlan, AnOpenSheetThatFacesAwayFromTheDrawingIsTurned) {
+  std::string text = square_obj({0.6, 0.0, 0.1});
+  for (std::size_t at = 0; (at = text.find("\nf ", at)) != std::string::npos;) {
+    const std::size_t second = text.find(' ', at + 3) + 1, third = text.find(' ', second) + 1,
+                      end = text.find('\n', third);
+    const std::string b = text.substr(second, third - 1 - second),
+                      c = text.substr(third, end - third);
+    text.replace(second, end - second, c + " " + b);
+    at = end;
+  }
+  const auto file = write("back.obj", text);
+  const auto up = [](const Staged& e) {
+    return e.scene.canvas->closest(Vector3d(0.6, 0.0, 0.11)).n_W.z();
+  };
+  const Staged turned = staged(scenario(mesh_canvas(file)));
+  EXPECT_NEAR(up(turned), 1.0, 1e-9);
+  EXPECT_THAT(turned.scene.notes, testing::Contains(testing::HasSubstr("faces away")));
+
+  auto said = mesh_canvas(file);
+  said.push_back("canvas.mesh.side=inward");
+  const Staged inward = staged(scenario(said));
+  EXPECT_NEAR(up(inward), 1.0, 1e-9);
+  EXPECT_THAT(inward.scene.notes, testing::IsEmpty());
+
+  const Staged front =
+      staged(scenario(mesh_canvas(write("front.obj", square_obj({0.6, 0.0, 0.1})))));
+  EXPECT_NEAR(up(front), 1.0, 1e-9);
+  EXPECT_THAT(front.scene.notes, testing::IsEmpty());
+}
+
 TEST_F(PerceivedPlan, AMeshThatTheUserPlacesIsNotMoved) {
   auto given = mesh_canvas(write("far.obj", square_obj({0.0, 0.0, 0.0})));
   given.push_back("canvas.move=[0.61, 0.01, 0.07]");
