@@ -25,8 +25,8 @@ std::string box(const Eigen::Vector3d& low, const Eigen::Vector3d& high, int fir
 
 class Gap : public ScratchFolder {};
 
-// Two plates of 0.5 mm, 3.4 mm apart, and a line of 80 mm across. A tip that went on at the depth to
-// which it is let down drew nothing beyond, and was lifted through the plate.
+// Two plates of 0.5 mm, 3.4 mm apart, and a line of 80 mm across. A tip that went on at the depth
+// to which it is let down drew nothing beyond, and was lifted through the plate.
 TEST_F(Gap, IsLiftedOutOfAndDrawnOnBehind) {
   const std::string plates = box({0.50, -0.1, 0.1115}, {0.5983, 0.1, 0.112}, 1) +
                              box({0.6017, -0.1, 0.1115}, {0.70, 0.1, 0.112}, 9);
@@ -37,8 +37,10 @@ TEST_F(Gap, IsLiftedOutOfAndDrawnOnBehind) {
                       "viewBox='0 0 10 80'><path d='M5 0V80' fill='none' stroke='black'/></svg>");
   options.assignments = {"canvas.kind=mesh",
                          "canvas.mesh.file=" + write("plates.obj", plates).string(),
-                         "canvas.move=[0.0001, 0, 0]", "drawing.placement.width=null",
-                         "drawing.placement.height=80", "drawing.redraw=false"};
+                         "canvas.move=[0.0001, 0, 0]",
+                         "drawing.placement.width=null",
+                         "drawing.placement.height=80",
+                         "drawing.redraw=false"};
   const Figures f = draw_scenario(resolve(options));
   EXPECT_GT(f["coverage"], 0.9);
   EXPECT_LT(f["touchdown_peak"], 8.0);
