@@ -182,6 +182,35 @@ TEST_F(CommandLine, SettingsThatDoNotGoTogether) {
           {"control.stiffness_normal is 0 N/m"});
 }
 
+// strokes.json tells why a part has no ink. A hand that holds the pen back is felt as a wall; there
+// the stroke is given up, and the rest is drawn. Without a cloud the pen retreats.
+TEST_F(CommandLine, WhyAPartHasNoInk) {
+  const std::string scenarios = IMPEDRAW_SOURCE "/scenarios/";
+  const struct {
+    const char* scenario;
+    Words settings;
+    const char* reason;
+    double length;  // that lacks ink, at most [mm]
+  } cases[] = {{"bowl-push",
+                {"--set", "pushes.0.force=20", "--set", "pushes.0.direction=[-0.902, -0.431, 0]",
+                 "--set", "pushes.0.duration=2"},
+                "wall",
+                10},
+               {"safety-no-cloud", {}, "no_ink", 260}};
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.reason);
+    const Words draw = {"draw", scenarios + c.scenario + ".yaml", "--out", c.scenario};
+    ASSERT_EQ(call(draw + c.settings).code, 0);
+    const nlohmann::json lacking = json_of(folder_ / c.scenario / "strokes.json").at("lacking");
+    ASSERT_EQ(lacking.size(), 1u);
+    EXPECT_EQ(lacking[0].at("reason"), c.reason);
+    const double length =
+        lacking[0].at("to_mm").get<double>() - lacking[0].at("from_mm").get<double>();
+    EXPECT_GT(length, 1.0);
+    EXPECT_LT(length, c.length);
+  }
+}
+
 TEST_F(CommandLine, WrongOut) {
   write("file", "mine");
   write("foreign/mine.txt", "mine");
