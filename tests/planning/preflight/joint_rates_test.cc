@@ -91,6 +91,18 @@ double largest_torque_share(ArmModel& arm, const TipPath& path, const JointVecto
   return largest;
 }
 
+// The same of acceleration [rad/s²], by differences over 16 ms.
+double largest_acceleration(ArmModel& arm, const TipPath& path, const JointVector& start) {
+  constexpr std::size_t kWide = 4;
+  double largest = std::nan("");
+  for (const std::vector<JointVector>& q : postures(arm, path, start))
+    for (std::size_t i = kWide; i + kWide < q.size(); ++i)
+      largest =
+          std::fmax(largest, (q[i + kWide] - 2.0 * q[i] + q[i - kWide]).cwiseAbs().maxCoeff() /
+                                 (kWide * kDt * kWide * kDt));
+  return largest;
+}
+
 PlacedStroke random_stroke(std::mt19937& random) {
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   std::vector<Eigen::Vector2d> points;
@@ -138,6 +150,44 @@ TEST(JointRates, NoJointPassesItsLimitAlongRandomPaths) {
   }
   EXPECT_GT(faster, 0) << "the limits must have something to limit";
   EXPECT_GT(reached, 100);
+}
+
+// The limit holds where the plan samples the postures, every kStep. Between them, where a joint
+// starts and ends a fast turn near a singular posture, a joint may pass it by a quarter. What bends
+// within less than kStep is not seen: the fitted line of seed 150 does, on a steep slope.
+// The defect: near singular postures bends were averaged over two steps, and joints reached five
+// times the limit.
+TEST(JointRates, NoJointAcceleratesFasterThanItsLimitAlongRandomPaths) {
+  ArmModel arm(surfaces::kArm);
+  const JointVector start = surfaces::start_posture(arm);
+  PathSettings settings = fast();
+  settings.joint_speed_share = 1.0;
+  settings.joint_acceleration = 20.0;
+  PathSettings any = settings;
+  any.joint_acceleration = 1000.0;
+  const JointRates limits(arm, settings, start, start), free(arm, any, start, start);
+  int faster = 0, reached = 0, above = 0;
+  std::vector<unsigned> far_above;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    std::mt19937 random(seed);
+    const PlacedStroke stroke = random_stroke(random);
+    if (!check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty()) continue;
+    const double share =
+        largest_acceleration(arm, plan_tip_path({stroke}, surfaces::waves, settings, limits),
+                             start) /
+        settings.joint_acceleration;
+    if (std::isnan(share)) continue;
+    ++reached;
+    above += share > 1.0;
+    if (share > 1.3) far_above.push_back(seed);
+    if (seed % 4 == 0)
+      faster += largest_acceleration(arm, plan_tip_path({stroke}, surfaces::waves, any, free),
+                                     start) > 1.3 * settings.joint_acceleration;
+  }
+  EXPECT_GT(faster, 25) << "the limits must have something to limit";
+  EXPECT_GT(reached, 100);
+  EXPECT_LE(above, 12);
+  EXPECT_EQ(far_above, std::vector<unsigned>{150});
 }
 
 TEST(JointRates, NoJointNeedsMoreTorqueThanItsShareAlongRandomPaths) {
