@@ -82,15 +82,21 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
     double speed = 1e9, slope_most = 0.0, bend_most = 0.0, of_speed = 0.0, of_thrust = 0.0;
     if (known && reached) {
       JointVector steepest_slope = (q_ - before).cwiseAbs() / du;
-      // Near a singular posture the joints turn by much within the step, and not evenly.
+      // Near a singular posture the joints turn by much within the step, and not evenly: slope and
+      // bend there are those of the pieces.
       const double turned = du * steepest_slope.maxCoeff();
       if (turned > kTurn) {
         const int pieces = std::min(kMostPieces, static_cast<int>(std::ceil(turned / kPieceTurn)));
         q_ = before;
-        JointVector q = before;
+        JointVector q = before, slope_of_last;
         for (int i = 1; reached && i <= pieces; ++i) {
           reached = follow(spline.at(u - du + i * du / pieces), du / pieces);
-          steepest_slope = steepest_slope.cwiseMax((q_ - q).cwiseAbs() * pieces / du);
+          const JointVector slope = (q_ - q) * pieces / du;
+          steepest_slope = steepest_slope.cwiseMax(slope.cwiseAbs());
+          if (i > 1)
+            bend_most =
+                std::max(bend_most, (slope - slope_of_last).cwiseAbs().maxCoeff() * pieces / du);
+          slope_of_last = slope;
           q = q_;
         }
       }
@@ -101,7 +107,7 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
       // over two steps: the bend of less is that of the normals' noise
       const JointVector bend = slopes_known > 1 ? JointVector((slope - slope_earlier) / (2.0 * du))
                                                 : JointVector::Zero(slope.size());
-      bend_most = bend.cwiseAbs().maxCoeff();
+      bend_most = std::max(bend_most, bend.cwiseAbs().maxCoeff());
       arm_->compute(q_, slope, &terms_);
       const JointVector left = torque_ - holding_torque(terms_, -(X_WP_.R * spline.at(u).n),
                                                         load_.normal_force, load_.friction);

@@ -8,8 +8,10 @@
 // and its torque is g + Jᵀ F + (M d²q/du² + C(q, dq/du) dq/du) u̇² + M dq/du ü, so that with what
 // holding the arm and pressing the pen on leave of the limit, r_j = share · τ_max,j − |g + Jᵀ F|_j,
 //   u̇² ≤ 0.8 r_j / |M d²q/du² + C dq/du|_j,  ü ≤ (r_j − |M d²q/du² + C dq/du|_j u̇²) / |M dq/du|_j
-// Slopes and bends are differences over steps of kStep. Where no posture is found, or holding the
-// arm takes all of the torque, the limits stay as they are: the pre-flight reports such places.
+// Slopes and bends are differences over steps of kStep, and near singular postures of finer ones.
+// Within less than that, acceleration passes its limit by up to a quarter. Where no posture is
+// found, or holding the arm takes all of the torque, the limits stay as they are: the pre-flight
+// reports such places.
 #pragma once
 
 #include "impedraw/arm/arm_model.h"

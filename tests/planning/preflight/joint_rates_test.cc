@@ -103,14 +103,6 @@ double largest_acceleration(ArmModel& arm, const TipPath& path, const JointVecto
   return largest;
 }
 
-// Joint 6 passes 0 within 0.05 rad: the axes of joints 5 and 7 fall together.
-bool wrist_stretched(ArmModel& arm, const TipPath& path, const JointVector& start) {
-  double least = 1.0;
-  for (const std::vector<JointVector>& q : postures(arm, path, start))
-    for (const JointVector& at : q) least = std::min(least, std::abs(at[5]));
-  return least < 0.05;
-}
-
 PlacedStroke random_stroke(std::mt19937& random) {
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   std::vector<Eigen::Vector2d> points;
@@ -160,11 +152,11 @@ TEST(JointRates, NoJointPassesItsLimitAlongRandomPaths) {
   EXPECT_GT(reached, 100);
 }
 
-// The limit holds where the plan samples the postures, every kStep; between them a joint may pass
-// it by up to a quarter. Two things are not seen: what bends within less than kStep, as the fitted
-// line of seed 150 does on a steep slope; and how unevenly a joint turns within a step near a
-// stretched wrist (joint 6 near 0), where bends are averaged over two steps: up to 5.4 times the
-// limit was measured there.
+// The limit holds where the plan samples the postures, every kStep. Between them, where a joint
+// starts and ends a fast turn near a singular posture, a joint may pass it by a quarter. What bends
+// within less than kStep is not seen: the fitted line of seed 150 does, on a steep slope.
+// The defect: near singular postures bends were averaged over two steps, and joints reached five
+// times the limit.
 TEST(JointRates, NoJointAcceleratesFasterThanItsLimitAlongRandomPaths) {
   ArmModel arm(surfaces::kArm);
   const JointVector start = surfaces::start_posture(arm);
@@ -175,25 +167,26 @@ TEST(JointRates, NoJointAcceleratesFasterThanItsLimitAlongRandomPaths) {
   any.joint_acceleration = 1000.0;
   const JointRates limits(arm, settings, start, start), free(arm, any, start, start);
   int faster = 0, reached = 0, above = 0;
-  std::vector<unsigned> far_above, stretched;
+  std::vector<unsigned> far_above;
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);
     const PlacedStroke stroke = random_stroke(random);
     if (!check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty()) continue;
-    const TipPath limited = plan_tip_path({stroke}, surfaces::waves, settings, limits);
-    const double share = largest_acceleration(arm, limited, start) / settings.joint_acceleration;
+    const double share =
+        largest_acceleration(arm, plan_tip_path({stroke}, surfaces::waves, settings, limits),
+                             start) /
+        settings.joint_acceleration;
     if (std::isnan(share)) continue;
     ++reached;
     above += share > 1.0;
-    if (share > 1.3) (wrist_stretched(arm, limited, start) ? stretched : far_above).push_back(seed);
+    if (share > 1.3) far_above.push_back(seed);
     if (seed % 4 == 0)
       faster += largest_acceleration(arm, plan_tip_path({stroke}, surfaces::waves, any, free),
                                      start) > 1.3 * settings.joint_acceleration;
   }
   EXPECT_GT(faster, 25) << "the limits must have something to limit";
   EXPECT_GT(reached, 100);
-  EXPECT_LE(above, 24);
-  EXPECT_LE(stretched.size(), 15u);
+  EXPECT_LE(above, 12);
   EXPECT_EQ(far_above, std::vector<unsigned>{150});
 }
 
