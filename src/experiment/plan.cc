@@ -234,7 +234,7 @@ void Planning::name_step(Finding* f) const {
     return;
   }
   const Roughness there = scene_.perception->roughness(f->p_W);
-  if (there.misfit > s_.preflight.roughest && there.misfit <= kStep) {
+  if (there.rougher_than(s_.preflight.roughest) && there.misfit <= kStep) {
     f->problem = Problem::too_rough;
     f->text = fmt::format("rougher than the cameras resolve, by {:.1f} mm over {:.0f} mm",
                           2e3 * there.misfit, 2e3 * there.radius);

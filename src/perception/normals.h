@@ -73,6 +73,13 @@ struct Roughness {
   double radius = 0.0;    // of that fit's patch [m]
   double misfit = 0.0;    // part of the residual that noise does not explain [m]
   double slope = 0.0;     // error of the normal to be expected from both [rad]
+
+  // By the misfit of a patch that is small enough: in a wider one it is shape that a smaller patch
+  // would follow. Such a patch says nothing.
+  static constexpr double kTelling = 8e-3;  // its radius at most [m]
+  bool rougher_than(double most_misfit) const noexcept {
+    return radius <= kTelling && misfit > most_misfit;
+  }
 };
 
 // The cloud, its kd-tree and the settings. estimate() is const, may run in any number of threads,

@@ -76,7 +76,7 @@ struct PreflightSettings {
   // mean is kept; 0: all is drawn, however slowly [m/s]. Not by check_strokes: by the planned path.
   double least_speed = 15e-3;
 
-  // RMS misfit of the surface's smallest patch beyond which a place is too rough (Roughness of
+  // RMS misfit of a patch of at most 8 mm beyond which a place is too rough (Roughness of
   // perception/normals.h) [m]. A ball of radius r touches at r sin α off the line, α between true
   // and estimated normal. 0.2 mm in waves of 4 mm are slopes of 18° RMS: for r = 1 mm, 0.6 mm at
   // two standard deviations. Not by check_strokes: by the surface that it is given.
