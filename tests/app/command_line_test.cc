@@ -211,6 +211,22 @@ TEST_F(CommandLine, WhyAPartHasNoInk) {
   }
 }
 
+// At the foot of a step of 30 mm two sides meet like an open book.
+TEST_F(CommandLine, PlanNamesACrease) {
+  const Ended ended = call({"plan", "--json", "--shape", "M", "--set", "canvas.kind=rough", "--set",
+                            "canvas.rough.form=step", "--set", "canvas.rough.rise=0.03"});
+  EXPECT_EQ(ended.code, 1) << ended.err;
+  int creases = 0;
+  const nlohmann::json plan = nlohmann::json::parse(ended.out);
+  for (const nlohmann::json& part : plan.at("not_drawable")) {
+    if (part.at("problem") != "crease") continue;
+    ++creases;
+    EXPECT_THAT(part.at("text").get<std::string>(), HasSubstr("two sides of the surface meet"));
+    EXPECT_NEAR(part.at("world_m")[0].get<double>(), 0.6, 0.01) << "where the step is";
+  }
+  EXPECT_GT(creases, 0);
+}
+
 TEST_F(CommandLine, WrongOut) {
   write("file", "mine");
   write("foreign/mine.txt", "mine");
