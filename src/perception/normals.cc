@@ -65,8 +65,8 @@ constexpr double kGood = 3e-3;
 // The finest level has fewer neighbours: this share of k, but not below kFewest.
 constexpr double kFinestShare = 0.4;
 constexpr int kFewest = 16;
-// A plan: the misfit that a patch has over a step alone, and the heights between which it leaves the
-// widest patches for finer ones [m].
+// A plan: the misfit that a patch has over a step alone, and the heights between which it leaves
+// the widest patches for finer ones [m].
 constexpr double kUneven = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
 // A step of the surface: half of it on either side leaves a plane fit a residual of 0.26 times the
 // step, however small the patch is. So the finest patch has a residual above kStep [m], which
