@@ -417,7 +417,7 @@ void Planning::leave_out(const OffSurface& off) {
 // kCrawling of least_speed always go; as long as the mean, with something in hand since the run's
 // clock yields on rough ground, is below least_speed, those below a bound that rises go, too.
 bool Planning::leave_out_crawling() {
-  constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.3, kRise = 1.25;
+  constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.2, kRise = 1.25;
   const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
   if (!(asked > 0.0)) return false;
   double least = kCrawling * asked;

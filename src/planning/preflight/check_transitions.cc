@@ -107,7 +107,9 @@ std::vector<Finding> check_transitions(const TipPath& path,
     lift = sample.phase == Phase::lift && next > 0;
     const auto below = obstacle ? obstacle->closest(p, kTipFree + 0.02) : std::nullopt;
     check.asked.pen = !(below && below->distance < kTipFree);
-    const PenPlacement pen{p, -n};
+    // A path may run beneath the surface: a set-point that presses, a coarse cloud.
+    const bool beneath = sample.stroke >= 0 && below && below->distance < 0.0;
+    const PenPlacement pen{beneath ? below->p_W : p, -n};
     PostureCheck& here = sample.stroke < 0 ? check : along_strokes;
     Posture posture = last ? here.follow(pen, *last, moved) : check.enter(pen, start_q);
     if (sample.stroke >= 0 && posture.problem)
