@@ -149,11 +149,11 @@ TEST(MovingCanvas, CarriedRoundTheBaseItTakesTheInkOfAStandingOne) {
 }
 
 // A quarter turn of all but the arm, which starts with its first joint turned as far: canvas,
-// motion, marks, cameras and drawing. The axes of the world change places, so that only the
-// thinning of the cloud tells the two apart; the marks' noise, which is drawn along them, is left
-// out.
+// motion, marks, cameras and drawing. The axes of the world change places. Without noise,
+// which is drawn along them and thinned along them, nothing but rounding tells the two apart.
 TEST(MovingCanvas, AQuarterTurnAboutTheBaseChangesNothing) {
-  const Scenario straight = resolve_scenario("moving-sway", {"perception.fiducials.noise=0"});
+  const Scenario straight = resolve_scenario(
+      "moving-sway", {"perception.fiducials.noise=0", "perception.noise.sigma_at_1m=0"});
   Scenario turned = moved(straight, {-0.6, 0.6}, 90.0);
   turned.perception.region_lower = {-0.45, 0.25, 0.0};
   turned.perception.region_upper = {0.45, 1.0, 0.6};
