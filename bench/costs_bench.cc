@@ -112,6 +112,8 @@ void BM_metrics(benchmark::State& state) {
     rows.contact_force.assign(n, {0.0, 0.0, 5.0});
     rows.contact_normal.assign(n, Vector3d::UnitZ());
     rows.surface_normal.assign(n, Vector3d::UnitZ());
+    rows.tip_position.assign(n, Vector3d::Zero());
+    rows.desired_position.assign(n, Vector3d::Zero());
     rows.tip_orientation.assign(n, Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0));
     rows.surface_distance.assign(n, 0.0);
     rows.push.assign(n, 5.0);
