@@ -226,7 +226,6 @@ std::vector<StrokePart> Planning::lay_on_surface() {
 
 // The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
 void Planning::name_step(Finding* f) const {
-  constexpr double kStep = 8e-4;  // [m]
   if (!scene_.perception || f->problem != Problem::off_canvas) return;
   if (scene_.planning->in_crease(f->p_W)) {
     f->problem = Problem::crease;
@@ -234,15 +233,15 @@ void Planning::name_step(Finding* f) const {
     return;
   }
   const Roughness there = scene_.perception->roughness(f->p_W);
-  if (there.rougher_than(s_.preflight.roughest) && there.misfit <= kStep) {
+  const double height = 2e3 * there.misfit, width = 2e3 * there.radius;  // [mm]
+  if (there.misfit > Roughness::kStepMisfit) {
+    f->problem = Problem::fold;
+    f->text = fmt::format("the surface steps by over {:.1f} mm within {:.0f} mm", height, width);
+  } else if (there.rougher_than(s_.preflight.roughest)) {
     f->problem = Problem::too_rough;
-    f->text = fmt::format("rougher than the cameras resolve, by {:.1f} mm over {:.0f} mm",
-                          2e3 * there.misfit, 2e3 * there.radius);
+    f->text =
+        fmt::format("rougher than the cameras resolve, by {:.1f} mm over {:.0f} mm", height, width);
   }
-  if (!(there.misfit > kStep)) return;
-  f->problem = Problem::fold;
-  f->text = fmt::format("the surface steps by over {:.1f} mm within {:.0f} mm", 2e3 * there.misfit,
-                        2e3 * there.radius);
 }
 
 // Whether it is so only where the canvas is before it has been watched.

@@ -236,9 +236,9 @@ double refine(std::span<const AxisSample> samples, double origin, double slowest
   const double fastest = 2.0 * std::numbers::pi * WaveFit::kFastest;
   const double apart =
       std::numbers::pi / (samples.back().time - samples.front().time);  // of two rates
+  AxisWave wave;
+  solve(samples, origin, *rates, &wave);
   for (int step = 0; step < kSteps; ++step) {
-    AxisWave wave;
-    solve(samples, origin, *rates, &wave);
     int n = 2;
     for (const double rate : *rates) n += rate != 0.0 ? 3 : 0;
     Newton A = Newton::Zero(n, n);
@@ -273,10 +273,12 @@ double refine(std::span<const AxisSample> samples, double origin, double slowest
           valid = valid && (trial[other] == 0.0 || std::abs(trial[k] - trial[other]) >= apart);
       }
       if (!valid) continue;
-      const double with = solve(samples, origin, trial, nullptr);
+      AxisWave tried;
+      const double with = solve(samples, origin, trial, &tried);
       if (with < left) {
         left = with;
         *rates = trial;
+        wave = tried;
       }
     }
     if (!(left < (1.0 - kEnough) * before)) break;

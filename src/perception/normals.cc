@@ -65,9 +65,8 @@ constexpr double kGood = 3e-3;
 // The finest level has fewer neighbours: this share of k, but not below kFewest.
 constexpr double kFinestShare = 0.4;
 constexpr int kFewest = 16;
-// A plan: the misfit that a patch has over a step alone, and the heights between which it leaves
-// the widest patches for finer ones [m].
-constexpr double kUneven = 8e-4, kLeastOff = 5e-4, kMostOff = 1.5e-3;
+// A plan: the heights between which it leaves the widest patches for finer ones [m].
+constexpr double kLeastOff = 5e-4, kMostOff = 1.5e-3;
 // A step of the surface: half of it on either side leaves a plane fit a residual of 0.26 times the
 // step, however small the patch is. So the finest patch has a residual above kStep [m], which
 // noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
@@ -422,7 +421,7 @@ struct SurfaceEstimator::Index {
   // steps that no patch resolves, and off creases.
   SurfaceEstimate planned(const Vector3d& p, const SurfaceEstimate& coarse, int closest) const {
     if (finest && closest >= 0 &&
-        (steps[closest] || rough[closest].misfit > kUneven ||
+        (steps[closest] || rough[closest].misfit > Roughness::kStepMisfit ||
          rough[closest].rougher_than(most_misfit)))
       return {.status = SurfaceStatus::off_edge};
     if (closest >= 0 && !creases.empty() && creases[closest])

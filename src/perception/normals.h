@@ -74,6 +74,8 @@ struct Roughness {
   double misfit = 0.0;    // part of the residual that noise does not explain [m]
   double slope = 0.0;     // error of the normal to be expected from both [rad]
 
+  // A patch has a larger misfit over a step of the surface alone [m].
+  static constexpr double kStepMisfit = 8e-4;
   // By the misfit of a patch that is small enough: in a wider one it is shape that a smaller patch
   // would follow. Such a patch says nothing.
   static constexpr double kTelling = 8e-3;  // its radius at most [m]
@@ -103,7 +105,7 @@ class SurfaceEstimator {
   // the fitted surface runs on beyond the points (normals.cc), and where it is rougher than
   // most_misfit [m].
   SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness,
-                   double most_misfit = 8e-4);
+                   double most_misfit = Roughness::kStepMisfit);
   ~SurfaceEstimator();
   SurfaceEstimator(SurfaceEstimator&&) noexcept;
   SurfaceEstimator& operator=(SurfaceEstimator&&) noexcept;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/minimum_jerk.h"
 #include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
@@ -43,10 +44,10 @@ class Mover {
     const long moving = std::lround(kMoveTime / dt_), steps = moving + std::lround(rest / dt_),
                averaging = steps - std::lround(0.5 * rest / dt_);
     for (long k = 0; k < steps; ++k) {
-      const double s = std::min(1.0, static_cast<double>(k) / moving),
-                   ds = s < 1.0 ? 1.0 / kMoveTime : 0.0;
-      const JointVector q_d = from + s * s * s * (10.0 + s * (6.0 * s - 15.0)) * (to - from);
-      const JointVector v_d = 30.0 * s * s * (1.0 - s) * (1.0 - s) * ds * (to - from);
+      const MinimumJerk jerk =
+          MinimumJerk::at(std::min(1.0, static_cast<double>(k) / moving), kMoveTime);
+      const JointVector q_d = from + jerk.share * (to - from);
+      const JointVector v_d = jerk.rate * (to - from);
       arm_.compute(state_->q, state_->v, &terms_);
       const JointVector damping = 1.4 * (kStiffness * terms_.M.diagonal()).cwiseSqrt();
       const JointVector tau =

@@ -2,20 +2,20 @@
 
 #include <algorithm>
 
+#include "impedraw/common/minimum_jerk.h"
+
 namespace impedraw {
 
 namespace {
 
 // From a to b, at u of 0 to 1 of the time.
 TipReference between(const TipReference& a, const TipReference& b, double u, double duration) {
-  const double share = u * u * u * (10.0 + u * (6.0 * u - 15.0));
-  const double rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration;
-  const double rise = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration);
+  const auto [share, rate, change] = MinimumJerk::at(u, duration);
   const Eigen::Vector3d way = b.p_WD - a.p_WD, faster = b.v_WD - a.v_WD;
   TipReference out = b;
   out.p_WD = a.p_WD + share * way;
   out.v_WD = a.v_WD + share * faster + rate * way;
-  out.a_WD = a.a_WD + share * (b.a_WD - a.a_WD) + 2.0 * rate * faster + rise * way;
+  out.a_WD = a.a_WD + share * (b.a_WD - a.a_WD) + 2.0 * rate * faster + change * way;
   out.n_WD = ((1.0 - share) * a.n_WD + share * b.n_WD).normalized();
   out.w_WD = (1.0 - share) * a.w_WD + share * b.w_WD;
   out.alpha_WD = (1.0 - share) * a.alpha_WD + share * b.alpha_WD;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "impedraw/common/minimum_jerk.h"
 #include "impedraw/common/pose.h"
 #include "impedraw/control/tip_reference.h"
 
@@ -10,9 +11,8 @@ namespace impedraw {
 
 class EmergencyLift {
  public:
-  static constexpr double kDuration = 1.0;  // at least [s]
-  static constexpr double kHeight = 0.03;   // [m]
-
+  static constexpr double kDuration = 1.0;    // at least [s]
+  static constexpr double kHeight = 0.03;     // [m]
   static constexpr double kMostSpeed = 0.35;  // [m/s]
 
   // Keeps the pen's axis as it is at X_WE.
@@ -30,13 +30,13 @@ class EmergencyLift {
   double risen(const Eigen::Vector3d& p_WE) const { return n_.dot(p_WE - p_); }
   // Minimum-jerk motion from rest to rest.
   TipReference at(double t) const {
-    const double s = std::clamp((t - start_) / duration_, 0.0, 1.0);
+    const MinimumJerk jerk =
+        MinimumJerk::at(std::clamp((t - start_) / duration_, 0.0, 1.0), duration_);
     TipReference reference;
     reference.n_WD = axis_;
-    reference.p_WD = p_ + height_ * s * s * s * (10.0 + s * (6.0 * s - 15.0)) * n_;
-    reference.v_WD = height_ / duration_ * 30.0 * s * s * (1.0 - s) * (1.0 - s) * n_;
-    reference.a_WD =
-        height_ / (duration_ * duration_) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * n_;
+    reference.p_WD = p_ + height_ * jerk.share * n_;
+    reference.v_WD = height_ * jerk.rate * n_;
+    reference.a_WD = height_ * jerk.change * n_;
     return reference;
   }
 

@@ -10,6 +10,7 @@
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/minimum_jerk.h"
 #include "impedraw/control/step_watchdog.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/preflight_of_plan.h"
@@ -250,12 +251,11 @@ class Runner {
     const Eigen::Vector3d from = rest_.p_WD;
     const double begin = time(), duration = until - begin;
     while (time() < until) {
-      const double u = (time() - begin) / duration;
+      const MinimumJerk jerk = MinimumJerk::at((time() - begin) / duration, duration);
       PathSample on_way{rest_, -1, std::nan(""), Phase::travel};
-      on_way.reference.p_WD = from + u * u * u * (10.0 + u * (6.0 * u - 15.0)) * (p_W - from);
-      on_way.reference.v_WD = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration * (p_W - from);
-      on_way.reference.a_WD =
-          60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (duration * duration) * (p_W - from);
+      on_way.reference.p_WD = from + jerk.share * (p_W - from);
+      on_way.reference.v_WD = jerk.rate * (p_W - from);
+      on_way.reference.a_WD = jerk.change * (p_W - from);
       if (!step(on_way)) return;
     }
     rest_.p_WD = p_W;
@@ -619,20 +619,17 @@ class Runner {
   void look_for_wall(const PathSample& desired, const TipPath& path, double planned) {
     if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
     const bool down = out_.mode == ContactMode::contact || out_.mode == ContactMode::approach;
-    if (!down) side_watch_.reset();
-    if (!down) sink_watch_.reset();
-    if (down && !canvas_moves() && sinks(desired)) {
+    if (!down) {
+      side_watch_.reset();
+      sink_watch_.reset();
+    }
+    const bool sunk = down && !canvas_moves() && sinks(desired);
+    const bool aside = down && side_watch_.update(out_.n_WD, loop_.F_ext().head<3>(), dt());
+    const bool lost = lost_surface();
+    if (sunk || aside || lost) {
       wall_ = place_on_path(desired, path, planned);
-      if (wall_ && wall_->stroke == touched_.stroke)
+      if (wall_ && sunk && wall_->stroke == touched_.stroke)
         wall_->from = std::min(wall_->from, touched_.from);
-      if (wall_) return lift(kLiftAtWall);
-    }
-    if (down && side_watch_.update(out_.n_WD, loop_.F_ext().head<3>(), dt())) {
-      wall_ = place_on_path(desired, path, planned);
-      if (wall_) return lift(kLiftAtWall);
-    }
-    if (lost_surface()) {
-      wall_ = place_on_path(desired, path, planned);
       if (wall_) return lift(kLiftAtWall);
     }
     if (desired.stroke < 0 || out_.mode != ContactMode::contact) return wall_watch_.reset();

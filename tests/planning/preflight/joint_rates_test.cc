@@ -129,25 +129,34 @@ PathSettings fast() {
   return settings;
 }
 
+// Those of 200 random strokes that the pre-flight lets pass, with their seeds. Nothing is promised
+// near singular postures.
+template <typename Judge>
+void for_drawable_strokes(ArmModel& arm, const JointVector& start, Judge&& judge) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const PlacedStroke stroke = random_stroke(random);
+    if (check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty())
+      judge(seed, stroke);
+  }
+}
+
 TEST(JointRates, NoJointPassesItsLimitAlongRandomPaths) {
   ArmModel arm(surfaces::kArm);
   const JointVector start = surfaces::start_posture(arm);
   const PathSettings settings = fast();
   const JointRates limits(arm, settings, start, start);
   int faster = 0, reached = 0;
-  for (unsigned seed = 0; seed < 200; ++seed) {
-    std::mt19937 random(seed);
-    const PlacedStroke stroke = random_stroke(random);
-    // Near singular postures nothing is promised.
-    if (!check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty()) continue;
+  for_drawable_strokes(arm, start, [&](unsigned, const PlacedStroke& stroke) {
     const TipPath limited = plan_tip_path({stroke}, surfaces::waves, settings, limits);
     const double share = largest_share(arm, limited, start);
-    if (std::isnan(share)) continue;
+    if (std::isnan(share)) return;
     ++reached;
-    EXPECT_LE(share, 1.0) << "seed " << seed;
+    EXPECT_LE(share, 1.0);
     const TipPath free = plan_tip_path({stroke}, surfaces::waves, settings);
     faster += largest_share(arm, free, start) > 1.0;
-  }
+  });
   EXPECT_GT(faster, 0) << "the limits must have something to limit";
   EXPECT_GT(reached, 100);
 }
@@ -168,22 +177,19 @@ TEST(JointRates, NoJointAcceleratesFasterThanItsLimitAlongRandomPaths) {
   const JointRates limits(arm, settings, start, start), free(arm, any, start, start);
   int faster = 0, reached = 0, above = 0;
   std::vector<unsigned> far_above;
-  for (unsigned seed = 0; seed < 200; ++seed) {
-    std::mt19937 random(seed);
-    const PlacedStroke stroke = random_stroke(random);
-    if (!check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty()) continue;
+  for_drawable_strokes(arm, start, [&](unsigned seed, const PlacedStroke& stroke) {
     const double share =
         largest_acceleration(arm, plan_tip_path({stroke}, surfaces::waves, settings, limits),
                              start) /
         settings.joint_acceleration;
-    if (std::isnan(share)) continue;
+    if (std::isnan(share)) return;
     ++reached;
     above += share > 1.0;
     if (share > 1.3) far_above.push_back(seed);
     if (seed % 4 == 0)
       faster += largest_acceleration(arm, plan_tip_path({stroke}, surfaces::waves, any, free),
                                      start) > 1.3 * settings.joint_acceleration;
-  }
+  });
   EXPECT_GT(faster, 25) << "the limits must have something to limit";
   EXPECT_GT(reached, 100);
   EXPECT_LE(above, 12);
@@ -202,18 +208,15 @@ TEST(JointRates, NoJointNeedsMoreTorqueThanItsShareAlongRandomPaths) {
   const JointRates limits(arm, settings, start, start, load),
       free(arm, any, start, start, {.torque_share = 100.0});
   int above = 0, reached = 0;
-  for (unsigned seed = 0; seed < 200; ++seed) {
-    std::mt19937 random(seed);
-    const PlacedStroke stroke = random_stroke(random);
-    if (!check_strokes({stroke}, surfaces::waves, arm, nullptr, start).findings.empty()) continue;
+  for_drawable_strokes(arm, start, [&](unsigned, const PlacedStroke& stroke) {
     const double share = largest_torque_share(
         arm, plan_tip_path({stroke}, surfaces::waves, settings, limits), start, load);
-    if (std::isnan(share)) continue;
+    if (std::isnan(share)) return;
     ++reached;
-    EXPECT_LE(share, load.torque_share) << "seed " << seed;
+    EXPECT_LE(share, load.torque_share);
     above += largest_torque_share(arm, plan_tip_path({stroke}, surfaces::waves, settings, free),
                                   start, load) > load.torque_share;
-  }
+  });
   EXPECT_GT(above, 5) << "the limits must have something to limit";
   EXPECT_GT(reached, 100);
 }
