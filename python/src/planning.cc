@@ -30,7 +30,8 @@ std::vector<PlacedStroke> strokes_of(nb::handle strokes) {
 
 SurfaceHeight height_of(nb::handle surface, const Pose& X_WP) {
   SurfaceEstimator* seen = nullptr;
-  if (nb::try_cast<SurfaceEstimator*>(surface, seen) && seen) return perceived_height(*seen, X_WP);
+  if (nb::try_cast<SurfaceEstimator*>(surface, seen) && seen)
+    return perceived_height(*seen, *seen, X_WP);
   Canvas* canvas = nullptr;
   if (nb::try_cast<Canvas*>(surface, canvas) && canvas) return canvas_height(*canvas, X_WP);
   return level_surface(number_of(surface, "surface"));

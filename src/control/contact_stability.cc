@@ -70,16 +70,22 @@ double rounded_up(double x) {
 
 }  // namespace
 
-void check_contact_stability(double desired_mass, double damping,
-                             const ImpedanceSettings& settings) {
+double lightest_stable_mass(double mass, double damping, const ImpedanceSettings& settings) {
   const auto holds = [&](double m_d) {
-    const double b = damping * std::sqrt(m_d / desired_mass);  // scaling of diagonal_damping()
+    const double b = damping * std::sqrt(m_d / mass);  // scaling of diagonal_damping()
     return stable(
         settings, [=](double) { return m_d; }, [=](double) { return b; });
   };
-  if (holds(desired_mass)) return;
-  double least = desired_mass;
-  while (least < 2.0 * settings.stability_check.natural_mass_max && !holds(least)) least *= 1.05;
+  const double most = 2.0 * settings.stability_check.natural_mass_max;
+  double least = mass;
+  while (least < most && !holds(least)) least *= 1.05;
+  return least;
+}
+
+void check_contact_stability(double desired_mass, double damping,
+                             const ImpedanceSettings& settings) {
+  const double least = lightest_stable_mass(desired_mass, damping, settings);
+  if (least == desired_mass) return;
   refuse(
       "inertia along the normal: %.3g kg is unstable with a tip of %.3g N/m with a wrench %.3g ms "
       "late; valid are %.3g kg or more",

@@ -27,6 +27,11 @@ struct ContactLoop {
 
 double spectral_radius(const ContactLoop& loop);  // < 1: stable
 
+// The lightest desired mass along the normal, from `mass` on, whose loop is stable for every
+// natural mass up to stability_check.natural_mass_max [kg]; twice that if none is. `damping`: B
+// along the normal with `mass`.
+double lightest_stable_mass(double mass, double damping, const ImpedanceSettings& settings);
+
 // These throw InputError, naming the axis, its value and the least valid value. They use the
 // timing, damping ratio and stability_check of the settings.
 void check_contact_stability(double desired_mass, double damping,

@@ -9,8 +9,11 @@ namespace impedraw {
 namespace {
 
 constexpr double kSelfMotionSpeed = 1.0;  // of the fastest joint; at twice that, no pull [rad/s]
-constexpr double kRiseRate = 80.0;        // of what the tip's motion tells of the surface's [1/s]
-constexpr double kFastestRise = 0.2;      // [m/s]
+// From here on the self-motion is damped more, at twice that 1 + kMoreDamping times as much.
+constexpr double kCalmSpeed = 0.7;  // of the fastest joint [rad/s]
+constexpr double kMoreDamping = 4.0;
+constexpr double kRiseRate = 80.0;     // of what the tip's motion tells of the surface's [1/s]
+constexpr double kFastestRise = 0.2;   // [m/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
 
 }  // namespace
@@ -112,7 +115,7 @@ JointVector ImpedanceController::brake_torque(const ArmTerms& arm,
                                               const JointVector& lack) const noexcept {
   constexpr double kFast = 2.0;   // a speed from which to brake [rad/s]
   constexpr double kShare = 0.3;  // of the braking time in which the torque may build up
-  const double most = kDampingLimit / 3.0 / settings_.timing.damping_delay();
+  const double most = bearable_rate();
   const Eigen::VectorXd& rate = settings_.limits.torque_rate;
   JointVector tau(lack.size());
   for (Eigen::Index j = 0; j < tau.size(); ++j) {
@@ -385,9 +388,18 @@ JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept
   // Past a singular posture, which has held it, the arm would swing back to q_0 at several times
   // its joints' speed limits: the pull fades while they are fast.
   const JointVector pull = null_stiffness_.cwiseProduct(q_0_ - arm.q);
-  const double fast = arm.v.cwiseAbs().maxCoeff() / kSelfMotionSpeed - 1.0;
+  const double speed = arm.v.cwiseAbs().maxCoeff();
+  const double fast = speed / kSelfMotionSpeed - 1.0;
   const double share = pull.dot(arm.v) > 0.0 ? std::clamp(1.0 - fast, 0.0, 1.0) : 1.0;
-  return share * pull - D_q.cwiseProduct(arm.v) + limit_repulsion(arm.q);
+  double damping = 1.0 + kMoreDamping * std::clamp(speed / kCalmSpeed - 1.0, 0.0, 1.0);
+  if (damping > 1.0) {
+    const JointVector self =
+        arm.v -
+        space_.acceleration(arm.J.transpose().lazyProduct(Vector6(space_.inertia() * arm.V_WE)));
+    const double rate = self.dot(D_q.cwiseProduct(self)) / self.dot(arm.M * self);
+    damping = std::clamp(bearable_rate() / rate, 1.0, damping);
+  }
+  return share * pull - damping * D_q.cwiseProduct(arm.v) + limit_repulsion(arm.q);
 }
 
 // τ_limit

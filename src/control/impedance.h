@@ -186,6 +186,10 @@ class ImpedanceController {
     return carrier_ ? carrier_->velocity_at(p_W) : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
 
+  // Of damping, a third of what the sampled loop bears [1/s].
+  double bearable_rate() const noexcept {
+    return kDampingLimit / 3.0 / settings_.timing.damping_delay();
+  }
   Vector6 damp(const Vector6& V) const noexcept;
   Vector6 spring_and_damper(const Vector6& V, ReferenceMotion* desired) noexcept;
   Vector6 handed_over(const Vector6& force, const Vector6& push) noexcept;

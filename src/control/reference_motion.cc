@@ -32,21 +32,29 @@ CarrierMotion carrier_motion(const FrameMotion& carrier, const Vector3d& p_W) {
           carrier.a + carrier.alpha.cross(r) + carrier.w.cross(carrier.w.cross(r))};
 }
 
+Vector3d across(const Vector3d& n, const Vector3d& x) { return x - n * n.dot(x); }
+
 // Projection along z, with full stiffness on any slope: x − z (n·x)/(n·z) and its derivatives. The
-// plan's own height is ignored, because perception gives the surface.
+// plan's own height is ignored, because perception gives the surface. On a surface along z there is
+// no such height: below |n·z| = least, (n·z)/least² takes the quotient's place, and the plan's own
+// height returns. A pen that slips over an edge is pulled up again.
 TangentMotion lifted(const Vector3d& e, const Vector3d& v, const Vector3d& a, const Vector3d& n,
-                     const Vector3d& n_dot, const Vector3d& z) {
-  const double cosine = n.dot(z), rise = n.dot(v) / cosine;
-  return {e - z * (n.dot(e) / cosine), v - z * rise,
-          a - z * ((n_dot.dot(v) + n.dot(a) - rise * n_dot.dot(z)) / cosine)};
+                     const Vector3d& n_dot, const Vector3d& z, double least) {
+  const double cosine = n.dot(z);
+  const bool steep = std::abs(cosine) < least;
+  const double share = steep ? cosine / (least * least) : 1.0 / cosine;
+  const double rise = n.dot(v) * share;
+  const TangentMotion motion{e - z * (n.dot(e) * share), v - z * rise,
+                             a - z * ((n_dot.dot(v) + n.dot(a) - rise * n_dot.dot(z)) * share)};
+  if (!steep) return motion;
+  return {across(n, motion.e), across(n, motion.v), across(n, motion.a)};
 }
 
 // (13): (z × e) × z, then its component in the tangent plane.
 TangentMotion projected(const Vector3d& e, const Vector3d& v, const Vector3d& a, const Vector3d& n,
                         const Vector3d& z) {
-  const auto along_tangents = [&n](const Vector3d& x) -> Vector3d { return x - n * n.dot(x); };
   const Vector3d e_page = e - z * z.dot(e);
-  return {along_tangents(e_page), along_tangents(v), along_tangents(a)};
+  return {across(n, e_page), across(n, v), across(n, a)};
 }
 
 }  // namespace
@@ -100,12 +108,11 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
   const Vector3d p_EC = give * n - settings_.tip.radius * (arm.X_WE.R.col(2) + n);
   out_.p_WD = reference.p_WD - p_EC;
 
-  const double cosine = n.dot(z);
-  const bool lift = settings_.surface.projection == ErrorProjection::lifted &&
-                    std::abs(cosine) > settings_.surface.min_axis_cosine;
+  const double cosine = n.dot(z), least = settings_.surface.min_axis_cosine;
+  const bool lift = settings_.surface.projection == ErrorProjection::lifted;
   const Vector3d e = out_.p_WD - arm.X_WE.p;
   TangentMotion tangent =
-      lift ? lifted(e, v_D, a_D, n, n_turn.cross(n), z) : projected(e, v_D, a_D, n, z);
+      lift ? lifted(e, v_D, a_D, n, n_turn.cross(n), z, least) : projected(e, v_D, a_D, n, z);
   if (carrier_) {
     tangent.a += carried.a + 2.0 * carrier_->w.cross(tangent.v);
     tangent.v += carried.v + rise_ * n;
@@ -124,7 +131,8 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
       approach_distance_ = surface.distance - approach.lag;
     } else if (approach_distance_ > -approach.overtravel) {
       approach_distance_ -= approach.speed * settings_.timing.dt;
-      tangent.v -= lift ? Vector3d(z * (approach.speed / cosine)) : Vector3d(n * approach.speed);
+      tangent.v -= lift && std::abs(cosine) > least ? Vector3d(z * (approach.speed / cosine))
+                                                    : Vector3d(n * approach.speed);
     }
     if (known) e_n = n * (approach_distance_ - surface.distance);
   }

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/control/contact_stability.h"
+#include "impedraw/control/damping.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/sensing/touch_surface.h"
 
@@ -77,6 +79,25 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
   return settings;
 }
 
+// The lighter the pen along the normal, the steadier the force on a rough surface; how light it may
+// be, the delay of the wrench decides. Where no mass is given, the default is raised as far as that
+// asks for.
+void choose_mass(const ControlSettings& given, ImpedanceSettings* control) {
+  constexpr double kMargin = 1.3;  // over the lightest that is stable
+  if (control->inertia != InertiaShaping::shaped || control->wrench == WrenchFeedback::none) return;
+  double& mass = control->shaped_inertia.linear.normal;
+  if (given.mass_normal) {
+    mass = *given.mass_normal;
+    return;
+  }
+  ImpedanceSettings lighter = *control;
+  lighter.shaped_inertia.linear.normal /= kMargin;
+  const TipGain damping =
+      diagonal_damping(lighter.damping_stiffness(), lighter.shaped_inertia, lighter.damping_ratio);
+  mass = kMargin *
+         lightest_stable_mass(lighter.shaped_inertia.linear.normal, damping.linear.normal, lighter);
+}
+
 // Share of a motion that the arm's model may miss, and that an estimated velocity follows late.
 constexpr double kUnexplained = 1.0 / 3.0;
 
@@ -145,7 +166,9 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
     });
   }
   setup.impedance = impedance_settings(s, scene, plan, wrench_delay);
+  choose_mass(s.control, &setup.impedance);
   set_up_joint_sensing(s, scene.arm.joints(), setting_errors, &setup);
+  choose_mass(s.control, &setup.impedance);  // an estimated velocity follows late
   if (scene.by_touch()) {
     ImpedanceSettings& control = setup.impedance;
     // An approach begins at the upper level, or lower, and may have to go down to the lower one.

@@ -126,9 +126,12 @@ SurfaceHeight level_surface(double z) {
   return [z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
 }
 
-SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP) {
+SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceEstimator& followed,
+                               const Pose& X_WP) {
+  constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
   const Pose X_PW = X_WP.inverse();
-  return [&estimator, X_WP, columns = std::make_shared<const Columns>(estimator.cloud(), X_PW),
+  return [&estimator, &followed, X_WP,
+          columns = std::make_shared<const Columns>(estimator.cloud(), X_PW),
           tops = std::make_shared<const TopSheet>(estimator.cloud(), X_PW),
           last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](
              double x, double y) mutable -> std::optional<SurfaceSample> {
@@ -144,7 +147,12 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_
       sample =
           descend(estimator, X_WP, {x, y, std::isfinite(top) ? top : columns->height_at(x, y)});
     if (covered()) sample.reset();
-    if (sample) last = sample->p_P;
+    if (!sample) return sample;
+    last = sample->p_P;
+    if (sample->n_P.z() < kSteep) {
+      const SurfaceEstimate there = followed.estimate(X_WP * sample->p_P);
+      if (there.status == SurfaceStatus::ok) sample->steepest = X_WP.R.col(2).dot(there.n_W);
+    }
     return sample;
   };
 }

@@ -14,8 +14,10 @@ SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP);
 
 // Descends to the surface along z by secant steps on the estimated distance. Starts from the last
 // result if that is near, else from the nearest column of the cloud. Returns nothing beyond the
-// cloud's edge. Refers to the estimator, which must outlive it.
-SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const Pose& X_WP);
+// cloud's edge. `followed`: what the pen will follow, for the steepest slope. Refers to both
+// estimators, which must outlive it.
+SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceEstimator& followed,
+                               const Pose& X_WP);
 
 // A level plane at the height z of P [m].
 SurfaceHeight level_surface(double z);

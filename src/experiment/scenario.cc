@@ -522,8 +522,14 @@ void describe(Fields& f, ControlSettings& s) {
                  "Stiffness K' that sets the damping where K is zero, along");
   describe_axial(f, Limits::reference_rotational_stiffness, s.reference_stiffness.angular,
                  "Stiffness K' that sets the damping where K is zero, about");
-  describe_axial(f, Limits::mass, s.shaped_inertia.linear,
-                 "Desired mass for inertia: shaped, along");
+  f.field("mass_tangent", s.shaped_inertia.linear.tangent, Limits::mass.range,
+          std::string(Limits::mass.unit),
+          "Desired mass for inertia: shaped, along both tangents of the surface.");
+  f.field(
+      "mass_normal", s.mass_normal, Limits::mass.range, std::string(Limits::mass.unit),
+      "Desired mass for inertia: shaped, along the surface normal. A lighter pen follows a rough "
+      "surface with a steadier force. null: 1 kg, or 1.3 times the lightest that is stable with a "
+      "wrench as late as control.sensing makes it.");
   describe_axial(f, Limits::rotational_inertia, s.shaped_inertia.angular,
                  "Desired moment of inertia for inertia: shaped, about");
   f.field(Limits::inertia_scale, s.inertia_scale,

@@ -209,6 +209,9 @@ struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
   JointSensingSettings joint_sensing;
+  // Along the normal, for inertia: shaped; absent: the least of shaped_inertia, or more where the
+  // wrench comes late (control_setup.cc) [kg].
+  std::optional<double> mass_normal;
   double torque_share = 1.0;    // of the arm's torque limits
   double torque_rate = 4000.0;  // of every joint [Nm/s]
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.

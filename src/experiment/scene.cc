@@ -154,7 +154,7 @@ CanvasMotion canvas_motion(const Scenario& s) {
 }  // namespace
 
 SurfaceHeight Scene::surface(const Pose& X_WP) const {
-  if (planning) return perceived_height(*planning, X_WP);
+  if (planning) return perceived_height(*planning, *perception, X_WP);
   if (blind.height == BlindHeight::canvas) return canvas_height(*canvas, X_WP);
   return level_surface(blind.top_z);
 }

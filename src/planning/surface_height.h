@@ -14,6 +14,9 @@ namespace impedraw {
 struct SurfaceSample {
   Eigen::Vector3d p_P;                             // on the surface, at the queried x and y [m]
   Eigen::Vector3d n_P = Eigen::Vector3d::UnitZ();  // unit, outward
+  // Cosine of the steepest slope known there: where n_P is smoothed and steep, that of the normal
+  // that the pen will follow. No more than n_P.z() counts.
+  double steepest = 1.0;
 };
 
 // Returns nullopt where there is no surface at (x, y) [m].

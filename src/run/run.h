@@ -74,7 +74,7 @@ inline constexpr double kRedrawOverlap = 1e-3;
 // Ink further off its place counts as none, where the surface is perceived [m].
 inline constexpr double kInPlace = 2.5e-3;
 // Given up behind a wall that was felt [m]; and walls in a run, after which it ends.
-inline constexpr double kBeyondWall = 3e-3, kSameWall = 1e-2;
+inline constexpr double kBeyondWall = 2e-3, kSameWall = 1e-2;
 inline constexpr double kBarredRoom = 5e-3;    // about what the arm cannot follow [m]
 inline constexpr int kMostLosses = 20;         // of a canvas, in one drawing
 inline constexpr double kLiftOffCanvas = 0.1;  // that leaves the reach [m]

@@ -29,6 +29,7 @@ double response(double t, double m, double k, double zeta, double x_0) {
 TEST(ClosedLoop, AShapedTipIsTheWantedMassOnASpring) {
   ArmModel arm(kArm);
   ImpedanceSettings s = soft(shaped_settings(arm));
+  s.shaped_inertia.linear.normal = 3.0;  // so soft, less would be refused
   for (const bool along_normal : {false, true}) {
     FreeArm free(s);
     const Eigen::Vector3d direction =

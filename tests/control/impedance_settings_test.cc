@@ -170,6 +170,7 @@ TEST(VelocityDelay, BoundsTheDampingAndTheInertiaInContact) {
     }
     // With a damping that its rate alone would allow.
     ImpedanceSettings light = shaped_settings(arm);
+    light.shaped_inertia.linear.normal = 3.0;
     light.stiffness = {{300.0, 1500.0}, {5.0, 0.0}};
     light.reference_stiffness = {{300.0, 1500.0}, {5.0, 1.0}};
     ASSERT_EQ(refusal(light), "accepted");

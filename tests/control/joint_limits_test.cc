@@ -1,4 +1,7 @@
 // Repulsion from joint limits: monotonic, smooth, and without effect on the tip.
+#include <algorithm>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "dense_algebra.h"
@@ -137,6 +140,44 @@ TEST(JointLimits, KeepAJointOffThatItsRestPostureLiesBeyond) {
       EXPECT_GT(furthest, limit - s.joint_range.margin) << "or it was never near";
     } else {
       EXPECT_GT(furthest, limit) << "or the limit was not needed";
+    }
+  }
+}
+
+// Between its bounds the damping rises fivefold, and no further than a third of what the sampled
+// loop bears.
+TEST(SelfMotion, IsDampedMoreWhereItIsFast) {
+  ArmModel arm(kArm);
+  ArmTerms terms(7);
+  arm.compute(working_posture(), JointVector::Zero(7), &terms);
+  ImpedanceSettings s = shaped_settings(arm);
+  s.null_space.q_0 = terms.q;
+  const Eigen::MatrixXd J = terms.J, M = terms.M, M_inverse = inverse(M);
+  const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(7, 7) -
+                            J.transpose() * inverse(J * M_inverse * J.transpose()) * J * M_inverse;
+  // N is of rank one: what it leaves of any torque moves the arm within itself.
+  Eigen::VectorXd self = M_inverse * N * Eigen::VectorXd::Unit(7, 2);
+  self /= self.cwiseAbs().maxCoeff();
+  ASSERT_LT((J * self).norm(), 1e-9);
+  const Eigen::VectorXd D =
+      2.0 * s.null_space.damping_ratio * (10.0 * M.diagonal().array()).sqrt().matrix();
+  const double rate = self.dot(D.cwiseProduct(self)) / self.dot(M * self);
+  for (const double delay : {1e-3, 3e-3}) {
+    s.timing.loop_delay = delay;
+    const double bearable = 0.5 / 3.0 / (s.timing.dt + delay) / rate;
+    for (const auto& [speed, times] :
+         {std::pair{0.3, 1.0}, std::pair{0.7, 1.0}, std::pair{1.05, 3.0}, std::pair{1.4, 5.0},
+          std::pair{3.0, 5.0}}) {
+      arm.compute(working_posture(), speed * self, &terms);
+      ImpedanceController controller(s, 7);
+      TipReference reference;
+      reference.p_WD = terms.X_WE.p;
+      reference.n_WD = -terms.X_WE.R.col(2);
+      const JointVector tau =
+          controller.step(terms, reference, {}, Wrench::Zero()).terms.col(kNullSpace);
+      const Eigen::VectorXd expected =
+          -std::clamp(bearable, 1.0, times) * speed * N * D.cwiseProduct(self);
+      EXPECT_LT((tau - expected).norm(), 1e-9 * expected.norm() + 1e-9) << speed << " rad/s";
     }
   }
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,6 +40,29 @@ TEST(Stages, TheStrokesArePlacedOnceForAll) {
     EXPECT_EQ(e.artwork.strokes[i].p_P, placed[i].p_P);
     EXPECT_EQ(e.plan.requested[i].p_P, placed[i].p_P) << "projected, it lies where it was placed";
     EXPECT_EQ(e.plan.source[i], static_cast<int>(i));
+  }
+}
+
+// The default is light. A wrench that comes late asks for more, 1.3 times what is just stable;
+// a mass that is given is taken as it is.
+TEST(Stages, ThePenIsAsLightAsTheWrenchPermits) {
+  const auto mass = [](const std::vector<std::string>& assignments) {
+    return prepare(scenario(assignments)).control.impedance.shaped_inertia.linear.normal;
+  };
+  EXPECT_DOUBLE_EQ(mass({}), ImpedanceSettings().shaped_inertia.linear.normal);
+  EXPECT_DOUBLE_EQ(mass({"control.mass_normal=2.5"}), 2.5);
+  double last = 0.0;
+  for (const double delay : {0.0, 0.001, 0.002, 0.004}) {
+    const std::vector<std::string> late = {"control.wrench=sensor",
+                                           fmt::format("wrench_sensor.delay={}", delay)};
+    const double chosen = mass(late);
+    EXPECT_GE(chosen, std::max(1.0, last)) << delay;
+    last = chosen;
+    if (delay == 0.0) continue;
+    EXPECT_GT(chosen, 1.3) << delay;
+    std::vector<std::string> lighter = late;
+    lighter.push_back(fmt::format("control.mass_normal={}", chosen / 1.4));
+    EXPECT_THROW(prepare(scenario(lighter)), InputError) << delay;
   }
 }
 

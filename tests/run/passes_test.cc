@@ -146,7 +146,9 @@ TEST(Passes, AWallIsDrawnOnAsATableIs) {
   EXPECT_NEAR(f["force_mean"], 5.0, 0.05);
   EXPECT_LE(f["tilt_max"], 1.0);
   for (std::size_t i = 0; i < f.run.stroke.size(); ++i)
-    if (f.run.stroke[i] >= 0) ASSERT_NEAR(f.run.contact_point[i].x(), 0.82, 1e-9);
+    if (f.run.stroke[i] >= 0) {
+      ASSERT_NEAR(f.run.contact_point[i].x(), 0.82, 1e-9);
+    }
 }
 
 }  // namespace

@@ -121,7 +121,9 @@ TEST(PlanClock, ScalesVelocityAndAcceleration) {
     if (i >= 3 && clock.rate() > 0.0) {
       EXPECT_NEAR(now.v_WD.x(), (p[2] - p[1]) / kDt, 2e-3);
     }
-    if (i >= 5) EXPECT_NEAR(now.a_WD.x(), (p[2] - 2.0 * p[1] + p[0]) / (kDt * kDt), 0.1);
+    if (i >= 5) {
+      EXPECT_NEAR(now.a_WD.x(), (p[2] - 2.0 * p[1] + p[0]) / (kDt * kDt), 0.1);
+    }
     clock.advance({0.02, 0.0, 0.0, 0.0, 1.0, false});
     t += kDt;
   }

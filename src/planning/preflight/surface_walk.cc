@@ -71,7 +71,8 @@ class Walk {
       look.problem = Problem::off_canvas;
       return look;
     }
-    look.slope = std::acos(std::clamp(look.sample->n_P.z(), -1.0, 1.0));
+    look.slope =
+        std::acos(std::clamp(std::min(look.sample->n_P.z(), look.sample->steepest), -1.0, 1.0));
     if (look.slope > kSteep) look.slope = std::max(look.slope, chord_slope(*look.sample));
     if (look.slope > settings_.max_slope_deg * std::numbers::pi / 180)
       look.problem = Problem::too_steep;
@@ -113,6 +114,10 @@ class Walk {
         fold(l, r);
       else
         extend(r);
+    } else if (l.sample && r.sample && step_in_height(l, r) > settings_.fold_height) {
+      // a wall that is too steep, and the ground at its foot
+      spans_.back().to = l.along;
+      fold(l, r);
     } else {
       const double boundary = l.problem ? r.along : l.along;
       spans_.back().to = boundary;
@@ -158,16 +163,17 @@ class Walk {
   }
 
   // Moves the ends of drawable spans, except the stroke's own, away from where the surface changes:
-  // by a tiny distance, by edge_margin where the surface ends, and at a fold by as much as it is
-  // high, up to kFoldMargin, so that the pen neither falls off it nor runs up. Shorter spans are
-  // rejected.
+  // by a tiny distance, by edge_margin where the surface ends or is too steep, and at a fold by as
+  // much as it is high, up to kFoldMargin, so that the pen neither falls off it nor runs up.
+  // Shorter spans are rejected.
   void retreat() {
     for (std::size_t i = 0; i < spans_.size(); ++i) {
       SurfaceSpan& span = spans_[i];
       if (span.problem || span.along.size() < 2) continue;
       const auto distance = [&](std::size_t neighbour) {
         const SurfaceSpan& other = spans_[neighbour];
-        if (other.problem == Problem::off_canvas) return std::max(kRetreat, settings_.edge_margin);
+        if (other.problem == Problem::off_canvas || other.problem == Problem::too_steep)
+          return std::max(kRetreat, settings_.edge_margin);
         if (other.problem == Problem::fold && other.step > kRidden)
           return std::max(kRetreat, std::min(other.step, kFoldMargin));
         return kRetreat;

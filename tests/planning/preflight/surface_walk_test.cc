@@ -159,8 +159,10 @@ TEST(SurfaceWalk, FindsTheFoldAndKeepsBothSides) {
 }
 
 TEST(SurfaceWalk, ASteepRampIsNoFold) {
+  PreflightSettings settings;
+  settings.edge_margin = 0;
   const auto steep = walk_surface(surfaces::line({{0.5503, 0}, {0.65, 0}}), stepped(0.004, 0.0007),
-                                  {});  // 80°, narrower than a step
+                                  settings);  // 80°, narrower than a step
   ASSERT_EQ(problems(steep), std::vector{Problem::too_steep});
   EXPECT_NEAR(steep[1].to - steep[1].from, 0.0007, 2.1e-4);
   EXPECT_NEAR(steep[1].slope, std::atan2(0.004, 0.0007), 1e-9);
@@ -170,8 +172,47 @@ TEST(SurfaceWalk, ASteepRampIsNoFold) {
           .empty());  // 71°
 }
 
+// Beside a steep place the pen would slip down it: with an error of 0.1 mm, by several millimetres.
+TEST(SurfaceWalk, KeepsItsMarginFromASteepPlace) {
+  PreflightSettings settings;
+  settings.edge_margin = 0.002;
+  const auto spans =
+      walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), stepped(0.02, 0.004), settings);
+  ASSERT_EQ(spans.size(), 3u);
+  EXPECT_EQ(spans[1].problem, Problem::too_steep);
+  EXPECT_NEAR(spans[0].to, 0.05 - 0.002, settings.edge_tolerance + 2e-6);
+  EXPECT_NEAR(spans[2].from, 0.054 + 0.002, settings.edge_tolerance + 2e-6);
+}
+
+// A cloud's wall of 79° ended 4 mm above the ground, and the stroke went on at its foot.
+TEST(SurfaceWalk, AStepAtTheFootOfASteepPlaceIsAFold) {
+  const SurfaceHeight surface = [](double x, double y) -> std::optional<SurfaceSample> {
+    if (x < 0.6) return level(x, y, 0.1);
+    if (x > 0.601) return level(x, y, 0.109);
+    return SurfaceSample{{x, y, 0.104 + 5.0 * (x - 0.6)}, Vector3d(-5.0, 0, 1).normalized()};
+  };
+  const auto spans = walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), surface, {});
+  EXPECT_THAT(problems(spans), testing::Contains(Problem::fold));
+  EXPECT_THAT(problems(spans), testing::Contains(Problem::too_steep));
+  ASSERT_FALSE(spans[0].problem);
+  EXPECT_NEAR(spans[0].to, 0.05 - 0.004, 1e-4) << "off the wall by its height, up to 4 mm";
+}
+
+TEST(SurfaceWalk, TheSteepestSlopeKnownCounts) {
+  const SurfaceHeight surface = [](double x, double y) -> std::optional<SurfaceSample> {
+    SurfaceSample sample{{x, y, 0.1 + 2.0 * x}, Vector3d(-2.0, 0, 1).normalized()};  // 63°
+    if (x > 0.6) sample.steepest = std::cos(80 * kDegree);
+    return sample;
+  };
+  const auto spans = walk_surface(surfaces::line({{0.55, 0}, {0.65, 0}}), surface, {});
+  ASSERT_EQ(problems(spans), std::vector{Problem::too_steep});
+  EXPECT_LE(spans[0].to, 0.05);
+  EXPECT_NEAR(spans[1].slope, 80 * kDegree, 1e-9);
+}
+
 TEST(SurfaceWalk, CutsTheBowlWhereItReachesTheSlope) {
   PreflightSettings settings;
+  settings.edge_margin = 0;
   settings.max_slope_deg = 25;
   const auto spans = walk_surface(surfaces::line({{0.6, 0}, {0.77, 0}}), surfaces::bowl, settings);
   ASSERT_EQ(problems(spans), std::vector{Problem::too_steep});
