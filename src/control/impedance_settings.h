@@ -146,7 +146,7 @@ struct ImpedanceSettings {
   TipGain stiffness{{5000.0, 1500.0}, {60.0, 0.0}};
   // Determines the damping of an axis with zero stiffness: [N/m], [Nm/rad].
   TipGain reference_stiffness{{0.0, 1500.0}, {0.0, 10.0}};
-  TipGain shaped_inertia{{4.0, 1.0}, {0.05, 0.02}};  // M_d if shaped: [kg], [kg m²]
+  TipGain shaped_inertia{{4.0, 1.5}, {0.05, 0.02}};  // M_d if shaped: [kg], [kg m²]
   double inertia_scale = 1.0;                        // c of M_d = c Λ if scaled
   double damping_ratio = 0.8;                        // ζ of every mode
 

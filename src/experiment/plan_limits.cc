@@ -142,7 +142,7 @@ std::string plan_limits_text(const PlannedDrawing& e, const PlanLimits& limits, 
       propose(fmt::format("perception.normals.k={}", std::max(24, s.perception.normals.k / 2)),
               "a smaller neighbourhood follows finer shape");
     propose(fmt::format("path.draw_speed={:.3g}", std::max(0.015, s.path.draw_speed / 2.0)),
-            "half the speed halves the force error");
+            "a slower pen presses more steadily");
   }
   for (const LimitCost& cost : limits.costs) {
     if (cost.limit.starts_with("path.tilt") && cost.seconds > 0.05 * e.plan.path.duration())

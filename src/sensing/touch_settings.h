@@ -14,7 +14,7 @@ struct TouchSettings {
   double force_noise = 0.05;       // of the slope that a force tells, over `spacing`
   double spacing = 50e-6;          // of the touched points along the path [m]
   double slip_speed = 5e-3;        // slower, the direction of friction is not known [m/s]
-  double turn_rate = 2.0;          // greatest of the reported normal [rad/s]
+  double turn_rate = 0.7;          // greatest of the reported normal [rad/s]
   double search = 5e-3;            // beneath a surface that has been touched [m]
   double settle_time = 0.1;        // from a touch to the use of the standing force [s]
 

@@ -56,10 +56,10 @@ TEST(Stages, ThePenIsAsLightAsTheWrenchPermits) {
     const std::vector<std::string> late = {"control.wrench=sensor",
                                            fmt::format("wrench_sensor.delay={}", delay)};
     const double chosen = mass(late);
-    EXPECT_GE(chosen, std::max(1.0, last)) << delay;
+    EXPECT_GE(chosen, std::max(1.5, last)) << delay;
     last = chosen;
     if (delay == 0.0) continue;
-    EXPECT_GT(chosen, 1.3) << delay;
+    EXPECT_GT(chosen, 1.5) << delay;
     std::vector<std::string> lighter = late;
     lighter.push_back(fmt::format("control.mass_normal={}", chosen / 1.4));
     EXPECT_THROW(prepare(scenario(lighter)), InputError) << delay;

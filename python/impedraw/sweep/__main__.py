@@ -297,7 +297,19 @@ def identity_of(spec: Spec, context, root: Path) -> dict:  # noqa: ANN001
         program = content_digest([Path(_impedraw.__file__)])
     return {"spec": spec.digest(), "runner": context.runner, "program": program,
             "inputs": content_digest(input_files(spec, root)), "name": spec.name,
-            "columns": context.columns, "axes": context.axes}
+            "commit": commit_of(root), "columns": context.columns, "axes": context.axes}
+
+
+def commit_of(root: Path) -> str:
+    """The commit that the sources are of, with a plus where they were changed since; empty where no
+    one knows. It is told, not compared."""
+    import subprocess
+
+    try:
+        return subprocess.run(["git", "describe", "--always", "--dirty=+", "--exclude=*"], cwd=root,
+                              capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return ""
 
 
 def input_files(spec: Spec, root: Path) -> list[Path]:

@@ -174,6 +174,23 @@ void drop_short(std::vector<Stretch>& stretches, double shortest) {
   }
 }
 
+// Scraps between undrawable parts go to the part before, or behind: "0.00 mm are left" tells nobody
+// anything.
+void absorb_scraps(std::vector<Stretch>& stretches) {
+  constexpr double kScrap = 5e-4;  // [m]
+  for (std::size_t i = stretches.size(); i-- > 0 && stretches.size() > 1;) {
+    const Stretch& scrap = stretches[i];
+    if (scrap.problem != Problem::too_short || scrap.to - scrap.from >= kScrap) continue;
+    if (i > 0 && stretches[i - 1].problem)
+      stretches[i - 1].to = scrap.to;
+    else if (i + 1 < stretches.size() && stretches[i + 1].problem)
+      stretches[i + 1].from = scrap.from;
+    else
+      continue;
+    stretches.erase(stretches.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
 }  // namespace
 
 const char* name_of(Problem problem) noexcept {
@@ -276,6 +293,7 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
     }
     done += plane_length(stroke) + kFirst;
     drop_short(stretches, settings.shortest);
+    absorb_scraps(stretches);
     std::optional<StrokeRuler> ruler;
     for (Stretch& stretch : stretches) {
       const StrokePart part{stroke.number, stretch.from, stretch.to};
