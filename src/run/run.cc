@@ -784,10 +784,38 @@ class Runner {
   TipReference rest_;                      // in W
 };
 
-TipPath plan_parts(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_WE,
+// A path for the parts. From another start the surface may end a little earlier, at its edges: what
+// is missed there is taken out of the parts. Empty if nothing is left.
+TipPath plan_parts(Experiment& e, std::vector<StrokePart>* parts, const Eigen::Vector3d& p_WE,
                    const Eigen::Vector3d& n_W, double hold) {
-  return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_WE, n_W, hold,
-                   stroke_limits(e.scene, e.plan));
+  constexpr double kAbout = 3e-3;  // a missed place [m]
+  while (!parts->empty()) {
+    try {
+      return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, *parts), p_WE, n_W, hold,
+                       stroke_limits(e.scene, e.plan));
+    } catch (const OffSurface& off) {
+      const double at = nearest_place(e.plan.strokes[static_cast<std::size_t>(off.stroke)], off.p);
+      const StrokePart hole{off.stroke, at - kAbout, at + kAbout};
+      const std::vector<StrokePart> before = *parts;
+      parts->clear();
+      for (const StrokePart& part : before) {
+        if (part.stroke != hole.stroke || part.to <= hole.from || part.from >= hole.to) {
+          parts->push_back(part);
+          continue;
+        }
+        if (hole.from - part.from > kShortestGap)
+          parts->push_back({part.stroke, part.from, hole.from});
+        if (part.to - hole.to > kShortestGap) parts->push_back({part.stroke, hole.to, part.to});
+      }
+      const auto length = [](const std::vector<StrokePart>& all) {
+        double sum = 0.0;
+        for (const StrokePart& part : all) sum += part.length();
+        return sum;
+      };
+      if (length(*parts) >= length(before)) throw;
+    }
+  }
+  return {};
 }
 
 // What lacks ink, but for the places before walls.
@@ -806,9 +834,9 @@ std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const Po
       preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception.has_value(), e.plan.rest_q);
   checks.height_error = height_error(e.scene);
   while (true) {
-    const std::vector<StrokePart> rest = rest_but_for(e, ink, *walls);
+    std::vector<StrokePart> rest = rest_but_for(e, ink, *walls);
+    TipPath path = plan_parts(e, &rest, X_KE.p, -X_KE.R.col(2), 0.0);
     if (rest.empty()) return std::nullopt;
-    TipPath path = plan_parts(e, rest, X_KE.p, -X_KE.R.col(2), 0.0);
     if (!e.scenario.preflight.arm) return path;
     std::vector<PlacedStroke> strokes = strokes_of(e, rest);
     for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].number = static_cast<int>(i);
@@ -833,10 +861,9 @@ std::vector<StrokePart> rest_of(const Experiment& e, const Resumption& resumptio
 
 // A path for it, from the last posture.
 TipPath plan_rest(Experiment& e, const Resumption& resumption) {
-  const std::vector<StrokePart> parts = rest_of(e, resumption);
-  if (parts.empty()) return {};
+  std::vector<StrokePart> parts = rest_of(e, resumption);
   const Pose X_WE = e.scene.arm.tip_pose(resumption.q);
-  return plan_parts(e, parts, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold);
+  return plan_parts(e, &parts, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold);
 }
 
 // Draws on a canvas that moves: what and when is decided by its forecast (carried_plan.h).
@@ -899,8 +926,13 @@ class MovingDrawing {
     all.kind = CarriedDecision::Kind::draw;
     all.join = pen.joined ? 0.0 : CanvasFollower::kJoin;
     const Pose here = runner_.X_KE();
-    all.path = plan_parts(e_, pending, here.p, -here.R.col(2), all.join);
     all.parts = pending;
+    all.path = plan_parts(e_, &all.parts, here.p, -here.R.col(2), all.join);
+    if (all.parts.empty()) {
+      all.kind = CarriedDecision::Kind::nothing;
+      for (const StrokePart& part : pending)
+        all.lost.push_back({part, "it lies at an edge of the surface"});
+    }
     return all;
   }
 
@@ -1058,10 +1090,12 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
       runner.feel(strokes_of(e, outcome.drawn_again), 0.0, true);
     } else {
       const bool turned = !walls.empty();  // the pen is not at the plan's end
-      runner.follow(plan_parts(e, outcome.drawn_again, turned ? here.p : last.p_WD,
-                               turned ? Eigen::Vector3d(-here.R.col(2)) : last.n_WD, 0.0),
-                    true);
-      go_around(true);
+      const TipPath again = plan_parts(e, &outcome.drawn_again, turned ? here.p : last.p_WD,
+                                       turned ? Eigen::Vector3d(-here.R.col(2)) : last.n_WD, 0.0);
+      if (!outcome.drawn_again.empty()) {
+        runner.follow(again, true);
+        go_around(true);
+      }
     }
   }
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();

@@ -64,5 +64,22 @@ TEST(LighterPen, PressesMoreSteadilyOnRoughGround) {
   EXPECT_LT(force_sd("null"), 0.7 * force_sd("3"));
 }
 
+// What is planned anew during a run starts elsewhere, and may miss the surface at an edge. The run
+// ended there with an error, the pen in the air and no numbers written.
+TEST(PlannedAnew, WhatMissesTheSurfaceIsLeftOut) {
+  Experiment e = prepare(resolve_scenario("bowl", {"drawing.shape=circle"}));
+  PlacedStroke& stroke = e.plan.strokes.front();
+  stroke.p_P = {{0.60, 0.0}, {0.70, 0.0}, {0.80, 0.0}};  // the bowl ends at 0.78
+  stroke.page = {{0.0, 0.0}, {100.0, 0.0}, {200.0, 0.0}};
+  Resumption left;
+  left.q = e.scene.start_q;
+  const RunOutcome outcome = run(e, {}, 0.0, {}, &left);
+  EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
+  ASSERT_EQ(outcome.lacking.size(), 1u);
+  EXPECT_GT(outcome.lacking[0].from, 0.16);
+  EXPECT_LT(outcome.lacking[0].from, 0.18);
+  EXPECT_NEAR(outcome.lacking[0].to, 0.2, 1e-9);
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -9,7 +9,8 @@ export const runColour = (k: number): string => kinds[k % kinds.length];
 export const bareColour = kinds[3];
 export const leftOutColour = kinds[6];
 // Of the k-th reason why a plan leaves something out.
-export const problemColour = (k: number): string => kinds[[1, 3, 4, 6, 2, 5, 7][k % 7]];
+const problems = [1, 3, 4, 6, 2, 5, 7].map((k) => kinds[k]).concat("#6f51c9", "#a3b300", "#8c1c3a", "#1f5c4a");
+export const problemColour = (k: number): string => problems[k % problems.length];
 
 const ramp = ["#0d0887", "#5b02a3", "#9a179b", "#cb4678", "#eb7852", "#fbb32f"].map(rgb);
 
