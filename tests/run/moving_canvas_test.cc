@@ -150,7 +150,8 @@ TEST(MovingCanvas, CarriedRoundTheBaseItTakesTheInkOfAStandingOne) {
 
 // A quarter turn of all but the arm, which starts with its first joint turned as far: canvas,
 // motion, marks, cameras and drawing. The axes of the world change places. Without noise,
-// which is drawn along them and thinned along them, nothing but rounding tells the two apart.
+// which is drawn along them, only the cloud, which is thinned along them, tells the two apart: by a
+// few hundredths of a millimetre where the pen comes down.
 TEST(MovingCanvas, AQuarterTurnAboutTheBaseChangesNothing) {
   const Scenario straight = resolve_scenario(
       "moving-sway", {"perception.fiducials.noise=0", "perception.noise.sigma_at_1m=0"});
@@ -161,7 +162,7 @@ TEST(MovingCanvas, AQuarterTurnAboutTheBaseChangesNothing) {
   turned.arm.posture_seed = {std::numbers::pi / 2, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0};
   const Figures one = draw_scenario(straight), other = draw_scenario(turned);
   EXPECT_NEAR(other["ink_error_rms"], one["ink_error_rms"], 1e-3);
-  EXPECT_NEAR(other["ink_error_max"], one["ink_error_max"], 0.01);
+  EXPECT_NEAR(other["ink_error_max"], one["ink_error_max"], 0.05);
   EXPECT_NEAR(other["force_sd"], one["force_sd"], 1e-3);
 }
 
