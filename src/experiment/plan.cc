@@ -401,11 +401,10 @@ void Planning::take_away(std::size_t i, double from, double to, Finding finding)
 
 // Removes a point without a surface, and a margin on both sides, from the drawable parts.
 void Planning::leave_out(const OffSurface& off) {
-  constexpr double kAbout = 3e-3;  // [m]
   const auto i = static_cast<std::size_t>(off.stroke);
   const PlacedStroke& stroke = plan_.strokes[i];
   const double along = nearest_place(stroke, off.p), from = plan_.preflight.drawable[i].from;
-  take_away(i, from + along - kAbout, from + along + kAbout,
+  take_away(i, from + along - OffSurface::kAbout, from + along + OffSurface::kAbout,
             {.problem = Problem::off_canvas,
              .text = "at an edge of the canvas",
              .page_mm = place_on(stroke, along).page,

@@ -32,6 +32,8 @@ class OffSurface : public InputError {
  public:
   OffSurface(const std::string& what, int number, const Eigen::Vector2d& at)
       : InputError(what), stroke(number), p(at) {}
+  // Along the stroke, to either side of such a point: left out with it [m].
+  static constexpr double kAbout = 3e-3;
   int stroke;         // PlacedStroke::number
   Eigen::Vector2d p;  // in the drawing plane [m]
 };

@@ -788,31 +788,17 @@ class Runner {
 // is missed there is taken out of the parts. Empty if nothing is left.
 TipPath plan_parts(Experiment& e, std::vector<StrokePart>* parts, const Eigen::Vector3d& p_WE,
                    const Eigen::Vector3d& n_W, double hold) {
-  constexpr double kAbout = 3e-3;  // a missed place [m]
   while (!parts->empty()) {
     try {
       return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, *parts), p_WE, n_W, hold,
                        stroke_limits(e.scene, e.plan));
     } catch (const OffSurface& off) {
       const double at = nearest_place(e.plan.strokes[static_cast<std::size_t>(off.stroke)], off.p);
-      const StrokePart hole{off.stroke, at - kAbout, at + kAbout};
-      const std::vector<StrokePart> before = *parts;
-      parts->clear();
-      for (const StrokePart& part : before) {
-        if (part.stroke != hole.stroke || part.to <= hole.from || part.from >= hole.to) {
-          parts->push_back(part);
-          continue;
-        }
-        if (hole.from - part.from > kShortestGap)
-          parts->push_back({part.stroke, part.from, hole.from});
-        if (part.to - hole.to > kShortestGap) parts->push_back({part.stroke, hole.to, part.to});
-      }
-      const auto length = [](const std::vector<StrokePart>& all) {
-        double sum = 0.0;
-        for (const StrokePart& part : all) sum += part.length();
-        return sum;
-      };
-      if (length(*parts) >= length(before)) throw;
+      std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
+      done.push_back({off.stroke, at - OffSurface::kAbout, at + OffSurface::kAbout});
+      std::vector<StrokePart> left = rest_of(e.plan.strokes, done, kShortestGap);
+      if (plane_length(strokes_of(e, left)) >= plane_length(strokes_of(e, *parts))) throw;
+      *parts = std::move(left);
     }
   }
   return {};
@@ -926,13 +912,9 @@ class MovingDrawing {
     all.kind = CarriedDecision::Kind::draw;
     all.join = pen.joined ? 0.0 : CanvasFollower::kJoin;
     const Pose here = runner_.X_KE();
+    all.path = plan_from(e_.plan.path_settings, e_.surface(), strokes_of(e_, pending), here.p,
+                         -here.R.col(2), all.join, stroke_limits(e_.scene, e_.plan));
     all.parts = pending;
-    all.path = plan_parts(e_, &all.parts, here.p, -here.R.col(2), all.join);
-    if (all.parts.empty()) {
-      all.kind = CarriedDecision::Kind::nothing;
-      for (const StrokePart& part : pending)
-        all.lost.push_back({part, "it lies at an edge of the surface"});
-    }
     return all;
   }
 

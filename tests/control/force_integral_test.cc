@@ -39,7 +39,7 @@ TEST(ForceIntegral, MendsTheForceThatAWrongModelLeaves) {
     if (on)
       EXPECT_NEAR(steady_force(plane), s.normal_force, 0.01 * s.normal_force);
     else
-      EXPECT_GT(std::abs(steady_force(plane) - s.normal_force), 0.03 * s.normal_force)
+      EXPECT_GT(std::abs(steady_force(plane) - s.normal_force), 0.05 * s.normal_force)
           << "or there was nothing to mend";
   }
 }
