@@ -152,7 +152,7 @@ const ImpedanceTorque& ImpedanceController::brake(const ArmTerms& arm,
   out_.terms.col(kGravity) = arm.g;
   out_.status.bad_input = !std::isfinite(out_.terms.sum()) || !space_.inertia().allFinite();
   if (out_.status.bad_input) return safe_torque();
-  const LimitedTorque limited = limits_.nearest(out_.terms.rowwise().sum(), space_);
+  const LimitedTorque limited = limits_.nearest(out_.terms.rowwise().sum(), arm.M);
   out_.tau = limited.tau;
   out_.status.torque_limited = limited.limited;
   return out_;

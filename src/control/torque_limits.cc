@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
+
 namespace impedraw {
 
 namespace {
@@ -54,6 +56,60 @@ Share largest_share(const JointVector& tau, const JointVector& u, const JointVec
   return {to, std::max(least, std::min(most, 0.0))};
 }
 
+// The x in [lower, upper] with the least (x − tau)ᵀ M⁻¹ (x − tau). Where x_A lies at its bounds and
+// the rest is free: λ_A = M_AA⁻¹ (x_A − tau_A), x = tau + M_·A λ_A. A is found by pivoting: each
+// joint outside goes to its bound, each that its bound need not hold is freed, all at once. While
+// that does not lessen their number, only the last one is, which ends after finitely many pivots
+// (Júdice and Pires 1994).
+JointVector nearest_in_box(const JointVector& tau, const JointVector& lower,
+                           const JointVector& upper, const JointMatrix& M) {
+  constexpr int kMostPivots = 100, kPatience = 3;
+  constexpr double kNone = 1e-9;
+  const int n = static_cast<int>(tau.size());
+  JointVector x = tau;
+  int side[kMaxJoints] = {};  // -1: at lower, 1: at upper, 0: free
+  int fewest = n + 1, patience = kPatience;
+  JointVector pull = JointVector::Zero(n);  // λ
+  for (int pivot = 0; pivot < kMostPivots; ++pivot) {
+    int wanted[kMaxJoints];
+    int changes = 0, last = 0;
+    for (int i = 0; i < n; ++i) {
+      wanted[i] = side[i] != 0 ? (pull[i] * side[i] > kNone ? 0 : side[i])
+                               : (x[i] > upper[i] + kNone) - (x[i] < lower[i] - kNone);
+      if (wanted[i] == side[i]) continue;
+      ++changes;
+      last = i;
+    }
+    if (changes == 0) return x.cwiseMax(lower).cwiseMin(upper);
+    patience = changes < fewest ? kPatience : patience - 1;
+    fewest = std::min(fewest, changes);
+    if (patience >= 0)
+      std::copy(wanted, wanted + n, side);
+    else
+      side[last] = wanted[last];
+
+    int at[kMaxJoints];
+    int m = 0;
+    for (int i = 0; i < n; ++i)
+      if (side[i] != 0) at[m++] = i;
+    JointMatrix M_AA(m, m);
+    JointVector lack(m);
+    for (int r = 0; r < m; ++r) {
+      lack[r] = (side[at[r]] > 0 ? upper : lower)[at[r]] - tau[at[r]];
+      for (int c = 0; c < m; ++c) M_AA(r, c) = M(at[r], at[c]);
+    }
+    M_AA.llt().solveInPlace(lack);
+    x = tau;
+    pull.setZero();
+    for (int r = 0; r < m; ++r) {
+      pull[at[r]] = lack[r];
+      x += lack[r] * M.col(at[r]);
+    }
+    for (int r = 0; r < m; ++r) x[at[r]] = (side[at[r]] > 0 ? upper : lower)[at[r]];
+  }
+  return tau.cwiseMax(lower).cwiseMin(upper);
+}
+
 }  // namespace
 
 TorqueLimits::TorqueLimits(const Eigen::VectorXd& limit, const Eigen::VectorXd& rate, double dt)
@@ -86,9 +142,7 @@ LimitedTorque TorqueLimits::clip(const JointVector& tau) noexcept {
   return out;
 }
 
-LimitedTorque TorqueLimits::nearest(const JointVector& tau,
-                                    const OperationalSpace& space) noexcept {
-  const Eigen::Index n = tau.size();
+LimitedTorque TorqueLimits::nearest(const JointVector& tau, const JointMatrix& M) noexcept {
   JointVector lower = -limit_, upper = limit_;
   if (started_ && step_.size() != 0) {
     lower = lower.cwiseMax(last_ - step_);
@@ -96,17 +150,7 @@ LimitedTorque TorqueLimits::nearest(const JointVector& tau,
   }
   LimitedTorque out{tau.cwiseMax(lower).cwiseMin(upper)};
   out.limited = out.tau != tau;
-  if (out.limited) {
-    constexpr int kSweeps = 30;  // of projected Gauss-Seidel
-    JointMatrix inverse(n, n);   // M⁻¹
-    for (Eigen::Index j = 0; j < n; ++j)
-      inverse.col(j) = space.acceleration(JointVector::Unit(n, j));
-    for (int sweep = 0; sweep < kSweeps; ++sweep)
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const double error = inverse.col(i).dot(out.tau - tau);
-        out.tau[i] = std::clamp(out.tau[i] - error / inverse(i, i), lower[i], upper[i]);
-      }
-  }
+  if (out.limited) out.tau = nearest_in_box(tau, lower, upper, M);
   last_ = out.tau;
   started_ = true;
   return out;
@@ -127,7 +171,7 @@ LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& ta
     if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
     out.tau = out.tau.cwiseMax(-limit_).cwiseMin(limit_);  // for rounding errors and step 3
   }
-  const LimitedTorque within = nearest(out.tau, space);
+  const LimitedTorque within = nearest(out.tau, arm.M);
   out.tau = within.tau;
   out.limited |= within.limited;
   return out;

@@ -10,9 +10,9 @@
 //             2. τ_task is scaled by the largest s in [0, 1] for which step 1 succeeds. The wrench
 //                at the tip keeps its direction.
 //             3. If no s succeeds, each joint is clipped.
-// Rate        |τ_j − τ_j,last| ≤ rate_j Δt, last, by clipping each joint. To keep the direction of
-//             the task's change would slow every joint, the quick wrist too, to the slowest one's
-//             rate: a lag in the loop (docs/decisions/0013).
+// Rate        |τ_j − τ_j,last| ≤ rate_j Δt, last: nearest(). To keep the direction of the task's
+//             change would slow every joint, the quick wrist too, to the slowest one's rate: a lag
+//             in the loop (docs/decisions/0013).
 // Requires    limit > 0, rate > 0, n entries each, as ImpedanceSettings::validate() checks; `space`
 //             updated for `arm`; torques of n entries.
 // Result      always within limits and rates. Neither throws nor allocates.
@@ -40,8 +40,8 @@ class TorqueLimits {
                       const ArmTerms& arm, const OperationalSpace& space) noexcept;
   // The torque within limits and rates whose acceleration is nearest to that of `tau`: least
   // (τ − tau)ᵀ M⁻¹ (τ − tau). While one joint's torque is still on its way, the others keep it from
-  // throwing them about.
-  LimitedTorque nearest(const JointVector& tau, const OperationalSpace& space) noexcept;
+  // throwing them about. M: the joints' inertia, n×n, positive definite; exact to 1e-9 Nm.
+  LimitedTorque nearest(const JointVector& tau, const JointMatrix& M) noexcept;
   // Clips each joint. For a torque without a task, such as the one commanded after bad input.
   LimitedTorque clip(const JointVector& tau) noexcept;
 

@@ -225,9 +225,9 @@ TEST(TorqueLimits, TheRateIsSharedByLeastConstraint) {
       const bool at_end = std::abs(change) > step - 1e-12;
       (at_end ? clipped : free) += 1;
       if (at_end)
-        EXPECT_GT(further * change, -0.02) << "it would turn back";
+        EXPECT_GT(further * change, -1e-9) << "it would turn back";
       else
-        EXPECT_NEAR(further, 0.0, 0.02) << "it would go on [Nm]";
+        EXPECT_NEAR(further, 0.0, 1e-7) << "it would go on [Nm]";
     }
   }
   EXPECT_GT(clipped, 200);
