@@ -16,6 +16,16 @@ constexpr double kRiseRate = 80.0;     // of what the tip's motion tells of the 
 constexpr double kFastestRise = 0.2;   // [m/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
 
+// A thin body has two sides a few millimetres apart. An estimate that faces away from the plan is
+// of the other one.
+SurfaceEstimate on_planned_side(const SurfaceEstimate& surface, const Eigen::Vector3d& n_plan) {
+  constexpr double kAway = -0.5;  // cosine
+  SurfaceEstimate seen = surface;
+  if (seen.status == SurfaceStatus::ok && seen.n_W.dot(n_plan) < kAway)
+    seen.status = SurfaceStatus::off_edge;
+  return seen;
+}
+
 }  // namespace
 
 ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int joints)
@@ -40,6 +50,7 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
                 settings.timing.torque_delay() + settings.timing.velocity_age),
       limits_(settings_.limits.torque, settings_.limits.torque_rate, settings.timing.dt),
       tracker_(settings.surface.normal_bandwidth, settings.timing.dt),
+      felt_(settings.felt_normal, settings.timing.dt),
       contact_(settings.contact, settings.timing.dt) {
   if (shaped_)
     shaped_damping_ = diagonal_damping(K_damping_, settings.shaped_inertia, settings.damping_ratio);
@@ -61,20 +72,22 @@ void ImpedanceController::retune(const TipGain& stiffness, double normal_force) 
 }
 
 const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,
-                                                 const SurfaceEstimate& surface,
+                                                 const SurfaceEstimate& perceived,
                                                  const Wrench& F_given, const InputAges& ages,
                                                  const FrameMotion* carrier) noexcept {
   const bool was_limited = out_.status.torque_limited;
   carrier_ = carrier;
   braked_ = false;
-  out_.status = input_status(arm, reference, surface, F_given, ages);
+  out_.status = input_status(arm, reference, perceived, F_given, ages);
   if (out_.status.bad_input || out_.status.stale_state) return safe_torque();
+  const SurfaceEstimate surface = on_planned_side(perceived, reference.n_WD);
   const bool has_wrench = measured_ && !out_.status.stale_wrench;
   const Wrench F_ext = has_wrench ? F_given : Wrench(Wrench::Zero());
 
   out_.status.near_singular = !space_.update(arm);  // Λ, J̄
   update_mode(reference, surface, F_ext);
   update_rise(arm);
+  update_felt_normal(arm, F_ext);
   if (!was_limited) update_force_integral(F_ext);
   update_damping();  // B
 
@@ -171,6 +184,7 @@ void ImpedanceController::forget() noexcept {
   observer_.reset();
   last_mode_ = ContactMode::free;
   on_surface_ = false;
+  felt_.reset();
   force_integral_ = rise_ = 0.0;
   carried_force_.setZero();
   last_force_.setZero();
@@ -251,9 +265,9 @@ void ImpedanceController::update_force_integral(const Wrench& F_ext) noexcept {
     force_integral_ = 0.0;  // its effect decays with the force carried over at the switch
     return;
   }
-  const Eigen::Vector3d& n = tracker_.n();
+  const Eigen::Vector3d& n = out_.n_WD;
   // while the push builds up, its present value
-  const double asked = settings_.normal_force - n.dot(carried_force_.head<3>());
+  const double asked = settings_.normal_force * n.dot(n_C_) - n.dot(carried_force_.head<3>());
   const double error = asked - n.dot(F_ext.head<3>());
   force_integral_ =
       std::clamp(force_integral_ + s.rate * settings_.timing.dt * error, -s.limit, s.limit);
@@ -270,6 +284,28 @@ void ImpedanceController::update_rise(const ArmTerms& arm) noexcept {
   rise_ += kRiseRate * settings_.timing.dt * (out_.n_WD.dot(v) - rise_);
   rise_ = std::clamp(rise_, -kFastestRise, kFastestRise);
   out_.rise = rise_;
+}
+
+void ImpedanceController::update_felt_normal(const ArmTerms& arm, const Wrench& F_ext) noexcept {
+  if (!measured_ || out_.mode != ContactMode::contact) {
+    felt_.reset();
+    n_C_ = out_.n_WD;
+    return;
+  }
+  out_.n_WD = felt_.corrected(tracker_.n());  // from the steps before
+  felt_.update(out_.n_WD, F_ext.head<3>(), slip(arm), settings_.friction.coefficient,
+               0.2 * settings_.normal_force);
+  out_.n_WD = felt_.corrected(tracker_.n());
+  n_C_ = felt_.seen_from(out_.n_WD);
+}
+
+// Of the tip along the surface: its direction, shorter where it is too slow to have one.
+Eigen::Vector3d ImpedanceController::slip(const ArmTerms& arm) const noexcept {
+  const Eigen::Vector3d& n = out_.n_WD;
+  const Eigen::Vector3d v = arm.V_WE.head<3>() - carrier_velocity(arm.X_WE.p);
+  const Eigen::Vector3d v_t = v - n * n.dot(v);
+  const double fade = settings_.friction.fade_speed;
+  return v_t / std::sqrt(v_t.squaredNorm() + fade * fade);
 }
 
 // Updates B for this posture, if the desired inertia depends on posture.
@@ -343,9 +379,7 @@ Wrench ImpedanceController::tip_contact(const ArmTerms& arm, const Wrench& F_ext
   if (!measured_ || out_.mode != ContactMode::contact) return contact;
   const Eigen::Vector3d& n = out_.n_WD;
   const double f_n = std::max(0.0, n.dot(F_ext.head<3>()));
-  const Eigen::Vector3d v = arm.V_WE.head<3>() - carrier_velocity(arm.X_WE.p);
-  const Eigen::Vector3d v_t = v - n * n.dot(v);
-  const Eigen::Vector3d slip = v_t / std::sqrt(v_t.squaredNorm() + s.fade_speed * s.fade_speed);
+  const Eigen::Vector3d slip = this->slip(arm);
   const Eigen::Vector3d f_t = F_ext.head<3>() - n * n.dot(F_ext.head<3>());
   const Eigen::Vector3d friction = -std::clamp(-f_t.dot(slip), 0.0, s.coefficient * f_n) * slip;
   // At rest the spring's own pull would be taken for it.

@@ -39,6 +39,9 @@
 //             contact the desired velocity along n is that of the carrier there, plus what the
 //             tip's own motion in contact shows it to lack: the tip is the fastest sensor along n.
 //             Friction acts against the velocity relative to the carrier.
+// Roughness   Where a wrench is measured, the felt normal (felt_normal.h) corrects the perceived,
+//             which n follows, tells where the tip's ball touches, and lessens the push along n so
+//             that the force along the felt normal stays F_n.
 // Modes       contact_mode.h. The desired force stays continuous at a mode switch: the difference
 //             is carried over and decays with `switch_time`.
 // Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
@@ -61,6 +64,7 @@
 
 #include "impedraw/control/contact_mode.h"
 #include "impedraw/control/damping.h"
+#include "impedraw/control/felt_normal.h"
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/control/momentum_observer.h"
 #include "impedraw/control/moving_frame.h"
@@ -134,8 +138,9 @@ class ImpedanceController {
 
   // Computes one step. The result belongs to this object and is overwritten by the next step.
   // `reference`: the plan at this instant. `surface`: the estimate at the tip, with status `none`
-  // if there is no perception. `F_ext` is used only with WrenchFeedback::measured. `carrier`: how
-  // the canvas moves now; null: it stands. Reference and surface are given in W in either case.
+  // if there is no perception; one that faces away from the plan, by more than 120°, counts as
+  // `off_edge`. `F_ext` is used only with WrenchFeedback::measured. `carrier`: how the canvas moves
+  // now; null: it stands. Reference and surface are given in W in either case.
   const ImpedanceTorque& step(const ArmTerms& arm, const TipReference& reference,
                               const SurfaceEstimate& surface, const Wrench& F_ext,
                               const InputAges& ages = {},
@@ -176,6 +181,7 @@ class ImpedanceController {
                    const Wrench& F_ext) noexcept;
   void update_force_integral(const Wrench& F_ext) noexcept;
   void update_damping() noexcept;
+  void update_felt_normal(const ArmTerms& arm, const Wrench& F_ext) noexcept;
 
   ReferenceMotion reference_on_plan(const ArmTerms& arm, const TipReference& reference) noexcept;
   ReferenceMotion reference_on_surface(const ArmTerms& arm, const TipReference& reference,
@@ -193,6 +199,7 @@ class ImpedanceController {
   Vector6 damp(const Vector6& V) const noexcept;
   Vector6 spring_and_damper(const Vector6& V, ReferenceMotion* desired) noexcept;
   Vector6 handed_over(const Vector6& force, const Vector6& push) noexcept;
+  Eigen::Vector3d slip(const ArmTerms& arm) const noexcept;
   Wrench tip_contact(const ArmTerms& arm, const Wrench& F_ext) const noexcept;
   Eigen::Vector3d foreseen_friction(const ArmTerms& arm, const Vector6& V_d) const noexcept;
   void apply_inertia(TaskTerms* F) const noexcept;
@@ -216,6 +223,8 @@ class ImpedanceController {
   MomentumObserver observer_;
   TorqueLimits limits_;
   NormalTracker tracker_;
+  FeltNormal felt_;
+  Eigen::Vector3d n_C_ = Eigen::Vector3d::UnitZ();  // normal where the tip touches
   ContactStates contact_;
   bool force_from_zero_ = false;  // the desired force starts from zero
   bool on_surface_ = false;       // the last step used the law for approach and contact

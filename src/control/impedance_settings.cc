@@ -67,6 +67,13 @@ void check_approach(const ApproachSettings& s) {
   check(Limits::retreat_height, s.retreat_height);
 }
 
+void check_felt_normal(const FeltNormalSettings& felt) {
+  using Limits = FeltNormalSettings::Limits;
+  check(Limits::share, felt.share);
+  check(Limits::deviation, felt.deviation);
+  check(Limits::force_error, felt.force_error);
+}
+
 void check_tip(const TipSettings& tip, const FrictionSettings& friction) {
   check(Limits::tip_radius, tip.radius);
   check(Limits::tip_stiffness, tip.stiffness);
@@ -122,6 +129,7 @@ void ImpedanceSettings::validate_ranges(int joints) const {
   check_approach(approach);
   contact.validate();
   check_tip(tip, friction);
+  check_felt_normal(felt_normal);
   observer.validate();
   using Integral = ForceIntegralSettings::Limits;
   require_in_range("control.force_integral", Integral::rate, force_integral.rate);

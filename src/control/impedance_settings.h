@@ -8,6 +8,7 @@
 #include "impedraw/common/range.h"
 #include "impedraw/control/axial_gain.h"
 #include "impedraw/control/contact_mode.h"
+#include "impedraw/control/felt_normal.h"
 #include "impedraw/control/momentum_observer.h"
 #include "impedraw/control/operational_space.h"
 
@@ -158,6 +159,7 @@ struct ImpedanceSettings {
   ContactSettings contact;
   TipSettings tip;
   FrictionSettings friction;
+  FeltNormalSettings felt_normal;
   ObserverSettings observer;
   ForceIntegralSettings force_integral;
   StabilityCheckSettings stability_check;

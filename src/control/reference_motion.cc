@@ -81,10 +81,10 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_plan(
 // and the estimated surface along the normal.
 ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
     const ArmTerms& arm, const TipReference& reference, const SurfaceEstimate& surface) noexcept {
-  const Vector3d& n = tracker_.n();
+  const Vector3d& n = out_.n_WD;
   const bool planned_axis = settings_.surface.pen_axis == PenAxis::plan;
   const Vector3d& w = planned_axis ? reference.w_WD : tracker_.w();
-  out_.axis_WD = planned_axis ? reference.n_WD : n;
+  out_.axis_WD = planned_axis ? reference.n_WD : tracker_.n();
   // The plan's motion relative to the carrier is projected, in axes that turn with it.
   const Vector3d z = carrier_ ? Vector3d(carrier_->X_WK.R * settings_.surface.drawing_axis_W)
                               : settings_.surface.drawing_axis_W;
@@ -105,7 +105,7 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
   const double acting_push =
       contact ? std::max(0.0, out_.push - n.dot(carried_force_.head<3>())) : 0.0;
   const double give = settings_.tip.stiffness > 0.0 ? acting_push / settings_.tip.stiffness : 0.0;
-  const Vector3d p_EC = give * n - settings_.tip.radius * (arm.X_WE.R.col(2) + n);
+  const Vector3d p_EC = give * n_C_ - settings_.tip.radius * (arm.X_WE.R.col(2) + n_C_);
   out_.p_WD = reference.p_WD - p_EC;
 
   const double cosine = n.dot(z), least = settings_.surface.min_axis_cosine;
@@ -141,7 +141,7 @@ ImpedanceController::ReferenceMotion ImpedanceController::reference_on_surface(
   desired.V_d = stacked(tangent.v, w);
   desired.Vdot_d = stacked(tangent.a, reference.alpha_WD - axis * axis.dot(reference.alpha_WD));
   desired.Ke = K.apply(n, stacked(tangent.e + e_n, smallest_rotation(arm.X_WE.R.col(2), -axis)));
-  desired.push = stacked(-(out_.push + force_integral_) * n, Vector3d::Zero());
+  desired.push = stacked(-(out_.push * n.dot(n_C_) + force_integral_) * n, Vector3d::Zero());
   return desired;
 }
 

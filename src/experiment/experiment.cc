@@ -59,6 +59,8 @@ Experiment prepare(const Scenario& scenario, const Places& places, Unreachable u
     s.surface.pen_axis = rough ? PenAxis::plan : PenAxis::surface;
   if (!is_given(places, "control.normal_error"))
     s.friction.normal_error_deg = rough ? kRoughNormalError : 0.0;
+  if (!is_given(places, "control.felt_normal.share"))
+    s.felt_normal.share = rough ? kRoughFeltShare : 0.0;
   try {
     ControlSetup control =
         make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));

@@ -15,5 +15,6 @@ namespace impedraw {
 bool is_rough(const Scene& scene, const Plan& plan);
 
 inline constexpr double kRoughNormalError = 30.0;  // [deg]
+inline constexpr double kRoughFeltShare = 0.5;     // FeltNormalSettings
 
 }  // namespace impedraw

@@ -451,6 +451,18 @@ void describe(Fields& f, ObserverSettings& s) {
       "empty: 0.5 % of the joint's torque limit, at least 1.5 Nm.");
 }
 
+void describe(Fields& f, FeltNormalSettings& s) {
+  using Limits = FeltNormalSettings::Limits;
+  f.field(Limits::share, s.share,
+          "Of the felt normal, beyond the deviation, in the normal that the law follows. 0: the "
+          "force tells nothing of the surface. Where it is not given: 0, but 0.5 where the surface "
+          "under the drawing is rough.");
+  f.field(Limits::deviation, s.deviation,
+          "Tangent of the angle between felt and perceived normal below which the perceived one is "
+          "believed.");
+  f.field(Limits::force_error, s.force_error, "Error of the measured force across the normal.");
+}
+
 void describe(Fields& f, ForceIntegralSettings& s) {
   using Limits = ForceIntegralSettings::Limits;
   f.field("enabled", s.enabled, "Uses the integral. It needs a measured wrench.");
@@ -585,6 +597,8 @@ void describe(Fields& f, ControlSettings& s) {
       "counts.");
   f.field(Limits::loop_delay, s.timing.loop_delay,
           "Greatest age of the state while a torque acts: one step and the delay of the drives.");
+  f.field("felt_normal", s.felt_normal,
+          "The surface's normal as the measured force tells it, where perception smooths it.");
   f.field("force_integral", s.force_integral, "Integral of the force error along the normal.");
   f.field("sensing", s.sensing, "From the sensor's readings to the wrench at the tip.");
   f.field("joint_sensing", s.joint_sensing,

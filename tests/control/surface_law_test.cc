@@ -234,6 +234,18 @@ TEST(SurfaceLaw, NoStepInTorqueAtASwitch) {
   }
 }
 
+// On a duck's tail the estimate turned by 165° and back, and the pen hammered there for a second.
+TEST(SurfaceLaw, TheOtherSideOfAThinBodyIsNoSurface) {
+  ArmModel arm(kArm);
+  OnSlope on(0.4, shaped_settings(arm));
+  on.settle();
+  on.surface.n_W = -on.surface.n_W;
+  const ImpedanceTorque& out = on.controller.step(on.terms, on.reference, on.surface, on.F_ext);
+  EXPECT_TRUE(out.status.surface_lost);
+  EXPECT_EQ(out.mode, ContactMode::contact);
+  EXPECT_LT((out.n_WD - on.reference.n_WD).norm(), 1e-6);
+}
+
 TEST(SurfaceLaw, ALostSurfaceKeepsTheLastNormalAndThenRetreats) {
   ArmModel arm(kArm);
   OnSlope on(0.4, shaped_settings(arm));

@@ -1,0 +1,61 @@
+// The surface's normal under the tip, as the measured force tells it. Perception smooths a surface
+// that is rougher than its points are close; the force does not.
+//
+// Law   f = f_n (n_F − μ s), s: the direction of the slip, of length below 1 while it fades in
+//       x = n + |s| (f_t + min(max(−f_t·s, 0), μ̂ f_n) s) / f_n,  f_n = n·f,  f_t = f − f_n n
+//       n_F ← n_F + (Δt/T) (x − n_F), T = 5 ms
+// What friction up to μ̂ can explain is not taken for a slope, so the angle is exact across the
+// stroke and only what exceeds friction along it.
+// Away from another normal m, n_F counts only beyond deviation + force_error/f_n, a tangent, up to 1
+// beyond: a smooth surface is perceived better than felt. A force along m leaves m exactly as it is.
+// The pen's axis does not follow it: a wrist that turns with every grain shakes the pen.
+// Requires   unit normals; f: the force on the tip, in W, of a contact that lasts.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "impedraw/common/range.h"
+
+namespace impedraw {
+
+struct FeltNormalSettings {
+  // Of the felt normal, beyond the deviation, in the normal that the law follows. 0: it is not used
+  // at all, neither for that nor for where the tip touches nor for the push. A hand that pushes the
+  // tip aside feels like a slope: to be used where perception is known to smooth the surface.
+  double share = 0.0;
+  double deviation = 0.1;     // tangent of the angle below which perception is believed
+  double force_error = 0.25;  // of the measured force across the normal [N]
+
+  struct Limits {
+    static constexpr Limit share = {"share", "", {0.0, 1.0}};
+    static constexpr Limit deviation = {"deviation", "", {0.0, 2.0}};
+    static constexpr Limit force_error = {"force_error", "N", {0.0, 50.0}};
+  };
+};
+
+class FeltNormal {
+ public:
+  FeltNormal(const FeltNormalSettings& settings, double dt) : settings_(settings), dt_(dt) {}
+
+  // n: the normal that the law follows; slip: see above; least_force: f_n below which the force
+  // tells nothing [N].
+  void update(const Eigen::Vector3d& n, const Eigen::Vector3d& f, const Eigen::Vector3d& slip,
+              double friction, double least_force) noexcept;
+  void reset() noexcept { known_ = false; }
+
+  // The normal where the tip touches, by one who follows n; n itself without a contact.
+  Eigen::Vector3d seen_from(const Eigen::Vector3d& n) const noexcept;
+  // The perceived normal, corrected by `share` of what was felt.
+  Eigen::Vector3d corrected(const Eigen::Vector3d& perceived) const noexcept;
+
+ private:
+  Eigen::Vector3d beyond(const Eigen::Vector3d& m) const noexcept;
+
+  FeltNormalSettings settings_;
+  double dt_;
+  bool known_ = false;
+  double deviation_ = 0.0;  // with the present force
+  Eigen::Vector3d n_F_ = Eigen::Vector3d::UnitZ();
+};
+
+}  // namespace impedraw
