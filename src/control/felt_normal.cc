@@ -6,8 +6,7 @@
 namespace impedraw {
 
 void FeltNormal::update(const Eigen::Vector3d& n, const Eigen::Vector3d& f,
-                        const Eigen::Vector3d& slip, double friction,
-                        double least_force) noexcept {
+                        const Eigen::Vector3d& slip, double friction, double least_force) noexcept {
   constexpr double kTime = 5e-3;  // 0.25 mm at 50 mm/s: a quarter of the ball's radius [s]
   if (settings_.share <= 0.0) return;
   if (!known_) n_F_ = n;

@@ -1,11 +1,11 @@
-// The normal that a measured force tells, against forces made from a known normal and Coulomb's law.
+// The normal that a measured force tells, against forces made of a known normal and Coulomb friction.
 #include "impedraw/control/felt_normal.h"
 
 #include <cmath>
 #include <random>
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 namespace impedraw {
 namespace {
@@ -51,7 +51,8 @@ TEST(FeltNormal, ASurfaceThatLeansToTheSideIsFeltBesideFriction) {
     const FeltNormal normal = felt(s, stroke.n, f, stroke.slip);
     const Vector3d seen = normal.seen_from(stroke.n), law = normal.corrected(stroke.n);
     const double beyond =
-        std::tan(lean) - std::min(std::tan(lean), s.deviation + s.force_error / (f_n * std::cos(lean)));
+        std::tan(lean) -
+        std::min(std::tan(lean), s.deviation + s.force_error / (f_n * std::cos(lean)));
     EXPECT_NEAR(std::acos(std::min(1.0, seen.dot(stroke.n))), std::atan(beyond), 1e-6);
     EXPECT_NEAR(std::acos(std::min(1.0, law.dot(stroke.n))), std::atan(s.share * beyond), 1e-6);
     EXPECT_NEAR(seen.dot(stroke.slip), 0.0, 1e-9);
