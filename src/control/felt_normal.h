@@ -6,8 +6,8 @@
 //       n_F ← n_F + (Δt/T) (x − n_F), T = 5 ms
 // What friction up to μ̂ can explain is not taken for a slope, so the angle is exact across the
 // stroke and only what exceeds friction along it.
-// Away from another normal m, n_F counts only beyond deviation + force_error/f_n, a tangent, up to 1
-// beyond: a smooth surface is perceived better than felt. A force along m leaves m exactly as it is.
+// Away from another normal m, n_F counts only beyond deviation + force_error/f_n, a tangent, by 1
+// at most: a smooth surface is perceived better than felt. A force along m leaves m as it is.
 // The pen's axis does not follow it: a wrist that turns with every grain shakes the pen.
 // Requires   unit normals; f: the force on the tip, in W, of a contact that lasts.
 #pragma once

@@ -1,4 +1,4 @@
-// The normal that a measured force tells, against forces made of a known normal and Coulomb friction.
+// The normal that a measured force tells, against forces of a known normal and Coulomb friction.
 #include "impedraw/control/felt_normal.h"
 
 #include <cmath>
