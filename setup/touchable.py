@@ -2,8 +2,8 @@
 
     .venv/bin/python setup/touchable.py RUN_FOLDER ...
 
-A place counts if a ball of 1 mm, which touches the true canvas within 0.5 mm of it, lies nowhere deeper in
-the canvas than 20 µm. The canvas is sampled every 0.1 mm.
+A place counts if a ball of 1 mm that touches the true canvas within 0.5 mm of it fits there: hard, nowhere deeper in
+the canvas than 20 µm; soft, than 0.25 mm, the give of the standard tip at 5 N. The canvas is sampled every 0.1 mm.
 """
 import sys
 from pathlib import Path
@@ -12,7 +12,8 @@ import h5py
 import numpy as np
 from scipy.spatial import cKDTree
 
-RADIUS, REACH, SPACING, DEEPEST = 1e-3, 0.5e-3, 0.1e-3, 20e-6
+RADIUS, REACH, SPACING = 1e-3, 0.5e-3, 0.1e-3
+DEEPEST = {"hard": 20e-6, "soft": 0.25e-3}
 
 
 def samples(vertices, triangles):
@@ -57,15 +58,17 @@ def main(folder):
     outward *= np.sign(np.median((outward[tree.query(point[ink])[1]] * normal[ink]).sum(1)))
     candidates = near_target.query(surface)[0] < REACH
     ball = surface[candidates] + RADIUS * outward[candidates]
-    fits = tree.query(ball)[0] > RADIUS - DEEPEST
-    touchable = cKDTree(surface[candidates][fits]).query(target)[0]
+    gap = tree.query(ball)[0] - RADIUS
     drawn = np.full(len(target), np.inf)
     for s in np.unique(of_target):
         own = ink & (stroke == s)
         if own.any():
             drawn[of_target == s] = cKDTree(point[own]).query(target[of_target == s])[0]
-    print(f"{folder}: touchable {covered_share(target, of_target, np.minimum(touchable, drawn)):.3f}, "
-          f"drawn {covered_share(target, of_target, drawn):.3f}")
+    shares = []
+    for name, deepest in DEEPEST.items():
+        touchable = cKDTree(surface[candidates][gap > -deepest]).query(target)[0]
+        shares.append(f"{name} {covered_share(target, of_target, np.minimum(touchable, drawn)):.3f}")
+    print(f"{folder}: touchable {', '.join(shares)}; drawn {covered_share(target, of_target, drawn):.3f}")
 
 
 if __name__ == "__main__":
