@@ -5,16 +5,21 @@
 
 namespace impedraw {
 
+Eigen::Vector3d friction_in(const Eigen::Vector3d& f_t, const Eigen::Vector3d& slip,
+                            double most) noexcept {
+  return -std::clamp(-f_t.dot(slip), 0.0, most) * slip;
+}
+
 void FeltNormal::update(const Eigen::Vector3d& n, const Eigen::Vector3d& f,
                         const Eigen::Vector3d& slip, double friction, double least_force) noexcept {
   constexpr double kTime = 5e-3;  // 0.25 mm at 50 mm/s: a quarter of the ball's radius [s]
-  if (settings_.share <= 0.0) return;
+  if (!in_use()) return;
   if (!known_) n_F_ = n;
   known_ = true;
   const double f_n = n.dot(f);
   if (f_n < least_force) return;
   const Eigen::Vector3d f_t = f - f_n * n;
-  const Eigen::Vector3d aside = f_t + std::clamp(-f_t.dot(slip), 0.0, friction * f_n) * slip;
+  const Eigen::Vector3d aside = f_t - friction_in(f_t, slip, friction * f_n);
   // At rest the spring's own pull would be taken for a slope.
   const Eigen::Vector3d x = (n + slip.norm() / f_n * aside).normalized();
   n_F_ = (n_F_ + std::min(1.0, dt_ / kTime) * (x - n_F_)).normalized();

@@ -33,9 +33,16 @@ struct FeltNormalSettings {
   };
 };
 
+// The part of a force across the normal that Coulomb friction up to `most` explains [N]: against
+// the slip, along which the rest may only push.
+Eigen::Vector3d friction_in(const Eigen::Vector3d& f_t, const Eigen::Vector3d& slip,
+                            double most) noexcept;
+
 class FeltNormal {
  public:
   FeltNormal(const FeltNormalSettings& settings, double dt) : settings_(settings), dt_(dt) {}
+
+  bool in_use() const noexcept { return settings_.share > 0.0; }
 
   // n: the normal that the law follows; slip: see above; least_force: f_n below which the force
   // tells nothing [N].

@@ -287,7 +287,7 @@ void ImpedanceController::update_rise(const ArmTerms& arm) noexcept {
 }
 
 void ImpedanceController::update_felt_normal(const ArmTerms& arm, const Wrench& F_ext) noexcept {
-  if (!measured_ || out_.mode != ContactMode::contact) {
+  if (!measured_ || !felt_.in_use() || out_.mode != ContactMode::contact) {
     felt_.reset();
     n_C_ = out_.n_WD;
     return;
@@ -381,7 +381,7 @@ Wrench ImpedanceController::tip_contact(const ArmTerms& arm, const Wrench& F_ext
   const double f_n = std::max(0.0, n.dot(F_ext.head<3>()));
   const Eigen::Vector3d slip = this->slip(arm);
   const Eigen::Vector3d f_t = F_ext.head<3>() - n * n.dot(F_ext.head<3>());
-  const Eigen::Vector3d friction = -std::clamp(-f_t.dot(slip), 0.0, s.coefficient * f_n) * slip;
+  const Eigen::Vector3d friction = friction_in(f_t, slip, s.coefficient * f_n);
   // At rest the spring's own pull would be taken for it.
   const Eigen::Vector3d aside = slip.norm() * (f_t - friction);
   const double most = side_force_ * f_n;

@@ -784,14 +784,20 @@ class Runner {
   TipReference rest_;                      // in W
 };
 
+// Throws OffSurface where the surface has ended.
+TipPath path_for(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_WE,
+                 const Eigen::Vector3d& n_W, double hold) {
+  return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_WE, n_W, hold,
+                   stroke_limits(e.scene, e.plan));
+}
+
 // A path for the parts. From another start the surface may end a little earlier, at its edges: what
 // is missed there is taken out of the parts. Empty if nothing is left.
 TipPath plan_parts(Experiment& e, std::vector<StrokePart>* parts, const Eigen::Vector3d& p_WE,
                    const Eigen::Vector3d& n_W, double hold) {
   while (!parts->empty()) {
     try {
-      return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, *parts), p_WE, n_W, hold,
-                       stroke_limits(e.scene, e.plan));
+      return path_for(e, *parts, p_WE, n_W, hold);
     } catch (const OffSurface& off) {
       const double at = nearest_place(e.plan.strokes[static_cast<std::size_t>(off.stroke)], off.p);
       std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
@@ -912,8 +918,7 @@ class MovingDrawing {
     all.kind = CarriedDecision::Kind::draw;
     all.join = pen.joined ? 0.0 : CanvasFollower::kJoin;
     const Pose here = runner_.X_KE();
-    all.path = plan_from(e_.plan.path_settings, e_.surface(), strokes_of(e_, pending), here.p,
-                         -here.R.col(2), all.join, stroke_limits(e_.scene, e_.plan));
+    all.path = path_for(e_, pending, here.p, -here.R.col(2), all.join);
     all.parts = pending;
     return all;
   }

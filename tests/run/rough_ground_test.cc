@@ -51,15 +51,22 @@ TEST_F(RoughGround, StrokesEndBeforeASteepFlank) {
   EXPECT_GT(f["length_promised"], 150.0);
 }
 
+// "He", 60 mm wide, on fractal terrain.
+Figures drawn_on_terrain(const std::string& slope_deg, const std::string& wavelength,
+                         const std::vector<std::string>& more) {
+  DrawOptions options;
+  options.scenario = "scenarios/surfaces.yaml";
+  options.text = "He";
+  options.assignments = {"canvas.rough.slope=" + slope_deg, "canvas.rough.wavelength=" + wavelength,
+                         "drawing.placement.width=60"};
+  options.assignments.insert(options.assignments.end(), more.begin(), more.end());
+  return draw_scenario(resolve(options));
+}
+
 // Waves of 4 mm on slopes of 20°, which no camera resolves.
 TEST(LighterPen, PressesMoreSteadilyOnRoughGround) {
   const auto force_sd = [](const std::string& mass) {
-    DrawOptions options;
-    options.scenario = "scenarios/surfaces.yaml";
-    options.text = "He";
-    options.assignments = {"canvas.rough.slope=20", "canvas.rough.wavelength=0.004",
-                           "control.mass_normal=" + mass, "drawing.placement.width=60"};
-    return draw_scenario(resolve(options))["force_sd"];
+    return drawn_on_terrain("20", "0.004", {"control.mass_normal=" + mass})["force_sd"];
   };
   EXPECT_LT(force_sd("null"), 0.7 * force_sd("3"));
 }
@@ -67,16 +74,8 @@ TEST(LighterPen, PressesMoreSteadilyOnRoughGround) {
 // The tip of 1 mm touches waves of 2 mm with its side, up to 40° off the normal that the cameras
 // see. With an error of 50 N the force tells nothing.
 TEST(FeltNormal, KeepsForceAndInkWhereTheCamerasSmoothTheGround) {
-  const auto drawn = [](const std::vector<std::string>& more) {
-    DrawOptions options;
-    options.scenario = "scenarios/surfaces.yaml";
-    options.text = "He";
-    options.assignments = {"canvas.rough.slope=40", "canvas.rough.wavelength=0.002",
-                           "drawing.placement.width=60"};
-    options.assignments.insert(options.assignments.end(), more.begin(), more.end());
-    return draw_scenario(resolve(options));
-  };
-  const Figures without = drawn({"control.felt_normal.force_error=50"}), with = drawn({});
+  const Figures without = drawn_on_terrain("40", "0.002", {"control.felt_normal.force_error=50"}),
+                with = drawn_on_terrain("40", "0.002", {});
   EXPECT_LT(with["force_sd"], 0.8 * without["force_sd"]);
   EXPECT_LT(with["ink_error_rms"], without["ink_error_rms"]);
   EXPECT_GE(with["coverage"], without["coverage"]);
