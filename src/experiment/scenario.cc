@@ -144,7 +144,7 @@ void describe(Fields& f, PreflightSettings& s) {
           "joints slow down too far for it is not drawn; 0: all is drawn.");
   f.field(Limits::roughest, s.roughest,
           "RMS height that the cameras do not resolve, beyond which a place is not drawn on: ink "
-          "would lie over 0.5 mm off the line.");
+          "would lie over 0.5 mm off the line. 8e-4: only steps are kept off.");
   f.field(Limits::max_slope, s.max_slope_deg,
           "Largest angle between the surface normal and the drawing axis.");
   f.field(Limits::fold_height, s.fold_height,

@@ -83,8 +83,7 @@ TEST(FeltNormal, KeepsForceAndInkWhereTheCamerasSmoothTheGround) {
 
 // What is planned anew during a run starts elsewhere, and may miss the surface at an edge. The run
 // ended there with an error, the pen in the air and no numbers written.
-TEST(PlannedAnew, WhatMissesTheSurfaceIsLeftOut) {
-  Experiment e = prepare(resolve_scenario("bowl", {"drawing.shape=circle"}));
+void expect_drawn_to_the_bowls_edge(Experiment e) {
   PlacedStroke& stroke = e.plan.strokes.front();
   stroke.p_P = {{0.60, 0.0}, {0.70, 0.0}, {0.80, 0.0}};  // the bowl ends at 0.78
   stroke.page = {{0.0, 0.0}, {100.0, 0.0}, {200.0, 0.0}};
@@ -96,6 +95,14 @@ TEST(PlannedAnew, WhatMissesTheSurfaceIsLeftOut) {
   EXPECT_GT(outcome.lacking[0].from, 0.16);
   EXPECT_LT(outcome.lacking[0].from, 0.18);
   EXPECT_NEAR(outcome.lacking[0].to, 0.2, 1e-9);
+}
+TEST(PlannedAnew, WhatMissesTheSurfaceIsLeftOut) {
+  expect_drawn_to_the_bowls_edge(prepare(resolve_scenario("bowl", {"drawing.shape=circle"})));
+}
+TEST(PlannedAnew, WhatMissesTheSurfaceIsLeftOutOnAWatchedCanvas) {
+  for (const char* arm : {"true", "false"})
+    expect_drawn_to_the_bowls_edge(prepare(resolve_scenario(
+        "standing-noisy", {"drawing.shape=circle", std::string("preflight.arm=") + arm})));
 }
 
 }  // namespace

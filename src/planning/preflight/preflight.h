@@ -79,9 +79,9 @@ struct PreflightSettings {
   // RMS misfit of a patch of at most 8 mm beyond which a place is too rough (Roughness of
   // perception/normals.h) [m]. A ball of radius r touches at r sin α off the line, α between true
   // and estimated normal. 0.2 mm in waves of 4 mm are slopes of 18° RMS: for r = 1 mm, 0.6 mm at
-  // two standard deviations. By default only steps are kept off. Not by check_strokes: by the
-  // surface that it is given.
-  double roughest = 8e-4;
+  // two standard deviations, and ink counts within 0.5 mm. Not by check_strokes: by the surface
+  // that it is given.
+  double roughest = 2e-4;
 
   double max_slope_deg = 75;       // between the surface's normal and z_P
   double fold_height = 0.5e-3;     // the pen's tip rides over lower steps [m]
