@@ -39,12 +39,12 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVec
       result.reached = true;
       break;
     }
-    // Rotation about the pen is free: remove it from the Jacobian.
     TipJacobian J = terms.J;
-    J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
+    if (settings.free_spin) J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
     const double damping = 1e-12 + 1e-2 * std::min(1.0, best * best);
     Matrix6 A = J * J.transpose() + damping * Matrix6::Identity();
-    A.bottomRightCorner<3, 3>() += z * z.transpose();  // A is singular along z, where e is zero
+    // A is singular along z, where e is zero.
+    if (settings.free_spin) A.bottomRightCorner<3, 3>() += z * z.transpose();
     const Eigen::LLT<Matrix6> factor(A);
     const JointVector home = settings.posture_gain * (seed - q);
     JointVector dq = J.transpose() * factor.solve(e - J * home) + home;

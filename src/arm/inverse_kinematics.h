@@ -1,5 +1,4 @@
-// Inverse kinematics for a pen with given tip position and axis: five degrees of freedom. Rotation
-// about the pen is free.
+// Inverse kinematics for a pen with given tip position and axis: five degrees of freedom.
 #pragma once
 
 #include <string>
@@ -18,6 +17,8 @@ struct IkSettings {
   double axis_tolerance = 1e-7;      // [rad]
   int max_steps = 200;
   double posture_gain = 0.2;  // pull of the redundant joints towards the seed, per step
+  // Rotation about the pen: free, or none on the way from the seed, as the controller damps it.
+  bool free_spin = true;
 };
 
 struct IkResult {

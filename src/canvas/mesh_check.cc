@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -23,7 +24,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double kWeld = 1e-6;                      // of the diagonal
-constexpr double kLargest = 5.0, kSmallest = 1e-3;  // [m], of the longest side
+constexpr double kApart = 1e-9;                     // vertices at one position are one [m]
+constexpr double kLongest = 5.0, kShortest = 1e-3;  // [m], of the longest side
 
 Eigen::AlignedBox3d bounds_of_triangles(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d bounds;
@@ -107,28 +109,12 @@ struct Mending {
   }
 
   void edges_and_winding() {
+    crowded_edges();
     const auto edges = half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
-    std::vector<int> crowded;  // lowest triangle of each edge with too many
-    int lowest = std::numeric_limits<int>::max();
-    std::string at;
     checked->closed = true;
     for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
       checked->closed = checked->closed && last - first == 2;
-      if (last - first <= 2) return;
-      if (number[first->face] < lowest) {
-        lowest = number[first->face];
-        const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
-        at = fmt::format(
-            "its edge from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m is shared by {} "
-            "triangles ({}, {}, {}, …), "
-            "at most two may",
-            p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), last - first, number[first[0].face],
-            number[first[1].face], number[first[2].face]);
-      }
-      crowded.push_back(number[first->face]);
     });
-    std::sort(crowded.begin(), crowded.end());
-    report("non_manifold_edge", crowded, false, at);
     Winding winding = find_winding(mesh(), edges);
     for (int& f : winding.twisted) f = number[f];
     report("not_orientable", winding.twisted, false,
@@ -142,12 +128,111 @@ struct Mending {
     }
     report("wrong_winding", faulty, true, "turned");
   }
+
+  void crowded_edges() {
+    const auto edges = half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
+    std::vector<int> crowded;  // lowest triangle of each edge with too many
+    int lowest = std::numeric_limits<int>::max();
+    std::string at;
+    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+      if (last - first <= 2) return;
+      if (number[first->face] < lowest) {
+        lowest = number[first->face];
+        const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
+        at = fmt::format(
+            "its edge from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m is shared by {} "
+            "triangles ({}, {}, {}, …), ",
+            p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), last - first, number[first[0].face],
+            number[first[1].face], number[first[2].face]);
+      }
+      crowded.push_back(number[first->face]);
+    });
+    if (crowded.empty()) return;
+    std::sort(crowded.begin(), crowded.end());
+    separate_sheets(edges);
+    bool separated = true;
+    for_each_edge(half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size())),
+                  [&](const HalfEdge* first, const HalfEdge* last) {
+                    separated = separated && last - first <= 2;
+                  });
+    report("non_manifold_edge", crowded, separated,
+           at + (separated ? "two and two were joined" : "at most two may"));
+  }
+
+  // Gives each of the surfaces that touch along crowded edges its own vertices there.
+  void separate_sheets(const std::vector<HalfEdge>& edges) {
+    // Corners of one vertex that triangles beside each other join.
+    std::vector<int> parent(3 * number.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int c) {
+      while (parent[c] != c) c = parent[c] = parent[parent[c]];
+      return c;
+    };
+    const auto corner = [](const HalfEdge& e, bool low) {
+      return 3 * e.face + (e.forward == low ? e.side : (e.side + 1) % 3);
+    };
+    const auto join = [&](const HalfEdge& a, const HalfEdge& b) {
+      for (const bool low : {true, false}) parent[root(corner(a, low))] = root(corner(b, low));
+    };
+    std::vector<bool> crowded(mesh().vertices.size(), false);
+    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+      if (last - first == 2) join(first[0], first[1]);
+    });
+    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+      if (last - first <= 2) return;
+      crowded[first->low] = crowded[first->high] = true;
+      const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
+      const auto across = [&](const HalfEdge& e) {
+        const Vector3d r = mesh().vertices[mesh().triangles[e.face][(e.side + 2) % 3]] - p,
+                       along = (q - p).normalized();
+        return Vector3d((r - along * along.dot(r)).normalized());
+      };
+      struct Pair {
+        bool apart;   // not joined elsewhere about this vertex
+        double turn;  // -1: flat
+        const HalfEdge *a, *b;
+      };
+      std::vector<Pair> pairs;
+      for (const HalfEdge* a = first; a < last; ++a)
+        for (const HalfEdge* b = a + 1; b < last; ++b)
+          if (a->forward != b->forward)
+            pairs.push_back({root(corner(*a, true)) != root(corner(*b, true)),
+                             across(*a).dot(across(*b)), a, b});
+      std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+        return std::pair(a.apart, a.turn) < std::pair(b.apart, b.turn);
+      });
+      std::vector<bool> joined(static_cast<std::size_t>(last - first), false);
+      for (const Pair& pair : pairs) {
+        if (joined[pair.a - first] || joined[pair.b - first]) continue;
+        joined[pair.a - first] = joined[pair.b - first] = true;
+        join(*pair.a, *pair.b);
+      }
+    });
+    std::map<std::pair<int, int>, int> own;  // of a vertex and a root
+    std::vector<bool> taken(mesh().vertices.size(), false);
+    for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
+      Vector3i& t = mesh().triangles[c / 3];
+      const int v = t[c % 3];
+      if (!crowded[v]) continue;
+      const auto [at, is_new] = own.try_emplace({v, root(c)}, v);
+      if (is_new && taken[v]) {
+        const Vector3d p = mesh().vertices[v];
+        const Vector3d inward =
+            mesh().vertices[t[(c + 1) % 3]] + mesh().vertices[t[(c + 2) % 3]] - 2.0 * p;
+        at->second = static_cast<int>(mesh().vertices.size());
+        mesh().vertices.push_back(p + kApart * inward.normalized());
+        crowded.push_back(false);
+      }
+      taken[v] = true;
+      t[c % 3] = at->second;
+    }
+  }
 };
 
 void check_size(const Vector3d& size, CheckedMesh* checked) {
   const double longest = size.maxCoeff();
-  if (longest <= kLargest && longest >= kSmallest) return;
-  const bool large = longest > kLargest;
+  if (longest <= kLongest && longest >= kShortest) return;
+  const bool large = longest > kLongest;
   std::string message =
       fmt::format("it measures {:.4g} × {:.4g} × {:.4g} m, {}", size.x(), size.y(), size.z(),
                   large ? "more than 5 m: is its unit of length too long (mm taken for m)? If not, "

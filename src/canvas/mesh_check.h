@@ -20,7 +20,10 @@ namespace impedraw {
 //                          left out, unless that would leave a gap between its neighbours; queries
 //                          skip it in any case
 //   duplicate_triangle     has the vertices of an earlier one, in any order. Repaired: left out
-//   non_manifold_edge      more than two triangles share an edge; `first` is the lowest of them
+//   non_manifold_edge      more than two triangles share an edge; `first` is the lowest of them.
+//                          Repaired: two and two go on into each other, those that are wound alike
+//                          and of one body, or turn least; the surfaces are separated there, by a
+//                          nanometre. Not where they are of one body all the same
 //   not_orientable         no winding agrees with all of its neighbours, as on a Möbius strip
 //   wrong_winding          wound against most of its connected patch; or a whole closed patch is
 //                          inside out, unless it lies within a larger one and is its cavity.

@@ -12,6 +12,7 @@ constexpr double kSelfMotionSpeed = 1.0;  // of the fastest joint; at twice that
 // From here on the self-motion is damped more, at twice that 1 + kMoreDamping times as much.
 constexpr double kCalmSpeed = 0.7;  // of the fastest joint [rad/s]
 constexpr double kMoreDamping = 4.0;
+constexpr double kHeadingRate = 2.0;   // of the pen, at the end of a joint's range [rad/s]
 constexpr double kRiseRate = 80.0;     // of what the tip's motion tells of the surface's [1/s]
 constexpr double kFastestRise = 0.2;   // [m/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
@@ -94,7 +95,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   // Reference motion, and the force on M_d apart from push and wrench
   ReferenceMotion desired = on_surface_ ? reference_on_surface(arm, reference, surface)
                                         : reference_on_plan(arm, reference);
-  const Vector6 F_impedance = handed_over(spring_and_damper(arm.V_WE, &desired), desired.push);
+  const Vector6 F_impedance = handed_over(spring_and_damper(arm, &desired), desired.push);
 
   // F_act (10)–(11): Λ times an acceleration, Λ M_d⁻¹ times a force
   TaskTerms F_act;
@@ -324,10 +325,35 @@ Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
   return std::sqrt(scale_) * modal_damping_.apply(space_.inertia_factor(), V);
 }
 
+// J̄ V
+JointVector ImpedanceController::joint_speed(const ArmTerms& arm, const Vector6& V) const noexcept {
+  return space_.acceleration(arm.J.transpose().lazyProduct(Vector6(space_.inertia() * V)));
+}
+
+// Of the pen about its axis, away from the ends of the joints' ranges [rad/s]. Null-space torque
+// cannot do it: on closed lines about a hill the pen's heading, and the last joint with it, turns
+// on and on.
+double ImpedanceController::heading_rate(const ArmTerms& arm) const noexcept {
+  const double margin = settings_.joint_range.margin;
+  JointVector away = JointVector::Zero(arm.q.size());
+  for (int j = 0; j < lower_.size(); ++j) {
+    const double above = std::max(0.0, margin - (arm.q[j] - lower_[j])) / margin;
+    const double below = std::max(0.0, margin - (upper_[j] - arm.q[j])) / margin;
+    away[j] = above * above - below * below;
+  }
+  if (away.isZero()) return 0.0;
+  Vector6 spin = Vector6::Zero();
+  spin.tail<3>() = arm.X_WE.R.col(2);
+  const JointVector by_spin = joint_speed(arm, spin);
+  return kHeadingRate * std::clamp(away.dot(by_spin) / by_spin.cwiseAbs().maxCoeff(), -1.0, 1.0);
+}
+
 // B (V_d − V) + K e. If the steady-state speed V_d + B⁻¹ K e exceeds a limit, it is scaled to the
 // limit, and the part of V̇_d that accelerates the tip along it is removed.
-Vector6 ImpedanceController::spring_and_damper(const Vector6& V,
+Vector6 ImpedanceController::spring_and_damper(const ArmTerms& arm,
                                                ReferenceMotion* desired) noexcept {
+  const Vector6& V = arm.V_WE;
+  desired->V_d.tail<3>() += heading_rate(arm) * arm.X_WE.R.col(2);
   const double limit = settings_.limits.tip_speed, turn_limit = settings_.limits.turn_speed;
   // a smaller K e stays far below any limit: skip the solve
   const double small_pull = 2e-3 * settings_.stiffness.linear.tangent;

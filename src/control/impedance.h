@@ -48,6 +48,8 @@
 //             limits.tip_speed and limits.turn_speed (Khatib's velocity saturation). Torque and
 //             torque rate are limited last and preserve the task as far as possible
 //             (torque_limits.h).
+// Heading     The turn about the pen's axis is free. It is damped, and turns joints away that are
+//             within joint_range.margin of their limits, as far as it moves them.
 //
 // Requires    M symmetric positive definite; vectors for the number of joints given at set-up;
 //             n_WD and n_W of unit length; one call every timing.dt; J of full row rank. Near a
@@ -197,7 +199,9 @@ class ImpedanceController {
     return kDampingLimit / 3.0 / settings_.timing.damping_delay();
   }
   Vector6 damp(const Vector6& V) const noexcept;
-  Vector6 spring_and_damper(const Vector6& V, ReferenceMotion* desired) noexcept;
+  JointVector joint_speed(const ArmTerms& arm, const Vector6& V) const noexcept;
+  double heading_rate(const ArmTerms& arm) const noexcept;
+  Vector6 spring_and_damper(const ArmTerms& arm, ReferenceMotion* desired) noexcept;
   Vector6 handed_over(const Vector6& force, const Vector6& push) noexcept;
   Eigen::Vector3d slip(const ArmTerms& arm) const noexcept;
   Wrench tip_contact(const ArmTerms& arm, const Wrench& F_ext) const noexcept;

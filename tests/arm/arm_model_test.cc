@@ -2,6 +2,7 @@
 // finite differences.
 #include "impedraw/arm/arm_model.h"
 
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -133,6 +134,40 @@ TEST(InverseKinematics, ReachesWhatForwardKinematicsMade) {
   EXPECT_FALSE(
       find_posture(arm, {Eigen::Vector3d(2.0, 0.0, 0.2), -Eigen::Vector3d::UnitZ()}, seed_posture)
           .reached);
+}
+
+// An axis that goes round a cone of half-angle a, and is carried without spin, comes back with its
+// frame turned by the solid angle 2π (1 − cos a), by the theorem of Gauss and Bonnet.
+TEST(InverseKinematics, CarriesThePenWithoutSpin) {
+  ArmModel arm(kArm);
+  IkSettings ik;
+  const Eigen::Vector3d p(0.6, 0.0, 0.2);
+  constexpr int kSteps = 200;
+  for (const double a : {0.2, 0.5}) {
+    for (const bool free_spin : {false, true}) {
+      ik.free_spin = true;
+      const auto axis = [&](int i) {
+        const double b = 2.0 * std::numbers::pi * i / kSteps;
+        return Eigen::Vector3d(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), -std::cos(a));
+      };
+      JointVector q(7);
+      q << 0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0;
+      q = find_posture(arm, {p, axis(0)}, q, ik).q;
+      const Eigen::Matrix3d before = arm.tip_pose(q).R;
+      ik.free_spin = free_spin;
+      for (int i = 1; i <= kSteps; ++i) {
+        const IkResult found = find_posture(arm, {p, axis(i)}, q, ik);
+        ASSERT_TRUE(found.reached) << a << " rad, step " << i;
+        q = found.q;
+      }
+      const Eigen::AngleAxisd turned(before.transpose() * arm.tip_pose(q).R);
+      const double solid = 2.0 * std::numbers::pi * (1.0 - std::cos(a));
+      if (free_spin)
+        EXPECT_GT(std::abs(turned.angle() - solid), 0.05) << "the least motion of the joints spins";
+      else
+        EXPECT_NEAR(turned.angle(), solid, 0.01);
+    }
+  }
 }
 
 TEST(ArmModel, RefusesWhatItCannotRead) {

@@ -190,7 +190,7 @@ TEST(MeshCheck, AClosedMeshInsideOutIsTurnedButNotTheCavityOfAnother) {
   EXPECT_NEAR(volume(checked.mesh), 0.006 - 8e-6, 1e-15);
 }
 
-TEST(MeshCheck, AnEdgeWithThreeTrianglesIsNamedAndCannotBeDrawnOn) {
+TEST(MeshCheck, AFinOnASheetIsNamedAndSeparated) {
   TriangleMesh m = sheet(
       // the fin stands on the inner edge from vertex 1 to vertex 4, of triangles 1 and 2 among
       // others
@@ -204,15 +204,36 @@ TEST(MeshCheck, AnEdgeWithThreeTrianglesIsNamedAndCannotBeDrawnOn) {
   }
   ASSERT_EQ(on_edge.size(), 3u);
   const CheckedMesh checked = check_mesh(m);
-  expect_fault(checked, "non_manifold_edge", 1, on_edge[0], false);
+  expect_fault(checked, "non_manifold_edge", 1, on_edge[0], true);
   EXPECT_FALSE(checked.closed);
-  try {
-    require_drawable(checked, "fin.obj");
-    FAIL() << "nothing was refused";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("fin.obj"));
-    EXPECT_THAT(error.what(),
-                HasSubstr(fmt::format("({}, {}, {}, …)", on_edge[0], on_edge[1], on_edge[2])));
+  EXPECT_THAT(checked.faults[0].message,
+              HasSubstr(fmt::format("({}, {}, {}, …)", on_edge[0], on_edge[1], on_edge[2])));
+  EXPECT_EQ(checked.components, 2) << "the sheet goes on beneath the fin";
+  EXPECT_EQ(checked.mesh.triangles.size(), m.triangles.size());
+  // Triangles beside each other across the fin's foot have one normal, that of the sheet.
+  const Canvas canvas(checked.mesh);
+  const auto hit = canvas.ray({0.101, 0.05, 1.0}, -Eigen::Vector3d::UnitZ());
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->n_W.z(), 1.0, 1e-9);
+}
+
+// Four triangles share the edge where they touch.
+TEST(MeshCheck, BoxesThatTouchAlongAnEdgeStayClosed) {
+  for (const bool turned : {false, true}) {
+    TriangleMesh both = box(0.1, 0.2, 0.3), other = box(0.1, 0.2, 0.3);
+    if (turned) turn(&other);
+    add(&both, other, {0.1, 0.2, 0.0});
+    const CheckedMesh checked = check_mesh(both);
+    EXPECT_TRUE(checked.closed || turned);
+    EXPECT_EQ(checked.faults[0].kind, "non_manifold_edge");
+    EXPECT_NO_THROW(require_drawable(checked, "boxes.obj"));
+    if (!turned) {
+      EXPECT_NEAR(volume(checked.mesh), 0.012, 1e-9);
+    }
+    const Canvas canvas(checked.mesh);
+    const auto near = canvas.closest({0.15, 0.3, 0.31}, 0.1);
+    ASSERT_TRUE(near);
+    EXPECT_NEAR(near->distance, 0.01, 1e-9);
   }
 }
 

@@ -144,6 +144,31 @@ TEST(JointLimits, KeepAJointOffThatItsRestPostureLiesBeyond) {
   }
 }
 
+// The turn about the pen's axis is the last joint's, and no null-space torque moves it.
+TEST(JointLimits, TurnThePenAboutItsAxisAwayFromTheEndOfTheLastJointsRange) {
+  ArmModel arm(kArm);
+  for (const double side : {-1.0, 1.0}) {
+    ImpedanceSettings s = shaped_settings(arm);
+    s.joint_range.lower = Eigen::VectorXd::Constant(7, -2.9);
+    s.joint_range.upper = Eigen::VectorXd::Constant(7, 2.9);
+    const double limit = working_posture()[6] + side * 0.03;
+    (side > 0.0 ? s.joint_range.upper : s.joint_range.lower)[6] = limit;
+    FreeArm free(s);
+    double away = 0.0, tilt = 0.0;
+    for (int i = 0; i < 1500; ++i) {
+      free.step();
+      const Pose& X_WE = free.world.state().X_WE;
+      away = std::max(away, (X_WE.p - free.reference.p_WD).norm());
+      tilt = std::max(tilt, (X_WE.R.col(2) + free.reference.n_WD).norm());
+    }
+    const double room = side * (limit - free.world.state().q[6]);
+    EXPECT_GT(room, 0.8 * s.joint_range.margin);
+    EXPECT_LT(room, s.joint_range.margin);
+    EXPECT_LT(away, 2e-5) << "the tip stays where it is";
+    EXPECT_LT(tilt, 1e-3) << "and the pen leans as before";
+  }
+}
+
 // Between its bounds the damping rises fivefold, and no further than a third of what the sampled
 // loop bears.
 TEST(SelfMotion, IsDampedMoreWhereItIsFast) {

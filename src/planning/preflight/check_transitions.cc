@@ -111,7 +111,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
     const bool beneath = sample.stroke >= 0 && below && below->distance < 0.0;
     const PenPlacement pen{beneath ? below->p_W : p, -n};
     PostureCheck& here = sample.stroke < 0 ? check : along_strokes;
-    Posture posture = last ? here.follow(pen, *last, moved) : check.enter(pen, start_q);
+    Posture posture = last ? here.follow(pen, *last, moved) : check.begin(pen, start_q);
     if (sample.stroke >= 0 && posture.problem)
       report_along(sample, posture, p);
     else

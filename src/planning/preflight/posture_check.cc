@@ -18,6 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kRelax = 0.05;     // tip path over which the redundant joint settles [m]
 constexpr double kMostDrift = 0.1;  // per step [rad]
+constexpr double kThere = 0.1;      // joints of an arm that is at a place already [rad]
 constexpr int kFollowSteps = 30, kEnterSteps = 100, kLostSteps = 20;
 
 double limit_distance(const ArmLimits& limits, const JointVector& q, int j) {
@@ -171,8 +172,10 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
                        1e3 * shaft.above_tip, -1e3 * shaft.gap, shaft.obstacle));
 }
 
-Posture PostureCheck::solve(const PenPlacement& pen, const JointVector& seed, int max_steps) {
+Posture PostureCheck::solve(const PenPlacement& pen, const JointVector& seed, int max_steps,
+                            bool free_spin) {
   IkSettings ik;
+  ik.free_spin = free_spin;
   ik.position_tolerance = ik.axis_tolerance = 1e-5;
   ik.max_steps = max_steps;
   const IkResult found = find_posture(arm_, pen, seed, ik);
@@ -191,8 +194,15 @@ Posture PostureCheck::follow(const PenPlacement& pen, const Posture& last, doubl
     pull.setZero();
   else
     pull *= std::min(1.0, kMostDrift / std::max(pull.cwiseAbs().maxCoeff(), 1e-12));
-  Posture posture = solve(pen, last.q + pull, last.reached ? kFollowSteps : kLostSteps);
+  Posture posture = solve(pen, last.q + pull, last.reached ? kFollowSteps : kLostSteps, false);
   if (posture.reached) examine(pen, &posture);
+  return posture;
+}
+
+Posture PostureCheck::begin(const PenPlacement& pen, const JointVector& q) {
+  Posture posture = solve(pen, q, kFollowSteps, false);
+  if (!posture.reached || (posture.q - q).cwiseAbs().maxCoeff() > kThere) return enter(pen, q);
+  examine(pen, &posture);
   return posture;
 }
 

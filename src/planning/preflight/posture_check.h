@@ -3,7 +3,8 @@
 //
 // Seed   q + (1 − exp(−moved/kRelax)) N (q_0 − q),  N = I − J⁺ J
 // This imitates the null-space pull of the controller on the redundant joint (impedance.h). N is
-// the kinematic projector; for one redundant joint it projects onto the same line.
+// the kinematic projector; for one redundant joint it projects onto the same line. From one posture
+// to the next the pen does not turn about its axis, as the controller damps that turn.
 #pragma once
 
 #include <optional>
@@ -40,6 +41,9 @@ class PostureCheck {
   PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                const PreflightSettings& settings);
 
+  // Of an arm with the posture q: as it stands, if its pen is there, else as enter() finds it.
+  Posture begin(const PenPlacement& pen, const JointVector& q);
+
   // Finds a settled posture at the point, seeded with `last`, then the rest or the start posture.
   // Returns the first posture without a problem, else the first that reaches, else the nearest.
   Posture enter(const PenPlacement& pen, const JointVector& last);
@@ -64,7 +68,8 @@ class PostureCheck {
   static Change change(const Posture& a, const Posture& b);
 
  private:
-  Posture solve(const PenPlacement& pen, const JointVector& seed, int max_steps);
+  Posture solve(const PenPlacement& pen, const JointVector& seed, int max_steps,
+                bool free_spin = true);
   void examine(const PenPlacement& pen, Posture* posture);
   void say_unreached(const PenPlacement& pen, const IkResult& found, Posture* posture);
   JointVector drift(const JointVector& q) const;
