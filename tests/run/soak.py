@@ -30,7 +30,8 @@ MOST_LOST = 4096 + 300  # steps
 SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm" viewBox="0 0 60 60">
 <path d="M5 5H55V20H5V35H55V50H5" fill="none" stroke="black"/></svg>"""
 SIGNALS = [signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGSEGV]
-POLITE = {signal.SIGTERM: 143, signal.SIGINT: 130, signal.SIGHUP: 129}
+# SIGQUIT is the emergency stop: the run ends as stopped.
+POLITE = {signal.SIGTERM: 143, signal.SIGINT: 130, signal.SIGHUP: 129, signal.SIGQUIT: 3}
 WHOLE = {"metrics.json": b"}\n", "report.html": b"</html>\n", "ink_top.svg": b"</svg>\n", "ink_page.svg": b"</svg>\n",
          "strokes.json": b"}\n", "ink_top.png": b"IEND\xaeB`\x82", "ink_page.png": b"IEND\xaeB`\x82", "plan.json": b"}\n"}
 
