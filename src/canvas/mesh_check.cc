@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/canvas/disjoint_sets.h"
 #include "impedraw/canvas/half_edges.h"
 #include "impedraw/canvas/merge_vertices.h"
 #include "impedraw/canvas/mesh_file.h"
@@ -77,12 +78,10 @@ struct Mending {
       throw InputError(fmt::format("none of its {} triangles has an area", number.size()));
     // A thin triangle is a seam between its neighbours, unless it lies on an edge that is joined
     // without it.
-    for_each_edge(half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size())),
-                  [&](const HalfEdge* first, const HalfEdge* last) {
-                    if (last - first <= 2) return;
-                    for (const HalfEdge* e = first; e < last; ++e)
-                      gone[e->face] = gone[e->face] || thin[e->face];
-                  });
+    for_each_edge(edges_of_mesh(), [&](const HalfEdge* first, const HalfEdge* last) {
+      if (last - first <= 2) return;
+      for (const HalfEdge* e = first; e < last; ++e) gone[e->face] = gone[e->face] || thin[e->face];
+    });
     drop(gone);
     report("degenerate_triangle", faulty, true, "without area, left out or passed over");
   }
@@ -109,8 +108,8 @@ struct Mending {
   }
 
   void edges_and_winding() {
-    crowded_edges();
-    const auto edges = half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
+    std::vector<HalfEdge> edges = edges_of_mesh();
+    crowded_edges(&edges);
     checked->closed = true;
     for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
       checked->closed = checked->closed && last - first == 2;
@@ -129,12 +128,16 @@ struct Mending {
     report("wrong_winding", faulty, true, "turned");
   }
 
-  void crowded_edges() {
-    const auto edges = half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
+  std::vector<HalfEdge> edges_of_mesh() {
+    return half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size()));
+  }
+
+  // `edges`: of the mesh, before and after.
+  void crowded_edges(std::vector<HalfEdge>* edges) {
     std::vector<int> crowded;  // lowest triangle of each edge with too many
     int lowest = std::numeric_limits<int>::max();
     std::string at;
-    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+    for_each_edge(*edges, [&](const HalfEdge* first, const HalfEdge* last) {
       if (last - first <= 2) return;
       if (number[first->face] < lowest) {
         lowest = number[first->face];
@@ -149,12 +152,12 @@ struct Mending {
     });
     if (crowded.empty()) return;
     std::sort(crowded.begin(), crowded.end());
-    separate_sheets(edges);
+    separate_sheets(*edges);
+    *edges = edges_of_mesh();
     bool separated = true;
-    for_each_edge(half_edges(mesh().triangles, static_cast<int>(mesh().vertices.size())),
-                  [&](const HalfEdge* first, const HalfEdge* last) {
-                    separated = separated && last - first <= 2;
-                  });
+    for_each_edge(*edges, [&](const HalfEdge* first, const HalfEdge* last) {
+      separated = separated && last - first <= 2;
+    });
     report("non_manifold_edge", crowded, separated,
            at + (separated ? "two and two were joined" : "at most two may"));
   }
@@ -162,17 +165,13 @@ struct Mending {
   // Gives each of the surfaces that touch along crowded edges its own vertices there.
   void separate_sheets(const std::vector<HalfEdge>& edges) {
     // Corners of one vertex that triangles beside each other join.
-    std::vector<int> parent(3 * number.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int c) {
-      while (parent[c] != c) c = parent[c] = parent[parent[c]];
-      return c;
-    };
+    const int corners = 3 * static_cast<int>(number.size());
+    DisjointSets fans(static_cast<std::size_t>(corners));
     const auto corner = [](const HalfEdge& e, bool low) {
       return 3 * e.face + (e.forward == low ? e.side : (e.side + 1) % 3);
     };
     const auto join = [&](const HalfEdge& a, const HalfEdge& b) {
-      for (const bool low : {true, false}) parent[root(corner(a, low))] = root(corner(b, low));
+      for (const bool low : {true, false}) fans.join(corner(a, low), corner(b, low));
     };
     std::vector<bool> crowded(mesh().vertices.size(), false);
     for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
@@ -196,7 +195,7 @@ struct Mending {
       for (const HalfEdge* a = first; a < last; ++a)
         for (const HalfEdge* b = a + 1; b < last; ++b)
           if (a->forward != b->forward)
-            pairs.push_back({root(corner(*a, true)) != root(corner(*b, true)),
+            pairs.push_back({fans.find(corner(*a, true)) != fans.find(corner(*b, true)),
                              across(*a).dot(across(*b)), a, b});
       std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
         return std::pair(a.apart, a.turn) < std::pair(b.apart, b.turn);
@@ -208,13 +207,13 @@ struct Mending {
         join(*pair.a, *pair.b);
       }
     });
-    std::map<std::pair<int, int>, int> own;  // of a vertex and a root
+    std::map<std::pair<int, int>, int> own;  // of a vertex and a fan
     std::vector<bool> taken(mesh().vertices.size(), false);
-    for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
+    for (int c = 0; c < corners; ++c) {
       Vector3i& t = mesh().triangles[c / 3];
       const int v = t[c % 3];
       if (!crowded[v]) continue;
-      const auto [at, is_new] = own.try_emplace({v, root(c)}, v);
+      const auto [at, is_new] = own.try_emplace({v, fans.find(c)}, v);
       if (is_new && taken[v]) {
         const Vector3d p = mesh().vertices[v];
         const Vector3d inward =
@@ -242,21 +241,16 @@ void check_size(const Vector3d& size, CheckedMesh* checked) {
 }
 
 int count_components(const TriangleMesh& mesh) {
-  std::vector<int> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  DisjointSets parts(mesh.vertices.size());
   std::vector<bool> used(mesh.vertices.size(), false);
   for (const auto& t : mesh.triangles) {
     for (const int v : t) {
       used[v] = true;
-      parent[root(v)] = root(t[0]);
+      parts.join(v, t[0]);
     }
   }
   int count = 0;
-  for (int v = 0; v < static_cast<int>(parent.size()); ++v) count += used[v] && parent[v] == v;
+  for (int v = 0; v < static_cast<int>(used.size()); ++v) count += used[v] && parts.find(v) == v;
   return count;
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/canvas/disjoint_sets.h"
 #include "impedraw/canvas/half_edges.h"
 #include "impedraw/common/errors.h"
 
@@ -65,22 +66,6 @@ void join_neighbours(MeshTopology& topology) {
                 });
 }
 
-// Corners of a vertex that no crease separates, by union and find over all corners of all faces.
-class Sides {
- public:
-  explicit Sides(std::size_t faces) : parent_(3 * faces) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int find(int corner) {
-    while (parent_[corner] != corner) corner = parent_[corner] = parent_[parent_[corner]];
-    return corner;
-  }
-  void join(int a, int b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<int> parent_;
-};
-
 bool is_crease(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   static const double cosine = std::cos(MeshTopology::kCrease);
   return !a.isZero(0.0) && !b.isZero(0.0) && a.dot(b) < cosine;
@@ -89,7 +74,7 @@ bool is_crease(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 // One smooth normal for each side of a vertex on a crease. share: that of each corner's face,
 // weighted.
 void split_at_creases(const std::vector<Eigen::Vector3d>& share, MeshTopology& topology) {
-  Sides sides(topology.faces.size());
+  DisjointSets sides(3 * topology.faces.size());  // corners of a vertex that no crease separates
   bool any = false;
   for (std::size_t f = 0; f < topology.faces.size(); ++f) {
     MeshTopology::Face& face = topology.faces[f];

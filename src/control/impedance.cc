@@ -330,15 +330,21 @@ JointVector ImpedanceController::joint_speed(const ArmTerms& arm, const Vector6&
   return space_.acceleration(arm.J.transpose().lazyProduct(Vector6(space_.inertia() * V)));
 }
 
+// How deep a joint is within the margins of its lower and its upper limit: 0 outside, 1 at it.
+std::pair<double, double> ImpedanceController::into_margins(const JointVector& q,
+                                                            int j) const noexcept {
+  const double margin = settings_.joint_range.margin;
+  return {std::max(0.0, margin - (q[j] - lower_[j])) / margin,
+          std::max(0.0, margin - (upper_[j] - q[j])) / margin};
+}
+
 // Of the pen about its axis, away from the ends of the joints' ranges [rad/s]. Null-space torque
 // cannot do it: on closed lines about a hill the pen's heading, and the last joint with it, turns
 // on and on.
 double ImpedanceController::heading_rate(const ArmTerms& arm) const noexcept {
-  const double margin = settings_.joint_range.margin;
   JointVector away = JointVector::Zero(arm.q.size());
   for (int j = 0; j < lower_.size(); ++j) {
-    const double above = std::max(0.0, margin - (arm.q[j] - lower_[j])) / margin;
-    const double below = std::max(0.0, margin - (upper_[j] - arm.q[j])) / margin;
+    const auto [above, below] = into_margins(arm.q, j);
     away[j] = above * above - below * below;
   }
   if (away.isZero()) return 0.0;
@@ -453,9 +459,7 @@ JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept
   const double share = pull.dot(arm.v) > 0.0 ? std::clamp(1.0 - fast, 0.0, 1.0) : 1.0;
   double damping = 1.0 + kMoreDamping * std::clamp(speed / kCalmSpeed - 1.0, 0.0, 1.0);
   if (damping > 1.0) {
-    const JointVector self =
-        arm.v -
-        space_.acceleration(arm.J.transpose().lazyProduct(Vector6(space_.inertia() * arm.V_WE)));
+    const JointVector self = arm.v - joint_speed(arm, arm.V_WE);
     const double rate = self.dot(D_q.cwiseProduct(self)) / self.dot(arm.M * self);
     damping = std::clamp(bearable_rate() / rate, 1.0, damping);
   }
@@ -464,14 +468,13 @@ JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept
 
 // τ_limit
 JointVector ImpedanceController::limit_repulsion(const JointVector& q) noexcept {
-  const JointRangeSettings& s = settings_.joint_range;
   JointVector tau = JointVector::Zero(q.size());
   for (int j = 0; j < lower_.size(); ++j) {
-    const double above = s.margin - (q[j] - lower_[j]), below = s.margin - (upper_[j] - q[j]);
-    if (above <= 0.0 && below <= 0.0) continue;
+    const auto [above, below] = into_margins(q, j);
+    if (above == 0.0 && below == 0.0) continue;
     out_.status.joint_limit = true;
-    const double into = std::max(above, below) / s.margin;
-    tau[j] = (above > below ? 1.0 : -1.0) * s.torque * into * into;
+    const double into = std::max(above, below);
+    tau[j] = (above > below ? 1.0 : -1.0) * settings_.joint_range.torque * into * into;
   }
   return tau;
 }

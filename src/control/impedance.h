@@ -64,6 +64,8 @@
 //             IEEE J. Robotics and Automation 3(1), 1987.
 #pragma once
 
+#include <utility>
+
 #include "impedraw/control/contact_mode.h"
 #include "impedraw/control/damping.h"
 #include "impedraw/control/felt_normal.h"
@@ -200,6 +202,7 @@ class ImpedanceController {
   }
   Vector6 damp(const Vector6& V) const noexcept;
   JointVector joint_speed(const ArmTerms& arm, const Vector6& V) const noexcept;
+  std::pair<double, double> into_margins(const JointVector& q, int j) const noexcept;
   double heading_rate(const ArmTerms& arm) const noexcept;
   Vector6 spring_and_damper(const ArmTerms& arm, ReferenceMotion* desired) noexcept;
   Vector6 handed_over(const Vector6& force, const Vector6& push) noexcept;

@@ -791,29 +791,30 @@ TipPath path_for(Experiment& e, const std::vector<StrokePart>& parts, const Eige
                    stroke_limits(e.scene, e.plan));
 }
 
-// From another start the surface may end a little earlier, at its edges: takes what is missed there
-// out of the parts. Returns false where that leaves them as they are.
-bool take_out(const Experiment& e, const OffSurface& off, std::vector<StrokePart>* parts) {
-  const double at = nearest_place(e.plan.strokes[static_cast<std::size_t>(off.stroke)], off.p);
-  std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
-  done.push_back({off.stroke, at - OffSurface::kAbout, at + OffSurface::kAbout});
-  std::vector<StrokePart> left = rest_of(e.plan.strokes, done, kShortestGap);
-  if (plane_length(strokes_of(e, left)) >= plane_length(strokes_of(e, *parts))) return false;
-  *parts = std::move(left);
-  return true;
+// plan(parts). From another start the surface may end a little earlier, at its edges: what is
+// missed there is taken out of the parts.
+template <class PlanParts>
+auto without_misses(const Experiment& e, std::vector<StrokePart>* parts, PlanParts&& plan) {
+  while (true) {
+    try {
+      return plan(*parts);
+    } catch (const OffSurface& off) {
+      const double at = nearest_place(e.plan.strokes[static_cast<std::size_t>(off.stroke)], off.p);
+      std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
+      done.push_back({off.stroke, at - OffSurface::kAbout, at + OffSurface::kAbout});
+      std::vector<StrokePart> left = rest_of(e.plan.strokes, done, kShortestGap);
+      if (plane_length(strokes_of(e, left)) >= plane_length(strokes_of(e, *parts))) throw;
+      *parts = std::move(left);
+    }
+  }
 }
 
 // A path for the parts, without what it would miss. Empty if nothing is left.
 TipPath plan_parts(Experiment& e, std::vector<StrokePart>* parts, const Eigen::Vector3d& p_WE,
                    const Eigen::Vector3d& n_W, double hold) {
-  while (!parts->empty()) {
-    try {
-      return path_for(e, *parts, p_WE, n_W, hold);
-    } catch (const OffSurface& off) {
-      if (!take_out(e, off, parts)) throw;
-    }
-  }
-  return {};
+  return without_misses(e, parts, [&](const std::vector<StrokePart>& left) {
+    return left.empty() ? TipPath{} : path_for(e, left, p_WE, n_W, hold);
+  });
 }
 
 // What lacks ink, but for the places before walls.
@@ -880,7 +881,8 @@ class MovingDrawing {
   void draw(std::vector<StrokePart> pending, bool again) {
     waited_ = 0.0;
     for (int losses = 0; finished() && !pending.empty() && losses <= kMostLosses;) {
-      const CarriedDecision next = decide(&pending);
+      const CarriedDecision next = without_misses(
+          e_, &pending, [this](const std::vector<StrokePart>& left) { return decide(left); });
       for (const std::string& remark : next.remarks) remark_on(remark);
       give_up(next.lost, &pending);
       if (!finished()) return;
@@ -917,18 +919,7 @@ class MovingDrawing {
  private:
   bool finished() const { return runner_.outcome().end == RunEnd::finished; }
 
-  // Without what a path from here would miss.
-  CarriedDecision decide(std::vector<StrokePart>* pending) {
-    while (true) {
-      try {
-        return decide_on(*pending);
-      } catch (const OffSurface& off) {
-        if (!take_out(e_, off, pending)) throw;
-      }
-    }
-  }
-
-  CarriedDecision decide_on(const std::vector<StrokePart>& pending) {
+  CarriedDecision decide(const std::vector<StrokePart>& pending) {
     if (pending.empty()) return {};
     const CarriedPen pen = runner_.pen();
     if (e_.scenario.preflight.arm) return plan_.decide(pending, runner_.forecast(), pen);
