@@ -1,4 +1,4 @@
-"""Writes docs/surface_cells.md, docs/robustness.md, docs/reach.md or docs/moving.md, and their pictures, from a sweep's data set.
+"""Writes docs/surface_cells.md, docs/other_surface_cells.md, docs/robustness.md, docs/reach.md or docs/moving.md, and their pictures, from a sweep's data set.
 
     ./impedraw robustness --part surfaces --out /tmp/surfaces && .venv/bin/python setup/study_pages.py surfaces /tmp/surfaces
     ./impedraw robustness --out /tmp/robustness && .venv/bin/python setup/study_pages.py robustness /tmp/robustness
@@ -64,17 +64,25 @@ def failure(row):
     return "" if not row["failed"] else f"**✗ {(row['cause'] or row['state']).split(':')[0].split(' ')[0]}** "
 
 
+UNSTABLE = ("above its speed limit", "with torques at their limits", "hammered", "unstable")
+
+
 def share(rows):
     asked = sum(row["length_asked"] or 0.0 for row in rows)
     return sum(row["length_promised"] or 0.0 for row in rows) / asked if asked else 0.0
 
 
-def surfaces(rows, folder):
+def other_surfaces(rows, folder):
+    _, lines = surfaces(rows, folder, "Other surfaces", "`./impedraw sweep studies/other-surfaces.yaml`", "studies/other-surfaces.yaml")
+    return "other_surface_cells.md", lines
+
+
+def surfaces(rows, folder, title="Surfaces", called="`./impedraw robustness --part surfaces`", study="studies/surfaces.yaml"):
     drawings = ("text", "spiral", "hatch")
     bad = sum(row["failed"] for row in rows)
-    unstable = sum("above its speed limit" in (row["cause"] or "") or "unstable" in (row["cause"] or "") for row in rows)
-    lines = ["# Surfaces", "",
-             f"`./impedraw robustness --part surfaces`, {stamp(folder)}: {len(rows)} cells of `studies/surfaces.yaml`; **{bad} missed a limit**, "
+    unstable = sum(any(words in (row["cause"] or "") for words in UNSTABLE) for row in rows)
+    lines = [f"# {title}", "",
+             f"{called}, {stamp(folder)}: {len(rows)} cells of `{study}`; **{bad} missed a limit**, "
              f"{unstable} were unstable; {100 * share(rows):.0f} % of the length that was asked for is promised. Each entry gives *ink error RMS [mm] / "
              "standard deviation of the normal force [N] / mean speed [mm/s] / share of the length promised*. **✗** marks a cell that stopped or "
              "missed a limit; the last list says which."]  # fmt: skip
@@ -425,7 +433,7 @@ def picture_of_moving(by_case, speeds, latencies, amplitudes, frequencies):
 
 
 def main():
-    pages = {"surfaces": surfaces, "robustness": robustness, "reach": reach, "moving": moving}
+    pages = {"surfaces": surfaces, "other-surfaces": other_surfaces, "robustness": robustness, "reach": reach, "moving": moving}
     if len(sys.argv) != 3 or sys.argv[1] not in pages:
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[2])

@@ -97,7 +97,8 @@ void bind_control(nb::module_& m) {
       .field("stale_state", &ControlStatus::stale_state, "older than timing.max_state_age")
       .field("stale_wrench", &ControlStatus::stale_wrench, "older than timing.max_wrench_age")
       .field("torque_limited", &ControlStatus::torque_limited, "a limit on torque or its rate")
-      .field("speed_limited", &ControlStatus::speed_limited, "limits.tip_speed or turn_speed")
+      .field("speed_limited", &ControlStatus::speed_limited,
+             "limits.tip_speed, turn_speed or joint_speed")
       .field("joint_limit", &ControlStatus::joint_limit, "within joint_range.margin of a limit")
       .field("surface_lost", &ControlStatus::surface_lost, "contact desired, no surface here")
       .field("damping_limit", &ControlStatus::damping_limit, "the damping is near its limit here")

@@ -143,6 +143,10 @@ void bind_control_settings(nb::module_& m) {
                         "Limits on commanded torque and on the tip's speed and turning.")
       .field("torque", &LimitSettings::torque, "±, n entries [Nm]; empty: 1000 on each joint")
       .field("torque_rate", &LimitSettings::torque_rate, "±, n entries [Nm/s]; empty: none")
+      .field(
+          "joint_speed", &LimitSettings::joint_speed,
+          "± that V_d + B⁻¹ K e may ask for, and above which a joint is damped, n entries [rad/s]; "
+          "empty: none")
       .field("tip_speed", &LimitSettings::tip_speed, "of V_d + B⁻¹ K e [m/s], 0.001 to 5")
       .field("turn_speed", &LimitSettings::turn_speed, "the same [rad/s], 0.01 to 50")
       .done();

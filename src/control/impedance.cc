@@ -12,7 +12,10 @@ constexpr double kSelfMotionSpeed = 1.0;  // of the fastest joint; at twice that
 // From here on the self-motion is damped more, at twice that 1 + kMoreDamping times as much.
 constexpr double kCalmSpeed = 0.7;  // of the fastest joint [rad/s]
 constexpr double kMoreDamping = 4.0;
-constexpr double kHeadingRate = 2.0;   // of the pen, at the end of a joint's range [rad/s]
+constexpr double kAlong = 0.3;        // cosine between the pull and the motion at which it is faded
+constexpr double kHeadingRate = 2.0;  // of the pen, at the end of a joint's range [rad/s]
+constexpr double kSlow = 0.15;        // of the tip [m/s] and its turn [rad/s]: joints are slow, too
+constexpr double kHoldBack = 20.0;
 constexpr double kRiseRate = 80.0;     // of what the tip's motion tells of the surface's [1/s]
 constexpr double kFastestRise = 0.2;   // [m/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
@@ -354,19 +357,44 @@ double ImpedanceController::heading_rate(const ArmTerms& arm) const noexcept {
   return kHeadingRate * std::clamp(away.dot(by_spin) / by_spin.cwiseAbs().maxCoeff(), -1.0, 1.0);
 }
 
+// Scales the turning part of V until no joint exceeds its speed limit; if that is not enough, all
+// of it.
+void ImpedanceController::keep_joint_speeds(const ArmTerms& arm, Vector6* V) const noexcept {
+  const Eigen::VectorXd& most = settings_.limits.joint_speed;
+  Vector6 part = Vector6::Zero();
+  part.head<3>() = V->head<3>();
+  const JointVector by_speed = joint_speed(arm, part);
+  part.head<3>().setZero();
+  part.tail<3>() = V->tail<3>();
+  const JointVector by_turn = joint_speed(arm, part);
+  double turn = 1.0, both = 1.0;
+  for (int j = 0; j < most.size(); ++j)
+    if (std::abs(by_speed[j] + by_turn[j]) > most[j] && by_turn[j] != 0.0)
+      turn = std::min(
+          turn, std::max(0.0, (std::copysign(most[j], by_turn[j]) - by_speed[j]) / by_turn[j]));
+  for (int j = 0; j < most.size(); ++j)
+    both = std::min(both, most[j] / std::max(most[j], std::abs(by_speed[j] + turn * by_turn[j])));
+  V->head<3>() *= both;
+  V->tail<3>() *= both * turn;
+}
+
 // B (V_d − V) + K e. If the steady-state speed V_d + B⁻¹ K e exceeds a limit, it is scaled to the
-// limit, and the part of V̇_d that accelerates the tip along it is removed.
+// limit, and the part of V̇_d that accelerates the tip along it is removed, by degrees: torque would
+// step at a limit that comes and goes.
 Vector6 ImpedanceController::spring_and_damper(const ArmTerms& arm,
                                                ReferenceMotion* desired) noexcept {
   const Vector6& V = arm.V_WE;
   desired->V_d.tail<3>() += heading_rate(arm) * arm.X_WE.R.col(2);
   const double limit = settings_.limits.tip_speed, turn_limit = settings_.limits.turn_speed;
-  // a smaller K e stays far below any limit: skip the solve
+  // Smaller ones stay far below any limit: skip the solves.
+  const bool joints = settings_.limits.joint_speed.size() > 0;
+  const double slow = std::min(joints ? kSlow : 1e9, 0.8 * limit),
+               turns_slowly = std::min(joints ? kSlow : 1e9, 0.8 * turn_limit);
   const double small_pull = 2e-3 * settings_.stiffness.linear.tangent;
-  const double small_turn = 2e-2 * settings_.stiffness.angular.tangent;
+  const double small_turn = (joints ? 5e-3 : 2e-2) * settings_.stiffness.angular.tangent;
   const Vector6 &V_d = desired->V_d, &Ke = desired->Ke;
-  if (V_d.head<3>().squaredNorm() > 0.64 * limit * limit ||
-      V_d.tail<3>().squaredNorm() > 0.64 * turn_limit * turn_limit ||
+  if (V_d.head<3>().squaredNorm() > slow * slow ||
+      V_d.tail<3>().squaredNorm() > turns_slowly * turns_slowly ||
       Ke.head<3>().squaredNorm() > small_pull * small_pull ||
       Ke.tail<3>().squaredNorm() > small_turn * small_turn) {
     const Vector6 follow = shaped_
@@ -375,17 +403,18 @@ Vector6 ImpedanceController::spring_and_damper(const ArmTerms& arm,
                                          std::sqrt(scale_));
     Vector6 V_end = V_d + follow;
     const double speed = V_end.head<3>().norm(), turn = V_end.tail<3>().norm();
-    const double share =
-        std::min(limit / std::max(speed, limit), turn_limit / std::max(turn, turn_limit));
-    if (share < 1.0) {
+    // scale both parts: a coupled inertia would turn the remaining rotation into speed
+    V_end *= std::min(limit / std::max(speed, limit), turn_limit / std::max(turn, turn_limit));
+    keep_joint_speeds(arm, &V_end);
+    const double slower = 1.0 - V_end.head<3>().norm() / std::max(speed, 1e-9),
+                 turns_slower = 1.0 - V_end.tail<3>().norm() / std::max(turn, 1e-9);
+    if (slower > 0.0 || turns_slower > 0.0) {
       out_.status.speed_limited = true;
-      // scale both parts: a coupled inertia would turn the remaining rotation into speed
-      V_end *= share;
-      const auto hold_back = [](auto a, const Eigen::Vector3d& along) {
-        a -= std::max(0.0, a.dot(along)) * along;
+      const auto hold_back = [](double by, auto a, const Eigen::Vector3d& along) {
+        a -= std::min(1.0, kHoldBack * by) * std::max(0.0, a.dot(along)) * along;
       };
-      if (speed > limit) hold_back(desired->Vdot_d.head<3>(), V_end.head<3>().normalized());
-      if (turn > turn_limit) hold_back(desired->Vdot_d.tail<3>(), V_end.tail<3>().normalized());
+      hold_back(slower, desired->Vdot_d.head<3>(), V_end.head<3>().normalized());
+      hold_back(turns_slower, desired->Vdot_d.tail<3>(), V_end.tail<3>().normalized());
       return damp(V_end - V);
     }
   }
@@ -456,7 +485,9 @@ JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept
   const JointVector pull = null_stiffness_.cwiseProduct(q_0_ - arm.q);
   const double speed = arm.v.cwiseAbs().maxCoeff();
   const double fast = speed / kSelfMotionSpeed - 1.0;
-  const double share = pull.dot(arm.v) > 0.0 ? std::clamp(1.0 - fast, 0.0, 1.0) : 1.0;
+  // By degrees from where it neither speeds the arm up nor slows it down, or it would come and go.
+  const double along = pull.dot(arm.v) / (kAlong * pull.norm() * arm.v.norm() + 1e-12);
+  const double share = 1.0 - std::clamp(fast, 0.0, 1.0) * std::clamp(along, 0.0, 1.0);
   double damping = 1.0 + kMoreDamping * std::clamp(speed / kCalmSpeed - 1.0, 0.0, 1.0);
   if (damping > 1.0) {
     const JointVector self = arm.v - joint_speed(arm, arm.V_WE);
@@ -493,10 +524,27 @@ JointVector ImpedanceController::disturbance(const ArmTerms& arm, const Wrench& 
   return within + arm.J.transpose().lazyProduct(space_.project_to_tip(r - within));
 }
 
+// Damps each joint that is faster than its limit, as much as the loop bears: near a singular
+// posture the tip's speed changes what it asks of them faster than they can follow. It only takes
+// energy.
+JointVector ImpedanceController::too_fast(const ArmTerms& arm) noexcept {
+  const Eigen::VectorXd& most = settings_.limits.joint_speed;
+  JointVector tau = JointVector::Zero(arm.v.size());
+  for (Eigen::Index j = 0; j < most.size(); ++j) {
+    const double over = std::abs(arm.v[j]) - most[j];
+    if (over <= 0.0) continue;
+    out_.status.speed_limited = true;
+    const double lightness = space_.acceleration(JointVector::Unit(tau.size(), j))[j];
+    tau[j] = -std::copysign(bearable_rate() * over / lightness, arm.v[j]);
+  }
+  return tau;
+}
+
 void ImpedanceController::apply_limits(const ArmTerms& arm) noexcept {
-  const LimitedTorque limited = limits_.apply(out_.terms.rightCols<2>().rowwise().sum(),
-                                              out_.terms.leftCols<kNullSpace>().rowwise().sum(),
-                                              out_.terms.col(kNullSpace), arm, space_);
+  const LimitedTorque limited =
+      limits_.apply(out_.terms.rightCols<2>().rowwise().sum(),
+                    out_.terms.leftCols<kNullSpace>().rowwise().sum() + too_fast(arm),
+                    out_.terms.col(kNullSpace), arm, space_);
   out_.tau = limited.tau;
   out_.task_share = limited.task_share;
   out_.status.torque_limited = limited.limited;

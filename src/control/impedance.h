@@ -45,7 +45,9 @@
 // Modes       contact_mode.h. The desired force stays continuous at a mode switch: the difference
 //             is carried over and decays with `switch_time`.
 // Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
-//             limits.tip_speed and limits.turn_speed (Khatib's velocity saturation). Torque and
+//             limits.tip_speed, limits.turn_speed and what moves no joint faster than
+//             limits.joint_speed (Khatib's velocity saturation). A joint that is faster all the
+//             same is damped. Torque and
 //             torque rate are limited last and preserve the task as far as possible
 //             (torque_limits.h).
 // Heading     The turn about the pen's axis is free. It is damped, and turns joints away that are
@@ -109,7 +111,7 @@ struct ControlStatus {
   bool stale_state = false;     // older than timing.max_state_age; torque as for bad_input
   bool stale_wrench = false;    // older than timing.max_wrench_age; the pen leaves the surface
   bool torque_limited = false;  // a limit on torque or torque rate was active
-  bool speed_limited = false;   // limits.tip_speed or limits.turn_speed was active
+  bool speed_limited = false;   // limits.tip_speed, turn_speed or joint_speed was active
   bool joint_limit = false;     // a joint is within joint_range.margin of its limit
   bool surface_lost = false;    // contact is desired but perception has no surface here
   bool damping_limit = false;  // M_d ∝ Λ: max eig(M_d⁻¹B)(Δt + delay) ≥ 0.5 in this posture
@@ -214,6 +216,8 @@ class ImpedanceController {
   JointVector null_space_torque(const ArmTerms& arm) noexcept;
   JointVector limit_repulsion(const JointVector& q) noexcept;
   JointVector disturbance(const ArmTerms& arm, const Wrench& F_ext) noexcept;
+  void keep_joint_speeds(const ArmTerms& arm, Vector6* V) const noexcept;
+  JointVector too_fast(const ArmTerms& arm) noexcept;
   void apply_limits(const ArmTerms& arm) noexcept;
   JointVector brake_torque(const ArmTerms& arm, const JointVector& lack) const noexcept;
 

@@ -68,10 +68,10 @@ void check_approach(const ApproachSettings& s) {
 }
 
 void check_felt_normal(const FeltNormalSettings& felt) {
-  using Limits = FeltNormalSettings::Limits;
-  check(Limits::share, felt.share);
-  check(Limits::deviation, felt.deviation);
-  check(Limits::force_error, felt.force_error);
+  using Felt = FeltNormalSettings::Limits;
+  check(Felt::share, felt.share);
+  check(Felt::deviation, felt.deviation);
+  check(Felt::force_error, felt.force_error);
 }
 
 void check_tip(const TipSettings& tip, const FrictionSettings& friction) {
@@ -104,6 +104,7 @@ void check_joints(const ImpedanceSettings& s, int joints) {
       joints, yield.range, yield.unit);
   check_entries("limits.torque", s.limits.torque, joints, Range::positive(), "Nm");
   each(Limits::torque_rate, s.limits.torque_rate);
+  check_entries("limits.joint_speed", s.limits.joint_speed, joints, Range::positive(), "rad/s");
   check(Limits::tip_speed_limit, s.limits.tip_speed);
   check(Limits::turn_speed_limit, s.limits.turn_speed);
 }

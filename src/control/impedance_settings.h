@@ -133,8 +133,10 @@ struct JointRangeSettings {
 struct LimitSettings {
   Eigen::VectorXd torque;       // ± [Nm]; empty: 1000 Nm on each joint
   Eigen::VectorXd torque_rate;  // ± [Nm/s]; empty: none
-  double tip_speed = 0.6;       // of V_d + B⁻¹ K e, linear part [m/s]
-  double turn_speed = 4.0;      // of its angular part [rad/s]
+  // ± that V_d + B⁻¹ K e may ask for, and above which a joint is damped [rad/s]; empty: none
+  Eigen::VectorXd joint_speed;
+  double tip_speed = 0.6;   // of V_d + B⁻¹ K e, linear part [m/s]
+  double turn_speed = 4.0;  // of its angular part [rad/s]
 };
 
 struct ImpedanceSettings {

@@ -62,6 +62,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
         std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
+  settings.limits.joint_speed = s.control.joint_speed_share * limits.speed;
   settings.limits.torque_rate =
       Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s, limits));
   if (s.arm.driver != ArmDriver::sim)

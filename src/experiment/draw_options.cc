@@ -41,6 +41,23 @@ void check_name(const std::string& name, const SettingErrors& setting_errors) {
                   shown(name), kLongest));
 }
 
+// A pen that the law holds back falls behind the plan.
+void check_turning(const Scenario& s, const SettingErrors& setting_errors) {
+  const double limit = s.control.limits.turn_speed;
+  const bool by_touch = !s.perception.enabled && s.blind.height == BlindHeight::touch;
+  const auto check = [&](const char* name, double speed) {
+    if (speed > limit)
+      setting_errors.raise(
+          {name, "control.turn_speed_limit"},
+          fmt::format("{} is {} rad/s, above control.turn_speed_limit, {} rad/s: valid is the "
+                      "limit or less",
+                      name, speed, limit));
+  };
+  check("path.tilt_speed", s.path.tilt_speed);
+  check("path.turn_speed", s.path.turn_speed);
+  if (by_touch) check("blind.touch.turn_rate", s.blind.touch.turn_rate);
+}
+
 }  // namespace
 
 Scenario resolve(const DrawOptions& options, Places* given) {
@@ -99,7 +116,9 @@ Scenario resolve(const DrawOptions& options, Places* given) {
       throw InputError(fmt::format("{}: drawing.shape {}", places.of("drawing.shape"),
                                    not_among(shape, shapes)));
   }
-  check_name(scenario.name, SettingErrors(places));
+  const SettingErrors setting_errors(places);
+  check_name(scenario.name, setting_errors);
+  check_turning(scenario, setting_errors);
   if (given) *given = places;
   return scenario;
 }

@@ -31,7 +31,7 @@ struct PlannedDrawing {
   Scene scene;
   Plan plan;
   // Of the drawing's lengths when it is projected, if it was asked for: see prepare_plan().
-  std::shared_future<Distortion> projected;
+  std::shared_future<Distortion> projected{};
 
   // The planner's surface, in P. Refers to the scene.
   SurfaceHeight surface() const { return scene.surface(artwork.X_WP); }

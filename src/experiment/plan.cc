@@ -334,7 +334,7 @@ void Planning::plan_path() {
     if (!s_.preflight.arm) return;
     std::vector<Finding> transitions = check_transitions(
         plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
-        [&](double share) { tell("checking the ways between strokes", 0.8 + 0.1 * share); });
+        [&](double done) { tell("checking the ways between strokes", 0.8 + 0.1 * done); });
     if (may_move())
       std::erase_if(transitions, [](const Finding& f) { return passes_with_canvas(f.problem); });
     if (transitions.empty()) return;

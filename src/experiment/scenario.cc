@@ -606,6 +606,10 @@ void describe(Fields& f, ControlSettings& s) {
   f.field(Limits::torque_share, s.torque_share,
           "Fraction of the arm's torque limits that may be used.");
   f.field(Limits::torque_rate, s.torque_rate, "Largest rate of change of a joint's torque.");
+  f.field(
+      Limits::joint_speed_share, s.joint_speed_share,
+      "Fraction of the arm's joint speed limits that the control law may ask for; faster joints "
+      "are damped.");
   f.field(Limits::limit_margin, s.joint_range.margin,
           "Distance from its limit at which a joint is pushed back, in the null space.");
   f.field(Limits::limit_torque, s.joint_range.torque,

@@ -212,8 +212,9 @@ struct ControlSettings : ImpedanceSettings {
   // Along the normal, for inertia: shaped; absent: the least of shaped_inertia, or more where the
   // wrench comes late (control_setup.cc) [kg].
   std::optional<double> mass_normal;
-  double torque_share = 1.0;    // of the arm's torque limits
-  double torque_rate = 4000.0;  // of every joint [Nm/s]
+  double torque_share = 1.0;       // of the arm's torque limits
+  double torque_rate = 4000.0;     // of every joint [Nm/s]
+  double joint_speed_share = 0.9;  // of the arm's joint speed limits
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
   // Of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.
@@ -222,6 +223,7 @@ struct ControlSettings : ImpedanceSettings {
   struct Limits : ImpedanceSettings::Limits {
     static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.02}};
     static constexpr Limit torque_share = {"torque_share", "", {0.01, 1.0}};
+    static constexpr Limit joint_speed_share = {"joint_speed_share", "", {0.01, 1.0}};
   };
 
   ControlSettings() { surface.pen_axis = PenAxis::plan; }

@@ -31,7 +31,7 @@ struct CanvasTrackerSettings {
   bool prediction = true;       // off: the pose at the last frame is taken for the present one
   double longest_age = 1.0;     // of the last frame [s]
   double largest_error = 4e-3;  // to be expected of the position [m]
-  Pose X_WK;                    // about where a shape without marks is looked for at first
+  Pose X_WK{};                  // about where a shape without marks is looked for at first
 };
 
 class CanvasTracker {

@@ -501,11 +501,14 @@ class Runner {
         return false;
     }
     if (guard_.update(loop_.terms().v, out_.status.torque_limited, dt())) {
+      const std::string& joint = e_.scene.arm.joint_names()[guard_.joint()];
       stop(RunEnd::stopped,
-           fmt::format("{} was above its speed limit of {:.2f} rad/s at t = {:.3f} s{}",
-                       e_.scene.arm.joint_names()[guard_.joint()],
-                       e_.scene.arm.limits().speed[guard_.joint()], first_time_ + t,
-                       out_.status.torque_limited ? ", with torques at their limits" : ""));
+           guard_.swings()
+               ? fmt::format("{} swung at t = {:.3f} s, with torques at their limits", joint,
+                             first_time_ + t)
+               : fmt::format("{} was above its speed limit of {:.2f} rad/s at t = {:.3f} s{}",
+                             joint, e_.scene.arm.limits().speed[guard_.joint()], first_time_ + t,
+                             out_.status.torque_limited ? ", with torques at their limits" : ""));
       retreats_ = true;
     } else if (guard_.calmed()) {
       if (halted_) return false;

@@ -155,6 +155,8 @@ TEST_F(CommandLine, DrawingWhereItCannotBe) {
   refused({"draw", "--shape", "m"}, {"--shape m: ", "did you mean 'M'?", "sine, sine10"});
   refused({"draw", "--set", "drawing.shape=cosine"},
           {"drawing.shape is 'cosine'", "M, sine, sine10"});
+  refused({"draw", "--set", "path.tilt_speed=5"},
+          {"--set path.tilt_speed", "above control.turn_speed_limit, 4 rad/s"});
   // The iiwa 14 with its pen reaches about 1 m from its shoulder.
   for (const char* blind : {"true", "false"})
     refused(

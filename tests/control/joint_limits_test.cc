@@ -207,5 +207,34 @@ TEST(SelfMotion, IsDampedMoreWhereItIsFast) {
   }
 }
 
+// On a rabbit on its side the pull to q_0 came and went from step to step by 20 Nm: it was faded
+// where it sped a fast arm up, and was whole as soon as it no longer did.
+TEST(SelfMotion, ThePullOfAFastArmDoesNotStepWhereItBeginsToSlowTheArmDown) {
+  ArmModel arm(kArm);
+  ImpedanceSettings s = shaped_settings(arm);
+  const JointVector q = working_posture(), off = JointVector::LinSpaced(7, -0.5, 0.5);
+  s.null_space.q_0 = q + off;
+  s.null_space.stiffness = Eigen::VectorXd::Constant(7, 10.0);
+  const JointVector pull = s.null_space.stiffness.cwiseProduct(off);
+  JointVector across = JointVector::LinSpaced(7, 0.2, 1.0);
+  across -= pull * pull.dot(across) / pull.squaredNorm();
+  across *= 2.5 / across.cwiseAbs().maxCoeff();  // [rad/s]
+  ArmTerms terms(7);
+  JointVector last;
+  for (double along = -1e-2; along <= 1e-2; along += 1e-4) {
+    arm.compute(q, across + along * pull.normalized(), &terms);
+    ImpedanceController controller(s, 7);
+    TipReference reference;
+    reference.p_WD = terms.X_WE.p;
+    reference.n_WD = -terms.X_WE.R.col(2);
+    const JointVector tau =
+        controller.step(terms, reference, {}, Wrench::Zero()).terms.col(kNullSpace);
+    if (last.size() > 0) {
+      ASSERT_LT((tau - last).cwiseAbs().maxCoeff(), 0.02) << along;
+    }
+    last = tau;
+  }
+}
+
 }  // namespace
 }  // namespace impedraw

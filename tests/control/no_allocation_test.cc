@@ -100,6 +100,7 @@ TEST(NoAllocation, AStepInTroubleMakesNone) {
     s.force_integral.enabled = true;
     s.limits.torque = 0.4 * s.limits.torque;
     s.limits.torque_rate = Eigen::VectorXd::Constant(7, 500.0);
+    s.limits.joint_speed = 0.1 * arm.limits().speed;
     s.joint_range.lower = working_posture() - JointVector::Constant(7, 0.2);
     s.joint_range.upper = working_posture() + JointVector::Constant(7, 0.2);
     ASSERT_TRUE(s.observer.enabled);

@@ -127,6 +127,35 @@ TEST(TipSpeed, StaysWithinItsLimitAndTheTipArrives) {
   }
 }
 
+// A pen that slips into a gap is told to turn by tens of degrees at once. Joint 5 left its speed
+// limit, and the guard ended the drawing.
+TEST(JointSpeed, OfAPenThatIsToTurnAtOnceStaysWithinItsLimit) {
+  ArmModel arm(kArm);
+  for (const bool natural : {false, true}) {
+    for (const Eigen::Vector3d& by :
+         {Eigen::Vector3d(0.5, 0.0, 0.0), Eigen::Vector3d(-0.5, 0.0, 0.0),
+          Eigen::Vector3d(0.0, 0.5, 0.0), Eigen::Vector3d(0.0, -0.5, 0.0)}) {
+      SCOPED_TRACE(testing::Message()
+                   << (natural ? "natural" : "shaped") << ", by " << by.transpose());
+      ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
+      s.limits.joint_speed = arm.limits().speed;
+      FreeArm free(s);
+      free.reference.n_WD = Eigen::AngleAxisd(by.norm(), by.normalized()) * free.reference.n_WD;
+      double share = 0.0;
+      bool told = false;
+      for (int i = 0; i < 3000; ++i) {
+        told |= free.step().status.speed_limited;
+        share = std::max(
+            share, (free.world.state().v.array() / arm.limits().speed.array()).abs().maxCoeff());
+      }
+      EXPECT_TRUE(told);
+      EXPECT_LT(share, 1.1);
+      EXPECT_GT(share, 0.7) << "it need not creep either";
+      EXPECT_GT(free.reference.n_WD.dot(-free.world.state().X_WE.R.col(2)), std::cos(0.01));
+    }
+  }
+}
+
 TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
   ArmModel arm(kArm);
   JointVector q(7);

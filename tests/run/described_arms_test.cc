@@ -91,7 +91,7 @@ TEST_P(DescribedArms, TheToolHasItsLengthAndMass) {
 
 INSTANTIATE_TEST_SUITE_P(Arms, DescribedArms,
                          ::testing::Values("fr3", "gen3", "iiwa14", "iiwa7", "panda", "ur5e"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& arm) { return std::string(arm.param); });
 
 class ArmNotesTest : public ScratchFolder {};
 

@@ -161,6 +161,46 @@ TEST(SpeedGuard, TripsEarlierWhereTorquesAreLimited) {
   EXPECT_TRUE(tripped);
 }
 
+TEST(SpeedGuard, TripsAtAJointThatStaysAboveItsLimit) {
+  SpeedGuard stays(Eigen::VectorXd::Ones(1)), comes_back(Eigen::VectorXd::Ones(1));
+  bool tripped = false;
+  for (int i = 0; i < 1000 && !tripped; ++i) {
+    EXPECT_FALSE(
+        comes_back.update(JointVector::Constant(1, i % 200 < 150 ? 1.5 : 0.5), false, kDt));
+    tripped = stays.update(JointVector::Constant(1, 1.5), false, kDt);
+  }
+  EXPECT_TRUE(tripped);
+}
+
+TEST(SpeedGuard, TripsAtASwingThatGoesOnAboveALimit) {
+  SpeedGuard swing(Eigen::VectorXd::Ones(1)), stops(Eigen::VectorXd::Ones(1));
+  bool tripped = false;
+  for (int i = 0; i < 1000 && !tripped; ++i) {
+    const double phase = std::sin(0.05 * i);  // 8 Hz
+    EXPECT_FALSE(stops.update(JointVector::Constant(1, 1.5 * std::max(0.0, phase)), false, kDt));
+    tripped = swing.update(JointVector::Constant(1, 1.5 * phase), false, kDt);
+  }
+  EXPECT_TRUE(tripped);
+  EXPECT_FALSE(swing.swings());
+}
+
+// A swing within the speed limits that a limited torque rate feeds. Torques at their limits
+// while the arm holds still, or for an instant, are none.
+TEST(SpeedGuard, TripsWhereTorquesStayAtTheirLimitsWhileTheArmSwings) {
+  SpeedGuard swing(Eigen::VectorXd::Ones(1)), holds(Eigen::VectorXd::Ones(1)),
+      now_and_then(Eigen::VectorXd::Ones(1));
+  bool tripped = false;
+  for (int i = 0; i < 400 && !tripped; ++i) {
+    const JointVector v = JointVector::Constant(1, 0.6 * std::sin(0.02 * i));
+    EXPECT_FALSE(holds.update(0.1 * v, true, kDt));
+    EXPECT_FALSE(now_and_then.update(v, i % 50 < 20, kDt));
+    tripped = swing.update(v, true, kDt);
+  }
+  EXPECT_TRUE(tripped);
+  EXPECT_TRUE(swing.swings());
+  EXPECT_TRUE(swing.braking());
+}
+
 TEST(RattleGuard, TripsAtBlowsOfSeveralTimesThePush) {
   RattleGuard gentle, hammer, air, heavy;
   bool tripped = false;

@@ -127,20 +127,13 @@ TEST(Safety, WhatTheLawCannotHoldIsDampedAndThePenLifted) {
     std::vector<std::string> assignments;
     const char* cause;
     double force;  // greatest [N]
-  } cases[] = {
-      {"bowl-push",
-       {"pushes.0.force=60", "control.torque_rate=900"},
-       "torques at their limits",
-       60},
-      {"bowl-sine", {"world.errors.rotor_inertia=0.3"}, "above its speed limit", 1},
-      {"bowl-sine", {"world.errors.torque_ripple=1"}, "joint_7 was above its speed limit", 1},
-      {"bowl-sine", {"world.errors.loop_delay=0.008"}, "torques at their limits", 1},
-      {"bowl-sine",
-       {"world.errors.viscous_friction=5", "control.observer.enabled=false",
-        "control.stiffness_tangent=3000", "control.rotational_stiffness_tangent=100"},
-       "above its speed limit",
-       1},
-      {"bowl-sine", {"world.tip.stiffness=1e6"}, "hammered on the canvas", 80}};
+  } cases[] = {{"bowl-push",
+                {"pushes.0.force=60", "control.torque_rate=900"},
+                "torques at their limits",
+                60},
+               {"bowl-sine", {"world.errors.rotor_inertia=0.3"}, "above its speed limit", 1},
+               {"bowl-sine", {"world.errors.loop_delay=0.008"}, "torques at their limits", 1},
+               {"bowl-sine", {"world.tip.stiffness=1e6"}, "hammered on the canvas", 80}};
   for (const auto& c : cases) {
     SCOPED_TRACE(c.assignments.front());
     const Figures f = draw_scenario(c.scenario, c.assignments, RunEnd::stopped);
@@ -150,6 +143,23 @@ TEST(Safety, WhatTheLawCannotHoldIsDampedAndThePenLifted) {
     EXPECT_LT(f.run.joint_velocity.bottomRows(1).cwiseAbs().maxCoeff(), 1.0);
     EXPECT_LT(highest_force(f), c.force);
     EXPECT_EQ(f.run.contact_force.back().norm(), 0.0);
+  }
+}
+
+// A ripple of every joint's torque, and friction of the wrist that keeps the pen from turning as
+// fast as the law asks for. Joint 7 and joint 4 were thrown beyond their speed limits before the
+// law had limits for them, and the guard ended the drawing.
+TEST(Safety, TheLawHoldsJointsThatAreTooFast) {
+  const std::vector<std::string> cases[] = {
+      {"world.errors.torque_ripple=1"},
+      {"world.errors.viscous_friction=5", "control.observer.enabled=false",
+       "control.stiffness_tangent=3000", "control.rotational_stiffness_tangent=100"}};
+  for (const std::vector<std::string>& assignments : cases) {
+    SCOPED_TRACE(assignments.front());
+    const Figures f = draw_scenario("bowl-sine", assignments);
+    EXPECT_GE(f["contact_fraction"], 0.99);
+    EXPECT_LE(f["touchdown_peak"], 8.0);
+    EXPECT_LE(f["force_sd"], 0.5);
   }
 }
 

@@ -130,7 +130,7 @@ void validate(const PreflightSettings& settings);
 enum class WayEnd { none, first, last };
 
 struct Finding {
-  StrokePart part;
+  StrokePart part{};
   Problem problem = Problem::off_canvas;
   std::string text;  // the problem and its size at the worst point: "23 mm too far"
   Eigen::Vector2d page_mm = Eigen::Vector2d::Zero();  // the worst point
