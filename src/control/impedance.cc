@@ -328,17 +328,13 @@ Vector6 ImpedanceController::damp(const Vector6& V) const noexcept {
   return std::sqrt(scale_) * modal_damping_.apply(space_.inertia_factor(), V);
 }
 
-// J̄ V
-JointVector ImpedanceController::joint_speed(const ArmTerms& arm, const Vector6& V) const noexcept {
-  return space_.acceleration(arm.J.transpose().lazyProduct(Vector6(space_.inertia() * V)));
-}
-
 // How deep a joint is within the margins of its lower and its upper limit: 0 outside, 1 at it.
 std::pair<double, double> ImpedanceController::into_margins(const JointVector& q,
                                                             int j) const noexcept {
   const double margin = settings_.joint_range.margin;
-  return {std::max(0.0, margin - (q[j] - lower_[j])) / margin,
-          std::max(0.0, margin - (upper_[j] - q[j])) / margin};
+  const double above = margin - (q[j] - lower_[j]), below = margin - (upper_[j] - q[j]);
+  if (above <= 0.0 && below <= 0.0) return {0.0, 0.0};
+  return {std::max(0.0, above) / margin, std::max(0.0, below) / margin};
 }
 
 // Of the pen about its axis, away from the ends of the joints' ranges [rad/s]. Null-space torque
@@ -353,20 +349,17 @@ double ImpedanceController::heading_rate(const ArmTerms& arm) const noexcept {
   if (away.isZero()) return 0.0;
   Vector6 spin = Vector6::Zero();
   spin.tail<3>() = arm.X_WE.R.col(2);
-  const JointVector by_spin = joint_speed(arm, spin);
+  const JointVector by_spin = space_.joint_speed(spin);
   return kHeadingRate * std::clamp(away.dot(by_spin) / by_spin.cwiseAbs().maxCoeff(), -1.0, 1.0);
 }
 
 // Scales the turning part of V until no joint exceeds its speed limit; if that is not enough, all
 // of it.
-void ImpedanceController::keep_joint_speeds(const ArmTerms& arm, Vector6* V) const noexcept {
+void ImpedanceController::keep_joint_speeds(Vector6* V) const noexcept {
   const Eigen::VectorXd& most = settings_.limits.joint_speed;
-  Vector6 part = Vector6::Zero();
-  part.head<3>() = V->head<3>();
-  const JointVector by_speed = joint_speed(arm, part);
-  part.head<3>().setZero();
-  part.tail<3>() = V->tail<3>();
-  const JointVector by_turn = joint_speed(arm, part);
+  if (most.size() == 0) return;
+  const JointSpeedByPart part = space_.joint_speed_by_part(*V);
+  const auto by_speed = part.col(0), by_turn = part.col(1);
   double turn = 1.0, both = 1.0;
   for (int j = 0; j < most.size(); ++j)
     if (std::abs(by_speed[j] + by_turn[j]) > most[j] && by_turn[j] != 0.0)
@@ -405,7 +398,7 @@ Vector6 ImpedanceController::spring_and_damper(const ArmTerms& arm,
     const double speed = V_end.head<3>().norm(), turn = V_end.tail<3>().norm();
     // scale both parts: a coupled inertia would turn the remaining rotation into speed
     V_end *= std::min(limit / std::max(speed, limit), turn_limit / std::max(turn, turn_limit));
-    keep_joint_speeds(arm, &V_end);
+    keep_joint_speeds(&V_end);
     const double slower = 1.0 - V_end.head<3>().norm() / std::max(speed, 1e-9),
                  turns_slower = 1.0 - V_end.tail<3>().norm() / std::max(turn, 1e-9);
     if (slower > 0.0 || turns_slower > 0.0) {
@@ -490,7 +483,7 @@ JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept
   const double share = 1.0 - std::clamp(fast, 0.0, 1.0) * std::clamp(along, 0.0, 1.0);
   double damping = 1.0 + kMoreDamping * std::clamp(speed / kCalmSpeed - 1.0, 0.0, 1.0);
   if (damping > 1.0) {
-    const JointVector self = arm.v - joint_speed(arm, arm.V_WE);
+    const JointVector self = arm.v - space_.joint_speed(arm.V_WE);
     const double rate = self.dot(D_q.cwiseProduct(self)) / self.dot(arm.M * self);
     damping = std::clamp(bearable_rate() / rate, 1.0, damping);
   }

@@ -203,7 +203,6 @@ class ImpedanceController {
     return kDampingLimit / 3.0 / settings_.timing.damping_delay();
   }
   Vector6 damp(const Vector6& V) const noexcept;
-  JointVector joint_speed(const ArmTerms& arm, const Vector6& V) const noexcept;
   std::pair<double, double> into_margins(const JointVector& q, int j) const noexcept;
   double heading_rate(const ArmTerms& arm) const noexcept;
   Vector6 spring_and_damper(const ArmTerms& arm, ReferenceMotion* desired) noexcept;
@@ -216,7 +215,7 @@ class ImpedanceController {
   JointVector null_space_torque(const ArmTerms& arm) noexcept;
   JointVector limit_repulsion(const JointVector& q) noexcept;
   JointVector disturbance(const ArmTerms& arm, const Wrench& F_ext) noexcept;
-  void keep_joint_speeds(const ArmTerms& arm, Vector6* V) const noexcept;
+  void keep_joint_speeds(Vector6* V) const noexcept;
   JointVector too_fast(const ArmTerms& arm) noexcept;
   void apply_limits(const ArmTerms& arm) noexcept;
   JointVector brake_torque(const ArmTerms& arm, const JointVector& lack) const noexcept;

@@ -41,8 +41,18 @@ void NormalTracker::coast() noexcept {
 }
 
 void NormalTracker::turn(const Eigen::Vector3d& rotation) noexcept {
-  const double angle = rotation.norm();
-  if (angle > 1e-15) n_W_ = Eigen::AngleAxisd(angle, rotation / angle) * n_W_;
+  // Rodrigues' formula: n + sin θ/θ r × n + (1 − cos θ)/θ² r × (r × n), r = rotation, θ = |r|; by
+  // series to rounding where θ is small, as it is in nearly every step.
+  const double squared = rotation.squaredNorm();
+  double along = 1.0 - squared / 6.0 * (1.0 - squared / 20.0 * (1.0 - squared / 42.0));
+  double inward = 0.5 - squared / 24.0 * (1.0 - squared / 30.0 * (1.0 - squared / 56.0));
+  if (squared > 1e-3) {
+    const double angle = std::sqrt(squared);
+    along = std::sin(angle) / angle;
+    inward = (1.0 - std::cos(angle)) / squared;
+  }
+  const Eigen::Vector3d across = rotation.cross(n_W_);
+  n_W_ += along * across + inward * rotation.cross(across);
   n_W_.normalize();
   w_W_ -= n_W_ * n_W_.dot(w_W_);
 }

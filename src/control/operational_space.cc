@@ -103,6 +103,22 @@ JointVector OperationalSpace::acceleration(const JointVector& tau) const noexcep
   return x;
 }
 
+JointVector OperationalSpace::joint_speed(const Vector6& V) const noexcept {
+  return joint_speed_by_part(V).rowwise().sum();
+}
+
+JointSpeedByPart OperationalSpace::joint_speed_by_part(const Vector6& V) const noexcept {
+  Eigen::Matrix<double, 6, 2> momentum;
+  momentum << Lambda_.leftCols<3>() * V.head<3>(), Lambda_.rightCols<3>() * V.tail<3>();
+  JointSpeedByPart x(Y_.rows(), 2);
+  for (Eigen::Index i = x.rows(); i-- > 0;) {  // L⁻ᵀ Y Λ V
+    x.row(i) = Y_.row(i).lazyProduct(momentum);
+    for (Eigen::Index k = i + 1; k < x.rows(); ++k) x.row(i) -= L_(k, i) * x.row(k);
+    x.row(i) *= inverse_diagonal_[i];
+  }
+  return x;
+}
+
 Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept {
   JointVector x = tau;
   Vector6 task = Vector6::Zero();

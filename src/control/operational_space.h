@@ -28,6 +28,9 @@ struct OperationalSpaceSettings {
   double characteristic_length = 0.3;
 };
 
+// Of the velocity's linear part, and of its angular part.
+using JointSpeedByPart = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor, kMaxJoints, 2>;
+
 class OperationalSpace {
  public:
   explicit OperationalSpace(const OperationalSpaceSettings& settings = {}) : settings_(settings) {}
@@ -43,6 +46,9 @@ class OperationalSpace {
 
   // M⁻¹ τ
   JointVector acceleration(const JointVector& tau) const noexcept;
+  // J̄ V = M⁻¹ Jᵀ Λ V: of all joint velocities that move the tip at V, that of least energy
+  JointVector joint_speed(const Vector6& V) const noexcept;
+  JointSpeedByPart joint_speed_by_part(const Vector6& V) const noexcept;
   // J̄ᵀ τ: the wrench at the tip that is equivalent to τ
   Vector6 project_to_tip(const JointVector& tau) const noexcept;
 

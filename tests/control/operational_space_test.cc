@@ -33,6 +33,10 @@ TEST(OperationalSpace, IdentitiesHoldOverRandomStates) {
     for (int k = 0; k < 6; ++k) {  // J̄ᵀ Jᵀ = I
       const Vector6 unit = Vector6::Unit(k);
       EXPECT_LT((space.project_to_tip(t.J.transpose() * unit) - unit).norm(), 1e-9);
+      // J̄, and that of the linear and the angular part apart
+      const Eigen::VectorXd speed = M_inverse * t.J.transpose() * lambda * unit;
+      EXPECT_LT((space.joint_speed(unit) - speed).norm(), 1e-9 * speed.norm());
+      EXPECT_EQ(space.joint_speed_by_part(unit).col(k < 3 ? 1 : 0).norm(), 0.0);
     }
     const JointVector tau = 10.0 * JointVector::Random(7);
     const JointVector tau_null = tau - t.J.transpose() * space.project_to_tip(tau);
