@@ -413,9 +413,10 @@ void Planning::leave_out(const OffSurface& off) {
 
 // Removes what surface and joints slow down too far. Returns false if nothing does. Stretches below
 // kCrawling of least_speed always go; as long as the mean, with something in hand since the run's
-// clock yields on rough ground, is below least_speed, those below a bound that rises go, too.
+// clock yields on rough ground, is below least_speed, those below a bound that rises go, too; then,
+// the slowest first, those that are not much slower than their own corners make them.
 bool Planning::leave_out_crawling() {
-  constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.2, kRise = 1.25;
+  constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.2, kRise = 1.25, kBarelySlowed = 1.25;
   const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
   if (!(asked > 0.0)) return false;
   double least = kCrawling * asked;
@@ -427,6 +428,11 @@ bool Planning::leave_out_crawling() {
   while (slow.empty() && slow_on_average && least < kInHand * asked) {
     least = std::min(kRise * least, kInHand * asked);
     slow = crawling_stretches(plan_.path, free, least);
+  }
+  if (slow.empty() && slow_on_average) {
+    slow = crawling_stretches(plan_.path, free, least, kBarelySlowed);
+    const auto slowest = std::ranges::min_element(slow, {}, &CrawlingStretch::speed);
+    if (slowest != slow.end()) slow = {*slowest};
   }
   std::reverse(slow.begin(), slow.end());  // so that the numbers of those before stay
   for (const CrawlingStretch& c : slow) {

@@ -72,11 +72,12 @@ constexpr double kLeastOff = 5e-4, kMostOff = 1.5e-3;
 // noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
 // does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m].
 constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
-// A hole: wider than kHole around a point, and kSparse times as wide as the points' spacing, which
-// beside a hole looks twice as wide: it is found from about 3.5 mm inside. The plan keeps
-// kHoleMargin off such places, so that a pen with a tip of 1 mm stays on the surface [m].
+// A hole: no point within kHole, and none as near as kSparse times the points' spacing, which
+// beside a hole looks twice as wide. Looked for every kHoleStep in the tangent planes of the
+// cloud's points, as far as kHoleReach. The plan keeps kHoleMargin off such places within
+// kHoleLevel of the surface's tangent plane, so that a pen with a tip of 1 mm stays on it [m].
 constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 5e-3;
-constexpr int kLooks = 8;  // around
+constexpr double kHoleStep = 0.7e-3, kHoleReach = 6e-3, kHoleLevel = 1.5e-3;
 // A crease: the normals of two places on either side of it, as the finest patches tell them, lean
 // towards each other by more than kCreaseAngle [rad]. They are so far apart that each patch lies on
 // its own side. Where their planes meet, a patch leaves a residual above kCreaseResidual [m]: in a
@@ -135,11 +136,13 @@ struct SurfaceEstimator::Index {
   // Of each point of `cloud`: the level to use, 0 for the cloud itself, and the greatest nearby.
   std::vector<float> level, level_nearby;
   std::vector<Roughness> rough;
-  std::vector<char> steps;    // the surface steps there, or within kStepMargin
-  std::vector<char> creases;  // of a plan: within kCreaseMargin of a crease; empty: none is known
-  double noise = 0.0;         // median residual of the finest patches [m]
-  bool planning = false;      // answers for a plan: see the constructor from another estimator
-  double most_misfit = 0.0;   // of a plan [m]
+  std::vector<char> steps;      // the surface steps there, or within kStepMargin
+  std::vector<char> creases;    // of a plan: within kCreaseMargin of a crease; empty: none is known
+  std::vector<Vector3d> holes;  // of a plan [m]
+  std::unique_ptr<const NeighbourTree> hole_tree;  // null: there are none
+  double noise = 0.0;                              // median residual of the finest patches [m]
+  bool planning = false;     // answers for a plan: see the constructor from another estimator
+  double most_misfit = 0.0;  // of a plan [m]
 
   Index(PointCloud given, const NormalSettings& s, FinerClouds finer_clouds)
       : settings(s), cloud(in_tree_order(std::move(given), s)), tree(cloud.points) {
@@ -172,6 +175,55 @@ struct SurfaceEstimator::Index {
     settings.max_one_sidedness = max_one_sidedness;
     fit_every_point();
     if (!finer.empty()) find_creases(seen);
+    if (finest) find_holes();
+  }
+
+  void find_holes() {
+    const int n = static_cast<int>(cloud.points.size());
+    const auto find = [&](int begin, int end, std::vector<Vector3d>* found) {
+      for (int i = begin; i < end; ++i) find_holes_about(i, found);
+    };
+    std::vector<Vector3d> more;
+    std::thread other(find, 0, n / 2, &holes);
+    find(n / 2, n, &more);
+    other.join();
+    holes.insert(holes.end(), more.begin(), more.end());
+    if (!holes.empty()) hole_tree = std::make_unique<const NeighbourTree>(holes);
+  }
+
+  // In the tangent plane of the plan's surface at point i.
+  void find_holes_about(int i, std::vector<Vector3d>* found) const {
+    Neighbours near;
+    near.n =
+        tree.nearest(cloud.points[i], settings.k, settings.max_radius, near.index, near.squared);
+    near.closest = i;
+    LocalSurface surface;
+    if (fit(cloud, cloud.points[i], settings.k, near, surface, true) != SurfaceStatus::ok) return;
+    const Vector3d foot = cloud.points[i] - surface.distance * surface.n;
+    constexpr int kSteps = static_cast<int>(kHoleReach / kHoleStep);
+    const Vector3d a = kHoleStep * surface.n.unitOrthogonal(), b = surface.n.cross(a);
+    for (int u = -kSteps; u <= kSteps; ++u)
+      for (int v = -kSteps; v <= kSteps; ++v) {
+        const Vector3d place = foot + u * a + v * b;
+        int index;
+        double squared;
+        if (u * u + v * v <= kSteps * kSteps &&
+            finest->tree.nearest(place, 1, kHole, &index, &squared) == 0 && is_hole(place))
+          found->push_back(place);
+      }
+  }
+
+  // No point of the finest view is as near as the points around are to each other. kAround of them
+  // make the spacing that of the surroundings, also where grazing cameras see lines that are wide
+  // apart.
+  bool is_hole(const Vector3d& place) const {
+    int index[kAround];
+    double squared[kAround];
+    if (finest->tree.nearest(place, kAround, settings.max_radius, index, squared) < kAround)
+      return true;
+    // of kAround points evenly within their radius
+    const double spacing = std::sqrt(std::numbers::pi * squared[kAround - 1] / kAround);
+    return squared[0] > kSparse * kSparse * spacing * spacing;
   }
 
   void find_creases(const Index& seen) {
@@ -426,7 +478,7 @@ struct SurfaceEstimator::Index {
       return {.status = SurfaceStatus::off_edge};
     if (closest >= 0 && !creases.empty() && creases[closest])
       return {.status = SurfaceStatus::off_edge};
-    if (finest && beside_hole(p - coarse.distance * coarse.n_W, coarse.n_W))
+    if (beside_hole(p - coarse.distance * coarse.n_W, coarse.n_W))
       return {.status = SurfaceStatus::off_edge};
     if (finer.empty() || closest < 0 || level_nearby[closest] == 0.0f) return coarse;
     const SurfaceEstimate fine = refined(p, coarse);
@@ -437,27 +489,14 @@ struct SurfaceEstimator::Index {
             (1.0 - share) * coarse.distance + share * fine.distance};
   }
 
-  // No point of the finest view is as near as the points around are to each other, here or beside.
-  // kAround of them make the spacing that of the surroundings, also where grazing cameras see lines
-  // that are wide apart.
+  // A place further off the tangent plane may lie in the body, under an upper sheet.
   bool beside_hole(const Vector3d& foot, const Vector3d& n) const {
-    const Vector3d a = kHoleMargin * n.unitOrthogonal(), b = n.cross(a);
-    for (int look = 0; look <= kLooks; ++look) {
-      const double angle = 2.0 * std::numbers::pi * look / kLooks;
-      const Vector3d at =
-          look == kLooks ? foot : Vector3d(foot + std::cos(angle) * a + std::sin(angle) * b);
-      int index[kAround];
-      double squared[kAround];
-      if (finest->tree.nearest(at, 1, settings.max_radius, index, squared) == 1 &&
-          squared[0] < kHole * kHole)
-        continue;
-      if (finest->tree.nearest(at, kAround, settings.max_radius, index, squared) < kAround)
-        return true;
-      // of kAround points evenly within their radius
-      const double spacing = std::sqrt(std::numbers::pi * squared[kAround - 1] / kAround);
-      if (squared[0] > kSparse * kSparse * spacing * spacing) return true;
-    }
-    return false;
+    if (!hole_tree) return false;
+    int index[kMostNeighbours];
+    double squared[kMostNeighbours];
+    const int found = hole_tree->nearest(foot, kMostNeighbours, kHoleMargin, index, squared);
+    return std::any_of(index, index + found,
+                       [&](int j) { return std::abs(n.dot(holes[j] - foot)) < kHoleLevel; });
   }
 
   // The mean of the levels of p's neighbours; negative: it has too few.

@@ -616,7 +616,9 @@ class Runner {
         out_.mode == ContactMode::contact &&
         loop_.F_ext().head<3>().dot(out_.n_WD) > e_.control.impedance.contact.touch_force;
     if (touches) touched_ = {desired.stroke, desired.along, desired.along};
-    return sink_watch_.update(loop_.surface().distance, touches);
+    const Eigen::Vector3d v = velocity_on_canvas();
+    const double way = (v - out_.n_WD.dot(v) * out_.n_WD).norm() * dt();
+    return sink_watch_.update(loop_.surface().distance, way, touches);
   }
 
   void look_for_wall(const PathSample& desired, const TipPath& path, double planned) {

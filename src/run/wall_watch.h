@@ -43,18 +43,29 @@ class SinkWatch {
  public:
   static constexpr double kSunk = 1.5e-3;     // below where it last touched [m]
   static constexpr double kDeepest = 3.0e-3;  // below the estimated surface, before any touch [m]
+  // A surface that holds the tip falls by less, below the estimated one, per way along it. Along
+  // the side of a gap the tip is touched, too, and goes down.
+  static constexpr double kSteepest = 2.0;
 
-  void reset() noexcept { at_touch_ = kSunk - kDeepest; }
+  void reset() noexcept { *this = {}; }
 
   // One cycle with the tip on the surface, or on its way down. distance: to the estimated surface
-  // [m]; touches: the surface holds the tip. True while the tip is too deep.
-  bool update(double distance, bool touches) noexcept {
-    if (touches && std::isfinite(distance)) at_touch_ = distance;
-    return !touches && distance < at_touch_ - kSunk;
+  // [m]; way: of the tip along it in this cycle [m]; touches: the surface holds the tip. True while
+  // the tip is too deep.
+  bool update(double distance, double way, bool touches) noexcept {
+    way_ += way;
+    if (touches && std::isfinite(distance)) {
+      at_touch_ = touched_ ? std::max(distance, at_touch_ - kSteepest * way_) : distance;
+      touched_ = true;
+      way_ = 0.0;
+    }
+    return distance < at_touch_ - kSunk;
   }
 
  private:
   double at_touch_ = kSunk - kDeepest;  // [m]
+  double way_ = 0.0;                    // since the last touch [m]
+  bool touched_ = false;
 };
 
 class WallWatch {

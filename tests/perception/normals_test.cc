@@ -304,6 +304,41 @@ TEST(Normals, APlansSurfaceDoesNotRunOnBeyondItsPoints) {
   EXPECT_EQ(plan.estimate({0.03, 0, 0}).status, SurfaceStatus::ok);
 }
 
+// A hole of 5.4 mm, wherever it lies between the points of the cloud, which are 4 mm apart.
+TEST(Normals, APlanKeepsOffAHoleOnAllSidesOfIt) {
+  for (const Vector3d& middle :
+       {Vector3d(0, 0, 0), Vector3d(1e-3, 2e-3, 0), Vector3d(-2e-3, 0.5e-3, 0)}) {
+    const auto drilled = [&](double spacing) {
+      PointCloud cloud = sheet(0.04, spacing, kFlat);
+      std::erase_if(cloud.points, [&](const Vector3d& p) { return (p - middle).norm() < 2.7e-3; });
+      cloud.camera.resize(cloud.points.size());
+      return cloud;
+    };
+    FinerClouds finer;
+    for (const double spacing : {2e-3, 1e-3}) finer.push_back(drilled(spacing));
+    const SurfaceEstimator seen(drilled(4e-3), {}, std::move(finer)), plan(seen, 0.5);
+    for (int k = 0; k < 24; ++k) {
+      const double angle = k * std::numbers::pi / 12.0;
+      const Vector3d out(std::cos(angle), std::sin(angle), 0.0);
+      for (const double r : {0.0, 1e-3, 2e-3, 3e-3, 4e-3})
+        EXPECT_EQ(plan.estimate(middle + r * out).status, SurfaceStatus::off_edge)
+            << "middle " << middle.transpose() << ", " << r << " m off it, " << k;
+      EXPECT_EQ(plan.estimate(middle + 8e-3 * out).status, SurfaceStatus::ok) << k;
+    }
+  }
+}
+
+// The tangent planes of the lower sheet run on below the upper one.
+TEST(Normals, APlanFindsNoHoleUnderAnUpperSheet) {
+  const auto stepped = [](double x, double) { return x < 0.0 ? 4e-3 : 0.0; };
+  FinerClouds finer;
+  for (const double spacing : {2e-3, 1e-3}) finer.push_back(sheet(0.04, spacing, stepped));
+  const SurfaceEstimator seen(sheet(0.04, 4e-3, stepped), {}, std::move(finer)), plan(seen, 0.66);
+  for (const double x : {-6.5e-3, 6.5e-3})
+    for (double y = -0.012; y < 0.012; y += 1.3e-3)
+      EXPECT_EQ(plan.estimate({x, y, stepped(x, y)}).status, SurfaceStatus::ok) << x << " " << y;
+}
+
 TEST(Normals, TooFewWithinReach) {
   const PointCloud cloud = sheet(0.05, 0.003, kFlat);
   for (const auto& way : every_way()) {

@@ -67,15 +67,28 @@ int cycles_aside(const Vector3d& F) {
 
 TEST(SinkWatch, NoticesATipThatFallsBelowWhereItTouched) {
   SinkWatch watch;
-  EXPECT_FALSE(watch.update(-0.2e-3, true));
-  EXPECT_FALSE(watch.update(-1.6e-3, false));
-  EXPECT_FALSE(watch.update(-1.6e-3, true));  // touches again, deeper: a hollow that was not seen
-  EXPECT_FALSE(watch.update(-3.0e-3, false));
-  EXPECT_TRUE(watch.update(-3.2e-3, false));
+  EXPECT_FALSE(watch.update(-0.2e-3, 0.0, true));
+  EXPECT_FALSE(watch.update(-1.6e-3, 1e-3, false));
+  EXPECT_FALSE(watch.update(-1.6e-3, 0.0, true));  // touches again: a hollow that was not seen
+  EXPECT_FALSE(watch.update(-3.0e-3, 1e-3, false));
+  EXPECT_TRUE(watch.update(-3.2e-3, 0.0, false));
   watch.reset();
-  EXPECT_FALSE(watch.update(-2.9e-3, false));  // comes down; pen and cameras err a little
-  EXPECT_TRUE(watch.update(-3.1e-3, false));
-  EXPECT_FALSE(watch.update(std::nan(""), false));
+  EXPECT_FALSE(watch.update(-2.9e-3, 0.0, false));  // comes down; pen and cameras err a little
+  EXPECT_TRUE(watch.update(-3.1e-3, 0.0, false));
+  EXPECT_FALSE(watch.update(std::nan(""), 0.0, false));
+}
+
+// 5 mm deep within 0.5 mm of way, touched all the time.
+TEST(SinkWatch, NoticesATipThatSlidesDownTheSideOfAGap) {
+  const auto deepest = [](double steepness) {
+    SinkWatch watch;
+    double distance = -0.3e-3;
+    while (distance > -8e-3 && !watch.update(distance, 0.02e-3, true))
+      distance -= steepness * 0.02e-3;
+    return distance;
+  };
+  EXPECT_GT(deepest(10.0), -3.0e-3);
+  EXPECT_LT(deepest(1.7), -8.0e-3);  // a slope of 60° that the cameras took for level
 }
 
 TEST(SideWatch, NoticesATipThatIsPushedAside) {

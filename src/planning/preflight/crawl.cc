@@ -9,7 +9,6 @@ namespace impedraw {
 namespace {
 
 constexpr double kLook = 5e-3;      // between samples of the path [s]
-constexpr double kSlowed = 2.0;     // times as long as unhindered
 constexpr double kShortest = 2e-3;  // shorter strokes are not judged [m]
 
 // One stroke of a path, sample by sample.
@@ -82,7 +81,7 @@ bool is_slow_anywhere(const TipPath& path, double least_speed) {
 }
 
 std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
-                                                double least_speed) {
+                                                double least_speed, double slowed) {
   std::vector<CrawlingStretch> found;
   for (std::size_t s = 0; s < path.strokes().size() && s < unhindered.strokes().size(); ++s) {
     const Trace slow = trace(path, path.strokes()[s]);
@@ -92,7 +91,7 @@ std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPa
       if (!free) free = trace(unhindered, unhindered.strokes()[s]);
       const double fastest =
           time_at(*free, slow.along[w.end]) - time_at(*free, slow.along[w.begin]);
-      if (slow.time[w.end] - slow.time[w.begin] < kSlowed * fastest) return;
+      if (slow.time[w.end] - slow.time[w.begin] < slowed * fastest) return;
       if (!merged.empty() && w.begin <= merged.back().end)
         merged.back().end = std::max(merged.back().end, w.end);
       else

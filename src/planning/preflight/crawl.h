@@ -2,9 +2,9 @@
 //
 // Speed is judged over windows of kCrawlWindow along a stroke, on the surface, so that a corner
 // with its full stop counts for little. A window crawls if it is slower than `least_speed` and
-// takes more than twice as long as on the `unhindered` path: what a line's own corners take is not
-// held against it. Windows that touch are one stretch; its ends are trimmed to where the pen is
-// slower than `least_speed` over kCrawlStep.
+// takes more than `slowed` times as long as on the `unhindered` path: what a line's own corners
+// take is not held against it. Windows that touch are one stretch; its ends are trimmed to where
+// the pen is slower than `least_speed` over kCrawlStep.
 #pragma once
 
 #include <vector>
@@ -28,7 +28,7 @@ struct CrawlingStretch {
 // `unhindered`: a path of the same strokes in the same order, without the limits that count.
 // Ordered by stroke, then along it.
 std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
-                                                double least_speed);
+                                                double least_speed, double slowed = 2.0);
 
 // Whether any window of the path is slower than `least_speed`: without it nothing crawls.
 bool is_slow_anywhere(const TipPath& path, double least_speed);
