@@ -16,17 +16,23 @@ constexpr double kAlong = 0.3;        // cosine between the pull and the motion 
 constexpr double kHeadingRate = 2.0;  // of the pen, at the end of a joint's range [rad/s]
 constexpr double kSlow = 0.15;        // of the tip [m/s] and its turn [rad/s]: joints are slow, too
 constexpr double kHoldBack = 20.0;
+// A joint comes to rest kShortOfEnd before the end of its range, at kStopRate, and creeps on
+// [rad], [1/s], [rad/s].
+constexpr double kShortOfEnd = 0.015, kStopRate = 8.0, kCreep = 5e-3;
+constexpr double kNearEnd = 0.06;      // [rad]
 constexpr double kRiseRate = 80.0;     // of what the tip's motion tells of the surface's [1/s]
 constexpr double kFastestRise = 0.2;   // [m/s]
 constexpr double kWeightShare = 0.12;  // of a joint's weight torque: what wrong masses may add to r
 
-// A thin body has two sides a few millimetres apart. An estimate that faces away from the plan is
-// of the other one.
+// A thin body has two sides a few millimetres apart. Of points of both the estimate lies between
+// them, and faces the side that the tip is on: within the body away from the plan.
 SurfaceEstimate on_planned_side(const SurfaceEstimate& surface, const Eigen::Vector3d& n_plan) {
   constexpr double kAway = -0.5;  // cosine
   SurfaceEstimate seen = surface;
-  if (seen.status == SurfaceStatus::ok && seen.n_W.dot(n_plan) < kAway)
-    seen.status = SurfaceStatus::off_edge;
+  if (seen.status == SurfaceStatus::ok && seen.n_W.dot(n_plan) < kAway) {
+    seen.n_W = -seen.n_W;
+    seen.distance = -seen.distance;
+  }
   return seen;
 }
 
@@ -353,20 +359,35 @@ double ImpedanceController::heading_rate(const ArmTerms& arm) const noexcept {
   return kHeadingRate * std::clamp(away.dot(by_spin) / by_spin.cwiseAbs().maxCoeff(), -1.0, 1.0);
 }
 
+// Of joint j in the direction of v: its limit, and less before the end of its range, so that it
+// comes to rest there [rad/s].
+double ImpedanceController::most_joint_speed(const ArmTerms& arm, Eigen::Index j,
+                                             double v) const noexcept {
+  if (lower_.size() == 0) return settings_.limits.joint_speed[j];
+  const double room = v < 0.0 ? arm.q[j] - lower_[j] : upper_[j] - arm.q[j];
+  return std::min(settings_.limits.joint_speed[j],
+                  kCreep * std::clamp(room / kShortOfEnd, 0.0, 1.0) +
+                      kStopRate * std::max(0.0, room - kShortOfEnd));
+}
+
 // Scales the turning part of V until no joint exceeds its speed limit; if that is not enough, all
 // of it.
-void ImpedanceController::keep_joint_speeds(Vector6* V) const noexcept {
-  const Eigen::VectorXd& most = settings_.limits.joint_speed;
-  if (most.size() == 0) return;
+void ImpedanceController::keep_joint_speeds(const ArmTerms& arm, Vector6* V) const noexcept {
+  const Eigen::Index n = settings_.limits.joint_speed.size();
+  if (n == 0) return;
   const JointSpeedByPart part = space_.joint_speed_by_part(*V);
   const auto by_speed = part.col(0), by_turn = part.col(1);
   double turn = 1.0, both = 1.0;
-  for (int j = 0; j < most.size(); ++j)
-    if (std::abs(by_speed[j] + by_turn[j]) > most[j] && by_turn[j] != 0.0)
-      turn = std::min(
-          turn, std::max(0.0, (std::copysign(most[j], by_turn[j]) - by_speed[j]) / by_turn[j]));
-  for (int j = 0; j < most.size(); ++j)
-    both = std::min(both, most[j] / std::max(most[j], std::abs(by_speed[j] + turn * by_turn[j])));
+  for (Eigen::Index j = 0; j < n; ++j) {
+    if (by_turn[j] == 0.0) continue;
+    const double most = most_joint_speed(arm, j, by_turn[j]), by = std::abs(by_turn[j]);
+    const double along = std::copysign(1.0, by_turn[j]) * by_speed[j];
+    if (along + by > most) turn = std::min(turn, std::max(0.0, (most - along) / by));
+  }
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double v = by_speed[j] + turn * by_turn[j], most = most_joint_speed(arm, j, v);
+    both = std::min(both, most / std::max(most, std::abs(v)));
+  }
   V->head<3>() *= both;
   V->tail<3>() *= both * turn;
 }
@@ -381,12 +402,14 @@ Vector6 ImpedanceController::spring_and_damper(const ArmTerms& arm,
   const double limit = settings_.limits.tip_speed, turn_limit = settings_.limits.turn_speed;
   // Smaller ones stay far below any limit: skip the solves.
   const bool joints = settings_.limits.joint_speed.size() > 0;
+  const bool at_end = joints && lower_.size() > 0 &&
+                      std::min((arm.q - lower_).minCoeff(), (upper_ - arm.q).minCoeff()) < kNearEnd;
   const double slow = std::min(joints ? kSlow : 1e9, 0.8 * limit),
                turns_slowly = std::min(joints ? kSlow : 1e9, 0.8 * turn_limit);
   const double small_pull = 2e-3 * settings_.stiffness.linear.tangent;
   const double small_turn = (joints ? 5e-3 : 2e-2) * settings_.stiffness.angular.tangent;
   const Vector6 &V_d = desired->V_d, &Ke = desired->Ke;
-  if (V_d.head<3>().squaredNorm() > slow * slow ||
+  if (at_end || V_d.head<3>().squaredNorm() > slow * slow ||
       V_d.tail<3>().squaredNorm() > turns_slowly * turns_slowly ||
       Ke.head<3>().squaredNorm() > small_pull * small_pull ||
       Ke.tail<3>().squaredNorm() > small_turn * small_turn) {
@@ -398,7 +421,7 @@ Vector6 ImpedanceController::spring_and_damper(const ArmTerms& arm,
     const double speed = V_end.head<3>().norm(), turn = V_end.tail<3>().norm();
     // scale both parts: a coupled inertia would turn the remaining rotation into speed
     V_end *= std::min(limit / std::max(speed, limit), turn_limit / std::max(turn, turn_limit));
-    keep_joint_speeds(&V_end);
+    keep_joint_speeds(arm, &V_end);
     const double slower = 1.0 - V_end.head<3>().norm() / std::max(speed, 1e-9),
                  turns_slower = 1.0 - V_end.tail<3>().norm() / std::max(turn, 1e-9);
     if (slower > 0.0 || turns_slower > 0.0) {
@@ -521,10 +544,9 @@ JointVector ImpedanceController::disturbance(const ArmTerms& arm, const Wrench& 
 // posture the tip's speed changes what it asks of them faster than they can follow. It only takes
 // energy.
 JointVector ImpedanceController::too_fast(const ArmTerms& arm) noexcept {
-  const Eigen::VectorXd& most = settings_.limits.joint_speed;
   JointVector tau = JointVector::Zero(arm.v.size());
-  for (Eigen::Index j = 0; j < most.size(); ++j) {
-    const double over = std::abs(arm.v[j]) - most[j];
+  for (Eigen::Index j = 0; j < settings_.limits.joint_speed.size(); ++j) {
+    const double over = std::abs(arm.v[j]) - most_joint_speed(arm, j, arm.v[j]);
     if (over <= 0.0) continue;
     out_.status.speed_limited = true;
     const double lightness = space_.acceleration(JointVector::Unit(tau.size(), j))[j];

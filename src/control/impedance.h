@@ -46,10 +46,10 @@
 //             is carried over and decays with `switch_time`.
 // Limits      V_d + B⁻¹ K e, the steady-state speed of spring and damper, is limited to
 //             limits.tip_speed, limits.turn_speed and what moves no joint faster than
-//             limits.joint_speed (Khatib's velocity saturation). A joint that is faster all the
-//             same is damped. Torque and
-//             torque rate are limited last and preserve the task as far as possible
-//             (torque_limits.h).
+//             limits.joint_speed (Khatib's velocity saturation), less before the end of its range,
+//             where it comes to rest: the pen turns less, then stops. A joint that is faster all
+//             the same is damped. Torque and torque rate are limited last and preserve the task as
+//             far as possible (torque_limits.h).
 // Heading     The turn about the pen's axis is free. It is damped, and turns joints away that are
 //             within joint_range.margin of their limits, as far as it moves them.
 //
@@ -144,9 +144,10 @@ class ImpedanceController {
 
   // Computes one step. The result belongs to this object and is overwritten by the next step.
   // `reference`: the plan at this instant. `surface`: the estimate at the tip, with status `none`
-  // if there is no perception; one that faces away from the plan, by more than 120°, counts as
-  // `off_edge`. `F_ext` is used only with WrenchFeedback::measured. `carrier`: how the canvas moves
-  // now; null: it stands. Reference and surface are given in W in either case.
+  // if there is no perception; one that faces away from the plan, by more than 120°, is of a thin
+  // body's other side, and is turned round. `F_ext` is used only with WrenchFeedback::measured.
+  // `carrier`: how the canvas moves now; null: it stands. Reference and surface are given in W in
+  // either case.
   const ImpedanceTorque& step(const ArmTerms& arm, const TipReference& reference,
                               const SurfaceEstimate& surface, const Wrench& F_ext,
                               const InputAges& ages = {},
@@ -215,7 +216,8 @@ class ImpedanceController {
   JointVector null_space_torque(const ArmTerms& arm) noexcept;
   JointVector limit_repulsion(const JointVector& q) noexcept;
   JointVector disturbance(const ArmTerms& arm, const Wrench& F_ext) noexcept;
-  void keep_joint_speeds(Vector6* V) const noexcept;
+  double most_joint_speed(const ArmTerms& arm, Eigen::Index j, double v) const noexcept;
+  void keep_joint_speeds(const ArmTerms& arm, Vector6* V) const noexcept;
   JointVector too_fast(const ArmTerms& arm) noexcept;
   void apply_limits(const ArmTerms& arm) noexcept;
   JointVector brake_torque(const ArmTerms& arm, const JointVector& lack) const noexcept;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <thread>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -73,11 +74,14 @@ constexpr double kLeastOff = 5e-4, kMostOff = 1.5e-3;
 // does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m].
 constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
 // A hole: no point within kHole, and none as near as kSparse times the points' spacing, which
-// beside a hole looks twice as wide. Looked for every kHoleStep in the tangent planes of the
-// cloud's points, as far as kHoleReach. The plan keeps kHoleMargin off such places within
-// kHoleLevel of the surface's tangent plane, so that a pen with a tip of 1 mm stays on it [m].
+// beside a hole looks twice as wide: it is found from about 3.5 mm inside. A plan looks for holes
+// every kHoleStep in the tangent planes of the cloud's points, as far as kHoleReach; for larger
+// ones also around each place that it asks about. It keeps kHoleMargin off such places, if they
+// are within kHoleLevel of the surface's tangent plane, so that a pen with a tip of 1 mm stays on
+// the surface [m].
 constexpr double kHole = 2e-3, kSparse = 1.6, kHoleMargin = 5e-3;
 constexpr double kHoleStep = 0.7e-3, kHoleReach = 6e-3, kHoleLevel = 1.5e-3;
+constexpr int kLooks = 8;  // around
 // A crease: the normals of two places on either side of it, as the finest patches tell them, lean
 // towards each other by more than kCreaseAngle [rad]. They are so far apart that each patch lies on
 // its own side. Where their planes meet, a patch leaves a residual above kCreaseResidual [m]: in a
@@ -181,7 +185,9 @@ struct SurfaceEstimator::Index {
   void find_holes() {
     const int n = static_cast<int>(cloud.points.size());
     const auto find = [&](int begin, int end, std::vector<Vector3d>* found) {
-      for (int i = begin; i < end; ++i) find_holes_about(i, found);
+      std::unordered_set<std::uint64_t> looked;
+      looked.reserve(64 * static_cast<std::size_t>(end - begin));
+      for (int i = begin; i < end; ++i) find_holes_about(i, &looked, found);
     };
     std::vector<Vector3d> more;
     std::thread other(find, 0, n / 2, &holes);
@@ -191,26 +197,34 @@ struct SurfaceEstimator::Index {
     if (!holes.empty()) hole_tree = std::make_unique<const NeighbourTree>(holes);
   }
 
-  // In the tangent plane of the plan's surface at point i.
-  void find_holes_about(int i, std::vector<Vector3d>* found) const {
+  // In the tangent plane of the plan's surface at point i, but for cubes that were `looked` into.
+  void find_holes_about(int i, std::unordered_set<std::uint64_t>* looked,
+                        std::vector<Vector3d>* found) const {
     Neighbours near;
     near.n =
         tree.nearest(cloud.points[i], settings.k, settings.max_radius, near.index, near.squared);
     near.closest = i;
     LocalSurface surface;
-    if (fit(cloud, cloud.points[i], settings.k, near, surface, true) != SurfaceStatus::ok) return;
+    if (fit(cloud, cloud.points[i], settings.k, near, surface, true) == SurfaceStatus::too_few)
+      return;
     const Vector3d foot = cloud.points[i] - surface.distance * surface.n;
     constexpr int kSteps = static_cast<int>(kHoleReach / kHoleStep);
     const Vector3d a = kHoleStep * surface.n.unitOrthogonal(), b = surface.n.cross(a);
     for (int u = -kSteps; u <= kSteps; ++u)
       for (int v = -kSteps; v <= kSteps; ++v) {
+        if (u * u + v * v > kSteps * kSteps) continue;
         const Vector3d place = foot + u * a + v * b;
-        int index;
-        double squared;
-        if (u * u + v * v <= kSteps * kSteps &&
-            finest->tree.nearest(place, 1, kHole, &index, &squared) == 0 && is_hole(place))
-          found->push_back(place);
+        if (looked->insert(cube_of(place)).second && is_hole(place)) found->push_back(place);
       }
+  }
+
+  // Cubes of side kHoleStep, numbered within ± 700 m.
+  static std::uint64_t cube_of(const Vector3d& p) {
+    std::uint64_t number = 0;
+    for (int k = 0; k < 3; ++k)
+      number =
+          number << 21 | (static_cast<std::uint64_t>(std::llround(p[k] / kHoleStep)) & 0x1fffff);
+    return number;
   }
 
   // No point of the finest view is as near as the points around are to each other. kAround of them
@@ -219,6 +233,7 @@ struct SurfaceEstimator::Index {
   bool is_hole(const Vector3d& place) const {
     int index[kAround];
     double squared[kAround];
+    if (finest->tree.nearest(place, 1, kHole, index, squared) == 1) return false;
     if (finest->tree.nearest(place, kAround, settings.max_radius, index, squared) < kAround)
       return true;
     // of kAround points evenly within their radius
@@ -489,14 +504,23 @@ struct SurfaceEstimator::Index {
             (1.0 - share) * coarse.distance + share * fine.distance};
   }
 
-  // A place further off the tangent plane may lie in the body, under an upper sheet.
+  // A hole further off the tangent plane may lie in the body, under an upper sheet.
   bool beside_hole(const Vector3d& foot, const Vector3d& n) const {
-    if (!hole_tree) return false;
-    int index[kMostNeighbours];
-    double squared[kMostNeighbours];
-    const int found = hole_tree->nearest(foot, kMostNeighbours, kHoleMargin, index, squared);
-    return std::any_of(index, index + found,
-                       [&](int j) { return std::abs(n.dot(holes[j] - foot)) < kHoleLevel; });
+    if (!finest) return false;
+    if (hole_tree) {
+      int index[kMostNeighbours];
+      double squared[kMostNeighbours];
+      const int found = hole_tree->nearest(foot, kMostNeighbours, kHoleMargin, index, squared);
+      if (std::any_of(index, index + found,
+                      [&](int j) { return std::abs(n.dot(holes[j] - foot)) < kHoleLevel; }))
+        return true;
+    }
+    const Vector3d a = kHoleMargin * n.unitOrthogonal(), b = n.cross(a);
+    for (int look = 0; look < kLooks; ++look) {
+      const double angle = 2.0 * std::numbers::pi * look / kLooks;
+      if (is_hole(foot + std::cos(angle) * a + std::sin(angle) * b)) return true;
+    }
+    return is_hole(foot);
   }
 
   // The mean of the levels of p's neighbours; negative: it has too few.

@@ -618,7 +618,7 @@ class Runner {
     if (touches) touched_ = {desired.stroke, desired.along, desired.along};
     const Eigen::Vector3d v = velocity_on_canvas();
     const double way = (v - out_.n_WD.dot(v) * out_.n_WD).norm() * dt();
-    return sink_watch_.update(loop_.surface().distance, way, touches);
+    return sink_watch_.update(loop_.surface().distance, way, touches, dt());
   }
 
   void look_for_wall(const PathSample& desired, const TipPath& path, double planned) {

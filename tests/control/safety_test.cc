@@ -156,6 +156,34 @@ TEST(JointSpeed, OfAPenThatIsToTurnAtOnceStaysWithinItsLimit) {
   }
 }
 
+// A pen that came down beside an edge was to turn on and on. Joint 6 ran into its end, its torque
+// grew to the limit, and the other joints swung.
+TEST(JointRange, AJointThatIsToGoBeyondItsEndComesToRestBeforeIt) {
+  ArmModel arm(kArm);
+  for (const bool natural : {false, true}) {
+    for (const double by : {1.0, -1.0}) {
+      SCOPED_TRACE(testing::Message() << (natural ? "natural" : "shaped") << ", by " << by);
+      ImpedanceSettings s = natural ? natural_settings(arm) : shaped_settings(arm);
+      s.limits.joint_speed = arm.limits().speed;
+      s.joint_range.lower = arm.limits().lower;
+      s.joint_range.upper = arm.limits().upper;
+      const double start = FreeArm(s).world.state().q[5];
+      s.joint_range.lower[5] = start - 0.3;
+      s.joint_range.upper[5] = start + 0.3;
+      FreeArm free(s);
+      free.reference.n_WD = Eigen::AngleAxisd(by, Eigen::Vector3d::UnitY()) * free.reference.n_WD;
+      double furthest = 0.0;
+      for (int i = 0; i < 4000; ++i) {
+        free.step();
+        furthest = std::max(furthest, std::abs(free.world.state().q[5] - start));
+      }
+      EXPECT_LT(furthest, 0.3);
+      EXPECT_GT(furthest, 0.2) << "or it is not to go there";
+      EXPECT_LT(free.world.state().v.cwiseAbs().maxCoeff(), 0.02) << "and it rests";
+    }
+  }
+}
+
 TEST(SingularPosture, IsPassedWithinTheArmsOwnTorque) {
   ArmModel arm(kArm);
   JointVector q(7);

@@ -67,28 +67,37 @@ int cycles_aside(const Vector3d& F) {
 
 TEST(SinkWatch, NoticesATipThatFallsBelowWhereItTouched) {
   SinkWatch watch;
-  EXPECT_FALSE(watch.update(-0.2e-3, 0.0, true));
-  EXPECT_FALSE(watch.update(-1.6e-3, 1e-3, false));
-  EXPECT_FALSE(watch.update(-1.6e-3, 0.0, true));  // touches again: a hollow that was not seen
-  EXPECT_FALSE(watch.update(-3.0e-3, 1e-3, false));
-  EXPECT_TRUE(watch.update(-3.2e-3, 0.0, false));
+  EXPECT_FALSE(watch.update(-0.2e-3, 0.0, true, kCycle));
+  EXPECT_FALSE(watch.update(-1.6e-3, 0.0, false, kCycle));
+  EXPECT_FALSE(watch.update(-1.6e-3, 0.0, true, kCycle));  // a hollow that was not seen
+  EXPECT_FALSE(watch.update(-3.0e-3, 0.0, false, kCycle));
+  EXPECT_TRUE(watch.update(-3.2e-3, 0.0, false, kCycle));
   watch.reset();
-  EXPECT_FALSE(watch.update(-2.9e-3, 0.0, false));  // comes down; pen and cameras err a little
-  EXPECT_TRUE(watch.update(-3.1e-3, 0.0, false));
-  EXPECT_FALSE(watch.update(std::nan(""), 0.0, false));
+  EXPECT_FALSE(watch.update(-2.9e-3, 0.0, false, kCycle));  // pen and cameras err a little
+  EXPECT_TRUE(watch.update(-3.1e-3, 0.0, false, kCycle));
+  EXPECT_FALSE(watch.update(std::nan(""), 0.0, false, kCycle));
 }
 
-// 5 mm deep within 0.5 mm of way, touched all the time.
+// Touched all the time, and going down by so much per way along the surface.
 TEST(SinkWatch, NoticesATipThatSlidesDownTheSideOfAGap) {
   const auto deepest = [](double steepness) {
     SinkWatch watch;
+    for (int i = 0; i < 100; ++i) EXPECT_FALSE(watch.update(-0.3e-3, 0.02e-3, true, kCycle));
     double distance = -0.3e-3;
-    while (distance > -8e-3 && !watch.update(distance, 0.02e-3, true))
+    while (distance > -8e-3 && !watch.update(distance, 0.02e-3, true, kCycle))
       distance -= steepness * 0.02e-3;
     return distance;
   };
   EXPECT_GT(deepest(10.0), -3.0e-3);
   EXPECT_LT(deepest(1.7), -8.0e-3);  // a slope of 60° that the cameras took for level
+}
+
+// A noisy wrench tells of touches in the air.
+TEST(SinkWatch, TakesNoShortTouchForTheSurface) {
+  SinkWatch watch;
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(watch.update(1.4e-3, 0.0, true, kCycle));
+  EXPECT_FALSE(watch.update(1.0e-3, 0.0, false, kCycle));
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(watch.update(-0.3e-3, 0.0, true, kCycle));
 }
 
 TEST(SideWatch, NoticesATipThatIsPushedAside) {
