@@ -66,6 +66,7 @@ void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome
   for (std::size_t i = 0; i < outcome.lacking.size(); ++i)
     json["lacking"][i]["reason"] =
         is_at_wall(outcome.lacking[i], outcome.walls) ? "wall" : "no_ink";
+  json["damped"] = outcome.damped;
   if (e.scenario.perception.frames.enabled) {
     std::vector<StrokePart> unreached;
     for (const UnreachedPart& u : outcome.unreached) unreached.push_back(u.part);
@@ -204,6 +205,8 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
         "note: the canvas's shape does not show whether it {}; it is taken not to; "
         "perception.fiducials would tell\n",
         drawing.outcome.canvas_open);
+  for (const std::string& cause : drawing.outcome.damped)
+    say(stderr, "note: {}; the drawing went on beyond that place\n", cause);
   for (const std::string& remark : drawing.outcome.remarks) say(stderr, "note: {}\n", remark);
   if (experiment.scenario.drawing.skip_unreachable)
     for (const UnreachedPart& u : drawing.outcome.unreached)

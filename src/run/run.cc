@@ -361,11 +361,18 @@ class Runner {
     for (long i = 0; i < steps() || lifting_ || guard_.braking(); ++i) {
       const double t = time(), planned = t - begin - clock_.lag();
       if (lifting_ && lifting_->done(t) && !guard_.braking() && !swings(t)) {
-        if (retreats_)
-          outcome_.cause += fmt::format("; the motion was damped and the pen lifted by {:.0f} mm",
-                                        1e3 * lifting_->risen(X_KE().p));
+        if (retreats_) {
+          std::string& cause = damped_.empty() ? outcome_.cause : damped_;
+          cause += fmt::format("; the motion was damped and the pen lifted by {:.0f} mm",
+                               1e3 * lifting_->risen(X_KE().p));
+        }
         rest_ = lifting_->at(t);
-        if (wall_ || left_reach_) lifting_.reset();
+        if (wall_ || left_reach_ || !damped_.empty()) lifting_.reset();
+        if (!damped_.empty()) {
+          outcome_.damped.push_back(std::exchange(damped_, {}));
+          drawn_ = 0.0;
+          retreats_ = false;
+        }
         return;
       }
       PathSample desired = path.at(planned);
@@ -386,6 +393,7 @@ class Runner {
       desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
+      if (!damped_.empty() && !wall_) wall_ = next_place(desired, path, planned);
       if (one && !lifting_ && !wait_for_touch(desired)) return;
       if (!one && !lifting_) {
         if (e_.scenario.perception.frames.wait_for_rest && loop_.canvas().joined())
@@ -483,8 +491,9 @@ class Runner {
       known_for_ += dt();
       if (known_for_ > kSettled) history_.add(t, loop_.canvas().pose());
     }
-    ink_.add(desired.stroke, desired.along,
-             writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)) && in_place());
+    const bool inked = writes(e_, out_.mode, loop_.F_ext().head<3>().dot(out_.n_WD)) && in_place();
+    ink_.add(desired.stroke, desired.along, inked);
+    if (inked && desired.stroke >= 0) drawn_ += dt();
 
     state_ = &driver_.read();
     const std::string lost = lost_control(t);
@@ -500,15 +509,20 @@ class Runner {
       if (!halt(fmt::format("{} at t = {:.3f} s", fences_.crossed(), first_time_ + t)))
         return false;
     }
+    since_pushed_ = is_pushed() ? 0.0 : since_pushed_ + dt();
     if (guard_.update(loop_.terms().v, out_.status.torque_limited, dt())) {
       const std::string& joint = e_.scene.arm.joint_names()[guard_.joint()];
-      stop(RunEnd::stopped,
-           guard_.swings()
-               ? fmt::format("{} swung at t = {:.3f} s, with torques at their limits", joint,
-                             first_time_ + t)
-               : fmt::format("{} was above its speed limit of {:.2f} rad/s at t = {:.3f} s{}",
-                             joint, e_.scene.arm.limits().speed[guard_.joint()], first_time_ + t,
-                             out_.status.torque_limited ? ", with torques at their limits" : ""));
+      const std::string cause =
+          guard_.swings()
+              ? fmt::format("{} swung at t = {:.3f} s, with torques at their limits", joint,
+                            first_time_ + t)
+              : fmt::format("{} was above its speed limit of {:.2f} rad/s at t = {:.3f} s{}", joint,
+                            e_.scene.arm.limits().speed[guard_.joint()], first_time_ + t,
+                            out_.status.torque_limited ? ", with torques at their limits" : "");
+      if (goes_on())
+        damped_ = cause;
+      else
+        stop(RunEnd::stopped, cause);
       retreats_ = true;
     } else if (guard_.calmed()) {
       if (halted_) return false;
@@ -601,6 +615,32 @@ class Runner {
       return StrokePart{stroke.number, along, along};
     }
     return std::nullopt;
+  }
+
+  // That place; on the way to a stroke, its first point.
+  static std::optional<StrokePart> next_place(const PathSample& desired, const TipPath& path,
+                                              double planned) {
+    if (const auto place = place_on_path(desired, path, planned)) return place;
+    for (const StrokeTimes& stroke : path.strokes()) {
+      if (stroke.start < planned) continue;
+      const double along = path.at(stroke.start + 1e-4).along;
+      return StrokePart{stroke.number, along, along};
+    }
+    return std::nullopt;
+  }
+
+  bool is_pushed() const {
+    constexpr double kHand = 20.0;  // [N]
+    return !((loop_.F_ext().head<3>() - out_.push * out_.n_WD).norm() < kHand);
+  }
+
+  // After a motion that the guard damped: where the arm drew well before, it is one place that it
+  // cannot pass, a singular posture for instance, and not the arm, its set-up or a hand.
+  bool goes_on() const {
+    constexpr std::size_t kMost = 3;
+    constexpr double kDrawn = 2.0, kAlone = 0.5;  // [s]
+    return outcome_.end == RunEnd::finished && e_.scene.perception && !canvas_moves() && !halted_ &&
+           !dry_run_ && outcome_.damped.size() < kMost && drawn_ > kDrawn && since_pushed_ > kAlone;
   }
 
   // True in the cycle in which the controller retreats from a place where the cameras have seen no
@@ -757,6 +797,9 @@ class Runner {
   PlanClock clock_;
   JointForecast forecast_;
   SpeedGuard guard_;
+  std::string damped_;         // why the guard damps the motion, if the drawing then goes on
+  double drawn_ = 0.0;         // with ink, since the guard last did [s]
+  double since_pushed_ = 0.0;  // since a force on the tip that the canvas does not explain [s]
   RattleGuard rattle_guard_;
   bool retreats_ = false;  // the law has lost control: the motion is damped, then the pen goes up
   WallWatch wall_watch_;

@@ -109,6 +109,8 @@ struct RunOutcome {
   SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
   std::vector<StrokePart> drawn_again;  // had no ink after the first pass
   std::vector<StrokePart> walls;        // before which a stroke was given up; not drawn again
+  // Motions that the guard damped, and why; the drawing went on beyond each.
+  std::vector<std::string> damped;
   // Of a canvas that moves: what was out of reach, when and how far; and what was put in another
   // order or waited for.
   std::vector<UnreachedPart> unreached;

@@ -146,6 +146,22 @@ TEST(Safety, WhatTheLawCannotHoldIsDampedAndThePenLifted) {
   }
 }
 
+// 400 N on the elbow for a quarter of a second, which the wrist does not feel: one motion that the
+// guard damps, after which the arm draws as well as before. The defect: the guard ended the
+// drawing, on a torus at one singular posture of the wrist.
+TEST(Safety, AfterOneMotionThatTheGuardDampedTheDrawingGoesOn) {
+  const std::string push =
+      "{link: link_4, force: 200, direction: [0, 1, 0], middle: 0.5, "
+      "duration: 0.25}";
+  const Figures f = draw_scenario("bowl-push-elbow", {"pushes=[" + push + ", " + push + "]"});
+  ASSERT_EQ(f.outcome.damped.size(), 1u);
+  EXPECT_THAT(f.outcome.damped.front(), testing::HasSubstr("the motion was damped and the pen"));
+  EXPECT_GE(f["coverage"], 0.99);
+  EXPECT_LE(f["touchdown_peak"], 8.0);
+  EXPECT_LE(f["ink_error_p95"], 0.05);
+  EXPECT_LT(f.run.joint_velocity.cwiseAbs().maxCoeff(), 9.0);
+}
+
 // A ripple of every joint's torque, and friction of the wrist that keeps the pen from turning as
 // fast as the law asks for. Joint 7 and joint 4 were thrown beyond their speed limits before the
 // law had limits for them, and the guard ended the drawing.
