@@ -3,21 +3,23 @@
     .venv/bin/python setup/random_drawings.py SEED NUMBER [PROGRAM]
 
 Each is a mesh of build/surface-meshes (`./impedraw robustness --part surfaces` and setup/other_surfaces.py write them) with
-lettering, a spiral or a filled area, 70 to 160 mm wide. The limits are those of studies/surfaces.yaml. Prints how to repeat
-each that misses one.
+lettering, a spiral or a filled area, 70 to 160 mm wide. The limits are those of
+studies/other-surfaces.yaml. Prints how to repeat each that misses one.
 """
 import concurrent.futures
 import json
 import pathlib
 import random
+import re
 import subprocess
 import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 ARTWORK = ["--set drawing.text.text=Hello", "--svg artwork/spiral.svg", "--svg artwork/hatch.svg"]
-LIMITS = [("coverage", ">=", 0.98), ("contact_fraction", ">=", 0.99), ("touchdown_peak", "<=", 8.0), ("force_sd", "<=", 1.5),
-          ("ink_error_rms", "<=", 0.6), ("speed_mean", ">=", 15.0), ("joint_speed_share_max", "<=", 1.2)]
+ACCEPT = ROOT / "studies/other-surfaces.yaml"
+LIMITS = [(name, sense, float(limit)) for name, sense, limit in
+          re.findall(r"^  \w+: (\w+) (<=|>=) ([\d.]+)$", ACCEPT.read_text(), re.MULTILINE)]
 
 
 def cases(seed, number):

@@ -98,6 +98,14 @@ constexpr double kTwoSheets = 5e-4, kOtherSheet = 1e-3, kOfNoise = 5.0;
 constexpr int kSheetFits = 5;
 constexpr int kAround = 40;
 
+// Calls work(begin, end) for both halves of 0 … n at once.
+template <class Work>
+void in_halves(int n, const Work& work) {
+  std::thread other(work, 0, n / 2);
+  work(n / 2, n);
+  other.join();
+}
+
 // N(p); the last point is the furthest.
 struct Neighbours {
   int n;
@@ -184,15 +192,12 @@ struct SurfaceEstimator::Index {
 
   void find_holes() {
     const int n = static_cast<int>(cloud.points.size());
-    const auto find = [&](int begin, int end, std::vector<Vector3d>* found) {
+    std::vector<Vector3d> more;
+    in_halves(n, [&](int begin, int end) {
       std::unordered_set<std::uint64_t> looked;
       looked.reserve(64 * static_cast<std::size_t>(end - begin));
-      for (int i = begin; i < end; ++i) find_holes_about(i, &looked, found);
-    };
-    std::vector<Vector3d> more;
-    std::thread other(find, 0, n / 2, &holes);
-    find(n / 2, n, &more);
-    other.join();
+      for (int i = begin; i < end; ++i) find_holes_about(i, &looked, begin == 0 ? &holes : &more);
+    });
     holes.insert(holes.end(), more.begin(), more.end());
     if (!holes.empty()) hole_tree = std::make_unique<const NeighbourTree>(holes);
   }
@@ -247,9 +252,7 @@ struct SurfaceEstimator::Index {
     const auto estimate = [&](int begin, int end) {
       for (int i = begin; i < end; ++i) at[i] = seen.fresh(cloud.points[i]);
     };
-    std::thread other(estimate, 0, n / 2);
-    estimate(n / 2, n);
-    other.join();
+    in_halves(n, estimate);
     creases.assign(n, 0);
     int index[kMostNeighbours];
     double squared[kMostNeighbours];
@@ -310,9 +313,7 @@ struct SurfaceEstimator::Index {
     const auto choose = [&](int begin, int end) {
       for (int i = begin; i < end; ++i) best[i] = choose_level(i, &residuals[i]);
     };
-    std::thread other(choose, 0, n / 2);
-    choose(n / 2, n);
-    other.join();
+    in_halves(n, choose);
     find_steps(residuals);
     // Isolated points do not count; what remains is spread and smoothed.
     level.assign(n, 0.0f);
@@ -341,20 +342,17 @@ struct SurfaceEstimator::Index {
     for (Finer& f : finer) {
       const std::vector<Vector3d>& points = f.view->cloud.points;
       f.reach2.resize(points.size());
-      const auto measure = [&](std::size_t begin, std::size_t end) {
+      const auto measure = [&](int begin, int end) {
         int index[kMostNeighbours];
         double squared[kMostNeighbours];
-        for (std::size_t i = begin; i < end; ++i) {
+        for (int i = begin; i < end; ++i) {
           const int found =
               f.view->tree.nearest(points[i], f.k, settings.max_radius, index, squared);
           f.reach2[i] =
               found == f.k ? squared[found - 1] : settings.max_radius * settings.max_radius;
         }
       };
-      const std::size_t half = points.size() / 2;
-      std::thread second(measure, 0, half);
-      measure(half, points.size());
-      second.join();
+      in_halves(static_cast<int>(points.size()), measure);
     }
   }
 
@@ -457,9 +455,7 @@ struct SurfaceEstimator::Index {
         known[i] = {SurfaceStatus::ok, surface.n, p - surface.distance * surface.n, surface.bend};
       }
     };
-    std::thread other(fit_range, 0, n / 2);
-    fit_range(n / 2, n);
-    other.join();
+    in_halves(n, fit_range);
   }
 
   SurfaceEstimate fresh(const Vector3d& p) const {

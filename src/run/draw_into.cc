@@ -130,6 +130,7 @@ void draw_on_after_reflexes(const fs::path& folder, Experiment& experiment, Driv
     outcome->wall.start_up = before.wall.start_up;
     outcome->wall.loop += before.wall.loop;
     for (const auto& [name, seconds] : before.met) outcome->met[name] += seconds;
+    outcome->damped.insert(outcome->damped.begin(), before.damped.begin(), before.damped.end());
     if (before.slow_velocity && !(outcome->slow_velocity && outcome->slow_velocity->bandwidth <
                                                                 before.slow_velocity->bandwidth))
       outcome->slow_velocity = before.slow_velocity;

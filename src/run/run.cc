@@ -393,7 +393,7 @@ class Runner {
       desired.reference = clock_.scaled(desired.reference);
       if (lifting_) desired = {lifting_->at(t), -1, std::nan(""), Phase::lift};
       if (!step(desired)) return;
-      if (!damped_.empty() && !wall_) wall_ = next_place(desired, path, planned);
+      if (!damped_.empty() && !wall_) wall_ = place_on_path(desired, path, planned, true);
       if (one && !lifting_ && !wait_for_touch(desired)) return;
       if (!one && !lifting_) {
         if (e_.scenario.perception.frames.wait_for_rest && loop_.canvas().joined())
@@ -605,25 +605,14 @@ class Runner {
   // The ink lies where it shall, as far as the arm knows.
   bool in_place() const { return !e_.scene.perception || behind().norm() < kInPlace; }
 
-  // The place on a stroke where the plan is, or that it has come down to.
+  // The place on a stroke where the plan is, or that it has come down to; with `ahead`, the first
+  // point of the next stroke, too.
   static std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath& path,
-                                                 double planned) {
+                                                 double planned, bool ahead = false) {
     if (desired.stroke >= 0) return StrokePart{desired.stroke, desired.along, desired.along};
     for (const StrokeTimes& stroke : path.strokes()) {
-      if (planned > stroke.end || planned < stroke.approach) continue;
+      if (planned > stroke.end || (!ahead && planned < stroke.approach)) continue;
       const double along = path.at(std::max(planned, stroke.start + 1e-4)).along;
-      return StrokePart{stroke.number, along, along};
-    }
-    return std::nullopt;
-  }
-
-  // That place; on the way to a stroke, its first point.
-  static std::optional<StrokePart> next_place(const PathSample& desired, const TipPath& path,
-                                              double planned) {
-    if (const auto place = place_on_path(desired, path, planned)) return place;
-    for (const StrokeTimes& stroke : path.strokes()) {
-      if (stroke.start < planned) continue;
-      const double along = path.at(stroke.start + 1e-4).along;
       return StrokePart{stroke.number, along, along};
     }
     return std::nullopt;
