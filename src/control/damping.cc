@@ -17,11 +17,49 @@ bool is_diagonal(const Lower& c, double tolerance) {
   return true;
 }
 
+// That an element need not be turned away.
+bool is_small(const Lower& c, int i, int j) {
+  return c[i][j] * c[i][j] <= 1e-9 * std::abs(c[i][i] * c[j][j]);
+}
+
 // Turns x and y: (x, y) ← (c x − s y, s x + c y).
 void turn(double& x, double& y, double c, double s) {
   const double turned = c * x - s * y;
   y = s * x + c * y;
   x = turned;
+}
+
+// One step of Z towards the eigenvectors of a matrix, C = Zᵀ · Z, and towards ZᵀZ = I. Those of the
+// posture before need no more: what remains is of the order of the step's square. Returns false,
+// and leaves Z, where the step is too large for that.
+// Source: T. Ogita and K. Aishima, "Iterative refinement for symmetric eigenvalue decomposition",
+// Japan J. Indust. Appl. Math. 35, 2018.
+bool refine(const Lower& C, Matrix6& Z) {
+  constexpr double kNear = 1e-2;
+  Matrix6 E;
+  Vector6 k;
+  for (int i = 0; i < 6; ++i) {
+    const double lacks = 1.0 - Z.col(i).squaredNorm();
+    E(i, i) = 0.5 * lacks;
+    k[i] = C[i][i] / (1.0 - lacks);
+  }
+  double furthest = 0.0;
+  for (int i = 1; i < 6; ++i) {
+    for (int j = 0; j < i; ++j) {
+      const double lacks = -Z.col(i).dot(Z.col(j));
+      if (is_small(C, i, j)) {
+        E(i, j) = E(j, i) = 0.5 * lacks;
+        continue;
+      }
+      const double by_gap = 1.0 / (k[j] - k[i]);
+      E(i, j) = (C[i][j] + k[j] * lacks) * by_gap;
+      E(j, i) = -(C[i][j] + k[i] * lacks) * by_gap;
+      furthest = std::max(furthest, std::abs(C[i][j] * by_gap));
+    }
+  }
+  if (!(furthest < kNear)) return false;
+  Z += (Z * E).eval();
+  return true;
 }
 
 // One cyclic Jacobi sweep towards diagonal C: C ← Gᵀ C G, Z ← Z G for each pair. By elements: whole
@@ -30,19 +68,11 @@ void jacobi_sweep(Lower& C, Matrix6& Z) {
   for (int p = 0; p < 5; ++p) {
     for (int q = p + 1; q < 6; ++q) {
       const double off = C[q][p];
-      if (off * off <= 1e-9 * std::abs(C[p][p] * C[q][q])) continue;  // most pairs on a warm start
-      const double gap = C[q][q] - C[p][p];
-      double t, c;
-      if (off * off < 1e-4 * gap * gap) {  // nearly all on a warm start
-        const double x = off / gap, x2 = x * x;
-        t = x * (1.0 - x2 * (1.0 - 2.0 * x2));  // tan(atan(2x)/2), to x⁷
-        const double t2 = t * t;
-        c = 1.0 - t2 * (0.5 - t2 * (0.375 - 0.3125 * t2));  // 1/√(1 + t²), to rounding
-      } else {
-        const double theta = gap / (2.0 * off);
-        t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
-        c = 1.0 / std::sqrt(t * t + 1.0);
-      }
+      if (is_small(C, q, p)) continue;
+      const double theta = (C[q][q] - C[p][p]) / (2.0 * off);
+      const double t =
+          std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
+      const double c = 1.0 / std::sqrt(t * t + 1.0);
       const double s = t * c;
       C[p][p] -= t * off;
       C[q][q] += t * off;
@@ -68,8 +98,12 @@ void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear,
   Lower C;
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j <= i; ++j) C[i][j] = T.col(i).dot(KT.col(j));
-  constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7, a warm one at most 1
-  for (int sweep = 0; sweep < kMaxSweeps && !is_diagonal(C, 1e-4); ++sweep) jacobi_sweep(C, Z_);
+  constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7
+  constexpr double kTolerance = 1e-4;
+  if (!is_diagonal(C, kTolerance) && !refine(C, Z_)) {
+    for (int sweep = 0; sweep < kMaxSweeps && !is_diagonal(C, kTolerance); ++sweep)
+      jacobi_sweep(C, Z_);
+  }
   for (int i = 0; i < 6; ++i) rate_[i] = 2.0 * damping_ratio * std::sqrt(std::max(C[i][i], 0.0));
   largest_rate_ = rate_.maxCoeff();
 }

@@ -17,8 +17,9 @@ namespace impedraw {
 inline constexpr double kDampingLimit = 0.5;  // of max eig(M_d⁻¹ B) (Δt + delay)
 
 // Damping for a desired inertia that depends on the posture (M_d = Λ): call design() once per step.
-// Jacobi rotations start from the previous modes, so one step of motion costs one sweep. Remaining
-// off-diagonal terms are below 1e-4 of the diagonal's scale. Damping ratios are accurate to 2e-3.
+// The previous modes are refined; where the posture has changed by more than a step, Jacobi
+// rotations find them. Remaining off-diagonal terms are below 1e-4 of the diagonal's scale. Damping
+// ratios are accurate to 2e-3.
 class ModalDamping {
  public:
   // U: lower factor of A = M_d⁻¹. K': block-diagonal, given by its linear and angular parts.

@@ -11,7 +11,7 @@ namespace {
 constexpr double kSelfMotionSpeed = 1.0;  // of the fastest joint; at twice that, no pull [rad/s]
 // From here on the self-motion is damped more, at twice that 1 + kMoreDamping times as much.
 constexpr double kCalmSpeed = 0.7;  // of the fastest joint [rad/s]
-constexpr double kMoreDamping = 4.0;
+constexpr double kMoreDamping = 12.0;
 constexpr double kAlong = 0.3;        // cosine between the pull and the motion at which it is faded
 constexpr double kHeadingRate = 2.0;  // of the pen, at the end of a joint's range [rad/s]
 constexpr double kSlow = 0.15;        // of the tip [m/s] and its turn [rad/s]: joints are slow, too
@@ -371,25 +371,34 @@ double ImpedanceController::most_joint_speed(const ArmTerms& arm, Eigen::Index j
 }
 
 // Scales the turning part of V until no joint exceeds its speed limit; if that is not enough, all
-// of it.
+// of it. The arm keeps the motion that does not move the tip: near a singular posture, what the
+// elbow's asks of the wrist counts more than what the tip's does.
 void ImpedanceController::keep_joint_speeds(const ArmTerms& arm, Vector6* V) const noexcept {
   const Eigen::Index n = settings_.limits.joint_speed.size();
   if (n == 0) return;
-  const JointSpeedByPart part = space_.joint_speed_by_part(*V);
-  const auto by_speed = part.col(0), by_turn = part.col(1);
+  TwoVelocities apart = TwoVelocities::Zero();  // the turn alone; the rest, less what the tip does
+  apart.col(0).tail<3>() = V->tail<3>();
+  apart.col(1).head<3>() = V->head<3>();
+  apart.col(1) -= arm.V_WE;
+  const TwoJointSpeeds change = space_.joint_speeds(apart);
+  const auto by_turn = change.col(0);
+  const JointVector without_turn = arm.v + change.col(1);
+  // the largest share of `by` that keeps joint j within its limit
+  const auto share = [&](Eigen::Index j, double rest, double by) {
+    const double way = std::copysign(1.0, by), most = most_joint_speed(arm, j, by);
+    if (by == 0.0 || way * rest + std::abs(by) <= most) return 1.0;
+    return std::max(0.0, (most - way * rest) / std::abs(by));
+  };
   double turn = 1.0, both = 1.0;
-  for (Eigen::Index j = 0; j < n; ++j) {
-    if (by_turn[j] == 0.0) continue;
-    const double most = most_joint_speed(arm, j, by_turn[j]), by = std::abs(by_turn[j]);
-    const double along = std::copysign(1.0, by_turn[j]) * by_speed[j];
-    if (along + by > most) turn = std::min(turn, std::max(0.0, (most - along) / by));
-  }
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const double v = by_speed[j] + turn * by_turn[j], most = most_joint_speed(arm, j, v);
-    both = std::min(both, most / std::max(most, std::abs(v)));
-  }
-  V->head<3>() *= both;
-  V->tail<3>() *= both * turn;
+  for (Eigen::Index j = 0; j < n; ++j) turn = std::min(turn, share(j, without_turn[j], by_turn[j]));
+  V->tail<3>() *= turn;
+  const JointVector v = without_turn + turn * by_turn;
+  bool fast = false;
+  for (Eigen::Index j = 0; j < n; ++j) fast |= std::abs(v[j]) > most_joint_speed(arm, j, v[j]);
+  if (!fast) return;
+  const JointVector by_tip = space_.joint_speed(*V);
+  for (Eigen::Index j = 0; j < n; ++j) both = std::min(both, share(j, v[j] - by_tip[j], by_tip[j]));
+  *V *= both;
 }
 
 // B (V_d − V) + K e. If the steady-state speed V_d + B⁻¹ K e exceeds a limit, it is scaled to the

@@ -28,6 +28,20 @@ void factor(const Square& A, Square* L) noexcept {
   }
 }
 
+// L⁻ᵀ Y f for each column of f.
+template <typename Speeds, typename Forces>
+Speeds back_substituted(const JointRows& Y, const JointMatrix& L,
+                        const JointVector& inverse_diagonal, const Forces& given) noexcept {
+  const Eigen::Matrix<double, 6, Speeds::ColsAtCompileTime> f = given;
+  Speeds x(Y.rows(), Speeds::ColsAtCompileTime);
+  for (Eigen::Index i = x.rows(); i-- > 0;) {
+    x.row(i) = Y.row(i).lazyProduct(f);
+    for (Eigen::Index k = i + 1; k < x.rows(); ++k) x.row(i) -= L(k, i) * x.row(k);
+    x.row(i) *= inverse_diagonal[i];
+  }
+  return x;
+}
+
 }  // namespace
 
 bool OperationalSpace::update(const ArmTerms& arm) noexcept {
@@ -104,19 +118,11 @@ JointVector OperationalSpace::acceleration(const JointVector& tau) const noexcep
 }
 
 JointVector OperationalSpace::joint_speed(const Vector6& V) const noexcept {
-  return joint_speed_by_part(V).rowwise().sum();
+  return back_substituted<JointVector>(Y_, L_, inverse_diagonal_, Lambda_ * V);
 }
 
-JointSpeedByPart OperationalSpace::joint_speed_by_part(const Vector6& V) const noexcept {
-  Eigen::Matrix<double, 6, 2> momentum;
-  momentum << Lambda_.leftCols<3>() * V.head<3>(), Lambda_.rightCols<3>() * V.tail<3>();
-  JointSpeedByPart x(Y_.rows(), 2);
-  for (Eigen::Index i = x.rows(); i-- > 0;) {  // L⁻ᵀ Y Λ V
-    x.row(i) = Y_.row(i).lazyProduct(momentum);
-    for (Eigen::Index k = i + 1; k < x.rows(); ++k) x.row(i) -= L_(k, i) * x.row(k);
-    x.row(i) *= inverse_diagonal_[i];
-  }
-  return x;
+TwoJointSpeeds OperationalSpace::joint_speeds(const TwoVelocities& V) const noexcept {
+  return back_substituted<TwoJointSpeeds>(Y_, L_, inverse_diagonal_, Lambda_.lazyProduct(V));
 }
 
 Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept {

@@ -28,8 +28,10 @@ struct OperationalSpaceSettings {
   double characteristic_length = 0.3;
 };
 
-// Of the velocity's linear part, and of its angular part.
-using JointSpeedByPart = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor, kMaxJoints, 2>;
+using JointRows = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kMaxJoints, 6>;
+// Of two velocities of the tip.
+using TwoVelocities = Eigen::Matrix<double, 6, 2>;
+using TwoJointSpeeds = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor, kMaxJoints, 2>;
 
 class OperationalSpace {
  public:
@@ -48,7 +50,7 @@ class OperationalSpace {
   JointVector acceleration(const JointVector& tau) const noexcept;
   // J̄ V = M⁻¹ Jᵀ Λ V: of all joint velocities that move the tip at V, that of least energy
   JointVector joint_speed(const Vector6& V) const noexcept;
-  JointSpeedByPart joint_speed_by_part(const Vector6& V) const noexcept;
+  TwoJointSpeeds joint_speeds(const TwoVelocities& V) const noexcept;
   // J̄ᵀ τ: the wrench at the tip that is equivalent to τ
   Vector6 project_to_tip(const JointVector& tau) const noexcept;
 
@@ -59,7 +61,7 @@ class OperationalSpace {
   OperationalSpaceSettings settings_;
   JointMatrix L_;  // lower triangle only
   // rows of fixed length let the compiler vectorise the small solve
-  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kMaxJoints, 6> Y_;
+  JointRows Y_;
   JointVector inverse_diagonal_;  // of the factor of M
   Matrix6 A_ = Matrix6::Identity(), U_ = A_, U_inverse_ = A_, Lambda_ = A_;
 };

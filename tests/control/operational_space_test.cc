@@ -33,10 +33,13 @@ TEST(OperationalSpace, IdentitiesHoldOverRandomStates) {
     for (int k = 0; k < 6; ++k) {  // J̄ᵀ Jᵀ = I
       const Vector6 unit = Vector6::Unit(k);
       EXPECT_LT((space.project_to_tip(t.J.transpose() * unit) - unit).norm(), 1e-9);
-      // J̄, and that of the linear and the angular part apart
+      // J̄
       const Eigen::VectorXd speed = M_inverse * t.J.transpose() * lambda * unit;
       EXPECT_LT((space.joint_speed(unit) - speed).norm(), 1e-9 * speed.norm());
-      EXPECT_EQ(space.joint_speed_by_part(unit).col(k < 3 ? 1 : 0).norm(), 0.0);
+      TwoVelocities two;
+      two << Vector6::Zero(), 2.0 * unit;
+      EXPECT_EQ(space.joint_speeds(two).col(0).norm(), 0.0);
+      EXPECT_LT((space.joint_speeds(two).col(1) - 2.0 * speed).norm(), 1e-9 * speed.norm());
     }
     const JointVector tau = 10.0 * JointVector::Random(7);
     const JointVector tau_null = tau - t.J.transpose() * space.project_to_tip(tau);
@@ -93,6 +96,33 @@ TEST(ModalDamping, AgreesWithTheGeneralisedEigenproblem) {
     EXPECT_LT((B - expected).norm(), 1e-4 * expected.norm());
     EXPECT_NEAR(modal.largest_rate(), 1.4 * std::sqrt(textbook.omega_squared.maxCoeff()),
                 1e-4 * modal.largest_rate());
+  }
+}
+
+// From step to step the modes are refined, not found anew.
+TEST(ModalDamping, OfAnArmThatMovesIsThatOfEachPosture) {
+  ArmModel arm(kArm);
+  OperationalSpace space;
+  Matrix6 K = Matrix6::Zero();
+  K.diagonal() << 3000, 3000, 1500, 100, 100, 10;
+  for (const double speed : {0.05, 0.3, 3.0}) {  // of each joint [rad/s]
+    ModalDamping modal;
+    ArmTerms terms(arm.joints());
+    double worst = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      JointVector q = working_posture();
+      for (int j = 0; j < q.size(); ++j) q[j] += 0.3 * std::sin(speed / 0.3 * 1e-3 * i + j);
+      arm.compute(q, JointVector::Zero(q.size()), &terms);
+      ASSERT_TRUE(space.update(terms));
+      ModalDamping anew;
+      const Matrix6 &U = space.inverse_inertia_factor(), &U_inverse = space.inertia_factor();
+      const Matrix6 B = matrix_of(modal, U, U_inverse, K, 0.7),
+                    expected = matrix_of(anew, U, U_inverse, K, 0.7);
+      // in the modes' own scale: A^½ B A^½
+      const Matrix6 off = U.transpose() * (B - expected) * U, all = U.transpose() * expected * U;
+      worst = std::max(worst, off.norm() / all.norm());
+    }
+    EXPECT_LT(worst, 5e-4) << "at " << speed << " rad/s";
   }
 }
 

@@ -156,6 +156,50 @@ TEST(JointSpeed, OfAPenThatIsToTurnAtOnceStaysWithinItsLimit) {
   }
 }
 
+// Between two strokes the pen leant towards the forearm, joint 6 was nearly stretched, and the turn
+// stopped or went on. Only what the turn asked of joint 5 was held within its limit: the elbow's
+// own motion came on top of it.
+TEST(JointSpeed, CountsTheElbowsOwnMotionWhereTheWristIsNearlyStretched) {
+  constexpr int kSeed = 7, kTurns = 60;
+  ArmModel arm(kArm);
+  JointVector q(7), straight(7), rest(7);
+  q << 0.32, 0.43, -0.26, -1.75, -0.42, 0.46, 0.44;
+  rest << 0.0, 0.12, 0.0, -1.53, 0.0, 1.49, 0.0;
+  straight = q;
+  straight[5] = 0.0;
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> about(-1.0, 1.0);
+  double slowest = 1.0;
+  for (int k = 0; k < kTurns; ++k) {
+    SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", turn " << k);
+    ImpedanceSettings s = k % 2 ? natural_settings(arm) : shaped_settings(arm);
+    s.limits.joint_speed = arm.limits().speed;
+    s.null_space.q_0 = rest;
+    FreeArm free(s, q);
+    const Eigen::Vector3d n = free.reference.n_WD,
+                          forearm = -FreeArm(s, straight).terms.X_WE.R.col(2);
+    // past the forearm's direction, by up to 0.1
+    const Eigen::Vector3d axis =
+        (n.cross(forearm).normalized() + 0.1 * about(rng) * forearm).normalized();
+    const double total = 0.8 + 0.3 * about(rng), rate = 0.5 + 0.15 * about(rng);  // [rad], [rad/s]
+    const double stop = k % 3 ? 0.45 + 0.15 * about(rng) : total;  // for a while [rad]
+    double share = 0.0, angle = 0.0, clock = 1.0;
+    for (int i = 0; i < 5000; ++i) {
+      const bool goes = angle < total && (angle < stop || i >= 3000);
+      clock += std::clamp((goes ? 1.0 : 0.0) - clock, -0.01, 0.003);
+      angle = std::min(total, angle + 1e-3 * clock * rate);
+      free.reference.n_WD = Eigen::AngleAxisd(angle, axis) * n;
+      free.reference.w_WD = (angle < total ? clock * rate : 0.0) * axis;
+      free.step();
+      share = std::max(
+          share, (free.world.state().v.array() / arm.limits().speed.array()).abs().maxCoeff());
+    }
+    EXPECT_LT(share, 1.2);
+    slowest = std::min(slowest, share);
+  }
+  EXPECT_GT(slowest, 0.5) << "it need not creep either";
+}
+
 // A pen that came down beside an edge was to turn on and on. Joint 6 ran into its end, its torque
 // grew to the limit, and the other joints swung.
 TEST(JointRange, AJointThatIsToGoBeyondItsEndComesToRestBeforeIt) {
