@@ -143,9 +143,10 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceE
       return sample && top > sample->p_P.z() + kOverhang + tops->rise(sample->n_P);
     };
     if (near) sample = descend(estimator, X_WP, {x, y, last.z()});
-    if (!sample || covered())
-      sample =
-          descend(estimator, X_WP, {x, y, std::isfinite(top) ? top : columns->height_at(x, y)});
+    if ((!sample || covered()) && std::isfinite(top))
+      sample = descend(estimator, X_WP, {x, y, top});
+    // On a steep flank the cell's highest point is far above.
+    if (!sample) sample = descend(estimator, X_WP, {x, y, columns->height_at(x, y)});
     if (covered()) sample.reset();
     if (!sample) return sample;
     last = sample->p_P;
@@ -164,7 +165,8 @@ SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeigh
     std::optional<SurfaceSample> plan = planned(x, y);
     if (!plan) {
       // Just beyond what is planned: the artwork before its corners were rounded.
-      plan = last;
+      constexpr double kNear = 0.01;  // [m]
+      if (last && std::hypot(last->p_P.x() - x, last->p_P.y() - y) < kNear) plan = last;
       if (!plan) plan = upper(x, y);
       if (!plan) plan = SurfaceSample{{x, y, 0.0}, Eigen::Vector3d::UnitZ()};
       plan->p_P.head<2>() = Eigen::Vector2d(x, y);

@@ -11,6 +11,7 @@
 #include "impedraw/canvas/built_in_graphs.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "scratch_folder.h"
@@ -52,6 +53,23 @@ PlannedDrawing planned(Staged from) {
       make_plan(from.scenario, from.artwork, from.scene, Unreachable::skip, SettingErrors(places));
   return {std::move(from.scenario), std::move(from.artwork), std::move(from.scene),
           std::move(plan)};
+}
+
+// A point that the plan has no height for was put at the height of the last one, 80 mm away: on a
+// torus it broke the line that judges the drawing, and 5 % of it counted as uncovered.
+TEST_F(PerceivedPlan, APointWithoutAPlanIsJudgedOnTheUpperSheet) {
+  const TriangleMesh slope{
+      {{-0.1, -0.1, -0.1}, {0.1, -0.1, 0.1}, {0.1, 0.1, 0.1}, {-0.1, 0.1, -0.1}},
+      {{0, 1, 2}, {0, 2, 3}}};
+  const Canvas canvas(slope);
+  const SurfaceHeight judged =
+      nearest_sheet(canvas, Pose{}, [](double x, double y) -> std::optional<SurfaceSample> {
+        if (x < 0.0) return std::nullopt;
+        return SurfaceSample{{x, y, x + 1e-3}, Vector3d::UnitZ()};
+      });
+  EXPECT_NEAR(judged(0.08, 0.01)->p_P.z(), 0.08, 1e-9);
+  EXPECT_NEAR(judged(-0.002, 0.01)->p_P.z(), -0.002, 1e-9);
+  EXPECT_NEAR(judged(-0.05, 0.01)->p_P.z(), -0.05, 1e-9);
 }
 
 // Another canvas takes the true one's place after the snapshot: the plan is the same.
