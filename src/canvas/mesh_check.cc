@@ -110,15 +110,28 @@ struct Mending {
   void edges_and_winding() {
     std::vector<HalfEdge> edges = edges_of_mesh();
     crowded_edges(&edges);
-    checked->closed = true;
-    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
-      checked->closed = checked->closed && last - first == 2;
-    });
     Winding winding = find_winding(mesh(), edges);
+    std::vector<int> twisted;
+    // A scan may have a few; of a Möbius strip it is its shape.
+    const std::size_t few = number.size() / 1000;
+    while (!winding.twisted.empty() && twisted.size() + winding.twisted.size() <= few) {
+      for (const int f : winding.twisted) {
+        twisted.push_back(number[f]);
+        loosen(f);
+      }
+      edges = edges_of_mesh();
+      winding = find_winding(mesh(), edges);
+    }
+    std::sort(twisted.begin(), twisted.end());
+    report("not_orientable", twisted, true, "wound against a neighbour either way, cut loose");
     for (int& f : winding.twisted) f = number[f];
     report("not_orientable", winding.twisted, false,
            "wound against a neighbour whichever way it is turned, all must have one side");
     if (!winding.twisted.empty()) return;
+    checked->closed = true;
+    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+      checked->closed = checked->closed && last - first == 2;
+    });
     std::vector<int> faulty;
     for (std::size_t i = 0; i < number.size(); ++i) {
       if (!winding.wrong[i]) continue;
@@ -153,13 +166,68 @@ struct Mending {
     if (crowded.empty()) return;
     std::sort(crowded.begin(), crowded.end());
     separate_sheets(*edges);
-    *edges = edges_of_mesh();
-    bool separated = true;
-    for_each_edge(*edges, [&](const HalfEdge* first, const HalfEdge* last) {
-      separated = separated && last - first <= 2;
-    });
-    report("non_manifold_edge", crowded, separated,
-           at + (separated ? "two and two were joined" : "at most two may"));
+    const int loose = cut_loose(edges);
+    report("non_manifold_edge", crowded, true,
+           at + "two and two were joined" +
+               (loose > 0 ? fmt::format(", {} triangles beside them cut loose", loose) : ""));
+  }
+
+  // Leaves two triangles on each edge: those that turn least. The others get vertices of their own.
+  // Returns their number. `edges`: of the mesh, after.
+  int cut_loose(std::vector<HalfEdge>* edges) {
+    int loose = 0;
+    for (std::vector<int> cut;; cut.clear()) {
+      *edges = edges_of_mesh();
+      for_each_edge(*edges, [&](const HalfEdge* first, const HalfEdge* last) {
+        if (last - first <= 2) return;
+        const std::vector<Pair> pairs = pairs_of(first, last);
+        const Pair* const best = pairs.empty() ? nullptr : &pairs.front();
+        for (const HalfEdge* e = first; e < last; ++e)
+          if (!best || (e != best->a && e != best->b)) cut.push_back(e->face);
+      });
+      if (cut.empty()) return loose;
+      std::sort(cut.begin(), cut.end());
+      cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
+      loose += static_cast<int>(cut.size());
+      for (const int face : cut) loosen(face);
+    }
+  }
+
+  // Gives a triangle vertices of its own.
+  void loosen(int face) {
+    Vector3i& t = mesh().triangles[face];
+    for (int i = 0; i < 3; ++i) t[i] = own_vertex(t, i);
+  }
+
+  // A new vertex at corner i of a triangle, a nanometre inside it.
+  int own_vertex(const Vector3i& t, int i) {
+    const Vector3d p = mesh().vertices[t[i]];
+    const Vector3d inward =
+        mesh().vertices[t[(i + 1) % 3]] + mesh().vertices[t[(i + 2) % 3]] - 2.0 * p;
+    mesh().vertices.push_back(p + kApart * inward.normalized());
+    return static_cast<int>(mesh().vertices.size()) - 1;
+  }
+
+  // Two triangles on one edge that are wound alike, and the cosine of the angle between them.
+  struct Pair {
+    const HalfEdge *a, *b;
+    double turn;  // -1: flat
+  };
+  // The flattest first.
+  std::vector<Pair> pairs_of(const HalfEdge* first, const HalfEdge* last) {
+    const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
+    const auto across = [&](const HalfEdge& e) {
+      const Vector3d r = mesh().vertices[mesh().triangles[e.face][(e.side + 2) % 3]] - p,
+                     along = (q - p).normalized();
+      return Vector3d((r - along * along.dot(r)).normalized());
+    };
+    std::vector<Pair> pairs;
+    for (const HalfEdge* a = first; a < last; ++a)
+      for (const HalfEdge* b = a + 1; b < last; ++b)
+        if (a->forward != b->forward) pairs.push_back({a, b, across(*a).dot(across(*b))});
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& x, const Pair& y) { return x.turn < y.turn; });
+    return pairs;
   }
 
   // Gives each of the surfaces that touch along crowded edges its own vertices there.
@@ -180,25 +248,10 @@ struct Mending {
     for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
       if (last - first <= 2) return;
       crowded[first->low] = crowded[first->high] = true;
-      const Vector3d &p = mesh().vertices[first->low], &q = mesh().vertices[first->high];
-      const auto across = [&](const HalfEdge& e) {
-        const Vector3d r = mesh().vertices[mesh().triangles[e.face][(e.side + 2) % 3]] - p,
-                       along = (q - p).normalized();
-        return Vector3d((r - along * along.dot(r)).normalized());
-      };
-      struct Pair {
-        bool apart;   // not joined elsewhere about this vertex
-        double turn;  // -1: flat
-        const HalfEdge *a, *b;
-      };
-      std::vector<Pair> pairs;
-      for (const HalfEdge* a = first; a < last; ++a)
-        for (const HalfEdge* b = a + 1; b < last; ++b)
-          if (a->forward != b->forward)
-            pairs.push_back({fans.find(corner(*a, true)) != fans.find(corner(*b, true)),
-                             across(*a).dot(across(*b)), a, b});
-      std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-        return std::pair(a.apart, a.turn) < std::pair(b.apart, b.turn);
+      // First those that are joined elsewhere about this vertex.
+      std::vector<Pair> pairs = pairs_of(first, last);
+      std::stable_partition(pairs.begin(), pairs.end(), [&](const Pair& pair) {
+        return fans.find(corner(*pair.a, true)) == fans.find(corner(*pair.b, true));
       });
       std::vector<bool> joined(static_cast<std::size_t>(last - first), false);
       for (const Pair& pair : pairs) {
@@ -215,11 +268,7 @@ struct Mending {
       if (!crowded[v]) continue;
       const auto [at, is_new] = own.try_emplace({v, fans.find(c)}, v);
       if (is_new && taken[v]) {
-        const Vector3d p = mesh().vertices[v];
-        const Vector3d inward =
-            mesh().vertices[t[(c + 1) % 3]] + mesh().vertices[t[(c + 2) % 3]] - 2.0 * p;
-        at->second = static_cast<int>(mesh().vertices.size());
-        mesh().vertices.push_back(p + kApart * inward.normalized());
+        at->second = own_vertex(t, c % 3);
         crowded.push_back(false);
       }
       taken[v] = true;

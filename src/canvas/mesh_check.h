@@ -23,8 +23,10 @@ namespace impedraw {
 //   non_manifold_edge      more than two triangles share an edge; `first` is the lowest of them.
 //                          Repaired: two and two go on into each other, those that are wound alike
 //                          and of one body, or turn least; the surfaces are separated there, by a
-//                          nanometre. Not where they are of one body all the same
-//   not_orientable         no winding agrees with all of its neighbours, as on a Möbius strip
+//                          nanometre. Where they are of one body all the same, the two that turn
+//                          least stay, and the others are cut loose from all of their neighbours
+//   not_orientable         no winding agrees with all of its neighbours, as on a Möbius strip.
+//                          Repaired: cut loose, if they are at most one in a thousand
 //   wrong_winding          wound against most of its connected patch; or a whole closed patch is
 //                          inside out, unless it lies within a larger one and is its cavity.
 //                          Repaired: reversed

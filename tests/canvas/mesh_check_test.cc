@@ -237,7 +237,7 @@ TEST(MeshCheck, BoxesThatTouchAlongAnEdgeStayClosed) {
   }
 }
 
-TEST(MeshCheck, AMoebiusStripHasNoSide) {
+TriangleMesh moebius_strip() {
   TriangleMesh m;
   constexpr int n = 20;
   for (int i = 0; i < n; ++i) {
@@ -253,10 +253,65 @@ TEST(MeshCheck, AMoebiusStripHasNoSide) {
     m.triangles.push_back({a, c, b});
     m.triangles.push_back({b, c, d});
   }
-  const CheckedMesh checked = check_mesh(m);
+  return m;
+}
+
+TEST(MeshCheck, AMoebiusStripHasNoSide) {
+  const CheckedMesh checked = check_mesh(moebius_strip());
   ASSERT_EQ(checked.faults.size(), 1u);
   EXPECT_EQ(checked.faults[0].kind, "not_orientable");
   EXPECT_THROW(require_drawable(checked, "strip"), InputError);
+}
+
+// A scan of a dragon had two such triangles of 48,000, and was refused.
+TEST(MeshCheck, AFewTwistedTrianglesOfALargeMeshAreCutLoose) {
+  constexpr int n = 40;
+  TriangleMesh m;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) m.vertices.push_back({0.01 * i, 0.01 * j, 0.3});
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const int a = (n + 1) * i + j, b = a + n + 1;
+      m.triangles.push_back({a, b, b + 1});
+      m.triangles.push_back({a, b + 1, a + 1});
+    }
+  }
+  add(&m, moebius_strip(), Vector3d::Zero());
+  const CheckedMesh checked = check_mesh(m);
+  ASSERT_FALSE(checked.faults.empty());
+  EXPECT_EQ(checked.faults[0].kind, "not_orientable");
+  EXPECT_TRUE(checked.faults[0].repaired);
+  EXPECT_NO_THROW(require_drawable(checked, "both"));
+  const Canvas canvas(checked.mesh);
+  const auto hit = canvas.ray({0.2, 0.2, 1.0}, {0.0, 0.0, -1.0});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->p_W.z(), 0.3, 1e-9);
+}
+
+// Random triangles on few vertices: edges with up to eight triangles, of one body.
+TEST(MeshCheck, EveryCrowdedEdgeIsSeparated) {
+  constexpr int kSeed = 3;
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> place(-0.1, 0.1);
+  std::uniform_int_distribution<int> some(0, 9);
+  int loose = 0;
+  for (int k = 0; k < 200; ++k) {
+    SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", mesh " << k);
+    TriangleMesh m;
+    for (int i = 0; i < 10; ++i) m.vertices.push_back({place(rng), place(rng), place(rng)});
+    for (int i = 0; i < 40; ++i) {
+      const Vector3i t(some(rng), some(rng), some(rng));
+      if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) m.triangles.push_back(t);
+    }
+    const CheckedMesh checked = check_mesh(m);
+    std::map<std::pair<int, int>, int> on_edge;
+    for (const Vector3i& t : checked.mesh.triangles)
+      for (int i = 0; i < 3; ++i) ++on_edge[std::minmax(t[i], t[(i + 1) % 3])];
+    for (const auto& [edge, triangles] : on_edge) EXPECT_LE(triangles, 2);
+    for (const MeshFault& fault : checked.faults)
+      loose += fault.message.find("cut loose") != std::string::npos;
+  }
+  EXPECT_GT(loose, 20) << "or the meshes are too simple";
 }
 
 TEST(MeshCheck, ASizeOfAWrongUnitIsSaid) {
