@@ -86,25 +86,83 @@ struct Mending {
     report("degenerate_triangle", faulty, true, "without area, left out or passed over");
   }
 
+  // Of triangles on the same vertices the first of those that are more stays: two that are wound
+  // against each other cancel. None stays where they are a fold of a surface, which closes
+  // without them.
   void duplicate() {
+    const int n = static_cast<int>(number.size());
+    const auto is_even = [](const Vector3i& t) {  // as a permutation of its ascending vertices
+      return ((t[0] < t[1]) + (t[1] < t[2]) + (t[0] < t[2])) % 2 == 1;
+    };
     std::vector<std::array<int, 4>> sorted(number.size());
-    for (int i = 0; i < static_cast<int>(number.size()); ++i) {
+    for (int i = 0; i < n; ++i) {
       const Vector3i& t = mesh().triangles[i];
       sorted[i] = {t[0], t[1], t[2], i};
       std::sort(sorted[i].begin(), sorted[i].begin() + 3);
     }
     std::sort(sorted.begin(), sorted.end());
     std::vector<bool> gone(number.size(), false);
-    std::vector<int> faulty;
-    for (std::size_t i = 1; i < sorted.size(); ++i) {
-      if (!std::equal(sorted[i].begin(), sorted[i].begin() + 3, sorted[i - 1].begin())) continue;
-      gone[sorted[i][3]] = true;
-      faulty.push_back(number[sorted[i][3]]);
+    std::vector<int> cancelled;  // what stays of those that cancel
+    for (std::size_t from = 0, to = 0; from < sorted.size(); from = to) {
+      while (to < sorted.size() &&
+             std::equal(sorted[to].begin(), sorted[to].begin() + 3, sorted[from].begin()))
+        ++to;
+      if (to == from + 1) continue;
+      int even = 0;
+      for (std::size_t i = from; i < to; ++i) even += is_even(mesh().triangles[sorted[i][3]]);
+      const int odd = static_cast<int>(to - from) - even;
+      int stays = -1;
+      for (std::size_t i = from; i < to; ++i) {
+        const int f = sorted[i][3];
+        gone[f] = stays >= 0 || (even != odd && is_even(mesh().triangles[f]) != (even > odd));
+        if (!gone[f]) stays = f;
+      }
+      if (even == odd) cancelled.push_back(stays);
     }
-    if (faulty.empty()) return;
-    std::sort(faulty.begin(), faulty.end());
+    if (std::find(gone.begin(), gone.end(), true) == gone.end()) return;
+    leave_out_folds(cancelled, &gone);
+    std::vector<int> faulty;
+    for (int i = 0; i < n; ++i)
+      if (gone[i]) faulty.push_back(number[i]);
     drop(gone);
-    report("duplicate_triangle", faulty, true, "on the vertices of an earlier one, left out");
+    report("duplicate_triangle", faulty, true, "on the vertices of another one, left out");
+  }
+
+  // Of `cancelled`, those that hang together, are few, and end at a surface that two and two
+  // triangles close: a larger one may be a leaf, meant to be seen from both sides.
+  void leave_out_folds(const std::vector<int>& cancelled, std::vector<bool>* gone) {
+    constexpr std::size_t kFew = 8;
+    std::vector<bool> is_cancelled(number.size(), false);
+    for (const int f : cancelled) is_cancelled[f] = true;
+    DisjointSets parts(number.size());
+    const std::vector<HalfEdge> edges = edges_of_mesh();
+    const auto each_edge = [&](auto&& visit) {
+      for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+        int part = -1, others = 0;
+        for (const HalfEdge* e = first; e < last; ++e) {
+          if (is_cancelled[e->face])
+            part = e->face;
+          else
+            others += !(*gone)[e->face];
+        }
+        if (part >= 0) visit(first, last, part, others);
+      });
+    };
+    each_edge([&](const HalfEdge* first, const HalfEdge* last, int part, int) {
+      for (const HalfEdge* e = first; e < last; ++e)
+        if (is_cancelled[e->face]) parts.join(e->face, part);
+    });
+    std::map<int, std::size_t> size;
+    for (const int f : cancelled) ++size[parts.find(f)];
+    std::map<int, bool> open, ends;
+    each_edge([&](const HalfEdge*, const HalfEdge*, int part, int others) {
+      if (others % 2 == 1) open[parts.find(part)] = true;
+      if (others >= 2) ends[parts.find(part)] = true;
+    });
+    for (const int f : cancelled) {
+      const int part = parts.find(f);
+      if (ends[part] && !open[part] && size[part] <= kFew) (*gone)[f] = true;
+    }
   }
 
   void edges_and_winding() {

@@ -19,7 +19,8 @@ namespace impedraw {
 //   degenerate_triangle    two corners are one vertex, or it is thinner than the weld. Repaired:
 //                          left out, unless that would leave a gap between its neighbours; queries
 //                          skip it in any case
-//   duplicate_triangle     has the vertices of an earlier one, in any order. Repaired: left out
+//   duplicate_triangle     has the vertices of another one, in any order. Repaired: left out, and
+//                          both of two that are a fold of a surface which closes without them
 //   non_manifold_edge      more than two triangles share an edge; `first` is the lowest of them.
 //                          Repaired: two and two go on into each other, those that are wound alike
 //                          and of one body, or turn least; the surfaces are separated there, by a
