@@ -180,8 +180,9 @@ SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeigh
       const auto hit = canvas.ray(X_WP * Eigen::Vector3d(x, y, z), -X_WP.R.col(2));
       if (!hit) break;
       const Eigen::Vector3d p = X_PW * hit->p_W;
+      const Eigen::Vector3d n = X_PW.R * hit->n_W;
       const double off = std::abs(p.z() - plan->p_P.z());
-      if (off <= least) least = off, nearest = SurfaceSample{p, X_PW.R * hit->n_W};
+      if (n.z() > 0.0 && off <= least) least = off, nearest = SurfaceSample{p, n};
       if (p.z() < plan->p_P.z() - kJudged) break;
       z = p.z() - 1e-6;
     }

@@ -22,8 +22,9 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceE
 // A level plane at the height z of P [m].
 SurfaceHeight level_surface(double z);
 
-// The sheet of the true canvas nearest to a planned height, for judging a drawing. Where no sheet
-// lies within kJudged of it, the planned point itself; where nothing is planned, the upper sheet.
+// For judging a drawing: of the true canvas's sheets that show their front, the one nearest to a
+// planned height. Where none lies within kJudged of it, the planned point itself; where nothing is
+// planned, the upper sheet.
 inline constexpr double kJudged = 5e-3;  // [m]
 SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeight planned);
 

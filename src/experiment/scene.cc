@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/canvas/mesh_facing.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
@@ -47,26 +48,21 @@ void put_in_reach(TriangleMesh* mesh, Scenario* s, std::vector<std::string>* not
       move.x(), move.y(), move.z()));
 }
 
-// An open sheet whose front faces away from the drawing, as many scanners write it: cameras see it
-// from behind as well as from the front, but its front alone would bear the pen. It is turned.
+// Open parts whose front faces away from the drawing, as many scanners write them: cameras see them
+// from behind as well as from the front, but their front alone would bear the pen.
 void turn_to_drawing(TriangleMesh* mesh, const Scenario& s, const Eigen::Vector3d& z_WP,
                      std::vector<std::string>* notes) {
-  constexpr double kClear = 0.25;  // of its area; the areas of a closed mesh add up to nothing
   if (s.canvas.kind != CanvasKind::mesh || s.canvas.mesh.side != MeshSettings::Side::outward)
     return;
-  Eigen::Vector3d facing = Eigen::Vector3d::Zero();
-  double area = 0.0;
-  for (const Eigen::Vector3i& t : mesh->triangles) {
-    const Eigen::Vector3d& p = mesh->vertices[t[0]];
-    const Eigen::Vector3d twice = (mesh->vertices[t[1]] - p).cross(mesh->vertices[t[2]] - p);
-    facing += twice;
-    area += twice.norm();
-  }
-  if (facing.dot(z_WP) > -kClear * area) return;
-  for (Eigen::Vector3i& t : mesh->triangles) std::swap(t[1], t[2]);
+  const int turned = turn_parts_seen_from_behind(mesh, z_WP);
+  if (turned == 0) return;
+  const bool all = turned == static_cast<int>(mesh->triangles.size());
   notes->push_back(
-      "the mesh is an open sheet whose front faces away from the drawing; it was turned, as by "
-      "canvas.mesh.side: inward");
+      all ? "the mesh is an open sheet whose front faces away from the drawing; it was turned, as "
+            "by canvas.mesh.side: inward"
+          : fmt::format("{} of the mesh's {} triangles, in open parts that show their back to the "
+                        "drawing, were turned",
+                        turned, mesh->triangles.size()));
 }
 
 // A square around each point of the seen surface, across its normal: squares of neighbours meet.

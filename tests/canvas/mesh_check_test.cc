@@ -10,6 +10,7 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/canvas/merge_vertices.h"
+#include "impedraw/canvas/mesh_facing.h"
 #include "impedraw/common/errors.h"
 #include "mesh_checks.h"
 #include "mesh_files.h"
@@ -267,6 +268,34 @@ TEST(MeshCheck, ASheetWithTwoSidesStays) {
   turn(&back);
   m.triangles.insert(m.triangles.end(), back.triangles.begin(), back.triangles.end());
   EXPECT_EQ(check_mesh(m).mesh.triangles.size(), one_side);
+}
+
+// A scan of a bust, open below and wound inside out: the pen went through it.
+TEST(MeshFacing, OpenPartsSeenFromBehindAreTurned) {
+  TriangleMesh open = box(0.1, 0.2, 0.3);
+  std::erase_if(open.triangles, [&](const Vector3i& t) {
+    return open.vertices[t[0]].z() + open.vertices[t[1]].z() + open.vertices[t[2]].z() == 0.0;
+  });
+  ASSERT_EQ(open.triangles.size(), 10u);
+  const auto turned = [](const TriangleMesh& given, TriangleMesh* result) {
+    *result = given;
+    return turn_parts_seen_from_behind(result, Vector3d::UnitZ());
+  };
+  TriangleMesh back = open, result;
+  turn(&back);
+  EXPECT_EQ(turned(open, &result), 0);
+  EXPECT_EQ(turned(back, &result), 10);
+  const auto up = [](const TriangleMesh& m) {
+    return Canvas(m).closest(Vector3d(0.05, 0.1, 0.31)).n_W.z();
+  };
+  EXPECT_EQ(up(back), -1.0);
+  EXPECT_EQ(up(result), 1.0);
+  TriangleMesh two = open;  // each part by itself, a closed one as it is
+  add(&two, back, {0.3, 0.0, 0.0});
+  TriangleMesh closed = box(0.1, 0.1, 0.1);
+  turn(&closed);
+  add(&two, closed, {0.6, 0.0, 0.0});
+  EXPECT_EQ(turned(two, &result), 10);
 }
 
 TriangleMesh moebius_strip() {

@@ -1,0 +1,16 @@
+// Which side of an open mesh faces somebody who looks at it.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "impedraw/canvas/triangle_mesh.h"
+
+namespace impedraw {
+
+// Turns each open part (its triangles share vertices, and some edge has one triangle) that shows
+// its back to somebody who looks along −z: of a part's topmost triangles, one in each cell of a
+// grid across z, more than three quarters face away, by the areas that are seen. A closed part has
+// an inside, and stays. Returns the number of triangles turned.
+int turn_parts_seen_from_behind(TriangleMesh* mesh, const Eigen::Vector3d& z);
+
+}  // namespace impedraw
