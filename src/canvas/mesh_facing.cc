@@ -13,7 +13,7 @@
 namespace impedraw {
 
 int turn_parts_seen_from_behind(TriangleMesh* mesh, const Eigen::Vector3d& z) {
-  constexpr int kCells = 128;        // along each side of the grid
+  constexpr int kCells = 128;  // along each side of the grid
   constexpr double kMostly = 0.75;
   const Eigen::Vector3d x = z.unitOrthogonal(), y = z.cross(x);
   const int vertices = static_cast<int>(mesh->vertices.size());
@@ -50,8 +50,7 @@ int turn_parts_seen_from_behind(TriangleMesh* mesh, const Eigen::Vector3d& z) {
     if (top.triangle < 0) continue;
     const Eigen::Vector3i& t = mesh->triangles[top.triangle];
     const Eigen::Vector3d& p = mesh->vertices[t[0]];
-    const double facing =
-        z.dot((mesh->vertices[t[1]] - p).cross(mesh->vertices[t[2]] - p)) / 2.0;
+    const double facing = z.dot((mesh->vertices[t[1]] - p).cross(mesh->vertices[t[2]] - p)) / 2.0;
     (facing > 0.0 ? front : back)[parts.find(t[0])] += std::abs(facing);
   }
   int turned = 0;

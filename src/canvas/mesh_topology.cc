@@ -66,6 +66,32 @@ void join_neighbours(MeshTopology& topology) {
                 });
 }
 
+// A thin triangle that is folded back between its neighbours, as simplified scans have them, leaves
+// no sense to the normals beside it. Its normal becomes zero: it is passed over, as its neighbours
+// cover it.
+void pass_over_folds(MeshTopology& topology) {
+  constexpr double kThin = 0.05;                // height, as a share of the longest side
+  constexpr double kHighest = 2e-4;             // [m]
+  constexpr double kBack = -0.5, kAlike = 0.5;  // cosines of normals
+  std::vector<MeshTopology::Face*> folds;
+  for (MeshTopology::Face& face : topology.faces) {
+    std::array<double, 3> side;
+    for (int i = 0; i < 3; ++i) side[i] = (face.corner[(i + 1) % 3] - face.corner[i]).norm();
+    const auto longest = std::max_element(side.begin(), side.end()) - side.begin(),
+               shortest = std::min_element(side.begin(), side.end()) - side.begin();
+    const double height =
+        (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]).norm() /
+        side[longest];
+    if (!(height < std::min(kThin * side[longest], kHighest))) continue;
+    const int a = face.neighbour[longest], b = face.neighbour[3 - longest - shortest];
+    if (a < 0 || b < 0) continue;
+    const Eigen::Vector3d &n_a = topology.faces[a].normal, &n_b = topology.faces[b].normal;
+    if (face.normal.dot(n_a) < kBack && face.normal.dot(n_b) < kBack && n_a.dot(n_b) > kAlike)
+      folds.push_back(&face);
+  }
+  for (MeshTopology::Face* fold : folds) fold->normal.setZero();
+}
+
 bool is_crease(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   static const double cosine = std::cos(MeshTopology::kCrease);
   return !a.isZero(0.0) && !b.isZero(0.0) && a.dot(b) < cosine;
@@ -168,18 +194,24 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
     face.normal = has_area ? Eigen::Vector3d(cross / twice_area) : Eigen::Vector3d::Zero();
     if (!has_area) continue;
     any_area = true;
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];
-      const Eigen::Vector3d v = face.corner[(i + 2) % 3] - face.corner[i];
-      share[3 * f + i] = cross / (u.squaredNorm() * v.squaredNorm());
-      topology.smooth_normal[face.vertex[i]] += share[3 * f + i];
-      topology.side_normal[face.vertex[i]] += std::atan2(twice_area, u.dot(v)) * face.normal;
-    }
   }
   if (!any_area)
     throw InputError(
         fmt::format("canvas mesh: none of its {} triangles has an area", mesh.triangles.size()));
   join_neighbours(topology);
+  pass_over_folds(topology);
+  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
+    const auto& face = topology.faces[f];
+    if (face.normal.isZero(0.0)) continue;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];
+      const Eigen::Vector3d v = face.corner[(i + 2) % 3] - face.corner[i];
+      const Eigen::Vector3d cross = u.cross(v);
+      share[3 * f + i] = cross / (u.squaredNorm() * v.squaredNorm());
+      topology.smooth_normal[face.vertex[i]] += share[3 * f + i];
+      topology.side_normal[face.vertex[i]] += std::atan2(cross.norm(), u.dot(v)) * face.normal;
+    }
+  }
   split_at_creases(share, topology);
   // A normal that cancels out (a fold) stays zero.
   for (auto& n : topology.smooth_normal) n.stableNormalize();

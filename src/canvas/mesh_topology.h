@@ -27,7 +27,8 @@ struct MeshTopology {
   static constexpr double kCrease = 0.7;  // [rad]
   struct Face {
     std::array<Eigen::Vector3d, 3> corner;  // [m]
-    // unit; zero for a triangle without area, which joins its neighbours but is skipped by queries
+    // unit; zero for a triangle without area or a thin one that is folded back, which joins its
+    // neighbours but is skipped by queries
     Eigen::Vector3d normal;
     // triangle across the edge from corner i to corner i + 1; −1: boundary of the surface
     std::array<int, 3> neighbour;

@@ -298,6 +298,32 @@ TEST(MeshFacing, OpenPartsSeenFromBehindAreTurned) {
   EXPECT_EQ(turned(two, &result), 10);
 }
 
+// On a simplified scan the pen was taken to be below a triangle of 0.06 mm² that is folded back
+// between its neighbours, and thrown by 100 N.
+TEST(MeshCheck, AThinTriangleFoldedBackIsPassedOver) {
+  constexpr int kSeed = 2;
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> about(-1.0, 1.0);
+  for (int k = 0; k < 200; ++k) {
+    SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", mesh " << k);
+    const double off = 5e-5 * about(rng);  // of the middle vertex from the diagonal [m]
+    TriangleMesh m;
+    m.vertices = {{0.0, 0.0, 0.0},
+                  {0.01, 0.0, 0.004 * about(rng)},
+                  {0.01, 0.01, 0.0},
+                  {0.0, 0.01, 0.004 * about(rng)},
+                  {0.005 - off, 0.005 + off, 2e-5 * about(rng)}};
+    m.triangles = {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}};
+    const Canvas canvas(check_mesh(m).mesh);
+    for (int i = 0; i < 50; ++i) {
+      const double along = 0.005 + 0.003 * about(rng), beside = 5e-4 * about(rng);
+      const auto near = canvas.closest({along + beside, along - beside, 1.5e-3});
+      EXPECT_GT(near.distance, 5e-4) << along << ", " << beside;
+      EXPECT_GT(near.n_W.z(), 0.5);
+    }
+  }
+}
+
 TriangleMesh moebius_strip() {
   TriangleMesh m;
   constexpr int n = 20;
