@@ -363,8 +363,9 @@ class Runner {
       if (lifting_ && lifting_->done(t) && !guard_.braking() && !swings(t)) {
         if (retreats_) {
           std::string& cause = damped_.empty() ? outcome_.cause : damped_;
-          cause += fmt::format("; the motion was damped and the pen lifted by {:.0f} mm",
-                               1e3 * lifting_->risen(X_KE().p));
+          const double risen = lifting_->risen(X_KE().p);
+          cause += "; the motion was damped and the pen ";
+          cause += risen < 1e-3 ? "did not rise" : fmt::format("lifted by {:.0f} mm", 1e3 * risen);
         }
         rest_ = lifting_->at(t);
         if (wall_ || left_reach_ || !damped_.empty()) lifting_.reset();
