@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -17,6 +19,40 @@ struct Patch {  // triangles joined across edges that exactly two share
 
 // most closed patches tested for containing another; bounds the work
 constexpr std::size_t kMostPatches = 64;
+
+// Solid angle of a triangle as seen from p, as a share of the whole sphere, signed.
+// Source: A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE Trans.
+// Biomed. Eng. 30(2), 1983.
+double solid_angle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                   const Eigen::Vector3d& c) {
+  const Eigen::Vector3d u = a - p, v = b - p, w = c - p;
+  const double lu = u.norm(), lv = v.norm(), lw = w.norm();
+  return std::atan2(u.dot(v.cross(w)),
+                    lu * lv * lw + u.dot(v) * lw + v.dot(w) * lu + w.dot(u) * lv) /
+         (2.0 * std::numbers::pi);
+}
+
+// Most of the inner patch's triangles, of a few of them, lie within the outer patch: the outer one
+// goes round their middles once, whichever way it is wound.
+bool contains(const TriangleMesh& mesh, const Winding& winding, const Patch& outer,
+              const Patch& inner) {
+  constexpr std::size_t kTried = 5;
+  const std::size_t tried = std::min(kTried, inner.triangles.size());
+  std::size_t within = 0;
+  const auto corner = [&](int f, int i) -> const Eigen::Vector3d& {
+    return mesh.vertices[mesh.triangles[f][i]];
+  };
+  for (std::size_t k = 0; k < tried; ++k) {
+    const int at = inner.triangles[k * inner.triangles.size() / tried];
+    const Eigen::Vector3d p = (corner(at, 0) + corner(at, 1) + corner(at, 2)) / 3.0;
+    double turns = 0.0;
+    for (const int f : outer.triangles)
+      turns += (winding.wrong[f] ? -1.0 : 1.0) *
+               solid_angle(p, corner(f, 0), corner(f, 1), corner(f, 2));
+    within += std::abs(turns) > 0.5;
+  }
+  return 2 * within > tried;
+}
 
 }  // namespace
 
@@ -88,7 +124,8 @@ Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edge
     if (patch.volume >= 0.0) continue;
     const bool cavity = std::any_of(largest.begin(), largest.end(), [&](const Patch* other) {
       return other != &patch && other->box.contains(patch.box) &&
-             other->box.diagonal().norm() > patch.box.diagonal().norm();
+             other->box.diagonal().norm() > patch.box.diagonal().norm() &&
+             contains(mesh, winding, *other, patch);
     });
     if (cavity) continue;
     for (const int f : patch.triangles) winding.wrong[f] = !winding.wrong[f];

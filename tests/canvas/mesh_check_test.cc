@@ -191,6 +191,20 @@ TEST(MeshCheck, AClosedMeshInsideOutIsTurnedButNotTheCavityOfAnother) {
   EXPECT_NEAR(volume(checked.mesh), 0.006 - 8e-6, 1e-15);
 }
 
+TEST(MeshCheck, ABoxInsideOutBesideALargerBodyIsNoCavityOfIt) {
+  TriangleMesh body;  // its bounding box is larger than it
+  body.vertices = {{0.0, 0.0, 0.0}, {0.3, 0.0, 0.0}, {0.0, 0.3, 0.0}, {0.0, 0.0, 0.3}};
+  body.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  TriangleMesh inside_out = box(0.02, 0.02, 0.02);
+  turn(&inside_out);
+  for (const double at : {0.02, 0.2}) {
+    TriangleMesh both = body;
+    add(&both, inside_out, Vector3d::Constant(at));
+    const bool is_cavity = at < 0.1;
+    EXPECT_NEAR(volume(check_mesh(both).mesh), 0.0045 + (is_cavity ? -8e-6 : 8e-6), 1e-12);
+  }
+}
+
 TEST(MeshCheck, AFinOnASheetIsNamedAndSeparated) {
   TriangleMesh m = sheet(
       // the fin stands on the inner edge from vertex 1 to vertex 4, of triangles 1 and 2 among
