@@ -3,8 +3,8 @@
     .venv/bin/python setup/random_drawings.py SEED NUMBER [PROGRAM]
 
 Each is a mesh of build/surface-meshes (`./impedraw robustness --part surfaces` and setup/other_surfaces.py write them) with
-lettering, a spiral or a filled area, 70 to 160 mm wide. The limits are those of
-studies/other-surfaces.yaml. Prints how to repeat each that misses one.
+lettering, a spiral or a filled area, 70 to 160 mm wide. The limits are those of studies/other-surfaces.yaml.
+Prints how to repeat each that misses one.
 """
 import concurrent.futures
 import json

@@ -131,37 +131,40 @@ struct Mending {
   // Of `cancelled`, those that hang together, are few, and end at a surface that two and two
   // triangles close: a larger one may be a leaf, meant to be seen from both sides.
   void leave_out_folds(const std::vector<int>& cancelled, std::vector<bool>* gone) {
-    constexpr std::size_t kFew = 8;
-    std::vector<bool> is_cancelled(number.size(), false);
+    constexpr int kFew = 8;
+    if (cancelled.empty()) return;
+    std::vector<bool> is_cancelled(number.size(), false), at_hole = is_cancelled,
+                                                          at_surface = at_hole;
     for (const int f : cancelled) is_cancelled[f] = true;
     DisjointSets parts(number.size());
-    const std::vector<HalfEdge> edges = edges_of_mesh();
-    const auto each_edge = [&](auto&& visit) {
-      for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
-        int part = -1, others = 0;
-        for (const HalfEdge* e = first; e < last; ++e) {
-          if (is_cancelled[e->face])
-            part = e->face;
-          else
-            others += !(*gone)[e->face];
+    for_each_edge(edges_of_mesh(), [&](const HalfEdge* first, const HalfEdge* last) {
+      int part = -1, others = 0;
+      for (const HalfEdge* e = first; e < last; ++e) {
+        if (!is_cancelled[e->face]) {
+          others += !(*gone)[e->face];
+          continue;
         }
-        if (part >= 0) visit(first, last, part, others);
-      });
+        if (part >= 0) parts.join(e->face, part);
+        part = e->face;
+      }
+      if (part < 0) return;
+      if (others % 2 == 1) at_hole[part] = true;  // if the part were left out
+      if (others >= 2) at_surface[part] = true;
+    });
+    struct Part {
+      int size = 0;
+      bool at_hole = false, at_surface = false;
     };
-    each_edge([&](const HalfEdge* first, const HalfEdge* last, int part, int) {
-      for (const HalfEdge* e = first; e < last; ++e)
-        if (is_cancelled[e->face]) parts.join(e->face, part);
-    });
-    std::map<int, std::size_t> size;
-    for (const int f : cancelled) ++size[parts.find(f)];
-    std::map<int, bool> open, ends;
-    each_edge([&](const HalfEdge*, const HalfEdge*, int part, int others) {
-      if (others % 2 == 1) open[parts.find(part)] = true;
-      if (others >= 2) ends[parts.find(part)] = true;
-    });
+    std::map<int, Part> of;
     for (const int f : cancelled) {
-      const int part = parts.find(f);
-      if (ends[part] && !open[part] && size[part] <= kFew) (*gone)[f] = true;
+      Part& part = of[parts.find(f)];
+      ++part.size;
+      part.at_hole = part.at_hole || at_hole[f];
+      part.at_surface = part.at_surface || at_surface[f];
+    }
+    for (const int f : cancelled) {
+      const Part& part = of[parts.find(f)];
+      if (part.at_surface && !part.at_hole && part.size <= kFew) (*gone)[f] = true;
     }
   }
 
@@ -180,16 +183,16 @@ struct Mending {
       edges = edges_of_mesh();
       winding = find_winding(mesh(), edges);
     }
+    checked->closed = true;
+    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+      checked->closed = checked->closed && last - first == 2;
+    });
     std::sort(twisted.begin(), twisted.end());
     report("not_orientable", twisted, true, "wound against a neighbour either way, cut loose");
     for (int& f : winding.twisted) f = number[f];
     report("not_orientable", winding.twisted, false,
            "wound against a neighbour whichever way it is turned, all must have one side");
     if (!winding.twisted.empty()) return;
-    checked->closed = true;
-    for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
-      checked->closed = checked->closed && last - first == 2;
-    });
     std::vector<int> faulty;
     for (std::size_t i = 0; i < number.size(); ++i) {
       if (!winding.wrong[i]) continue;

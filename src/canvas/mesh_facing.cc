@@ -25,6 +25,7 @@ int turn_parts_seen_from_behind(TriangleMesh* mesh, const Eigen::Vector3d& z) {
   for_each_edge(edges, [&](const HalfEdge* first, const HalfEdge* last) {
     if (last - first == 1) open[parts.find(first->low)] = true;
   });
+  if (std::find(open.begin(), open.end(), true) == open.end()) return 0;
 
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector3d& p : mesh->vertices) box.extend(Eigen::Vector2d(x.dot(p), y.dot(p)));

@@ -203,13 +203,15 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
   for (std::size_t f = 0; f < topology.faces.size(); ++f) {
     const auto& face = topology.faces[f];
     if (face.normal.isZero(0.0)) continue;
+    const Eigen::Vector3d cross =
+        (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]);
+    const double twice_area = cross.norm();
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];
       const Eigen::Vector3d v = face.corner[(i + 2) % 3] - face.corner[i];
-      const Eigen::Vector3d cross = u.cross(v);
       share[3 * f + i] = cross / (u.squaredNorm() * v.squaredNorm());
       topology.smooth_normal[face.vertex[i]] += share[3 * f + i];
-      topology.side_normal[face.vertex[i]] += std::atan2(cross.norm(), u.dot(v)) * face.normal;
+      topology.side_normal[face.vertex[i]] += std::atan2(twice_area, u.dot(v)) * face.normal;
     }
   }
   split_at_creases(share, topology);

@@ -10,16 +10,18 @@ namespace {
 // A symmetric 6×6 matrix by its lower triangle: c[i][j], j ≤ i.
 using Lower = double[6][6];
 
-bool is_diagonal(const Lower& c, double tolerance) {
-  for (int i = 1; i < 6; ++i)
-    for (int j = 0; j < i; ++j)
-      if (c[i][j] * c[i][j] > tolerance * tolerance * std::abs(c[i][i] * c[j][j])) return false;
-  return true;
+constexpr double kDiagonal = 1e-8;  // of all elements, squared tolerance
+constexpr double kZero = 1e-9;      // of one element that need not be turned away
+
+bool is_small(const Lower& c, int i, int j, double squared_tolerance) {
+  return !(c[i][j] * c[i][j] > squared_tolerance * std::abs(c[i][i] * c[j][j]));
 }
 
-// That an element need not be turned away.
-bool is_small(const Lower& c, int i, int j) {
-  return c[i][j] * c[i][j] <= 1e-9 * std::abs(c[i][i] * c[j][j]);
+bool is_diagonal(const Lower& c) {
+  for (int i = 1; i < 6; ++i)
+    for (int j = 0; j < i; ++j)
+      if (!is_small(c, i, j, kDiagonal)) return false;
+  return true;
 }
 
 // Turns x and y: (x, y) ← (c x − s y, s x + c y).
@@ -47,7 +49,7 @@ bool refine(const Lower& C, Matrix6& Z) {
   for (int i = 1; i < 6; ++i) {
     for (int j = 0; j < i; ++j) {
       const double lacks = -Z.col(i).dot(Z.col(j));
-      if (is_small(C, i, j)) {
+      if (is_small(C, i, j, kZero)) {
         E(i, j) = E(j, i) = 0.5 * lacks;
         continue;
       }
@@ -68,7 +70,7 @@ void jacobi_sweep(Lower& C, Matrix6& Z) {
   for (int p = 0; p < 5; ++p) {
     for (int q = p + 1; q < 6; ++q) {
       const double off = C[q][p];
-      if (is_small(C, q, p)) continue;
+      if (is_small(C, q, p, kZero)) continue;
       const double theta = (C[q][q] - C[p][p]) / (2.0 * off);
       const double t =
           std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
@@ -99,10 +101,8 @@ void ModalDamping::design(const Matrix6& U, const Eigen::Matrix3d& K_linear,
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j <= i; ++j) C[i][j] = T.col(i).dot(KT.col(j));
   constexpr int kMaxSweeps = 12;  // a cold start needs 5 to 7
-  constexpr double kTolerance = 1e-4;
-  if (!is_diagonal(C, kTolerance) && !refine(C, Z_)) {
-    for (int sweep = 0; sweep < kMaxSweeps && !is_diagonal(C, kTolerance); ++sweep)
-      jacobi_sweep(C, Z_);
+  if (!is_diagonal(C) && !refine(C, Z_)) {
+    for (int sweep = 0; sweep < kMaxSweeps && !is_diagonal(C); ++sweep) jacobi_sweep(C, Z_);
   }
   for (int i = 0; i < 6; ++i) rate_[i] = 2.0 * damping_ratio * std::sqrt(std::max(C[i][i], 0.0));
   largest_rate_ = rate_.maxCoeff();

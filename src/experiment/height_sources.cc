@@ -45,6 +45,11 @@ class Columns {
   Tree tree_;
 };
 
+// That a height found at p says something of the one at (x, y).
+bool is_near(const Eigen::Vector3d& p, double x, double y) {
+  return std::hypot(p.x() - x, p.y() - y) < 0.01;
+}
+
 // A sheet higher than this above another hides it from the pen [m].
 constexpr double kOverhang = 0.012;
 
@@ -137,12 +142,11 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceE
              double x, double y) mutable -> std::optional<SurfaceSample> {
     std::optional<SurfaceSample> sample;
     const double top = tops->top(x, y);
-    const bool near = std::hypot(last.x() - x, last.y() - y) < 0.01;
     // Another sheet lies above: the pen cannot reach this one.
     const auto covered = [&] {
       return sample && top > sample->p_P.z() + kOverhang + tops->rise(sample->n_P);
     };
-    if (near) sample = descend(estimator, X_WP, {x, y, last.z()});
+    if (is_near(last, x, y)) sample = descend(estimator, X_WP, {x, y, last.z()});
     if ((!sample || covered()) && std::isfinite(top))
       sample = descend(estimator, X_WP, {x, y, top});
     // On a steep flank the cell's highest point is far above.
@@ -165,8 +169,7 @@ SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeigh
     std::optional<SurfaceSample> plan = planned(x, y);
     if (!plan) {
       // Just beyond what is planned: the artwork before its corners were rounded.
-      constexpr double kNear = 0.01;  // [m]
-      if (last && std::hypot(last->p_P.x() - x, last->p_P.y() - y) < kNear) plan = last;
+      if (last && is_near(last->p_P, x, y)) plan = last;
       if (!plan) plan = upper(x, y);
       if (!plan) plan = SurfaceSample{{x, y, 0.0}, Eigen::Vector3d::UnitZ()};
       plan->p_P.head<2>() = Eigen::Vector2d(x, y);

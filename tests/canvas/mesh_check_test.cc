@@ -270,13 +270,7 @@ TEST(MeshCheck, AFoldOfASurfaceIsLeftOut) {
 }
 
 TEST(MeshCheck, ASheetWithTwoSidesStays) {
-  TriangleMesh m;
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 8; ++j) m.vertices.push_back({0.01 * i, 0.01 * j, 0.0});
-  for (int j = 0; j < 7; ++j) {
-    m.triangles.push_back({j, j + 8, j + 9});
-    m.triangles.push_back({j, j + 9, j + 1});
-  }
+  TriangleMesh m = sheet(3);
   const std::size_t one_side = m.triangles.size();
   TriangleMesh back = m;
   turn(&back);
@@ -366,17 +360,8 @@ TEST(MeshCheck, AMoebiusStripHasNoSide) {
 
 // A scan of a dragon had two such triangles of 48,000, and was refused.
 TEST(MeshCheck, AFewTwistedTrianglesOfALargeMeshAreCutLoose) {
-  constexpr int n = 40;
   TriangleMesh m;
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; j <= n; ++j) m.vertices.push_back({0.01 * i, 0.01 * j, 0.3});
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      const int a = (n + 1) * i + j, b = a + n + 1;
-      m.triangles.push_back({a, b, b + 1});
-      m.triangles.push_back({a, b + 1, a + 1});
-    }
-  }
+  add(&m, sheet(40), {0.0, 0.0, 0.3});
   add(&m, moebius_strip(), Vector3d::Zero());
   const CheckedMesh checked = check_mesh(m);
   ASSERT_FALSE(checked.faults.empty());
