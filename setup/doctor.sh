@@ -14,7 +14,7 @@ doctor() {
   echo "           $(cargo --version 2>/dev/null || echo 'no cargo')"
   echo "           $(cmake --version 2>/dev/null | head -n 1 || echo 'no cmake')"
 
-  for file in apt-packages.txt apt-packages-film.txt apt-packages-arms.txt apt-packages-tests.txt apt-packages-check.txt; do
+  for file in apt-packages.txt apt-packages-film.txt apt-packages-tests.txt apt-packages-check.txt; do
     echo
     echo "Debian packages of $file"
     while read -r name least why; do
@@ -32,7 +32,6 @@ doctor() {
       fi
     done <"$root/$file"
     [[ $file != apt-packages-film.txt ]] || echo "  (only ./impedraw film needs these)"
-    [[ $file != apt-packages-arms.txt ]] || echo "  (only --arm iiwa-lcm, ./impedraw arm and ./check --foreign need these)"
     [[ $file != apt-packages-tests.txt ]] || echo "  (only ./check needs these)"
     [[ $file != apt-packages-check.txt ]] || echo "  (only ./check --asan, --fuzz, --format and --tidy need these)"
   done

@@ -1,22 +1,17 @@
 #include "impedraw/drivers/fci_link.h"
 
-#include <arpa/inet.h>
-#include <fcntl.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/drivers/tcp.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
@@ -25,34 +20,12 @@ namespace {
 
 sockaddr_in fci_address(const std::string& url) {
   constexpr std::string_view scheme = "fci://";
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  if (url.starts_with(scheme)) {
-    const std::string rest = url.substr(scheme.size());
-    const std::size_t colon = rest.find(':');
-    const std::string host = rest.substr(0, colon),
-                      port = colon == std::string::npos ? "" : rest.substr(colon + 1);
-    const bool digits =
-        colon == std::string::npos || (!port.empty() && port.size() <= 5 &&
-                                       port.find_first_not_of("0123456789") == std::string::npos);
-    const int number = port.empty() ? kFciPort : digits ? std::stoi(port) : 0;
-    if (digits && number >= 1 && number <= 65535 &&
-        inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1) {
-      address.sin_port = htons(static_cast<std::uint16_t>(number));
-      return address;
-    }
-  }
+  if (url.starts_with(scheme))
+    if (const auto address = ipv4_address(url.substr(scheme.size()), kFciPort)) return *address;
   throw InputError(fmt::format(
       "arm.url is '{}'; with arm.driver franka valid is fci://A.B.C.D or fci://A.B.C.D:PORT, as in "
       "fci://172.16.0.2",
       url));
-}
-
-bool readable(int descriptor, double seconds) {
-  pollfd waiting{descriptor, POLLIN, 0};
-  const double left = std::max(0.0, seconds), whole = std::floor(left);
-  const timespec limit{static_cast<time_t>(whole), static_cast<long>(1e9 * (left - whole))};
-  return ppoll(&waiting, 1, &limit, nullptr) == 1;
 }
 
 }  // namespace
@@ -62,25 +35,13 @@ void check_fci_url(const std::string& url) { fci_address(url); }
 FciLink::FciLink(const std::string& url) : url_(url) {
   const sockaddr_in address = fci_address(url);
   host_ = address.sin_addr.s_addr;
-  tcp_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  int error = tcp_ < 0 ? errno : 0;
-  if (tcp_ >= 0 && connect(tcp_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    error = errno;
-  if (error == EINPROGRESS) {
-    pollfd waiting{tcp_, POLLOUT, 0};
-    socklen_t size = sizeof error;
-    if (poll(&waiting, 1, static_cast<int>(1e3 * kPatience)) != 1)
-      error = ETIMEDOUT;
-    else
-      getsockopt(tcp_, SOL_SOCKET, SO_ERROR, &error, &size);
-  }
+  int error = 0;
+  tcp_ = connect_tcp(address, kPatience, &error);
   const auto give_up = [this](const std::string& why) {
     close_all();
     throw std::runtime_error(fmt::format("arm.url {}: {}", url_, why));
   };
-  if (error != 0) give_up(fmt::format("no arm answers ({})", std::strerror(error)));
-  const int on = 1;
-  setsockopt(tcp_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (tcp_ < 0) give_up(fmt::format("no arm answers ({})", std::strerror(error)));
   // States come to the address from which the arm is reached, and to no other.
   sockaddr_in own{};
   socklen_t size = sizeof own;

@@ -1,219 +1,171 @@
 #include "impedraw/drivers/lcm_link.h"
 
-#include <arpa/inet.h>
-#include <dlfcn.h>
-#include <fcntl.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
 #include <sys/socket.h>
-#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
-#include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/drivers/tcp.h"
+#include "impedraw/terminal/clock.h"
 
 namespace impedraw {
 
 namespace {
 
-constexpr const char* kLibrary = "liblcm.so.1";
+constexpr std::uint32_t kHello = 0x287617fb, kAnswer = 0x287617fa, kVersion = 0x0100;
+constexpr std::uint32_t kMessage = 1, kSubscription = 2;
+constexpr std::size_t kNumber = 4;  // bytes
+
+void put_number(std::vector<std::uint8_t>* to, std::size_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8)
+    to->push_back(static_cast<std::uint8_t>(value >> shift));
+}
+
+template <typename Bytes>
+void put_sized(std::vector<std::uint8_t>* to, const Bytes& bytes) {
+  put_number(to, bytes.size());
+  to->insert(to->end(), bytes.begin(), bytes.end());
+}
+
+std::uint32_t number_at(const std::uint8_t* bytes) noexcept {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < kNumber; ++i) value = value << 8 | bytes[i];
+  return value;
+}
 
 sockaddr_in address_of(const std::string& url) {
   constexpr std::string_view scheme = "tcpq://";
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  const std::size_t colon = url.rfind(':');
-  if (url.starts_with(scheme) && colon != std::string::npos && colon > scheme.size()) {
-    const std::string host = url.substr(scheme.size(), colon - scheme.size()),
-                      port = url.substr(colon + 1);
-    const bool digits =
-        !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
-    const int number = digits ? std::stoi(port) : 0;
-    if (number >= 1 && number <= 65535 &&
-        inet_pton(AF_INET, host.c_str(), &address.sin_addr) == 1) {
-      address.sin_port = htons(static_cast<std::uint16_t>(number));
-      return address;
-    }
-  }
+  if (url.starts_with(scheme))
+    if (const auto address = ipv4_address(url.substr(scheme.size()))) return *address;
   throw InputError(fmt::format(
       "arm.url is '{}'; valid is tcpq://A.B.C.D:PORT, as in tcpq://127.0.0.1:7701", url));
-}
-
-// liblcm prints why it could not connect. It is told from here, in one line.
-class SilentStderr {
- public:
-  SilentStderr() : kept_(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3)) {
-    std::fflush(stderr);
-    const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (kept_ >= 0 && null >= 0) dup2(null, STDERR_FILENO);
-    if (null >= 0) close(null);
-  }
-  ~SilentStderr() {
-    if (kept_ < 0) return;
-    dup2(kept_, STDERR_FILENO);
-    close(kept_);
-  }
-
- private:
-  int kept_;
-};
-
-// Whether anybody listens there, within a second: liblcm's own try has no limit.
-void require_listener(const std::string& url, const sockaddr_in& address) {
-  const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  int error = probe < 0 ? errno : 0;
-  if (probe >= 0) {
-    if (connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-      error = errno;
-    if (error == EINPROGRESS) {
-      pollfd waiting{probe, POLLOUT, 0};
-      socklen_t size = sizeof error;
-      if (poll(&waiting, 1, 1000) != 1)
-        error = ETIMEDOUT;
-      else
-        getsockopt(probe, SOL_SOCKET, SO_ERROR, &error, &size);
-    }
-    close(probe);
-  }
-  if (error != 0)
-    throw std::runtime_error(
-        fmt::format("arm.url {}: no LCM broker answers ({})", url, std::strerror(error)));
 }
 
 }  // namespace
 
 void check_lcm_url(const std::string& url) { address_of(url); }
 
-// The part of lcm/lcm.h that is used, as liblcm.so.1 has it. Opaque types are void.
-struct LcmLink::Library {
-  struct Received {
-    void* data;
-    std::uint32_t size;
-    std::int64_t arrival;
-    void* lcm;
-  };
-  using Callback = void (*)(const Received*, const char* channel, void* user);
-
-  void* (*create)(const char* url);
-  void (*destroy)(void*);
-  int (*fileno)(void*);
-  int (*handle)(void*);
-  int (*publish)(void*, const char* channel, const void* data, unsigned size);
-  void* (*subscribe)(void*, const char* channel, Callback, void* user);
-
-  Library() {
-    void* library = dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
-    if (!library)
-      throw std::runtime_error(fmt::format(
-          "arms over LCM need {}, which is not installed: apt-get install liblcm1, or call it as "
-          "./impedraw, which installs it",
-          kLibrary));
-    const auto find = [&](const char* name, auto* to) {
-      *to = reinterpret_cast<std::remove_pointer_t<decltype(to)>>(dlsym(library, name));
-      if (!*to) throw std::runtime_error(fmt::format("{} has no function {}", kLibrary, name));
-    };
-    find("lcm_create", &create);
-    find("lcm_destroy", &destroy);
-    find("lcm_get_fileno", &fileno);
-    find("lcm_handle", &handle);
-    find("lcm_publish", &publish);
-    find("lcm_subscribe", &subscribe);
-  }
-};
-
-struct LcmLink::Subscription {
-  Handler handler;
-  static void receive(const Library::Received* message, const char*, void* user) {
-    static_cast<Subscription*>(user)->handler(
-        {static_cast<const std::uint8_t*>(message->data), message->size});
-  }
-};
-
-struct LcmLink::State {
-  Library library;
-  void* lcm = nullptr;
-  std::vector<std::unique_ptr<Subscription>> subscriptions;
-  bool lost = false;
-
-  // The broker has closed or reset the connection.
-  bool peer_left() const noexcept {
-    pollfd peer{library.fileno(lcm), POLLRDHUP, 0};
-    return poll(&peer, 1, 0) == 1;
-  }
-
-  ~State() {
-    if (!lcm) return;
-    const int socket = library.fileno(lcm);
-    // lcm_destroy() takes back the subscriptions, for which it would connect again after a loss:
-    // then the handle is left as it is.
-    lost = lost || socket < 0 || peer_left();
-    if (!lost)
-      library.destroy(lcm);
-    else if (socket >= 0)
-      close(socket);
-  }
-};
-
 LcmLink::LcmLink(const std::string& url) {
   const sockaddr_in address = address_of(url);
-  state_ = std::make_unique<State>();
-  require_listener(url, address);
-  {
-    const SilentStderr silent;
-    state_->lcm = state_->library.create(url.c_str());
-  }
-  if (!state_->lcm || state_->library.fileno(state_->lcm) < 0)
+  received_.resize(kLargest);
+  outgoing_.reserve(kLargest);
+  int error = 0;
+  socket_ = connect_tcp(address, kPatience, &error);
+  if (socket_ < 0)
+    throw std::runtime_error(
+        fmt::format("arm.url {}: no LCM broker answers ({})", url, std::strerror(error)));
+  put_number(&outgoing_, kHello);
+  put_number(&outgoing_, kVersion);
+  send(outgoing_);
+  const auto begin = Clock::now();
+  while (connected() && end_ < 2 * kNumber && readable(socket_, kPatience - seconds_since(begin)))
+    receive();
+  if (!connected() || end_ < 2 * kNumber || number_at(received_.data()) != kAnswer) {
+    lose();
     throw std::runtime_error(fmt::format("arm.url {}: what listens there is no LCM broker", url));
-  const int socket = state_->library.fileno(state_->lcm), on = 1;
-  setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  const timeval patience{0, static_cast<suseconds_t>(1e6 * kSocketPatience)};
-  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  }
+  begin_ = 2 * kNumber;
 }
 
-LcmLink::~LcmLink() = default;
+LcmLink::~LcmLink() { lose(); }
+
+void LcmLink::lose() noexcept {
+  if (socket_ >= 0) close(socket_);
+  socket_ = -1;
+}
 
 void LcmLink::subscribe(const std::string& channel, Handler handler) {
-  state_->subscriptions.push_back(std::make_unique<Subscription>(Subscription{std::move(handler)}));
-  state_->library.subscribe(state_->lcm, channel.c_str(), Subscription::receive,
-                            state_->subscriptions.back().get());
+  outgoing_.clear();
+  put_number(&outgoing_, kSubscription);
+  put_sized(&outgoing_, channel);
+  subscriptions_.push_back({channel, std::move(handler)});
+  send(outgoing_);
 }
 
-bool LcmLink::connected() const noexcept {
-  return !state_->lost && state_->library.fileno(state_->lcm) >= 0;
+void LcmLink::receive() noexcept {
+  // What is unread moves to the front once the end is reached: a frame always fits.
+  if (end_ == received_.size()) {
+    std::copy(received_.begin() + static_cast<std::ptrdiff_t>(begin_), received_.end(),
+              received_.begin());
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  const ssize_t n = recv(socket_, received_.data() + end_, received_.size() - end_, 0);
+  if (n > 0)
+    end_ += static_cast<std::size_t>(n);
+  else if (n == 0 || (errno != EAGAIN && errno != EINTR))
+    lose();
+}
+
+LcmLink::Frame LcmLink::next_frame() noexcept {
+  const std::uint8_t* at = received_.data() + begin_;
+  const std::size_t there = end_ - begin_;
+  // Takes the size that stands at `size` and what follows it. False if it has not all come.
+  std::size_t size = 2 * kNumber;
+  const auto follows = [&](std::size_t* length) {
+    if (there < size) return false;
+    *length = number_at(at + size - kNumber);
+    if (size + *length > kLargest || number_at(at) != kMessage) {
+      lose();
+      return false;
+    }
+    size += *length;
+    return there >= size;
+  };
+  std::size_t name = 0, length = 0;
+  if (!follows(&name)) return {};
+  const std::string_view channel(reinterpret_cast<const char*>(at + size - name), name);
+  size += kNumber;
+  if (!follows(&length)) return {};
+  return {channel, {at + size - length, length}, size};
 }
 
 bool LcmLink::wait(double seconds) noexcept {
-  if (!connected()) return false;
-  pollfd waiting{state_->library.fileno(state_->lcm), POLLIN, 0};
-  const auto whole = static_cast<time_t>(std::max(0.0, seconds));
-  const timespec limit{whole, static_cast<long>(1e9 * (std::max(0.0, seconds) - whole))};
-  return ppoll(&waiting, 1, &limit, nullptr) == 1;
+  const auto begin = Clock::now();
+  while (connected()) {
+    if (next_frame().size > 0) return true;
+    if (!connected() || !readable(socket_, seconds - seconds_since(begin))) return false;
+    receive();
+  }
+  return false;
 }
 
 bool LcmLink::handle() noexcept {
-  if (!connected()) return false;
-  // Of a connection that broke, liblcm would tell on stderr.
-  if (state_->peer_left() || state_->library.handle(state_->lcm) != 0) state_->lost = true;
+  const Frame frame = next_frame();
+  for (const Subscription& subscription : subscriptions_)
+    if (frame.size > 0 && subscription.channel == frame.channel) subscription.handler(frame.bytes);
+  begin_ += frame.size;
+  if (begin_ == end_) begin_ = end_ = 0;
   return connected();
 }
 
-bool LcmLink::publish(const char* channel, std::span<const std::uint8_t> bytes) noexcept {
-  if (!connected()) return false;
-  if (state_->peer_left() || state_->library.publish(state_->lcm, channel, bytes.data(),
-                                                     static_cast<unsigned>(bytes.size())) != 0)
-    state_->lost = true;
+bool LcmLink::publish(std::string_view channel, std::span<const std::uint8_t> bytes) noexcept {
+  if (3 * kNumber + channel.size() + bytes.size() > kLargest) return false;
+  outgoing_.clear();
+  put_number(&outgoing_, kMessage);
+  put_sized(&outgoing_, channel);
+  put_sized(&outgoing_, bytes);
+  return send(outgoing_);
+}
+
+bool LcmLink::send(std::span<const std::uint8_t> bytes) noexcept {
+  const auto begin = Clock::now();
+  while (connected() && !bytes.empty()) {
+    const ssize_t n = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (n > 0)
+      bytes = bytes.subspan(static_cast<std::size_t>(n));
+    else if ((errno != EAGAIN && errno != EINTR) ||
+             !writable(socket_, kSendPatience - seconds_since(begin)))
+      lose();
+  }
   return connected();
 }
 

@@ -1,0 +1,23 @@
+// What the links of all drivers ask of TCP.
+#pragma once
+
+#include <netinet/in.h>
+
+#include <optional>
+#include <string>
+
+namespace impedraw {
+
+// The address of A.B.C.D:PORT; without :PORT that of `usual_port`, if it is not 0. None for any
+// other text: names are not looked up.
+std::optional<sockaddr_in> ipv4_address(const std::string& text, int usual_port = 0);
+
+// A connected, non-blocking socket without Nagle's delay, which the caller closes. On failure -1,
+// with the reason in `error` (an errno; ETIMEDOUT if nobody answers within `patience` [s]).
+int connect_tcp(const sockaddr_in& address, double patience, int* error) noexcept;
+
+// Waits at most `seconds`. True if a read would not block: something came, or the peer left.
+bool readable(int descriptor, double seconds) noexcept;
+bool writable(int descriptor, double seconds) noexcept;
+
+}  // namespace impedraw
