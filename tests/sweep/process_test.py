@@ -123,7 +123,7 @@ def test_a_program_that_fails_is_a_row(tmp_path, script, limits, state, cause):
     program.chmod(0o755)
     words = command(write(tmp_path, SHORT + limits), tmp_path / "d", "--serial", runner="process")
     words[words.index("--program") + 1] = str(program)
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=240)
     assert done.returncode == 0, done.stderr
     (row,) = rows_of(tmp_path / "d").values()
     assert row["state"] == state and cause in row["cause"]
@@ -137,6 +137,6 @@ def test_a_changed_program_is_another_data_set(tmp_path):
         program.chmod(0o755)
         words = command(file, tmp_path / "d", "--serial", runner="process")
         words[words.index("--program") + 1] = str(program)
-        done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+        done = subprocess.run(words, capture_output=True, text=True, timeout=240)
         assert done.returncode == code, done.stderr
     assert "another build" in done.stderr and done.stderr.count("\n") == 1
