@@ -1,4 +1,7 @@
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+
+#include <memory>
 
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/planning/path/tip_planner.h"
@@ -29,11 +32,10 @@ std::vector<PlacedStroke> strokes_of(nb::handle strokes) {
 }
 
 SurfaceHeight height_of(nb::handle surface, const Pose& X_WP) {
-  SurfaceEstimator* seen = nullptr;
-  if (nb::try_cast<SurfaceEstimator*>(surface, seen) && seen)
-    return perceived_height(*seen, *seen, X_WP);
-  Canvas* canvas = nullptr;
-  if (nb::try_cast<Canvas*>(surface, canvas) && canvas) return canvas_height(*canvas, X_WP);
+  std::shared_ptr<SurfaceEstimator> seen;
+  if (nb::try_cast(surface, seen) && seen) return perceived_height(seen, seen, X_WP);
+  std::shared_ptr<Canvas> canvas;
+  if (nb::try_cast(surface, canvas) && canvas) return canvas_height(canvas, X_WP);
   return level_surface(number_of(surface, "surface"));
 }
 

@@ -16,9 +16,9 @@ bool is_given(const Places& places, const std::string& setting) {
 // It has copies of what it reads, or keeps it: artwork and scene move on meanwhile.
 std::shared_future<Distortion> distortion_beside(const PlacedArtwork& artwork, const Scene& scene) {
   return std::async(std::launch::async,
-                    [strokes = artwork.strokes, surface = scene.surface(artwork.X_WP),
-                     canvas = scene.canvas,
-                     cloud = scene.planning] { return distortion_of_projection(strokes, surface); })
+                    [strokes = artwork.strokes, surface = scene.surface(artwork.X_WP)] {
+                      return distortion_of_projection(strokes, surface);
+                    })
       .share();
 }
 

@@ -115,13 +115,13 @@ std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Po
 
 }  // namespace
 
-SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP) {
+SurfaceHeight canvas_height(std::shared_ptr<const Canvas> canvas, const Pose& X_WP) {
   // From farther out than any of the canvas, wherever the frame's origin is.
-  const double out = (canvas.bounds().center() - X_WP.p).dot(X_WP.R.col(2)) +
-                     canvas.bounds().diagonal().norm() + 1.0;
-  return [&canvas, X_WP, X_PW = X_WP.inverse(), out](double x,
-                                                     double y) -> std::optional<SurfaceSample> {
-    const auto hit = canvas.ray(X_WP * Eigen::Vector3d(x, y, out), -X_WP.R.col(2));
+  const double out = (canvas->bounds().center() - X_WP.p).dot(X_WP.R.col(2)) +
+                     canvas->bounds().diagonal().norm() + 1.0;
+  return [canvas = std::move(canvas), X_WP, X_PW = X_WP.inverse(), out](
+             double x, double y) -> std::optional<SurfaceSample> {
+    const auto hit = canvas->ray(X_WP * Eigen::Vector3d(x, y, out), -X_WP.R.col(2));
     if (!hit) return std::nullopt;
     return SurfaceSample{X_PW * hit->p_W, X_PW.R * hit->n_W};
   };
@@ -131,13 +131,14 @@ SurfaceHeight level_surface(double z) {
   return [z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
 }
 
-SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceEstimator& followed,
-                               const Pose& X_WP) {
+SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> estimator,
+                               std::shared_ptr<const SurfaceEstimator> followed, const Pose& X_WP) {
   constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
   const Pose X_PW = X_WP.inverse();
-  return [&estimator, &followed, X_WP,
-          columns = std::make_shared<const Columns>(estimator.cloud(), X_PW),
-          tops = std::make_shared<const TopSheet>(estimator.cloud(), X_PW),
+  auto columns = std::make_shared<const Columns>(estimator->cloud(), X_PW);
+  auto tops = std::make_shared<const TopSheet>(estimator->cloud(), X_PW);
+  return [estimator = std::move(estimator), followed = std::move(followed), X_WP,
+          columns = std::move(columns), tops = std::move(tops),
           last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](
              double x, double y) mutable -> std::optional<SurfaceSample> {
     std::optional<SurfaceSample> sample;
@@ -146,24 +147,25 @@ SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceE
     const auto covered = [&] {
       return sample && top > sample->p_P.z() + kOverhang + tops->rise(sample->n_P);
     };
-    if (is_near(last, x, y)) sample = descend(estimator, X_WP, {x, y, last.z()});
+    if (is_near(last, x, y)) sample = descend(*estimator, X_WP, {x, y, last.z()});
     if ((!sample || covered()) && std::isfinite(top))
-      sample = descend(estimator, X_WP, {x, y, top});
+      sample = descend(*estimator, X_WP, {x, y, top});
     // On a steep flank the cell's highest point is far above.
-    if (!sample) sample = descend(estimator, X_WP, {x, y, columns->height_at(x, y)});
+    if (!sample) sample = descend(*estimator, X_WP, {x, y, columns->height_at(x, y)});
     if (covered()) sample.reset();
     if (!sample) return sample;
     last = sample->p_P;
     if (sample->n_P.z() < kSteep) {
-      const SurfaceEstimate there = followed.estimate(X_WP * sample->p_P);
+      const SurfaceEstimate there = followed->estimate(X_WP * sample->p_P);
       if (there.status == SurfaceStatus::ok) sample->steepest = X_WP.R.col(2).dot(there.n_W);
     }
     return sample;
   };
 }
 
-SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeight planned) {
-  return [&canvas, X_WP, X_PW = X_WP.inverse(), planned = std::move(planned),
+SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_WP,
+                            SurfaceHeight planned) {
+  return [canvas, X_WP, X_PW = X_WP.inverse(), planned = std::move(planned),
           upper = canvas_height(canvas, X_WP), last = std::optional<SurfaceSample>()](
              double x, double y) mutable -> std::optional<SurfaceSample> {
     std::optional<SurfaceSample> plan = planned(x, y);
@@ -180,7 +182,7 @@ SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeigh
     constexpr int kMostSheets = 16;
     double z = plan->p_P.z() + kJudged;
     for (int i = 0; i < kMostSheets; ++i) {
-      const auto hit = canvas.ray(X_WP * Eigen::Vector3d(x, y, z), -X_WP.R.col(2));
+      const auto hit = canvas->ray(X_WP * Eigen::Vector3d(x, y, z), -X_WP.R.col(2));
       if (!hit) break;
       const Eigen::Vector3d p = X_PW * hit->p_W;
       const Eigen::Vector3d n = X_PW.R * hit->n_W;

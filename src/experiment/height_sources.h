@@ -1,6 +1,9 @@
 // Sources of the planner's surface (planning/surface_height.h): the true canvas, or the cameras'
-// cloud. In the drawing frame P, whose z axis points out of the drawing plane.
+// cloud. In the drawing frame P, whose z axis points out of the drawing plane. Each keeps what it
+// reads.
 #pragma once
+
+#include <memory>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/pose.h"
@@ -9,15 +12,14 @@
 
 namespace impedraw {
 
-// Looking along −z of P. Refers to the canvas, which must outlive it.
-SurfaceHeight canvas_height(const Canvas& canvas, const Pose& X_WP);
+// Looking along −z of P.
+SurfaceHeight canvas_height(std::shared_ptr<const Canvas> canvas, const Pose& X_WP);
 
 // Descends to the surface along z by secant steps on the estimated distance. Starts from the last
 // result if that is near, else from the nearest column of the cloud. Returns nothing beyond the
-// cloud's edge. `followed`: what the pen will follow, for the steepest slope. Refers to both
-// estimators, which must outlive it.
-SurfaceHeight perceived_height(const SurfaceEstimator& estimator, const SurfaceEstimator& followed,
-                               const Pose& X_WP);
+// cloud's edge. `followed`: what the pen will follow, for the steepest slope.
+SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> estimator,
+                               std::shared_ptr<const SurfaceEstimator> followed, const Pose& X_WP);
 
 // A level plane at the height z of P [m].
 SurfaceHeight level_surface(double z);
@@ -26,6 +28,7 @@ SurfaceHeight level_surface(double z);
 // planned height. Where none lies within kJudged of it, the planned point itself; where nothing is
 // planned, the upper sheet.
 inline constexpr double kJudged = 5e-3;  // [m]
-SurfaceHeight nearest_sheet(const Canvas& canvas, const Pose& X_WP, SurfaceHeight planned);
+SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_WP,
+                            SurfaceHeight planned);
 
 }  // namespace impedraw

@@ -38,7 +38,7 @@ void add_maps(const PlannedDrawing& e, PlanPage* page) {
                         }});
   if (e.scene.perception)
     page->maps.push_back({"normal_error", "expected error of the seen normal", "deg", 0.01,
-                          [seen = &*e.scene.perception](const Eigen::Vector3d& p_W) {
+                          [seen = e.scene.perception](const Eigen::Vector3d& p_W) {
                             return kPerRadian * finite_or_none(seen->roughness(p_W).slope);
                           }});
   page->maps.push_back({"projected", "distortion of lengths, projected", "%", 0.05,
@@ -227,9 +227,9 @@ PlanPage page_of_plan(PlannedDrawing& e, const PlanPicture& picture,
   if (e.scene.perception) page.cloud = e.scene.perception->cloud().points;
   add_maps(e, &page);
   const Canvas* obstacle = e.scene.height_unknown() ? nullptr : e.scene.obstacle.get();
-  PostureCheck check(e.scene.arm, obstacle, e.scene.start_q,
-                     preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception.has_value(),
-                                        e.plan.rest_q));
+  PostureCheck check(
+      e.scene.arm, obstacle, e.scene.start_q,
+      preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception != nullptr, e.plan.rest_q));
   check.asked.pen = false;  // the tip touches the surface
   PathRows rows(e, check, &page);
   if (e.plan.path.duration() > 0.0)

@@ -60,8 +60,8 @@ class Planning {
                          : unreachable),
         setting_errors_(setting_errors),
         progress_(progress),
-        seen_(scene.perception.has_value()),
-        true_surface_(canvas_height(*scene.canvas, artwork.X_WP)) {}
+        seen_(scene.perception != nullptr),
+        true_surface_(canvas_height(scene.canvas, artwork.X_WP)) {}
 
   Plan make() {
     plan_.path_settings = path_settings();
@@ -110,7 +110,7 @@ class Planning {
   // The target's surface, which judges only: the true sheet nearest to what was planned. A request
   // beside an unknown canvas stays where it is.
   SurfaceHeight judged_surface() const {
-    if (seen_) return nearest_sheet(*scene_.canvas, artwork_.X_WP, surface());
+    if (seen_) return nearest_sheet(scene_.canvas, artwork_.X_WP, surface());
     if (!scene_.height_unknown()) return true_surface_;
     return [canvas = true_surface_, level = surface()](double x, double y) {
       const auto on_canvas = canvas(x, y);
@@ -479,7 +479,7 @@ PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP,
 std::function<double(const Eigen::Vector3d&)> height_error(const Scene& scene) {
   if (!scene.perception) return {};
   // The misfit is an RMS.
-  return [seen = &*scene.perception](const Eigen::Vector3d& p_W) {
+  return [seen = scene.perception](const Eigen::Vector3d& p_W) {
     return 2.0 * seen->roughness(p_W).misfit;
   };
 }
@@ -517,7 +517,7 @@ SpanLimits stroke_limits(Scene& scene, const Plan& plan) {
   const SpanLimits joints =
       JointRates(scene.arm, plan.path_settings, scene.start_q, plan.rest_q, plan.load);
   if (!scene.perception) return joints;
-  return [joints, seen = &*scene.perception, X_WP = plan.path_settings.X_WP,
+  return [joints, seen = scene.perception, X_WP = plan.path_settings.X_WP,
           fastest = plan.path_settings.normal_speed,
           acceleration = plan.path_settings.normal_acceleration](const PathSpline& spline,
                                                                  std::vector<SpeedSpan>* spans) {

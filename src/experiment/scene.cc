@@ -96,7 +96,7 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
                                              "perception",
                                              "canvas"};
   setting_errors.locate(how_seen, [&] {
-    scene->perception.emplace(
+    scene->perception = std::make_shared<const SurfaceEstimator>(
         take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q));
   });
   scene->planning = std::make_shared<const SurfaceEstimator>(
@@ -150,8 +150,8 @@ CanvasMotion canvas_motion(const Scenario& s) {
 }  // namespace
 
 SurfaceHeight Scene::surface(const Pose& X_WP) const {
-  if (planning) return perceived_height(*planning, *perception, X_WP);
-  if (blind.height == BlindHeight::canvas) return canvas_height(*canvas, X_WP);
+  if (planning) return perceived_height(planning, perception, X_WP);
+  if (blind.height == BlindHeight::canvas) return canvas_height(canvas, X_WP);
   return level_surface(blind.top_z);
 }
 

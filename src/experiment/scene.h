@@ -18,11 +18,11 @@
 namespace impedraw {
 
 struct Scene {
-  std::shared_ptr<Canvas> canvas;              // the truth
-  ArmModel arm;                                // the controller's model
-  JointVector start_q;                         // tip at arm.start, pen along the drawing axis [rad]
-  std::unique_ptr<World> world;                // at the start posture
-  std::optional<SurfaceEstimator> perception;  // absent: blind
+  std::shared_ptr<Canvas> canvas;  // the truth
+  ArmModel arm;                    // the controller's model
+  JointVector start_q;             // tip at arm.start, pen along the drawing axis [rad]
+  std::unique_ptr<World> world;    // at the start posture
+  std::shared_ptr<const SurfaceEstimator> perception;  // null: blind
   // The same cloud for the planner, with a stricter edge test to keep the plan clear of its edges.
   std::shared_ptr<const SurfaceEstimator> planning;
   // The seen surface as small facets around the cloud's points, which the arm must not touch;
@@ -35,10 +35,11 @@ struct Scene {
   bool by_touch() const { return !perception && blind.height == BlindHeight::touch; }
   bool height_unknown() const { return !perception && blind.height != BlindHeight::canvas; }
   // The controller has an estimate of the surface under the tip.
-  bool estimates_surface() const { return perception || by_touch(); }
+  bool estimates_surface() const { return perception != nullptr || by_touch(); }
 
   // The planner's surface, in P: from the cloud, or without perception the assumed height: the
-  // canvas's or, where that is unknown, the upper level of where it may be. Refers to the scene.
+  // canvas's or, where that is unknown, the upper level of where it may be. It keeps what it reads,
+  // so that it may outlive the scene or the place where the scene stands.
   SurfaceHeight surface(const Pose& X_WP) const;
 };
 

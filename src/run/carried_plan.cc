@@ -32,8 +32,7 @@ CarriedPlan::CarriedPlan(Experiment& experiment, double first_time)
     : e_(experiment),
       first_time_(first_time),
       checks_(preflight_settings(experiment.scenario, experiment.artwork.X_WP,
-                                 experiment.scene.perception.has_value(), experiment.plan.rest_q)) {
-}
+                                 experiment.scene.perception != nullptr, experiment.plan.rest_q)) {}
 
 int CarriedPlan::number_of(int stroke) const {
   const Plan& plan = e_.plan;

@@ -868,7 +868,7 @@ std::vector<StrokePart> rest_but_for(const Experiment& e, const InkWatch& ink,
 std::optional<TipPath> plan_around(Experiment& e, const JointVector& q, const Pose& X_KE,
                                    const InkWatch& ink, std::vector<StrokePart>* walls) {
   PreflightSettings checks =
-      preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception.has_value(), e.plan.rest_q);
+      preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception != nullptr, e.plan.rest_q);
   checks.height_error = height_error(e.scene);
   while (true) {
     std::vector<StrokePart> rest = rest_but_for(e, ink, *walls);

@@ -55,7 +55,8 @@ struct TipContact {
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // of the canvas on the tip [N]
   // on the canvas, closest to the centre of the tip sphere [m]
   Eigen::Vector3d p_WC = Eigen::Vector3d::Zero();
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  // outward normal there
+  // outward normal there; where the tip came from behind an open sheet, towards the tip
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
 };
 
 struct WorldState {
@@ -154,6 +155,7 @@ class World {
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;
   TipContact contact_;
+  double side_ = 1.0;  // of the canvas, on which the tip came near: 1 front, −1 back, 0 not near
   JointDrive drive_;
   JointVector applied_torque_;
   Vector6 flange_wrench_ = Vector6::Zero();

@@ -1,6 +1,7 @@
 // A plan made from what the cameras saw, and from nothing else.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -61,7 +62,7 @@ TEST_F(PerceivedPlan, APointWithoutAPlanIsJudgedOnTheUpperSheet) {
   const TriangleMesh slope{
       {{-0.1, -0.1, -0.1}, {0.1, -0.1, 0.1}, {0.1, 0.1, 0.1}, {-0.1, 0.1, -0.1}},
       {{0, 1, 2}, {0, 2, 3}}};
-  const Canvas canvas(slope);
+  const auto canvas = std::make_shared<const Canvas>(slope);
   const SurfaceHeight judged =
       nearest_sheet(canvas, Pose{}, [](double x, double y) -> std::optional<SurfaceSample> {
         if (x < 0.0) return std::nullopt;
@@ -70,6 +71,33 @@ TEST_F(PerceivedPlan, APointWithoutAPlanIsJudgedOnTheUpperSheet) {
   EXPECT_NEAR(judged(0.08, 0.01)->p_P.z(), 0.08, 1e-9);
   EXPECT_NEAR(judged(-0.002, 0.01)->p_P.z(), -0.002, 1e-9);
   EXPECT_NEAR(judged(-0.05, 0.01)->p_P.z(), -0.05, 1e-9);
+}
+
+// Another thread measures the distortion on it while the scene moves to where the run needs it: one
+// drawing in twenty ended there with a segmentation fault.
+TEST_F(PerceivedPlan, TheSurfaceKeepsWhatItReads) {
+  Staged from = staged(scenario({}));
+  const std::weak_ptr<const SurfaceEstimator> followed = from.scene.perception,
+                                              planning = from.scene.planning;
+  SurfaceHeight surface = from.scene.surface(from.artwork.X_WP);
+  const auto at = from.artwork.strokes.front().p_P.front();
+  const auto before = surface(at.x(), at.y());
+  ASSERT_TRUE(before);
+  from.scene.perception.reset();
+  from.scene.planning.reset();
+  EXPECT_FALSE(followed.expired());
+  EXPECT_FALSE(planning.expired());
+  EXPECT_NEAR(surface(at.x(), at.y())->p_P.z(), before->p_P.z(), 1e-6);
+  surface = nullptr;
+  EXPECT_TRUE(followed.expired());
+  EXPECT_TRUE(planning.expired());
+
+  Staged blind = staged(scenario({"perception.enabled=false"}));
+  const std::weak_ptr<const Canvas> canvas = blind.scene.canvas;
+  surface = blind.scene.surface(blind.artwork.X_WP);
+  blind.scene.canvas.reset();
+  blind.scene.obstacle.reset();
+  EXPECT_FALSE(canvas.expired());
 }
 
 // Another canvas takes the true one's place after the snapshot: the plan is the same.

@@ -191,5 +191,28 @@ TEST(World, FindsALinkThatMovesIntoTheCanvas) {
   EXPECT_GT(nearest, 0.005 - 2e-3);
 }
 
+// A thin sheet has two sides: which one its triangles show makes no difference to the tip.
+TEST(World, AnOpenSheetResistsFromBehind) {
+  World probe(kArm, nullptr, {});
+  probe.set_state(working_posture(), JointVector::Zero(7));
+  const Pose X_WE = probe.state().X_WE;
+  const Eigen::Vector3d ahead = X_WE.R.col(2);
+  const auto pushed = [&](const Eigen::Vector3d& n_W) {
+    const Canvas canvas = square_at(X_WE.p + 0.02 * ahead, n_W);
+    World world(kArm, &canvas, {});
+    world.set_state(working_posture(), JointVector::Zero(7));
+    double most = 0.0;
+    for (int i = 0; i < 400; ++i) {
+      world.step(world.terms().bias, 5.0 * ahead);
+      most = std::max(most, (world.state().X_WE.p - X_WE.p).dot(ahead));
+    }
+    return most;
+  };
+  const double front = pushed(-ahead);
+  EXPECT_GT(front, 0.020);
+  EXPECT_LT(front, 0.025);
+  EXPECT_NEAR(pushed(ahead), front, 1e-12);
+}
+
 }  // namespace
 }  // namespace impedraw
