@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "impedraw/drivers/big_endian.h"
+
 namespace impedraw {
 
 namespace {
@@ -9,18 +11,9 @@ namespace {
 constexpr std::uint64_t kStatusType = 0xf16fb804284abca3, kCommandType = 0xddc7c7738c815334,
                         kForceTorqueType = 0x73206439325b65c5;
 
-void put(std::uint64_t value, int bytes, std::uint8_t** to) {
-  for (int shift = 8 * (bytes - 1); shift >= 0; shift -= 8)
-    *(*to)++ = static_cast<std::uint8_t>(value >> shift);
+double get_double(const std::uint8_t** from) {
+  return std::bit_cast<double>(get_big_endian(8, from));
 }
-
-std::uint64_t get(int bytes, const std::uint8_t** from) {
-  std::uint64_t value = 0;
-  for (int i = 0; i < bytes; ++i) value = value << 8 | *(*from)++;
-  return value;
-}
-
-double get_double(const std::uint8_t** from) { return std::bit_cast<double>(get(8, from)); }
 
 }  // namespace
 
@@ -41,19 +34,20 @@ const char* name_of(Decoded result) {
 void encode_iiwa_command(std::int64_t utime, const JointVector& torque,
                          std::span<std::uint8_t, kIiwaCommandSize> bytes) noexcept {
   std::uint8_t* to = bytes.data();
-  put(kCommandType, 8, &to);
-  put(static_cast<std::uint64_t>(utime), 8, &to);
-  put(0, 4, &to);
-  put(kIiwaJoints, 4, &to);
-  for (int j = 0; j < kIiwaJoints; ++j) put(std::bit_cast<std::uint64_t>(torque[j]), 8, &to);
+  put_big_endian(kCommandType, 8, &to);
+  put_big_endian(static_cast<std::uint64_t>(utime), 8, &to);
+  put_big_endian(0, 4, &to);
+  put_big_endian(kIiwaJoints, 4, &to);
+  for (int j = 0; j < kIiwaJoints; ++j)
+    put_big_endian(std::bit_cast<std::uint64_t>(torque[j]), 8, &to);
 }
 
 Decoded decode_iiwa_status(std::span<const std::uint8_t> bytes, ArmStatus* status) noexcept {
   const std::uint8_t* from = bytes.data();
   if (bytes.size() < 20) return Decoded::wrong_size;
-  if (get(8, &from) != kStatusType) return Decoded::other_type;
-  const auto utime = static_cast<std::int64_t>(get(8, &from));
-  if (get(4, &from) != kIiwaJoints) return Decoded::wrong_joints;
+  if (get_big_endian(8, &from) != kStatusType) return Decoded::other_type;
+  const auto utime = static_cast<std::int64_t>(get_big_endian(8, &from));
+  if (get_big_endian(4, &from) != kIiwaJoints) return Decoded::wrong_joints;
   if (bytes.size() != 20 + 7 * 8 * kIiwaJoints) return Decoded::wrong_size;
   status->utime = utime;
   for (int j = 0; j < kIiwaJoints; ++j) status->q[j] = get_double(&from);
@@ -66,9 +60,9 @@ Decoded decode_iiwa_status(std::span<const std::uint8_t> bytes, ArmStatus* statu
 Decoded decode_tip_wrench(std::span<const std::uint8_t> bytes, TipWrench* wrench) noexcept {
   const std::uint8_t* from = bytes.data();
   if (bytes.size() < 8) return Decoded::wrong_size;
-  if (get(8, &from) != kForceTorqueType) return Decoded::other_type;
+  if (get_big_endian(8, &from) != kForceTorqueType) return Decoded::other_type;
   if (bytes.size() != 16 + 6 * 8) return Decoded::wrong_size;
-  wrench->utime = static_cast<std::int64_t>(get(8, &from));
+  wrench->utime = static_cast<std::int64_t>(get_big_endian(8, &from));
   for (int i = 0; i < 6; ++i) wrench->wrench[i] = get_double(&from);
   return Decoded::ok;
 }

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/drivers/big_endian.h"
 #include "impedraw/drivers/tcp.h"
 #include "impedraw/terminal/clock.h"
 
@@ -25,8 +25,9 @@ constexpr std::uint32_t kMessage = 1, kSubscription = 2;
 constexpr std::size_t kNumber = 4;  // bytes
 
 void put_number(std::vector<std::uint8_t>* to, std::size_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8)
-    to->push_back(static_cast<std::uint8_t>(value >> shift));
+  to->resize(to->size() + kNumber);
+  std::uint8_t* at = to->data() + to->size() - kNumber;
+  put_big_endian(value, kNumber, &at);
 }
 
 template <typename Bytes>
@@ -35,10 +36,8 @@ void put_sized(std::vector<std::uint8_t>* to, const Bytes& bytes) {
   to->insert(to->end(), bytes.begin(), bytes.end());
 }
 
-std::uint32_t number_at(const std::uint8_t* bytes) noexcept {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < kNumber; ++i) value = value << 8 | bytes[i];
-  return value;
+std::size_t number_at(const std::uint8_t* bytes) noexcept {
+  return get_big_endian(kNumber, &bytes);
 }
 
 sockaddr_in address_of(const std::string& url) {
@@ -141,7 +140,7 @@ bool LcmLink::wait(double seconds) noexcept {
 bool LcmLink::handle() noexcept {
   const Frame frame = next_frame();
   for (const Subscription& subscription : subscriptions_)
-    if (frame.size > 0 && subscription.channel == frame.channel) subscription.handler(frame.bytes);
+    if (subscription.channel == frame.channel) subscription.handler(frame.bytes);
   begin_ += frame.size;
   if (begin_ == end_) begin_ = end_ = 0;
   return connected();

@@ -155,7 +155,9 @@ class World {
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;
   TipContact contact_;
-  double side_ = 1.0;  // of the canvas, on which the tip came near: 1 front, −1 back, 0 not near
+  // Of the canvas, on which the tip came near: 1 front, −1 back, 0 not near. A tip that begins in
+  // contact, however deep, begins in front.
+  double side_ = 1.0;
   JointDrive drive_;
   JointVector applied_torque_;
   Vector6 flange_wrench_ = Vector6::Zero();

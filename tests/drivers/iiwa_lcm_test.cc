@@ -18,24 +18,13 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
+#include "lcm_frames.h"
 #include "loopback_server.h"
 
 namespace impedraw {
 namespace {
 
 using ::testing::HasSubstr;
-using Bytes = std::vector<std::uint8_t>;
-
-void put_number(Bytes* to, std::uint64_t value, int size) {
-  for (int shift = 8 * (size - 1); shift >= 0; shift -= 8)
-    to->push_back(static_cast<std::uint8_t>(value >> shift));
-}
-
-std::uint64_t number_at(const Bytes& bytes, std::size_t at, int size) {
-  std::uint64_t value = 0;
-  for (int i = 0; i < size; ++i) value = value << 8 | bytes.at(at + static_cast<std::size_t>(i));
-  return value;
-}
 
 // An arm that rests, with the broker before it. Statuses at 1 kHz of its clock: by the wall until
 // the first command, then in lock-step.
@@ -74,10 +63,7 @@ class MadeUpArm {
       Bytes got;
       gone_ = false;
       if (receive(peer, &got, 8, 1000)) {
-        Bytes hello;
-        put_number(&hello, 0x287617fa, 4);
-        put_number(&hello, 0x0100, 4);
-        send_all(peer, hello);
+        send_all(peer, lcm_greeting());
         got.erase(got.begin(), got.begin() + 8);
         drive(peer, &got);
       }
@@ -119,13 +105,7 @@ class MadeUpArm {
     put_number(&message, 7, 4);
     for (int i = 0; i < 49; ++i)
       put_number(&message, i == 0 ? std::bit_cast<std::uint64_t>(q0.load()) : 0, 8);
-    Bytes frame;
-    put_number(&frame, 1, 4);
-    put_number(&frame, 11, 4);
-    for (const char c : std::string("IIWA_STATUS")) frame.push_back(static_cast<std::uint8_t>(c));
-    put_number(&frame, message.size(), 4);
-    frame.insert(frame.end(), message.begin(), message.end());
-    return frame;
+    return lcm_frame("IIWA_STATUS", message);
   }
 
   void take(Bytes* got, std::int64_t newest) {

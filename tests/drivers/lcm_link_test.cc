@@ -1,21 +1,21 @@
-// The client of a broker against bytes on a socket, as liblcm 1.3 writes them.
+// The client of a broker against bytes on a socket.
 #include "impedraw/drivers/lcm_link.h"
 
-#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <random>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lcm_frames.h"
 #include "loopback_server.h"
 
 namespace impedraw {
@@ -23,30 +23,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-void put(std::string* to, std::uint32_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8) to->push_back(static_cast<char>(value >> shift));
-}
-
-std::string frame(const std::string& channel, const std::string& bytes, std::uint32_t kind = 1) {
-  std::string all;
-  put(&all, kind);
-  put(&all, static_cast<std::uint32_t>(channel.size()));
-  all += channel;
-  put(&all, static_cast<std::uint32_t>(bytes.size()));
-  return all + bytes;
-}
-
-std::string answer(std::uint32_t magic = 0x287617fa) {
-  std::string all;
-  put(&all, magic);
-  put(&all, 0x0100);
-  return all;
-}
-
 // Sends `bytes` in pieces of random sizes to the first client, then closes. Keeps what it was sent.
 class Broker {
  public:
-  explicit Broker(std::string bytes, unsigned seed = 1, std::size_t largest = 1 << 20) {
+  explicit Broker(Bytes bytes, unsigned seed = 1, std::size_t largest = 1 << 20) {
     url = "tcpq://" + server_.address();
     thread_ = std::thread([this, bytes = std::move(bytes), seed, largest] {
       const int peer = server_.take();
@@ -58,8 +38,9 @@ class Broker {
         at += n;
       }
       shutdown(peer, SHUT_WR);
-      char some[4096];
-      for (ssize_t n = 0; (n = recv(peer, some, sizeof some, 0)) > 0;) got.append(some, n);
+      std::uint8_t some[4096];
+      for (ssize_t n = 0; (n = recv(peer, some, sizeof some, 0)) > 0;)
+        got.insert(got.end(), some, some + n);
       close(peer);
     });
   }
@@ -68,32 +49,32 @@ class Broker {
     if (thread_.joinable()) thread_.join();
   }
 
-  std::string url, got;  // got: read after join()
+  std::string url;
+  Bytes got;  // read after join()
 
  private:
   LoopbackServer server_;
   std::thread thread_;
 };
 
-std::string text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
-
 TEST(LcmLink, TakesMessagesHoweverTheyAreCut) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
-    std::string bytes = answer();
-    std::vector<std::string> sent, taken;
+    Bytes bytes = lcm_greeting();
+    std::vector<Bytes> sent, taken;
     for (int i = 0; i < 200; ++i) {
       const std::string channel = i % 3 != 0 ? "OURS" : "OTHERS";
       const std::size_t largest = LcmLink::kLargest - 12 - channel.size();
-      std::string payload(i % 50 == 7 ? largest : random() % 700, '\0');
-      for (char& c : payload) c = static_cast<char>(random());
-      bytes += frame(channel, payload);
+      Bytes payload(i % 50 == 7 ? largest : random() % 700);
+      for (std::uint8_t& byte : payload) byte = static_cast<std::uint8_t>(random());
+      append(&bytes, lcm_frame(channel, payload));
       if (channel == "OURS") sent.push_back(payload);
     }
     Broker broker(bytes, seed, seed % 2 == 0 ? 5000 : 1 << 20);
     LcmLink link(broker.url);
-    link.subscribe("OURS", [&](auto message) { taken.push_back(text(message)); });
+    link.subscribe("OURS",
+                   [&](auto message) { taken.emplace_back(message.begin(), message.end()); });
     while (link.wait(5.0)) link.handle();
     EXPECT_FALSE(link.connected()) << "the broker left";
     EXPECT_TRUE(taken == sent) << taken.size() << " of " << sent.size() << " messages came";
@@ -101,20 +82,18 @@ TEST(LcmLink, TakesMessagesHoweverTheyAreCut) {
 }
 
 TEST(LcmLink, WritesWhatABrokerReads) {
-  Broker broker(answer());
+  Broker broker(lcm_greeting());
   {
     LcmLink link(broker.url);
     link.subscribe("IIWA_STATUS", [](auto) {});
-    const std::vector<std::uint8_t> bytes{7, 0, 255};
-    EXPECT_TRUE(link.publish("IIWA_COMMAND", bytes));
+    EXPECT_TRUE(link.publish("IIWA_COMMAND", Bytes{7, 0, 255}));
   }
   broker.join();
-  std::string wanted;
-  put(&wanted, 0x287617fb);
-  put(&wanted, 0x0100);
-  put(&wanted, 2);
-  put(&wanted, 11);
-  wanted += "IIWA_STATUS" + frame("IIWA_COMMAND", std::string("\7\0\377", 3));
+  Bytes wanted = lcm_greeting(0x287617fb);
+  put_number(&wanted, 2, 4);
+  put_number(&wanted, 11, 4);
+  append(&wanted, std::string_view("IIWA_STATUS"));
+  append(&wanted, lcm_frame("IIWA_COMMAND", {7, 0, 255}));
   EXPECT_EQ(broker.got, wanted);
 }
 
@@ -122,7 +101,9 @@ TEST(LcmLink, HalfAMessageDoesNotBlock) {
   LoopbackServer server;
   std::thread thread([&] {
     const int peer = server.take();
-    const std::string bytes = answer() + frame("OURS", std::string(100, 'x')).substr(0, 60);
+    Bytes bytes = lcm_greeting();
+    append(&bytes, lcm_frame("OURS", Bytes(100, 'x')));
+    bytes.resize(68);
     send(peer, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     char some[64];
     while (recv(peer, some, sizeof some, 0) > 0) {
@@ -138,12 +119,14 @@ TEST(LcmLink, HalfAMessageDoesNotBlock) {
 }
 
 TEST(LcmLink, OtherBytesEndTheConnection) {
-  std::string long_name;
-  put(&long_name, 1);
-  put(&long_name, 0xffffffff);
-  for (const std::string& bytes :
-       {frame("OURS", "x", 9), long_name, frame("OURS", std::string(LcmLink::kLargest, 'x'))}) {
-    Broker broker(answer() + bytes);
+  Bytes long_name;
+  put_number(&long_name, 1, 4);
+  put_number(&long_name, 0xffffffff, 4);
+  for (const Bytes& other :
+       {lcm_frame("OURS", {'x'}, 9), long_name, lcm_frame("OURS", Bytes(LcmLink::kLargest, 'x'))}) {
+    Bytes bytes = lcm_greeting();
+    append(&bytes, other);
+    Broker broker(bytes);
     LcmLink link(broker.url);
     link.subscribe("OURS", [](auto) { ADD_FAILURE(); });
     EXPECT_FALSE(link.wait(5.0));
@@ -153,12 +136,13 @@ TEST(LcmLink, OtherBytesEndTheConnection) {
 }
 
 TEST(LcmLink, WhoIsNoBrokerIsNamed) {
-  for (const std::string& bytes : {answer(0x12345678), std::string("HTTP/1.1 400 Bad Request\r\n"),
-                                   std::string("SSH"), std::string()}) {
+  Bytes http;
+  append(&http, std::string_view("HTTP/1.1 400 Bad Request\r\n"));
+  for (const Bytes& bytes : {lcm_greeting(0x12345678), http, Bytes{'S', 'S', 'H'}, Bytes()}) {
     Broker other(bytes);
     try {
       LcmLink link(other.url);
-      ADD_FAILURE() << bytes;
+      ADD_FAILURE() << bytes.size() << " bytes";
     } catch (const std::runtime_error& error) {
       EXPECT_THAT(error.what(), HasSubstr("what listens there is no LCM broker"));
     }
