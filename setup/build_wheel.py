@@ -6,6 +6,7 @@ versions and requirements are those of pyproject.toml.
 build_wheel.py wheel ROOT BUILD DIST PYTHON_WITH_AUDITWHEEL
 build_wheel.py sdist ROOT DIST                                 with a Python that has scikit-build-core
 build_wheel.py check ROOT                                      pyproject.toml pins what requirements.txt does
+build_wheel.py needs ROOT project|build-system                 this tree's lines, with hashes, of what pyproject.toml asks for there
 """
 
 import base64
@@ -30,7 +31,7 @@ def version_of(root):
 def check(root):
     """A wheel is compiled with the wheels of requirements.txt and asks for those of pyproject.toml."""
     def pins(lines):
-        return dict(line.strip().lower().split("==") for line in lines if "==" in line and line[0] != "#")
+        return dict(line.partition(" --hash=")[0].strip().lower().split("==") for line in lines if "==" in line and line[0] != "#")
 
     pinned = pins((root / "requirements.txt").read_text().splitlines()) | pins((root / "setup/sweep-requirements.txt").read_text().splitlines())
     tools = pins((root / "setup/wheel-requirements.txt").read_text().splitlines())
@@ -52,6 +53,18 @@ def check(root):
         wrong += [f"pyproject.toml: {where}: lacks {name}" for name in sorted(compiled_with - set(pins(lists[where])))]
     if wrong:
         raise SystemExit("\n".join(wrong))
+
+
+def needs(root, table):
+    """The lines of this tree's lists for what pyproject.toml asks for in that table, so that pip takes no other file for it."""
+    of = tomllib.loads((root / "pyproject.toml").read_text())[table]
+    names = {re.split("[=>]", need)[0].lower() for need in of.get("requires") or of["dependencies"]}
+    lists = ("requirements.txt", "setup/wheel-requirements.txt") if table == "build-system" else ("requirements.txt",)
+    lines = [line for name in lists for line in (root / name).read_text().splitlines() if "==" in line and line[0] != "#"]
+    # The backend's own needs stand in the tools' list.
+    found = {line.partition("==")[0].lower(): line for line in lines}
+    names |= {"packaging", "pathspec"} if table == "build-system" else set()
+    return [found[name] for name in sorted(names)]
 
 
 def metadata(root):
@@ -125,6 +138,9 @@ def make_sdist(root, dist):
 
 def main():
     what, *places = sys.argv[1:]
+    if what == "needs":
+        print("\n".join(needs(pathlib.Path(places[0]), places[1])))
+        return
     places = [pathlib.Path(place) for place in places]
     if what == "check":
         check(*places)

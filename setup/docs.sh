@@ -43,7 +43,7 @@ if [[ ! -r $docs_venv/.requirements || $(<"$docs_venv/.requirements") != "$stamp
   step "installing Python wheels for the documentation"
   rm -rf "$docs_venv"
   { /usr/bin/python3 -m venv "$docs_venv" &&
-    "$docs_venv/bin/python" -m pip install --no-deps --only-binary :all: --no-input \
+    "$docs_venv/bin/python" -m pip install --require-hashes --no-deps --only-binary :all: --no-input \
       --disable-pip-version-check -r docs/requirements.txt
   } >>"$log" 2>&1 || fail "the Python wheels for the documentation could not be installed" "the whole log: $log"
   echo "$stamp" >"$docs_venv/.requirements"

@@ -38,7 +38,7 @@ doctor() {
 
   echo
   echo "Python wheels in $venv"
-  while IFS='=' read -r name _ least; do
+  while IFS='= ' read -r name _ least _; do
     [[ -z $name || $name == '#'* ]] && continue
     wheel=$(compgen -G "$venv/lib/python3.*/site-packages/${name//-/_}-$least.dist-info" | head -n 1 || true)
     if [[ $wheel ]]; then

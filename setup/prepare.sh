@@ -167,8 +167,8 @@ install_wheels() {
     "$python" -m venv "$venv" >>"$log" 2>&1 || fail "no Python environment could be made in $venv" "is python3-venv installed?"
   fi
   rm -f "$venv/.requirements"
-  # --no-deps: the list names every wheel with its version, so pip has nothing to resolve.
-  "$venv/bin/python" -m pip install --no-deps --only-binary :all: --no-compile --no-input --disable-pip-version-check -r "$root/requirements.txt" 2>&1 |
+  # --no-deps: the list names every wheel with its version and hash, so pip has nothing to resolve, and installs those files alone.
+  "$venv/bin/python" -m pip install --require-hashes --no-deps --only-binary :all: --no-compile --no-input --disable-pip-version-check -r "$root/requirements.txt" 2>&1 |
     follow_pip "$wheels" || fail "the Python wheels could not be installed" "pip follows PIP_* of the environment, and needs the network this once"
   rm -f "$out/CMakeCache.txt" "$out"/.built-*
   wheels_stamp >"$venv/.requirements"

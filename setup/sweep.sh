@@ -26,7 +26,7 @@ prepare_sweep() {
     step "installing Python wheels for sweeps (Ray, pyarrow, Optuna: 200 MB to fetch)"
     rm -rf "$sweep_venv"
     { "$python" -m venv "$sweep_venv" &&
-      "$sweep_venv/bin/python" -m pip install --no-deps --only-binary :all: --no-input \
+      "$sweep_venv/bin/python" -m pip install --require-hashes --no-deps --only-binary :all: --no-input \
         --disable-pip-version-check -r "$root/setup/sweep-requirements.txt"
     } >>"$log" 2>&1 8>&- || fail "the Python wheels for sweeps could not be installed" "the whole log: $log"
     # Drivers and workers import impedraw.sweep from the tree, without the compiled package beside it.

@@ -22,16 +22,21 @@ if [[ -z ${IMPEDRAW_WHEEL_BUILT-} ]]; then
   fi
 fi
 
-# venv_of NAME LIST PIP_ARGUMENTS…: build/NAME with the wheels of a list, unless it has them already.
+# venv_of NAME LIST: build/NAME with the wheels of a list, unless it has them already.
 venv_of() {
   local at=$root/build/$1 list=$2
-  shift 2
   if [[ ! -r $at/.requirements || $(<"$at/.requirements") != "$at$(<"$list")" ]]; then
     rm -rf "$at"
     "$venv/bin/python" -c 'import sys, venv; venv.create(sys.argv[1], with_pip=True)' "$at"
-    "$at/bin/python" -m pip install --only-binary :all: --no-input --disable-pip-version-check -q "$@" -r "$list"
+    "$at/bin/python" -m pip install --require-hashes --no-deps --only-binary :all: --no-input --disable-pip-version-check -q -r "$list"
     echo "$at$(<"$list")" >"$at/.requirements"
   fi
+}
+
+# install_needs TABLE PYTHON: what pyproject.toml asks for in that table, by hash.
+install_needs() {
+  python3 "$root/setup/build_wheel.py" needs "$root" "$1" >"$root/build/$1-needs.txt"
+  "$2" -m pip install --require-hashes --no-deps --only-binary :all: --no-input --disable-pip-version-check -q -r "$root/build/$1-needs.txt"
 }
 
 venv_of wheel-tools "$root/setup/wheel-requirements.txt"
@@ -63,16 +68,19 @@ esac
 
 if [[ $sdist ]]; then
   rm -rf "$root/build/sdist-test"
-  venv_of sdist-test "$root/tests/python/requirements.txt" --no-deps
-  CMAKE_BUILD_PARALLEL_LEVEL=$(jobs) "$root/build/sdist-test/bin/python" -m pip install --no-input --disable-pip-version-check -q "$root"/dist/impedraw-*.tar.gz
+  venv_of sdist-test "$root/tests/python/requirements.txt"
+  # pyproject.toml's requirements cannot have hashes: what it asks for is installed from this tree's lists, and pip fetches nothing.
+  install_needs build-system "$root/build/sdist-test/bin/python"
+  install_needs project "$root/build/sdist-test/bin/python"
+  CMAKE_BUILD_PARALLEL_LEVEL=$(jobs) "$root/build/sdist-test/bin/python" -m pip install --no-index --no-build-isolation --no-deps --no-input -q "$root"/dist/impedraw-*.tar.gz
   "$root/build/sdist-test/bin/python" -m pip check
   run_tests "$root/build/sdist-test"
   exit
 fi
 # Only what the wheel's metadata asks for, and the tests' own wheels.
-venv_of wheel-test "$root/tests/python/requirements.txt" --no-deps
-"$root/build/wheel-test/bin/python" -m pip install --only-binary :all: --no-input --disable-pip-version-check -q --force-reinstall --no-deps "$root"/dist/impedraw-*.whl
-"$root/build/wheel-test/bin/python" -m pip install --only-binary :all: --no-input --disable-pip-version-check -q "$root"/dist/impedraw-*.whl
+venv_of wheel-test "$root/tests/python/requirements.txt"
+install_needs project "$root/build/wheel-test/bin/python"
+"$root/build/wheel-test/bin/python" -m pip install --no-index --no-input --disable-pip-version-check -q --force-reinstall --no-deps "$root"/dist/impedraw-*.whl
 "$root/build/wheel-test/bin/python" -m pip check
 run_tests "$root/build/wheel-test"
 # Nothing of the network or of a screen is in it.

@@ -11,7 +11,7 @@ if [[ ! -r $venv/.requirements || $(<"$venv/.requirements") != "$(stamp)" ]]; th
   python=/usr/bin/python3
   [[ -x $python ]] || python=python3
   "$python" -m venv "$venv"
-  "$venv/bin/python" -m pip install --no-deps --only-binary :all: --no-input --disable-pip-version-check -q -r "$here/requirements.txt"
+  "$venv/bin/python" -m pip install --require-hashes --no-deps --only-binary :all: --no-input --disable-pip-version-check -q -r "$here/requirements.txt"
   stamp >"$venv/.requirements"
 fi
 package=$1 program=$2
