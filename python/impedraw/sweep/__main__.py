@@ -1,6 +1,7 @@
 """./impedraw sweep SPEC.yaml: see docs/sweeps.md."""
 
 import argparse
+import os
 import re
 import sys
 import time
@@ -326,7 +327,7 @@ def input_files(spec: Spec, root: Path) -> list[Path]:
     waiting = [root / n for n in sorted(names)]
     while waiting:
         file = waiting.pop(0)
-        if file in found or not file.is_file():
+        if file in found or not os.path.isfile(file):
             continue
         found[file] = None
         if file.suffix in (".yaml", ".yml"):

@@ -11,10 +11,12 @@ its name is whole. A compaction writes runs.parquet before it removes the parts;
 in between, a row stands in both and is read once.
 """
 
+import contextlib
 import fcntl
 import json
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +80,8 @@ class Dataset:
         words = {"format": "another format", "spec": "another specification",
                  "runner": "another runner", "program": "another build of the program",
                  "inputs": "input files that were changed since"}
+        if not isinstance(found, dict):
+            raise SweepError(f"{head}: is damaged; --again discards the data set")
         for key, word in words.items():
             if found.get(key) != self.identity.get(key):
                 raise SweepError(f"--out {self.folder}: is the data set of {word}; name another "
@@ -88,11 +92,12 @@ class Dataset:
         keys: set[bytes] = set()
         failed = 0
         for file in self._files():
-            table = pq.read_table(file, columns=["key", "failed"])
-            for key, bad in zip(table["key"].to_pylist(), table["failed"].to_pylist()):
-                if (digest := bytes.fromhex(key)) not in keys:
-                    keys.add(digest)
-                    failed += bad
+            with _readable(file):
+                table = pq.read_table(file, columns=["key", "failed"])
+                for key, bad in zip(table["key"].to_pylist(), table["failed"].to_pylist()):
+                    if (digest := bytes.fromhex(key)) not in keys:
+                        keys.add(digest)
+                        failed += bad
         return keys, failed
 
     def append(self, tables: list[pa.Table]) -> None:
@@ -120,7 +125,7 @@ class Dataset:
 
     def table(self) -> pa.Table:
         """All rows in the specification's order, each once."""
-        return _ordered([pq.read_table(f) for f in self._files()], self.identity)
+        return _rows(self.folder, self.identity)
 
     def close(self) -> None:
         shutil.rmtree(self.folder / "scratch", ignore_errors=True)
@@ -131,7 +136,8 @@ class Dataset:
 
     def _compacted_rows(self) -> int:
         file = self.folder / "runs.parquet"
-        return pq.read_metadata(file).num_rows // 2 if file.exists() else 0
+        with _readable(file):
+            return pq.read_metadata(file).num_rows // 2 if file.exists() else 0
 
 
 def read_dataset(folder: Path) -> tuple[pa.Table, dict[str, Any]]:
@@ -140,7 +146,7 @@ def read_dataset(folder: Path) -> tuple[pa.Table, dict[str, Any]]:
         identity = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         raise SweepError(f"{folder}: is no sweep's data set") from None
-    return _ordered([pq.read_table(f) for f in _files(folder)], identity), identity
+    return _rows(folder, identity), identity
 
 
 def without_wall_times(table: pa.Table) -> pa.Table:
@@ -162,6 +168,27 @@ def write_whole(file: Path, content: bytes) -> None:
 def _files(folder: Path) -> list[Path]:
     whole = folder / "runs.parquet"
     return ([whole] if whole.exists() else []) + sorted((folder / "parts").glob("*.parquet"))
+
+
+@contextlib.contextmanager
+def _readable(what: Path) -> Iterator[None]:
+    """What a damaged file or head brings up is one line."""
+    try:
+        yield
+    except SweepError:
+        raise
+    except (pa.ArrowException, OSError, LookupError, TypeError, ValueError) as error:
+        raise SweepError(f"{what}: is damaged ({error}); restore it, remove it (its runs are made "
+                         "again), or discard the data set with --again") from None
+
+
+def _rows(folder: Path, identity: dict[str, Any]) -> pa.Table:
+    tables = []
+    for file in _files(folder):
+        with _readable(file):
+            tables.append(pq.read_table(file))
+    with _readable(folder):
+        return _ordered(tables, identity)
 
 
 def _ordered(tables: list[pa.Table], identity: dict[str, Any]) -> pa.Table:

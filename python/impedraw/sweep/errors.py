@@ -4,8 +4,16 @@ import difflib
 from collections.abc import Iterable
 
 
+_LONGEST = 600  # characters of a message: what a file holds may be long
+
+
 class SweepError(ValueError):
     """One line that names where, what is wrong, and what would be valid."""
+
+    def __init__(self, message: str) -> None:
+        if len(message) > _LONGEST:
+            message = f"{message[: _LONGEST // 2]} … {message[-_LONGEST // 2 :]}"
+        super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in message))
 
 
 def nearest(name: str, valid: Iterable[str], most: int = 12) -> str:

@@ -4,7 +4,8 @@
 
 Names are settings, axes or metrics, dots included. There are numbers, strings, true, false, null,
 + - * / **, comparisons, `in` with a list, and, or, not, abs, min, max, sqrt. Nothing else is
-evaluated: a specification can be read without trusting it.
+evaluated: a specification can be read without trusting it. Arithmetic is that of numbers of 64
+bits, so neither a power of powers nor a text times a number grows beyond them.
 """
 
 import ast
@@ -33,6 +34,7 @@ _COMPARISONS: dict[type, Callable[[Any, Any], bool]] = {
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": abs, "min": min, "max": max, "sqrt": math.sqrt,
 }
+_DEEPEST = 100
 _WORDS = {"true": True, "false": False, "null": None}
 
 
@@ -45,19 +47,23 @@ class Expression:
             raise ValueError("longer than 2000 characters")
         try:
             self._tree = ast.parse(text.strip(), mode="eval").body
+            self.names: set[str] = set()
+            self._check(self._tree)
         except (SyntaxError, MemoryError, RecursionError):
             raise ValueError(f"'{text}' is no condition") from None
-        self.names: set[str] = set()
-        self._check(self._tree)
 
     def __call__(self, values: Mapping[str, Any]) -> Any:
         """The value; a comparison with null is false. Raises ValueError."""
         try:
             return self._value(self._tree, values)
+        except OverflowError:
+            raise ValueError(f"'{self.text}': a number beyond 64 bits") from None
         except (ArithmeticError, TypeError, ValueError) as error:
             raise ValueError(f"'{self.text}': {error}") from None
 
-    def _check(self, node: ast.AST) -> None:
+    def _check(self, node: ast.AST, depth: int = 0) -> None:
+        if depth > _DEEPEST:
+            raise ValueError(f"nested more than {_DEEPEST} deep")
         if (name := _dotted(node)) is not None:
             if name not in _WORDS:
                 self.names.add(name)
@@ -82,7 +88,7 @@ class Expression:
             case _:
                 raise ValueError(f"'{ast.unparse(node)}' has no meaning in a condition")
         for part in parts:
-            self._check(part)
+            self._check(part, depth + 1)
 
     def _value(self, node: ast.AST, values: Mapping[str, Any]) -> Any:
         if (name := _dotted(node)) is not None:
@@ -98,14 +104,15 @@ class Expression:
                 left, right = self._value(a, values), self._value(b, values)
                 if left is None or right is None:
                     return None
-                if isinstance(op, ast.Pow) and abs(right) > 100:
-                    raise ValueError("a power beyond 100")
-                return _ARITHMETIC[type(op)](left, right)
+                result = _ARITHMETIC[type(op)](_number(left), _number(right))
+                if isinstance(result, complex):
+                    raise ValueError("a root of a number below 0")
+                return result
             case ast.UnaryOp(op=ast.Not(), operand=a):
                 return not self._value(a, values)
             case ast.UnaryOp(operand=a):
                 value = self._value(a, values)
-                return None if value is None else -value
+                return None if value is None else -_number(value)
             case ast.BoolOp(op=ast.And(), values=parts):
                 return all(self._value(p, values) for p in parts)
             case ast.BoolOp(values=parts):
@@ -123,6 +130,12 @@ class Expression:
             case ast.List(elts=elements) | ast.Tuple(elts=elements):
                 return [self._value(e, values) for e in elements]
         raise AssertionError(node)
+
+
+def _number(value: Any) -> float:
+    if not isinstance(value, (bool, int, float)):
+        raise TypeError("arithmetic is for numbers")
+    return float(value)
 
 
 def _compare(op: ast.cmpop, left: Any, right: Any) -> bool:

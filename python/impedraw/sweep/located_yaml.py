@@ -1,13 +1,28 @@
-"""Reads YAML and keeps the line of every key and entry, which errors need."""
+"""Reads YAML and keeps the line of every key and entry, which errors need.
 
-import math
+A file need not be trusted: its size, its depth, what its aliases grow to, and the length of each
+text and number have bounds. No tag but those of plain values has a meaning.
+"""
+
+import itertools
+import os
 import re
+import stat
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from .errors import SweepError
+
+
+LARGEST_FILE = 1_000_000  # bytes
+MOST_VALUES = 200_000  # keys and entries, each as often as aliases repeat it
+LONGEST_TEXT = 10_000  # characters of a value
+DEEPEST = 30
+LARGEST_INT = 2**63 - 1
 
 
 class Map(dict[str, Any]):
@@ -57,18 +72,27 @@ def read_scenario(file: Path) -> dict[str, Any]:
 def read_yaml(file: Path) -> Map:
     """The file's mapping. Raises SweepError with the line of a fault."""
     try:
-        text = file.read_text(encoding="utf-8")
+        # O_NONBLOCK: a pipe that nobody writes to is told, not waited for.
+        with open(os.open(file, os.O_RDONLY | os.O_NONBLOCK), "rb") as stream:
+            if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+                raise SweepError(f"{file}: cannot be read: no regular file")
+            content = stream.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise SweepError(f"{file}: is larger than {LARGEST_FILE} bytes, which no specification "
+                             "is")
+        return read_text(content.decode("utf-8"), file)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8"
         raise SweepError(f"{file}: cannot be read: {reason}") from None
-    return read_text(text, file)
 
 
 def read_text(text: str, file: Path) -> Map:
     """The mapping of a file's text. Raises SweepError."""
     try:
         node = yaml.compose(text, Loader=_Loader)
-        value = _value(node, file, 0) if node is not None else None
+        value = _value(node, file, 0, itertools.count(1)) if node is not None else None
+    except RecursionError:
+        raise SweepError(f"{file}: nested more than {DEEPEST} deep") from None
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         where = f":{mark.line + 1}" if mark else ""
@@ -79,10 +103,17 @@ def read_text(text: str, file: Path) -> Map:
     return value
 
 
-def _value(node: yaml.Node, file: Path, depth: int) -> Any:
+def _value(node: yaml.Node, file: Path, depth: int, counted: Iterator[int]) -> Any:
     line = node.start_mark.line + 1
-    if depth > 30:
-        raise SweepError(f"{file}:{line}: nested more than 30 deep")
+    if depth > DEEPEST:
+        raise SweepError(f"{file}:{line}: nested more than {DEEPEST} deep")
+    if next(counted) > MOST_VALUES:
+        raise SweepError(f"{file}:{line}: more than {MOST_VALUES} values, as its aliases repeat "
+                         "them")
+    kind = node.tag.removeprefix("tag:yaml.org,2002:")
+    if kind not in ("map", "seq", "str", "int", "float", "bool", "null"):
+        raise SweepError(f"{file}:{line}: {node.tag} is no kind of value here; valid are numbers, "
+                         "texts, true, false, null, lists and mappings")
     if isinstance(node, yaml.MappingNode):
         mapping = Map()
         mapping.line, mapping.lines = line, {}
@@ -90,26 +121,39 @@ def _value(node: yaml.Node, file: Path, depth: int) -> Any:
             at = key_node.start_mark.line + 1
             if not isinstance(key_node, yaml.ScalarNode):
                 raise SweepError(f"{file}:{at}: a key must be a word")
-            key = key_node.value
+            key = _text(key_node, file, at)
             if key in mapping:
                 raise SweepError(f"{file}:{at}: {key} stands twice, first in line "
                                  f"{mapping.lines[key]}")
             mapping.lines[key] = at
-            mapping[key] = _value(value_node, file, depth + 1)
+            mapping[key] = _value(value_node, file, depth + 1, counted)
         return mapping
     if isinstance(node, yaml.SequenceNode):
-        sequence = Sequence(_value(item, file, depth + 1) for item in node.value)
+        sequence = Sequence(_value(item, file, depth + 1, counted) for item in node.value)
         sequence.line = line
         return sequence
-    if node.tag == "tag:yaml.org,2002:int":
-        return int(node.value)
-    if node.tag == "tag:yaml.org,2002:float":
-        number = float(node.value)
-        if not math.isfinite(number):
-            raise SweepError(f"{file}:{line}: {node.value} is too large")
+    text = _text(node, file, line)
+    if kind in ("int", "float"):
+        try:
+            number = float(text) if kind == "float" or len(text) > 20 else int(text)
+        except ValueError:
+            raise SweepError(f"{file}:{line}: {text} is no number") from None
+        if not abs(number) <= (LARGEST_INT if kind == "int" else sys.float_info.max):
+            raise SweepError(f"{file}:{line}: {text} is too large")
         return number
-    if node.tag == "tag:yaml.org,2002:bool":
-        return node.value == "true"
-    if node.tag == "tag:yaml.org,2002:null":
+    if kind == "bool":
+        return text == "true"
+    if kind == "null":
         return None
-    return node.value
+    return text
+
+
+def _text(node: yaml.ScalarNode, file: Path, line: int) -> str:
+    """What stands there. Names and arguments of programs hold no NUL."""
+    text: str = node.value
+    if len(text) > LONGEST_TEXT:
+        raise SweepError(f"{file}:{line}: a text of {len(text)} characters; valid are at most "
+                         f"{LONGEST_TEXT}")
+    if "\0" in text or any("\ud800" <= c <= "\udfff" for c in text):
+        raise SweepError(f"{file}:{line}: a text with a character that is none, as NUL")
+    return text

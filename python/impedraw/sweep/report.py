@@ -86,6 +86,8 @@ class Page:
         if name not in self.columns:
             raise SweepError(f"{self.spec.file}: report: {name} is no metric of the runs; "
                              + nearest(str(name), self.table.column_names))
+        if not all(v is None or isinstance(v, (int, float)) for v in self.columns[name]):
+            raise SweepError(f"{self.spec.file}: report: {name} is no number; valid is a metric")
         return str(name)
 
     # --- what varies ---------------------------------------------------------------------------

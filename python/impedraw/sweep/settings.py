@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from .located_yaml import read_scenario
+from .errors import SweepError
+from .located_yaml import read_yaml
 
 # Keys of a case that are no settings but arguments of `impedraw draw`.
 DRAW_ARGUMENTS = ("scenario", "svg", "text", "shape", "arguments")
@@ -117,11 +118,15 @@ def flat(scenario: Mapping[str, Any], name: str = "") -> dict[str, Any]:
     return found
 
 
-def resolved(file: Path, defaults: Mapping[str, Any]) -> dict[str, Any]:
-    """Every setting that a scenario has of itself: the defaults, what it extends, its own."""
-    own = flat(read_scenario(file))
+def resolved(file: Path, defaults: Mapping[str, Any], depth: int = 0) -> dict[str, Any]:
+    """Every setting that a scenario has of itself: the defaults, what it extends, its own. Raises
+    SweepError."""
+    if depth > 20:
+        raise SweepError(f"{file}: extends more than 20 scenarios, or itself")
+    own = flat(read_yaml(file))
     before = own.pop("extends", None)
-    return {**(resolved(file.parent / before, defaults) if before else defaults), **own}
+    return {**(resolved(file.parent / str(before), defaults, depth + 1) if before else defaults),
+            **own}
 
 
 def text_of(value: Any) -> str:

@@ -21,6 +21,7 @@ import json
 import math
 import os
 import random
+import re
 import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -29,7 +30,7 @@ from typing import Any
 
 from .errors import SweepError, nearest
 from .expression import Expression
-from .located_yaml import Map, Sequence, read_text, read_yaml
+from .located_yaml import LARGEST_INT, Map, Sequence, read_text, read_yaml
 from .settings import DRAW_ARGUMENTS, Settings, plain, text_of
 
 _BLOCK_KEYS = {"name", "scenario", "svg", "text", "shape", "arguments", "set", "axes", "seeds",
@@ -45,7 +46,10 @@ _VALUES_MORE = {
     "loguniform": {"count", "seed"}, "normal": {"count", "seed"}, "integers": {"count", "seed"},
     "choice": {"count", "seed"}, "levels": set(), "zip": set(),
 }
-_MOST_VALUES = 1_000_000
+_MOST = 1_000_000  # values of all axes together, and cases of all blocks together
+_MOST_TEXT = 5_000_000_000  # characters of all cases together
+_NAME = re.compile(r"\w[\w .+-]*")
+_DEVICE = re.compile(r"(con|nul|aux|prn|com\d|lpt\d)(\..*)?", re.IGNORECASE)  # of Windows
 
 
 @dataclass(slots=True)
@@ -174,7 +178,7 @@ def spec_of(content: Mapping[str, Any], root: Path, settings: Settings) -> Spec:
     """The same from a mapping. Raises SweepError."""
     try:
         text = json.dumps(content)  # is YAML
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, RecursionError) as error:
         raise SweepError(f"sweep: {error}; valid are mappings, lists, numbers and texts") from None
     return _Reader(Path("sweep"), root, settings).spec(read_text(text, Path("sweep")))
 
@@ -227,6 +231,8 @@ def _named(block: _Block, values: Mapping[str, Any]) -> str | None:
                              f"{', '.join(sorted(values))}")
         name += rest[:start] + _label(values[word])
         rest = rest[end + 1 :]
+        if len(name) > 1000:
+            raise SweepError(f"{block.place}: case: a name of more than 1000 characters")
     return name + rest
 
 
@@ -237,6 +243,15 @@ def _label(value: Any) -> str:
 class _Reader:
     def __init__(self, file: Path, root: Path, settings: Settings) -> None:
         self.file, self.root, self.settings = file, root, settings
+        self.values_left = self.cases_left = _MOST
+
+    def many(self, at: Map, key: str, count: Any) -> int:
+        """The number of values of an axis, before they are made. Raises SweepError."""
+        good = isinstance(count, int) and not isinstance(count, bool) and count >= 1
+        if not good or count > self.values_left:
+            raise self.fail(at, key, f"valid are 1 to {_MOST} values, the other axes' among them")
+        self.values_left -= count
+        return int(count)
 
     def fail(self, at: Map | Sequence | int | None, key: str, problem: str) -> SweepError:
         line = at if isinstance(at, int) else None
@@ -250,6 +265,11 @@ class _Reader:
     def spec(self, top: Map) -> Spec:
         self.known(top, _TOP_KEYS, "")
         name = self.word(top, "name", self.file.stem)
+        if not _is_folder_name(name):
+            if "name" in top:
+                raise self.fail(top, "name", f"'{name}' is no name for a folder; valid are at most "
+                                "100 letters, digits and _ - + . within")
+            name = "sweep"
         shared = {k: v for k, v in top.items() if k in _BLOCK_KEYS}
         if "blocks" in top:
             if not isinstance(top["blocks"], Sequence) or not top["blocks"]:
@@ -266,7 +286,7 @@ class _Reader:
         for key, value in self.mapping(top, "limits").items():
             if key not in limits:
                 raise self.fail(top["limits"], f"limits: {key}", nearest(key, limits))
-            limits[key] = self.positive(top["limits"], key, value)
+            limits[key] = self.positive(top["limits"], key, value, 1e6)
         accept = {}
         for key, text in self.mapping(top, "accept").items():
             accept[key] = self.condition(top["accept"], key, text).text
@@ -289,6 +309,9 @@ class _Reader:
                 if not isinstance(part, Map):
                     raise self.fail(report, f"report: {kind}", "valid is a list of mappings")
                 self.known(part, own | {"block", "title"}, f"report: {kind}: ")
+                if not all(_is_texts(v) if k == "metrics" else isinstance(v, str)
+                           for k, v in part.items()):
+                    raise self.fail(part, f"report: {kind}", "valid are names")
                 for key in own - {"metric", "metrics", "by"} | ({"by"} & part.keys()):
                     axis = part.get(key)
                     if axis not in axes and axis not in self.settings.leaves:
@@ -297,9 +320,11 @@ class _Reader:
                 if "block" in part and part["block"] not in {b.name for b in blocks}:
                     raise self.fail(part, f"report: {kind}: block", f"no block {part['block']}; "
                                     + nearest(str(part["block"]), [b.name for b in blocks]))
-        if not isinstance(report.get("worst", Map()), Map):
+        worst = report.get("worst", Map())
+        if not isinstance(worst, Map) or not isinstance(worst.get("metric", ""), str) or not (
+                _is_whole(worst.get("count", 10), 1, 10_000)):
             raise self.fail(report, "report: worst", "valid is {metric: NAME, count: N}")
-        if not isinstance(report.get("metrics", []), list):
+        if not _is_texts(report.get("metrics", Sequence())):
             raise self.fail(report, "report: metrics", "valid is a list of metrics")
 
     def tune(self, top: Map) -> dict[str, Any] | None:
@@ -311,6 +336,10 @@ class _Reader:
         for needed in ("settings", "objective"):
             if not tune.get(needed):
                 raise self.fail(top, "tune", f"no {needed}")
+        for key, most in (("trials", 100_000), ("startup", 100_000), ("seed", 2**32 - 1)):
+            if not _is_whole(tune.get(key, 1), 1, most):
+                raise self.fail(tune, f"tune: {key}", "valid is a whole number above 0, at most "
+                                f"{most}")
         self.condition(tune, "objective", tune["objective"])
         space = self.mapping(tune, "settings")
         for key, value in space.items():
@@ -362,8 +391,15 @@ class _Reader:
                                                 for p in a.points):
             raise self.fail(given, "scenario", "missing; valid is a scenario's YAML file")
         total = math.prod(len(a.points) for a in axes)
-        if total > 10_000_000:
-            raise self.fail(given, "axes", f"{total} cases; valid are at most 10000000")
+        if total > self.cases_left:
+            raise self.fail(given, "axes", f"{total} cases; valid are at most {_MOST} in all "
+                            "blocks")
+        self.cases_left -= total
+        size = len(str(draw)) + len(str(constants)) + sum(
+            max((len(str(p.set)) for p in a.points), default=0) for a in axes)
+        if total * size > _MOST_TEXT:
+            raise self.fail(given, "axes", f"{total} cases of up to {size} characters; valid are "
+                            f"at most {_MOST_TEXT} characters together")
         return block
 
     def axis(self, axes: Map, name: str, given: Any) -> _Axis:
@@ -376,6 +412,7 @@ class _Reader:
         if isinstance(given, Map) and "levels" in given:
             self.known(given, {"levels"}, f"axes: {name}: ")
             points = []
+            self.many(axes, name, max(1, len(self.mapping(given, "levels"))))
             for label, level in self.mapping(given, "levels").items():
                 level_set = self.mapping(given["levels"], label)
                 points.append(_Point(label, {k: self.checked(level_set, k, v)
@@ -402,7 +439,10 @@ class _Reader:
 
     def values(self, at: Map, name: str, given: Any) -> list[Any]:
         if isinstance(given, Map):
-            found = self.generated(at, name, given)
+            try:
+                found = self.generated(at, name, given)
+            except ArithmeticError:
+                raise self.fail(at, name, "its numbers are too far apart") from None
         elif isinstance(given, Sequence):
             found = list(given)
         else:
@@ -410,6 +450,10 @@ class _Reader:
                             f"one of {', '.join(sorted(_VALUES))}")
         if not found:
             raise self.fail(at, name, "no values; valid is a list of at least one")
+        if isinstance(given, Sequence) or "values" in given:
+            self.many(at, name, len(found))
+        if any(isinstance(v, float) and not math.isfinite(v) for v in found):
+            raise self.fail(at, name, "its numbers are too far apart")
         return [self.checked(at, name, v) for v in found]
 
     def generated(self, at: Map, name: str, given: Map) -> list[Any]:
@@ -419,15 +463,15 @@ class _Reader:
         kind = kinds[0]
         self.known(given, {kind} | _VALUES_MORE[kind], f"axes: {name}: ")
         if kind == "values":
-            return list(given["values"] or [])
+            if not isinstance(given["values"], Sequence):
+                raise self.fail(given, f"{name}: values", "valid is a list")
+            return list(given["values"])
         if kind == "from":
             return self.range(given, name)
         if kind in ("levels", "zip"):
             raise self.fail(at, name, f"{kind} within zip is not possible")
         low_high = self.draws(given, name)
-        count = given.get("count")
-        if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= _MOST_VALUES:
-            raise self.fail(given, f"{name}: count", f"valid are 1 to {_MOST_VALUES}")
+        count = self.many(given, f"{name}: count", given.get("count"))
         seed = given.get("seed", 1)
         if not isinstance(seed, int):
             raise self.fail(given, f"{name}: seed", "valid is a whole number")
@@ -473,12 +517,10 @@ class _Reader:
                     (last - first) / step < 0):
                 raise self.fail(given, f"{name}: step", "valid is a step from `from` to `to`")
             count = math.floor((last - first) / step * (1 + 1e-12) + 1e-9) + 1
-            if count > _MOST_VALUES:
-                raise self.fail(given, f"{name}: step", f"{count} values are too many")
+            self.many(given, f"{name}: step", count)
             return [_rounded(first + i * step) for i in range(count)]
-        count, scale = given["count"], given.get("scale", "linear")
-        if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= _MOST_VALUES:
-            raise self.fail(given, f"{name}: count", f"valid are 1 to {_MOST_VALUES}")
+        count = self.many(given, f"{name}: count", given["count"])
+        scale = given.get("scale", "linear")
         if scale not in ("linear", "log") or (scale == "log" and min(first, last) <= 0):
             raise self.fail(given, f"{name}: scale", "valid is linear, or log between numbers "
                             "above 0")
@@ -492,10 +534,10 @@ class _Reader:
         return [first, *inner[1:-1], last]
 
     def seeds(self, block: Map, given: Any) -> list[int]:
-        if isinstance(given, int) and not isinstance(given, bool) and 1 <= given <= _MOST_VALUES:
-            return list(range(1, given + 1))
-        if isinstance(given, Sequence) and given and all(
-                isinstance(s, int) and not isinstance(s, bool) and s >= 0 for s in given):
+        if isinstance(given, int) and not isinstance(given, bool) and given >= 1:
+            return list(range(1, self.many(block, "seeds", given) + 1))
+        if isinstance(given, Sequence) and given and all(_is_whole(s, 0) for s in given):
+            self.many(block, "seeds", len(given))
             return list(given)
         raise self.fail(block, "seeds", "valid is a number of seeds, or a list of seeds")
 
@@ -535,7 +577,7 @@ class _Reader:
         """From the root of the tree where it lies in it, so that a data set fits every machine."""
         for folder in (self.root, self.file.parent):
             file = Path(os.path.abspath(folder / value))  # symbolic links stay as they are
-            if file.is_file():
+            if os.path.isfile(file):  # False too for a name that is too long
                 root = Path(os.path.abspath(self.root))
                 return str(file.relative_to(root)) if file.is_relative_to(root) else str(file)
         raise self.fail(at, name, f"{value} is no file; valid is a path from {self.root} or from "
@@ -578,9 +620,9 @@ class _Reader:
         except ValueError as error:
             raise self.fail(at, key, str(error)) from None
 
-    def positive(self, at: Map, key: str, value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not value > 0:
-            raise self.fail(at, key, "valid is a number above 0")
+    def positive(self, at: Map, key: str, value: Any, most: float) -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= most:
+            raise self.fail(at, key, f"valid is a number above 0, at most {most:g}")
         return float(value)
 
     def word(self, at: Map, key: str, default: str) -> str:
@@ -588,6 +630,20 @@ class _Reader:
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
             raise self.fail(at, key, "valid is a text")
         return str(value)
+
+
+def _is_whole(value: Any, least: int, most: int = LARGEST_INT) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+
+
+def _is_folder_name(name: str) -> bool:
+    """Of one folder, on any system: it leaves the folder that it is made in by no way."""
+    return bool(_NAME.fullmatch(name)) and len(name.encode()) <= 100 and name[-1] not in " ." and (
+        not _DEVICE.fullmatch(name))
+
+
+def _is_texts(value: Any) -> bool:
+    return isinstance(value, Sequence) and all(isinstance(v, str) for v in value)
 
 
 def _rounded(value: Any) -> Any:

@@ -43,9 +43,6 @@ def tune(spec: Spec, options: argparse.Namespace, root: Path, settings: Settings
         raise SweepError("--only and --report do not go with a specification that has tune")
     base = list(spec.cases())
     plan = {"trials": 100, "seed": 1, "startup": 20, "constraints": {}, **spec.tune}
-    for name in ("trials", "seed", "startup"):
-        if isinstance(plan[name], bool) or not isinstance(plan[name], int) or plan[name] < 1:
-            raise SweepError(f"{spec.file}: tune: {name}: valid is a whole number above 0")
     first = first_trial(plan["settings"], base, root, settings, str(spec.file))
     trials = Trials(plan, base, first)
     context = make_context(spec, options, root, settings, out)
@@ -174,11 +171,13 @@ class Trials:
             if row["failed"]:
                 broken.append(f"{row['case']}: {row['cause']}")
                 continue
-            for name, condition in self.constraints.items():
-                if not condition(row):
-                    broken.append(f"{row['case']}: {name}")
-            value = self.objective(row)
-            if value is None or not math.isfinite(value):
+            try:
+                broken += [f"{row['case']}: {name}" for name, condition in self.constraints.items()
+                           if not condition(row)]
+                value = self.objective(row)
+            except ValueError as error:
+                raise SweepError(f"tune: {error}") from None
+            if not isinstance(value, (int, float)) or not math.isfinite(value):
                 broken.append(f"{row['case']}: no objective")
             else:
                 values.append(float(value))
