@@ -48,9 +48,10 @@ def test_the_matrix_has_every_combination_once(cells):
 
 
 def test_each_error_stands_alone_at_three_values(cells, settings):
-    for name, least in (("error", 15), ("tuned", 11)):
+    for name, least in (("error", 15), ("tuned", 10), ("sensed", 2)):
         values = {}
         for case in group(cells("robustness"), name).values():
+            assert (name != "tuned") or case.draw["scenario"] == "scenarios/bowl-sine-real.yaml"
             own = {k: v for k, v in case.settings.items() if k not in COMMON}
             told = [k for k in own if k.endswith("sensing.sensor_delay")]
             assert bool(told) == case.name.endswith("-untold")
