@@ -1,6 +1,7 @@
 #include "impedraw/experiment/snapshot.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -28,6 +29,9 @@ DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
   return camera;
 }
 
+// Of all cameras together: 24 bytes a pixel and more, until the cloud is thinned.
+constexpr double most_pixels = 7e7;
+
 std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera) {
   return static_cast<std::uint64_t>(scenario.seed) * 1000 + camera;
 }
@@ -38,6 +42,13 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   if (p.cameras.empty())
     throw InputError(
         "perception.cameras is empty; give at least one camera, or perception.enabled: false");
+  std::int64_t pixels = 0;
+  for (const CameraSettings& c : p.cameras) pixels += static_cast<std::int64_t>(c.width) * c.height;
+  if (pixels > most_pixels)
+    throw InputError(
+        fmt::format("perception.cameras have {:.0f} million pixels together, allowed "
+                    "are at most {:.0f} million",
+                    1e-6 * static_cast<double>(pixels), 1e-6 * most_pixels));
   const Eigen::AlignedBox3d box = canvas.bounds();
   PosedBody posed;
   world.copy_body(&posed);

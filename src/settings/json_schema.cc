@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/settings/yaml_read.h"
+
 namespace impedraw {
 
 namespace {
@@ -108,6 +110,7 @@ Json shape_of(const Setting& setting) {
     json["type"] = "array";
     json["items"] = shape_of(element);
     json["items"].erase("default");
+    json["maxItems"] = most_entries;
     if (list->size() == 0) json["default"] = Json::array();
   } else if (const auto* numbers = std::get_if<Numbers>(&setting.value)) {
     json["type"] = "array";

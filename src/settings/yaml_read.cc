@@ -155,6 +155,9 @@ class Reader {
 
   void read(const YAML::Node& node, int line, const List& list, const std::string& name) {
     if (!node.IsSequence()) wrong(place(line), fmt::format("{} must be a list", name));
+    if (node.size() > most_entries)
+      wrong(place(line), fmt::format("{} has {} entries, allowed are at most {}", name, node.size(),
+                                     most_entries));
     list.resize(0);
     list.resize(node.size());
     places_.forget(name);

@@ -17,6 +17,7 @@
 //   --set push.force=abc: push.force is 'abc', which is not a number (of N)
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -25,6 +26,9 @@
 #include "impedraw/settings/schema.h"
 
 namespace impedraw {
+
+// Of any list: nobody has more cameras, marks, pushes, faults or joints, and each one costs memory.
+constexpr std::size_t most_entries = 64;
 
 // The source of each given setting: "push.force" → "scenarios/bowl-m.yaml:12" or
 // "--set push.force=3". Settings without an entry have their defaults. Used for errors that only

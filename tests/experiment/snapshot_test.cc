@@ -1,8 +1,10 @@
 // The snapshot before drawing: the arm stands in the picture, is seen, and is cut from the cloud.
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
 
@@ -50,6 +52,21 @@ TEST(Snapshot, TheCloudLiesOnTheCanvas) {
     sum += e.scene.canvas->closest(p).distance;
   EXPECT_NEAR(sum / e.scene.perception->cloud().points.size(), 0.0, 5e-5)
       << "half a pixel off, it would float 0.4 mm";
+}
+
+TEST(Snapshot, CamerasOfMorePixelsThanMemoryHoldsAreRefused) {
+  std::vector<std::string> huge;
+  for (const int camera : {0, 1})
+    for (const char* side : {"width", "height"})
+      huge.push_back("perception.cameras." + std::to_string(camera) + "." + side + "=8192");
+  try {
+    prepared(huge);
+    FAIL() << "134 million pixels are accepted";
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(),
+                 "perception.cameras have 135 million pixels together, allowed are at most 70 "
+                 "million");
+  }
 }
 
 TEST(Snapshot, RealisticNoiseIsSeenAndStillDrawn) {

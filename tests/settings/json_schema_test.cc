@@ -35,6 +35,7 @@ TEST(JsonSchema, HasTypesRangesDefaultsAndUnits) {
   EXPECT_FALSE(at("/properties/seed").contains("maximum"));
   EXPECT_EQ(at("/properties/speeds/items/exclusiveMinimum"), 0);
   EXPECT_EQ(at("/properties/speeds/default"), Json::array());
+  EXPECT_EQ(at("/properties/cameras/maxItems"), 64);
   EXPECT_EQ(at("/properties/home/minItems"), 7);
   EXPECT_EQ(at("/properties/home/maxItems"), 7);
   EXPECT_EQ(at("/properties/home/items/minimum"), -3);

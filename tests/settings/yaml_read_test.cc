@@ -132,6 +132,9 @@ TEST(YamlRead, NamesWhatIsWrongWithAValue) {
   EXPECT_EQ(yaml_error("speeds: [1, 0]"),
             "s.yaml:1: speeds.1 is 0 m/s, allowed is more than 0 m/s");
   EXPECT_EQ(yaml_error("speeds: 1"), "s.yaml:1: speeds must be a list");
+  std::string many = "seed: 1\ncameras: [{}";
+  for (int i = 1; i < 5000; ++i) many += ", {}";
+  EXPECT_EQ(yaml_error(many + "]"), "s.yaml:2: cameras has 5000 entries, allowed are at most 64");
   EXPECT_EQ(yaml_error("seed: 1.5"), "s.yaml:1: seed is '1.5', which is not a whole number");
   EXPECT_EQ(yaml_error("seed: [1]"), "s.yaml:1: seed must be one value (whole number), not a list");
   EXPECT_EQ(yaml_error("seed: {a: 1}"),
