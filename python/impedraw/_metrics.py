@@ -192,6 +192,11 @@ class Metrics(Mapping[str, float | None]):
         return self._values["length_unnamed"]
 
     @property
+    def length_reachable(self) -> float | None:
+        """Of the artwork, where the true canvas leans by less than 75°, within the arm's reach [mm]."""
+        return self._values["length_reachable"]
+
+    @property
     def slope_max(self) -> float | None:
         """Steepest slope of the canvas under the target, against the level [deg]."""
         return self._values["slope_max"]

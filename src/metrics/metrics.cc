@@ -286,12 +286,17 @@ void promised(const std::optional<Promise>& promise, Metrics& m) {
   if (!promise)
     return lack(m,
                 {&Metrics::length_asked, &Metrics::length_promised, &Metrics::length_undrawable,
-                 &Metrics::length_unnamed, &Metrics::slope_max, &Metrics::planned_time},
+                 &Metrics::length_unnamed, &Metrics::length_reachable, &Metrics::slope_max,
+                 &Metrics::planned_time},
                 "the log does not say what the pre-flight promised");
   m.length_asked = 1e3 * promise->asked;
   m.length_promised = 1e3 * promise->promised;
   m.length_undrawable = 1e3 * promise->undrawable;
   m.length_unnamed = 1e3 * promise->unnamed;
+  if (promise->reachable)
+    m.length_reachable = 1e3 * *promise->reachable;
+  else
+    lack(m, {&Metrics::length_reachable}, "the drawing is wrapped, or the log is an older one");
   m.slope_max = kDegrees * promise->slope;
   m.planned_time = promise->time;
   m.not_drawn = promise->problems;

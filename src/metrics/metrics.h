@@ -63,7 +63,8 @@ struct Metrics {
   Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;
   Metric cloud_bias_mean, cloud_bias_sd;
   Metric speed_mean, speed_p95, draw_time, time_scale_mean;
-  Metric length_asked, length_promised, length_undrawable, length_unnamed, slope_max, planned_time;
+  Metric length_asked, length_promised, length_undrawable, length_unnamed, length_reachable;
+  Metric slope_max, planned_time;
   Metric torque_saturated, joint_margin_min, joint_speed_share_max;
   Metric step_time_p50, step_time_p99, step_time_p999, real_time_factor;
   std::map<std::string, int> not_drawn;  // findings of the pre-flight, by problem

@@ -5,14 +5,15 @@
 namespace impedraw {
 
 std::string promise_text(const Promise& p) {
-  const nlohmann::ordered_json text = {{"asked", p.asked},
-                                       {"promised", p.promised},
-                                       {"undrawable", p.undrawable},
-                                       {"unnamed", p.unnamed},
-                                       {"problems", p.problems},
-                                       {"slope", p.slope},
-                                       {"time", p.time},
-                                       {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
+  nlohmann::ordered_json text = {{"asked", p.asked},
+                                 {"promised", p.promised},
+                                 {"undrawable", p.undrawable},
+                                 {"unnamed", p.unnamed},
+                                 {"problems", p.problems},
+                                 {"slope", p.slope},
+                                 {"time", p.time},
+                                 {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
+  if (p.reachable) text["reachable"] = *p.reachable;
   return text.dump();
 }
 
@@ -26,6 +27,7 @@ std::optional<Promise> read_promise(const std::map<std::string, std::string>& at
     text.at("promised").get_to(p.promised);
     text.at("undrawable").get_to(p.undrawable);
     text.at("unnamed").get_to(p.unnamed);
+    if (text.contains("reachable")) p.reachable = text["reachable"].get<double>();
     text.at("problems").get_to(p.problems);
     text.at("slope").get_to(p.slope);
     text.at("time").get_to(p.time);

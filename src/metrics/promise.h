@@ -15,6 +15,9 @@ struct Promise {
   // that are drawn: `promised`. Of those that the pre-flight names with a reason: `undrawable`.
   // Neither promised nor named: `unnamed`, 0 but for rounding or a fault.
   double asked = 0.0, promised = 0.0, undrawable = 0.0, unnamed = 0.0;
+  // What a planner that knows the true canvas could draw: what lies above it, where it leans by
+  // less than 75°, less what the arm cannot reach. None if wrapped, and in older logs.
+  std::optional<double> reachable;
   std::map<std::string, int> problems;  // findings by problem: {"too_steep", 3}
   double slope = 0.0;                   // steepest under the target, against the level [rad]
   double time = 0.0;                    // of the planned path [s]

@@ -11,4 +11,7 @@ Promise promise_of(const PlannedDrawing& drawing);
 // The artwork's length that is neither promised nor named [m].
 double unnamed_length(const PlannedDrawing& drawing);
 
+// The artwork's length that a planner could draw if it knew the true canvas [m], see Promise.
+double reachable_length(const PlannedDrawing& drawing);
+
 }  // namespace impedraw

@@ -36,7 +36,7 @@ TEST(Metrics, PlainRun) {
   expect("joint_speed_share_max", 0.0);
   expect("step_time_p50", 10.0);
   // Every name of docs/metrics.md is there, and each null has its reason.
-  EXPECT_EQ(metric_definitions().size(), 42u);
+  EXPECT_EQ(metric_definitions().size(), 43u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));
     EXPECT_EQ(m.at(d.name).is_null(), m.at("reasons").contains(d.name)) << d.name;
@@ -51,6 +51,7 @@ TEST(Metrics, WhatWasPromisedIsReadFromTheLog) {
   promise.promised = 0.06;
   promise.undrawable = 0.039;
   promise.unnamed = 0.001;
+  promise.reachable = 0.08;
   promise.problems = {{"too_steep", 2}, {"fold", 1}};
   promise.slope = 30 * kDegree;
   promise.time = 12.5;
@@ -60,9 +61,13 @@ TEST(Metrics, WhatWasPromisedIsReadFromTheLog) {
   EXPECT_NEAR(m.at("length_promised").get<double>(), 60.0, 1e-9);
   EXPECT_NEAR(m.at("length_undrawable").get<double>(), 39.0, 1e-9);
   EXPECT_NEAR(m.at("length_unnamed").get<double>(), 1.0, 1e-9);
+  EXPECT_NEAR(m.at("length_reachable").get<double>(), 80.0, 1e-9);
   EXPECT_NEAR(m.at("slope_max").get<double>(), 30.0, 1e-9);
   EXPECT_EQ(m.at("planned_time"), 12.5);
   EXPECT_EQ(m.at("not_drawn"), (Json{{"fold", 1}, {"too_steep", 2}}));
+  promise.reachable.reset();
+  run.attributes[kPromiseAttribute] = promise_text(promise);
+  EXPECT_TRUE(metrics_of(run).at("length_reachable").is_null());
   run.attributes[kPromiseAttribute] = "{\"asked\": 1}";
   EXPECT_TRUE(metrics_of(run).at("length_promised").is_null());
 }

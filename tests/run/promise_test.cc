@@ -2,7 +2,9 @@
 #include "impedraw/run/promise_of.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -54,11 +56,48 @@ TEST(Promise, LengthsAddUpAndComeBackFromTheLog) {
   ASSERT_TRUE(back);
   EXPECT_EQ(back->asked, promise.asked);
   EXPECT_EQ(back->promised, promise.promised);
+  EXPECT_EQ(back->reachable, promise.reachable);
   EXPECT_EQ(back->problems, promise.problems);
   EXPECT_EQ(back->slope, promise.slope);
   EXPECT_EQ(back->axis_W, promise.axis_W);
   EXPECT_FALSE(read_promise({}));
   EXPECT_FALSE(read_promise({{kPromiseAttribute, "no JSON"}}));
+}
+
+// Closed forms: of a line through a dome, what leans by less than 75°; of a plane, all or nothing.
+TEST(Promise, WhatAPerfectPlannerCouldReachIsWhatTheTrueCanvasHasBelow) {
+  DrawOptions options;
+  options.scenario = "scenarios/bowl-sine.yaml";
+  options.svg = "artwork/hatch.svg";
+  options.assignments = {"canvas.kind=dome",
+                         "canvas.cap.radius=0.1",
+                         "canvas.cap.centre=[0.6, 0, 0.05]",
+                         "canvas.cap.opening_radius=0.0999",
+                         "drawing.placement.width=180",
+                         "preflight.arm=false"};
+  const PlannedDrawing dome = prepare_plan(resolve(options), {}, Unreachable::tell);
+  const double within = 0.1 * std::sin(75.0 / 180.0 * std::numbers::pi);
+  double expected = 0.0;
+  for (const PlacedStroke& stroke : dome.artwork.strokes)
+    for (std::size_t i = 0; i + 1 < stroke.p_P.size(); ++i)
+      for (double s = 0.5e-4; s < 1.0; s += 1e-4) {
+        const Eigen::Vector2d piece = stroke.p_P[i + 1] - stroke.p_P[i];
+        const Eigen::Vector2d p = stroke.p_P[i] + s * piece - Eigen::Vector2d(0.6, 0.0);
+        expected += p.norm() < within ? 1e-4 * piece.norm() : 0.0;
+      }
+  ASSERT_LT(expected, 0.99 * promise_of(dome).asked);
+  EXPECT_NEAR(reachable_length(dome), expected, 5e-3 * expected);
+
+  options.scenario = "scenarios/robustness-nominal.yaml";
+  options.svg.clear();
+  for (const auto& [cosine, share] : {std::pair(0.30, 1.0), std::pair(0.20, 0.0)}) {
+    const double sine = std::sqrt(1.0 - cosine * cosine);
+    options.assignments = {
+        "preflight.arm=false",
+        "canvas.plane.normal=[0, " + std::to_string(sine) + ", " + std::to_string(cosine) + "]"};
+    const PlannedDrawing plane = prepare_plan(resolve(options), {}, Unreachable::tell);
+    EXPECT_NEAR(reachable_length(plane), share * promise_of(plane).asked, 1e-9);
+  }
 }
 
 // A plane of known slope.
