@@ -11,12 +11,19 @@
     ./impedraw figures --bounds        measure the tests' regression bounds again:
                                        tests/run/bounds.json
     ./impedraw figures --pictures      run what the pictures of README and docs show, and write
-                                       docs/images
+                                       docs/images; a picture says in itself what was measured, and
+                                       --check compares that, too
+    ./impedraw figures --pages [STUDY …]
+                                       run the long studies and write their pages (study_pages.py);
+                                       with --check, compare
     ./impedraw figures --list          every figure and table that a document can quote
 
 A figure's id is RUN.METRIC, as in bowl-sine.ink_error_rms. METRIC is a key of metrics.json. For a
 run with several seeds, RUN is the first seed, RUN@3 is seed 3, and RUN@worst is the worst of all.
 quotes.py defines the markers. The runs are those of studies/figures.yaml.
+
+Runs take libm's code for any x86-64 (ANY_PROCESSOR): with FMA, exp, sin and their like differ in the
+last bit, and where encoders round, so do figures in their third digit.
 """
 
 import argparse
@@ -41,12 +48,13 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BOUNDS = ROOT / "tests/run/bounds.json"
 FIGURES = ROOT / "docs/figures.json"
 STUDY = ROOT / "studies/figures.yaml"
+ANY_PROCESSOR = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4"}
 REUSE = False  # --reuse: what this build has run already is not run again
 
 UNITS = {
     "mm": "ink_error_rms ink_error_p95 ink_error_max longest_gap ink_up cloud_bias_mean "
     "cloud_bias_sd yield yield_last back back_early ink_error_rms_to_45 length_asked length_promised "
-    "length_undrawable length_unnamed",
+    "length_undrawable length_unnamed length_reachable",
     "N": "force_mean force_sd force_rms_error force_peak touchdown_peak",
     "deg": "tilt_mean tilt_p95 tilt_max normal_error_mean normal_error_p95 slope_max",
     "mm/s": "speed_mean speed_p95",
@@ -121,7 +129,7 @@ def swept(names: set[str], folder: pathlib.Path) -> dict[str, dict]:
     done = subprocess.run(
         [*sweep("--only", f"^({cases})(@.*)?$", "--program", program(), "--out", folder),
          *([] if REUSE else ["--again"])],
-        stdout=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL, env=os.environ | ANY_PROCESSOR,
     )
     if done.returncode != 0:
         raise RunFailed(f"the sweep of {STUDY.relative_to(ROOT)} ended with {done.returncode}")
@@ -302,6 +310,22 @@ def documents(rows: str) -> list[pathlib.Path]:
     )
 
 
+def shown(rows: str) -> list[pathlib.Path]:
+    """The pictures that say what was measured; of README, the one with numbers to read."""
+    images = ROOT / "docs/images"
+    return [images / "drawn.png"] if rows == "readme" else sorted(images.glob("*.png"))
+
+
+def text_of(page: pathlib.Path) -> str:
+    """A document, or what a picture says of itself, in the same markers."""
+    if page.suffix != ".png":
+        return page.read_text()
+    from PIL import Image
+
+    with Image.open(page) as picture:
+        return picture.info.get("figures", "")
+
+
 def tables(figure: Callable[[str], dict | None]) -> Tables:
     commands = {n: shlex.join(["./impedraw", *r.command(r.seeds[0])]) for n, r in runs().items()}
     return Tables(figure, bounds(), commands)
@@ -312,7 +336,7 @@ def needed_runs(pages: list[pathlib.Path]) -> set[str]:
     asked = set()
     table = tables(lambda key: asked.add(key))
     for page in pages:
-        numbers, names = quotes.wanted(page.read_text())
+        numbers, names = quotes.wanted(text_of(page))
         asked |= set(numbers)
         for name in set(names) & set(TABLES):
             table(name)
@@ -328,11 +352,14 @@ def fill_all(pages: list[pathlib.Path], figures: dict[str, dict], write: bool) -
         return figures[key]["value"]
 
     for page in pages:
-        text = page.read_text()
+        text = text_of(page)
         name = str(page.relative_to(ROOT))
         filled, old = quotes.fill(name, text, value, tables(figures.get))
         stale += old
-        if write and filled != text:
+        if page.suffix == ".png" and not text:
+            stale.append(f"{name}: does not say what was measured; ./impedraw figures --pictures "
+                         "draws it again")
+        if write and filled != text and page.suffix != ".png":
             page.write_text(filled)
     return stale
 
@@ -377,6 +404,30 @@ def write_bounds(measured: dict[str, dict]) -> None:
     )
 
 
+def study_pages_of(names: list[str], folder: pathlib.Path, check: bool) -> int:
+    import study_pages
+
+    stale = []
+    for name in names or study_pages.PAGES:
+        if name not in study_pages.PAGES:
+            raise RunFailed(f"--pages {name}: no study; valid are {', '.join(study_pages.PAGES)}")
+        if name == "other-surfaces":
+            subprocess.run([sys.executable, ROOT / "setup/other_surfaces.py"], check=True)
+        command = [*sweep("--program", program(), "--out", folder / name)]
+        command[command.index(STUDY)] = ROOT / f"studies/{name}.yaml"
+        if not REUSE:
+            command.append("--again")
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, env=os.environ | ANY_PROCESSOR)
+        if done.returncode != 0:
+            raise RunFailed(f"the sweep of studies/{name}.yaml ended with {done.returncode}")
+        stale += study_pages.page(name, folder / name, check)
+    for line in stale:
+        print(line)
+    if check:
+        print(f"{len(stale)} lines of pages are stale" if stale else "every page holds")
+    return 1 if stale else 0
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         prog="impedraw figures",
@@ -389,6 +440,7 @@ def main() -> int:
     parser.add_argument("--speeds", action="store_true")
     parser.add_argument("--bounds", action="store_true")
     parser.add_argument("--pictures", action="store_true")
+    parser.add_argument("--pages", nargs="*", metavar="STUDY")
     parser.add_argument("--list", action="store_true")
     parser.add_argument(
         "--out", type=pathlib.Path, default=ROOT / "build/figures-runs", help="where the runs go"
@@ -414,14 +466,16 @@ def work(options) -> int:
         write_bounds(measure(set(bounds()["runs"]), options.out))
         print(f"wrote {BOUNDS.relative_to(ROOT)}")
         return 0
+    if options.pages is not None:
+        return study_pages_of(options.pages, options.out, options.check)
     if options.pictures:
         import pictures
 
-        measure(set(pictures.RUNS), options.out)
-        pictures.make(program(), ROOT, options.out / "runs")
+        figures = as_figures(measure(set(pictures.RUNS), options.out))
+        pictures.make(program(), ROOT, options.out / "runs", lambda key: figures[key]["value"])
         print("wrote docs/images")
         return 0
-    pages = documents(options.rows)
+    pages = documents(options.rows) + shown(options.rows)
     before = read_figures()
     if options.fill:
         figures = before

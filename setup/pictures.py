@@ -1,12 +1,14 @@
 """Makes the pictures in docs/images from runs of the program. `./impedraw figures --pictures` calls it."""
 
-import json
 import pathlib
 import subprocess
+from collections.abc import Callable
 
 import numpy as np
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, PngImagePlugin
+
+import quotes
 
 # Runs in figures.py whose ink_top.png is shown, and the width of the picture [px].
 COPIES = {
@@ -24,7 +26,7 @@ DRAWN = [
     ("bowl-m", "the paper's M"),
     ("koi", "artwork/koi.svg, 64 strokes"),
 ]
-RUNS = {*COPIES, *(run for run, _ in DRAWN)}
+RUNS = {*COPIES, *(run for run, _ in DRAWN), "bowl-m", "bowl-m-blind"}
 COMPARED = "scenarios/bowl-m.yaml"
 # The film that the README opens with: of a run, at most 3 MB.
 FILMED = "koi"
@@ -47,10 +49,28 @@ def resized(picture: Image.Image, width: int) -> Image.Image:
     return picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
 
 
-def drawn(folder: pathlib.Path, out: pathlib.Path) -> None:
+# What a picture says of its run, in the words under it or in itself alone.
+CAPTION = (
+    "ink error <!-- figure:{0}.ink_error_rms -->0.000<!-- / --> mm RMS · "
+    "force <!-- figure:{0}.force_mean -->0.00<!-- / --> ± <!-- figure:{0}.force_sd -->0.000<!-- / --> N"
+)
+
+
+def measured(run: str, value: Callable[[str], float]) -> str:
+    """The caption with its figures, and their markers."""
+    return quotes.fill(run, CAPTION.format(run), value, lambda key: "")[0]
+
+
+def said(text: str) -> PngImagePlugin.PngInfo:
+    """Kept in the picture, so that `figures --check` compares it as it does a document."""
+    info = PngImagePlugin.PngInfo()
+    info.add_itxt("figures", text)
+    return info
+
+
+def drawn(folder: pathlib.Path, out: pathlib.Path, value: Callable[[str], float]) -> None:
     figure = Figure(figsize=(18.64, 6.8), dpi=100, facecolor="white")
     for i, (run, caption) in enumerate(DRAWN):
-        metrics = json.loads((folder / run / "metrics.json").read_text())
         axes = figure.add_axes((i / 3 + 0.005, 0.12, 1 / 3 - 0.01, 0.87))
         axes.imshow(np.asarray(inside_frame(Image.open(folder / run / "ink_top.png"))))
         axes.axis("off")
@@ -59,26 +79,26 @@ def drawn(folder: pathlib.Path, out: pathlib.Path) -> None:
         figure.text(
             middle,
             0.03,
-            f"ink error {metrics['ink_error_rms']:.3f} mm RMS · "
-            f"force {metrics['force_mean']:.2f} ± {metrics['force_sd']:.3f} N",
+            quotes.INLINE.sub(lambda m: m["text"], measured(run, value)),
             ha="center",
             size=14,
             color="#5a616b",
         )
-    figure.savefig(out)
+    figure.savefig(out, pil_kwargs={"pnginfo": said("\n".join(measured(run, value) for run, _ in DRAWN))})
 
 
-def make(program: str, root: pathlib.Path, folder: pathlib.Path) -> None:
-    """Writes docs/images from the runs in `folder`, and runs COMPARED with and without perception."""
+def make(program: str, root: pathlib.Path, folder: pathlib.Path, value: Callable[[str], float]) -> None:
+    """Writes docs/images from the runs in `folder`, and runs COMPARED with and without perception. value(id): a figure of these runs."""
     images = root / "docs/images"
     for run, width in COPIES.items():
         picture = resized(Image.open(folder / run / "ink_top.png"), width)
-        picture.save(images / f"{run}.png", optimize=True)
-    drawn(folder, images / "drawn.png")
+        picture.save(images / f"{run}.png", optimize=True, pnginfo=said(measured(run, value)))
+    drawn(folder, images / "drawn.png", value)
     compared = folder / "compare"
     if not (compared / "compare.png").exists():
         command = [program, "compare", COMPARED, "--out", str(compared)]
         subprocess.run(command, cwd=root, check=True, capture_output=True)
-    (images / "compare.png").write_bytes((compared / "compare.png").read_bytes())
+    runs = ("bowl-m", "bowl-m-blind")
+    Image.open(compared / "compare.png").save(images / "compare.png", optimize=True, pnginfo=said("\n".join(measured(run, value) for run in runs)))
     command = [program, "film", str(folder / FILMED), "--out", str(images / f"{FILMED}.webp"), *FILM]
     subprocess.run(command, cwd=root, check=True, capture_output=True)

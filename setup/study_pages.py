@@ -1,9 +1,11 @@
 """Writes docs/surface_cells.md, docs/other_surface_cells.md, docs/robustness.md, docs/reach.md or docs/moving.md, and their pictures, from a sweep's data set.
 
-    ./impedraw robustness --part surfaces --out /tmp/surfaces && .venv/bin/python setup/study_pages.py surfaces /tmp/surfaces
-    ./impedraw robustness --out /tmp/robustness && .venv/bin/python setup/study_pages.py robustness /tmp/robustness
-    ./impedraw reach --out /tmp/reach && .venv/bin/python setup/study_pages.py reach /tmp/reach
-    ./impedraw sweep studies/moving.yaml --out /tmp/moving && .venv/bin/python setup/study_pages.py moving /tmp/moving
+    ./impedraw figures --pages              runs the studies and writes their pages; --check compares, and writes nothing
+    ./impedraw figures --pages moving reach only these
+
+    ./impedraw reach --out /tmp/reach && .venv/bin/python setup/study_pages.py reach /tmp/reach       one, from a data set that is there
+
+A page is measured on a clean commit: data sets of changed sources are refused.
 """
 import datetime
 import json
@@ -12,6 +14,9 @@ import pathlib
 import re
 import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import quotes
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
@@ -34,6 +39,17 @@ def stamp(folder):
     head = folder / "sweep.json"
     day = datetime.datetime.fromtimestamp(head.stat().st_mtime, datetime.UTC)
     return f"{day:%Y-%m-%d}, commit {json.loads(head.read_text())['commit']}"
+
+
+STAMP = re.compile(r"\d{4}-\d\d-\d\d, commit \w*\+?")
+
+
+def stale(name, old, new):
+    """What two versions of a page differ in, but for when they were measured and for one in a last digit; a line each."""
+    old, new = ([STAMP.sub("", line) for line in lines] for lines in (old, new))
+    told = [f"{name}: {len(old)} lines, measured are {len(new)}"] if len(old) != len(new) else []
+    return told + [f"{name}:{i}: has\n    {a}\n  measured is\n    {b}" for i, (a, b) in enumerate(zip(old, new), 1)
+                   if not quotes.same_but_for_digits(a, b)]  # fmt: skip
 
 
 def digits(x):
@@ -72,9 +88,26 @@ def share(rows):
     return sum(row["length_promised"] or 0.0 for row in rows) / asked if asked else 0.0
 
 
+FLOOR = 0.4  # of what a planner that knows the true surface could draw
+
+
+def shy(row):
+    """Less than FLOOR of what a perfect planner could draw is promised; where nothing is, nothing was measured."""
+    return row["state"] == "nothing" or (row["length_promised"] or 0.0) < FLOOR * (row["length_reachable"] or 0.0)
+
+
+def shy_list(rows):
+    lines = []
+    for row in filter(shy, rows):
+        told = "nothing" if row["state"] == "nothing" else f"{100 * row['length_promised'] / row['length_reachable']:.0f} %"
+        reasons = ", ".join(f"{k} {v}" for k, v in json.loads(row["not_drawn"] or "{}").items())
+        lines.append(f"- `{row['case']}`: {told}" + (f" ({reasons})" if reasons else ""))
+    return lines or ["None."]
+
+
 def other_surfaces(rows, folder):
-    _, lines = surfaces(rows, folder, "Other surfaces", "`./impedraw sweep studies/other-surfaces.yaml`", "studies/other-surfaces.yaml")
-    return "other_surface_cells.md", lines
+    _, lines, draw = surfaces(rows, folder, "Other surfaces", "`./impedraw sweep studies/other-surfaces.yaml`", "studies/other-surfaces.yaml")
+    return "other_surface_cells.md", lines, draw
 
 
 def surfaces(rows, folder, title="Surfaces", called="`./impedraw robustness --part surfaces`", study="studies/surfaces.yaml"):
@@ -85,7 +118,11 @@ def surfaces(rows, folder, title="Surfaces", called="`./impedraw robustness --pa
              f"{called}, {stamp(folder)}: {len(rows)} cells of `{study}`; **{bad} missed a limit**, "
              f"{unstable} were unstable; {100 * share(rows):.0f} % of the length that was asked for is promised. Each entry gives *ink error RMS [mm] / "
              "standard deviation of the normal force [N] / mean speed [mm/s] / share of the length promised*. **✗** marks a cell that stopped or "
-             "missed a limit; the last list says which."]  # fmt: skip
+             "missed a limit; the list below says which.", "",
+             "The depths that the cameras measure have no noise here, and the wrench is the true one: on an arm with real sensors, expect less. `scenarios/bowl-sine-realistic.yaml` "
+             "shows what they cost on a smooth bowl, and `studies/other-surfaces.yaml` has meshes with noise in themselves.", "",
+             f"A cell is also listed if less than {100 * FLOOR:.0f} % is promised of what a planner could draw that knows the true surface: what has the canvas below it where that leans "
+             f"by less than 75°, within the arm's reach (`length_reachable`). {sum(map(shy, rows))} of {len(rows)} cells are."]  # fmt: skip
     for group in dict.fromkeys(row["group"] for row in rows):
         cells = {row["case"]: row for row in rows if row["group"] == group}
         lines += ["", f"## {group}", "", f"{100 * share(cells.values()):.0f} % of the length is promised.", "",
@@ -100,7 +137,8 @@ def surfaces(rows, folder, title="Surfaces", called="`./impedraw robustness --pa
                 values = [digits(row[name]) for name in ("ink_error_rms", "force_sd", "speed_mean")]
                 entries.append(("**✗** " if row["failed"] else "") + " / ".join([*values, f"{share([row]):.2f}"]))
             lines.append(f"| {surface} | " + " | ".join(entries) + " |")
-    return "surface_cells.md", [*lines, "", "## Cells that missed a limit", "", *failed_list(rows)]
+    lines += ["", f"## Cells with less than {100 * FLOOR:.0f} % of what could be drawn", "", "Share promised of what a perfect planner could draw, and the pre-flight's reasons.", "", *shy_list(rows)]
+    return "surface_cells.md", [*lines, "", "## Cells that missed a limit", "", *(failed_list(rows) or ["None."])], None
 
 
 def entry(row, mean_force=False):
@@ -138,16 +176,19 @@ def robustness(rows, folder):
             for speed in speeds:
                 cells = [by_case.get(f"matrix-{state}-{speed}mm_s-{slope}deg-{force}N") for slope in slopes]
                 lines.append(f"| {force} N, {speed} mm/s | " + " | ".join(map(entry, cells)) + " |")
-    for prefix, title in (("error", "Each model error alone"),
-                          ("tuned", "What the controller is not told, under the tuning for real arms")):  # fmt: skip
-        lines += ["", f"## {title}", "", "| | first value | second | third |", "|---|---|---|---|"]
+    for prefix, title, tuning in (("error", "Each model error alone", "bowl-sine"),
+                                  ("tuned", "What the controller is not told, under the tuning for real arms", "bowl-sine-real"),
+                                  ("sensed", "What the controller is not told, under the nominal tuning with an ideal sensor", "bowl-sine-sensor")):  # fmt: skip
+        lines += ["", f"## {title}", "", f"On `{tuning}`, where a row names no other scenario.", "", "| | first value | second | third |", "|---|---|---|---|"]
         for group in dict.fromkeys(row["group"] for row in rows if row["group"].startswith(prefix)):
             cells = [row for row in rows if row["group"] == group]
             if len(cells) == 1:
                 lines.append(f"| {group.removeprefix(prefix + '-').replace('-', ' ')} | {entry(cells[0])} | | |")
                 continue
             name = axis_of(cells)
-            lines.append(f"| `{name}` | " + " | ".join(f"{json.loads(row['set'])[name]:g}: {entry(row)}" for row in cells) + " |")
+            other = "" if (run := pathlib.Path(cells[0]["scenario"]).stem) == tuning else f", `{run}`"
+            untold = ", not told" if any(k.endswith("sensor_delay") and not v for k, v in json.loads(cells[0]["set"]).items()) else ""
+            lines.append(f"| `{name}`{other}{untold} | " + " | ".join(f"{json.loads(row['set'])[name]:g}: {entry(row)}" for row in cells) + " |")
     lines += ["", "## Canvases, at 50 mm/s and 5 N", "", "| | nominal | realistic |", "|---|---|---|"]
     for canvas in dict.fromkeys(row["case"].split("-")[1] for row in rows if row["group"] == "canvas"):
         cells = [by_case.get(f"canvas-{canvas}-{state}") for state in ("nominal", "realistic")]
@@ -157,8 +198,7 @@ def robustness(rows, folder):
         group = by_case[f"{case}-off"]["group"]
         label = f"{group.removeprefix('switch-').replace('_', ' ')}: {case.removeprefix(group + '-')}"
         lines.append(f"| {label} | " + " | ".join(entry(by_case.get(f"{case}-{s}"), True) for s in ("off", "on")) + " |")
-    picture_of_robustness(rows, by_case, slopes, speeds, forces)
-    return "robustness.md", [*lines, "", "## Failed cells", "", *failed_list(rows)]
+    return "robustness.md", [*lines, "", "## Failed cells", "", *failed_list(rows)], lambda: picture_of_robustness(rows, by_case, slopes, speeds, forces)
 
 
 def picture_of_robustness(rows, by_case, slopes, speeds, forces):
@@ -169,7 +209,7 @@ def picture_of_robustness(rows, by_case, slopes, speeds, forces):
 
     pyplot.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e6e6ea"})
     groups = [g for g in dict.fromkeys(row["group"] for row in rows)
-              if g.startswith(("error", "tuned")) and sum(row["group"] == g for row in rows) > 1]  # fmt: skip
+              if g.startswith(("error", "tuned", "sensed")) and sum(row["group"] == g for row in rows) > 1]  # fmt: skip
     across = 4
     down = math.ceil(len(groups) / across)
     figure = pyplot.figure(figsize=(14.5, 7.5 + 2.3 * down), layout="constrained")
@@ -200,7 +240,7 @@ def picture_of_robustness(rows, by_case, slopes, speeds, forces):
     handles, labels = axes[0][0].get_legend_handles_labels()
     handles.append(pyplot.Line2D([], [], marker="x", color=RED, ls="", mew=2))
     top.legend(handles, [*labels, "failed"], loc="outside upper left", ncols=3, frameon=False)
-    bottom.suptitle("Each model error alone (error), and what the controller is not told under the tuning for real arms (tuned); both on the sine at 50 mm/s",
+    bottom.suptitle("Each model error alone (error), and what the controller is not told under the tuning for real arms (tuned) and the nominal one (sensed); all on the sine at 50 mm/s",
                     fontsize=10, x=0.01, ha="left")  # fmt: skip
     panels = bottom.subplots(down, across, squeeze=False, sharey=True)
     for ax, group in zip(panels.flat, groups):
@@ -263,8 +303,8 @@ def reach(rows, folder):
         if row["length_undrawable"]:
             reasons = json.loads(row["not_drawn"] or "{}")
             lines.append(f"| `{row['case']}` | {row['length_undrawable']:.0f} | " + "; ".join(f"{k} {v}" for k, v in reasons.items()) + " |")
-    picture_of_reach(by_case, drawings, canvases, folder)
-    return "reach.md", [*lines, *(["", "## Combinations that missed a limit", "", *failed_list(rows)] if bad else [])]
+    lines += ["", "## Combinations that missed a limit", "", *failed_list(rows)] if bad else []
+    return "reach.md", lines, lambda: picture_of_reach(by_case, drawings, canvases, folder)
 
 
 def picture_of_reach(by_case, drawings, canvases, folder):
@@ -332,6 +372,9 @@ def moving(rows, folder):
              "Three cameras keep capturing at 30 Hz, 60 ms late with 10 ms of jitter, one frame in twenty dropped; they find four marks on the bowl's rim, each with "
              "0.3 mm of noise per axis, camera and frame. The surface is known from one snapshot with 1 mm of depth noise at 1 m, unless frames have depths. The arm watches for 6 s, then draws "
              "with 5 N at 50 mm/s along the canvas. All errors are measured in the canvas's own frame.", "",
+             "The arm is ideal here, and the cameras are exact: the controller has the simulated arm's own model, its joints have no friction, readings and torques neither noise nor "
+             "delay, the force-torque sensor no error, and the cameras stand and see as is believed, but for the noise and the delays named above. What a real arm and calibrated "
+             "cameras add was not measured.", "",
              f"`./impedraw sweep studies/moving.yaml`, {stamp(folder)}: {len(rows)} runs, **{len(bad)} failed**, all but {len(as_it_is)} of them without prediction or feed-forward. A "
              "run fails if it stops, if a stroke has no ink, if the pen is off the canvas for more than 2 % of the time, or if the ink error is over 1 mm RMS.", "",
              "![The arm draws \"Hi\" on a bowl that sways and rolls, three times as fast as it goes](images/moving-sway.webp)", "",
@@ -393,8 +436,8 @@ def moving(rows, folder):
               "`scenarios/moving-order.yaml`: a conveyor takes two dashes out of reach one after the other; the one that leaves first is drawn first. `scenarios/moving-swing.yaml`: a "
               "swing of ± 200 mm brings a dash into reach for 3.8 s at a time; the pen waits. What fits nowhere is named with when and how far, in `strokes.json` under "
               "`unreached` with `--skip-unreachable`, else the run ends."]  # fmt: skip
-    picture_of_moving(by_case, speeds, latencies, amplitudes, frequencies)
-    return "moving.md", [*lines, "", "## Failed runs", "", "With prediction and feed-forward:", "", *failed_list(as_it_is)]
+    return ("moving.md", [*lines, "", "## Failed runs", "", "With prediction and feed-forward:", "", *failed_list(as_it_is)],
+            lambda: picture_of_moving(by_case, speeds, latencies, amplitudes, frequencies))
 
 
 def levels(rows, group, pattern):
@@ -432,15 +475,28 @@ def picture_of_moving(by_case, speeds, latencies, amplitudes, frequencies):
     figure.savefig(DOCS / "moving.png", dpi=100)
 
 
-def main():
-    pages = {"surfaces": surfaces, "other-surfaces": other_surfaces, "robustness": robustness, "reach": reach, "moving": moving}
-    if len(sys.argv) != 3 or sys.argv[1] not in pages:
-        sys.exit(__doc__)
-    folder = pathlib.Path(sys.argv[2])
+PAGES = {"surfaces": surfaces, "other-surfaces": other_surfaces, "robustness": robustness, "reach": reach, "moving": moving}
+
+
+def page(study, folder, check=False):
+    """Writes a study's page and picture from its data set, or says what of the page is stale. Exits where the sources had been changed."""
     rows = rows_of(folder)
-    name, lines = pages[sys.argv[1]](rows, folder)
+    name, lines, draw = PAGES[study](rows, folder)
+    if check:
+        return stale(f"docs/{name}", (DOCS / name).read_text().splitlines(), lines)
+    if stamp(folder).endswith("+"):
+        sys.exit(f"{folder}: was measured on changed sources ({stamp(folder)}); commit first, then run it again")
     (DOCS / name).write_text("\n".join(lines) + "\n")
+    if draw:
+        draw()
     print(f"docs/{name}: {len(rows)} cells, {sum(row['failed'] for row in rows)} missed a limit")
+    return []
+
+
+def main():
+    if len(sys.argv) != 3 or sys.argv[1] not in PAGES:
+        sys.exit(__doc__)
+    page(sys.argv[1], pathlib.Path(sys.argv[2]))
 
 
 if __name__ == "__main__":

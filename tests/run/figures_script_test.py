@@ -11,6 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "setup"))
 import figures
 import quotes
+import study_pages
 
 
 def fill(document, **known):
@@ -180,8 +181,48 @@ class Documents(unittest.TestCase):
 
     def test_they_quote_what_figures_json_holds(self):
         self.assertEqual(
-            figures.fill_all(figures.documents("all"), figures.read_figures(), write=False), []
+            figures.fill_all(
+                figures.documents("all") + figures.shown("all"), figures.read_figures(), write=False
+            ),
+            [],
         )
+
+    def test_a_picture_says_what_was_measured_and_a_stale_one_is_found(self):
+        known = figures.read_figures()
+        for page in figures.shown("all"):
+            self.assertIn("ink_error_rms", figures.text_of(page), page.name)
+        page = ROOT / "docs/images/drawn.png"
+        self.assertEqual(figures.needed_runs([page]), {"bowl-sine", "bowl-m", "koi"})
+        known["koi.ink_error_rms"] = dict(known["koi.ink_error_rms"], value=0.015)
+        (told,) = figures.fill_all([page], known, write=False)
+        self.assertIn("koi.ink_error_rms is quoted as '0.022', the program gives 0.015", told)
+
+    def test_a_picture_that_says_nothing_is_stale(self):
+        from PIL import Image
+
+        with tempfile.TemporaryDirectory(dir=ROOT / "build") as folder:
+            page = pathlib.Path(folder) / "silent.png"
+            Image.new("RGB", (2, 2)).save(page)
+            (told,) = figures.fill_all([page], figures.read_figures(), write=False)
+            self.assertIn("does not say what was measured", told)
+
+    def test_a_page_is_compared_but_for_the_day_and_one_in_a_last_digit(self):
+        old = ["run on 2026-11-24, commit f3b3775: 305 runs", "| a | 0.022 / 1.000 |"]
+        new = ["run on 2026-12-01, commit 0123abc+: 305 runs", "| a | 0.023 / 1.000 |"]
+        self.assertEqual(study_pages.stale("p.md", old, new), [])
+        for other in ("| a | 0.024 / 1.000 |", "| b | 0.022 / 1.000 |"):
+            (told,) = study_pages.stale("p.md", old, [new[0], other])
+            self.assertIn("p.md:2", told)
+        self.assertIn("2 lines, measured are 1", study_pages.stale("p.md", old, new[:1])[0])
+
+    def test_cells_of_which_little_is_promised_are_listed(self):
+        row = {"case": "a", "state": "ok", "not_drawn": '{"fold": 2}', "length_reachable": 100.0}
+        rows = [
+            {**row, "length_promised": 39.9},
+            {**row, "case": "b", "length_promised": 40.1},
+            {**row, "case": "c", "state": "nothing", "length_promised": None},
+        ]
+        self.assertEqual(study_pages.shy_list(rows), ["- `a`: 40 % (fold 2)", "- `c`: nothing (fold 2)"])
 
     def test_every_figure_says_where_it_is_from(self):
         entries = json.loads(figures.FIGURES.read_text())
