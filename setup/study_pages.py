@@ -119,7 +119,7 @@ def surfaces(rows, folder, title="Surfaces", called="`./impedraw robustness --pa
              f"{unstable} were unstable; {100 * share(rows):.0f} % of the length that was asked for is promised. Each entry gives *ink error RMS [mm] / "
              "standard deviation of the normal force [N] / mean speed [mm/s] / share of the length promised*. **✗** marks a cell that stopped or "
              "missed a limit; the list below says which.", "",
-             "The depths that the cameras measure have no noise here, and the wrench is the true one: on an arm with real sensors, expect less. `scenarios/bowl-sine-realistic.yaml` "
+             "The depths that the cameras measure have no noise here, and the wrench is the true one: on an arm with real sensors, expect larger errors. `scenarios/bowl-sine-realistic.yaml` "
              "shows what they cost on a smooth bowl, and `studies/other-surfaces.yaml` has meshes with noise in themselves.", "",
              f"A cell is also listed if less than {100 * FLOOR:.0f} % is promised of what a planner could draw that knows the true surface: what has the canvas below it where that leans "
              f"by less than 75°, within the arm's reach (`length_reachable`). {sum(map(shy, rows))} of {len(rows)} cells are."]  # fmt: skip
