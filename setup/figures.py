@@ -424,7 +424,7 @@ def study_pages_of(names: list[str], folder: pathlib.Path, check: bool) -> int:
     for line in stale:
         print(line)
     if check:
-        print(f"{len(stale)} lines of pages are stale" if stale else "every page holds")
+        print(f"{len(stale)} places of pages are stale" if stale else "every page holds")
     return 1 if stale else 0
 
 

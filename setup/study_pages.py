@@ -8,6 +8,7 @@
 A page is measured on a clean commit: data sets of changed sources are refused.
 """
 import datetime
+import difflib
 import json
 import math
 import pathlib
@@ -45,11 +46,14 @@ STAMP = re.compile(r"\d{4}-\d\d-\d\d, commit \w*\+?")
 
 
 def stale(name, old, new):
-    """What two versions of a page differ in, but for when they were measured and for one in a last digit; a line each."""
+    """What two versions of a page differ in, but for when they were measured and for one in a last digit; a place each."""
     old, new = ([STAMP.sub("", line) for line in lines] for lines in (old, new))
-    told = [f"{name}: {len(old)} lines, measured are {len(new)}"] if len(old) != len(new) else []
-    return told + [f"{name}:{i}: has\n    {a}\n  measured is\n    {b}" for i, (a, b) in enumerate(zip(old, new), 1)
-                   if not quotes.same_but_for_digits(a, b)]  # fmt: skip
+    words = ([quotes.NUMBER.sub("#", line) for line in lines] for lines in (old, new))
+    told = []
+    for kind, a, b, c, d in difflib.SequenceMatcher(None, *words, autojunk=False).get_opcodes():
+        pairs = zip(old[a:b], new[c:d]) if kind == "equal" else [("\n    ".join(old[a:b]), "\n    ".join(new[c:d]))]
+        told += [f"{name}:{a + 1 + i}: has\n    {x}\n  measured is\n    {y}" for i, (x, y) in enumerate(pairs) if not quotes.same_but_for_digits(x, y)]
+    return told
 
 
 def digits(x):

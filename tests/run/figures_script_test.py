@@ -213,7 +213,9 @@ class Documents(unittest.TestCase):
         for other in ("| a | 0.024 / 1.000 |", "| b | 0.022 / 1.000 |"):
             (told,) = study_pages.stale("p.md", old, [new[0], other])
             self.assertIn("p.md:2", told)
-        self.assertIn("2 lines, measured are 1", study_pages.stale("p.md", old, new[:1])[0])
+        (told,) = study_pages.stale("p.md", old, ["a line more", *new])
+        self.assertIn("p.md:1: has\n    \n  measured is\n    a line more", told)
+        self.assertEqual(len(study_pages.stale("p.md", old, new[:1])), 1)
 
     def test_cells_of_which_little_is_promised_are_listed(self):
         row = {"case": "a", "state": "ok", "not_drawn": '{"fold": 2}', "length_reachable": 100.0}
