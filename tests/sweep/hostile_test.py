@@ -28,6 +28,8 @@ HOSTILE = {
     "deep mappings": HEAD + "set: " + "{a: " * 400 + "1" + "}" * 400 + "\n",
     "a large file": HEAD + "#" * 2_000_000,
     "a long text": HEAD + f"about: {'a' * 20_000}\n",
+    "a long key": HEAD + "set: {? " + "control." * 1_200 + " : 1}\n",
+    "a long axis": HEAD + "axes: {? " + "world.tip" * 1_000 + " : [1]}\n",
     "a NUL": HEAD + 'text: "a\\0b"\n',
     "half a character": HEAD + 'text: "\\ud800"\n',
     "10^12 cells": AXIS + "{from: 0.01, to: 1, count: 1000000}\nseeds: 1000000\n",

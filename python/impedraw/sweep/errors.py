@@ -19,7 +19,7 @@ class SweepError(ValueError):
 def nearest(name: str, valid: Iterable[str], most: int = 12) -> str:
     """What would be valid in place of `name`: the closest names, else all of them if few."""
     names = sorted(valid)
-    close = difflib.get_close_matches(name, names, n=3, cutoff=0.6)
+    close = difflib.get_close_matches(name[:100], names, n=3, cutoff=0.6)
     if close:
         return "did you mean " + " or ".join(close) + "?"
     return "valid are " + ", ".join(names[:most]) + (", …" if len(names) > most else "")

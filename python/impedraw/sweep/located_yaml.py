@@ -18,7 +18,7 @@ import yaml
 from .errors import SweepError
 
 
-LARGEST_FILE = 1_000_000  # bytes
+LARGEST_FILE = 500_000  # bytes
 MOST_VALUES = 200_000  # keys and entries, each as often as aliases repeat it
 LONGEST_TEXT = 10_000  # characters of a value
 DEEPEST = 30
