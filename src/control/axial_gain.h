@@ -32,9 +32,11 @@ struct TipGain {
     y << linear.apply(n_W, x.head<3>()), angular.apply(n_W, x.tail<3>());
     return y;
   }
-  TipGain inverse() const {  // every gain must be nonzero
-    return {{1.0 / linear.tangent, 1.0 / linear.normal},
-            {1.0 / angular.tangent, 1.0 / angular.normal}};
+  // Along an axis without gain it has none either: where nothing damps, nothing is stiff.
+  TipGain inverse() const {
+    const auto each = [](double gain) { return gain > 0.0 ? 1.0 / gain : 0.0; };
+    return {{each(linear.tangent), each(linear.normal)},
+            {each(angular.tangent), each(angular.normal)}};
   }
 };
 

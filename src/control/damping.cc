@@ -115,7 +115,8 @@ Vector6 ModalDamping::apply(const Matrix6& U_inverse, const Vector6& V) const no
 
 Vector6 ModalDamping::solve(const Matrix6& U, const Vector6& F) const noexcept {
   const Vector6 modal = Z_.transpose() * (U.transpose() * F);
-  return U * (Z_ * modal.cwiseQuotient(rate_));
+  // A mode without damping has no stiffness either, and follows nothing.
+  return U * (Z_ * (rate_.array() > 0.0).select(modal.cwiseQuotient(rate_), Vector6::Zero()));
 }
 
 TipGain diagonal_damping(const TipGain& stiffness, const TipGain& inertia, double damping_ratio) {

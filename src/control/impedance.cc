@@ -453,7 +453,7 @@ Vector6 ImpedanceController::handed_over(const Vector6& force, const Vector6& pu
   last_mode_ = out_.mode;
   last_force_ = force + push + carried_force_;
   const Vector6 continuous = force + carried_force_;
-  carried_force_ *= 1.0 - settings_.timing.dt / settings_.switch_time;
+  carried_force_ *= std::max(0.0, 1.0 - settings_.timing.dt / settings_.switch_time);
   return continuous;
 }
 
@@ -517,7 +517,7 @@ JointVector ImpedanceController::null_space_torque(const ArmTerms& arm) noexcept
   if (damping > 1.0) {
     const JointVector self = arm.v - space_.joint_speed(arm.V_WE);
     const double rate = self.dot(D_q.cwiseProduct(self)) / self.dot(arm.M * self);
-    damping = std::clamp(bearable_rate() / rate, 1.0, damping);
+    if (rate > 0.0) damping = std::clamp(bearable_rate() / rate, 1.0, damping);
   }
   return share * pull - damping * D_q.cwiseProduct(arm.v) + limit_repulsion(arm.q);
 }

@@ -2,11 +2,18 @@
 // present. Where it is cheap, the test also builds the defect and checks that it would be found.
 // Accelerations come from MuJoCo: M⁻¹ and J of the true arm.
 #include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "dense_algebra.h"
 #include "free_arm.h"
+#include "impedraw/common/errors.h"
+#include "seeds.h"
 
 namespace impedraw {
 namespace {
@@ -311,6 +318,110 @@ TEST(Defects,
       EXPECT_LT((Eigen::VectorXd(still.free.control().tau) - gravity).norm(),
                 1e-8 * gravity.norm());
     }
+  }
+}
+
+// Each setting's ends, and random pairs of all: refused by name, or a finite torque that follows
+// the law and is not the safe one. The pose is far off, so that the speed's limits act, too.
+TEST(Defects, AnAllowedSettingThatGivesNoNumber) {
+  using Set = std::function<void(ImpedanceSettings&, double)>;
+  using L = ImpedanceSettings::Limits;
+  struct Knob {
+    Limit limit;
+    Set set;
+  };
+  const std::vector<Knob> knobs = {
+      {L::switch_time, [](auto& s, double x) { s.switch_time = x; }},
+      {L::stiffness, [](auto& s, double x) { s.stiffness.linear.tangent = x; }},
+      {L::stiffness, [](auto& s, double x) { s.stiffness.linear.normal = x; }},
+      {L::rotational_stiffness, [](auto& s, double x) { s.stiffness.angular.tangent = x; }},
+      {L::rotational_stiffness, [](auto& s, double x) { s.stiffness.angular.normal = x; }},
+      {L::reference_stiffness, [](auto& s, double x) { s.reference_stiffness.linear.tangent = x; }},
+      {L::reference_stiffness, [](auto& s, double x) { s.reference_stiffness.linear.normal = x; }},
+      {L::reference_rotational_stiffness,
+       [](auto& s, double x) { s.reference_stiffness.angular.tangent = x; }},
+      {L::reference_rotational_stiffness,
+       [](auto& s, double x) { s.reference_stiffness.angular.normal = x; }},
+      {L::mass, [](auto& s, double x) { s.shaped_inertia.linear.tangent = x; }},
+      {L::mass, [](auto& s, double x) { s.shaped_inertia.linear.normal = x; }},
+      {L::rotational_inertia, [](auto& s, double x) { s.shaped_inertia.angular.normal = x; }},
+      {L::damping_ratio, [](auto& s, double x) { s.damping_ratio = x; }},
+      {L::inertia_scale, [](auto& s, double x) { s.inertia_scale = x; }},
+      {L::normal_force, [](auto& s, double x) { s.normal_force = x; }},
+      {L::normal_bandwidth, [](auto& s, double x) { s.surface.normal_bandwidth = x; }},
+      {L::min_axis_cosine, [](auto& s, double x) { s.surface.min_axis_cosine = x; }},
+      {L::approach_speed, [](auto& s, double x) { s.approach.speed = x; }},
+      {L::approach_overtravel, [](auto& s, double x) { s.approach.overtravel = x; }},
+      {L::approach_lag, [](auto& s, double x) { s.approach.lag = x; }},
+      {L::retreat_height, [](auto& s, double x) { s.approach.retreat_height = x; }},
+      {L::tip_radius, [](auto& s, double x) { s.tip.radius = x; }},
+      {L::tip_stiffness, [](auto& s, double x) { s.tip.stiffness = x; }},
+      {L::friction, [](auto& s, double x) { s.friction.coefficient = x; }},
+      {L::normal_error, [](auto& s, double x) { s.friction.normal_error_deg = x; }},
+      {L::friction_feedforward, [](auto& s, double x) { s.friction.feedforward = x; }},
+      {L::null_damping_ratio, [](auto& s, double x) { s.null_space.damping_ratio = x; }},
+      {L::null_stiffness,
+       [](auto& s, double x) { s.null_space.stiffness = JointVector::Constant(7, x); }},
+      {L::torque_rate,
+       [](auto& s, double x) { s.limits.torque_rate = JointVector::Constant(7, x); }},
+      {L::limit_margin, [](auto& s, double x) { s.joint_range.margin = x; }},
+      {L::limit_torque, [](auto& s, double x) { s.joint_range.torque = x; }},
+      {L::tip_speed_limit, [](auto& s, double x) { s.limits.tip_speed = x; }},
+      {L::turn_speed_limit, [](auto& s, double x) { s.limits.turn_speed = x; }}};
+  const auto value = [](const Limit& limit, double share) {
+    const Range& r = limit.range;
+    const double low = r.above ? 1e-6 : r.lowest, high = r.below ? r.highest - 1e-6 : r.highest;
+    return low + share * (high - low);
+  };
+  ArmModel arm(kArm);
+  const auto require_finite = [&](const ImpedanceSettings& s, const std::string& what) {
+    SCOPED_TRACE(what);
+    std::optional<FreeArm> free;
+    try {
+      free.emplace(s);
+    } catch (const InputError& refused) {
+      EXPECT_STRNE(refused.what(), "");
+      return;
+    }
+    free->reference.p_WD += Eigen::Vector3d(0.3, -0.2, 0.1);
+    free->reference.v_WD = Eigen::Vector3d(0.1, 0.2, 0.3);
+    free->surface.status = SurfaceStatus::ok;
+    free->surface.n_W = free->reference.n_WD;
+    free->surface.distance = 2e-3;
+    for (int i = 0; i < 20; ++i) {
+      free->reference.pen_down = i >= 5;
+      free->F_ext.head<3>() = (i >= 8 ? 4.0 : 0.0) * free->reference.n_WD;
+      const ImpedanceTorque& out = free->control();
+      ASSERT_TRUE(out.tau.allFinite());
+      ASSERT_FALSE(out.status.bad_input);
+    }
+  };
+  const auto settings_of = [&](int kind) {
+    ImpedanceSettings s = kind == 2 ? natural_settings(arm) : shaped_settings(arm);
+    if (kind == 1) s.inertia = InertiaShaping::scaled;
+    s.joint_range = {arm.limits().lower, arm.limits().upper};
+    s.limits.joint_speed = arm.limits().speed;
+    return s;
+  };
+  for (int kind = 0; kind < 3; ++kind)
+    for (const Knob& knob : knobs)
+      for (const double end : {0.0, 1.0}) {
+        ImpedanceSettings s = settings_of(kind);
+        knob.set(s, value(knob.limit, end));
+        require_finite(s, fmt::format("{} {} {}", kind, knob.limit.name, end));
+      }
+  std::mt19937 rng(43);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (unsigned i = 0; i < seeds(500, 20000); ++i) {
+    ImpedanceSettings s = settings_of(static_cast<int>(i % 3));
+    std::string what = std::to_string(i % 3);
+    for (int k = 0; k < 2; ++k) {
+      const Knob& knob = knobs[rng() % knobs.size()];
+      const double x = unit(rng), share = x < 0.3 ? 0.0 : x > 0.7 ? 1.0 : unit(rng);
+      knob.set(s, value(knob.limit, share));
+      what += fmt::format(" {} {}", knob.limit.name, value(knob.limit, share));
+    }
+    require_finite(s, what);
   }
 }
 
