@@ -22,12 +22,14 @@ const char* name_of(SessionState state) { return kStateNames[static_cast<std::si
 ArmSession::ArmSession(const SessionSettings& settings)
     : settings_(settings),
       last_(static_cast<int>(settings.torque_limit.size())),
+      motion_(settings.rated_speed, settings.torque_limit),
       sent_(JointVector::Zero(settings.torque_limit.size())) {
   const auto positive = [&](const JointVector& x) {
     return x.size() == sent_.size() && (x.array() > 0.0).all();
   };
   if (sent_.size() == 0 || !positive(settings.torque_limit) || !positive(settings.speed_limit) ||
-      !positive(settings.external_limit) || !positive(settings.damping))
+      !positive(settings.rated_speed) || !positive(settings.external_limit) ||
+      !positive(settings.damping))
     throw std::invalid_argument("a session's limits are positive, one for each joint");
 }
 
@@ -73,31 +75,35 @@ bool ArmSession::receive(const ArmStatus& status, double now) noexcept {
     first_utime_ = status.utime;
   } else if (status.utime <= last_.utime) {
     if (++old_ > kMostOld)
-      fail(fmt::format("the arm's clock went back by {:.3f} s and stayed there",
-                       1e-6 * static_cast<double>(last_.utime - status.utime)));
+      fail(status.utime == last_.utime
+               ? std::string("the arm's clock stands still")
+               : fmt::format("the arm's clock went back by {:.3f} s and stayed there",
+                             seconds_between(status.utime, last_.utime)));
     return false;
   }
   old_ = 0;
   ++received_;
-  const std::int64_t step = status.utime - last_.utime;
+  const double step = seconds_between(last_.utime, status.utime);
   const bool first = state_ == SessionState::waiting;
   last_.utime = status.utime;
   last_arrival_ = now;
   last_.q = status.q;
   last_.v = status.v;
   last_.external = status.external;
-  if (!first) {
-    if (usual_ == 0 || step < usual_) usual_ = step;
-    missed_ += (step + usual_ / 2) / usual_ - 1;
-  }
-  if (first) apply(Event::status);
-  check(status);
-  if (!first && may_send() && static_cast<double>(step) > 1e6 * settings_.max_gap)
+  const double longest = may_send() ? settings_.max_gap : kLongestJump;
+  if (first) {
+    apply(Event::status);
+  } else if (step > longest) {
     fail(
         fmt::format("the arm's clock jumped by {:.3f} s; at most {:.3f} s may lie between two "
                     "statuses",
-                    1e-6 * static_cast<double>(step), settings_.max_gap));
-  const double quiet = 1e-6 * static_cast<double>(status.utime - first_utime_);
+                    step, longest));
+  } else {
+    if (usual_ == 0.0 || step < usual_) usual_ = step;
+    missed_ += std::lround(step / usual_) - 1;
+  }
+  check(status, first ? 0.0 : step);
+  const double quiet = seconds_between(first_utime_, status.utime);
   if (state_ == SessionState::quiet && quiet >= settings_.quiet_time &&
       now - first_arrival_ >= settings_.quiet_time)
     apply(Event::quiet_over);
@@ -105,18 +111,22 @@ bool ArmSession::receive(const ArmStatus& status, double now) noexcept {
 }
 
 double ArmSession::mean_step() const noexcept {
-  return 1e-6 * static_cast<double>(last_.utime - first_utime_) /
+  return seconds_between(first_utime_, last_.utime) /
          (received_ > 1 ? static_cast<double>(received_ - 1) : std::nan(""));
 }
 
-void ArmSession::check(const ArmStatus& status) noexcept {
+void ArmSession::check(const ArmStatus& status, double step) noexcept {
   if (!status.q.allFinite() || !status.v.allFinite() || !status.external.allFinite())
     return fail("the arm's status has numbers that are not finite");
+  if (motion_.update(status.q, &status.v, sent_, status.external, step)) fail(motion_.cause());
   Eigen::Index j = 0;
   (status.v.array().abs() / settings_.speed_limit.array()).maxCoeff(&j);
   if (std::abs(status.v[j]) > settings_.speed_limit[j])
-    return fail(fmt::format("joint {} turns at {:.2f} rad/s, more than {:.2f} rad/s", j + 1,
-                            std::abs(status.v[j]), settings_.speed_limit[j]));
+    return fail(fmt::format("joint {} turns at {:.2f} rad/s, more than {:.2f} rad/s{}", j + 1,
+                            std::abs(status.v[j]), settings_.speed_limit[j],
+                            std::abs(motion_.confirmed(status.v)[j]) < 0.5 * std::abs(status.v[j])
+                                ? ", which its positions contradict"
+                                : ""));
   (status.external.array().abs() / settings_.external_limit.array()).maxCoeff(&j);
   if (std::abs(status.external[j]) > settings_.external_limit[j])
     fail(fmt::format("an external torque of {:.1f} Nm acts on joint {}, more than {:.1f} Nm",
@@ -134,13 +144,13 @@ void ArmSession::run() noexcept { apply(Event::run); }
 void ArmSession::stop() noexcept { apply(Event::stop); }
 
 void ArmSession::fail(const std::string& cause) noexcept {
-  if (cause_.empty()) cause_ = cause;
+  if (cause_.empty()) cause_ = cause.empty() ? "a fault without a name" : cause;
   apply(Event::fail);
 }
 
 const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noexcept {
   if (!may_send()) return sent_;
-  const double since = answered_ == 0 ? 0.0 : 1e-6 * static_cast<double>(last_.utime - answered_);
+  const double since = answered_ == 0 ? 0.0 : seconds_between(answered_, last_.utime);
   const double dt = stale ? 1e-3 : std::clamp(since, 0.0, settings_.longest_step);
   answered_ = last_.utime;
   if (!sent_any_) entered_ = last_.utime;  // the ramp begins with the first command
@@ -150,24 +160,25 @@ const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noe
     fail("the controller's torque is not finite");
   double share = 1.0;
   if (state_ == SessionState::start) {
-    share = 1e-6 * static_cast<double>(last_.utime - entered_) / settings_.ramp_time;
+    share = seconds_between(entered_, last_.utime) / settings_.ramp_time;
     if (share >= 1.0) apply(Event::ramped);
     share = std::min(share, 1.0);
   }
   const bool ending = state_ == SessionState::fault || state_ == SessionState::stop;
   if (ending) {
     damped_ += stale ? 1e-3 : std::max(dt, 1e-6);
-    const bool calm = last_.v.cwiseAbs().maxCoeff() < kAtRest;
+    const bool calm = motion_.confirmed(last_.v).cwiseAbs().maxCoeff() < kAtRest;
     damping_over_ =
         damping_over_ || stale || calm || damped_ > settings_.damp_time || !last_.v.allFinite();
   }
+  const JointVector v = motion_.confirmed(last_.v);
   const bool follow = state_ == SessionState::start || state_ == SessionState::run;
   for (Eigen::Index j = 0; j < sent_.size(); ++j) {
     double tau = 0.0;
     if (follow)
       tau = share * wanted[j];
     else if (ending && !damping_over_)
-      tau = -settings_.damping[j] * last_.v[j];
+      tau = -settings_.damping[j] * v[j];
     const double limit = settings_.torque_limit[j], most = settings_.torque_rate * dt;
     tau = std::clamp(tau, -limit, limit);
     sent_[j] = std::clamp(tau, sent_[j] - most, sent_[j] + most);

@@ -14,7 +14,12 @@
 //
 // Any state but ended goes to fault on a fault and to stop on a request; a fault during a stop
 // stays a stop with a named cause. In every state |τ_j| ≤ torque_limit_j and
-// |Δτ_j| ≤ torque_rate Δt, with Δt from the arm's clock, at most longest_step.
+// |Δτ_j| ≤ torque_rate Δt, with Δt from the arm's clock, at most longest_step. In D v, v is the
+// measured speed as far as positions confirm it.
+//
+// Faults besides speed, external torque, silence and numbers that are not finite: positions that
+// contradict speed or torque (motion_check.h); a clock that jumps by more than max_gap while the
+// arm is driven, by more than ArmSession::kLongestJump ever, that stands still, or that goes back.
 //
 // τ is without gravity: the arm compensates its own weight. D is diagonal and must be small against
 // the joints' inertia over the loop's delay: see joint_damping().
@@ -24,6 +29,7 @@
 #include <string>
 
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/run/motion_check.h"
 
 namespace impedraw {
 
@@ -38,6 +44,7 @@ struct ArmStatus {
 struct SessionSettings {
   // One entry per joint, all positive.
   JointVector torque_limit;    // without gravity [Nm]
+  JointVector rated_speed;     // of MotionCheck [rad/s]
   JointVector speed_limit;     // a faster joint is a fault [rad/s]
   JointVector external_limit;  // a larger external torque is a fault [Nm]
   JointVector damping;         // D [Nm s/rad]
@@ -55,8 +62,9 @@ const char* name_of(SessionState state);
 
 class ArmSession {
  public:
-  static constexpr double kAtRest = 0.02;  // joint speed at which damping is over [rad/s]
-  static constexpr int kMostOld = 20;      // statuses in a row that are older than the last
+  static constexpr double kAtRest = 0.02;       // joint speed at which damping is over [rad/s]
+  static constexpr int kMostOld = 20;           // statuses in a row that are older than the last
+  static constexpr double kLongestJump = 10.0;  // between two statuses, in any state [s]
 
   // Throws std::invalid_argument if a limit is not positive or the sizes differ.
   explicit ArmSession(const SessionSettings& settings);
@@ -92,21 +100,29 @@ class ArmSession {
  private:
   enum class Event { status, quiet_over, ramped, hold, run, stop, fail, at_rest };
   void apply(Event event) noexcept;
-  void check(const ArmStatus& status) noexcept;
+  void check(const ArmStatus& status, double step) noexcept;
 
   SessionSettings settings_;
   SessionState state_ = SessionState::waiting;
   ArmStatus last_;
   double first_arrival_ = 0.0, last_arrival_ = 0.0;  // [s]
   std::int64_t first_utime_ = 0, entered_ = 0;       // [µs]
-  std::int64_t answered_ = 0, usual_ = 0;            // utime answered; usual step [µs]
-  double damped_ = 0.0;                              // time in fault or stop [s]
+  std::int64_t answered_ = 0;                        // utime [µs]
+  double usual_ = 0.0;                               // step [s]
+  MotionCheck motion_;
+  double damped_ = 0.0;  // time in fault or stop [s]
   int old_ = 0;
   long missed_ = 0, received_ = 0;
   bool sent_any_ = false, damping_over_ = false;
   JointVector sent_;
   std::string cause_;
 };
+
+// b − a of the arm's clock [µs], whatever the two are [s].
+inline double seconds_between(std::int64_t a, std::int64_t b) noexcept {
+  const auto from = static_cast<std::uint64_t>(a), to = static_cast<std::uint64_t>(b);
+  return 1e-6 * (b < a ? -static_cast<double>(from - to) : static_cast<double>(to - from));
+}
 
 // D_j = 1/(T (M⁻¹)_jj): with n joints no mode is damped faster than n/T, so that a delay of T/n/2
 // and less stays harmless. M: inertia at the posture [kg m²], T [s].

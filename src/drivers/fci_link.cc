@@ -109,7 +109,7 @@ void FciLink::read_responses(double patience, std::uint32_t id) {
     if (tcp_ < 0)
       throw std::runtime_error(fmt::format("arm.url {}: the connection was lost", url_));
     const double left = patience - seconds_since(begin);
-    if (!readable(tcp_, left)) return;
+    if (left < 0.0 || !readable(tcp_, left)) return;
     const ssize_t n = recv(tcp_, some.data(), some.size(), 0);
     if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) {
       close_all();
@@ -124,6 +124,11 @@ void FciLink::read_responses(double patience, std::uint32_t id) {
         throw std::runtime_error(fmt::format(
             "arm.url {}: what answers there is no arm with Franka's control interface", url_));
       }
+      if (header.id >= next_id_ || responses_.size() >= kMostWaiting) {
+        close_all();
+        throw std::runtime_error(fmt::format(
+            "arm.url {}: it sends answers that nobody asked for (to request {})", url_, header.id));
+      }
       if (received_.size() < header.size) break;
       responses_.emplace(header.id, std::vector<std::uint8_t>(received_.begin() + kFciHeaderSize,
                                                               received_.begin() + header.size));
@@ -134,7 +139,7 @@ void FciLink::read_responses(double patience, std::uint32_t id) {
 
 int FciLink::receive(double seconds, FciState* state) noexcept {
   int taken = 0;
-  while (receive_next(taken == 0 ? seconds : 0.0, state)) ++taken;
+  while (taken < kMostTaken && receive_next(taken == 0 ? seconds : 0.0, state)) ++taken;
   return taken;
 }
 

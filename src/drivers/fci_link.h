@@ -18,6 +18,10 @@ void check_fci_url(const std::string& url);
 class FciLink {
  public:
   static constexpr double kPatience = 2.0;  // for the connection and for a response [s]
+  // Answers that wait for somebody who asks; more, or one to no request, end the connection: what
+  // is kept has a bound. And states that receive() takes at once, however fast they come.
+  static constexpr std::size_t kMostWaiting = 8;
+  static constexpr int kMostTaken = 1000;
 
   // Connects and agrees on the version. Throws InputError for another url, std::runtime_error if
   // nobody answers there or speaks another version.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -151,7 +152,8 @@ bool decode_fci_state(std::span<const std::uint8_t> bytes, FciState* state) noex
   if (bytes.size() != kFciStateSize) return false;
   const std::uint8_t* b = bytes.data();
   state->message_id = number_at<std::uint64_t>(b, 0);
-  state->arm.utime = static_cast<std::int64_t>(1000 * state->message_id);
+  constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max() / 1000;
+  state->arm.utime = static_cast<std::int64_t>(1000 * std::min(state->message_id, kMost));
   for (std::size_t j = 0; j < kFciJoints; ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     state->arm.q[i] = number_at<float>(b, kPositionAt + 4 * j);

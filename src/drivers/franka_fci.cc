@@ -31,6 +31,7 @@ SessionSettings fci_session_settings(const ArmSettings& settings, ArmModel& arm,
   s.torque_limit = arm.limits().torque;
   // The arm's own limit comes first, with a reflex that can be recovered from.
   s.speed_limit = kFastest * arm.limits().speed;
+  s.rated_speed = arm.limits().speed;
   s.external_limit = kContactShare * JointVector(Eigen::Map<const Eigen::VectorXd>(
                                          kContactTorque.data(), kFciJoints));
   ArmTerms terms(arm.joints());
@@ -253,10 +254,11 @@ bool FrankaFci::receive(double until) noexcept {
     moving_ = false;
     const std::string errors = fci_errors(last_.reflex_reason), state = name_of(session_->state());
     reflex_ = last_.mode == FciMode::reflex;
-    session_->fail(errors);
-    note_fault(reflex_ ? fmt::format("reflex {} (state {})", errors, state)
-                       : fmt::format("it left the motion: mode '{}' (state {})",
-                                     name_of(last_.mode), state));
+    const std::string cause =
+        reflex_ ? "reflex " + (errors.empty() ? "without a flag that names its cause" : errors)
+                : fmt::format("it left the motion: mode '{}'", name_of(last_.mode));
+    session_->fail(cause);
+    note_fault(fmt::format("{} (state {})", cause, state));
     return true;
   }
   if (session_->receive(last_.arm, wall_seconds())) answerable_ = true;
@@ -274,7 +276,8 @@ const ArmState& FrankaFci::read() noexcept {
   if (moving_) {
     const double end = wall_seconds() + settings_.max_silence + 0.01;
     while (fault_.empty() && !answerable_) receive(end);
-    state_.time = state_.state_time = 1e-6 * static_cast<double>(last_.arm.utime - first_utime_);
+    if (!fault_.empty()) return state_;  // what the arm says now is not believed
+    state_.time = state_.state_time = seconds_between(first_utime_, last_.arm.utime);
   } else {
     receive(wall_seconds());
   }

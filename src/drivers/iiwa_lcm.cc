@@ -21,6 +21,7 @@ constexpr std::array<double, kIiwaJoints> kTorque = {320, 320, 176, 176, 110, 40
 // drake-iiwa-driver ends a session at these external torques; a tenth less ends ours before [Nm].
 constexpr std::array<double, kIiwaJoints> kExternal = {60, 60, 60, 30, 12, 12, 6};
 constexpr double kExternalShare = 0.9, kSpeedShare = 1.2;
+constexpr double kOldestWrench = 1.0;  // before the first status that was answered [s]
 
 void require_iiwa(const ArmModel& arm) {
   if (arm.joints() != kIiwaJoints)
@@ -49,6 +50,7 @@ SessionSettings session_settings(const ArmSettings& settings, ArmModel& arm,
   SessionSettings s;
   s.torque_limit = arm.limits().torque;
   s.speed_limit = kSpeedShare * arm.limits().speed;
+  s.rated_speed = arm.limits().speed;
   s.external_limit = kExternalShare *
                      JointVector(Eigen::Map<const Eigen::VectorXd>(kExternal.data(), kIiwaJoints));
   ArmTerms terms(arm.joints());
@@ -157,8 +159,9 @@ void IiwaLcm::start() {
 }
 
 bool IiwaLcm::receive(double until) noexcept {
+  constexpr int kMostTaken = 1000;  // at once, however fast messages come
   bool fresh = false;
-  while (true) {
+  for (int taken = 0; taken < kMostTaken; ++taken) {
     const double now = wall_seconds();
     // What has already arrived is taken first, so that the newest status is answered.
     if (!link_->wait(fresh ? 0.0 : std::max(0.0, until - now))) {
@@ -184,6 +187,18 @@ bool IiwaLcm::receive(double until) noexcept {
   return fresh;
 }
 
+// A stamp of the future would be fresh for ever. One from before the session is of another clock;
+// between them, age tells.
+void IiwaLcm::require_wrench_stamp(std::int64_t utime) noexcept {
+  const double ahead = seconds_between(utime, wrench_.utime);
+  const double since = seconds_between(first_utime_, wrench_.utime);
+  if (ahead <= session_settings_.max_gap && since >= -kOldestWrench) return;
+  session_->fail(fmt::format(
+      "the wrench is stamped {:.3f} s {} the arm's clock: {} must tell that clock's time",
+      std::abs(ahead), ahead > 0.0 ? "ahead of" : "behind", kTipWrenchChannel));
+  note_fault();
+}
+
 void IiwaLcm::note_fault() noexcept {
   if (fault_.empty() && !session_->cause().empty())
     fault_ = fmt::format("arm: {} (state {})", session_->cause(), name_of(session_->state()));
@@ -198,20 +213,21 @@ const ArmState& IiwaLcm::read() noexcept {
   } else {
     receive(wall_seconds());  // only what has arrived since start()
   }
+  if (!fault_.empty()) return state_;  // what the arm says now is not believed
   const ArmStatus& last = session_->last();
   if (!began_) {
     began_ = true;
     first_utime_ = last.utime;
   }
-  state_.time = state_.state_time = 1e-6 * static_cast<double>(last.utime - first_utime_);
+  state_.time = state_.state_time = seconds_between(first_utime_, last.utime);
   state_.q = last.q;
   state_.v = last.v;
   state_.step_time = settings_.clock == ArmClock::wall ? last_step_ : 0.0;
   if (wants_wrench_) {
+    require_wrench_stamp(last.utime);
     state_.wrench = wrench_.wrench;
     // The delay that the set-up knows of is no age (driver.h).
-    state_.wrench_time =
-        1e-6 * static_cast<double>(wrench_.utime - first_utime_) + settings_.wrench_delay;
+    state_.wrench_time = seconds_between(first_utime_, wrench_.utime) + settings_.wrench_delay;
   }
   read_at_ = wall_seconds();
   return state_;

@@ -6,7 +6,9 @@
 //          simulates waits from the first command on. On a wall clock the newest status is
 //          answered, and the loop must not wait: see docs/arm-iiwa.md.
 // State    positions and velocities of the status. The status's torques are never taken for force.
-// Wrench   of the channel IMPEDRAW_TIP_WRENCH, where the scenario wants one.
+// Wrench   of the channel IMPEDRAW_TIP_WRENCH, where the scenario wants one. A stamp that is more
+//          than SessionSettings::max_gap ahead of the newest status, or 1 s before the first, is a
+//          fault.
 // Torque   without gravity: the arm adds its own.
 #pragma once
 
@@ -50,6 +52,7 @@ class IiwaLcm : public ForeignArm {
   // Receives until a status is to be answered or `until` [s]; true if there is one.
   bool receive(double until) noexcept;
   void send(const JointVector& wanted, bool stale) noexcept;
+  void require_wrench_stamp(std::int64_t utime) noexcept;
   void note_fault() noexcept;
 
   ArmSettings settings_;

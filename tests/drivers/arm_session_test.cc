@@ -3,6 +3,7 @@
 #include "impedraw/drivers/arm_session.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -10,12 +11,15 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "seeds.h"
 
 namespace impedraw {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr int kJoints = 3;
 
@@ -24,6 +28,7 @@ SessionSettings settings() {
   s.torque_limit = JointVector::Constant(kJoints, 40.0);
   s.speed_limit = JointVector::Constant(kJoints, 2.0);
   s.external_limit = JointVector::Constant(kJoints, 20.0);
+  s.rated_speed = JointVector::Constant(kJoints, 2.0);
   s.damping = JointVector::Constant(kJoints, 3.0);
   return s;
 }
@@ -72,7 +77,9 @@ TEST(ArmSession, AStopDampsAndEndsWithZero) {
   std::int64_t utime = 1'250'000;
   double now = 0.25, v = 1.0;
   const auto cycle = [&] {
-    session.receive(at(utime += 1000, v), now += 1e-3);
+    ArmStatus status = at(utime += 1000, v);
+    status.q = all(1e-6 * v * static_cast<double>(utime - 1'250'000));
+    session.receive(status, now += 1e-3);
     return JointVector(session.answer(all(9.0)));
   };
   for (int i = 0; i < 300; ++i) cycle();
@@ -116,7 +123,7 @@ TEST(ArmSession, FaultsAreNamed) {
     return session.cause();
   };
   EXPECT_EQ(cause([](ArmSession& s) { s.receive(at(1'252'000, 2.5), 0.252); }),
-            "joint 1 turns at 2.50 rad/s, more than 2.00 rad/s");
+            "joint 1 turns at 2.50 rad/s, more than 2.00 rad/s, which its positions contradict");
   EXPECT_EQ(cause([](ArmSession& s) {
               ArmStatus status = at(1'252'000);
               status.external[2] = -25.0;
@@ -138,6 +145,84 @@ TEST(ArmSession, FaultsAreNamed) {
               s.answer(all(std::numeric_limits<double>::infinity()));
             }),
             "the controller's torque is not finite");
+}
+
+// Runs a session with zero torque over statuses q(t), v(t), 1 ms apart for at most 2 s, and returns
+// the cause. Once it has one, no torque may be larger than `most`, and zero is the last.
+std::string told(const std::function<void(double t, ArmStatus*)>& arm, double most,
+                 double wanted = 0.0, double step = 1e-3) {
+  ArmSession session = begun();
+  double now = 0.25;
+  for (double t = step; t < 2.0 && session.state() != SessionState::ended; t += step) {
+    ArmStatus status = at(1'250'000 + std::llround(1e6 * t));
+    arm(t, &status);
+    if (!session.receive(status, now += step)) continue;
+    const double before = session.sent().cwiseAbs().maxCoeff();
+    const double sent = session.answer(all(wanted)).cwiseAbs().maxCoeff();
+    if (!session.cause().empty()) {
+      EXPECT_LE(sent, std::max(before, most) + 1e-9) << t;
+    }
+  }
+  if (!session.cause().empty()) {
+    EXPECT_EQ(session.state(), SessionState::ended);
+    EXPECT_TRUE(session.sent().isZero(0.0));
+  }
+  return session.cause();
+}
+
+TEST(ArmSession, AnArmThatLiesIsNamedAndNotDampedByItsLie) {
+  const auto wave = [](double t, ArmStatus* s) {  // from rest, at most 0.6 rad/s
+    s->q = all(0.1 * (1.0 - std::cos(6.0 * t)));
+    s->v = all(0.6 * std::sin(6.0 * t));
+  };
+  EXPECT_EQ(told(wave, 0.0), "");
+  EXPECT_THAT(told([](double t, ArmStatus* s) { s->q[1] = t > 0.5 ? 0.5 : 0.0; }, 1e-9),
+              HasSubstr("the position of joint 2 jumped by 0.500 rad"));
+  EXPECT_THAT(told([](double t, ArmStatus* s) { s->q[2] = 0.2 * t; }, 1e-9),
+              HasSubstr("the positions of joint 3 contradict its speed"));
+  EXPECT_THAT(told([](double t, ArmStatus* s) { s->v[0] = t > 0.5 ? 9.0 : 0.0; }, 1e-9),
+              HasSubstr("which its positions contradict"));
+  const auto lying = [&](double q, double v) {
+    return [=](double t, ArmStatus* s) {
+      wave(t, s);
+      s->q *= q;
+      s->v *= v;
+    };
+  };
+  EXPECT_THAT(told(lying(1.0, -1.0), 1e-9), HasSubstr("contradict its speed"));
+  EXPECT_THAT(told(lying(57.296, 1.0), 3.0), HasSubstr("joint 1"));
+  EXPECT_THAT(told(lying(1.0, 1000.0), 3.0), HasSubstr("joint 1"));
+  EXPECT_THAT(told([](double, ArmStatus*) {}, 0.0, 15.0), HasSubstr("the arm does not move"));
+}
+
+// What real arms say: encoders of 17 bits, speeds 10 ms late, statuses that are lost.
+TEST(ArmSession, AnArmThatIsOnlyCoarseIsBelieved) {
+  for (const double step : {1e-3, 5e-3, 1.0 / 60.0}) {
+    SCOPED_TRACE(step);
+    std::mt19937 random(7);
+    std::bernoulli_distribution lost(step < 2e-3 ? 0.2 : 0.0);
+    const double quantum = 2.0 * 3.14159265358979 / 131072.0;
+    const auto coarse = [&](double t, ArmStatus* s) {
+      s->q = all(quantum * std::round(0.3 * (1.0 - std::cos(6.0 * t)) / quantum));
+      s->v = all(1.8 * std::sin(6.0 * std::max(0.0, t - 0.01)));
+      if (lost(random)) s->utime = 0;  // older than the last: not taken
+    };
+    EXPECT_EQ(told(coarse, 0.0, 0.0, step), "");
+  }
+}
+
+TEST(ArmSession, NoClockOverflows) {
+  const std::int64_t least = std::numeric_limits<std::int64_t>::min(),
+                     most = std::numeric_limits<std::int64_t>::max();
+  EXPECT_NEAR(seconds_between(least, most), 1.8446744073709551e13, 1e4);
+  EXPECT_EQ(seconds_between(most - 1000, most), 1e-3);
+  EXPECT_EQ(seconds_between(most, most - 1000), -1e-3);
+  ArmSession session(settings());
+  session.receive(at(least), 0.0);
+  session.receive(at(most), 0.001);
+  EXPECT_THAT(session.cause(), HasSubstr("the arm's clock jumped by"));
+  EXPECT_EQ(session.state(), SessionState::ended);
+  EXPECT_EQ(session.missed(), 0);
 }
 
 TEST(ArmSession, BeforeTheFirstCommandAFaultLeavesNothingToTakeBack) {

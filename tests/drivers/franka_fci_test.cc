@@ -63,6 +63,8 @@ class MadeUpArm {
   std::atomic<long> reflex_after = -1;
   std::atomic<int> reflex_flag = 32;
   std::atomic<long> recoveries = 0;
+  std::atomic<long> jump_after = -1;  // commands, then joint 1 stands 0.5 rad further
+  std::atomic<bool> babbles = false;  // with answers to requests that nobody made
   JointVector q = JointVector::Zero(7);
   std::vector<double> torque0;          // of every command; read after end()
   std::vector<std::uint64_t> answered;  // its message_id
@@ -109,6 +111,8 @@ class MadeUpArm {
         } else if (header.command == 11) {
           answer.insert(answer.end(), urdf.begin(), urdf.end());
         }
+        for (int i = 0; babbles && i < 100; ++i)
+          respond(peer, 11, 5000, std::vector<std::uint8_t>(1 << 20));
         respond(peer, header.command, header.id, answer);
         got.erase(got.begin(), got.begin() + header.size);
       }
@@ -140,11 +144,13 @@ class MadeUpArm {
       ++id;
       std::memcpy(state.data(), &id, 8);
       for (int j = 0; j < 7; ++j) {
-        const auto angle = static_cast<float>(q[j]);
+        const bool jumped =
+            j == 0 && jump_after >= 0 && static_cast<long>(torque0.size()) >= jump_after;
+        const auto angle = static_cast<float>(q[j] + (jumped ? 0.5 : 0.0));
         std::memcpy(state.data() + 596 + 4 * j, &angle, 4);
       }
       state[1289] = controller;
-      if (mode == 4) state[1331 + static_cast<std::size_t>(reflex_flag)] = 1;
+      if (mode == 4 && reflex_flag >= 0) state[1331 + static_cast<std::size_t>(reflex_flag)] = 1;
       state[1372] = mode;
       sendto(udp_, state.data(), state.size(), 0, reinterpret_cast<sockaddr*>(&client),
              sizeof client);
@@ -253,6 +259,34 @@ TEST_F(FrankaFciTest, AReflexIsNamedAndRecoveredFrom) {
   ASSERT_GT(arm.torque0.size(), 150u);
   EXPECT_LT(std::abs(arm.torque0[50]), 1.0);
   EXPECT_EQ(arm.torque0.back(), 0.0);
+}
+
+TEST_F(FrankaFciTest, AReflexWithoutAFlagHasAName) {
+  arm.reflex_after = 50;
+  arm.reflex_flag = -1;
+  FrankaFci driver(settings, model, 1e-3, arm.q);
+  driver.start();
+  drive(driver, 400);
+  EXPECT_EQ(driver.fault(), "arm: reflex without a flag that names its cause (state start)");
+  driver.stop();
+}
+
+TEST_F(FrankaFciTest, APositionThatJumpsIsAFaultAndZeroComesLast) {
+  arm.jump_after = 300;
+  FrankaFci driver(settings, model, 1e-3, arm.q);
+  driver.start();
+  drive(driver, 400);
+  EXPECT_THAT(driver.fault(), HasSubstr("the position of joint 1 jumped by 0.500 rad"));
+  EXPECT_NEAR(driver.read().q[0], arm.q[0], 1e-6);  // the last that was believed
+  driver.stop();
+  arm.end();
+  EXPECT_EQ(arm.torque0.back(), 0.0);
+}
+
+TEST_F(FrankaFciTest, AnswersThatNobodyAskedForEndTheConnection) {
+  arm.babbles = true;
+  FrankaFci driver(settings, model, 1e-3, arm.q);
+  EXPECT_THAT(refusal(driver), HasSubstr("answers that nobody asked for"));
 }
 
 TEST_F(FrankaFciTest, AfterACollisionOnlyAPersonGoesOn) {
