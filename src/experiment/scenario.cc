@@ -297,6 +297,11 @@ void describe(Fields& f, FiducialSettings& s) {
 void describe(Fields& f, PerceptionSettings& s) {
   using Limits = PerceptionSettings::Limits;
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
+  f.choice("source", s.source,
+           {{"simulated", PerceptionSource::simulated}, {"capture", PerceptionSource::capture}},
+           "What the cloud is made from. simulated: images rendered of the canvas; capture: the "
+           "depth images in perception.capture.");
+  f.field("capture", s.capture, "Folder with capture.json and depth images, for source: capture.");
   f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
   f.field("noise", s.noise, "Noise of the depth.");
   f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");

@@ -147,8 +147,16 @@ struct CameraErrors {
   };
 };
 
+// What perception's cloud is made from.
+enum class PerceptionSource {
+  simulated,  // depth images that are rendered of the true canvas
+  capture,    // a folder of depth images of real cameras, or of another renderer
+};
+
 struct PerceptionSettings {
   bool enabled = true;
+  PerceptionSource source = PerceptionSource::simulated;
+  std::filesystem::path capture;        // the folder (capture/capture.h)
   std::vector<CameraSettings> cameras;  // the standard three
   DepthNoise noise;
   CameraErrors errors;

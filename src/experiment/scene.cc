@@ -26,8 +26,10 @@ constexpr double kEdgeOfPlanning = 0.5;
 // point just above the table, or lower if it is tall.
 void put_in_reach(TriangleMesh* mesh, Scenario* s, std::vector<std::string>* notes) {
   constexpr double kFoot = 0.02, kTop = 0.35;  // [m]
+  // What a capture shows stands where it stood.
+  const bool captured = s->perception.source == PerceptionSource::capture;
   if (s->canvas.kind != CanvasKind::mesh || !s->canvas.move.isZero() ||
-      !s->drawing.tilt_deg.isZero())
+      !s->drawing.tilt_deg.isZero() || captured)
     return;
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : mesh->vertices) box.extend(p);
@@ -93,11 +95,13 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
                                              "perception.cameras",
                                              "perception.voxel",
                                              "perception.noise",
+                                             "perception.source",
+                                             "perception.capture",
                                              "perception",
                                              "canvas"};
   setting_errors.locate(how_seen, [&] {
     scene->perception = std::make_shared<const SurfaceEstimator>(
-        take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q));
+        take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q, &scene->notes));
   });
   scene->planning = std::make_shared<const SurfaceEstimator>(
       *scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/capture/capture_cloud.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/perception/depth_camera.h"
@@ -36,8 +37,40 @@ std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera) {
   return static_cast<std::uint64_t>(scenario.seed) * 1000 + camera;
 }
 
-SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world,
-                               ArmModel& arm, const JointVector& q) {
+namespace {
+
+std::vector<Capsule> shapes_of(ArmModel& arm, const JointVector& q) {
+  std::vector<Capsule> body;
+  for (const BodyCapsule& c : arm.body_capsules(q)) body.push_back({c.a_W, c.b_W, c.radius});
+  return body;
+}
+
+JointVector exposure_joints(const ArmModel& arm, const std::vector<double>& joints) {
+  if (static_cast<int>(joints.size()) != arm.joints())
+    throw InputError(
+        fmt::format("'joints' has {} numbers, the arm {} joints", joints.size(), arm.joints()));
+  return Eigen::Map<const Eigen::VectorXd>(joints.data(), arm.joints());
+}
+
+PointCloud points_of_capture(const PerceptionSettings& p, const CloudSettings& settings,
+                             ArmModel& arm, std::vector<std::string>* notes) {
+  if (p.capture.empty())
+    throw InputError(
+        "perception.capture is empty; perception.source capture needs a folder with "
+        "capture.json");
+  const auto tip = [&](const std::vector<double>& q) {
+    return arm.tip_pose(exposure_joints(arm, q));
+  };
+  const auto shapes = [&](const std::vector<double>& q) {
+    return shapes_of(arm, exposure_joints(arm, q));
+  };
+  CaptureCloud seen = cloud_of(read_capture(p.capture, tip), settings, shapes);
+  notes->insert(notes->end(), seen.notes.begin(), seen.notes.end());
+  return std::move(seen.cloud);
+}
+
+PointCloud points_of_cameras(const Scenario& s, const CloudSettings& settings, const Canvas& canvas,
+                             const World& world, ArmModel& arm, const JointVector& q) {
   const PerceptionSettings& p = s.perception;
   if (p.cameras.empty())
     throw InputError(
@@ -49,7 +82,6 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
         fmt::format("perception.cameras have {:.0f} million pixels together, allowed "
                     "are at most {:.0f} million",
                     1e-6 * static_cast<double>(pixels), 1e-6 * most_pixels));
-  const Eigen::AlignedBox3d box = canvas.bounds();
   PosedBody posed;
   world.copy_body(&posed);
   const CastRays cast = [&](const Eigen::Vector3d& origin,
@@ -69,13 +101,23 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
     if (p.errors.depth_scale != 0.0)
       for (double& depth : images.back().depth) depth *= 1.0 + p.errors.depth_scale;
   }
-  std::vector<Capsule> body;
-  for (const BodyCapsule& c : arm.body_capsules(q)) body.push_back({c.a_W, c.b_W, c.radius});
+  return back_project(images, cameras, settings, shapes_of(arm, q));
+}
+
+}  // namespace
+
+SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world,
+                               ArmModel& arm, const JointVector& q,
+                               std::vector<std::string>* notes) {
+  const PerceptionSettings& p = s.perception;
   CloudSettings settings;
   settings.voxel = p.voxel;
   settings.self_padding = p.self_padding;
   settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
-  const PointCloud seen = back_project(images, cameras, settings, body);
+  const PointCloud seen = p.source == PerceptionSource::capture
+                              ? points_of_capture(p, settings, arm, notes)
+                              : points_of_cameras(s, settings, canvas, world, arm, q);
+  const Eigen::AlignedBox3d box = canvas.bounds();
   PointCloud cloud = thin(seen, settings.voxel);
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
     throw InputError(fmt::format(

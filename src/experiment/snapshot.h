@@ -1,6 +1,9 @@
 // The single snapshot that the depth cameras take of canvas and arm before drawing.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/experiment/scenario.h"
@@ -15,9 +18,11 @@ DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
 // The seed of a camera's errors and noise.
 std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera);
 
-// The arm is at q; its points are removed from the cloud. Throws InputError without cameras or with
-// too little of the canvas in view.
+// What the cameras see of the canvas, or what perception.capture holds. The arm is at q; its points
+// are removed from the cloud. Appends to `notes` what a capture's views gave, one line each. Throws
+// InputError without cameras, for an invalid capture, or with too little of the canvas in view.
 SurfaceEstimator take_snapshot(const Scenario& scenario, const Canvas& canvas, const World& world,
-                               ArmModel& arm, const JointVector& q);
+                               ArmModel& arm, const JointVector& q,
+                               std::vector<std::string>* notes);
 
 }  // namespace impedraw

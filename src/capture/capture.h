@@ -1,0 +1,47 @@
+// What depth cameras saw, as a folder of files: capture.json and one PNG for each depth image
+// (docs/capture.md). Any number of views, each with its own intrinsics and pose.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "impedraw/capture/lens.h"
+#include "impedraw/common/pose.h"
+#include "impedraw/perception/depth_camera.h"
+
+namespace impedraw {
+
+struct CapturedView {
+  std::string name;  // its depth image's
+  Lens lens;
+  Pose X_WC;
+  std::vector<double> joints;     // of the arm at the exposure [rad]; may be empty
+  double sigma_at_1m = 0.0;       // depth noise [m]; 0: not known
+  double quantum = 0.0;           // step of the depth values [m]
+  std::optional<double> time;     // [s]
+  DepthImage depth;               // along z of C [m]; NaN: no measurement
+  std::vector<std::uint8_t> rgb;  // three bytes a pixel; may be empty
+};
+
+struct Capture {
+  std::vector<CapturedView> views;
+  std::vector<std::string> notes;  // keys that mean nothing here, one line each
+
+  struct Limits {
+    static constexpr int views = 256;
+    static constexpr double pixels = 2e8;  // of all views
+  };
+};
+
+// The pose X_WE of the tip at some joint positions [rad]. Throws InputError for a wrong number.
+using TipPose = std::function<Pose(const std::vector<double>&)>;
+
+// Throws InputError, one line that names the view and the value, for a folder that is no capture.
+// `tip_pose` places the cameras that are on the tool.
+Capture read_capture(const std::filesystem::path& folder, const TipPose& tip_pose);
+
+}  // namespace impedraw

@@ -1,0 +1,28 @@
+// Removes from a depth image what no surface explains: flying pixels and rims, grazing rays, and
+// specks.
+//
+// Two neighbouring pixels lie on one surface if their depths differ by at most
+//   step = max(pitch · tan 80°, 6 σ(z), two quanta),   pitch = z / f,
+// a surface seen at less than 10° looks like a step. σ(z) = σ₁ z² is the camera's noise; where the
+// capture does not tell σ₁, it is the median of |z(i−1) − 2 z(i) + z(i+1)| / (√6 · 0.6745 z²), which
+// a smooth surface leaves at zero.
+//   edge    a pixel within two pixels of a step: its depth may mix what lies on both sides
+//   speck   a connected part of fewer than 60 pixels
+#pragma once
+
+#include "impedraw/capture/capture.h"
+
+namespace impedraw {
+
+struct CleanedCounts {
+  int measured = 0, edges = 0, specks = 0;  // [px]
+  int kept() const { return measured - edges - specks; }
+};
+
+// Sets the depths of what is removed to NaN.
+CleanedCounts clean(CapturedView* view);
+
+// σ₁ of the view [m]: as it tells, or as its depths show.
+double noise_at_1m(const CapturedView& view);
+
+}  // namespace impedraw
