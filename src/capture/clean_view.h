@@ -4,8 +4,8 @@
 // Two neighbouring pixels lie on one surface if their depths differ by at most
 //   step = max(pitch · tan 80°, 6 σ(z), two quanta),   pitch = z / f,
 // a surface seen at less than 10° looks like a step. σ(z) = σ₁ z² is the camera's noise; where the
-// capture does not tell σ₁, it is the median of |z(i−1) − 2 z(i) + z(i+1)| / (√6 · 0.6745 z²), which
-// a smooth surface leaves at zero.
+// capture does not tell σ₁, it is the median of |z(i−1) − 2 z(i) + z(i+1)| / (√6 · 0.6745 z²): a
+// smooth surface leaves that at zero.
 //   edge    a pixel within two pixels of a step: its depth may mix what lies on both sides
 //   speck   a connected part of fewer than 60 pixels
 #pragma once

@@ -17,8 +17,8 @@ struct ColourImage {
   std::vector<std::uint8_t> rgb;  // three bytes a pixel, row by row
 };
 
-// A 16-bit grey PNG, values as they stand in the file. Throws InputError for any other kind, and for
-// a file that is damaged, cut short or larger than 8192 px on a side.
+// A 16-bit grey PNG, values as they stand in the file. Throws InputError for any other kind, and
+// for a file that is damaged, cut short or larger than 8192 px on a side.
 GreyImage read_grey_png(const std::filesystem::path& file);
 
 // A PNG of any kind, as 8-bit RGB.
