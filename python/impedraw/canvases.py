@@ -413,8 +413,10 @@ class Rough(CanvasShape):
 class Mesh(CanvasShape):
     """The canvas `mesh`. An argument left out has its default.
 
-    file: Mesh file: .obj, .stl or .ply. Default .
-    unit: Unit of the numbers in the file. Default m.
+    file: Mesh file: .obj, .stl, .ply, .off, .glb, .gltf, .3mf or .dae. Default .
+    unit: Unit of the numbers in the file; file: what it says (.glb, .gltf, .3mf, .dae), else m. Default file.
+    up: Axis that points up in the file; .glb, .gltf, .3mf and .dae say it themselves. Default z.
+    recentre: Moves the middle of its extent in x and y, and its lowest point, to the file's origin. Default False.
     position: Position of the file's origin. [m] Default [0, 0, 0].
     rotation: Roll, pitch and yaw: rotations about the world's x, then y, then z axis. [deg] Default [0, 0, 0].
     side: Side that is drawn on; outward: the front of its triangles, and the outside of a closed mesh. Default outward.
@@ -427,6 +429,8 @@ class Mesh(CanvasShape):
         *,
         file: str | None = None,
         unit: str | None = None,
+        up: str | None = None,
+        recentre: bool | None = None,
         position: Sequence[float] | None = None,
         rotation: Sequence[float] | None = None,
         side: str | None = None,
@@ -436,6 +440,8 @@ class Mesh(CanvasShape):
         super().__init__("mesh", "mesh", {
             "file": file,
             "unit": unit,
+            "up": up,
+            "recentre": recentre,
             "position": position,
             "rotation": rotation,
             "side": side,

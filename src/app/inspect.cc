@@ -1,5 +1,7 @@
 #include "impedraw/app/inspect.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -8,7 +10,6 @@
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"
-#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/terminal/say.h"
 
@@ -47,11 +48,20 @@ void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json&
   const auto box = found["bbox_m"].get<std::vector<double>>();
   say(stdout, "{}: {} triangles, {:.6g} m²\n", file.string(), found["triangles"].get<std::size_t>(),
       found["area_m2"].get<double>());
-  say(stdout, "  extent       x {:.4g} to {:.4g} m, y {:.4g} to {:.4g} m, z {:.4g} to {:.4g} m\n",
-      box[0], box[3], box[1], box[4], box[2], box[5]);
+  // Four digits of the extent, however far from the origin.
+  const double size = std::max({box[3] - box[0], box[4] - box[1], box[5] - box[2], 1e-12});
+  double far = 0.0;
+  for (const double x : box) far = std::max(far, std::abs(x));
+  const int digits = 4 + std::clamp(static_cast<int>(std::ceil(std::log10(far / size))), 0, 13);
+  say(stdout,
+      "  extent       x {:.{}g} to {:.{}g} m, y {:.{}g} to {:.{}g} m, z {:.{}g} to {:.{}g} m\n",
+      box[0], digits, box[3], digits, box[1], digits, box[4], digits, box[2], digits, box[5],
+      digits);
   say(stdout, "  surface      {}, components: {}, steepest slope {:.1f}°\n",
       found["closed"].get<bool>() ? "closed" : "open", found["components"].get<int>(),
       found["slope_max_deg"].get<double>());
+  for (const auto& warning : found["warnings"])
+    say(stdout, "  warning      {}\n", warning.get<std::string>());
   for (const auto& fault : found["faults"])
     say(stdout, "  {}  {}\n", fault["repaired"].get<bool>() ? "repaired     " : "fault      ",
         fault["message"].get<std::string>());
@@ -88,9 +98,9 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   return found;
 }
 
-int inspect(const std::filesystem::path& file, bool json, double unit) {
-  const bool mesh = is_mesh_file(file);
-  const nlohmann::ordered_json found = mesh ? describe_mesh(file, unit) : describe_artwork(file);
+int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading) {
+  const bool mesh = !is_artwork_file(file);  // or of an unknown kind, which read_mesh() refuses
+  const nlohmann::ordered_json found = mesh ? describe_mesh(file, reading) : describe_artwork(file);
   if (json)
     say(stdout, "{}\n",
         found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));

@@ -9,13 +9,15 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "impedraw/canvas/mesh_file.h"
+
 namespace impedraw {
 
 // Throws InputError like read_artwork(). An empty drawing is a warning, not an error.
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file);
 
 // Prints what an artwork or, by its name's ending, a mesh holds (app/inspect_mesh.h), as JSON or as
-// lines to be read. `unit`: of a mesh's numbers [m]. Returns the exit code.
-int inspect(const std::filesystem::path& file, bool json, double unit = 1.0);
+// lines to be read. Returns the exit code.
+int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading = {});
 
 }  // namespace impedraw

@@ -11,8 +11,9 @@
 
 namespace impedraw {
 
-nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, double unit) {
-  const CheckedMesh checked = load_mesh(file, unit);
+nlohmann::ordered_json describe_mesh(const std::filesystem::path& file,
+                                     const MeshReading& reading) {
+  const CheckedMesh checked = load_mesh(file, reading);
   double area = 0.0, slope = 0.0;
   for (const auto& t : checked.mesh.triangles) {
     const Eigen::Vector3d& p = checked.mesh.vertices[t[0]];
@@ -30,6 +31,7 @@ nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, double u
   found["closed"] = checked.closed;
   found["components"] = checked.components;
   found["slope_max_deg"] = slope * 180.0 / std::numbers::pi;
+  found["warnings"] = checked.warnings;
   found["faults"] = nlohmann::ordered_json::array();
   for (const MeshFault& fault : checked.faults) {
     found["faults"].push_back(nlohmann::ordered_json{{"kind", fault.kind},

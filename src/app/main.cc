@@ -245,19 +245,26 @@ int run_program(int argc, char** argv) {
                                          "layers; triangles, faults");
   inspect
       ->add_option("file", inspected,
-                   "artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: .obj, .stl, .ply")
+                   std::string("artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: ") +
+                       impedraw::kMeshFiles)
       ->required();
   inspect->add_flag("--json", as_json, "print JSON");
   using impedraw::LengthUnit;
   const std::map<std::string, LengthUnit> units{
       {"m", LengthUnit::m}, {"mm", LengthUnit::mm}, {"cm", LengthUnit::cm}, {"in", LengthUnit::in}};
-  std::string unit = "m";
-  inspect->add_option("--unit", unit, "unit of a mesh's coordinates: m, mm, cm, in (default: m)")
+  std::string unit;
+  inspect
+      ->add_option("--unit", unit,
+                   "unit of a mesh's coordinates: m, mm, cm, in (default: what it says, or m)")
       ->check(CLI::IsMember({"m", "mm", "cm", "in"}));
   inspect->footer(
       "Examples:\n  ./impedraw inspect artwork/koi.svg\n  ./impedraw inspect --json flower.svg\n"
       "  ./impedraw inspect vase.stl --unit mm");
-  inspect->callback([&] { code = impedraw::inspect(inspected, as_json, metres(units.at(unit))); });
+  inspect->callback([&] {
+    impedraw::MeshReading reading;
+    if (!unit.empty()) reading.unit = metres(units.at(unit));
+    code = impedraw::inspect(inspected, as_json, reading);
+  });
 
   int poses = 8;
   CLI::App* calibrate = app.add_subcommand(

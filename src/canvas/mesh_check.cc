@@ -350,6 +350,27 @@ void check_size(const Vector3d& size, CheckedMesh* checked) {
   checked->faults.push_back({large ? "too_large" : "too_small", 1, 0, false, std::move(message)});
 }
 
+// True if the mesh seems to have y up: an open one faces +y rather than +z; any stands on y = 0 and
+// not on z = 0, or on a base at its lowest y that is wider than that at its lowest z.
+bool seems_y_up(const TriangleMesh& mesh, const Eigen::AlignedBox3d& box) {
+  Vector3d facing = Vector3d::Zero(), base = Vector3d::Zero();
+  double area = 0.0;
+  const Vector3d near = 0.02 * box.sizes();
+  for (const Vector3i& t : mesh.triangles) {
+    const Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    const Vector3d twice = (b - a).cross(c - a);
+    facing += twice;
+    area += twice.norm();
+    for (int k = 1; k < 3; ++k)
+      if (std::max({a[k], b[k], c[k]}) <= box.min()[k] + near[k]) base[k] += std::abs(twice[k]);
+  }
+  if (facing.norm() > 0.2 * area && facing.maxCoeff() == facing.cwiseAbs().maxCoeff())
+    return facing.y() > 2.0 * facing.z() && facing.y() > facing.x();
+  const auto stands = [&](int k) { return std::abs(box.min()[k]) <= near[k]; };
+  if (stands(1) != stands(2)) return stands(1);
+  return base.y() > 2.0 * base.z();
+}
+
 int count_components(const TriangleMesh& mesh) {
   DisjointSets parts(mesh.vertices.size());
   std::vector<bool> used(mesh.vertices.size(), false);
@@ -390,13 +411,30 @@ CheckedMesh check_mesh(const TriangleMesh& mesh) {
   return checked;
 }
 
-CheckedMesh load_mesh(const std::filesystem::path& file, double unit) {
-  const TriangleMesh mesh = read_mesh(file, unit);
+CheckedMesh load_mesh(const std::filesystem::path& file, const MeshReading& reading) {
+  std::vector<std::string> warnings;
+  const TriangleMesh mesh = read_mesh(file, reading, &warnings);
+  CheckedMesh checked;
   try {
-    return check_mesh(mesh);
+    checked = check_mesh(mesh);
   } catch (const InputError& error) {
     throw InputError(file.string() + ": " + error.what());
   }
+  checked.warnings = std::move(warnings);
+  const Eigen::AlignedBox3d& box = checked.bounds;
+  if (!says_frame(file) && !reading.y_up && seems_y_up(checked.mesh, box)) {
+    const double high = box.sizes().y();
+    const bool long_unit = !reading.unit && box.sizes().maxCoeff() > kLongest;
+    checked.warnings.push_back(
+        fmt::format("stands upright as y; {:.3g} m high{}: canvas.mesh.up=y turns it",
+                    long_unit ? 1e-3 * high : high, long_unit ? " if the unit is mm" : ""));
+  }
+  if (box.center().norm() > 10.0 * (1.0 + box.diagonal().norm()) && !reading.recentre) {
+    checked.warnings.push_back(fmt::format(
+        "lies {:.3g} m from its origin: canvas.mesh.recentre=true moves its middle there",
+        box.center().norm()));
+  }
+  return checked;
 }
 
 void require_drawable(const CheckedMesh& mesh, const std::string& name) {

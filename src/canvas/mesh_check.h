@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {
@@ -46,8 +47,9 @@ struct CheckedMesh {
   Eigen::AlignedBox3d bounds;  // of all input triangles [m]
   double weld = 0.0;           // [m]
   std::vector<MeshFault> faults;
-  bool closed = false;  // every edge has exactly two triangles
-  int components = 0;   // parts that share no vertex
+  std::vector<std::string> warnings;  // of reading it, one line each
+  bool closed = false;                // every edge has exactly two triangles
+  int components = 0;                 // parts that share no vertex
 };
 
 // Throws InputError naming the vertex or the triangle if there is nothing to check: no triangle,
@@ -57,8 +59,10 @@ CheckedMesh check_mesh(const TriangleMesh& mesh);
 // True if the triangle is thinner than the mesh's weld, so that its normal is meaningless.
 bool is_thin(const CheckedMesh& mesh, const Eigen::Vector3i& triangle);
 
-// Calls read_mesh() and check_mesh(). Messages begin with the file's name.
-CheckedMesh load_mesh(const std::filesystem::path& file, double unit);
+// Calls read_mesh() and check_mesh(). Messages begin with the file's name, warnings do not. Where
+// the file does not say which axis is up, a warning says that the mesh seems to stand upright as y;
+// another, that it lies so far from its origin that it is to be recentred.
+CheckedMesh load_mesh(const std::filesystem::path& file, const MeshReading& reading);
 
 // Throws InputError with the first fault that was not repaired.
 void require_drawable(const CheckedMesh& mesh, const std::string& name);

@@ -1,6 +1,10 @@
 #include "impedraw/canvas/mesh_file.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/canvas/polygon_mesh.h"
 #include "impedraw/common/errors.h"
@@ -11,6 +15,7 @@ namespace impedraw {
 namespace {
 
 constexpr std::size_t kMostTriangles = 20'000'000;
+constexpr char kCloud[] = "is a point cloud, must be made into a mesh (as by MeshLab)";
 constexpr double kFarthest = 1e30;  // [file's unit]; areas and volumes stay finite
 
 std::string read_all(const std::filesystem::path& file) {
@@ -41,25 +46,60 @@ void require_valid_corners(const PolygonMesh& mesh, const std::string& name) {
   }
 }
 
-}  // namespace
-
-bool is_mesh_file(const std::filesystem::path& file) {
-  const std::string ending = lower_extension(file);
-  return ending == ".obj" || ending == ".stl" || ending == ".ply";
+// Text without its byte-order mark. Of UTF-16, `bytes` gets what is ASCII, and "?" for the rest.
+std::string_view plain_text(std::string_view text, std::string* bytes) {
+  if (text.starts_with("\xef\xbb\xbf")) return text.substr(3);
+  const bool little = text.starts_with("\xff\xfe"), big = text.starts_with("\xfe\xff");
+  if (!little && !big) return text;
+  for (std::size_t at = 2; at + 1 < text.size(); at += 2) {
+    const char low = text[at + big], high = text[at + little];
+    bytes->push_back(high == 0 && low > 0 ? low : '?');
+  }
+  return *bytes;
 }
 
-TriangleMesh parse_mesh(std::string_view text, const std::string& name, double unit) {
-  const std::string ending = lower_extension(name);
-  if (!is_mesh_file(name)) {
-    throw InputError(
-        fmt::format("{}: has the type '{}', must be .obj, .stl or .ply", name, ending));
+using Parser = PolygonMesh (*)(std::string_view, const std::string&);
+Parser parser_of(const std::filesystem::path& file) {
+  static constexpr std::pair<const char*, Parser> kParsers[] = {
+      {".obj", parse_obj},   {".stl", parse_stl},    {".ply", parse_ply},   {".off", parse_off},
+      {".glb", parse_scene}, {".gltf", parse_scene}, {".3mf", parse_scene}, {".dae", parse_scene}};
+  const std::string ending = lower_extension(file);
+  for (const auto& [known, parser] : kParsers)
+    if (ending == known) return parser;
+  return nullptr;
+}
+
+Parser require_parser(const std::filesystem::path& file) {
+  if (const Parser parser = parser_of(file)) return parser;
+  const std::string ending = lower_extension(file);
+  for (const char* cloud : {".xyz", ".pcd", ".pts", ".ptx", ".las", ".laz", ".e57"}) {
+    if (ending == cloud) throw InputError(fmt::format("{}: {}", file.string(), kCloud));
   }
-  if (text.empty())
-    throw InputError(fmt::format("{}: the file is empty, must hold triangles", name));
-  const auto parse = ending == ".obj" ? parse_obj : ending == ".stl" ? parse_stl : parse_ply;
-  PolygonMesh polygons = parse(text, name);
-  if (polygons.faces() == 0)
-    throw InputError(fmt::format("{}: holds no triangle, must hold at least one", name));
+  throw InputError(
+      fmt::format("{}: has the type '{}', a mesh must be {}", file.string(), ending, kMeshFiles));
+}
+
+}  // namespace
+
+bool is_mesh_file(const std::filesystem::path& file) { return parser_of(file) != nullptr; }
+
+bool says_frame(const std::filesystem::path& file) { return parser_of(file) == parse_scene; }
+
+TriangleMesh parse_mesh(std::string_view text, const std::string& name, const MeshReading& reading,
+                        std::vector<std::string>* warnings) {
+  const Parser parse = require_parser(name);
+  const auto fail = [&](const char* what) { throw InputError(name + ": " + what); };
+  if (text.empty()) fail("the file is empty, must hold triangles");
+  if (text.starts_with("PK\3\4") && lower_extension(name) != ".3mf")
+    fail("is a zip archive, must be unpacked (or named .3mf, if it is one)");
+  if (text.starts_with("\x1f\x8b")) fail("is packed by gzip, must be unpacked");
+  std::string bytes;
+  PolygonMesh polygons = parse(says_frame(name) ? text : plain_text(text, &bytes), name);
+  if (polygons.faces() == 0) {
+    throw InputError(fmt::format(
+        "{}: holds no triangle{}", name,
+        polygons.vertices.empty() ? ", must hold at least one" : std::string(": ") + kCloud));
+  }
   const std::size_t triangles = polygons.corners.size() - 2 * polygons.faces();
   if (triangles > kMostTriangles) {
     throw InputError(fmt::format("{}: holds {} triangles, at most {} are read: decimate the mesh",
@@ -69,13 +109,26 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, double u
   TriangleMesh mesh;
   mesh.triangles = triangulate(polygons, name);
   mesh.vertices = std::move(polygons.vertices);
-  for (Eigen::Vector3d& p : mesh.vertices) p *= unit;
+  const double unit = reading.unit.value_or(polygons.unit > 0.0 ? polygons.unit : 1.0);
+  const bool turn = says_frame(name) ? polygons.y_up : reading.y_up;
+  for (Eigen::Vector3d& p : mesh.vertices)
+    p = unit * (turn ? Eigen::Vector3d(p.x(), 0.0 - p.z(), p.y()) : p);
+  if (reading.recentre) {
+    Eigen::AlignedBox3d box;  // of what the triangles use
+    for (const Eigen::Vector3i& t : mesh.triangles)
+      for (const int v : t) box.extend(mesh.vertices[v]);
+    const Eigen::Vector3d origin(box.center().x(), box.center().y(), box.min().z());
+    for (Eigen::Vector3d& p : mesh.vertices) p -= origin;
+  }
+  if (warnings)
+    std::move(polygons.warnings.begin(), polygons.warnings.end(), std::back_inserter(*warnings));
   return mesh;
 }
 
-TriangleMesh read_mesh(const std::filesystem::path& file, double unit) {
-  if (!is_mesh_file(file)) return parse_mesh("", file.string(), unit);  // throws for the extension
-  return parse_mesh(read_all(file), file.string(), unit);
+TriangleMesh read_mesh(const std::filesystem::path& file, const MeshReading& reading,
+                       std::vector<std::string>* warnings) {
+  require_parser(file);  // before a large file of another kind is read
+  return parse_mesh(read_all(file), file.string(), reading, warnings);
 }
 
 }  // namespace impedraw

@@ -21,6 +21,16 @@ inline std::string_view next_word(std::string_view* text) {
   return word;
 }
 
+// Removes the next line from the front of `text`; false at its end. LF, CR LF or CR ends a line.
+inline bool next_line(std::string_view* text, std::string_view* line) {
+  if (text->empty()) return false;
+  const std::size_t end = text->find_first_of("\r\n");
+  *line = text->substr(0, end);
+  text->remove_prefix(end == text->npos ? text->size() : end);
+  text->remove_prefix(text->starts_with("\r\n") ? 2 : text->empty() ? 0 : 1);
+  return true;
+}
+
 // Parses all of `word` as a number, with an optional "+".
 template <class T>
 bool whole_number(std::string_view word, T* value) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/canvas/mesh_tokens.h"
 #include "impedraw/canvas/polygon_mesh.h"
@@ -15,21 +16,22 @@ namespace {
 
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;  // bytes
 
-// The next line without its end.
 struct Lines {
   std::string_view text;
   std::size_t number = 0;
 
   bool next(std::string_view* line) {
-    if (text.empty()) return false;
     ++number;
-    const std::size_t end = text.find('\n');
-    *line = text.substr(0, end);
-    text.remove_prefix(end == text.npos ? text.size() : end + 1);
-    if (!line->empty() && line->back() == '\r') line->remove_suffix(1);
-    return true;
+    return next_line(&text, line);
   }
 };
+
+// An OBJ's line without its comment; true if it goes on in the next line.
+bool cut_comment(std::string_view* line) {
+  *line = line->substr(0, line->find('#'));
+  line->remove_suffix(line->size() - (line->find_last_not_of(" \t") + 1));
+  return line->ends_with('\\');
+}
 
 // The line after its first word.
 Eigen::Vector3d three_numbers(std::string_view line, const std::string& where, std::size_t vertex) {
@@ -50,27 +52,31 @@ bool is_text(std::string_view head) {
                       [](unsigned char c) { return c < 32 && !std::isspace(c); });
 }
 
-// Adds three new vertices that no other face shares.
-PolygonMesh soup(std::vector<Eigen::Vector3d> vertices) {
-  PolygonMesh mesh;
-  mesh.corners.resize(vertices.size());
+// Gives each face three vertices that no other face shares.
+PolygonMesh soup(PolygonMesh mesh) {
+  mesh.corners.resize(mesh.vertices.size());
   std::iota(mesh.corners.begin(), mesh.corners.end(), 0);
-  for (std::size_t end = 3; end <= vertices.size(); end += 3) mesh.ends.push_back(end);
-  mesh.vertices = std::move(vertices);
+  for (std::size_t end = 3; end <= mesh.vertices.size(); end += 3) mesh.ends.push_back(end);
   return mesh;
 }
 
 PolygonMesh parse_text_stl(std::string_view text, const std::string& name) {
   Lines lines{text};
   std::string_view line;
-  std::vector<Eigen::Vector3d> corners;
+  PolygonMesh mesh;
   std::size_t facets = 0, vertices = 0;
   bool inside = false, ended = false;
   while (lines.next(&line)) {  // of one solid or of several
     std::string_view rest = line;
-    const std::string_view key = next_word(&rest);
+    std::string key(next_word(&rest));
     if (key.empty()) continue;
-    ended = same_word(key, "endsolid");
+    const bool apart = same_word(key, "end");  // "end solid", "end facet"
+    if (apart) key += next_word(&rest);
+    ended = same_word(std::string_view(key).substr(0, 8), "endsolid");
+    if (ended && (apart || key.size() > 8)) {
+      mesh.warnings.push_back(
+          fmt::format("line {}: '{}' is read as endsolid", lines.number, line.substr(0, 60)));
+    }
     if (same_word(key, "facet")) {
       if (inside)
         throw InputError(
@@ -80,7 +86,7 @@ PolygonMesh parse_text_stl(std::string_view text, const std::string& name) {
     } else if (same_word(key, "vertex")) {
       const std::string where = fmt::format("{}:{}: triangle {}", name, lines.number, facets);
       if (!inside) throw InputError(where + " has a vertex before its facet");
-      corners.push_back(three_numbers(line, where, vertices++));
+      mesh.vertices.push_back(three_numbers(line, where, vertices++));
     } else if (same_word(key, "endfacet")) {
       if (!inside || vertices != 3) {
         throw InputError(fmt::format("{}:{}: triangle {} has {} vertices, must have 3", name,
@@ -95,22 +101,37 @@ PolygonMesh parse_text_stl(std::string_view text, const std::string& name) {
                                  inside ? "within" : "after",
                                  inside || facets == 0 ? facets : facets - 1));
   }
-  return soup(std::move(corners));
+  return soup(std::move(mesh));
 }
 
-PolygonMesh parse_binary_stl(std::string_view text) {
-  std::vector<Eigen::Vector3d> corners;
-  corners.reserve((text.size() - kStlHeader) / kStlTriangle * 3);
-  for (std::size_t at = kStlHeader; at < text.size(); at += kStlTriangle) {
+PolygonMesh parse_binary_stl(std::string_view text, std::size_t facets) {
+  PolygonMesh mesh;
+  mesh.vertices.reserve(facets * 3);
+  for (std::size_t at = kStlHeader; facets > 0; at += kStlTriangle, --facets) {
     float xyz[9];  // after the normal
     static_assert(std::numeric_limits<float>::is_iec559);
     for (int i = 0; i < 9; ++i) {
       const std::uint32_t bits = little_endian_u32(text.substr(at + 12 + 4 * i, 4));
       std::memcpy(&xyz[i], &bits, 4);
     }
-    for (int i = 0; i < 9; i += 3) corners.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
+    for (int i = 0; i < 9; i += 3) mesh.vertices.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
   }
-  return soup(std::move(corners));
+  return soup(std::move(mesh));
+}
+
+// True unless a face from `first` on has no area or lies far outside those before it.
+bool are_triangles(const PolygonMesh& mesh, std::size_t first) {
+  double far = 0.0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    const auto* p = &mesh.vertices[i];
+    const double most = std::max({p[0].lpNorm<Eigen::Infinity>(), p[1].lpNorm<Eigen::Infinity>(),
+                                  p[2].lpNorm<Eigen::Infinity>()});
+    if (i < 3 * first)
+      far = std::max(far, most);
+    else if (!(most <= 10.0 * far && (p[1] - p[0]).cross(p[2] - p[0]).norm() > 0.0))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -122,13 +143,12 @@ PolygonMesh parse_obj(std::string_view text, const std::string& name) {
   std::string joined;
   while (lines.next(&line)) {
     const std::size_t first = lines.number;
-    if (line.ends_with('\\')) {  // continues on the next line
-      joined.assign(line);
-      while (joined.ends_with('\\')) {
-        joined.back() = ' ';
-        if (lines.next(&line)) joined += line;
+    if (bool goes_on = cut_comment(&line)) {
+      for (joined.clear(); goes_on; goes_on = lines.next(&line) && cut_comment(&line)) {
+        joined.append(line.substr(0, line.size() - 1)) += ' ';
+        line = {};
       }
-      line = joined;
+      line = joined += line;
     }
     std::string_view rest = line;
     const std::string_view key = next_word(&rest);
@@ -138,8 +158,7 @@ PolygonMesh parse_obj(std::string_view text, const std::string& name) {
     } else if (key == "f") {
       const std::size_t before = mesh.corners.size();
       const long count = static_cast<long>(mesh.vertices.size());
-      for (std::string_view word = next_word(&rest); !word.empty() && word[0] != '#';
-           word = next_word(&rest)) {
+      for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {
         long index = 0;
         const bool whole = whole_number(word.substr(0, word.find('/')), &index);
         if (!whole || index == 0 || index > count || index < -count) {
@@ -163,20 +182,32 @@ PolygonMesh parse_stl(std::string_view text, const std::string& name) {
   const bool has_count = text.size() >= kStlHeader;
   const std::size_t count = has_count ? little_endian_u32(text.substr(kStlHeader - 4)) : 0;
   const std::size_t desired = kStlHeader + kStlTriangle * count;
-  if (has_count && text.size() == desired) return parse_binary_stl(text);
-  if (same_word(text.substr(0, 5), "solid") && is_text(text.substr(0, 512)))
+  if (has_count && text.size() == desired) return parse_binary_stl(text, count);
+  std::string_view rest = text;
+  if (same_word(next_word(&rest).substr(0, 5), "solid") && is_text(text.substr(0, 512)))
     return parse_text_stl(text, name);
   if (!has_count) {
     throw InputError(
         fmt::format("{}: {} bytes, an STL has a header of {} bytes or begins with 'solid'", name,
                     text.size(), kStlHeader));
   }
-  if (text.size() < desired) {
+  // Some programs leave the count 0 or write a wrong one, others append bytes of their own.
+  const std::size_t size = text.size() - kStlHeader, held = size / kStlTriangle;
+  const bool whole = size % kStlTriangle == 0;
+  if (held == 0 || (text.size() < desired && !whole)) {
     throw InputError(fmt::format("{}: truncated in triangle {}, its header declares {} triangles",
-                                 name, (text.size() - kStlHeader) / kStlTriangle, count));
+                                 name, held, count));
   }
-  throw InputError(fmt::format("{}: {} bytes follow the {} triangles that its header declares",
-                               name, text.size() - desired, count));
+  PolygonMesh mesh = parse_binary_stl(text, held);
+  const bool appended =
+      count > 0 && text.size() > desired && (!whole || !are_triangles(mesh, count));
+  if (appended) mesh = parse_binary_stl(text, count);
+  mesh.warnings.push_back(
+      appended ? fmt::format("{} bytes follow the {} triangles that its header declares: ignored",
+                             text.size() - desired, count)
+               : fmt::format("its header declares {} triangles, {} are there: is the file whole?",
+                             count, held));
+  return mesh;
 }
 
 }  // namespace impedraw

@@ -57,8 +57,14 @@ bool is_signed(std::string_view type) { return is_whole(type) && !type.starts_wi
 // Removes the header from the front of `text`.
 Header read_header(std::string_view* text, const std::string& name) {
   Header header;
+  char end_of_line = '\n';
   for (std::size_t number = 1;; ++number) {
-    const std::size_t end = text->find('\n');
+    if (number == 1) {  // a binary body may begin with the byte of LF
+      const std::size_t first = text->find_first_of("\r\n");
+      if (text->substr(std::min(first, text->size()), 2) != "\r\n" && first != text->npos)
+        end_of_line = (*text)[first];
+    }
+    const std::size_t end = text->find(end_of_line);
     if (end == text->npos)
       throw InputError(fmt::format("{}: truncated in its header, or not a PLY", name));
     const std::string_view line = text->substr(0, end);
@@ -106,7 +112,7 @@ Header read_header(std::string_view* text, const std::string& name) {
 }
 
 bool names_corners(const Element& element, const Property& property) {
-  return element.name == "face" && property.count_size > 0 &&
+  return (element.name == "face" || element.name == "tristrips") && property.count_size > 0 &&
          (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
@@ -171,6 +177,22 @@ struct Body {
     return static_cast<std::size_t>(count);
   }
 
+  // Cuts the strip of vertices from `begin` on into triangles; −1 begins another strip.
+  void cut_strip(std::size_t begin) {
+    const std::vector<int> strip(mesh.corners.begin() + static_cast<long>(begin),
+                                 mesh.corners.end());
+    mesh.corners.resize(begin);
+    for (std::size_t i = 0, first = 0; i < strip.size(); ++i) {
+      if (strip[i] < 0) first = i + 1;
+      if (i < first + 2) continue;
+      int a = strip[i - 2], b = strip[i - 1];
+      if (a == b || b == strip[i] || a == strip[i]) continue;  // turns or bridges the strip
+      if ((i - first) % 2 == 1) std::swap(a, b);
+      mesh.corners.insert(mesh.corners.end(), {a, b, strip[i]});
+      mesh.ends.push_back(mesh.corners.size());
+    }
+  }
+
   void take(const Element& element) {
     std::array<std::size_t, 3> xyz;  // among the properties of a vertex
     xyz.fill(element.properties.size());
@@ -183,7 +205,7 @@ struct Body {
           xyz[axis] = k;
       }
     }
-    const bool vertex = element.name == "vertex";
+    const bool vertex = element.name == "vertex", strip = element.name == "tristrips";
     for (std::size_t i = 0; i < element.count; ++i) {
       Eigen::Vector3d p = Eigen::Vector3d::Zero();
       for (std::size_t k = 0; k < element.properties.size(); ++k) {
@@ -191,10 +213,11 @@ struct Body {
         const bool corners = names_corners(element, property);
         const std::size_t count =
             property.count_size > 0 ? list_count(element, i, property) : std::size_t{1};
-        if (corners && count < 3) {
+        if (corners && !strip && count < 3) {
           throw InputError(
               fmt::format("{}: face {} has {} corners, must have at least 3", name, i, count));
         }
+        const std::size_t begin = mesh.corners.size();
         for (std::size_t j = 0; j < count; ++j) {
           const double value = number(element, i, property.size, property.whole, property.has_sign);
           if (corners) mesh.corners.push_back(as_index(value));
@@ -203,13 +226,14 @@ struct Body {
             if (xyz[axis] == k) p[static_cast<Eigen::Index>(axis)] = value;
           }
         }
-        if (corners) mesh.ends.push_back(mesh.corners.size());
+        if (corners && strip) cut_strip(begin);
+        if (corners && !strip) mesh.ends.push_back(mesh.corners.size());
       }
       if (vertex) mesh.vertices.push_back(p);
     }
     if (vertex && std::max({xyz[0], xyz[1], xyz[2]}) == element.properties.size())
       throw InputError(fmt::format("{}: its vertices have no x, y and z", name));
-    if (element.name == "face" && !has_corners)
+    if ((strip || element.name == "face") && element.count > 0 && !has_corners)
       throw InputError(fmt::format("{}: its faces have no list vertex_indices", name));
   }
 };
@@ -220,7 +244,7 @@ PolygonMesh parse_ply(std::string_view text, const std::string& name) {
   const Header header = read_header(&text, name);
   Body body{text, header.format, name};
   for (const auto& element : header.elements) {  // in any order
-    if (element.properties.empty())
+    if (element.properties.empty() && element.count > 0)
       throw InputError(
           fmt::format("{}: element {} of its header has no property", name, element.name));
     body.take(element);

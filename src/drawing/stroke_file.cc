@@ -92,6 +92,9 @@ class Reading {
     stroke_column_ = column("stroke");
     if (x_column_ < 0 || y_column_ < 0)
       fail("the header names no columns x and y (and perhaps stroke)");
+    if (stroke_column_ < 0 && column("z") >= 0)
+      fail(
+          "a column z: a point cloud, not strokes; a canvas is made of a mesh of it (canvas.mesh)");
   }
 
   void take_page(const std::vector<std::string_view>& fields) {
@@ -109,7 +112,12 @@ class Reading {
   std::string desired(std::string_view line) const {
     const std::string shown =
         line.size() > 40 ? std::string(line.substr(0, 40)) + " …" : std::string(line);
-    return fmt::format("'{}' where {} numbers or End must be", shown, columns_);
+    const std::vector<std::string_view> fields = fields_of(line);
+    const bool cloud =
+        rows_ == 1 && fields.size() >= 3 &&
+        std::all_of(fields.begin(), fields.end(), [](auto f) { return number_in(f).has_value(); });
+    return fmt::format("'{}' where {} numbers or End must be{}", shown, columns_,
+                       cloud ? ": a point cloud, not strokes?" : "");
   }
 
   double coordinate(std::string_view field, std::string_view line) const {

@@ -14,7 +14,8 @@
 // ignored. `End` is case-insensitive and may be missing after the last stroke (with a warning).
 //
 // A CSV file may begin with a header: the columns x and y, and optionally `stroke`, whose value
-// changes with every stroke. It then has no page size. Without that column a blank line or `End`
+// changes with every stroke; one with a column z and none of strokes is a point cloud, and refused.
+// It then has no page size. Without that column a blank line or `End`
 // ends a stroke. A file with neither a header nor `End` has only points: its first row is a point,
 // and blank lines end its strokes.
 #pragma once

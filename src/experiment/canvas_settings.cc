@@ -28,8 +28,12 @@ void describe_footprint(Fields& f, FootprintSettings& s) {
 
 TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired) {
   if (s.file.empty())
-    throw InputError("canvas.mesh.file is empty; canvas.kind mesh needs a .obj, .stl or .ply file");
-  CheckedMesh checked = load_mesh(s.file, metres(s.unit));
+    throw InputError(fmt::format("canvas.mesh.file is empty, must be {}", kMeshFiles));
+  MeshReading reading;
+  reading.unit = metres(s.unit);
+  reading.y_up = s.up == MeshSettings::Up::y;
+  reading.recentre = s.recentre;
+  CheckedMesh checked = load_mesh(s.file, reading);
   for (const MeshFault& fault : checked.faults) {
     if (fault.kind == "too_large" || fault.kind == "too_small") {
       throw InputError(fmt::format("{}: {}; canvas.mesh.unit may be m, mm, cm or in",
@@ -38,6 +42,8 @@ TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired
   }
   require_drawable(checked, s.file.string());
   if (repaired) {
+    for (const std::string& warning : checked.warnings)
+      repaired->push_back(s.file.string() + ": " + warning);
     for (const MeshFault& fault : checked.faults)
       repaired->push_back(s.file.string() + ": " + fault.message);
   }
@@ -51,10 +57,12 @@ TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired
 
 }  // namespace
 
-double metres(LengthUnit unit) {
+std::optional<double> metres(LengthUnit unit) {
   switch (unit) {
-    case LengthUnit::m:
+    case LengthUnit::file:
       break;
+    case LengthUnit::m:
+      return 1.0;
     case LengthUnit::mm:
       return 1e-3;
     case LengthUnit::cm:
@@ -62,7 +70,7 @@ double metres(LengthUnit unit) {
     case LengthUnit::in:
       return 0.0254;
   }
-  return 1.0;
+  return {};
 }
 
 void describe(Fields& f, CapSettings& s) {
@@ -150,13 +158,19 @@ void describe(Fields& f, RoughSettings& s) {
 
 void describe(Fields& f, MeshSettings& s) {
   using Limits = MeshSettings::Limits;
-  f.field("file", s.file, "Mesh file: .obj, .stl or .ply.");
-  f.choice("unit", s.unit,
-           {{"m", LengthUnit::m},
-            {"mm", LengthUnit::mm},
-            {"cm", LengthUnit::cm},
-            {"in", LengthUnit::in}},
-           "Unit of the numbers in the file.");
+  f.field("file", s.file, fmt::format("Mesh file: {}.", kMeshFiles));
+  f.choice(
+      "unit", s.unit,
+      {{"file", LengthUnit::file},
+       {"m", LengthUnit::m},
+       {"mm", LengthUnit::mm},
+       {"cm", LengthUnit::cm},
+       {"in", LengthUnit::in}},
+      "Unit of the numbers in the file; file: what it says (.glb, .gltf, .3mf, .dae), else m.");
+  f.choice("up", s.up, {{"z", MeshSettings::Up::z}, {"y", MeshSettings::Up::y}},
+           "Axis that points up in the file; .glb, .gltf, .3mf and .dae say it themselves.");
+  f.field("recentre", s.recentre,
+          "Moves the middle of its extent in x and y, and its lowest point, to the file's origin.");
   f.field(Limits::position, s.position, "Position of the file's origin.");
   f.field(Limits::rotation, s.rotation_deg,
           "Roll, pitch and yaw: rotations about the world's x, then y, then z axis.");

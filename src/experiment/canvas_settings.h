@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,18 +30,21 @@ enum class CanvasKind {
   mesh
 };
 
-enum class LengthUnit { m, mm, cm, in };
-double metres(LengthUnit unit);
+enum class LengthUnit { file, m, mm, cm, in };  // file: as the file says, or m
+std::optional<double> metres(LengthUnit unit);
 
 // A mesh file in its frame F: p_WP = position + R p_FP, R = Rz(yaw) Ry(pitch) Rx(roll).
 struct MeshSettings {
   enum class Side { outward, inward };
   std::filesystem::path file;
-  LengthUnit unit = LengthUnit::m;                         // of the file's numbers
+  LengthUnit unit = LengthUnit::file;                      // of the file's numbers
   Eigen::Vector3d position = Eigen::Vector3d::Zero();      // p_WF [m]
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();  // roll, pitch, yaw
   // The side drawn on. outward: as wound; for a closed mesh, away from its inside.
   Side side = Side::outward;
+  enum class Up { z, y };
+  Up up = Up::z;          // of a file that does not say which axis is up
+  bool recentre = false;  // see MeshReading
 
   struct Limits {
     static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
@@ -73,7 +77,8 @@ struct CanvasSettings {
 void describe(Fields& f, CanvasSettings& s);
 
 // Makes the mesh of the selected kind. Throws InputError, naming the setting, if the settings give
-// no valid shape. Repairs to a mesh file are appended to `repaired`, if given, one line each.
+// no valid shape. Repairs to a mesh file and warnings of reading it are appended to `repaired`, if
+// given, one line each.
 TriangleMesh make_mesh(const CanvasSettings& settings,
                        std::vector<std::string>* repaired = nullptr);
 

@@ -33,7 +33,7 @@ void add_link_mesh(const fs::path& file, int link, const VisualShape& shape,
   std::error_code error;
   if (file.empty() || !fs::is_regular_file(file, error)) return;
   try {
-    TriangleMesh mesh = read_mesh(file, 1.0);
+    TriangleMesh mesh = read_mesh(file, {});
     for (Eigen::Vector3d& v : mesh.vertices)
       v = shape.X_LS * Eigen::Vector3d(v.cwiseProduct(shape.size));
     meshes->push_back({link, std::move(mesh.vertices), std::move(mesh.triangles)});

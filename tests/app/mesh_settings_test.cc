@@ -64,6 +64,32 @@ TEST_F(MeshCanvas, SaysWhatItMendedAndWhatToSetWhereItCannot) {
   EXPECT_THROW(make_mesh(s), InputError);
 }
 
+TEST_F(MeshCanvas, IsTurnedUprightAndRecentredOnRequestAndSaysSoOtherwise) {
+  TriangleMesh wall;  // 0.3 m wide, 0.2 m high, far away, facing y
+  wall.vertices = {{5000, 7, 9000}, {5000.3, 7, 9000}, {5000.3, 7, 8999.8}, {5000, 7, 8999.8}};
+  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+  std::string text;
+  for (const Vector3d& p : wall.vertices)
+    text += fmt::format("v {:.4f} {:.4f} {:.4f}\n", p.x(), p.y(), p.z());
+  CanvasSettings s;
+  s.kind = CanvasKind::mesh;
+  s.mesh.file = write("wall.obj", text + "f 1 2 3 4\n");
+  std::vector<std::string> said;
+  make_mesh(s, &said);
+  EXPECT_THAT(said, ::testing::ElementsAre(HasSubstr("canvas.mesh.up=y"),
+                                           HasSubstr("canvas.mesh.recentre=true")));
+  EXPECT_EQ(describe_mesh(s.mesh.file, {})["warnings"].size(), 2u);
+  s.mesh.up = MeshSettings::Up::y;
+  s.mesh.recentre = true;
+  s.mesh.position = {0.6, 0, 0.1};
+  said.clear();
+  const TriangleMesh m = make_mesh(s, &said);
+  EXPECT_TRUE(said.empty());
+  EXPECT_LT((m.vertices[0] - Vector3d(0.45, -0.1, 0.1)).norm(), 1e-9);
+  EXPECT_LT((m.vertices[2] - Vector3d(0.75, 0.1, 0.1)).norm(), 1e-9);
+  for (const auto& t : m.triangles) EXPECT_GT(cross(m, t).z(), 0.0);
+}
+
 TEST_F(MeshCanvas, InspectDescribesABoxAndARoof) {
   auto found = describe_mesh(write("box.ply", ply(box(100, 200, 300), "ascii")), 1e-3);
   EXPECT_EQ(found["triangles"], 12);

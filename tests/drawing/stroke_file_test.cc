@@ -102,6 +102,9 @@ TEST(StrokeFile, FaultsNameTheirLine) {
   EXPECT_EQ(message("9 9\n1 2e6\n"), "a: line 2: 2e6 is not within ± 1e+06 mm");
   EXPECT_EQ(message("a,b\n1,2\n", true),
             "a: line 1: the header names no columns x and y (and perhaps stroke)");
+  EXPECT_NE(message("x;y;Z\n1;2;3\n", true).find("a point cloud, not strokes"), std::string::npos);
+  EXPECT_NE(message("1,2,3\n4,5,6\n", true).find("a point cloud, not strokes"), std::string::npos);
+  EXPECT_EQ(message("x,y,z,stroke\n1,2,3,a\n4,5,6,a\n", true), "accepted");
   EXPECT_EQ(message("x,y\n1,,2\n", true), "a: line 2: '1,,2' where 2 numbers or End must be");
   EXPECT_EQ(message("9 9\nEnd\n"), "a: there is no stroke in it");
   EXPECT_EQ(message(std::string("9 9\n1\0 2", 8)), "a: not a text file of strokes");
