@@ -11,6 +11,7 @@
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"
 #include "impedraw/drawing/artwork_file.h"
+#include "impedraw/drawing/dashes.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
@@ -73,10 +74,10 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   const Artwork artwork = read_artwork(file, fine());
   Eigen::AlignedBox2d box;
   std::vector<std::size_t> strokes(artwork.layers.size(), 0);
-  std::size_t dashed = 0;
+  std::size_t dash_count = 0;
   for (const Stroke& stroke : artwork.strokes) {
     ++strokes.at(stroke.layer);
-    dashed += stroke.dash >= 0;
+    dash_count += stroke.dash >= 0;
     for (const Eigen::Vector2d& p : stroke.points) box.extend(p);
   }
   const StrokeStatistics statistics = stroke_statistics(artwork.strokes);
@@ -91,8 +92,13 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
     found["layers"].push_back(
         nlohmann::ordered_json{{"name", artwork.layers[i]}, {"strokes", strokes[i]}});
   found["warnings"] = artwork.warnings;
-  if (dashed > 0)
-    found["warnings"].push_back(fmt::format("{} dashed lines are counted as solid", dashed));
+  if (dash_count > 0) {
+    const StrokeStatistics broken = stroke_statistics(dashed(artwork.strokes, artwork.dashes));
+    found["warnings"].push_back(
+        fmt::format("{} dashed lines are counted as solid; with their dashes there are {} strokes, "
+                    "{:.1f} mm",
+                    dash_count, broken.strokes, broken.pen_down_mm));
+  }
   found["points"] = statistics.points;
   found["pen_up_mm"] = statistics.pen_up_mm;
   return found;

@@ -201,14 +201,29 @@ void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvg
 }
 
 // Index of the path's dash in the artwork; −1 if it has none, or if its transform leaves no length
-// to measure.
-int add_dash(const ImpedrawSvgPath& path, const double* lengths, Artwork& artwork) {
-  if (path.dash_count == 0) return -1;
+// to measure. A pathLength stretches the dashes (SVG 2, 9.6.1); if it is 0, the line is solid.
+int add_dash(const ImpedrawSvgPath& path, const double* lengths,
+             const std::vector<std::vector<Vector2d>>& lines, const Subpath* subpaths,
+             Artwork& artwork) {
+  if (path.dash_count == 0 || path.path_length == 0) return -1;
   const double* t = path.transform;
   const Eigen::Matrix2d to_page = (Eigen::Matrix2d() << t[0], t[1], t[2], t[3]).finished();
   if (!(std::abs(to_page.determinant()) > 1e-12 * to_page.squaredNorm())) return -1;
-  artwork.dashes.push_back(
-      {{lengths, lengths + path.dash_count}, path.dash_offset, to_page.inverse(), path.caps != 0});
+  Dash dash{
+      {lengths, lengths + path.dash_count}, path.dash_offset, to_page.inverse(), path.caps != 0};
+  if (path.path_length > 0) {
+    double length = 0;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const std::vector<Vector2d>& line = lines[i];
+      for (std::size_t k = 1; k < line.size(); ++k)
+        length += (dash.to_pattern * (line[k] - line[k - 1])).norm();
+      if (subpaths[i].closed) length += (dash.to_pattern * (line.front() - line.back())).norm();
+    }
+    for (double& entry : dash.lengths) entry *= length / path.path_length;
+    dash.offset *= length / path.path_length;
+    if (!(length > 0)) return -1;
+  }
+  artwork.dashes.push_back(std::move(dash));
   return static_cast<int>(artwork.dashes.size()) - 1;
 }
 
@@ -245,12 +260,13 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   const double* dash_lengths = svg->dashes;
   auto subpath = subpaths.begin();
   for (const ImpedrawSvgPath* path = svg->paths; path != svg->paths + svg->path_count; ++path) {
-    const int dash = add_dash(*path, dash_lengths, artwork);
-    dash_lengths += path->dash_count;
     std::vector<std::vector<Vector2d>> lines;
     const auto first_subpath = subpath;
     for (; subpath != subpaths.end() && subpath->path == path; ++subpath)
       lines.push_back(flatten(*subpath, flatten_settings, name));
+    const int dash = add_dash(*path, dash_lengths, lines,
+                              subpaths.data() + (first_subpath - subpaths.begin()), artwork);
+    dash_lengths += path->dash_count;
     if (is_ground(lines, *path, artwork.page)) {
       ++grounds;
       continue;

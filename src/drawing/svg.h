@@ -12,11 +12,14 @@
 // display none or visibility hidden, and elements that are not rendered, draw nothing. Layers are
 // the document's top-level groups, named by Inkscape label, id or position.
 //
-// Text is drawn as the outlines of its glyphs, in the system's fonts.
+// Text is drawn as the outlines of its glyphs, in the system's fonts. A warning names a font that
+// is not installed and the one that replaces it. What the internal DTD declares (namespaces,
+// default attributes) counts. A pathLength stretches the dashes.
 //
 // Not drawn, with a warning in Artwork::warnings: pictures, markers, text that no font can show,
-// filled shapes without area, a white rectangle over the whole page, the effect of clip paths and
-// masks, and anything that usvg could not interpret. Of a pattern fill only the filled area counts,
+// filled shapes without area, a white rectangle over the whole page, the effect of clip paths,
+// masks, filters, partial opacity and different stroke widths, and anything that usvg could not
+// interpret. Of a pattern fill only the filled area counts,
 // not the pattern's contents. Apart from fonts, only the file itself is read.
 #pragma once
 

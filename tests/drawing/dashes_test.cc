@@ -58,6 +58,34 @@ TEST(Dashes, AlongALine) {
                {{0, 20}});  // of the viewport's diagonal over √2: 20 mm
 }
 
+TEST(Dashes, PathLengthStretchesThem) {
+  const auto line = [](const std::string& style) {
+    return drawn("<line x1='0' y1='5' x2='80' y2='5' " + style + "/>");
+  };
+  expect_spans(line("pathLength='8' stroke-dasharray='1'"),
+               {{0, 10}, {20, 30}, {40, 50}, {60, 70}});
+  expect_spans(line("pathLength='8' stroke-dasharray='2' stroke-dashoffset='1'"),
+               {{0, 10}, {30, 50}, {70, 80}});
+  expect_spans(line("pathLength='0' stroke-dasharray='10'"), {{0, 80}});
+  for (const char* ignored : {"pathLength='-8'", "pathLength='none'", "pathLength=''"})
+    expect_spans(line(std::string(ignored) + " stroke-dasharray='30'"), {{0, 30}, {60, 80}});
+  // Uses of one line, and a style sheet's dashes.
+  expect_spans(drawn("<style>.d{stroke-dasharray:4}</style><defs><path id='a' d='M0 5H80' "
+                     "pathLength='8'/></defs><use class='d' href='#a'/>"),
+               {{0, 40}});
+  // All subpaths together have the length.
+  expect_spans(drawn("<path d='M0 5H40 M0 9H40' pathLength='8' stroke-dasharray='1'/>"),
+               {{0, 10}, {20, 30}, {0, 10}, {20, 30}});
+  for (const char* outline :
+       {"<circle cx='50' cy='50' r='20'", "<rect x='9' y='9' width='30' height='20' rx='4'",
+        "<path d='M9 9 C 60 9 90 20 90 80 z' transform='scale(.5 -1.5)'"}) {
+    const auto dashes = drawn(std::string(outline) + " pathLength='8' stroke-dasharray='1'/>");
+    EXPECT_EQ(dashes.size(), 4u) << outline;
+  }
+  const auto arcs = drawn("<circle cx='50' cy='50' r='20' pathLength='8' stroke-dasharray='1'/>");
+  for (const Stroke& arc : arcs) EXPECT_NEAR(lines::length(arc.points), 5 * std::numbers::pi, 0.01);
+}
+
 TEST(Dashes, GoOnRoundCornersAndAnewInEachSubpath) {
   const auto strokes = drawn("<path d='M0 0 H10 V10 M50 50 H60' stroke-dasharray='15 3'/>");
   ASSERT_EQ(strokes.size(), 3u);

@@ -320,6 +320,53 @@ TEST(Svg, WhatIsLeftOutIsTold) {
   EXPECT_NE(cut.warnings[0].find("path"), std::string::npos);
 }
 
+TEST(Svg, FiltersOpacityAndWidthsAreTold) {
+  const std::string line = "<path d='M0 9H40V20' fill='none' stroke='black' ";
+  const std::string filter = "<filter id='f'><feGaussianBlur stdDeviation='2'/></filter>";
+  EXPECT_EQ(
+      on_mm_page(filter + "<g opacity='.5'>" + line + "/></g>" + line + "stroke-opacity='.3'/>" +
+                 line + "filter='url(#f)'/>" + "<g transform='scale(2)'>" + line + "/></g>")
+          .warnings,
+      (std::vector<std::string>{
+          "1 filters (blur, shadow and the like) are passed over",
+          "2 shapes or groups are partly transparent: drawn as if they were not",
+          "stroke widths of 1.00 to 2.00 mm are passed over: a pen has one width"}));
+}
+
+TEST(Svg, TheInternalDtdCounts) {
+  const std::string strokes =
+      "<svg width='109' height='109'><g k:element='a'><path k:type='b' d='M11 54h80'/></g></svg>";
+  for (const std::string dtd :
+       {"<!ATTLIST g xmlns:k CDATA #FIXED 'http://k' k:element CDATA #IMPLIED>",
+        "<!ENTITY ns \"http://k\"><!ATTLIST path\n xmlns:k CDATA '&ns;' k:type (a|b) #REQUIRED >",
+        "<!-- don't ]> --><?x '?><!ELEMENT g ANY><!ATTLIST g k:element NOTATION (a|b) 'a' xmlns:k "
+        "CDATA #FIXED\n\"http://k\">"}) {
+    SCOPED_TRACE(dtd);
+    const std::string head =
+        "<?xml version='1.0'?><!-- it's one -->\n<!DOCTYPE svg PUBLIC '-//W' "
+        "'http://d' [";
+    const std::string more =
+        "<!ATTLIST svg xmlns CDATA #FIXED 'http://www.w3.org/2000/svg'>"
+        "<!ATTLIST path stroke CDATA 'black' fill (none|red) 'none'>] >";
+    const Artwork a = parse_svg(head + dtd + more + strokes, "dtd");
+    EXPECT_NEAR(lines::length(only(a)), 80 * kPx, 1e-4);
+    EXPECT_TRUE(a.warnings.empty());
+  }
+  // Declared nowhere: read, and told.
+  const Artwork a = stroked("<line x2='7' sodipodi:type='x'/><use xlink:href='#none'/>");
+  EXPECT_NEAR(lines::length(only(a)), 7, 1e-4);
+  EXPECT_EQ(a.warnings.at(0), "the prefix 'sodipodi:' has no namespace: read as if it had one");
+}
+
+TEST(Svg, AReplacedFontIsNamed) {
+  const Artwork a = on_mm_page(
+      "<line x2='7' stroke='red'/><text y='50' font-family='No Such Font, sans-serif'>H</text>"
+      "<text y='90' font-family='serif'>H</text><text y='150'>H</text>");
+  if (a.strokes.size() == 1) GTEST_SKIP() << "no font on this system";
+  ASSERT_EQ(a.warnings.size(), 1u);
+  EXPECT_TRUE(a.warnings[0].starts_with("the font 'No Such Font' is not installed: replaced by '"));
+}
+
 TEST(Svg, MarkersAndPatternsAreNotDrawn) {
   const std::string marker =
       "<marker id='m' markerWidth='5' markerHeight='5' overflow='visible'><path d='M0 0 L5 5 "

@@ -2,12 +2,14 @@
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
-use usvg::roxmltree::{Document, Node, ParsingOptions};
+use std::ops::Range;
+use usvg::roxmltree::{Document, Error, Node, ParsingOptions};
 
 const MOST_NODES: u32 = 2_000_000;
 const DEEPEST: usize = 1000; // nesting of elements; usvg's limit is 1,024
 const LARGEST: f64 = 1e30; // magnitude of a number, within single precision
 const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
+pub const XLINK: &str = "http://www.w3.org/1999/xlink";
 
 /// Decodes UTF-8, UTF-16 with a byte order mark, or Latin-1 if the XML declaration says so.
 pub fn text_of(data: &[u8]) -> Result<Cow<'_, str>, String> {
@@ -29,9 +31,12 @@ pub fn text_of(data: &[u8]) -> Result<Cow<'_, str>, String> {
     })
 }
 
+pub fn xml(text: &str) -> Result<Document<'_>, Error> {
+    Document::parse_with_options(text, ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..Default::default() })
+}
+
 pub fn parse(text: &str) -> Result<Document<'_>, String> {
-    let options = ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..Default::default() };
-    let xml = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
+    let xml = xml(text).map_err(|e| e.to_string())?;
     if xml.root_element().tag_name().name() != "svg" {
         return Err(format!("the root element is <{}>, not <svg>", xml.root_element().tag_name().name()));
     }
@@ -76,10 +81,9 @@ pub fn check(xml: &Document) -> Result<(), String> {
 /// Rejects a `use` that refers to itself, directly or through others: it would be drawn forever.
 /// Searches for a cycle in the graph of child and `use` references.
 pub fn check_uses(xml: &Document) -> Result<(), String> {
-    const HREF: (&str, &str) = ("http://www.w3.org/1999/xlink", "href");
     let by_id: HashMap<&str, Node> = xml.descendants().filter_map(|n| Some((n.attribute("id")?, n))).collect();
     let shown = |node: Node| {
-        let href = node.attribute("href").or(node.attribute(HREF))?;
+        let href = node.attribute("href").or(node.attribute((XLINK, "href")))?;
         (node.tag_name().name() == "use").then_some(())?;
         by_id.get(href.trim().strip_prefix('#')?).copied()
     };
@@ -145,15 +149,20 @@ pub fn without_q(text: &str, xml: &Document) -> Option<String> {
     if inserts.is_empty() {
         return None;
     }
-    let mut changed = String::with_capacity(text.len() + 2 * inserts.len());
+    Some(spliced(text, inserts))
+}
+
+/// The text with each range, in order, replaced.
+pub fn spliced(text: &str, changes: Vec<(Range<usize>, String)>) -> String {
+    let mut changed = String::with_capacity(text.len() + 40 * changes.len());
     let mut from = 0;
-    for (within, value) in inserts {
+    for (within, value) in changes {
         changed.push_str(&text[from..within.start]);
         changed.push_str(&value);
         from = within.end;
     }
     changed.push_str(&text[from..]);
-    Some(changed)
+    changed
 }
 
 /// Groups at the top of the document. Illustrator puts its own inside a switch and a group that it
@@ -169,46 +178,61 @@ fn layer_groups<'a, 'i>(within: Node<'a, 'i>, found: &mut Vec<(usize, Node<'a, '
     }
 }
 
-/// Gives every layer an id, and returns the name of each: Inkscape's label, the author's id, or its
-/// number. None: every layer has an id already.
-pub fn name_layers(text: &str, xml: &Document) -> (Option<String>, HashMap<String, String>) {
+/// What usvg does not hand on.
+#[derive(Default)]
+pub struct Marked {
+    pub layers: HashMap<String, String>, // names, by id: Inkscape's label, the author's id, or a number
+    pub lengths: Vec<f64>,               // each pathLength of the document
+}
+
+/// A miter limit from here on counts the lengths: usvg gives every copy of a path its miter limit,
+/// which a pen has no use for, but not its id.
+pub const FIRST_LENGTH: usize = 1_000_000;
+
+/// Gives every layer an id, and every path with a pathLength its mark. The text is None if nothing
+/// had to be added.
+pub fn marked(text: &str, xml: &Document) -> (Option<String>, Marked) {
     let mut groups = Vec::new();
     layer_groups(xml.root_element(), &mut groups);
-    let mut names = HashMap::new();
+    let mut marked = Marked::default();
     let mut inserts = Vec::new();
     let taken: HashSet<&str> = xml.descendants().filter_map(|n| n.attribute("id")).collect();
+    let first = xml.root_element().range().start; // an entity's text stands before
+    let after_name = |node: Node| {
+        let start = node.range().start + 1;
+        let at = start + text[start..].find(|c: char| c.is_whitespace() || matches!(c, '>' | '/')).unwrap_or(0);
+        at..at
+    };
     for (place, group) in groups {
         let label = group.attribute((INKSCAPE, "label"));
         match group.attribute("id").filter(|id| !id.is_empty()) {
             Some(id) => {
-                names.insert(id.to_string(), label.unwrap_or(id).to_string());
+                marked.layers.insert(id.to_string(), label.unwrap_or(id).to_string());
             }
-            // not inside an entity's text, and not beside an empty id
-            None if group.range().start > xml.root_element().range().start && !group.has_attribute("id") => {
-                let start = group.range().start + 1;
-                let length = text[start..].find(|c: char| c.is_whitespace() || matches!(c, '>' | '/')).unwrap_or(0);
-                let mut id = format!("layer-{place}-at-{start}");
+            // not beside an empty id
+            None if group.range().start > first && !group.has_attribute("id") => {
+                let mut id = format!("layer-{place}-at-{}", group.range().start + 1);
                 while taken.contains(id.as_str()) {
                     id.push('_');
                 }
-                inserts.push((start + length, format!(" id=\"{id}\"")));
-                names.insert(id, label.map_or(place.to_string(), str::to_string));
+                inserts.push((after_name(group), format!(" id=\"{id}\"")));
+                marked.layers.insert(id, label.map_or(place.to_string(), str::to_string));
             }
             None => {}
         }
     }
-    if inserts.is_empty() {
-        return (None, names);
+    for node in xml.descendants().filter(|n| n.is_element() && n.range().start > first) {
+        let length = node.attribute("pathLength").and_then(|l| l.trim().parse::<f64>().ok());
+        let Some(length) = length.filter(|l| l.is_finite() && *l >= 0.0) else { continue };
+        let limit = format!("stroke-miterlimit:{}", FIRST_LENGTH + marked.lengths.len());
+        match node.attribute_node("style") {
+            Some(style) => inserts.push((style.range_value().end..style.range_value().end, format!(";{limit}"))),
+            None => inserts.push((after_name(node), format!(" style=\"{limit}\""))),
+        }
+        marked.lengths.push(length);
     }
-    let mut named = String::with_capacity(text.len() + 40 * inserts.len());
-    let mut from = 0;
-    for (at, what) in inserts {
-        named.push_str(&text[from..at]);
-        named.push_str(&what);
-        from = at;
-    }
-    named.push_str(&text[from..]);
-    (Some(named), names)
+    inserts.sort_by_key(|(at, _)| at.start);
+    ((!inserts.is_empty()).then(|| spliced(text, inserts)), marked)
 }
 
 pub fn count(xml: &Document, tag: &str) -> usize {

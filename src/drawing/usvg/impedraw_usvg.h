@@ -26,6 +26,7 @@ struct ImpedrawSvgPath {
   std::uint8_t white;      // filled with white
   std::size_t dash_count;  // of ImpedrawSvg::dashes, even; 0: unbroken
   double dash_offset;      // like the dashes, in the unit before the transform
+  double path_length;      // what the dashes take the path's whole length for; NaN: that length
   double transform[4];     // rows of the 2 × 2 matrix from that unit to millimetres on the page
 };
 

@@ -1,12 +1,14 @@
 //! Reads the visible outlines of an SVG document with usvg. impedraw_usvg.h documents the C ABI.
 //!
 //! limits.rs      bounds on time and memory
+//! dtd.rs         what the internal DTD adds to the document
 //! document.rs    text and XML, before usvg
 //! outlines.rs    usvg's tree as paths
 //! complaints.rs  usvg's messages
 
 mod complaints;
 mod document;
+mod dtd;
 mod limits;
 mod outlines;
 

@@ -1,10 +1,10 @@
 //! Converts usvg's tree to paths on the page, in millimetres.
 
-use crate::{complaints, document};
+use crate::{complaints, document, dtd};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathSegment, Point};
-use usvg::{fontdb, Color, FillRule, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
+use usvg::{fontdb, Color, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
@@ -20,6 +20,7 @@ pub struct SvgPath {
     white: u8,
     dash_count: usize,
     dash_offset: f64,
+    path_length: f64,
     transform: [f64; 4],
 }
 
@@ -32,9 +33,12 @@ pub struct Outlines {
     pub dashes: Vec<f64>,
     pub layers: Vec<String>,
     pub warnings: Vec<String>,
-    names: HashMap<String, String>, // of the layers, by their group's id
+    marked: document::Marked,
     seen: HashMap<String, u32>,     // layers with a path, by their group's id
     hidden_parts: usize,            // skipped clip paths and masks
+    filters: usize,
+    faint: usize,                   // shapes and groups that are partly transparent
+    widths: Option<(f64, f64)>,     // of the narrowest and the widest stroke [mm]
     lost_texts: usize,
     too_many: bool,
 }
@@ -60,6 +64,21 @@ fn fonts() -> fontdb::Database {
     fonts
 }
 
+/// usvg's choice of a font; says so if it is not the one that the document names first.
+fn select_font(font: &Font, fonts: &mut Arc<fontdb::Database>) -> Option<fontdb::ID> {
+    let id = FontResolver::default_font_selector()(font, fonts)?;
+    let generic = matches!(font.families()[0], FontFamily::Serif | FontFamily::SansSerif | FontFamily::Monospace);
+    let wanted = match &font.families()[0] {
+        FontFamily::Named(name) => name.clone(),
+        other => other.to_string(),
+    };
+    let names = &fonts.face(id)?.families;
+    if !generic && names.iter().all(|(name, _)| *name != wanted) {
+        log::warn!(target: "usvg", "the font '{wanted}' is not installed: replaced by '{}'", names[0].0);
+    }
+    Some(id)
+}
+
 fn shows(paint: &Paint) -> bool {
     match paint {
         Paint::Color(_) => true,
@@ -76,7 +95,8 @@ fn is_white(paint: &Paint) -> bool {
 impl Outlines {
     pub fn read(data: &[u8]) -> Result<Outlines, String> {
         complaints::listen();
-        let given = document::text_of(data)?;
+        let mut outlines = Outlines::default();
+        let given = dtd::completed(document::text_of(data)?, &mut outlines.warnings);
         let mut xml = document::parse(&given)?;
         let changed = document::without_q(&given, &xml);
         let text = changed.as_deref().unwrap_or(&given);
@@ -85,11 +105,11 @@ impl Outlines {
         }
         document::check(&xml)?;
         document::check_uses(&xml)?;
-        let (named, names) = document::name_layers(text, &xml);
+        let (named, marked) = document::marked(text, &xml);
         if let Some(named) = &named {
             xml = document::parse(named)?;
         }
-        let mut outlines = Outlines { names, ..Default::default() };
+        outlines.marked = marked;
         for (tag, consequence) in [
             ("image", "pictures are left out: a pen draws lines only"),
             ("foreignObject", "foreign objects are left out"),
@@ -112,7 +132,10 @@ impl Outlines {
             }
         }
         if document::count(&xml, "text") > 0 {
-            options.fontdb = Arc::new(fonts());
+            let fonts = fonts();
+            options.font_family = fonts.family_name(&fontdb::Family::Serif).to_string(); // of text that names none
+            options.fontdb = Arc::new(fonts);
+            options.font_resolver.select_font = Box::new(select_font);
         }
         let tree = Tree::from_xmltree(&xml, &options).map_err(|e| match e {
             usvg::Error::ParsingFailed(usvg::roxmltree::Error::NodesLimitReached) => {
@@ -136,6 +159,15 @@ impl Outlines {
         if self.hidden_parts > 0 {
             self.warnings.push(format!("{} clip paths or masks are passed over: what they hide is drawn", self.hidden_parts));
         }
+        if self.filters > 0 {
+            self.warnings.push(format!("{} filters (blur, shadow and the like) are passed over", self.filters));
+        }
+        if self.faint > 0 {
+            self.warnings.push(format!("{} shapes or groups are partly transparent: drawn as if they were not", self.faint));
+        }
+        if let Some((narrow, wide)) = self.widths.filter(|(narrow, wide)| *wide > 1.25 * narrow) {
+            self.warnings.push(format!("stroke widths of {narrow:.2} to {wide:.2} mm are passed over: a pen has one width"));
+        }
         self.warnings.extend(complaints::heard());
     }
 
@@ -144,8 +176,10 @@ impl Outlines {
         if group.opacity().get() == 0.0 {
             return;
         }
+        self.filters += group.filters().len();
+        self.faint += (group.opacity().get() < 1.0) as usize;
         self.hidden_parts += group.clip_path().is_some() as usize + group.mask().is_some() as usize;
-        let layer = layer.or(self.names.contains_key(group.id()).then_some(group.id()));
+        let layer = layer.or(self.marked.layers.contains_key(group.id()).then_some(group.id()));
         for node in group.children() {
             match node {
                 Node::Group(group) => self.add_group(group, layer),
@@ -172,7 +206,7 @@ impl Outlines {
             return *index;
         }
         let index = self.layers.len() as u32;
-        self.layers.push(self.names.get(id).map_or("page", String::as_str).to_string());
+        self.layers.push(self.marked.layers.get(id).map_or("page", String::as_str).to_string());
         self.seen.insert(id.to_string(), index);
         index
     }
@@ -188,10 +222,18 @@ impl Outlines {
             return;
         }
         let layer = self.layer_index(layer);
+        let ts = path.abs_transform();
+        if let Some(stroke) = stroke {
+            let scale = (ts.sx as f64 * ts.sy as f64 - ts.kx as f64 * ts.ky as f64).abs().sqrt();
+            let width = MM_PER_PX * scale * stroke.width().get() as f64;
+            let (narrow, wide) = self.widths.unwrap_or((width, width));
+            self.widths = Some((narrow.min(width), wide.max(width)));
+        }
+        let opacities = [stroke.map(|s| s.opacity()), path.fill().map(|f| f.opacity())];
+        self.faint += opacities.iter().flatten().any(|o| (0.01..1.0).contains(&o.get())) as usize;
         let dashes = stroke.and_then(|s| s.dasharray()).unwrap_or(&[]);
         self.dashes.extend(dashes.iter().map(|&length| length as f64));
         let first = self.verbs.len();
-        let ts = path.abs_transform();
         let mut put = |verb: u8, points: &[Point]| {
             self.verbs.push(verb);
             for p in points {
@@ -209,6 +251,8 @@ impl Outlines {
                 PathSegment::Close => put(4, &[]),
             }
         }
+        let limit = stroke.map_or(0, |s| s.miterlimit().get() as usize);
+        let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index));
         self.paths.push(SvgPath {
             verbs: self.verbs.len() - first,
             layer,
@@ -219,6 +263,7 @@ impl Outlines {
             white: path.fill().is_some_and(|f| is_white(f.paint())) as u8,
             dash_count: dashes.len(),
             dash_offset: stroke.map_or(0.0, |s| s.dashoffset() as f64),
+            path_length: length.copied().unwrap_or(f64::NAN),
             transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64),
         });
     }
