@@ -110,6 +110,16 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
       std::make_shared<const Canvas>(seen_facets(*scene->perception, s.perception.voxel));
 }
 
+void note_dynamics(const World& world, const WorldSettings& s, std::vector<std::string>* notes) {
+  const double damping = world.damping().maxCoeff() - s.errors.viscous_friction,
+               friction = world.dry_friction().maxCoeff() - s.joint_friction;
+  if (std::max(damping, friction) > 1e-9)
+    notes->push_back(fmt::format(
+        "the arm's description gives joints a damping of up to {:.3g} Nm s/rad and a friction of "
+        "up to {:.3g} Nm: the simulated arm has them, the controller's model does not",
+        std::max(0.0, damping), std::max(0.0, friction)));
+}
+
 void check_pushes(const Scenario& s, const World& world, const SettingErrors& setting_errors) {
   for (const PushSettings& push : s.pushes) {
     if (push.link.empty()) continue;
@@ -181,6 +191,7 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   settings.flange_sensor = has_sensor(s.control.source);
   auto world = setting_errors.locate(
       {"arm.urdf"}, [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
+  note_dynamics(*world, s.world, &notes);
   setting_errors.locate({"canvas.motion"}, [&] { world->move_canvas(canvas_motion(s)); });
   check_pushes(s, *world, setting_errors);
   check_frames(s, setting_errors);

@@ -22,7 +22,7 @@ void check(const ModelErrors& e) {
   require_in_range("world.errors", Limits::pen_longer, e.pen_longer);
 }
 
-void apply(const ModelErrors& e, double dt, mjSpec* spec) {
+void apply(const ModelErrors& e, mjSpec* spec) {
   for (mjsElement* element = mjs_firstElement(spec, mjOBJ_BODY); element;
        element = mjs_nextElement(spec, element)) {
     mjsBody* body = mjs_asBody(element);
@@ -34,9 +34,6 @@ void apply(const ModelErrors& e, double dt, mjSpec* spec) {
     if (mjs_firstChild(body, mjOBJ_JOINT, 0))
       for (double& value : body->ipos) value += e.centre_shift / std::sqrt(3.0);
   }
-  for (mjsElement* element = mjs_firstElement(spec, mjOBJ_JOINT); element;
-       element = mjs_nextElement(spec, element))
-    mjs_asJoint(element)->armature = e.rotor_inertia + dt * e.viscous_friction;
   if (mjsBody* tip = mjs_findBody(spec, "tip")) {
     const Eigen::Quaterniond turned(tip->quat[0], tip->quat[1], tip->quat[2], tip->quat[3]);
     Eigen::Map<Eigen::Vector3d>(tip->pos) +=
@@ -58,7 +55,7 @@ CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gra
   spec->option.integrator = mjINT_EULER;
   spec->option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_EULERDAMP;
   mju_copy3(spec->option.gravity, Eigen::Vector3d(0, 0, -gravity).eval().data());
-  apply(errors, dt, spec);
+  apply(errors, spec);
   CompiledArm arm;
   arm.shape = mj_compile(spec, nullptr);
   if (arm.shape) {
@@ -71,6 +68,13 @@ CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gra
     mj_deleteModel(arm.shape);
     throw InputError(fmt::format("arm description {}: {}", urdf.string(), cause));
   }
+  mjModel* m = arm.dynamics;
+  arm.friction = Eigen::Map<const Eigen::VectorXd>(m->dof_frictionloss, m->nv);
+  Eigen::Map<Eigen::VectorXd> explicit_damping(m->dof_damping, m->nv);
+  arm.damping = explicit_damping.array() + errors.viscous_friction;
+  explicit_damping.setZero();
+  Eigen::Map<Eigen::VectorXd>(m->dof_armature, m->nv) =
+      dt * arm.damping.array() + errors.rotor_inertia;
   return arm;
 }
 

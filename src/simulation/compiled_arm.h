@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include <mujoco/mujoco.h>
+#include <Eigen/Core>
 
 #include "impedraw/simulation/model_errors.h"
 
@@ -13,6 +14,8 @@ namespace impedraw {
 struct CompiledArm {            // owned by the caller
   mjModel* dynamics = nullptr;  // without body shapes, which would slow every step
   mjModel* shape = nullptr;     // with body shapes, for the cameras
+  // of each joint: b, with the URDF's <dynamics damping>, and its <dynamics friction>
+  Eigen::VectorXd damping, friction;  // [Nm s/rad], [Nm]
 };
 
 // Viscous friction enters the dynamics as an inertia h b on every joint. With −b v as a torque,

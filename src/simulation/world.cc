@@ -54,6 +54,7 @@ struct World::Mujoco {
   RowMatrix6X J_push;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
   ImpulseColumns M_inverse;
+  JointVector damping, dry_friction;  // of each joint [Nm s/rad], [Nm]
   JointVector v, joint_impulse,
       friction;             // friction: its impulses, the next step's initial guess
   JointVector link_torque;  // of the pushes on links, for the next step [Nm]
@@ -102,6 +103,8 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   if (n > kMaxJoints || mujoco_->model->nq != n)
     throw InputError(fmt::format("arm description {}: at most {} single-axis joints", urdf.string(),
                                  kMaxJoints));
+  mujoco_->damping = arm.damping;
+  mujoco_->dry_friction = arm.friction.array() + settings.joint_friction;
   mujoco_->J_tip.setZero(3, n);
   mujoco_->J_push.setZero(6, n);
   mujoco_->M_inverse_Jt.setZero(n, 3);
@@ -116,6 +119,8 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
 World::~World() = default;
 
 int World::joints() const { return mujoco_->model->nv; }
+const JointVector& World::damping() const { return mujoco_->damping; }
+const JointVector& World::dry_friction() const { return mujoco_->dry_friction; }
 bool World::has_flange() const { return mujoco_->flange->has_flange(); }
 
 void World::set_state(const JointVector& q, const JointVector& v) {
@@ -220,8 +225,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
     generalised += mujoco_->J_push.transpose().lazyProduct(F_push_W);
   }
   generalised += mujoco_->link_torque;
-  if (settings_.errors.viscous_friction > 0.0)
-    generalised -= settings_.errors.viscous_friction * state_.v;  // implicit: see compiled_arm.h
+  generalised -= mujoco_->damping.cwiseProduct(state_.v);  // implicit: see compiled_arm.h
   const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
@@ -250,7 +254,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       mj_solveM(w.model, w.data, w.M_inverse.col(j).data(), unit.data(), 1);
     }
   };
-  const bool dry = settings_.joint_friction > 0.0;
+  const bool dry = w.dry_friction.maxCoeff() > 0.0;
   if (dry) {
     invert_inertia();
     w.v += w.M_inverse.lazyProduct(w.friction);
@@ -332,7 +336,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
         change = std::max(change, std::abs(delta));
       };
       for (int j = 0; j < n; ++j) {
-        const double bound = h * settings_.joint_friction, mobility = w.M_inverse(j, j);
+        const double bound = h * w.dry_friction[j], mobility = w.M_inverse(j, j);
         if (dry)
           add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -bound, bound));
         double sign = 1.0;
@@ -438,8 +442,7 @@ World::Terms World::terms() const {
   const int n = m->nv;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(n, n), J(6, n);
   mj_fullM(m, d, M.data());
-  M.diagonal().array() -=
-      h_ * settings_.errors.viscous_friction;  // the integrator's implicit part (compiled_arm.h)
+  M.diagonal() -= h_ * mujoco_->damping;  // the integrator's implicit part (compiled_arm.h)
   mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
   return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
 }

@@ -7,7 +7,8 @@
 //
 // The simulated arm can differ from the URDF, and τ_a from the commanded torque: model_errors.h.
 // The drives clip τ_a to the URDF's effort limits and hold it for all integration steps of dt.
-// Viscous friction b v⁺ is implicit. The tip's impulse p and the joints' impulses, dry friction
+// Viscous friction b v⁺ is implicit; b and τ_f are those of the settings plus damping and friction
+// of the URDF's <dynamics>. The tip's impulse p and the joints' impulses, dry friction
 // |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel). Solved in sequence,
 // the second would change the velocity on which the first is based.
 #pragma once
@@ -74,6 +75,9 @@ class World {
   ~World();
 
   int joints() const;
+  // b and τ_f of each joint: of the settings and of the URDF's <dynamics> [Nm s/rad], [Nm].
+  const JointVector& damping() const;
+  const JointVector& dry_friction() const;
   // The canvas moves from now on as `motion` says at the world's time. Friction acts on the
   // velocity of the tip relative to the canvas, and so does the contact's damper.
   void move_canvas(const CanvasMotion& motion) { motion_ = motion; }

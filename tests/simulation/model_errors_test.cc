@@ -2,14 +2,20 @@
 // step, or a table typed in by hand.
 #include "impedraw/simulation/model_errors.h"
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numbers>
+#include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
+#include "scratch_folder.h"
 #include "worlds.h"
 
 namespace impedraw {
@@ -151,6 +157,61 @@ TEST(ModelErrors, ViscousFrictionFarBeyondTheWristsInertiaIsStable) {
       world.step(terms.bias, kNoPush);
     }
     EXPECT_FALSE(world.failure());
+  }
+}
+
+// <dynamics> of a URDF, in every joint a different one.
+class UrdfDynamics : public ScratchFolder {
+ protected:
+  World arm(const std::string& urdf, const JointVector& damping, const JointVector& friction,
+            double dt = 1e-3) const {
+    std::ifstream file(urdf);
+    std::string text(std::istreambuf_iterator<char>(file), {});
+    std::size_t at = 0;
+    for (Eigen::Index j = 0; j < damping.size(); ++j) {
+      at = text.find("<limit", at);
+      const std::string dynamics =
+          fmt::format("<dynamics damping=\"{}\" friction=\"{}\"/>", damping[j], friction[j]);
+      text.insert(at, dynamics);
+      at += dynamics.size() + 1;
+    }
+    return World(write("arm.urdf", text), nullptr, with({}, dt));
+  }
+};
+
+TEST_F(UrdfDynamics, BrakeEachJointAsTheClosedFormSays) {
+  const JointVector b = Eigen::Vector3d(4.0, 0.0, 7.0), dry = Eigen::Vector3d(1.5, 0.6, 0.0);
+  const Eigen::Vector3d mass(2.5, 2.25, 2.0);
+  const double h = 1e-3;
+  World world = arm(kSlider, b, dry, h);
+  JointVector v = Eigen::Vector3d(0.5, -0.4, 0.3);
+  world.set_state(JointVector::Zero(3), v);
+  JointVector hold = JointVector::Zero(3);
+  hold[2] = world.terms().bias[2];
+  EXPECT_LT((world.terms().M.diagonal() - mass).norm(), 1e-12) << "damping is no inertia";
+  for (int i = 0; i < 2000; ++i) {
+    for (int j = 0; j < 3; ++j) {  // m (v⁺ − v) = −h b v⁺ − p, |p| ≤ h F
+      const double free = mass[j] * v[j];
+      v[j] = (free - std::clamp(free, -h * dry[j], h * dry[j])) / (mass[j] + h * b[j]);
+    }
+    world.step(hold, kNoPush);
+    ASSERT_LT((world.state().v - v).norm(), 1e-9) << i;
+  }
+  EXPECT_EQ(v[0], 0.0);
+}
+
+// Explicitly, more than 2 I/h ≈ 2 Nm s/rad would blow up the last joint.
+TEST_F(UrdfDynamics, FarBeyondTheWristsInertiaAreStable) {
+  const JointVector none = JointVector::Zero(7);
+  for (const double b : {1.0, 10.0, 100.0}) {
+    World world = arm(kArm, JointVector::Constant(7, b), none);
+    World told = iiwa({.viscous_friction = b});
+    for (World* each : {&world, &told}) {
+      each->set_state(working_posture(), JointVector::Constant(7, 1.0));
+      for (int i = 0; i < 300; ++i) each->step(each->terms().bias, kNoPush);
+    }
+    EXPECT_FALSE(world.failure());
+    EXPECT_EQ(world.state().v, told.state().v);
   }
 }
 
