@@ -137,7 +137,7 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   mujoco_->link_torque.setZero();
   mujoco_->link_contact->reset();
   drive_.reset();
-  side_ = 1.0;
+  side_.reset();
   applied_torque_ = JointVector::Zero(joints());
   observe();
   if (settings_.flange_sensor && has_flange())
@@ -271,17 +271,16 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
     Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
     const Pose X_WK = motion_.moves() ? canvas_state().X_WK : Pose();
     if (motion_.moves()) centre = X_WK.inverse() * centre;
-    // A tip pressed through by more than this is no longer in contact. A sheet resists on the side
-    // that the tip came from: an open one has two.
+    // A tip pressed through by more than this is no longer in contact.
     const auto closest = canvas_->closest(centre, 10.0 * radius);
-    if (!closest || (closest->on_edge && closest->distance <= 0.0)) {
-      side_ = 0.0;
+    if (!closest) {
+      side_.leave();
     } else {
-      if (side_ == 0.0) side_ = closest->distance < 0.0 ? -1.0 : 1.0;
-      tip.penetration = radius - side_ * closest->distance;
+      const TipFacing facing = side_.update(centre, *closest, radius);
+      tip.penetration = radius - facing.clear;
       contact_.touching = tip.penetration > 0.0;
       contact_.p_WC = closest->p_W;
-      contact_.n_W = side_ * closest->n_W;
+      contact_.n_W = facing.n;
       if (motion_.moves()) {  // the mesh is in K
         contact_.p_WC = X_WK * contact_.p_WC;
         contact_.n_W = X_WK.R * contact_.n_W;

@@ -29,6 +29,7 @@
 #include "impedraw/simulation/posed_body.h"
 #include "impedraw/simulation/solver_cutoffs.h"
 #include "impedraw/simulation/tip_contact.h"
+#include "impedraw/simulation/tip_side.h"
 
 namespace impedraw {
 
@@ -159,9 +160,7 @@ class World {
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;
   TipContact contact_;
-  // Of the canvas, on which the tip came near: 1 front, −1 back, 0 not near. A tip that begins in
-  // contact, however deep, begins in front.
-  double side_ = 1.0;
+  TipSide side_;
   JointDrive drive_;
   JointVector applied_torque_;
   Vector6 flange_wrench_ = Vector6::Zero();
