@@ -67,20 +67,26 @@ void turn_to_drawing(TriangleMesh* mesh, const Scenario& s, const Eigen::Vector3
                         turned, mesh->triangles.size()));
 }
 
-// A square around each point of the seen surface, across its normal: squares of neighbours meet.
+// A square around each point of the seen surface, across its normal: squares of neighbours meet. Of
+// a thing that is thinner than the cameras resolve, a wire for instance, they see a point here and
+// there, apart from the surface that is fitted to its neighbours: its square faces the camera and
+// is so large that a pen does not pass between two of them.
 TriangleMesh seen_facets(const SurfaceEstimator& seen, double voxel) {
-  const double spacing = std::max(voxel, 0.004);  // [m]
+  constexpr double kApart = 5e-3, kApartHalf = 1e-2;  // [m]
+  const double spacing = std::max(voxel, 0.004);      // [m]
   const PointCloud sparse = thin(seen.cloud(), spacing);
   TriangleMesh mesh;
   for (std::size_t i = 0; i < sparse.points.size(); ++i) {
     Eigen::Vector3d p = sparse.points[i];
     const SurfaceEstimate estimate = seen.estimate(p);
     Eigen::Vector3d n = (sparse.eyes[static_cast<std::size_t>(sparse.camera[i])] - p).normalized();
-    if (estimate.status == SurfaceStatus::ok) {
+    const bool apart = std::abs(estimate.distance) > kApart;
+    if (estimate.status == SurfaceStatus::ok && !apart) {
       n = estimate.n_W;
       p -= estimate.distance * n;  // takes the noise out
     }
-    const Eigen::Vector3d a = 0.6 * spacing * n.unitOrthogonal(), b = n.cross(a);
+    const Eigen::Vector3d a = (apart ? kApartHalf : 0.6 * spacing) * n.unitOrthogonal(),
+                          b = n.cross(a);
     const int first = static_cast<int>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), {p - a - b, p + a - b, p + a + b, p - a + b});
     mesh.triangles.insert(mesh.triangles.end(), {Eigen::Vector3i(first, first + 1, first + 2),

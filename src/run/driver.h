@@ -66,6 +66,9 @@ struct ArmState {
   // The previous control step is still running in this cycle, and the drives hold the last torque.
   // The loop skips the control law, logs, and commands the same torque again.
   bool stalled = false;
+  // The pen's shaft touches the canvas. In a simulator the canvas pushes on the tip alone; an arm
+  // would feel this in its wrench.
+  bool shaft_touches = false;
   // Duration of the previous control step by the driver's clock [s]; 0 in lock-step.
   double step_time = 0.0;
 

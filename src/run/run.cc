@@ -529,16 +529,21 @@ class Runner {
       if (halted_) return false;
       lift();
     }
-    if (rattle_guard_.update(loop_.F_ext().head<3>().dot(out_.n_WD), out_.mode, out_.push, dt())) {
-      const ImpedanceSettings& control = e_.control.impedance;
-      stop(RunEnd::stopped,
-           fmt::format("the pen hammered on the canvas at t = {:.3f} s, ± {:.0f} N at a "
-                       "push of {:.1f} N: tip or canvas may be stiffer than "
-                       "control.contact_stiffness_max, {:.3g} N/m",
-                       first_time_ + t, rattle_guard_.deviation() * out_.push, out_.push,
-                       control.stability_check.contact_stiffness_max));
-      retreats_ = true;
-      guard_.brake();
+    if (rattle_guard_.update(loop_.F_ext().head<3>().dot(out_.n_WD), out_.mode, out_.push,
+                             loop_.surface().distance, dt()) &&
+        !wall_) {
+      unseen_ = rattle_guard_.unevenness() > RattleGuard::kUnseen && feels_walls() && !halted_;
+      if (!unseen_) {
+        const ImpedanceSettings& control = e_.control.impedance;
+        stop(RunEnd::stopped,
+             fmt::format("the pen hammered on the canvas at t = {:.3f} s, ± {:.0f} N at a "
+                         "push of {:.1f} N: tip or canvas may be stiffer than "
+                         "control.contact_stiffness_max, {:.3g} N/m",
+                         first_time_ + t, rattle_guard_.deviation() * out_.push, out_.push,
+                         control.stability_check.contact_stiffness_max));
+        retreats_ = true;
+        guard_.brake();
+      }
     }
     if (watchdog_.update(step_time)) {
       stop(RunEnd::stopped,
@@ -651,8 +656,12 @@ class Runner {
     return sink_watch_.update(loop_.surface().distance, way, touches, dt());
   }
 
+  bool feels_walls() const {
+    return e_.scene.perception && e_.control.impedance.wrench == WrenchFeedback::measured;
+  }
+
   void look_for_wall(const PathSample& desired, const TipPath& path, double planned) {
-    if (!e_.scene.perception || e_.control.impedance.wrench != WrenchFeedback::measured) return;
+    if (!feels_walls()) return;
     const bool down = out_.mode == ContactMode::contact || out_.mode == ContactMode::approach;
     if (!down) {
       side_watch_.reset();
@@ -660,9 +669,9 @@ class Runner {
     }
     const bool sunk = down && !canvas_moves() && sinks(desired);
     const bool aside = down && side_watch_.update(out_.n_WD, loop_.F_ext().head<3>(), dt());
-    const bool lost = lost_surface();
-    if (sunk || aside || lost) {
-      wall_ = place_on_path(desired, path, planned);
+    const bool lost = lost_surface(), unseen = std::exchange(unseen_, false);
+    if (sunk || aside || lost || unseen || state_->shaft_touches) {
+      wall_ = place_on_path(desired, path, planned, state_->shaft_touches);
       if (wall_ && sunk && wall_->stroke == touched_.stroke)
         wall_->from = std::min(wall_->from, touched_.from);
       if (wall_) return lift(kLiftAtWall);
@@ -797,6 +806,7 @@ class Runner {
   SinkWatch sink_watch_;
   StrokePart touched_{-1, 0.0, 0.0};  // where the surface held the tip last
   bool retreating_ = false;
+  bool unseen_ = false;  // the pen hammers on what the cameras do not resolve
   RestWatch rest_watch_;
   std::optional<StrokePart> wall_;
   TouchedHeights heights_;

@@ -10,7 +10,8 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kRunaway = 20.0;  // joint speed [rad/s], near ten times what such an arm can
+constexpr double kMostBrush = 1.0;  // a shaft that touches for longer does not get away [s]
+constexpr double kRunaway = 20.0;   // joint speed [rad/s], near ten times what such an arm can
 
 }  // namespace
 
@@ -51,7 +52,7 @@ void SimulatedArm::start() {
   state_ = ArmState(world_.joints());
   truth_ = GroundTruth();
   tip_wrench_.setZero();
-  stalled_ = 0.0;
+  stalled_ = brushed_ = 0.0;
   fault_.clear();
 }
 
@@ -101,8 +102,22 @@ void SimulatedArm::read_wrench(double time) noexcept {
     state_.wrench[2] = std::numeric_limits<double>::quiet_NaN();
 }
 
+// A thing that no camera saw brushes the pen's shaft: a measured wrench would tell, and the run
+// gives the place up as one before a wall.
+bool SimulatedArm::feels_shaft() {
+  const std::string& link = world_.touching_link();
+  const bool shaft = !link.empty() && world_.below_flange(*world_.link(link));
+  brushed_ = shaft ? brushed_ + dt_ : 0.0;
+  if (!shaft || source_ == WrenchSource::none || !scenario_.perception.enabled ||
+      world_.canvas_motion().moves() || brushed_ > kMostBrush)
+    return false;
+  world_.forget_touching_link();
+  return true;
+}
+
 void SimulatedArm::look_for_faults() {
   if (!fault_.empty()) return;
+  state_.shaft_touches = feels_shaft();
   const WorldState& now = world_.state();
   Eigen::Index fastest = 0;
   const double speed = now.v.cwiseAbs().maxCoeff(&fastest);

@@ -41,6 +41,7 @@ class SimulatedArm : public Driver {
   void read_joints(const WorldState& now) noexcept;
   void read_wrench(double time) noexcept;
   void look_for_faults();
+  bool feels_shaft();
 
   const Scenario& scenario_;
   World& world_;
@@ -62,6 +63,7 @@ class SimulatedArm : public Driver {
   GroundTruth truth_;
   Vector6 tip_wrench_ = Vector6::Zero();  // true, over the last step, at the previous E
   double stalled_ = 0.0;                  // [s]
+  double brushed_ = 0.0;                  // how long the shaft has touched [s]
   std::string fault_;
 };
 

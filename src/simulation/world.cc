@@ -363,6 +363,8 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   contact_.f_W = R_WC * tip_impulse / h;
 }
 
+void World::forget_touching_link() noexcept { mujoco_->link_contact->reset(); }
+
 const std::string& World::touching_link() const { return mujoco_->link_contact->link(); }
 
 std::optional<int> World::link(const std::string& name) const {

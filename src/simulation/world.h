@@ -125,6 +125,8 @@ class World {
   // Name of the link whose body touches the canvas at the current state (link_contact.h); empty if
   // none does. Bodies and canvas do not push on each other: a run ends there.
   const std::string& touching_link() const;
+  // Looks anew after the next step.
+  void forget_touching_link() noexcept;
 
   // Names the cause if the motion became non-finite or MuJoCo warned. The state is then invalid.
   const std::optional<std::string>& failure() const { return failure_; }

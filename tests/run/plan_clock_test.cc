@@ -206,15 +206,32 @@ TEST(RattleGuard, TripsAtBlowsOfSeveralTimesThePush) {
   bool tripped = false;
   for (int i = 0; i < 3000; ++i) {
     const double phase = std::sin(0.5 * i);  // 80 Hz
-    EXPECT_FALSE(gentle.update(5.0 + 5.0 * phase, ContactMode::contact, 5.0, kDt));
-    EXPECT_FALSE(heavy.update(20.0 + 5.0 * phase, ContactMode::contact, 5.0, kDt));
-    EXPECT_FALSE(air.update(30.0 * phase, ContactMode::free, 5.0, kDt));
-    tripped |= hammer.update(5.0 + 20.0 * phase, ContactMode::contact, 5.0, kDt);
+    EXPECT_FALSE(gentle.update(5.0 + 5.0 * phase, ContactMode::contact, 5.0, 0.0, kDt));
+    EXPECT_FALSE(heavy.update(20.0 + 5.0 * phase, ContactMode::contact, 5.0, 0.0, kDt));
+    EXPECT_FALSE(air.update(30.0 * phase, ContactMode::free, 5.0, 0.0, kDt));
+    tripped |= hammer.update(5.0 + 20.0 * phase, ContactMode::contact, 5.0, 0.0, kDt);
   }
   EXPECT_TRUE(tripped);
   RattleGuard once;  // a blow of ten times the push, 10 ms long
   for (int i = 0; i < 1000; ++i)
-    EXPECT_FALSE(once.update(i < 10 ? 50.0 : 5.0, ContactMode::contact, 5.0, kDt)) << i;
+    EXPECT_FALSE(once.update(i < 10 ? 50.0 : 5.0, ContactMode::contact, 5.0, 0.0, kDt)) << i;
+}
+
+// The tip leaps by 1.5 mm between touches in both cases. What it is touched by tells them apart.
+TEST(RattleGuard, TellsAStiffCanvasFromOneThatCamerasDoNotResolve) {
+  for (const double height : {0.0, 1.1e-3}) {
+    RattleGuard guard;
+    bool tripped = false;
+    for (int i = 0; i < 1000; ++i) {
+      const bool touches = i % 40 < 4;
+      const double ground = (i / 40) % 2 == 0 ? 2e-3 : 2e-3 + height;
+      tripped |= guard.update(touches ? 40.0 : 0.0, ContactMode::contact, 5.0,
+                              touches ? ground - 5e-5 : ground + 1.5e-3, kDt);
+    }
+    EXPECT_TRUE(tripped);
+    EXPECT_NEAR(guard.unevenness(), height, 0.2e-3);
+    EXPECT_EQ(guard.unevenness() > RattleGuard::kUnseen, height > 0.0);
+  }
 }
 
 }  // namespace
