@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/canvas/mesh_facing.h"
+#include "impedraw/canvas/outside_box.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
@@ -95,6 +96,12 @@ TriangleMesh seen_facets(const SurfaceEstimator& seen, double voxel) {
   return mesh;
 }
 
+void append(const TriangleMesh& more, TriangleMesh* mesh) {
+  const int shift = static_cast<int>(mesh->vertices.size());
+  mesh->vertices.insert(mesh->vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const Eigen::Vector3i& t : more.triangles) mesh->triangles.push_back(t.array() + shift);
+}
+
 void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scene* scene) {
   const std::vector<std::string> how_seen = {"perception.region_lower",
                                              "perception.region_upper",
@@ -112,8 +119,12 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
   scene->planning = std::make_shared<const SurfaceEstimator>(
       *scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
       s.preflight.roughest);
-  scene->obstacle =
-      std::make_shared<const Canvas>(seen_facets(*scene->perception, s.perception.voxel));
+  // Beyond the region, which no camera is asked about, the canvas is where it was set up.
+  TriangleMesh obstacle = seen_facets(*scene->perception, s.perception.voxel);
+  append(outside_box(scene->canvas->mesh(),
+                     Eigen::AlignedBox3d(s.perception.region_lower, s.perception.region_upper)),
+         &obstacle);
+  scene->obstacle = std::make_shared<const Canvas>(std::move(obstacle));
 }
 
 void note_dynamics(const World& world, const WorldSettings& s, std::vector<std::string>* notes) {
@@ -210,8 +221,10 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
               .obstacle = {},
               .blind = s.blind,
               .notes = std::move(notes)};
-  scene.start_q = start_posture(s.arm, scene.arm, X_WP, setting_errors);
-  scene.world->set_state(scene.start_q, JointVector::Zero(scene.arm.joints()));
+  scene.start_q = start_posture(s.arm, scene.arm, X_WP, setting_errors, [&](const JointVector& q) {
+    scene.world->set_state(q, JointVector::Zero(q.size()));
+    return scene.world->touching_link();
+  });
   scene.obstacle = scene.canvas;
   if (s.perception.enabled) look_at_canvas(s, setting_errors, &scene);
   return scene;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -35,15 +36,18 @@ double depth_beneath(const std::vector<BodyCapsule>& bodies, const Eigen::Vector
   return sum;
 }
 
-// Seeds are drawn by hand: the standard's distributions differ between libraries.
-IkResult searched(ArmModel& arm, const PenPlacement& start) {
+using Touching = std::function<std::string(const JointVector&)>;
+
+// Seeds are drawn by hand: the standard's distributions differ between libraries. A posture in
+// which a link touches only where no other was found.
+IkResult searched(ArmModel& arm, const PenPlacement& start, const Touching& touching) {
   constexpr double kTurn = std::numbers::pi;
   const JointVector lower = JointVector(arm.limits().lower).cwiseMax(-kTurn),
                     upper = JointVector(arm.limits().upper).cwiseMin(kTurn);
   std::mt19937 random(1);
   ArmTerms terms(arm.joints());
   std::optional<IkResult> best;
-  double best_score = 0.0;
+  std::pair<bool, double> best_score;  // clear of the canvas
   for (int i = 0; i < kSeeds; ++i) {
     JointVector seed = 0.5 * (lower + upper);
     if (i > 0)
@@ -55,7 +59,8 @@ IkResult searched(ArmModel& arm, const PenPlacement& start) {
       continue;
     }
     const double beneath = depth_beneath(arm.body_capsules(found.q), start.p_WE, -start.z_WE);
-    const double score = posture_margin(arm, &terms, found.q) * std::exp(-beneath / kBeneathScale);
+    const std::pair score(touching(found.q).empty(), posture_margin(arm, &terms, found.q) *
+                                                         std::exp(-beneath / kBeneathScale));
     if (best && best->reached && score <= best_score) continue;
     best = found;
     best_score = score;
@@ -98,19 +103,34 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
 }
 
 JointVector start_posture(const ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
-                          const SettingErrors& setting_errors) {
+                          const SettingErrors& setting_errors, const Touching& touching) {
   const PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
   std::vector<double> seed = settings.posture_seed;
   if (seed.empty()) seed = arm.rest_posture();
   if (seed.empty() && arm.joints() == 7) seed = {0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0};
-  const IkResult found =
-      seed.empty() ? searched(arm, start) : find_posture(arm, start, as_joints(seed));
+  IkResult found =
+      seed.empty() ? searched(arm, start, touching) : find_posture(arm, start, as_joints(seed));
+  std::string link = found.reached ? touching(found.q) : "";
+  if (!link.empty() && !seed.empty()) {
+    const IkResult other = searched(arm, start, touching);
+    if (other.reached && touching(other.q).empty()) {
+      found = other;
+      link.clear();
+    }
+  }
   if (!found.reached)
     setting_errors.raise(
         {"arm.start", "arm"},
         fmt::format("arm.start ({:.3f}, {:.3f}, {:.3f}) m is out of the arm's reach by {:.0f} mm",
                     settings.start_p_WE.x(), settings.start_p_WE.y(), settings.start_p_WE.z(),
                     1e3 * found.position_error));
+  if (!link.empty())
+    setting_errors.raise(
+        {"canvas.move", "arm.start", "canvas"},
+        fmt::format("{} touches the canvas in the start posture, and a link does in every other "
+                    "posture that was tried with the tip at arm.start ({:.3f}, {:.3f}, {:.3f}) m; "
+                    "canvas.move or arm.start must keep the arm clear",
+                    link, start.p_WE.x(), start.p_WE.y(), start.p_WE.z()));
   return found.q;
 }
 

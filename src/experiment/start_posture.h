@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string>
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/common/pose.h"
@@ -26,8 +28,11 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q);
 // (arm_notes.h). Without one it starts from the iiwa's working posture, for an arm
 // of seven joints, and otherwise from postures spread over the joint ranges. Of what these reach,
 // the arm starts with the greatest distance from singularities and joint limits, preferably with
-// its links on the pen's side of the surface. Throws InputError if arm.start is out of reach.
+// its links on the pen's side of the surface. Where a link touches the canvas in the posture from a
+// seed, it is searched for so, too. `touching`: names the link that does; empty: none. Throws
+// InputError if arm.start is out of reach, or a link touches in every posture that was found.
 JointVector start_posture(const ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
-                          const SettingErrors& setting_errors);
+                          const SettingErrors& setting_errors,
+                          const std::function<std::string(const JointVector&)>& touching);
 
 }  // namespace impedraw

@@ -143,6 +143,12 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   if (settings_.flange_sensor && has_flange())
     flange_wrench_ =
         mujoco_->flange->wrench(mujoco_->carried, mujoco_->carried, Vector6::Zero(), settings_.dt);
+  look_for_touching_links();
+}
+
+void World::look_for_touching_links() noexcept {
+  mujoco_->link_contact->update(mujoco_->data,
+                                motion_.moves() ? canvas_state().X_WK.inverse() : Pose());
 }
 
 // Computes all terms that depend only on position and velocity, for the start of a step.
@@ -200,8 +206,7 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   }
   contact_ = whole;
   mujoco_->link_torque.setZero();
-  mujoco_->link_contact->update(mujoco_->data,
-                                motion_.moves() ? canvas_state().X_WK.inverse() : Pose());
+  look_for_touching_links();
   if (settings_.flange_sensor && has_flange())
     flange_wrench_ = mujoco_->flange->wrench(start, mujoco_->carried, share * F_env, settings_.dt);
 

@@ -152,6 +152,7 @@ class World {
   const TipContact& advance(const JointVector& tau, const Vector6& F_push_W) noexcept;
   void integrate(const Vector6& F_push_W) noexcept;
   void observe() noexcept;
+  void look_for_touching_links() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
 
   WorldSettings settings_;

@@ -77,7 +77,7 @@ Gap Clearance::arm(const JointVector& q) {
   };
   for (std::size_t i = 0; i < at.size(); ++i) {
     if (static_cast<int>(i) == pen_) continue;
-    if (canvas_)
+    if (canvas_ && (canvas_moves_ || !bodies_[i].fixed))
       take(canvas_distance(bodies_[i], at[i], at[i].radius + kFarEnough) - at[i].radius, at[i],
            "canvas");
     if (table_z_ && !bodies_[i].fixed)

@@ -14,8 +14,8 @@
 //
 // A gap may be overestimated by up to a tenth plus 1 mm, but it is always negative where something
 // touches. Capsules round the flat ends of cylinders, so a body may appear nearer by up to its
-// radius. Both sides of the canvas count. Bodies that no joint moves may touch the table, because
-// the arm stands on it.
+// radius. Both sides of the canvas count. Bodies that no joint moves may touch the table and a
+// canvas that stands: the arm stands on a table, which may be a part of a scanned canvas.
 #pragma once
 
 #include <optional>
@@ -45,7 +45,10 @@ class Clearance {
             const JointVector& q);
 
   // Where the canvas is from now on; at first its frame K is W.
-  void move_canvas(const Pose& X_WK) { X_KW_ = X_WK.inverse(); }
+  void move_canvas(const Pose& X_WK) {
+    X_KW_ = X_WK.inverse();
+    canvas_moves_ = true;
+  }
 
   // Smallest gap at posture q. Fast if q has changed little since the last call: distances change
   // by no more than the bodies move.
@@ -64,6 +67,7 @@ class Clearance {
   ArmModel& arm_;
   const Canvas* canvas_;
   Pose X_KW_;  // of the canvas
+  bool canvas_moves_ = false;
   std::optional<double> table_z_;
   double desired_;
   std::vector<Body> bodies_;  // as body_capsules()
