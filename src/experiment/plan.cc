@@ -1,7 +1,9 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <future>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -143,6 +145,8 @@ class Planning {
   PathSettings path_settings() const;
   PreflightSettings preflight_settings() const;
   std::vector<StrokePart> lay_on_surface();
+  double wrap_doubt() const;
+  void note_wrap();
   bool may_move() const { return seen_ && s_.perception.frames.enabled; }
   void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
@@ -163,6 +167,7 @@ class Planning {
   const PrepareProgress& progress_;
   bool seen_;
   SurfaceHeight true_surface_;
+  double wrap_doubt_ = 0.0;  // [m]
   Plan plan_;
 };
 
@@ -221,7 +226,55 @@ std::vector<StrokePart> Planning::lay_on_surface() {
     });
   }
   plan_.requested = renumbered(std::move(laid.strokes), &plan_.source);
+  if (plan_.wrap) wrap_doubt_ = wrap_doubt();
   return std::move(laid.lost);
+}
+
+// By how much the drawing would lie elsewhere on the surface, RMS, if the same cells were laid flat
+// with the heights as the finest patches see them [m]. 0 where these add nothing; infinite where
+// the cells cannot be laid flat with them.
+double Planning::wrap_doubt() const {
+  const Pose& X_WP = artwork_.X_WP;
+  const auto& seen = scene_.perception;
+  if (!seen || std::ranges::none_of(plan_.wrap->chart().patch().samples, [&](const auto& s) {
+        return seen->finer_share(X_WP * s.p_P) > 0.0;
+      }))
+    return 0.0;
+  const auto finest_height = [&, surface = surface()](double x, double y) {
+    std::optional<SurfaceSample> sample = surface(x, y);
+    if (!sample) return sample;
+    const SurfaceEstimate there = seen->estimate(X_WP * sample->p_P);
+    const double lean = X_WP.R.col(2).dot(there.n_W);
+    if (there.status == SurfaceStatus::ok && lean > 0.1) sample->p_P.z() -= there.distance / lean;
+    return sample;
+  };
+  std::optional<Wrap> finest;
+  try {
+    finest = plan_.wrap->laid_on(finest_height);
+  } catch (const InputError&) {
+    return std::numeric_limits<double>::infinity();
+  }
+  double squares = 0.0, length = 0.0;
+  for (const PlacedStroke& stroke : plan_.requested)
+    for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+      const auto here = plan_.wrap->to_flat(stroke.p_P[i]), other = finest->to_flat(stroke.p_P[i]);
+      if (!here || !other) continue;
+      const double piece = (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
+      squares += piece * (*here - *other).squaredNorm();
+      length += piece;
+    }
+  return length > 0.0 ? std::sqrt(squares / length) : 0.0;
+}
+
+// Where the wrap is not certain.
+void Planning::note_wrap() {
+  constexpr double kDoubt = 3e-4;  // [m]
+  if (wrap_doubt_ > kDoubt)
+    plan_.notes.push_back(fmt::format(
+        "wrap: on slopes as steep as here, what the cameras do not resolve shifts the page: {}",
+        std::isinf(wrap_doubt_) ? "with the finest heights seen it cannot be laid flat at all"
+                                : fmt::format("the drawing may lie {:.1f} mm RMS beside its place",
+                                              1e3 * wrap_doubt_)));
 }
 
 // The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
@@ -292,6 +345,7 @@ void Planning::check(const std::vector<StrokePart>& lost) {
 // on `unreachable_`.
 void Planning::promise() {
   plan_.notes.clear();
+  if (plan_.wrap) note_wrap();
   const std::vector<Finding>& findings = plan_.preflight.findings;
   if (!findings.empty() && unreachable_ != Unreachable::tell) {
     const std::string first = refusal_text(findings.front(), seen_);
@@ -447,7 +501,8 @@ bool Planning::leave_out_crawling() {
   return !slow.empty();
 }
 
-// The desired strokes lie on the true canvas, not on the perceived one.
+// The desired strokes lie on the true canvas, not on the perceived one. A wrap is judged by the
+// cells that the plan laid flat: those about what is promised alone make another map.
 std::vector<PlacedStroke> Planning::desired_strokes() const {
   if (!plan_.wrap) return plan_.preflight.findings.empty() ? artwork_.desired : plan_.strokes;
   std::vector<PlacedStroke> desired = plan_.strokes;
@@ -455,9 +510,7 @@ std::vector<PlacedStroke> Planning::desired_strokes() const {
   for (PlacedStroke& stroke : desired)
     for (std::size_t i = 0; i < stroke.page.size(); ++i)
       stroke.p_P[i] = artwork_.placement.to_plane(stroke.page[i]);
-  return Wrap(true_surface_, s_.drawing.placement.centre_m, desired, s_.drawing.wrap)
-      .wrap(desired)
-      .strokes;
+  return plan_.wrap->laid_on(judged_surface()).wrap(desired).strokes;
 }
 
 }  // namespace

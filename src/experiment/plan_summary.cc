@@ -118,6 +118,7 @@ std::string plan_text(const PlannedDrawing& e) {
         m.slope_deg);
   text += distortion_text("projected", projected_distortion(e));
   if (e.plan.wrap) text += distortion_text("wrapped", wrapped_distortion(e));
+  for (const std::string& note : e.plan.notes) text += "  note: " + note + "\n";
   if (e.scenario.perception.frames.enabled) {
     text +=
         "  the canvas may move, which is not known before the arm has watched it: a run checks "

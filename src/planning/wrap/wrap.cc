@@ -156,7 +156,7 @@ void validate(const WrapSettings& s) {
 
 Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
            const std::vector<PlacedStroke>& strokes, const WrapSettings& settings)
-    : settings_(settings) {
+    : settings_(settings), centre_(centre) {
   validate(settings);
   std::vector<Vector2d> points;
   for (const PlacedStroke& stroke : strokes)
@@ -188,6 +188,15 @@ Wrap::Wrap(const SurfaceHeight& surface, const Vector2d& centre,
       missed = missed || (!chart_->to_plane(p) && coarse->to_plane(p));
     if (!missed) return;
   }
+}
+
+Wrap Wrap::laid_on(const SurfaceHeight& with) const {
+  SurfacePatch patch = chart_->patch();
+  for (SurfaceSample& sample : patch.samples)
+    if (const auto other = with(sample.p_P.x(), sample.p_P.y())) sample = *other;
+  Wrap wrap = *this;
+  wrap.chart_ = chart_of(std::move(patch), centre_, settings_);
+  return wrap;
 }
 
 WrappedStrokes Wrap::wrap(const std::vector<PlacedStroke>& strokes) const {

@@ -9,7 +9,8 @@
 //
 // The patch below the drawing's convex hull (including the centre) and a margin around it is
 // flattened as one piece: least-squares conformal map, then as-rigid-as-possible. The stretch is
-// thereby distributed over that patch.
+// thereby distributed over that patch, and another patch of the same surface gives another map:
+// on a hill of 68° half a drawing, alone, lies 1.4 to 2.6 mm RMS elsewhere.
 #pragma once
 
 #include <filesystem>
@@ -61,6 +62,10 @@ class Wrap {
   Wrap(const SurfaceHeight& surface, const Eigen::Vector2d& centre,
        const std::vector<PlacedStroke>& strokes, const WrapSettings& settings = {});
 
+  // The same cells laid on another surface, `with` its heights. Where it has none, the height
+  // stays. Throws InputError if they cannot be flattened there (flatten_patch.h).
+  Wrap laid_on(const SurfaceHeight& with) const;
+
   // Both return nullopt off the patch.
   std::optional<Eigen::Vector2d> to_plane(const Eigen::Vector2d& flat) const {
     return chart_->to_plane(flat);
@@ -74,6 +79,7 @@ class Wrap {
 
  private:
   WrapSettings settings_;
+  Eigen::Vector2d centre_;
   std::shared_ptr<const FlatChart> chart_;
 };
 
