@@ -237,7 +237,7 @@ PolygonMesh import_scene(std::string_view text, const std::string& name) {
   return mesh;
 }
 
-// The mesh as its unit and a binary PLY, which parse_ply() checks, or an error that begins with "!".
+// The mesh as its unit and a binary PLY for parse_ply(), or an error that starts with "!".
 std::string ply_or_error(std::string_view text, const std::string& name) {
   try {
     const PolygonMesh mesh = import_scene(text, name);
