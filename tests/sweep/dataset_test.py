@@ -52,6 +52,22 @@ def test_a_row_that_stands_in_part_and_whole_counts_once(tmp_path):
     assert data.compact() == 3
 
 
+def test_a_reader_is_not_disturbed_by_a_compaction(tmp_path, monkeypatch):
+    data = Dataset(tmp_path / "d", IDENTITY)
+    for i in range(4):
+        data.append([rows(i)])
+    read = pq.read_table
+
+    def read_while_parts_go(file, **options):
+        table = read(file, **options)
+        monkeypatch.setattr(pq, "read_table", read)
+        data.compact()
+        return table
+
+    monkeypatch.setattr(pq, "read_table", read_while_parts_go)
+    assert read_dataset(tmp_path / "d")[0].num_rows == 4
+
+
 def test_a_half_written_file_is_not_seen(tmp_path):
     data = Dataset(tmp_path / "d", IDENTITY)
     data.append([rows(0)])

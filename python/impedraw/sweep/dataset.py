@@ -183,12 +183,25 @@ def _readable(what: Path) -> Iterator[None]:
 
 
 def _rows(folder: Path, identity: dict[str, Any]) -> pa.Table:
-    tables = []
-    for file in _files(folder):
-        with _readable(file):
-            tables.append(pq.read_table(file))
     with _readable(folder):
-        return _ordered(tables, identity)
+        return _ordered(_tables(folder), identity)
+
+
+def _tables(folder: Path) -> list[pa.Table]:
+    """The tables of all files. Where a compaction removes a part meanwhile, they are listed anew:
+    its rows stand in runs.parquet by then."""
+    while True:
+        files, tables = _files(folder), []
+        for file in files:
+            with _readable(file):
+                try:
+                    tables.append(pq.read_table(file))
+                except FileNotFoundError:
+                    if os.path.lexists(file):
+                        raise
+                    break
+        if len(tables) == len(files):
+            return tables
 
 
 def _ordered(tables: list[pa.Table], identity: dict[str, Any]) -> pa.Table:
