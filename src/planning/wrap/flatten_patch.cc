@@ -1,10 +1,12 @@
 #include "impedraw/planning/wrap/flatten_patch.h"
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <sstream>
 #include <string>
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "impedraw/common/cross.h"
@@ -62,21 +64,6 @@ std::string run_script(const std::string& data, const std::filesystem::path& wan
       fmt::format("wrap: {} failed: {}", script, why.empty() ? "it said nothing" : why));
 }
 
-void require_unfolded(const SurfacePatch& patch, const std::vector<Vector2d>& flat) {
-  int folded = 0;
-  Eigen::Vector3d first = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3i& t : patch.triangles) {
-    if (cross(flat[t[1]] - flat[t[0]], flat[t[2]] - flat[t[0]]) > 0) continue;
-    if (folded++ == 0) first = patch.samples[t[0]].p_P;
-  }
-  if (folded == 0) return;
-  throw InputError(fmt::format(
-      "wrap: the surface cannot be flattened, {} of {} triangles fold over, the first at ({:.4f}, "
-      "{:.4f}) m in "
-      "the drawing plane; make the drawing smaller, move it, or set drawing.mapping=project",
-      folded, patch.triangles.size(), first.x(), first.y()));
-}
-
 }  // namespace
 
 std::vector<Vector2d> flatten_patch(const SurfacePatch& patch,
@@ -88,8 +75,31 @@ std::vector<Vector2d> flatten_patch(const SurfacePatch& patch,
     throw InputError(
         fmt::format("wrap: {} gave {} bytes, not {}", script_file(), made.size(), size));
   std::memcpy(static_cast<void*>(flat.data()), made.data(), size);
-  require_unfolded(patch, flat);
   return flat;
+}
+
+std::vector<int> folded_triangles(const SurfacePatch& patch, const std::vector<Vector2d>& flat) {
+  constexpr double kMostStretch = 4.0;  // a sheet that gives 400 % is torn
+  std::vector<int> folded;
+  for (std::size_t k = 0; k < patch.triangles.size(); ++k) {
+    const Eigen::Vector3i& t = patch.triangles[k];
+    const Vector2d a = flat[t[1]] - flat[t[0]], b = flat[t[2]] - flat[t[0]];
+    const Eigen::Vector3d u = patch.samples[t[1]].p_P - patch.samples[t[0]].p_P,
+                          v = patch.samples[t[2]].p_P - patch.samples[t[0]].p_P;
+    // Squares of the singular values of the map from the surface to the page: their sum, product.
+    Eigen::Matrix2d page, surface;
+    page << a.squaredNorm(), a.dot(b), a.dot(b), b.squaredNorm();
+    surface << u.squaredNorm(), u.dot(v), u.dot(v), v.squaredNorm();
+    const Eigen::Matrix2d ratio = page * surface.inverse();
+    const double half = ratio.trace() / 2;
+    const double largest = half + std::sqrt(std::max(0.0, half * half - ratio.determinant()));
+    const double smallest = ratio.determinant() / largest;
+    if (cross(a, b) > 0 && largest < kMostStretch * kMostStretch &&
+        smallest > 1 / (kMostStretch * kMostStretch))
+      continue;
+    folded.push_back(static_cast<int>(k));
+  }
+  return folded;
 }
 
 }  // namespace impedraw

@@ -14,9 +14,13 @@ namespace impedraw {
 // Returns the flat position of each of the patch's vertices [m]. The centre goes to the origin. The
 // rotation is arbitrary; the map is not mirrored. Deterministic. `python` is an interpreter with
 // libigl; if empty, the venv that impedraw was built with. Throws InputError if the script fails
-// (with the script's last line) or if triangles fold over (with the position of the first one in
-// the drawing plane).
+// (with the script's last line). Triangles may fold over (folded_triangles).
 std::vector<Eigen::Vector2d> flatten_patch(const SurfacePatch& patch,
                                            const std::filesystem::path& python = {});
+
+// The triangles that fold over in the flat positions or are stretched there more than fourfold,
+// ascending.
+std::vector<int> folded_triangles(const SurfacePatch& patch,
+                                  const std::vector<Eigen::Vector2d>& flat);
 
 }  // namespace impedraw

@@ -170,4 +170,33 @@ SurfacePatch make_patch(const SurfaceHeight& surface, const Vector2d& centre, do
   return patch;
 }
 
+std::optional<SurfacePatch> without_triangles(const SurfacePatch& patch,
+                                              const std::vector<int>& triangles) {
+  SurfacePatch rest = patch;
+  Samples samples(patch.vertex.size());
+  int start = -1;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    if (patch.vertex[n] < 0) continue;
+    samples[n] = patch.samples[patch.vertex[n]];
+    if (patch.vertex[n] == patch.centre) start = static_cast<int>(n);
+  }
+  // Triangles stand two by two in the order of their cells.
+  std::vector<int> cells;
+  for (std::size_t c = 0; c < patch.cell.size(); ++c)
+    if (patch.cell[c]) cells.push_back(static_cast<int>(c));
+  std::vector<char> touched(samples.size(), false);
+  for (const int t : triangles)
+    for (const int node : corners(patch, cells[t / 2])) touched[node] = true;
+  for (const int cell : cells)
+    for (const int node : corners(patch, cell))
+      if (touched[node]) rest.cell[cell] = false;
+  keep_connected(rest, start);
+  rest.samples.clear();
+  rest.triangles.clear();
+  triangulate(rest, samples);
+  rest.centre = rest.vertex[start];
+  if (rest.centre < 0) return std::nullopt;
+  return rest;
+}
+
 }  // namespace impedraw

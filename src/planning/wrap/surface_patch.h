@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -42,5 +43,10 @@ struct SurfacePatch {
 SurfacePatch make_patch(const SurfaceHeight& surface, const Eigen::Vector2d& centre, double spacing,
                         double half_width, double reach,
                         const std::function<bool(const Eigen::Vector2d&)>& desired);
+
+// The patch without the cells of these triangles and their neighbours, and without what is then no
+// longer connected to the centre. Returns nullopt where the centre has no cell left.
+std::optional<SurfacePatch> without_triangles(const SurfacePatch& patch,
+                                              const std::vector<int>& triangles);
 
 }  // namespace impedraw

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <fmt/core.h>
 
@@ -21,10 +22,35 @@ constexpr int kWidenings = 3;    // of the margin, if the first patch was mislea
 constexpr double kCutTo = 1e-6;  // how close to the patch's edge a stroke is cut [m]
 constexpr int kDeepest = 20;     // halvings of a segment
 
+// Cells that fold over are left out, and the rest is flattened anew: one grid point beside a sharp
+// edge must not refuse the whole page. Throws InputError where more than kFoldedShare fold.
+constexpr double kFoldedShare = 0.05;
+constexpr int kFoldings = 4;
+
 std::shared_ptr<const FlatChart> chart_of(SurfacePatch patch, const Vector2d& centre,
                                           const WrapSettings& settings) {
-  std::vector<Vector2d> flat = flatten_patch(patch, settings.python);
-  return std::make_shared<const FlatChart>(std::move(patch), std::move(flat), centre);
+  std::string refusal;
+  std::size_t all = 0, most = 0;
+  for (int k = 0;; ++k) {
+    std::vector<Vector2d> flat = flatten_patch(patch, settings.python);
+    const std::vector<int> folded = folded_triangles(patch, flat);
+    if (folded.empty())
+      return std::make_shared<const FlatChart>(std::move(patch), std::move(flat), centre);
+    if (k == 0) {
+      const Eigen::Vector3d first = patch.samples[patch.triangles[folded.front()][0]].p_P;
+      refusal = fmt::format(
+          "wrap: the surface cannot be flattened, {} of {} triangles fold over, the first at "
+          "({:.4f}, {:.4f}) m in the drawing plane; make the drawing smaller, move it, or set "
+          "drawing.mapping=project",
+          folded.size(), patch.triangles.size(), first.x(), first.y());
+      most = static_cast<std::size_t>(kFoldedShare * static_cast<double>(patch.triangles.size()));
+    }
+    all += folded.size();
+    std::optional<SurfacePatch> rest;
+    if (k < kFoldings && all <= most) rest = without_triangles(patch, folded);
+    if (!rest) throw InputError(refusal);
+    patch = *std::move(rest);
+  }
 }
 
 // Follows one flat stroke, point by point.

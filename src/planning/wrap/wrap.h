@@ -58,12 +58,12 @@ class Wrap {
  public:
   // `strokes` are flat. Queries the surface at about 1.5 points per node of the patch. Throws
   // InputError if a setting is out of range, there is nothing to wrap, there is no surface above
-  // the centre, or the patch cannot be flattened (flatten_patch.h).
+  // the centre, or over 5 % of the patch folds over when it is flattened. Less is left out.
   Wrap(const SurfaceHeight& surface, const Eigen::Vector2d& centre,
        const std::vector<PlacedStroke>& strokes, const WrapSettings& settings = {});
 
   // The same cells laid on another surface, `with` its heights. Where it has none, the height
-  // stays. Throws InputError if they cannot be flattened there (flatten_patch.h).
+  // stays. Throws InputError if over 5 % of them fold over there.
   Wrap laid_on(const SurfaceHeight& with) const;
 
   // Both return nullopt off the patch.

@@ -156,6 +156,24 @@ TEST(WrapErrors, TellWhereTheSurfaceFoldsOver) {
               testing::ContainsRegex("fold over, the first at \\(0\\.6[34]"));
 }
 
+// A needle of 79° at a grid point of a table: no paper fits on it, the rest lies flat.
+TEST(WrapCuts, LeavesOutWhatFoldsOver) {
+  const Vector2d apex = kCentre + Vector2d(0.048, 0);
+  const SurfaceHeight needle = surfaces::height_field([&](double x, double y) {
+    return std::max(0.0, 0.016 - 5.3 * (Vector2d(x, y) - apex).norm());
+  });
+  const PlacedStroke across = line({kCentre - Vector2d(0.08, 0), kCentre + Vector2d(0.10, 0)}),
+                     beside = line({kCentre + Vector2d(-0.08, 0.05), kCentre + Vector2d(0.1, 0.05)});
+  const Wrap wrap(needle, kCentre, {across, beside});
+  const WrappedStrokes wrapped = wrap.wrap({across, beside});
+  ASSERT_EQ(wrapped.strokes.size(), 3u);
+  ASSERT_EQ(wrapped.lost.size(), 1u);
+  const StrokePart& lost = wrapped.lost[0];
+  EXPECT_GT(lost.from, 0.10);
+  EXPECT_LT(lost.to, 0.16);
+  for (const Vector2d& p : wrapped.strokes[2].p_P) EXPECT_NEAR(p.y(), 0.05, 3e-4);
+}
+
 TEST(WrapErrors, PassOnWhatTheScriptSays) {
   const PlacedStroke stroke = circle(kCentre, 0.05);
   WrapSettings settings;
