@@ -15,6 +15,7 @@
 #include "impedraw/experiment/pen_axis.h"
 #include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/experiment/rest_posture.h"
+#include "impedraw/experiment/roughness_note.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/stroke_ruler.h"
@@ -370,6 +371,12 @@ void Planning::promise() {
     stroke.start = 0.0;
     plan_.strokes.push_back(std::move(stroke));
   }
+  if (!scene_.perception || may_move()) return;
+  // What noise of the cameras leaves cannot be told from a rough surface.
+  if (s_.perception.noise.sigma_at_1m > 0.0 || s_.perception.source != PerceptionSource::simulated)
+    return;
+  if (auto note = roughness_note(plan_.strokes, surface(), artwork_.X_WP, *scene_.perception))
+    plan_.notes.push_back(*std::move(note));
 }
 
 // Plans the path and omits strokes that it cannot reach.

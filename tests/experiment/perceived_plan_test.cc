@@ -3,6 +3,8 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <random>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -352,6 +354,28 @@ TEST_F(PerceivedPlan, LeavesOutWhatWouldCrawl) {
   double named = 0.0;
   for (const Finding& f : rest.plan.preflight.findings) named += f.part.length();
   EXPECT_NEAR(promised + named, plane_length(rest.artwork.strokes), 2e-4);
+}
+
+// Noise of 0.5 mm on a grid of 2 mm: the force scattered by 0.9 N, and nothing said so.
+TEST_F(PerceivedPlan, NotesGroundThatIsTooRoughForACalmForce) {
+  const auto notes = [&](double noise) {
+    std::ostringstream out;
+    std::mt19937 random(7);
+    std::normal_distribution<double> height(0.0, 1.0);
+    constexpr int kNodes = 91;
+    for (int i = 0; i < kNodes * kNodes; ++i)
+      out << fmt::format("v {} {} {}\n", 2e-3 * (i / kNodes) - 0.09, 2e-3 * (i % kNodes) - 0.09,
+                         noise * height(random));
+    for (int i = 1; i <= kNodes * (kNodes - 1); ++i)
+      if (i % kNodes != 0)
+        out << fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", i, i + kNodes, i + kNodes + 1, i + 1);
+    const PlannedDrawing drawing = planned(staged(
+        scenario({"canvas.kind=mesh", "canvas.mesh.file=" + write("plate.obj", out.str()).string(),
+                  "canvas.move=[0.6,0,0.04]", "drawing.placement.fit_radius=0.05"})));
+    return fmt::format("{}", fmt::join(drawing.plan.notes, "\n"));
+  };
+  EXPECT_THAT(notes(5e-4), testing::HasSubstr("the surface is rough under the line"));
+  EXPECT_THAT(notes(1e-5), testing::Not(testing::HasSubstr("rough under the line")));
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <string>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"

@@ -163,7 +163,8 @@ TEST(WrapCuts, LeavesOutWhatFoldsOver) {
     return std::max(0.0, 0.016 - 5.3 * (Vector2d(x, y) - apex).norm());
   });
   const PlacedStroke across = line({kCentre - Vector2d(0.08, 0), kCentre + Vector2d(0.10, 0)}),
-                     beside = line({kCentre + Vector2d(-0.08, 0.05), kCentre + Vector2d(0.1, 0.05)});
+                     beside =
+                         line({kCentre + Vector2d(-0.08, 0.05), kCentre + Vector2d(0.1, 0.05)});
   const Wrap wrap(needle, kCentre, {across, beside});
   const WrappedStrokes wrapped = wrap.wrap({across, beside});
   ASSERT_EQ(wrapped.strokes.size(), 3u);
