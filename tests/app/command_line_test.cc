@@ -267,13 +267,12 @@ TEST_F(CommandLine, PlanDrawAndInspectTellTheSameOfAFile) {
       "1 shapes are left out: hidden, or wholly transparent",
       "1 clip paths or masks are passed over: what they hide is drawn",
       "1 shapes or groups are partly transparent: drawn as if they were not"};
-  write("a.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="120mm"
+  write("a.svg", R"svg(<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="120mm"
       viewBox="0 0 120 120"><image width="9" height="9" href="photo.png"/><use href="#gone"/>
       <clipPath id="c"><circle r="90"/></clipPath>
       <g fill="none" stroke="black"><circle cx="60" cy="60" r="60" opacity=".3"/>
-      <path d="M60 50V70" clip-path="url(#c)" /
-                     > <path d = "M9 9H99" style = "display:none" /></ g></ svg>) ");
-      const Ended inspected = call({"inspect", "a.svg"});
+      <path d="M60 50V70" clip-path="url(#c)"/><path d="M9 9H99" style="display:none"/></g></svg>)svg");
+  const Ended inspected = call({"inspect", "a.svg"});
   const Ended planned =
       call({"plan", "--svg", "a.svg", "--set", "drawing.placement.fit_radius=.1"});
   const Ended drawn = call(Words{"draw", "--svg", "a.svg"} + kShort);
@@ -338,7 +337,7 @@ TEST_F(CommandLine, TheBadInputIsNamedAndNoOther) {
         Words{"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"},
         Words{"draw", "--set", "path.tilt_speed=5"}, Words{"draw", "--set", "name=.x"},
         Words{"draw", "--set", "arm.start=[0.1, 0.1, 0.1]"},
-        Words{"draw", "--set", "canvas.bowl.centre=[5, 0, 0]"},
+        Words{"draw", "--set", "canvas.cap.centre=[5, 0, 0]"},
         Words{"calibrate-tool", "--set", "control.wrench=none"},
         Words{"arm", "check", "--set", "arm.url=x"}}) {
     const Ended ended = call(arguments);
