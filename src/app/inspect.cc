@@ -110,8 +110,7 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading) {
   if (InputFile(file).size() == 0)
     throw InputError(fmt::format("{}: the file is empty", file.string()));
-  const std::string ending = lower_extension(file);
-  if (ending == ".yaml" || ending == ".yml")
+  if (lower_extension(file) == ".yaml")
     throw InputError(fmt::format(
         "{0}: is no artwork and no mesh; ./impedraw plan {0} checks a scenario", file.string()));
   const bool mesh = !is_artwork_file(file);  // or of an unknown kind, which read_mesh() refuses

@@ -194,15 +194,13 @@ void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& set
 
 Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
   std::vector<std::string> notes;
-  using Names = std::vector<std::string>;
-  const bool from_file = s.canvas.kind == CanvasKind::mesh;
-  auto canvas =
-      setting_errors.locate(from_file ? Names{"canvas.mesh.file", "canvas"} : Names{"canvas"}, [&] {
-        TriangleMesh mesh = make_mesh(s.canvas, &notes);
-        put_in_reach(&mesh, &s, &notes);
-        turn_to_drawing(&mesh, s, X_WP.R.col(2), &notes);
-        return std::make_shared<Canvas>(std::move(mesh));
-      });
+  const char* given = s.canvas.kind == CanvasKind::mesh ? "canvas.mesh.file" : "canvas";
+  auto canvas = setting_errors.locate({given, "canvas"}, [&] {
+    TriangleMesh mesh = make_mesh(s.canvas, &notes);
+    put_in_reach(&mesh, &s, &notes);
+    turn_to_drawing(&mesh, s, X_WP.R.col(2), &notes);
+    return std::make_shared<Canvas>(std::move(mesh));
+  });
   // The arm model comes before the world: its reader names the joint or link that is at fault.
   const std::filesystem::path urdf = urdf_of(s.arm);
   ArmModel arm = setting_errors.locate({"arm.urdf"}, [&] { return ArmModel(urdf); });

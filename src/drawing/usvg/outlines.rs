@@ -61,13 +61,13 @@ struct Effects {
 
 impl Effects {
     fn of(group: &Group) -> Effects {
-        let mut sum = Effects { hiders: group.clip_path().is_some() as usize + group.mask().is_some() as usize, ..Effects::default() };
-        sum.filters = group.filters().len();
+        let hiders = group.clip_path().is_some() as usize + group.mask().is_some() as usize;
+        let mut sum = Effects { shapes: 0, hiders, filters: group.filters().len() };
         for node in group.children() {
             match node {
                 Node::Group(group) => {
-                    let more = Effects::of(group);
-                    sum = Effects { shapes: sum.shapes + more.shapes, hiders: sum.hiders + more.hiders, filters: sum.filters + more.filters };
+                    let Effects { shapes, hiders, filters } = Effects::of(group);
+                    sum = Effects { shapes: sum.shapes + shapes, hiders: sum.hiders + hiders, filters: sum.filters + filters };
                 }
                 Node::Path(_) | Node::Text(_) => sum.shapes += 1,
                 Node::Image(_) => {}

@@ -25,9 +25,8 @@ fn urls(text: &str) -> impl Iterator<Item = (&str, &str)> {
 fn consequence(of: &str) -> Option<&'static str> {
     match of {
         "fill" | "stroke" => Some("not painted"),
-        "clip-path" | "mask" | "filter" => Some("passed over"),
+        "clip-path" | "mask" | "filter" | "<linearGradient>" | "<radialGradient>" | "<pattern>" => Some("passed over"),
         "<use>" | "<textPath>" | "<tref>" => Some("left out"),
-        "<linearGradient>" | "<radialGradient>" | "<pattern>" => Some("passed over"),
         _ => None,
     }
 }
@@ -76,9 +75,7 @@ pub fn missing(xml: &Document) -> Vec<String> {
         format!("{times} × {of} refers to '{target}', {fault}: {}", consequence(&of).unwrap_or(""))
     };
     let mut lines: Vec<String> = counts.into_iter().take(MOST).map(line).collect();
-    if more > 0 {
-        lines.push(format!("{more} more references to what the file does not hold"));
-    }
+    lines.extend((more > 0).then(|| format!("{more} more references to what the file does not hold")));
     lines
 }
 
