@@ -32,7 +32,7 @@ def main():
         for drawing, arguments in DRAWINGS.items():
             folder = out / f"{arm}-{drawing}"
             run = subprocess.run(
-                [program, "draw", *arguments, "--place", "auto", "--set", f"arm.urdf={urdf}", "--out", folder],
+                [program, "draw", *arguments, "--place", "auto", "--set", f"arm.urdf={urdf}", "--out", folder, "--overwrite"],
                 cwd=ROOT, capture_output=True, text=True,
             )  # fmt: skip
             if run.returncode:

@@ -96,7 +96,7 @@ def make(program: str, root: pathlib.Path, folder: pathlib.Path, value: Callable
     drawn(folder, images / "drawn.png", value)
     compared = folder / "compare"
     if not (compared / "compare.png").exists():
-        command = [program, "compare", COMPARED, "--out", str(compared)]
+        command = [program, "compare", COMPARED, "--out", str(compared), "--overwrite"]
         subprocess.run(command, cwd=root, check=True, capture_output=True)
     runs = ("bowl-m", "bowl-m-blind")
     Image.open(compared / "compare.png").save(images / "compare.png", optimize=True, pnginfo=said("\n".join(measured(run, value) for run in runs)))

@@ -25,6 +25,18 @@ def _runner() -> _impedraw.Runner:
     return runner
 
 
+def _text_or_path(name: str, value: object, path: bool) -> None:
+    """Raises TypeError or ValueError, one line, unless the value is a text that holds something,
+    or a path where that is valid."""
+    if not isinstance(value, (str, os.PathLike) if path else str):
+        valid = "a path as str or os.PathLike" if path else "a str"
+        raise TypeError(f"{name} is of type {type(value).__name__}; valid is {valid}")
+    if not os.fspath(value):
+        raise ValueError(f"{name} is empty")
+    if not isinstance(os.fspath(value), str):
+        raise TypeError(f"{name} is a path of bytes; valid is a path as str")
+
+
 def options(
     settings: Mapping[str, Any],
     scenario: str | os.PathLike[str] | None = None,
@@ -36,8 +48,23 @@ def options(
     keep_order: bool = False,
     skip_unreachable: bool = False,
     out: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
 ) -> _impedraw.DrawOptions:
-    """What the command line would take."""
+    """What the command line would take. Raises TypeError, one line, for a value of another type."""
+    if not isinstance(settings, Mapping):
+        raise TypeError(f"settings is of type {type(settings).__name__}; valid is a mapping")
+    for name, value, path in (
+        ("scenario", scenario, True), ("svg", svg, True), ("text", text, False),
+        ("shape", shape, False), ("out", out, True),
+    ):  # fmt: skip
+        if value is not None:
+            _text_or_path(name, value, path)
+    for name, flag in (
+        ("no_perception", no_perception), ("keep_order", keep_order),
+        ("skip_unreachable", skip_unreachable), ("overwrite", overwrite),
+    ):  # fmt: skip
+        if not isinstance(flag, bool):
+            raise TypeError(f"{name} is of type {type(flag).__name__}; valid are True and False")
     made = _impedraw.DrawOptions()
     made.assignments = assignments(settings)
     if scenario is not None:
@@ -53,6 +80,7 @@ def options(
     made.skip_unreachable = skip_unreachable
     if out is not None:
         made.out = os.fspath(out)
+    made.overwrite = overwrite
     return made
 
 
@@ -67,6 +95,7 @@ def run(
     keep_order: bool = False,
     skip_unreachable: bool = False,
     out: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
     default_out: bool = False,
     progress: Callable[[str, float], object] | None = None,
 ) -> dict[str, Any]:
@@ -76,6 +105,7 @@ def run(
     scenario: a YAML file; None: as ``./impedraw draw`` chooses.
     out: folder of the run, with log, pictures and report, as ``./impedraw draw --out`` makes it;
     None: nothing is written, unless ``default_out``: then runs/NAME.
+    overwrite: replaces the results of a run that stands in ``out``.
 
     Returns a dict of plain values: ``end`` ("finished", "stopped", "interrupted"), ``cause`` (of a
     stop), ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``not_drawn``
@@ -94,6 +124,9 @@ def run(
         keep_order=keep_order,
         skip_unreachable=skip_unreachable,
         out=out,
+        overwrite=overwrite,
     )
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress is of type {type(progress).__name__}; valid is a function")
     result: dict[str, Any] = _runner().run(given, out is not None or default_out, progress)
     return result

@@ -146,6 +146,7 @@ class Runner {
     if (to_folder) {
       result->folder = options.out.empty() ? fs::path("runs") / scenario.name : options.out;
       require_run_folder(result->folder);
+      if (!options.out.empty() && !options.overwrite) require_no_finished_run(result->folder);
     }
     const PrepareProgress prepared = [&](const char* what, double share) {
       if (watch->poll(share, what)) throw GiveUp();
@@ -221,6 +222,7 @@ void bind_run(nb::module_& m) {
       .def_rw("no_perception", &DrawOptions::no_perception)
       .def_rw("keep_order", &DrawOptions::keep_order)
       .def_rw("skip_unreachable", &DrawOptions::skip_unreachable)
+      .def_rw("overwrite", &DrawOptions::overwrite)
       .def_rw("out", &DrawOptions::out)
       .def_rw("assignments", &DrawOptions::assignments);
   nb::class_<Runner>(m, "Runner",

@@ -108,6 +108,8 @@ int draw(const DrawOptions& options, const LiveOptions& live) {
   Scenario scenario = resolve(options, &places);
   const fs::path folder = folder_for(options, scenario);
   require_run_folder(folder);
+  if (!options.out.empty() && !options.resume && !options.overwrite)
+    require_no_finished_run(folder);
   const bool given = !options.scenario.empty() || !options.shape.empty() || !options.svg.empty() ||
                      !options.text.empty() || !options.assignments.empty();
   const bool begun = options.resume && is_own_file(folder / "run.h5");
@@ -167,6 +169,8 @@ int compare(const DrawOptions& options) {
   const fs::path folder =
       options.out.empty() ? fs::path("runs") / (seen.name + "-compare") : options.out;
   require_comparison_folder(folder);
+  if (!options.out.empty() && !options.overwrite)
+    for (const char* side : {"perception", "blind"}) require_no_finished_run(folder / side);
 
   // Both are prepared before either is drawn, so that an error in the second leaves no half result.
   struct Side {
@@ -235,7 +239,7 @@ int compare_finished(const std::vector<fs::path>& runs, const fs::path& out) {
 int calibrate_tool(const DrawOptions& options, int poses) {
   DrawOptions with_sensor = options;
   if (with_sensor.scenario.empty())
-    with_sensor.scenario = fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine-realistic.yaml";
+    with_sensor.built_in = fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine-realistic.yaml";
   Places places;
   const Scenario scenario = resolve(with_sensor, &places);
   if (!has_sensor(scenario.control.source))

@@ -262,7 +262,10 @@ DrawOptions with_commissioning(DrawOptions options, const fs::path& folder) try 
   if (folder.empty()) return options;
   const std::string file = file_in(folder).string();
   const Json json = read_file(folder);
-  require_step(json, folder, "latency");
+  if (!json.contains("latency"))
+    throw InputError(fmt::format(
+        "--commissioned {0}: {1} has no 'latency'; run ./impedraw arm latency --into {0} first",
+        folder.string(), file));
   const Scenario scenario = resolve(options);
   ArmModel model(urdf_of(scenario.arm));
   const auto& arm = json.at("arm");

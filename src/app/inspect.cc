@@ -10,6 +10,9 @@
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/common/file_extension.h"
+#include "impedraw/common/input_file.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/terminal/say.h"
@@ -105,7 +108,17 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
 }
 
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading) {
+  if (InputFile(file).size() == 0)
+    throw InputError(fmt::format("{}: the file is empty", file.string()));
+  if (lower_extension(file) == ".yaml")
+    throw InputError(fmt::format(
+        "{0}: is no artwork and no mesh; ./impedraw plan {0} checks a scenario", file.string()));
   const bool mesh = !is_artwork_file(file);  // or of an unknown kind, which read_mesh() refuses
+  if (mesh && !is_mesh_file(file)) try {
+      describe_mesh(file, reading);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}; artwork is .svg, .txt, .strokes or .csv", error.what()));
+    }
   const nlohmann::ordered_json found = mesh ? describe_mesh(file, reading) : describe_artwork(file);
   if (json)
     say(stdout, "{}\n",

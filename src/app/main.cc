@@ -172,6 +172,9 @@ int run_program(int argc, char** argv) {
       "draw the same with and without perception and compare side by side, or compare "
       "finished runs");
   add_scenario_options(compare, &options);
+  for (CLI::App* command : {draw, compare})
+    command->add_flag("--overwrite", options.overwrite,
+                      "replace the results of a run in the folder of --out");
   std::vector<std::filesystem::path> compared;
   compare->remove_option(compare->get_option("scenario"));
   compare->add_option(

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/file_extension.h"
 #include "impedraw/drawing/shapes.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/settings/setting_error.h"
@@ -63,10 +64,17 @@ void check_turning(const Scenario& s, const SettingErrors& setting_errors) {
 Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
   const bool artwork_given = !options.svg.empty() || !options.text.empty();
+  const bool named_file = !options.scenario.empty();
   const fs::path file =
-      options.scenario.empty()
+      named_file ? options.scenario
+      : options.built_in.empty()
           ? data_folder() / "scenarios" / (artwork_given ? "artwork.yaml" : "bowl-sine.yaml")
-          : options.scenario;
+          : options.built_in;
+  if (const std::string kind = lower_extension(file); kind == ".svg" || kind == ".csv")
+    throw InputError(
+        fmt::format("{0}: is artwork, where a scenario (.yaml) is expected; give it "
+                    "as --svg {0}",
+                    file.string()));
   scenario.name = file.stem();
   // Artwork from the command line names the run, with the scenario in front where one was given.
   bool named = false;  // by --set, which counts whatever is drawn
@@ -74,7 +82,10 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     if (named) return;
     scenario.name = options.scenario.empty() ? artwork : scenario.name + "-" + artwork;
   };
-  Places places = read_settings(scenario, file, options.assignments);
+  Places places =
+      read_settings(scenario, file, named_file ? options.assignments : std::vector<std::string>());
+  // What the built-in scenario gives was given by nobody: its places are dropped.
+  if (!named_file) places = read_settings(scenario, {}, options.assignments);
   tell_renamed(places);
   named = places.of("name").starts_with("--set ");
   if (!options.shape.empty()) {

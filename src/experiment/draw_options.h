@@ -11,8 +11,10 @@
 namespace impedraw {
 
 struct DrawOptions {
-  // Empty: the standard bowl, with the sine (bowl-sine.yaml) or with svg or text (artwork.yaml).
   std::filesystem::path scenario;
+  // Of this program, where none is named; no message cites it. Empty: the standard bowl, with the
+  // sine (bowl-sine.yaml) or with svg or text (artwork.yaml).
+  std::filesystem::path built_in;
   std::string shape;
   std::filesystem::path svg;
   std::string text;  // to draw
@@ -21,6 +23,7 @@ struct DrawOptions {
   bool skip_unreachable = false;         // omits what fails the pre-flight
   std::string place = "fixed";           // placement of the canvas: fixed, auto
   bool resume = false;                   // continues the run in `out`
+  bool overwrite = false;                // replaces a finished run in `out`
   std::string arm;                       // sim, iiwa-lcm, franka; empty: as the scenario says
   std::filesystem::path out;             // empty: runs/<name> in the working directory
   std::vector<std::string> assignments;  // --set

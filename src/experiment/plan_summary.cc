@@ -45,6 +45,33 @@ std::string distortion_text(const char* how, const Distortion& d) {
       percent(d.area_min), percent(d.area_max), d.angle_max * 180.0 / std::numbers::pi);
 }
 
+Eigen::Vector2d page_size(const PlannedDrawing& e) {
+  Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
+  if (!e.artwork.shape.drawn.strokes.empty()) box.setEmpty();
+  for (const Stroke& stroke : e.artwork.shape.drawn.strokes)
+    for (const Eigen::Vector2d& p : stroke.points) box.extend(p);
+  return box.sizes();
+}
+
+// How large the drawing becomes, and why.
+std::string size_text(const PlannedDrawing& e) {
+  const DrawingSettings& drawing = e.scenario.drawing;
+  const Eigen::Vector2d page = page_size(e);
+  const double scale = e.artwork.placement.scale();
+  const Eigen::Vector2d size = scale * page;
+  std::string text = fmt::format("  size     {:.4g} × {:.4g} mm on the canvas", size.x(), size.y());
+  const char* whose = !drawing.svg.empty() ? "file" : !drawing.text.text.empty() ? "text" : nullptr;
+  if (!whose) return text + "\n";
+  if (std::abs(scale - 1.0) < 1e-6) return text + fmt::format(", as in the {}\n", whose);
+  text += fmt::format(", {:.3g} × the {}'s {:.4g} × {:.4g} mm", scale, whose, page.x(), page.y());
+  if (!has_size(drawing.placement))
+    text += fmt::format(
+        ": fitted to drawing.placement.fit_radius, {:.3g} m; drawing.placement.scale=1 keeps the "
+        "{}'s size",
+        drawing.placement.fit_radius_m, whose);
+  return text + "\n";
+}
+
 }  // namespace
 
 double length_not_drawable(const PlannedDrawing& e) {
@@ -67,6 +94,10 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
   json["drawable_parts"] = e.plan.strokes.size();
   json["pen_down_m"] = e.plan.path.pen_down_length();
   json["pen_up_m"] = PathTally(e.plan.path).pen_up;
+  const Eigen::Vector2d page = page_size(e), size = e.artwork.placement.scale() * page;
+  json["page_size_mm"] = {page.x(), page.y()};
+  json["size_mm"] = {size.x(), size.y()};
+  json["notes"] = notes_of(e);
   json["time_s"] = e.plan.path.duration();
   json["start_q"] = std::vector<double>(e.scene.start_q.begin(), e.scene.start_q.end());
   json["distortion"] = {{"projected", distortion_json(projected_distortion(e))}};
@@ -99,8 +130,12 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
 
 std::string plan_text(const PlannedDrawing& e) {
   const PathTally tally(e.plan.path);
+  const char* const all = e.artwork.notes.empty()
+                              ? "all of it can be drawn\n"
+                              : "all strokes can be drawn; the notes tell what the artwork loses\n";
   std::string text = fmt::format("{}: {} strokes; {} parts to draw\n", e.scenario.name,
                                  e.plan.requested.size(), e.plan.strokes.size());
+  text += size_text(e);
   text += fmt::format("  pen down {:.3f} m on the surface, pen up {:.3f} m\n",
                       e.plan.path.pen_down_length(), tally.pen_up);
   text += fmt::format(
@@ -118,7 +153,7 @@ std::string plan_text(const PlannedDrawing& e) {
         m.slope_deg);
   text += distortion_text("projected", projected_distortion(e));
   if (e.plan.wrap) text += distortion_text("wrapped", wrapped_distortion(e));
-  for (const std::string& note : e.plan.notes) text += "  note: " + note + "\n";
+  for (const std::string& note : notes_of(e)) text += "  note: " + note + "\n";
   if (e.scenario.perception.frames.enabled) {
     text +=
         "  the canvas may move, which is not known before the arm has watched it: a run checks "
@@ -127,10 +162,10 @@ std::string plan_text(const PlannedDrawing& e) {
     for (const Finding& f : e.plan.where_it_is)
       text += "    where it is now: " + finding_text(f) + "\n";
     if (e.plan.preflight.findings.empty())
-      return text + (e.plan.where_it_is.empty() ? "  where it is now, all of it can be drawn\n"
+      return text + (e.plan.where_it_is.empty() ? std::string("  where it is now, ") + all
                                                 : "  its surface allows all of it\n");
   }
-  if (e.plan.preflight.findings.empty()) return text + "  all of it can be drawn\n";
+  if (e.plan.preflight.findings.empty()) return text + "  " + all;
   text +=
       fmt::format("  cannot be drawn: {} part{}, {:.1f} mm; --skip-unreachable draws the rest\n",
                   e.plan.preflight.findings.size(),

@@ -16,8 +16,9 @@ Distortion wrapped_distortion(const PlannedDrawing& drawing);  // requires a wra
 
 double length_not_drawable(const PlannedDrawing& drawing);  // in the drawing plane [m]
 
-// strokes, drawable_parts, pen_down_m, pen_up_m, time_s, distortion, margins, not_drawable:
-// [{stroke, from_mm, to_mm, problem, text, page_mm, world_m}].
+// strokes, drawable_parts, pen_down_m, pen_up_m, page_size_mm [x, y] of the strokes on the page,
+// size_mm, the same on the canvas as seen along the drawing axis, notes (notes_of()), time_s,
+// distortion, margins, not_drawable: [{stroke, from_mm, to_mm, problem, text, page_mm, world_m}].
 nlohmann::ordered_json plan_json(const PlannedDrawing& drawing);
 
 // The same as text.

@@ -194,7 +194,8 @@ void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& set
 
 Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
   std::vector<std::string> notes;
-  auto canvas = setting_errors.locate({"canvas"}, [&] {
+  const char* given = s.canvas.kind == CanvasKind::mesh ? "canvas.mesh.file" : "canvas";
+  auto canvas = setting_errors.locate({given, "canvas"}, [&] {
     TriangleMesh mesh = make_mesh(s.canvas, &notes);
     put_in_reach(&mesh, &s, &notes);
     turn_to_drawing(&mesh, s, X_WP.R.col(2), &notes);

@@ -554,6 +554,14 @@ class Runner {
     return true;
   }
 
+  // Which of them; empty where the arm's state and the wrench are finite.
+  std::string bad_input() const {
+    const ArmTerms& arm = loop_.terms();
+    if (!arm.M.allFinite() || !arm.g.allFinite()) return ", as joint positions,";
+    if (!arm.v.allFinite()) return ", as joint velocities,";
+    return loop_.F_ext().allFinite() ? "" : ", as the wrench,";
+  }
+
   // Why the run must end without lifting the pen; empty if it can continue. t: time of the last
   // commanded cycle [s].
   std::string lost_control(double t) {
@@ -563,7 +571,8 @@ class Runner {
     if (bad_state_ > kBadStateTime)
       return fmt::format(
           "the controller was given {} for {:.1f} s up to t = {:.3f} s",
-          out_.status.bad_input ? "numbers that are not finite" : "joint states that are stale",
+          out_.status.bad_input ? "numbers that are not finite" + bad_input()
+                                : std::string("joint states that are stale"),
           kBadStateTime, first_time_ + t);
     const double hold = e_.plan.path_settings.start_hold;
     if (t > hold + raised_for_ && !loop_.tared())

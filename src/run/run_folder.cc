@@ -60,6 +60,16 @@ void require_run_folder(const fs::path& folder) {
   FolderLock::require_free(folder);
 }
 
+void require_no_finished_run(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder / "metrics.json", error) || fs::exists(folder / "incident.html", error))
+    return;
+  throw InputError(
+      fmt::format("--out {}: holds the results of a run; --overwrite replaces them, or name "
+                  "another folder",
+                  folder.string()));
+}
+
 void require_own_log(const fs::path& folder) {
   const fs::path log = folder / "run.h5";
   std::error_code error;

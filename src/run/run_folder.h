@@ -10,6 +10,9 @@ namespace impedraw {
 // a comparison, a plan, a table. Throws InputError otherwise. Writes nothing. A run is one whose
 // run.h5 has our mark, and that no other process writes.
 void require_run_folder(const std::filesystem::path& folder);
+// Throws InputError if the folder holds the results of a run that did not stop on a fault: only
+// --overwrite replaces them in a folder that was named with --out.
+void require_no_finished_run(const std::filesystem::path& folder);
 // Throws InputError if folder/run.h5 exists, but is not ours to replace.
 void require_own_log(const std::filesystem::path& folder);
 void require_comparison_folder(const std::filesystem::path& folder);

@@ -242,6 +242,111 @@ TEST_F(CommandLine, WrongOut) {
   EXPECT_EQ(content_of(folder_ / "own/scenario.yaml"), "name: mine\n");
 }
 
+// A folder that was named keeps its results; the default one is drawn into again.
+TEST_F(CommandLine, ResultsAreReplacedOnRequestAlone) {
+  const Words draw = Words{"draw", "--out", "run"} + kShort;
+  ASSERT_EQ(call(draw).code, 0);
+  const std::string log = content_of(folder_ / "run/run.h5");
+  const std::string said = "--out run: holds the results of a run; --overwrite replaces them";
+  refused(draw, {said});
+  refused(draw + Words{"--shape", "M"}, {said});
+  EXPECT_EQ(content_of(folder_ / "run/run.h5"), log);
+  EXPECT_EQ(call(draw + Words{"--overwrite"}).code, 0);
+  EXPECT_THAT(call(draw + Words{"--resume"}).err, Not(HasSubstr("--overwrite")));
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(call(Words{"draw"} + kShort).code, 0);
+  ASSERT_EQ(call(Words{"compare", "--out", "both"} + kShort).code, 0);
+  refused({"compare", "--out", "both"}, {"--out both/perception: holds", "--overwrite"});
+  EXPECT_EQ(call(Words{"compare", "--out", "both", "--overwrite"} + kShort).code, 0);
+}
+
+// Of a picture that a pen cannot draw, all three commands say so in the same words.
+TEST_F(CommandLine, PlanDrawAndInspectTellTheSameOfAFile) {
+  const std::vector<std::string> lost = {
+      "1 × <image>: pictures are left out: a pen draws lines only",
+      "1 × <use> refers to '#gone', which the file does not hold: left out",
+      "1 shapes are left out: hidden, or wholly transparent",
+      "1 clip paths or masks are passed over: what they hide is drawn",
+      "1 shapes or groups are partly transparent: drawn as if they were not"};
+  write("a.svg", R"svg(<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="120mm"
+      viewBox="0 0 120 120"><image width="9" height="9" href="photo.png"/><use href="#gone"/>
+      <clipPath id="c"><circle r="90"/></clipPath>
+      <g fill="none" stroke="black"><circle cx="60" cy="60" r="60" opacity=".3"/>
+      <path d="M60 50V70" clip-path="url(#c)"/><path d="M9 9H99" style="display:none"/></g></svg>)svg");
+  const Ended inspected = call({"inspect", "a.svg"});
+  const Ended planned =
+      call({"plan", "--svg", "a.svg", "--set", "drawing.placement.fit_radius=.1"});
+  const Ended drawn = call(Words{"draw", "--svg", "a.svg"} + kShort);
+  for (const std::string& words : lost) {
+    EXPECT_THAT(inspected.out, HasSubstr("  warning      " + words + "\n"));
+    EXPECT_THAT(planned.out, HasSubstr("  note: " + words + "\n"));
+    EXPECT_THAT(drawn.err, HasSubstr("note: " + words + "\n"));
+  }
+  EXPECT_THAT(planned.out, Not(HasSubstr("all of it can be drawn")));
+  EXPECT_THAT(planned.out,
+              HasSubstr("  size     200 × 200 mm on the canvas, 1.67 × the file's 120 × 120 mm: "
+                        "fitted to drawing.placement.fit_radius, 0.1 m; drawing.placement.scale=1 "
+                        "keeps the file's size\n"));
+  const nlohmann::json notes = json_of(folder_ / "runs/a-plan/plan.json").at("notes");
+  EXPECT_EQ(notes, json_of(folder_ / "runs/a/strokes.json").at("notes"));
+  ASSERT_GE(notes.size(), lost.size());
+  const Words sized = {"plan", "--svg", "a.svg", "--set"};
+  EXPECT_THAT(call(sized + Words{"drawing.placement.width=60"}).out,
+              HasSubstr("  size     60 × 60 mm on the canvas, 0.5 × the file's 120 × 120 mm\n"));
+  EXPECT_THAT(call(sized + Words{"drawing.placement.scale=1"}).out,
+              HasSubstr("  size     120 × 120 mm on the canvas, as in the file\n"));
+  EXPECT_THAT(call({"plan", "--shape", "circle"}).out, HasSubstr(" mm on the canvas\n"));
+}
+
+TEST_F(CommandLine, InspectSaysInOneLineWhatCannotBeRead) {
+  const std::string meshes = ".obj, .stl, .ply, .off, .glb, .gltf, .3mf or .dae";
+  fs::create_directory(folder_ / "folder");
+  fs::create_directory(folder_ / "folder.svg");
+  write("typo.yaml", "control: {normal_forc: 3}\n");
+  for (const char* ending : {"svg", "csv", "strokes", "obj", "stl", "ply", "off", "glb", "yaml"}) {
+    write(std::string("empty.") + ending, "");
+    refused({"inspect", std::string("empty.") + ending}, {"the file is empty"});
+    if (ending == std::string("yaml")) continue;
+    write(std::string("garbage.") + ending, std::string("\x01\xfe\0\x80\xff\n\x7f", 7));
+    refused({"inspect", std::string("garbage.") + ending}, {std::string("garbage.") + ending});
+  }
+  write("a.png", "x");
+  refused({"inspect", "a.png"}, {"a.png: has the type '.png'", meshes, ".svg, .txt, .strokes"});
+  refused({"inspect", "folder"}, {"folder: is a folder"});
+  refused({"inspect", "folder.svg"}, {"folder.svg: is a folder"});
+  refused({"inspect", "gone.glb"}, {"gone.glb: no such file"});
+  refused({"inspect", "typo.yaml"}, {"./impedraw plan typo.yaml checks a scenario"});
+  refused({"plan", "typo.yaml"}, {"typo.yaml:1: unknown key 'normal_forc'", "'normal_force'"});
+}
+
+// What is bad is named by the option that brought it, and nobody is told of a file that nobody
+// named.
+TEST_F(CommandLine, TheBadInputIsNamedAndNoOther) {
+  write("ok.yaml", "name: ok\n");
+  write("ok.svg", kLine);
+  write("bad.obj", "x");
+  const Words plan = {"plan", "ok.yaml", "--svg", "ok.svg", "--set", "canvas.kind=mesh", "--set"};
+  refused(plan + Words{"canvas.mesh.file=bad.obj"}, {"--set canvas.mesh.file=bad.obj: "});
+  refused(plan + Words{"canvas.mesh.file=gone.obj"}, {"--set canvas.mesh.file=gone.obj: "});
+  refused({"plan", "ok.yaml", "--svg", "bad.obj"}, {"--svg bad.obj: "});
+  refused({"plan", "ok.svg"}, {"ok.svg: is artwork, where a scenario", "--svg ok.svg"});
+  refused({"draw", "--svg", "ok.svg", "--commissioned", "gone"}, {"--commissioned gone: "});
+  for (const Words& arguments :
+       {Words{"draw", "--set", "world.tip.friction=1", "--set", "control.wrench=none"},
+        Words{"draw", "--svg", "ok.svg", "--set", "drawing.placement.scale=90"},
+        Words{"draw", "--no-perception", "--set", "control.stiffness_normal=0"},
+        Words{"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"},
+        Words{"draw", "--set", "path.tilt_speed=5"}, Words{"draw", "--set", "name=.x"},
+        Words{"draw", "--set", "arm.start=[0.1, 0.1, 0.1]"},
+        Words{"draw", "--set", "canvas.cap.centre=[5, 0, 0]"},
+        Words{"calibrate-tool", "--set", "control.wrench=none"},
+        Words{"arm", "check", "--set", "arm.url=x"}}) {
+    const Ended ended = call(arguments);
+    SCOPED_TRACE(::testing::PrintToString(arguments));
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, Not(HasSubstr(".yaml")));
+  }
+}
+
 TEST_F(CommandLine, WrongArguments) {
   refused({"drw"}, {"'drw'; did you mean 'draw'?"});
   refused({"draw", "--bogus"}, {"--bogus", "draw --help"});
@@ -310,7 +415,8 @@ TEST_F(CommandLine, DrawsIntoRunsBesideTheUserAndReportsAgain) {
   EXPECT_EQ(content_of(run / "run.h5"), log);
 
   // Its own resolved scenario draws the same again, over the run that is there.
-  EXPECT_EQ(call({"draw", "runs/bowl-sine/scenario.yaml", "--out", "runs/bowl-sine"}).code, 0);
+  const Words again = {"draw", "runs/bowl-sine/scenario.yaml", "--out", "runs/bowl-sine"};
+  EXPECT_EQ(call(again + Words{"--overwrite"}).code, 0);
   const auto was = nlohmann::json::parse(metrics), is = json_of(run / "metrics.json");
   EXPECT_EQ(is.at("ink_error_rms"), was.at("ink_error_rms"));
 }

@@ -159,7 +159,7 @@ TEST_F(Data, LinksOutOfTheFolderAreNotFollowed) {
   }
   write("run/notes.txt", "mine");
   EXPECT_EQ(call({"report", "run"}).code, 0);
-  EXPECT_EQ(call(draw(kShort)).code, 0);
+  EXPECT_EQ(call(draw(kShort + Words{"--overwrite"})).code, 0);
   EXPECT_EQ(content_of(target), "mine");
   EXPECT_EQ(content_of(run("notes.txt")), "mine");
   for (const char* name : {"report.html", "metrics.json", "ink_top.png", "scenario.yaml"})

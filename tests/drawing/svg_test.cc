@@ -298,7 +298,8 @@ TEST(Svg, NothingToDrawMayBeAllowed) {
       settings);
   EXPECT_TRUE(empty.strokes.empty());
   EXPECT_EQ(empty.warnings,
-            (std::vector<std::string>{"has nothing to draw: no visible path or shape"}));
+            (std::vector<std::string>{"1 shapes are left out: hidden, or wholly transparent",
+                                      "has nothing to draw: no visible path or shape"}));
 }
 
 TEST(Svg, WhatIsLeftOutIsTold) {
@@ -331,6 +332,76 @@ TEST(Svg, FiltersOpacityAndWidthsAreTold) {
           "1 filters (blur, shadow and the like) are passed over",
           "2 shapes or groups are partly transparent: drawn as if they were not",
           "stroke widths of 1.00 to 2.00 mm are passed over: a pen has one width"}));
+}
+
+// A page with one line of 40 mm and `more`: what is drawn of it [mm], and the one warning.
+TEST(Svg, NothingIsLostInSilence) {
+  const std::string box = "<path d='M10 10H20V20H10Z' fill='none' stroke='red' ";
+  const std::string spared =
+      "1 shapes are drawn that a missing or empty filter, clip path or mask would hide";
+  const std::string hidden = "1 shapes are left out: hidden, or wholly transparent";
+  const std::string lacks = ", which the file does not hold: ";
+  const struct {
+    std::string more;
+    double length;
+    std::vector<std::string> warnings;
+  } cases[] = {
+      {box + "/>", 80, {}},
+      {box + "filter='none' style='mask:none'/>", 80, {}},
+      {"<filter id='f'/>" + box + "filter='url(#f)'/>", 80, {spared}},
+      {"<filter id='f' width='0'><feOffset/></filter>" + box + "style='filter:url(#f)'/>",
+       80,
+       {spared}},
+      {"<style>.a{filter:url(#f)}</style>" + box + "class='a'/>",
+       80,
+       {"1 × filter refers to '#f'" + lacks + "passed over", spared}},
+      {"<clipPath id='c'/>" + box + "clip-path='url(#c)'/>", 80, {spared}},
+      {"<mask id='m'/><g mask='url(#m)'>" + box + "/></g>", 80, {spared}},
+      {box + "mask='url(#m)'/>", 80, {"1 × mask refers to '#m'" + lacks + "passed over"}},
+      {"<clipPath id='c'><circle r='9'/></clipPath>" + box + "clip-path='url(#c)'/>",
+       80,
+       {"1 clip paths or masks are passed over: what they hide is drawn"}},
+      {"<use href='#a'/>", 40, {"1 × <use> refers to '#a'" + lacks + "left out"}},
+      {"<use xlink:href='b.svg#a'/>", 40, {"1 × <use> refers to 'b.svg#a'" + lacks + "left out"}},
+      {"<rect width='9' height='9' fill='url(\"#g\") none'/>",
+       40,
+       {"1 × fill refers to '#g'" + lacks + "not painted"}},
+      {"<rect width='10' height='10' style='fill:url(#g) red'/>", 80, {}},
+      {"<linearGradient id='g'/><rect width='9' height='9' fill='url(#g)'/>",
+       40,
+       {"1 × fill refers to '#g', which is empty: not painted"}},
+      {"<text><textPath href='#a'>a</textPath></text>",
+       40,
+       {"1 × <textPath> refers to '#a'" + lacks + "left out"}},
+      {"<pattern id='p' width='3' height='3' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
+       "stroke='red'/></pattern><rect width='10' height='10' fill='url(#p)'/>",
+       80,
+       {"1 shapes are painted with a pattern: what it holds is left out"}},
+      {box + "><animate attributeName='x' to='5'/><animateTransform/></path>",
+       80,
+       {"2 × <animate>: animations are left out: drawn as it is without them"}},
+      {"<image width='9' height='9' href='data:image/png;base64,AAAA'/>",
+       40,
+       {"1 × <image>: pictures are left out: a pen draws lines only"}},
+      {"<style>.h{display:none}</style><g class='h'>" + box + "/></g>", 40, {hidden}},
+      {"<g style='display:none'>" + box + "/></g>", 40, {hidden}},
+      {box + "opacity='0'/>", 40, {hidden}},
+      {box + "visibility='hidden'/>", 40, {hidden}},
+      {box + "stroke-opacity='0'/>", 40, {hidden}},
+      {"<defs display='none'>" + box + "/></defs><path d='M0 0h9' fill='none'/>", 40, {}},
+      {box + "opacity='.3'/>",
+       80,
+       {"1 shapes or groups are partly transparent: drawn as if they were not"}},
+      {"<style>@import url(a.css);</style>", 40, {"a style sheet outside of the file is not read"}},
+  };
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.more);
+    const Artwork a = on_mm_page("<path d='M10 90H50' stroke='red' fill='none'/>" + c.more);
+    double length = 0;
+    for (const Stroke& s : a.strokes) length += lines::length(s.points);
+    EXPECT_NEAR(length, c.length, 1e-3);
+    EXPECT_EQ(a.warnings, c.warnings);
+  }
 }
 
 TEST(Svg, TheInternalDtdCounts) {

@@ -149,6 +149,39 @@ def test_a_scene_is_kept_after_a_refusal(line: pathlib.Path) -> None:
     assert runner.scenes_built == 1 and runner.scenes_reused == 2
 
 
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ({"svg": None}, "svg is None"), ({"svg": 5}, "svg is of type int"), ({"svg": b"a.svg"}, "svg is of type bytes"),
+        ({"svg": ""}, "svg is empty"), ({"svg": ["a.svg"]}, "svg is of type list"), ({"text": 5}, "text is of type int"),
+        ({"text": ""}, "text is empty"), ({"shape": b"M"}, "shape is of type bytes"), ({"scenario": 1.5}, "scenario is of type float"),
+        ({"scenario": ""}, "scenario is empty"), ({"canvas": "bowl"}, "canvas is of type str"), ({"settings": 5}, "settings is of type int"),
+        ({"settings": [("control.normal_force", 3)]}, "settings is of type list"), ({"out": 5}, "out is of type int"),
+        ({"keep_order": "yes"}, "keep_order is of type str"), ({"no_perception": None}, "no_perception is of type NoneType"),
+        ({"skip_unreachable": 1}, "skip_unreachable is of type int"), ({"overwrite": 1}, "overwrite is of type int"),
+        ({"progress": 5}, "progress is of type int"),
+    ],
+)  # fmt: skip
+def test_a_wrong_type_is_one_line_and_no_drawing(
+    arguments: dict[str, Any], message: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises((TypeError, ValueError)) as fault:
+        idr.draw(**arguments)
+    assert message in str(fault.value) and "\n" not in str(fault.value)
+    assert list(tmp_path.iterdir()) == []
+    if set(arguments) & {"svg", "text", "shape", "scenario", "canvas", "settings"}:
+        with pytest.raises((TypeError, ValueError), match=message):
+            idr.plan(**arguments)
+
+
+def test_results_are_replaced_on_request_alone(drawn: tuple[idr.Run, list[float]], line: pathlib.Path) -> None:
+    with pytest.raises(ValueError, match="holds the results of a run; --overwrite"):
+        idr.draw(line, canvas=idr.Plane(), out=drawn[0].folder)
+    again = idr.draw(line, canvas=idr.Plane(), settings={"drawing.placement.scale": 1}, out=drawn[0].folder, overwrite=True)
+    assert counted(again.metrics) == counted(drawn[0].metrics)
+
+
 def test_the_pre_flight_tells_what_cannot_be_drawn(line: pathlib.Path) -> None:
     good = idr.plan(line, canvas=idr.Plane())
     assert good["not_drawable"] == []

@@ -56,7 +56,7 @@ class Soak:
         # Slow enough that a run takes some seconds.
         draw = ["draw", "--svg", "drawing.svg", "--out", "run", "--set", "path.draw_speed=0.004",
                 "--set", "drawing.placement.fit_width=0.06"]
-        return [str(self.program)] + {"draw": draw, "resume": draw + ["--resume"], "report": ["report", "run"],
+        return [str(self.program)] + {"draw": draw + ["--overwrite"], "resume": draw + ["--resume"], "report": ["report", "run"],
                                       "plan": ["plan", "--svg", "drawing.svg", "--out", "plan"]}[name]
 
     def start(self, name, trace=None):

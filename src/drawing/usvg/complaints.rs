@@ -22,7 +22,7 @@ impl log::Log for Listener {
             return;
         }
         let mut text = record.args().to_string();
-        if text.starts_with("Image") {
+        if text.starts_with("Image") || text.starts_with("Failed to parse href") {
             return; // reported in another way
         }
         if let Some((end, _)) = text.char_indices().nth(LONGEST) {

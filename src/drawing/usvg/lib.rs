@@ -4,6 +4,7 @@
 //! dtd.rs         what the internal DTD adds to the document
 //! document.rs    text and XML, before usvg
 //! outlines.rs    usvg's tree as paths
+//! references.rs  what the document refers to and does not hold
 //! complaints.rs  usvg's messages
 
 mod complaints;
@@ -11,6 +12,7 @@ mod document;
 mod dtd;
 mod limits;
 mod outlines;
+mod references;
 
 use outlines::{Outlines, SvgPath};
 use std::ffi::{c_char, CString};

@@ -1,6 +1,6 @@
 //! Converts usvg's tree to paths on the page, in millimetres.
 
-use crate::{complaints, document, dtd};
+use crate::{complaints, document, dtd, references};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathSegment, Point};
@@ -8,6 +8,12 @@ use usvg::{fontdb, Color, FillRule, Font, FontFamily, FontResolver, Group, Image
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
+
+// Style sheets that no rule of the document overrides. A pen draws no effect, and usvg would drop
+// what has a filter, clip path or mask that is missing or empty.
+const NO_MARKERS: &str = "* { marker: none !important }";
+const NO_EFFECTS: &str = "* { filter: none !important; clip-path: none !important; mask: none !important }";
+const ALL_SHOWN: &str = "* { display: inline !important }";
 
 #[repr(C)]
 pub struct SvgPath {
@@ -35,12 +41,40 @@ pub struct Outlines {
     pub warnings: Vec<String>,
     marked: document::Marked,
     seen: HashMap<String, u32>,     // layers with a path, by their group's id
-    hidden_parts: usize,            // skipped clip paths and masks
-    filters: usize,
+    effects: Effects,
+    spared: usize,                  // shapes that an effect would hide, as it is missing or empty
+    hidden: usize,                  // shapes that are painted and do not show
+    patterned: usize,               // painted with a pattern
     faint: usize,                   // shapes and groups that are partly transparent
     widths: Option<(f64, f64)>,     // of the narrowest and the widest stroke [mm]
     lost_texts: usize,
     too_many: bool,
+}
+
+/// What a group holds beside outlines.
+#[derive(Default)]
+struct Effects {
+    shapes: usize, // paths and texts
+    hiders: usize, // clip paths and masks
+    filters: usize,
+}
+
+impl Effects {
+    fn of(group: &Group) -> Effects {
+        let hiders = group.clip_path().is_some() as usize + group.mask().is_some() as usize;
+        let mut sum = Effects { shapes: 0, hiders, filters: group.filters().len() };
+        for node in group.children() {
+            match node {
+                Node::Group(group) => {
+                    let Effects { shapes, hiders, filters } = Effects::of(group);
+                    sum = Effects { shapes: sum.shapes + shapes, hiders: sum.hiders + hiders, filters: sum.filters + filters };
+                }
+                Node::Path(_) | Node::Text(_) => sum.shapes += 1,
+                Node::Image(_) => {}
+            }
+        }
+        sum
+    }
 }
 
 /// The system's fonts. Each generic family name maps to an installed font.
@@ -110,24 +144,30 @@ impl Outlines {
             xml = document::parse(named)?;
         }
         outlines.marked = marked;
-        for (tag, consequence) in [
-            ("image", "pictures are left out: a pen draws lines only"),
-            ("foreignObject", "foreign objects are left out"),
+        for (tags, consequence) in [
+            (&["image"][..], "pictures are left out: a pen draws lines only"),
+            (&["foreignObject"], "foreign objects are left out"),
+            (&["animate", "animateTransform", "animateMotion", "animateColor", "set"], "animations are left out: drawn as it is without them"),
         ] {
-            match document::count(&xml, tag) {
+            match tags.iter().map(|tag| document::count(&xml, tag)).sum() {
                 0 => {}
-                count => outlines.warnings.push(format!("{count} × <{tag}>: {consequence}")),
+                count => outlines.warnings.push(format!("{count} × <{}>: {consequence}", tags[0])),
             }
+        }
+        outlines.warnings.extend(references::missing(&xml));
+        if references::has_outer_style(&xml) {
+            outlines.warnings.push("a style sheet outside of the file is not read".to_string());
         }
         let mut options = Options {
             // Nothing outside the file is read, and a pen cannot draw embedded pictures.
             image_href_resolver: ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) },
             ..Options::default()
         };
+        let mut style = String::new();
         match document::count(&xml, "marker") {
             0 => {}
             count => {
-                options.style_sheet = Some("* { marker: none !important }".to_string());
+                style.push_str(NO_MARKERS);
                 outlines.warnings.push(format!("{count} × <marker>: arrow heads and other markers are left out"));
             }
         }
@@ -137,18 +177,35 @@ impl Outlines {
             options.fontdb = Arc::new(fonts);
             options.font_resolver.select_font = Box::new(select_font);
         }
-        let tree = Tree::from_xmltree(&xml, &options).map_err(|e| match e {
-            usvg::Error::ParsingFailed(usvg::roxmltree::Error::NodesLimitReached) => {
-                "more than 1,000,000 elements, all uses counted, or too many within one another".to_string()
-            }
-            other => other.to_string(),
-        })?;
+        let mut tree_with = |sheets: &[&str]| {
+            options.style_sheet = Some(style.clone() + &sheets.concat());
+            Tree::from_xmltree(&xml, &options).map_err(|e| match e {
+                usvg::Error::ParsingFailed(usvg::roxmltree::Error::NodesLimitReached) => {
+                    "more than 1,000,000 elements, all uses counted, or too many within one another".to_string()
+                }
+                other => other.to_string(),
+            })
+        };
+        let tree = tree_with(&[NO_EFFECTS])?;
         outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
         outlines.add_group(tree.root(), None);
         if outlines.too_many {
             return Err(format!("more than {MOST_POINTS} points, all uses counted"));
         }
+        let complaints = complaints::heard();
+        let drawn = Effects::of(tree.root());
+        drop(tree);
+        // What a part of the document hides shows in the document without that part.
+        let has = |words: &[&str]| words.iter().any(|word| given.contains(word));
+        if has(&["display"]) {
+            let shown = tree_with(&[NO_EFFECTS, ALL_SHOWN]).map_or(0, |tree| Effects::of(tree.root()).shapes);
+            outlines.hidden += shown.saturating_sub(drawn.shapes);
+        }
+        let whole = if has(&["filter", "clip-path", "mask"]) { tree_with(&[]).ok() } else { None };
+        outlines.effects = whole.map_or(Effects { ..drawn }, |tree| Effects::of(tree.root()));
+        outlines.spared = drawn.shapes.saturating_sub(outlines.effects.shapes);
         outlines.warn();
+        outlines.warnings.extend(complaints);
         Ok(outlines)
     }
 
@@ -156,11 +213,20 @@ impl Outlines {
         if self.lost_texts > 0 {
             self.warnings.push(format!("{} texts are left out: no font of this system shows them", self.lost_texts));
         }
-        if self.hidden_parts > 0 {
-            self.warnings.push(format!("{} clip paths or masks are passed over: what they hide is drawn", self.hidden_parts));
+        if self.hidden > 0 {
+            self.warnings.push(format!("{} shapes are left out: hidden, or wholly transparent", self.hidden));
         }
-        if self.filters > 0 {
-            self.warnings.push(format!("{} filters (blur, shadow and the like) are passed over", self.filters));
+        if self.patterned > 0 {
+            self.warnings.push(format!("{} shapes are painted with a pattern: what it holds is left out", self.patterned));
+        }
+        if self.effects.hiders > 0 {
+            self.warnings.push(format!("{} clip paths or masks are passed over: what they hide is drawn", self.effects.hiders));
+        }
+        if self.effects.filters > 0 {
+            self.warnings.push(format!("{} filters (blur, shadow and the like) are passed over", self.effects.filters));
+        }
+        if self.spared > 0 {
+            self.warnings.push(format!("{} shapes are drawn that a missing or empty filter, clip path or mask would hide", self.spared));
         }
         if self.faint > 0 {
             self.warnings.push(format!("{} shapes or groups are partly transparent: drawn as if they were not", self.faint));
@@ -168,17 +234,15 @@ impl Outlines {
         if let Some((narrow, wide)) = self.widths.filter(|(narrow, wide)| *wide > 1.25 * narrow) {
             self.warnings.push(format!("stroke widths of {narrow:.2} to {wide:.2} mm are passed over: a pen has one width"));
         }
-        self.warnings.extend(complaints::heard());
     }
 
     /// layer: the id of the enclosing top-level group.
     fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>) {
         if group.opacity().get() == 0.0 {
+            self.hidden += Effects::of(group).shapes;
             return;
         }
-        self.filters += group.filters().len();
         self.faint += (group.opacity().get() < 1.0) as usize;
-        self.hidden_parts += group.clip_path().is_some() as usize + group.mask().is_some() as usize;
         let layer = layer.or(self.marked.layers.contains_key(group.id()).then_some(group.id()));
         for node in group.children() {
             match node {
@@ -215,8 +279,11 @@ impl Outlines {
         let stroke = path.stroke().filter(|s| s.opacity().get() > 0.0 && shows(s.paint()));
         let filled = path.fill().is_some_and(|f| f.opacity().get() > 0.0 && shows(f.paint()));
         if !path.is_visible() || (stroke.is_none() && !filled) {
+            self.hidden += (path.fill().is_some() || path.stroke().is_some()) as usize;
             return;
         }
+        let has_pattern = |paint: &Paint| matches!(paint, Paint::Pattern(_));
+        self.patterned += (path.fill().is_some_and(|f| has_pattern(f.paint())) || stroke.is_some_and(|s| has_pattern(s.paint()))) as usize;
         self.too_many |= self.points.len() / 2 + path.data().points().len() > MOST_POINTS;
         if self.too_many {
             return;

@@ -59,7 +59,7 @@ def simulation(url, file, start, arguments):
 
 
 def draw_arguments(scenario, url, folder):
-    return [PROGRAM, "draw", scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}", "--out", folder]
+    return [PROGRAM, "draw", scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}", "--out", folder, "--overwrite"]
 
 
 def draw(name):

@@ -41,7 +41,7 @@ def simulation(file, start, arguments=()):
 
 
 def draw_arguments(scenario, folder, urdf):
-    return [PROGRAM, "draw", scenario, "--set", f"arm.urdf={urdf}", "--set", URL, "--out", folder]
+    return [PROGRAM, "draw", scenario, "--set", f"arm.urdf={urdf}", "--set", URL, "--out", folder, "--overwrite"]
 
 
 def coverage(sim, folder):
