@@ -77,8 +77,7 @@ def run(
     out: folder of the run, with log, pictures and report, as ``./impedraw draw --out`` makes it;
     None: nothing is written, unless ``default_out``: then runs/NAME.
 
-    Returns a dict of plain values: ``end`` ("finished", "stopped", "interrupted"), ``cause`` (of a
-    stop), ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``not_drawn``
+    Returns a dict of plain values: ``end`` and ``cause`` (as of Run), ``not_drawn_mm``, ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``not_drawn``
     (findings of the pre-flight by problem), ``met`` (seconds of each controller status), ``simulated`` [s], ``wall`` [s], ``drawn_again``,
     ``lacking``, ``notes``, ``name``, ``folder``.
 

@@ -39,7 +39,8 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     write_ink_top(run, drawn, folder / "ink_top", picture);
     write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
   });
-  const Metrics metrics = compute_metrics(run, drawn);
+  Metrics metrics = compute_metrics(run, drawn);
+  if (std::filesystem::exists(folder / kIncidentFile)) metrics.ending.incident = kIncidentFile;
   write_whole(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
   step();
   ReportSettings report;

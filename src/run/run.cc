@@ -326,7 +326,9 @@ class Runner {
 
   double time() const { return state_->time; }
   RunOutcome& outcome() { return outcome_; }
-  WallTimes close_log(const WallTimes& wall) { return log_ ? log_->close(wall) : wall; }
+  WallTimes close_log(const WallTimes& wall) {
+    return log_ ? log_->close(wall, ending_text(outcome_)) : wall;
+  }
   const InkWatch& ink() const { return ink_; }
   void keep_last() {
     if (outcome_.end == RunEnd::stopped) outcome_.last = last_.rows();
@@ -504,7 +506,8 @@ class Runner {
       return false;
     }
     if (hooks_.emergency && !halted_ && hooks_.emergency()) {
-      if (!halt(fmt::format("emergency stop at t = {:.3f} s", first_time_ + t))) return false;
+      if (!halt(fmt::format("emergency stop at t = {:.3f} s, by a person", first_time_ + t)))
+        return false;
     } else if (fences_.update(loop_.terms().X_WE.p, loop_.terms().V_WE.head<3>(),
                               loop_.F_ext().head<3>(), dt())) {
       if (!halt(fmt::format("{} at t = {:.3f} s", fences_.crossed(), first_time_ + t)))
@@ -1055,7 +1058,28 @@ class MovingDrawing {
   int left_ = 0;
 };
 
+// What lacks ink, by the reason for which it was given up [m].
+std::map<std::string, double> given_up(const Experiment& e, const std::vector<StrokePart>& lacking,
+                                       const RunOutcome& outcome) {
+  std::vector<StrokePart> unreached;
+  for (const UnreachedPart& u : outcome.unreached) unreached.push_back(u.part);
+  std::map<std::string, double> lengths;
+  if (e.scenario.drawing.dry_run) return lengths;
+  for (const StrokePart& part : lacking)
+    if (is_at_wall(part, outcome.walls))
+      lengths["wall"] += part.length();
+    else if (is_at_wall(part, unreached))
+      lengths["out_of_reach"] += part.length();
+  return lengths;
+}
+
 }  // namespace
+
+bool is_at_wall(const StrokePart& part, const std::vector<StrokePart>& walls) {
+  return std::any_of(walls.begin(), walls.end(), [&part](const StrokePart& wall) {
+    return wall.stroke == part.stroke && wall.from < part.to && part.from < wall.to;
+  });
+}
 
 std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
   std::vector<PlacedStroke> strokes;
@@ -1143,6 +1167,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
     }
   }
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();
+  outcome.given_up = given_up(e, lacking(), outcome);
   runner.keep_last();
   outcome.simulated = runner.time();
   if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;

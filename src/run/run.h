@@ -18,14 +18,13 @@
 
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/log/log.h"
+#include "impedraw/metrics/ending.h"
 #include "impedraw/run/carried_plan.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/run/ink_watch.h"
 #include "impedraw/simulation/world.h"
 
 namespace impedraw {
-
-enum class RunEnd { finished, stopped, interrupted };
 
 // One control step of the record of a run's last seconds (run/incident.h).
 struct IncidentRow {
@@ -93,9 +92,8 @@ struct SlowVelocity {
   int joint = 0;           // with the most noise
 };
 
-struct RunOutcome {
-  RunEnd end = RunEnd::finished;
-  std::string cause;              // of a stop
+// `end` is never nothing_drawn or far_off: those are judged from the log.
+struct RunOutcome : Ending {
   std::vector<IncidentRow> last;  // of a stop: its last kIncidentTime, oldest first
   // Why the loop's thread has no real-time priority; empty: it has, or needs none.
   std::string not_real_time;
@@ -132,6 +130,9 @@ struct Resumption {
 // continued.
 std::optional<Resumption> read_resumption(const Experiment& experiment,
                                           const std::filesystem::path& log_file);
+
+// Part of what was given up before a wall, as far as the two overlap.
+bool is_at_wall(const StrokePart& part, const std::vector<StrokePart>& walls);
 
 // The parts, overlapping what they adjoin at both ends; a whole stroke as it is.
 std::vector<PlacedStroke> strokes_of(const Experiment& experiment,

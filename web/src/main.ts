@@ -8,7 +8,7 @@ import { LiveLink, LiveRun } from "./live";
 import { Plots } from "./plots";
 import { withPlainCanvases } from "./software";
 import { Scene, targetColour, type Legend } from "./scene";
-import { about, changedSettings, comparison, findings, liveTiles, numbers, planNumbers, settings, strokeComparison, strokes, tiles } from "./tables";
+import { about, changedSettings, comparison, drawnText, endText, findings, liveTiles, numbers, planNumbers, settings, strokeComparison, strokes, tiles } from "./tables";
 
 const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const viewLabels: Record<View, string> = {
@@ -147,6 +147,9 @@ class Page {
     for (const run of this.runs) {
       const cut = !run.complete ? "cannot be read to its end" : !run.closed ? "ends before the run was closed" : "";
       const whose = this.runs.length > 1 ? `The log of ${run.name}` : "The log";
+      const ended = endText(run), drew = drawnText(run), of = this.runs.length > 1 ? `${run.name}: ` : "";
+      if (ended && !ended.startsWith("finished")) header.append(h("p", { class: "warning ended", role: "alert" }, `${of}${ended}.`));
+      if (drew) header.append(h("p", { class: "note drew" }, of + drew));
       if (cut) header.append(h("p", { class: "warning", role: "alert" }, `${whose} ${cut}: the run is shown up to ${timeText(run.scene.time.at(-1) ?? 0)}.`));
     }
     return header;
