@@ -164,7 +164,9 @@ class Runner {
     result->notes = notes_of(*experiment);
     RunHooks hooks;
     hooks.interrupted = [watch] { return watch->interrupted(); };
-    hooks.progress = [watch](const RunProgress& p) { watch->poll(p.share, "drawing"); };
+    hooks.progress = [watch](const RunProgress& p) {
+      watch->poll(p.share, p.waits_for ? "waiting" : "drawing");
+    };
     try {
       if (to_folder) {
         const std::lock_guard one(signals());

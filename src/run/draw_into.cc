@@ -179,7 +179,8 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     };
     hooks.progress = [&, first_time = resumption ? resumption->time : 0.0](const RunProgress& p) {
       if (watch.progress) watch.progress(p);
-      line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time});
+      line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time,
+                   p.waits_for, p.waited});
     };
     const Resumption* const resumed = resumption ? &*resumption : nullptr;
     if (make_driver) {

@@ -45,6 +45,9 @@ struct RunProgress {
   double length;  // total pen-down length of the pass [m]
   double share;   // fraction of the pass's time
   bool again;     // the pass redraws what got no ink in the first pass
+  // What the pen waits for; null: it draws or travels. And for how long it has waited [s].
+  const char* waits_for = nullptr;
+  double waited = 0.0;
 };
 
 struct RunHooks {
@@ -80,8 +83,8 @@ inline constexpr double kLiftOffCanvas = 0.1;  // that leaves the reach [m]
 inline constexpr double kLiftAtWall = 0.01;    // before the rest is planned anew [m]
 inline constexpr std::size_t kMostWalls = 200;
 
-// Of a canvas that moves: the pen waits so long for a stroke to come into reach [s]. A stroke
-// during which the canvas left the reach is tried again so often.
+// Of a canvas that moves: the pen waits so long for a stroke to come into reach, or for the canvas
+// to rest or to be seen again [s]. A stroke during which the canvas left the reach is tried again so often.
 inline constexpr double kMostWait = 45.0;
 inline constexpr int kMostLeft = 3;
 
