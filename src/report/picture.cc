@@ -204,6 +204,8 @@ void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesys
   sheet.u_name = "y [mm]";
   sheet.v_name = "x [mm]";
   sheet.u_sign = sheet.v_sign = -1.0;
+  if (!relief.outline.empty() && !relief.is_sheet)
+    sheet.legend.push_back({kOutline, 0.7, "edge or hole; dashed: hidden"});
   if (!relief.contours.empty())
     sheet.legend.push_back(
         {kContour, 0.3, fmt::format("height, every {:g} mm", relief.contour_step)});

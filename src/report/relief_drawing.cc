@@ -30,11 +30,10 @@ void draw_relief(cairo_t* cr, const Relief& r) {
     auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
                                                     i * cairo_image_surface_get_stride(image));
     for (int j = 0; j < r.columns; ++j) {
-      const double light = r.shade(i, j);
-      const auto channel = [light](double dark, double bright) {
+      const double light = r.shade(i, j), whole = 255.0 * (r.inside(i, j) ? kInside : 1.0);
+      const auto channel = [light, whole](double dark, double bright) {
         return static_cast<std::uint32_t>(
-            std::lround(255.0 * (dark + (bright - dark) * std::min(light, 1.0)) *
-                        (r.inside(i, j) ? kInside : 1.0)));
+            std::lround(whole * (dark + (bright - dark) * std::min(light, 1.0))));
       };
       pixels[j] = std::isfinite(light) ? 0xff000000u | channel(0.80, 0.995) << 16 |
                                              channel(0.77, 0.985) << 8 | channel(0.71, 0.96)
@@ -69,6 +68,14 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   }
   cairo_stroke(cr);
   cairo_set_line_width(cr, 0.7);
+  if (outlined && !r.is_sheet) {  // what the body hides is dashed
+    const double dash[] = {1.5, 2.0};
+    set_colour(cr, kOutline, 0.6);
+    cairo_set_dash(cr, dash, 2, 0.0);
+    for (const Line& line : r.outline) trace(cr, line);
+    cairo_stroke(cr);
+    cairo_set_dash(cr, nullptr, 0, 0.0);
+  }
   set_colour(cr, kOutline);
   if (outlined) {
     for (const Line& line : r.seen_outline) trace(cr, line);
