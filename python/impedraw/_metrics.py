@@ -117,6 +117,11 @@ class Metrics(Mapping[str, float | None]):
         return self._values["touchdown_peak"]
 
     @property
+    def contact_force_max(self) -> float | None:
+        """Largest normal force of all rows, also while the pen is up [N]."""
+        return self._values["contact_force_max"]
+
+    @property
     def tilt_mean(self) -> float | None:
         """Pen against the canvas's normal, mean [deg]."""
         return self._values["tilt_mean"]
@@ -170,6 +175,11 @@ class Metrics(Mapping[str, float | None]):
     def time_scale_mean(self) -> float | None:
         """Speed of the plan's clock over pen-down samples, mean."""
         return self._values["time_scale_mean"]
+
+    @property
+    def drawn(self) -> float | None:
+        """Share of the artwork's length that has ink, wherever it lies."""
+        return self._values["drawn"]
 
     @property
     def length_asked(self) -> float | None:

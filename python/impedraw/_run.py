@@ -62,8 +62,11 @@ class Log(Mapping[str, "numpy.typing.NDArray[Any]"]):
 class Run:
     """What came of a drawing, and the folder with its log, pictures and report.
 
-    end: "finished" or "stopped"; cause: why it stopped; met: seconds of each controller status;
-    notes: repairs to the input, and what was not drawn.
+    end: "finished", "stopped" (halted by a fault), "interrupted" (by a person), "nothing_drawn",
+    "far_off" or "unknown" (killed, or an older log); cause: why, in a sentence. incident: the page
+    with the last seconds of a run that was halted, or None. not_drawn_mm: length without ink by
+    reason; ``metrics.drawn`` is the share that has ink. met: seconds of each controller status;
+    notes: repairs to the input, and what was not drawn; both of draw() alone.
     """
 
     def __init__(self, folder: str | os.PathLike[str], result: Mapping[str, Any]) -> None:
@@ -71,6 +74,7 @@ class Run:
         self.name: str = result.get("name", self.folder.name)
         self.end: str = result.get("end", "")
         self.cause: str = result.get("cause", "")
+        self.not_drawn_mm: dict[str, float] = dict(result.get("not_drawn_mm", {}))
         self.met: dict[str, float] = dict(result.get("met", {}))
         self.notes: list[str] = list(result.get("notes", []))
         self.metrics = Metrics(result["metrics"], result.get("reasons", {}))
@@ -84,8 +88,8 @@ class Run:
         file = pathlib.Path(folder) / "run.h5"
         if not file.is_file():
             raise ValueError(f"{folder}: contains no run.h5; name the folder of a run")
-        metrics, reasons = _impedraw.metrics_of(os.fspath(file))
-        return Run(folder, {"metrics": metrics, "reasons": reasons})
+        metrics, reasons, ending = _impedraw.metrics_of(os.fspath(file))
+        return Run(folder, {"metrics": metrics, "reasons": reasons, **ending})
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The log's rows as a table: a column for each component ("contact/force.x"), ``time`` as
@@ -111,6 +115,12 @@ class Run:
                     columns[f"{name}.{part}"] = data[:, i]
         table: pandas.DataFrame = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
         return table
+
+    @property
+    def incident(self) -> pathlib.Path | None:
+        """incident.html, where the run was halted."""
+        file = self.folder / "incident.html"
+        return file if file.is_file() else None
 
     @property
     def page(self) -> pathlib.Path:

@@ -107,8 +107,7 @@ def run(
     None: nothing is written, unless ``default_out``: then runs/NAME.
     overwrite: replaces the results of a run that stands in ``out``.
 
-    Returns a dict of plain values: ``end`` ("finished", "stopped", "interrupted"), ``cause`` (of a
-    stop), ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``not_drawn``
+    Returns a dict of plain values: ``end`` and ``cause`` (as of Run), ``not_drawn_mm``, ``metrics`` (name to float, None where there is no number), ``reasons`` (why not), ``not_drawn``
     (findings of the pre-flight by problem), ``met`` (seconds of each controller status), ``simulated`` [s], ``wall`` [s], ``drawn_again``,
     ``lacking``, ``notes``, ``name``, ``folder``.
 

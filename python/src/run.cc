@@ -85,17 +85,22 @@ nb::dict reasons_dict(const Metrics& metrics) {
   return reasons;
 }
 
-nb::dict dict_of(const Result& r) {
-  static const char* const ends[] = {"finished", "stopped", "interrupted"};
-  const RunOutcome& outcome = r.drawing.outcome;
+nb::dict ending_dict(const Metrics& metrics) {
   nb::dict d;
+  d["end"] = name_of(metrics.ending.end);
+  d["cause"] = metrics.ending.cause;
+  d["not_drawn"] = metrics.not_drawn;
+  d["not_drawn_mm"] = metrics.not_drawn_mm;
+  return d;
+}
+
+nb::dict dict_of(const Result& r) {
+  const RunOutcome& outcome = r.drawing.outcome;
+  nb::dict d = ending_dict(r.drawing.metrics);
   d["name"] = r.name;
   d["folder"] = r.folder.empty() ? nb::object(nb::none()) : nb::cast(r.folder.string());
-  d["end"] = ends[static_cast<int>(outcome.end)];
-  d["cause"] = outcome.cause;
   d["metrics"] = metrics_dict(r.drawing.metrics);
   d["reasons"] = reasons_dict(r.drawing.metrics);
-  d["not_drawn"] = r.drawing.metrics.not_drawn;
   d["met"] = outcome.met;
   d["simulated"] = outcome.simulated;
   nb::dict wall;
@@ -160,7 +165,9 @@ class Runner {
     result->notes = notes_of(*experiment);
     RunHooks hooks;
     hooks.interrupted = [watch] { return watch->interrupted(); };
-    hooks.progress = [watch](const RunProgress& p) { watch->poll(p.share, "drawing"); };
+    hooks.progress = [watch](const RunProgress& p) {
+      watch->poll(p.share, p.waits_for ? "waiting" : "drawing");
+    };
     try {
       if (to_folder) {
         const std::lock_guard one(signals());
@@ -170,7 +177,9 @@ class Runner {
         RunRecorder recorder(make_header(*experiment));
         hooks.row = [&recorder](const LogRow& row) { recorder.add(row); };
         result->drawing.outcome = impedraw::run(*experiment, {}, seconds_since(start), hooks);
-        result->drawing.metrics = compute_metrics(recorder.take(result->drawing.outcome.wall));
+        RunData drawn = recorder.take(result->drawing.outcome.wall);
+        drawn.attributes[kEndingAttribute] = ending_text(result->drawing.outcome);
+        result->drawing.metrics = compute_metrics(drawn);
       }
     } catch (...) {
       scenes_.give_back(std::move(experiment->scene));
@@ -207,7 +216,7 @@ nb::tuple metrics_of(const fs::path& log) {
     const nb::gil_scoped_release no_gil;
     metrics = compute_metrics(read_run(log));
   }
-  return nb::make_tuple(metrics_dict(metrics), reasons_dict(metrics));
+  return nb::make_tuple(metrics_dict(metrics), reasons_dict(metrics), ending_dict(metrics));
 }
 
 }  // namespace
@@ -243,7 +252,7 @@ void bind_run(nb::module_& m) {
         "The pre-flight: what ./impedraw plan --json prints, as a dict.");
   m.def("metric_definitions", &definitions, "(name, unit, meaning, is a count) of each metric.");
   m.def("metrics_of", &metrics_of, nb::arg("log"),
-        "Metrics of a run.h5, and the reasons of those that could not be computed.");
+        "Metrics of a run.h5, the reasons of those that could not be computed, and how it ended.");
 }
 
 }  // namespace impedraw::python

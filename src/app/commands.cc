@@ -61,6 +61,21 @@ PageContext page_of(const fs::path& folder, const Experiment& experiment) {
   return page_context(experiment.scenario, experiment.artwork, again(folder));
 }
 
+std::string numbers(const Metrics& metrics, bool table) {
+  return metrics_summary(metrics) + (table ? metrics_table(metrics) : "");
+}
+
+// Where report and incident are.
+std::string pages(const fs::path& folder, const Metrics& metrics) {
+  const auto path = [&folder](const char* name) {
+    return fs::absolute(folder / name).lexically_normal().string();
+  };
+  return (metrics.ending.incident.empty()
+              ? ""
+              : fmt::format("incident  {}\n", path(metrics.ending.incident.c_str()))) +
+         fmt::format("report  {}\n", path("report.html"));
+}
+
 void say_comparison(const fs::path& folder) {
   say(stdout, "comparison  {}\n",
       fs::absolute(folder / "compare.html").lexically_normal().string());
@@ -101,7 +116,7 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
   return found.scenario;
 }
 
-int draw(const DrawOptions& options, const LiveOptions& live) {
+int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
   const auto start = Clock::now();
   LiveView view(live);
   Places places;
@@ -147,19 +162,18 @@ int draw(const DrawOptions& options, const LiveOptions& live) {
       outcome.first_time > 0.0
           ? fmt::format("{:.2f} s simulated, ", outcome.first_time + outcome.simulated)
           : "";
-  say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}{}{}report  {}\n", scenario.name, before,
+  say(stdout, "{}: {}{:.2f} s {} in {:.2f} s\n{}{}{}{}{}{}", scenario.name, before,
       outcome.simulated,
       !before.empty()                                    ? "of it since the resume"
       : experiment.scenario.arm.driver == ArmDriver::sim ? "simulated"
                                                          : "of the arm's clock",
-      outcome.wall.loop, metrics_table(drawing.metrics), contact_line(experiment),
+      outcome.wall.loop, numbers(drawing.metrics, table), contact_line(experiment),
       met_line(drawing.outcome), velocity_line(experiment, drawing.outcome),
-      ink_lines(experiment, drawing.outcome),
-      fs::absolute(folder / "report.html").lexically_normal().string());
+      ink_lines(experiment, drawing.outcome), pages(folder, drawing.metrics));
   return exit_code(drawing);
 }
 
-int compare(const DrawOptions& options) {
+int compare(const DrawOptions& options, bool table) {
   Places places;
   Scenario seen = resolve(options, &places);
   seen.perception.enabled = true;
@@ -191,7 +205,7 @@ int compare(const DrawOptions& options) {
     const int code = exit_code(drawing);
     if (drawing.outcome.end == RunEnd::interrupted) return code;
     worst = std::max(worst, code);
-    say(stdout, "{}\n{}", side.name, metrics_table(drawing.metrics));
+    say(stdout, "{}\n{}", side.name, numbers(drawing.metrics, table));
   }
   const auto compared = [&](const char* name, const Side& side) {
     return ComparedRun{name, folder / side.name, page_of(folder / side.name, side.experiment)};
@@ -264,7 +278,7 @@ int calibrate_tool(const DrawOptions& options, int poses) {
   return kFinished;
 }
 
-int report(const fs::path& folder) {
+int report(const fs::path& folder, bool table) {
   if (!is_own_file(folder / "run.h5"))
     throw InputError(
         fmt::format("{}: contains no run.h5; name the folder of a run", folder.string()));
@@ -279,8 +293,7 @@ int report(const fs::path& folder) {
     write_whole(folder / "scenario.yaml", settings_yaml(scenario));
   const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(Places()));
   const Metrics metrics = write_results(folder, scenario, artwork, give_up_on(interrupt, folder));
-  say(stdout, "{}report  {}\n", metrics_table(metrics),
-      fs::absolute(folder / "report.html").lexically_normal().string());
+  say(stdout, "{}{}", numbers(metrics, table), pages(folder, metrics));
   return kFinished;
 }
 

@@ -15,16 +15,17 @@ namespace impedraw {
 // placement.
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places);
 
-int draw(const DrawOptions& options, const LiveOptions& live = {});
+// `table`: prints all metrics, not only how it went.
+int draw(const DrawOptions& options, const LiveOptions& live = {}, bool table = false);
 // The pre-flight alone, with a picture; kMissed where something cannot be drawn. `suggest`: also
 // settings to try.
 int plan(const DrawOptions& options, bool as_json, bool suggest);
-int compare(const DrawOptions& options);  // with and without perception, side by side
+int compare(const DrawOptions& options, bool table);  // with and without perception, side by side
 // Finished runs, by their folders: leaves compare.html and its picture in `out`.
 int compare_finished(const std::vector<std::filesystem::path>& runs,
                      const std::filesystem::path& out);
-int report(const std::filesystem::path&
-               folder);  // metrics, pictures and report of a run again, from its log
+// Metrics, pictures and report of a run again, from its log.
+int report(const std::filesystem::path& folder, bool table);
 int calibrate_tool(const DrawOptions& options,
                    int poses);  // mass and centre of mass of the tool, on the simulated arm
 // Every setting: for a terminal, as docs/settings.md, or as docs/scenario.schema.json.

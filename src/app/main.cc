@@ -125,6 +125,11 @@ int run_program(int argc, char** argv) {
   draw->add_option("--pace", live.pace,
                    "seconds of the run that a second shows (default: as fast as it goes)")
       ->check(CLI::Range(0.01, 1000.0));
+  bool table = false;
+  const auto add_metrics = [&table](CLI::App* command) {
+    command->add_flag("--metrics", table, "print all metrics (default: how it went)");
+  };
+  add_metrics(draw);
   draw->footer(
       "Examples:\n  ./impedraw draw\n  ./impedraw draw scenarios/bowl-m-natural.yaml\n  ./impedraw "
       "draw --svg flower.svg --set "
@@ -133,8 +138,9 @@ int run_program(int argc, char** argv) {
       "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run\n"
       "  ./impedraw draw --text Hi --live --pace 1      # watch it in real time");
   std::filesystem::path commissioned;
-  draw->callback(
-      [&] { code = impedraw::draw(impedraw::with_commissioning(options, commissioned), live); });
+  draw->callback([&] {
+    code = impedraw::draw(impedraw::with_commissioning(options, commissioned), live, table);
+  });
 
   bool plan_json = false, plan_suggest = false;
   CLI::App* plan = app.add_subcommand("plan",
@@ -181,6 +187,7 @@ int run_program(int argc, char** argv) {
       "scenario", compared,
       "YAML file (default: the sine in the standard bowl), or the folders of two or "
       "more finished runs");
+  add_metrics(compare);
   compare->footer(
       "Examples:\n  ./impedraw compare\n  ./impedraw compare scenarios/bowl-m.yaml --out /tmp/m\n"
       "  ./impedraw compare --svg flower.svg\n  ./impedraw compare runs/slow runs/fast");
@@ -198,15 +205,16 @@ int run_program(int argc, char** argv) {
       return;
     }
     if (!compared.empty()) options.scenario = compared[0];
-    code = impedraw::compare(options);
+    code = impedraw::compare(options, table);
   });
 
   std::filesystem::path folder;
   CLI::App* report = app.add_subcommand(
       "report", "compute metrics, pictures and report of a run again from its log");
   report->add_option("folder", folder, "folder of a run")->required();
+  add_metrics(report);
   report->footer("Examples:\n  ./impedraw report runs/bowl-sine\n  ./impedraw report /tmp/m-blind");
-  report->callback([&] { code = impedraw::report(folder); });
+  report->callback([&] { code = impedraw::report(folder, table); });
 
   impedraw::FilmOptions filmed;
   CLI::App* film =

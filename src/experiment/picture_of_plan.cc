@@ -22,15 +22,22 @@ std::string words_of(Problem problem) {
 }
 
 // Each part of a stroke where it lies on the surface, in P.
-PlanLine plan_line(const StrokeRuler& part, const SurfaceHeight& surface, double z,
+PlanLine plan_line(const PlacedStroke& stroke, const SurfaceHeight& surface, double z,
                    const std::string& problem) {
   PlanLine line{{}, problem};
-  const double length = part.length();
-  const int pieces = std::max(1, static_cast<int>(std::ceil(length / kPictureSpacing)));
-  for (int i = 0; i <= pieces; ++i) {
-    const Eigen::Vector2d p = part.at(part.stroke().start + length * i / pieces).p_P;
+  const auto add = [&](const Eigen::Vector2d& p) {
     const auto sample = surface(p.x(), p.y());
     line.points.push_back(sample ? sample->p_P : Eigen::Vector3d(p.x(), p.y(), z));
+  };
+  const std::vector<Eigen::Vector2d>& corners = stroke.p_P;
+  add(corners.front());
+  Eigen::Vector2d last = corners.front();
+  for (std::size_t k = 1; k < corners.size(); ++k) {
+    const Eigen::Vector2d way = corners[k] - last;
+    if (way.norm() < kPictureDetail && k + 1 < corners.size()) continue;
+    const int pieces = std::max(1, static_cast<int>(std::ceil(way.norm() / kPictureSpacing)));
+    for (int i = 1; i <= pieces; ++i) add(last + way * i / pieces);
+    last = corners[k];
   }
   return line;
 }
@@ -79,7 +86,7 @@ std::vector<PlanLine> lines_of_findings(const PlannedDrawing& e, const SurfaceHe
     const PlacedStroke& whole = e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)];
     if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
     const PlacedStroke part = ruler->part(f.part.from, f.part.to);
-    lines.push_back(plan_line(StrokeRuler(part), surface, (X_PW * f.p_W).z(), words_of(f.problem)));
+    lines.push_back(plan_line(part, surface, (X_PW * f.p_W).z(), words_of(f.problem)));
   }
   return lines;
 }
@@ -94,7 +101,7 @@ PlanPicture picture_of_plan(const PlannedDrawing& e, const SurfaceHeight& surfac
           : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
   add_surface(e, &picture);
   for (const PlacedStroke& stroke : e.plan.strokes)
-    picture.lines.push_back(plan_line(StrokeRuler(stroke), surface, 0.0, ""));
+    picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
   for (PlanLine& line : lines_of_findings(e, surface)) picture.lines.push_back(std::move(line));
   // The map of roughness: a dot for each point of the cloud.
   if (e.scene.perception) {

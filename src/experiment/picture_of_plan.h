@@ -7,7 +7,9 @@
 
 namespace impedraw {
 
-inline constexpr double kPictureSpacing = 2e-3;  // of the points of a stroke [m]
+// Of the points of a stroke, at most; corners that lie closer than the second are not told apart
+// [m].
+inline constexpr double kPictureSpacing = 2e-3, kPictureDetail = 1e-4;
 
 // With cameras nothing in it is taken from the true canvas. `surface`: the planner's, in P.
 PlanPicture picture_of_plan(const PlannedDrawing& drawing, const SurfaceHeight& surface);

@@ -343,13 +343,14 @@ struct RunLog::Writer {
   // Ends the thread and puts the new log into the place of the old one. From then on the journal is
   // stale.
   // Returns the time that it took [s].
-  double finish(std::optional<WallTimes> wall, const Clock::time_point& start) {
+  double finish(std::optional<WallTimes> wall, const Clock::time_point& start,
+                const std::string& ending = {}) {
     stop();
     if (failed) throw LogError(cause);
     const double took = std::chrono::duration<double>(Clock::now() - start).count();
     if (wall) wall->writing = took;
     as_log_error(path, [&] {
-      file->close(wall);
+      file->close(wall, ending);
       file.reset();
       put_in_place(part, path);
     });
@@ -463,12 +464,12 @@ void RunLog::append(const LogRow& row) {
   w.append(row);
 }
 
-WallTimes RunLog::close(WallTimes wall) {
+WallTimes RunLog::close(WallTimes wall, const std::string& ending) {
   Writer& w = *writer_;
   const Clock::time_point start = Clock::now();
   if (!w.file) return wall;
   if (w.selection && !w.failed) w.selection->finish([&](const LogRow& row) { w.add_row(row); });
-  wall.writing = w.finish(wall, start);
+  wall.writing = w.finish(wall, start, ending);
   return wall;
 }
 

@@ -159,9 +159,10 @@ class RunLog {
 
   // Writes the remaining rows and the wall times (root attributes wall_start_up, wall_loop,
   // wall_writing), then replaces the log and removes the journal. Returns `wall` with `writing`
-  // filled in. Throws LogError if anything could not be written. In a continued log, the attributes
-  // are sums over its runs, or NaN if one of them was killed.
-  WallTimes close(WallTimes wall = {});
+  // filled in. Throws LogError if anything could not be written. In a continued log, the wall times
+  // are sums over its runs, or NaN if one of them was killed. `ending`: text of the root attribute
+  // of that name, which a log that goes on loses; empty: none.
+  WallTimes close(WallTimes wall = {}, const std::string& ending = {});
 
   long steps() const noexcept;  // in the log so far, including those found by append_to()
 

@@ -45,7 +45,7 @@ class LogFile {
   void write_chunk(LogTable table, std::size_t c, std::size_t chunk, const std::byte* data,
                    std::size_t rows);
   // Adds the times to those of the earlier runs. Without times: of a run that was killed.
-  void close(const std::optional<WallTimes>& wall);
+  void close(const std::optional<WallTimes>& wall, const std::string& ending = {});
   // Releases the file after an error without touching it again. (HDF5's own close would write
   // metadata that refers to missing data.)
   void abandon();

@@ -46,6 +46,7 @@ void reserve(RunData* run, std::size_t n) {
   run->contact_point.reserve(n);
   run->torque_share.reserve(n);
   run->time_scale.reserve(n);
+  run->stroke_along.reserve(n);
   run->stroke.reserve(n);
   run->mode.reserve(n);
 }
@@ -67,6 +68,7 @@ void add_rows(const RunRows& rows, RunData* run) {
   append(rows.push, run->push);
   append(rows.step_time, run->step_time);
   append(rows.time_scale, run->time_scale);
+  append(rows.stroke_along, run->stroke_along);
   append(rows.stroke, run->stroke);
   const bool terms = rows.torque_before_limits.rows() == static_cast<Eigen::Index>(n);
   if (terms) run->clipped = run->clipped.value_or(0);
@@ -108,6 +110,7 @@ void add_step(const LogStep& step, bool terms, RunData* run) {
   run->step_time.push_back(step.step_time);
   run->torque_share.push_back(static_cast<float>(step.torque_share));
   run->time_scale.push_back(static_cast<float>(step.time_scale));
+  run->stroke_along.push_back(static_cast<float>(step.stroke_along));
   run->stroke.push_back(step.stroke);
   run->mode.push_back(static_cast<std::int8_t>(step.mode));
   run->joint_margin = std::min(run->joint_margin, step.joint_margin);

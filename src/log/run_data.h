@@ -1,9 +1,9 @@
-// The part of run.h5 that metrics and pictures need: 93 bytes per step.
+// The part of run.h5 that metrics and pictures need: 97 bytes per step.
 //
 // The log is read chunk by chunk; a reduced log is read from /every_step. Joint margin and clipped
 // torques are reduced to one number each while reading. Forces and angles are computed step by step
 // (log_step.h). All values are doubles, so metrics equal those computed from the whole log. The
-// exceptions are torque_share and time_scale, floats (error 6e-8).
+// exceptions are torque_share, time_scale and stroke_along, floats (error 6e-8).
 #pragma once
 
 #include <cstdint>
@@ -55,6 +55,7 @@ struct RunData : RunConstants {
   std::vector<double> step_time;    // [s]
   std::vector<float> torque_share;  // largest ratio of a joint's |torque| to its limit
   std::vector<float> time_scale;    // speed of the plan's clock; 1 in older logs; empty: all 1
+  std::vector<float> stroke_along;  // of the desired point along its stroke [m]; NaN between
   std::vector<int> stroke;
   std::vector<std::int8_t> mode;
 

@@ -67,14 +67,14 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
   }
   points("/tip/position", rows->tip_position);
   points("/desired/position", rows->desired_position);
-  if (columns == Columns::of_results) return whole;
-
-  points("/disturbance/force", rows->disturbance_force);
   if (log.has("/stroke_along")) {
     numbers("/stroke_along", rows->stroke_along);
   } else {
     rows->stroke_along.assign(n, LogRow::kNone);
   }
+  if (columns == Columns::of_results) return whole;
+
+  points("/disturbance/force", rows->disturbance_force);
   return whole;
 }
 

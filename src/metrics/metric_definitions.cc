@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/metrics/drawn_lengths.h"
+
 namespace impedraw {
 
 Metric::Metric(double value) {
@@ -57,6 +59,8 @@ const std::vector<MetricDefinition>& metric_definitions() {
       {"force_peak", "N", "the same, largest", &Metrics::force_peak},
       {"touchdown_peak", "N", "largest normal force in the 0.2 s from a first touch",
        &Metrics::touchdown_peak},
+      {"contact_force_max", "N", "largest normal force of all rows, also while the pen is up",
+       &Metrics::contact_force_max},
       {"tilt_mean", "deg", "pen against the canvas's normal, mean", &Metrics::tilt_mean},
       {"tilt_p95", "deg", "the same, 95th percentile", &Metrics::tilt_p95},
       {"tilt_max", "deg", "the same, largest", &Metrics::tilt_max},
@@ -71,6 +75,8 @@ const std::vector<MetricDefinition>& metric_definitions() {
       {"draw_time", "s", "pen-down time", &Metrics::draw_time},
       {"time_scale_mean", "1", "speed of the plan's clock over pen-down samples, mean",
        &Metrics::time_scale_mean},
+      {"drawn", "1", "share of the artwork's length that has ink, wherever it lies",
+       &Metrics::drawn},
       {"length_asked", "mm", "length of the artwork, in the drawing plane", &Metrics::length_asked},
       {"length_promised", "mm", "of that, what the pre-flight promised", &Metrics::length_promised},
       {"length_undrawable", "mm", "of that, what the pre-flight named as not drawable",
@@ -112,6 +118,9 @@ nlohmann::ordered_json metrics_json(const Metrics& metrics) {
     if (!metric.value()) reasons[d.name] = metric.reason();
   }
   out["not_drawn"] = metrics.not_drawn;
+  out["not_drawn_mm"] = metrics.not_drawn_mm;
+  out["ending"] = {{"end", name_of(metrics.ending.end)}, {"cause", metrics.ending.cause}};
+  if (!metrics.ending.incident.empty()) out["ending"]["incident"] = metrics.ending.incident;
   out["reasons"] = reasons;
   // The real-time factor excludes start-up and reports.
   out["wall_seconds"] = {{"start_up", seconds(metrics.wall.start_up)},
@@ -128,6 +137,33 @@ std::string metrics_table(const Metrics& metrics) {
     const std::string unit = std::string_view(d.unit) == "1" ? "" : d.unit;
     text += fmt::format("  {:<20} {:>10} {}\n", d.name, number, unit);
   }
+  return text;
+}
+
+std::string metrics_summary(const Metrics& m) {
+  // Whole only where nothing is missing.
+  const auto percent = [](double share) { return std::floor(100.0 * share + 1e-9); };
+  std::string text = fmt::format("  end         {}\n", told(m.ending));
+  if (m.drawn.value()) {
+    const double asked = *m.length_asked.value();
+    const std::string rest = rest_text(m.not_drawn_mm);
+    text += fmt::format("  drew {} of {}, {:.0f} %{}{}\n", length_text(*m.drawn.value() * asked),
+                        length_text(asked), percent(*m.drawn.value()),
+                        rest.empty() ? "" : "; the rest: ", rest);
+  }
+  const auto row = [&text](const char* name, const Metric& metric, const auto& value) {
+    text += fmt::format("  {:<11} {}\n", name,
+                        metric.value() ? value(*metric.value()) : "none: " + metric.reason());
+  };
+  row("ink error", m.ink_error_rms, [&](double rms) {
+    return fmt::format("{:.2g} mm RMS, {:.2g} mm at most", rms, m.ink_error_max.or_nan());
+  });
+  row("force", m.force_mean,
+      [&](double mean) { return fmt::format("{:.3g} ± {:.2g} N", mean, m.force_sd.or_nan()); });
+  row("coverage", m.coverage,
+      [&](double share) { return fmt::format("{:.0f} % of the line", percent(share)); });
+  row("time", m.draw_time,
+      [](double seconds) { return fmt::format("{:.1f} s with the pen down", seconds); });
   return text;
 }
 

@@ -11,6 +11,7 @@
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/ink/coverage.h"
+#include "impedraw/metrics/drawn_lengths.h"
 #include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 
@@ -47,7 +48,7 @@ float time_scale(const RunData& run, std::size_t i) {
   return run.time_scale.empty() ? 1.0f : run.time_scale[i];
 }
 
-// The plan runs, so that the row counts towards statistics of ink and force.
+// The plan runs, so that the row counts towards statistics of contact, path and force.
 bool counts(const RunData& run, std::size_t i) { return !(time_scale(run, i) < kStands); }
 
 void contact(const RunData& run, const InkMatch& d, Metrics& m) {
@@ -75,8 +76,8 @@ void contact(const RunData& run, const InkMatch& d, Metrics& m) {
 
 void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
   std::vector<double> error;
-  for (std::size_t i = 0; i < d.error.size(); ++i)
-    if (counts(run, i) && std::isfinite(d.error[i])) error.push_back(1e3 * d.error[i]);
+  for (const double e : d.error)
+    if (std::isfinite(e)) error.push_back(1e3 * e);
   const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(),
                                    [](const InkLine& line) { return line.stroke >= 0; });
   if (error.empty()) {
@@ -159,6 +160,11 @@ void stray_ink(const RunData& run, const InkMatch& d, Metrics& m) {
 }
 
 void force(const RunData& run, const InkMatch& d, Metrics& m) {
+  const std::vector<double> all = finite(run.f, 1.0);
+  if (all.empty())
+    lack(m, {&Metrics::contact_force_max}, "no rows");
+  else
+    m.contact_force_max = maximum(all);
   std::vector<double> settled, error;
   double touchdown = -1.0;
   for (const StrokeSpan& span : d.spans) {  // each pass over a stroke has its own touchdown
@@ -267,7 +273,7 @@ void gentle_ink(const RunData& run, const InkMatch& d, const std::optional<Promi
     std::vector<double> error;
     const bool all = !run.canvas_triangles.empty() && is_gentle(run, promise->axis_W);
     for (std::size_t i = 0; i < d.error.size(); ++i) {
-      if (!counts(run, i) || !std::isfinite(d.error[i])) continue;
+      if (!std::isfinite(d.error[i])) continue;
       if (!all) {
         const auto there = canvas.get().closest(run.contact_point[i], 1e-3);
         if (!there || there->n_W.dot(promise->axis_W) <= std::cos(kGentle)) continue;
@@ -282,12 +288,12 @@ void gentle_ink(const RunData& run, const InkMatch& d, const std::optional<Promi
   }
 }
 
-void promised(const std::optional<Promise>& promise, Metrics& m) {
+void promised(const RunData& run, const std::optional<Promise>& promise, Metrics& m) {
   if (!promise)
     return lack(m,
                 {&Metrics::length_asked, &Metrics::length_promised, &Metrics::length_undrawable,
                  &Metrics::length_unnamed, &Metrics::length_reachable, &Metrics::slope_max,
-                 &Metrics::planned_time},
+                 &Metrics::planned_time, &Metrics::drawn},
                 "the log does not say what the pre-flight promised");
   m.length_asked = 1e3 * promise->asked;
   m.length_promised = 1e3 * promise->promised;
@@ -300,6 +306,17 @@ void promised(const std::optional<Promise>& promise, Metrics& m) {
   m.slope_max = kDegrees * promise->slope;
   m.planned_time = promise->time;
   m.not_drawn = promise->problems;
+  const bool placed = std::any_of(run.stroke_along.begin(), run.stroke_along.end(),
+                                  [](float along) { return std::isfinite(along); });
+  const bool down = std::any_of(run.stroke.begin(), run.stroke.end(), [](int s) { return s >= 0; });
+  if (!promise->asks_ink || !(promise->asked > 0.0) || (down && !placed))
+    return lack(m, {&Metrics::drawn},
+                !promise->asks_ink        ? "a dry run, without ink"
+                : !(promise->asked > 0.0) ? "the artwork has no length"
+                                          : "the log does not say where on a stroke a row is");
+  const DrawnLengths lengths = drawn_lengths(run, *promise, m.ending);
+  m.drawn = lengths.drawn / lengths.asked;
+  for (const auto& [reason, length] : lengths.not_drawn) m.not_drawn_mm[reason] = 1e3 * length;
 }
 
 void clock(const RunData& run, Metrics& m) {
@@ -388,6 +405,7 @@ Metrics compute_metrics(const RunData& run) { return compute_metrics(run, match_
 
 Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
   Metrics m;
+  m.ending = read_ending(run.attributes);
   contact(run, drawn, m);
   accuracy(run, drawn, m);
   tracking(run, m);
@@ -399,14 +417,14 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
   LoggedCanvas canvas(run);
   cloud(run, canvas, m);
   gentle_ink(run, drawn, promise, canvas, m);
-  promised(promise, m);
+  promised(run, promise, m);
   motion(run, drawn, m);
   clock(run, m);
   arm(run, m);
   step_time(run, m);
   // A run of an arm that is not simulated here, and whose wrench nobody measured.
   if (run.rows() > 0 &&
-      std::all_of(run.f.begin(), run.f.end(), [](double f) { return std::isnan(f); }))
+      std::all_of(run.f.begin(), run.f.end(), [](double f) { return std::isnan(f); })) {
     lack(m, {&Metrics::contact_fraction,   &Metrics::strokes_missed, &Metrics::ink_error_rms,
              &Metrics::ink_error_p95,      &Metrics::ink_error_max,  &Metrics::tracking_error_rms,
              &Metrics::tracking_error_max, &Metrics::coverage,       &Metrics::gaps,
@@ -414,8 +432,15 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
              &Metrics::force_mean,         &Metrics::force_sd,       &Metrics::force_rms_error,
              &Metrics::force_peak,         &Metrics::touchdown_peak, &Metrics::tilt_mean,
              &Metrics::tilt_p95,           &Metrics::tilt_max,       &Metrics::normal_error_mean,
-             &Metrics::normal_error_p95,   &Metrics::speed_mean,     &Metrics::speed_p95},
+             &Metrics::normal_error_p95,   &Metrics::speed_mean,     &Metrics::speed_p95,
+             &Metrics::contact_force_max,  &Metrics::drawn},
          "contact is unknown: the arm was not simulated here, and no wrench was measured");
+    m.not_drawn_mm.erase("no_ink");
+  } else if (!drawn.strokes.empty()) {
+    const bool any_ink = std::any_of(drawn.lines.begin(), drawn.lines.end(),
+                                     [](const InkLine& line) { return line.stroke >= 0; });
+    m.ending = judged(m.ending, m, any_ink, !promise || promise->asks_ink);
+  }
   m.wall = run.wall;
   return m;
 }

@@ -5,14 +5,16 @@
 //              SD is that of the population. Percentiles interpolate linearly. Forces are pooled
 //              over strokes.
 // Keys         in the order of metric_definitions(), then `not_drawn`: {problem: findings},
+//              `not_drawn_mm`: {reason: length}, `ending`: {end, cause} (ending.h),
 //              `reasons`: {name: why it is null} and `wall_seconds`. A metric that cannot be
 //              computed is null, not 0.
 //
 // A stroke may be drawn in several passes. Each pass has its own first touch, settling and
 // touchdown. The ink of all passes covers the target.
 //
-// Rows with a time scale below kStands do not count towards contact_fraction, ink_error_* and
-// force_* but touchdown_peak: the plan waits there, and the pen would be counted for its pause.
+// Rows with a time scale below kStands do not count towards contact_fraction, tracking_error_* and
+// force_* but touchdown_peak: the plan waits there, and the pen would be counted for its pause. Ink
+// that a waiting pen leaves is ink: it counts towards ink_error_*.
 //
 // coverage is the covered share of the target's length, computed exactly against the ink line. An
 // untouched stroke counts as uncovered. Gaps are measured along one stroke; on a closed stroke they
@@ -29,6 +31,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "impedraw/log/run_data.h"
+#include "impedraw/metrics/ending.h"
 #include "impedraw/metrics/ink_match.h"
 
 namespace impedraw {
@@ -60,6 +63,7 @@ struct Metrics {
   Metric tracking_error_rms, tracking_error_max;
   Metric coverage, gaps, longest_gap, ink_outside, ink_up;
   Metric force_mean, force_sd, force_rms_error, force_peak, touchdown_peak;
+  Metric contact_force_max, drawn;
   Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;
   Metric cloud_bias_mean, cloud_bias_sd;
   Metric speed_mean, speed_p95, draw_time, time_scale_mean;
@@ -67,7 +71,9 @@ struct Metrics {
   Metric slope_max, planned_time;
   Metric torque_saturated, joint_margin_min, joint_speed_share_max;
   Metric step_time_p50, step_time_p99, step_time_p999, real_time_factor;
-  std::map<std::string, int> not_drawn;  // findings of the pre-flight, by problem
+  std::map<std::string, int> not_drawn;        // findings of the pre-flight, by problem
+  std::map<std::string, double> not_drawn_mm;  // by reason (drawn_lengths.h)
+  Ending ending;                               // judged
   WallTimes wall;
 };
 
@@ -86,5 +92,8 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn);  // `drawn` 
 
 nlohmann::ordered_json metrics_json(const Metrics& metrics);  // content of metrics.json
 std::string metrics_table(const Metrics& metrics);            // for the terminal
+// For the terminal: how the run ended, how much was drawn and what was not, and the numbers of the
+// drawing itself.
+std::string metrics_summary(const Metrics& metrics);
 
 }  // namespace impedraw

@@ -10,6 +10,8 @@ std::string promise_text(const Promise& p) {
                                  {"undrawable", p.undrawable},
                                  {"unnamed", p.unnamed},
                                  {"problems", p.problems},
+                                 {"lengths", p.lengths},
+                                 {"asks_ink", p.asks_ink},
                                  {"slope", p.slope},
                                  {"time", p.time},
                                  {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
@@ -29,6 +31,8 @@ std::optional<Promise> read_promise(const std::map<std::string, std::string>& at
     text.at("unnamed").get_to(p.unnamed);
     if (text.contains("reachable")) p.reachable = text["reachable"].get<double>();
     text.at("problems").get_to(p.problems);
+    if (text.contains("lengths")) text["lengths"].get_to(p.lengths);
+    p.asks_ink = text.value("asks_ink", true);
     text.at("slope").get_to(p.slope);
     text.at("time").get_to(p.time);
     for (int i = 0; i < 3; ++i) p.axis_W[i] = text.at("axis").at(i).get<double>();

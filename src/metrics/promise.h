@@ -18,9 +18,11 @@ struct Promise {
   // What a planner that knows the true canvas could draw: what lies above it, where it leans by
   // less than 75°, less what the arm cannot reach. None if wrapped, and in older logs.
   std::optional<double> reachable;
-  std::map<std::string, int> problems;  // findings by problem: {"too_steep", 3}
-  double slope = 0.0;                   // steepest under the target, against the level [rad]
-  double time = 0.0;                    // of the planned path [s]
+  std::map<std::string, int> problems;    // findings by problem: {"too_steep", 3}
+  std::map<std::string, double> lengths;  // of them; empty in older logs [m]
+  double slope = 0.0;                     // steepest under the target, against the level [rad]
+  double time = 0.0;                      // of the planned path [s]
+  bool asks_ink = true;                   // false: a dry run
   Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();  // the drawing axis, out of the canvas
 };
 

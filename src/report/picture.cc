@@ -15,7 +15,7 @@ namespace impedraw {
 namespace {
 
 constexpr Colour kTarget{0.98, 0.72, 0.38}, kInk{0.09, 0.24, 0.52}, kFar{0.84, 0.10, 0.12},
-    kStray{0.62, 0.13, 0.66};
+    kStray{0.62, 0.13, 0.66}, kLeftOut{0.0, 0.52, 0.42};
 
 using View = std::function<Eigen::Vector2d(const Eigen::Vector3d&)>;
 using Line = Line2d;
@@ -37,6 +37,7 @@ struct Style {
 // style share a point.
 struct InkDrawing {
   std::vector<Line> targets;
+  std::vector<Line> left_out;
   std::vector<Line> ink;
   std::vector<Style> style;  // of each ink line
   bool any(Kind kind) const {
@@ -65,6 +66,11 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
     out.targets.push_back(std::move(line));
   }
   decimate_to(out.targets, kFinest, kMostPoints);
+  for (const auto& part : settings.left_out) {
+    Line& line = out.left_out.emplace_back();
+    for (const Eigen::Vector3d& p_W : part) line.push_back(view(p_W));
+  }
+  decimate_to(out.left_out, kFinest, kMostPoints);
   const std::vector<bool> up = pen_must_be_up(run, drawn);
   // The width changes at most once per millimetre, so a noisy force does not fragment the line.
   const auto style_at = [&](std::size_t i, const Style& before, double length) {
@@ -110,6 +116,15 @@ void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings)
   set_colour(cr, kTarget);
   for (const Line& line : d.targets) trace(cr, line);
   cairo_stroke(cr);
+  if (!d.left_out.empty()) {
+    const double dash[] = {2.0 * settings.pen.width, 2.0 * settings.pen.width};
+    cairo_set_dash(cr, dash, 2, 0.0);
+    cairo_set_line_width(cr, settings.pen.width);
+    set_colour(cr, kLeftOut);
+    for (const Line& line : d.left_out) trace(cr, line);
+    cairo_stroke(cr);
+    cairo_set_dash(cr, nullptr, 0, 0.0);
+  }
   for (const auto& [kind, colour] :
        {std::pair{Kind::on, kInk}, {Kind::far, kFar}, {Kind::stray, kStray}}) {
     set_colour(cr, colour);
@@ -145,6 +160,8 @@ Sheet common_sheet(const RunData& run, const InkMatch& drawn, const InkDrawing& 
     ink_text += fmt::format(", {:g} mm wide at {:g} N, {:+g} mm/N", pen.width, pen.nominal_force,
                             pen.width_per_newton);
   sheet.legend = {{kTarget, settings.target_width, "target"}, {kInk, pen.width, ink_text}};
+  if (!ink.left_out.empty())
+    sheet.legend.push_back({kLeftOut, pen.width, "left out: cannot be drawn"});
   if (ink.any(Kind::far))
     sheet.legend.push_back(
         {kFar, pen.width, fmt::format("ink more than {:g} mm off", settings.highlight)});
@@ -159,9 +176,9 @@ Eigen::AlignedBox2d extent(const InkDrawing& d) {
   for (const Line& line : d.targets) {
     for (const Eigen::Vector2d& p : line) box.extend(p);
   }
-  for (const Line& line : d.ink) {
-    for (const Eigen::Vector2d& p : line) box.extend(p);
-  }
+  for (const std::vector<Line>* lines : {&d.ink, &d.left_out})
+    for (const Line& line : *lines)
+      for (const Eigen::Vector2d& p : line) box.extend(p);
   if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
   return box;
 }
@@ -187,6 +204,8 @@ void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesys
   sheet.u_name = "y [mm]";
   sheet.v_name = "x [mm]";
   sheet.u_sign = sheet.v_sign = -1.0;
+  if (!relief.outline.empty() && !relief.is_sheet)
+    sheet.legend.push_back({kOutline, 0.7, "edge or hole; dashed: hidden"});
   if (!relief.contours.empty())
     sheet.legend.push_back(
         {kContour, 0.3, fmt::format("height, every {:g} mm", relief.contour_step)});

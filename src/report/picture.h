@@ -4,7 +4,8 @@
 //             lies beneath, with shading, height contours and outline.
 //   ink_page  on the artwork's page: X to the right, Y down
 //
-// The target is a pale band, the ink a narrow line over it. Ink farther than `highlight` from its
+// The target is a pale band, the ink a narrow line over it; what was left out is dashed. Edges of the
+// mesh that are seen are outlined: holes, too. Through a hole the inside of a body is darker. Ink farther than `highlight` from its
 // target, and ink where the pen must be up, have their own colours and legend entries. Lines are
 // thinned with a tolerance of 0.02 mm, or more if more than 150,000 points would remain.
 #pragma once
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -41,6 +43,8 @@ struct PictureSettings {
   PenSettings pen{};
   Eigen::Matrix3d R_WP = Eigen::Matrix3d::
       Identity();  // drawing frame: write_ink_top looks along −z_P; up is +x_P, right is −y_P
+  // What was not to be drawn, as lines on the canvas [m, W].
+  std::vector<std::vector<Eigen::Vector3d>> left_out{};
   double target_width = 2.6;  // [mm]
   double highlight = 0.5;     // [mm]
   int png_width = 1600;       // [px]

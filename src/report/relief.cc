@@ -57,6 +57,7 @@ void rasterise(Relief& r, const std::vector<Eigen::Vector3d>& seen,
                const std::vector<Eigen::Vector3i>& triangles) {
   const double du = r.area.sizes().x() / r.columns, dv = r.area.sizes().y() / r.rows;
   r.height = Eigen::MatrixXd::Constant(r.rows, r.columns, kNothing);
+  r.inside.setConstant(r.rows, r.columns, false);
   for (const Eigen::Vector3i& t : triangles) {
     const Eigen::Vector3d &a = seen[t[0]], &b = seen[t[1]], &c = seen[t[2]];
     const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
@@ -76,7 +77,9 @@ void rasterise(Relief& r, const std::vector<Eigen::Vector3d>& seen,
         const double wc = ((b.x() - a.x()) * (v - a.y()) - (b.y() - a.y()) * (u - a.x())) / area;
         if (wb < -1e-9 || wc < -1e-9 || wb + wc > 1.0 + 1e-9) continue;
         const double h = a.z() + wb * (b.z() - a.z()) + wc * (c.z() - a.z());
-        if (!(r.height(i, j) >= h)) r.height(i, j) = h;
+        if (r.height(i, j) >= h) continue;
+        r.height(i, j) = h;
+        r.inside(i, j) = area > 0.0;  // v points down: an outside turns clockwise here
       }
     }
   }
@@ -109,6 +112,20 @@ std::vector<Relief::Line> contours_at(const Relief& r, double level) {
     }
   }
   return chains.lines();
+}
+
+// Something lies more than kHidden above p on all sides.
+bool is_hidden(const Relief& r, const Eigen::Vector3d& p) {
+  constexpr double kHidden = 1.0;  // [mm]
+  const Eigen::Vector2d at = (p.head<2>() - r.area.min())
+                                 .cwiseQuotient(r.area.sizes())
+                                 .cwiseProduct(Eigen::Vector2d(r.columns, r.rows));
+  const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
+  for (int i = row - 1; i <= row + 1; ++i)
+    for (int j = column - 1; j <= column + 1; ++j)
+      if (i < 0 || j < 0 || i >= r.rows || j >= r.columns || !(r.height(i, j) > p.z() + kHidden))
+        return false;
+  return true;
 }
 
 }  // namespace
@@ -165,12 +182,26 @@ Relief make_relief(const std::vector<Eigen::Vector3d>& vertices,
   for (const Eigen::Vector3i& t : triangles) {
     for (int k = 0; k < 3; ++k) ++sides[std::minmax(t[k], t[(k + 1) % 3])];
   }
-  Chains chains;
+  Chains all, bare;
   for (const auto& [edge, count] : sides) {
-    if (count == 1)
-      chains.add(edge.first, seen[edge.first].head<2>(), edge.second, seen[edge.second].head<2>());
+    if (count != 1) continue;
+    const Eigen::Vector3d &a = seen[edge.first], &b = seen[edge.second];
+    all.add(edge.first, a.head<2>(), edge.second, b.head<2>());
+    if (!is_hidden(r, 0.5 * (a + b))) bare.add(edge.first, a.head<2>(), edge.second, b.head<2>());
   }
-  r.outline = chains.lines();
+  r.outline = all.lines();
+  r.seen_outline = bare.lines();
+  // Seen from above, the triangles of a sheet cover it once; those of a body, there and back.
+  constexpr double kSheet = 0.9;
+  double covered = 0.0;  // twice
+  for (const Eigen::Vector3i& t : triangles) {
+    const Eigen::Vector3d ab = seen[t[1]] - seen[t[0]], ac = seen[t[2]] - seen[t[0]];
+    covered += ab.x() * ac.y() - ab.y() * ac.x();
+  }
+  const auto shown = r.height.array().isFinite().count();
+  r.is_sheet = std::abs(covered) > 2.0 * kSheet * r.area.sizes().prod() *
+                                       static_cast<double>(shown) / (r.columns * r.rows);
+  if (r.is_sheet || 2 * r.inside.count() > shown) r.inside.setConstant(false);
   return r;
 }
 

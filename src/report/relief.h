@@ -20,6 +20,12 @@ struct Relief {
   std::vector<Line> contours;  // at integer multiples of contour_step
   double contour_step = 0.0;
   std::vector<Line> outline;  // edges that belong to one triangle only; empty for a closed body
+  std::vector<Line> seen_outline;  // of them, those that nothing hides
+  // rows×columns: the cell shows the inside of a body, through a hole; false throughout if most of
+  // the mesh is seen from there
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> inside;
+  // The outline encloses what is seen: a sheet, and no body with holes.
+  bool is_sheet = false;
 
   // Brightness of the cell, 0 … 1, lit from the upper left; NaN off the mesh.
   double shade(int row, int column) const;

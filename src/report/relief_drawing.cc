@@ -9,6 +9,7 @@ namespace impedraw {
 namespace {
 using Line = std::vector<Eigen::Vector2d>;
 constexpr std::size_t kMostCorners = 20000;  // of an outline that is drawn
+constexpr double kInside = 0.8;              // brightness of what is seen through a hole
 }  // namespace
 
 void extend(Line& line, const Eigen::Vector2d& p, double step, bool always) {
@@ -29,10 +30,10 @@ void draw_relief(cairo_t* cr, const Relief& r) {
     auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
                                                     i * cairo_image_surface_get_stride(image));
     for (int j = 0; j < r.columns; ++j) {
-      const double light = r.shade(i, j);
-      const auto channel = [light](double dark, double bright) {
+      const double light = r.shade(i, j), whole = 255.0 * (r.inside(i, j) ? kInside : 1.0);
+      const auto channel = [light, whole](double dark, double bright) {
         return static_cast<std::uint32_t>(
-            std::lround(255.0 * (dark + (bright - dark) * std::min(light, 1.0))));
+            std::lround(whole * (dark + (bright - dark) * std::min(light, 1.0))));
       };
       pixels[j] = std::isfinite(light) ? 0xff000000u | channel(0.80, 0.995) << 16 |
                                              channel(0.77, 0.985) << 8 | channel(0.71, 0.96)
@@ -41,11 +42,12 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   }
   cairo_surface_mark_dirty(image);
   cairo_save(cr);
-  // The outline is exact, the cells are not. Cairo's time grows with the square of a ragged one.
+  // A sheet's outline is exact, the cells are not. Cairo's time grows with the square of a ragged
+  // one.
   std::size_t corners = 0;
   for (const Line& line : r.outline) corners += line.size();
-  const bool outlined = corners > 0 && corners <= kMostCorners;
-  if (outlined) {
+  const bool outlined = corners > 0 && corners <= kMostCorners, clipped = outlined && r.is_sheet;
+  if (clipped) {
     for (const Line& line : r.outline) trace(cr, line);
     cairo_clip(cr);
   }
@@ -53,7 +55,7 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   cairo_scale(cr, r.area.sizes().x() / r.columns, r.area.sizes().y() / r.rows);
   cairo_set_source_surface(cr, image, 0, 0);
   cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_BILINEAR);
-  cairo_pattern_set_extend(cairo_get_source(cr), CAIRO_EXTEND_PAD);
+  cairo_pattern_set_extend(cairo_get_source(cr), clipped ? CAIRO_EXTEND_PAD : CAIRO_EXTEND_NONE);
   cairo_paint(cr);
   cairo_restore(cr);
   cairo_surface_destroy(image);
@@ -66,9 +68,17 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   }
   cairo_stroke(cr);
   cairo_set_line_width(cr, 0.7);
+  if (outlined && !r.is_sheet) {  // what the body hides is dashed
+    const double dash[] = {1.5, 2.0};
+    set_colour(cr, kOutline, 0.6);
+    cairo_set_dash(cr, dash, 2, 0.0);
+    for (const Line& line : r.outline) trace(cr, line);
+    cairo_stroke(cr);
+    cairo_set_dash(cr, nullptr, 0, 0.0);
+  }
   set_colour(cr, kOutline);
   if (outlined) {
-    for (const Line& line : r.outline) trace(cr, line);
+    for (const Line& line : r.seen_outline) trace(cr, line);
   }
   cairo_stroke(cr);
 }

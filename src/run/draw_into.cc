@@ -43,12 +43,6 @@ nlohmann::ordered_json parts_json(const Experiment& e, const std::vector<StrokeP
   return list;
 }
 
-bool is_at_wall(const StrokePart& part, const std::vector<StrokePart>& walls) {
-  return std::any_of(walls.begin(), walls.end(), [&part](const StrokePart& wall) {
-    return wall.stroke == part.stroke && wall.from < part.to && part.from < wall.to;
-  });
-}
-
 // strokes.json: what was promised, what was not and why, what was drawn twice, and what has no ink.
 void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome& outcome) {
   nlohmann::ordered_json json = plan_json(e);
@@ -185,7 +179,8 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     };
     hooks.progress = [&, first_time = resumption ? resumption->time : 0.0](const RunProgress& p) {
       if (watch.progress) watch.progress(p);
-      line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time});
+      line.update({p.time, p.stroke, p.strokes, p.share, p.drawn, p.length, p.again, first_time,
+                   p.waits_for, p.waited});
     };
     const Resumption* const resumed = resumption ? &*resumption : nullptr;
     if (make_driver) {
@@ -305,11 +300,21 @@ std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {
 }
 
 int exit_code(const Drawing& drawing) {
-  const RunOutcome& outcome = drawing.outcome;
-  if (outcome.end == RunEnd::finished) return kFinished;
-  say(stderr, "impedraw: {}; the log is kept up to there{}\n", outcome.cause,
-      outcome.end == RunEnd::interrupted ? "; --resume continues from there" : "");
-  return outcome.end == RunEnd::stopped ? kStopped : drawing.signal_code;
+  const Ending& ending = drawing.metrics.ending;
+  switch (ending.end) {
+    case RunEnd::finished:
+      return kFinished;
+    case RunEnd::nothing_drawn:
+    case RunEnd::far_off:
+      say(stderr, "impedraw: {}\n", told(ending));
+      return kStopped;
+    default:
+      break;
+  }
+  const bool by_person = ending.end == RunEnd::interrupted;
+  say(stderr, "impedraw: {}; the log is kept up to there{}\n", ending.cause,
+      by_person ? "; --resume continues from there" : "");
+  return by_person ? drawing.signal_code : kStopped;
 }
 
 }  // namespace impedraw

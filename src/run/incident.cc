@@ -127,7 +127,7 @@ line {{ stroke: #ddd }} text {{ font-size: 11px; fill: #555; text-anchor: end }}
     page += plot(rows, "Lag: duration of the control step [ms]",
                  [](const IncidentRow& r) { return 1e3 * r.step_time; });
   }
-  write_whole(folder / "incident.html", page + "</body></html>\n");
+  write_whole(folder / kIncidentFile, page + "</body></html>\n");
 }
 
 }  // namespace impedraw

@@ -14,7 +14,11 @@ Promise promise_of(const PlannedDrawing& e) {
   p.undrawable = length_not_drawable(e);
   p.unnamed = unnamed_length(e);
   if (!e.plan.wrap) p.reachable = reachable_length(e);
-  for (const Finding& f : e.plan.preflight.findings) ++p.problems[name_of(f.problem)];
+  for (const Finding& f : e.plan.preflight.findings) {
+    ++p.problems[name_of(f.problem)];
+    p.lengths[name_of(f.problem)] += f.part.length();
+  }
+  p.asks_ink = !e.scenario.drawing.dry_run;
   double least = 1.0;
   for (const Eigen::Vector3d& p_W : e.plan.target.points)
     least = std::min(least, e.scene.canvas->closest(p_W).n_W.z());

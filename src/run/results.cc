@@ -1,5 +1,6 @@
 #include "impedraw/run/results.h"
 
+#include <fstream>
 #include <future>
 
 #include <fmt/format.h>
@@ -12,6 +13,27 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
+
+namespace {
+
+// The lines of what the plan left out, as strokes.json has them; none where it cannot be read.
+std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::path& file) {
+  std::vector<std::vector<Eigen::Vector3d>> lines;
+  std::ifstream in(file);
+  const auto json = nlohmann::json::parse(in, nullptr, false);
+  try {
+    for (const auto& part : json.at("not_drawable")) {
+      const auto flat = part.at("line_m").get<std::vector<double>>();
+      auto& line = lines.emplace_back();
+      for (std::size_t i = 0; i + 2 < flat.size(); i += 3)
+        line.emplace_back(flat[i], flat[i + 1], flat[i + 2]);
+    }
+  } catch (const nlohmann::json::exception&) {
+  }
+  return lines;
+}
+
+}  // namespace
 
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
                       const PlacedArtwork& artwork, const std::function<void()>& check) {
@@ -36,10 +58,12 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     picture.pen = scenario.pen;
     picture.target_width = 2.6 * scenario.pen.width;
     picture.R_WP = artwork.X_WP.R;
+    picture.left_out = left_out_in(folder / "strokes.json");
     write_ink_top(run, drawn, folder / "ink_top", picture);
     write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
   });
-  const Metrics metrics = compute_metrics(run, drawn);
+  Metrics metrics = compute_metrics(run, drawn);
+  if (std::filesystem::exists(folder / kIncidentFile)) metrics.ending.incident = kIncidentFile;
   write_whole(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
   step();
   ReportSettings report;

@@ -224,7 +224,7 @@ class Runner {
       raised_for_ = lifting_->duration();
       retire();
     }
-    wait(time() + e_.scenario.perception.watch);
+    wait(time() + e_.scenario.perception.watch, "the cameras to watch the canvas");
     if (outcome_.end != RunEnd::finished) return;
     if (loop_.canvas().estimate().status == CanvasStatus::lost)
       return stop(RunEnd::stopped,
@@ -236,10 +236,12 @@ class Runner {
   }
 
   // Stays at rest in W, where retire() left the pen.
-  void wait(double until) {
+  void wait(double until, const char* what) {
     const PathSample rest{rest_, -1, std::nan(""), Phase::travel};
+    const double begin = time();
     while (time() < until) {
       if (!step(rest)) return;
+      tell_wait(what, time() - begin);
       if (hooks_.interrupted && hooks_.interrupted())
         return stop(RunEnd::interrupted,
                     fmt::format("interrupted at t = {:.3f} s", first_time_ + time()));
@@ -326,7 +328,9 @@ class Runner {
 
   double time() const { return state_->time; }
   RunOutcome& outcome() { return outcome_; }
-  WallTimes close_log(const WallTimes& wall) { return log_ ? log_->close(wall) : wall; }
+  WallTimes close_log(const WallTimes& wall) {
+    return log_ ? log_->close(wall, ending_text(outcome_)) : wall;
+  }
   const InkWatch& ink() const { return ink_; }
   void keep_last() {
     if (outcome_.end == RunEnd::stopped) outcome_.last = last_.rows();
@@ -400,6 +404,7 @@ class Runner {
         if (e_.scenario.perception.frames.wait_for_rest && loop_.canvas().joined())
           rest_watch_.update(loop_.canvas().estimate().motion, loop_.terms().X_WE.p, dt());
         clock_.advance(deviation(desired, planned));
+        if (waits_too_long(desired)) continue;
         look_for_wall(desired, path, planned);
         look_for_reach();
         if (!last_up && off_a_moving_canvas() && planned > path.strokes().back().end) {
@@ -416,7 +421,7 @@ class Runner {
              fmt::format("interrupted at t = {:.3f} s; the pen was lifted", first_time_ + t));
         lift();
       }
-      if (!hooks_.progress) continue;
+      if (!hooks_.progress || waits_for(desired)) continue;
       RunProgress progress{
           first_time_ + t, 0, 0, 0.0, 0.0, std::min(1.0, planned / path.duration()), again};
       odometer.read(planned, &progress);
@@ -504,7 +509,8 @@ class Runner {
       return false;
     }
     if (hooks_.emergency && !halted_ && hooks_.emergency()) {
-      if (!halt(fmt::format("emergency stop at t = {:.3f} s", first_time_ + t))) return false;
+      if (!halt(fmt::format("emergency stop at t = {:.3f} s, by a person", first_time_ + t)))
+        return false;
     } else if (fences_.update(loop_.terms().X_WE.p, loop_.terms().V_WE.head<3>(),
                               loop_.F_ext().head<3>(), dt())) {
       if (!halt(fmt::format("{} at t = {:.3f} s", fences_.crossed(), first_time_ + t)))
@@ -536,8 +542,8 @@ class Runner {
       if (!unseen_) {
         const ImpedanceSettings& control = e_.control.impedance;
         stop(RunEnd::stopped,
-             fmt::format("the pen hammered on the canvas at t = {:.3f} s, ± {:.0f} N at a "
-                         "push of {:.1f} N: tip or canvas may be stiffer than "
+             fmt::format("the pen hammered on the canvas at t = {:.3f} s, ± {:.2g} N at a "
+                         "push of {:.3g} N: tip or canvas may be stiffer than "
                          "control.contact_stiffness_max, {:.3g} N/m",
                          first_time_ + t, rattle_guard_.deviation() * out_.push, out_.push,
                          control.stability_check.contact_stiffness_max));
@@ -583,11 +589,50 @@ class Runner {
     return {};
   }
 
+  // What the plan waits for on a canvas that moves; null: nothing.
+  const char* waits_for(const PathSample& desired) const {
+    if (loop_.canvas().lost()) return kToBeSeen;
+    return rest_watch_.moves() && desired.stroke < 0 && out_.mode == ContactMode::free ? kToRest
+                                                                                       : nullptr;
+  }
+
+  // A plan that has waited for kMostWait since it last drew ends the run.
+  bool waits_too_long(const PathSample& desired) {
+    const char* const what = paused() ? nullptr : waits_for(desired);
+    if (!what) {
+      if (desired.stroke >= 0) waited_ = 0.0;
+      return false;
+    }
+    waited_ += dt();
+    tell_wait(what, waited_);
+    if (waited_ < kMostWait) return false;
+    const FrameMotion& canvas = loop_.canvas().estimate().motion;
+    stop(RunEnd::stopped,
+         what == kToBeSeen
+             ? fmt::format("no camera has known the canvas for {:.0f} s, at t = {:.3f} s; the pen "
+                           "was lifted",
+                           kMostWait, first_time_ + time())
+             : fmt::format("the canvas did not come to rest within {:.0f} s, at t = {:.3f} s: it "
+                           "moves at {:.2g} mm/s under the pen, and rests below {:.2g} mm/s; "
+                           "perception.frames.wait_for_rest=false draws on a canvas that moves",
+                           kMostWait, first_time_ + time(),
+                           1e3 * canvas.velocity_at(loop_.terms().X_WE.p).norm(),
+                           0.5e3 * RestWatch::kMoves));
+    let_go();
+    return true;
+  }
+
+  // In the rhythm of the other progress.
+  void tell_wait(const char* what, double waited) {
+    if (!hooks_.progress || std::fmod(waited, 10.0 * dt()) >= dt()) return;
+    RunProgress progress{first_time_ + time(), 0, 0, 0.0, 0.0, 0.0, false, what, waited};
+    hooks_.progress(progress);
+  }
+
   // How far the pen is from what the plan asks of it.
   PenDeviation deviation(const PathSample& desired, double planned) const {
     PenDeviation pen;
-    pen.paused = paused() || loop_.canvas().lost() ||
-                 (rest_watch_.moves() && desired.stroke < 0 && out_.mode == ContactMode::free);
+    pen.paused = paused() || waits_for(desired) != nullptr;
     if (!e_.scene.perception) return pen;
     pen.limit = forecast_.limit(planned);
     pen.joint =
@@ -831,6 +876,9 @@ class Runner {
   double raised_for_ = 0.0;   // before a resumed run begins to watch [s]
   double bad_state_ = 0.0;    // [s]
   double left_behind_ = 0.0;  // by the canvas [s]
+  static constexpr const char *kToBeSeen = "the cameras to know the canvas again",
+                              *kToRest = "the canvas to rest";
+  double waited_ = 0.0;  // for either, since the plan last drew [s]
   // During the present path: in contact; the canvas went where the arm does not reach.
   bool lost_canvas_ = false, left_reach_ = false;
   std::size_t followed_ = 0;  // strokes of the present path
@@ -1023,7 +1071,8 @@ class MovingDrawing {
     if (finished() && next.place_W)
       runner_.go_to(*next.place_W, next.until);
     else if (finished())
-      runner_.wait(std::clamp(next.until, runner_.time() + 0.05, runner_.time() + kLongest));
+      runner_.wait(std::clamp(next.until, runner_.time() + 0.05, runner_.time() + kLongest),
+                   "a stroke to come into reach");
     waited_ += runner_.time() - begin;
     if (!finished() || waited_ < kMostWait) return finished();
     std::vector<UnreachedPart> lost;
@@ -1064,7 +1113,28 @@ class MovingDrawing {
   int left_ = 0;
 };
 
+// What lacks ink, by the reason for which it was given up [m].
+std::map<std::string, double> given_up(const Experiment& e, const std::vector<StrokePart>& lacking,
+                                       const RunOutcome& outcome) {
+  std::vector<StrokePart> unreached;
+  for (const UnreachedPart& u : outcome.unreached) unreached.push_back(u.part);
+  std::map<std::string, double> lengths;
+  if (e.scenario.drawing.dry_run) return lengths;
+  for (const StrokePart& part : lacking)
+    if (is_at_wall(part, outcome.walls))
+      lengths["wall"] += part.length();
+    else if (is_at_wall(part, unreached))
+      lengths["out_of_reach"] += part.length();
+  return lengths;
+}
+
 }  // namespace
+
+bool is_at_wall(const StrokePart& part, const std::vector<StrokePart>& walls) {
+  return std::any_of(walls.begin(), walls.end(), [&part](const StrokePart& wall) {
+    return wall.stroke == part.stroke && wall.from < part.to && part.from < wall.to;
+  });
+}
 
 std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
   std::vector<PlacedStroke> strokes;
@@ -1152,6 +1222,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
     }
   }
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking();
+  outcome.given_up = given_up(e, lacking(), outcome);
   runner.keep_last();
   outcome.simulated = runner.time();
   if (const GroundTruth* truth = driver.truth()) outcome.cutoffs = truth->cutoffs;

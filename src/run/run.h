@@ -18,14 +18,13 @@
 
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/log/log.h"
+#include "impedraw/metrics/ending.h"
 #include "impedraw/run/carried_plan.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/run/ink_watch.h"
 #include "impedraw/simulation/world.h"
 
 namespace impedraw {
-
-enum class RunEnd { finished, stopped, interrupted };
 
 // One control step of the record of a run's last seconds (run/incident.h).
 struct IncidentRow {
@@ -46,6 +45,9 @@ struct RunProgress {
   double length;  // total pen-down length of the pass [m]
   double share;   // fraction of the pass's time
   bool again;     // the pass redraws what got no ink in the first pass
+  // What the pen waits for; null: it draws or travels. And for how long it has waited [s].
+  const char* waits_for = nullptr;
+  double waited = 0.0;
 };
 
 struct RunHooks {
@@ -81,8 +83,8 @@ inline constexpr double kLiftOffCanvas = 0.1;  // that leaves the reach [m]
 inline constexpr double kLiftAtWall = 0.01;    // before the rest is planned anew [m]
 inline constexpr std::size_t kMostWalls = 200;
 
-// Of a canvas that moves: the pen waits so long for a stroke to come into reach [s]. A stroke
-// during which the canvas left the reach is tried again so often.
+// Of a canvas that moves: the pen waits so long for a stroke to come into reach, or for the canvas
+// to rest or to be seen again [s]. A stroke during which the canvas left the reach is tried again so often.
 inline constexpr double kMostWait = 45.0;
 inline constexpr int kMostLeft = 3;
 
@@ -93,9 +95,8 @@ struct SlowVelocity {
   int joint = 0;           // with the most noise
 };
 
-struct RunOutcome {
-  RunEnd end = RunEnd::finished;
-  std::string cause;              // of a stop
+// `end` is never nothing_drawn or far_off: those are judged from the log.
+struct RunOutcome : Ending {
   std::vector<IncidentRow> last;  // of a stop: its last kIncidentTime, oldest first
   // Why the loop's thread has no real-time priority; empty: it has, or needs none.
   std::string not_real_time;
@@ -132,6 +133,9 @@ struct Resumption {
 // continued.
 std::optional<Resumption> read_resumption(const Experiment& experiment,
                                           const std::filesystem::path& log_file);
+
+// Part of what was given up before a wall, as far as the two overlap.
+bool is_at_wall(const StrokePart& part, const std::vector<StrokePart>& walls);
 
 // The parts, overlapping what they adjoin at both ends; a whole stroke as it is.
 std::vector<PlacedStroke> strokes_of(const Experiment& experiment,

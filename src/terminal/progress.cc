@@ -42,6 +42,9 @@ std::string progress_line(const Progress& progress, double wall_time, int column
       fmt::format("{} {:6.1f} s  stroke {}/{}{}  {:3.0f} %  {} left  {}",
                   progress.again ? "again  " : "drawing", progress.simulated_time, progress.stroke,
                   progress.strokes, metres, std::floor(100 * share), left, factor);
+  if (progress.waits_for)
+    line = fmt::format("waiting {:6.1f} s  for {}, for {:.0f} s", progress.simulated_time,
+                       progress.waits_for, progress.waited);
   if (line.size() > static_cast<std::size_t>(std::max(columns, 0)))
     line.resize(static_cast<std::size_t>(std::max(columns, 0)));
   return line;

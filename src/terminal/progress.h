@@ -19,8 +19,13 @@ struct Progress {
   double drawn = 0, length = 0;
   bool again = false;     // redrawing the parts without ink
   double first_time = 0;  // simulated by an earlier run that this one continues [s]
+  // What the pen waits for, and for how long it has waited [s]; null: nothing.
+  const char* waits_for = nullptr;
+  double waited = 0;
 };
 
+// While it waits:  waiting   12.4 s  for the canvas to rest, for 3 s
+//
 // The line after `wall_time` seconds. The time left is extrapolated from the share done; it is
 // "-:--" until a hundredth is done and a quarter of a second has passed. The line is cut at
 // `columns`.

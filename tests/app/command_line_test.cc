@@ -496,9 +496,29 @@ TEST_F(CommandLine, AnUnstableRunStopsAndKeepsItsLog) {
     // The pen may have been lifted since.
     EXPECT_GT(run.time.back(), std::stod(when[1]) - 2e-3);
     EXPECT_LT(run.time.back(), std::stod(when[1]) + 5.0);
-    EXPECT_TRUE(json_of(folder_ / "run/metrics.json").contains("contact_fraction"));
+    const auto metrics = json_of(folder_ / "run/metrics.json");
+    EXPECT_EQ(metrics.at("ending").at("end"), "stopped");
+    EXPECT_EQ(metrics.at("ending").at("incident"), "incident.html");
+    EXPECT_THAT(ended.out, HasSubstr((folder_ / "run/incident.html").string()));
+    EXPECT_TRUE(metrics.contains("contact_fraction"));
     EXPECT_TRUE(fs::exists(folder_ / "run/report.html"));
   }
+}
+
+// The arm sags less than the stiffness control believes: the pen never comes down.
+TEST_F(CommandLine, NothingDrawnIsAFailureWithItsReason) {
+  const Ended ended = call({"draw", (fs::path(IMPEDRAW_SOURCE) / "scenarios/bowl-sine-blind.yaml"),
+                            "--set", "world.gravity=8.455", "--out", "run"});
+  EXPECT_EQ(ended.code, 3);
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("nothing drawn: "), HasSubstr("never pressed")));
+  EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1);
+  EXPECT_THAT(ended.out, HasSubstr(", 0 %; the rest: no ink "));
+  EXPECT_THAT(ended.out, Not(HasSubstr("tilt_mean"))) << "the full table is for --metrics";
+  const auto ending = json_of(folder_ / "run/metrics.json").at("ending");
+  EXPECT_EQ(ending.at("end"), "nothing_drawn");
+  EXPECT_FALSE(ending.contains("incident"));
+  EXPECT_THAT(call({"report", "run", "--metrics"}).out,
+              AllOf(HasSubstr("nothing drawn: "), HasSubstr("tilt_mean")));
 }
 
 TEST_F(CommandLine, InterruptKeepsWhatIsDrawn) {
@@ -516,6 +536,9 @@ TEST_F(CommandLine, InterruptKeepsWhatIsDrawn) {
     ASSERT_GT(run.rows(), 0u);
     EXPECT_LT(run.time.back(), 150.0);
     const auto metrics = json_of(folder_ / "run/metrics.json");
+    EXPECT_THAT(ended.out, HasSubstr("stopped by a person: interrupted at t = "));
+    EXPECT_EQ(metrics.at("ending").at("end"), "interrupted");
+    EXPECT_GT(metrics.at("not_drawn_mm").at("not_reached").get<double>(), 1.0);
     if (wait_ms > 0)
       EXPECT_EQ(metrics.at("contact_fraction").get<double>(), 1.0);
     else

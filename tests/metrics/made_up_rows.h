@@ -55,6 +55,7 @@ inline RunRows part(const RunRows& all, std::size_t begin, std::size_t end) {
   cut(out.time_scale, all.time_scale);
   cut(out.mode, all.mode);
   cut(out.stroke, all.stroke);
+  cut(out.stroke_along, all.stroke_along);
   return out;
 }
 
@@ -88,6 +89,7 @@ inline MadeUp empty_run(std::size_t n) {
   run.time_scale.assign(n, 1.0);
   run.mode.assign(n, 0);
   run.stroke.assign(n, -1);
+  run.stroke_along.assign(n, kNone);
   run.joint_lower = Eigen::Vector2d(-1.0, -2.0);
   run.joint_upper = Eigen::Vector2d(1.0, 2.0);
   run.torque_limit = Eigen::Vector2d(10.0, 20.0);
@@ -119,7 +121,10 @@ inline MadeUp plain_run() {
   MadeUp run = empty_run(3000);
   for (std::size_t i = 900; i < 2100; ++i)
     touch(run, i, 0.05 * std::clamp(static_cast<double>(i) - 1000.0, 0.0, 1000.0));
-  for (std::size_t i = 1000; i < 2000; ++i) run.stroke[i] = 0;
+  for (std::size_t i = 1000; i < 2000; ++i) {
+    run.stroke[i] = 0;
+    run.stroke_along[i] = 5e-5 * (static_cast<double>(i) - 1000.0);
+  }
   add_target(run, 0, 0.0, 50.0);
   return run;
 }

@@ -27,7 +27,8 @@ TEST(Metrics, PlainRun) {
         "force_rms_error", "tilt_mean", "tilt_p95", "tilt_max", "torque_saturated"}) {
     expect(name, 0.0);
   }
-  for (const char* name : {"force_mean", "force_peak", "touchdown_peak"}) expect(name, 5.0);
+  for (const char* name : {"force_mean", "force_peak", "touchdown_peak", "contact_force_max"})
+    expect(name, 5.0);
   expect("coverage", 1.0);
   expect("speed_mean", 50.0);
   expect("speed_p95", 50.0);
@@ -36,7 +37,7 @@ TEST(Metrics, PlainRun) {
   expect("joint_speed_share_max", 0.0);
   expect("step_time_p50", 10.0);
   // Every name of docs/metrics.md is there, and each null has its reason.
-  EXPECT_EQ(metric_definitions().size(), 43u);
+  EXPECT_EQ(metric_definitions().size(), 45u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));
     EXPECT_EQ(m.at(d.name).is_null(), m.at("reasons").contains(d.name)) << d.name;
@@ -336,7 +337,7 @@ TEST(Metrics, StepTimeAndRealTimeFactor) {
   expect_null(run, {"step_time_p50", "step_time_p99", "step_time_p999"}, "no step was timed");
 }
 
-// Where the plan waits, rows count towards its mean alone.
+// Where the plan waits, rows count towards its mean and their ink towards its error.
 TEST(Metrics, RowsOfAWaitingPlanDoNotCount) {
   EXPECT_EQ(value(plain_run(), "time_scale_mean"), 1.0);
   MadeUp run = plain_run();
@@ -346,7 +347,9 @@ TEST(Metrics, RowsOfAWaitingPlanDoNotCount) {
   }
   EXPECT_NEAR(value(run, "time_scale_mean"), 0.91, 1e-6);
   EXPECT_EQ(value(run, "contact_fraction"), 1.0);
-  EXPECT_NEAR(value(run, "ink_error_max"), 0.0, 1e-9);
+  // Of 950 rows with ink, 50 lie 0.2 mm off: a pen that waits while it is down leaves ink.
+  EXPECT_NEAR(value(run, "ink_error_max"), 0.2, 1e-9);
+  EXPECT_NEAR(value(run, "ink_error_rms"), 0.2 * std::sqrt(50.0 / 950.0), 1e-9);
   EXPECT_EQ(value(run, "force_peak"), 5.0);
   EXPECT_EQ(value(run, "force_sd"), 0.0);
   EXPECT_NEAR(value(run, "draw_time"), 1.0, 1e-9);
@@ -363,9 +366,10 @@ TEST(Metrics, EveryFieldIsDefinedOnce) {
     EXPECT_FALSE((m.*d.member).value()) << d.name << " has the field of another";
     m.*d.member = 1.0;
   }
-  EXPECT_EQ(metric_definitions().size() * sizeof(Metric) + sizeof(m.not_drawn) + sizeof(WallTimes),
+  EXPECT_EQ(metric_definitions().size() * sizeof(Metric) + sizeof(m.not_drawn) +
+                sizeof(m.not_drawn_mm) + sizeof(Ending) + sizeof(WallTimes),
             sizeof(Metrics));
-  EXPECT_EQ(metrics_json(m).size(), metric_definitions().size() + 3) << "two share a name";
+  EXPECT_EQ(metrics_json(m).size(), metric_definitions().size() + 5) << "two share a name";
 }
 
 TEST(Metrics, NoRowsAtAll) {

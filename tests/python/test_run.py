@@ -61,6 +61,18 @@ def test_draw_leaves_a_run(drawn: tuple[idr.Run, list[float]]) -> None:
     assert "<iframe" in run._repr_html_()
     again = idr.Run.open(run.folder)
     assert counted(again.metrics) == counted(run.metrics)
+    assert (again.end, again.cause, again.incident) == ("finished", "", None)
+    assert again.metrics.drawn == 1 and again.not_drawn_mm == run.not_drawn_mm == {}
+
+
+def test_a_run_that_drew_nothing_says_so(tmp_path: pathlib.Path) -> None:
+    scenario = pathlib.Path(__file__).parents[2] / "scenarios/bowl-sine-blind.yaml"
+    run = idr.draw(scenario=scenario, settings={"world.gravity": 8.455}, out=tmp_path / "run")
+    again = idr.Run.open(tmp_path / "run")
+    assert run.end == again.end == "nothing_drawn" and run.cause == again.cause and "never pressed" in run.cause
+    assert run.metrics.drawn == 0 and list(run.not_drawn_mm) == ["no_ink"]
+    bare = _runner.run({"world.gravity": 8.455}, scenario)
+    assert bare["end"] == "nothing_drawn" and bare["not_drawn_mm"] == run.not_drawn_mm
 
 
 def test_show_in_a_notebook_and_elsewhere(drawn: tuple[idr.Run, list[float]], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -200,6 +212,8 @@ def test_ctrl_c_lifts_the_pen_and_keeps_the_log(tmp_path: pathlib.Path) -> None:
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert "interrupt: interrupted at t =" in said.stdout and "the pen was lifted" in said.stdout, said
     log = idr.Log(tmp_path / "run/run.h5")
+    left = idr.Run.open(tmp_path / "run")
+    assert left.end == "interrupted" and left.cause.startswith("interrupted at t =") and left.incident is None
     assert len(log["time"]) > 100 and log["tip/position"][-1][2] > log["tip/position"][-300][2]
 
 

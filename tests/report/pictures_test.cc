@@ -63,6 +63,47 @@ TEST(Relief, OfTheBowlIsTheSphere) {
     EXPECT_NEAR((p - Eigen::Vector2d(0, -600)).norm(), 180.0, 1e-6);
 }
 
+// A ball of 100 mm radius: whole, with a hole on top, and with the hole beneath.
+TEST(Relief, BodiesAreShadedWholeAndTheirHolesMarked) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> whole, open;
+  constexpr int kRound = 48, kUp = 24;
+  for (int i = 0; i <= kUp; ++i)
+    for (int j = 0; j < kRound; ++j) {
+      const double up = std::numbers::pi * i / kUp, round = 2 * std::numbers::pi * j / kRound;
+      vertices.push_back(0.1 * Eigen::Vector3d(std::sin(up) * std::cos(round),
+                                               std::sin(up) * std::sin(round), std::cos(up)));
+    }
+  for (int i = 0; i < kUp; ++i)
+    for (int j = 0; j < kRound; ++j) {
+      const int a = kRound * i + j, b = kRound * i + (j + 1) % kRound;
+      for (const Eigen::Vector3i& t :
+           {Eigen::Vector3i(a, a + kRound, b + kRound), Eigen::Vector3i(a, b + kRound, b)}) {
+        whole.push_back(t);
+        if (i >= 4) open.push_back(t);  // without its cap: within 50 mm of the axis
+      }
+    }
+  const auto seen = [](double side) {
+    return [side](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+      return {-1e3 * side * p.y(), -1e3 * p.x(), 1e3 * side * p.z()};
+    };
+  };
+  const auto shown = [](const Relief& r) { return r.height.array().isFinite().count(); };
+  const Relief ball = make_relief(vertices, whole, seen(1.0)),
+               top = make_relief(vertices, open, seen(1.0)),
+               beneath = make_relief(vertices, open, seen(-1.0));
+  for (const Relief* r : {&ball, &top, &beneath}) {
+    EXPECT_FALSE(r->is_sheet);
+    EXPECT_NEAR(shown(*r), std::numbers::pi / 4 * 400 * 400, 0.02 * 400 * 400);
+  }
+  EXPECT_EQ(ball.inside.count(), 0);
+  EXPECT_EQ(beneath.inside.count(), 0);
+  EXPECT_NEAR(top.inside.count(), std::numbers::pi / 4 * 200 * 200, 0.05 * 200 * 200);
+  EXPECT_EQ(beneath.outline.size(), 1u);
+  EXPECT_TRUE(beneath.seen_outline.empty()) << "the body hides its hole";
+  EXPECT_EQ(top.seen_outline.size(), 1u);
+}
+
 TEST(Envelope, KeepsEveryPeak) {
   std::vector<double> t, v;
   for (int i = 0; i < 100000; ++i) {
@@ -99,6 +140,19 @@ int count(const std::filesystem::path& png, int red, int green, int blue) {
   }
   cairo_surface_destroy(image);
   return found;
+}
+
+// Dashes of what was left out are there, and widen the picture.
+TEST_F(PicturesTest, WhatWasLeftOutIsSeen) {
+  const RunData run = made_up({.time_step = 5e-3}, folder_);
+  const auto dashes = [&](const PictureSettings& settings) {
+    write_ink_top(run, match_ink(run), folder_ / "ink_top", settings);
+    return count(folder_ / "ink_top.png", 0, 133, 107);
+  };
+  EXPECT_EQ(dashes({}), 0);
+  PictureSettings settings;
+  settings.left_out = {{{0.55, -0.1, 0.2}, {0.55, 0.1, 0.2}}};
+  EXPECT_GT(dashes(settings), 300);
 }
 
 TEST_F(PicturesTest, InkFarOffAndInkInTheAirHaveTheirOwnColours) {

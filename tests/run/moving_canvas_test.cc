@@ -297,6 +297,27 @@ TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
   EXPECT_LT(least, 0.1);
 }
 
+// It never rests: the wait has an end, is told while it lasts, and the run says why it ended.
+TEST(MovingCanvas, ACanvasThatNeverRestsEndsTheRun) {
+  Experiment e = prepare(resolve_scenario(
+      "moving-heave", {"perception.frames.wait_for_rest=true", "drawing.text.text=o"}));
+  std::string what;
+  double longest = 0.0;
+  RunHooks hooks;
+  hooks.progress = [&](const RunProgress& p) {
+    if (!p.waits_for) return;
+    what = p.waits_for;
+    longest = std::max(longest, p.waited);
+  };
+  const RunOutcome outcome = run(e, {}, 0.0, hooks);
+  EXPECT_EQ(outcome.end, RunEnd::stopped);
+  EXPECT_THAT(outcome.cause, AllOf(HasSubstr("did not come to rest within 45 s"),
+                                   HasSubstr("perception.frames.wait_for_rest=false")));
+  EXPECT_EQ(what, "the canvas to rest");
+  EXPECT_NEAR(longest, kMostWait, 0.1);
+  EXPECT_LT(outcome.simulated, 90.0);
+}
+
 // Two dashes on a conveyor: the one that the file has last leaves the reach first.
 TEST(MovingCanvas, StrokeThatLeavesFirstIsDrawnFirst) {
   const Figures f = draw_scenario("moving-order");

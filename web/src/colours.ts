@@ -12,6 +12,12 @@ export const leftOutColour = kinds[6];
 const problems = [1, 3, 4, 6, 2, 5, 7].map((k) => kinds[k]).concat("#6f51c9", "#a3b300", "#8c1c3a", "#1f5c4a");
 export const problemColour = (k: number): string => problems[k % problems.length];
 
+// The same before a dark ground: half way to white.
+export const onDark = (hex: string): string => `#${rgb(hex).map((x) => Math.round(127.5 * (1 + x)).toString(16).padStart(2, "0")).join("")}`;
+// For a style: the one or the other, as the page is.
+export const onEither = (hex: string): string => `light-dark(${hex}, ${onDark(hex)})`;
+export const problemKey = (k: number): string => onEither(problemColour(k));
+
 const ramp = ["#0d0887", "#5b02a3", "#9a179b", "#cb4678", "#eb7852", "#fbb32f"].map(rgb);
 
 export function rgb(hex: string): [number, number, number] {

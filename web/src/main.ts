@@ -1,5 +1,5 @@
 // The page of a run: scene, time line, plots, numbers. Test hook: window.impedraw.
-import { bareColour, kinds, leftOutColour, problemColour, rampCss, runColour } from "./colours";
+import { bareColour, kinds, leftOutColour, onEither, problemKey, rampCss, runColour } from "./colours";
 import { lastAt } from "./columns";
 import { inflate, parse, type Finding, type Run } from "./data";
 import { h, numberText, save, timeText } from "./dom";
@@ -8,7 +8,7 @@ import { LiveLink, LiveRun } from "./live";
 import { Plots } from "./plots";
 import { withPlainCanvases } from "./software";
 import { Scene, targetColour, type Legend } from "./scene";
-import { about, changedSettings, comparison, findings, liveTiles, numbers, planNumbers, settings, strokeComparison, strokes, tiles } from "./tables";
+import { about, changedSettings, comparison, drawnText, endText, findings, liveTiles, numbers, planNumbers, settings, strokeComparison, strokes, tiles } from "./tables";
 
 const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const viewLabels: Record<View, string> = {
@@ -147,6 +147,9 @@ class Page {
     for (const run of this.runs) {
       const cut = !run.complete ? "cannot be read to its end" : !run.closed ? "ends before the run was closed" : "";
       const whose = this.runs.length > 1 ? `The log of ${run.name}` : "The log";
+      const ended = endText(run), drew = drawnText(run), of = this.runs.length > 1 ? `${run.name}: ` : "";
+      if (ended && !ended.startsWith("finished")) header.append(h("p", { class: "warning ended", role: "alert" }, `${of}${ended}.`));
+      if (drew) header.append(h("p", { class: "note drew" }, of + drew));
       if (cut) header.append(h("p", { class: "warning", role: "alert" }, `${whose} ${cut}: the run is shown up to ${timeText(run.scene.time.at(-1) ?? 0)}.`));
     }
     return header;
@@ -232,7 +235,7 @@ class Page {
       box.append(h("label", {}, key, text));
     };
     if (!this.isPlan) keyed(bareColour, "target without ink");
-    if (!this.isPlan && this.run.findings.length) keyed(leftOutColour, "left out: cannot be drawn");
+    if (!this.isPlan && this.run.findings.length) keyed(onEither(leftOutColour), "left out: cannot be drawn");
     const still = h("button", { type: "button", class: "small" }, "save picture");
     still.addEventListener("click", async () => {
       for (const scene of this.over ? [this.scenes[0]] : this.scenes) {
@@ -261,7 +264,7 @@ class Page {
       pages.push(["Strokes", strokeList]);
       pages.push(["Settings", h("div", {}, ...this.runs.map((run) => h("details", {}, h("summary", {}, run.name), about(run), settings(run))))]);
     } else if (this.isPlan) {
-      pages.unshift(["What fails", findings(this.run, this.scenes[0]?.problems() ?? [...new Set(this.run.findings.map((f) => f.problem))].sort(), problemColour, (f) => this.goTo(f))]);
+      pages.unshift(["What fails", findings(this.run, this.scenes[0]?.problems() ?? [...new Set(this.run.findings.map((f) => f.problem))].sort(), problemKey, (f) => this.goTo(f))]);
       pages.push(["Numbers", h("div", {}, planNumbers(this.run), about(this.run))], ["Settings", settings(this.run)]);
     } else {
       const strokeList = strokes(this.run, (t) => this.seek(t), (p) => {
@@ -312,7 +315,7 @@ class Page {
       scene.lookAt(finding.world_m, 0.6);
     }
     this.state.textContent = `stroke ${finding.stroke}: ${finding.text}`;
-    this.state.style.borderLeftColor = this.isPlan ? problemColour(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0) : leftOutColour;
+    this.state.style.borderLeftColor = this.isPlan ? problemKey(this.scenes[0]?.problems().indexOf(finding.problem) ?? 0) : onEither(leftOutColour);
     this.dirty = true;
   }
 
@@ -532,7 +535,7 @@ class Page {
     const problems = this.isPlan && colour === "nothing" ? this.scenes[0]?.problems() ?? [] : [];
     if (problems.length) {
       const shown = { unit: "", low: 0, high: 0, kinds: problems.map((p) => p.replaceAll("_", " ")) };
-      this.showLegend(this.legend, shown, "cannot be drawn", problemColour);
+      this.showLegend(this.legend, shown, "cannot be drawn", problemKey);
     } else {
       this.showLegend(this.legend, legend ?? null, this.labelOf(colour), this.over ? runColour : undefined);
     }

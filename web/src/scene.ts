@@ -2,7 +2,7 @@
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BodyMaterial, creased, geometryOfMesh, interleaved, ShadedMaterial } from "./bodies";
-import { bareColour, kinds, leftOutColour, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
+import { bareColour, kinds, leftOutColour, onDark, problemColour, quantile, rampAt, rgb, runColour } from "./colours";
 import { lastAt } from "./columns";
 import type { Colouring, Finding, Matrix, Run } from "./data";
 import { linkFrames } from "./kinematics";
@@ -118,6 +118,7 @@ export class Scene {
   private gridMaterial!: three.LineBasicMaterial;
   private drawing = new three.Sphere(new three.Vector3(0.6, 0, 0.1), 0.2);
   private whole = new three.Sphere();
+  private opening = new three.Sphere(); // of a plan: the canvas alone
   private view: View = "free";
   private followed = new three.Vector3();
   private t = 0;
@@ -204,7 +205,6 @@ export class Scene {
         return at.slice(1).flatMap((p, i) => [...at[i], ...p]);
       });
       const lines = new Lines(ends);
-      lines.tint(() => rgb(this.run.kind === "plan" ? problemColour(k) : leftOutColour));
       lines.material.transparent = true;
       lines.renderOrder = 3;
       this.targets.push(lines);
@@ -381,8 +381,10 @@ export class Scene {
       this.scene.updateMatrixWorld(true);
       all.union(new three.Box3().setFromObject(this.parts.canvas)).union(box.clone().applyMatrix4(this.carried.matrixWorld));
     }
+    all.getBoundingSphere(this.opening);
     all.union(new three.Box3().setFromObject(this.parts.arm));
     all.getBoundingSphere(this.whole);
+    if (this.run.kind !== "plan" || all.isEmpty()) this.opening = this.whole;
   }
 
   // Shows the run at time t.
@@ -468,7 +470,7 @@ export class Scene {
     };
     // From above and along the pen the arm stands in the way.
     for (const material of this.armMaterials) material.setAlpha(view === "top" || view === "pen" ? 0.18 : 1);
-    if (view === "free") look(new three.Vector3(0.75, -1, 0.62), this.whole);
+    if (view === "free") look(new three.Vector3(0.75, -1, 0.62), this.opening);
     if (view === "top") look(axis.clone().addScaledVector(up, -1e-3), this.drawing.clone().applyMatrix4(this.carried.matrixWorld));
     if (view === "front") look(new three.Vector3(1, 0, 0.25), this.whole);
     if (view === "side") look(new three.Vector3(0, -1, 0.25), this.whole);
@@ -511,6 +513,10 @@ export class Scene {
     this.dark = dark;
     this.renderer.setClearColor(dark ? "#14171c" : "#f3f4f6", 1);
     this.penMaterial.setColour(dark ? 0x5f8ed6 : 0x24406e);
+    this.targets.slice(1).forEach((lines, k) => {
+      const colour = this.run.kind === "plan" ? problemColour(k) : leftOutColour;
+      lines.tint(() => rgb(dark ? onDark(colour) : colour));
+    });
     this.gridMaterial.color.set(dark ? "#39404a" : "#c9ced6");
     this.setMap(this.map?.name ?? "");
     this.setColour(this.colour);

@@ -261,12 +261,30 @@ export function settings(run: Run): HTMLElement {
   return box;
 }
 
+// How the run ended; empty: not known.
+export function endText(run: Run): string {
+  const ending = run.metrics?.ending as { end: string; cause: string; incident?: string } | undefined;
+  if (!ending || ending.end === "unknown") return "";
+  const words = ({ stopped: "halted", interrupted: "stopped by a person" } as Record<string, string>)[ending.end] ?? ending.end.replaceAll("_", " ");
+  return words + (ending.cause ? `: ${ending.cause}` : "") + (ending.incident ? ` (${ending.incident})` : "");
+}
+
+// What was drawn, in one line; empty: not known.
+export function drawnText(run: Run): string {
+  const { drawn, length_asked: asked, not_drawn_mm: rest } = (run.metrics ?? {}) as { drawn?: number; length_asked?: number; not_drawn_mm?: Record<string, number> };
+  if (typeof drawn !== "number" || typeof asked !== "number") return "";
+  const length = (mm: number) => (mm < 1000 ? `${numberText(mm, 3)}\u202fmm` : `${numberText(mm / 1000, 3)}\u202fm`);
+  const reasons = Object.entries(rest ?? {}).sort((a, b) => b[1] - a[1]).map(([why, mm]) => `${why === "off_canvas" ? "edge" : why.replaceAll("_", " ")} ${length(mm)}`);
+  return `drew ${length(drawn * asked)} of ${length(asked)}, ${Math.floor(100 * drawn + 1e-9)} %${reasons.length ? `; the rest: ${reasons.join(", ")}` : ""}`;
+}
+
 export function about(run: Run): HTMLElement {
   const wall = (run.metrics.wall_seconds ?? {}) as Record<string, number | null>;
   const names: Record<string, string> = { start_up: "start-up", loop: "loop", writing: "rest of the log" };
   const times = Object.entries(names).filter(([key]) => typeof wall[key] === "number").map(([key, label]) => `${label} ${(wall[key] as number).toFixed(2)} s`);
   const list = h("dl", { class: "facts" });
   const add = (name: string, value: string) => value && list.append(h("dt", {}, name), h("dd", {}, value));
+  add("ended", endText(run));
   if (run.kind !== "live") add("simulated", `${run.duration.toFixed(2)} s`);
   add("wall time", times.join(", "));
   add("impedraw", run.commit ? `${run.version}, commit ${run.commit}` : run.version);
