@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
 namespace impedraw {
 
@@ -186,11 +185,6 @@ const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noe
   sent_any_ = true;
   if (ending && damping_over_ && sent_.isZero(0.0)) apply(Event::at_rest);
   return sent_;
-}
-
-JointVector joint_damping(const JointMatrix& M, double T) {
-  const JointMatrix inverse = M.ldlt().solve(JointMatrix::Identity(M.rows(), M.cols()));
-  return (T * inverse.diagonal().array()).inverse().matrix();
 }
 
 }  // namespace impedraw

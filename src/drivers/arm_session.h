@@ -124,8 +124,4 @@ inline double seconds_between(std::int64_t a, std::int64_t b) noexcept {
   return 1e-6 * (b < a ? -static_cast<double>(from - to) : static_cast<double>(to - from));
 }
 
-// D_j = 1/(T (M⁻¹)_jj): with n joints no mode is damped faster than n/T, so that a delay of T/n/2
-// and less stays harmless. M: inertia at the posture [kg m²], T [s].
-JointVector joint_damping(const JointMatrix& M, double T = 0.1);
-
 }  // namespace impedraw

@@ -15,6 +15,13 @@ enum class FaultKind {
   no_cloud,      // perception finds no surface under the tip
   no_frames,     // the cameras' frames of a moving canvas get lost
   slow_step,     // one control step takes `duration`; the drives hold the last torque
+  // An arm and a sensor that lie:
+  jumped_state,    // the first joint's position is 0.5 rad off
+  drifting_state,  // the first joint's position drifts by 0.3 rad/s, which its speed does not tell
+  standing_state,  // positions as they were when the fault began, speeds zero
+  false_speed,     // the first joint's speed is 9 rad/s
+  false_wrench,    // 200 N more along z
+  future_wrench,   // the wrench is stamped an hour ahead
 };
 
 struct FaultSettings {

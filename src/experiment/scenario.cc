@@ -201,8 +201,14 @@ void describe(Fields& f, FenceSettings& s) {
   f.field(Limits::low, s.low, "Lowest coordinates that the tip may have.");
   f.field(Limits::high, s.high, "Highest coordinates that the tip may have.");
   f.field(Limits::force, s.force,
-          "Measured force on the tip that ends the run; null: none. Needs control.wrench.");
+          "Measured force on the tip that ends the run; null: 150 N, where it is measured. Needs "
+          "control.wrench.");
+  f.field(Limits::moment, s.moment,
+          "Measured moment at the tip that ends the run; null: 30 Nm, where it is measured. Needs "
+          "control.wrench.");
   f.field(Limits::speed, s.speed, "Speed of the tip that ends the run; null: none.");
+  f.field(Limits::lag, s.lag,
+          "Distance of the tip from the point that it is driven to that ends the run after 0.1 s.");
 }
 
 void describe(Fields& f, CameraSettings& s) {
@@ -729,7 +735,13 @@ void describe(Fields& f, FaultSettings& s) {
             {"stale_wrench", FaultKind::stale_wrench},
             {"no_cloud", FaultKind::no_cloud},
             {"no_frames", FaultKind::no_frames},
-            {"slow_step", FaultKind::slow_step}},
+            {"slow_step", FaultKind::slow_step},
+            {"jumped_state", FaultKind::jumped_state},
+            {"drifting_state", FaultKind::drifting_state},
+            {"standing_state", FaultKind::standing_state},
+            {"false_speed", FaultKind::false_speed},
+            {"false_wrench", FaultKind::false_wrench},
+            {"future_wrench", FaultKind::future_wrench}},
            "Fault around the controller.");
   f.field(Limits::start, s.start,
           "Start of the fault, as a fraction of the time from the start of the first stroke to the "

@@ -108,13 +108,17 @@ struct ArmSettings {
 struct FenceSettings {
   // The box that the tip must stay in, W [m].
   Eigen::Vector3d low{-2.0, -2.0, -2.0}, high{2.0, 2.0, 2.0};
-  std::optional<double> force;  // measured, of the canvas on the tip [N]; none: no fence
+  // Measured, of the canvas on the tip [N], [Nm]; none: 150 N and 30 Nm, where it is measured.
+  std::optional<double> force, moment;
   std::optional<double> speed;  // of the tip [m/s]; none: no fence
+  double lag = 0.2;             // of the tip behind the point that it is driven to [m]
 
   struct Limits {
     static constexpr Limit low = {"low", "m", {-2.0, 2.0}};
     static constexpr Limit high = {"high", "m", {-2.0, 2.0}};
     static constexpr Limit force = {"force", "N", {1.0, 200.0}};
+    static constexpr Limit moment = {"moment", "Nm", {0.1, 200.0}};
+    static constexpr Limit lag = {"lag", "m", {0.01, 2.0}};
     static constexpr Limit speed = {"speed", "m/s", {0.01, 5.0}};
   };
 };

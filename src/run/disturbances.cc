@@ -28,10 +28,10 @@ Disturbances::Disturbances(const Scenario& scenario, const TipPath& path) {
   }
 }
 
-bool Disturbances::fault(FaultKind kind, double time) const noexcept {
+double Disturbances::since(FaultKind kind, double time) const noexcept {
   for (const TimedFault& fault : faults_)
-    if (fault.kind == kind && time >= fault.start && time < fault.end) return true;
-  return false;
+    if (fault.kind == kind && time >= fault.start && time < fault.end) return time - fault.start;
+  return -1.0;
 }
 
 Eigen::Vector3d Disturbances::push(double time, const Eigen::Vector3d& n_W) const noexcept {

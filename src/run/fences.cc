@@ -1,5 +1,8 @@
 #include "impedraw/run/fences.h"
 
+#include <optional>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
@@ -12,14 +15,21 @@ Fences::Fences(const FenceSettings& settings, bool measured) : settings_(setting
       throw InputError(fmt::format(
           "fence.low: {} m along {} is not below fence.high, {} m: the box holds no point",
           settings.low[i], "xyz"[i], settings.high[i]));
-  if (settings.force && !measured)
-    throw InputError(
-        "fence.force: nothing measures the force with control.wrench none; valid is null, or "
-        "another control.wrench");
+  for (const auto& [name, given] :
+       {std::pair("force", &settings.force), {"moment", &settings.moment}})
+    if (*given && !measured)
+      throw InputError(fmt::format(
+          "fence.{0}: nothing measures the {0} with control.wrench none; valid is null, or another "
+          "control.wrench",
+          name));
+  if (!measured) return;
+  if (!settings_.force) settings_.force = kForce;
+  if (!settings_.moment) settings_.moment = kMoment;
 }
 
 bool Fences::update(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE,
-                    const Eigen::Vector3d& f, double dt) noexcept {
+                    const Eigen::Vector3d& f, double dt, const Eigen::Vector3d& m,
+                    double lag) noexcept {
   if (kind_ != Kind::none) return false;
   for (int i = 0; i < 3; ++i) {
     if (!(p_WE[i] < settings_.low[i] || p_WE[i] > settings_.high[i])) continue;
@@ -28,18 +38,18 @@ bool Fences::update(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE,
     value_ = p_WE[i];
     return true;
   }
-  const double force = f.norm(), speed = v_WE.norm();
-  force_above_ = settings_.force && force > *settings_.force ? force_above_ + dt : 0.0;
-  speed_above_ = settings_.speed && speed > *settings_.speed ? speed_above_ + dt : 0.0;
-  // A count of cycles, whatever the rounding of their sum.
-  const double confirm = kConfirm - 0.5 * dt;
-  if (force_above_ >= confirm) {
-    kind_ = Kind::force;
-    value_ = force;
-  } else if (speed_above_ >= confirm) {
-    kind_ = Kind::speed;
-    value_ = speed;
-  }
+  const auto judge = [&](Kind kind, double value, const std::optional<double>& fence,
+                         double confirm, double* above) {
+    *above = fence && value > *fence ? *above + dt : 0.0;
+    // A count of cycles, whatever the rounding of their sum.
+    if (kind_ != Kind::none || *above < confirm - 0.5 * dt) return;
+    kind_ = kind;
+    value_ = value;
+  };
+  judge(Kind::force, f.norm(), settings_.force, kConfirm, &force_above_);
+  judge(Kind::moment, m.norm(), settings_.moment, kConfirm, &moment_above_);
+  judge(Kind::speed, v_WE.norm(), settings_.speed, kConfirm, &speed_above_);
+  judge(Kind::lag, lag, settings_.lag, kConfirmLag, &lag_above_);
   return kind_ != Kind::none;
 }
 
@@ -61,6 +71,11 @@ std::string Fences::crossed() const {
     }
     case Kind::force:
       return "fence.force: the force on the tip was " + told(value_, *settings_.force, 1, "N");
+    case Kind::moment:
+      return "fence.moment: the moment at the tip was " + told(value_, *settings_.moment, 1, "Nm");
+    case Kind::lag:
+      return "fence.lag: the tip's distance from the point that it was driven to was " +
+             told(value_, settings_.lag, 3, "m");
     case Kind::speed:
       return "fence.speed: the tip moved at " + told(value_, *settings_.speed, 3, "m/s");
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 
 namespace impedraw {
 
@@ -66,6 +67,11 @@ std::string MotionCheck::contradiction(double dt) const {
     return fmt::format(
         "the position of joint {} jumped by {:.3f} rad within {:.3f} ms, which no motion explains",
         j + 1, moved_[j], 1e3 * dt);
+  (v_.array().abs() / limit).maxCoeff(&j);
+  if (std::abs(v_[j]) > kFastest * limit[j] &&
+      std::max(v_[j] * moved_[j] / dt, v_[j] * by_positions_[j]) < v_[j] * v_[j] / 3.0)
+    return fmt::format("joint {} turns at {:.2f} rad/s, which its positions contradict", j + 1,
+                       v_[j]);
   const double late = kLag + std::max(0.0, dt - kUsual);
   if ((apart_.array().abs() / (kApart + late * limit)).maxCoeff(&j) > 1.0)
     return fmt::format(
@@ -88,6 +94,11 @@ JointVector MotionCheck::confirmed(const JointVector& v) const noexcept {
         v[j] * most > 0.0 ? std::copysign(std::min(std::abs(v[j]), std::abs(most)), v[j]) : 0.0;
   }
   return slow;
+}
+
+JointVector joint_damping(const JointMatrix& M, double T) {
+  const JointMatrix inverse = M.ldlt().solve(JointMatrix::Identity(M.rows(), M.cols()));
+  return (T * inverse.diagonal().array()).inverse().matrix();
 }
 
 }  // namespace impedraw

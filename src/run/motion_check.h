@@ -8,6 +8,8 @@
 //             much; late = max(0, Δt − 5 ms) is the error of ½ (v + v₋) over lost readings. A
 //             drift with v = 0 is found if its rate [rad/s] is above that bound [rad]: 0.09 on an
 //             iiwa's, 0.18 on an FR3's fastest joint. A slower one is not noticed here.
+//   speed     no |v| above 3 v_max of which positions, of the last reading and of 4 ms, have less
+//             than a third
 //   unmoved   u ← max(0, u + (s − 0.1) Δt) ≤ 150 ms while no joint leaves its place by 0.1 mrad,
 //             s the largest share that |τ| − |τ_ext| has of a joint's torque limit. A pen that
 //             presses with 10 N asks for less than a tenth.
@@ -51,5 +53,9 @@ class MotionCheck {
   bool begun_ = false;
   std::string cause_;
 };
+
+// D_j = 1/(T (M⁻¹)_jj): with n joints no mode is damped faster than n/T, so that a delay of T/n/2
+// and less stays harmless. M: inertia at the posture [kg m²], T [s].
+JointVector joint_damping(const JointMatrix& M, double T = 0.1);
 
 }  // namespace impedraw

@@ -25,6 +25,7 @@
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
 #include "impedraw/run/rattle_guard.h"
+#include "impedraw/run/reading_check.h"
 #include "impedraw/run/real_time.h"
 #include "impedraw/run/rest_watch.h"
 #include "impedraw/run/simulated_arm.h"
@@ -180,6 +181,8 @@ class Runner {
             surface_source(e, disturbances_of(e, resumption), watch_ ? watch_->surface() : nullptr),
             canvas_source(e, watch_.get(), first_time_)),
         fences_(e.scenario.fence, e.control.impedance.wrench == WrenchFeedback::measured),
+        reading_(driver.info(), e.scene.arm.limits().speed, e.scene.arm.limits().torque,
+                 e.scenario.arm.wrench_delay),
         last_(driver.info().period, e.scene.arm),
         real_time_(!waits_ && e.scenario.arm.real_time),
         started_(driver),
@@ -476,7 +479,9 @@ class Runner {
     }
     if (watch_) watch_->update(t);
     const auto step_start = Clock::now();
-    if (!state_->stalled)
+    if (distrusts_)
+      damp();
+    else if (!state_->stalled)
       out_ = guard_.braking() || retreats_ ? loop_.brake(*state_, velocity_of_retreat(desired))
                                            : loop_.step(*state_, desired.reference);
     row_.step_time = seconds_since(step_start);
@@ -508,11 +513,18 @@ class Runner {
       stop(RunEnd::stopped, lost);
       return false;
     }
+    const bool lies = reading_.update(*state_, out_.tau - out_.terms.col(kGravity), external());
+    if (distrusts_) return damped_for_ < kDampTime && !calm() ? true : end_at_zero();
+    if (lies) {
+      distrusts_ = true;
+      return halt(fmt::format("{} at t = {:.3f} s", reading_.cause(), first_time_ + time()));
+    }
     if (hooks_.emergency && !halted_ && hooks_.emergency()) {
       if (!halt(fmt::format("emergency stop at t = {:.3f} s, by a person", first_time_ + t)))
         return false;
     } else if (fences_.update(loop_.terms().X_WE.p, loop_.terms().V_WE.head<3>(),
-                              loop_.F_ext().head<3>(), dt())) {
+                              loop_.F_ext().head<3>(), dt(), loop_.F_ext().tail<3>(),
+                              (out_.p_WD - loop_.terms().X_WE.p).norm())) {
       if (!halt(fmt::format("{} at t = {:.3f} s", fences_.crossed(), first_time_ + t)))
         return false;
     }
@@ -532,7 +544,7 @@ class Runner {
         stop(RunEnd::stopped, cause);
       retreats_ = true;
     } else if (guard_.calmed()) {
-      if (halted_) return false;
+      if (halted_) return end_at_zero();
       lift();
     }
     if (rattle_guard_.update(loop_.F_ext().head<3>().dot(out_.n_WD), out_.mode, out_.push,
@@ -566,6 +578,47 @@ class Runner {
     if (!arm.M.allFinite() || !arm.g.allFinite()) return ", as joint positions,";
     if (!arm.v.allFinite()) return ", as joint velocities,";
     return loop_.F_ext().allFinite() ? "" : ", as the wrench,";
+  }
+
+  // Joint torques that are known to hold or turn the arm beside the law's motion: of what acts on
+  // the tip, and of what the observer makes of the model's errors, up to a share of the limits.
+  JointVector external() const {
+    constexpr double kErrors = 0.2;
+    Wrench F = loop_.F_ext();
+    if (e_.control.impedance.wrench != WrenchFeedback::measured)
+      F << out_.push * out_.n_WD, Eigen::Vector3d::Zero();
+    const JointVector tau = loop_.terms().J.transpose().lazyProduct(F);
+    return tau.cwiseAbs() +
+           out_.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * e_.scene.arm.limits().torque);
+  }
+
+  bool calm() const {
+    constexpr double kAtRest = 0.02;  // [rad/s]
+    return reading_.confirmed(*state_).cwiseAbs().maxCoeff() < kAtRest;
+  }
+
+  // What the arm says is not believed, and the law does not see it: −D v as far as positions
+  // confirm v, with the weight as it was last believed.
+  void damp() noexcept {
+    const JointVector gravity = out_.terms.col(kGravity);
+    const JointVector& most = e_.scene.arm.limits().torque;
+    damped_for_ += dt();
+    out_.status = {};
+    out_.mode = ContactMode::free;
+    out_.push = 0.0;
+    out_.terms.setZero();
+    out_.terms.col(kGravity) = gravity;
+    out_.terms.col(kImpedance) =
+        -joint_damping(loop_.terms().M).cwiseProduct(reading_.confirmed(*state_));
+    out_.tau = (out_.terms.col(kImpedance) + gravity).cwiseMax(-most).cwiseMin(most);
+  }
+
+  // Zero beyond gravity is the last that the arm is sent.
+  bool end_at_zero() {
+    const JointVector gravity = out_.terms.col(kGravity);
+    driver_.command(gravity, gravity);
+    state_ = &driver_.read();
+    return false;
   }
 
   // Why the run must end without lifting the pen; empty if it can continue. t: time of the last
@@ -841,6 +894,10 @@ class Runner {
   std::unique_ptr<CanvasWatch> watch_;  // null: one snapshot before the run
   ControlLoop loop_;
   Fences fences_;
+  ReadingCheck reading_;
+  bool distrusts_ = false;                  // what the arm says
+  static constexpr double kDampTime = 0.3;  // then, at most [s]
+  double damped_for_ = 0.0;                 // [s]
   LastSeconds last_;
   std::optional<double> dry_run_ = e_.scenario.drawing.dry_run;  // [m]
   bool halted_ = false;                                          // by a fence or an emergency stop

@@ -1,5 +1,6 @@
 #include "impedraw/run/simulated_arm.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -82,13 +83,20 @@ const ArmState& SimulatedArm::read() noexcept {
 
 void SimulatedArm::read_joints(const WorldState& now) noexcept {
   const JointReading* read = joint_sensor_ ? &joint_sensor_->sample(now.q, now.v) : nullptr;
-  if (!disturbances_.fault(FaultKind::stale_state, now.time)) {
-    state_.q = read ? read->q : now.q;
-    state_.v = read ? read->v : now.v;
+  const auto acts = [&](FaultKind kind) { return disturbances_.fault(kind, now.time); };
+  if (!acts(FaultKind::stale_state)) {
     state_.state_time = now.time;
+    if (!acts(FaultKind::standing_state)) {
+      state_.q = read ? read->q : now.q;
+      state_.v = read ? read->v : now.v;
+      if (acts(FaultKind::jumped_state)) state_.q[0] += 0.5;
+      state_.q[0] += 0.3 * std::max(0.0, disturbances_.since(FaultKind::drifting_state, now.time));
+    } else {
+      state_.v.setZero();
+    }
   }
-  if (disturbances_.fault(FaultKind::nan_state, now.time))
-    state_.v[0] = std::numeric_limits<double>::quiet_NaN();
+  if (acts(FaultKind::false_speed)) state_.v[0] = 9.0;
+  if (acts(FaultKind::nan_state)) state_.v[0] = std::numeric_limits<double>::quiet_NaN();
 }
 
 void SimulatedArm::read_wrench(double time) noexcept {
@@ -98,6 +106,8 @@ void SimulatedArm::read_wrench(double time) noexcept {
     state_.wrench = wrench;
     state_.wrench_time = time;
   }
+  if (disturbances_.fault(FaultKind::future_wrench, time)) state_.wrench_time = time + 3600.0;
+  if (disturbances_.fault(FaultKind::false_wrench, time)) state_.wrench[2] = wrench[2] + 200.0;
   if (disturbances_.fault(FaultKind::nan_wrench, time))
     state_.wrench[2] = std::numeric_limits<double>::quiet_NaN();
 }

@@ -195,6 +195,22 @@ TEST(ArmSession, AnArmThatLiesIsNamedAndNotDampedByItsLie) {
   EXPECT_THAT(told([](double, ArmStatus*) {}, 0.0, 15.0), HasSubstr("the arm does not move"));
 }
 
+// As `arm hold` does: zero torque to an arm that rests, with one false reading of a speed.
+TEST(ArmSession, OneFalseSpeedWhileHoldingIsNamedAndDampsNothing) {
+  for (const double speed : {2.5, 9.0, -9.0, 1000.0}) {
+    ArmSession session = begun();
+    session.hold();
+    for (int ms = 1; ms < 1000 && session.state() != SessionState::ended; ++ms) {
+      ArmStatus status = at(1'250'000 + 1000 * ms);
+      if (ms == 100) status.v[1] = speed;
+      if (session.receive(status, 0.25 + 1e-3 * ms)) session.answer(all(0.0));
+      ASSERT_TRUE(session.sent().isZero(0.0)) << speed << " rad/s, " << ms << " ms";
+    }
+    EXPECT_EQ(session.state(), SessionState::ended);
+    EXPECT_THAT(session.cause(), HasSubstr("which its positions contradict")) << speed;
+  }
+}
+
 // What real arms say: encoders of 17 bits, speeds 10 ms late, statuses that are lost.
 TEST(ArmSession, AnArmThatIsOnlyCoarseIsBelieved) {
   for (const double step : {1e-3, 5e-3, 1.0 / 60.0}) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -68,6 +69,30 @@ TEST(Fences, ForceAndSpeedMustStayBeyondForThreeCycles) {
   EXPECT_FALSE(speed.update(p, fast, none, kDt));
   EXPECT_TRUE(speed.update(p, fast, none, kDt));
   EXPECT_EQ(speed.crossed(), "fence.speed: the tip moved at 0.301 m/s, the fence is 0.300 m/s");
+}
+
+TEST(Fences, AMeasuredWrenchHasFencesByDefault) {
+  const Vector3d p(0.0, 0.0, 0.2), none = Vector3d::Zero();
+  const auto crossed = [&](bool measured, const Vector3d& f, const Vector3d& m, double lag) {
+    Fences fences(FenceSettings(), measured);
+    int cycles = 1;
+    while (cycles < 200 && !fences.update(p, none, f, kDt, m, lag)) ++cycles;
+    return std::pair(fences.crossed(), cycles);
+  };
+  EXPECT_EQ(crossed(true, {0.0, -149.0, 0.0}, {0.0, 29.0, 0.0}, 0.19).first, "");
+  EXPECT_EQ(crossed(true, {0.0, -200.0, 0.0}, none, 0.0),
+            std::pair(std::string("fence.force: the force on the tip was 200.0 N, the fence is "
+                                  "150.0 N"),
+                      3));
+  EXPECT_EQ(crossed(true, none, {0.0, -1e6, 0.0}, 0.0),
+            std::pair(std::string("fence.moment: the moment at the tip was 1000000.0 Nm, the fence "
+                                  "is 30.0 Nm"),
+                      3));
+  EXPECT_EQ(crossed(false, {0.0, -200.0, 0.0}, {0.0, -1e6, 0.0}, 0.0).first, "");
+  EXPECT_EQ(crossed(false, none, none, 0.21),
+            std::pair(std::string("fence.lag: the tip's distance from the point that it was driven "
+                                  "to was 0.210 m, the fence is 0.200 m"),
+                      100));
 }
 
 TEST(Fences, AMessageNeverSaysTheSameNumberTwice) {

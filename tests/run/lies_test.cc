@@ -1,0 +1,208 @@
+// Arms and sensors that lie: each is named, damped by what can be true alone, and zero beyond
+// gravity is sent last.
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/run/reading_check.h"
+#include "impedraw/run/run.h"
+#include "impedraw/run/simulated_arm.h"
+#include "seeds.h"
+
+namespace impedraw {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+Experiment prepared(const std::string& name, const std::vector<std::string>& assignments = {}) {
+  DrawOptions options;
+  options.scenario = "scenarios/" + name + ".yaml";
+  options.assignments = assignments;
+  return prepare(resolve(options));
+}
+
+// The simulated arm as `lie` tells it. Notes what it is sent beyond gravity.
+class Liar : public Driver {
+ public:
+  using Lie = std::function<void(ArmState*)>;
+  Liar(Experiment& e, Lie lie = {}, bool moves = true)
+      : inner_(e, e.scene.start_q, Disturbances(e.scenario, e.plan.path)),
+        lie_(std::move(lie)),
+        moves_(moves),
+        state_(e.scene.arm.joints()) {}
+
+  DriverInfo info() const override { return inner_.info(); }
+  void start() override { inner_.start(); }
+  const ArmState& read() noexcept override {
+    const double next = state_.time + inner_.info().period;
+    if (moves_ || !begun_)
+      state_ = inner_.read();
+    else  // brakes that nobody opened
+      state_.time = state_.state_time = state_.wrench_time = next;
+    begun_ = true;
+    if (lie_) lie_(&state_);
+    return state_;
+  }
+  void command(const JointVector& tau, const JointVector& gravity) noexcept override {
+    sent.push_back((tau - gravity).cwiseAbs().maxCoeff());
+    if (moves_) inner_.command(tau, gravity);
+  }
+  const std::string& fault() const noexcept override { return inner_.fault(); }
+  void stop() noexcept override { inner_.stop(); }
+  const GroundTruth* truth() const noexcept override { return inner_.truth(); }
+
+  std::vector<double> sent;  // largest |τ − g| of a cycle [Nm]
+
+ private:
+  SimulatedArm inner_;
+  Lie lie_;
+  bool moves_, begun_ = false;
+  ArmState state_;
+};
+
+// When the fault was found, as its text tells [s].
+double found_at(const RunOutcome& outcome) {
+  const std::size_t at = outcome.cause.rfind("t = ");
+  return at == std::string::npos ? -1.0 : std::stod(outcome.cause.substr(at + 4));
+}
+
+// From then on at most 0.5 s pass with no torque above `most`, and zero is the last.
+void expect_damped(const Liar& arm, const RunOutcome& outcome, double most) {
+  EXPECT_EQ(outcome.end, RunEnd::stopped);
+  const double found = found_at(outcome);
+  ASSERT_GE(found, 0.0) << outcome.cause;
+  EXPECT_LE(outcome.simulated, found + 0.51);
+  ASSERT_FALSE(arm.sent.empty());
+  EXPECT_EQ(arm.sent.back(), 0.0);
+  for (auto i = static_cast<std::size_t>(std::llround(found / 1e-3)) + 1; i < arm.sent.size(); ++i)
+    ASSERT_LE(arm.sent[i], most) << i;
+}
+
+TEST(Lies, OfTheScenarioAreNamed) {
+  const struct {
+    const char* kind;
+    const char* cause;
+    double found;  // after so long at the latest [s]
+    double most;   // torque beyond gravity that is sent from then on [Nm]
+  } cases[] = {
+      {"jumped_state", "the position of joint 1 jumped by 0.5", 0.002, 5.0},
+      {"drifting_state", "the positions of joint 1 contradict its speed", 0.5, 30.0},
+      {"standing_state", "", 0.5, 250.0},
+      {"false_speed", "joint 1 turns at 9.00 rad/s, which its positions contradict", 0.002, 5.0},
+      {"false_wrench", "fence.force: the force on the tip was 20", 0.005, 250.0},
+      {"future_wrench", "the wrench is stamped 3600.000 s ahead of the arm's clock", 0.002, 5.0},
+      {"nan_wrench", "numbers that are not finite", 0.21, 1e9},
+      {"stale_state", "joint states that are stale", 0.31, 1e9}};
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.kind);
+    Experiment e = prepared(
+        "bowl-sine", {std::string("faults=[{kind: ") + c.kind + ", start: 0.4, duration: 1000}]"});
+    const double begun = time_at(e.plan.path, 0.4);
+    Liar arm(e);
+    const RunOutcome outcome = run(e, arm, {}, 0.0);
+    EXPECT_EQ(outcome.end, RunEnd::stopped);
+    EXPECT_THAT(outcome.cause, HasSubstr(c.cause));
+    if (*c.cause == '\0')  // whichever of what it does shows first
+      EXPECT_THAT(outcome.cause,
+                  AnyOf(HasSubstr("does not move"), HasSubstr("fence."), HasSubstr("contradict")));
+    EXPECT_GE(found_at(outcome), begun - 1e-3);
+    EXPECT_LE(found_at(outcome), begun + c.found);
+    if (c.most < 1e9) expect_damped(arm, outcome, c.most);
+  }
+}
+
+TEST(Lies, AnArmThatStandsStillIsNotPlayedThePlan) {
+  for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic", "bowl-m-blind",
+                           "bowl-sine-touch", "wall"}) {
+    for (const double force : {0.0, 5.0}) {
+      SCOPED_TRACE(testing::Message() << name << " " << force << " N");
+      Experiment e = prepared(name);
+      Liar arm(
+          e,
+          [&](ArmState* s) {
+            if (force > 0.0) s->wrench << 0.0, 0.0, force, 0.0, 0.0, 0.0;
+          },
+          false);
+      const RunOutcome outcome = run(e, arm, {}, 0.0);
+      EXPECT_EQ(outcome.end, RunEnd::stopped);
+      EXPECT_THAT(outcome.cause, AnyOf(HasSubstr("the arm does not move"), HasSubstr("fence.lag")));
+      EXPECT_LT(outcome.simulated, e.plan.path.duration());
+      EXPECT_EQ(arm.sent.back(), 0.0);
+    }
+  }
+}
+
+// Random joints, sizes and times.
+TEST(Lies, OfAnySizeThatNoArmCanMoveAreNamed) {
+  const unsigned seed = 36;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  const auto draw = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (unsigned i = 0; i < seeds(12, 200); ++i) {
+    const int kind = static_cast<int>(i % 4), j = std::uniform_int_distribution<int>(0, 6)(random);
+    const double from = draw(0.5, 8.0), sign = draw(-1.0, 1.0) < 0.0 ? -1.0 : 1.0;
+    const double jump = sign * draw(0.05, 2.0), rate = sign * draw(0.2, 1.0),
+                 speed = sign * draw(10.0, 30.0), force = sign * draw(170.0, 400.0);
+    SCOPED_TRACE(testing::Message()
+                 << "kind " << kind << ", joint " << j + 1 << ", from " << from << " s: " << jump
+                 << " rad, " << rate << " rad/s, " << speed << " rad/s, " << force << " N");
+    Experiment e = prepared("bowl-sine");
+    Liar arm(e, [&](ArmState* s) {
+      if (s->time < from) return;
+      if (kind == 0) s->q[j] += jump;
+      if (kind == 1) s->q[j] += rate * (s->time - from);
+      if (kind == 2) s->v[j] += speed;
+      if (kind == 3) s->wrench[j % 3] += force;
+    });
+    const RunOutcome outcome = run(e, arm, {}, 0.0);
+    EXPECT_THAT(outcome.cause, HasSubstr(kind == 3 ? "fence.force: the force on the tip was"
+                                                   : "joint " + std::to_string(j + 1)));
+    EXPECT_LE(found_at(outcome), from + (kind == 1 ? 0.8 : 0.005));
+    expect_damped(arm, outcome, kind == 3 ? 250.0 : 60.0);
+  }
+}
+
+TEST(Lies, AClockAndStampsOutsideItAreNamed) {
+  const DriverInfo driver{2, 1e-3, WrenchReading::tip};
+  const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
+  const auto told = [&](const auto& lie) {
+    ReadingCheck check(driver, one, one, 0.002);
+    ArmState state(2);
+    for (int i = 1; i <= 100; ++i) {
+      state.time = state.state_time = state.wrench_time = 1e-3 * i;
+      lie(i, &state);
+      if (check.update(state, none, none)) return check.cause();
+    }
+    return check.cause();
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(told([](int, ArmState*) {}), "");
+  EXPECT_EQ(told([](int, ArmState* s) { s->wrench_time -= 0.5; }), "");
+  EXPECT_EQ(told([](int, ArmState* s) { s->wrench_time += 0.02; }), "");
+  EXPECT_EQ(told([](int, ArmState* s) { s->wrench_time += 0.05; }),
+            "the wrench is stamped 0.050 s ahead of the arm's clock");
+  EXPECT_THAT(told([&](int, ArmState* s) { s->wrench_time = nan; }), HasSubstr("stamped nan s"));
+  EXPECT_THAT(told([](int, ArmState* s) { s->wrench_time = -1e12; }), HasSubstr("behind"));
+  EXPECT_EQ(told([](int, ArmState* s) { s->state_time += 0.05; }),
+            "the joint state is stamped 0.050 s ahead of the arm's clock");
+  EXPECT_EQ(told([](int i, ArmState* s) { s->time = i < 50 ? s->time : 0.01; }),
+            "the arm's clock went back from 0.049 s to 0.010 s");
+  EXPECT_EQ(told([](int i, ArmState* s) {
+              s->time = s->state_time = s->wrench_time = 1e-3 * std::min(i, 50);
+            }),
+            "the arm's clock stands still");
+  EXPECT_THAT(told([&](int, ArmState* s) { s->time = nan; }), HasSubstr("clock went back"));
+}
+
+}  // namespace
+}  // namespace impedraw
