@@ -21,18 +21,27 @@ void bind_arm(nb::module_& m) {
       "order of the URDF. Not thread-safe: each thread takes a model of its own.")
       .def_static(
           "from_urdf",
-          [](const std::filesystem::path& urdf, const std::string& tip_frame) {
-            return Arm(urdf, tip_frame);
+          [](const std::filesystem::path& urdf, const std::string& tip_frame, nb::handle rotors) {
+            return Arm(urdf, tip_frame, rotors);
           },
-          nb::arg("urdf"), nb::arg("tip_frame") = "tip",
-          "tip_frame: frame E, origin at the tip's apex, z out of the tip. Raises ValueError if\n"
-          "the file is missing or malformed, has more than 12 joints, or lacks the frame.")
+          nb::arg("urdf"), nb::arg("tip_frame") = "tip", nb::arg("rotor_inertia") = nb::tuple(),
+          nb::sig("def from_urdf(urdf: str | os.PathLike, tip_frame: str = 'tip', rotor_inertia: "
+                  "float | collections.abc.Sequence[float] = ()) -> ArmModel"),
+          "tip_frame: frame E, origin at the tip's apex, z out of the tip. rotor_inertia: of the\n"
+          "joints' rotors, reflected through their gears, one for all joints or one for each; "
+          "none:\n"
+          "as the URDF says [kg m²]. Raises ValueError if the file is missing or malformed, has "
+          "more\n"
+          "than 12 joints, or lacks the frame.")
       .def_static(
-          "standard", [] { return Arm(data_folder() / "models/iiwa14_pen.urdf", "tip"); },
+          "standard",
+          [] { return Arm(data_folder() / "models/iiwa14_pen.urdf", "tip", nb::tuple()); },
           "The standard arm of seven joints with a pen.")
       .def_prop_ro("joints", [](const Arm& a) { return a.model.joints(); })
       .def_prop_ro("joint_names", [](const Arm& a) { return a.model.joint_names(); })
       .def_prop_ro("limits", [](const Arm& a) { return ArmLimits(a.model.limits()); })
+      .def_prop_ro("rotor_inertia",
+                   [](const Arm& a) { return array(a.model.rotor_inertia(), nb::handle()); })
       .def_prop_ro("urdf", [](const Arm& a) { return a.urdf; })
       .def(
           "compute",

@@ -12,8 +12,12 @@ namespace impedraw::python {
 struct Arm {
   ArmModel model;
   std::filesystem::path urdf;
-  explicit Arm(const std::filesystem::path& file, const std::string& tip)
-      : model(file, tip), urdf(file) {}
+  explicit Arm(const std::filesystem::path& file, const std::string& tip, nb::handle rotors)
+      : model(file, tip), urdf(file) {
+    std::vector<double> values;
+    set(rotors, values, "rotor_inertia");
+    model.set_rotor_inertia(values);
+  }
 
   JointVector vector(nb::handle value, const char* name) const {
     JointVector x;

@@ -153,6 +153,7 @@ void set(nb::handle value, T& x, const std::string& name) {
     if (!nb::isinstance<nb::sequence>(value) || nb::isinstance<nb::str>(value)) {
       if constexpr (std::is_same_v<T, std::vector<double>>) {
         const DoubleArray a = doubles_of(value, name);
+        if (a.ndim() == 0) return x.assign(1, a.data()[0]);  // one number is a list of one
         require_shape(a, name, {-1});
         x.assign(a.data(), a.data() + a.shape(0));
         return;
@@ -195,7 +196,9 @@ std::string type_text(bool given) {
     return "str";
   } else if constexpr (IsVector<T>::value) {
     const std::string of = type_text<typename T::value_type>(given);
-    return given ? "collections.abc.Sequence[" + of + "]" : "list[" + of + "]";
+    if (!given) return "list[" + of + "]";
+    const bool or_one = std::is_same_v<T, std::vector<double>>;
+    return (or_one ? "float | " : "") + ("collections.abc.Sequence[" + of + "]");
   } else if constexpr (IsOptional<T>::value) {
     return type_text<typename T::value_type>(given) + " | None";
   } else {

@@ -108,7 +108,8 @@ void bind_simulation(nb::module_& m) {
       .field("mass_scale", &E::mass_scale, "of mass and inertia of every link, 0.1 to 10")
       .field("centre_shift", &E::centre_shift, "[m]")
       .field("viscous_friction", &E::viscous_friction, "every joint [Nm s/rad]")
-      .field("rotor_inertia", &E::rotor_inertia, "about every joint's axis [kg m²]")
+      .field("rotor_inertia", &E::rotor_inertia,
+             "true, one for all joints or one each; empty: as the URDF says [kg m²]")
       .field("torque_ripple", &E::torque_ripple, "every joint [Nm]")
       .field("torque_quantum", &E::torque_quantum, "resolution; 0: continuous [Nm]")
       .field("loop_delay", &E::loop_delay, "[s]")

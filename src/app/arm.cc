@@ -37,7 +37,7 @@ NamedArm named_arm(DrawOptions options) {
   if (options.arm.empty()) options.arm = "iiwa-lcm";
   NamedArm arm;
   arm.scenario = resolve(options);
-  arm.model = std::make_unique<ArmModel>(urdf_of(arm.scenario.arm));
+  arm.model = std::make_unique<ArmModel>(model_of(arm.scenario.arm));
   return arm;
 }
 

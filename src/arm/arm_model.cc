@@ -10,6 +10,8 @@
 
 #include "impedraw/arm/urdf_model.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/per_joint.h"
+#include "impedraw/common/range_check.h"
 
 namespace impedraw {
 
@@ -45,6 +47,7 @@ ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_fra
               model.upperVelocityLimit};
   w.limits.torque_rate = w.urdf.notes.torque_rate;
   w.q = w.v = Eigen::VectorXd::Zero(model.nv);
+  set_rotor_inertia({});
 }
 
 ArmModel::~ArmModel() = default;
@@ -55,6 +58,15 @@ const std::vector<std::string>& ArmModel::joint_names() const { return workspace
 const ArmLimits& ArmModel::limits() const { return workspace_->limits; }
 const std::vector<double>& ArmModel::rest_posture() const {
   return workspace_->urdf.notes.rest_posture;
+}
+
+const Eigen::VectorXd& ArmModel::rotor_inertia() const { return workspace_->urdf.model.armature; }
+
+void ArmModel::set_rotor_inertia(const std::vector<double>& values) {
+  require_in_range("arm", kRotorInertia, values);
+  UrdfModel& urdf = workspace_->urdf;
+  urdf.model.armature = per_joint(
+      "arm.rotor_inertia", values.empty() ? urdf.notes.rotor_inertia : values, urdf.model.nv);
 }
 
 void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
@@ -20,6 +21,8 @@ struct ArmLimits {
   // Of every joint's torque [Nm/s]; infinite where the description does not say.
   double torque_rate = std::numeric_limits<double>::infinity();
 };
+
+inline constexpr Limit kRotorInertia = {"rotor_inertia", "kg m²", {0.0, 10.0}};
 
 // Collision capsule of a link: all points within `radius` of the segment a–b.
 struct BodyCapsule {
@@ -43,6 +46,13 @@ class ArmModel {
   const ArmLimits& limits() const;
   // Where the description says (arm_notes.h), else empty [rad].
   const std::vector<double>& rest_posture() const;
+
+  // Inertia of the rotors about the joints' axes, reflected through their gears [kg m²]. It stands
+  // on the diagonal of M, and turns with nothing else: neither C nor g has a part of it.
+  const Eigen::VectorXd& rotor_inertia() const;
+  // One value for all joints, or one for each; none: what the description says (arm_notes.h), else
+  // zero. Throws InputError for another number of values, or one below 0 or not finite.
+  void set_rotor_inertia(const std::vector<double>& values);
 
   // Computes all terms at (q, v). Allocates nothing. The relative difference from MuJoCo's terms is
   // < 1e-9 (tests/arm).

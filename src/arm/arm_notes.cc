@@ -57,6 +57,8 @@ ArmNotes read_arm_notes(const std::filesystem::path& urdf) {
   ArmNotes notes;
   if (const auto rest = note(text, "rest_posture"))
     notes.rest_posture = numbers_in(*rest, where + ": rest_posture");
+  if (const auto rotors = note(text, "rotor_inertia"))
+    notes.rotor_inertia = numbers_in(*rotors, where + ": rotor_inertia");
   if (const auto rate = note(text, "torque_rate")) {
     const std::vector<double> given = numbers_in(*rate, where + ": torque_rate");
     if (given.size() != 1 || !(given[0] > 0.0))

@@ -1,5 +1,6 @@
 // What impedraw needs to know of an arm and URDF has no word for: an element of its own,
-//   <impedraw rest_posture="0 0.6 0 -1.4 0 1.1 0" torque_rate="1000"/>
+//   <impedraw rest_posture="0 0.6 0 -1.4 0 1.1 0" torque_rate="1000"
+//             rotor_inertia="0.3 0.3 0.2 0.2 0.1 0.1 0.1"/>
 // directly in <robot>. Everyone else ignores it. And the pen on a bare arm's flange.
 #pragma once
 
@@ -14,6 +15,8 @@ struct ArmNotes {
   // A working posture, pen down, from which the inverse kinematics starts [rad]; empty: not given.
   std::vector<double> rest_posture;
   double torque_rate = std::numeric_limits<double>::infinity();  // of every joint [Nm/s]
+  // Reflected through the gear, of every joint or of each; empty: not given [kg m²].
+  std::vector<double> rotor_inertia;
 };
 
 // Throws InputError if a number in the element cannot be read.

@@ -9,8 +9,11 @@
 
 #include <pinocchio/parsers/urdf.hpp>
 
+#include "impedraw/arm/arm_model.h"
 #include "impedraw/arm/urdf_text.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/per_joint.h"
+#include "impedraw/common/range_check.h"
 #include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
@@ -145,6 +148,10 @@ UrdfModel read_urdf(const std::filesystem::path& urdf) {
   if (rest != 0 && rest != static_cast<std::size_t>(n))
     throw InputError(fmt::format("arm description {}: rest_posture has {} angles for {} joints",
                                  urdf.string(), rest, n));
+  per_joint(fmt::format("arm description {}: rotor_inertia", urdf.string()),
+            arm.notes.rotor_inertia, n);
+  require_in_range(fmt::format("arm description {}", urdf.string()), kRotorInertia,
+                   arm.notes.rotor_inertia);
   if (arm.model.nq != n || arm.model.njoints != n + 1)
     throw InputError(
         fmt::format("arm description {}: every joint must have one axis", urdf.string()));

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/experiment/plan.h"
@@ -29,6 +31,7 @@ struct ControlSetup {
     TouchModel model;
   };
   std::optional<Touch> touch;  // the surface is learned from touch
+  std::vector<std::string> notes;
 };
 
 // Throws InputError if the controller or the sensor rejects its settings.

@@ -29,6 +29,12 @@ fs::path urdf_of(const ArmSettings& s) {
   return s.urdf.empty() ? data_folder() / "models/iiwa14_pen.urdf" : s.urdf;
 }
 
+ArmModel model_of(const ArmSettings& s) {
+  ArmModel model(urdf_of(s));
+  model.set_rotor_inertia(s.rotor_inertia);
+  return model;
+}
+
 void visit_input_files(Scenario& s,
                        const std::function<void(const std::string&, fs::path&)>& visit) {
   if (!s.drawing.svg.empty()) visit("drawing.svg", s.drawing.svg);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/arm/arm_model.h"
 #include "impedraw/experiment/scenario.h"
 
 namespace impedraw {
@@ -27,8 +28,9 @@ void visit_input_files(
 // should be tells why.
 std::vector<KeptInput> read_input_files(Scenario scenario);
 
-// The URDF that the settings name or imply.
+// The URDF that the settings name or imply, and the model of it, with its rotors. Throws InputError.
 std::filesystem::path urdf_of(const ArmSettings& settings);
+ArmModel model_of(const ArmSettings& settings);
 
 // The SHA-256 of a file; empty if it cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);

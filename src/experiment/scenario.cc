@@ -186,6 +186,11 @@ void describe(Fields& f, ArmSettings& s) {
           "Not sim, clock: wall: the loop's thread asks the system for real-time priority and "
           "locked memory; where it gets none, a note says so.");
   f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.");
+  f.field(kRotorInertia, s.rotor_inertia,
+          "Inertia of the rotors about the joints' axes, reflected through their gears, as the "
+          "controller's model has it: one for all joints or one for each; empty: what the URDF's "
+          "impedraw element says, else none.");
+  f.or_one();
   f.field(Limits::posture_seed, s.posture_seed,
           "Joint angles from which the inverse kinematics starts, one per joint; empty: those of "
           "the iiwa for seven joints, else found by a search.");
@@ -621,6 +626,9 @@ void describe(Fields& f, ControlSettings& s) {
       Limits::joint_speed_share, s.joint_speed_share,
       "Fraction of the arm's joint speed limits that the control law may ask for; faster joints "
       "are damped.");
+  f.field("check_rotors", s.check_rotors,
+          "Refuses a simulated arm whose rotors differ from arm.rotor_inertia by more than the law "
+          "bears.");
   f.field(Limits::limit_margin, s.joint_range.margin,
           "Distance from its limit at which a joint is pushed back, in the null space.");
   f.field(Limits::limit_torque, s.joint_range.torque,
@@ -648,7 +656,9 @@ void describe(Fields& f, ModelErrors& s) {
           "True mass and inertia of every link and the pen as a multiple of the modelled ones.");
   f.field(Limits::centre_shift, s.centre_shift, "Shift of every link's centre of mass.");
   f.field(Limits::viscous_friction, s.viscous_friction, "Viscous friction of every joint.");
-  f.field(Limits::rotor_inertia, s.rotor_inertia, "Rotor inertia of every joint.");
+  f.field(Limits::rotor_inertia, s.rotor_inertia,
+          "True rotor inertia: one for all joints or one for each; empty: as arm.rotor_inertia.");
+  f.or_one();
   f.field(Limits::torque_ripple, s.torque_ripple, "Amplitude of the torque ripple of every joint.");
   f.field(Limits::torque_quantum, s.torque_quantum,
           "Resolution of the joint torques; 0: continuous.");

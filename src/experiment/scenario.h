@@ -85,6 +85,8 @@ struct ArmSettings {
   bool real_time = true;
 
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
+  // As the controller's model has it, of all joints or of each; empty: what the URDF says [kg m²].
+  std::vector<double> rotor_inertia;
   // The inverse kinematics of the start starts here and stays near, one entry per joint [rad];
   // empty: see start_posture.h.
   std::vector<double> posture_seed;
@@ -227,6 +229,7 @@ struct ControlSettings : ImpedanceSettings {
   double torque_share = 1.0;       // of the arm's torque limits
   double torque_rate = 4000.0;     // of every joint [Nm/s]
   double joint_speed_share = 0.9;  // of the arm's joint speed limits
+  bool check_rotors = true;        // refuses what the law would not bear (rotor_check.h)
   // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
   // Of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.

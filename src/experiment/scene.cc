@@ -203,12 +203,16 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   });
   // The arm model comes before the world: its reader names the joint or link that is at fault.
   const std::filesystem::path urdf = urdf_of(s.arm);
-  ArmModel arm = setting_errors.locate({"arm.urdf"}, [&] { return ArmModel(urdf); });
+  ArmModel arm =
+      setting_errors.locate({"arm.rotor_inertia", "arm.urdf"}, [&] { return model_of(s.arm); });
   check_joint_settings(s, urdf, arm, setting_errors);
   WorldSettings settings = s.world;
   settings.flange_sensor = has_sensor(s.control.source);
-  auto world = setting_errors.locate(
-      {"arm.urdf"}, [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
+  if (settings.errors.rotor_inertia.empty())
+    settings.errors.rotor_inertia.assign(arm.rotor_inertia().begin(), arm.rotor_inertia().end());
+  auto world = setting_errors.locate({"world.errors.rotor_inertia", "arm.urdf"}, [&] {
+    return std::make_unique<World>(urdf, canvas.get(), settings);
+  });
   note_dynamics(*world, s.world, &notes);
   setting_errors.locate({"canvas.motion"}, [&] { world->move_canvas(canvas_motion(s)); });
   check_pushes(s, *world, setting_errors);

@@ -111,6 +111,7 @@ Json shape_of(const Setting& setting) {
     json["items"] = shape_of(element);
     json["items"].erase("default");
     json["maxItems"] = most_entries;
+    if (list->or_one) json = {{"anyOf", {json["items"], json}}};
     if (list->size() == 0) json["default"] = Json::array();
   } else if (const auto* numbers = std::get_if<Numbers>(&setting.value)) {
     json["type"] = "array";

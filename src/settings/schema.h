@@ -40,6 +40,7 @@
 // A renamed setting or word of a choice keeps its old name as an alias:
 //   f.field("normal_force", s.force, ...);  f.formerly("push");
 //   f.choice("sensor", s.sensor, ...);      f.formerly("true", "ground_truth");
+// A list that may be given as one value: f.field("speeds", s.speeds, ...);  f.or_one();
 // A path in a file is relative to the file's folder; in --set, to the working directory. An empty
 // path stays empty.
 #pragma once
@@ -103,6 +104,7 @@ struct List {
   std::function<Setting(std::size_t)> element;
   // a default element, for the documentation
   std::function<std::pair<std::shared_ptr<void>, Setting>()> sample;
+  bool or_one = false;  // one element may stand without brackets
 };
 
 struct Setting {
@@ -193,6 +195,9 @@ class Fields {
         .former_words.emplace_back(std::move(word), std::move(now));
   }
 
+  // The last setting is a list, and may be given as one value: 0.1 for [0.1].
+  void or_one() { std::get<List>(settings_.back().value).or_one = true; }
+
   std::vector<Setting> take() && { return std::move(settings_); }
 
  private:
@@ -228,7 +233,7 @@ class Fields {
       return std::pair<std::shared_ptr<void>, Setting>(t, std::move(setting));
     };
     return {[&value] { return value.size(); }, [&value](std::size_t n) { value.resize(n); },
-            [&value, element](std::size_t i) { return element(value[i]); }, sample};
+            [&value, element](std::size_t i) { return element(value[i]); }, sample, false};
   }
 
   std::vector<Setting> settings_;

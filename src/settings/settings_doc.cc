@@ -28,7 +28,9 @@ void put_list(std::vector<SettingRow>& rows, const std::string& name, const List
     std::vector<std::string> words;
     for (std::size_t i = 0; i < list.size(); ++i)
       words.push_back(std::get<Scalar>(list.element(i).value).text());
-    rows.push_back(row(name, "list of " + scalar->type + "s", "[" + joined(words) + "]", by));
+    rows.push_back(row(name,
+                       (list.or_one ? scalar->type + " or " : "") + "list of " + scalar->type + "s",
+                       "[" + joined(words) + "]", by));
     return;
   }
   rows.push_back(row(name, "list", fmt::format("{} of them", list.size()), by));

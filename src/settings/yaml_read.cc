@@ -154,7 +154,14 @@ class Reader {
   }
 
   void read(const YAML::Node& node, int line, const List& list, const std::string& name) {
-    if (!node.IsSequence()) wrong(place(line), fmt::format("{} must be a list", name));
+    if (list.or_one && node.IsScalar()) {
+      list.resize(1);
+      places_.forget(name);
+      return read(node, line, list.element(0), name);
+    }
+    if (!node.IsSequence())
+      wrong(place(line),
+            fmt::format("{} must be {}a list", name, list.or_one ? "a number or " : ""));
     if (node.size() > most_entries)
       wrong(place(line), fmt::format("{} has {} entries, allowed are at most {}", name, node.size(),
                                      most_entries));

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/arm/arm_notes.h"
 #include "impedraw/arm/urdf_text.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/per_joint.h"
 #include "impedraw/common/range_check.h"
 
 namespace impedraw {
@@ -73,8 +75,17 @@ CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gra
   Eigen::Map<Eigen::VectorXd> explicit_damping(m->dof_damping, m->nv);
   arm.damping = explicit_damping.array() + errors.viscous_friction;
   explicit_damping.setZero();
-  Eigen::Map<Eigen::VectorXd>(m->dof_armature, m->nv) =
-      dt * arm.damping.array() + errors.rotor_inertia;
+  const std::vector<double>& told = errors.rotor_inertia;
+  try {
+    Eigen::Map<Eigen::VectorXd>(m->dof_armature, m->nv) =
+        dt * arm.damping + per_joint("world.errors.rotor_inertia",
+                                     told.empty() ? read_arm_notes(urdf).rotor_inertia : told,
+                                     m->nv);
+  } catch (const InputError&) {
+    mj_deleteModel(arm.dynamics);
+    mj_deleteModel(arm.shape);
+    throw;
+  }
   return arm;
 }
 

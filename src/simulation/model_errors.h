@@ -2,11 +2,13 @@
 // default. Dry friction is in WorldSettings.
 //
 // Plant, true        M' v̇ + C' v + g' = τ_a − b v + …
-//                    M', C', g' with mass_scale and centre_shift; M' with rotor_inertia added on
-//                    the diagonal
+//                    M', C', g' with mass_scale and centre_shift; M' with the true rotor_inertia
+//                    on the diagonal
 // Torque that acts   τ_a = round(τ(t − loop_delay) / quantum) quantum + A sin(30 q_j + φ_j)
 //                    φ_j = 2π · 0.381966 j: a different phase for each joint
 #pragma once
+
+#include <vector>
 
 #include "impedraw/common/range.h"
 
@@ -21,9 +23,11 @@ struct ModelErrors {
   // excludes the pen [m]
   double centre_shift = 0.0;
   double viscous_friction = 0.0;  // b, every joint, ≥ 0 [Nm s/rad]
-  double rotor_inertia = 0.0;     // about every joint's axis, ≥ 0 [kg m²]
-  double torque_ripple = 0.0;     // A, every joint [Nm]
-  double torque_quantum = 0.0;    // torque resolution, ≥ 0; 0: continuous [Nm]
+  // True, about every joint's axis or about each, ≥ 0; empty: what the URDF says (arm_notes.h),
+  // else zero [kg m²]
+  std::vector<double> rotor_inertia;
+  double torque_ripple = 0.0;   // A, every joint [Nm]
+  double torque_quantum = 0.0;  // torque resolution, ≥ 0; 0: continuous [Nm]
   // rounded to steps, at most kMostDelaySteps; the first torque acts without delay [s]
   double loop_delay = 0.0;
   // offset of the true tip E along its z from its place in the URDF [m]

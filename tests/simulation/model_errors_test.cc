@@ -105,7 +105,7 @@ TEST(ModelErrors, CentreShiftChangesTheHoldingTorqueAsPotentialEnergySays) {
 }
 
 TEST(ModelErrors, RotorInertiaStandsOnTheDiagonalAndWeighsNothing) {
-  World urdf = iiwa({}), geared = iiwa({.rotor_inertia = 0.4});
+  World urdf = iiwa({}), geared = iiwa({.rotor_inertia = {0.4}});
   const JointVector q = working_posture(), v = JointVector::Constant(7, 0.5);
   urdf.set_state(q, v);
   geared.set_state(q, v);
@@ -114,7 +114,7 @@ TEST(ModelErrors, RotorInertiaStandsOnTheDiagonalAndWeighsNothing) {
   EXPECT_LT((geared.terms().bias - urdf.terms().bias).norm(), 1e-12);
 
   // 2.5 kg along x, and 0.5 kg of rotor inertia on the joint
-  World world = slider({.rotor_inertia = 0.5});
+  World world = slider({.rotor_inertia = {0.5}});
   world.step(JointVector::Unit(3, 0), kNoPush);
   EXPECT_NEAR(world.state().v[0], 1e-3 / 3.0, 1e-15);
 }
@@ -252,7 +252,7 @@ TEST(ModelErrors, FrictionAndContactFitTheSameNewVelocity) {
   std::mt19937 rng(3);
   SCOPED_TRACE("seed 3");
   WorldSettings settings = with(
-      {.mass_scale = 1.05, .centre_shift = 0.003, .viscous_friction = b, .rotor_inertia = 0.1});
+      {.mass_scale = 1.05, .centre_shift = 0.003, .viscous_friction = b, .rotor_inertia = {0.1}});
   settings.joint_friction = dry;
   World probe(kArm, nullptr, settings);
   int stuck = 0, sliding = 0;
@@ -441,7 +441,7 @@ TEST(ModelErrors, AreRefusedByNameWhenOutOfRange) {
   EXPECT_THAT(message({.centre_shift = nan}), testing::HasSubstr("centre_shift"));
   EXPECT_THAT(message({.viscous_friction = -1.0}),
               testing::HasSubstr("viscous_friction is -1 Nm s/rad,"));
-  EXPECT_THAT(message({.rotor_inertia = -0.1}), testing::HasSubstr("rotor_inertia"));
+  EXPECT_THAT(message({.rotor_inertia = {-0.1}}), testing::HasSubstr("rotor_inertia"));
   EXPECT_THAT(message({.torque_ripple = nan}), testing::HasSubstr("torque_ripple"));
   EXPECT_THAT(message({.torque_quantum = -0.1}), testing::HasSubstr("torque_quantum"));
   EXPECT_THAT(message({.loop_delay = 0.017}),

@@ -27,7 +27,7 @@ TEST(NoAllocation, AStepWithEveryErrorAndTheSensorsMakesNone) {
   WorldSettings settings = with({.mass_scale = 1.05,
                                  .centre_shift = 0.003,
                                  .viscous_friction = 0.5,
-                                 .rotor_inertia = 0.1,
+                                 .rotor_inertia = {0.1},
                                  .torque_ripple = 0.1,
                                  .torque_quantum = 0.01,
                                  .loop_delay = 2e-3,
