@@ -26,10 +26,12 @@ using Eigen::Vector3d;
 constexpr double kNear = 2.0;  // cost of the object's whole extent away from where it is wanted
 constexpr double kCalmIfNear = 0.3;  // weight of a calm surface then
 constexpr double kShrink = 0.85, kSmallest = 0.25;
-constexpr int kChecked = 12, kWhole = 3;  // places that pass the pre-flight; that suffice
+constexpr int kChecked = 20, kWhole = 3,
+              kInVain = 8;  // places: checked; that suffice; since the best one
 constexpr double kAll = 0.999, kMost = 0.98, kPromising = 0.95;
 
-// How far from the wish a point of W is, in extents of the object `points`.
+// How far from the wish a point of W is, in extents of the object `points`; from a point that is
+// named, in half its diagonal.
 std::function<double(const Vector3d&)> distance_of(const std::string& near,
                                                    const std::vector<Vector3d>& points) {
   static const std::map<std::string, Vector3d> sides = {{"front", Vector3d::UnitX()},
@@ -58,7 +60,7 @@ std::function<double(const Vector3d&)> distance_of(const std::string& near,
         "--near: '{}' is no place; valid are front, back, left, right, top, or x,y,z in m", near));
   Eigen::AlignedBox3d box;
   for (const Vector3d& p : points) box.extend(p);
-  return [at = Vector3d(x[0], x[1], x[2]), extent = std::max(box.diagonal().norm(), 1e-3)](
+  return [at = Vector3d(x[0], x[1], x[2]), extent = std::max(box.diagonal().norm() / 2, 1e-3)](
              const Vector3d& p) { return (p - at).norm() / extent; };
 }
 
@@ -85,7 +87,7 @@ std::function<double(const SurfaceSample&)> unreachable(Scene& scene, const Pose
       std::make_shared<PostureCheck>(scene.arm, scene.obstacle.get(), scene.start_q, settings);
   return [check, X_WP, start_q = scene.start_q,
           upright = settings.vertical_pen](const SurfaceSample& at) {
-    constexpr double kEasy = 0.4, kStrained = 0.2;  // joint margin [rad]; cost of none
+    constexpr double kEasy = 0.4, kStrained = 0.05;  // joint margin [rad]; cost of none
     const Vector3d n = upright ? Vector3d(Vector3d::UnitZ()) : at.n_P;
     const Posture posture = check->enter({X_WP * at.p_P, -(X_WP.R * n)}, start_q);
     if (!posture.reached || posture.problem) return 1.0;
@@ -154,6 +156,12 @@ struct Checked {
   PlaceFound place;
   PlacementSettings placement;
   double share = -1.0, cost = std::numeric_limits<double>::infinity();
+
+  // Of those that can be drawn but for a trace, the cheaper one.
+  bool better_than(const Checked& other) const {
+    const double mine = std::min(share, kMost), its = std::min(other.share, kMost);
+    return mine > its || (mine == its && cost < other.cost);
+  }
 };
 
 }  // namespace
@@ -161,6 +169,7 @@ struct Checked {
 SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
                               const SurfaceWish& wish,
                               const std::function<void(double)>& progress) {
+  distance_of(wish.near, {});  // refuses it before anything takes long
   const SettingErrors errors(places);
   SurfacePlace result;
   Scenario& s = result.scenario = scenario;
@@ -187,6 +196,10 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     settings.calm = kCalmIfNear;
     settings.near = [distance, X_WP](const Vector3d& p_P) { return kNear * distance(X_WP * p_P); };
   }
+  if (scene.perception)
+    settings.rough = [&scene, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
+      return scene.perception->roughness(X_WP * p_P).misfit / most;
+    };
   PlaceSearch search(scene.surface(X_WP), settings);
   if (progress) progress(0.2);
 
@@ -227,8 +240,8 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     return checked;
   };
   for (double size = 1.0; size >= kSmallest; size *= kShrink) {
-    int whole = 0;
-    for (int i = 0; i < kChecked && whole < kWhole; ++i) {
+    int whole = 0, in_vain = 0;
+    for (int i = 0; i < kChecked && whole < kWhole && in_vain < kInVain; ++i) {
       const PlaceFound place = search.best(drawing, size, tried);
       if (!std::isfinite(place.cost)) break;
       // A smaller one will do better.
@@ -237,9 +250,10 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
       tried.push_back(place);
       const Checked checked = check(place);
       whole += checked.share >= kAll;
-      const bool better = std::min(checked.share, kAll) > std::min(best.share, kAll) ||
-                          (checked.share >= kAll && best.share >= kAll && checked.cost < best.cost);
-      if (better) best = checked;
+      ++in_vain;
+      if (!checked.better_than(best)) continue;
+      best = checked;
+      in_vain = 0;
     }
     if (!wish.shrink || best.share >= kMost) break;
   }

@@ -59,10 +59,11 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
         bad |= step_between(*here, there) > kBroken;
         bend = std::max(bend, (there.n_P - here->n_P).norm() / (there.p_P - here->p_P).norm());
       }
-      const auto square = [](double x) { return std::min(1.0, x * x); };
+      const auto square = [](double x) { return std::min(4.0, x * x); };
       Cell& c = cells_[index(i, j)];
       c.bad = bad;
       c.cost = settings_.calm * (square(slope / kSteepPlace) + square(bend / kBent));
+      if (settings_.rough) c.cost += settings_.calm * square(settings_.rough(here->p_P));
       if (settings_.near) c.cost += settings_.near(here->p_P);
     }
   }

@@ -3,12 +3,13 @@
 //
 // The surface is looked at once, over square cells. A cell costs
 //
-//   c = 10 b + 5 u + calm ((θ / 60°)² + (κ / 40 m⁻¹)² + e) + near
+//   c = 10 b + 5 u + calm ((θ / 60°)² + (κ / 40 m⁻¹)² + r² + e) + near
 //
 //   b     1 where the surface is missing, steeper than max_slope or broken, by a step that the slopes
 //         on both sides do not explain; or where avoid() says so
 //   u     what `unreachable` says of the cell's neighbourhood: 0, the arm is at ease there, to 1
 //   θ, κ  slope and bend; e: 1 beside a cell with b = 1, 1/2 one cell further away
+//   r     roughness, as a share of what is too rough to be drawn on
 //   near  distance from where the drawing is wanted
 //
 // A placement costs the mean of c over the drawing's points, and a little for being turned. So places
@@ -32,6 +33,7 @@ struct PlaceSearchSettings {
   double calm = 1.0;          // weight
   std::function<double(const SurfaceSample&)> unreachable;  // asked every 24 mm; null: 0
   std::function<double(const Eigen::Vector3d& p_P)> near;   // null: 0
+  std::function<double(const Eigen::Vector3d& p_P)> rough;  // null: 0
 };
 
 // The drawing, about its middle, is turned by turn_deg, scaled by `size` and put at `middle`.
