@@ -13,6 +13,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/experiment/place_auto.h"
+#include "impedraw/experiment/place_surface.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/report.h"
 #include "impedraw/run/calibrate_tool.h"
@@ -99,7 +100,32 @@ std::string settings_page() {
 
 }  // namespace
 
+namespace {
+
+Scenario placed_on_surface(const SurfaceWish& wish, const Scenario& scenario,
+                           const Places& places) {
+  SurfacePlace found;
+  {
+    ProgressLine line;
+    found = place_on_surface(scenario, places, wish,
+                             [&line](double share) { line.update("placing the drawing", share); });
+  }
+  say(stderr,
+      "placed  the drawing's middle at ({:.3f}, {:.3f}, {:.3f}) m, turned by {:.0f}°, {:.0f} × "
+      "{:.0f} mm: {:.1f} % of it can be drawn\n        again there:",
+      found.p_W.x(), found.p_W.y(), found.p_W.z(), found.turn_deg, found.size_mm.x(),
+      found.size_mm.y(), 100.0 * found.share);
+  for (const std::string& set : found.assignments) say(stderr, " --set '{}'", set);
+  say(stderr, "\n");
+  return found.scenario;
+}
+
+}  // namespace
+
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
+  if (options.place == "surface") return placed_on_surface(options.surface, scenario, places);
+  if (!options.surface.near.empty() || options.surface.shrink)
+    throw InputError("--near and --shrink need --place surface");
   if (options.place != "auto") return scenario;
   PlacedCanvas found;
   {
@@ -132,7 +158,7 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
     throw InputError(fmt::format(
         "--resume: {} contains no run to resume; name its folder with --out", folder.string()));
   // A resumed run keeps its placement.
-  if (begun && (!given || options.place == "auto"))
+  if (begun && (!given || options.place != "fixed"))
     scenario = recorded_scenario(folder, &places);
   else
     scenario = placed(options, scenario, places);

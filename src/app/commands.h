@@ -11,8 +11,8 @@
 
 namespace impedraw {
 
-// With --place auto, moves canvas and drawing to where the arm reaches them best and prints the
-// placement.
+// With --place auto, moves canvas and drawing to where the arm reaches them best; with --place
+// surface, the drawing alone to where it can be drawn. Prints the placement.
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places);
 
 // `table`: prints all metrics, not only how it went.

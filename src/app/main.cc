@@ -165,9 +165,15 @@ int run_program(int argc, char** argv) {
   for (CLI::App* command : {draw, plan}) {
     command
         ->add_option("--place", options.place,
-                     "where the canvas stands: fixed, as the scenario says; auto, where the "
-                     "arm reaches the drawing best")
-        ->check(CLI::IsMember({"fixed", "auto"}));
+                     "where canvas and drawing are: fixed, as the scenario says; auto, both "
+                     "moved to where the arm reaches best; surface, the drawing moved on the "
+                     "canvas to where most of it can be drawn")
+        ->check(CLI::IsMember({"fixed", "auto", "surface"}));
+    command->add_option("--near", options.surface.near,
+                        "with --place surface: near x,y,z (in m), or on the canvas's front (+x), "
+                        "back, left (+y), right or top");
+    command->add_flag("--shrink", options.surface.shrink,
+                      "with --place surface: smaller where the whole does not fit");
     command->add_option("--commissioned", commissioned,
                         "folder that ./impedraw arm latency … register left: the loop's delay "
                         "and a mesh's pose are taken from it");

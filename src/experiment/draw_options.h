@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/experiment/place_surface.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/settings/yaml_read.h"
 
@@ -19,13 +20,14 @@ struct DrawOptions {
   std::filesystem::path svg;
   std::string text;  // to draw
   bool no_perception = false;
-  bool keep_order = false;               // of a file's strokes
-  bool skip_unreachable = false;         // omits what fails the pre-flight
-  std::string place = "fixed";           // placement of the canvas: fixed, auto
-  bool resume = false;                   // continues the run in `out`
-  bool overwrite = false;                // replaces a finished run in `out`
-  std::string arm;                       // sim, iiwa-lcm, franka; empty: as the scenario says
-  std::filesystem::path out;             // empty: runs/<name> in the working directory
+  bool keep_order = false;        // of a file's strokes
+  bool skip_unreachable = false;  // omits what fails the pre-flight
+  std::string place = "fixed";    // fixed; auto: of the canvas; surface: of the drawing on it
+  SurfaceWish surface;            // for place surface
+  bool resume = false;            // continues the run in `out`
+  bool overwrite = false;         // replaces a finished run in `out`
+  std::string arm;                // sim, iiwa-lcm, franka; empty: as the scenario says
+  std::filesystem::path out;      // empty: runs/<name> in the working directory
   std::vector<std::string> assignments;  // --set
 };
 

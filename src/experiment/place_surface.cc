@@ -1,0 +1,280 @@
+#include "impedraw/experiment/place_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/common/text_fields.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/planning/preflight/place_search.h"
+#include "impedraw/planning/preflight/posture_check.h"
+#include "impedraw/planning/stroke_ruler.h"
+
+namespace impedraw {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kNear = 2.0;  // cost of the object's whole extent away from where it is wanted
+constexpr double kCalmIfNear = 0.3;  // weight of a calm surface then
+constexpr double kShrink = 0.85, kSmallest = 0.25;
+constexpr int kChecked = 20, kWhole = 3,
+              kInVain = 8;  // places: checked; that suffice; since the best one
+constexpr double kAll = 0.999, kMost = 0.98, kPromising = 0.95;
+
+// How far from the wish a point of W is, in extents of the object `points`; from a point that is
+// named, in half its diagonal.
+std::function<double(const Vector3d&)> distance_of(const std::string& near,
+                                                   const std::vector<Vector3d>& points) {
+  static const std::map<std::string, Vector3d> sides = {{"front", Vector3d::UnitX()},
+                                                        {"back", -Vector3d::UnitX()},
+                                                        {"left", Vector3d::UnitY()},
+                                                        {"right", -Vector3d::UnitY()},
+                                                        {"top", Vector3d::UnitZ()}};
+  if (near.empty()) return {};
+  if (const auto side = sides.find(near); side != sides.end()) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Vector3d& p : points) {
+      low = std::min(low, side->second.dot(p));
+      high = std::max(high, side->second.dot(p));
+    }
+    return [d = side->second, high, extent = std::max(high - low, 1e-3)](const Vector3d& p) {
+      return (high - d.dot(p)) / extent;
+    };
+  }
+  const std::vector<std::string_view> fields = fields_of(near);
+  std::vector<double> x;
+  for (const std::string_view field : fields)
+    if (const auto number = number_in(field); number && std::abs(*number) <= 10.0)
+      x.push_back(*number);
+  if (x.size() != 3 || fields.size() != 3)
+    throw InputError(fmt::format(
+        "--near: '{}' is no place; valid are front, back, left, right, top, or x,y,z in m", near));
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : points) box.extend(p);
+  return [at = Vector3d(x[0], x[1], x[2]), extent = std::max(box.diagonal().norm() / 2, 1e-3)](
+             const Vector3d& p) { return (p - at).norm() / extent; };
+}
+
+// Points spaced evenly along the drawing, about the middle of its box.
+std::vector<Vector2d> points_about_middle(const std::vector<PlacedStroke>& strokes,
+                                          const Vector2d& middle) {
+  constexpr double kSpacing = 2e-3, kMostPoints = 400.0;  // [m]
+  const double step = std::max(kSpacing, plane_length(strokes) / kMostPoints);
+  std::vector<Vector2d> points;
+  double until = 0.0;  // the next point, along the stroke
+  for (const PlacedStroke& stroke : strokes) {
+    const StrokeRuler ruler(stroke);
+    for (until = std::min(until, ruler.length()); until <= ruler.length(); until += step)
+      points.push_back(ruler.at(until).p_P - middle);
+    until -= ruler.length();
+  }
+  return points;
+}
+
+// What a candidate needs: how easily the arm reaches a place of the surface. At ease: 0; not: 1.
+std::function<double(const SurfaceSample&)> unreachable(Scene& scene, const Pose& X_WP,
+                                                        const PreflightSettings& settings) {
+  const auto check =
+      std::make_shared<PostureCheck>(scene.arm, scene.obstacle.get(), scene.start_q, settings);
+  return [check, X_WP, start_q = scene.start_q,
+          upright = settings.vertical_pen](const SurfaceSample& at) {
+    constexpr double kEasy = 0.4, kStrained = 0.05;  // joint margin [rad]; cost of none
+    const Vector3d n = upright ? Vector3d(Vector3d::UnitZ()) : at.n_P;
+    const Posture posture = check->enter({X_WP * at.p_P, -(X_WP.R * n)}, start_q);
+    if (!posture.reached || posture.problem) return 1.0;
+    return kStrained * (1.0 - std::clamp(posture.margins.joint / kEasy, 0.0, 1.0));
+  };
+}
+
+// The surface that the planner knows, in P.
+std::vector<Vector3d> known_points(const Scene& scene, const Pose& X_WP) {
+  std::vector<Vector3d> points =
+      scene.planning ? scene.planning->cloud().points : scene.canvas->mesh().vertices;
+  for (Vector3d& p : points) p = X_WP.inverse() * p;
+  return points;
+}
+
+struct Placing {
+  PlacementSettings given;  // completed
+  Artwork drawn;
+  Placement placed;  // as given
+  Vector2d middle;   // of the strokes' box, P [m]
+
+  // Rounded as it is printed.
+  PlacementSettings at(const PlaceFound& found) const {
+    const auto rounded = [](double x, double to) { return std::round(x / to) * to; };
+    PlacementSettings s = given;
+    // A rectangle's sides stay along the world's axes: a drawing that turns in it changes its size.
+    if (found.size != 1.0 || s.fit_width_m || s.fit_height_m) {
+      s.width_mm = s.height_mm = s.fit_width_m = s.fit_height_m = std::nullopt;
+      s.margin_mm = 0.0;
+      s.fit_page = false;
+      s.scale = rounded(found.size * placed.scale(), 1e-4);
+    }
+    s.rotate_deg = rounded(std::remainder(given.rotate_deg + found.turn_deg, 360.0), 0.1);
+    const Vector2d centre = found(placed.centre_m - middle);
+    s.centre_m = Vector2d::Zero();
+    // Another page point may be at the centre now.
+    s.centre_m = centre - place(drawn, s).to_plane(placed.origin_mm);
+    for (double& x : s.centre_m) x = rounded(x, 1e-4);
+    return s;
+  }
+};
+
+std::vector<std::string> assignments_of(const PlacementSettings& s, const PlacementSettings& given,
+                                        const Scenario& scenario, bool moved) {
+  std::vector<std::string> sets = {
+      fmt::format("drawing.placement.centre=[{:.4f}, {:.4f}]", s.centre_m.x(), s.centre_m.y()),
+      fmt::format("drawing.placement.rotate={:.1f}", s.rotate_deg)};
+  if (s.scale != given.scale) {
+    const auto drop = [&](const char* name, bool was) {
+      if (was) sets.push_back(fmt::format("drawing.placement.{}=null", name));
+    };
+    drop("width", given.width_mm.has_value());
+    drop("height", given.height_mm.has_value());
+    drop("fit_width", given.fit_width_m.has_value());
+    drop("fit_height", given.fit_height_m.has_value());
+    if (given.margin_mm != 0.0) sets.emplace_back("drawing.placement.margin=0");
+    if (given.fit_page) sets.emplace_back("drawing.placement.fit_page=false");
+    sets.push_back(fmt::format("drawing.placement.scale={:.4f}", *s.scale));
+  }
+  const Vector3d& move = scenario.canvas.move;
+  if (moved) sets.push_back(fmt::format("canvas.move=[{}, {}, {}]", move.x(), move.y(), move.z()));
+  return sets;
+}
+
+struct Checked {
+  PlaceFound place;
+  PlacementSettings placement;
+  double share = -1.0, cost = std::numeric_limits<double>::infinity();
+
+  // Of those that can be drawn but for a trace, the cheaper one.
+  bool better_than(const Checked& other) const {
+    const double mine = std::min(share, kMost), its = std::min(other.share, kMost);
+    return mine > its || (mine == its && cost < other.cost);
+  }
+};
+
+}  // namespace
+
+SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
+                              const SurfaceWish& wish,
+                              const std::function<void(double)>& progress) {
+  distance_of(wish.near, {});  // refuses it before anything takes long
+  const SettingErrors errors(places);
+  SurfacePlace result;
+  Scenario& s = result.scenario = scenario;
+  s.drawing.placement = placement_settings(s.drawing);
+  PlacedArtwork artwork = load_artwork(s.drawing, errors);
+  const Pose X_WP = artwork.X_WP;
+  Scene scene = build_scene(s, X_WP, errors);
+  if (scene.height_unknown())
+    throw InputError(
+        "--place surface: nothing is known of the surface; valid is perception.enabled: true, or "
+        "blind.height: canvas");
+
+  const std::vector<Vector3d> points = known_points(scene, X_WP);
+  PlaceSearchSettings settings;
+  std::vector<Vector3d> points_W;
+  for (const Vector3d& p : points) {
+    settings.box.extend(p.head<2>());
+    points_W.push_back(X_WP * p);
+  }
+  settings.max_slope_deg = s.preflight.max_slope_deg;
+  settings.unreachable = unreachable(
+      scene, X_WP, preflight_settings(s, X_WP, scene.perception != nullptr, scene.start_q));
+  if (const auto distance = distance_of(wish.near, points_W)) {
+    settings.calm = kCalmIfNear;
+    settings.near = [distance, X_WP](const Vector3d& p_P) { return kNear * distance(X_WP * p_P); };
+  }
+  if (scene.perception)
+    settings.rough = [&scene, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
+      return scene.perception->roughness(X_WP * p_P).misfit / most;
+    };
+  PlaceSearch search(scene.surface(X_WP), settings);
+  if (progress) progress(0.2);
+
+  Placing placing{s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
+  Eigen::AlignedBox2d box;
+  for (const PlacedStroke& stroke : artwork.strokes)
+    for (const Vector2d& p : stroke.p_P) box.extend(p);
+  placing.middle = box.center();
+  const std::vector<Vector2d> drawing = points_about_middle(artwork.strokes, placing.middle);
+
+  Checked best;
+  std::vector<PlaceFound> tried;
+  // The pre-flight of a place. What fails there is avoided from now on.
+  const auto check = [&](const PlaceFound& place) {
+    Checked checked{place, placing.at(place)};
+    Scenario there = s;
+    there.drawing.placement = checked.placement;
+    const PlacedArtwork put = load_artwork(there.drawing, errors);
+    try {
+      const Plan plan = make_plan(there, put, scene, Unreachable::tell, errors);
+      double lost = 0.0;
+      std::vector<Vector2d> failed;
+      for (const Finding& f : plan.preflight.findings) {
+        lost += f.part.length();
+        failed.push_back((X_WP.inverse() * f.p_W).head<2>());
+        const PlacedStroke& stroke = put.strokes[static_cast<std::size_t>(f.part.stroke)];
+        const PlacedStroke part = part_of(stroke, f.part.from, f.part.to);
+        failed.insert(failed.end(), part.p_P.begin(), part.p_P.end());
+      }
+      double kept = 0.0;
+      for (const StrokePart& part : plan.preflight.drawable) kept += part.length();
+      checked.share = kept / std::max(kept + lost, 1e-9);
+      search.avoid(failed);
+    } catch (const InputError&) {  // nothing of a wrap, for example
+      checked.share = 0.0;
+    }
+    checked.cost = place.cost + 10.0 * (1.0 - checked.share);
+    return checked;
+  };
+  for (double size = 1.0; size >= kSmallest; size *= kShrink) {
+    int whole = 0, in_vain = 0;
+    for (int i = 0; i < kChecked && whole < kWhole && in_vain < kInVain; ++i) {
+      const PlaceFound place = search.best(drawing, size, tried);
+      if (!std::isfinite(place.cost)) break;
+      // A smaller one will do better.
+      if (wish.shrink && place.share < kPromising && size * kShrink >= kSmallest) break;
+      if (progress) progress(0.2 + 0.8 * i / kChecked);
+      tried.push_back(place);
+      const Checked checked = check(place);
+      whole += checked.share >= kAll;
+      ++in_vain;
+      if (!checked.better_than(best)) continue;
+      best = checked;
+      in_vain = 0;
+    }
+    if (!wish.shrink || best.share >= kMost) break;
+  }
+  if (!(best.share > 0.0))
+    throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");
+
+  s.drawing.placement = best.placement;
+  const SurfaceHeight surface = scene.surface(X_WP);
+  const Vector2d& middle = best.place.middle;
+  const auto under = surface(middle.x(), middle.y());
+  result.p_W = X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
+  result.turn_deg = best.place.turn_deg;
+  result.share = best.share;
+  const Placement final_placement = place(placing.drawn, best.placement);
+  Eigen::AlignedBox2d page;
+  for (const Stroke& stroke : placing.drawn.strokes)
+    for (const Vector2d& p : stroke.points) page.extend(p);
+  result.size_mm = final_placement.scale() * page.sizes();
+  result.assignments =
+      assignments_of(best.placement, placing.given, s, s.canvas.move != scenario.canvas.move);
+  return result;
+}
+
+}  // namespace impedraw

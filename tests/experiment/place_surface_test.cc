@@ -1,0 +1,184 @@
+// The drawing is put on an object that stays: it keeps off holes, goes near what it is asked to, and
+// shrinks where the whole does not fit.
+#include "impedraw/experiment/place_surface.h"
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/planning/preflight/place_search.h"
+#include "scratch_folder.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+// A line of 60 mm along y, about its middle.
+std::vector<Vector2d> line() {
+  std::vector<Vector2d> points;
+  for (int i = -15; i <= 15; ++i) points.emplace_back(0.0, 0.002 * i);
+  return points;
+}
+
+// A level sheet of 0.2 m × 0.2 m about the origin, but for round holes.
+struct Hole {
+  Vector2d at;
+  double radius;
+};
+PlaceSearch on_sheet(const std::vector<Hole>& holes, PlaceSearchSettings settings = {}) {
+  settings.box = {Vector2d(-0.1, -0.1), Vector2d(0.1, 0.1)};
+  return {[holes](double x, double y) -> std::optional<SurfaceSample> {
+            if (std::max(std::abs(x), std::abs(y)) > 0.1) return std::nullopt;
+            for (const Hole& hole : holes)
+              if ((Vector2d(x, y) - hole.at).norm() < hole.radius) return std::nullopt;
+            return SurfaceSample{{x, y, 0.0}};
+          },
+          settings};
+}
+
+// Distance of the placed line from a hole's rim, in closed form [m].
+double clear_of(const Hole& hole, const PlaceFound& place) {
+  double least = 1.0;
+  for (const Vector2d& p : line()) least = std::min(least, (place(p) - hole.at).norm());
+  return least - hole.radius;
+}
+
+TEST(PlaceSearch, KeepsOffHolesWhereverTheyAre) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    const auto in = [&random](double low, double high) {
+      return low + (high - low) * random() / std::mt19937::max();
+    };
+    std::vector<Hole> holes;
+    for (int i = 0; i < 3; ++i)
+      holes.push_back({{in(-0.08, 0.08), in(-0.08, 0.08)}, in(0.01, 0.03)});
+    const PlaceFound place = on_sheet(holes).best(line(), 1.0, {});
+    EXPECT_EQ(place.share, 1.0) << "seed " << seed;
+    for (const Hole& hole : holes) EXPECT_GT(clear_of(hole, place), 0.0) << "seed " << seed;
+    for (const Vector2d& p : line())
+      EXPECT_LT(place(p).cwiseAbs().maxCoeff(), 0.1) << "seed " << seed;
+  }
+}
+
+TEST(PlaceSearch, GoesNearWhatIsAskedFor) {
+  const Vector3d wanted(0.06, -0.04, 0.0);
+  PlaceSearchSettings settings;
+  settings.near = [&](const Vector3d& p) { return 10.0 * (p - wanted).norm(); };
+  const PlaceFound place = on_sheet({{{0.0, 0.05}, 0.03}}, settings).best(line(), 1.0, {});
+  EXPECT_LT((place.middle - wanted.head<2>()).norm(), 0.015);
+}
+
+TEST(PlaceSearch, KeepsOffSteepBrokenAndUnreachableGround) {
+  PlaceSearchSettings settings;
+  settings.box = {Vector2d(-0.1, -0.1), Vector2d(0.1, 0.1)};
+  settings.unreachable = [](const SurfaceSample& s) { return s.p_P.y() > 0.0 ? 1.0 : 0.0; };
+  // Steep for x < -0.02, a step of 10 mm at x = 0.03.
+  const auto ground = [](double x, double y) -> std::optional<SurfaceSample> {
+    if (x < -0.02) return SurfaceSample{{x, y, -5.0 * (x + 0.02)}, Vector3d(5, 0, 1).normalized()};
+    return SurfaceSample{{x, y, x > 0.03 ? 0.01 : 0.0}};
+  };
+  PlaceSearch search(ground, settings);
+  const PlaceFound place = search.best(line(), 1.0, {});
+  EXPECT_EQ(place.share, 1.0);
+  for (const Vector2d& p : line()) EXPECT_LT(place(p).y(), 0.024) << "out of reach";
+  // What nobody reaches is behind all others, and yet there.
+  std::vector<Vector2d> reached;
+  for (double x = -0.1; x <= 0.1; x += 0.003)
+    for (double y = -0.1; y <= 0.0; y += 0.003) reached.emplace_back(x, y);
+  search.avoid(reached);
+  const PlaceFound there = search.best(line(), 1.0, {place});
+  EXPECT_GT(there.middle.y(), 0.0);
+  EXPECT_GT(there.cost, place.cost + 2.0);
+}
+
+class PlaceSurface : public ScratchFolder {
+ protected:
+  // A plate of 0.3 m × 0.3 m at the height 0.1 m in front of the arm, with a square hole where an
+  // unmoved drawing would be.
+  Scenario plate(const std::vector<std::string>& more = {}) const {
+    std::ofstream file(folder_ / "plate.obj");
+    constexpr int kSide = 30;
+    for (int i = 0; i <= kSide; ++i)
+      for (int j = 0; j <= kSide; ++j)
+        file << "v " << 0.45 + 0.01 * i << ' ' << -0.15 + 0.01 * j << " 0.1\n";
+    for (int i = 0; i < kSide; ++i)
+      for (int j = 0; j < kSide; ++j) {
+        if (i >= 12 && i < 18 && j >= 12 && j < 18) continue;
+        const int a = 1 + i * (kSide + 1) + j, b = a + kSide + 1;
+        file << "f " << a << ' ' << b << ' ' << b + 1 << ' ' << a + 1 << '\n';
+      }
+    file.close();
+    DrawOptions options;
+    options.text = "Hello";
+    options.assignments = {"canvas.kind=mesh", "drawing.placement.width=100",
+                           "canvas.mesh.file=" + (folder_ / "plate.obj").string()};
+    options.assignments.insert(options.assignments.end(), more.begin(), more.end());
+    return resolve(options);
+  }
+};
+
+TEST_F(PlaceSurface, PutsTheWholeBesideTheHole) {
+  const Scenario given = plate();
+  EXPECT_FALSE(prepare_plan(given, {}, Unreachable::tell).plan.preflight.findings.empty());
+  const SurfacePlace found = place_on_surface(given, {}, {});
+  EXPECT_GT(found.share, 0.999);
+  EXPECT_NEAR(found.p_W.z(), 0.1, 1e-3);
+  EXPECT_NEAR(found.size_mm.x(), 100.0, 0.1);
+  EXPECT_EQ(found.scenario.canvas.move, given.canvas.move);
+  EXPECT_TRUE(prepare_plan(found.scenario).plan.preflight.findings.empty());
+  // The printed settings repeat it.
+  const Scenario again = plate(found.assignments);
+  EXPECT_EQ(again.drawing.placement.centre_m, found.scenario.drawing.placement.centre_m);
+  EXPECT_EQ(again.drawing.placement.rotate_deg, found.scenario.drawing.placement.rotate_deg);
+}
+
+TEST_F(PlaceSurface, GoesToTheSideOrPointThatIsAskedFor) {
+  const auto at = [&](const std::string& near) {
+    const SurfacePlace found = place_on_surface(plate(), {}, {.near = near, .shrink = false});
+    EXPECT_GT(found.share, 0.999) << near;
+    return found.p_W;
+  };
+  EXPECT_GT(at("front").x(), 0.66);
+  EXPECT_LT(at("back").x(), 0.54);
+  EXPECT_GT(at("left").y(), 0.06);
+  EXPECT_LT(at("right").y(), -0.06);
+  EXPECT_LT((at("0.5,0.08,0.1") - Vector3d(0.5, 0.08, 0.1)).norm(), 0.03);
+}
+
+TEST_F(PlaceSurface, ShrinksWhereTheWholeDoesNotFit) {
+  const Scenario large = plate({"drawing.placement.width=400"});
+  EXPECT_LT(place_on_surface(large, {}, {}).share, 0.9);
+  const SurfacePlace found = place_on_surface(large, {}, {.near = "", .shrink = true});
+  EXPECT_GT(found.share, 0.98);
+  EXPECT_GT(found.size_mm.x(), 150.0);
+  EXPECT_LT(found.size_mm.x(), 300.0 * std::numbers::sqrt2);
+  std::vector<std::string> again = {"drawing.placement.width=400"};
+  again.insert(again.end(), found.assignments.begin(), found.assignments.end());
+  const Scenario scenario = plate(again);
+  EXPECT_EQ(scenario.drawing.placement.scale, found.scenario.drawing.placement.scale);
+  EXPECT_FALSE(scenario.drawing.placement.width_mm);
+}
+
+TEST_F(PlaceSurface, RefusesAWishThatMeansNothing) {
+  for (const char* near : {"nose", "1,2", "1,2,x", "1,2,3,4", "nan,0,0", ","}) {
+    try {
+      place_on_surface(plate(), {}, {.near = near, .shrink = false});
+      FAIL() << near;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("valid are front, back, left, right, top, or x,y,z"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace impedraw
