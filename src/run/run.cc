@@ -666,7 +666,7 @@ class Runner {
                            "was lifted",
                            kMostWait, first_time_ + time())
              : fmt::format("the canvas did not come to rest within {:.0f} s, at t = {:.3f} s: it "
-                           "moves at {:.2g} mm/s under the pen, and rests below {:.2g} mm/s; "
+                           "moves at {:.3g} mm/s under the pen, and rests below {:.2g} mm/s; "
                            "perception.frames.wait_for_rest=false draws on a canvas that moves",
                            kMostWait, first_time_ + time(),
                            1e3 * canvas.velocity_at(loop_.terms().X_WE.p).norm(),

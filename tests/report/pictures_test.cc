@@ -76,9 +76,12 @@ TEST(Relief, BodiesAreShadedWholeAndTheirHolesMarked) {
     }
   for (int i = 0; i < kUp; ++i)
     for (int j = 0; j < kRound; ++j) {
-      const int a = kRound * i + j, b = kRound * i + (j + 1) % kRound;
-      for (const Eigen::Vector3i& t :
-           {Eigen::Vector3i(a, a + kRound, b + kRound), Eigen::Vector3i(a, b + kRound, b)}) {
+      const auto at = [](int up, int round) {  // each pole is one vertex
+        return kRound * up + (up == 0 || up == kUp ? 0 : round % kRound);
+      };
+      const int a = at(i, j), b = at(i, j + 1), c = at(i + 1, j), d = at(i + 1, j + 1);
+      for (const Eigen::Vector3i& t : {Eigen::Vector3i(a, c, d), Eigen::Vector3i(a, d, b)}) {
+        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
         whole.push_back(t);
         if (i >= 4) open.push_back(t);  // without its cap: within 50 mm of the axis
       }
