@@ -1,14 +1,17 @@
 // Whether what a driver reads can be true: its clock, its stamps, and the motion (motion_check.h).
 // The loop asks after every read(), whatever the arm.
 //
-//   clock   does not go back, and does not stand still for kMostStill readings
+//   clock   does not go back, and does not stand still for 20 readings
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
 //           not older than start() by more than 1 s
 //
 // Age within these bounds, and what is not finite, the control law's status tells.
 #pragma once
 
+#include <cmath>
 #include <string>
+
+#include <fmt/format.h>
 
 #include "impedraw/run/driver.h"
 #include "impedraw/run/motion_check.h"
@@ -17,27 +20,56 @@ namespace impedraw {
 
 class ReadingCheck {
  public:
-  static constexpr int kMostStill = 20;
-
   // Rated, of each joint: speed [rad/s], torque [Nm]. wrench_delay [s].
   ReadingCheck(const DriverInfo& driver, const JointVector& speed_limit,
-               const JointVector& torque_limit, double wrench_delay);
+               const JointVector& torque_limit, double wrench_delay)
+      : driver_(driver), wrench_delay_(wrench_delay), motion_(speed_limit, torque_limit) {}
 
   // The next reading. torque, external: as MotionCheck has them [Nm]. True in the cycle in which
   // the first contradiction is found. Allocates for its text alone.
   bool update(const ArmState& state, const JointVector& torque,
-              const JointVector& external) noexcept;
+              const JointVector& external) noexcept {
+    const std::string found = contradiction(state);
+    time_ = state.time;
+    const bool speeds = driver_.velocity;
+    if (!state.stalled && state.q.allFinite() && (!speeds || state.v.allFinite())) {
+      motion_.update(state.q, speeds ? &state.v : nullptr, torque, external,
+                     state.state_time - state_time_);
+      state_time_ = state.state_time;
+    }
+    if (!cause_.empty()) return false;
+    cause_ = found.empty() ? motion_.cause() : found;
+    return !cause_.empty();
+  }
 
   // What contradicts what; empty: nothing.
   const std::string& cause() const noexcept { return cause_; }
   // The measured speed as far as positions confirm it; zero where speeds are not measured [rad/s].
-  JointVector confirmed(const ArmState& state) const noexcept;
+  JointVector confirmed(const ArmState& state) const noexcept {
+    return driver_.velocity ? motion_.confirmed(state.v) : JointVector::Zero(state.v.size());
+  }
 
  private:
-  std::string contradiction(const ArmState& state);
+  std::string contradiction(const ArmState& state) {
+    constexpr int kMostStill = 20;
+    constexpr double kAhead = 0.02, kOldest = 1.0;  // [s]
+    still_ = state.time == time_ ? still_ + 1 : 0;
+    if (still_ > kMostStill) return "the arm's clock stands still";
+    if (!(state.time >= time_))
+      return fmt::format("the arm's clock went back from {:.3f} s to {:.3f} s", time_, state.time);
+    const auto outside = [&](const char* what, double stamp, double delay) -> std::string {
+      const double ahead = stamp - state.time;
+      if (ahead <= kAhead + delay && stamp >= -kOldest) return {};
+      return fmt::format("the {} is stamped {:.3f} s {} the arm's clock", what, std::abs(ahead),
+                         ahead < 0.0 ? "behind" : "ahead of");
+    };
+    const std::string cause = outside("joint state", state.state_time, 0.0);
+    if (!cause.empty() || driver_.wrench == WrenchReading::none) return cause;
+    return outside("wrench", state.wrench_time, wrench_delay_);
+  }
 
-  bool velocity_, wrench_;  // are measured
-  double wrench_delay_;     // [s]
+  DriverInfo driver_;
+  double wrench_delay_;  // [s]
   MotionCheck motion_;
   double time_ = 0.0, state_time_ = 0.0;  // of the last reading; of the last that moved [s]
   int still_ = 0;

@@ -873,8 +873,9 @@ class Runner {
   // Ends the run where the pen is. A driver damps in stop(), by its own session; the simulated arm
   // only ends there, so that the loop damps it first. Returns true if the loop goes on for that.
   bool halt(const std::string& cause) {
+    const bool before = outcome_.end == RunEnd::stopped;
     outcome_.end = RunEnd::stopped;  // also while the pen of an interrupted run is lifted
-    outcome_.cause = cause;
+    outcome_.cause = before ? outcome_.cause + "; then " + cause : cause;
     halted_ = true;
     if (!driver_.truth()) return false;
     guard_.brake();

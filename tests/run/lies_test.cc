@@ -110,9 +110,10 @@ TEST(Lies, OfTheScenarioAreNamed) {
     const RunOutcome outcome = run(e, arm, {}, 0.0);
     EXPECT_EQ(outcome.end, RunEnd::stopped);
     EXPECT_THAT(outcome.cause, HasSubstr(c.cause));
-    if (*c.cause == '\0')  // whichever of what it does shows first
+    if (*c.cause == '\0') {  // whichever of what it does shows first
       EXPECT_THAT(outcome.cause,
                   AnyOf(HasSubstr("does not move"), HasSubstr("fence."), HasSubstr("contradict")));
+    }
     EXPECT_GE(found_at(outcome), begun - 1e-3);
     EXPECT_LE(found_at(outcome), begun + c.found);
     if (c.most < 1e9) expect_damped(arm, outcome, c.most);
