@@ -34,9 +34,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kAtRest = 0.01;    // joint speed while a touch is noted [rad/s]
-constexpr double kTouchTime = 0.5;  // over which its posture is averaged [s]
-constexpr double kPenOff = 5e-4;    // of the tip that is commissioned from the URDF's [m]
+constexpr double kAtRest = 0.01;      // joint speed while a touch is noted [rad/s]
+constexpr double kTouchTime = 0.5;    // over which its posture is averaged [s]
+constexpr double kLeastRotor = 0.01;  // that is told from none [kg m²]
+constexpr double kPenOff = 5e-4;      // of the tip that is commissioned from the URDF's [m]
 
 fs::path file_in(const fs::path& folder) { return folder / "commissioning.json"; }
 
@@ -76,6 +77,13 @@ struct CommissionedArm {
       driver = std::make_unique<SimulatedArm>(experiment, experiment.scene.start_q, Disturbances());
   }
 };
+
+// The rotor that the model should have: as it has, where what was found is nothing to speak of.
+double rotor_with(double modelled, const JointFriction& found) {
+  const double least = std::max(kLeastRotor, 2.0 * found.inertia_error);
+  if (std::abs(found.inertia) < least) return modelled;
+  return std::max(0.0, modelled + found.inertia);
+}
 
 std::vector<double> numbers(const JointVector& x) { return {x.begin(), x.end()}; }
 
@@ -152,16 +160,21 @@ int commission_friction(const DrawOptions& options, const fs::path& folder) {
   const RealTime real_time(!arm.driver->info().waits && arm.experiment.scenario.arm.real_time);
   const std::vector<JointFriction> found = identify_friction(
       arm.experiment.scene.arm, *arm.driver, json["latency"].at("delay_s").get<double>());
+  const ArmModel& model = arm.experiment.scene.arm;
   Json joints = Json::array();
-  say(stdout, "joint      friction [Nm]  viscous [Nm s/rad]  residual [Nm]\n");
+  say(stdout,
+      "joint      friction [Nm]  viscous [Nm s/rad]  residual [Nm]  inertia lacking [kg m²]\n");
   for (std::size_t j = 0; j < found.size(); ++j) {
-    const std::string& name = arm.experiment.scene.arm.joint_names()[j];
+    const std::string& name = model.joint_names()[j];
     joints.push_back({{"joint", name},
                       {"coulomb_Nm", found[j].coulomb},
                       {"viscous_Nms", found[j].viscous},
-                      {"residual_Nm", found[j].residual}});
-    say(stdout, "{:10} {:13.3f}  {:18.3f}  {:13.3f}\n", name, found[j].coulomb, found[j].viscous,
-        found[j].residual);
+                      {"residual_Nm", found[j].residual},
+                      {"inertia_lacking_kgm2", found[j].inertia},
+                      {"inertia_error_kgm2", found[j].inertia_error},
+                      {"rotor_inertia_kgm2", rotor_with(model.rotor_inertia()[j], found[j])}});
+    say(stdout, "{:10} {:13.3f}  {:18.3f}  {:13.3f}  {:14.3f} ± {:.3f}\n", name, found[j].coulomb,
+        found[j].viscous, found[j].residual, found[j].inertia, found[j].inertia_error);
   }
   write_step(folder, std::move(json), "friction", std::move(joints));
   return kFinished;
@@ -267,7 +280,7 @@ DrawOptions with_commissioning(DrawOptions options, const fs::path& folder) try 
         "--commissioned {0}: {1} has no 'latency'; run ./impedraw arm latency --into {0} first",
         folder.string(), file));
   const Scenario scenario = resolve(options);
-  ArmModel model(urdf_of(scenario.arm));
+  ArmModel model = model_of(scenario.arm);
   const auto& arm = json.at("arm");
   if (arm.at("joints") != Json(model.joint_names()))
     throw InputError(fmt::format("--commissioned {}: is of another arm, with the joints {}", file,
@@ -295,6 +308,20 @@ DrawOptions with_commissioning(DrawOptions options, const fs::path& folder) try 
   found.push_back(fmt::format(
       "{}={}", scenario.arm.driver == ArmDriver::sim ? "control.torque_delay" : "arm.delay",
       json["latency"].at("delay_s").get<double>()));
+  if (json.contains("friction") && json["friction"].front().contains("rotor_inertia_kgm2")) {
+    std::vector<double> rotors;
+    double change = 0.0, error = 0.0;
+    for (const Json& joint : json["friction"]) {
+      rotors.push_back(joint.at("rotor_inertia_kgm2").get<double>());
+      const double has = model.rotor_inertia()[static_cast<Eigen::Index>(rotors.size()) - 1];
+      change = std::max(change, std::abs(rotors.back() - has));
+      error = std::max(error, joint.at("inertia_error_kgm2").get<double>());
+    }
+    if (change > 0.0) {
+      found.push_back(fmt::format("arm.rotor_inertia=[{:.4g}]", fmt::join(rotors, ", ")));
+      say(stderr, "commissioned  rotors to ± {:.2g} kg m²\n", error);
+    }
+  }
   if (json.contains("register") && scenario.canvas.kind == CanvasKind::mesh) {
     const Json& page = json["register"];
     const auto list = [](const Json& x) {

@@ -31,7 +31,6 @@ struct ControlSetup {
     TouchModel model;
   };
   std::optional<Touch> touch;  // the surface is learned from touch
-  std::vector<std::string> notes;
 };
 
 // Throws InputError if the controller or the sensor rejects its settings.

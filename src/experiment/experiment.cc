@@ -4,6 +4,7 @@
 
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/pen_axis.h"
+#include "impedraw/experiment/rotor_check.h"
 
 namespace impedraw {
 
@@ -64,6 +65,8 @@ Experiment prepare(const Scenario& scenario, const Places& places, Unreachable u
   try {
     ControlSetup control =
         make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));
+    check_rotors(drawing.scenario, control, drawing.scene.arm, drawing.plan.rest_q,
+                 &drawing.plan.notes, SettingErrors(places));
     return {std::move(drawing), std::move(inputs), std::move(control)};
   } catch (...) {
     if (scenes) scenes->give_back(std::move(drawing.scene));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <stdexcept>
 
@@ -26,7 +27,99 @@ constexpr double kLeastShake = 0.02;  // [Nm]
 constexpr double kMostShake = 0.1;    // of the last joint's torque limit
 constexpr double kShakeSpeed = 0.1;   // of its speed limit, at which it moves enough
 constexpr double kLeastExplained = 0.5;
-constexpr double kMostFriction = 1.0 / 3.0;  // of the joint's torque limit
+constexpr double kMostFriction = 1.0 / 3.0;                      // of the joint's torque limit
+constexpr std::array<double, 2> kShakeFrequencies = {2.0, 3.5};  // [Hz]
+constexpr int kShakes = 6;                                       // periods of each
+constexpr double kShake = 0.05;                                  // [rad]
+constexpr double kSpan = 0.012;  // over which positions are differenced, to each side [s]
+
+struct JointFit {
+  Eigen::Matrix<double, 5, 1> x = Eigen::Matrix<double, 5, 1>::Zero();  // of sign(v), v, a, q, 1
+  double residual = 0.0;                                                // RMS [Nm]
+  double inertia_error = 0.0;  // standard deviation of x[2] [kg m²]
+  double moved = 0.0;          // time for which the joint moved [s]
+};
+
+// What was commanded and what moved, of joint j. Velocities and accelerations are differences of
+// the positions before and after: those that an arm gives are filtered, and a filter's lag turns
+// friction into inertia.
+class Motion {
+ public:
+  explicit Motion(int j) : j_(j) {}
+  void clear() { samples_.clear(); }
+  void add(PostureHolder* holder, const JointVector& q_d, const JointVector& v_d,
+           const JointVector& added) {
+    Sample s;
+    s.q = holder->state().q;
+    s.tau = holder->step(q_d, v_d, added)[j_];
+    s.M = holder->terms().M.row(j_).transpose();
+    s.Cv = holder->terms().Cv[j_];
+    samples_.push_back(s);
+  }
+
+  JointFit fit(double dt, double delay) const {
+    const auto w = static_cast<std::size_t>(std::max(1L, std::lround(kSpan / dt))),
+               late = static_cast<std::size_t>(std::lround(delay / dt));
+    const double span = static_cast<double>(w) * dt;
+    std::vector<Eigen::Matrix<double, 6, 1>> rows;  // sign(v), v, a, q, 1; τ
+    for (std::size_t k = std::max(w, late); k + w < samples_.size(); ++k) {
+      const JointVector &before = samples_[k - w].q, &now = samples_[k].q,
+                        &after = samples_[k + w].q;
+      const JointVector a = (after - 2.0 * now + before) / (span * span);
+      const double v = (after[j_] - before[j_]) / (2.0 * span);
+      if (std::abs(v) <= kMoves) continue;
+      // The others are held by springs: what their motion takes is in the model. The torque is the
+      // mean over the span, as the difference of positions weighs it.
+      double tau = 0.0;
+      for (std::size_t i = 0; i < 2 * w - 1; ++i) {
+        const auto at = static_cast<long>(k + i + 1) - static_cast<long>(w + late);
+        const double weight = static_cast<double>(std::min(i + 1, 2 * w - 1 - i));
+        tau += weight * samples_[static_cast<std::size_t>(std::max(0L, at))].tau;
+      }
+      tau /= static_cast<double>(w * w);
+      const Sample& s = samples_[k];
+      rows.push_back({v > 0.0 ? 1.0 : -1.0, v, a[j_], now[j_] - samples_.front().q[j_], 1.0,
+                      tau - s.M.dot(a) - s.Cv});
+    }
+    JointFit out = solve(rows);
+    out.moved = static_cast<double>(rows.size()) * dt;
+    // Its parts tell how far it can be trusted: what is left over is no white noise.
+    constexpr std::size_t kParts = 4;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kParts; ++i) {
+      std::vector<Eigen::Matrix<double, 6, 1>> others = rows;
+      const auto at = [&](std::size_t part) {
+        return others.begin() + static_cast<std::ptrdiff_t>(part * rows.size() / kParts);
+      };
+      others.erase(at(i), at(i + 1));
+      sum += std::pow(solve(others).x[2] - out.x[2], 2);
+    }
+    out.inertia_error = std::sqrt(sum * (kParts - 1) / kParts);  // the jackknife's
+    return out;
+  }
+
+ private:
+  struct Sample {
+    JointVector q, M;
+    double tau, Cv;
+  };
+  static JointFit solve(const std::vector<Eigen::Matrix<double, 6, 1>>& rows) {
+    JointFit out;
+    if (rows.size() < 5) return out;
+    Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()), 5);
+    Eigen::VectorXd y(A.rows());
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      A.row(i) = rows[static_cast<std::size_t>(i)].head<5>().transpose();
+      y[i] = rows[static_cast<std::size_t>(i)][5];
+    }
+    out.x = A.colPivHouseholderQr().solve(y);
+    out.residual = (y - A * out.x).norm() / std::sqrt(static_cast<double>(A.rows()));
+    return out;
+  }
+
+  int j_;
+  std::vector<Sample> samples_;
+};
 
 }  // namespace
 
@@ -117,27 +210,35 @@ std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, doub
       throw std::runtime_error(fmt::format(
           "{} stands {:.2f} rad from a limit: a sweep needs {:.2f} rad", name,
           std::min(q0[j] - arm.limits().lower[j], arm.limits().upper[j] - q0[j]), kSweep));
-    JointVector q_d = q0, v_d = zero;
-    std::vector<Eigen::Matrix<double, 6, 1>> samples;  // sign(v), v, a, q, 1; τ
+    JointVector q_d = q0, v_d = zero, added = zero;
+    Motion motion(j);
+    const auto step = [&] { motion.add(&holder, q_d, v_d, added); };
     const auto sweep = [&](double to, double speed) {
       const double from = q_d[j], direction = to > from ? 1.0 : -1.0;
       const long steps = std::lround(std::abs(to - from) / (speed * dt));
       for (long k = 1; k <= steps; ++k) {
         q_d[j] = from + (to - from) * static_cast<double>(k) / static_cast<double>(steps);
         v_d[j] = direction * speed;
-        const double q = holder.state().q[j];
-        const JointVector before = holder.state().v;
-        const double v = before[j], sent = holder.step(q_d, v_d, zero)[j];
-        const JointVector a = (holder.state().v - before) / dt;
-        // The others are held by springs: what their motion takes is in the model.
-        const double tau = sent - holder.terms().M.row(j).dot(a) - holder.terms().Cv[j];
-        if (std::abs(v) > kMoves)
-          samples.push_back({v > 0.0 ? 1.0 : -1.0, v, a[j], q - q0[j], 1.0, tau});
+        step();
       }
       v_d[j] = 0.0;
     };
+    // Accelerations tell the inertia; what friction takes is added, or a light joint would stick.
+    const auto shake = [&](double frequency, const JointFit& slow) {
+      const double w = 2.0 * std::numbers::pi * frequency, from = q_d[j];
+      const long period = std::lround(1.0 / (frequency * dt));
+      for (long k = 1; k <= kShakes * period; ++k) {
+        const double t = static_cast<double>(k) * dt, A = kShake * std::min(1.0, frequency * t);
+        q_d[j] = from + A * std::sin(w * t);
+        v_d[j] = A * w * std::cos(w * t);
+        added[j] = std::max(0.0, slow.x[0]) * (v_d[j] > 0.0 ? 1.0 : -1.0);
+        step();
+      }
+      q_d[j] = from;
+      v_d[j] = added[j] = 0.0;
+    };
     sweep(low, kSpeeds[0]);
-    samples.clear();
+    motion.clear();
     for (const double speed : kSpeeds) {
       for (int i = 0; i < kRounds; ++i) {
         sweep(high, speed);
@@ -145,21 +246,19 @@ std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, doub
       }
     }
     sweep(q0[j], kSpeeds[0]);
-    if (static_cast<double>(samples.size()) * dt < kLeastMoved)
+    const JointFit slow = motion.fit(dt, delay);
+    for (const double frequency : kShakeFrequencies) shake(frequency, slow);
+    const JointFit fit = motion.fit(dt, delay);
+    if (slow.moved < kLeastMoved)
       throw std::runtime_error(
           fmt::format("{}: it moved for {:.1f} s only, {:.1f} s are needed: is a brake closed?",
-                      name, static_cast<double>(samples.size()) * dt, kLeastMoved));
-    Eigen::MatrixXd A(static_cast<Eigen::Index>(samples.size()), 5);
-    Eigen::VectorXd y(A.rows());
-    for (Eigen::Index i = 0; i < A.rows(); ++i) {
-      A.row(i) = samples[static_cast<std::size_t>(i)].head<5>().transpose();
-      y[i] = samples[static_cast<std::size_t>(i)][5];
-    }
-    const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
+                      name, slow.moved, kLeastMoved));
     JointFriction& f = found[static_cast<std::size_t>(j)];
-    f.coulomb = x[0];
-    f.viscous = x[1];
-    f.residual = (y - A * x).norm() / std::sqrt(static_cast<double>(A.rows()));
+    f.coulomb = fit.x[0];
+    f.viscous = fit.x[1];
+    f.residual = fit.residual;
+    f.inertia = fit.x[2];
+    f.inertia_error = fit.inertia_error;
     const double fast = f.coulomb + kSpeeds[1] * f.viscous;
     const double least = -std::max(0.1, 2.0 * f.residual),
                  most = kMostFriction * arm.limits().torque[j];

@@ -87,6 +87,7 @@ axes:
       stopped:
         scenario: scenarios/bowl-sine.yaml
         world.errors.rotor_inertia: 0.3
+        control.check_rotors: false
         preflight.arm: false
         drawing.placement.scale: 1
 """)
