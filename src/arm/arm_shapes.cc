@@ -6,7 +6,7 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include "impedraw/arm/urdf_text.h"
+#include "impedraw/arm/plain_urdf.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
@@ -50,8 +50,7 @@ std::vector<VisualShape> shapes_of(const urdf::Link& link) {
 }  // namespace
 
 std::vector<DrawnLink> read_arm_shapes(const std::filesystem::path& urdf) {
-  require_urdf_file(urdf);
-  const urdf::ModelInterfaceSharedPtr description = urdf::parseURDFFile(urdf.string());
+  const urdf::ModelInterfaceSharedPtr description = urdf::parseURDF(plain_urdf(urdf).text);
   if (!description || !description->getRoot())
     throw InputError(fmt::format("arm description {}: not a valid URDF", urdf.string()));
   std::vector<DrawnLink> links;
