@@ -127,6 +127,7 @@ int draw(const DrawOptions& options, const LiveOptions& live) {
     // What the preparation completes.
     as_given.drawing.placement = experiment.scenario.drawing.placement;
     as_given.canvas.move = experiment.scenario.canvas.move;
+    as_given.arm.start_p_WE = experiment.scenario.arm.start_p_WE;
     as_given.control.surface.pen_axis = experiment.scenario.control.surface.pen_axis;
     require_same(as_given, folder);
   }

@@ -147,15 +147,29 @@ PenMount find_mount(const UrdfTree& tree, const std::string& flange) {
 }
 
 std::string put_mount(UrdfTree* tree, PenMount* mount) {
-  const Isometry3d X_MF = mount->X_FM.inverse();
+  // R: of the link that the last joint moves.
+  const auto way_in_region = [tree](const std::string& link) {
+    std::vector<UrdfElement*> way = tree->way_to(link);
+    const auto last = std::find_if(way.rbegin(), way.rend(),
+                                   [](const UrdfElement* j) { return type_of(j) != "fixed"; });
+    way.erase(way.begin(), last.base());
+    return way;
+  };
+  const auto pose_in_region = [](const std::vector<UrdfElement*>& way) {
+    Isometry3d X_RL = Isometry3d::Identity();
+    for (const UrdfElement* joint : way) X_RL = X_RL * placement_of(joint);
+    return X_RL;
+  };
+  const std::vector<UrdfElement*> to_mount = way_in_region(mount->link);
+  const Isometry3d X_MR = (pose_in_region(to_mount) * mount->X_FM).inverse();
+  const std::string root = to_mount.empty() ? mount->link : parent_of(to_mount[0]);
   double reach = 0.0;
-  for (const std::string& link : region_of(*tree, mount->link).links) {
-    Isometry3d X_ML = X_MF;
-    bool beneath = link == mount->link;
-    for (const UrdfElement* joint : tree->way_to(link)) {
-      if (beneath) X_ML = X_ML * placement_of(joint);
-      beneath = beneath || child_of(joint) == mount->link;
-    }
+  for (const std::string& link : region_of(*tree, root).links) {
+    // What carries F is no tool.
+    if (std::any_of(to_mount.begin(), to_mount.end(),
+                    [&link](const UrdfElement* j) { return parent_of(j) == link; }))
+      continue;
+    const Isometry3d X_ML = X_MR * pose_in_region(way_in_region(link));
     for (const auto* e = tree->link[link]->FirstChildElement("collision"); e;
          e = e->NextSiblingElement("collision")) {
       const auto* geometry = e->FirstChildElement("geometry");
@@ -167,10 +181,10 @@ std::string put_mount(UrdfTree* tree, PenMount* mount) {
     }
   }
   if (reach > 0.0)
-    mount->notes.push_back(
-        fmt::format("what is fixed there reaches {:.0f} mm along the pen, which begins beyond it",
-                    1e3 * reach));
-  if (reach == 0.0 && mount->link == "flange" && X_MF.isApprox(Isometry3d::Identity()))
+    mount->notes.push_back(fmt::format(
+        "what the last joint carries reaches {:.0f} mm along the pen, which begins beyond it",
+        1e3 * reach));
+  if (reach == 0.0 && mount->link == "flange" && mount->X_FM.isApprox(Isometry3d::Identity()))
     return "flange";
   const std::string name = tree->link.contains("flange") ? "pen_mount" : "flange";
   auto* joint = tree->robot->InsertNewChildElement("joint");

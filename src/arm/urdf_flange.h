@@ -25,7 +25,8 @@ std::vector<std::string> flange_candidates(const UrdfTree& tree);
 // last joint's axis. Throws InputError, which lists the candidates, where it is not clear.
 PenMount find_mount(const UrdfTree& tree, const std::string& flange);
 
-// Adds a link at M, or at the end of what is fixed beneath F along the pen; bodies must be plain.
+// Adds a link at M, or beyond all that the last joint carries beside F's own way;
+// bodies must be plain.
 // Returns its name: `flange`, unless another link has it.
 std::string put_mount(UrdfTree* tree, PenMount* mount);
 

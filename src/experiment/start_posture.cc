@@ -22,6 +22,7 @@ namespace {
 constexpr double kCondition = 4.0;
 constexpr int kSeeds = 200;            // of the search
 constexpr double kBeneathScale = 0.2;  // [m]
+constexpr double kNearest = 0.35;      // share of the usual start's distance from the base
 
 JointVector as_joints(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -102,14 +103,33 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
   return std::min(joints, kCondition * sigma.minCoeff() / sigma.maxCoeff());
 }
 
-JointVector start_posture(const ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
-                          const SettingErrors& setting_errors, const Touching& touching) {
-  const PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
+JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
+                          const SettingErrors& setting_errors, const Touching& touching,
+                          std::vector<std::string>* notes) {
+  PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
   std::vector<double> seed = settings.posture_seed;
   if (seed.empty()) seed = arm.rest_posture();
   if (seed.empty() && arm.joints() == 7) seed = {0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0};
   IkResult found =
       seed.empty() ? searched(arm, start, touching) : find_posture(arm, start, as_joints(seed));
+  if (!found.reached && !seed.empty() && settings.posture_seed.empty())
+    found = searched(arm, start, touching);
+  if (!found.reached && settings.start_p_WE == ArmSettings().start_p_WE) {
+    const IkResult there = found;
+    for (double share = 0.9; !found.reached && share > kNearest; share -= 0.1) {
+      start.p_WE = share * settings.start_p_WE;
+      found = searched(arm, start, touching);
+    }
+    if (found.reached) {
+      settings.start_p_WE = start.p_WE;
+      notes->push_back(
+          fmt::format("the usual start is out of the arm's reach by {:.0f} mm; the tip starts at "
+                      "({:.3f}, {:.3f}, {:.3f}) m (arm.start places it elsewhere)",
+                      1e3 * there.position_error, start.p_WE.x(), start.p_WE.y(), start.p_WE.z()));
+    } else {
+      found = there;
+    }
+  }
   std::string link = found.reached ? touching(found.q) : "";
   if (!link.empty() && !seed.empty()) {
     const IkResult other = searched(arm, start, touching);
