@@ -82,9 +82,33 @@ std::string settings_page() {
          settings_markdown<Scenario>();
 }
 
+// Whether an arm of one's own would draw on a canvas that nobody placed, and cannot.
+bool lies_out_of_reach(const Scenario& s, const Places& places) {
+  const Scenario usual;
+  if (s.arm.urdf.empty() || s.arm.driver != ArmDriver::sim || s.canvas.kind == CanvasKind::mesh ||
+      s.perception.source == PerceptionSource::capture || !s.canvas.move.isZero() ||
+      !s.drawing.tilt_deg.isZero() || !s.canvas.motion.file.empty() ||
+      s.drawing.placement.centre_m != usual.drawing.placement.centre_m)
+    return false;
+  try {
+    return !prepare_plan(s, places, Unreachable::tell).plan.preflight.findings.empty();
+  } catch (const InputError&) {
+    return true;
+  }
+}
+
 }  // namespace
 
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
+  if (options.place.empty() && lies_out_of_reach(scenario, places)) {
+    DrawOptions moving = options;
+    moving.place = "auto";
+    try {
+      return placed(moving, scenario, places);
+    } catch (const InputError&) {  // what is wrong is told where the drawing is prepared
+      return scenario;
+    }
+  }
   if (options.place != "auto") return scenario;
   PlacedCanvas found;
   {
@@ -94,7 +118,8 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
   }
   const Eigen::Vector2d c = found.scenario.drawing.placement.centre_m;
   say(stderr,
-      "placed  the drawing's centre at ({:.3f}, {:.3f}) m, turned by {:.0f}°: worst margin "
+      "placed  the canvas was moved, the drawing's centre to ({:.3f}, {:.3f}) m, turned by "
+      "{:.0f}°: worst margin "
       "{:.2f}, before {:.2f}{}\n",
       c.x(), c.y(), found.turn_deg, found.margin, found.margin_before,
       found.passes ? "" : "; some of it cannot be drawn there, and nowhere else is better");

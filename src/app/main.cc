@@ -160,7 +160,8 @@ int run_program(int argc, char** argv) {
     command
         ->add_option("--place", options.place,
                      "where the canvas stands: fixed, as the scenario says; auto, where the "
-                     "arm reaches the drawing best")
+                     "arm reaches the drawing best (default: fixed, but auto where arm.urdf cannot "
+                     "draw there and the scenario does not place canvas or drawing)")
         ->check(CLI::IsMember({"fixed", "auto"}));
     command->add_option("--commissioned", commissioned,
                         "folder that ./impedraw arm latency … register left: the loop's delay "

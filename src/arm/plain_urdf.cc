@@ -34,6 +34,9 @@ class Plain {
       : tree_(*tree), file_(file), way_(tree->way_to(end)), fill_(fill) {
     fix_joints();
     for (UrdfElement* link : tree_.links) make_bodies(link), name_meshes(link);
+    if (tree_.text().find("<capsule") != std::string::npos &&
+        !tree_.robot->Attribute("version", "1.2"))
+      tree_.robot->SetAttribute("version", "1.1");  // capsules are new in it
     for (UrdfElement* link : tree_.links) check_inertia(link);
     for (UrdfElement* joint : way_) check_mass(joint);
     for (UrdfElement* joint : way_) check_limits(joint);

@@ -2,14 +2,13 @@
 
 #include <string>
 
-#include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
 
 #include <pinocchio/parsers/urdf.hpp>
 
 #include "impedraw/arm/plain_urdf.h"
+#include "impedraw/arm/urdf_tree.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/control/arm_terms.h"
 
@@ -23,21 +22,6 @@ pinocchio::SE3 placement(const urdf::Pose& pose) {
   return {Eigen::Quaterniond(r.w, r.x, r.y, r.z).toRotationMatrix(),
           Eigen::Vector3d(p.x, p.y, p.z)};
 }
-
-// Keeps the parser's first complaint, which names the cause, instead of printing all of them.
-class ParserMessages : public console_bridge::OutputHandler {
- public:
-  ParserMessages() { console_bridge::useOutputHandler(this); }
-  ~ParserMessages() override { console_bridge::restorePreviousOutputHandler(); }
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (first_.empty() && level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
-      first_ = text.substr(0, text.find('\n'));
-  }
-  const std::string& first() const { return first_; }
-
- private:
-  std::string first_;
-};
 
 void check_body(const std::string& link, const urdf::Geometry* body) {
   const auto require = [&link](const char* what, double value) {
@@ -131,11 +115,7 @@ UrdfModel read_urdf(const std::filesystem::path& urdf, const std::string& tip) {
 }
 
 UrdfModel parse_urdf(const std::string& text, const std::filesystem::path& urdf) {
-  ParserMessages messages;
-  const urdf::ModelInterfaceSharedPtr description = urdf::parseURDF(text);
-  if (!description)
-    throw InputError(fmt::format("arm description {}: not a valid URDF{}{}", urdf.string(),
-                                 messages.first().empty() ? "" : ": ", messages.first()));
+  const urdf::ModelInterfaceSharedPtr description = parsed_urdf(text, urdf);
   UrdfModel arm;
   try {
     check_description(*description);

@@ -5,7 +5,10 @@
 #include <locale>
 #include <sstream>
 
+#include <console_bridge/console.h>
 #include <fmt/format.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
 
 #include "impedraw/arm/urdf_text.h"
 #include "impedraw/common/errors.h"
@@ -28,7 +31,32 @@ std::string place_of(const UrdfElement* e) {
   return fmt::format("{} '{}': <{}", owner ? owner->Name() : "robot", name_of(owner), e->Name());
 }
 
+// Keeps the parser's first complaint, which names the cause, instead of printing all of them.
+class ParserMessages : public console_bridge::OutputHandler {
+ public:
+  ParserMessages() { console_bridge::useOutputHandler(this); }
+  ~ParserMessages() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (first_.empty() && level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
+      first_ = text.substr(0, text.find('\n'));
+  }
+  const std::string& first() const { return first_; }
+
+ private:
+  std::string first_;
+};
+
 }  // namespace
+
+urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
+                                          const std::filesystem::path& file) {
+  ParserMessages messages;
+  urdf::ModelInterfaceSharedPtr description = urdf::parseURDF(text);
+  if (!description || !description->getRoot())
+    throw InputError(fmt::format("arm description {}: not a valid URDF{}{}", file.string(),
+                                 messages.first().empty() ? "" : ": ", messages.first()));
+  return description;
+}
 
 UrdfTree::UrdfTree(const std::filesystem::path& file) {
   require_urdf_file(file);

@@ -1,4 +1,4 @@
-// A URDF's elements, to be changed in place, and the numbers in them. Only this folder's sources
+// A URDF's elements, to be changed in place, the numbers in them, and what urdfdom makes of it. Only this folder's sources
 // include this header.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <tinyxml2.h>
+#include <urdf_model/types.h>
 #include <Eigen/Geometry>
 
 namespace impedraw {
@@ -28,6 +29,10 @@ struct UrdfTree {
   std::vector<UrdfElement*> way_to(const std::string& link_name) const;
   std::string text() const;
 };
+
+// What urdfdom reads in the text of a file. Throws InputError with its first complaint.
+urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
+                                          const std::filesystem::path& file);
 
 std::string name_of(const UrdfElement* e);
 std::string type_of(const UrdfElement* joint);

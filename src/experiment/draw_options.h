@@ -17,9 +17,11 @@ struct DrawOptions {
   std::filesystem::path svg;
   std::string text;  // to draw
   bool no_perception = false;
-  bool keep_order = false;               // of a file's strokes
-  bool skip_unreachable = false;         // omits what fails the pre-flight
-  std::string place = "fixed";           // placement of the canvas: fixed, auto
+  bool keep_order = false;        // of a file's strokes
+  bool skip_unreachable = false;  // omits what fails the pre-flight
+  // Placement of the canvas: fixed, auto; empty: auto where an arm of one's own cannot draw on it
+  // and the scenario does not place it.
+  std::string place;
   bool resume = false;                   // continues the run in `out`
   std::string arm;                       // sim, iiwa-lcm, franka; empty: as the scenario says
   std::filesystem::path out;             // empty: runs/<name> in the working directory
