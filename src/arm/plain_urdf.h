@@ -2,8 +2,7 @@
 // the page read what this gives, and so agree on the arm.
 //
 //  the way      joints from the root to the frame `tip`: driven; a continuous one is revolute, ± 2π
-//  off the way  every other joint, fixed where it stands: at 0, or its nearest limit; a mimic joint
-//               where its master puts it
+//  off the way  every other joint, fixed where it stands: at 0, or its nearest limit
 //  bodies       cylinders, spheres, capsules; boxes and meshes become enclosing capsules
 //
 // Attributes that need no change keep their text.
@@ -27,15 +26,15 @@ struct PlainUrdf {
 // mesh that cannot be read, an inertia that breaks the triangle rule, a joint that moves no mass.
 PlainUrdf plain_urdf(const std::filesystem::path& file, const std::string& tip = "tip");
 
-// The same with a pen on the link `flange`, or on the one that a tool is put on where it is clear
-// which (empty); a gripper beneath it lengthens the tool. A file that has a link `tip` gets no pen.
-// What is missing or cannot be is filled in, and notes say with what:
-//   torque of a joint        twice what carries the arm beyond it, stretched out, and 10 Nm (50 N)
-//   speed                    1.5 rad/s, 0.25 m/s
-//   mass of a moving link    1000 kg/m³ of its bodies, or 0.5 kg
-//   inertia                  of a ball of that mass; the least principal moments are raised where
-//                            they break the triangle rule
-//   a mesh                   a capsule of 60 mm around the way to the next joint
+// The same with a pen on the link `flange`, along its z; or (empty) on the one that a tool is put on
+// where that is clear, away from the arm along the last joint's axis. It begins beyond a gripper. A
+// file that has a link `tip` gets no pen. What is missing or cannot be is filled in, and notes say
+// with what:
+//   effort of a joint    twice what carries the arm beyond it, stretched out, and 10 Nm (50 N)
+//   velocity             1.5 rad/s, 0.25 m/s
+//   mass of a moved link 1 kg in a ball of 50 mm
+//   inertia              of that ball; one that breaks the triangle rule: its least moments raised
+//   a mesh               a body of 60 mm around the way to the next joint
 // Throws InputError for the rest, and where the flange is not clear: it lists the candidates.
 PlainUrdf vendor_urdf_with_pen(const std::filesystem::path& file, const std::string& flange,
                                const PenOnFlange& pen);

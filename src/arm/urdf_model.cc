@@ -2,8 +2,10 @@
 
 #include <string>
 
+#include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
 
 #include <pinocchio/parsers/urdf.hpp>
 
@@ -22,6 +24,21 @@ pinocchio::SE3 placement(const urdf::Pose& pose) {
   return {Eigen::Quaterniond(r.w, r.x, r.y, r.z).toRotationMatrix(),
           Eigen::Vector3d(p.x, p.y, p.z)};
 }
+
+// Keeps the parser's first complaint, which names the cause, instead of printing all of them.
+class ParserMessages : public console_bridge::OutputHandler {
+ public:
+  ParserMessages() { console_bridge::useOutputHandler(this); }
+  ~ParserMessages() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (first_.empty() && level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
+      first_ = text.substr(0, text.find('\n'));
+  }
+  const std::string& first() const { return first_; }
+
+ private:
+  std::string first_;
+};
 
 void check_body(const std::string& link, const urdf::Geometry* body) {
   const auto require = [&link](const char* what, double value) {
@@ -112,6 +129,16 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
 
 UrdfModel read_urdf(const std::filesystem::path& urdf, const std::string& tip) {
   return parse_urdf(plain_urdf(urdf, tip).text, urdf);
+}
+
+urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
+                                          const std::filesystem::path& file) {
+  ParserMessages messages;
+  urdf::ModelInterfaceSharedPtr description = urdf::parseURDF(text);
+  if (!description || !description->getRoot())
+    throw InputError(fmt::format("arm description {}: not a valid URDF{}{}", file.string(),
+                                 messages.first().empty() ? "" : ": ", messages.first()));
+  return description;
 }
 
 UrdfModel parse_urdf(const std::string& text, const std::filesystem::path& urdf) {

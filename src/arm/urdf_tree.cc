@@ -1,14 +1,10 @@
 #include "impedraw/arm/urdf_tree.h"
 
 #include <algorithm>
-#include <cmath>
-#include <locale>
-#include <sstream>
+#include <functional>
 
-#include <console_bridge/console.h>
 #include <fmt/format.h>
-#include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
+#include <urdf_model/pose.h>
 
 #include "impedraw/arm/urdf_text.h"
 #include "impedraw/common/errors.h"
@@ -16,72 +12,30 @@
 
 namespace impedraw {
 
-namespace {
-
-std::string attribute_of(const UrdfElement* e, const char* attribute) {
-  const char* text = e ? e->Attribute(attribute) : nullptr;
-  return text ? text : "";
-}
-
-// "joint 'a': <limit", for messages.
-std::string place_of(const UrdfElement* e) {
-  const auto* owner = e;
-  while (owner && name_of(owner).empty())
-    owner = owner->Parent() ? owner->Parent()->ToElement() : nullptr;
-  return fmt::format("{} '{}': <{}", owner ? owner->Name() : "robot", name_of(owner), e->Name());
-}
-
-// Keeps the parser's first complaint, which names the cause, instead of printing all of them.
-class ParserMessages : public console_bridge::OutputHandler {
- public:
-  ParserMessages() { console_bridge::useOutputHandler(this); }
-  ~ParserMessages() override { console_bridge::restorePreviousOutputHandler(); }
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (first_.empty() && level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
-      first_ = text.substr(0, text.find('\n'));
-  }
-  const std::string& first() const { return first_; }
-
- private:
-  std::string first_;
-};
-
-}  // namespace
-
-urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
-                                          const std::filesystem::path& file) {
-  ParserMessages messages;
-  urdf::ModelInterfaceSharedPtr description = urdf::parseURDF(text);
-  if (!description || !description->getRoot())
-    throw InputError(fmt::format("arm description {}: not a valid URDF{}{}", file.string(),
-                                 messages.first().empty() ? "" : ": ", messages.first()));
-  return description;
-}
-
 UrdfTree::UrdfTree(const std::filesystem::path& file) {
   require_urdf_file(file);
   const std::string xml = InputFile(file).read(4'000'000);
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
     throw InputError(fmt::format("not valid XML: {}", document.ErrorStr()));
-  robot = document.RootElement();
-  for (auto* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) {
-    const std::string kind = e->Name();
-    if (kind == "link") {
-      links.push_back(e);
-      link[name_of(e)] = e;
-    } else if (kind == "joint") {
-      joints.push_back(e);
-      to[child_of(e)] = e;
-    }
-  }
+  links = all(document.RootElement(), "link");
+  joints = all(document.RootElement(), "joint");
 }
 
-std::vector<UrdfElement*> UrdfTree::way_to(const std::string& link_name) const {
-  std::vector<UrdfElement*> way;
-  for (auto at = to.find(link_name); at != to.end() && way.size() < to.size();
-       at = to.find(parent_of(at->second)))
-    way.push_back(at->second);
-  std::reverse(way.begin(), way.end());
+UrdfElement* UrdfTree::link(const std::string& name) const {
+  for (UrdfElement* link : links)
+    if (value(link, "name") == name) return link;
+  return nullptr;
+}
+
+UrdfElements UrdfTree::way_to(const std::string& link) const {
+  UrdfElements way;
+  std::string at = link;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    for (UrdfElement* joint : joints)
+      if (child_of(joint) == at && way.size() == i) {
+        way.insert(way.begin(), joint);
+        at = parent_of(joint);
+      }
   return way;
 }
 
@@ -91,71 +45,123 @@ std::string UrdfTree::text() const {
   return printer.CStr();
 }
 
-std::string name_of(const UrdfElement* e) { return attribute_of(e, "name"); }
-std::string type_of(const UrdfElement* joint) { return attribute_of(joint, "type"); }
+UrdfElements all(UrdfElement* in, const char* name) {
+  UrdfElements found;
+  for (auto* e = in->FirstChildElement(name); e; e = e->NextSiblingElement(name))
+    found.push_back(e);
+  return found;
+}
+
+std::string value(const UrdfElement* e, const char* attribute) {
+  const char* text = e ? e->Attribute(attribute) : nullptr;
+  return text ? text : "";
+}
+double number(const UrdfElement* e, const char* attribute) {
+  return e ? e->DoubleAttribute(attribute) : 0.0;
+}
 std::string parent_of(const UrdfElement* joint) {
-  return attribute_of(joint->FirstChildElement("parent"), "link");
+  return value(joint->FirstChildElement("parent"), "link");
 }
 std::string child_of(const UrdfElement* joint) {
-  return attribute_of(joint->FirstChildElement("child"), "link");
+  return value(joint->FirstChildElement("child"), "link");
 }
-bool is_driven(const UrdfElement* joint) {
-  return type_of(joint) != "fixed" && !joint->FirstChildElement("mimic");
-}
+bool is_type(const UrdfElement* joint, const char* type) { return joint->Attribute("type", type); }
 
-std::vector<double> numbers_of(const UrdfElement* e, const char* attribute, int n,
-                               double otherwise) {
-  std::vector<double> numbers(static_cast<std::size_t>(n), otherwise);
-  const char* text = e ? e->Attribute(attribute) : nullptr;
-  if (!text) return numbers;
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  bool good = true;
-  for (double& x : numbers) good = in >> x && std::isfinite(x) && good;
-  if (std::string rest; !good || in >> rest)
-    throw InputError(fmt::format("{} {}=\"{}\"> is not a valid value; valid {}", place_of(e),
-                                 attribute, text,
-                                 n == 1 ? "is a number" : fmt::format("are {} numbers", n)));
-  return numbers;
+Eigen::Vector3d vector(const UrdfElement* e, const char* attribute, double otherwise) {
+  if (value(e, attribute).empty()) return Eigen::Vector3d::Constant(otherwise);
+  urdf::Vector3 v;
+  v.init(value(e, attribute));
+  return {v.x, v.y, v.z};
 }
-
-double number_of(const UrdfElement* e, const char* attribute, double otherwise) {
-  return numbers_of(e, attribute, 1, otherwise)[0];
-}
-
-Eigen::Vector3d vector_of(const UrdfElement* e, const char* attribute, double otherwise) {
-  return Eigen::Vector3d(numbers_of(e, attribute, 3, otherwise).data());
+Eigen::Vector3d axis_of(const UrdfElement* joint) {
+  const auto* axis = joint->FirstChildElement("axis");
+  return axis ? vector(axis, "xyz", 0.0).normalized() : Eigen::Vector3d::UnitX();
 }
 
 Eigen::Isometry3d placement_of(const UrdfElement* e) {
   const auto* origin = e->FirstChildElement("origin");
-  const Eigen::Vector3d rpy = vector_of(origin, "rpy");
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.translate(vector_of(origin, "xyz"));
-  X.rotate(Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
-           Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-           Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()));
+  const Eigen::Vector3d rpy = vector(origin, "rpy", 0.0);
+  urdf::Rotation r;
+  r.setFromRPY(rpy.x(), rpy.y(), rpy.z());
+  Eigen::Isometry3d X(Eigen::Quaterniond(r.w, r.x, r.y, r.z));
+  X.pretranslate(vector(origin, "xyz", 0.0));
   return X;
 }
 
 void set_placement(UrdfElement* e, const Eigen::Isometry3d& X) {
   auto* origin = e->FirstChildElement("origin");
-  if (!origin) e->InsertFirstChild(origin = e->GetDocument()->NewElement("origin"));
-  const auto write = [origin](const char* attribute, double x, double y, double z) {
-    origin->SetAttribute(attribute, fmt::format("{:.12g} {:.12g} {:.12g}", x, y, z).c_str());
-  };
-  const Eigen::Matrix3d R = X.linear();
-  write("xyz", X.translation().x(), X.translation().y(), X.translation().z());
-  const double level = std::hypot(R(0, 0), R(1, 0));
-  if (level > 1e-9)
-    write("rpy", std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), level),
-          std::atan2(R(1, 0), R(0, 0)));
-  else  // roll and yaw are about one axis
-    write("rpy", std::atan2(-R(1, 2), R(1, 1)), std::atan2(-R(2, 0), level), 0.0);
+  if (!origin) origin = e->InsertNewChildElement("origin");
+  const Eigen::Vector3d p = X.translation();
+  const Eigen::Quaterniond q(X.linear());
+  urdf::Rotation r;
+  r.setFromQuaternion(q.x(), q.y(), q.z(), q.w());
+  double roll = 0.0, pitch = 0.0, yaw = 0.0;
+  r.getRPY(roll, pitch, yaw);
+  origin->SetAttribute("xyz", fmt::format("{:.12g} {:.12g} {:.12g}", p.x(), p.y(), p.z()).c_str());
+  origin->SetAttribute("rpy", fmt::format("{:.12g} {:.12g} {:.12g}", roll, pitch, yaw).c_str());
 }
 
-Eigen::Quaterniond z_along(const Eigen::Vector3d& d) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), d);
+void fix_link(UrdfTree* tree, const std::string& to, const Eigen::Isometry3d& X,
+              const std::string& name) {
+  auto* joint = tree->document.RootElement()->InsertNewChildElement("joint");
+  joint->SetAttribute("name", (name + "_joint").c_str());
+  joint->SetAttribute("type", "fixed");
+  joint->InsertNewChildElement("parent")->SetAttribute("link", to.c_str());
+  joint->InsertNewChildElement("child")->SetAttribute("link", name.c_str());
+  set_placement(joint, X);
+  tree->document.RootElement()->InsertNewChildElement("link")->SetAttribute("name", name.c_str());
+}
+
+std::vector<ArmEnd> arm_ends(const UrdfTree& tree) {
+  std::vector<ArmEnd> ends;
+  const std::function<void(UrdfElement*, int, std::size_t)> visit = [&](UrdfElement* root,
+                                                                        int joints,
+                                                                        std::size_t depth) {
+    ArmEnd here{{root}, {Eigen::Isometry3d::Identity()}};
+    UrdfElements moving;
+    for (std::size_t i = 0; i < here.links.size() && i < tree.links.size(); ++i)
+      for (UrdfElement* joint : tree.joints) {
+        UrdfElement* child = tree.link(child_of(joint));
+        if (!child || parent_of(joint) != value(here.links[i], "name")) continue;
+        if (!is_type(joint, "fixed")) {
+          moving.push_back(joint);
+        } else {
+          here.X_RL.push_back(here.X_RL[i] * placement_of(joint));
+          here.links.push_back(child);
+        }
+      }
+    const auto of_gripper = [](const UrdfElement* joint) {
+      std::string names = value(joint, "name") + child_of(joint);
+      for (char& c : names) c = static_cast<char>(std::tolower(c));
+      return is_type(joint, "prismatic") || joint->FirstChildElement("mimic") ||
+             names.find("finger") != names.npos || names.find("gripper") != names.npos;
+    };
+    if (joints >= 6 && (moving.size() != 1 || of_gripper(moving[0])))
+      ends.push_back(std::move(here));
+    else if (depth < tree.joints.size())
+      for (UrdfElement* joint : moving)
+        visit(tree.link(child_of(joint)), joints + !joint->FirstChildElement("mimic"), depth + 1);
+  };
+  for (UrdfElement* link : tree.links)
+    if (tree.way_to(value(link, "name")).empty()) visit(link, 0, 0);
+  return ends;
+}
+
+std::vector<std::string> flange_candidates(const std::vector<ArmEnd>& ends) {
+  std::vector<std::string> candidates;
+  for (const ArmEnd& end : ends) {
+    std::string best;
+    for (const char* part :
+         {"tool0", "tcp", "flange", "eef", "ee_link", "end_effector", "tool", "hand", "gripper"})
+      for (const UrdfElement* link : end.links)
+        if (best.empty() && value(link, "name").find(part) != std::string::npos)
+          best = value(link, "name");
+    if (!best.empty())
+      candidates.push_back(best);
+    else
+      for (const UrdfElement* link : end.links) candidates.push_back(value(link, "name"));
+  }
+  return candidates;
 }
 
 }  // namespace impedraw

@@ -1,9 +1,7 @@
-// A URDF's elements, to be changed in place, the numbers in them, and what urdfdom makes of it. Only this folder's sources
-// include this header.
+// A URDF's elements, to be changed in place. Only this folder's sources include this header.
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -14,43 +12,46 @@
 namespace impedraw {
 
 using UrdfElement = tinyxml2::XMLElement;
+using UrdfElements = std::vector<UrdfElement*>;
 
 struct UrdfTree {
-  // Reads a file that require_urdf_file() accepts. Throws InputError.
-  explicit UrdfTree(const std::filesystem::path& file);
+  explicit UrdfTree(const std::filesystem::path& file);  // throws as require_urdf_file()
+  UrdfElement* link(const std::string& name) const;      // or null
+  UrdfElements way_to(const std::string& link) const;    // the joints from the root to it
+  std::string text() const;
 
   tinyxml2::XMLDocument document;
-  UrdfElement* robot = nullptr;
-  std::vector<UrdfElement*> links, joints;   // in the file's order
-  std::map<std::string, UrdfElement*> link;  // by name
-  std::map<std::string, UrdfElement*> to;    // the joint that carries a link, by the link's name
-
-  // The joints from the root to a link.
-  std::vector<UrdfElement*> way_to(const std::string& link_name) const;
-  std::string text() const;
+  UrdfElements links, joints;
 };
 
-// What urdfdom reads in the text of a file. Throws InputError with its first complaint.
+UrdfElements all(UrdfElement* in, const char* name);             // its children of this name
+std::string value(const UrdfElement* e, const char* attribute);  // empty: there is none
+double number(const UrdfElement* e, const char* attribute);      // 0: there is none
+std::string parent_of(const UrdfElement* joint);                 // names of links
+std::string child_of(const UrdfElement* joint);
+bool is_type(const UrdfElement* joint, const char* type);
+Eigen::Vector3d axis_of(const UrdfElement* joint);  // unit
+Eigen::Vector3d vector(const UrdfElement* e, const char* attribute, double otherwise);
+Eigen::Isometry3d placement_of(const UrdfElement* e);  // its <origin>
+void set_placement(UrdfElement* e, const Eigen::Isometry3d& X);
+// A link that a joint fixes to another.
+void fix_link(UrdfTree* tree, const std::string& to, const Eigen::Isometry3d& X,
+              const std::string& name);
+
+// What urdfdom reads in a text. Throws InputError with its first complaint.
 urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
                                           const std::filesystem::path& file);
 
-std::string name_of(const UrdfElement* e);
-std::string type_of(const UrdfElement* joint);
-std::string parent_of(const UrdfElement* joint);  // names of links
-std::string child_of(const UrdfElement* joint);
-bool is_driven(const UrdfElement* joint);  // neither fixed nor a mimic
-
-// The numbers of an attribute; `otherwise`, n times, where it or the element is missing. Throws
-// InputError naming link or joint, attribute and text unless there are n finite numbers.
-std::vector<double> numbers_of(const UrdfElement* e, const char* attribute, int n,
-                               double otherwise);
-double number_of(const UrdfElement* e, const char* attribute, double otherwise);
-Eigen::Vector3d vector_of(const UrdfElement* e, const char* attribute, double otherwise = 0.0);
-
-// Of the element's <origin>.
-Eigen::Isometry3d placement_of(const UrdfElement* e);
-void set_placement(UrdfElement* e, const Eigen::Isometry3d& X);
-// A rotation that takes z to the direction d.
-Eigen::Quaterniond z_along(const Eigen::Vector3d& d);
+// Where a pen can go: the links fixed to the arm's last joint, each with its pose in the link R
+// that this joint moves. The last joint is the sixth or a later one, beyond which nothing moves but
+// a gripper: several joints side by side, mimic or prismatic ones, or one that is named so.
+struct ArmEnd {
+  UrdfElements links;
+  std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen::Isometry3d>> X_RL;
+};
+std::vector<ArmEnd> arm_ends(const UrdfTree& tree);
+// The link of each end with the first of these in its name: tool0, tcp, flange, eef, ee_link,
+// end_effector, tool, hand, gripper; the only link; or all of them.
+std::vector<std::string> flange_candidates(const std::vector<ArmEnd>& ends);
 
 }  // namespace impedraw

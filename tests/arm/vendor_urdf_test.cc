@@ -192,12 +192,16 @@ TEST_F(VendorUrdf, InertiaThatCannotBeIsNamedInTheFilesWords) {
 TEST_F(VendorUrdf, AJointThatMovesNoMassIsNamed) {
   Vendor arm{.end = kTip};
   arm.inertial = "";
-  EXPECT_THAT(refused(arm.text()), HasSubstr("link 'l1', which joint 'j1' moves, has no mass"));
+  EXPECT_THAT(
+      refused(arm.text()),
+      HasSubstr("link 'l1', which joint 'j1' moves, and what is fixed to it have no <mass>"));
   // What is fixed to a link moves with it.
   std::string urdf = Vendor{.end = kTip}.text();
   const std::string inertial = Vendor{}.inertial;
   urdf = changed(urdf, "<link name='l3'>", inertial, "");
-  EXPECT_THAT(refused(urdf), HasSubstr("link 'l3', which joint 'j3' moves, has no mass"));
+  EXPECT_THAT(
+      refused(urdf),
+      HasSubstr("link 'l3', which joint 'j3' moves, and what is fixed to it have no <mass>"));
   urdf = changed(urdf, "</robot>", "</robot>",
                  fixed("l3", "motor", "xyz='0 0 0.05'", inertial) + "</robot>");
   EXPECT_EQ(refused(urdf), "accepted");
@@ -256,7 +260,7 @@ TEST_F(VendorBodies, MeshesAndBoxesAreEnclosed) {
 TEST_F(VendorBodies, AMeshThatCannotBeReadIsNamedOrReplaced) {
   const std::string urdf = arm_with("<mesh filename='package://none/gone.stl'/>");
   EXPECT_THAT(refused(urdf), HasSubstr("link 'l1': its collision mesh 'package://none/gone.stl'"));
-  EXPECT_THAT(made(urdf).notes, Contains(HasSubstr("capsules of 60 mm to the next joints")));
+  EXPECT_THAT(made(urdf).notes, Contains(HasSubstr("a body of 60 mm around the way")));
   write("bad.stl", "solid of nothing");
   EXPECT_THAT(refused(arm_with("<mesh filename='bad.stl'/>")), HasSubstr("cannot be read"));
 }
@@ -304,15 +308,17 @@ TEST(EnclosingCapsules, ARodIsHardlyLarger) {
 
 TEST_F(VendorUrdf, ThePenGoesOnTheFlangeThatIsClear) {
   // z of `flange` lies across, as in ROS-Industrial; tool0's points out.
-  const std::string ends = fixed("l6", "flange", "xyz='0 0 0.1' rpy='0 -1.5707963 0'") +
-                           fixed("flange", "tool0", "rpy='0 1.5707963 0'") +
-                           fixed("l6", "camera", "xyz='0.1 0 0'");
-  Vendor seven{.joints = 6, .end = ends};
-  const PlainUrdf pen = made(seven.text());
-  EXPECT_THAT(pen.notes, Contains(HasSubstr("stands on 'tool0', along its z")));
-  // Joint 6 turns about y: not along z of the links. The pen follows the axis where z does not.
+  const auto ends = [](const std::string& on) {
+    return fixed(on, "flange", "xyz='0 0 0.1' rpy='0 -1.5707963 0'") +
+           fixed("flange", "tool0", "rpy='0 1.5707963 0'") + fixed(on, "camera", "xyz='0.1 0 0'");
+  };
+  const PlainUrdf pen = made(Vendor{.joints = 7, .end = ends("l7")}.text());
+  EXPECT_THAT(pen.notes, Contains(HasSubstr("stands on 'tool0', along its (0.00, 0.00, 1.00)")));
   ArmModel arm(write("pen.urdf", pen.text));
-  EXPECT_EQ(arm.joints(), 6);
+  EXPECT_NEAR(arm.tip_pose(JointVector::Zero(7)).p.z(), 1.5 + 0.12, 1e-6);
+  // Joint 6 turns about y, across z of the links: the pen follows the axis.
+  EXPECT_THAT(made(Vendor{.joints = 6, .end = ends("l6")}.text()).notes,
+              Contains(HasSubstr("stands on 'tool0', along its (0.00, 1.00, 0.00)")));
 }
 
 TEST_F(VendorUrdf, ThePenLeavesAlongTheLastAxisAndBeyondTheGripper) {
@@ -322,15 +328,15 @@ TEST_F(VendorUrdf, ThePenLeavesAlongTheLastAxisAndBeyondTheGripper) {
                                     .end = hand + finger("hand", "a", range) +
                                            finger("hand", "b", range + "<mimic joint='a_joint'/>")}
                                  .text());
-  EXPECT_THAT(pen.notes, Contains(HasSubstr("stands on 'hand', along its z")));
-  EXPECT_THAT(pen.notes, Contains(HasSubstr("fixed where they stand: a_joint, b_joint")));
+  EXPECT_THAT(pen.notes, Contains(HasSubstr("stands on 'hand', along its (0.00, 0.00, 1.00)")));
+  EXPECT_THAT(pen.notes, Contains(HasSubstr("fixed where they stand: a_joint b_joint")));
   const auto file = write("pen.urdf", pen.text);
   ArmModel arm(file);
   ASSERT_EQ(arm.joints(), 7);
   const Pose X_WE = arm.tip_pose(JointVector::Zero(7));
-  // 7 · 0.2 + 0.1, the finger's end at 0.06 + 0.04, at most 10 mm of its capsule, the pen's 0.12.
+  // 7 · 0.2 + 0.1, the finger's end at 0.06 + 0.04, at most 16 mm of its capsule, the pen's 0.12.
   EXPECT_GE(X_WE.p.z(), 1.5 + 0.1 + 0.12);
-  EXPECT_LE(X_WE.p.z(), 1.5 + 0.1 + 0.12 + 0.012);
+  EXPECT_LE(X_WE.p.z(), 1.5 + 0.1 + 0.12 + 0.016);
   EXPECT_NEAR(X_WE.R(2, 2), 1.0, 1e-9);
   expect_same_arm(file, 4);
   // The same frames turned upside down: the pen still leaves the arm.
@@ -345,13 +351,14 @@ TEST_F(VendorUrdf, CandidatesAreListedWhereTheFlangeIsNotClear) {
   const auto file = write("arm.urdf", urdf);
   EXPECT_THAT(refusal([&] { vendor_urdf_with_pen(file, "", {}); }),
               HasSubstr("--flange takes one of l6, plate_a, plate_b"));
-  EXPECT_THAT(refusal([&] { vendor_urdf_with_pen(file, "plate", {}); }),
-              HasSubstr("no link 'plate'; --flange takes a link of the arm's end: l6, plate_a"));
+  EXPECT_THAT(
+      refusal([&] { vendor_urdf_with_pen(file, "plate", {}); }),
+      HasSubstr("--flange plate: no such link at an arm's end; candidates are l6, plate_a"));
   EXPECT_THAT(made(urdf, "plate_a").notes, Contains(HasSubstr("stands on 'plate_a'")));
   // Read as it is, without a pen.
   EXPECT_THAT(refusal([&] { ArmModel{file}; }),
               ::testing::AllOf(HasSubstr("no frame named 'tip'"), HasSubstr("arm make-urdf --arm"),
-                               HasSubstr("candidates are l6, plate_a, plate_b")));
+                               HasSubstr("candidates for LINK are l6, plate_a, plate_b")));
 }
 
 TEST_F(VendorUrdf, WhatIsMissingIsFilledInAndSaid) {
@@ -360,7 +367,9 @@ TEST_F(VendorUrdf, WhatIsMissingIsFilledInAndSaid) {
              .inertial = "",
              .end = fixed("l7", "tool0", "xyz='0 0 0.1'")};
   const PlainUrdf pen = made(arm.text());
-  EXPECT_THAT(pen.notes, Contains(HasSubstr("link 'l1', which joint 'j1' moves, has no mass")));
+  EXPECT_THAT(pen.notes,
+              Contains(HasSubstr(
+                  "link 'l1', which joint 'j1' moves, and what is fixed to it have no <mass>")));
   EXPECT_THAT(pen.notes, Contains(HasSubstr("joint 'j7': <limit velocity=\"0\">: it became 1.5")));
   const auto file = write("pen.urdf", pen.text);
   ArmModel model(file);
