@@ -246,7 +246,8 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
     scene.world->set_state(q, JointVector::Zero(q.size()));
     return scene.world->touching_link();
   };
-  scene.start_q = start_posture(s.arm, scene.arm, X_WP, setting_errors, touching, &scene.notes);
+  scene.start_q = start_posture(s.arm, scene.arm, X_WP, about_drawing(s, scene.canvas, X_WP),
+                                setting_errors, touching, &scene.notes);
   scene.obstacle = scene.canvas;
   if (s.perception.enabled) look_at_canvas(s, setting_errors, &scene);
   return scene;

@@ -41,14 +41,14 @@ double depth_beneath(const std::vector<BodyCapsule>& bodies, const Eigen::Vector
 }
 
 using Touching = std::function<std::string(const JointVector&)>;
-using Places = std::vector<Eigen::Vector3d>;
+using Way = std::vector<Eigen::Vector3d>;
 
 // Whether the tip can be led from a posture to one place after the other without a jump of a joint
 // or a posture near a limit or a singularity.
 bool leads_to(ArmModel& arm, ArmTerms* terms, const PenPlacement& start, JointVector q,
-              const Places& places) {
+              const Way& way) {
   PenPlacement at = start;
-  for (const Eigen::Vector3d& place : places) {
+  for (const Eigen::Vector3d& place : way) {
     const Eigen::Vector3d from = at.p_WE;
     const int steps = 1 + static_cast<int>((place - from).norm() / kStep);
     for (int i = 1; i <= steps; ++i) {
@@ -65,7 +65,7 @@ bool leads_to(ArmModel& arm, ArmTerms* terms, const PenPlacement& start, JointVe
 // Seeds are drawn by hand: the standard's distributions differ between libraries. A posture in
 // which a link touches only where no other was found.
 IkResult searched(ArmModel& arm, const PenPlacement& start, const Touching& touching,
-                  const Places& drawing) {
+                  const Way& drawing) {
   constexpr double kTurn = std::numbers::pi;
   const JointVector lower = JointVector(arm.limits().lower).cwiseMax(-kTurn),
                     upper = JointVector(arm.limits().upper).cwiseMin(kTurn);
@@ -129,7 +129,7 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
 }
 
 JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
-                          const Places& drawing, const SettingErrors& setting_errors,
+                          const Way& drawing, const SettingErrors& setting_errors,
                           const Touching& touching, std::vector<std::string>* notes) {
   PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
   std::vector<double> seed = settings.posture_seed;
