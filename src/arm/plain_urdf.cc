@@ -153,7 +153,8 @@ class Plain {
                           "of more than 0 m",
                           name_of(link), value(shape, "size")));
         int i = 0;
-        const Vector3d axis = 0.5 * edges.maxCoeff(&i) * Vector3d::Unit(i);
+        edges.maxCoeff(&i);
+        const Vector3d axis = 0.5 * edges[i] * Vector3d::Unit(i);
         const double across = 0.5 * std::sqrt(edges.squaredNorm() - edges[i] * edges[i]);
         capsules = {{X * Vector3d(-axis), X * axis, across}};
       }
