@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/arm/plain_urdf.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/common/input_file.h"
@@ -186,21 +187,28 @@ RestingArm posture_at_rest(const DrawOptions& options, double seconds, double at
   return {sum / static_cast<double>(count), std::move(arm.model)};
 }
 
-int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out) {
+int make_urdf(const std::string& arm, const std::string& flange, const PenOnFlange& pen,
+              const std::filesystem::path& out) {
   const std::filesystem::path folder = data_folder() / "models/arms";
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ".urdf") names.push_back(entry.path().stem());
   std::sort(names.begin(), names.end());
-  if (std::find(names.begin(), names.end(), arm) == names.end())
-    throw InputError(fmt::format("--arm: {}", not_among(arm, names)));
-  const std::filesystem::path to = out.empty() ? std::filesystem::path(arm + "_pen.urdf") : out;
-  const std::string bare = InputFile(folder / (arm + ".urdf")).read(4'000'000);
-  write_whole(to, urdf_with_pen(bare, pen));
-  const ArmModel model(to);
-  say(stdout, "{}: {} joints; draw with it: --set arm.urdf={}{}\n", to.string(), model.joints(),
+  const bool own = std::find(names.begin(), names.end(), arm) != names.end();
+  const bool file = arm.find('/') != arm.npos || arm.find('.') != arm.npos;
+  if (!own && !file)
+    throw InputError(fmt::format("--arm: {}, or a URDF file", not_among(arm, names)));
+  const std::filesystem::path from = own ? folder / (arm + ".urdf") : std::filesystem::path(arm),
+                              to = out.empty() ? from.stem().string() + "_pen.urdf" : out.string();
+  const PlainUrdf made = own && flange.empty()
+                             ? PlainUrdf{urdf_with_pen(InputFile(from).read(4'000'000), pen), {}}
+                             : vendor_urdf_with_pen(from, flange, pen);
+  const int joints = require_arm(made.text, from);
+  write_whole(to, made.text);
+  for (const std::string& note : made.notes) say(stdout, "note: {}\n", note);
+  say(stdout, "{}: {} joints; draw with it: --set arm.urdf={}{}\n", to.string(), joints,
       to.string(),
-      model.joints() < 7
+      joints < 7
           ? "\nsix joints leave no null space: nothing moves the arm away from joint limits, and "
             "rest posture and null-space stiffness have no effect"
           : "");

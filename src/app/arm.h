@@ -36,7 +36,9 @@ struct RestingArm {
 // std::runtime_error if a joint is faster than `at_rest` [rad/s].
 RestingArm posture_at_rest(const DrawOptions& options, double seconds, double at_rest);
 
-// Writes the description of an arm of models/arms with a pen on its flange.
-int make_urdf(const std::string& arm, const PenOnFlange& pen, const std::filesystem::path& out);
+// Writes the description of an arm with a pen on its flange, once it is known to be an arm: of one
+// of models/arms, or of a vendor's file (plain_urdf.h), on the link `flange` if it is given.
+int make_urdf(const std::string& arm, const std::string& flange, const PenOnFlange& pen,
+              const std::filesystem::path& out);
 
 }  // namespace impedraw

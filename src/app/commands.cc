@@ -98,6 +98,21 @@ std::string settings_page() {
          settings_markdown<Scenario>();
 }
 
+// Whether an arm of one's own would draw on a canvas that nobody placed, and cannot.
+bool lies_out_of_reach(const Scenario& s, const Places& places) {
+  const Scenario usual;
+  if (s.arm.urdf.empty() || s.arm.driver != ArmDriver::sim || s.canvas.kind == CanvasKind::mesh ||
+      s.perception.source == PerceptionSource::capture || !s.canvas.move.isZero() ||
+      !s.drawing.tilt_deg.isZero() || !s.canvas.motion.file.empty() ||
+      s.drawing.placement.centre_m != usual.drawing.placement.centre_m)
+    return false;
+  try {
+    return !prepare_plan(s, places, Unreachable::tell).plan.preflight.findings.empty();
+  } catch (const InputError&) {
+    return true;
+  }
+}
+
 }  // namespace
 
 namespace {
@@ -126,6 +141,15 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
   if (options.place == "surface") return placed_on_surface(options.surface, scenario, places);
   if (!options.surface.near.empty() || options.surface.shrink)
     throw InputError("--near and --shrink need --place surface");
+  if (options.place.empty() && lies_out_of_reach(scenario, places)) {
+    DrawOptions moving = options;
+    moving.place = "auto";
+    try {
+      return placed(moving, scenario, places);
+    } catch (const InputError&) {  // what is wrong is told where the drawing is prepared
+      return scenario;
+    }
+  }
   if (options.place != "auto") return scenario;
   PlacedCanvas found;
   {
@@ -135,7 +159,8 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
   }
   const Eigen::Vector2d c = found.scenario.drawing.placement.centre_m;
   say(stderr,
-      "placed  the drawing's centre at ({:.3f}, {:.3f}) m, turned by {:.0f}°: worst margin "
+      "placed  the canvas was moved, the drawing's centre to ({:.3f}, {:.3f}) m, turned by "
+      "{:.0f}°: worst margin "
       "{:.2f}, before {:.2f}{}\n",
       c.x(), c.y(), found.turn_deg, found.margin, found.margin_before,
       found.passes ? "" : "; some of it cannot be drawn there, and nowhere else is better");
@@ -158,7 +183,7 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
     throw InputError(fmt::format(
         "--resume: {} contains no run to resume; name its folder with --out", folder.string()));
   // A resumed run keeps its placement.
-  if (begun && (!given || options.place != "fixed"))
+  if (begun && (!given || (!options.place.empty() && options.place != "fixed")))
     scenario = recorded_scenario(folder, &places);
   else
     scenario = placed(options, scenario, places);
@@ -170,6 +195,7 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
     // What the preparation completes.
     as_given.drawing.placement = experiment.scenario.drawing.placement;
     as_given.canvas.move = experiment.scenario.canvas.move;
+    as_given.arm.start_p_WE = experiment.scenario.arm.start_p_WE;
     as_given.control.surface.pen_axis = experiment.scenario.control.surface.pen_axis;
     require_same(as_given, folder);
   }

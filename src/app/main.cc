@@ -167,7 +167,8 @@ int run_program(int argc, char** argv) {
         ->add_option("--place", options.place,
                      "where canvas and drawing are: fixed, as the scenario says; auto, both "
                      "moved to where the arm reaches best; surface, the drawing moved on the "
-                     "canvas to where most of it can be drawn")
+                     "canvas to where most of it can be drawn (default: fixed, but auto where "
+                     "arm.urdf cannot draw there and the scenario places neither)")
         ->check(CLI::IsMember({"fixed", "auto", "surface"}));
     command->add_option("--near", options.surface.near,
                         "with --place surface: near x,y,z (in m), or on the canvas's front (+x), "
@@ -331,12 +332,19 @@ int run_program(int argc, char** argv) {
         ->allow_extra_args(false);
   }
 
-  std::string bare_arm;
+  std::string bare_arm, flange;
   impedraw::PenOnFlange pen;
   std::filesystem::path arm_file;
   CLI::App* arm_urdf = arm->add_subcommand(
-      "make-urdf", "write the description of an arm of models/arms with a pen on its flange");
-  arm_urdf->add_option("--arm", bare_arm, "fr3, gen3, iiwa14, iiwa7, panda or ur5e")->required();
+      "make-urdf",
+      "write an arm's description with a pen on its flange, and what it lacks filled in");
+  arm_urdf
+      ->add_option("--arm", bare_arm,
+                   "fr3, gen3, iiwa14, iiwa7, panda or ur5e; or a vendor's URDF file")
+      ->required();
+  arm_urdf->add_option("--flange", flange,
+                       "the link that carries the pen, z out of it (default: the one that is clear "
+                       "by its name, along the last joint's axis)");
   arm_urdf
       ->add_option("--tool-length", pen.length,
                    "from the flange to the pen's tip, in m, along the "
@@ -347,7 +355,7 @@ int run_program(int argc, char** argv) {
       ->check(CLI::Range(1e-3, 20.0))
       ->capture_default_str();
   arm_urdf->add_option("--out", arm_file, "the file (default: ARM_pen.urdf)");
-  arm_urdf->callback([&] { code = impedraw::make_urdf(bare_arm, pen, arm_file); });
+  arm_urdf->callback([&] { code = impedraw::make_urdf(bare_arm, flange, pen, arm_file); });
 
   std::filesystem::path commissioning = "commissioning";
   std::string mark;

@@ -24,7 +24,8 @@ using PrebuiltVector = Eigen::Ref<const Eigen::VectorXd>;
 }  // namespace
 
 struct ArmModel::Workspace {
-  explicit Workspace(const std::filesystem::path& file) : urdf(read_urdf(file)), data(urdf.model) {}
+  Workspace(const std::filesystem::path& file, const std::string& tip_frame)
+      : urdf(read_urdf(file, tip_frame)), data(urdf.model) {}
 
   UrdfModel urdf;
   pinocchio::Data data;
@@ -35,12 +36,9 @@ struct ArmModel::Workspace {
 };
 
 ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame)
-    : workspace_(std::make_unique<Workspace>(urdf)) {
+    : workspace_(std::make_unique<Workspace>(urdf, tip_frame)) {
   Workspace& w = *workspace_;
   const pinocchio::Model& model = w.urdf.model;
-  if (!model.existFrame(tip_frame))
-    throw InputError(
-        fmt::format("arm description {}: no frame named '{}'", urdf.string(), tip_frame));
   w.tip = model.getFrameId(tip_frame);
   w.joint_names.assign(model.names.begin() + 1, model.names.end());
   w.limits = {model.lowerPositionLimit, model.upperPositionLimit, model.upperEffortLimit,

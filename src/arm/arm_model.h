@@ -35,8 +35,9 @@ struct BodyCapsule {
 class ArmModel {
  public:
   // `tip_frame` is the frame E of the pen tip: origin at the tip's apex, z out of the tip.
-  // Throws InputError if the file is missing or malformed, has a joint with more than one axis or
-  // more than kMaxJoints joints, or lacks the frame.
+  // Joints that do not carry it are fixed where they stand (plain_urdf.h). Throws InputError if the
+  // file is missing or malformed, lacks the frame, or has a joint with more than one axis or fewer
+  // than 6 or more than kMaxJoints joints on the way to it.
   explicit ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame = "tip");
   ~ArmModel();
   ArmModel(ArmModel&&) noexcept;
@@ -59,7 +60,7 @@ class ArmModel {
   void compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept;
 
   Pose tip_pose(const JointVector& q);  // X_WE
-  // the URDF's collision cylinders and spheres
+  // the URDF's collision cylinders, spheres and capsules, and those that enclose its other bodies
   std::vector<BodyCapsule> body_capsules(const JointVector& q);
 
  private:

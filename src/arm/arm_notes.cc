@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/common/input_file.h"
 
 namespace impedraw {
 
@@ -51,8 +50,7 @@ constexpr double kPenRadius = 0.005;  // [m]
 
 }  // namespace
 
-ArmNotes read_arm_notes(const std::filesystem::path& urdf) {
-  const std::string text = InputFile(urdf).read(4'000'000);
+ArmNotes read_arm_notes(const std::string& text, const std::filesystem::path& urdf) {
   const std::string where = "arm description " + urdf.string();
   ArmNotes notes;
   if (const auto rest = note(text, "rest_posture"))
@@ -69,11 +67,13 @@ ArmNotes read_arm_notes(const std::filesystem::path& urdf) {
   return notes;
 }
 
-std::string urdf_with_pen(const std::string& bare, const PenOnFlange& pen) {
-  if (bare.find("<link name=\"flange\"") == std::string::npos)
-    throw InputError("the arm's description has no link 'flange'");
-  if (bare.find("<link name=\"tip\"") != std::string::npos)
-    throw InputError("the arm's description has a link 'tip' already");
+std::string urdf_with_pen(const std::string& bare, const PenOnFlange& pen,
+                          const std::string& flange) {
+  if (bare.find("<link name=\"" + flange + "\"") == std::string::npos)
+    throw InputError(fmt::format("the arm's description has no link '{}'", flange));
+  for (const char* name : {"tip", "pen"})
+    if (bare.find(fmt::format("<link name=\"{}\"", name)) != std::string::npos)
+      throw InputError(fmt::format("the arm's description has a link '{}' already", name));
   const double across = pen.mass * kPenRadius * kPenRadius / 4.0,
                along = across + pen.mass * pen.length * pen.length / 12.0;
   const std::string body = fmt::format(
@@ -83,7 +83,7 @@ std::string urdf_with_pen(const std::string& bare, const PenOnFlange& pen) {
   const std::string tool = fmt::format(
       "\n  <!-- The tool: a rod of {0} m and {1} kg, radius {2} m. Frame tip (E): the apex of its "
       "tip, z out of it. -->\n"
-      "  <joint name=\"pen_joint\" type=\"fixed\"><parent link=\"flange\"/><child link=\"pen\"/>"
+      "  <joint name=\"pen_joint\" type=\"fixed\"><parent link=\"{7}\"/><child link=\"pen\"/>"
       "<origin xyz=\"0 0 0\" rpy=\"0 0 0\"/></joint>\n"
       "  <link name=\"pen\">\n"
       "    <inertial><origin xyz=\"0 0 {3:.6g}\" rpy=\"0 0 0\"/><mass value=\"{1}\"/><inertia "
@@ -91,7 +91,7 @@ std::string urdf_with_pen(const std::string& bare, const PenOnFlange& pen) {
       "    <visual>{6}</visual>\n    <collision>{6}</collision>\n  </link>\n"
       "  <joint name=\"tip_joint\" type=\"fixed\"><parent link=\"pen\"/><child link=\"tip\"/>"
       "<origin xyz=\"0 0 {0}\" rpy=\"0 0 0\"/></joint>\n  <link name=\"tip\"/>\n",
-      pen.length, pen.mass, kPenRadius, 0.5 * pen.length, along, 2.0 * across, body);
+      pen.length, pen.mass, kPenRadius, 0.5 * pen.length, along, 2.0 * across, body, flange);
   std::string urdf = bare;
   const std::size_t end = urdf.rfind("</robot>");
   if (end == std::string::npos) throw InputError("the arm's description has no end of <robot>");

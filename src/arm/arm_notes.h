@@ -19,8 +19,8 @@ struct ArmNotes {
   std::vector<double> rotor_inertia;
 };
 
-// Throws InputError if a number in the element cannot be read.
-ArmNotes read_arm_notes(const std::filesystem::path& urdf);
+// Of a file's text. Throws InputError if a number in the element cannot be read.
+ArmNotes read_arm_notes(const std::string& text, const std::filesystem::path& urdf);
 
 struct PenOnFlange {
   double length = 0.12;  // from the flange to the tip's apex, along the flange's z [m]
@@ -29,6 +29,7 @@ struct PenOnFlange {
 
 // The description of an arm with a link `flange`, z out of it, and a straight tool on it: the links
 // `pen` and `tip`. Throws InputError if there is no flange, or a tool already.
-std::string urdf_with_pen(const std::string& bare, const PenOnFlange& pen);
+std::string urdf_with_pen(const std::string& bare, const PenOnFlange& pen,
+                          const std::string& flange = "flange");
 
 }  // namespace impedraw

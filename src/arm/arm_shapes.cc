@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 #include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
 
-#include "impedraw/arm/urdf_text.h"
+#include "impedraw/arm/plain_urdf.h"
+#include "impedraw/arm/urdf_tree.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
@@ -50,10 +50,7 @@ std::vector<VisualShape> shapes_of(const urdf::Link& link) {
 }  // namespace
 
 std::vector<DrawnLink> read_arm_shapes(const std::filesystem::path& urdf) {
-  require_urdf_file(urdf);
-  const urdf::ModelInterfaceSharedPtr description = urdf::parseURDFFile(urdf.string());
-  if (!description || !description->getRoot())
-    throw InputError(fmt::format("arm description {}: not a valid URDF", urdf.string()));
+  const urdf::ModelInterfaceSharedPtr description = parsed_urdf(plain_urdf(urdf).text, urdf);
   std::vector<DrawnLink> links;
   const std::function<void(const urdf::Link&, int)> add = [&](const urdf::Link& link, int parent) {
     DrawnLink drawn;

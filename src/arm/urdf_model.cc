@@ -10,7 +10,8 @@
 #include <pinocchio/parsers/urdf.hpp>
 
 #include "impedraw/arm/arm_model.h"
-#include "impedraw/arm/urdf_text.h"
+#include "impedraw/arm/plain_urdf.h"
+#include "impedraw/arm/urdf_tree.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/per_joint.h"
 #include "impedraw/common/range_check.h"
@@ -53,6 +54,9 @@ void check_body(const std::string& link, const urdf::Geometry* body) {
     require("a cylinder's length", cylinder->length);
   } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(body)) {
     require("a sphere's radius", sphere->radius);
+  } else if (const auto* capsule = dynamic_cast<const urdf::Capsule*>(body)) {
+    require("a capsule's radius", capsule->radius);
+    require("a capsule's length", capsule->length);
   }
 }
 
@@ -63,8 +67,6 @@ const char* unusable_type(const urdf::Joint& joint) {
     case urdf::Joint::PRISMATIC:
     case urdf::Joint::FIXED:
       return nullptr;
-    case urdf::Joint::CONTINUOUS:
-      return "continuous";
     case urdf::Joint::FLOATING:
       return "floating";
     case urdf::Joint::PLANAR:
@@ -76,9 +78,9 @@ const char* unusable_type(const urdf::Joint& joint) {
 
 void check_joint(const urdf::Joint& joint) {
   if (const char* type = unusable_type(joint))
-    throw InputError(fmt::format(
-        "joint '{}' is {}; valid are fixed joints, and revolute or prismatic joints with limits",
-        joint.name, type));
+    throw InputError(
+        fmt::format("joint '{}' is {}; valid are fixed, continuous, revolute and prismatic joints",
+                    joint.name, type));
   if (joint.mimic)
     throw InputError(
         fmt::format("joint '{}' mimics joint '{}'; every joint must have a drive of its own",
@@ -89,9 +91,6 @@ void check_joint(const urdf::Joint& joint) {
   if (!(limits->lower < limits->upper))
     throw InputError(fmt::format("joint '{}': the lower limit {} must be below the upper limit {}",
                                  joint.name, limits->lower, limits->upper));
-  if (!(limits->effort > 0.0))
-    throw InputError(fmt::format("joint '{}': the effort limit is {}; valid is more than 0",
-                                 joint.name, limits->effort));
 }
 
 void check_description(const urdf::ModelInterface& description) {
@@ -109,16 +108,20 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
     const auto& frame = model.frames[model.getFrameId(name, pinocchio::BODY)];
     for (const auto& body : link->collision_array) {
       const pinocchio::SE3 X_JB = frame.placement * placement(body->origin);
-      if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(body->geometry.get())) {
-        const Eigen::Vector3d half(0, 0, cylinder->length / 2);
+      const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(body->geometry.get());
+      const auto* capsule = dynamic_cast<const urdf::Capsule*>(body->geometry.get());
+      if (cylinder || capsule) {
+        const Eigen::Vector3d half(0, 0, 0.5 * (cylinder ? cylinder->length : capsule->length));
         capsules.push_back({name, frame.parentJoint, X_JB.act(Eigen::Vector3d(-half)),
-                            X_JB.act(half), cylinder->radius});
+                            X_JB.act(half), cylinder ? cylinder->radius : capsule->radius});
       } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(body->geometry.get())) {
         capsules.push_back(
             {name, frame.parentJoint, X_JB.translation(), X_JB.translation(), sphere->radius});
       } else {
-        throw InputError(fmt::format(
-            "link '{}' has a collision body that is neither a cylinder nor a sphere", name));
+        throw InputError(
+            fmt::format("link '{}' has a collision body without a shape; valid are "
+                        "cylinder, sphere, capsule, box and mesh",
+                        name));
       }
     }
   }
@@ -127,13 +130,22 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
 
 }  // namespace
 
-UrdfModel read_urdf(const std::filesystem::path& urdf) {
-  require_urdf_file(urdf);
+UrdfModel read_urdf(const std::filesystem::path& urdf, const std::string& tip) {
+  return parse_urdf(plain_urdf(urdf, tip).text, urdf);
+}
+
+urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
+                                          const std::filesystem::path& file) {
   ParserMessages messages;
-  const urdf::ModelInterfaceSharedPtr description = urdf::parseURDFFile(urdf.string());
-  if (!description)
-    throw InputError(fmt::format("arm description {}: not a valid URDF{}{}", urdf.string(),
+  urdf::ModelInterfaceSharedPtr description = urdf::parseURDF(text);
+  if (!description || !description->getRoot())
+    throw InputError(fmt::format("arm description {}: not a valid URDF{}{}", file.string(),
                                  messages.first().empty() ? "" : ": ", messages.first()));
+  return description;
+}
+
+UrdfModel parse_urdf(const std::string& text, const std::filesystem::path& urdf) {
+  const urdf::ModelInterfaceSharedPtr description = parsed_urdf(text, urdf);
   UrdfModel arm;
   try {
     check_description(*description);
@@ -143,7 +155,7 @@ UrdfModel read_urdf(const std::filesystem::path& urdf) {
     throw InputError(fmt::format("arm description {}: {}", urdf.string(), error.what()));
   }
   const int n = arm.model.nv;
-  arm.notes = read_arm_notes(urdf);
+  arm.notes = read_arm_notes(text, urdf);
   const std::size_t rest = arm.notes.rest_posture.size();
   if (rest != 0 && rest != static_cast<std::size_t>(n))
     throw InputError(fmt::format("arm description {}: rest_posture has {} angles for {} joints",
@@ -159,6 +171,10 @@ UrdfModel read_urdf(const std::filesystem::path& urdf) {
     throw InputError(fmt::format("arm description {}: {} joints, valid are 6 to {}", urdf.string(),
                                  n, kMaxJoints));
   return arm;
+}
+
+int require_arm(const std::string& text, const std::filesystem::path& name) {
+  return parse_urdf(text, name).model.nv;
 }
 
 }  // namespace impedraw

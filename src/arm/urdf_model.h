@@ -25,6 +25,8 @@ struct UrdfModel {
 };
 
 // Throws InputError as ArmModel's constructor does.
-UrdfModel read_urdf(const std::filesystem::path& urdf);
+UrdfModel read_urdf(const std::filesystem::path& urdf, const std::string& tip);
+// The same of a plain description (plain_urdf.h) that a file holds.
+UrdfModel parse_urdf(const std::string& text, const std::filesystem::path& urdf);
 
 }  // namespace impedraw

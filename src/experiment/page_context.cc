@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "impedraw/arm/plain_urdf.h"
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/input_files.h"
@@ -15,17 +16,6 @@ namespace impedraw {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Where the mesh that a URDF names stands; package:// names a folder beside the URDF or above it.
-fs::path mesh_beside(const fs::path& urdf, std::string name) {
-  for (const char* scheme : {"file://", "package://"})
-    if (name.starts_with(scheme)) name = name.substr(std::string(scheme).size());
-  std::error_code error;
-  fs::path folder = fs::absolute(urdf, error).parent_path();
-  for (int up = 0; up < 4 && !folder.empty(); ++up, folder = folder.parent_path())
-    if (fs::is_regular_file(folder / name, error)) return folder / name;
-  return {};
-}
 
 // Nothing where the file is missing or unreadable: the page then draws what it has.
 void add_link_mesh(const fs::path& file, int link, const VisualShape& shape,
@@ -54,7 +44,7 @@ std::vector<PageLinkMesh> link_meshes(const fs::path& urdf, const std::vector<Dr
     const int link = static_cast<int>(i);
     for (const VisualShape& shape : arm[i].shapes)
       if (shape.kind == VisualShape::Kind::mesh)
-        add_link_mesh(mesh_beside(urdf, shape.mesh), link, shape, &meshes);
+        add_link_mesh(urdf_mesh(urdf, shape.mesh), link, shape, &meshes);
     if (has_own)
       add_link_mesh(own / (arm[i].name + ".obj"), link, {.size = Eigen::Vector3d::Ones()}, &meshes);
   }

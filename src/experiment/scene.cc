@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -100,6 +101,26 @@ void append(const TriangleMesh& more, TriangleMesh* mesh) {
   const int shift = static_cast<int>(mesh->vertices.size());
   mesh->vertices.insert(mesh->vertices.end(), more.vertices.begin(), more.vertices.end());
   for (const Eigen::Vector3i& t : more.triangles) mesh->triangles.push_back(t.array() + shift);
+}
+
+// The middle of the drawing and places round it, on the canvas; of the default arm, which reaches
+// them: none.
+std::vector<Eigen::Vector3d> about_drawing(const Scenario& s,
+                                           const std::shared_ptr<const Canvas>& canvas,
+                                           const Pose& X_WP) {
+  constexpr double kRadius = 0.1;  // [m]
+  constexpr int kAround = 8;
+  std::vector<Eigen::Vector3d> places;
+  if (s.arm.urdf.empty()) return places;
+  const SurfaceHeight height = canvas_height(canvas, X_WP);
+  for (int i = -1; i < kAround; ++i) {
+    Eigen::Vector2d p = s.drawing.placement.centre_m;
+    if (i >= 0)
+      p += kRadius *
+           Eigen::Rotation2Dd(2.0 * i * std::numbers::pi / kAround).toRotationMatrix().col(0);
+    if (const auto on = height(p.x(), p.y())) places.push_back(X_WP * on->p_P);
+  }
+  return places;
 }
 
 void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scene* scene) {
@@ -226,10 +247,12 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
               .obstacle = {},
               .blind = s.blind,
               .notes = std::move(notes)};
-  scene.start_q = start_posture(s.arm, scene.arm, X_WP, setting_errors, [&](const JointVector& q) {
+  const auto touching = [&scene](const JointVector& q) {
     scene.world->set_state(q, JointVector::Zero(q.size()));
     return scene.world->touching_link();
-  });
+  };
+  scene.start_q = start_posture(s.arm, scene.arm, X_WP, about_drawing(s, scene.canvas, X_WP),
+                                setting_errors, touching, &scene.notes);
   scene.obstacle = scene.canvas;
   if (s.perception.enabled) look_at_canvas(s, setting_errors, &scene);
   return scene;

@@ -30,10 +30,10 @@ std::string made_of(const Scenario& s) {
   read.blind = s.blind;
   read.drawing.tilt_deg = s.drawing.tilt_deg;
   std::string files = stamp_of(urdf_of(s.arm));
-  if (s.canvas.kind == CanvasKind::mesh) {  // it may be put under the drawing's centre
+  // A mesh may be put under the drawing's centre, and an arm starts where it leads there.
+  if (s.canvas.kind == CanvasKind::mesh || !s.arm.urdf.empty())
     read.drawing.placement.centre_m = s.drawing.placement.centre_m;
-    files += stamp_of(s.canvas.mesh.file);
-  }
+  if (s.canvas.kind == CanvasKind::mesh) files += stamp_of(s.canvas.mesh.file);
   if (s.perception.source == PerceptionSource::capture)
     files += stamp_of(s.perception.capture / "capture.json");
   if (!s.canvas.motion.file.empty()) files += stamp_of(s.canvas.motion.file);
@@ -55,12 +55,14 @@ Scene SceneCache::take(Scenario& s, const Pose& X_WP, const SettingErrors& setti
   if (found == kept_.end()) {
     Scene scene = build_scene(s, X_WP, setting_errors);
     move_ = s.canvas.move;
+    start_ = s.arm.start_p_WE;
     ++built_;
     return scene;
   }
   check_scene(s, found->scene, setting_errors);
   Scene scene = std::move(found->scene);
   move_ = s.canvas.move = found->move;
+  start_ = s.arm.start_p_WE = found->start;
   kept_.erase(found);
   scene.world->set_state(scene.start_q, JointVector::Zero(scene.arm.joints()));
   ++reused_;
@@ -68,7 +70,7 @@ Scene SceneCache::take(Scenario& s, const Pose& X_WP, const SettingErrors& setti
 }
 
 void SceneCache::give_back(Scene scene) {
-  kept_.push_front({made_of_, move_, std::move(scene)});
+  kept_.push_front({made_of_, move_, start_, std::move(scene)});
   if (kept_.size() > most_) kept_.pop_back();
 }
 

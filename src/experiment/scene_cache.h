@@ -26,14 +26,15 @@ class SceneCache {
  private:
   struct Kept {
     std::string made_of;
-    Eigen::Vector3d move;  // CanvasSettings::move, completed [m]
+    Eigen::Vector3d move;   // CanvasSettings::move, completed [m]
+    Eigen::Vector3d start;  // ArmSettings::start_p_WE, completed [m]
     Scene scene;
   };
 
   std::size_t most_;
   std::list<Kept> kept_;  // the last used first
   std::string made_of_;   // of the scene that is taken
-  Eigen::Vector3d move_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d move_ = Eigen::Vector3d::Zero(), start_ = Eigen::Vector3d::Zero();
   long built_ = 0, reused_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -20,8 +21,11 @@ namespace {
 
 // a condition of 4 is as good as a joint in the middle of its range
 constexpr double kCondition = 4.0;
-constexpr int kSeeds = 200;            // of the search
-constexpr double kBeneathScale = 0.2;  // [m]
+constexpr int kSeeds = 200;                  // of the search
+constexpr double kBeneathScale = 0.2;        // [m]
+constexpr double kStep = 0.03, kJump = 0.5;  // of the tip [m], of a joint in it [rad]
+constexpr double kMargin = 0.03;
+constexpr double kNearest = 0.35;  // share of the usual start's distance from the base
 
 JointVector as_joints(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -37,17 +41,38 @@ double depth_beneath(const std::vector<BodyCapsule>& bodies, const Eigen::Vector
 }
 
 using Touching = std::function<std::string(const JointVector&)>;
+using Way = std::vector<Eigen::Vector3d>;
+
+// Whether the tip can be led from a posture to one place after the other without a jump of a joint
+// or a posture near a limit or a singularity.
+bool leads_to(ArmModel& arm, ArmTerms* terms, const PenPlacement& start, JointVector q,
+              const Way& way) {
+  PenPlacement at = start;
+  for (const Eigen::Vector3d& place : way) {
+    const Eigen::Vector3d from = at.p_WE;
+    const int steps = 1 + static_cast<int>((place - from).norm() / kStep);
+    for (int i = 1; i <= steps; ++i) {
+      at.p_WE = from + (place - from) * i / steps;
+      const IkResult next = find_posture(arm, at, q);
+      if (!next.reached || (next.q - q).cwiseAbs().maxCoeff() > kJump) return false;
+      q = next.q;
+    }
+    if (posture_margin(arm, terms, q) < kMargin) return false;
+  }
+  return true;
+}
 
 // Seeds are drawn by hand: the standard's distributions differ between libraries. A posture in
 // which a link touches only where no other was found.
-IkResult searched(ArmModel& arm, const PenPlacement& start, const Touching& touching) {
+IkResult searched(ArmModel& arm, const PenPlacement& start, const Touching& touching,
+                  const Way& drawing) {
   constexpr double kTurn = std::numbers::pi;
   const JointVector lower = JointVector(arm.limits().lower).cwiseMax(-kTurn),
                     upper = JointVector(arm.limits().upper).cwiseMin(kTurn);
   std::mt19937 random(1);
   ArmTerms terms(arm.joints());
   std::optional<IkResult> best;
-  std::pair<bool, double> best_score;  // clear of the canvas
+  std::tuple<bool, bool, double> best_score;  // clear of the canvas; leads to the drawing
   for (int i = 0; i < kSeeds; ++i) {
     JointVector seed = 0.5 * (lower + upper);
     if (i > 0)
@@ -59,8 +84,9 @@ IkResult searched(ArmModel& arm, const PenPlacement& start, const Touching& touc
       continue;
     }
     const double beneath = depth_beneath(arm.body_capsules(found.q), start.p_WE, -start.z_WE);
-    const std::pair score(touching(found.q).empty(), posture_margin(arm, &terms, found.q) *
-                                                         std::exp(-beneath / kBeneathScale));
+    const double margin = posture_margin(arm, &terms, found.q) * std::exp(-beneath / kBeneathScale);
+    const std::tuple score(touching(found.q).empty(),
+                           leads_to(arm, &terms, start, found.q, drawing), margin);
     if (best && best->reached && score <= best_score) continue;
     best = found;
     best_score = score;
@@ -102,17 +128,39 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
   return std::min(joints, kCondition * sigma.minCoeff() / sigma.maxCoeff());
 }
 
-JointVector start_posture(const ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
-                          const SettingErrors& setting_errors, const Touching& touching) {
-  const PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
+JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
+                          const Way& drawing, const SettingErrors& setting_errors,
+                          const Touching& touching, std::vector<std::string>* notes) {
+  PenPlacement start{settings.start_p_WE, -X_WP.R.col(2)};
   std::vector<double> seed = settings.posture_seed;
   if (seed.empty()) seed = arm.rest_posture();
   if (seed.empty() && arm.joints() == 7) seed = {0.0, 0.6, 0.0, -1.4, 0.0, 1.1, 0.0};
-  IkResult found =
-      seed.empty() ? searched(arm, start, touching) : find_posture(arm, start, as_joints(seed));
+  IkResult found = seed.empty() ? searched(arm, start, touching, drawing)
+                                : find_posture(arm, start, as_joints(seed));
+  const bool chosen = !settings.posture_seed.empty() || !arm.rest_posture().empty();
+  ArmTerms terms(arm.joints());
+  if (!chosen && !seed.empty() &&
+      !(found.reached && leads_to(arm, &terms, start, found.q, drawing)))
+    found = searched(arm, start, touching, drawing);
+  if (!found.reached && settings.start_p_WE == ArmSettings().start_p_WE) {
+    const IkResult there = found;
+    for (double share = 0.9; !found.reached && share > kNearest; share -= 0.1) {
+      start.p_WE = share * settings.start_p_WE;
+      found = searched(arm, start, touching, drawing);
+    }
+    if (found.reached) {
+      settings.start_p_WE = start.p_WE;
+      notes->push_back(
+          fmt::format("the usual start is out of the arm's reach by {:.0f} mm; the tip starts at "
+                      "({:.3f}, {:.3f}, {:.3f}) m (arm.start places it elsewhere)",
+                      1e3 * there.position_error, start.p_WE.x(), start.p_WE.y(), start.p_WE.z()));
+    } else {
+      found = there;
+    }
+  }
   std::string link = found.reached ? touching(found.q) : "";
   if (!link.empty() && !seed.empty()) {
-    const IkResult other = searched(arm, start, touching);
+    const IkResult other = searched(arm, start, touching, drawing);
     if (other.reached && touching(other.q).empty()) {
       found = other;
       link.clear();

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/arm/arm_notes.h"
-#include "impedraw/arm/urdf_text.h"
+#include "impedraw/arm/plain_urdf.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/per_joint.h"
 #include "impedraw/common/range_check.h"
@@ -48,9 +48,9 @@ void apply(const ModelErrors& e, mjSpec* spec) {
 CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gravity,
                         const ModelErrors& errors) {
   check(errors);
-  require_urdf_file(urdf);
+  const std::string text = plain_urdf(urdf).text;
   char error[512] = "";
-  mjSpec* spec = mj_parseXML(urdf.c_str(), nullptr, error, sizeof error);
+  mjSpec* spec = mj_parseXMLString(text.c_str(), nullptr, error, sizeof error);
   if (!spec) throw InputError(fmt::format("arm description {}: {}", urdf.string(), error));
   spec->compiler.fusestatic = 0;  // keep the frames of flange and tip
   spec->option.timestep = dt;

@@ -58,7 +58,6 @@ TEST_F(UrdfFaults, RadiiAndLengthsMustBePositive) {
 TEST_F(UrdfFaults, JointsThatCannotBeDrivenAreNamed) {
   expect(changed(iiwa_urdf(), kJoint3, "<limit", "<mimic joint=\"joint_1\"/><limit"),
          {"'joint_3'", "mimics", "'joint_1'"});
-  expect(changed(iiwa_urdf(), kJoint3, "revolute", "continuous"), {"'joint_3'", "continuous"});
   expect(changed(iiwa_urdf(), kJoint3, "revolute", "floating"), {"'joint_3'", "floating"});
   const std::string slide = changed(iiwa_urdf(), kJoint3, "revolute", "prismatic");
   expect(changed(slide, kJoint3, "lower=\"-2.96706\"", "lower=\"4\""),

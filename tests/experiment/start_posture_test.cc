@@ -1,9 +1,14 @@
 // The arm stands clear of the canvas when a run begins, or the run is refused before.
+#include <regex>
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "iiwa_variants.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
+#include "scratch_folder.h"
 
 namespace impedraw {
 namespace {
@@ -21,6 +26,39 @@ TEST(StartPosture, ACanvasThroughTheArmIsRefusedByNameBeforeThePlan) {
   }
   options.assignments = {"canvas.kind=cylinder", "canvas.cylinder.length=0.6"};
   EXPECT_NO_THROW(prepare_plan(resolve(options)));
+}
+
+// The iiwa's description with all lengths of joints and bodies times `scale`.
+std::string scaled_iiwa(double scale) {
+  const std::string text = iiwa_urdf();
+  const std::regex length("(<origin xyz|radius|length)=\"([^\"]*)\"");
+  std::string urdf;
+  auto from = text.begin();
+  for (std::sregex_iterator at(text.begin(), text.end(), length), end; at != end; ++at) {
+    urdf.append(from, text.begin() + at->position());
+    urdf += (*at)[1].str() + "=\"";
+    std::istringstream numbers((*at)[2].str());
+    for (double x; numbers >> x;) urdf += std::to_string(scale * x) + " ";
+    urdf.back() = '"';
+    from = text.begin() + at->position() + at->length();
+  }
+  return urdf.append(from, text.end());
+}
+
+class SmallArm : public ScratchFolder {};
+
+TEST_F(SmallArm, StartsNearerToItsBaseAndSaysSo) {
+  DrawOptions options;
+  const std::string urdf = "arm.urdf=" + write("small.urdf", scaled_iiwa(0.55)).string();
+  options.assignments = {urdf};
+  const PlannedDrawing e = prepare_plan(resolve(options), {}, Unreachable::tell);
+  EXPECT_THAT(e.scene.notes, ::testing::Contains(::testing::HasSubstr("the tip starts at")));
+  EXPECT_LT(e.scenario.arm.start_p_WE.x(), 0.44);
+  ArmModel arm(folder_ / "small.urdf");
+  EXPECT_LT((arm.tip_pose(e.scene.start_q).p - e.scenario.arm.start_p_WE).norm(), 1e-6);
+  // A start that somebody asks for is not moved.
+  options.assignments = {urdf, "arm.start=[0.45, 0, 0.51]"};
+  EXPECT_THROW(prepare_plan(resolve(options), {}, Unreachable::tell), InputError);
 }
 
 }  // namespace

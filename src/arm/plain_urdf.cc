@@ -1,0 +1,426 @@
+#include "impedraw/arm/plain_urdf.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
+#include "impedraw/arm/enclosing_capsules.h"
+#include "impedraw/arm/urdf_tree.h"
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+namespace fs = std::filesystem;
+
+constexpr double kBodyRadius = 0.06;         // in place of a mesh [m]
+constexpr double kMass = 1.0, kBall = 0.05;  // of a link without [kg], [m]
+constexpr double kRounding = 1e-3;           // of the largest moment: digits that a file left out
+const char* const kMoments[3][3] = {
+    {"ixx", "ixy", "ixz"}, {"ixy", "iyy", "iyz"}, {"ixz", "iyz", "izz"}};
+
+std::string name_of(const UrdfElement* e) { return value(e, "name"); }
+
+// A capsule as a link's collision body.
+void add_body(UrdfElement* link, const Capsule& c) {
+  auto* collision = link->InsertNewChildElement("collision");
+  const double length = std::max(1e-4, (c.b - c.a).norm());
+  Isometry3d X(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), c.b - c.a));
+  if ((c.b - c.a).norm() < 1e-9) X.setIdentity();
+  set_placement(collision, X.pretranslate(0.5 * (c.a + c.b)));
+  auto* shape = collision->InsertNewChildElement("geometry")->InsertNewChildElement("capsule");
+  shape->SetAttribute("radius", fmt::format("{:.6g}", c.radius + 1e-6).c_str());
+  shape->SetAttribute("length", fmt::format("{:.6g}", length).c_str());
+}
+
+Matrix3d inertia_of(const UrdfElement* inertial) {
+  Matrix3d I = Matrix3d::Zero();
+  for (int i = 0; inertial && i < 9; ++i)
+    I(i) = number(inertial->FirstChildElement("inertia"), kMoments[i / 3][i % 3]);
+  return I;
+}
+double mass_of(const UrdfElement* inertial) {
+  return inertial ? number(inertial->FirstChildElement("mass"), "value") : 0.0;
+}
+void set_inertial(UrdfElement* link, double mass, const Matrix3d& I) {
+  auto* inertial = link->FirstChildElement("inertial");
+  if (!inertial) inertial = link->InsertNewChildElement("inertial");
+  for (const char* part : {"mass", "inertia"})
+    if (!inertial->FirstChildElement(part)) inertial->InsertNewChildElement(part);
+  inertial->FirstChildElement("mass")->SetAttribute("value", mass);
+  for (int i = 0; i < 9; ++i)
+    inertial->FirstChildElement("inertia")->SetAttribute(kMoments[i / 3][i % 3], I(i));
+}
+
+// Makes a tree plain, for the way to a link. `fill`: what is missing or cannot be is filled in.
+class Plain {
+ public:
+  Plain(UrdfTree* tree, const fs::path& file, const std::string& end, bool fill)
+      : tree_(*tree), file_(file), way_(tree->way_to(end)), fill_(fill) {
+    for (UrdfElement* joint : tree_.joints) fix(joint);
+    if (!fixed_.empty())
+      notes.push_back("joints that do not carry the tip are fixed where they stand:" + fixed_);
+    for (UrdfElement* link : tree_.links) make_bodies(link);
+    if (tree_.text().find("<capsule") != std::string::npos &&
+        !tree_.document.RootElement()->Attribute("version", "1.2"))
+      tree_.document.RootElement()->SetAttribute("version", "1.1");  // which has capsules
+    for (UrdfElement* link : tree_.links) check_inertia(link);
+    for (UrdfElement* joint : way_)
+      if (!is_type(joint, "fixed")) check_mass(joint);
+    for (UrdfElement* joint : way_)
+      if (is_type(joint, "revolute") || is_type(joint, "prismatic")) check_limits(joint);
+  }
+
+  std::vector<std::string> notes;
+
+ private:
+  // Refuses, or notes what is filled in.
+  void fault(const std::string& what, const std::string& valid, const std::string& filled) {
+    if (!fill_)
+      throw InputError(
+          fmt::format("{}; valid is {}; ./impedraw arm make-urdf fills it in", what, valid));
+    notes.push_back(fmt::format("{}: {}", what, filled));
+  }
+
+  void fix(UrdfElement* joint) {
+    auto* limit = joint->FirstChildElement("limit");
+    if (std::find(way_.begin(), way_.end(), joint) != way_.end()) {
+      if (!is_type(joint, "continuous")) return;
+      joint->SetAttribute("type", "revolute");
+      if (!limit) limit = joint->InsertNewChildElement("limit");
+      limit->SetAttribute("lower", -2.0 * M_PI);
+      limit->SetAttribute("upper", 2.0 * M_PI);
+    } else if (!is_type(joint, "fixed")) {
+      const double low = number(limit, "lower"), high = number(limit, "upper");
+      const double q = low < high ? std::clamp(0.0, low, high) : 0.0;
+      Isometry3d X = placement_of(joint);
+      if (is_type(joint, "prismatic")) X.translate(q * axis_of(joint));
+      if (is_type(joint, "revolute")) X.rotate(Eigen::AngleAxisd(q, axis_of(joint)));
+      if (q != 0.0) set_placement(joint, X);
+      joint->SetAttribute("type", "fixed");
+      for (UrdfElement* mimic : all(joint, "mimic")) joint->DeleteChild(mimic);
+      fixed_ += " " + name_of(joint);
+    }
+  }
+
+  // Of a mesh, in the link's frame.
+  std::vector<Capsule> mesh_capsules(const UrdfElement* link, const UrdfElement* mesh,
+                                     const Isometry3d& X) {
+    const fs::path found = urdf_mesh(file_, value(mesh, "filename"));
+    std::string why = "it is neither beside the description nor above it";
+    try {
+      std::vector<Triangle> triangles;
+      if (!found.empty()) triangles = read_triangles(found);
+      for (Triangle& t : triangles)
+        for (Vector3d& p : t) p = X * Vector3d(p.cwiseProduct(vector(mesh, "scale", 1.0)));
+      if (!found.empty()) return enclosing_capsules(triangles);
+    } catch (const InputError& error) {
+      why = error.what();
+    }
+    fault(fmt::format("link '{}': its collision mesh '{}' cannot be read: {}", name_of(link),
+                      value(mesh, "filename"), why),
+          "an STL, Collada or OBJ file",
+          fmt::format("a body of {:.0f} mm around the way to the next joint is in its place",
+                      1e3 * kBodyRadius));
+    std::vector<Capsule> capsules;
+    for (const UrdfElement* joint : tree_.joints)
+      if (parent_of(joint) == name_of(link))
+        capsules.push_back({Vector3d::Zero(), placement_of(joint).translation(), kBodyRadius});
+    return capsules;
+  }
+
+  void make_bodies(UrdfElement* link) {
+    for (UrdfElement* body : all(link, "collision")) {
+      auto* geometry = body->FirstChildElement("geometry");
+      const auto* shape = geometry ? geometry->FirstChildElement() : nullptr;
+      const std::string kind = shape ? shape->Name() : "";
+      if (kind != "box" && kind != "mesh") continue;
+      const Isometry3d X = placement_of(body);
+      std::vector<Capsule> capsules;
+      if (kind == "mesh") {
+        capsules = mesh_capsules(link, shape, X);
+      } else {
+        const Vector3d edges = vector(shape, "size", 0.0);
+        if (!(edges.minCoeff() > 0.0))
+          throw InputError(
+              fmt::format("link '{}': a box's size is \"{}\" m; valid are three edges "
+                          "of more than 0 m",
+                          name_of(link), value(shape, "size")));
+        int i = 0;
+        edges.maxCoeff(&i);
+        const Vector3d axis = 0.5 * edges[i] * Vector3d::Unit(i);
+        const double across = 0.5 * std::sqrt(edges.squaredNorm() - edges[i] * edges[i]);
+        capsules = {{X * Vector3d(-axis), X * axis, across}};
+      }
+      for (const Capsule& c : capsules) add_body(link, c);
+      link->DeleteChild(body);
+    }
+    // Those that are drawn, by their place: the description may move.
+    for (UrdfElement* body : all(link, "visual"))
+      if (auto* geometry = body->FirstChildElement("geometry"))
+        for (UrdfElement* mesh : all(geometry, "mesh"))
+          if (const fs::path found = urdf_mesh(file_, value(mesh, "filename")); !found.empty())
+            mesh->SetAttribute("filename", found.c_str());
+  }
+
+  void check_inertia(UrdfElement* link) {
+    const auto* inertial = link->FirstChildElement("inertial");
+    // MuJoCo would make one of the bodies.
+    if (!inertial && link->FirstChildElement("collision"))
+      set_inertial(link, 0.0, Matrix3d::Zero());
+    if (mass_of(inertial) < 0.0)
+      throw InputError(fmt::format("link '{}': <mass value=\"{}\">; valid is 0 kg or more",
+                                   name_of(link), mass_of(inertial)));
+    const Matrix3d I = inertia_of(inertial);
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(I);
+    const Vector3d given = principal.eigenvalues();
+    Vector3d moments = given.cwiseMax(0.0);
+    const double lacks = moments[2] - moments[0] - moments[1];
+    if (lacks <= 0.0 && given[0] >= 0.0) return;
+    moments.head(2).array() += 0.5 * (1.0 + 1e-6) * std::max(0.0, lacks);
+    if (std::max(lacks, -given[0]) > kRounding * moments[2])
+      fault(fmt::format("link '{}': <inertia ixx=\"{:.6g}\" iyy=\"{:.6g}\" izz=\"{:.6g}\" "
+                        "ixy=\"{:.6g}\" ixz=\"{:.6g}\" iyz=\"{:.6g}\"> breaks the triangle rule, "
+                        "with principal moments of {:.6g}, {:.6g} and {:.6g} kg m²",
+                        name_of(link), I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2),
+                        given[0], given[1], given[2]),
+            "an inertia whose principal moments are 0 or more, none above the sum of the others",
+            fmt::format("they became {:.6g}, {:.6g} and {:.6g} kg m²", moments[0], moments[1],
+                        moments[2]));
+    const Matrix3d& R = principal.eigenvectors();
+    set_inertial(link, mass_of(inertial), R * moments.asDiagonal() * R.transpose());
+  }
+
+  // The links that a joint of the way moves; `alone`: and no joint after it.
+  UrdfElements moved_by(const UrdfElement* joint, bool alone) const {
+    UrdfElements moved;
+    for (UrdfElement* link : tree_.links) {
+      const UrdfElements way = tree_.way_to(name_of(link));
+      const auto at = std::find(way.begin(), way.end(), joint);
+      const auto fixed = [](const UrdfElement* j) { return is_type(j, "fixed"); };
+      if (at != way.end() && (!alone || std::all_of(at + 1, way.end(), fixed)))
+        moved.push_back(link);
+    }
+    return moved;
+  }
+
+  void check_mass(const UrdfElement* joint) {
+    double mass = 0.0, moment = 0.0;
+    const UrdfElements moved = moved_by(joint, true);
+    for (const UrdfElement* link : moved) {
+      mass += mass_of(link->FirstChildElement("inertial"));
+      moment += inertia_of(link->FirstChildElement("inertial")).trace();
+    }
+    if ((mass > 0.0 && moment > 0.0) || moved.empty()) return;
+    const double filled = mass > 0.0 ? mass_of(moved[0]->FirstChildElement("inertial")) : kMass;
+    fault(
+        fmt::format("link '{}', which joint '{}' moves, and what is fixed to it have no {}",
+                    child_of(joint), name_of(joint), mass > 0.0 ? "<inertia>" : "<mass>"),
+        "an <inertial> with a <mass> and an <inertia> above 0",
+        fmt::format("it became {} kg in a ball of {:.0f} mm", std::max(filled, mass), 1e3 * kBall));
+    set_inertial(tree_.link(child_of(joint)), filled,
+                 0.4 * std::max(filled, mass) * kBall * kBall * Matrix3d::Identity());
+  }
+
+  void check_limits(UrdfElement* joint) {
+    const bool slides = is_type(joint, "prismatic");
+    auto* limit = joint->FirstChildElement("limit");
+    if (!limit)
+      throw InputError(fmt::format(
+          "joint '{}' has no <limit>; valid is one with lower, upper, effort and velocity",
+          name_of(joint)));
+    // Twice the weight beyond the joint, stretched out, and a little [Nm], [N].
+    double carries = slides ? 50.0 : 10.0;
+    for (const UrdfElement* link : moved_by(joint, false)) {
+      const auto* inertial = link->FirstChildElement("inertial");
+      double reach = inertial ? placement_of(inertial).translation().norm() : 0.0;
+      const UrdfElements way = tree_.way_to(name_of(link));
+      for (auto at = std::find(way.begin(), way.end(), joint) + 1; at != way.end(); ++at)
+        reach += placement_of(*at).translation().norm();
+      carries += 2.0 * 9.81 * mass_of(inertial) * (slides ? 1.0 : reach);
+    }
+    const auto require = [&](const char* what, const char* unit, double otherwise) {
+      if (number(limit, what) > 0.0 && std::isfinite(number(limit, what))) return;
+      fault(limit->Attribute(what)
+                ? fmt::format("joint '{}': <limit {}=\"{}\">", name_of(joint), what,
+                              value(limit, what))
+                : fmt::format("joint '{}': <limit> without {}", name_of(joint), what),
+            fmt::format("more than 0 {}", unit),
+            fmt::format("it became {:.3g} {}", otherwise, unit));
+      limit->SetAttribute(what, otherwise);
+    };
+    require("effort", slides ? "N" : "Nm", std::ceil(carries));
+    require("velocity", slides ? "m/s" : "rad/s", slides ? 0.25 : 1.5);
+  }
+
+  UrdfTree& tree_;
+  fs::path file_;
+  UrdfElements way_;
+  bool fill_;
+  std::string fixed_;
+};
+
+// The last joint's axis in its link R, away from the arm: from the first of the joints before it
+// that does not lie abreast of p_R.
+Vector3d outwards(const UrdfElements& way, const Vector3d& p_R) {
+  Vector3d axis = Vector3d::UnitZ();
+  Isometry3d X_RA = Isometry3d::Identity();
+  bool moved = false;
+  for (auto joint = way.rbegin(); joint != way.rend(); ++joint) {
+    if (!moved && is_type(*joint, "fixed")) continue;
+    if (!moved) axis = axis_of(*joint);
+    moved = true;
+    const double beyond = axis.dot(p_R - X_RA.translation());
+    if (std::abs(beyond) > 1e-3) return beyond > 0.0 ? axis : Vector3d(-axis);
+    X_RA = X_RA * placement_of(*joint).inverse();
+  }
+  return axis;
+}
+
+// Where the pen begins, in F.
+struct Mount {
+  std::string flange;                        // F
+  Isometry3d X_FM = Isometry3d::Identity();  // z along the pen
+};
+
+std::string listed(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Mount find_mount(const UrdfTree& tree, const std::string& flange, std::vector<std::string>* notes) {
+  const std::vector<ArmEnd> ends = arm_ends(tree);
+  const std::vector<std::string> candidates = flange_candidates(ends);
+  if (flange.empty() && candidates.size() != 1)
+    throw InputError(candidates.empty() ? "it holds no arm of 6 joints or more"
+                                        : "which link carries the pen is not clear; --flange takes "
+                                          "one of " +
+                                              listed(candidates));
+  Mount mount{flange.empty() ? candidates[0] : flange};
+  for (const ArmEnd& end : ends)
+    for (std::size_t i = 0; i < end.links.size(); ++i) {
+      if (name_of(end.links[i]) != mount.flange) continue;
+      const Vector3d out = end.X_RL[i].linear().transpose() *
+                           outwards(tree.way_to(mount.flange), end.X_RL[i].translation());
+      if (flange.empty() && out.z() < 0.99)
+        mount.X_FM.rotate(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), out));
+      notes->push_back(fmt::format("the pen stands on '{}', along its ({:.2f}, {:.2f}, {:.2f})",
+                                   mount.flange, mount.X_FM(0, 2), mount.X_FM(1, 2),
+                                   mount.X_FM(2, 2)));
+      if (mount.X_FM.linear().col(2).dot(out) < 0.99)
+        notes->push_back(
+            fmt::format("the last joint's axis leaves the arm along its ({:.2f}, "
+                        "{:.2f}, {:.2f})",
+                        out.x(), out.y(), out.z()));
+      return mount;
+    }
+  throw InputError(fmt::format("--flange {}: no such link at an arm's end; candidates are {}",
+                               flange, listed(candidates)));
+}
+
+// Where along the pen the bodies end that the last joint carries, but for those that carry F.
+double end_of_bodies(const UrdfTree& tree, const Mount& mount) {
+  const UrdfElements way = tree.way_to(mount.flange);
+  double reach = 0.0;
+  for (const ArmEnd& end : arm_ends(tree))  // now with the gripper, which is fixed
+    for (std::size_t f = 0; f < end.links.size(); ++f) {
+      if (name_of(end.links[f]) != mount.flange) continue;
+      const Isometry3d X_MR = (end.X_RL[f] * mount.X_FM).inverse();
+      for (std::size_t i = 0; i < end.links.size(); ++i) {
+        const std::string name = name_of(end.links[i]);
+        if (std::any_of(way.begin(), way.end(), [&name](auto* j) { return parent_of(j) == name; }))
+          continue;
+        for (UrdfElement* body : all(end.links[i], "collision")) {
+          const auto* geometry = body->FirstChildElement("geometry");
+          const auto* shape = geometry ? geometry->FirstChildElement() : nullptr;
+          const Isometry3d X_MB = X_MR * end.X_RL[i] * placement_of(body);
+          reach = std::max(reach, X_MB(2, 3) + number(shape, "radius") +
+                                      0.5 * number(shape, "length") * std::abs(X_MB(2, 2)));
+        }
+      }
+    }
+  return reach;
+}
+
+template <typename Read>
+PlainUrdf named(const fs::path& file, Read read) {
+  const std::string where = "arm description " + file.string();
+  try {
+    return read();
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    const bool placed = what.starts_with(where) || what.starts_with(file.string());
+    throw InputError(placed ? what : where + ": " + what);
+  } catch (const std::exception& error) {  // urdfdom's, of a vector
+    throw InputError(fmt::format("{}: not a valid URDF: {}", where, error.what()));
+  }
+}
+
+}  // namespace
+
+PlainUrdf plain_urdf(const fs::path& file, const std::string& tip) {
+  return named(file, [&]() -> PlainUrdf {
+    UrdfTree tree(file);
+    std::string end = tip;
+    for (const UrdfElement* joint : tree.joints)  // a joint's frame is that of its link
+      if (!tree.link(tip) && name_of(joint) == tip) end = child_of(joint);
+    if (!tree.link(end)) {
+      const std::vector<std::string> candidates = flange_candidates(arm_ends(tree));
+      throw InputError(fmt::format(
+          "no frame named '{}'{}", tip,
+          candidates.empty()
+              ? ""
+              : fmt::format("; ./impedraw arm make-urdf --arm {} --flange LINK puts a pen on it; "
+                            "candidates for LINK are {}",
+                            file.string(), listed(candidates))));
+    }
+    Plain plain(&tree, file, end, false);
+    return {tree.text(), plain.notes};
+  });
+}
+
+PlainUrdf vendor_urdf_with_pen(const fs::path& file, const std::string& flange,
+                               const PenOnFlange& pen) {
+  return named(file, [&]() -> PlainUrdf {
+    UrdfTree tree(file);
+    if (tree.link("tip")) {
+      Plain plain(&tree, file, "tip", true);
+      plain.notes.insert(plain.notes.begin(), "it has a link 'tip': no pen was added");
+      return {tree.text(), plain.notes};
+    }
+    std::vector<std::string> notes;
+    Mount mount = find_mount(tree, flange, &notes);
+    const Plain plain(&tree, file, mount.flange, true);
+    const double reach = end_of_bodies(tree, mount);
+    if (reach > 0.0)
+      notes.push_back(fmt::format(
+          "the last joint carries bodies up to {:.0f} mm along the pen, which begins there",
+          1e3 * reach));
+    notes.insert(notes.end(), plain.notes.begin(), plain.notes.end());
+    std::string on = mount.flange;
+    if (on != "flange" || reach > 0.0 || !mount.X_FM.isApprox(Isometry3d::Identity())) {
+      on = tree.link("flange") ? "pen_mount" : "flange";
+      fix_link(&tree, mount.flange, mount.X_FM.translate(reach * Vector3d::UnitZ()), on);
+    }
+    return {urdf_with_pen(tree.text(), pen, on), notes};
+  });
+}
+
+fs::path urdf_mesh(const fs::path& urdf, const std::string& name) {
+  const std::size_t scheme = name.find("://");
+  const std::string path = scheme == name.npos ? name : name.substr(scheme + 3);
+  const std::string in_package = scheme == name.npos ? "" : path.substr(path.find('/') + 1);
+  std::error_code error;
+  fs::path folder = fs::absolute(urdf, error).parent_path();
+  for (int up = 0; up < 12; ++up, folder = folder.parent_path())
+    for (const std::string& n : {path, in_package})
+      if (!n.empty() && fs::is_regular_file(folder / n, error)) return folder / n;
+  return {};
+}
+
+}  // namespace impedraw
