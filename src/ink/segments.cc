@@ -61,7 +61,7 @@ struct Segments::Tree {
   template <typename Hear>
   void query(const Eigen::Vector3d& p, double reach, Hear hear) const {
     Listener<Hear> listener{square(reach), hear};
-    index->findNeighbors(listener, p.data(), nanoflann::SearchParams());
+    index->findNeighbors(listener, p.data(), {});
   }
 };
 

@@ -84,7 +84,7 @@ int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* ind
   found.init(index, squared);
   // the set's current worst distance; points beyond it are skipped
   squared[k - 1] = max_radius * max_radius;
-  tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
+  tree_->kd.findNeighbors(found, p.data(), {});
   return found.size();
 }
 
@@ -92,13 +92,13 @@ int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius
                                      const std::vector<double>& reach2, int* index, double* squared,
                                      int* closest) const noexcept {
   FirstLeaf leaf;
-  tree_->kd.findNeighbors(leaf, p.data(), nanoflann::SearchParams());
+  tree_->kd.findNeighbors(leaf, p.data(), {});
   WithinReach found;
   // For a query at height h above the surface, h² is added to all squared distances.
   found.limit2 = leaf.closest < 0 ? 0.0
                                   : std::min(max_radius * max_radius,
                                              leaf.squared + kGuessMargin * reach2[leaf.closest]);
-  if (leaf.closest >= 0) tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
+  if (leaf.closest >= 0) tree_->kd.findNeighbors(found, p.data(), {});
   if (found.n < k || found.n == kMostGathered) {
     const int n = nearest(p, k, max_radius, index, squared);
     *closest = n > 0 ? index[0] : -1;
