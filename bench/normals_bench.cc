@@ -78,7 +78,7 @@ void BM_knn_bare(benchmark::State& state) {
     double squared[kMostNeighbours];
     nanoflann::KNNResultSet<double, int, int> found(k);
     found.init(index, squared);
-    benchmark::DoNotOptimize(tree.findNeighbors(found, p.data(), nanoflann::SearchParams()));
+    benchmark::DoNotOptimize(tree.findNeighbors(found, p.data(), {}));
     benchmark::DoNotOptimize(index);
     benchmark::DoNotOptimize(squared);
   });

@@ -4,12 +4,12 @@
 disk() { if [[ -e $1 ]]; then du -shL "$1" 2>/dev/null | cut -f1; else echo -; fi; }
 
 doctor() {
-  local file name least why have missing=0 wheel
+  local file name least why have missing=0 wheel one
   declare -A version=()
   while read -r name have; do version[$name]=$have; done < <(
     dpkg-query -W -f='${db:Status-Abbrev}\t${Package}\t${Version}\n' 2>/dev/null | awk -F'\t' '$1 ~ /^.i/ {print $2, $3}')
 
-  echo "System     $(. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME-unknown}") (made for Debian 12), $(nproc) cores"
+  echo "System     $(. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME-unknown}") (made for Debian 12 and 13), $(nproc) cores"
   echo "Compilers  $(c++ --version 2>/dev/null | head -n 1 || echo 'no C++ compiler')"
   echo "           $(cargo --version 2>/dev/null || echo 'no cargo')"
   echo "           $(cmake --version 2>/dev/null | head -n 1 || echo 'no cmake')"
@@ -19,7 +19,8 @@ doctor() {
     echo "Debian packages of $file"
     while read -r name least why; do
       [[ -z $name || $name == '#'* ]] && continue
-      have=${version[$name]-}
+      have=
+      for one in ${name//|/ }; do have=${have:-${version[$one]-}}; done
       if [[ $have ]] && dpkg --compare-versions "$have" ge "$least"; then
         printf '  %-20s %s\n' "$name" "$have"
       elif [[ $name == *-web ]] && dpkg --compare-versions "$(cargo --version 2>/dev/null | awk '{print $2}')" ge "$least" 2>/dev/null; then

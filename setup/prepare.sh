@@ -75,9 +75,16 @@ packages_stamp() { stat -c '%Y %s' /var/lib/dpkg/status 2>/dev/null || echo no d
 packages_file() { local more=${package_lists[1]-}; more=${more##*apt-packages}; echo "$root/build/.packages${more%.txt}"; }
 has_packages() { [[ -r $(packages_file) && $(<"$(packages_file)") == "$(packages_stamp)" ]]; }
 
-# Prints the packages of the lists that are missing or too old, one per line.
+# in_release NAME LEAST: the release has that package in at least that version.
+in_release() {
+  local has
+  has=$(apt-cache policy "$1" 2>/dev/null | awk '$1 == "Candidate:" {print $2}')
+  [[ $has && $has != '(none)' ]] && dpkg --compare-versions "$has" ge "$2"
+}
+
+# Prints the packages of the lists that are missing or too old, one per line; of alternatives, the first that the release has.
 missing_packages() {
-  local name least why have cargo node
+  local name least why have cargo node one
   declare -A version=()
   while read -r name have; do version[$name]=$have; done < <(
     dpkg-query -W -f='${db:Status-Abbrev}\t${Package}\t${Version}\n' 2>/dev/null | awk -F'\t' '$1 ~ /^.i/ {print $2, $3}')
@@ -85,10 +92,15 @@ missing_packages() {
   node=$(node --version 2>/dev/null) || true
   while read -r name least why; do
     [[ -z $name || $name == '#'* ]] && continue
-    [[ $name == rustc-web || $name == cargo-web ]] && [[ $cargo ]] && dpkg --compare-versions "$cargo" ge "$least" && continue
+    [[ $name == *-web && $cargo ]] && dpkg --compare-versions "$cargo" ge "$least" && continue
     [[ $name == nodejs && $node ]] && dpkg --compare-versions "${node#v}" ge 18 && continue
-    [[ ${version[$name]-} ]] && dpkg --compare-versions "${version[$name]}" ge "$least" && continue
-    echo "$name"
+    for one in ${name//|/ }; do
+      [[ ${version[$one]-} ]] && dpkg --compare-versions "${version[$one]}" ge "$least" && continue 2
+    done
+    for one in ${name//|/ }; do
+      [[ $one != "$name" ]] && in_release "$one" "$least" && break
+    done
+    echo "$one"
   done < <(cat "${package_lists[@]}")
 }
 
@@ -104,7 +116,7 @@ install_packages() {
   if (( ${#missing[@]} )); then
     local as_root=() rust='' by_hand="apt-get install --no-install-recommends ${missing[*]}" all
     all="$(count ${#missing[@]} 'Debian package')"
-    [[ " ${missing[*]} " == *-web\ * ]] && rust="; rustc-web and cargo-web stand in bookworm-security, any Rust from 1.85 on PATH does as well"
+    [[ " ${missing[*]} " == *-web\ * ]] && rust="; rustc-web and cargo-web stand in the release's security updates, any Rust from 1.85 on PATH does as well"
     if (( EUID != 0 )); then
       command -v sudo >/dev/null || fail "missing Debian packages, and neither root nor sudo to install them" "ask an administrator to run: $by_hand" nolog
       [[ -t 0 ]] || sudo -n true 2>/dev/null ||
@@ -117,6 +129,7 @@ install_packages() {
     step "installing $all (${missing[*]:0:4}${missing[4]:+ …})"
     "${as_root[@]}" dpkg --configure -a >>"$log" 2>&1 || true  # an earlier try may have been interrupted
     "${apt[@]}" update >>"$log" 2>&1 || say "apt-get update failed (see $log); trying with the lists at hand"
+    mapfile -t missing < <(missing_packages)  # which alternatives the release has is known only now
     # Python first, so that pip works while the rest is unpacked, on one core.
     # --no-remove: rustc-web conflicts with Debian's rustc; only the user may remove that.
     local names
@@ -130,7 +143,7 @@ install_packages() {
       has_wheels || begin_wheels
     done
     mapfile -t missing < <(missing_packages)
-    (( ${#missing[@]} == 0 )) || fail "still missing or too old for impedraw: ${missing[*]}" "apt-packages.txt tells the least versions; impedraw is made for Debian 12"
+    (( ${#missing[@]} == 0 )) || fail "still missing or too old for impedraw: ${missing[*]}" "apt-packages.txt tells the least versions; impedraw is made for Debian 12 and 13"
     say "installed $all ($SECONDS s so far)"
   fi
   packages_stamp >"$(packages_file)"

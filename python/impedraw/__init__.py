@@ -113,6 +113,7 @@ _data = pathlib.Path(__file__).parent / "data"
 if _data.is_dir():  # of a wheel; in a source tree the library knows where it stands
     _impedraw.set_data_folder(str(_data))
     _impedraw.set_python(sys.executable)
+    _impedraw.set_command("impedraw")
 
 
 def __getattr__(name: str) -> Any:

@@ -93,8 +93,8 @@ def sweep(
     options = argparse.Namespace(
         spec=file, out=os.fspath(out) if out is not None else None, only=only, workers=workers,
         address=address, serial=serial, again=again, runner="native", report=False, program="",
-        noop_options="", command="impedraw.sweep()" if file is None else f"./impedraw sweep {file}",
-        quiet=True)
+        noop_options="", quiet=True,
+        command="impedraw.sweep()" if file is None else f"{_part('errors').COMMAND} sweep {file}")
     code = command.run_loaded(loaded, options, root, settings, folder)
     if code != command.FINISHED:
         raise KeyboardInterrupt(f"interrupted; the runs that were done are kept in {folder}")

@@ -1,10 +1,14 @@
 #include "module.h"
 
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
+#include "impedraw/app/command_line.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/log/log.h"
+#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/interrupt.h"
 
 namespace nb = nanobind;
@@ -18,17 +22,30 @@ NB_MODULE(_impedraw, m) {
     try {
       std::rethrow_exception(p);
     } catch (const InputError& error) {
-      PyErr_SetString(PyExc_ValueError, error.what());
+      PyErr_SetString(PyExc_ValueError, as_called(error.what()).c_str());
     } catch (const LogError& error) {
-      PyErr_SetString(PyExc_OSError, error.what());
+      PyErr_SetString(PyExc_OSError, as_called(error.what()).c_str());
     } catch (const Interrupted& error) {
-      PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
+      PyErr_SetString(PyExc_KeyboardInterrupt, as_called(error.what()).c_str());
     }
   });
   m.def("set_data_folder", &set_data_folder, nb::arg("folder"),
         "Sets where scenarios/, models/ and artwork/ stand.");
   m.def("set_python", &set_python_interpreter, nb::arg("python"),
         "Sets the interpreter for the library's own scripts.");
+  m.def("set_command", &set_command, nb::arg("command"), "Sets the command's name in messages.");
+  m.def(
+      "command_line",
+      [](const std::vector<nb::bytes>& words) {
+        std::vector<std::string> kept;
+        for (const nb::bytes& word : words) kept.emplace_back(word.c_str(), word.size());
+        std::vector<char*> argv;
+        for (std::string& word : kept) argv.push_back(word.data());
+        argv.push_back(nullptr);
+        const nb::gil_scoped_release release;
+        return command_line(static_cast<int>(words.size()), argv.data());
+      },
+      nb::arg("words"), "A whole call of the program, its name first; returns the exit code.");
   m.def(
       "data_folder", [] { return data_folder(); }, "Where scenarios/ and models/ stand.");
   python::bind_run(m);

@@ -14,6 +14,7 @@
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/experiment/place_auto.h"
 #include "impedraw/experiment/place_surface.h"
+#include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/report.h"
 #include "impedraw/run/calibrate_tool.h"
@@ -26,6 +27,7 @@
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
+#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
@@ -55,7 +57,7 @@ void require_same(const Scenario& scenario, const fs::path& folder) {
 }
 
 std::string again(const fs::path& folder) {
-  return fmt::format("./impedraw draw {}", (folder / "scenario.yaml").string());
+  return as_called("./impedraw draw ") + (folder / "scenario.yaml").string();
 }
 
 PageContext page_of(const fs::path& folder, const Experiment& experiment) {
@@ -305,7 +307,7 @@ int compare_finished(const std::vector<fs::path>& runs, const fs::path& out) {
 int calibrate_tool(const DrawOptions& options, int poses) {
   DrawOptions with_sensor = options;
   if (with_sensor.scenario.empty())
-    with_sensor.built_in = fs::path(IMPEDRAW_ROOT) / "scenarios/bowl-sine-realistic.yaml";
+    with_sensor.built_in = data_folder() / "scenarios/bowl-sine-realistic.yaml";
   Places places;
   const Scenario scenario = resolve(with_sensor, &places);
   if (!has_sensor(scenario.control.source))

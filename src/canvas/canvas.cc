@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 
+#include "impedraw/canvas/embree.h"
 #include "impedraw/canvas/mesh_topology.h"
 #include "impedraw/common/errors.h"
 
@@ -231,9 +231,6 @@ struct Canvas::Search {
       packet.ray.mask[k] = ~0u;
       packet.ray.id[k] = packet.ray.flags[k] = 0;
     }
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     for (std::size_t first = 0; first < directions.size(); first += kPacket) {
       const std::size_t n = std::min(kPacket, directions.size() - first);
       for (std::size_t k = 0; k < kPacket; ++k) {
@@ -245,7 +242,7 @@ struct Canvas::Search {
         packet.ray.tfar[k] = std::numeric_limits<float>::infinity();
         packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
       }
-      rtcIntersect8(valid, scene, &context, &packet);
+      embree::intersect_coherent(valid, scene, &packet);
       for (std::size_t k = 0; k < n; ++k)
         distances[first + k] = packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID
                                    ? std::numeric_limits<double>::infinity()
@@ -269,9 +266,7 @@ struct Canvas::Search {
     ray.ray.tfar = std::numeric_limits<float>::infinity();
     ray.ray.mask = ~0u;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene, &context, &ray);
+    embree::intersect(scene, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
     const int triangle = static_cast<int>(ray.hit.primID);
     const auto& face = topology.faces[triangle];

@@ -30,6 +30,7 @@ using KdTree =
 // Distances are squared.
 template <typename Hear>
 struct Listener {
+  using DistanceType = double;
   double bound;
   Hear hear;  // (sample) → new bound
   bool addPoint(double, std::size_t sample) {
@@ -39,6 +40,7 @@ struct Listener {
   double worstDist() const { return bound; }
   bool full() const { return true; }
   std::size_t size() const { return 0; }
+  void sort() {}
 };
 
 double square(double x) { return x * x; }
@@ -61,7 +63,7 @@ struct Segments::Tree {
   template <typename Hear>
   void query(const Eigen::Vector3d& p, double reach, Hear hear) const {
     Listener<Hear> listener{square(reach), hear};
-    index->findNeighbors(listener, p.data(), nanoflann::SearchParams());
+    index->findNeighbors(listener, p.data(), {});
   }
 };
 

@@ -17,6 +17,7 @@ constexpr double kGuessMargin = 1.2;
 
 // Visits only the first leaf of the search, the query's own.
 struct FirstLeaf {
+  using DistanceType = double;
   int seen = 0;
   int closest = -1;
   double squared = std::numeric_limits<double>::max();
@@ -30,9 +31,11 @@ struct FirstLeaf {
   }
   double worstDist() const { return std::numeric_limits<double>::max(); }
   bool full() const { return true; }
+  void sort() {}
 };
 
 struct WithinReach {
+  using DistanceType = double;
   double limit2;
   int n = 0;
   struct Item {
@@ -46,6 +49,35 @@ struct WithinReach {
   }
   double worstDist() const { return limit2; }
   bool full() const { return true; }
+  void sort() {}
+};
+
+// The nearest ones within a radius, nearest first. (The sets of nanoflann that know a radius differ
+// between its versions.)
+struct Nearest {
+  using DistanceType = double;
+  int capacity;
+  int* index;
+  double* squared;  // the last one holds the bound until the set is full
+  int n = 0;
+
+  bool addPoint(double d2, int i) {
+    int at = n;
+    for (; at > 0 && squared[at - 1] > d2; --at) {
+      if (at == capacity) continue;
+      squared[at] = squared[at - 1];
+      index[at] = index[at - 1];
+    }
+    if (at < capacity) {
+      squared[at] = d2;
+      index[at] = i;
+    }
+    if (n < capacity) ++n;
+    return true;
+  }
+  double worstDist() const { return squared[capacity - 1]; }
+  bool full() const { return n == capacity; }
+  void sort() {}
 };
 
 struct Points {
@@ -61,6 +93,15 @@ struct Points {
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
                                                    Points, 3, int>;
 
+// The points' order in the leaves, as the versions of nanoflann name it.
+template <class Tree>
+const auto& order_in(const Tree& tree) {
+  if constexpr (requires { tree.vAcc_; })
+    return tree.vAcc_;
+  else
+    return tree.vAcc;
+}
+
 }  // namespace
 
 struct NeighbourTree::Tree {
@@ -71,7 +112,8 @@ struct NeighbourTree::Tree {
 
 std::vector<int> tree_order(const std::vector<Vector3d>& points) {
   const NeighbourTree tree(points);
-  return {tree.tree_->kd.vAcc.begin(), tree.tree_->kd.vAcc.end()};
+  const auto& order = order_in(tree.tree_->kd);
+  return {order.begin(), order.end()};
 }
 
 NeighbourTree::NeighbourTree(const std::vector<Vector3d>& points)
@@ -80,25 +122,23 @@ NeighbourTree::~NeighbourTree() = default;
 
 int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* index,
                            double* squared) const noexcept {
-  nanoflann::KNNResultSet<double, int, int> found(k);
-  found.init(index, squared);
-  // the set's current worst distance; points beyond it are skipped
+  Nearest found{k, index, squared};
   squared[k - 1] = max_radius * max_radius;
-  tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
-  return found.size();
+  tree_->kd.findNeighbors(found, p.data(), {});
+  return found.n;
 }
 
 int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius,
                                      const std::vector<double>& reach2, int* index, double* squared,
                                      int* closest) const noexcept {
   FirstLeaf leaf;
-  tree_->kd.findNeighbors(leaf, p.data(), nanoflann::SearchParams());
+  tree_->kd.findNeighbors(leaf, p.data(), {});
   WithinReach found;
   // For a query at height h above the surface, h² is added to all squared distances.
   found.limit2 = leaf.closest < 0 ? 0.0
                                   : std::min(max_radius * max_radius,
                                              leaf.squared + kGuessMargin * reach2[leaf.closest]);
-  if (leaf.closest >= 0) tree_->kd.findNeighbors(found, p.data(), nanoflann::SearchParams());
+  if (leaf.closest >= 0) tree_->kd.findNeighbors(found, p.data(), {});
   if (found.n < k || found.n == kMostGathered) {
     const int n = nearest(p, k, max_radius, index, squared);
     *closest = n > 0 ? index[0] : -1;

@@ -10,6 +10,7 @@
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
+#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
@@ -67,8 +68,8 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   write_whole(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
   step();
   ReportSettings report;
-  report.page = page_context(
-      scenario, artwork, fmt::format("./impedraw draw {}", (folder / "scenario.yaml").string()));
+  report.page = page_context(scenario, artwork,
+                             as_called("./impedraw draw ") + (folder / "scenario.yaml").string());
   report.page.check = check;
   report.pictures_written = [&] {
     pictures.get();

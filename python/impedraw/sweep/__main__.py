@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from .errors import SweepError
+from .errors import COMMAND, SweepError
 from .settings import Settings, flat
 from .spec import Case, Spec, load_spec
 
@@ -58,11 +58,11 @@ def main(arguments: list[str] | None = None) -> int:
         part = getattr(options, "part", "model")
         options.spec = str(Path(options.root) / "studies" / (
             "surfaces.yaml" if part == "surfaces" else f"{name}.yaml"))
-        options.command = " ".join(["./impedraw", name,
+        options.command = " ".join([COMMAND, name,
                                     *(["--part surfaces"] if part == "surfaces" else [])])
     else:
         options = _parser().parse_args(arguments)
-        options.command = f"./impedraw sweep {options.spec}"
+        options.command = f"{COMMAND} sweep {options.spec}"
     try:
         return _sweep(options)
     except SweepError as error:
@@ -87,7 +87,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser() -> argparse.ArgumentParser:
-    p = _Parser(prog="./impedraw sweep", epilog=_EXAMPLES, allow_abbrev=False,
+    p = _Parser(prog=f"{COMMAND} sweep", epilog=_EXAMPLES.replace("./impedraw", COMMAND), allow_abbrev=False,
                 formatter_class=argparse.RawDescriptionHelpFormatter,
                 description="run every case of a specification, into one Parquet data set")
     p.add_argument("spec", help="YAML file, see docs/sweeps.md")
@@ -96,7 +96,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _study_parser(name: str) -> argparse.ArgumentParser:
-    p = _Parser(prog=f"./impedraw {name}", epilog=_STUDY_EXAMPLES[name], allow_abbrev=False,
+    p = _Parser(prog=f"{COMMAND} {name}", epilog=_STUDY_EXAMPLES[name], allow_abbrev=False,
                 formatter_class=argparse.RawDescriptionHelpFormatter,
                 description=f"{_STUDIES[name]}; a sweep of studies/{name}.yaml, see docs/sweeps.md")
     if name == "robustness":
@@ -287,7 +287,7 @@ def identity_of(spec: Spec, context, root: Path) -> dict:  # noqa: ANN001
     program = "-"
     if context.runner == "process":
         if not Path(context.program).is_file():
-            raise SweepError(f"--program {context.program}: is no file; ./impedraw builds it")
+            raise SweepError(f"--program {context.program}: is no file; {COMMAND} builds it")
         program = content_digest([Path(context.program)])
     if context.runner == "native":
         try:

@@ -2,8 +2,10 @@
 
 import difflib
 from collections.abc import Iterable
+from pathlib import Path
 
-
+# How messages name the program: an installed package has its data beside it.
+COMMAND = "impedraw" if (Path(__file__).parents[1] / "data").is_dir() else "./impedraw"
 _LONGEST = 600  # characters of a message: what a file holds may be long
 
 

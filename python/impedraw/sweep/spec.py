@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .errors import SweepError, nearest
+from .errors import COMMAND, SweepError, nearest
 from .expression import Expression
 from .located_yaml import LARGEST_INT, Map, Sequence, read_text, read_yaml
 from .settings import DRAW_ARGUMENTS, Settings, plain, text_of
@@ -78,7 +78,7 @@ class Case:
 
     def command(self) -> str:
         """The command that repeats this run."""
-        return shlex.join(["./impedraw", "draw", *self.arguments()])
+        return shlex.join([COMMAND, "draw", *self.arguments()])
 
 
 @dataclass(slots=True)

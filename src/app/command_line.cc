@@ -1,5 +1,5 @@
-// The command line: reads arguments, names errors, returns exit codes. What it does is in
-// commands.h.
+#include "impedraw/app/command_line.h"
+
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -12,6 +12,7 @@
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -25,6 +26,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/report/film.h"
 #include "impedraw/settings/settings_text.h"
+#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/say.h"
 
@@ -93,6 +95,7 @@ int run_program(int argc, char** argv) {
       "impedraw: a pen on a simulated robot arm draws on unknown curved surfaces, held there by "
       "operational-space impedance control.");
   app.name("./impedraw");
+  app.set_version_flag("--version", "impedraw " IMPEDRAW_VERSION, "print the version");
   app.require_subcommand(1);
   app.footer(
       "Each command has its own help with examples: ./impedraw draw --help\n"
@@ -454,7 +457,7 @@ int run_program(int argc, char** argv) {
 
   require_utf8(argc, argv);
   if (argc < 2) {
-    std::fputs(app.help().c_str(), stderr);
+    impedraw::say(stderr, "{}", app.help());
     return impedraw::kBadInput;
   }
   std::vector<std::string> commands;
@@ -467,7 +470,12 @@ int run_program(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // help was asked for
+    if (error.get_exit_code() == 0) {  // help or the version was asked for
+      std::ostringstream text;
+      app.exit(error, text);
+      impedraw::say(stdout, "{}", text.str());
+      return impedraw::kFinished;
+    }
     return fail(fmt::format("{}; see ./impedraw {}--help", one_line(error.what()),
                             known ? first + " " : ""),
                 impedraw::kBadInput);
@@ -477,7 +485,7 @@ int run_program(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int impedraw::command_line(int argc, char** argv) {
   // A file opened under the number of a closed stream would receive what is printed.
   for (int stream = 0; stream < 3; ++stream)
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDWR);
