@@ -79,7 +79,7 @@ CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gra
   try {
     Eigen::Map<Eigen::VectorXd>(m->dof_armature, m->nv) =
         dt * arm.damping + per_joint("world.errors.rotor_inertia",
-                                     told.empty() ? read_arm_notes(urdf).rotor_inertia : told,
+                                     told.empty() ? read_arm_notes(text, urdf).rotor_inertia : told,
                                      m->nv);
   } catch (const InputError&) {
     mj_deleteModel(arm.dynamics);
