@@ -92,7 +92,9 @@ def pack(root, build, folder):
     version = version_of(root)
     info = f"impedraw-{version}.dist-info"
     wheel = folder / f"impedraw-{version}-{tag}-{tag}-linux_x86_64.whl"
+    scripts = tomllib.loads((root / "pyproject.toml").read_text())["project"]["scripts"]
     texts = {f"{info}/METADATA": metadata(root).encode(),
+             f"{info}/entry_points.txt": "\n".join(["[console_scripts]", *(f"{name} = {what}" for name, what in scripts.items()), ""]).encode(),
              f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: impedraw\nRoot-Is-Purelib: false\nTag: {tag}-{tag}-linux_x86_64\n".encode()}
     record = []
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as out:
