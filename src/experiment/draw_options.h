@@ -25,11 +25,11 @@ struct DrawOptions {
   // fixed; auto: of the canvas; surface: of the drawing on it; empty: auto where an arm of one's own
   // cannot draw on the canvas and the scenario does not place it.
   std::string place;
-  SurfaceWish surface;            // for place surface
-  bool resume = false;            // continues the run in `out`
-  bool overwrite = false;         // replaces a finished run in `out`
-  std::string arm;                // sim, iiwa-lcm, franka; empty: as the scenario says
-  std::filesystem::path out;      // empty: runs/<name> in the working directory
+  SurfaceWish surface;                   // for place surface
+  bool resume = false;                   // continues the run in `out`
+  bool overwrite = false;                // replaces a finished run in `out`
+  std::string arm;                       // sim, iiwa-lcm, franka; empty: as the scenario says
+  std::filesystem::path out;             // empty: runs/<name> in the working directory
   std::vector<std::string> assignments;  // --set
 };
 

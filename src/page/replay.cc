@@ -376,7 +376,8 @@ Json step_times(const RunData& run) {
 Json about_json(const RunData& run) {
   Json attributes = Json::object();
   for (const auto& [key, value] : run.attributes)
-    if (key != "settings" && key != "promise" && key != "ending" && value.size() < 200) attributes[key] = value;
+    if (key != "settings" && key != "promise" && key != "ending" && value.size() < 200)
+      attributes[key] = value;
   return attributes;
 }
 

@@ -628,11 +628,10 @@ class Runner {
     bad_state_ = blind_to_state ? bad_state_ + dt() : 0.0;
     if (!driver_.fault().empty()) return driver_.fault();
     if (bad_state_ > kBadStateTime)
-      return fmt::format(
-          "the controller was given {} for {:.1f} s up to t = {:.3f} s",
-          out_.status.bad_input ? "numbers that are not finite" + bad_input()
-                                : std::string("joint states that are stale"),
-          kBadStateTime, first_time_ + t);
+      return fmt::format("the controller was given {} for {:.1f} s up to t = {:.3f} s",
+                         out_.status.bad_input ? "numbers that are not finite" + bad_input()
+                                               : std::string("joint states that are stale"),
+                         kBadStateTime, first_time_ + t);
     const double hold = e_.plan.path_settings.start_hold;
     if (t > hold + raised_for_ && !loop_.tared())
       return fmt::format(
