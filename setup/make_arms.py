@@ -153,7 +153,7 @@ def from_mjcf(text):
         lower, upper = numbers(joint.get("range"), (-2 * numpy.pi, 2 * numpy.pi))
         joints.append(
             dict(xyz=place[0], rpy=place[1], axis=numbers(joint.get("axis"), (0, 0, 1)), lower=lower, upper=upper,
-                 effort=motors[joint.get("name")], velocity=1.0)
+                 effort=motors[joint.get("name")], velocity=1.0, armature=float(joint.get("armature", 0)))
         )
         if inertial.get("fullinertia"):
             xx, yy, zz, xy, xz, yz = numbers(inertial.get("fullinertia"))
@@ -190,13 +190,15 @@ def bodies_along(to, radius):
 def write(name, arm, joints, links):
     n = len(joints)
     xyz, rpy = arm["flange"]
+    armature = [joint.get("armature", 0) for joint in joints]
+    rotors = f' rotor_inertia="{text_of(armature)}"' if any(armature) else ""
     out = [
         '<?xml version="1.0"?>\n'
         f"<!-- {arm['title']} without a tool. Kinematics, masses and inertias: {arm['source']}.\n"
         f"     {arm.get('limits', 'Limits: the same.')} Bodies: cylinders and spheres along the links.\n"
         "     Written by setup/make_arms.py; ./impedraw arm make-urdf adds the pen. -->\n"
         f'<robot name="{name}">\n'
-        f'  <impedraw rest_posture="{text_of(arm["rest"])}" torque_rate="{arm["torque_rate"]}"/>\n'
+        f'  <impedraw rest_posture="{text_of(arm["rest"])}" torque_rate="{arm["torque_rate"]}"{rotors}/>\n'
     ]
     for i in range(n + 1):
         if i:

@@ -9,6 +9,7 @@
 #include <memory>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -64,12 +65,19 @@ void write_step(const fs::path& folder, Json json, const char* step, Json result
   write_whole(file_in(folder), json.dump(2) + "\n");
 }
 
+// Rotors are what commissioning finds: that they are unknown does not keep it from beginning.
+DrawOptions unchecked(DrawOptions options) {
+  options.assignments.push_back("control.check_rotors=false");
+  return options;
+}
+
 // The arm of the options: the simulated one over its canvas, or another.
 struct CommissionedArm {
   Experiment experiment;
   std::unique_ptr<Driver> driver;
 
-  explicit CommissionedArm(const DrawOptions& options) : experiment(prepare(resolve(options))) {
+  explicit CommissionedArm(DrawOptions options)
+      : experiment(prepare(resolve(unchecked(std::move(options))))) {
     const DriverMaker make = driver_maker(experiment);
     if (make)
       driver = make(experiment.scene.start_q);

@@ -176,5 +176,36 @@ TEST(ArmModel, RefusesWhatItCannotRead) {
   EXPECT_THROW(ArmModel(kArm, "no_such_frame"), InputError);
 }
 
+// MuJoCo's M with the same rotors, the kinetic energy of links and rotors, and C v and g without.
+TEST(ArmModel, RotorsStandOnTheDiagonalOfM) {
+  const std::vector<double> rotors = {0.3, 0.25, 0.2, 0.15, 0.1, 0.05, 0.02};
+  ArmModel bare(kArm), arm(kArm);
+  arm.set_rotor_inertia(rotors);
+  WorldSettings settings;
+  settings.errors.rotor_inertia = rotors;
+  World world(kArm, nullptr, settings);
+  ArmTerms without(7), with(7);
+  const unsigned seed = 42;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 rng(seed);
+  for (int i = 0; i < kStates; ++i) {
+    const RandomState s = random_state(rng, arm.limits());
+    bare.compute(s.q, s.v, &without);
+    arm.compute(s.q, s.v, &with);
+    world.set_state(s.q, s.v);
+    EXPECT_LT((with.M - world.terms().M).norm(), 1e-9 * with.M.norm());
+    double energy = 0.5 * s.v.dot(without.M * s.v);
+    for (int j = 0; j < 7; ++j)
+      energy += 0.5 * rotors[static_cast<std::size_t>(j)] * s.v[j] * s.v[j];
+    EXPECT_NEAR(0.5 * s.v.dot(with.M * s.v), energy, 1e-9 * energy);
+    EXPECT_EQ((with.Cv - without.Cv).norm() + (with.g - without.g).norm(), 0.0);
+    EXPECT_EQ((with.M - with.M.transpose()).norm(), 0.0);
+  }
+  arm.set_rotor_inertia({0.1});
+  EXPECT_EQ(arm.rotor_inertia(), Eigen::VectorXd::Constant(7, 0.1));
+  EXPECT_THROW(arm.set_rotor_inertia({0.1, 0.1}), InputError);
+  EXPECT_THROW(arm.set_rotor_inertia({-0.1}), InputError);
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -236,5 +236,31 @@ TEST(MomentumObserver, RefusesWhatItCannotKeepOrReach) {
   EXPECT_THROW(MomentumObserver(observer_of(std::nan("")), 7, kDt, 0.0, 0.0), InputError);
 }
 
+// Rotors that the model has are no disturbance; those that it lacks are all that is felt of them.
+TEST(MomentumObserver, KnowsTheRotorsThatTheModelHas) {
+  for (const double known : {0.2, 0.0}) {
+    SCOPED_TRACE(known);
+    Plant plant;
+    plant.arm.set_rotor_inertia({0.2});
+    plant.arm.compute(plant.q, plant.v, &plant.terms);
+    ArmModel model(kArm);
+    model.set_rotor_inertia({known});
+    ArmTerms terms(7);
+    MomentumObserver observer(observer_of(200.0), 7, kDt, 0.0, 0.0);
+    double most = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      model.compute(plant.q, plant.v, &terms);
+      most = std::max(most, observer.update(terms, Vector6::Zero()).cwiseAbs().maxCoeff());
+      const JointVector tau = plant.moving_torque(kDt * i);
+      observer.commanded(tau);
+      plant.step(tau, Vector6::Zero(), JointVector::Zero(7));
+    }
+    if (known > 0.0)
+      EXPECT_LT(most, 1e-6);
+    else
+      EXPECT_GT(most, 0.3);
+  }
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -66,6 +67,8 @@ std::vector<Bounded> all_bounded() {
 // highest", else by the longest beginning of the name.
 const std::map<std::string, Words> kCompanions = {
     {"arm.q_0", {"arm.q_0=[0]"}},
+    {"arm.rotor_inertia", {"arm.rotor_inertia=[0]"}},
+    {"world.errors.rotor_inertia", {"world.errors.rotor_inertia=[0]"}},
     {"arm.posture_seed", {"arm.posture_seed=[0]"}},
     {"control.null_stiffness", {"control.null_stiffness=[0]"}},
     {"control.observer.yield_limit", {"control.observer.yield_limit=[0]"}},
@@ -366,6 +369,26 @@ TEST(Migration, FormerNamesGiveTheSameScenario) {
                  "faults=[{kind: no_cloud, start: 0.2}]"});
   EXPECT_EQ(settings_yaml(former), settings_yaml(now));
   EXPECT_EQ(former.control.normal_force, 3);
+}
+
+// A number for all joints, as before rotors had one each, and a list.
+TEST(Rotors, AreGivenAsANumberOrAsAList) {
+  for (const char* name : {"arm.rotor_inertia", "world.errors.rotor_inertia"}) {
+    for (const auto& [text, rotors] : {std::pair<const char*, std::vector<double>>{"0.1", {0.1}},
+                                       {"[0.1, 0.2]", {0.1, 0.2}},
+                                       {"[]", {}}}) {
+      Scenario s, again;
+      read_settings(s, "", {std::string(name) + "=" + text});
+      EXPECT_EQ(name[0] == 'a' ? s.arm.rotor_inertia : s.world.errors.rotor_inertia, rotors);
+      std::istringstream lines(settings_yaml(s));
+      Places places;
+      read_yaml_text(lines.str(), "again", ".", described(again), places);
+      EXPECT_EQ(settings_yaml(again), settings_yaml(s));
+    }
+    Scenario s;
+    EXPECT_THROW(read_settings(s, "", {std::string(name) + "=-0.1"}), InputError);
+    EXPECT_THROW(read_settings(s, "", {std::string(name) + "=many"}), InputError);
+  }
 }
 
 }  // namespace

@@ -309,3 +309,17 @@ def test_a_surface_that_is_not_known_is_told_in_the_status(arm: idr.ArmModel) ->
     for wrong in (n * np.nan, 2 * n):
         out = c.step(t, down, idr.SurfaceEstimate(status="ok", n_W=wrong))
         assert out.status.bad_input and np.isfinite(out.tau).all()
+
+
+def test_rotors_stand_on_the_diagonal_of_M() -> None:
+    bare = idr.ArmModel.standard()
+    zero = np.zeros(7)
+    M = bare.compute(POSTURE, zero).M
+    rotors = [0.3, 0.3, 0.2, 0.2, 0.1, 0.1, 0.05]
+    for given_rotors, expected in ((0.1, np.full(7, 0.1)), (rotors, np.array(rotors))):
+        arm = idr.ArmModel.from_urdf(bare.urdf, rotor_inertia=given_rotors)
+        np.testing.assert_array_equal(arm.rotor_inertia, expected)
+        np.testing.assert_allclose(arm.compute(POSTURE, zero).M, M + np.diag(expected), atol=1e-12)
+    with pytest.raises(ValueError, match="valid are one entry for all joints"):
+        idr.ArmModel.from_urdf(bare.urdf, rotor_inertia=[0.1, 0.2])
+    assert idr.ModelErrors(rotor_inertia=0.1).rotor_inertia == [0.1]

@@ -1,6 +1,8 @@
 // Joints, cameras and drives as they are: rounded positions, noisy or missing velocities, slow
 // torques, cameras that stand elsewhere, a hand on the elbow. The bounds are in bounds.json.
 #include <algorithm>
+#include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -166,6 +168,36 @@ TEST(Elbow, IsStiffWithoutALimitPerJoint) {
                            elbow(arm, left_alone.run.joint_position.row(static_cast<int>(i))))
                               .norm());
   EXPECT_LT(most, 0.010);
+}
+
+// Rotors that the model has to within a fifth; the first numbers are for all joints.
+TEST(Rotors, KnownWithinAFifthTheyHardlyMatter) {
+  for (const auto& [model, truth] : {std::pair{"0.24", "0.3"},
+                                     {"0.36", "0.3"},
+                                     {"0.08", "0.1"},
+                                     {"[0.12,0.12,0.12,0.12,0.12,0.12,0.12]", "0.1"}}) {
+    SCOPED_TRACE(model);
+    const Figures f =
+        draw_scenario("bowl-sine-real", {std::string("arm.rotor_inertia=") + model,
+                                         std::string("world.errors.rotor_inertia=") + truth});
+    EXPECT_LE(f["ink_error_rms"], 0.15);
+    EXPECT_LE(f["force_sd"], 0.25);
+    EXPECT_GE(f["coverage"], 0.99);
+  }
+}
+
+TEST(Rotors, WhatTheLawDoesNotBearIsRefusedByName) {
+  try {
+    draw_scenario("bowl-sine-real", {"world.errors.rotor_inertia=0.1"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("world.errors.rotor_inertia"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("the law bears 0.0"));
+  }
+  EXPECT_THROW(draw_scenario("bowl-sine", {"world.errors.rotor_inertia=0.3"}), InputError);
+  EXPECT_THROW(draw_scenario("bowl-sine", {"arm.rotor_inertia=[0.1,0.1]"}), InputError);
+  const Figures f = draw_scenario("bowl-sine-real", {"world.errors.rotor_inertia=0.03"});
+  EXPECT_LE(f["force_sd"], 0.25);
 }
 
 }  // namespace
