@@ -26,7 +26,8 @@ struct PlainUrdf {
 // mesh that cannot be read, an inertia that breaks the triangle rule, a joint that moves no mass.
 PlainUrdf plain_urdf(const std::filesystem::path& file, const std::string& tip = "tip");
 
-// The same with a pen on the link `flange`, along its z; or (empty) on the one that a tool is put on
+// The same with a pen on the link `flange`, along its z; or (empty) on the one that a tool is put
+// on
 // where that is clear, away from the arm along the last joint's axis. It begins beyond a gripper. A
 // file that has a link `tip` gets no pen. What is missing or cannot be is filled in, and notes say
 // with what:

@@ -16,7 +16,8 @@
 // is not installed and the one that replaces it. What the internal DTD declares (namespaces,
 // default attributes) counts. A pathLength stretches the dashes.
 //
-// Artwork::warnings tells what is lost, in the same words wherever it is printed: pictures, markers,
+// Artwork::warnings tells what is lost, in the same words wherever it is printed: pictures,
+// markers,
 // animations, text that no font can show, filled shapes without area, a white rectangle over the
 // whole page, painted shapes that are hidden (display, visibility, opacity 0), the contents of
 // patterns, the effect of clip paths, masks, filters, partial opacity and different stroke widths,

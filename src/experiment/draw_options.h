@@ -22,8 +22,8 @@ struct DrawOptions {
   bool no_perception = false;
   bool keep_order = false;        // of a file's strokes
   bool skip_unreachable = false;  // omits what fails the pre-flight
-  // fixed; auto: of the canvas; surface: of the drawing on it; empty: auto where an arm of one's own
-  // cannot draw on the canvas and the scenario does not place it.
+  // fixed; auto: of the canvas; surface: of the drawing on it; empty: auto where an arm of one's
+  // own cannot draw on the canvas and the scenario does not place it.
   std::string place;
   SurfaceWish surface;                   // for place surface
   bool resume = false;                   // continues the run in `out`

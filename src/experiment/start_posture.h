@@ -32,7 +32,8 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q);
 // its links on the pen's side of the surface, and so that the tip can be led to the places of
 // `drawing` [m, W], one after the other. It is searched for so, too, where the iiwa's posture does
 // not lead there; and where the default arm.start is out of reach, nearer to the base:
-// settings.start_p_WE is set, and a note says so. Where a link touches the canvas in the posture from a
+// settings.start_p_WE is set, and a note says so. Where a link touches the canvas in the posture
+// from a
 // seed, it is searched for so, too. `touching`: names the link that does; empty: none. Throws
 // InputError if arm.start is out of reach, or a link touches in every posture that was found.
 JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP,

@@ -28,12 +28,13 @@ struct JointFriction {
   double inertia = 0.0, inertia_error = 0.0;  // [kg m²]
 };
 
-// Sweeps each joint slowly to and fro, at two speeds, and shakes it at 2 and 3.5 Hz, with the others
-// held.
+// Sweeps each joint slowly to and fro, at two speeds, and shakes it at 2 and 3.5 Hz, with the
+// others held.
 //
 // Law       τ = c sign(v) + b v + I a + k (q − q_0) + e      beyond the modelled torque
 // Least squares over all samples in which the joint moves, with v and a from positions alone; k and
-// e take what the model misses. delay: of the loop, which bounds the stiffness of light joints [s]. Throws
+// e take what the model misses. delay: of the loop, which bounds the stiffness of light joints
+// [s]. Throws
 // std::runtime_error that names the joint if it hardly moves, if a sweep finds no room, or if its
 // friction would be negative beyond the residual or above a third of its torque limit.
 std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, double delay);

@@ -84,7 +84,8 @@ inline constexpr double kLiftAtWall = 0.01;    // before the rest is planned ane
 inline constexpr std::size_t kMostWalls = 200;
 
 // Of a canvas that moves: the pen waits so long for a stroke to come into reach, or for the canvas
-// to rest or to be seen again [s]. A stroke during which the canvas left the reach is tried again so often.
+// to rest or to be seen again [s]. A stroke during which the canvas left the reach is tried again
+// so often.
 inline constexpr double kMostWait = 45.0;
 inline constexpr int kMostLeft = 3;
 

@@ -271,7 +271,8 @@ TEST_F(CommandLine, PlanDrawAndInspectTellTheSameOfAFile) {
       viewBox="0 0 120 120"><image width="9" height="9" href="photo.png"/><use href="#gone"/>
       <clipPath id="c"><circle r="90"/></clipPath>
       <g fill="none" stroke="black"><circle cx="60" cy="60" r="60" opacity=".3"/>
-      <path d="M60 50V70" clip-path="url(#c)"/><path d="M9 9H99" style="display:none"/></g></svg>)svg");
+      <path d="M60 50V70" clip-path="url(#c)"/>
+      <path d="M9 9H99" style="display:none"/></g></svg>)svg");
   const Ended inspected = call({"inspect", "a.svg"});
   const Ended planned =
       call({"plan", "--svg", "a.svg", "--set", "drawing.placement.fit_radius=.1"});
