@@ -12,9 +12,9 @@ import numpy as np
 import impedraw as idr
 
 # Without a picture, the built-in sine.
-picture = sys.argv[1] if len(sys.argv) > 1 else None
+picture = sys.argv[1:2]
 folder = pathlib.Path(tempfile.mkdtemp()) / "run"
-run = idr.draw(picture, canvas=idr.Bowl(radius=0.3), settings={"control.normal_force": 4}, out=folder)
+run = idr.draw(*picture, canvas=idr.Bowl(radius=0.3), settings={"control.normal_force": 4}, out=folder)
 
 print(f"{run.end}: ink error {run.metrics.ink_error_rms:.3f} mm, force {run.metrics.force_mean:.2f} N")
 force = run.log["contact/force"]  # NumPy: a row a millisecond

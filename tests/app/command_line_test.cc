@@ -490,7 +490,9 @@ TEST_F(CommandLine, AnUnstableRunStopsAndKeepsItsLog) {
     std::smatch when;
     ASSERT_TRUE(std::regex_search(
         ended.err, when,
-        std::regex("(?:unstable|above its speed limit of [0-9.]+ rad/s) at t = ([0-9.]+) s")))
+        std::regex(
+            "(?:unstable|above its speed limit of [0-9.]+ rad/s|the fence is 150.0 N) at t = "
+            "([0-9.]+) s")))
         << ended.err;
     EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1);
     const RunData run = read_run(folder_ / "run/run.h5");

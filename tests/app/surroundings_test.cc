@@ -91,8 +91,8 @@ TEST_F(SurroundingsTest, ControlCharactersStayOutOfTheTerminal) {
   refused(value, "drawing.shape is");
   EXPECT_THAT(value.err, Not(HasSubstr("\u202E")));
   write("arm.urdf", changed(iiwa_urdf(), "<joint name=\"joint_3\"", "joint_3\" type=\"revolute\"",
-                            "\u009b2J\" type=\"continuous\""));
-  refused(call({"plan", "--set", "arm.urdf=arm.urdf"}), "continuous");
+                            "\u009b2J\" type=\"planar\""));
+  refused(call({"plan", "--set", "arm.urdf=arm.urdf"}), "is planar");
   write("layers.txt", "layer a" + kEscape + "\n0 0\n10 0\n");
   write("shape.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 " + kEscape + "\n");
   for (const std::string file : {"layers.txt", "shape.obj"}) {
