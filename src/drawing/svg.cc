@@ -11,6 +11,7 @@
 #include "impedraw/common/input_file.h"
 #include "impedraw/drawing/flatten.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
+#include "impedraw/drawing/visible.h"
 
 namespace impedraw {
 namespace {
@@ -166,10 +167,9 @@ bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSv
 }
 
 // The subpath as a stroke; without points if nothing is visible.
-Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
+Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line, bool stroked) {
   Stroke stroke;
   stroke.layer = static_cast<int>(subpath.path->layer);
-  const bool stroked = subpath.path->stroked;
   stroke.edge = !stroked;
   if (!stroked && !has_area(line)) return stroke;
   const bool closed = subpath.closed || !stroked;
@@ -188,16 +188,13 @@ Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
   return stroke;
 }
 
-// The area that the path fills, with these lines as its subpaths. White is not drawn: it is usually
-// the page's background.
-void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
-              Artwork& artwork) {
-  if (!path.filled || path.white) return;
+// The area that the path fills, with these lines as its subpaths.
+Area area_of(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path) {
   Area area{{}, path.even_odd != 0, static_cast<int>(path.layer)};
   for (const std::vector<Vector2d>& line : lines) {
-    if (has_area(line)) area.outlines.push_back(line);
+    if (path.filled && has_area(line)) area.outlines.push_back(line);
   }
-  if (!area.outlines.empty()) artwork.areas.push_back(std::move(area));
+  return area;
 }
 
 // Index of the path's dash in the artwork; −1 if it has none, or if its transform leaves no length
@@ -255,7 +252,12 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     flatten_settings.tolerance =
         std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
   }
-  std::size_t points = 0, grounds = 0, flat = 0;
+  const bool as_painted = settings.visible == Visible::as_painted;
+  std::vector<Paint> paints(svg->path_count);
+  std::vector<Clip> clips(svg->clip_count);
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    clips[i] = {static_cast<int>(svg->clips[i].parent) - 1, svg->clips[i].mask != 0};
+  std::size_t points = 0, grounds = 0, flat = 0, white = 0;
   Vector2d first_flat = Vector2d::Zero();
   const double* dash_lengths = svg->dashes;
   auto subpath = subpaths.begin();
@@ -267,22 +269,54 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     const int dash = add_dash(*path, dash_lengths, lines,
                               subpaths.data() + (first_subpath - subpaths.begin()), artwork);
     dash_lengths += path->dash_count;
-    if (is_ground(lines, *path, artwork.page)) {
-      ++grounds;
+    const int clip = static_cast<int>(path->clip) - 1;
+    Paint& paint = paints[static_cast<std::size_t>(path - svg->paths)];
+    if (path->shapes > 0) {
+      clips[path->shapes - 1].shapes.push_back(
+          {area_of(lines, *path), clip, path->value, path->alpha});
+      continue;
+    }
+    const bool strokes = path->stroked && !(as_painted && path->white_stroke),
+               fills = path->filled && !path->white, eraser = path->hides == 2;
+    paint = {{}, area_of(lines, *path), fills, path->hides != 0, path->hides_from, clip};
+    const bool ground = !eraser && is_ground(lines, *path, artwork.page);
+    grounds += ground;
+    if (eraser || ground) continue;
+    if (as_painted && !strokes && !fills) {
+      ++white;
       continue;
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const Subpath& outline = first_subpath[static_cast<std::ptrdiff_t>(i)];
-      Stroke stroke = stroke_of(outline, lines[i]);
+      Stroke stroke = stroke_of(outline, lines[i], strokes);
       if (!path->stroked && stroke.points.empty() && !outline.segments.empty() && flat++ == 0)
         first_flat = outline.start;
       stroke.dash = dash;
       points += stroke.points.size();
       require_few(points, flatten_settings, name);
       stroke.points.shrink_to_fit();
-      if (!stroke.points.empty()) artwork.strokes.push_back(std::move(stroke));
+      if (!stroke.points.empty()) paint.strokes.push_back(std::move(stroke));
     }
-    add_area(lines, *path, artwork);
+  }
+  if (as_painted) {
+    try {
+      artwork.hidden_mm = keep_visible(paints, clips, artwork.dashes);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", name, error.what()));
+    }
+  }
+  for (Paint& paint : paints) {
+    std::move(paint.strokes.begin(), paint.strokes.end(), std::back_inserter(artwork.strokes));
+    if (paint.inked && !paint.area.outlines.empty()) artwork.areas.push_back(std::move(paint.area));
+  }
+  if (artwork.hidden_mm >= 0.05) {
+    artwork.warnings.push_back(
+        fmt::format("{:.1f} mm of lines are hidden by fills, clip paths or masks: left out",
+                    artwork.hidden_mm));
+  }
+  if (white > 0) {
+    artwork.warnings.push_back(fmt::format("{} white shape{} left out, as white is the paper",
+                                           white, white == 1 ? "" : "s"));
   }
   drop_empty_layers(artwork);
   if (grounds > 0) {

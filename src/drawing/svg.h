@@ -39,6 +39,8 @@ struct SvgSettings {
   double turn = 0.15;  // largest turn of a curve between points [rad]
   double largest_file_mb = 64;
   bool may_be_empty = false;  // nothing to draw is a warning, not an error
+  Visible visible = Visible::as_painted;
+  LayersFrom layers = LayersFrom::automatic;
 };
 
 // InputError: the file is missing or not an SVG, has no valid size, nests more than 1,000 elements

@@ -29,7 +29,7 @@ Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_err
                          "drawing.svg and drawing.text.text are both given; give one of them");
   }
   return setting_errors.locate({"drawing.svg", "drawing.unit"},
-                               [&] { return read_artwork(s.svg, {}, s.unit); });
+                               [&] { return read_artwork(s.svg, {.visible = s.visible}, s.unit); });
 }
 
 void break_dashes(Artwork& artwork, bool apply) {

@@ -97,6 +97,9 @@ void describe(Fields& f, DrawingSettings& s) {
             {"px", PageUnit::px}},
            "Unit of the numbers in .txt, .strokes and .csv files; file: millimetres, or fractions "
            "of the page if all numbers lie between 0 and 1.");
+  f.choice("visible", s.visible, {{"as-painted", Visible::as_painted}, {"all", Visible::all}},
+           "What of an SVG is drawn. as-painted: what the eye sees; opaque fills, clip paths and "
+           "masks hide lines, and white is not drawn. all: every line, as if nothing were hidden.");
   f.field(Limits::join_gap, s.join_gap_mm,
           "Largest gap on the page between ends of strokes that are joined; 0: none are joined.");
   f.field("dashes", s.dashes, "Draws dashed lines of an SVG as dashes.");

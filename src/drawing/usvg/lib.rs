@@ -12,7 +12,7 @@ mod dtd;
 mod limits;
 mod outlines;
 
-use outlines::{Outlines, SvgPath};
+use outlines::{Outlines, SvgClip, SvgPath};
 use std::ffi::{c_char, CString};
 
 #[repr(C)]
@@ -22,6 +22,8 @@ pub struct Svg {
     height_mm: f64,
     paths: *const SvgPath,
     path_count: usize,
+    clips: *const SvgClip,
+    clip_count: usize,
     verbs: *const u8,
     points: *const f64,
     dashes: *const f64,
@@ -67,6 +69,8 @@ pub unsafe extern "C" fn impedraw_svg_read(data: *const u8, size: usize) -> *con
         height_mm: outlines.size.1,
         paths: outlines.paths.as_ptr(),
         path_count: outlines.paths.len(),
+        clips: outlines.clips.as_ptr(),
+        clip_count: outlines.clips.len(),
         verbs: outlines.verbs.as_ptr(),
         points: outlines.points.as_ptr(),
         dashes: outlines.dashes.as_ptr(),

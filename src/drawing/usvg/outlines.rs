@@ -4,12 +4,17 @@ use crate::{complaints, document, dtd};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathSegment, Point};
-use usvg::{fontdb, Color, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
+use usvg::tiny_skia_path::PathStroker;
+use usvg::{fontdb, BlendMode, ClipPath, Color, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
+use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Text, Transform, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
+const OPAQUE: f32 = 0.5; // what is less opaque hides nothing
+const WHITE: u8 = 250; // least red, green and blue of white
 
 #[repr(C)]
+#[derive(Default)]
 pub struct SvgPath {
     verbs: usize,
     layer: u32,
@@ -18,16 +23,30 @@ pub struct SvgPath {
     caps: u8,
     even_odd: u8,
     white: u8,
+    white_stroke: u8,
+    hides: u8,
+    hides_from: usize,
+    clip: u32,
+    shapes: u32,
+    value: f32,
+    alpha: f32,
     dash_count: usize,
     dash_offset: f64,
     path_length: f64,
     transform: [f64; 4],
 }
 
+#[repr(C)]
+pub struct SvgClip {
+    parent: u32,
+    mask: u8,
+}
+
 #[derive(Default)]
 pub struct Outlines {
     pub size: (f64, f64),
     pub paths: Vec<SvgPath>,
+    pub clips: Vec<SvgClip>,
     pub verbs: Vec<u8>,
     pub points: Vec<f64>,
     pub dashes: Vec<f64>,
@@ -35,7 +54,8 @@ pub struct Outlines {
     pub warnings: Vec<String>,
     marked: document::Marked,
     seen: HashMap<String, u32>,     // layers with a path, by their group's id
-    hidden_parts: usize,            // skipped clip paths and masks
+    clip_numbers: HashMap<(usize, [u32; 6], u32), u32>,
+    groups: Vec<(f32, usize)>,      // that stand open: opacity, and the first path within
     filters: usize,
     faint: usize,                   // shapes and groups that are partly transparent
     widths: Option<(f64, f64)>,     // of the narrowest and the widest stroke [mm]
@@ -89,7 +109,42 @@ fn shows(paint: &Paint) -> bool {
 }
 
 fn is_white(paint: &Paint) -> bool {
-    matches!(paint, Paint::Color(Color { red: 255, green: 255, blue: 255 }))
+    let white = |c: Color| c.red.min(c.green).min(c.blue) >= WHITE;
+    match paint {
+        Paint::Color(c) => white(*c),
+        Paint::LinearGradient(g) => g.stops().iter().all(|s| white(s.color())),
+        Paint::RadialGradient(g) => g.stops().iter().all(|s| white(s.color())),
+        Paint::Pattern(_) => false,
+    }
+}
+
+/// Luminance (that of a gradient's stops is averaged) and least opacity. A pattern may let through
+/// what lies beneath.
+fn tone(paint: &Paint) -> (f32, f32) {
+    let luminance = |c: Color| (0.2125 * c.red as f32 + 0.7154 * c.green as f32 + 0.0721 * c.blue as f32) / 255.0;
+    let of_stops = |stops: &[usvg::Stop]| {
+        let mean = stops.iter().map(|s| luminance(s.color())).sum::<f32>() / stops.len().max(1) as f32;
+        (mean, stops.iter().map(|s| s.opacity().get()).fold(1.0, f32::min))
+    };
+    match paint {
+        Paint::Color(c) => (luminance(*c), 1.0),
+        Paint::LinearGradient(g) => of_stops(g.stops()),
+        Paint::RadialGradient(g) => of_stops(g.stops()),
+        Paint::Pattern(_) => (1.0, 0.0),
+    }
+}
+
+/// The area that a stroke covers, in the path's own unit.
+fn stroked_area(path: &Path, stroke: &Stroke, ts: Transform) -> Option<usvg::tiny_skia_path::Path> {
+    let mut pen = stroke.to_tiny_skia();
+    if pen.miter_limit >= document::FIRST_LENGTH as f32 {
+        pen.miter_limit = 4.0;
+    }
+    let scale = PathStroker::compute_resolution_scale(&ts);
+    match pen.dash.take() {
+        Some(dash) => path.data().dash(&dash, scale)?.stroke(&pen, scale),
+        None => path.data().stroke(&pen, scale),
+    }
 }
 
 impl Outlines {
@@ -124,13 +179,6 @@ impl Outlines {
             image_href_resolver: ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) },
             ..Options::default()
         };
-        match document::count(&xml, "marker") {
-            0 => {}
-            count => {
-                options.style_sheet = Some("* { marker: none !important }".to_string());
-                outlines.warnings.push(format!("{count} × <marker>: arrow heads and other markers are left out"));
-            }
-        }
         if document::count(&xml, "text") > 0 {
             let fonts = fonts();
             options.font_family = fonts.family_name(&fontdb::Family::Serif).to_string(); // of text that names none
@@ -144,7 +192,7 @@ impl Outlines {
             other => other.to_string(),
         })?;
         outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
-        outlines.add_group(tree.root(), None);
+        outlines.add_group(tree.root(), None, 0);
         if outlines.too_many {
             return Err(format!("more than {MOST_POINTS} points, all uses counted"));
         }
@@ -155,9 +203,6 @@ impl Outlines {
     fn warn(&mut self) {
         if self.lost_texts > 0 {
             self.warnings.push(format!("{} texts are left out: no font of this system shows them", self.lost_texts));
-        }
-        if self.hidden_parts > 0 {
-            self.warnings.push(format!("{} clip paths or masks are passed over: what they hide is drawn", self.hidden_parts));
         }
         if self.filters > 0 {
             self.warnings.push(format!("{} filters (blur, shadow and the like) are passed over", self.filters));
@@ -171,33 +216,128 @@ impl Outlines {
         self.warnings.extend(complaints::heard());
     }
 
-    /// layer: the id of the enclosing top-level group.
-    fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>) {
+    /// layer: the id of the enclosing top-level group; clip: what clips the group, 0 if nothing does.
+    fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>, clip: u32) {
         if group.opacity().get() == 0.0 {
             return;
         }
         self.filters += group.filters().len();
         self.faint += (group.opacity().get() < 1.0) as usize;
-        self.hidden_parts += group.clip_path().is_some() as usize + group.mask().is_some() as usize;
+        let clip = self.clip_of_group(group, group.abs_transform(), clip);
+        let opacity = if group.blend_mode() == BlendMode::Normal { group.opacity().get() } else { 0.0 };
+        self.groups.push((opacity, self.paths.len()));
         let layer = layer.or(self.marked.layers.contains_key(group.id()).then_some(group.id()));
         for node in group.children() {
             match node {
-                Node::Group(group) => self.add_group(group, layer),
-                Node::Path(path) => self.add_path(path, layer),
-                Node::Text(text) => self.add_text(text, layer),
+                Node::Group(group) => self.add_group(group, layer, clip),
+                Node::Path(path) => self.add_path(path, layer, clip),
+                Node::Text(text) => self.add_text(text, layer, clip),
                 Node::Image(_) => {}
             }
         }
+        self.groups.pop();
     }
 
-    fn add_text<'a>(&mut self, text: &'a Text, layer: Option<&'a str>) {
+    fn add_text<'a>(&mut self, text: &'a Text, layer: Option<&'a str>, clip: u32) {
         let before = self.paths.len();
-        self.add_group(text.flattened(), layer);
+        self.add_group(text.flattened(), layer, clip);
         let shown = text.chunks().iter().any(|chunk| {
             let draws = |span: &usvg::TextSpan| span.is_visible() && (span.fill().is_some() || span.stroke().is_some());
             chunk.text().chars().any(|c| !c.is_whitespace()) && chunk.spans().iter().any(draws)
         });
         self.lost_texts += (shown && self.paths.len() == before) as usize;
+    }
+
+    fn clip_of_group(&mut self, group: &Group, ts: Transform, clip: u32) -> u32 {
+        let clip = group.clip_path().map_or(clip, |c| self.add_clip(c, ts, clip));
+        group.mask().map_or(clip, |m| self.add_mask(m, ts, clip))
+    }
+
+    /// The number of the clip, from 1, and whether it is new: one that many elements share is added
+    /// once.
+    fn number_of_clip(&mut self, which: usize, ts: Transform, parent: u32, mask: bool) -> (u32, bool) {
+        let key = (which, [ts.sx, ts.kx, ts.ky, ts.sy, ts.tx, ts.ty].map(f32::to_bits), parent);
+        if let Some(number) = self.clip_numbers.get(&key) {
+            return (*number, false);
+        }
+        self.clips.push(SvgClip { parent, mask: mask as u8 });
+        self.clip_numbers.insert(key, self.clips.len() as u32);
+        (self.clips.len() as u32, true)
+    }
+
+    fn add_clip(&mut self, clip: &ClipPath, ts: Transform, parent: u32) -> u32 {
+        let parent = clip.clip_path().map_or(parent, |inner| self.add_clip(inner, ts, parent));
+        let (number, new) = self.number_of_clip(clip as *const ClipPath as usize, ts, parent, false);
+        if new {
+            self.add_shapes(clip.root(), ts.pre_concat(clip.transform()), number, 0, None);
+        }
+        number
+    }
+
+    fn add_mask(&mut self, mask: &Mask, ts: Transform, parent: u32) -> u32 {
+        let parent = mask.mask().map_or(parent, |inner| self.add_mask(inner, ts, parent));
+        let (bounds, new) = self.number_of_clip(mask as *const Mask as usize, ts, parent, false);
+        if new {
+            let rect = usvg::tiny_skia_path::PathBuilder::from_rect(mask.rect().to_rect());
+            self.put(&rect, ts, SvgPath { shapes: bounds, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+        }
+        let (number, new) = self.number_of_clip(mask as *const Mask as usize + 1, ts, bounds, true);
+        if new {
+            self.add_shapes(mask.root(), ts, number, 0, Some((mask.kind(), 1.0)));
+        }
+        number
+    }
+
+    /// What a clip path or a mask is made of. mask: its kind, and the opacity of the groups around.
+    fn add_shapes(&mut self, group: &Group, ts: Transform, shapes: u32, clip: u32, mask: Option<(MaskType, f32)>) {
+        for node in group.children() {
+            match node {
+                Node::Group(group) => {
+                    let ts = ts.pre_concat(group.transform());
+                    let clip = self.clip_of_group(group, ts, clip);
+                    self.add_shapes(group, ts, shapes, clip, mask.map(|(kind, opacity)| (kind, opacity * group.opacity().get())));
+                }
+                Node::Path(path) if path.is_visible() => self.add_shape(path, ts, shapes, clip, mask),
+                Node::Text(text) => self.add_shapes(text.flattened(), ts, shapes, clip, mask),
+                _ => {}
+            }
+        }
+    }
+
+    fn add_shape(&mut self, path: &Path, ts: Transform, shapes: u32, clip: u32, mask: Option<(MaskType, f32)>) {
+        let shape = |paint: &Paint, opacity: Opacity, even_odd: bool| {
+            let (luminance, stops) = if matches!(paint, Paint::Pattern(_)) { (1.0, 1.0) } else { tone(paint) };
+            let (value, alpha) = match mask {
+                None => (1.0, 1.0),
+                Some((MaskType::Luminance, around)) => (luminance, around * stops * opacity.get()),
+                Some((MaskType::Alpha, around)) => (1.0, around * stops * opacity.get()),
+            };
+            SvgPath { shapes, clip, filled: 1, even_odd: even_odd as u8, value, alpha, ..SvgPath::default() }
+        };
+        if let Some(fill) = path.fill() {
+            self.put(path.data(), ts, shape(fill.paint(), fill.opacity(), fill.rule() == FillRule::EvenOdd));
+        }
+        if let Some(stroke) = path.stroke().filter(|_| mask.is_some()) {
+            if let Some(area) = stroked_area(path, stroke, ts) {
+                self.put(&area, ts, shape(stroke.paint(), stroke.opacity(), false));
+            }
+        }
+    }
+
+    /// The first path that one of this opacity hides: groups around it may be too faint to hide what
+    /// lies before them. None: it hides nothing.
+    fn hides_from(&self, opacity: f32) -> Option<usize> {
+        let mut opacity = opacity;
+        if opacity < OPAQUE {
+            return None;
+        }
+        for (of_group, first) in self.groups.iter().rev() {
+            opacity *= of_group;
+            if opacity < OPAQUE {
+                return Some(*first);
+            }
+        }
+        Some(0)
     }
 
     fn layer_index(&mut self, id: Option<&str>) -> u32 {
@@ -211,14 +351,10 @@ impl Outlines {
         index
     }
 
-    fn add_path(&mut self, path: &Path, layer: Option<&str>) {
+    fn add_path(&mut self, path: &Path, layer: Option<&str>, clip: u32) {
         let stroke = path.stroke().filter(|s| s.opacity().get() > 0.0 && shows(s.paint()));
-        let filled = path.fill().is_some_and(|f| f.opacity().get() > 0.0 && shows(f.paint()));
-        if !path.is_visible() || (stroke.is_none() && !filled) {
-            return;
-        }
-        self.too_many |= self.points.len() / 2 + path.data().points().len() > MOST_POINTS;
-        if self.too_many {
+        let fill = path.fill().filter(|f| f.opacity().get() > 0.0 && shows(f.paint()));
+        if !path.is_visible() || (stroke.is_none() && fill.is_none()) {
             return;
         }
         let layer = self.layer_index(layer);
@@ -231,8 +367,54 @@ impl Outlines {
         }
         let opacities = [stroke.map(|s| s.opacity()), path.fill().map(|f| f.opacity())];
         self.faint += opacities.iter().flatten().any(|o| (0.01..1.0).contains(&o.get())) as usize;
+        // A white stroke hides what lies under its whole width: it is an area.
+        let white_stroke = stroke.filter(|s| is_white(s.paint()));
+        let hiding = |this: &Self, paint: &Paint, opacity: Opacity| this.hides_from(opacity.get() * tone(paint).1);
+        let cover = white_stroke.and_then(|s| Some((stroked_area(path, s, ts)?, hiding(self, s.paint(), s.opacity())?)));
+        let put_cover = |this: &mut Self| {
+            if let Some((area, hides_from)) = &cover {
+                this.put(area, ts, SvgPath { layer, clip, filled: 1, white: 1, hides: 2, hides_from: *hides_from, ..SvgPath::default() });
+            }
+        };
+        if path.paint_order() == PaintOrder::StrokeAndFill {
+            put_cover(self);
+        }
         let dashes = stroke.and_then(|s| s.dasharray()).unwrap_or(&[]);
         self.dashes.extend(dashes.iter().map(|&length| length as f64));
+        let limit = stroke.map_or(0, |s| s.miterlimit().get() as usize);
+        let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index)).copied();
+        let hides_from = fill.and_then(|f| hiding(self, f.paint(), f.opacity()));
+        self.put(
+            path.data(),
+            ts,
+            SvgPath {
+                layer,
+                stroked: stroke.is_some() as u8,
+                filled: fill.is_some() as u8,
+                caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
+                even_odd: path.fill().is_some_and(|f| f.rule() == FillRule::EvenOdd) as u8,
+                white: fill.is_some_and(|f| is_white(f.paint())) as u8,
+                white_stroke: white_stroke.is_some() as u8,
+                hides: hides_from.is_some() as u8,
+                hides_from: hides_from.unwrap_or(0),
+                clip,
+                dash_count: dashes.len(),
+                dash_offset: stroke.map_or(0.0, |s| s.dashoffset() as f64),
+                path_length: length.unwrap_or(f64::NAN),
+                ..SvgPath::default()
+            },
+        );
+        if path.paint_order() != PaintOrder::StrokeAndFill {
+            put_cover(self);
+        }
+    }
+
+    /// Adds a path with its verbs and points, which it counts.
+    fn put(&mut self, data: &usvg::tiny_skia_path::Path, ts: Transform, path: SvgPath) {
+        self.too_many |= self.points.len() / 2 + data.points().len() > MOST_POINTS;
+        if self.too_many {
+            return;
+        }
         let first = self.verbs.len();
         let mut put = |verb: u8, points: &[Point]| {
             self.verbs.push(verb);
@@ -242,7 +424,7 @@ impl Outlines {
                 self.points.push(MM_PER_PX * (ts.ky as f64 * x + ts.sy as f64 * y + ts.ty as f64));
             }
         };
-        for segment in path.data().segments() {
+        for segment in data.segments() {
             match segment {
                 PathSegment::MoveTo(p) => put(0, &[p]),
                 PathSegment::LineTo(p) => put(1, &[p]),
@@ -251,20 +433,7 @@ impl Outlines {
                 PathSegment::Close => put(4, &[]),
             }
         }
-        let limit = stroke.map_or(0, |s| s.miterlimit().get() as usize);
-        let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index));
-        self.paths.push(SvgPath {
-            verbs: self.verbs.len() - first,
-            layer,
-            stroked: stroke.is_some() as u8,
-            filled: filled as u8,
-            caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
-            even_odd: path.fill().is_some_and(|f| f.rule() == FillRule::EvenOdd) as u8,
-            white: path.fill().is_some_and(|f| is_white(f.paint())) as u8,
-            dash_count: dashes.len(),
-            dash_offset: stroke.map_or(0.0, |s| s.dashoffset() as f64),
-            path_length: length.copied().unwrap_or(f64::NAN),
-            transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64),
-        });
+        let verbs = self.verbs.len() - first;
+        self.paths.push(SvgPath { verbs, transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64), ..path });
     }
 }
