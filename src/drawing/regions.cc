@@ -16,7 +16,7 @@ namespace cl = ClipperLib;
 constexpr double kRegionFineness = 5e8;  // of half the box; from 2^30 Clipper needs wider integers
 constexpr double kLeastFineness = 1e5;   // steps per millimetre, then with wider integers
 constexpr double kMostCrossings = 1e7;   // of one operation, which take 100 bytes each
-constexpr double kPerEdge = 20;          // what an edge costs, in pairs
+constexpr double kPerEdge = 100, kPerOperation = 2000;  // what they cost, in pairs
 
 cl::Paths to_clipper(const Outlines& outlines, const Vector2d& centre, double fineness) {
   cl::Paths paths;
@@ -52,9 +52,10 @@ void charge(const std::vector<cl::Path>& paths, Effort& effort) {
   for (const cl::Path& path : paths) {
     for (std::size_t i = 0; i < path.size(); ++i) {
       const cl::IntPoint &p = path[i], &q = path[(i + 1) % path.size()];
-      const auto [low, high] = std::minmax<double>(p.Y, q.Y);
-      const auto [left, right] = std::minmax<double>(p.X, q.X);
-      edges.push_back({low, high, left, right});
+      const auto [low, high] = std::minmax(p.Y, q.Y);
+      const auto [left, right] = std::minmax(p.X, q.X);
+      edges.push_back({static_cast<double>(low), static_cast<double>(high),
+                       static_cast<double>(left), static_cast<double>(right)});
     }
   }
   std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
@@ -67,7 +68,7 @@ void charge(const std::vector<cl::Path>& paths, Effort& effort) {
     while (ends[ended] < edges[i].low) ++ended;
     pairs += static_cast<double>(i - ended);
   }
-  effort.spend(kPerEdge * static_cast<double>(edges.size()) + pairs);
+  effort.spend(kPerOperation + kPerEdge * static_cast<double>(edges.size()) + pairs);
   if (pairs <= kMostCrossings) return;
   double crossings = 0;
   std::vector<EdgeBox> alive;
@@ -139,16 +140,6 @@ Outlines RegionMath::common(const Outlines& a, const Outlines& b) const {
 }
 Outlines RegionMath::without(const Outlines& a, const Outlines& b) const {
   return run(cl::ctDifference, a, b, false);
-}
-
-Outlines RegionMath::grown(const Outlines& a, double distance) const {
-  const cl::Paths paths = to_clipper(a, centre_, fineness_);
-  cl::Paths result;
-  charge(paths, effort_);
-  cl::ClipperOffset offset;
-  offset.AddPaths(paths, cl::jtMiter, cl::etClosedPolygon);
-  offset.Execute(result, distance * fineness_);
-  return from_clipper(result, centre_, fineness_);
 }
 
 RegionIndex::RegionIndex(const Outlines& region, Effort& effort)

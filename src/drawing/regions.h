@@ -21,7 +21,7 @@ double enclosed_area(const Outlines& outlines);  // of a result [mm²]
 
 // Work that is left, in pairs of edges that are compared. The count is the same on every machine.
 struct Effort {
-  double left = 2e9;
+  double left = 1e9;
   void spend(double pairs);  // InputError: more than is left
 };
 
@@ -34,8 +34,6 @@ class RegionMath {
   Outlines united(const Outlines& a, const Outlines& b = {}) const;
   Outlines common(const Outlines& a, const Outlines& b) const;
   Outlines without(const Outlines& a, const Outlines& b) const;
-  // Every point within the distance of a result [mm]; for a distance < 0, inside by that much.
-  Outlines grown(const Outlines& a, double distance) const;
 
  private:
   Outlines run(int operation, const Outlines& a, const Outlines& b, bool even_odd) const;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "impedraw/common/cross.h"
 #include "impedraw/drawing/polyline.h"
 
 namespace impedraw {
@@ -25,26 +26,38 @@ struct Piece {
   double start = 0, length = 0;
 };
 
-// The parts of the line where visible(p), which changes only where the line crosses an index.
-std::vector<Piece> visible_pieces(const std::vector<Vector2d>& line,
+// A point of a line, and a step to its side as long as a border is wide.
+struct Spot {
+  Vector2d p, side;
+  bool touches(const RegionIndex& r) const { return r.inside(p + side) || r.inside(p - side); }
+  bool within(const RegionIndex& r) const { return r.inside(p + side) && r.inside(p - side); }
+};
+
+// The parts of the line where visible(spot), which changes only where a side crosses an index.
+std::vector<Piece> visible_pieces(const std::vector<Vector2d>& line, double hair,
                                   const std::vector<const RegionIndex*>& indices,
-                                  const std::function<bool(const Vector2d&)>& visible) {
+                                  const std::function<bool(const Spot&)>& visible) {
   std::vector<Piece> pieces;
+  if (line.size() == 1 && visible({line[0], Vector2d::Zero()})) pieces.push_back({line, 0, 0});
   bool on = false;
   double before = 0;
   std::vector<double> at;
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const Vector2d &a = line[i - 1], &b = line[i];
-    const double length = (b - a).norm();
+    const Vector2d &a = line[i - 1], &b = line[i], along = b - a;
+    const double length = along.norm();
+    const Vector2d side = hair / length * Vector2d(-along.y(), along.x());
     at = {0};
-    for (const RegionIndex* index : indices) index->crossings(a, b, at);
+    for (const RegionIndex* index : indices) {
+      index->crossings(a + side, b + side, at);
+      index->crossings(a - side, b - side, at);
+    }
     std::sort(at.begin(), at.end());
     at.push_back(1);
     for (std::size_t k = 1; k < at.size(); ++k) {
       if (at[k] <= at[k - 1]) continue;
-      const bool shows = visible(a + (at[k] + at[k - 1]) / 2 * (b - a));
-      const Vector2d from = at[k - 1] == 0 ? a : Vector2d(a + at[k - 1] * (b - a));
-      const Vector2d to = at[k] == 1 ? b : Vector2d(a + at[k] * (b - a));
+      const bool shows = visible({a + (at[k] + at[k - 1]) / 2 * along, side});
+      const Vector2d from = at[k - 1] == 0 ? a : Vector2d(a + at[k - 1] * along);
+      const Vector2d to = at[k] == 1 ? b : Vector2d(a + at[k] * along);
       if (shows && !on) pieces.push_back({{from}, before + at[k - 1] * length, 0});
       // Within a segment, parts that follow each other are one.
       const bool goes_on = shows && on && at[k - 1] != 0;
@@ -56,6 +69,27 @@ std::vector<Piece> visible_pieces(const std::vector<Vector2d>& line,
     before += length;
   }
   return pieces;
+}
+
+struct Shown {  // where a clip shows
+  Outlines region;
+  RegionIndex index;
+};
+
+// True if the region holds the whole box.
+bool holds(const Outlines& region, const AlignedBox2d& box) {
+  int winding = 0;
+  const Vector2d p = box.min();
+  for (const auto& outline : region) {
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const Vector2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
+      if (AlignedBox2d(a.cwiseMin(b), a.cwiseMax(b)).intersects(box)) return false;
+      if ((a.y() <= p.y()) == (b.y() <= p.y())) continue;
+      const bool up = a.y() <= p.y();
+      if (up == (cross(Vector2d(b - a), Vector2d(p - a)) > 0)) winding += up ? 1 : -1;
+    }
+  }
+  return winding != 0;
 }
 
 struct Cover {
@@ -136,14 +170,14 @@ class Eye {
 
  private:
   // Where the clip and its parents show. A mask's levels stand for its luminance.
-  const Outlines& region_of(int clip) {
+  const Shown& shown_by(int clip) {
     if (const auto known = regions_.find(clip); known != regions_.end()) return known->second;
     const Clip& c = clips_[clip];
     std::map<int, Outlines> levels;  // by luminance; where none is, it is 0
     Outlines all;
     for (const ClipShape& shape : c.shapes) {
       Outlines region = math_.region(shape.area);
-      if (shape.clip >= 0) region = math_.common(region, region_of(shape.clip));
+      if (shape.clip >= 0) region = math_.common(region, shown_by(shape.clip).region);
       if (!c.mask) {
         all.insert(all.end(), region.begin(), region.end());
         continue;
@@ -167,8 +201,9 @@ class Eye {
       if (level > kLevels / 2) all.insert(all.end(), part.begin(), part.end());
     }
     Outlines shown = math_.united(all);
-    if (c.parent >= 0) shown = math_.common(shown, region_of(c.parent));
-    return regions_[clip] = std::move(shown);
+    if (c.parent >= 0) shown = math_.common(shown, shown_by(c.parent).region);
+    RegionIndex index(shown, effort_);
+    return regions_.emplace(clip, Shown{std::move(shown), std::move(index)}).first->second;
   }
 
   // The covers of the kind, united, as far as they reach into the box.
@@ -188,21 +223,23 @@ class Eye {
     Paint& paint = paints_[index];
     AlignedBox2d box = outlines_box(paint.area.outlines);
     for (const Stroke& stroke : paint.strokes) box.extend(outlines_box({stroke.points}));
-    const Outlines* clip = paint.clip < 0 ? nullptr : &region_of(paint.clip);
-    if (clip) box = box.intersection(outlines_box(*clip));
-    if (box.isEmpty()) {
+    const Shown* clip = paint.clip < 0 ? nullptr : &shown_by(paint.clip);
+    if (clip) box = box.intersection(outlines_box(clip->region));
+    std::vector<int> over;
+    if (!box.isEmpty()) over = covers_.over(box, index, effort_);
+    const auto hides_all = [&](int i) { return holds(covers_[i].region, box); };
+    if (box.isEmpty() || std::any_of(over.begin(), over.end(), hides_all)) {
       for (const Stroke& stroke : paint.strokes) hidden_ += length(stroke.points);
       paint.strokes.clear();
       paint.area.outlines.clear();
       return;
     }
-    std::vector<int> over = covers_.over(box, index, effort_);
     merge(over);
     const bool cut = clip || !over.empty();
     Outlines filled;  // what the clip leaves of the area
     if (!paint.area.outlines.empty() && (cut || paint.hides)) filled = math_.region(paint.area);
     const Outlines whole = filled, cover = united(over, {}, box);
-    if (clip && !filled.empty()) filled = math_.common(filled, *clip);
+    if (clip && !filled.empty()) filled = math_.common(filled, clip->region);
     if (cut) cut_lines(paint, whole, filled, clip, over, cover, box);
     if (!paint.hides || filled.empty()) return;
     if (cover.empty() || !math_.without(filled, cover).empty())
@@ -234,25 +271,24 @@ class Eye {
   }
 
   // `whole`: the paint's area; `filled`: what the clip leaves of it; `cover`: all that lies over it.
-  void cut_lines(Paint& paint, const Outlines& whole, const Outlines& filled, const Outlines* clip,
+  void cut_lines(Paint& paint, const Outlines& whole, const Outlines& filled, const Shown* clip,
                  const std::vector<int>& over, const Outlines& cover, const AlignedBox2d& box) {
-    const RegionIndex wide(clip ? math_.grown(*clip, hair_) : Outlines{}, effort_),
-        narrow(clip ? math_.grown(*clip, -hair_) : Outlines{}, effort_),
-        hidden(math_.grown(cover, -hair_), effort_);
+    const RegionIndex hidden(cover, effort_);
+    std::vector<const RegionIndex*> indices{&hidden};
+    if (clip) indices.push_back(&clip->index);
     std::vector<Stroke> lines, edges;
     for (Stroke& stroke : paint.strokes) (stroke.edge ? edges : lines).push_back(std::move(stroke));
     paint.strokes.clear();
     for (const Stroke& line : lines) {
-      std::vector<Piece> pieces = visible_pieces(line.points, {&wide, &hidden}, [&](const auto& p) {
-        return (!clip || wide.inside(p)) && !hidden.inside(p);
+      std::vector<Piece> pieces = pieces_of(line, indices, [&](const Spot& spot) {
+        return (!clip || spot.touches(clip->index)) && !spot.within(hidden);
       });
       // What only touches the clip, as a tangent does, is outside.
-      if (clip) {
-        const auto within = [&](const Vector2d& p) { return narrow.inside(p); };
-        std::erase_if(pieces, [&](const Piece& piece) {
-          return piece.length < touch_ && visible_pieces(piece.points, {&narrow}, within).empty();
-        });
-      }
+      std::erase_if(pieces, [&](const Piece& piece) {
+        const auto within = [&](const Spot& spot) { return spot.within(clip->index); };
+        return clip && piece.length > 0 && piece.length < touch_ &&
+               visible_pieces(piece.points, hair_, {&clip->index}, within).empty();
+      });
       hidden_ += length(line.points) - keep(line, std::move(pieces), paint.strokes);
     }
     if (!paint.inked || whole.empty()) return;
@@ -263,35 +299,31 @@ class Eye {
       return enclosed_area({outline}) < hair_ * length(outline);
     });
     // Where a clip or something white cuts the area, it gets a new edge.
-    const RegionIndex core(math_.grown(whole, -hair_), effort_),
-        edged(math_.grown(inked, hair_), effort_);
-    const auto is_new = [&](const Vector2d& p) { return core.inside(p); };
-    const auto is_seen = [&](const Vector2d& p) { return !edged.inside(p); };
+    const RegionIndex core(whole, effort_), edged(inked, effort_);
+    const auto is_new = [&](const Spot& spot) { return spot.within(core); };
+    const auto is_seen = [&](const Spot& spot) { return !spot.touches(edged); };
     std::vector<Stroke> outlines;
     bool is_cut = enclosed_area(seen) < 0.999 * enclosed_area(whole);
     for (const auto& outline : seen) {
       outlines.push_back({outline, true, paint.area.layer, -1, true});
       outlines.back().points.push_back(outline.front());
-      is_cut = is_cut || !visible_pieces(outlines.back().points, {&core}, is_new).empty();
+      is_cut = is_cut || !pieces_of(outlines.back(), {&core}, is_new).empty();
     }
     for (const Stroke& edge : edges) hidden_ += length(edge.points);
     for (const Stroke& edge : !is_cut ? edges : lines.empty() ? outlines : std::vector<Stroke>{}) {
       std::vector<Stroke> kept;
-      keep(edge, visible_pieces(edge.points, {&edged}, is_seen), kept);
+      keep(edge, pieces_of(edge, {&edged}, is_seen), kept);
       for (Stroke& stroke : kept) {
         hidden_ -= length(stroke.points);
-        for (const Piece& piece : visible_pieces(stroke.points, {&core}, is_new))
-          hidden_ += piece.length;
+        for (const Piece& piece : pieces_of(stroke, {&core}, is_new)) hidden_ += piece.length;
         paint.strokes.push_back(std::move(stroke));
       }
     }
     // Beside a stroke of its own only what is new needs an edge.
     if (is_cut && !lines.empty()) {
       for (const Stroke& edge : outlines) {
-        keep(edge,
-             visible_pieces(edge.points, {&edged, &core},
-                            [&](const auto& p) { return is_seen(p) && is_new(p); }),
-             paint.strokes);
+        const auto both = [&](const Spot& spot) { return is_seen(spot) && is_new(spot); };
+        keep(edge, pieces_of(edge, {&edged, &core}, both), paint.strokes);
       }
     }
     if (is_cut || !inked.empty()) {
@@ -300,10 +332,18 @@ class Eye {
     }
   }
 
+  std::vector<Piece> pieces_of(const Stroke& stroke, const std::vector<const RegionIndex*>& indices,
+                               const std::function<bool(const Spot&)>& visible) const {
+    return visible_pieces(stroke.points, hair_, indices, visible);
+  }
+
   // Puts the pieces as strokes; returns their length. Hairs are neither left out nor left.
   double keep(const Stroke& stroke, std::vector<Piece> pieces, std::vector<Stroke>& kept) {
     const double whole = length(stroke.points), dust = 10 * hair_;
-    if (stroke.points.size() == 1) pieces.clear();
+    if (stroke.points.size() == 1) {
+      if (!pieces.empty()) kept.push_back(stroke);
+      return 0;
+    }
     std::vector<Piece> longer;
     for (Piece& piece : pieces) {
       const bool goes_on =
@@ -362,7 +402,7 @@ class Eye {
   double hair_;   // half the width of a border [mm]
   double touch_;  // longest part of a tangent to an arc that lies in the border [mm]
   Covers covers_;
-  std::map<int, Outlines> regions_;  // of clips
+  std::map<int, Shown> regions_;  // of clips
   mutable double hidden_ = 0;
 };
 
@@ -379,7 +419,7 @@ double keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
   for (const Clip& clip : clips) {
     for (const ClipShape& shape : clip.shapes) all.extend(outlines_box(shape.area.outlines));
   }
-  return ink.isEmpty() ? 0.0 : Eye(paints, clips, dashes, all, ink).look();
+  return ink.isEmpty() ? 0.0 : std::max(0.0, Eye(paints, clips, dashes, all, ink).look());
 }
 
 }  // namespace impedraw
