@@ -9,6 +9,7 @@
 #include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/input_file.h"
+#include "impedraw/drawing/doubles.h"
 #include "impedraw/drawing/flatten.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
 #include "impedraw/drawing/visible.h"
@@ -20,6 +21,7 @@ using Eigen::Vector2d;
 // tolerance for two pieces of one arc to share an ellipse, relative to its size
 constexpr double kSameArc = 1e-5;
 constexpr double kSamePoint = 1e-6;  // [mm]
+constexpr double kSameLine = 1e-3;   // distance of lines drawn once, of the drawing's diagonal
 constexpr double kSamePage = 1e-4;   // of a white page's edge to the page's, of its diagonal
 
 struct Segment {
@@ -308,6 +310,18 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   for (Paint& paint : paints) {
     std::move(paint.strokes.begin(), paint.strokes.end(), std::back_inserter(artwork.strokes));
     if (paint.inked && !paint.area.outlines.empty()) artwork.areas.push_back(std::move(paint.area));
+  }
+  if (as_painted) {
+    Eigen::AlignedBox2d ink;
+    for (const Stroke& stroke : artwork.strokes) {
+      for (const Vector2d& p : stroke.points) ink.extend(p);
+    }
+    if (!ink.isEmpty())
+      artwork.doubled_mm = drop_doubles(artwork.strokes, kSameLine * ink.diagonal().norm());
+  }
+  if (artwork.doubled_mm >= 0.05) {
+    artwork.warnings.push_back(
+        fmt::format("{:.1f} mm of lines lie on others: drawn once", artwork.doubled_mm));
   }
   if (artwork.hidden_mm >= 0.05) {
     artwork.warnings.push_back(

@@ -4,11 +4,13 @@
 // The resulting curves are flattened here. 1 px is 1/96 inch. A document without width and height
 // takes its viewBox's units as px.
 //
-// A painted path is drawn, whether filled, stroked or both, in any colour, including white (except
-// as the page's background, below). Each subpath becomes one stroke along its geometry, whatever
-// the stroke width. A subpath that is only filled is drawn closed (Stroke::edge). Fills and dashes
-// are returned in Artwork::areas and dashes, for hatch.h and dashes.h to apply. White fills are
-// left out there, and an area painted over another does not hide it. Elements with opacity 0,
+// A painted path is drawn, whether filled, stroked or both, in any colour but white. Each subpath
+// becomes one stroke along its geometry, whatever the stroke width. A subpath that is only filled
+// is drawn closed (Stroke::edge). Clip paths, masks, opaque fills and white strokes hide lines
+// (visible.h); a stroke that is inked hides nothing, as the pen's line is thin. What is less opaque
+// than one half, a pattern, and a picture hide nothing. With Visible::all, nothing is hidden, and
+// white lines are drawn. Fills and dashes are returned in Artwork::areas and dashes, for hatch.h
+// and dashes.h to apply; white fills are not. Markers are drawn. Elements with opacity 0,
 // display none or visibility hidden, and elements that are not rendered, draw nothing. Layers are
 // the document's top-level groups, named by Inkscape label, id or position.
 //
@@ -16,9 +18,8 @@
 // is not installed and the one that replaces it. What the internal DTD declares (namespaces,
 // default attributes) counts. A pathLength stretches the dashes.
 //
-// Not drawn, with a warning in Artwork::warnings: pictures, markers, text that no font can show,
-// filled shapes without area, a white rectangle over the whole page, the effect of clip paths,
-// masks, filters, partial opacity and different stroke widths, and anything that usvg could not
+// Not drawn, with a warning in Artwork::warnings: pictures, text that no font can show,
+// filled shapes without area, a white rectangle over the whole page, the effect of filters, partial opacity and different stroke widths, and anything that usvg could not
 // interpret. Of a pattern fill only the filled area counts,
 // not the pattern's contents. Apart from fonts, only the file itself is read.
 #pragma once

@@ -203,11 +203,9 @@ TEST(Svg, AWhitePageIsNotDrawn) {
     EXPECT_NEAR(lines::length(only(a)), 7, 1e-4);
     EXPECT_EQ(a.warnings, told);
   }
-  // A smaller one, one that is stroked, one of another colour and a white disc are drawn.
-  for (const std::string shape : {"<rect width='199' height='200' fill='white'/>",
-                                  "<rect width='200' height='200' fill='white' stroke='black'/>",
-                                  "<rect width='200' height='200' fill='#eee'/>",
-                                  "<circle cx='100' cy='100' r='150' fill='white'/>"}) {
+  // One that is stroked and one of another colour are drawn.
+  for (const std::string shape : {"<rect width='200' height='200' fill='white' stroke='black'/>",
+                                  "<rect width='200' height='200' fill='#eee'/>"}) {
     SCOPED_TRACE(shape);
     EXPECT_EQ(on_mm_page(shape + seen).strokes.size(), 2u);
   }
@@ -217,8 +215,7 @@ TEST(Svg, FillAndStrokeDrawOneOutline) {
   const std::string d = "d='M10 10 H50 V50 Z'";
   for (const std::string style :
        {"fill='red'", "fill='none' stroke='black'", "fill='red' stroke='black'",
-        "fill='red' stroke='black' paint-order='stroke'", "fill='white'",
-        "style='fill:none;stroke:#fff'"}) {
+        "fill='red' stroke='black' paint-order='stroke'", "fill='white' stroke='red'"}) {
     SCOPED_TRACE(style);
     EXPECT_NEAR(lines::length(only(on_mm_page("<path " + d + " " + style + "/>"))),
                 80 + 40 * std::sqrt(2.0), 1e-3);
@@ -305,9 +302,8 @@ TEST(Svg, WhatIsLeftOutIsTold) {
   const Artwork a = on_mm_page(
       "<marker id='m'><path d='M0 0 L9 9'/></marker><image href='/etc/passwd' width='9' "
       "height='9'/>"
-      "<clipPath id='c'><rect width='1' height='1'/></clipPath><g clip-path='url(#c)'>"
-      "<line x2='5' y2='5' stroke='red' stroke-dasharray='1 2'/></g>");
-  ASSERT_EQ(a.warnings.size(), 3u);  // dashes are told apart, for dashes.h to apply
+      "<line x2='5' y2='5' stroke='red' stroke-dasharray='1 2'/>");
+  ASSERT_EQ(a.warnings.size(), 1u);  // dashes are told apart, for dashes.h to apply
   ASSERT_EQ(a.dashes.size(), 1u);
   EXPECT_EQ(a.strokes.at(0).dash, 0);
   EXPECT_EQ(a.dashes[0].lengths, (std::vector<double>{1, 2}));
@@ -367,7 +363,7 @@ TEST(Svg, AReplacedFontIsNamed) {
   EXPECT_TRUE(a.warnings[0].starts_with("the font 'No Such Font' is not installed: replaced by '"));
 }
 
-TEST(Svg, MarkersAndPatternsAreNotDrawn) {
+TEST(Svg, MarkersAreDrawnAndPatternsAreNot) {
   const std::string marker =
       "<marker id='m' markerWidth='5' markerHeight='5' overflow='visible'><path d='M0 0 L5 5 "
       "V9'/></marker>";
@@ -376,9 +372,9 @@ TEST(Svg, MarkersAndPatternsAreNotDrawn) {
         "class='k'", "marker-start='url(#m)' paint-order='fill markers'"}) {
     SCOPED_TRACE(use);
     const std::string style = "<style>.k{marker-start:url(#m)}</style>";
-    EXPECT_NEAR(lines::length(only(on_mm_page(
-                    marker + style + "<path d='M10 10 H50 V50' stroke='red' " + use + "/>"))),
-                80, 1e-3);
+    const Artwork a = on_mm_page(marker + style +
+                                 "<path d='M10 10 H50 V50' fill='none' stroke='red' " + use + "/>");
+    EXPECT_GE(a.strokes.size(), 2u);
   }
   EXPECT_NEAR(
       lines::length(only(on_mm_page(
