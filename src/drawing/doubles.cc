@@ -126,13 +126,17 @@ double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
       if (done < 1) add(false, at(done), b);
       drawn.add({a, b, stroke.layer});
     }
-    const auto is_double = [&](const Span& span) {
+    const auto is_long = [&](const Span& span) {
       return span.doubled && span.length > kLeastRun * distance_mm;
     };
-    if (std::none_of(spans.begin(), spans.end(), is_double)) {
+    if (std::none_of(spans.begin(), spans.end(), is_long)) {
       kept.push_back(std::move(stroke));
       continue;
     }
+    // Crumbs beside what is removed go with it.
+    const auto is_double = [&](const Span& span) {
+      return is_long(span) || span.length < distance_mm;
+    };
     bool goes_on = false;
     for (const Span& span : spans) {
       if (is_double(span)) {

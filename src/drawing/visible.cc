@@ -339,7 +339,7 @@ class Eye {
 
   // Puts the pieces as strokes; returns their length. Hairs are neither left out nor left.
   double keep(const Stroke& stroke, std::vector<Piece> pieces, std::vector<Stroke>& kept) {
-    const double whole = length(stroke.points), dust = 10 * hair_;
+    const double whole = length(stroke.points), dust = 30 * hair_;
     if (stroke.points.size() == 1) {
       if (!pieces.empty()) kept.push_back(stroke);
       return 0;

@@ -152,7 +152,7 @@ TEST(Hatch, JoinedLinesStayInsideAndLoseNothing) {
                               Vector2d(10 * i, 40), Vector2d(10 * i, 10)})
       comb.outlines[0].push_back(p);
   for (const auto& [area, most] :
-       {std::pair{&square, 1u}, std::pair{&ring, 4u}, std::pair{&comb, 14u}}) {
+       std::vector<std::pair<const Area*, unsigned>>{{&square, 1}, {&ring, 4}, {&comb, 14}}) {
     for (const double angle : {0.0, 45.0, 77.0}) {
       SCOPED_TRACE(fmt::format("{} {}", most, angle));
       const HatchSettings settings{.spacing_mm = 1, .angle_deg = angle};

@@ -185,11 +185,13 @@ TEST(Svg, ShapesWithoutAnAreaAreCounted) {
   EXPECT_EQ(on_mm_page("<path d='M0 0 H10 V10 Z M5 6 L 7 8 z'/>").warnings,
             (std::vector<std::string>{
                 "1 filled shape left out, as it encloses no area (the first at 5, 6 mm)"}));
-  EXPECT_TRUE(stroked("<path d='M5 6 L 7 8 z'/>").warnings.empty());  // a line is drawn
+  const Artwork line = stroked("<path d='M5 6 L 7 8 z'/>");  // there and back: drawn once
+  EXPECT_NEAR(lines::length(only(line)), 2 * std::sqrt(2.0), 1e-4);
+  EXPECT_EQ(line.warnings.size(), 1u);
 }
 
 TEST(Svg, AWhitePageIsNotDrawn) {
-  const std::string seen = "<line x2='7' y2='0' stroke='black'/>";
+  const std::string seen = "<line y1='9' x2='7' y2='9' stroke='black'/>";
   const std::vector<std::string> told{
       "1 white rectangle over the whole page: left out, because the page's background is not "
       "drawn"};
@@ -326,7 +328,8 @@ TEST(Svg, FiltersOpacityAndWidthsAreTold) {
       (std::vector<std::string>{
           "1 filters (blur, shadow and the like) are passed over",
           "2 shapes or groups are partly transparent: drawn as if they were not",
-          "stroke widths of 1.00 to 2.00 mm are passed over: a pen has one width"}));
+          "stroke widths of 1.00 to 2.00 mm are passed over: a pen has one width",
+          "51.0 mm of lines lie on others: drawn once"}));
 }
 
 TEST(Svg, TheInternalDtdCounts) {
