@@ -10,6 +10,7 @@
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"
+#include "impedraw/capture/cloud_file.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/terminal/say.h"
@@ -68,6 +69,17 @@ void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json&
         fault["message"].get<std::string>());
 }
 
+void print_cloud(const std::filesystem::path& file, const nlohmann::ordered_json& found) {
+  const auto box = found["bbox_m"].get<std::vector<double>>();
+  say(stdout, "{}: a cloud of {} points; {} more have no place\n", file.string(),
+      found["points"].get<std::size_t>(), found["invalid"].get<std::size_t>());
+  say(stdout, "  extent       x {:.4g} to {:.4g} m, y {:.4g} to {:.4g} m, z {:.4g} to {:.4g} m\n",
+      box[0], box[3], box[1], box[4], box[2], box[5]);
+  say(stdout, "  normals      {}\n  colours      {}\n  viewpoint    {}\n",
+      found["normals"].get<bool>() ? "yes" : "none", found["colours"].get<bool>() ? "yes" : "none",
+      found["viewpoint_m"].is_null() ? "none" : found["viewpoint_m"].dump() + " m");
+}
+
 }  // namespace
 
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
@@ -104,12 +116,34 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   return found;
 }
 
+nlohmann::ordered_json describe_cloud(const std::filesystem::path& file) {
+  const CloudFile cloud = read_cloud_file(file);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : cloud.points) box.extend(p);
+  nlohmann::ordered_json found;
+  found["points"] = cloud.points.size();
+  found["invalid"] = cloud.invalid;
+  found["bbox_m"] = {box.min().x(), box.min().y(), box.min().z(),
+                     box.max().x(), box.max().y(), box.max().z()};
+  found["normals"] = !cloud.normals.empty();
+  found["colours"] = !cloud.rgb.empty();
+  found["viewpoint_m"] = nullptr;
+  if (const auto& p = cloud.p_WC) found["viewpoint_m"] = {p->x(), p->y(), p->z()};
+  return found;
+}
+
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading) {
-  const bool mesh = !is_artwork_file(file);  // or of an unknown kind, which read_mesh() refuses
-  const nlohmann::ordered_json found = mesh ? describe_mesh(file, reading) : describe_artwork(file);
+  const bool cloud = is_cloud_file(file);
+  // Or of an unknown kind, which read_mesh() refuses.
+  const bool mesh = !cloud && !is_artwork_file(file);
+  const nlohmann::ordered_json found = cloud  ? describe_cloud(file)
+                                       : mesh ? describe_mesh(file, reading)
+                                              : describe_artwork(file);
   if (json)
     say(stdout, "{}\n",
         found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  else if (cloud)
+    print_cloud(file, found);
   else if (mesh)
     print_mesh(file, found);
   else

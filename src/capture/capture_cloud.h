@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "impedraw/capture/capture.h"
+#include "impedraw/capture/cloud_file.h"
 #include "impedraw/perception/cloud.h"
 
 namespace impedraw {
@@ -21,5 +22,13 @@ struct CaptureCloud {
 // Each view's points lie in W. The arm is removed where a view tells its joints. Throws InputError
 // if no view has a point in the region.
 CaptureCloud cloud_of(Capture capture, const CloudSettings& settings, const ArmShapes& arm);
+
+// The points of a file `name` that lie in the region, as seen from `viewpoint`, or from where the
+// file says, or from 1 m above their middle. Where the file's normals agree among neighbours, so
+// that they tell outside from inside, points that face away from there go. Throws InputError if no
+// point is left.
+CaptureCloud cloud_of(CloudFile file, const std::string& name,
+                      const std::optional<Eigen::Vector3d>& viewpoint,
+                      const CloudSettings& settings);
 
 }  // namespace impedraw

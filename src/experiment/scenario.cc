@@ -298,10 +298,16 @@ void describe(Fields& f, PerceptionSettings& s) {
   using Limits = PerceptionSettings::Limits;
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
   f.choice("source", s.source,
-           {{"simulated", PerceptionSource::simulated}, {"capture", PerceptionSource::capture}},
+           {{"simulated", PerceptionSource::simulated},
+            {"capture", PerceptionSource::capture},
+            {"cloud", PerceptionSource::cloud}},
            "What the cloud is made from. simulated: images rendered of the canvas; capture: the "
-           "depth images in perception.capture.");
+           "depth images in perception.capture; cloud: the points in perception.cloud.");
   f.field("capture", s.capture, "Folder with capture.json and depth images, for source: capture.");
+  f.field("cloud", s.cloud, "File with points in W, in m, .ply, .pcd or .xyz, for source: cloud.");
+  f.field(Limits::viewpoint, s.viewpoint,
+          "Whence the points of the cloud were seen, three numbers; empty: as the file says, or "
+          "from above.");
   f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
   f.field("noise", s.noise, "Noise of the depth.");
   f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");

@@ -151,12 +151,16 @@ struct CameraErrors {
 enum class PerceptionSource {
   simulated,  // depth images that are rendered of the true canvas
   capture,    // a folder of depth images of real cameras, or of another renderer
+  cloud,      // a file of points
 };
 
 struct PerceptionSettings {
   bool enabled = true;
   PerceptionSource source = PerceptionSource::simulated;
-  std::filesystem::path capture;        // the folder (capture/capture.h)
+  std::filesystem::path capture;  // the folder (capture/capture.h)
+  std::filesystem::path cloud;    // the file (capture/cloud_file.h)
+  // Whence the points of `cloud` were seen, W [m]; empty: as the file says, or from above.
+  std::vector<double> viewpoint;
   std::vector<CameraSettings> cameras;  // the standard three
   DepthNoise noise;
   CameraErrors errors;
@@ -172,6 +176,7 @@ struct PerceptionSettings {
 
   struct Limits : CloudSettings::Limits {
     static constexpr Limit watch = kWatchLimit;
+    static constexpr Limit viewpoint = {"viewpoint", "m", {-100.0, 100.0}};
     static constexpr Limit region_lower = {"region_lower", "m", {-10.0, 10.0}};
     static constexpr Limit region_upper = {"region_upper", "m", {-10.0, 10.0}};
   };
