@@ -111,7 +111,7 @@ void read_ply_header(CloudTable* table) {
   while (!text.empty() && !ended) {
     const std::string_view line = take_line(&text);
     const std::vector<std::string_view> words = words_of(line);
-    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+    if (words.empty() || line.starts_with("comment") || line.starts_with("obj_info")) continue;
     if (words[0] == "format" && words.size() > 1) {
       table->data = words[1] == "ascii" ? CloudTable::Data::text : CloudTable::Data::records;
       table->big_endian = words[1] == "binary_big_endian";
@@ -266,7 +266,7 @@ class CloudColumn {
   CloudColumn(const CloudTable& table, std::initializer_list<std::string_view> names)
       : table_(table) {
     for (const std::string_view name : names) {
-      if (there()) return;
+      if (there()) break;
       offset_ = table.offset_of(name);
       for (const CloudField& f : table.fields)
         if (f.name == name) field_ = f;
