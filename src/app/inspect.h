@@ -13,16 +13,16 @@
 
 namespace impedraw {
 
-// Cloud (.pcd, .xyz, .ply without faces): points, invalid (points that are skipped), bbox_m, normals,
-// colours, viewpoint_m (null: the file says none).
-
 // Throws InputError like read_artwork(). An empty drawing is a warning, not an error.
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file);
 
+// Cloud (.pcd, .xyz, .ply without faces): points, invalid (points that are skipped), bbox_m,
+// normals, colours, viewpoint_m (null: the file says none). Throws InputError like
+// read_cloud_file().
 nlohmann::ordered_json describe_cloud(const std::filesystem::path& file);
 
-// Prints what an artwork, a cloud or, by its name's ending, a mesh (app/inspect_mesh.h) holds, as JSON or as
-// lines to be read. Returns the exit code.
+// Prints what an artwork, a cloud or, by its name's ending, a mesh (app/inspect_mesh.h) holds, as
+// JSON or as lines to be read. Returns the exit code.
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading = {});
 
 }  // namespace impedraw

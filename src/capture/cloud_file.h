@@ -5,8 +5,8 @@
 //   XYZ  text, a line each: x y z, and 3 or 6 more numbers: colours from 0 to 255, normals of
 //        length 1
 //
-// Coordinates are in W and in m. Points with a coordinate that is not finite, as organised clouds have
-// them, are skipped and counted.
+// Coordinates are in W and in m. Points with a coordinate that is not finite, as organised clouds
+// have them, are skipped and counted.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ struct CloudFile {
 // .ply, .pcd or .xyz, ignoring case; of PLY files only those without faces.
 bool is_cloud_file(const std::filesystem::path& file);
 
-// Throws InputError naming the file and the fault: unreadable, truncated, too large, without x, y and
-// z or without any valid point.
+// Throws InputError naming the file and the fault: unreadable, truncated, too large, without x, y
+// and z or without any valid point.
 CloudFile read_cloud_file(const std::filesystem::path& file);
 // `text`: the content of a file named `name`, whose ending says the format.
 CloudFile parse_cloud_file(std::string_view text, const std::string& name);

@@ -1,8 +1,8 @@
-// Placement on the object, which stays where it is: moves, turns and, if asked, shrinks the drawing to
-// where most of it can be drawn well.
+// Placement on the object, which stays where it is: moves, turns and, if asked, shrinks the drawing
+// to where most of it can be drawn well.
 //
-// Candidates come from the perceived surface (planning/preflight/place_search.h). The best ones pass
-// the whole pre-flight; where it fails, further candidates keep off.
+// Candidates come from the perceived surface (planning/preflight/place_search.h). The best
+// ones pass the whole pre-flight; where it fails, further candidates keep off.
 #pragma once
 
 #include <functional>
@@ -30,8 +30,8 @@ struct SurfacePlace {
   std::vector<std::string> assignments;               // settings that put it there again
 };
 
-// `progress`: fraction done, 0 to 1. Throws InputError like prepare(), for a wish that means nothing,
-// and where no part of the drawing can be drawn anywhere.
+// `progress`: fraction done, 0 to 1. Throws InputError like prepare(), for a wish that means
+// nothing, and where no part of the drawing can be drawn anywhere.
 SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
                               const SurfaceWish& wish,
                               const std::function<void(double)>& progress = {});

@@ -1,5 +1,5 @@
-// The drawing is put on an object that stays: it keeps off holes, goes near what it is asked to, and
-// shrinks where the whole does not fit.
+// The drawing is put on an object that stays: it keeps off holes, goes near what it is asked to,
+// and shrinks where the whole does not fit.
 #include "impedraw/experiment/place_surface.h"
 
 #include <cmath>

@@ -7,6 +7,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::Input input(data, size);
   const std::uint8_t kind = input.byte();
   return fuzz::expect_value_or_input_error([&] {
-    parse_cloud_file(input.rest(), kind == 'c' ? "fuzz.pcd" : kind == 'x' ? "fuzz.xyz" : "fuzz.ply");
+    parse_cloud_file(input.rest(), kind == 'c'   ? "fuzz.pcd"
+                                   : kind == 'x' ? "fuzz.xyz"
+                                                 : "fuzz.ply");
   });
 }

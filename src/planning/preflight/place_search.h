@@ -5,15 +5,15 @@
 //
 //   c = 10 b + 5 u + calm ((θ / 60°)² + (κ / 40 m⁻¹)² + r² + e) + near
 //
-//   b     1 where the surface is missing, steeper than max_slope or broken, by a step that the slopes
-//         on both sides do not explain; or where avoid() says so
+//   b     1 where the surface is missing, steeper than max_slope or broken, by a step that the
+//         slopes on both sides do not explain; or where avoid() says so
 //   u     what `unreachable` says of the cell's neighbourhood: 0, the arm is at ease there, to 1
 //   θ, κ  slope and bend; e: 1 beside a cell with b = 1, 1/2 one cell further away
 //   r     roughness, as a share of what is too rough to be drawn on
 //   near  distance from where the drawing is wanted
 //
-// A placement costs the mean of c over the drawing's points, and a little for being turned. So places
-// that no arm reaches stay candidates, behind all others.
+// A placement costs the mean of c over the drawing's points, and a little for being turned. So
+// places that no arm reaches stay candidates, behind all others.
 #pragma once
 
 #include <functional>
