@@ -152,6 +152,7 @@ endfunction()
 function(impedraw_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)  # false alarms inside Eigen
+    # False alarms inside Eigen, and for sources that are compiled together.
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-subobject-linkage)
   endif()
 endfunction()
