@@ -13,6 +13,7 @@ namespace {
 using Eigen::Vector2d;
 constexpr double kParallel = 0.035;      // [rad]
 constexpr double kLeastRun = 4;          // run that is removed, in distances
+constexpr double kMostPairs = 1e8;       // then what is left stays as it is
 constexpr double kCellsPerStroke = 1e4;  // a longer one's segments are looked for in larger cells
 
 struct DrawnPart {
@@ -23,6 +24,8 @@ struct DrawnPart {
 // Segments that are drawn, by the cells that they pass.
 class Drawn {
  public:
+  double pairs = 0;  // that were compared
+
   explicit Drawn(double cell) : cell_(cell) {}
 
   void add(const DrawnPart& segment) {
@@ -32,7 +35,7 @@ class Drawn {
   }
 
   // The shares of a → b that lie on segments within the distance.
-  std::vector<std::pair<double, double>> on(const DrawnPart& s, double distance) const {
+  std::vector<std::pair<double, double>> on(const DrawnPart& s, double distance) {
     std::vector<std::pair<double, double>> shares;
     const Vector2d along = s.b - s.a;
     const double length = along.norm();
@@ -44,6 +47,7 @@ class Drawn {
     });
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
+    pairs += static_cast<double>(near.size());
     for (const int i : near) {
       const DrawnPart& other = segments_[i];
       const Vector2d way = other.b - other.a;
@@ -98,7 +102,7 @@ double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
   double removed = 0;
   std::vector<Stroke> kept;
   for (Stroke& stroke : strokes) {
-    if (stroke.dash >= 0 || stroke.points.size() < 2) {
+    if (stroke.dash >= 0 || stroke.points.size() < 2 || drawn.pairs > kMostPairs) {
       kept.push_back(std::move(stroke));
       continue;
     }
@@ -117,14 +121,18 @@ double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
     for (std::size_t i = 1; i < stroke.points.size(); ++i) {
       const Vector2d &a = stroke.points[i - 1], &b = stroke.points[i];
       const auto at = [&](double t) { return t == 0 ? a : t == 1 ? b : Vector2d(a + t * (b - a)); };
-      double done = 0;
+      double done = 0, alone = 0;  // shares of the segment
       for (const auto& [from, to] : drawn.on({a, b, stroke.layer}, distance_mm)) {
-        if (from > done) add(false, at(done), at(from));
+        if (from > done) {
+          add(false, at(done), at(from));
+          alone += from - done;
+        }
         if (to > std::max(done, from)) add(true, at(std::max(done, from)), at(to));
         done = std::max(done, to);
       }
       if (done < 1) add(false, at(done), b);
-      drawn.add({a, b, stroke.layer});
+      alone += 1 - done;
+      if (alone > 0) drawn.add({a, b, stroke.layer});
     }
     const auto is_long = [&](const Span& span) {
       return span.doubled && span.length > kLeastRun * distance_mm;

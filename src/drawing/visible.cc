@@ -107,7 +107,10 @@ class Covers {
   int add(Cover cover) {
     const int number = static_cast<int>(covers_.size());
     cover.box = outlines_box(cover.region);
-    each_cell(cover.box, [&](std::vector<int>& cell) { cell.push_back(number); });
+    if (is_large(cover.box))
+      large_.push_back(number);
+    else
+      each_cell(cover.box, [&](std::vector<int>& cell) { cell.push_back(number); });
     covers_.push_back(std::move(cover));
     return number;
   }
@@ -115,12 +118,14 @@ class Covers {
   // Those that hide something of paint `index` within the box.
   std::vector<int> over(const AlignedBox2d& box, std::size_t index, Effort& effort) const {
     std::vector<int> found;
-    each_cell(box, [&](const std::vector<int>& cell) {
+    const auto look_in = [&](const std::vector<int>& cell) {
       effort.spend(static_cast<double>(cell.size()));
       for (const int i : cell) {
         if (covers_[i].hides_from <= index && covers_[i].box.intersects(box)) found.push_back(i);
       }
-    });
+    };
+    look_in(large_);
+    each_cell(box, look_in);
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
@@ -129,11 +134,17 @@ class Covers {
   const Cover& operator[](int i) const { return covers_[i]; }
 
   void remove(int i) {
-    each_cell(covers_[i].box, [&](std::vector<int>& cell) { std::erase(cell, i); });
+    std::erase(large_, i);
+    if (!is_large(covers_[i].box))
+      each_cell(covers_[i].box, [&](std::vector<int>& cell) { std::erase(cell, i); });
     covers_[i] = {};
   }
 
  private:
+  bool is_large(const AlignedBox2d& box) const {
+    return (8 * box.sizes().array() > page_.sizes().array()).any();
+  }
+
   template <class Do>
   void each_cell(const AlignedBox2d& box, Do&& act) const {
     const auto cell = [&](const Vector2d& p) {
@@ -148,6 +159,7 @@ class Covers {
 
   AlignedBox2d page_;
   std::vector<Cover> covers_;
+  std::vector<int> large_;  // those of more than an eighth of the page
   mutable std::vector<std::vector<int>> cells_;
 };
 
