@@ -17,9 +17,6 @@ inline constexpr double kFarthest = 1e6;
 
 // What of an SVG is drawn: what the eye sees, or every line as if nothing were hidden.
 enum class Visible { as_painted, all };
-// What an SVG's layers are: Inkscape's layers if there are any, else its top-level groups; its
-// top-level groups; its colours.
-enum class LayersFrom { automatic, groups, colours };
 
 // One pen-down line on the page: x to the right, y down (as in SVG), millimetres.
 struct Stroke {
@@ -59,8 +56,6 @@ struct Artwork {
   std::vector<Area> areas = {};  // in painting order
   double hidden_mm = 0;   // length that clip paths, masks and what lies above hide: left out
   double doubled_mm = 0;  // length that lay on other strokes: left out
-  std::vector<std::string> colours = {};  // of an SVG's strokes and areas: #rrggbb
-  std::vector<int> pauses = {};  // layers before which the pen waits: indices into `layers`
 };
 
 // Removes layers without strokes: layers are pens.

@@ -41,7 +41,6 @@ struct SvgSettings {
   double largest_file_mb = 64;
   bool may_be_empty = false;  // nothing to draw is a warning, not an error
   Visible visible = Visible::as_painted;
-  LayersFrom layers = LayersFrom::automatic;
 };
 
 // InputError: the file is missing or not an SVG, has no valid size, nests more than 1,000 elements

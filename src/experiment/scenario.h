@@ -41,8 +41,6 @@ struct DrawingSettings {
   TextSettings text;
   PageUnit unit = PageUnit::file;  // of a stroke file's numbers
   Visible visible = Visible::as_painted;  // of an SVG
-  LayersFrom layers = LayersFrom::automatic;
-  std::string layer;  // the layers that are drawn, separated by commas; empty: all
   // Joins stroke ends of a file that are closer than this [mm on the page]; 0: off.
   double join_gap_mm = 0.0;
   bool dashes = true;        // of an SVG's strokes
