@@ -16,6 +16,7 @@ namespace cl = ClipperLib;
 constexpr double kRegionFineness = 5e8;  // of half the box; from 2^30 Clipper needs wider integers
 constexpr double kLeastFineness = 1e5;   // steps per millimetre, then with wider integers
 constexpr double kMostCrossings = 1e7;   // of one operation, which take 100 bytes each
+constexpr double kFewPairs = 50, kPerCrossing = 50;
 constexpr double kPerEdge = 100, kPerOperation = 2000;  // what they cost, in pairs
 
 cl::Paths to_clipper(const Outlines& outlines, const Vector2d& centre, double fineness) {
@@ -69,7 +70,7 @@ void charge(const std::vector<cl::Path>& paths, Effort& effort) {
     pairs += static_cast<double>(i - ended);
   }
   effort.spend(kPerOperation + kPerEdge * static_cast<double>(edges.size()) + pairs);
-  if (pairs <= kMostCrossings) return;
+  if (pairs <= kFewPairs * static_cast<double>(edges.size())) return;
   double crossings = 0;
   std::vector<EdgeBox> alive;
   for (const EdgeBox& edge : edges) {
@@ -79,6 +80,7 @@ void charge(const std::vector<cl::Path>& paths, Effort& effort) {
     alive.push_back(edge);
     if (crossings > kMostCrossings) effort.spend(INFINITY);
   }
+  effort.spend(kPerCrossing * crossings);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ using Eigen::Vector2d;
 constexpr double kHair = 3e-6;       // width of a border, relative to the drawing's diagonal
 constexpr double kLevels = 255;      // of a mask's luminance
 constexpr std::size_t kMerged = 24;  // covers over one paint that are united for the next ones
-constexpr int kCells = 64;           // of the index of covers, along each side
+constexpr double kEffort = 1e9, kEffortPerPoint = 1e4;  // 10 s, and 0.1 s per 1,000 points
+constexpr int kCells = 64;                              // of the index of covers, along each side
 
 // A part of a line, and the length before it.
 struct Piece {
@@ -166,10 +167,11 @@ class Covers {
 class Eye {
  public:
   Eye(std::vector<Paint>& paints, const std::vector<Clip>& clips, std::vector<Dash>& dashes,
-      const AlignedBox2d& all, const AlignedBox2d& ink)
+      const AlignedBox2d& all, const AlignedBox2d& ink, std::size_t points)
       : paints_(paints),
         clips_(clips),
         dashes_(dashes),
+        effort_{kEffort + kEffortPerPoint * static_cast<double>(points)},
         math_(all, effort_),
         hair_(std::max(kHair * ink.diagonal().norm(), all.diagonal().norm() > 1e4 ? 2e-4 : 1e-7)),
         touch_(3 * std::sqrt(hair_ * ink.diagonal().norm())),
@@ -423,15 +425,19 @@ class Eye {
 double keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
                     std::vector<Dash>& dashes) {
   AlignedBox2d ink, all;
+  std::size_t points = 0;
   for (const Paint& paint : paints) {
     all.extend(outlines_box(paint.area.outlines));
-    for (const Stroke& stroke : paint.strokes) ink.extend(outlines_box({stroke.points}));
+    for (const Stroke& stroke : paint.strokes) {
+      ink.extend(outlines_box({stroke.points}));
+      points += stroke.points.size();
+    }
   }
   all.extend(ink);
   for (const Clip& clip : clips) {
     for (const ClipShape& shape : clip.shapes) all.extend(outlines_box(shape.area.outlines));
   }
-  return ink.isEmpty() ? 0.0 : std::max(0.0, Eye(paints, clips, dashes, all, ink).look());
+  return ink.isEmpty() ? 0.0 : std::max(0.0, Eye(paints, clips, dashes, all, ink, points).look());
 }
 
 }  // namespace impedraw
