@@ -166,7 +166,7 @@ const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noe
   const bool ending = state_ == SessionState::fault || state_ == SessionState::stop;
   if (ending) {
     damped_ += stale ? 1e-3 : std::max(dt, 1e-6);
-    const bool calm = motion_.confirmed(last_.v).cwiseAbs().maxCoeff() < kAtRest;
+    const bool calm = motion_.confirmed(last_.v).cwiseAbs().maxCoeff() < kDampedSpeed;
     damping_over_ =
         damping_over_ || stale || calm || damped_ > settings_.damp_time || !last_.v.allFinite();
   }

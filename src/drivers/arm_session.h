@@ -43,18 +43,18 @@ struct ArmStatus {
 
 struct SessionSettings {
   // One entry per joint, all positive.
-  JointVector torque_limit;    // without gravity [Nm]
-  JointVector rated_speed;     // of MotionCheck [rad/s]
-  JointVector speed_limit;     // a faster joint is a fault [rad/s]
-  JointVector external_limit;  // a larger external torque is a fault [Nm]
-  JointVector damping;         // D [Nm s/rad]
-  double torque_rate = 900.0;  // [Nm/s]
-  double longest_step = 2e-3;  // of the torque rate's Δt [s]
-  double quiet_time = 0.25;    // [s]
-  double ramp_time = 0.2;      // [s]
-  double damp_time = 0.3;      // longest [s]
-  double max_silence = 0.05;   // without a new status, by the wall clock [s]
-  double max_gap = 0.02;       // between two statuses, by the arm's clock [s]
+  JointVector torque_limit;      // without gravity [Nm]
+  JointVector rated_speed;       // of MotionCheck [rad/s]
+  JointVector speed_limit;       // a faster joint is a fault [rad/s]
+  JointVector external_limit;    // a larger external torque is a fault [Nm]
+  JointVector damping;           // D [Nm s/rad]
+  double torque_rate = 900.0;    // [Nm/s]
+  double longest_step = 2e-3;    // of the torque rate's Δt [s]
+  double quiet_time = 0.25;      // [s]
+  double ramp_time = 0.2;        // [s]
+  double damp_time = kDampTime;  // longest [s]
+  double max_silence = 0.05;     // without a new status, by the wall clock [s]
+  double max_gap = 0.02;         // between two statuses, by the arm's clock [s]
 };
 
 enum class SessionState { waiting, quiet, start, run, hold, fault, stop, ended };
@@ -62,7 +62,6 @@ const char* name_of(SessionState state);
 
 class ArmSession {
  public:
-  static constexpr double kAtRest = 0.02;       // joint speed at which damping is over [rad/s]
   static constexpr int kMostOld = 20;           // statuses in a row that are older than the last
   static constexpr double kLongestJump = 10.0;  // between two statuses, in any state [s]
 

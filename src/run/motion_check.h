@@ -58,4 +58,8 @@ class MotionCheck {
 // and less stays harmless. M: inertia at the posture [kg m²], T [s].
 JointVector joint_damping(const JointMatrix& M, double T = 0.1);
 
+// An arm that is damped by D to its end is damped for so long at most [s], or until every joint is
+// slower than this [rad/s].
+inline constexpr double kDampTime = 0.3, kDampedSpeed = 0.02;
+
 }  // namespace impedraw

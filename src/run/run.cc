@@ -16,6 +16,7 @@
 #include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/run/canvas_watch.h"
 #include "impedraw/run/control_loop.h"
+#include "impedraw/run/damped_end.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/emergency_lift.h"
 #include "impedraw/run/fences.h"
@@ -24,6 +25,7 @@
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
+#include "impedraw/run/plan_wait.h"
 #include "impedraw/run/rattle_guard.h"
 #include "impedraw/run/reading_check.h"
 #include "impedraw/run/real_time.h"
@@ -165,6 +167,10 @@ ClockSettings clock_settings(const Experiment& e) {
   if (e.scene.by_touch()) settings.patience = 2.0 * longest_search(e);
   return settings;
 }
+
+// What a plan waits for on a canvas that moves.
+constexpr const char *kToBeSeen = "the cameras to know the canvas again",
+                     *kToRest = "the canvas to rest";
 
 class Runner {
  public:
@@ -479,8 +485,9 @@ class Runner {
     }
     if (watch_) watch_->update(t);
     const auto step_start = Clock::now();
-    if (distrusts_)
-      damp();
+    if (damped_end_.begun())
+      damped_end_.damp(loop_.terms().M, reading_.confirmed(*state_), e_.scene.arm.limits().torque,
+                       dt(), &out_);
     else if (!state_->stalled)
       out_ = guard_.braking() || retreats_ ? loop_.brake(*state_, velocity_of_retreat(desired))
                                            : loop_.step(*state_, desired.reference);
@@ -514,9 +521,9 @@ class Runner {
       return false;
     }
     const bool lies = reading_.update(*state_, out_.tau - out_.terms.col(kGravity), external());
-    if (distrusts_) return damped_for_ < kDampTime && !calm() ? true : end_at_zero();
+    if (damped_end_.begun()) return !damped_end_.over(reading_.confirmed(*state_)) || end_at_zero();
     if (lies) {
-      distrusts_ = true;
+      damped_end_.begin();
       return halt(fmt::format("{} at t = {:.3f} s", reading_.cause(), first_time_ + time()));
     }
     if (hooks_.emergency && !halted_ && hooks_.emergency()) {
@@ -592,27 +599,6 @@ class Runner {
            out_.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * e_.scene.arm.limits().torque);
   }
 
-  bool calm() const {
-    constexpr double kAtRest = 0.02;  // [rad/s]
-    return reading_.confirmed(*state_).cwiseAbs().maxCoeff() < kAtRest;
-  }
-
-  // What the arm says is not believed, and the law does not see it: −D v as far as positions
-  // confirm v, with the weight as it was last believed.
-  void damp() noexcept {
-    const JointVector gravity = out_.terms.col(kGravity);
-    const JointVector& most = e_.scene.arm.limits().torque;
-    damped_for_ += dt();
-    out_.status = {};
-    out_.mode = ContactMode::free;
-    out_.push = 0.0;
-    out_.terms.setZero();
-    out_.terms.col(kGravity) = gravity;
-    out_.terms.col(kImpedance) =
-        -joint_damping(loop_.terms().M).cwiseProduct(reading_.confirmed(*state_));
-    out_.tau = (out_.terms.col(kImpedance) + gravity).cwiseMax(-most).cwiseMin(most);
-  }
-
   // Zero beyond gravity is the last that the arm is sent.
   bool end_at_zero() {
     const JointVector gravity = out_.terms.col(kGravity);
@@ -651,13 +637,9 @@ class Runner {
   // A plan that has waited for kMostWait since it last drew ends the run.
   bool waits_too_long(const PathSample& desired) {
     const char* const what = paused() ? nullptr : waits_for(desired);
-    if (!what) {
-      if (desired.stroke >= 0) waited_ = 0.0;
-      return false;
-    }
-    waited_ += dt();
-    tell_wait(what, waited_);
-    if (waited_ < kMostWait) return false;
+    const bool too_long = wait_.update(what, desired.stroke >= 0, dt());
+    if (what) tell_wait(what, wait_.waited());
+    if (!too_long) return false;
     const FrameMotion& canvas = loop_.canvas().estimate().motion;
     stop(RunEnd::stopped,
          what == kToBeSeen
@@ -895,9 +877,7 @@ class Runner {
   ControlLoop loop_;
   Fences fences_;
   ReadingCheck reading_;
-  bool distrusts_ = false;                  // what the arm says
-  static constexpr double kDampTime = 0.3;  // then, at most [s]
-  double damped_for_ = 0.0;                 // [s]
+  DampedEnd damped_end_;
   LastSeconds last_;
   std::optional<double> dry_run_ = e_.scenario.drawing.dry_run;  // [m]
   bool halted_ = false;                                          // by a fence or an emergency stop
@@ -933,9 +913,7 @@ class Runner {
   double raised_for_ = 0.0;   // before a resumed run begins to watch [s]
   double bad_state_ = 0.0;    // [s]
   double left_behind_ = 0.0;  // by the canvas [s]
-  static constexpr const char *kToBeSeen = "the cameras to know the canvas again",
-                              *kToRest = "the canvas to rest";
-  double waited_ = 0.0;  // for either, since the plan last drew [s]
+  PlanWait wait_{kMostWait};
   // During the present path: in contact; the canvas went where the arm does not reach.
   bool lost_canvas_ = false, left_reach_ = false;
   std::size_t followed_ = 0;  // strokes of the present path
