@@ -104,7 +104,7 @@ bool same(nb::handle a, nb::handle b) {
                               .attr("array_equal")(a, b, nb::arg("equal_nan") = true)
                               .attr("__bool__")());
   if (PyFloat_Check(a.ptr()) && PyFloat_Check(b.ptr())) {
-    const double x = PyFloat_AsDouble(a.ptr()), y = PyFloat_AS_DOUBLE(b.ptr());
+    const double x = PyFloat_AsDouble(a.ptr()), y = PyFloat_AsDouble(b.ptr());
     return x == y || (std::isnan(x) && std::isnan(y));
   }
   return a.equal(b);

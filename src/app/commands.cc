@@ -27,7 +27,6 @@
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
-#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
@@ -56,12 +55,8 @@ void require_same(const Scenario& scenario, const fs::path& folder) {
                       folder.string(), a, b));
 }
 
-std::string again(const fs::path& folder) {
-  return as_called("./impedraw draw ") + (folder / "scenario.yaml").string();
-}
-
 PageContext page_of(const fs::path& folder, const Experiment& experiment) {
-  return page_context(experiment.scenario, experiment.artwork, again(folder));
+  return page_context(experiment.scenario, experiment.artwork, draw_again(folder));
 }
 
 std::string numbers(const Metrics& metrics, bool table) {
@@ -115,10 +110,6 @@ bool lies_out_of_reach(const Scenario& s, const Places& places) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 Scenario placed_on_surface(const SurfaceWish& wish, const Scenario& scenario,
                            const Places& places) {
   SurfacePlace found;
@@ -137,22 +128,7 @@ Scenario placed_on_surface(const SurfaceWish& wish, const Scenario& scenario,
   return found.scenario;
 }
 
-}  // namespace
-
-Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
-  if (options.place == "surface") return placed_on_surface(options.surface, scenario, places);
-  if (!options.surface.near.empty() || options.surface.shrink)
-    throw InputError("--near and --shrink need --place surface");
-  if (options.place.empty() && lies_out_of_reach(scenario, places)) {
-    DrawOptions moving = options;
-    moving.place = "auto";
-    try {
-      return placed(moving, scenario, places);
-    } catch (const InputError&) {  // what is wrong is told where the drawing is prepared
-      return scenario;
-    }
-  }
-  if (options.place != "auto") return scenario;
+Scenario placed_with_canvas(const Scenario& scenario, const Places& places) {
   PlacedCanvas found;
   {
     ProgressLine line;
@@ -167,6 +143,21 @@ Scenario placed(const DrawOptions& options, const Scenario& scenario, const Plac
       c.x(), c.y(), found.turn_deg, found.margin, found.margin_before,
       found.passes ? "" : "; some of it cannot be drawn there, and nowhere else is better");
   return found.scenario;
+}
+
+}  // namespace
+
+Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
+  if (options.place == "surface") return placed_on_surface(options.surface, scenario, places);
+  if (!options.surface.near.empty() || options.surface.shrink)
+    throw InputError("--near and --shrink need --place surface");
+  if (options.place == "auto") return placed_with_canvas(scenario, places);
+  if (!options.place.empty() || !lies_out_of_reach(scenario, places)) return scenario;
+  try {
+    return placed_with_canvas(scenario, places);
+  } catch (const InputError&) {  // what is wrong is told where the drawing is prepared
+    return scenario;
+  }
 }
 
 int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
@@ -203,7 +194,7 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
   }
   require_steady_loop(experiment.scenario, live);
   print_notes(experiment);
-  view.begin(experiment, again(folder));
+  view.begin(experiment, draw_again(folder));
   if (!view.address().empty()) {
     say(stdout, "live    {}\n", view.address());
     std::fflush(stdout);
@@ -293,7 +284,7 @@ int compare_finished(const std::vector<fs::path>& runs, const fs::path& out) {
     if (name.empty()) name = fs::absolute(folder).lexically_normal().parent_path().filename();
     if (named(name)) name = folder.string();
     if (named(name)) name += fmt::format(" ({})", compared.size() + 1);
-    compared.push_back({name, folder, page_context(scenario, artwork, again(folder))});
+    compared.push_back({name, folder, page_context(scenario, artwork, draw_again(folder))});
   }
   const fs::path folder =
       out.empty() ? fs::path("runs") / fmt::format("{}-compare", compared.front().name) : out;

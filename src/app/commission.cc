@@ -53,10 +53,15 @@ Json read_file(const fs::path& folder) {
 }
 
 // Throws unless the step before has left its result.
-void require_step(const Json& json, const fs::path& folder, const char* before) {
-  if (!json.contains(before))
-    throw InputError(fmt::format("{}: has no '{}'; run ./impedraw arm {} --into {} first",
-                                 file_in(folder).string(), before, before, folder.string()));
+// `given`: the option that names the folder, in front of the message.
+void require_step(const Json& json, const fs::path& folder, const char* before,
+                  const std::string& given = {}) {
+  if (json.contains(before)) return;
+  const std::string file = file_in(folder).string();
+  throw InputError(fmt::format(
+      "{} has no '{}'; run ./impedraw arm {} --into {} first",
+      given.empty() ? file + ":" : fmt::format("{} {}: {}", given, folder.string(), file), before,
+      before, folder.string()));
 }
 
 void write_step(const fs::path& folder, Json json, const char* step, Json result) {
@@ -283,10 +288,7 @@ DrawOptions with_commissioning(DrawOptions options, const fs::path& folder) try 
   if (folder.empty()) return options;
   const std::string file = file_in(folder).string();
   const Json json = read_file(folder);
-  if (!json.contains("latency"))
-    throw InputError(fmt::format(
-        "--commissioned {0}: {1} has no 'latency'; run ./impedraw arm latency --into {0} first",
-        folder.string(), file));
+  require_step(json, folder, "latency", "--commissioned");
   const Scenario scenario = resolve(options);
   ArmModel model = model_of(scenario.arm);
   const auto& arm = json.at("arm");

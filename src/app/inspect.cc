@@ -75,13 +75,12 @@ void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json&
 
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   const Artwork artwork = read_artwork(file, fine());
-  Eigen::AlignedBox2d box;
+  const Eigen::AlignedBox2d box = bounds_of(artwork.strokes);
   std::vector<std::size_t> strokes(artwork.layers.size(), 0);
   std::size_t dash_count = 0;
   for (const Stroke& stroke : artwork.strokes) {
     ++strokes.at(stroke.layer);
     dash_count += stroke.dash >= 0;
-    for (const Eigen::Vector2d& p : stroke.points) box.extend(p);
   }
   const StrokeStatistics statistics = stroke_statistics(artwork.strokes);
   nlohmann::ordered_json found;
@@ -114,12 +113,13 @@ int inspect(const std::filesystem::path& file, bool json, const MeshReading& rea
     throw InputError(fmt::format(
         "{0}: is no artwork and no mesh; ./impedraw plan {0} checks a scenario", file.string()));
   const bool mesh = !is_artwork_file(file);  // or of an unknown kind, which read_mesh() refuses
-  if (mesh && !is_mesh_file(file)) try {
-      describe_mesh(file, reading);
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}; artwork is .svg, .txt, .strokes or .csv", error.what()));
-    }
-  const nlohmann::ordered_json found = mesh ? describe_mesh(file, reading) : describe_artwork(file);
+  nlohmann::ordered_json found;
+  try {
+    found = mesh ? describe_mesh(file, reading) : describe_artwork(file);
+  } catch (const InputError& error) {
+    if (!mesh || is_mesh_file(file)) throw;
+    throw InputError(fmt::format("{}; artwork is .svg, .txt, .strokes or .csv", error.what()));
+  }
   if (json)
     say(stdout, "{}\n",
         found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));

@@ -27,4 +27,11 @@ StrokeStatistics stroke_statistics(const std::vector<Stroke>& strokes) {
   return statistics;
 }
 
+Eigen::AlignedBox2d bounds_of(const std::vector<Stroke>& strokes) {
+  Eigen::AlignedBox2d box;
+  for (const Stroke& stroke : strokes)
+    for (const Eigen::Vector2d& p : stroke.points) box.extend(p);
+  return box;
+}
+
 }  // namespace impedraw

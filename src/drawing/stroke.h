@@ -64,4 +64,7 @@ struct StrokeStatistics {
 };
 StrokeStatistics stroke_statistics(const std::vector<Stroke>& strokes);
 
+// Of all points [mm]; empty without strokes.
+Eigen::AlignedBox2d bounds_of(const std::vector<Stroke>& strokes);
+
 }  // namespace impedraw

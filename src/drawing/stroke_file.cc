@@ -138,10 +138,7 @@ class Reading {
   }
 
   void scale() {
-    Eigen::AlignedBox2d box;
-    for (const Stroke& stroke : artwork_.strokes) {
-      for (const Vector2d& p : stroke.points) box.extend(p);
-    }
+    const Eigen::AlignedBox2d box = bounds_of(artwork_.strokes);
     if (!artwork_.strokes.empty()) artwork_.layers = {"page"};
     artwork_.page = page_.isEmpty() ? box : page_;
     const bool shares = unit_ == PageUnit::file && !page_.isEmpty() && !box.isEmpty() &&

@@ -67,8 +67,8 @@ std::function<double(const Vector3d&)> distance_of(const std::string& near,
 // Points spaced evenly along the drawing, about the middle of its box.
 std::vector<Vector2d> points_about_middle(const std::vector<PlacedStroke>& strokes,
                                           const Vector2d& middle) {
-  constexpr double kSpacing = 2e-3, kMostPoints = 400.0;  // [m]
-  const double step = std::max(kSpacing, plane_length(strokes) / kMostPoints);
+  constexpr double kSpacing = 2e-3, kMostSamples = 400.0;  // [m]
+  const double step = std::max(kSpacing, plane_length(strokes) / kMostSamples);
   std::vector<Vector2d> points;
   double until = 0.0;  // the next point, along the stroke
   for (const PlacedStroke& stroke : strokes) {
@@ -268,10 +268,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   result.turn_deg = best.place.turn_deg;
   result.share = best.share;
   const Placement final_placement = place(placing.drawn, best.placement);
-  Eigen::AlignedBox2d page;
-  for (const Stroke& stroke : placing.drawn.strokes)
-    for (const Vector2d& p : stroke.points) page.extend(p);
-  result.size_mm = final_placement.scale() * page.sizes();
+  result.size_mm = final_placement.scale() * bounds_of(placing.drawn.strokes).sizes();
   result.assignments =
       assignments_of(best.placement, placing.given, s, s.canvas.move != scenario.canvas.move);
   return result;

@@ -46,11 +46,8 @@ std::string distortion_text(const char* how, const Distortion& d) {
 }
 
 Eigen::Vector2d page_size(const PlannedDrawing& e) {
-  Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
-  if (!e.artwork.shape.drawn.strokes.empty()) box.setEmpty();
-  for (const Stroke& stroke : e.artwork.shape.drawn.strokes)
-    for (const Eigen::Vector2d& p : stroke.points) box.extend(p);
-  return box.sizes();
+  const Eigen::AlignedBox2d box = bounds_of(e.artwork.shape.drawn.strokes);
+  return box.isEmpty() ? Eigen::Vector2d(0.0, 0.0) : Eigen::Vector2d(box.sizes());
 }
 
 // How large the drawing becomes, and why.

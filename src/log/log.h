@@ -185,6 +185,9 @@ double log_bytes(const RunLogHeader& header, double seconds);
 
 // True for a log that impedraw wrote.
 bool is_marked_log(const std::filesystem::path& file);
+// The root attribute that RunLog::close() writes last: how the run ended.
+inline constexpr const char* kEndingAttribute = "ending";
+
 // The text attributes of a log's root. Throws InputError if the file is no HDF5 file.
 std::map<std::string, std::string> log_attributes(const std::filesystem::path& log);
 // True if the log or its journal holds a step. Throws InputError if the file is no log.

@@ -72,8 +72,6 @@ void write_fixed(hid_t file, const char* name, hid_t type, const void* data, std
   describe(dataset, unit, frame, description);
 }
 
-constexpr const char* kEnding = "ending";  // root attribute
-
 std::array<std::pair<const char*, double*>, 3> wall_attributes(WallTimes& wall) {
   return {{{"wall_start_up", &wall.start_up},
            {"wall_loop", &wall.loop},
@@ -159,7 +157,8 @@ LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
     if (H5Aexists(file_, name) > 0)
       h5::check(H5Adelete(file_, name), name);  // they do not cover the rows appended now
   }
-  if (H5Aexists(file_, kEnding) > 0) h5::check(H5Adelete(file_, kEnding), kEnding);
+  if (H5Aexists(file_, kEndingAttribute) > 0)
+    h5::check(H5Adelete(file_, kEndingAttribute), kEndingAttribute);
   if (std::all_of(rows.begin(), rows.end(), [](std::size_t n) { return n == 0; }) &&
       std::isnan(before_.loop))
     before_ = {0.0, 0.0, 0.0};  // nothing ran before
@@ -287,7 +286,7 @@ void LogFile::close(const std::optional<WallTimes>& wall, const std::string& end
     for (const auto& [name, seconds] : wall_attributes(sum))
       h5::write_attribute(file_, name, *seconds);
   }
-  if (!ending.empty()) h5::write_attribute(file_, kEnding, ending);
+  if (!ending.empty()) h5::write_attribute(file_, kEndingAttribute, ending);
   // Flushed first: an error is an exception here, and none in the closing of an identifier.
   h5::check(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush");
   tables_.clear();

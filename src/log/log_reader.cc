@@ -51,7 +51,7 @@ std::map<std::string, std::string> texts(hid_t root) {
       (*static_cast<std::map<std::string, std::string>*>(out))[name] = h5::read_text(file, name);
     } catch (const h5::Error&) {
       // It is written last, so a file that lost its end has no ending.
-      if (std::string_view(name) != "ending") throw;
+      if (std::string_view(name) != kEndingAttribute) throw;
     }
     return herr_t{0};
   };

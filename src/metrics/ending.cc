@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/log/log.h"
 #include "impedraw/metrics/drawn_lengths.h"
 #include "impedraw/metrics/metrics.h"
 

@@ -26,16 +26,16 @@ const char* name_of(RunEnd end) noexcept;
 struct Ending {
   RunEnd end = RunEnd::finished;
   std::string cause{};  // one sentence without its full stop; empty: finished
-  std::string
-      incident{};  // file in the run's folder with the last seconds of a run that was halted
+  // File in the run's folder with the last seconds of a run that was halted.
+  std::string incident{};
   // What was given up while drawing, by reason: length in the drawing plane [m].
   std::map<std::string, double> given_up{};
 };
 
-inline constexpr const char* kEndingAttribute = "ending";
 inline constexpr const char* kIncidentFile = "incident.html";  // of Ending::incident
 
-std::string ending_text(const Ending& ending);  // of the attribute
+// Text of the attribute (kEndingAttribute, log/log.h).
+std::string ending_text(const Ending& ending);
 Ending read_ending(const std::map<std::string, std::string>& attributes);
 
 // For people: "stopped by a person: interrupted at t = 3.210 s; the pen was lifted".

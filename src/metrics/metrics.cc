@@ -51,6 +51,12 @@ float time_scale(const RunData& run, std::size_t i) {
 // The plan runs, so that the row counts towards statistics of contact, path and force.
 bool counts(const RunData& run, std::size_t i) { return !(time_scale(run, i) < kStands); }
 
+// On a stroke, wherever it lies.
+bool has_ink(const InkMatch& d) {
+  return std::any_of(d.lines.begin(), d.lines.end(),
+                     [](const InkLine& line) { return line.stroke >= 0; });
+}
+
 void contact(const RunData& run, const InkMatch& d, Metrics& m) {
   std::size_t down = 0, ink = 0;
   for (std::size_t i = 0; i < run.rows(); ++i) {
@@ -78,8 +84,7 @@ void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
   std::vector<double> error;
   for (const double e : d.error)
     if (std::isfinite(e)) error.push_back(1e3 * e);
-  const bool any_ink = std::any_of(d.lines.begin(), d.lines.end(),
-                                   [](const InkLine& line) { return line.stroke >= 0; });
+  const bool any_ink = has_ink(d);
   if (error.empty()) {
     lack(m, {&Metrics::ink_error_rms, &Metrics::ink_error_p95, &Metrics::ink_error_max},
          any_ink ? "no target for the strokes with ink" : "no pen-down ink");
@@ -437,9 +442,7 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
          "contact is unknown: the arm was not simulated here, and no wrench was measured");
     m.not_drawn_mm.erase("no_ink");
   } else if (!drawn.strokes.empty()) {
-    const bool any_ink = std::any_of(drawn.lines.begin(), drawn.lines.end(),
-                                     [](const InkLine& line) { return line.stroke >= 0; });
-    m.ending = judged(m.ending, m, any_ink, !promise || promise->asks_ink);
+    m.ending = judged(m.ending, m, has_ink(drawn), !promise || promise->asks_ink);
   }
   m.wall = run.wall;
   return m;

@@ -8,6 +8,7 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/ink/segments.h"
+#include "impedraw/log/log.h"
 #include "impedraw/log/replay_rows.h"
 #include "impedraw/metrics/statistics.h"
 #include "impedraw/page/packed_columns.h"
@@ -376,7 +377,7 @@ Json step_times(const RunData& run) {
 Json about_json(const RunData& run) {
   Json attributes = Json::object();
   for (const auto& [key, value] : run.attributes)
-    if (key != "settings" && key != "promise" && key != "ending" && value.size() < 200)
+    if (key != "settings" && key != "promise" && key != kEndingAttribute && value.size() < 200)
       attributes[key] = value;
   return attributes;
 }

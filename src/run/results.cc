@@ -68,8 +68,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   write_whole(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
   step();
   ReportSettings report;
-  report.page = page_context(scenario, artwork,
-                             as_called("./impedraw draw ") + (folder / "scenario.yaml").string());
+  report.page = page_context(scenario, artwork, draw_again(folder));
   report.page.check = check;
   report.pictures_written = [&] {
     pictures.get();
@@ -77,6 +76,10 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   };
   write_report(folder, run, drawn, metrics, report);
   return metrics;
+}
+
+std::string draw_again(const std::filesystem::path& folder) {
+  return as_called("./impedraw draw ") + (folder / "scenario.yaml").string();
 }
 
 }  // namespace impedraw

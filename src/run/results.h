@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/scenario.h"
@@ -15,5 +16,8 @@ namespace impedraw {
 // throws ends the work. Returns the metrics.
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
                       const PlacedArtwork& artwork, const std::function<void()>& check = {});
+
+// The command that draws the run in a folder again.
+std::string draw_again(const std::filesystem::path& folder);
 
 }  // namespace impedraw

@@ -18,7 +18,6 @@
 #include "allocations.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exchange.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/log/run_rows.h"
 #include "impedraw/metrics/metrics.h"
@@ -27,6 +26,7 @@
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/run.h"
 #include "impedraw/run/simulated_arm.h"
+#include "run/prepared.h"
 
 namespace impedraw {
 namespace {
@@ -34,13 +34,6 @@ namespace {
 using ::testing::HasSubstr;
 
 namespace fs = std::filesystem;
-
-Experiment prepared(const std::string& name, const std::vector<std::string>& assignments = {}) {
-  DrawOptions options;
-  options.scenario = "scenarios/" + name + ".yaml";
-  options.assignments = assignments;
-  return prepare(resolve(options));
-}
 
 // The simulated arm with a test's modifications. Records the order of the calls.
 class TestDriver : public Driver {

@@ -10,10 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/run/reading_check.h"
 #include "impedraw/run/run.h"
 #include "impedraw/run/simulated_arm.h"
+#include "run/prepared.h"
 #include "seeds.h"
 
 namespace impedraw {
@@ -21,13 +21,6 @@ namespace {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
-
-Experiment prepared(const std::string& name, const std::vector<std::string>& assignments = {}) {
-  DrawOptions options;
-  options.scenario = "scenarios/" + name + ".yaml";
-  options.assignments = assignments;
-  return prepare(resolve(options));
-}
 
 // The simulated arm as `lie` tells it. Notes what it is sent beyond gravity.
 class Liar : public Driver {

@@ -6,8 +6,7 @@
 //   c = 10 b + 5 u + calm ((θ / 60°)² + (κ / 40 m⁻¹)² + r² + e) + near
 //
 //   b     1 where the surface is missing, steeper than max_slope or broken, by a step that the
-//         slopes
-//         on both sides do not explain; or where avoid() says so
+//         slopes on both sides do not explain; or where avoid() says so
 //   u     what `unreachable` says of the cell's neighbourhood: 0, the arm is at ease there, to 1
 //   θ, κ  slope and bend; e: 1 beside a cell with b = 1, 1/2 one cell further away
 //   r     roughness, as a share of what is too rough to be drawn on
@@ -19,6 +18,7 @@
 
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -45,7 +45,7 @@ struct PlaceFound {
   double share = 0.0;  // of the drawing's points that lie where b = 0
 
   Eigen::Vector2d operator()(const Eigen::Vector2d& p) const {  // of the drawing, to P
-    return middle + size * (Eigen::Rotation2Dd(turn_deg * 0.017453292519943295) * p);
+    return middle + size * (Eigen::Rotation2Dd(turn_deg * std::numbers::pi / 180.0) * p);
   }
 };
 

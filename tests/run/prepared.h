@@ -1,0 +1,20 @@
+// A scenario of this repository, prepared.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+
+namespace impedraw {
+
+inline Experiment prepared(const std::string& name,
+                           const std::vector<std::string>& assignments = {}) {
+  DrawOptions options;
+  options.scenario = "scenarios/" + name + ".yaml";
+  options.assignments = assignments;
+  return prepare(resolve(options));
+}
+
+}  // namespace impedraw
