@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
@@ -63,6 +64,7 @@ class Plain {
  public:
   Plain(UrdfTree* tree, const fs::path& file, const std::string& end, bool fill)
       : tree_(*tree), file_(file), way_(tree->way_to(end)), fill_(fill) {
+    for (UrdfElement* link : tree_.links) ways_.emplace_back(link, tree_.way_to(name_of(link)));
     for (UrdfElement* joint : tree_.joints) fix(joint);
     if (!fixed_.empty())
       notes.push_back("joints that do not carry the tip are fixed where they stand:" + fixed_);
@@ -197,22 +199,20 @@ class Plain {
     set_inertial(link, mass_of(inertial), R * moments.asDiagonal() * R.transpose());
   }
 
-  // The links that a joint of the way moves; `alone`: and no joint after it.
-  UrdfElements moved_by(const UrdfElement* joint, bool alone) const {
+  // The links that a joint of the way moves, and no joint after it.
+  UrdfElements moved_by(const UrdfElement* joint) const {
+    const auto fixed = [](const UrdfElement* j) { return is_type(j, "fixed"); };
     UrdfElements moved;
-    for (UrdfElement* link : tree_.links) {
-      const UrdfElements way = tree_.way_to(name_of(link));
+    for (const auto& [link, way] : ways_) {
       const auto at = std::find(way.begin(), way.end(), joint);
-      const auto fixed = [](const UrdfElement* j) { return is_type(j, "fixed"); };
-      if (at != way.end() && (!alone || std::all_of(at + 1, way.end(), fixed)))
-        moved.push_back(link);
+      if (at != way.end() && std::all_of(at + 1, way.end(), fixed)) moved.push_back(link);
     }
     return moved;
   }
 
   void check_mass(const UrdfElement* joint) {
     double mass = 0.0, moment = 0.0;
-    const UrdfElements moved = moved_by(joint, true);
+    const UrdfElements moved = moved_by(joint);
     for (const UrdfElement* link : moved) {
       mass += mass_of(link->FirstChildElement("inertial"));
       moment += inertia_of(link->FirstChildElement("inertial")).trace();
@@ -235,33 +235,38 @@ class Plain {
       throw InputError(fmt::format(
           "joint '{}' has no <limit>; valid is one with lower, upper, effort and velocity",
           name_of(joint)));
-    // Twice the weight beyond the joint, stretched out, and a little [Nm], [N].
-    double carries = slides ? 50.0 : 10.0;
-    for (const UrdfElement* link : moved_by(joint, false)) {
-      const auto* inertial = link->FirstChildElement("inertial");
-      double reach = inertial ? placement_of(inertial).translation().norm() : 0.0;
-      const UrdfElements way = tree_.way_to(name_of(link));
-      for (auto at = std::find(way.begin(), way.end(), joint) + 1; at != way.end(); ++at)
-        reach += placement_of(*at).translation().norm();
-      carries += 2.0 * 9.81 * mass_of(inertial) * (slides ? 1.0 : reach);
-    }
-    const auto require = [&](const char* what, const char* unit, double otherwise) {
+    const auto require = [&](const char* what, const char* unit, const auto& otherwise) {
       if (number(limit, what) > 0.0 && std::isfinite(number(limit, what))) return;
+      const double filled = otherwise();
       fault(limit->Attribute(what)
                 ? fmt::format("joint '{}': <limit {}=\"{}\">", name_of(joint), what,
                               value(limit, what))
                 : fmt::format("joint '{}': <limit> without {}", name_of(joint), what),
-            fmt::format("more than 0 {}", unit),
-            fmt::format("it became {:.3g} {}", otherwise, unit));
-      limit->SetAttribute(what, otherwise);
+            fmt::format("more than 0 {}", unit), fmt::format("it became {:.3g} {}", filled, unit));
+      limit->SetAttribute(what, filled);
     };
-    require("effort", slides ? "N" : "Nm", std::ceil(carries));
-    require("velocity", slides ? "m/s" : "rad/s", slides ? 0.25 : 1.5);
+    require("effort", slides ? "N" : "Nm", [&] { return std::ceil(load(joint, slides)); });
+    require("velocity", slides ? "m/s" : "rad/s", [&] { return slides ? 0.25 : 1.5; });
+  }
+
+  // Twice the weight beyond the joint, stretched out, and a little [Nm], [N].
+  double load(const UrdfElement* joint, bool slides) const {
+    double carries = slides ? 50.0 : 10.0;
+    for (const auto& [link, way] : ways_) {
+      auto at = std::find(way.begin(), way.end(), joint);
+      if (at == way.end()) continue;
+      const auto* inertial = link->FirstChildElement("inertial");
+      double reach = inertial ? placement_of(inertial).translation().norm() : 0.0;
+      while (++at != way.end()) reach += placement_of(*at).translation().norm();
+      carries += 2.0 * 9.81 * mass_of(inertial) * (slides ? 1.0 : reach);
+    }
+    return carries;
   }
 
   UrdfTree& tree_;
   fs::path file_;
   UrdfElements way_;
+  std::vector<std::pair<UrdfElement*, UrdfElements>> ways_;  // to each link, from the root
   bool fill_;
   std::string fixed_;
 };
@@ -389,9 +394,10 @@ PlainUrdf vendor_urdf_with_pen(const fs::path& file, const std::string& flange,
   return named(file, [&]() -> PlainUrdf {
     UrdfTree tree(file);
     if (tree.link("tip")) {
-      Plain plain(&tree, file, "tip", true);
-      plain.notes.insert(plain.notes.begin(), "it has a link 'tip': no pen was added");
-      return {tree.text(), plain.notes};
+      const Plain plain(&tree, file, "tip", true);
+      std::vector<std::string> notes{"it has a link 'tip': no pen was added"};
+      notes.insert(notes.end(), plain.notes.begin(), plain.notes.end());
+      return {tree.text(), notes};
     }
     std::vector<std::string> notes;
     Mount mount = find_mount(tree, flange, &notes);

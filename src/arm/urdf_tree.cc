@@ -30,12 +30,13 @@ UrdfElement* UrdfTree::link(const std::string& name) const {
 UrdfElements UrdfTree::way_to(const std::string& link) const {
   UrdfElements way;
   std::string at = link;
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    for (UrdfElement* joint : joints)
-      if (child_of(joint) == at && way.size() == i) {
-        way.insert(way.begin(), joint);
-        at = parent_of(joint);
-      }
+  while (way.size() < joints.size()) {  // a loop in the tree ends, too
+    const auto joint = std::find_if(joints.begin(), joints.end(),
+                                    [&at](const auto* j) { return child_of(j) == at; });
+    if (joint == joints.end()) break;
+    way.insert(way.begin(), *joint);
+    at = parent_of(*joint);
+  }
   return way;
 }
 

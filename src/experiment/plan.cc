@@ -93,6 +93,7 @@ class Planning {
         setting_errors_.raise({"path"}, error.what());
       }
     }
+    note_roughness();
     for (Eigen::Vector3d& p : plan_.target.points) p = artwork_.X_WP * p;
     return std::move(plan_);
   }
@@ -148,6 +149,7 @@ class Planning {
   std::vector<StrokePart> lay_on_surface();
   double wrap_doubt() const;
   void note_wrap();
+  void note_roughness();
   bool may_move() const { return seen_ && s_.perception.frames.enabled; }
   void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
@@ -371,6 +373,9 @@ void Planning::promise() {
     stroke.start = 0.0;
     plan_.strokes.push_back(std::move(stroke));
   }
+}
+
+void Planning::note_roughness() {
   if (!scene_.perception || may_move()) return;
   // What noise of the cameras leaves cannot be told from a rough surface.
   if (s_.perception.noise.sigma_at_1m > 0.0 || s_.perception.source != PerceptionSource::simulated)
