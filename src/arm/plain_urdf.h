@@ -27,10 +27,9 @@ struct PlainUrdf {
 PlainUrdf plain_urdf(const std::filesystem::path& file, const std::string& tip = "tip");
 
 // The same with a pen on the link `flange`, along its z; or (empty) on the one that a tool is put
-// on
-// where that is clear, away from the arm along the last joint's axis. It begins beyond a gripper. A
-// file that has a link `tip` gets no pen. What is missing or cannot be is filled in, and notes say
-// with what:
+// on where that is clear, away from the arm along the last joint's axis. It begins beyond a
+// gripper. A file that has a link `tip` gets no pen. What is missing or cannot be is filled in,
+// and notes say with what:
 //   effort of a joint    twice what carries the arm beyond it, stretched out, and 10 Nm (50 N)
 //   velocity             1.5 rad/s, 0.25 m/s
 //   mass of a moved link 1 kg in a ball of 50 mm

@@ -17,13 +17,13 @@
 // default attributes) counts. A pathLength stretches the dashes.
 //
 // Artwork::warnings tells what is lost, in the same words wherever it is printed: pictures,
-// markers,
-// animations, text that no font can show, filled shapes without area, a white rectangle over the
-// whole page, painted shapes that are hidden (display, visibility, opacity 0), the contents of
-// patterns, the effect of clip paths, masks, filters, partial opacity and different stroke widths,
-// what the file refers to and does not hold, and anything that usvg could not interpret. A filter,
-// clip path or mask never hides a shape, not even one that is missing or empty. Of a pattern fill
-// only the filled area counts. Apart from fonts, only the file itself is read.
+// markers, animations, text that no font can show, filled shapes without area, a white rectangle
+// over the whole page, painted shapes that are hidden (display, visibility, opacity 0), the
+// contents of patterns, the effect of clip paths, masks, filters, partial opacity and different
+// stroke widths, what the file refers to and does not hold, and anything that usvg could not
+// interpret. A filter, clip path or mask never hides a shape, not even one that is missing or
+// empty. Of a pattern fill only the filled area counts. Apart from fonts, only the file itself is
+// read.
 #pragma once
 
 #include <filesystem>

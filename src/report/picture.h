@@ -5,11 +5,10 @@
 //   ink_page  on the artwork's page: X to the right, Y down
 //
 // The target is a pale band, the ink a narrow line over it; what was left out is dashed. Edges of
-// the
-// mesh that are seen are outlined: holes, too. Through a hole the inside of a body is darker. Ink
-// farther than `highlight` from its
-// target, and ink where the pen must be up, have their own colours and legend entries. Lines are
-// thinned with a tolerance of 0.02 mm, or more if more than 150,000 points would remain.
+// the mesh that are seen are outlined: holes, too. Through a hole the inside of a body is darker.
+// Ink farther than `highlight` from its target, and ink where the pen must be up, have their own
+// colours and legend entries. Lines are thinned with a tolerance of 0.02 mm, or more if more than
+// 150,000 points would remain.
 #pragma once
 
 #include <filesystem>

@@ -34,9 +34,9 @@ struct JointFriction {
 // Law       τ = c sign(v) + b v + I a + k (q − q_0) + e      beyond the modelled torque
 // Least squares over all samples in which the joint moves, with v and a from positions alone; k and
 // e take what the model misses. delay: of the loop, which bounds the stiffness of light joints
-// [s]. Throws
-// std::runtime_error that names the joint if it hardly moves, if a sweep finds no room, or if its
-// friction would be negative beyond the residual or above a third of its torque limit.
+// [s]. Throws std::runtime_error that names the joint if it hardly moves, if a sweep finds no
+// room, or if its friction would be negative beyond the residual or above a third of its torque
+// limit.
 std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, double delay);
 
 }  // namespace impedraw
