@@ -8,8 +8,8 @@ class PlanWait {
  public:
   explicit PlanWait(double most) : most_(most) {}  // [s]
 
-  // Once per cycle of dt [s]: whether the plan waits, and whether it draws. True in a cycle in which
-  // it waits and has waited for too long.
+  // Once per cycle of dt [s]: whether the plan waits, and whether it draws. True in a cycle in
+  // which it waits and has waited for too long.
   bool update(bool waits, bool draws, double dt) noexcept {
     if (waits)
       waited_ += dt;
