@@ -33,13 +33,23 @@ def found(argument: str) -> str:
     return f"{before}{equals}{_DATA / name}"
 
 
-def _sweep(arguments: list[str]) -> int:
-    lacking = [n for n in ("pyarrow", "ray", "optuna", "yaml") if importlib.util.find_spec(n) is None]
+# Commands in Python: the package and its extra, and the modules that it needs.
+_EXTRAS = {
+    "calibrate-camera": ("camera", ("cv2", "scipy")),
+    "capture": ("camera", ("cv2", "scipy")),
+    "sweep": ("sweep", ("pyarrow", "ray", "optuna", "yaml")),
+}
+
+
+def _in_python(command: str, arguments: list[str]) -> int:
+    extra, modules = _EXTRAS[command]
+    lacking = [n for n in modules if importlib.util.find_spec(n) is None]
     if lacking:
-        print(f"impedraw: sweep needs {', '.join(lacking)}: pip install 'impedraw[sweep]'", file=sys.stderr)
+        print(f"impedraw: {command} needs {', '.join(lacking)}: pip install 'impedraw[{extra}]'", file=sys.stderr)
         return 2
-    main = importlib.import_module("impedraw.sweep.__main__").main
-    return int(main(["--root", str(_DATA), "--program", os.path.abspath(sys.argv[0]), *arguments]))
+    main = importlib.import_module(f"impedraw.{extra}.__main__").main
+    first = ["--root", str(_DATA), "--program", os.path.abspath(sys.argv[0])] if command == "sweep" else [command]
+    return int(main([*first, *arguments]))
 
 
 def _doctor() -> int:
@@ -78,8 +88,8 @@ def main() -> int:
         return _doctor()
     words = sys.argv[1:]
     given = [word if before == "--text" else found(word) for before, word in zip(["", *words], words)]
-    if first == "sweep":
-        return _sweep(given[1:])
+    if first in _EXTRAS:
+        return _in_python(first, given[1:])
     # As for a program: the library has its own handlers while an arm moves.
     for name in (signal.SIGINT, signal.SIGPIPE):
         signal.signal(name, signal.SIG_DFL)

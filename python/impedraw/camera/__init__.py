@@ -1,0 +1,1 @@
+"""Depth images of real cameras: captures of them, and where the cameras stand. Needs the extra ``camera``."""
