@@ -78,6 +78,17 @@ def test_tum(tmp_path):
     assert np.allclose(pose_of(views[1]["X_WC"])[:3, 3], [0, 3, 1.5])
 
 
+def test_redwood(tmp_path):
+    for k in (2, 10):  # in the order of numbers, not of letters
+        cv2.imwrite(str(tmp_path / f"depth_{k}.png"), np.full((480, 640), 100 * k, np.uint16))
+    (tmp_path / "trajectory.log").write_text("".join(f"{k} {k} {k + 1}\n1 0 0 {k}\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" for k in range(2)))
+    seen = list(importers.redwood(tmp_path, 5, None, lambda text: None))
+    assert [s[0].depth[0, 0] for s in seen] == [0.2, 1.0] and seen[1][2][0, 3] == 1
+    (tmp_path / "trajectory.log").write_text("0 0 1\n1 0 0\n")
+    with pytest.raises(ValueError, match="trajectory.log"):
+        list(importers.redwood(tmp_path, 5, None, lambda text: None))
+
+
 def test_a_damaged_folder_is_one_line_and_leaves_nothing(tmp_path, capsys):
     tum_folder(tmp_path / "rgbd")
     (tmp_path / "rgbd/depth/3.png").write_bytes((tmp_path / "rgbd/depth/3.png").read_bytes()[:100])

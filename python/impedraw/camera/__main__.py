@@ -183,8 +183,8 @@ def four(text: str) -> list[float]:
 def run_import(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(
         prog="impedraw capture import", formatter_class=RAW, description="Make a capture of what a camera recorded.",
-        epilog="SOURCE is an RGB-D folder in TUM's layout (depth.txt, rgb.txt, groundtruth.txt), a ROS 2 bag (.mcap, .db3, or its folder), or a\n"
-        "recording of the RealSense SDK (.db3, .bag). Poses come from the recording, or from --calibration.\n\nExamples:\n"
+        epilog="SOURCE is an RGB-D folder in TUM's layout (depth.txt, rgb.txt, groundtruth.txt) or Redwood's (depth_*.png, trajectory.log), a ROS 2\n"
+        "bag (.mcap, .db3, or its folder), or a recording of the RealSense SDK (.db3, .bag). Poses come from the recording, or from --calibration.\n\nExamples:\n"
         "  impedraw capture import rgbd_dataset_freiburg1_xyz --into capture --views 5\n"
         "  impedraw capture import scan.mcap --into capture --base base_link\n"
         "  impedraw capture import d405.db3 --into capture --calibration commissioning\n"
@@ -195,26 +195,25 @@ def run_import(arguments: list[str]) -> int:
     parser.add_argument("--views", type=int, default=3, help="how many, spread over the recording (default: 3)")
     parser.add_argument("--base", help="ROS 2: frame that stands for W, the arm's base")
     parser.add_argument("--topic", help="ROS 2: of the depth images (default: all that have 'depth' in their name)")
-    parser.add_argument("--intrinsics", type=four, metavar="FX,FY,CX,CY", help="TUM: of the camera [px]")
+    parser.add_argument("--intrinsics", type=four, metavar="FX,FY,CX,CY", help="TUM, Redwood: of the camera [px]")
+    parser.add_argument("--size", type=lambda s: [int(n) for n in s.split("x", 1)], default=[640, 480], metavar="WxH", help="of its images [px] (default: 640x480)")
     parser.add_argument("--world", type=six, metavar="X,Y,Z,ROLL,PITCH,YAW", help="pose in W of the recording's own world [m, degrees]")
     parser.add_argument("--calibration", type=pathlib.Path, help="folder that calibrate-camera wrote the camera's pose to")
     options = parser.parse_args(arguments)
     if options.views < 1:
         parser.error(f"--views {options.views}: valid are numbers from 1")
     source, known = options.source, camera_pose(options.calibration)
-    if source.is_dir() and (source / "depth.txt").exists():
-        lens = None
-        if options.intrinsics:
-            first = importers._tum_list(source / "depth.txt", 2)[:1]
-            height, width = importers.read_image(source / first[0][1], -1).shape[:2] if first else (480, 640)
-            lens = Intrinsics(width, height, *options.intrinsics)
+    lens = options.intrinsics and Intrinsics(*options.size, *options.intrinsics)
+    if (source / "depth.txt").exists():
         seen = importers.tum(source, options.views, lens, note)
+    elif (source / "trajectory.log").exists():
+        seen = importers.redwood(source, options.views, lens, note)
     elif source.is_file() and is_recording(source):
         seen = importers.realsense(source, options.views, note)
     elif source.exists():
         seen = importers.ros2(source, options.views, options.base, options.topic, note)
     else:
-        raise ValueError(f"{source} does not exist; valid is a folder in TUM's layout, a ROS 2 bag, or a RealSense recording")
+        raise ValueError(f"{source} does not exist; valid is a folder in TUM's or Redwood's layout, a ROS 2 bag, or a RealSense recording")
     with CaptureFolder(options.into, options.overwrite) as folder:
         for frame, lens, X in seen:
             where = dict(known)

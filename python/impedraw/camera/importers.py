@@ -75,6 +75,13 @@ def read_image(file: pathlib.Path, flags: int) -> np.ndarray:
     return image
 
 
+def read_depth(file: pathlib.Path) -> np.ndarray:
+    depth = read_image(file, cv2.IMREAD_UNCHANGED)
+    if depth.ndim != 2 or depth.dtype != np.uint16:
+        raise ValueError(f"{file} is no 16-bit grey image")
+    return depth
+
+
 def tum(folder: pathlib.Path, views: int, intrinsics: Intrinsics | None, note: Callable[[str], None]) -> Iterator[Seen]:
     depths = _tum_list(folder / "depth.txt", 2)
     colors = _tum_list(folder / "rgb.txt", 2) if (folder / "rgb.txt").exists() else []
@@ -88,15 +95,31 @@ def tum(folder: pathlib.Path, views: int, intrinsics: Intrinsics | None, note: C
     color_times = [float(c[0]) for c in colors]
     for k in evenly(len(depths), views):
         time = float(depths[k][0])
-        depth = read_image(folder / depths[k][1], cv2.IMREAD_UNCHANGED)
-        if depth.ndim != 2 or depth.dtype != np.uint16:
-            raise ValueError(f"{folder / depths[k][1]} is no 16-bit grey image")
+        depth = read_depth(folder / depths[k][1])
         c = nearest(color_times, time)
         color = None if c is None else read_image(folder / colors[c][1], cv2.IMREAD_COLOR)[..., ::-1]
         if color is not None and color.shape[:2] != depth.shape:
             note(f"{colors[c][1]}: another size than its depth image; left out")
             color = None
         yield Frame(depth * TUM_SCALE, color, time), intrinsics, trajectory.at(time) if trajectory else None
+
+
+def redwood(folder: pathlib.Path, views: int, intrinsics: Intrinsics | None, note: Callable[[str], None]) -> Iterator[Seen]:
+    """The layout of Redwood's and Open3D's data: depth images in mm in the order of their names' numbers, and
+    trajectory.log with five lines for each, the last four of them X_WC."""
+    files = sorted([*folder.glob("depth_*.png"), *folder.glob("depth/*.png")], key=lambda f: int("".join(filter(str.isdigit, f.stem)) or 0))
+    try:
+        lines = [line for line in (folder / "trajectory.log").read_text().splitlines() if line.strip()]
+        poses = [np.array([[float(x) for x in row.split()] for row in lines[k + 1 : k + 5]]).reshape(4, 4) for k in range(0, len(lines), 5)]
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{folder / 'trajectory.log'} has not five lines for each image, a number and a 4 x 4 matrix: {error}") from None
+    if len(poses) != len(files) or not files:
+        raise ValueError(f"{folder} has {len(files)} depth images (depth_*.png, or depth/*.png), and trajectory.log {len(poses)} poses")
+    if intrinsics is None:
+        intrinsics = TUM_INTRINSICS
+        note("the folder tells no intrinsics: PrimeSense's 525, 525, 319.5, 239.5 are taken; --intrinsics says others")
+    for k in evenly(len(files), views):
+        yield Frame(1e-3 * read_depth(files[k])), intrinsics, poses[k]
 
 
 def realsense(file: pathlib.Path, views: int, note: Callable[[str], None]) -> Iterator[Seen]:
