@@ -2,7 +2,7 @@
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BodyMaterial } from "./bodies";
-import { onDark, onEither, problemColour, rgb } from "./colours";
+import { problemColour, rgb } from "./colours";
 import { h, numberText } from "./dom";
 import { Lines } from "./lines";
 import { type Cells, History, type Place, placed, spaced, Surface } from "./placing";
@@ -45,7 +45,6 @@ class Page {
   private camera = new three.PerspectiveCamera(35, 1, 0.01, 30);
   private orbit: OrbitControls;
   private body: three.Object3D;
-  private dark = matchMedia("(prefers-color-scheme: dark)");
   private step: number;
   private checking = false;
   private wanted = false;
@@ -90,7 +89,7 @@ class Page {
     this.orbit.addEventListener("change", () => this.draw());
     this.look();
     new ResizeObserver(() => this.resize(stage)).observe(stage);
-    this.dark.addEventListener("change", () => this.refresh());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
 
     for (const element of Object.values(this.inputs)) element.addEventListener("change", () => this.typed());
     this.undo.addEventListener("click", () => this.history.undo() && this.refresh());
@@ -123,10 +122,10 @@ class Page {
     return group;
   }
 
-  // From the front and above, the whole object in view.
+  // As the drawing is read, from above, the whole object in view.
   private look(): void {
     const sphere = new three.Box3().setFromObject(this.body).getBoundingSphere(new three.Sphere());
-    const from = new three.Vector3(0.75, -0.55, 0.9).normalize().multiplyScalar(Math.max(0.05, sphere.radius) * 3.4);
+    const from = new three.Vector3(-0.8, -0.25, 0.95).normalize().multiplyScalar(Math.max(0.05, sphere.radius) * 3.4);
     this.orbit.target.copy(sphere.center);
     this.camera.position.copy(sphere.center).add(from);
     this.orbit.update();
@@ -148,9 +147,9 @@ class Page {
     this.renderer.render(this.scene, this.camera);
   }
 
+  // The body is as bright in the dark.
   private colour(trouble: number): string {
-    const hex = trouble === 0 ? "#0a3d91" : problemColour(trouble - 1);
-    return this.dark.matches ? onDark(hex) : hex;
+    return trouble === 0 ? "#0a3d91" : problemColour(trouble - 1);
   }
 
   // The drawing anew at its place, in its colours.
@@ -215,7 +214,7 @@ class Page {
     this.summary.textContent = `can be drawn · ${numberText(found.width_mm, 3)} × ${numberText(found.height_mm, 3)} mm · about ${minutes(found.time_s)}`;
     const rows = this.data.cells.words.map((word, trouble) => ({ word, trouble, lost: found.lost_mm[word] ?? 0 })).filter((r) => r.lost > 0);
     this.lost.replaceChildren(...rows.flatMap(({ word, trouble, lost }) => [
-      h("span", {}, h("i", { style: `--key: ${onEither(problemColour(trouble - 1))}` }), word === "missing" ? "off the surface" : word),
+      h("span", {}, h("i", { style: `--key: ${problemColour(trouble - 1)}` }), word === "missing" ? "off the surface" : word),
       h("span", { class: "hint" }, `${numberText(lost, 2)} mm`)]));
   }
 
