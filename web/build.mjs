@@ -1,5 +1,5 @@
-// node build.mjs FOLDER: makes FOLDER/page.html, one file with style and program, from src/.
-// FOLDER/node_modules holds the packages. src/page/page.cc puts title, data and what a live page connects to in place of the marks.
+// node build.mjs FOLDER: makes FOLDER/page.html, of a run, and FOLDER/place.html, of ./impedraw place: each one file with style and program,
+// from src/. FOLDER/node_modules holds the packages. src/page/page.cc puts title, data and what a live page connects to in place of the marks.
 import { createHash } from "node:crypto";
 import { readFileSync, renameSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -16,14 +16,18 @@ const options = {
 const bundled = async (entry) =>
   (await esbuild.build({ ...options, entryPoints: [join(web, "src", entry)] })).outputFiles[0].text;
 
-const program = await bundled("main.ts");
-const style = await bundled("style.css");
-// The page can neither fetch anything nor run another program than this one.
-const hash = createHash("sha256").update(program, "utf8").digest("base64");
-const policy = `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data: blob:@CONNECT@`;
-const page = readFileSync(join(web, "src", "page.html"), "utf8")
-  .replace("@POLICY@", () => policy)
-  .replace("@STYLE@", () => style)
-  .replace("@PROGRAM@", () => program);
-writeFileSync(join(folder, "page.html.new"), page);
-renameSync(join(folder, "page.html.new"), join(folder, "page.html"));
+// The page can run no other program than its own, and fetch nothing but what its server has.
+const write = async (name, program, style) => {
+  const script = await bundled(program);
+  const hash = createHash("sha256").update(script, "utf8").digest("base64");
+  const policy = `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data: blob:`;
+  const css = await bundled(style);
+  const page = readFileSync(join(web, "src", name), "utf8")
+    .replace("@POLICY@", () => policy)
+    .replace("@STYLE@", () => css)
+    .replace("@PROGRAM@", () => script);
+  writeFileSync(join(folder, `${name}.new`), page);
+  renameSync(join(folder, `${name}.new`), join(folder, name));
+};
+await write("place.html", "place.ts", "place.css");
+await write("page.html", "main.ts", "style.css");

@@ -23,6 +23,7 @@
 #include "impedraw/app/commands.h"
 #include "impedraw/app/commission.h"
 #include "impedraw/app/inspect.h"
+#include "impedraw/app/place.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/report/film.h"
 #include "impedraw/settings/settings_text.h"
@@ -182,6 +183,26 @@ int run_program(int argc, char** argv) {
                         "folder that ./impedraw arm latency … register left: the loop's delay "
                         "and a mesh's pose are taken from it");
   }
+
+  impedraw::PlaceOptions by_hand;
+  CLI::App* place = app.add_subcommand(
+      "place", "put the drawing on the object by hand, on a page that tells what can be drawn");
+  add_scenario_options(place, &options);
+  place->remove_option(place->get_option("scenario"));
+  place->remove_option(place->get_option("--out"));
+  place->add_option("canvas", options.scenario,
+                    "a scenario (YAML), or a mesh (default: the standard bowl)");
+  place->add_option("--save", by_hand.save, "scenario that Save writes")->capture_default_str();
+  place->add_option("--port", by_hand.port, "port of 127.0.0.1 (default: a free one)")
+      ->check(CLI::Range(1, 65535));
+  place->add_flag("--headless", by_hand.headless, "open no browser; print the address");
+  place->footer(
+      "Examples:\n  ./impedraw place --svg artwork/koi.svg helmet.obj\n"
+      "  ./impedraw place --text Hello --set perception.source=capture --set "
+      "perception.capture=FOLDER\n"
+      "  ./impedraw draw placed.yaml\n"
+      "With --headless, questions are asked by POST: docs/place.md.");
+  place->callback([&] { code = impedraw::place_by_hand(options, by_hand); });
 
   CLI::App* compare = app.add_subcommand(
       "compare",

@@ -12,7 +12,6 @@
 #include "impedraw/common/text_fields.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/preflight_of_plan.h"
-#include "impedraw/planning/preflight/place_search.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/stroke_ruler.h"
 
@@ -103,33 +102,6 @@ std::vector<Vector3d> known_points(const Scene& scene, const Pose& X_WP) {
   return points;
 }
 
-struct Placing {
-  PlacementSettings given;  // completed
-  Artwork drawn;
-  Placement placed;  // as given
-  Vector2d middle;   // of the strokes' box, P [m]
-
-  // Rounded as it is printed.
-  PlacementSettings at(const PlaceFound& found) const {
-    const auto rounded = [](double x, double to) { return std::round(x / to) * to; };
-    PlacementSettings s = given;
-    // A rectangle's sides stay along the world's axes: a drawing that turns in it changes its size.
-    if (found.size != 1.0 || s.fit_width_m || s.fit_height_m) {
-      s.width_mm = s.height_mm = s.fit_width_m = s.fit_height_m = std::nullopt;
-      s.margin_mm = 0.0;
-      s.fit_page = false;
-      s.scale = rounded(found.size * placed.scale(), 1e-4);
-    }
-    s.rotate_deg = rounded(std::remainder(given.rotate_deg + found.turn_deg, 360.0), 0.1);
-    const Vector2d centre = found(placed.centre_m - middle);
-    s.centre_m = Vector2d::Zero();
-    // Another page point may be at the centre now.
-    s.centre_m = centre - place(drawn, s).to_plane(placed.origin_mm);
-    for (double& x : s.centre_m) x = rounded(x, 1e-4);
-    return s;
-  }
-};
-
 std::vector<std::string> assignments_of(const PlacementSettings& s, const PlacementSettings& given,
                                         const Scenario& scenario, bool moved) {
   std::vector<std::string> sets = {
@@ -166,17 +138,79 @@ struct Checked {
 
 }  // namespace
 
-SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
-                              const SurfaceWish& wish,
-                              const std::function<void(double)>& progress) {
+struct PlaceBench::Parts {
+  Parts(const Scenario& scenario, const Places& places) : errors(places), s(scenario) {}
+
+  struct Placing {
+    PlacementSettings given;  // completed
+    Artwork drawn;
+    Placement placed;  // as given
+    Vector2d middle;   // of the strokes' box, P [m]
+
+    // Rounded as it is printed.
+    PlacementSettings at(const PlaceFound& found) const {
+      const auto rounded = [](double x, double to) { return std::round(x / to) * to; };
+      PlacementSettings s = given;
+      // A rectangle's sides stay along the world's axes: what turns in it changes its size.
+      if (found.size != 1.0 || s.fit_width_m || s.fit_height_m) {
+        s.width_mm = s.height_mm = s.fit_width_m = s.fit_height_m = std::nullopt;
+        s.margin_mm = 0.0;
+        s.fit_page = false;
+        s.scale = rounded(found.size * placed.scale(), 1e-4);
+      }
+      s.rotate_deg = rounded(std::remainder(given.rotate_deg + found.turn_deg, 360.0), 0.1);
+      const Vector2d centre = found(placed.centre_m - middle);
+      s.centre_m = Vector2d::Zero();
+      // Another page point may be at the centre now.
+      s.centre_m = centre - place(drawn, s).to_plane(placed.origin_mm);
+      for (double& x : s.centre_m) x = rounded(x, 1e-4);
+      return s;
+    }
+  };
+
+  SettingErrors errors;
+  Scenario s;  // with the placement completed, and a canvas that may have been moved
+  Pose X_WP;
+  std::optional<Scene> scene;
+  std::optional<PlaceSearch> search;
+  Placing placing;
+  std::vector<std::vector<Vector2d>> strokes;
+  std::vector<Vector2d> drawing;  // points spaced evenly along the strokes, about their middle
+
+  // What a pre-flight of the drawing at a place says; `failed`: points of P where it cannot be
+  // drawn.
+  double share_of(const PlacementSettings& placement, std::vector<Vector2d>* failed) {
+    Scenario there = s;
+    there.drawing.placement = placement;
+    const PlacedArtwork put = load_artwork(there.drawing, errors);
+    try {
+      const Plan plan = make_plan(there, put, *scene, Unreachable::tell, errors);
+      double lost = 0.0;
+      for (const Finding& f : plan.preflight.findings) {
+        lost += f.part.length();
+        if (!failed) continue;
+        failed->push_back((X_WP.inverse() * f.p_W).head<2>());
+        const PlacedStroke& stroke = put.strokes[static_cast<std::size_t>(f.part.stroke)];
+        const PlacedStroke part = part_of(stroke, f.part.from, f.part.to);
+        failed->insert(failed->end(), part.p_P.begin(), part.p_P.end());
+      }
+      double kept = 0.0;
+      for (const StrokePart& part : plan.preflight.drawable) kept += part.length();
+      return kept / std::max(kept + lost, 1e-9);
+    } catch (const InputError&) {  // nothing of a wrap, for example
+      return 0.0;
+    }
+  }
+};
+
+PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const SurfaceWish& wish) {
   distance_of(wish.near, {});  // refuses it before anything takes long
-  const SettingErrors errors(places);
-  SurfacePlace result;
-  Scenario& s = result.scenario = scenario;
+  parts_ = std::make_unique<Parts>(scenario, places);
+  Scenario& s = parts_->s;
   s.drawing.placement = placement_settings(s.drawing);
-  PlacedArtwork artwork = load_artwork(s.drawing, errors);
-  const Pose X_WP = artwork.X_WP;
-  Scene scene = build_scene(s, X_WP, errors);
+  const PlacedArtwork artwork = load_artwork(s.drawing, parts_->errors);
+  const Pose X_WP = parts_->X_WP = artwork.X_WP;
+  Scene& scene = parts_->scene.emplace(build_scene(s, X_WP, parts_->errors));
   if (scene.height_unknown())
     throw InputError(
         "--place surface: nothing is known of the surface; valid is perception.enabled: true, or "
@@ -200,55 +234,100 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     settings.rough = [&scene, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
       return scene.perception->roughness(X_WP * p_P).misfit / most;
     };
-  PlaceSearch search(scene.surface(X_WP), settings);
-  if (progress) progress(0.2);
+  parts_->search.emplace(scene.surface(X_WP), settings);
 
-  Placing placing{s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
+  parts_->placing = {s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
   Eigen::AlignedBox2d box;
   for (const PlacedStroke& stroke : artwork.strokes)
     for (const Vector2d& p : stroke.p_P) box.extend(p);
-  placing.middle = box.center();
-  const std::vector<Vector2d> drawing = points_about_middle(artwork.strokes, placing.middle);
+  const Vector2d middle = parts_->placing.middle = box.center();
+  for (const PlacedStroke& stroke : artwork.strokes) {
+    parts_->strokes.emplace_back();
+    for (const Vector2d& p : stroke.p_P) parts_->strokes.back().push_back(p - middle);
+  }
+  parts_->drawing = points_about_middle(artwork.strokes, middle);
+}
+
+PlaceBench::~PlaceBench() = default;
+const Scenario& PlaceBench::scenario() const { return parts_->s; }
+const Pose& PlaceBench::X_WP() const { return parts_->X_WP; }
+const PlaceSearch& PlaceBench::search() const { return *parts_->search; }
+const std::vector<std::vector<Vector2d>>& PlaceBench::strokes() const { return parts_->strokes; }
+
+const TriangleMesh* PlaceBench::known_mesh() const {
+  const Parts& p = *parts_;
+  return p.s.perception.source == PerceptionSource::simulated && p.scene->canvas
+             ? &p.scene->canvas->mesh()
+             : nullptr;
+}
+
+std::vector<Vector3d> PlaceBench::cloud() const {
+  return parts_->scene->planning ? parts_->scene->planning->cloud().points
+                                 : std::vector<Vector3d>();
+}
+
+PlaceFound PlaceBench::given() const {
+  PlaceFound place;
+  place.middle = parts_->placing.middle;
+  return place;
+}
+
+PlaceBench::QuickCheck PlaceBench::check(const PlaceFound& place) const {
+  constexpr double kBetween = 1.0;  // strokes: the pen is lifted, moved and set down [s]
+  QuickCheck found;
+  for (const std::vector<Vector2d>& stroke : parts_->strokes)
+    for (std::size_t i = 1; i < stroke.size(); ++i)
+      found.length += place.size * (stroke[i] - stroke[i - 1]).norm();
+  const double each = found.length / static_cast<double>(parts_->drawing.size());
+  double lost = 0.0;
+  for (const Vector2d& p : parts_->drawing) {
+    const CellTrouble trouble = parts_->search->trouble(place(p));
+    if (trouble == CellTrouble::none) continue;
+    found.lost[trouble] += each;
+    lost += each;
+  }
+  found.share = 1.0 - lost / std::max(found.length, 1e-9);
+  found.time = found.length / parts_->s.path.draw_speed +
+               kBetween * static_cast<double>(parts_->strokes.size());
+  const Parts::Placing& placing = parts_->placing;
+  found.size_mm = place.size * placing.placed.scale() * bounds_of(placing.drawn.strokes).sizes();
+  return found;
+}
+
+Scenario PlaceBench::scenario_at(const PlaceFound& place) const {
+  Scenario s = parts_->s;
+  s.drawing.placement = parts_->placing.at(place);
+  return s;
+}
+
+double PlaceBench::share_of_plan(const PlaceFound& place) const {
+  return parts_->share_of(parts_->placing.at(place), nullptr);
+}
+
+SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
+                              const SurfaceWish& wish,
+                              const std::function<void(double)>& progress) {
+  PlaceBench bench(scenario, places, wish);
+  PlaceBench::Parts& parts = *bench.parts_;
+  if (progress) progress(0.2);
 
   Checked best;
   std::vector<PlaceFound> tried;
-  // The pre-flight of a place. What fails there is avoided from now on.
-  const auto check = [&](const PlaceFound& place) {
-    Checked checked{place, placing.at(place)};
-    Scenario there = s;
-    there.drawing.placement = checked.placement;
-    const PlacedArtwork put = load_artwork(there.drawing, errors);
-    try {
-      const Plan plan = make_plan(there, put, scene, Unreachable::tell, errors);
-      double lost = 0.0;
-      std::vector<Vector2d> failed;
-      for (const Finding& f : plan.preflight.findings) {
-        lost += f.part.length();
-        failed.push_back((X_WP.inverse() * f.p_W).head<2>());
-        const PlacedStroke& stroke = put.strokes[static_cast<std::size_t>(f.part.stroke)];
-        const PlacedStroke part = part_of(stroke, f.part.from, f.part.to);
-        failed.insert(failed.end(), part.p_P.begin(), part.p_P.end());
-      }
-      double kept = 0.0;
-      for (const StrokePart& part : plan.preflight.drawable) kept += part.length();
-      checked.share = kept / std::max(kept + lost, 1e-9);
-      search.avoid(failed);
-    } catch (const InputError&) {  // nothing of a wrap, for example
-      checked.share = 0.0;
-    }
-    checked.cost = place.cost + 10.0 * (1.0 - checked.share);
-    return checked;
-  };
   for (double size = 1.0; size >= kSmallest; size *= kShrink) {
     int whole = 0, in_vain = 0;
     for (int i = 0; i < kChecked && whole < kWhole && in_vain < kInVain; ++i) {
-      const PlaceFound place = search.best(drawing, size, tried);
+      const PlaceFound place = parts.search->best(parts.drawing, size, tried);
       if (!std::isfinite(place.cost)) break;
       // A smaller one will do better.
       if (wish.shrink && place.share < kPromising && size * kShrink >= kSmallest) break;
       if (progress) progress(0.2 + 0.8 * i / kChecked);
       tried.push_back(place);
-      const Checked checked = check(place);
+      Checked checked{place, parts.placing.at(place)};
+      // What fails in the pre-flight is avoided from now on.
+      std::vector<Vector2d> failed;
+      checked.share = parts.share_of(checked.placement, &failed);
+      checked.cost = place.cost + 10.0 * (1.0 - checked.share);
+      parts.search->avoid(failed);
       whole += checked.share >= kAll;
       ++in_vain;
       if (!checked.better_than(best)) continue;
@@ -260,17 +339,19 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   if (!(best.share > 0.0))
     throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");
 
-  s.drawing.placement = best.placement;
-  const SurfaceHeight surface = scene.surface(X_WP);
+  SurfacePlace result;
+  result.scenario = parts.s;
+  result.scenario.drawing.placement = best.placement;
+  const SurfaceHeight surface = parts.scene->surface(parts.X_WP);
   const Vector2d& middle = best.place.middle;
   const auto under = surface(middle.x(), middle.y());
-  result.p_W = X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
+  result.p_W = parts.X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
   result.turn_deg = best.place.turn_deg;
   result.share = best.share;
-  const Placement final_placement = place(placing.drawn, best.placement);
-  result.size_mm = final_placement.scale() * bounds_of(placing.drawn.strokes).sizes();
-  result.assignments =
-      assignments_of(best.placement, placing.given, s, s.canvas.move != scenario.canvas.move);
+  const Placement final_placement = place(parts.placing.drawn, best.placement);
+  result.size_mm = final_placement.scale() * bounds_of(parts.placing.drawn.strokes).sizes();
+  result.assignments = assignments_of(best.placement, parts.placing.given, parts.s,
+                                      parts.s.canvas.move != scenario.canvas.move);
   return result;
 }
 

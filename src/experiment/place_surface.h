@@ -6,10 +6,13 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/planning/preflight/place_search.h"
 #include "impedraw/settings/yaml_read.h"
 
 namespace impedraw {
@@ -28,6 +31,43 @@ struct SurfacePlace {
   Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();  // across and down the page, on the canvas
   double share = 0.0;                                 // of the drawing's length that can be drawn
   std::vector<std::string> assignments;               // settings that put it there again
+};
+
+// A surface that was looked at once, on which the drawing is tried at place after place.
+class PlaceBench {
+ public:
+  // Throws InputError like prepare(), and for a wish that means nothing.
+  PlaceBench(const Scenario& scenario, const Places& places, const SurfaceWish& wish = {});
+  ~PlaceBench();
+
+  const Scenario& scenario() const;  // as given
+  const Pose& X_WP() const;
+  const PlaceSearch& search() const;
+  // What is known of the object, in W: the mesh, if the cameras are simulated, else null; points.
+  const TriangleMesh* known_mesh() const;
+  std::vector<Eigen::Vector3d> cloud() const;
+  // Of the strokes as they are given, about the middle of their box [m].
+  const std::vector<std::vector<Eigen::Vector2d>>& strokes() const;
+  PlaceFound given() const;
+
+  // Takes some milliseconds: the pre-flight has the last word.
+  struct QuickCheck {
+    double share = 0.0;                  // of the drawing's length that can be drawn
+    std::map<CellTrouble, double> lost;  // length on the page's scale [m]
+    double length = 0.0, time = 0.0;  // of all of it [m]; drawing and about a second a stroke [s]
+    Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();
+  };
+  QuickCheck check(const PlaceFound& place) const;
+
+  // The drawing there: as a scenario, and what of it the pre-flight lets pass, from 0 to 1.
+  Scenario scenario_at(const PlaceFound& place) const;
+  double share_of_plan(const PlaceFound& place) const;
+
+ private:
+  friend SurfacePlace place_on_surface(const Scenario&, const Places&, const SurfaceWish&,
+                                       const std::function<void(double)>&);
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 // `progress`: fraction done, 0 to 1. Throws InputError like prepare(), for a wish that means

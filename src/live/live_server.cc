@@ -1,17 +1,14 @@
 #include "impedraw/live/live_server.h"
 
 #include <pthread.h>
-#include <sys/random.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <csignal>
 #include <cstring>
 #include <mutex>
 #include <optional>
-#include <stdexcept>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -26,6 +23,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/live/local_access.h"
 
 namespace impedraw {
 
@@ -45,23 +43,6 @@ constexpr std::size_t kMostMessage = 64;   // of a viewer [bytes]
 constexpr std::size_t kMostRequests = 24;  // that have not become viewers
 constexpr std::size_t kRowsAMessage = 512;
 
-std::string random_token() {
-  std::array<unsigned char, 16> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("the live view's token cannot be made: no random numbers");
-  std::string text;
-  for (const unsigned char b : bytes) text += fmt::format("{:02x}", b);
-  return text;
-}
-
-// Takes as long wherever they differ.
-bool same(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned char differ = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) differ |= static_cast<unsigned char>(a[i] ^ b[i]);
-  return differ == 0;
-}
-
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 void append_number(std::uint32_t number, std::string* out) {
@@ -72,14 +53,12 @@ class Viewer;
 
 // What the server's thread has, and the run's thread may read.
 struct Shared {
-  explicit Shared(const LiveSettings& given)
-      : settings(given), ring(given.row_width, 8192), token(random_token()) {}
+  explicit Shared(const LiveSettings& given) : settings(given), ring(given.row_width, 8192) {}
 
   const LiveSettings settings;
   RowRing ring;
-  const std::string token;
+  LocalAccess access;
   std::string page;
-  int port = 0;
   std::atomic<bool> paused = false, stopped = false, emergency = false;
   std::atomic<std::size_t> viewer_count = 0;
 
@@ -271,22 +250,9 @@ class Visit : public std::enable_shared_from_this<Visit> {
   }
 
  private:
-  bool is_here(std::string_view host) const {
-    return host == fmt::format("127.0.0.1:{}", shared_.port) ||
-           host == fmt::format("localhost:{}", shared_.port);
-  }
-
   void handle() {
     const Request& request = parser_.get();
-    if (!is_here(view_of(request[http::field::host])))
-      return answer(http::status::forbidden, "not the host of this server\n");
-    const std::string_view origin = view_of(request[http::field::origin]);
-    constexpr std::string_view kScheme = "http://";
     const bool upgrade = websocket::is_upgrade(request);
-    if ((upgrade || !origin.empty()) &&
-        !(origin.starts_with(kScheme) && is_here(origin.substr(kScheme.size()))))
-      return answer(http::status::forbidden, "not from this server's page\n");
-
     const std::string_view target = view_of(request.target());
     const std::size_t query = target.find("?token=");
     const std::string_view path = target.substr(0, query);
@@ -296,8 +262,10 @@ class Visit : public std::enable_shared_from_this<Visit> {
       since = std::strtod(std::string(token.substr(more + 7)).c_str(), nullptr);
       token = token.substr(0, more);
     }
-    if (!same(token, shared_.token))
-      return answer(http::status::forbidden, "the address lacks the run's token\n");
+    if (const char* refusal =
+            shared_.access.refusal(view_of(request[http::field::host]),
+                                   view_of(request[http::field::origin]), upgrade, token))
+      return answer(http::status::forbidden, refusal);
     if (request.method() != http::verb::get)
       return answer(http::status::method_not_allowed, "GET alone\n");
     if (path == "/live" && upgrade) {
@@ -356,7 +324,7 @@ class LiveServer::Impl {
     if (error)
       throw InputError(fmt::format("--port {}: cannot be listened to on 127.0.0.1: {}",
                                    settings.port, error.message()));
-    shared_.port = acceptor_.local_endpoint().port();
+    shared_.access.listens_on(acceptor_.local_endpoint().port());
   }
 
   ~Impl() {
@@ -456,10 +424,8 @@ class LiveServer::Impl {
 
 LiveServer::LiveServer(const LiveSettings& settings) : impl_(std::make_shared<Impl>(settings)) {}
 LiveServer::~LiveServer() = default;
-int LiveServer::port() const { return impl_->shared().port; }
-std::string LiveServer::address() const {
-  return fmt::format("http://127.0.0.1:{}/?token={}", port(), impl_->shared().token);
-}
+int LiveServer::port() const { return impl_->shared().access.port(); }
+std::string LiveServer::address() const { return impl_->shared().access.address(); }
 void LiveServer::serve(std::string page) { impl_->serve(std::move(page)); }
 RowRing& LiveServer::rows() noexcept { return impl_->shared().ring; }
 bool LiveServer::paused() const noexcept { return impl_->shared().paused; }

@@ -12,6 +12,7 @@ extern "C" {
 extern const char impedraw_page_begin[];
 extern const char impedraw_page_end[];
 extern const char impedraw_commit_begin[];
+extern const char impedraw_place_page_begin[];
 }
 __asm__(
     ".section .rodata\n"
@@ -21,6 +22,11 @@ __asm__(
     ".incbin \"" IMPEDRAW_PAGE
     "\"\n"
     "impedraw_page_end:\n"
+    ".byte 0\n"
+    ".global impedraw_place_page_begin\n"
+    "impedraw_place_page_begin:\n"
+    ".incbin \"" IMPEDRAW_PLACE_PAGE
+    "\"\n"
     ".byte 0\n"
     ".global impedraw_commit_begin\n"
     "impedraw_commit_begin:\n"
@@ -85,6 +91,8 @@ std::string commit() {
   const std::string_view line = impedraw_commit_begin;
   return std::string(line.substr(0, line.find('\n')));
 }
+
+std::string place_page_html() { return impedraw_place_page_begin; }
 
 std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads,
                       const std::string& socket) {

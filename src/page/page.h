@@ -83,4 +83,7 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
 std::string page_html(const std::string& title, const std::vector<PagePayload>& payloads,
                       const std::string& socket = {});
 
+// The page of ./impedraw place (app/place.h), which asks its server for its data.
+std::string place_page_html();
+
 }  // namespace impedraw

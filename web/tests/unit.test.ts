@@ -6,6 +6,7 @@ import { linkFrames, rotation } from "../src/kinematics";
 import { hashOf, momentOf } from "../src/link";
 import { LiveRun } from "../src/live";
 import type { Run } from "../src/data";
+import { History, placed, spaced, Surface } from "../src/placing";
 import { Pyramid } from "../src/pyramid";
 import { straightTo } from "../src/thin";
 import { differenceText, holds } from "../src/tables";
@@ -156,4 +157,41 @@ test("a run that goes on for hours is kept in bounded memory, and its numbers co
   });
   assert.equal(run.spans.length, n / each);
   assert.ok(Math.abs(live.numbers().force - force / (n - (10 * n) / each)) < 1e-6);
+});
+
+const cells = { columns: 3, rows: 2, side: 0.1, x: 0, y: 0, heights: [0, 1, 2, 10, 11, null], troubles: [0, 0, 0, 0, 0, 1], words: [] };
+
+test("a surface is linear between the middles of cells, and its holes are missing", () => {
+  const surface = new Surface(cells, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]);
+  assert.ok(Math.abs(surface.height(0.1, 0.1)! - 5.5) < 1e-12);
+  assert.ok(Math.abs(surface.height(0.07, 0.08)! - (0.2 + 3)) < 1e-12);
+  assert.equal(surface.height(0.25, 0.15), null);
+  assert.deepEqual([surface.trouble(0.25, 0.15), surface.trouble(0.05, 0.05), surface.trouble(-0.01, 0)], [1, 0, 1]);
+});
+
+test("a point of W is found again in P, however P is turned", () => {
+  const [c, s] = [Math.cos(0.3), Math.sin(0.3)];
+  const surface = new Surface(cells, [c, 0, s, 0.4, 0, 1, 0, -0.1, -s, 0, c, 0.2]);
+  const [x, y, z] = surface.world(0.12, 0.07, 0.3);
+  const [u, v] = surface.plane({ x, y, z });
+  assert.ok(Math.abs(u - 0.12) < 1e-12 && Math.abs(v - 0.07) < 1e-12);
+});
+
+test("a placed stroke is scaled, turned and moved, in this order, and spaced without losing its corners", () => {
+  const line = placed([0.1, 0, 0.1, 0.1], { x: 1, y: 2, turn: 90, size: 2 });
+  [1, 2.2, 0.8, 2.2].forEach((x, k) => assert.ok(Math.abs(line[k] - x) < 1e-12));
+  const fine = spaced([0, 0, 0.25, 0, 0.25, 0.1], 0.1);
+  assert.equal(fine.length, 2 * 5);
+  assert.deepEqual(fine.slice(6), [0.25, 0, 0.25, 0.1]);
+});
+
+test("what is dragged in one go is one step back", () => {
+  const at = (x: number) => ({ x, y: 0, turn: 0, size: 1 });
+  const history = new History(at(0));
+  history.move(at(0));
+  for (let k = 1; k < 5; ++k) history.move(at(k), true);
+  assert.equal(history.undo() && history.now.x, 0);
+  assert.equal(history.redo() && history.now.x, 4);
+  history.move(at(9));
+  assert.equal(history.canRedo, false);
 });

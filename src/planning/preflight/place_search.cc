@@ -37,6 +37,7 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
   nx_ = static_cast<int>(sides.x() / cell) + 1;
   ny_ = static_cast<int>(sides.y() / cell) + 1;
   cells_.resize(static_cast<std::size_t>(nx_) * ny_);
+  heights_.assign(cells_.size(), std::numeric_limits<float>::quiet_NaN());
   std::vector<std::optional<SurfaceSample>> seen;
   for (int j = 0; j < ny_; ++j)
     for (int i = 0; i < nx_; ++i) {
@@ -51,19 +52,24 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
       if (!here) continue;
       const double slope =
           std::acos(std::clamp(std::min(here->n_P.z(), here->steepest), -1.0, 1.0));
-      bool bad = slope > steepest;
+      CellTrouble trouble = slope > steepest ? CellTrouble::steep : CellTrouble::none;
+      heights_[index(i, j)] = static_cast<float>(here->p_P.z());
       double bend = 0.0;
       for (const auto& [x, y] : {std::pair{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
         if (x < 0 || y < 0 || x >= nx_ || y >= ny_ || !seen[index(x, y)]) continue;
         const SurfaceSample& there = *seen[index(x, y)];
-        bad |= step_between(*here, there) > kBroken;
+        if (step_between(*here, there) > kBroken) trouble = CellTrouble::edge;
         bend = std::max(bend, (there.n_P - here->n_P).norm() / (there.p_P - here->p_P).norm());
       }
       const auto square = [](double x) { return std::min(4.0, x * x); };
       Cell& c = cells_[index(i, j)];
-      c.bad = bad;
+      c.trouble = trouble;
       c.cost = settings_.calm * (square(slope / kSteepPlace) + square(bend / kBent));
-      if (settings_.rough) c.cost += settings_.calm * square(settings_.rough(here->p_P));
+      if (settings_.rough) {
+        const double rough = settings_.rough(here->p_P);
+        c.cost += settings_.calm * square(rough);
+        if (rough >= 1.0 && !c.bad()) c.trouble = CellTrouble::rough;
+      }
       if (settings_.near) c.cost += settings_.near(here->p_P);
     }
   }
@@ -75,10 +81,13 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
       std::vector<std::size_t> block;
       for (int y = j; y < std::min(ny_, j + stride); ++y)
         for (int x = i; x < std::min(nx_, i + stride); ++x)
-          if (!cells_[index(x, y)].bad) block.push_back(index(x, y));
+          if (!cells_[index(x, y)].bad()) block.push_back(index(x, y));
       if (block.empty()) continue;
-      const double cost = kUnreachable * settings_.unreachable(*seen[block[block.size() / 2]]);
-      for (const std::size_t k : block) cells_[k].cost += cost;
+      const double effort = settings_.unreachable(*seen[block[block.size() / 2]]);
+      for (const std::size_t k : block) {
+        cells_[k].cost += kUnreachable * effort;
+        if (effort >= 1.0) cells_[k].trouble = CellTrouble::unreachable;
+      }
     }
   }
 }
@@ -92,7 +101,7 @@ void PlaceSearch::add_edges() {
       for (int y = j - kBeside; y <= j + kBeside; ++y)
         for (int x = i - kBeside; x <= i + kBeside; ++x)
           if (x < 0 || y < 0 || x >= nx_ || y >= ny_ ||
-              cells_[static_cast<std::size_t>(y) * nx_ + x].bad)
+              cells_[static_cast<std::size_t>(y) * nx_ + x].bad())
             edge = std::max(edge, std::max(std::abs(x - i), std::abs(y - j)) < kBeside ? 1.0 : 0.5);
       cells_[static_cast<std::size_t>(j) * nx_ + i].cost += settings_.calm * edge;
     }
@@ -107,7 +116,12 @@ std::size_t PlaceSearch::at(const Vector2d& p) const {
 
 void PlaceSearch::avoid(const std::vector<Vector2d>& points) {
   for (const Vector2d& p : points)
-    if (const std::size_t k = at(p); k < cells_.size()) cells_[k].bad = true;
+    if (const std::size_t k = at(p); k < cells_.size()) cells_[k].trouble = CellTrouble::avoided;
+}
+
+CellTrouble PlaceSearch::trouble(const Vector2d& p) const {
+  const std::size_t k = at(p);
+  return k < cells_.size() ? cells_[k].trouble : CellTrouble::missing;
 }
 
 PlaceFound PlaceSearch::best(const std::vector<Vector2d>& drawing, double size,
@@ -135,7 +149,7 @@ PlaceFound PlaceSearch::best(const std::vector<Vector2d>& drawing, double size,
         int bad = 0;
         for (const Vector2d& p : placed) {
           const std::size_t k = at(place.middle + p);
-          const bool out = k == cells_.size() || cells_[k].bad;
+          const bool out = k == cells_.size() || cells_[k].bad();
           cost += out ? kBadCell + settings_.calm : 0.0;
           if (k < cells_.size()) cost += cells_[k].cost;
           bad += out;

@@ -5,8 +5,7 @@
 //
 //   c = 10 b + 5 u + calm ((θ / 60°)² + (κ / 40 m⁻¹)² + r² + e) + near
 //
-//   b     1 where the surface is missing, steeper than max_slope or broken, by a step that the
-//         slopes on both sides do not explain; or where avoid() says so
+//   b     1 where a cell has a trouble other than rough or unreachable
 //   u     what `unreachable` says of the cell's neighbourhood: 0, the arm is at ease there, to 1
 //   θ, κ  slope and bend; e: 1 beside a cell with b = 1, 1/2 one cell further away
 //   r     roughness, as a share of what is too rough to be drawn on
@@ -16,6 +15,7 @@
 // places that no arm reaches stay candidates, behind all others.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -37,6 +37,10 @@ struct PlaceSearchSettings {
   std::function<double(const Eigen::Vector3d& p_P)> rough;  // null: 0
 };
 
+// Why a cell cannot be drawn on. Edge: broken, by a step that the slopes on both sides do not
+// explain. Rough: r ≥ 1. Unreachable: u = 1.
+enum class CellTrouble : std::uint8_t { none, missing, steep, edge, avoided, rough, unreachable };
+
 // The drawing, about its middle, is turned by turn_deg, scaled by `size` and put at `middle`.
 struct PlaceFound {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();  // P [m]
@@ -56,6 +60,17 @@ class PlaceSearch {
   // A check failed at these points of P: drawings are to keep off them.
   void avoid(const std::vector<Eigen::Vector2d>& points);
 
+  // What keeps a point of P from being drawn.
+  CellTrouble trouble(const Eigen::Vector2d& p) const;
+
+  // The cells, row by row from the box's lowest corner: how many of them along x and y, their side
+  // [m], and of each the height of the surface in P [m], NaN where there is none.
+  int columns() const { return nx_; }
+  int rows() const { return ny_; }
+  double side() const { return settings_.cell; }
+  const Eigen::AlignedBox2d& box() const { return settings_.box; }
+  const std::vector<float>& heights() const { return heights_; }
+
   // The cheapest place for the points of a drawing, spaced evenly along it, about its middle [m].
   // Not one of `tried`, nor within 8 mm and 20° of it. With an infinite cost if nothing is left.
   PlaceFound best(const std::vector<Eigen::Vector2d>& drawing, double size,
@@ -67,11 +82,16 @@ class PlaceSearch {
 
   struct Cell {
     double cost = 0.0;
-    bool bad = true;
+    CellTrouble trouble = CellTrouble::missing;
+    bool bad() const {
+      return trouble != CellTrouble::none && trouble != CellTrouble::rough &&
+             trouble != CellTrouble::unreachable;
+    }
   };
   PlaceSearchSettings settings_;
   int nx_ = 0, ny_ = 0;
   std::vector<Cell> cells_;
+  std::vector<float> heights_;
 };
 
 }  // namespace impedraw
