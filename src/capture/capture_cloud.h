@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "impedraw/capture/capture.h"
+#include "impedraw/capture/cloud_file.h"
 #include "impedraw/perception/cloud.h"
 
 namespace impedraw {
@@ -17,6 +18,15 @@ struct CaptureCloud {
   PointCloud cloud;                // not thinned; `camera` counts the views
   std::vector<std::string> notes;  // what each view gave and what was removed, one line each
 };
+
+// The points of a file `name` that lie in the region, as seen from `viewpoints`, or from where the
+// file says, or from 1 m above their middle. Where the file's normals agree among neighbours, so
+// that they tell outside from inside, a point was seen from the viewpoint that its normal looks at
+// most directly, and points that face away from all of them go; else from the nearest viewpoint.
+// Throws InputError if no point is left.
+CaptureCloud cloud_of(const CloudFile& file, const std::string& name,
+                      const std::vector<Eigen::Vector3d>& viewpoints,
+                      const CloudSettings& settings);
 
 // Each view's points lie in W. The arm is removed where a view tells its joints. Throws InputError
 // if no view has a point in the region.

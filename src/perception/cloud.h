@@ -2,6 +2,7 @@
 // cropping, fusion, thinning.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct PointCloud {
   std::vector<double> weight;         // number of pixels averaged into each point; empty: one each
   std::vector<int> camera;            // index into eyes of a camera that saw the point
   std::vector<Eigen::Vector3d> eyes;  // p_WC of each camera [m]
+  std::vector<std::uint8_t> rgb;      // three bytes a point; may be empty
 };
 
 // All points within radius of the segment from a to b: the self filter's model of an arm link.
