@@ -9,6 +9,7 @@
 
 #include "impedraw/capture/clean_view.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/perception/normals.h"
 
 namespace impedraw {
 
@@ -89,60 +90,173 @@ CaptureCloud cloud_of(const CloudFile& file, const std::string& name,
   return result;
 }
 
-CaptureCloud cloud_of(Capture capture, const CloudSettings& settings, const ArmShapes& arm) {
+namespace {
+
+// The points of a view in W within a region.
+struct ViewPoints {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::size_t> pixel;
+  int outside = 0, of_arm = 0, without_ray = 0;
+};
+
+ViewPoints points_of(const CapturedView& view, const Eigen::AlignedBox3d& region,
+                     const std::vector<Capsule>& arm, double padding) {
+  ViewPoints found;
+  for (int j = 0; j < view.lens.height; ++j) {
+    for (int i = 0; i < view.lens.width; ++i) {
+      const double depth = view.depth.at(i, j);
+      if (!std::isfinite(depth)) continue;
+      const auto direction = view.lens.direction_C(i, j);
+      if (!direction) {
+        ++found.without_ray;
+        continue;
+      }
+      const Eigen::Vector3d p = view.X_WC * Eigen::Vector3d(depth * *direction);
+      const auto hides = [&](const Capsule& c) { return inside(c, padding, p); };
+      if (!region.contains(p)) {
+        ++found.outside;
+      } else if (std::any_of(arm.begin(), arm.end(), hides)) {
+        ++found.of_arm;
+      } else {
+        found.points.push_back(p);
+        found.pixel.push_back(static_cast<std::size_t>(j) * view.lens.width + i);
+      }
+    }
+  }
+  return found;
+}
+
+// Samples of a view's surface: points of its thinned cloud, put onto the surface that is fitted to
+// their neighbours. What stands beside the region, as a table cut off by it, helps, too.
+ViewSamples samples_of(const CapturedView& view, const CloudSettings& settings,
+                       const std::vector<Capsule>& arm) {
+  constexpr double kBeside = 0.05, kVoxel = 0.004;  // [m]
+  constexpr std::size_t kMost = 6000;
+  constexpr double kLeastDeviation = 2e-5;  // [m]
+  ViewSamples samples{view.name, view.X_WC.p, {}};
+  Eigen::AlignedBox3d region = settings.region;
+  region.min().array() -= kBeside;
+  region.max().array() += kBeside;
+  PointCloud cloud;
+  cloud.points = points_of(view, region, arm, settings.self_padding).points;
+  cloud.camera.assign(cloud.points.size(), 0);
+  cloud.eyes = {view.X_WC.p};
+  cloud = thin(cloud, std::max(kVoxel, settings.voxel));
+  NormalSettings normals;
+  normals.k = noise_at_1m(view) > 5e-4 ? 80 : 40;
+  if (cloud.points.size() < static_cast<std::size_t>(normals.k)) return samples;
+  const SurfaceEstimator surface(std::move(cloud), normals);
+  const std::vector<Eigen::Vector3d>& points = surface.cloud().points;
+  const std::size_t stride = points.size() / kMost + 1;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const SurfaceEstimate at = surface.estimate(points[i]);
+    if (at.status != SurfaceStatus::ok) continue;
+    const double deviation = surface.roughness(points[i]).residual / std::sqrt(normals.k / 4.0);
+    samples.samples.push_back(
+        {points[i] - at.distance * at.n_W, at.n_W, std::max(kLeastDeviation, deviation)});
+  }
+  return samples;
+}
+
+// Puts the views onto each other.
+void align(Capture* capture, const CloudSettings& settings,
+           const std::vector<std::vector<Capsule>>& arms, CaptureCloud* result) {
+  std::vector<ViewSamples> samples;
+  for (std::size_t v = 0; v < capture->views.size(); ++v)
+    samples.push_back(samples_of(capture->views[v], settings, arms[v]));
+  result->alignment = align_views(samples);
+  const ViewAlignment& found = result->alignment;
+  for (std::size_t v = 0; v < capture->views.size(); ++v) {
+    CapturedView& view = capture->views[v];
+    const AlignedView& aligned = found.views[v];
+    view.X_WC = aligned.T * view.X_WC;
+    if (aligned.matches == 0) {
+      result->notes.push_back(view.name +
+                              ": overlaps with no other view; it stays where it is calibrated");
+      continue;
+    }
+    std::string open;
+    for (const OpenDirection& d : aligned.open) open += (open.empty() ? "" : ", ") + d.text();
+    result->notes.push_back(
+        fmt::format("{}: moved onto the other views by {:.2f} mm and {:.3f}° of its camera{}",
+                    view.name, 1e3 * aligned.shift, aligned.turn_deg,
+                    open.empty() ? "" : "; as calibrated where the shape tells nothing: " + open));
+  }
+  if (found.rms > 0.0)
+    result->notes.push_back(
+        fmt::format("the views are {:.2f} mm RMS apart along the normals, {:.2f} mm before they "
+                    "were put onto each other",
+                    1e3 * found.rms, 1e3 * found.rms_before));
+}
+
+// Throws InputError for a camera that the points enclose: there is hardly a direction from it
+// without one.
+void refuse_enclosed(const Capture& capture, const PointCloud& cloud) {
+  constexpr int kSides = 8, kCells = 6 * kSides * kSides;
+  constexpr double kEnclosed = 0.6, kNear = 2.0;  // [m]
+  for (const CapturedView& view : capture.views) {
+    std::vector<char> seen(kCells);
+    for (const Eigen::Vector3d& p : cloud.points) {
+      const Eigen::Vector3d d = p - view.X_WC.p;
+      if (d.norm() > kNear) continue;
+      int axis = 0;
+      const double most = d.cwiseAbs().maxCoeff(&axis);
+      if (most == 0.0) continue;
+      const auto cell = [&](int k) {
+        const double x = 0.5 + 0.5 * d[(axis + k) % 3] / most;
+        return std::clamp(static_cast<int>(x * kSides), 0, kSides - 1);
+      };
+      seen[static_cast<std::size_t>(
+          ((2 * axis + (d[axis] > 0 ? 1 : 0)) * kSides + cell(1)) * kSides + cell(2))] = 1;
+    }
+    if (std::count(seen.begin(), seen.end(), 1) > kEnclosed * kCells)
+      throw InputError(fmt::format(
+          "{}: its camera lies inside of what the views show, at ({:.2f}, {:.2f}, {:.2f}) m",
+          view.name, view.X_WC.p.x(), view.X_WC.p.y(), view.X_WC.p.z()));
+  }
+}
+
+}  // namespace
+
+CaptureCloud cloud_of(Capture capture, const CloudSettings& settings, const ArmShapes& arm,
+                      bool aligned) {
   CaptureCloud result;
   result.notes = std::move(capture.notes);
   PointCloud& cloud = result.cloud;
   const bool coloured = std::any_of(capture.views.begin(), capture.views.end(),
                                     [](const CapturedView& v) { return !v.rgb.empty(); });
+  std::vector<CleanedCounts> counts;
+  std::vector<std::vector<Capsule>> arms;
+  for (CapturedView& view : capture.views) {
+    counts.push_back(clean(&view));
+    arms.push_back(view.joints.empty() ? std::vector<Capsule>{} : arm(view.joints));
+  }
+  if (aligned && capture.views.size() > 1) align(&capture, settings, arms, &result);
   for (std::size_t v = 0; v < capture.views.size(); ++v) {
-    CapturedView& view = capture.views[v];
-    const CleanedCounts counts = clean(&view);
-    std::vector<Capsule> body;
-    if (!view.joints.empty()) body = arm(view.joints);
+    const CapturedView& view = capture.views[v];
+    const ViewPoints found = points_of(view, settings.region, arms[v], settings.self_padding);
     cloud.eyes.push_back(view.X_WC.p);
-    int outside = 0, of_arm = 0, without_ray = 0, used = 0;
-    for (int j = 0; j < view.lens.height; ++j) {
-      for (int i = 0; i < view.lens.width; ++i) {
-        const double depth = view.depth.at(i, j);
-        if (!std::isfinite(depth)) continue;
-        const auto direction = view.lens.direction_C(i, j);
-        if (!direction) {
-          ++without_ray;
-          continue;
-        }
-        const Eigen::Vector3d p = view.X_WC * Eigen::Vector3d(depth * *direction);
-        const auto hides = [&](const Capsule& c) { return inside(c, settings.self_padding, p); };
-        if (!settings.region.contains(p)) {
-          ++outside;
-        } else if (std::any_of(body.begin(), body.end(), hides)) {
-          ++of_arm;
-        } else {
-          ++used;
-          cloud.points.push_back(p);
-          cloud.camera.push_back(static_cast<int>(v));
-          if (!coloured) continue;
-          const std::size_t at = 3 * (static_cast<std::size_t>(j) * view.lens.width + i);
-          const auto none = {std::uint8_t{128}, std::uint8_t{128}, std::uint8_t{128}};
-          if (view.rgb.empty())
-            cloud.rgb.insert(cloud.rgb.end(), none);
-          else
-            cloud.rgb.insert(cloud.rgb.end(), &view.rgb[at], &view.rgb[at] + 3);
-        }
-      }
-    }
+    cloud.points.insert(cloud.points.end(), found.points.begin(), found.points.end());
+    cloud.camera.insert(cloud.camera.end(), found.points.size(), static_cast<int>(v));
+    for (std::size_t k = 0; coloured && k < found.pixel.size(); ++k)
+      for (std::size_t c = 0; c < 3; ++c)
+        cloud.rgb.push_back(view.rgb.empty() ? std::uint8_t{128}
+                                             : view.rgb[3 * found.pixel[k] + c]);
     result.notes.push_back(fmt::format(
         "{}: {} of {} pixels measured something; {} are used, {} lie outside perception.region, "
         "{} beside edges, {} in specks, {} on the arm{}",
-        view.name, counts.measured, view.depth.depth.size(), used, outside, counts.edges,
-        counts.specks, of_arm,
-        without_ray ? fmt::format(", {} where the distortion has no inverse", without_ray) : ""));
+        view.name, counts[v].measured, view.depth.depth.size(), found.points.size(), found.outside,
+        counts[v].edges, counts[v].specks, found.of_arm,
+        found.without_ray
+            ? fmt::format(", {} where the distortion has no inverse", found.without_ray)
+            : ""));
   }
   if (cloud.points.empty()) {
     std::string text = "perception.capture: no view has a point within perception.region";
     for (const std::string& note : result.notes) text += "; " + note;
     throw InputError(text);
   }
+  refuse_enclosed(capture, cloud);
   return result;
 }
 

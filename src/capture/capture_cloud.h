@@ -1,4 +1,5 @@
-// The points of a capture's views: cleaned, without the arm, cropped.
+// The points of a capture's views, cleaned, put onto each other, without the arm and cropped; and
+// those of a cloud's file.
 #pragma once
 
 #include <functional>
@@ -7,6 +8,7 @@
 
 #include "impedraw/capture/capture.h"
 #include "impedraw/capture/cloud_file.h"
+#include "impedraw/capture/view_alignment.h"
 #include "impedraw/perception/cloud.h"
 
 namespace impedraw {
@@ -17,6 +19,7 @@ using ArmShapes = std::function<std::vector<Capsule>(const std::vector<double>&)
 struct CaptureCloud {
   PointCloud cloud;                // not thinned; `camera` counts the views
   std::vector<std::string> notes;  // what each view gave and what was removed, one line each
+  ViewAlignment alignment;         // of several views
 };
 
 // The points of a file `name` that lie in the region, as seen from `viewpoints`, or from where the
@@ -28,8 +31,11 @@ CaptureCloud cloud_of(const CloudFile& file, const std::string& name,
                       const std::vector<Eigen::Vector3d>& viewpoints,
                       const CloudSettings& settings);
 
-// Each view's points lie in W. The arm is removed where a view tells its joints. Throws InputError
-// if no view has a point in the region.
-CaptureCloud cloud_of(Capture capture, const CloudSettings& settings, const ArmShapes& arm);
+// Each view's points lie in W. Several views are put onto each other (view_alignment.h) if
+// `aligned` says so. The arm is removed where a view tells its joints. Throws InputError if no view
+// has a point in the region, if a view is too far off the others, and if a camera lies inside of
+// what the views show.
+CaptureCloud cloud_of(Capture capture, const CloudSettings& settings, const ArmShapes& arm,
+                      bool aligned = true);
 
 }  // namespace impedraw

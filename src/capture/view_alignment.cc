@@ -67,6 +67,8 @@ class Aligning {
     }
     matches = match(settings_.last_reach);
     step(matches);
+    for (std::size_t v = 0; v < views_.size(); ++v)
+      if (counts_[v] == 0) T_[v] = Pose();  // far matches had moved it
     centre();
     result.rms = rms(matches);
     for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -80,15 +82,6 @@ class Aligning {
     }
     return result;
   }
-
-  // Of view b against view a: shift and turn alone.
-  AlignedView difference(std::size_t a, std::size_t b) const {
-    AlignedView motion;
-    set_least_motion(b, xi_of(T_[b]) - xi_of(T_[a]), &motion);
-    return motion;
-  }
-
-  const std::vector<int>& groups() const { return groups_; }
 
  private:
   static double rms(const std::vector<Match>& matches) {
@@ -138,15 +131,18 @@ class Aligning {
           const SeenPoint &p = samples[i], &q = views_[a].samples[static_cast<std::size_t>(at)];
           const Vector3d n_p = T_[b].R * p.n, n_q = T_[a].R * q.n;
           if (n_p.dot(n_q) < kFacing) continue;
-          const Vector3d n = (n_p + n_q).normalized(), p_W = T_[b] * p.p;
+          const Vector3d n = (n_p + n_q).normalized(), p_W = T_[b] * p.p, way = p_W - T_[a] * q.p;
+          const double r = n.dot(way);
+          if ((way - r * n).norm() > 0.5 * reach) continue;  // beyond the edge of view a
           Vector6 J;
           J << n, (p_W - c_).cross(n) / radius_;
-          matches.push_back({a, b, J, n.dot(p_W - T_[a] * q.p),
-                             p.deviation * p.deviation + q.deviation * q.deviation});
+          matches.push_back({a, b, J, r, p.deviation * p.deviation + q.deviation * q.deviation});
         }
-        // A few are chance.
-        if (matches.size() - first < static_cast<std::size_t>(settings_.least_matches))
-          matches.resize(first);
+        // A few are chance, or along an edge that two views share.
+        const double least =
+            std::max(1.0 * settings_.least_matches,
+                     settings_.least_matched * static_cast<double>(samples.size() / stride));
+        if (static_cast<double>(matches.size() - first) < least) matches.resize(first);
       }
     }
     return matches;
@@ -214,25 +210,39 @@ class Aligning {
     return xi.norm();
   }
 
-  // Takes the geometric median of each group's corrections out of them, by Weiszfeld's iteration.
+  // Moves each group so that its cameras moved the least, Σ |A (ξ − γ)| over γ, by iteratively
+  // reweighted least squares: views that agree stay. Directions open to most views stay, too. Of
+  // two views the first one stays: nobody tells which one is wrong.
   void centre() {
     for (std::size_t g = 0; g < views_.size(); ++g) {
-      Vector6 median = Vector6::Zero();
-      for (int i = 0; i < 100; ++i) {
-        Vector6 sum = Vector6::Zero();
-        double all = 0.0;
-        for (std::size_t v = 0; v < views_.size(); ++v) {
-          if (groups_[v] != static_cast<int>(g)) continue;
-          const Vector6 xi = xi_of(T_[v]);
-          const double w = 1.0 / std::max(1e-5, (xi - median).norm());
-          sum += w * xi;
-          all += w;
-        }
-        if (all == 0.0) break;  // no view has this group's number
-        median = sum / all;
+      std::vector<std::size_t> group;
+      Matrix6 closed = Matrix6::Zero();
+      for (std::size_t v = 0; v < views_.size(); ++v) {
+        if (groups_[v] != static_cast<int>(g) || counts_[v] == 0) continue;
+        group.push_back(v);
+        closed += Matrix6::Identity() - open_[v] * open_[v].transpose();
       }
-      for (std::size_t v = 0; v < views_.size(); ++v)
-        if (groups_[v] == static_cast<int>(g)) move(v, -median);
+      if (group.size() < 2) continue;
+      const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(closed);
+      Eigen::Index open = 0;
+      while (open < 6 && eigen.eigenvalues()[open] < 0.5 * static_cast<double>(group.size()))
+        ++open;
+      const MatrixXd Q = eigen.eigenvectors().rightCols(6 - open);
+      Vector6 gamma = Vector6::Zero();
+      for (int i = 0; i < 100; ++i) {
+        Matrix6 H = Matrix6::Zero();
+        Vector6 right = Vector6::Zero();
+        for (const std::size_t v : group) {
+          const Matrix6 A = camera_motion(v, settings_.most_shift, settings_.most_turn_deg);
+          const Vector6 xi = xi_of(T_[v]);
+          const Matrix6 M = A.transpose() * A / std::max(1e-3, (A * (xi - gamma)).norm());
+          H += M;
+          right += M * xi;
+        }
+        gamma = Q * (Q.transpose() * H * Q).ldlt().solve(Q.transpose() * right);
+      }
+      if (group.size() == 2) gamma = xi_of(T_[group[0]]);
+      for (const std::size_t v : group) move(v, -gamma);
     }
   }
 
@@ -260,45 +270,20 @@ class Aligning {
   std::vector<MatrixXd> open_;
 };
 
-// Throws InputError if a view is too far off the one of its group that is nearest to all others.
-void refuse_strangers(const Aligning& aligning, std::span<const ViewSamples> views,
-                      const ViewAlignmentSettings& s) {
-  const std::vector<int>& groups = aligning.groups();
-  std::vector<double> sums(views.size());
-  std::vector<std::size_t> middle(views.size());  // by group
-  const auto each = [&](auto&& visit) {
-    for (std::size_t a = 0; a < views.size(); ++a)
-      for (std::size_t b = 0; b < views.size(); ++b)
-        if (groups[a] == groups[b]) visit(a, b);
-  };
-  each([&](std::size_t a, std::size_t b) {
-    const AlignedView motion = aligning.difference(a, b);
-    sums[a] += motion.shift / s.most_shift + motion.turn_deg / s.most_turn_deg;
-    middle[static_cast<std::size_t>(groups[a])] = a;
-  });
-  each([&](std::size_t a, std::size_t b) {
-    std::size_t& m = middle[static_cast<std::size_t>(groups[a])];
-    if (sums[b] < sums[m]) m = b;
-  });
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const std::size_t m = middle[static_cast<std::size_t>(groups[v])];
-    const AlignedView motion = aligning.difference(m, v);
-    if (motion.shift > s.most_shift || motion.turn_deg > s.most_turn_deg)
-      throw InputError(fmt::format(
-          "{} is {:.1f} mm and {:.2f}° off {}, as its depths show; views are aligned up to {:.0f} "
-          "mm and {:.0f}°: calibrate its camera, or leave it out",
-          views[v].name, 1e3 * motion.shift, motion.turn_deg, views[m].name, 1e3 * s.most_shift,
-          s.most_turn_deg));
-  }
-}
-
 }  // namespace
 
 ViewAlignment align_views(std::span<const ViewSamples> views,
                           const ViewAlignmentSettings& settings) {
-  Aligning aligning(views, settings);
-  ViewAlignment result = aligning.run();
-  refuse_strangers(aligning, views, settings);
+  ViewAlignment result = Aligning(views, settings).run();
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const AlignedView& view = result.views[v];
+    if (view.shift > settings.most_shift || view.turn_deg > settings.most_turn_deg)
+      throw InputError(fmt::format(
+          "{}: its camera is {:.1f} mm and {:.2f}° off the other views, as its depths show; they "
+          "are put onto each other up to {:.0f} mm and {:.0f}°: calibrate it, or leave it out",
+          views[v].name, 1e3 * view.shift, view.turn_deg, 1e3 * settings.most_shift,
+          settings.most_turn_deg));
+  }
   return result;
 }
 

@@ -8,9 +8,9 @@
 // the camera. Gauss-Newton for all views at once, from far matches to near ones. The prior holds
 // what no match tells, above all a motion of all views together.
 //
-// Directions that a view's matches leave open (registration.h) stay as calibrated. Then the
-// geometric median of the corrections is taken out of all of them: most views stay where they were
-// if most agree.
+// Directions that a view's matches leave open (registration.h) stay as calibrated. Then all views
+// are moved together so that their cameras move the least, Σ |(t_v/s, φ_v/γ)|: views that agree
+// stay. Of two views the first one stays.
 //
 // Sources: P. Besl, N. McKay, PAMI 1992; S. Rusinkiewicz, "A symmetric objective function for ICP",
 // SIGGRAPH 2019; J. Zhang, M. Kaess, S. Singh, ICRA 2016.
@@ -33,17 +33,18 @@ struct ViewSamples {
 };
 
 struct ViewAlignmentSettings {
-  double most_shift = 0.010, most_turn_deg = 2.0;      // of one camera against the others [m]
+  double most_shift = 0.010, most_turn_deg = 2.0;      // of a camera [m]
   double likely_shift = 0.005, likely_turn_deg = 1.0;  // s and γ
   double first_reach = 0.06, last_reach = 0.01;        // of a match [m]
-  int least_matches = 50;
+  int least_matches = 50;                              // of two views; fewer: they do not overlap
+  double least_matched = 0.05;                         // share of a view's samples
   double least_share = RegistrationSettings().least_share;
   double huber = RegistrationSettings().huber;
 };
 
 struct AlignedView {
   Pose T;           // correction, in W
-  int matches = 0;  // too few: the view overlaps with no other one, and stays
+  int matches = 0;  // 0: the view overlaps with no other one, and stays
   std::vector<OpenDirection> open;
   // As a motion of the camera; of all that the open directions allow, the least.
   double shift = 0.0, turn_deg = 0.0;
@@ -55,7 +56,7 @@ struct ViewAlignment {
   double rms_before = 0.0, rms = 0.0;
 };
 
-// The same for the same input. Throws InputError naming the view that is further off than
+// The same for the same input. Throws InputError naming a view whose camera would move further than
 // most_shift or most_turn.
 ViewAlignment align_views(std::span<const ViewSamples> views,
                           const ViewAlignmentSettings& settings = {});

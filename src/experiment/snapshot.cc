@@ -64,7 +64,7 @@ PointCloud points_of_capture(const PerceptionSettings& p, const CloudSettings& s
   const auto shapes = [&](const std::vector<double>& q) {
     return shapes_of(arm, exposure_joints(arm, q));
   };
-  CaptureCloud seen = cloud_of(read_capture(p.capture, tip), settings, shapes);
+  CaptureCloud seen = cloud_of(read_capture(p.capture, tip), settings, shapes, p.align);
   notes->insert(notes->end(), seen.notes.begin(), seen.notes.end());
   return std::move(seen.cloud);
 }

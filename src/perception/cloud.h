@@ -24,6 +24,14 @@ struct PointCloud {
   std::vector<std::uint8_t> rgb;      // three bytes a point; may be empty
 };
 
+// 0xRRGGBB of each point; empty without colours.
+inline std::vector<int> packed_colours(const PointCloud& cloud) {
+  std::vector<int> packed;
+  for (std::size_t i = 0; i + 2 < cloud.rgb.size(); i += 3)
+    packed.push_back(cloud.rgb[i] << 16 | cloud.rgb[i + 1] << 8 | cloud.rgb[i + 2]);
+  return packed;
+}
+
 // All points within radius of the segment from a to b: the self filter's model of an arm link.
 struct Capsule {
   Eigen::Vector3d a_W = Eigen::Vector3d::Zero();  // [m]
