@@ -174,7 +174,7 @@ struct PerceptionSettings {
   // Of a capture: puts its views onto each other (capture/view_alignment.h).
   bool align = true;
   // Of a capture or a cloud: leaves out the table, and what the drawing does not lie on
-  // (experiment/found_canvas.h).
+  // (capture/found_canvas.h).
   bool find_canvas = true;
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
