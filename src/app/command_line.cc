@@ -283,12 +283,12 @@ int run_program(int argc, char** argv) {
   std::filesystem::path inspected;
   bool as_json = false;
   CLI::App* inspect = app.add_subcommand("inspect",
-                                         "describe an artwork or mesh file: strokes, length, "
-                                         "layers; triangles, faults");
+                                         "describe an artwork, mesh or cloud file: strokes, "
+                                         "length, layers; triangles, faults; points");
   inspect
       ->add_option("file", inspected,
                    std::string("artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: ") +
-                       impedraw::kMeshFiles)
+                       impedraw::kMeshFiles + "; a cloud: .ply, .pcd or .xyz")
       ->required();
   inspect->add_flag("--json", as_json, "print JSON");
   using impedraw::LengthUnit;

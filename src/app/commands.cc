@@ -99,7 +99,7 @@ std::string settings_page() {
 bool lies_out_of_reach(const Scenario& s, const Places& places) {
   const Scenario usual;
   if (s.arm.urdf.empty() || s.arm.driver != ArmDriver::sim || s.canvas.kind == CanvasKind::mesh ||
-      s.perception.source == PerceptionSource::capture || !s.canvas.move.isZero() ||
+      s.perception.source != PerceptionSource::simulated || !s.canvas.move.isZero() ||
       !s.drawing.tilt_deg.isZero() || !s.canvas.motion.file.empty() ||
       s.drawing.placement.centre_m != usual.drawing.placement.centre_m)
     return false;

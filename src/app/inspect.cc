@@ -10,6 +10,7 @@
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"
+#include "impedraw/capture/cloud_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/file_extension.h"
 #include "impedraw/common/input_file.h"
@@ -71,6 +72,34 @@ void print_mesh(const std::filesystem::path& file, const nlohmann::ordered_json&
         fault["message"].get<std::string>());
 }
 
+void print_cloud(const std::filesystem::path& file, const nlohmann::ordered_json& found) {
+  const auto box = found["bbox_m"].get<std::vector<double>>();
+  say(stdout, "{}: a cloud of {} points; {} more have no place\n", file.string(),
+      found["points"].get<std::size_t>(), found["invalid"].get<std::size_t>());
+  say(stdout, "  extent       x {:.4g} to {:.4g} m, y {:.4g} to {:.4g} m, z {:.4g} to {:.4g} m\n",
+      box[0], box[3], box[1], box[4], box[2], box[5]);
+  say(stdout, "  normals      {}\n  colours      {}\n  viewpoints   {}\n",
+      found["normals"].get<bool>() ? "yes" : "none", found["colours"].get<bool>() ? "yes" : "none",
+      found["viewpoints_m"].empty() ? "none" : found["viewpoints_m"].dump() + " m");
+}
+
+nlohmann::ordered_json describe_cloud(const std::filesystem::path& file) {
+  const CloudFile cloud = read_cloud_file(file);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : cloud.points) box.extend(p);
+  nlohmann::ordered_json found;
+  found["points"] = cloud.points.size();
+  found["invalid"] = cloud.invalid;
+  found["bbox_m"] = {box.min().x(), box.min().y(), box.min().z(),
+                     box.max().x(), box.max().y(), box.max().z()};
+  found["normals"] = !cloud.normals.empty();
+  found["colours"] = !cloud.rgb.empty();
+  found["viewpoints_m"] = nlohmann::ordered_json::array();
+  for (const Eigen::Vector3d& p : cloud.viewpoints)
+    found["viewpoints_m"].push_back({p.x(), p.y(), p.z()});
+  return found;
+}
+
 }  // namespace
 
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
@@ -112,17 +141,26 @@ int inspect(const std::filesystem::path& file, bool json, const MeshReading& rea
   if (lower_extension(file) == ".yaml")
     throw InputError(fmt::format(
         "{0}: is no artwork and no mesh; ./impedraw plan {0} checks a scenario", file.string()));
-  const bool mesh = !is_artwork_file(file);  // or of an unknown kind, which read_mesh() refuses
+  const bool cloud = is_cloud_file(file);
+  // Or of an unknown kind, which read_mesh() refuses.
+  const bool mesh = !cloud && !is_artwork_file(file);
   nlohmann::ordered_json found;
   try {
-    found = mesh ? describe_mesh(file, reading) : describe_artwork(file);
+    found = cloud  ? describe_cloud(file)
+            : mesh ? describe_mesh(file, reading)
+                   : describe_artwork(file);
   } catch (const InputError& error) {
     if (!mesh || is_mesh_file(file)) throw;
-    throw InputError(fmt::format("{}; artwork is .svg, .txt, .strokes or .csv", error.what()));
+    throw InputError(
+        fmt::format("{}; artwork is .svg, .txt, .strokes or .csv, a "
+                    "cloud .ply, .pcd or .xyz",
+                    error.what()));
   }
   if (json)
     say(stdout, "{}\n",
         found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  else if (cloud)
+    print_cloud(file, found);
   else if (mesh)
     print_mesh(file, found);
   else

@@ -3,6 +3,9 @@
 // Artwork (.svg, .txt, .strokes, .csv): strokes, length_mm, bbox_mm [x0, y0, x1, y1] of their
 // centrelines on the page, y down (null without strokes), layers [{name, strokes}] in the
 // document's order, warnings. One-point strokes are dots and have no length.
+//
+// Cloud (.pcd, .xyz, .ply without faces): points, invalid (those that are skipped), bbox_m,
+// normals, colours, viewpoints_m.
 #pragma once
 
 #include <filesystem>
@@ -16,8 +19,8 @@ namespace impedraw {
 // Throws InputError like read_artwork(). An empty drawing is a warning, not an error.
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file);
 
-// Prints what an artwork or, by its name's ending, a mesh holds (app/inspect_mesh.h), as JSON or as
-// lines to be read. Returns the exit code.
+// Prints what an artwork, a cloud or, by its name's ending, a mesh holds (app/inspect_mesh.h), as
+// JSON or as lines to be read. Returns the exit code.
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading = {});
 
 }  // namespace impedraw

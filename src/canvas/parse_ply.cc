@@ -8,110 +8,14 @@
 #include <fmt/format.h>
 
 #include "impedraw/canvas/mesh_tokens.h"
+#include "impedraw/canvas/ply_header.h"
 #include "impedraw/canvas/polygon_mesh.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
 namespace {
 
-struct Property {
-  std::string_view name;
-  int count_size = 0;  // bytes of a list's count; 0: not a list
-  bool count_signed = false;
-  int size = 0;        // bytes
-  bool whole = false;  // not a float
-  bool has_sign = false;
-};
-
-struct Element {
-  std::string_view name;
-  std::size_t count = 0;
-  std::vector<Property> properties;
-};
-
-struct Header {
-  enum class Format { text, little_endian, big_endian } format = Format::text;
-  std::vector<Element> elements;
-};
-
-int size_of(std::string_view type) {
-  if (type == "char" || type == "uchar" || type == "int8" || type == "uint8") return 1;
-  if (type == "short" || type == "ushort" || type == "int16" || type == "uint16") return 2;
-  if (type == "int" || type == "uint" || type == "int32" || type == "uint32" || type == "float" ||
-      type == "float32")
-    return 4;
-  return type == "double" || type == "float64" ? 8 : 0;
-}
-
-bool is_whole(std::string_view type) {
-  return size_of(type) > 0 && !type.starts_with("float") && !type.starts_with("double");
-}
-
-bool is_signed(std::string_view type) { return is_whole(type) && !type.starts_with('u'); }
-
-[[noreturn]] void wrong_line(const std::string& name, std::size_t number, std::string_view line) {
-  throw InputError(fmt::format("{}:{}: '{}' is not valid in the header of a PLY", name, number,
-                               line.substr(0, 60)));
-}
-
-// Removes the header from the front of `text`.
-Header read_header(std::string_view* text, const std::string& name) {
-  Header header;
-  char end_of_line = '\n';
-  for (std::size_t number = 1;; ++number) {
-    if (number == 1) {  // a binary body may begin with the byte of LF
-      const std::size_t first = text->find_first_of("\r\n");
-      if (text->substr(std::min(first, text->size()), 2) != "\r\n" && first != text->npos)
-        end_of_line = (*text)[first];
-    }
-    const std::size_t end = text->find(end_of_line);
-    if (end == text->npos)
-      throw InputError(fmt::format("{}: truncated in its header, or not a PLY", name));
-    const std::string_view line = text->substr(0, end);
-    text->remove_prefix(end + 1);
-    std::string_view rest = line;
-    const std::string_view key = next_word(&rest);
-    if (number == 1) {
-      if (key != "ply")
-        throw InputError(
-            fmt::format("{}: begins with '{}', must begin with 'ply'", name, line.substr(0, 20)));
-    } else if (key == "end_header") {
-      return header;
-    } else if (key == "format") {
-      const std::string_view format = next_word(&rest);
-      if (format == "binary_little_endian")
-        header.format = Header::Format::little_endian;
-      else if (format == "binary_big_endian")
-        header.format = Header::Format::big_endian;
-      else if (format != "ascii")
-        wrong_line(name, number, line);
-    } else if (key == "element") {
-      Element element;
-      element.name = next_word(&rest);
-      if (!whole_number(next_word(&rest), &element.count)) wrong_line(name, number, line);
-      header.elements.push_back(element);
-    } else if (key == "property") {
-      if (header.elements.empty()) wrong_line(name, number, line);
-      Property property;
-      std::string_view type = next_word(&rest);
-      if (type == "list") {
-        const std::string_view count_type = next_word(&rest);
-        property.count_size = size_of(count_type);
-        property.count_signed = is_signed(count_type);
-        if (!is_whole(count_type)) wrong_line(name, number, line);
-        type = next_word(&rest);
-      }
-      property.size = size_of(type);
-      property.whole = is_whole(type);
-      property.has_sign = is_signed(type);
-      property.name = next_word(&rest);
-      if (property.size == 0 || property.name.empty()) wrong_line(name, number, line);
-      header.elements.back().properties.push_back(property);
-    }
-  }
-}
-
-bool names_corners(const Element& element, const Property& property) {
+bool names_corners(const PlyElement& element, const PlyProperty& property) {
   return (element.name == "face" || element.name == "tristrips") && property.count_size > 0 &&
          (property.name == "vertex_indices" || property.name == "vertex_index");
 }
@@ -133,18 +37,18 @@ int as_index(double value) {
 
 struct Body {
   std::string_view text;
-  Header::Format format;
+  PlyHeader::Format format;
   const std::string& name;
   PolygonMesh mesh = {};
 
-  [[noreturn]] void cut_short(const Element& element, std::size_t i) const {
+  [[noreturn]] void cut_short(const PlyElement& element, std::size_t i) const {
     throw InputError(fmt::format("{}: truncated in {} {}, its header declares {}", name,
                                  element.name, i, element.count));
   }
 
   // Removes one number from the front.
-  double number(const Element& element, std::size_t i, int size, bool whole, bool has_sign) {
-    if (format == Header::Format::text) {
+  double number(const PlyElement& element, std::size_t i, int size, bool whole, bool has_sign) {
+    if (format == PlyHeader::Format::text) {
       const std::string_view word = next_word(&text);
       if (word.empty()) cut_short(element, i);
       double value;
@@ -156,7 +60,7 @@ struct Body {
       return value;
     }
     if (text.size() < static_cast<std::size_t>(size)) cut_short(element, i);
-    const bool big = format == Header::Format::big_endian;
+    const bool big = format == PlyHeader::Format::big_endian;
     const std::string_view bytes = text.substr(0, size);
     text.remove_prefix(size);
     if (size == 8) return value_as<double>(bytes, big);
@@ -167,7 +71,7 @@ struct Body {
                        : value_as<std::int8_t>(bytes, big);
   }
 
-  std::size_t list_count(const Element& element, std::size_t i, const Property& property) {
+  std::size_t list_count(const PlyElement& element, std::size_t i, const PlyProperty& property) {
     const double count = number(element, i, property.count_size, true, property.count_signed);
     if (count < 0) {
       throw InputError(
@@ -193,12 +97,12 @@ struct Body {
     }
   }
 
-  void take(const Element& element) {
+  void take(const PlyElement& element) {
     std::array<std::size_t, 3> xyz;  // among the properties of a vertex
     xyz.fill(element.properties.size());
     bool has_corners = false;
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
-      const Property& property = element.properties[k];
+      const PlyProperty& property = element.properties[k];
       has_corners = has_corners || names_corners(element, property);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         if (property.count_size == 0 && property.name == std::string_view("xyz").substr(axis, 1))
@@ -209,7 +113,7 @@ struct Body {
     for (std::size_t i = 0; i < element.count; ++i) {
       Eigen::Vector3d p = Eigen::Vector3d::Zero();
       for (std::size_t k = 0; k < element.properties.size(); ++k) {
-        const Property& property = element.properties[k];
+        const PlyProperty& property = element.properties[k];
         const bool corners = names_corners(element, property);
         const std::size_t count =
             property.count_size > 0 ? list_count(element, i, property) : std::size_t{1};
@@ -241,7 +145,7 @@ struct Body {
 }  // namespace
 
 PolygonMesh parse_ply(std::string_view text, const std::string& name) {
-  const Header header = read_header(&text, name);
+  const PlyHeader header = read_ply_header(&text, name);
   Body body{text, header.format, name};
   for (const auto& element : header.elements) {  // in any order
     if (element.properties.empty() && element.count > 0)

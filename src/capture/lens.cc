@@ -1,5 +1,7 @@
 #include "impedraw/capture/lens.h"
 
+#include <Eigen/LU>
+
 namespace impedraw {
 
 namespace {

@@ -15,8 +15,8 @@ namespace impedraw {
 
 namespace {
 
-constexpr png_uint_32 kMostSide = 8192;         // [px]
-constexpr std::size_t kMostBytes = 512u << 20;  // of a file
+constexpr png_uint_32 kMostSide = 8192;            // [px]
+constexpr std::size_t kMostPngBytes = 512u << 20;  // of a file
 
 // libpng reports errors by longjmp: no object with a destructor may live in the function that it
 // jumps out of, so that what is read stands here.
@@ -77,10 +77,10 @@ bool read_rows(PngReading* r, bool grey) {
 
 void read_png(const std::filesystem::path& file, bool grey, PngReading* reading) {
   const InputFile input(file);
-  if (input.size() > kMostBytes)
+  if (input.size() > kMostPngBytes)
     throw InputError(fmt::format("{}: has {} bytes, at most {} are read", file.string(),
-                                 input.size(), kMostBytes));
-  reading->content = input.read(kMostBytes);
+                                 input.size(), kMostPngBytes));
+  reading->content = input.read(kMostPngBytes);
   const auto* start = reinterpret_cast<png_const_bytep>(reading->content.data());
   if (reading->content.size() < 8 || png_sig_cmp(start, 0, 8) != 0)
     throw InputError(file.string() + ": is no PNG image");

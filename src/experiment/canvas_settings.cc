@@ -216,9 +216,10 @@ void describe(Fields& f, CanvasSettings& s) {
             {"cone", CanvasKind::cone},
             {"terrain", CanvasKind::terrain},
             {"rough", CanvasKind::rough},
-            {"mesh", CanvasKind::mesh}},
+            {"mesh", CanvasKind::mesh},
+            {"seen", CanvasKind::seen}},
            "Shape of the canvas. A bowl is a sphere from inside, a dome one from outside; a mesh "
-           "comes from a file.");
+           "comes from a file; seen: as perception's capture or cloud shows it.");
   f.field("cap", s.cap, "Size of a bowl or dome.");
   f.field("plane", s.plane, "Size of a plane.");
   f.field("wave", s.wave, "Size of a wave.");
@@ -231,6 +232,8 @@ void describe(Fields& f, CanvasSettings& s) {
   f.field("mesh", s.mesh, "Mesh from a file.");
   f.field(Limits::move, s.move, "Translation of the whole canvas, after its rotation.");
   f.field(Limits::turn, s.turn_deg, "Rotation of the whole canvas about the world's z axis.");
+  f.field("true_model", s.true_model,
+          "What stands before a driven arm is this canvas, so that simulated cameras may see it.");
   f.field("motion", s.motion, "Motion of the canvas during the run; none by default.");
 }
 
@@ -240,6 +243,8 @@ TriangleMesh made_mesh(const CanvasSettings& s, std::vector<std::string>* repair
   switch (s.kind) {
     case CanvasKind::bowl:
       break;
+    case CanvasKind::seen:
+      throw InputError("canvas.kind seen has no mesh of its own");
     case CanvasKind::dome:
       return make_dome(s.cap);
     case CanvasKind::plane:

@@ -27,7 +27,8 @@ enum class CanvasKind {
   cone,
   terrain,
   rough,
-  mesh
+  mesh,
+  seen  // nobody modelled it: the surface is what a capture or a cloud shows
 };
 
 enum class LengthUnit { file, m, mm, cm, in };  // file: as the file says, or m
@@ -66,6 +67,9 @@ struct CanvasSettings {
   // Translation of the canvas, after its rotation: p = move + Rz(turn) p_made [m].
   Eigen::Vector3d move = Eigen::Vector3d::Zero();
   double turn_deg = 0.0;
+  // Of a driven arm: what stands before it is the canvas as configured, and may be rendered for
+  // perception.source simulated.
+  bool true_model = false;
   CanvasMotionSettings motion;  // its seed comes from the scenario's
 
   struct Limits {

@@ -40,6 +40,8 @@ void visit_input_files(Scenario& s,
   if (!s.drawing.svg.empty()) visit("drawing.svg", s.drawing.svg);
   if (s.canvas.kind == CanvasKind::mesh) visit("canvas.mesh.file", s.canvas.mesh.file);
   if (!s.canvas.motion.file.empty()) visit("canvas.motion.file", s.canvas.motion.file);
+  if (s.perception.source == PerceptionSource::cloud && !s.perception.cloud.empty())
+    visit("perception.cloud", s.perception.cloud);
   s.arm.urdf = urdf_of(s.arm);
   visit("arm.urdf", s.arm.urdf);
 }

@@ -224,7 +224,10 @@ PlanPage page_of_plan(PlannedDrawing& e, const PlanPicture& picture,
   for (const Eigen::Vector3d& p_P : picture.canvas_vertices)
     page.canvas_vertices.push_back(e.artwork.X_WP * p_P);
   page.canvas_triangles = picture.canvas_triangles;
-  if (e.scene.perception) page.cloud = e.scene.perception->cloud().points;
+  if (e.scene.perception) {
+    page.cloud = e.scene.perception->cloud().points;
+    page.cloud_colour = packed_colours(e.scene.perception->cloud());
+  }
   add_maps(e, &page);
   const Canvas* obstacle = e.scene.height_unknown() ? nullptr : e.scene.obstacle.get();
   PostureCheck check(

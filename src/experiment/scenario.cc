@@ -309,10 +309,20 @@ void describe(Fields& f, PerceptionSettings& s) {
   using Limits = PerceptionSettings::Limits;
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
   f.choice("source", s.source,
-           {{"simulated", PerceptionSource::simulated}, {"capture", PerceptionSource::capture}},
+           {{"simulated", PerceptionSource::simulated},
+            {"capture", PerceptionSource::capture},
+            {"cloud", PerceptionSource::cloud}},
            "What the cloud is made from. simulated: images rendered of the canvas; capture: the "
-           "depth images in perception.capture.");
+           "depth images in perception.capture; cloud: the points in perception.cloud.");
   f.field("capture", s.capture, "Folder with capture.json and depth images, for source: capture.");
+  f.field("cloud", s.cloud, "File with points in W, in m, .ply, .pcd or .xyz, for source: cloud.");
+  f.field(Limits::viewpoint, s.viewpoint,
+          "Whence the points of the cloud were seen, x, y, z of one place or of several; empty: as "
+          "the file says, or from above.");
+  f.field("align", s.align, "Puts the views of a capture onto each other.");
+  f.field("find_canvas", s.find_canvas,
+          "Leaves out of a capture or a cloud the table, and objects that the drawing does not lie "
+          "on.");
   f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
   f.field("noise", s.noise, "Noise of the depth.");
   f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");

@@ -157,17 +157,25 @@ struct CameraErrors {
 enum class PerceptionSource {
   simulated,  // depth images that are rendered of the true canvas
   capture,    // a folder of depth images of real cameras, or of another renderer
+  cloud,      // a file of points
 };
 
 struct PerceptionSettings {
   bool enabled = true;
   PerceptionSource source = PerceptionSource::simulated;
   std::filesystem::path capture;        // the folder (capture/capture.h)
+  std::filesystem::path cloud;          // the file (capture/cloud_file.h)
+  std::vector<double> viewpoint;        // of `cloud`, W, three numbers each [m]; may be empty
   std::vector<CameraSettings> cameras;  // the standard three
   DepthNoise noise;
   CameraErrors errors;
   double voxel = 0.004;
   bool adapt = true;  // finer patches where the surface is rough
+  // Of a capture: puts its views onto each other (capture/view_alignment.h).
+  bool align = true;
+  // Of a capture or a cloud: leaves out the table, and what the drawing does not lie on
+  // (capture/found_canvas.h).
+  bool find_canvas = true;
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;
@@ -178,6 +186,7 @@ struct PerceptionSettings {
 
   struct Limits : CloudSettings::Limits {
     static constexpr Limit watch = kWatchLimit;
+    static constexpr Limit viewpoint = {"viewpoint", "m", {-100.0, 100.0}};
     static constexpr Limit region_lower = {"region_lower", "m", {-10.0, 10.0}};
     static constexpr Limit region_upper = {"region_upper", "m", {-10.0, 10.0}};
   };

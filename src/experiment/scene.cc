@@ -28,8 +28,8 @@ constexpr double kEdgeOfPlanning = 0.5;
 // point just above the table, or lower if it is tall.
 void put_in_reach(TriangleMesh* mesh, Scenario* s, std::vector<std::string>* notes) {
   constexpr double kFoot = 0.02, kTop = 0.35;  // [m]
-  // What a capture shows stands where it stood.
-  const bool captured = s->perception.source == PerceptionSource::capture;
+  // What a capture or a cloud shows stands where it stood.
+  const bool captured = s->perception.source != PerceptionSource::simulated;
   if (s->canvas.kind != CanvasKind::mesh || !s->canvas.move.isZero() ||
       !s->drawing.tilt_deg.isZero() || captured)
     return;
@@ -131,6 +131,8 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
                                              "perception.noise",
                                              "perception.source",
                                              "perception.capture",
+                                             "perception.cloud",
+                                             "perception.viewpoint",
                                              "perception",
                                              "canvas"};
   setting_errors.locate(how_seen, [&] {

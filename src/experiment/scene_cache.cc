@@ -36,6 +36,7 @@ std::string made_of(const Scenario& s) {
   if (s.canvas.kind == CanvasKind::mesh) files += stamp_of(s.canvas.mesh.file);
   if (s.perception.source == PerceptionSource::capture)
     files += stamp_of(s.perception.capture / "capture.json");
+  if (s.perception.source == PerceptionSource::cloud) files += stamp_of(s.perception.cloud);
   if (!s.canvas.motion.file.empty()) files += stamp_of(s.canvas.motion.file);
   read.control.source = s.control.source;  // of the wrench: the world measures it or not
   // Without noise and errors of the cameras, the snapshot has nothing to draw by lot.

@@ -64,7 +64,25 @@ PointCloud points_of_capture(const PerceptionSettings& p, const CloudSettings& s
   const auto shapes = [&](const std::vector<double>& q) {
     return shapes_of(arm, exposure_joints(arm, q));
   };
-  CaptureCloud seen = cloud_of(read_capture(p.capture, tip), settings, shapes);
+  CaptureCloud seen = cloud_of(read_capture(p.capture, tip), settings, shapes, p.align);
+  notes->insert(notes->end(), seen.notes.begin(), seen.notes.end());
+  return std::move(seen.cloud);
+}
+
+PointCloud points_of_file(const PerceptionSettings& p, const CloudSettings& settings,
+                          std::vector<std::string>* notes) {
+  if (p.cloud.empty())
+    throw InputError(
+        "perception.cloud is empty; perception.source cloud needs a .ply, .pcd or .xyz file");
+  if (p.viewpoint.size() % 3 != 0)
+    throw InputError(
+        fmt::format("perception.viewpoint has {} numbers; valid are three for each viewpoint, or "
+                    "none",
+                    p.viewpoint.size()));
+  std::vector<Eigen::Vector3d> viewpoints;
+  for (std::size_t i = 0; i < p.viewpoint.size(); i += 3)
+    viewpoints.emplace_back(p.viewpoint[i], p.viewpoint[i + 1], p.viewpoint[i + 2]);
+  CaptureCloud seen = cloud_of(read_cloud_file(p.cloud), p.cloud.string(), viewpoints, settings);
   notes->insert(notes->end(), seen.notes.begin(), seen.notes.end());
   return std::move(seen.cloud);
 }
@@ -114,9 +132,10 @@ SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const Wo
   settings.voxel = p.voxel;
   settings.self_padding = p.self_padding;
   settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
-  const PointCloud seen = p.source == PerceptionSource::capture
-                              ? points_of_capture(p, settings, arm, notes)
-                              : points_of_cameras(s, settings, canvas, world, arm, q);
+  const PointCloud seen =
+      p.source == PerceptionSource::capture ? points_of_capture(p, settings, arm, notes)
+      : p.source == PerceptionSource::cloud ? points_of_file(p, settings, notes)
+                                            : points_of_cameras(s, settings, canvas, world, arm, q);
   const Eigen::AlignedBox3d box = canvas.bounds();
   PointCloud cloud = thin(seen, settings.voxel);
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))

@@ -43,6 +43,8 @@ const RunLogHeader& checked(const RunLogHeader& h) {
   require(h.cloud_normals.size() == h.cloud_points.size() &&
               h.cloud_camera.size() == h.cloud_points.size(),
           "each cloud point needs a normal and a camera");
+  require(h.cloud_colour.empty() || h.cloud_colour.size() == h.cloud_points.size(),
+          "each cloud point needs a colour, or none has one");
   require(h.target_points.size() == h.target_stroke.size(), "each target point needs a stroke");
   require(h.joint_speed_limit.size() == 0 || h.joint_speed_limit.size() == n,
           "each joint needs its speed limit, or none has one");

@@ -117,6 +117,7 @@ struct RunLogHeader {
   std::vector<Eigen::Vector3d> cloud_points,
       cloud_normals;              // the controller's cloud [m]; empty without perception
   std::vector<int> cloud_camera;  // index of the camera that saw the point
+  std::vector<int> cloud_colour;  // 0xRRGGBB; may be empty
   std::vector<Eigen::Vector3d> target_points;     // the artwork projected on the true canvas [m]
   std::vector<int> target_stroke;                 // stroke of each point; non-decreasing
   std::map<std::string, std::string> attributes;  // of the file's root: scenario, seed, version …

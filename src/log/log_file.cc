@@ -237,6 +237,9 @@ double LogFile::write_static(const RunLogHeader& h) {
               "unit normals at the cloud's points, towards the camera that saw them");
   write_fixed(file_, "/cloud/camera", H5T_NATIVE_INT, h.cloud_camera.data(), h.cloud_camera.size(),
               1, "1", "none", "index of the camera that saw the point");
+  if (!h.cloud_colour.empty())
+    write_fixed(file_, "/cloud/colour", H5T_NATIVE_INT, h.cloud_colour.data(),
+                h.cloud_colour.size(), 1, "1", "none", "colour of the point as seen, 0xRRGGBB");
   write_fixed(file_, "/target/points", H5T_NATIVE_DOUBLE, h.target_points.data(),
               h.target_points.size(), 3, "m", canvas,
               "the artwork itself, projected on the true canvas");

@@ -29,6 +29,9 @@ RunConstants constants(const LogReader& log) {
   c.canvas_vertices = log.points("/canvas/vertices");
   c.canvas_triangles = log.triples("/canvas/triangles");
   c.cloud_points = log.points("/cloud/points");
+  if (log.has("/cloud/colour")) c.cloud_colour = log.integers("/cloud/colour");
+  if (!c.cloud_colour.empty() && c.cloud_colour.size() != c.cloud_points.size())
+    log.fail("/cloud/points and /cloud/colour differ in length");
   c.target_points = log.points("/target/points");
   c.target_stroke = log.integers("/target/stroke");
   if (c.target_stroke.size() != c.target_points.size())
@@ -158,6 +161,7 @@ RunRecorder::RunRecorder(const RunLogHeader& header)
   run_.canvas_vertices = header.canvas_vertices;
   run_.canvas_triangles = header.canvas_triangles;
   run_.cloud_points = header.cloud_points;
+  run_.cloud_colour = header.cloud_colour;
   run_.target_points = header.target_points;
   run_.target_stroke = header.target_stroke;
   run_.attributes = header.attributes;

@@ -32,6 +32,7 @@ struct RunConstants {
   Points canvas_vertices;
   std::vector<Eigen::Vector3i> canvas_triangles;
   Points cloud_points;
+  std::vector<int> cloud_colour;  // 0xRRGGBB; empty, or one each
   Points target_points;
   std::vector<int> target_stroke;
   WallTimes wall;          // NaN if the run was killed before it closed its log

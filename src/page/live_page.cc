@@ -77,7 +77,7 @@ PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
   add_context(columns, context, header.joint_names, &out);
   out["spans"] = Json::array();
   out["canvas"] = mesh_json(columns, header.canvas_vertices, header.canvas_triangles);
-  out["cloud"] = cloud_json(columns, header.cloud_points);
+  out["cloud"] = cloud_json(columns, header.cloud_points, header.cloud_colour);
   out["target"] = target_of(columns, header);
   const Json none = columns.add(std::vector<double>{}, 1.0), nowhere = {none, none, none};
   out["ink"] = {{"points", nowhere}, {"time", none},   {"force", none},

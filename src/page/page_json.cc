@@ -104,11 +104,18 @@ Json series_json(std::string name, std::string label, std::string unit, Json val
   return values;
 }
 
-Json cloud_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& cloud) {
+Json cloud_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& cloud,
+                const std::vector<int>& colour) {
   const std::size_t step = (cloud.size() + kMostCloudPoints - 1) / kMostCloudPoints;
   std::vector<Eigen::Vector3d> kept;
-  for (std::size_t i = 0; i < cloud.size(); i += step) kept.push_back(cloud[i]);
-  return {{"points", points_json(columns, kept, 1e-4)}, {"of", cloud.size()}};
+  std::vector<double> kept_colour;
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    kept.push_back(cloud[i]);
+    if (!colour.empty()) kept_colour.push_back(colour[i]);
+  }
+  return {{"points", points_json(columns, kept, 1e-4)},
+          {"colour", columns.add(kept_colour, 1.0)},
+          {"of", cloud.size()}};
 }
 
 Json pictures_json(PackedColumns& columns, const std::vector<PagePicture>& pictures) {

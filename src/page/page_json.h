@@ -31,7 +31,9 @@ nlohmann::json series_json(std::string name, std::string label, std::string unit
                            nlohmann::json values);
 
 // At most 15,000 points of the cloud.
-nlohmann::json cloud_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& cloud);
+// `colour`: 0xRRGGBB of each; may be empty.
+nlohmann::json cloud_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& cloud,
+                          const std::vector<int>& colour);
 
 // Pictures that exist, with their content.
 nlohmann::json pictures_json(PackedColumns& columns, const std::vector<PagePicture>& pictures);

@@ -66,7 +66,7 @@ PagePayload make_payload(const PlanPage& plan, const PageContext& context) {
           columns.add(
               mesh.vertices.size(), [&](std::size_t i) { return map.value(mesh.vertices[i]); },
               map.quantum)}}));
-  out["cloud"] = cloud_json(columns, plan.cloud);
+  out["cloud"] = cloud_json(columns, plan.cloud, plan.cloud_colour);
   out["findings"] = findings_json(columns, plan.findings);
   out["target"] = {{"points", points_json(columns, {}, 1.0)},
                    {"covered", columns.add(std::vector<double>{}, 1.0)},

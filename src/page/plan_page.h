@@ -42,6 +42,7 @@ struct PlanPage {
   std::vector<std::string> joint_names{};
   Eigen::VectorXd lower{}, upper{}, speed{}, torque{};  // the joints' limits; ± [rad, rad/s, Nm]
   std::vector<Eigen::Vector3d> canvas_vertices{}, cloud{};  // W
+  std::vector<int> cloud_colour{};                          // 0xRRGGBB; may be empty
   std::vector<Eigen::Vector3i> canvas_triangles{};
   std::vector<PageMap> maps{};
   std::vector<PageFinding> findings{};

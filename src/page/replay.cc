@@ -421,7 +421,7 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
 
   out["canvas"] = mesh_json(columns, run.canvas_vertices, run.canvas_triangles);
   step();
-  out["cloud"] = cloud_json(columns, run.cloud_points);
+  out["cloud"] = cloud_json(columns, run.cloud_points, run.cloud_colour);
   out["target"] = target_json(columns, run, drawn);
   step();
   const double duration = run.time.empty() ? 0.0 : run.time.back() - run.time.front();

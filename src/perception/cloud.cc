@@ -111,20 +111,26 @@ PointCloud thin(const PointCloud& cloud, double voxel) {
 
   PointCloud thinned;
   thinned.eyes = cloud.eyes;
+  const bool coloured = !cloud.rgb.empty();
   std::vector<int> seen(cloud.eyes.size());
   for (std::size_t i = 0; i < entries.size();) {
     const std::size_t begin = i;
-    Vector3d sum = Vector3d::Zero();
+    Vector3d sum = Vector3d::Zero(), colour = Vector3d::Zero();
     double weight = 0.0;
     std::fill(seen.begin(), seen.end(), 0);
     for (; i < entries.size() && entries[i].cube == entries[begin].cube; ++i) {
       const double w = cloud.weight.empty() ? 1.0 : cloud.weight[entries[i].point];
       sum += w * cloud.points[entries[i].point];
       weight += w;
+      if (coloured)
+        for (int c = 0; c < 3; ++c) colour[c] += w * cloud.rgb[3 * entries[i].point + c];
       ++seen[cloud.camera[entries[i].point]];
     }
     thinned.points.push_back(sum / weight);
     thinned.weight.push_back(weight);
+    if (coloured)
+      for (const double c : colour)
+        thinned.rgb.push_back(static_cast<std::uint8_t>(std::lround(c / weight)));
     thinned.camera.push_back(
         static_cast<int>(std::max_element(seen.begin(), seen.end()) - seen.begin()));
   }

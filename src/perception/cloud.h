@@ -2,6 +2,7 @@
 // cropping, fusion, thinning.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -20,7 +21,16 @@ struct PointCloud {
   std::vector<double> weight;         // number of pixels averaged into each point; empty: one each
   std::vector<int> camera;            // index into eyes of a camera that saw the point
   std::vector<Eigen::Vector3d> eyes;  // p_WC of each camera [m]
+  std::vector<std::uint8_t> rgb;      // three bytes a point; may be empty
 };
+
+// 0xRRGGBB of each point; empty without colours.
+inline std::vector<int> packed_colours(const PointCloud& cloud) {
+  std::vector<int> packed;
+  for (std::size_t i = 0; i + 2 < cloud.rgb.size(); i += 3)
+    packed.push_back(cloud.rgb[i] << 16 | cloud.rgb[i + 1] << 8 | cloud.rgb[i + 2]);
+  return packed;
+}
 
 // All points within radius of the segment from a to b: the self filter's model of an arm link.
 struct Capsule {

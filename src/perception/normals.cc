@@ -431,6 +431,8 @@ struct SurfaceEstimator::Index {
       ordered.points.push_back(cloud.points[i]);
       ordered.weight.push_back(cloud.weight.empty() ? 1.0 : cloud.weight[i]);
       ordered.camera.push_back(cloud.camera[i]);
+      if (!cloud.rgb.empty())
+        ordered.rgb.insert(ordered.rgb.end(), &cloud.rgb[3 * i], &cloud.rgb[3 * i] + 3);
     }
     return ordered;
   }

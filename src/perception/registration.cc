@@ -50,6 +50,18 @@ Sums sums_at(const SurfaceModel& model, std::span<const SeenPoint> samples, cons
   return sums;
 }
 
+}  // namespace
+
+void validate(const RegistrationSettings& settings) {
+  using Limits = RegistrationSettings::Limits;
+  require_in_range("registration", Limits::iterations, settings.iterations);
+  require_in_range("registration", Limits::reach, settings.reach);
+  require_in_range("registration", Limits::huber, settings.huber);
+  require_in_range("registration", Limits::least_share, settings.least_share);
+  require_in_range("registration", Limits::least_matches, settings.least_matches);
+  require_in_range("registration", Limits::least_matched, settings.least_matched);
+}
+
 OpenDirection open_direction(const Vector6& e, const Vector3d& c, double radius) noexcept {
   const Vector3d t = e.head<3>(), phi = e.tail<3>() / radius;
   OpenDirection open;
@@ -63,18 +75,6 @@ OpenDirection open_direction(const Vector6& e, const Vector3d& c, double radius)
   open.kind =
       std::abs(open.pitch) < 0.1 * radius ? OpenDirection::Kind::turn : OpenDirection::Kind::screw;
   return open;
-}
-
-}  // namespace
-
-void validate(const RegistrationSettings& settings) {
-  using Limits = RegistrationSettings::Limits;
-  require_in_range("registration", Limits::iterations, settings.iterations);
-  require_in_range("registration", Limits::reach, settings.reach);
-  require_in_range("registration", Limits::huber, settings.huber);
-  require_in_range("registration", Limits::least_share, settings.least_share);
-  require_in_range("registration", Limits::least_matches, settings.least_matches);
-  require_in_range("registration", Limits::least_matched, settings.least_matched);
 }
 
 std::string OpenDirection::text() const {

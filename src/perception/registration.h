@@ -61,6 +61,9 @@ struct OpenDirection {
   std::string text() const;
 };
 
+// Of e: a displacement of c and a turn in units of 1/radius.
+OpenDirection open_direction(const Vector6& e, const Eigen::Vector3d& c, double radius) noexcept;
+
 struct ShapeRegistration {
   bool found = false;
   Pose X_WK;

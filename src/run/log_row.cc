@@ -33,6 +33,7 @@ RunLogHeader make_header(const Experiment& e) {
     h.cloud_points = e.scene.perception->cloud().points;
     h.cloud_normals = e.scene.perception->cloud().normals;
     h.cloud_camera = e.scene.perception->cloud().camera;
+    h.cloud_colour = packed_colours(e.scene.perception->cloud());
   }
   h.target_points = e.plan.target.points;
   h.target_stroke = e.plan.target.stroke;

@@ -104,7 +104,7 @@ export interface Run {
   maps: Colouring[]; // of the canvas's vertices
   findings: Finding[];
   plan: Record<string, unknown>; // as plan.json
-  cloud: { points: Float64Array[]; of: number };
+  cloud: { points: Float64Array[]; colour: Float64Array; of: number }; // colour: 0xRRGGBB; may be empty
   target: { points: Float64Array[]; covered: Float64Array; begins: Float64Array; strokes: number[] };
   ink: {
     points: Float64Array[];
@@ -189,7 +189,7 @@ export function parse(data: Uint8Array<ArrayBuffer>): Run {
     arm: json.arm.map((link: any) => ({ ...link, meshes: (link.meshes ?? []).map(mesh) })),
     armNotice: json.arm_notice ?? "",
     canvas: mesh(json.canvas),
-    cloud: { ...json.cloud, points: each(json.cloud.points) },
+    cloud: { ...json.cloud, points: each(json.cloud.points), colour: one(json.cloud.colour) },
     target: {
       points: each(json.target.points), covered: one(json.target.covered),
       begins: one(json.target.begins), strokes: json.target.strokes,

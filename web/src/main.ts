@@ -219,7 +219,7 @@ class Page {
       if (this.isPlan && part === "force") continue;
       const label = this.isPlan ? ({ target: "what fails", ink: "strokes" } as Record<string, string>)[part] ?? part : part;
       const tick = h("input", { type: "checkbox" });
-      tick.checked = part !== "cloud";
+      tick.checked = part !== "cloud" || this.scenes.some((scene) => scene.parts.cloud.visible);
       tick.addEventListener("change", () => {
         for (const scene of this.scenes) scene.setShown(part, tick.checked);
         this.dirty = true;

@@ -171,8 +171,16 @@ export class Scene {
   private makeCloud(): three.Object3D {
     const geometry = new three.BufferGeometry();
     geometry.setAttribute("position", new three.BufferAttribute(interleaved(this.run.cloud.points), 3));
-    const cloud = new three.Points(geometry, new three.PointsMaterial({ color: kinds[5], size: 1.6, sizeAttenuation: false }));
-    cloud.visible = false;
+    const { colour } = this.run.cloud, coloured = colour.length > 0;
+    if (coloured) {
+      const rgb = new Float32Array(3 * colour.length);
+      colour.forEach((c, i) => new three.Color(c).toArray(rgb, 3 * i));
+      geometry.setAttribute("color", new three.BufferAttribute(rgb, 3));
+    }
+    const cloud = new three.Points(geometry, new three.PointsMaterial({
+      color: coloured ? 0xffffff : kinds[5], vertexColors: coloured, size: coloured ? 2.5 : 1.6, sizeAttenuation: false,
+    }));
+    cloud.visible = coloured;
     return cloud;
   }
 
