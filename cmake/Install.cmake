@@ -67,6 +67,28 @@ install(DIRECTORY ${header_folders} DESTINATION ${include_dir} COMPONENT library
 configure_file(cmake/built_alike.cc.in ${generated}/built_alike.cc @ONLY)
 configure_package_config_file(cmake/impedraw-config.cmake.in ${generated}/impedraw-config.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${generated}/impedraw-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${generated}/built_alike.cc DESTINATION ${include_dir} RENAME built_alike.h COMPONENT library)  # see impedraw.pc.in
 install(FILES ${generated}/built_alike.cc ${generated}/impedraw-config.cmake ${generated}/impedraw-config-version.cmake
   DESTINATION ${package_dir} COMPONENT library)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT library)
+
+# Beside the archives, one shared library of all components that are built, for a Debian package and pkg-config. Interfaces may change with a minor version.
+if(IMPEDRAW_LIBRARY_ONLY)
+  get_property(libraries GLOBAL PROPERTY IMPEDRAW_LIBRARIES)
+  foreach(library ${libraries})
+    get_target_property(type impedraw_${library} TYPE)
+    if(type STREQUAL "STATIC_LIBRARY")
+      list(APPEND archives impedraw_${library})
+      list(APPEND objects $<TARGET_OBJECTS:impedraw_${library}>)
+    endif()
+  endforeach()
+  add_library(impedraw_shared SHARED ${objects})
+  target_link_libraries(impedraw_shared PRIVATE ${archives})  # for what they link; all that they hold is in the objects
+  set_target_properties(impedraw_shared PROPERTIES OUTPUT_NAME impedraw LINKER_LANGUAGE CXX
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  install(TARGETS impedraw_shared LIBRARY COMPONENT library)
+  set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  file(RELATIVE_PATH up /${pkgconfig_dir} /)
+  configure_file(cmake/impedraw.pc.in ${generated}/impedraw.pc @ONLY)
+  install(FILES ${generated}/impedraw.pc DESTINATION ${pkgconfig_dir} COMPONENT library)
+endif()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes dist/impedraw-VERSION-cp3XX-….whl from a build, or dist/impedraw-VERSION.tar.gz from the tree. A wheel holds what the build's
+"""Makes dist/impedraw-VERSION-cp311-cp311-….whl and -cp312-abi3-….whl from a build, or dist/impedraw-VERSION.tar.gz from the tree. A wheel holds what the build's
 install component `python` does; auditwheel adds the libraries of Debian. MuJoCo and Pinocchio are wheels that it depends on. Names,
 versions and requirements are those of pyproject.toml.
 
@@ -36,7 +36,7 @@ def check(root):
     pinned = pins((root / "requirements.txt").read_text().splitlines()) | pins((root / "setup/sweep-requirements.txt").read_text().splitlines())
     tools = pins((root / "setup/wheel-requirements.txt").read_text().splitlines())
     of = tomllib.loads((root / "pyproject.toml").read_text())
-    lists = {"build-system.requires": of["build-system"]["requires"], "project.dependencies": of["project"]["dependencies"],
+    lists = {"build-system.requires": of["build-system"]["requires"], "tool.impedraw.build": of["tool"]["impedraw"]["build"], "project.dependencies": of["project"]["dependencies"],
              **{f"project.optional-dependencies.{name}": needs for name, needs in of["project"]["optional-dependencies"].items()}}
     wrong = []
     for where, needs in lists.items():
@@ -49,16 +49,16 @@ def check(root):
             if least and name in pinned and not (pinned[name] + ".").startswith(least + "."):
                 wrong.append(f"pyproject.toml: {where}: {need}; this tree's lists have {pinned[name]}")
     compiled_with = {name for name in pinned if name.startswith("cmeel") or name in ("libcoal", "libpinocchio", "mujoco-core")}
-    for where in ("build-system.requires", "project.dependencies"):
-        wrong += [f"pyproject.toml: {where}: lacks {name}" for name in sorted(compiled_with - set(pins(lists[where])))]
+    wrong += [f"pyproject.toml: project.dependencies: lacks {name}" for name in sorted(compiled_with - set(pins(lists["project.dependencies"])))]
     if wrong:
         raise SystemExit("\n".join(wrong))
 
 
 def needs(root, table):
     """The lines of this tree's lists for what pyproject.toml asks for in that table, so that pip takes no other file for it."""
-    of = tomllib.loads((root / "pyproject.toml").read_text())[table]
-    names = {re.split("[=>]", need)[0].lower() for need in of.get("requires") or of["dependencies"]}
+    of = tomllib.loads((root / "pyproject.toml").read_text())
+    asked = of["build-system"]["requires"] + of["tool"]["impedraw"]["build"] if table == "build-system" else of["project"]["dependencies"]
+    names = {re.split("[=>]", need)[0].lower() for need in asked}
     lists = ("requirements.txt", "setup/wheel-requirements.txt") if table == "build-system" else ("requirements.txt",)
     lines = [line for name in lists for line in (root / name).read_text().splitlines() if "==" in line and line[0] != "#"]
     # The backend's own needs stand in the tools' list.
@@ -67,38 +67,40 @@ def needs(root, table):
     return [found[name] for name in sorted(names)]
 
 
-def metadata(root):
+def metadata(root, requires_python):
     of = tomllib.loads((root / "pyproject.toml").read_text())["project"]
     lines = ["Metadata-Version: 2.4", f"Name: {of['name']}", f"Version: {version_of(root)}", f"Summary: {of['description']}",
              f"License-Expression: {of['license']}", *[f"License-File: {name}" for name in of["license-files"]],
-             f"Requires-Python: =={sys.version_info[0]}.{sys.version_info[1]}.*", *[f"Requires-Dist: {need}" for need in of["dependencies"]]]
+             f"Requires-Python: {requires_python}", *[f"Requires-Dist: {need}" for need in of["dependencies"]]]
     for name, needs in of["optional-dependencies"].items():
         lines += [f"Provides-Extra: {name}", *[f"Requires-Dist: {need}; extra == '{name}'" for need in needs]]
     lines += ["Description-Content-Type: text/markdown", "", (root / of["readme"]).read_text()]
     return "\n".join(lines)
 
 
-def content(root, build, stage):
+def content(root, stage, extension):
     """Path in the wheel → file."""
-    subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", stage], check=True, stdout=subprocess.DEVNULL)
-    files = {str(file.relative_to(stage)): file for file in sorted(stage.rglob("*")) if file.is_file()}
+    files = {str(file.relative_to(stage)): file for file in sorted(stage.rglob("*"))
+             if file.is_file() and (file.suffix != ".so" or file.name == extension)}
     for name in ("LICENSE", "THIRD_PARTY.md"):
         files[f"impedraw-{version_of(root)}.dist-info/licenses/{name}"] = root / name
     return files
 
 
-def pack(root, build, folder):
-    tag = f"cp{sys.version_info[0]}{sys.version_info[1]}"
+def pack(root, stage, folder, extension):
+    """A wheel for the Python that the extension's name tells."""
+    own = f"cp{sys.version_info[0]}{sys.version_info[1]}"
+    tag, requires = ("cp312-abi3", ">=3.12") if ".abi3." in extension else (f"{own}-{own}", f"=={sys.version_info[0]}.{sys.version_info[1]}.*")
     version = version_of(root)
     info = f"impedraw-{version}.dist-info"
-    wheel = folder / f"impedraw-{version}-{tag}-{tag}-linux_x86_64.whl"
+    wheel = folder / f"impedraw-{version}-{tag}-linux_x86_64.whl"
     scripts = tomllib.loads((root / "pyproject.toml").read_text())["project"]["scripts"]
-    texts = {f"{info}/METADATA": metadata(root).encode(),
+    texts = {f"{info}/METADATA": metadata(root, requires).encode(),
              f"{info}/entry_points.txt": "\n".join(["[console_scripts]", *(f"{name} = {what}" for name, what in scripts.items()), ""]).encode(),
-             f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: impedraw\nRoot-Is-Purelib: false\nTag: {tag}-{tag}-linux_x86_64\n".encode()}
+             f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: impedraw\nRoot-Is-Purelib: false\nTag: {tag}-linux_x86_64\n".encode()}
     record = []
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as out:
-        for name, data in [*((n, f.read_bytes()) for n, f in content(root, build, folder / "stage").items()), *texts.items()]:
+        for name, data in [*((n, f.read_bytes()) for n, f in content(root, stage, extension).items()), *texts.items()]:
             entry = zipfile.ZipInfo(name, (2026, 1, 1, 0, 0, 0))  # the same content gives the same wheel
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             out.writestr(entry, data, compresslevel=9)
@@ -108,21 +110,24 @@ def pack(root, build, folder):
     return wheel
 
 
-def make_wheel(root, build, dist, tools):
+def make_wheels(root, build, dist, tools):
     check(root)
-    with tempfile.TemporaryDirectory() as folder:
-        plain = pack(root, build, pathlib.Path(folder))
-        dist.mkdir(exist_ok=True)
-        for old in dist.glob("impedraw-*.whl"):
-            old.unlink()
-        # Libraries that come with other wheels are found for the check alone.
-        beside = [str(p) for p in (root / ".venv/lib").glob("python3*/site-packages/mujoco")]
-        beside += [str(p) for p in (root / ".venv/lib").glob("python3*/site-packages/cmeel.prefix/lib")]
-        environment = {**os.environ, "LD_LIBRARY_PATH": ":".join(beside), "PATH": f"{tools.parent}:{os.environ['PATH']}"}
-        excluded = [word for pattern in FOREIGN for word in ("--exclude", pattern)]
-        subprocess.run([tools, "-m", "auditwheel", "repair", "--strip", "-z", "9", "--plat", "manylinux_2_36_x86_64", *excluded, "-w", dist, plain],
-                       check=True, env=environment)
-    return next(dist.glob("impedraw-*.whl"))
+    dist.mkdir(exist_ok=True)
+    for old in dist.glob("impedraw-*.whl"):
+        old.unlink()
+    # Libraries that come with other wheels are found for the check alone.
+    beside = [str(p) for p in (root / ".venv/lib").glob("python3*/site-packages/mujoco")]
+    beside += [str(p) for p in (root / ".venv/lib").glob("python3*/site-packages/cmeel.prefix/lib")]
+    environment = {**os.environ, "LD_LIBRARY_PATH": ":".join(beside), "PATH": f"{tools.parent}:{os.environ['PATH']}"}
+    excluded = [word for pattern in FOREIGN for word in ("--exclude", pattern)]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", folder / "stage"], check=True, stdout=subprocess.DEVNULL)
+        for extension in sorted(file.name for file in (folder / "stage/impedraw").glob("_impedraw.*.so")):
+            plain = pack(root, folder / "stage", folder, extension)
+            subprocess.run([tools, "-m", "auditwheel", "repair", "--strip", "-z", "9", "--plat", "manylinux_2_36_x86_64", *excluded, "-w", dist, plain],
+                           check=True, env=environment)
+    return sorted(dist.glob("impedraw-*.whl"))
 
 
 def make_sdist(root, dist):
@@ -135,7 +140,7 @@ def make_sdist(root, dist):
     for old in dist.glob("impedraw-*.tar.gz"):
         old.unlink()
     os.chdir(root)
-    return dist / build_sdist(str(dist))
+    return [dist / build_sdist(str(dist))]
 
 
 def main():
@@ -147,8 +152,8 @@ def main():
     if what == "check":
         check(*places)
         return
-    made = {"wheel": make_wheel, "sdist": make_sdist}[what](*places)
-    print(f"{made} {made.stat().st_size / 1e6:.1f} MB")
+    for made in {"wheel": make_wheels, "sdist": make_sdist}[what](*places):
+        print(f"made {made} {made.stat().st_size / 1e6:.1f} MB")
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ _DATA = pathlib.Path(str(_impedraw.data_folder()))
 # What the package does without, and what each needs of a source tree.
 _IN_TREE = {
     "bench": "the benchmarks, which are compiled there",
+    "deb": "the sources",
     "docs": "the pages' sources",
     "figures": "the pages' sources",
     "film": "its renderer, Node.js, Chromium and ffmpeg",
@@ -74,7 +75,8 @@ def _doctor() -> int:
             missing += not extra
         print(f"  {name:20s} {state}")
     print("Nothing is missing." if not missing else f"{missing} missing: pip install --force-reinstall impedraw")
-    print("To remove all: pip uninstall impedraw, and the folders runs/ that it wrote.")
+    remover = {"dpkg": "apt purge"}.get((metadata.distribution("impedraw").read_text("INSTALLER") or "").strip(), "pip uninstall")
+    print(f"To remove all: {remover} impedraw, and the folders runs/ that it wrote.")
     return int(missing > 0)
 
 

@@ -31,6 +31,7 @@ using KdTree =
 template <typename Hear>
 struct Listener {
   using DistanceType = double;
+  using IndexType = std::size_t;
   double bound;
   Hear hear;  // (sample) → new bound
   bool addPoint(double, std::size_t sample) {

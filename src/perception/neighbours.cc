@@ -18,6 +18,7 @@ constexpr double kGuessMargin = 1.2;
 // Visits only the first leaf of the search, the query's own.
 struct FirstLeaf {
   using DistanceType = double;
+  using IndexType = int;
   int seen = 0;
   int closest = -1;
   double squared = std::numeric_limits<double>::max();
@@ -36,6 +37,7 @@ struct FirstLeaf {
 
 struct WithinReach {
   using DistanceType = double;
+  using IndexType = int;
   double limit2;
   int n = 0;
   struct Item {
@@ -56,6 +58,7 @@ struct WithinReach {
 // between its versions.)
 struct Nearest {
   using DistanceType = double;
+  using IndexType = int;
   int capacity;
   int* index;
   double* squared;  // the last one holds the bound until the set is full
