@@ -44,6 +44,8 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("--text", options->text, "text to write in single strokes; \\n ends a line")
       ->excludes("--shape")
       ->excludes("--svg");
+  command->add_option("--layer", options->layer,
+                      "draw these layers alone, by number or name, as in 2,black");
   command->add_flag(
       "--keep-order", options->keep_order,
       "keep the order of the file's strokes (default: ordered for short ways in the air)");

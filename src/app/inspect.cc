@@ -130,6 +130,8 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
                     "{:.1f} mm",
                     dash_count, broken.strokes, broken.pen_down_mm));
   }
+  found["hidden_mm"] = artwork.hidden_mm;
+  found["doubled_mm"] = artwork.doubled_mm;
   found["points"] = statistics.points;
   found["pen_up_mm"] = statistics.pen_up_mm;
   return found;

@@ -68,9 +68,14 @@ class Walk {
 
 void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& result) {
   const double period = period_of(dash), least = kSame * period;
+  const auto add = [&](std::vector<Vector2d> points, bool closed) -> Stroke& {
+    result.push_back(like(stroke, std::move(points), closed));
+    result.back().dash = -1;
+    return result.back();
+  };
   // A dot lies at the pattern's start, which SVG always draws.
   if (stroke.points.size() < 2) {
-    result.push_back({stroke.points, false, stroke.layer});
+    add(stroke.points, false);
     return;
   }
   const Walk walk(stroke.points, dash.to_pattern);
@@ -108,7 +113,7 @@ void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& resul
   }
   if (drawn.empty()) return;
   if (stroke.closed && drawn.size() == 1 && drawn[0].first == 0 && drawn[0].second >= length) {
-    result.push_back({stroke.points, true, stroke.layer});
+    add(stroke.points, true);
     return;
   }
   const bool over_the_start = stroke.closed && drawn.size() > 1 && drawn.front().first == 0 &&
@@ -116,12 +121,11 @@ void break_up(const Stroke& stroke, const Dash& dash, std::vector<Stroke>& resul
                               drawn.back().first < length - least;
   const std::size_t first = over_the_start ? 1 : 0;
   for (std::size_t i = first; i < drawn.size(); ++i) {
-    Stroke part{walk.part(drawn[i].first, drawn[i].second), false, stroke.layer};
+    Stroke& part = add(walk.part(drawn[i].first, drawn[i].second), false);
     if (over_the_start && i + 1 == drawn.size()) {
       for (const Vector2d& p : walk.part(drawn[0].first, drawn[0].second))
         Walk::add(part.points, p);
     }
-    result.push_back(std::move(part));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 
 #include <fmt/core.h>
@@ -10,6 +11,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/drawing/regions.h"
 
 namespace impedraw {
 namespace {
@@ -20,6 +22,7 @@ constexpr double kMostLines = 100'000;
 // Clipper's integer range across half an area; beyond 2^30 it needs wider arithmetic
 constexpr double kFineness = 5e8;
 constexpr double kShortest = 1e-5;  // [mm]
+constexpr double kInset = 0.25;  // of joined lines from the outline: half a pen [mm on the canvas]
 
 // One set of lines. They are vertical in the frame H, because Clipper treats horizontal edges
 // specially: y_H along the lines, x_H across.
@@ -98,7 +101,9 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
     for (; i < end; ++i) {
       if (whole[i].to - whole[i].from < kShortest) continue;
       const Vector2d at = (static_cast<double>(whole[i].k) + 0.5) * spacing * across;
-      row.push_back({{at + whole[i].from * along, at + whole[i].to * along}, false, area.layer});
+      row.push_back({{at + whole[i].from * along, at + whole[i].to * along}});
+      row.back().layer = area.layer;
+      row.back().colour = area.colour;
     }
     if (whole[end - 1].k % 2 != 0) {
       std::reverse(row.begin(), row.end());
@@ -108,7 +113,82 @@ void add_lines(const Area& area, double spacing, double angle, std::vector<Strok
   }
 }
 
+// Joins one set's lines to strokes that the pen draws in one go: from the end of a line to an end
+// in a row beside it, where the way between them stays in the area. Ends stand back by `inset`, so
+// that the ink of a join does, too.
+std::vector<Stroke> flowing(std::vector<Stroke> lines, const Area& area, const Vector2d& across,
+                            double spacing, double inset) {
+  const RegionIndex region(RegionMath(outlines_box(area.outlines)).region(area));
+  std::map<std::int64_t, std::vector<std::size_t>> rows;
+  const auto row_of = [&](const Stroke& line) {
+    return std::llround(across.dot(line.points[0]) / spacing - 0.5);
+  };
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    rows[row_of(lines[i])].push_back(i);
+    Vector2d &a = lines[i].points[0], &b = lines[i].points[1];
+    const Vector2d step = std::min(inset / (b - a).norm(), 0.25) * (b - a);
+    a += step, b -= step;
+  }
+  std::vector<double> crossings;
+  const auto stays_inside = [&](const Vector2d& a, const Vector2d& b) {
+    crossings.clear();
+    region.crossings(a, b, crossings);
+    return crossings.empty() && region.inside((a + b) / 2);
+  };
+  std::vector<Stroke> strokes;
+  std::vector<char> used(lines.size(), false);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (used[i]) continue;
+    used[i] = true;
+    strokes.push_back(lines[i]);
+    std::vector<Vector2d>& points = strokes.back().points;
+    for (std::int64_t row = row_of(lines[i]);;) {
+      double nearest = INFINITY;
+      std::size_t next = 0;
+      bool turned = false;
+      std::int64_t there = row;
+      for (const std::int64_t beside : {row - 1, row + 1}) {
+        const auto found = rows.find(beside);
+        if (found == rows.end()) continue;
+        for (const std::size_t k : found->second) {
+          for (const bool at_end : {false, true}) {
+            const double way = (lines[k].points[at_end] - points.back()).norm();
+            if (used[k] || way >= nearest || !stays_inside(points.back(), lines[k].points[at_end]))
+              continue;
+            nearest = way, next = k, turned = at_end, there = beside;
+          }
+        }
+      }
+      if (nearest == INFINITY) break;
+      used[next] = true;
+      points.push_back(lines[next].points[turned]);
+      points.push_back(lines[next].points[!turned]);
+      row = there;
+    }
+  }
+  return strokes;
+}
+
 }  // namespace
+
+std::vector<Stroke> hatch_strokes(const Area& area, const HatchSettings& settings, double scale) {
+  std::vector<Stroke> strokes;
+  HatchSettings set = settings;
+  set.cross = false;
+  for (const double turn : settings.cross ? std::vector{0.0, 90.0} : std::vector{0.0}) {
+    const double angle = (settings.angle_deg + turn) * std::numbers::pi / 180;
+    std::vector<Stroke> lines;
+    if (settings.spacing_mm > 0 && turn > 0)
+      add_lines(area, settings.spacing_mm / scale, angle, lines);
+    else
+      lines = hatch_lines(area, set, scale);
+    if (lines.empty()) continue;
+    lines = flowing(std::move(lines), area, {std::sin(angle), std::cos(angle)},
+                    settings.spacing_mm / scale, std::min(settings.spacing_mm / 2, kInset) / scale);
+    strokes.insert(strokes.end(), lines.begin(), lines.end());
+  }
+  return strokes;
+}
 
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale) {
   require_in_range("hatch", HatchSettings::Limits::spacing, settings.spacing_mm);
@@ -131,7 +211,7 @@ void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale) 
   if (!settings.outline) drop_edges(artwork);
   std::vector<std::vector<Stroke>> lines(artwork.layers.size());
   for (const Area& area : artwork.areas) {
-    const std::vector<Stroke> of_area = hatch_lines(area, settings, scale);
+    const std::vector<Stroke> of_area = hatch_strokes(area, settings, scale);
     lines[area.layer].insert(lines[area.layer].end(), of_area.begin(), of_area.end());
   }
   for (std::size_t layer = 0; layer < lines.size(); ++layer) {

@@ -33,8 +33,12 @@ struct HatchSettings {
 // than 100,000 lines across an area.
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale);
 
-// apply_hatch() puts each area's lines behind the other strokes of its layer, and drops the edges
-// if settings.outline is false. drop_edges() only drops the edges. Both keep the areas.
+// The same lines, joined where they can be drawn in one go (boustrophedon). A join stays within the
+// area; the lines end half a pen before the outline.
+std::vector<Stroke> hatch_strokes(const Area& area, const HatchSettings& settings, double scale);
+
+// apply_hatch() puts each area's joined lines behind the other strokes of its layer, and drops the
+// edges if settings.outline is false. drop_edges() only drops the edges. Both keep the areas.
 void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale);
 void drop_edges(Artwork& artwork);
 

@@ -36,7 +36,7 @@ Stroke simplified(const Stroke& stroke, double tolerance_mm) {
     };
     cut = static_cast<std::size_t>(std::max_element(p.begin(), p.end(), nearer) - p.begin());
   }
-  Stroke result{{}, stroke.closed, stroke.layer, stroke.dash, stroke.edge};
+  Stroke result = like(stroke, {}, stroke.closed);
   for (const auto& [from, to] : {std::pair(std::size_t{0}, cut), std::pair(cut, p.size() - 1)}) {
     if (from == to) continue;
     const std::vector<Vector2d> part(p.begin() + from, p.begin() + to + 1);
@@ -102,7 +102,7 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
     // Go back to the chain's start, so that its first part keeps its direction if possible.
     int e = 2 * s;
     while (partner[e] >= 0) e = partner[e] ^ 1;
-    Stroke stroke{{}, strokes[s].closed, strokes[s].layer, strokes[s].dash, strokes[s].edge};
+    Stroke stroke = like(strokes[s], {}, strokes[s].closed);
     for (; e >= 0; e = partner[e ^ 1]) {
       used[e / 2] = true;
       std::vector<Vector2d> part = strokes[e / 2].points;

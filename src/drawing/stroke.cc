@@ -6,15 +6,21 @@
 
 namespace impedraw {
 
-void drop_empty_layers(Artwork& artwork) {
+Stroke like(const Stroke& stroke, std::vector<Eigen::Vector2d> points, bool closed) {
+  return {std::move(points), closed,        stroke.layer, stroke.dash,
+          stroke.edge,       stroke.colour, stroke.width};
+}
+
+void drop_empty_layers(Artwork& artwork, bool keep_areas) {
   std::vector<int> strokes(artwork.layers.size(), 0), index(artwork.layers.size(), 0);
   for (const Stroke& stroke : artwork.strokes) ++strokes[stroke.layer];
+  if (keep_areas)
+    for (const Area& area : artwork.areas) ++strokes[area.layer];
   std::vector<std::string> kept;
   for (std::size_t i = 0; i < strokes.size(); ++i) {
     index[i] = static_cast<int>(kept.size());
     if (strokes[i] > 0) kept.push_back(artwork.layers[i]);
   }
-  // A layer without strokes has no areas to fill: an area's edge is a stroke.
   std::erase_if(artwork.areas, [&](const Area& area) { return strokes[area.layer] == 0; });
   for (Area& area : artwork.areas) area.layer = index[area.layer];
   for (Stroke& stroke : artwork.strokes) stroke.layer = index[stroke.layer];

@@ -2,6 +2,7 @@
 // dashes and filled areas.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,14 +16,22 @@ namespace impedraw {
 inline constexpr std::size_t kMostPoints = 5'000'000;
 inline constexpr double kFarthest = 1e6;
 
+// What of an SVG is drawn: what the eye sees, or every line as if nothing were hidden.
+enum class Visible { as_painted, all };
+
 // One pen-down line on the page: x to the right, y down (as in SVG), millimetres.
 struct Stroke {
   std::vector<Eigen::Vector2d> points = {};  // [mm], at least one; consecutive points differ
   bool closed = false;                       // the last point repeats the first
   int layer = 0;                             // index into Artwork::layers
-  int dash = -1;      // index into Artwork::dashes; −1: unbroken. Applied by dashes.h
-  bool edge = false;  // the outline of an area that is filled, not stroked
+  int dash = -1;             // index into Artwork::dashes; −1: unbroken. Applied by dashes.h
+  bool edge = false;         // the outline of an area that is filled, not stroked
+  std::uint32_t colour = 0;  // 0xRRGGBB
+  double width = 0;          // as painted [mm]; 0: not known
 };
+
+// A stroke with other points and the same layer, dash, colour and width.
+Stroke like(const Stroke& stroke, std::vector<Eigen::Vector2d> points = {}, bool closed = false);
 
 // A dash pattern: lengths drawn and left out alternate, and the pattern repeats.
 struct Dash {
@@ -40,6 +49,7 @@ struct Area {
   std::vector<std::vector<Eigen::Vector2d>> outlines;
   bool even_odd = false;  // fill rule; else nonzero winding
   int layer = 0;
+  std::uint32_t colour = 0;  // 0xRRGGBB
 };
 
 struct Artwork {
@@ -51,10 +61,12 @@ struct Artwork {
   std::vector<std::string> warnings = {};  // features of the artwork that are not drawn
   std::vector<Dash> dashes = {};
   std::vector<Area> areas = {};  // in painting order
+  double hidden_mm = 0;          // length that clip paths, masks and what lies above hide: left out
+  double doubled_mm = 0;         // length that lay on other strokes: left out
 };
 
-// Removes layers without strokes: layers are pens.
-void drop_empty_layers(Artwork& artwork);
+// Removes layers without strokes, unless they have areas that are to be filled: layers are pens.
+void drop_empty_layers(Artwork& artwork, bool keep_areas = false);
 
 struct StrokeStatistics {
   std::size_t strokes = 0, points = 0;

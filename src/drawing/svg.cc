@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/input_file.h"
+#include "impedraw/drawing/bounded.h"
+#include "impedraw/drawing/doubles.h"
 #include "impedraw/drawing/flatten.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
+#include "impedraw/drawing/visible.h"
 
 namespace impedraw {
 namespace {
@@ -18,8 +23,13 @@ namespace {
 using Eigen::Vector2d;
 // tolerance for two pieces of one arc to share an ellipse, relative to its size
 constexpr double kSameArc = 1e-5;
-constexpr double kSamePoint = 1e-6;  // [mm]
-constexpr double kSamePage = 1e-4;   // of a white page's edge to the page's, of its diagonal
+constexpr double kSamePoint = 1e-6;   // [mm]
+constexpr double kSameLine = 1e-3;    // distance of lines drawn once, of the drawing's diagonal,
+constexpr double kSameLineMm = 0.1;   // and at most
+constexpr double kSeconds = 12;       // of CPU time to find what is hidden
+constexpr std::size_t kMostPens = 8;  // colours that become layers by themselves
+constexpr unsigned kWhite = 250;      // least red, green and blue of white
+constexpr double kSamePage = 1e-4;    // of a white page's edge to the page's, of its diagonal
 
 struct Segment {
   ImpedrawSvgVerb verb;
@@ -73,9 +83,11 @@ std::vector<Subpath> subpaths_of(const ImpedrawSvg& svg, const std::string& name
   return all;
 }
 
+// Of what is painted.
 Eigen::AlignedBox2d box_of(const std::vector<Subpath>& subpaths) {
   Eigen::AlignedBox2d box;
   for (const Subpath& s : subpaths) {
+    if (s.path->shapes > 0) continue;
     box.extend(s.start);
     for (const Segment& segment : s.segments) box.extend(segment.end());
   }
@@ -151,10 +163,17 @@ bool has_area(const std::vector<Vector2d>& line) {
   return widest > 1e-6 * longest * longest;
 }
 
+bool is_white(std::uint32_t colour) {
+  return (colour >> 16 & 0xff) >= kWhite && (colour >> 8 & 0xff) >= kWhite &&
+         (colour & 0xff) >= kWhite;
+}
+
 // True if the path is the page's background: a white rectangle that covers the whole page.
 bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
                const Eigen::AlignedBox2d& page) {
-  if (!path.white || path.stroked || lines.size() != 1 || lines[0].size() < 4) return false;
+  if (!path.filled || !is_white(path.fill) || path.stroked || lines.size() != 1 ||
+      lines[0].size() < 4)
+    return false;
   Eigen::AlignedBox2d box;
   for (const Vector2d& p : lines[0]) box.extend(p);
   const double hair = kSamePage * page.diagonal().norm();
@@ -165,12 +184,29 @@ bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSv
   });
 }
 
+// Indices of the layers by colour, in order of appearance; empty: groups are layers.
+std::map<std::uint32_t, int> colour_layers(const ImpedrawSvg& svg, LayerSource source) {
+  std::map<std::uint32_t, int> layers;
+  for (const ImpedrawSvgPath* path = svg.paths; path != svg.paths + svg.path_count; ++path) {
+    if (path->shapes > 0 || path->hides == 2) continue;
+    for (const auto& [shows, colour] :
+         {std::pair{path->stroked, path->stroke}, {path->filled, path->fill}}) {
+      if (shows && !is_white(colour)) layers.emplace(colour, static_cast<int>(layers.size()));
+    }
+  }
+  const bool plain =
+      !svg.named && svg.layer_count <= 1 && layers.size() > 1 && layers.size() <= kMostPens;
+  if (source == LayerSource::groups || (source == LayerSource::automatic && !plain)) layers.clear();
+  return layers;
+}
+
 // The subpath as a stroke; without points if nothing is visible.
-Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
+Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line, bool stroked) {
   Stroke stroke;
   stroke.layer = static_cast<int>(subpath.path->layer);
-  const bool stroked = subpath.path->stroked;
   stroke.edge = !stroked;
+  stroke.colour = stroked ? subpath.path->stroke : subpath.path->fill;
+  if (stroked) stroke.width = subpath.path->width;
   if (!stroked && !has_area(line)) return stroke;
   const bool closed = subpath.closed || !stroked;
   if (closed) line.push_back(line.front());
@@ -188,23 +224,20 @@ Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line) {
   return stroke;
 }
 
-// The area that the path fills, with these lines as its subpaths. White is not drawn: it is usually
-// the page's background.
-void add_area(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
-              Artwork& artwork) {
-  if (!path.filled || path.white) return;
-  Area area{{}, path.even_odd != 0, static_cast<int>(path.layer)};
+// The area that the path fills, with these lines as its subpaths.
+Area area_of(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path) {
+  Area area{{}, path.even_odd != 0, static_cast<int>(path.layer), path.fill};
   for (const std::vector<Vector2d>& line : lines) {
-    if (has_area(line)) area.outlines.push_back(line);
+    if (path.filled && has_area(line)) area.outlines.push_back(line);
   }
-  if (!area.outlines.empty()) artwork.areas.push_back(std::move(area));
+  return area;
 }
 
-// Index of the path's dash in the artwork; −1 if it has none, or if its transform leaves no length
+// Index of the path's dash in `dashes`; −1 if it has none, or if its transform leaves no length
 // to measure. A pathLength stretches the dashes (SVG 2, 9.6.1); if it is 0, the line is solid.
 int add_dash(const ImpedrawSvgPath& path, const double* lengths,
              const std::vector<std::vector<Vector2d>>& lines, const Subpath* subpaths,
-             Artwork& artwork) {
+             std::vector<Dash>& dashes) {
   if (path.dash_count == 0 || path.path_length == 0) return -1;
   const double* t = path.transform;
   const Eigen::Matrix2d to_page = (Eigen::Matrix2d() << t[0], t[1], t[2], t[3]).finished();
@@ -223,8 +256,62 @@ int add_dash(const ImpedrawSvgPath& path, const double* lengths,
     dash.offset *= length / path.path_length;
     if (!(length > 0)) return -1;
   }
-  artwork.dashes.push_back(std::move(dash));
-  return static_cast<int>(artwork.dashes.size()) - 1;
+  dashes.push_back(std::move(dash));
+  return static_cast<int>(dashes.size()) - 1;
+}
+
+// What is painted, and what is seen of it: strokes, areas and lengths [mm].
+struct Painting {
+  std::vector<Paint> paints;
+  std::vector<Clip> clips;
+  std::vector<Dash> dashes;
+  double hidden_mm = 0, doubled_mm = 0;
+};
+
+void find_visible(Painting& painting) {
+  painting.hidden_mm = keep_visible(painting.paints, painting.clips, painting.dashes);
+  std::vector<Stroke> strokes;
+  for (Paint& paint : painting.paints) {
+    std::move(paint.strokes.begin(), paint.strokes.end(), std::back_inserter(strokes));
+    paint.strokes.clear();
+  }
+  const Eigen::AlignedBox2d ink = bounds_of(strokes);
+  if (ink.isEmpty()) return;
+  painting.doubled_mm =
+      drop_doubles(strokes, std::min(kSameLine * ink.diagonal().norm(), kSameLineMm));
+  painting.paints.push_back({std::move(strokes)});
+}
+
+// Puts what the eye sees of the painting into the artwork.
+void look_at(Painting painting, bool as_painted, Artwork& artwork) {
+  const auto shared = std::make_shared<Painting>(std::move(painting));
+  try {
+    if (as_painted && !done_within(kSeconds, [shared] { find_visible(*shared); }))
+      throw InputError(fmt::format("takes longer than {:.0f} s to find", kSeconds));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format(
+        "{}: what its fills, clip paths and masks hide: {}; drawing.visible=all draws it as if "
+        "nothing were hidden",
+        artwork.name, error.what()));
+  }
+  for (Paint& paint : shared->paints) {
+    std::move(paint.strokes.begin(), paint.strokes.end(), std::back_inserter(artwork.strokes));
+    if (paint.inked && !paint.area.outlines.empty()) artwork.areas.push_back(std::move(paint.area));
+  }
+  artwork.dashes = std::move(shared->dashes);
+  artwork.hidden_mm = shared->hidden_mm;
+  artwork.doubled_mm = shared->doubled_mm;
+  if (artwork.doubled_mm >= 0.05) {
+    artwork.warnings.push_back(
+        fmt::format("{:.1f} mm of lines lie on others: drawn once", artwork.doubled_mm));
+  }
+  if (artwork.hidden_mm >= 0.05) {
+    artwork.warnings.push_back(fmt::format(
+        "{:.1f} mm of lines are hidden by fills, clip paths, masks or the page's edge: left out",
+        artwork.hidden_mm));
+  }
+  if (!as_painted && !shared->clips.empty())
+    artwork.warnings.push_back("clip paths and masks are passed over: what they hide is drawn");
 }
 
 }  // namespace
@@ -255,7 +342,23 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     flatten_settings.tolerance =
         std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
   }
-  std::size_t points = 0, grounds = 0, flat = 0;
+  const bool as_painted = settings.visible == Visible::as_painted;
+  Painting painting;
+  painting.paints.resize(svg->path_count);
+  for (std::size_t i = 0; i < svg->clip_count; ++i)
+    painting.clips.push_back(
+        {static_cast<int>(svg->clips[i].parent) - 1, svg->clips[i].mask != 0, {}});
+  const std::map<std::uint32_t, int> by_colour = colour_layers(*svg, settings.layers);
+  if (!by_colour.empty()) {
+    artwork.layers.resize(by_colour.size());
+    for (const auto& [colour, index] : by_colour) artwork.layers[index] = colour_name(colour);
+  }
+  const auto layer_of = [&](std::uint32_t colour, int group) {
+    const auto found = by_colour.find(colour);
+    return by_colour.empty() ? group : found == by_colour.end() ? 0 : found->second;
+  };
+  std::map<std::string, std::size_t> off;  // strokes, by layer
+  std::size_t points = 0, grounds = 0, flat = 0, white = 0;
   Vector2d first_flat = Vector2d::Zero();
   const double* dash_lengths = svg->dashes;
   auto subpath = subpaths.begin();
@@ -264,27 +367,56 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     const auto first_subpath = subpath;
     for (; subpath != subpaths.end() && subpath->path == path; ++subpath)
       lines.push_back(flatten(*subpath, flatten_settings, name));
-    const int dash = add_dash(*path, dash_lengths, lines,
-                              subpaths.data() + (first_subpath - subpaths.begin()), artwork);
+    const int dash =
+        add_dash(*path, dash_lengths, lines, subpaths.data() + (first_subpath - subpaths.begin()),
+                 painting.dashes);
     dash_lengths += path->dash_count;
-    if (is_ground(lines, *path, artwork.page)) {
-      ++grounds;
+    const int clip = static_cast<int>(path->clip) - 1;
+    Paint& paint = painting.paints[static_cast<std::size_t>(path - svg->paths)];
+    if (path->shapes > 0) {
+      painting.clips[path->shapes - 1].shapes.push_back(
+          {area_of(lines, *path), clip, path->value, path->alpha});
+      continue;
+    }
+    const bool strokes = path->stroked && !(as_painted && is_white(path->stroke)),
+               fills = path->filled && !is_white(path->fill), eraser = path->hides == 2;
+    const std::string group = svg->layers[path->layer];
+    if (layer_marks(group).off) {
+      off[group] += lines.size();
+      continue;
+    }
+    paint = {{}, area_of(lines, *path), fills, path->hides != 0, path->hides_from, clip};
+    paint.area.layer = layer_of(path->fill, paint.area.layer);
+    const bool ground = !eraser && is_ground(lines, *path, artwork.page);
+    grounds += ground;
+    if (eraser || ground) continue;
+    if (as_painted && !strokes && !fills) {
+      ++white;
       continue;
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const Subpath& outline = first_subpath[static_cast<std::ptrdiff_t>(i)];
-      Stroke stroke = stroke_of(outline, lines[i]);
+      Stroke stroke = stroke_of(outline, lines[i], strokes);
       if (!path->stroked && stroke.points.empty() && !outline.segments.empty() && flat++ == 0)
         first_flat = outline.start;
       stroke.dash = dash;
+      stroke.layer = layer_of(stroke.colour, stroke.layer);
       points += stroke.points.size();
       require_few(points, flatten_settings, name);
       stroke.points.shrink_to_fit();
-      if (!stroke.points.empty()) artwork.strokes.push_back(std::move(stroke));
+      if (!stroke.points.empty()) paint.strokes.push_back(std::move(stroke));
     }
-    add_area(lines, *path, artwork);
   }
-  drop_empty_layers(artwork);
+  look_at(std::move(painting), as_painted, artwork);
+  if (white > 0) {
+    artwork.warnings.push_back(fmt::format("{} white shape{} left out, as white is the paper",
+                                           white, white == 1 ? "" : "s"));
+  }
+  for (const auto& [layer, strokes] : off)
+    artwork.warnings.push_back(fmt::format("the layer '{}' is off (%): {} stroke{} left out", layer,
+                                           strokes, strokes == 1 ? "" : "s"));
+  drop_empty_layers(artwork, true);
+  order_layers(artwork);
   if (grounds > 0) {
     artwork.warnings.push_back(
         fmt::format("{} white rectangle{} over the whole page: left out, because the page's "

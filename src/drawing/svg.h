@@ -4,32 +4,36 @@
 // The resulting curves are flattened here. 1 px is 1/96 inch. A document without width and height
 // takes its viewBox's units as px.
 //
-// A painted path is drawn, whether filled, stroked or both, in any colour, including white (except
-// as the page's background, below). Each subpath becomes one stroke along its geometry, whatever
-// the stroke width. A subpath that is only filled is drawn closed (Stroke::edge). Fills and dashes
-// are returned in Artwork::areas and dashes, for hatch.h and dashes.h to apply. White fills are
-// left out there, and an area painted over another does not hide it. Elements with opacity 0,
+// A painted path is drawn, whether filled, stroked or both, in any colour but white. Each subpath
+// becomes one stroke along its geometry, whatever the stroke width. A subpath that is only filled
+// is drawn closed (Stroke::edge). Clip paths, masks, opaque fills and white strokes hide lines
+// (visible.h); a stroke that is inked hides nothing, as the pen's line is thin. What is less opaque
+// than one half, a pattern, and a picture hide nothing. With Visible::all, nothing is hidden, and
+// white lines are drawn. Fills and dashes are returned in Artwork::areas and dashes, for hatch.h
+// and dashes.h to apply; white fills are not. Markers are drawn. Elements with opacity 0,
 // display none or visibility hidden, and elements that are not rendered, draw nothing. Layers are
-// the document's top-level groups, named by Inkscape label, id or position.
+// the document's top-level groups, named by Inkscape label, id or position, or its colours
+// (layers.h).
 //
 // Text is drawn as the outlines of its glyphs, in the system's fonts. A warning names a font that
 // is not installed and the one that replaces it. What the internal DTD declares (namespaces,
 // default attributes) counts. A pathLength stretches the dashes.
 //
-// Artwork::warnings tells what is lost, in the same words wherever it is printed: pictures,
-// markers, animations, text that no font can show, filled shapes without area, a white rectangle
-// over the whole page, painted shapes that are hidden (display, visibility, opacity 0), the
-// contents of patterns, the effect of clip paths, masks, filters, partial opacity and different
-// stroke widths, what the file refers to and does not hold, and anything that usvg could not
-// interpret. A filter, clip path or mask never hides a shape, not even one that is missing or
-// empty. Of a pattern fill only the filled area counts. Apart from fonts, only the file itself is
-// read.
+// Artwork::warnings tells what is lost, in the same words wherever it is printed: lengths that are
+// hidden or doubled, white shapes, pictures, animations, text that no font can show, filled shapes
+// without area, a white rectangle over the whole page, painted shapes that are hidden (display,
+// visibility, opacity 0, an empty clip path), the contents of patterns, the effect of filters,
+// partial opacity and different stroke widths, what the file refers to and does not hold, and
+// anything that usvg could not interpret. A filter never hides a shape, not even one that is
+// missing or empty. Of a pattern fill only the filled area counts. Apart from fonts, only the file
+// itself is read.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <string_view>
 
+#include "impedraw/drawing/layers.h"
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
@@ -42,6 +46,8 @@ struct SvgSettings {
   double turn = 0.15;  // largest turn of a curve between points [rad]
   double largest_file_mb = 64;
   bool may_be_empty = false;  // nothing to draw is a warning, not an error
+  Visible visible = Visible::as_painted;
+  LayerSource layers = LayerSource::automatic;
 };
 
 // InputError: the file is missing or not an SVG, has no valid size, nests more than 1,000 elements

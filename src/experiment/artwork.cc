@@ -28,8 +28,9 @@ Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_err
     setting_errors.raise({"drawing.text.text", "drawing.svg"},
                          "drawing.svg and drawing.text.text are both given; give one of them");
   }
-  return setting_errors.locate({"drawing.svg", "drawing.unit"},
-                               [&] { return read_artwork(s.svg, {}, s.unit); });
+  return setting_errors.locate({"drawing.svg", "drawing.unit"}, [&] {
+    return read_artwork(s.svg, {.visible = s.visible, .layers = s.layers}, s.unit);
+  });
 }
 
 void break_dashes(Artwork& artwork, bool apply) {
@@ -84,6 +85,8 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
                    const std::function<void(double)>& progress) {
   if (s.svg.empty() && s.text.text.empty()) return make_shape(s.shape);
   Artwork artwork = given_artwork(s, setting_errors);
+  if (!s.layer.empty())
+    setting_errors.locate({"drawing.layer"}, [&] { choose_layers(artwork, s.layer); });
   setting_errors.locate({"drawing.svg", "drawing.text.text", "drawing"},
                         [&] { require_few(artwork); });
   if (!s.dashes) break_dashes(artwork, false);

@@ -114,6 +114,10 @@ Scenario resolve(const DrawOptions& options, Places* given) {
                                                     : ArmDriver::iiwa_lcm;
     places.put("arm.driver", fmt::format("--arm {}", options.arm));
   }
+  if (!options.layer.empty()) {
+    scenario.drawing.layer = options.layer;
+    places.put("drawing.layer", "--layer " + shown(options.layer));
+  }
   if (options.keep_order) scenario.drawing.keep_order = true;
   if (options.skip_unreachable) scenario.drawing.skip_unreachable = true;
   if (options.no_perception) {

@@ -20,6 +20,7 @@ struct DrawOptions {
   std::filesystem::path svg;
   std::string text;  // to draw
   bool no_perception = false;
+  std::string layer;              // that are drawn, by number or name; empty: all
   bool keep_order = false;        // of a file's strokes
   bool skip_unreachable = false;  // omits what fails the pre-flight
   // fixed; auto: of the canvas; surface: of the drawing on it; empty: auto where an arm of one's

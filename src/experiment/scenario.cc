@@ -97,6 +97,18 @@ void describe(Fields& f, DrawingSettings& s) {
             {"px", PageUnit::px}},
            "Unit of the numbers in .txt, .strokes and .csv files; file: millimetres, or fractions "
            "of the page if all numbers lie between 0 and 1.");
+  f.choice("visible", s.visible, {{"as-painted", Visible::as_painted}, {"all", Visible::all}},
+           "What of an SVG is drawn. as-painted: what the eye sees; opaque fills, clip paths and "
+           "masks hide lines, and white is not drawn. all: every line, as if nothing were hidden.");
+  f.choice("layers", s.layers,
+           {{"auto", LayerSource::automatic},
+            {"groups", LayerSource::groups},
+            {"colours", LayerSource::colours}},
+           "What an SVG's layers are; each is drawn before the next. groups: Inkscape's layers and "
+           "other groups at the top of the document. auto: its groups; its colours where there is "
+           "one group at most, without a name, and two to eight colours.");
+  f.field("layer", s.layer,
+          "Layers that are drawn, by number or name, as in '2,black'; empty: all of them.");
   f.field(Limits::join_gap, s.join_gap_mm,
           "Largest gap on the page between ends of strokes that are joined; 0: none are joined.");
   f.field("dashes", s.dashes, "Draws dashed lines of an SVG as dashes.");

@@ -39,7 +39,10 @@ struct DrawingSettings {
   std::string shape = "sine";  // built in; used where svg and text are empty
   std::filesystem::path svg;
   TextSettings text;
-  PageUnit unit = PageUnit::file;  // of a stroke file's numbers
+  PageUnit unit = PageUnit::file;         // of a stroke file's numbers
+  Visible visible = Visible::as_painted;  // of an SVG
+  LayerSource layers = LayerSource::automatic;
+  std::string layer;  // numbers and names of the layers that are drawn; empty: all
   // Joins stroke ends of a file that are closer than this [mm on the page]; 0: off.
   double join_gap_mm = 0.0;
   bool dashes = true;        // of an SVG's strokes

@@ -143,6 +143,38 @@ TEST(Hatch, RowsAlternateAndCrossesStandAcross) {
   EXPECT_THROW(hatch_lines(square, {.spacing_mm = std::nan("")}, 1), InputError);
 }
 
+TEST(Hatch, JoinedLinesStayInsideAndLoseNothing) {
+  const Area square{{{{20, 20}, {80, 20}, {80, 80}, {20, 80}}}, false, 0};
+  const Area ring{{circle({70.3, 60.2}, 40), circle({70.3, 60.2}, 15)}, true, 0};
+  Area comb{{{{0, 0}, {60, 0}}}, false, 0};
+  for (int i = 5; i >= 0; --i)
+    for (const Vector2d& p : {Vector2d(10 * i + 6, 10), Vector2d(10 * i + 6, 40),
+                              Vector2d(10 * i, 40), Vector2d(10 * i, 10)})
+      comb.outlines[0].push_back(p);
+  for (const auto& [area, most] :
+       std::vector<std::pair<const Area*, unsigned>>{{&square, 1}, {&ring, 4}, {&comb, 14}}) {
+    for (const double angle : {0.0, 45.0, 77.0}) {
+      SCOPED_TRACE(fmt::format("{} {}", most, angle));
+      const HatchSettings settings{.spacing_mm = 1, .angle_deg = angle};
+      const auto lines = hatch_lines(*area, settings, 1),
+                 strokes = hatch_strokes(*area, settings, 1);
+      EXPECT_LE(strokes.size(), most);
+      EXPECT_GT(pen_down_length(strokes),
+                pen_down_length(lines) - 0.501 * static_cast<double>(lines.size()));
+      std::size_t ends = 0;
+      for (const Stroke& stroke : strokes) {
+        ends += stroke.points.size();
+        for (std::size_t i = 1; i < stroke.points.size(); ++i) {
+          for (const double s : {0.001, 0.2, 0.5, 0.8, 0.999})
+            EXPECT_TRUE(inside(stroke.points[i - 1] + s * (stroke.points[i] - stroke.points[i - 1]),
+                               *area));
+        }
+      }
+      EXPECT_EQ(ends, 2 * lines.size());
+    }
+  }
+}
+
 TEST(Hatch, FillsOfAnSvg) {
   const std::string svg =
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">

@@ -22,7 +22,8 @@ impl log::Log for Listener {
             return;
         }
         let mut text = record.args().to_string();
-        if text.starts_with("Image") || text.starts_with("Failed to parse href") {
+        let link = |name| text.starts_with(&format!("Failed to parse {name}")) && (name == "href" || text.contains("url("));
+        if text.starts_with("Image") || ["href", "clip-path", "mask"].iter().any(|name| link(*name)) {
             return; // reported in another way
         }
         if let Some((end, _)) = text.char_indices().nth(LONGEST) {

@@ -182,6 +182,7 @@ fn layer_groups<'a, 'i>(within: Node<'a, 'i>, found: &mut Vec<(usize, Node<'a, '
 #[derive(Default)]
 pub struct Marked {
     pub layers: HashMap<String, String>, // names, by id: Inkscape's label, the author's id, or a number
+    pub named: bool, // a layer has a name of the author's
     pub lengths: Vec<f64>,               // each pathLength of the document
 }
 
@@ -205,6 +206,7 @@ pub fn marked(text: &str, xml: &Document) -> (Option<String>, Marked) {
     };
     for (place, group) in groups {
         let label = group.attribute((INKSCAPE, "label"));
+        marked.named |= label.is_some() || group.has_attribute("id");
         match group.attribute("id").filter(|id| !id.is_empty()) {
             Some(id) => {
                 marked.layers.insert(id.to_string(), label.unwrap_or(id).to_string());

@@ -15,19 +15,33 @@ enum ImpedrawSvgVerb : std::uint8_t {  // points taken: 1, 1, 2, 3, 0
   IMPEDRAW_SVG_CLOSE = 4,
 };
 
-// One visible path element. Its verbs and points follow those of the previous path.
+// One visible path element, in painting order, or a shape of a clip path or mask. Its verbs and
+// points follow those of the previous path.
 struct ImpedrawSvgPath {
   std::size_t verbs;  // how many
   std::uint32_t layer;
   std::uint8_t stroked;
   std::uint8_t filled;
-  std::uint8_t caps;       // round or square line caps: a subpath without length is a dot
-  std::uint8_t even_odd;   // fill rule; else nonzero
-  std::uint8_t white;      // filled with white
+  std::uint8_t caps;      // round or square line caps: a subpath without length is a dot
+  std::uint8_t even_odd;  // fill rule; else nonzero
+  std::uint8_t hides;     // the fill hides what lies beneath: 1; 2: it is a white stroke's area
+  std::uint32_t fill, stroke;  // colours, 0xRRGGBB; a gradient's is the mean of its stops
+  double width;                // of the stroke [mm]
+  std::size_t hides_from;  // the first path that it hides: a faint group hides nothing around it
+  std::uint32_t clip;      // ImpedrawSvg::clips, counted from 1, that cuts it; 0: none
+  std::uint32_t shapes;    // the clip that it is a part of, counted from 1; 0: it is painted
+  float value, alpha;      // of a mask's shape: luminance and opacity
   std::size_t dash_count;  // of ImpedrawSvg::dashes, even; 0: unbroken
   double dash_offset;      // like the dashes, in the unit before the transform
   double path_length;      // what the dashes take the path's whole length for; NaN: that length
   double transform[4];     // rows of the 2 × 2 matrix from that unit to millimetres on the page
+};
+
+// A clip path shows the union of its shapes. A mask shows where its shapes, painted in order, are
+// lighter than one half.
+struct ImpedrawSvgClip {
+  std::uint32_t parent;  // cuts it, counted from 1; 0: none
+  std::uint8_t mask;
 };
 
 struct ImpedrawSvg {
@@ -35,12 +49,15 @@ struct ImpedrawSvg {
   double width_mm, height_mm;
   const ImpedrawSvgPath* paths;
   std::size_t path_count;
+  const ImpedrawSvgClip* clips;
+  std::size_t clip_count;
   const std::uint8_t* verbs;
   const double* points;  // x, y [mm] on the page, every transform applied; 1 px = 1/96 inch
   // alternating lengths drawn and left out; each path's follow those of the previous path
   const double* dashes;
   const char* const* layers;
   std::size_t layer_count;
+  std::uint8_t named;  // a layer has a name of the author's
   const char* const* warnings;
   std::size_t warning_count;
 };

@@ -4,6 +4,7 @@
 //! dtd.rs         what the internal DTD adds to the document
 //! document.rs    text and XML, before usvg
 //! outlines.rs    usvg's tree as paths
+//! paints.rs      colours and gradients
 //! references.rs  what the document refers to and does not hold
 //! complaints.rs  usvg's messages
 
@@ -12,9 +13,10 @@ mod document;
 mod dtd;
 mod limits;
 mod outlines;
+mod paints;
 mod references;
 
-use outlines::{Outlines, SvgPath};
+use outlines::{Outlines, SvgClip, SvgPath};
 use std::ffi::{c_char, CString};
 
 #[repr(C)]
@@ -24,11 +26,14 @@ pub struct Svg {
     height_mm: f64,
     paths: *const SvgPath,
     path_count: usize,
+    clips: *const SvgClip,
+    clip_count: usize,
     verbs: *const u8,
     points: *const f64,
     dashes: *const f64,
     layers: *const *const c_char,
     layer_count: usize,
+    named: u8,
     warnings: *const *const c_char,
     warning_count: usize,
     outlines: Outlines, // these three own the data that the pointers above refer to
@@ -69,11 +74,14 @@ pub unsafe extern "C" fn impedraw_svg_read(data: *const u8, size: usize) -> *con
         height_mm: outlines.size.1,
         paths: outlines.paths.as_ptr(),
         path_count: outlines.paths.len(),
+        clips: outlines.clips.as_ptr(),
+        clip_count: outlines.clips.len(),
         verbs: outlines.verbs.as_ptr(),
         points: outlines.points.as_ptr(),
         dashes: outlines.dashes.as_ptr(),
         layers: std::ptr::null(),
         layer_count,
+        named: outlines.named as u8,
         warnings: std::ptr::null(),
         warning_count,
         outlines,

@@ -1,21 +1,24 @@
 //! Converts usvg's tree to paths on the page, in millimetres.
 
-use crate::{complaints, document, dtd, references};
+use crate::{complaints, document, dtd, paints, references};
 use std::collections::HashMap;
 use std::sync::Arc;
-use usvg::tiny_skia_path::{PathSegment, Point};
-use usvg::{fontdb, Color, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Node, Options, Paint, Path, Text, Tree};
+use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point, Rect};
+use usvg::{fontdb, BlendMode, ClipPath, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
+use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Text, Transform, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
+const OPAQUE: f32 = 0.5; // what is less opaque hides nothing
 
-// Style sheets that no rule of the document overrides. A pen draws no effect, and usvg would drop
-// what has a filter, clip path or mask that is missing or empty.
-const NO_MARKERS: &str = "* { marker: none !important }";
-const NO_EFFECTS: &str = "* { filter: none !important; clip-path: none !important; mask: none !important }";
+// Style sheets that no rule of the document overrides. A pen draws no filter, and usvg would drop
+// what has one that is missing or empty.
+const NO_FILTERS: &str = "* { filter: none !important }";
+const NO_CLIPS: &str = "* { clip-path: none !important; mask: none !important }";
 const ALL_SHOWN: &str = "* { display: inline !important }";
 
 #[repr(C)]
+#[derive(Default)]
 pub struct SvgPath {
     verbs: usize,
     layer: u32,
@@ -23,58 +26,52 @@ pub struct SvgPath {
     filled: u8,
     caps: u8,
     even_odd: u8,
-    white: u8,
+    hides: u8,
+    fill: u32,
+    stroke: u32,
+    width: f64,
+    hides_from: usize,
+    clip: u32,
+    shapes: u32,
+    value: f32,
+    alpha: f32,
     dash_count: usize,
     dash_offset: f64,
     path_length: f64,
     transform: [f64; 4],
 }
 
+#[repr(C)]
+pub struct SvgClip {
+    parent: u32,
+    mask: u8,
+}
+
 #[derive(Default)]
 pub struct Outlines {
     pub size: (f64, f64),
     pub paths: Vec<SvgPath>,
+    pub clips: Vec<SvgClip>,
     pub verbs: Vec<u8>,
     pub points: Vec<f64>,
     pub dashes: Vec<f64>,
     pub layers: Vec<String>,
     pub warnings: Vec<String>,
+    pub named: bool,
     marked: document::Marked,
     seen: HashMap<String, u32>,     // layers with a path, by their group's id
-    effects: Effects,
-    spared: usize,                  // shapes that an effect would hide, as it is missing or empty
+    clip_numbers: HashMap<(usize, [u32; 6], u32), u32>,
+    groups: Vec<(f32, usize)>,      // that stand open: opacity, and the first path within
+    page_clip: u32,                 // 0: nothing lies beyond the page
+    filters: usize,
+    spared: usize,                  // shapes that a filter would hide, as it is missing or empty
     hidden: usize,                  // shapes that are painted and do not show
     patterned: usize,               // painted with a pattern
+    unread_masks: usize,            // shapes of masks that are painted with what is not evaluated
     faint: usize,                   // shapes and groups that are partly transparent
     widths: Option<(f64, f64)>,     // of the narrowest and the widest stroke [mm]
     lost_texts: usize,
     too_many: bool,
-}
-
-/// What a group holds beside outlines.
-#[derive(Default)]
-struct Effects {
-    shapes: usize, // paths and texts
-    hiders: usize, // clip paths and masks
-    filters: usize,
-}
-
-impl Effects {
-    fn of(group: &Group) -> Effects {
-        let hiders = group.clip_path().is_some() as usize + group.mask().is_some() as usize;
-        let mut sum = Effects { shapes: 0, hiders, filters: group.filters().len() };
-        for node in group.children() {
-            match node {
-                Node::Group(group) => {
-                    let Effects { shapes, hiders, filters } = Effects::of(group);
-                    sum = Effects { shapes: sum.shapes + shapes, hiders: sum.hiders + hiders, filters: sum.filters + filters };
-                }
-                Node::Path(_) | Node::Text(_) => sum.shapes += 1,
-                Node::Image(_) => {}
-            }
-        }
-        sum
-    }
 }
 
 /// The system's fonts. Each generic family name maps to an installed font.
@@ -113,17 +110,29 @@ fn select_font(font: &Font, fonts: &mut Arc<fontdb::Database>) -> Option<fontdb:
     Some(id)
 }
 
-fn shows(paint: &Paint) -> bool {
-    match paint {
-        Paint::Color(_) => true,
-        Paint::LinearGradient(g) => g.stops().iter().any(|s| s.opacity().get() > 0.0),
-        Paint::RadialGradient(g) => g.stops().iter().any(|s| s.opacity().get() > 0.0),
-        Paint::Pattern(_) => true,
-    }
+/// Paths and texts, and filters, in a group.
+fn contents(group: &Group) -> (usize, usize) {
+    group.children().iter().fold((0, group.filters().len()), |(shapes, filters), node| match node {
+        Node::Group(group) => {
+            let (more, more_filters) = contents(group);
+            (shapes + more, filters + more_filters)
+        }
+        Node::Path(_) | Node::Text(_) => (shapes + 1, filters),
+        Node::Image(_) => (shapes, filters),
+    })
 }
 
-fn is_white(paint: &Paint) -> bool {
-    matches!(paint, Paint::Color(Color { red: 255, green: 255, blue: 255 }))
+/// The area that a stroke covers, in the path's own unit.
+fn stroked_area(path: &Path, stroke: &Stroke, ts: Transform) -> Option<usvg::tiny_skia_path::Path> {
+    let mut pen = stroke.to_tiny_skia();
+    if pen.miter_limit >= document::FIRST_LENGTH as f32 {
+        pen.miter_limit = 4.0;
+    }
+    let scale = PathStroker::compute_resolution_scale(&ts);
+    match pen.dash.take() {
+        Some(dash) => path.data().dash(&dash, scale)?.stroke(&pen, scale),
+        None => path.data().stroke(&pen, scale),
+    }
 }
 
 impl Outlines {
@@ -143,6 +152,7 @@ impl Outlines {
         if let Some(named) = &named {
             xml = document::parse(named)?;
         }
+        outlines.named = marked.named;
         outlines.marked = marked;
         for (tags, consequence) in [
             (&["image"][..], "pictures are left out: a pen draws lines only"),
@@ -163,14 +173,6 @@ impl Outlines {
             image_href_resolver: ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) },
             ..Options::default()
         };
-        let mut style = String::new();
-        match document::count(&xml, "marker") {
-            0 => {}
-            count => {
-                style.push_str(NO_MARKERS);
-                outlines.warnings.push(format!("{count} × <marker>: arrow heads and other markers are left out"));
-            }
-        }
         if document::count(&xml, "text") > 0 {
             let fonts = fonts();
             options.font_family = fonts.family_name(&fontdb::Family::Serif).to_string(); // of text that names none
@@ -178,7 +180,7 @@ impl Outlines {
             options.font_resolver.select_font = Box::new(select_font);
         }
         let mut tree_with = |sheets: &[&str]| {
-            options.style_sheet = Some(style.clone() + &sheets.concat());
+            options.style_sheet = Some(sheets.concat());
             Tree::from_xmltree(&xml, &options).map_err(|e| match e {
                 usvg::Error::ParsingFailed(usvg::roxmltree::Error::NodesLimitReached) => {
                     "more than 1,000,000 elements, all uses counted, or too many within one another".to_string()
@@ -186,24 +188,36 @@ impl Outlines {
                 other => other.to_string(),
             })
         };
-        let tree = tree_with(&[NO_EFFECTS])?;
-        outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
-        outlines.add_group(tree.root(), None);
+        let tree = tree_with(&[NO_FILTERS])?;
+        let (width, height) = (tree.size().width(), tree.size().height());
+        outlines.size = (width as f64 * MM_PER_PX, height as f64 * MM_PER_PX);
+        let root = xml.root_element();
+        let has_page = root.has_attribute("viewBox") || (root.has_attribute("width") && root.has_attribute("height"));
+        let (box_, page) = (tree.root().abs_stroke_bounding_box(), Rect::from_xywh(0.0, 0.0, width, height));
+        if let Some(page) = page.filter(|p| has_page && p.join(&box_) != Some(*p)) {
+            outlines.clips.push(SvgClip { parent: 0, mask: 0 });
+            outlines.page_clip = 1;
+            let shape = SvgPath { shapes: 1, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() };
+            outlines.put(&PathBuilder::from_rect(page), Transform::identity(), shape);
+        }
+        outlines.add_group(tree.root(), None, outlines.page_clip);
         if outlines.too_many {
             return Err(format!("more than {MOST_POINTS} points, all uses counted"));
         }
         let complaints = complaints::heard();
-        let drawn = Effects::of(tree.root());
+        let (drawn, _) = contents(tree.root());
         drop(tree);
         // What a part of the document hides shows in the document without that part.
         let has = |words: &[&str]| words.iter().any(|word| given.contains(word));
-        if has(&["display"]) {
-            let shown = tree_with(&[NO_EFFECTS, ALL_SHOWN]).map_or(0, |tree| Effects::of(tree.root()).shapes);
-            outlines.hidden += shown.saturating_sub(drawn.shapes);
+        if has(&["display", "clip-path", "mask"]) {
+            let shown = tree_with(&[NO_FILTERS, NO_CLIPS, ALL_SHOWN]).map_or(0, |tree| contents(tree.root()).0);
+            outlines.hidden += shown.saturating_sub(drawn);
         }
-        let whole = if has(&["filter", "clip-path", "mask"]) { tree_with(&[]).ok() } else { None };
-        outlines.effects = whole.map_or(Effects { ..drawn }, |tree| Effects::of(tree.root()));
-        outlines.spared = drawn.shapes.saturating_sub(outlines.effects.shapes);
+        if let (true, Ok(whole)) = (has(&["filter"]), tree_with(&[])) {
+            let (shapes, filters) = contents(whole.root());
+            outlines.filters = filters;
+            outlines.spared = drawn.saturating_sub(shapes);
+        }
         outlines.warn();
         outlines.warnings.extend(complaints);
         Ok(outlines)
@@ -219,14 +233,14 @@ impl Outlines {
         if self.patterned > 0 {
             self.warnings.push(format!("{} shapes are painted with a pattern: what it holds is left out", self.patterned));
         }
-        if self.effects.hiders > 0 {
-            self.warnings.push(format!("{} clip paths or masks are passed over: what they hide is drawn", self.effects.hiders));
+        if self.unread_masks > 0 {
+            self.warnings.push(format!("{} shapes of masks hold a pattern or a cone: taken as one even light", self.unread_masks));
         }
-        if self.effects.filters > 0 {
-            self.warnings.push(format!("{} filters (blur, shadow and the like) are passed over", self.effects.filters));
+        if self.filters > 0 {
+            self.warnings.push(format!("{} filters (blur, shadow and the like) are passed over", self.filters));
         }
         if self.spared > 0 {
-            self.warnings.push(format!("{} shapes are drawn that a missing or empty filter, clip path or mask would hide", self.spared));
+            self.warnings.push(format!("{} shapes are drawn that a missing or empty filter would hide", self.spared));
         }
         if self.faint > 0 {
             self.warnings.push(format!("{} shapes or groups are partly transparent: drawn as if they were not", self.faint));
@@ -236,32 +250,150 @@ impl Outlines {
         }
     }
 
-    /// layer: the id of the enclosing top-level group.
-    fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>) {
+    /// layer: the id of the enclosing top-level group; clip: what clips the group, 0 if nothing does.
+    fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>, clip: u32) {
         if group.opacity().get() == 0.0 {
-            self.hidden += Effects::of(group).shapes;
+            self.hidden += contents(group).0;
             return;
         }
         self.faint += (group.opacity().get() < 1.0) as usize;
+        let clip = self.clip_of_group(group, group.abs_transform(), clip);
+        let opacity = if group.blend_mode() == BlendMode::Normal { group.opacity().get() } else { 0.0 };
+        self.groups.push((opacity, self.paths.len()));
         let layer = layer.or(self.marked.layers.contains_key(group.id()).then_some(group.id()));
         for node in group.children() {
             match node {
-                Node::Group(group) => self.add_group(group, layer),
-                Node::Path(path) => self.add_path(path, layer),
-                Node::Text(text) => self.add_text(text, layer),
+                Node::Group(group) => self.add_group(group, layer, clip),
+                Node::Path(path) => self.add_path(path, layer, clip),
+                Node::Text(text) => self.add_text(text, layer, clip),
                 Node::Image(_) => {}
             }
         }
+        self.groups.pop();
     }
 
-    fn add_text<'a>(&mut self, text: &'a Text, layer: Option<&'a str>) {
+    fn add_text<'a>(&mut self, text: &'a Text, layer: Option<&'a str>, clip: u32) {
         let before = self.paths.len();
-        self.add_group(text.flattened(), layer);
+        self.add_group(text.flattened(), layer, clip);
         let shown = text.chunks().iter().any(|chunk| {
             let draws = |span: &usvg::TextSpan| span.is_visible() && (span.fill().is_some() || span.stroke().is_some());
             chunk.text().chars().any(|c| !c.is_whitespace()) && chunk.spans().iter().any(draws)
         });
         self.lost_texts += (shown && self.paths.len() == before) as usize;
+    }
+
+    fn clip_of_group(&mut self, group: &Group, ts: Transform, clip: u32) -> u32 {
+        let clip = group.clip_path().map_or(clip, |c| self.add_clip(c, ts, clip));
+        group.mask().map_or(clip, |m| self.add_mask(m, ts, clip))
+    }
+
+    /// The number of the clip, from 1, and whether it is new: one that many elements share is added
+    /// once.
+    fn number_of_clip(&mut self, which: usize, ts: Transform, parent: u32, mask: bool) -> (u32, bool) {
+        let key = (which, [ts.sx, ts.kx, ts.ky, ts.sy, ts.tx, ts.ty].map(f32::to_bits), parent);
+        if let Some(number) = self.clip_numbers.get(&key) {
+            return (*number, false);
+        }
+        self.clips.push(SvgClip { parent, mask: mask as u8 });
+        self.clip_numbers.insert(key, self.clips.len() as u32);
+        (self.clips.len() as u32, true)
+    }
+
+    fn add_clip(&mut self, clip: &ClipPath, ts: Transform, parent: u32) -> u32 {
+        let parent = clip.clip_path().map_or(parent, |inner| self.add_clip(inner, ts, parent));
+        let (number, new) = self.number_of_clip(clip as *const ClipPath as usize, ts, parent, false);
+        if new {
+            self.add_shapes(clip.root(), ts.pre_concat(clip.transform()), number, 0, None);
+        }
+        number
+    }
+
+    fn add_mask(&mut self, mask: &Mask, ts: Transform, parent: u32) -> u32 {
+        let parent = mask.mask().map_or(parent, |inner| self.add_mask(inner, ts, parent));
+        let (bounds, new) = self.number_of_clip(mask as *const Mask as usize, ts, parent, false);
+        if new {
+            let rect = usvg::tiny_skia_path::PathBuilder::from_rect(mask.rect().to_rect());
+            self.put(&rect, ts, SvgPath { shapes: bounds, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+        }
+        let (number, new) = self.number_of_clip(mask as *const Mask as usize + 1, ts, bounds, true);
+        if new {
+            self.add_shapes(mask.root(), ts, number, 0, Some((mask.kind(), 1.0)));
+        }
+        number
+    }
+
+    /// What a clip path or a mask is made of. mask: its kind, and the opacity of the groups around.
+    fn add_shapes(&mut self, group: &Group, ts: Transform, shapes: u32, clip: u32, mask: Option<(MaskType, f32)>) {
+        for node in group.children() {
+            match node {
+                Node::Group(group) => {
+                    let ts = ts.pre_concat(group.transform());
+                    let clip = self.clip_of_group(group, ts, clip);
+                    self.add_shapes(group, ts, shapes, clip, mask.map(|(kind, opacity)| (kind, opacity * group.opacity().get())));
+                }
+                Node::Path(path) if path.is_visible() => self.add_shape(path, ts, shapes, clip, mask),
+                Node::Text(text) => self.add_shapes(text.flattened(), ts, shapes, clip, mask),
+                _ => {}
+            }
+        }
+    }
+
+    fn add_shape(&mut self, path: &Path, ts: Transform, shapes: u32, clip: u32, mask: Option<(MaskType, f32)>) {
+        if let Some(fill) = path.fill() {
+            let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
+            let shape = SvgPath { shapes, clip, filled: 1, even_odd, ..SvgPath::default() };
+            self.add_painted_shape(path.data(), fill.paint(), fill.opacity(), ts, shape, mask);
+        }
+        if let Some(stroke) = path.stroke().filter(|_| mask.is_some()) {
+            if let Some(area) = stroked_area(path, stroke, ts) {
+                let shape = SvgPath { shapes, clip, filled: 1, ..SvgPath::default() };
+                self.add_painted_shape(&area, stroke.paint(), stroke.opacity(), ts, shape, mask);
+            }
+        }
+    }
+
+    /// A gradient in a mask becomes bands, each a clip of its own.
+    fn add_painted_shape(&mut self, data: &usvg::tiny_skia_path::Path, paint: &Paint, opacity: Opacity, ts: Transform, shape: SvgPath, mask: Option<(MaskType, f32)>) {
+        let Some((kind, around)) = mask else {
+            self.put(data, ts, SvgPath { value: 1.0, alpha: 1.0, ..shape });
+            return;
+        };
+        let lit = |luminance: f32, alpha: f32, shape: SvgPath| {
+            let value = if kind == MaskType::Luminance { luminance } else { 1.0 };
+            SvgPath { value, alpha: around * alpha * opacity.get(), ..shape }
+        };
+        if let Paint::Color(c) = paint {
+            self.put(data, ts, lit(paints::luminance(*c), 1.0, shape));
+            return;
+        }
+        let Some((bands, to_shape)) = paints::bands(paint, data.bounds()) else {
+            self.unread_masks += 1;
+            self.put(data, ts, lit(1.0, 1.0, shape));
+            return;
+        };
+        for band in bands {
+            self.clips.push(SvgClip { parent: shape.clip, mask: 0 });
+            let number = self.clips.len() as u32;
+            let area = SvgPath { shapes: number, filled: 1, even_odd: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() };
+            self.put(&band.area, ts.pre_concat(to_shape), area);
+            self.put(data, ts, lit(band.luminance, band.opacity, SvgPath { clip: number, ..shape }));
+        }
+    }
+
+    /// The first path that one of this opacity hides: groups around it may be too faint to hide what
+    /// lies before them. None: it hides nothing.
+    fn hides_from(&self, opacity: f32) -> Option<usize> {
+        let mut opacity = opacity;
+        if opacity < OPAQUE {
+            return None;
+        }
+        for (of_group, first) in self.groups.iter().rev() {
+            opacity *= of_group;
+            if opacity < OPAQUE {
+                return Some(*first);
+            }
+        }
+        Some(0)
     }
 
     fn layer_index(&mut self, id: Option<&str>) -> u32 {
@@ -275,31 +407,71 @@ impl Outlines {
         index
     }
 
-    fn add_path(&mut self, path: &Path, layer: Option<&str>) {
-        let stroke = path.stroke().filter(|s| s.opacity().get() > 0.0 && shows(s.paint()));
-        let filled = path.fill().is_some_and(|f| f.opacity().get() > 0.0 && shows(f.paint()));
-        if !path.is_visible() || (stroke.is_none() && !filled) {
+    fn add_path(&mut self, path: &Path, layer: Option<&str>, clip: u32) {
+        let stroke = path.stroke().filter(|s| s.opacity().get() > 0.0 && paints::shows(s.paint()));
+        let fill = path.fill().filter(|f| f.opacity().get() > 0.0 && paints::shows(f.paint()));
+        if !path.is_visible() || (stroke.is_none() && fill.is_none()) {
             self.hidden += (path.fill().is_some() || path.stroke().is_some()) as usize;
             return;
         }
         let has_pattern = |paint: &Paint| matches!(paint, Paint::Pattern(_));
-        self.patterned += (path.fill().is_some_and(|f| has_pattern(f.paint())) || stroke.is_some_and(|s| has_pattern(s.paint()))) as usize;
-        self.too_many |= self.points.len() / 2 + path.data().points().len() > MOST_POINTS;
-        if self.too_many {
-            return;
-        }
+        self.patterned += (fill.is_some_and(|f| has_pattern(f.paint())) || stroke.is_some_and(|s| has_pattern(s.paint()))) as usize;
         let layer = self.layer_index(layer);
         let ts = path.abs_transform();
-        if let Some(stroke) = stroke {
-            let scale = (ts.sx as f64 * ts.sy as f64 - ts.kx as f64 * ts.ky as f64).abs().sqrt();
-            let width = MM_PER_PX * scale * stroke.width().get() as f64;
+        let scale = (ts.sx as f64 * ts.sy as f64 - ts.kx as f64 * ts.ky as f64).abs().sqrt();
+        let width = stroke.map_or(0.0, |s| MM_PER_PX * scale * s.width().get() as f64);
+        if stroke.is_some() {
             let (narrow, wide) = self.widths.unwrap_or((width, width));
             self.widths = Some((narrow.min(width), wide.max(width)));
         }
         let opacities = [stroke.map(|s| s.opacity()), path.fill().map(|f| f.opacity())];
         self.faint += opacities.iter().flatten().any(|o| (0.01..1.0).contains(&o.get())) as usize;
+        let hiding = |paint: &Paint, opacity: Opacity| self.hides_from(opacity.get() * paints::least_opacity(paint));
         let dashes = stroke.and_then(|s| s.dasharray()).unwrap_or(&[]);
+        let limit = stroke.map_or(0, |s| s.miterlimit().get() as usize);
+        let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index)).copied();
+        let hides_from = fill.and_then(|f| hiding(f.paint(), f.opacity()));
+        let drawn = SvgPath {
+            layer,
+            stroked: stroke.is_some() as u8,
+            filled: fill.is_some() as u8,
+            caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
+            even_odd: path.fill().is_some_and(|f| f.rule() == FillRule::EvenOdd) as u8,
+            fill: fill.map_or(0, |f| paints::colour(f.paint())),
+            stroke: stroke.map_or(0, |s| paints::colour(s.paint())),
+            width,
+            hides: hides_from.is_some() as u8,
+            hides_from: hides_from.unwrap_or(0),
+            clip,
+            dash_count: dashes.len(),
+            dash_offset: stroke.map_or(0.0, |s| s.dashoffset() as f64),
+            path_length: length.unwrap_or(f64::NAN),
+            ..SvgPath::default()
+        };
+        // A white stroke hides what lies under its whole width: it is an area.
+        let white = stroke.filter(|s| paints::is_white(paints::colour(s.paint())));
+        let cover = white.and_then(|s| {
+            let hides_from = hiding(s.paint(), s.opacity())?;
+            let area = SvgPath { layer, clip, filled: 1, fill: 0xffffff, hides: 2, hides_from, ..SvgPath::default() };
+            Some((stroked_area(path, s, ts)?, area))
+        });
         self.dashes.extend(dashes.iter().map(|&length| length as f64));
+        let mut both = vec![(path.data().clone(), drawn)];
+        both.extend(cover);
+        if path.paint_order() == PaintOrder::StrokeAndFill {
+            both.reverse();
+        }
+        for (data, path) in both {
+            self.put(&data, ts, path);
+        }
+    }
+
+    /// Adds a path with its verbs and points, which it counts.
+    fn put(&mut self, data: &usvg::tiny_skia_path::Path, ts: Transform, path: SvgPath) {
+        self.too_many |= self.points.len() / 2 + data.points().len() > MOST_POINTS;
+        if self.too_many {
+            return;
+        }
         let first = self.verbs.len();
         let mut put = |verb: u8, points: &[Point]| {
             self.verbs.push(verb);
@@ -309,7 +481,7 @@ impl Outlines {
                 self.points.push(MM_PER_PX * (ts.ky as f64 * x + ts.sy as f64 * y + ts.ty as f64));
             }
         };
-        for segment in path.data().segments() {
+        for segment in data.segments() {
             match segment {
                 PathSegment::MoveTo(p) => put(0, &[p]),
                 PathSegment::LineTo(p) => put(1, &[p]),
@@ -318,20 +490,7 @@ impl Outlines {
                 PathSegment::Close => put(4, &[]),
             }
         }
-        let limit = stroke.map_or(0, |s| s.miterlimit().get() as usize);
-        let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index));
-        self.paths.push(SvgPath {
-            verbs: self.verbs.len() - first,
-            layer,
-            stroked: stroke.is_some() as u8,
-            filled: filled as u8,
-            caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
-            even_odd: path.fill().is_some_and(|f| f.rule() == FillRule::EvenOdd) as u8,
-            white: path.fill().is_some_and(|f| is_white(f.paint())) as u8,
-            dash_count: dashes.len(),
-            dash_offset: stroke.map_or(0.0, |s| s.dashoffset() as f64),
-            path_length: length.copied().unwrap_or(f64::NAN),
-            transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64),
-        });
+        let verbs = self.verbs.len() - first;
+        self.paths.push(SvgPath { verbs, transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64), ..path });
     }
 }

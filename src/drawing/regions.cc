@@ -1,0 +1,184 @@
+#include "impedraw/drawing/regions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <polyclipping/clipper.hpp>
+
+#include "impedraw/common/cross.h"
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector2d;
+namespace cl = ClipperLib;
+constexpr double kRegionFineness = 5e8;  // of half the box; from 2^30 Clipper needs wider integers
+constexpr double kLeastFineness = 1e5;   // steps per millimetre, then with wider integers
+constexpr double kMostCrossings = 4e6;   // of one operation, which take 200 bytes each
+constexpr double kMitre = 4;             // SVG's limit
+
+cl::Paths to_clipper(const Outlines& outlines, const Vector2d& centre, double fineness) {
+  cl::Paths paths;
+  for (const auto& outline : outlines) {
+    paths.emplace_back();
+    for (const Vector2d& p : outline) {
+      const Vector2d q = (p - centre) * fineness;
+      paths.back().emplace_back(std::llround(q.x()), std::llround(q.y()));
+    }
+  }
+  return paths;
+}
+
+Outlines from_clipper(const cl::Paths& paths, const Vector2d& centre, double fineness) {
+  Outlines outlines;
+  for (const cl::Path& path : paths) {
+    outlines.emplace_back();
+    for (const cl::IntPoint& p : path)
+      outlines.back().push_back(
+          centre + Vector2d(static_cast<double>(p.X), static_cast<double>(p.Y)) / fineness);
+  }
+  return outlines;
+}
+
+// Edges whose boxes overlap may cross.
+void require_few_crossings(const std::vector<cl::Path>& paths) {
+  struct EdgeBox {
+    cl::cInt low, high, left, right;
+  };
+  std::vector<EdgeBox> edges;
+  for (const cl::Path& path : paths) {
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const cl::IntPoint &p = path[i], &q = path[(i + 1) % path.size()];
+      edges.push_back(
+          {std::min(p.Y, q.Y), std::max(p.Y, q.Y), std::min(p.X, q.X), std::max(p.X, q.X)});
+    }
+  }
+  const double count = static_cast<double>(edges.size());
+  if (count * count / 2 < kMostCrossings) return;
+  std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
+  double crossings = 0;
+  std::vector<EdgeBox> alive;
+  for (const EdgeBox& edge : edges) {
+    std::erase_if(alive, [&](const EdgeBox& other) { return other.high < edge.low; });
+    for (const EdgeBox& other : alive)
+      crossings += other.left <= edge.right && edge.left <= other.right;
+    alive.push_back(edge);
+    if (crossings > kMostCrossings) throw InputError("outlines cross one another too often");
+  }
+}
+
+}  // namespace
+
+Eigen::AlignedBox2d outlines_box(const Outlines& outlines) {
+  Eigen::AlignedBox2d box;
+  for (const auto& outline : outlines) {
+    for (const Vector2d& p : outline) box.extend(p);
+  }
+  return box;
+}
+
+double enclosed_area(const Outlines& outlines) {
+  double twice = 0;
+  for (const auto& outline : outlines) {
+    for (std::size_t i = 0; i < outline.size(); ++i)
+      twice += cross(Vector2d(outline[i] - outline[0]),
+                     Vector2d(outline[(i + 1) % outline.size()] - outline[0]));
+  }
+  return std::abs(twice) / 2;
+}
+
+RegionMath::RegionMath(const Eigen::AlignedBox2d& box)
+    : centre_(box.center()),
+      fineness_(
+          std::max(kRegionFineness / std::max(box.sizes().maxCoeff() / 2, 1e-3), kLeastFineness)) {}
+
+Outlines RegionMath::run(int operation, const Outlines& a, const Outlines& b, bool even_odd) const {
+  cl::Paths all = to_clipper(a, centre_, fineness_), result;
+  const cl::Paths others = to_clipper(b, centre_, fineness_);
+  cl::Clipper clipper;
+  clipper.AddPaths(all, cl::ptSubject, true);
+  clipper.AddPaths(others, cl::ptClip, true);
+  all.insert(all.end(), others.begin(), others.end());
+  require_few_crossings(all);
+  clipper.Execute(static_cast<cl::ClipType>(operation), result,
+                  even_odd ? cl::pftEvenOdd : cl::pftNonZero, cl::pftNonZero);
+  return from_clipper(result, centre_, fineness_);
+}
+
+Outlines RegionMath::stroked(const std::vector<Vector2d>& line, double width, bool closed) const {
+  cl::ClipperOffset offset(kMitre);
+  offset.AddPaths(to_clipper({line}, centre_, fineness_), cl::jtMiter,
+                  closed ? cl::etClosedLine : cl::etOpenButt);
+  cl::Paths result;
+  offset.Execute(result, width / 2 * fineness_);
+  return from_clipper(result, centre_, fineness_);
+}
+
+Outlines RegionMath::region(const Area& area) const {
+  return run(cl::ctUnion, area.outlines, {}, area.even_odd);
+}
+Outlines RegionMath::united(const Outlines& a, const Outlines& b) const {
+  return run(cl::ctUnion, a, b, false);
+}
+Outlines RegionMath::common(const Outlines& a, const Outlines& b) const {
+  return run(cl::ctIntersection, a, b, false);
+}
+Outlines RegionMath::without(const Outlines& a, const Outlines& b) const {
+  return run(cl::ctDifference, a, b, false);
+}
+
+RegionIndex::RegionIndex(const Outlines& region) : box_(outlines_box(region)) {
+  double climbed = 0;
+  for (const auto& outline : region) {
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      edges_.push_back({outline[i], outline[(i + 1) % outline.size()]});
+      climbed += std::abs(edges_.back().b.y() - edges_.back().a.y());
+    }
+  }
+  if (edges_.empty()) return;
+  const double tall = box_.sizes().y(), count = static_cast<double>(edges_.size());
+  // An edge stands in about eight strips.
+  const double strips = std::clamp(8 * count * tall / std::max(climbed, 1e-9), 1.0, count);
+  strips_.resize(static_cast<std::size_t>(strips));
+  height_ = std::max(tall / static_cast<double>(strips_.size()), 1e-12);
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    const auto [low, high] = std::minmax(edges_[i].a.y(), edges_[i].b.y());
+    for (std::size_t s = strip_of(low), last = strip_of(high); s <= last; ++s)
+      strips_[s].push_back(static_cast<int>(i));
+  }
+}
+
+std::size_t RegionIndex::strip_of(double y) const {
+  const double last = static_cast<double>(strips_.size() - 1);
+  return static_cast<std::size_t>(std::clamp((y - box_.min().y()) / height_, 0.0, last));
+}
+
+bool RegionIndex::inside(const Vector2d& p) const {
+  if (edges_.empty() || !box_.contains(p)) return false;
+  int winding = 0;
+  for (const int i : strips_[strip_of(p.y())]) {
+    const Edge& e = edges_[i];
+    if ((e.a.y() <= p.y()) == (e.b.y() <= p.y())) continue;
+    const double side = cross(Vector2d(e.b - e.a), Vector2d(p - e.a));
+    if (e.a.y() <= p.y() ? side > 0 : side < 0) winding += e.a.y() <= p.y() ? 1 : -1;
+  }
+  return winding != 0;
+}
+
+void RegionIndex::crossings(const Vector2d& a, const Vector2d& b, std::vector<double>& at) const {
+  if (edges_.empty()) return;
+  const Eigen::AlignedBox2d box(a.cwiseMin(b), a.cwiseMax(b));
+  if (!box.intersects(box_)) return;
+  for (std::size_t s = strip_of(box.min().y()), last = strip_of(box.max().y()); s <= last; ++s) {
+    for (const int i : strips_[s]) {
+      const Vector2d along = b - a, edge = edges_[i].b - edges_[i].a, to = edges_[i].a - a;
+      const double turn = cross(along, edge);
+      if (turn == 0) continue;
+      const double t = cross(to, edge) / turn, u = cross(to, along) / turn;
+      if (t > 0 && t < 1 && u >= -1e-9 && u <= 1 + 1e-9) at.push_back(t);
+    }
+  }
+}
+
+}  // namespace impedraw

@@ -1,0 +1,65 @@
+// Boolean operations on areas of a page (Clipper).
+//
+// A region is a set of outlines, each closed by a line from its last point to its first, such that
+// a point is inside where its winding number is not 0. Results are free of overlaps: outer outlines
+// turn one way, holes the other.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "impedraw/drawing/stroke.h"
+
+namespace impedraw {
+
+using Outlines = std::vector<std::vector<Eigen::Vector2d>>;
+
+Eigen::AlignedBox2d outlines_box(const Outlines& outlines);
+double enclosed_area(const Outlines& outlines);  // of a result [mm²]
+
+// Regions of one page. Coordinates are rounded to 1e-9 of the box. InputError: outlines that cross
+// so often that Clipper might take more than a gigabyte.
+class RegionMath {
+ public:
+  explicit RegionMath(const Eigen::AlignedBox2d& box);
+
+  Outlines region(const Area& area) const;  // by the area's fill rule
+  Outlines united(const Outlines& a, const Outlines& b = {}) const;
+  Outlines common(const Outlines& a, const Outlines& b) const;
+  Outlines without(const Outlines& a, const Outlines& b) const;
+  // What a stroke of that width with mitred corners and flat ends covers.
+  Outlines stroked(const std::vector<Eigen::Vector2d>& line, double width, bool closed) const;
+
+ private:
+  Outlines run(int operation, const Outlines& a, const Outlines& b, bool even_odd) const;
+
+  Eigen::Vector2d centre_;
+  double fineness_;  // steps per millimetre
+};
+
+// Finds where lines cross a region's outlines.
+class RegionIndex {
+ public:
+  explicit RegionIndex(const Outlines& region);
+
+  bool empty() const { return edges_.empty(); }
+  bool inside(const Eigen::Vector2d& p) const;
+  // Appends where, from 0 at a to 1 at b, the line crosses outlines, in no order.
+  void crossings(const Eigen::Vector2d& a, const Eigen::Vector2d& b, std::vector<double>& at) const;
+
+ private:
+  struct Edge {
+    Eigen::Vector2d a, b;
+  };
+  // Clamped to the strips that there are.
+  std::size_t strip_of(double y) const;
+
+  std::vector<Edge> edges_;
+  std::vector<std::vector<int>> strips_;  // edges in each strip of y
+  Eigen::AlignedBox2d box_;
+  double height_ = 1;  // of a strip [mm]
+};
+
+}  // namespace impedraw

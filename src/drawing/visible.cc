@@ -1,0 +1,507 @@
+#include "impedraw/drawing/visible.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "impedraw/common/cross.h"
+#include "impedraw/drawing/polyline.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+constexpr double kHair = 3e-6;       // width of a border, relative to the drawing's diagonal
+constexpr double kLevels = 255;      // of a mask's luminance
+constexpr std::size_t kMerged = 24;  // covers over one paint that are united for the next ones
+constexpr int kCells = 64;           // of the index of covers, along each side
+constexpr double kThinRim = 0.02;    // of a stroke's width: what is left of it is too thin to draw
+
+// A part of a line, and the length before it.
+struct Piece {
+  std::vector<Vector2d> points;
+  double start = 0, length = 0;
+};
+
+// A point of a line, and a step to its side as long as a border is wide.
+struct Spot {
+  Vector2d p, side;
+  bool touches(const RegionIndex& r) const { return r.inside(p + side) || r.inside(p - side); }
+  bool within(const RegionIndex& r) const { return r.inside(p + side) && r.inside(p - side); }
+};
+
+// The parts of the line where visible(spot), which changes only where a side crosses an index.
+std::vector<Piece> visible_pieces(const std::vector<Vector2d>& line, double hair,
+                                  const std::vector<const RegionIndex*>& indices,
+                                  const std::function<bool(const Spot&)>& visible) {
+  std::vector<Piece> pieces;
+  if (line.size() == 1 && visible({line[0], Vector2d::Zero()})) pieces.push_back({line, 0, 0});
+  bool on = false;
+  double before = 0;
+  std::vector<double> at;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vector2d &a = line[i - 1], &b = line[i], along = b - a;
+    const double length = along.norm();
+    const Vector2d side = hair / length * Vector2d(-along.y(), along.x());
+    at = {0};
+    for (const RegionIndex* index : indices) {
+      index->crossings(a + side, b + side, at);
+      index->crossings(a - side, b - side, at);
+    }
+    std::sort(at.begin(), at.end());
+    at.push_back(1);
+    for (std::size_t k = 1; k < at.size(); ++k) {
+      if (at[k] <= at[k - 1]) continue;
+      const bool shows = visible({a + (at[k] + at[k - 1]) / 2 * along, side});
+      const Vector2d from = at[k - 1] == 0 ? a : Vector2d(a + at[k - 1] * along);
+      const Vector2d to = at[k] == 1 ? b : Vector2d(a + at[k] * along);
+      if (shows && !on) pieces.push_back({{from}, before + at[k - 1] * length, 0});
+      // Within a segment, parts that follow each other are one.
+      const bool goes_on = shows && on && at[k - 1] != 0;
+      if (goes_on) pieces.back().points.back() = to;
+      if (shows && !goes_on) pieces.back().points.push_back(to);
+      if (shows) pieces.back().length += (at[k] - at[k - 1]) * length;
+      on = shows;
+    }
+    before += length;
+  }
+  return pieces;
+}
+
+struct Shown {  // where a clip shows
+  Outlines region;
+  RegionIndex index;
+};
+
+// True if the region holds the whole box.
+bool holds(const Outlines& region, const AlignedBox2d& box) {
+  int winding = 0;
+  const Vector2d p = box.min();
+  for (const auto& outline : region) {
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const Vector2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
+      if (AlignedBox2d(a.cwiseMin(b), a.cwiseMax(b)).intersects(box)) return false;
+      if ((a.y() <= p.y()) == (b.y() <= p.y())) continue;
+      const bool up = a.y() <= p.y();
+      if (up == (cross(Vector2d(b - a), Vector2d(p - a)) > 0)) winding += up ? 1 : -1;
+    }
+  }
+  return winding != 0;
+}
+
+struct Cover {
+  Outlines region;
+  AlignedBox2d box;
+  bool inked = false;
+  std::size_t hides_from = 0;
+};
+
+// The covers over the paints that are looked at, from the last to the first.
+class Covers {
+ public:
+  explicit Covers(const AlignedBox2d& page) : page_(page), cells_(kCells * kCells) {}
+
+  int add(Cover cover) {
+    const int number = static_cast<int>(covers_.size());
+    cover.box = outlines_box(cover.region);
+    if (is_large(cover.box))
+      large_.push_back(number);
+    else
+      each_cell(cover.box, [&](std::vector<int>& cell) { cell.push_back(number); });
+    covers_.push_back(std::move(cover));
+    return number;
+  }
+
+  // Those that hide something of paint `index` within the box.
+  std::vector<int> over(const AlignedBox2d& box, std::size_t index) const {
+    std::vector<int> found;
+    const auto look_in = [&](const std::vector<int>& cell) {
+      for (const int i : cell) {
+        if (covers_[i].hides_from <= index && covers_[i].box.intersects(box)) found.push_back(i);
+      }
+    };
+    look_in(large_);
+    each_cell(box, look_in);
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
+  const Cover& operator[](int i) const { return covers_[i]; }
+
+  void remove(int i) {
+    std::erase(large_, i);
+    if (!is_large(covers_[i].box))
+      each_cell(covers_[i].box, [&](std::vector<int>& cell) { std::erase(cell, i); });
+    covers_[i] = {};
+  }
+
+ private:
+  bool is_large(const AlignedBox2d& box) const {
+    return (8 * box.sizes().array() > page_.sizes().array()).any();
+  }
+
+  template <class Do>
+  void each_cell(const AlignedBox2d& box, Do&& act) const {
+    const auto cell = [&](const Vector2d& p) {
+      const Vector2d share = (p - page_.min()).cwiseQuotient(page_.sizes().cwiseMax(1e-9));
+      return Eigen::Vector2i((kCells * share.cwiseMax(0.0).cwiseMin(0.999)).cast<int>());
+    };
+    const Eigen::Vector2i from = cell(box.min()), to = cell(box.max());
+    for (int y = from.y(); y <= to.y(); ++y) {
+      for (int x = from.x(); x <= to.x(); ++x) act(cells_[y * kCells + x]);
+    }
+  }
+
+  AlignedBox2d page_;
+  std::vector<Cover> covers_;
+  std::vector<int> large_;  // those of more than an eighth of the page
+  mutable std::vector<std::vector<int>> cells_;
+};
+
+class Eye {
+ public:
+  Eye(std::vector<Paint>& paints, const std::vector<Clip>& clips, std::vector<Dash>& dashes,
+      const AlignedBox2d& all, const AlignedBox2d& ink)
+      : paints_(paints),
+        clips_(clips),
+        dashes_(dashes),
+        math_(all),
+        hair_(std::max(kHair * ink.diagonal().norm(), all.diagonal().norm() > 1e4 ? 2e-4 : 1e-7)),
+        touch_(3 * std::sqrt(hair_ * ink.diagonal().norm())),
+        covers_(ink) {}
+
+  double look() {
+    for (std::size_t i = paints_.size(); i-- > 0;) look_at(i);
+    return hidden_;
+  }
+
+ private:
+  // Where the clip and its parents show. A mask's levels stand for its luminance.
+  const Shown& shown_by(int clip) {
+    if (const auto known = regions_.find(clip); known != regions_.end()) return known->second;
+    const Clip& c = clips_[clip];
+    std::map<int, Outlines> levels;  // by luminance; where none is, it is 0
+    Outlines all;
+    for (const ClipShape& shape : c.shapes) {
+      Outlines region = math_.region(shape.area);
+      if (shape.clip >= 0) region = math_.common(region, shown_by(shape.clip).region);
+      if (!c.mask) {
+        all.insert(all.end(), region.begin(), region.end());
+        continue;
+      }
+      std::map<int, Outlines> painted;
+      const auto put = [&](int level, const Outlines& part) {
+        if (!part.empty()) painted[level].insert(painted[level].end(), part.begin(), part.end());
+      };
+      const double light = kLevels * shape.alpha * shape.value;
+      Outlines rest = region;
+      for (const auto& [level, part] : levels) {
+        put(static_cast<int>(std::lround(level * (1 - shape.alpha) + light)),
+            math_.common(part, region));
+        put(level, math_.without(part, region));
+        rest = math_.without(rest, part);
+      }
+      put(static_cast<int>(std::lround(light)), rest);
+      levels = std::move(painted);
+    }
+    for (const auto& [level, part] : levels) {
+      if (level > kLevels / 2) all.insert(all.end(), part.begin(), part.end());
+    }
+    Outlines shown = math_.united(all);
+    if (c.parent >= 0) shown = math_.common(shown, shown_by(c.parent).region);
+    RegionIndex index(shown);
+    return regions_.emplace(clip, Shown{std::move(shown), std::move(index)}).first->second;
+  }
+
+  // The covers of the kind, united, as far as they reach into the box.
+  Outlines united(const std::vector<int>& covers, std::optional<bool> inked,
+                  const AlignedBox2d& box) const {
+    Outlines all;
+    for (const int i : covers) {
+      if (inked && covers_[i].inked != *inked) continue;
+      for (const auto& outline : covers_[i].region) {
+        if (outlines_box({outline}).intersects(box)) all.push_back(outline);
+      }
+    }
+    return all.empty() ? all : math_.united(all);
+  }
+
+  void look_at(std::size_t index) {
+    Paint& paint = paints_[index];
+    AlignedBox2d box = outlines_box(paint.area.outlines);
+    box.extend(bounds_of(paint.strokes));
+    const Shown* clip = paint.clip < 0 ? nullptr : &shown_by(paint.clip);
+    if (clip && !box.isEmpty() && holds(clip->region, box)) clip = nullptr;
+    if (clip) box = box.intersection(outlines_box(clip->region));
+    std::vector<int> over;
+    if (!box.isEmpty()) over = covers_.over(box, index);
+    const auto hides_all = [&](int i) { return holds(covers_[i].region, box); };
+    if (box.isEmpty() || std::any_of(over.begin(), over.end(), hides_all)) {
+      for (const Stroke& stroke : paint.strokes) hidden_ += length(stroke.points);
+      paint.strokes.clear();
+      paint.area.outlines.clear();
+      return;
+    }
+    merge(over);
+    const bool cut = clip || !over.empty();
+    Outlines filled;  // what the clip leaves of the area
+    if (!paint.area.outlines.empty() && (cut || paint.hides)) filled = math_.region(paint.area);
+    const Outlines whole = filled, cover = united(over, {}, box);
+    if (clip && !filled.empty()) filled = math_.common(filled, clip->region);
+    if (cut) cut_lines(paint, whole, filled, clip, over, cover, box);
+    if (!paint.hides || filled.empty()) return;
+    if (cover.empty() || !math_.without(filled, cover).empty())
+      covers_.add({std::move(filled), {}, paint.inked, paint.hides_from});
+  }
+
+  // Unites many covers of one place, unless they only lie beside each other.
+  void merge(std::vector<int>& over) {
+    for (const bool inked : {false, true}) {
+      std::vector<int> members;
+      std::size_t points = 0, left = 0;
+      for (const int i : over) {
+        if (covers_[i].inked != inked || covers_[i].hides_from > 0) continue;
+        members.push_back(i);
+        for (const auto& outline : covers_[i].region) points += outline.size();
+      }
+      if (members.size() < kMerged) continue;
+      AlignedBox2d box;
+      for (const int i : members) box.extend(covers_[i].box);
+      Outlines all = united(members, inked, box);
+      for (const auto& outline : all) left += outline.size();
+      if (left > points / 2) continue;
+      for (const int i : members) {
+        covers_.remove(i);
+        std::erase(over, i);
+      }
+      over.push_back(covers_.add({std::move(all), {}, inked, 0}));
+    }
+  }
+
+  // `whole`: the paint's area; `filled`: what the clip leaves of it; `cover`: all that lies over
+  // it.
+  void cut_lines(Paint& paint, const Outlines& whole, const Outlines& filled, const Shown* clip,
+                 const std::vector<int>& over, const Outlines& cover, const AlignedBox2d& box) {
+    const RegionIndex hidden(cover);
+    std::vector<const RegionIndex*> indices{&hidden};
+    if (clip) indices.push_back(&clip->index);
+    std::vector<Stroke> lines, edges;
+    for (Stroke& stroke : paint.strokes) (stroke.edge ? edges : lines).push_back(std::move(stroke));
+    paint.strokes.clear();
+    for (const Stroke& line : lines) {
+      std::vector<Piece> pieces = pieces_of(line, indices, [&](const Spot& spot) {
+        return (!clip || spot.touches(clip->index)) && !spot.within(hidden);
+      });
+      // What only touches the clip, as a tangent does, is outside.
+      std::erase_if(pieces, [&](const Piece& piece) {
+        const auto within = [&](const Spot& spot) { return spot.within(clip->index); };
+        return clip && piece.length > 0 && piece.length < touch_ &&
+               visible_pieces(piece.points, hair_, {&clip->index}, within).empty();
+      });
+      hidden_ += length(line.points) - keep(line, std::move(pieces), paint.strokes);
+      draw_rim(line, clip, hidden, cover, paint.strokes);
+    }
+    if (!paint.inked || whole.empty()) return;
+
+    const Outlines white = united(over, false, box), inked = united(over, true, box);
+    Outlines seen = white.empty() ? filled : math_.without(filled, white);
+    std::erase_if(seen, [&](const auto& outline) {  // slivers
+      return enclosed_area({outline}) < hair_ * length(outline);
+    });
+    // Where a clip or something white cuts the area, it gets a new edge.
+    const RegionIndex core(whole), edged(inked);
+    const auto is_new = [&](const Spot& spot) { return spot.within(core); };
+    const auto is_seen = [&](const Spot& spot) { return !spot.touches(edged); };
+    std::vector<Stroke> outlines;
+    bool is_cut = enclosed_area(seen) < 0.999 * enclosed_area(whole);
+    for (const auto& outline : seen) {
+      outlines.push_back({outline, true, paint.area.layer, -1, true, paint.area.colour});
+      outlines.back().points.push_back(outline.front());
+      is_cut = is_cut || !pieces_of(outlines.back(), {&core}, is_new).empty();
+    }
+    for (const Stroke& edge : edges) hidden_ += length(edge.points);
+    for (const Stroke& edge : !is_cut ? edges : lines.empty() ? outlines : std::vector<Stroke>{}) {
+      std::vector<Stroke> kept;
+      keep(edge, pieces_of(edge, {&edged}, is_seen), kept);
+      for (Stroke& stroke : kept) {
+        hidden_ -= length(stroke.points);
+        for (const Piece& piece : pieces_of(stroke, {&core}, is_new)) hidden_ += piece.length;
+        paint.strokes.push_back(std::move(stroke));
+      }
+    }
+    // Beside a stroke of its own only what is new needs an edge.
+    if (is_cut && !lines.empty()) {
+      for (const Stroke& edge : outlines) {
+        const auto both = [&](const Spot& spot) { return is_seen(spot) && is_new(spot); };
+        keep(edge, pieces_of(edge, {&edged, &core}, both), paint.strokes);
+      }
+    }
+    if (is_cut || !inked.empty()) {
+      paint.area.outlines = inked.empty() ? std::move(seen) : math_.without(seen, inked);
+      paint.area.even_odd = false;
+    }
+  }
+
+  // Where the line is hidden, the middle of what still shows beside it, as wide as it is painted.
+  void draw_rim(const Stroke& line, const Shown* clip, const RegionIndex& hidden,
+                const Outlines& cover, std::vector<Stroke>& kept) {
+    if (line.dash >= 0 || !(line.width > 30 * hair_)) return;
+    const auto is_hidden = [&](const Spot& spot) { return spot.within(hidden); };
+    for (const Piece& piece : pieces_of(line, {&hidden}, is_hidden)) {
+      if (piece.length < line.width / 10) continue;
+      const bool whole = line.closed && piece.length > (1 - 1e-9) * length(line.points);
+      Outlines rest = math_.without(math_.stroked(piece.points, line.width, whole), cover);
+      if (clip) rest = math_.common(rest, clip->region);
+      const double rim = enclosed_area(rest);
+      if (rim < kThinRim * line.width * piece.length) continue;
+      // The rim's own width is its area over the length of its outer side.
+      double wide = 0;
+      for (const Stroke& side : sides_of(piece, line, line.width, whole, clip, hidden))
+        wide += length(side.points);
+      if (!(wide > 0)) continue;
+      for (Stroke& side : sides_of(piece, line, line.width - std::min(rim / wide, line.width / 2),
+                                   whole, clip, hidden))
+        kept.push_back(std::move(side));
+    }
+  }
+
+  // The lines that run beside the piece, on both sides, half of `width` away, where they show.
+  std::vector<Stroke> sides_of(const Piece& piece, const Stroke& line, double width, bool whole,
+                               const Shown* clip, const RegionIndex& hidden) {
+    std::vector<const RegionIndex*> indices{&hidden};
+    if (clip) indices.push_back(&clip->index);
+    std::vector<Stroke> sides;
+    for (auto& ring : math_.stroked(piece.points, width, whole)) {
+      const std::size_t n = ring.size();
+      const auto ends = [&](std::size_t i) {
+        return !whole && is_end(ring[i], ring[(i + 1) % n], piece.points, width);
+      };
+      std::size_t first = 0;
+      while (first < n && !ends(first)) ++first;
+      if (first < n)
+        std::rotate(ring.begin(), ring.begin() + static_cast<long>((first + 1) % n), ring.end());
+      std::vector<std::vector<Vector2d>> parts{{ring[0]}};
+      for (std::size_t i = 0; i < n; ++i) {
+        if (ends(i)) parts.push_back({});
+        parts.back().push_back(ring[(i + 1) % n]);
+      }
+      for (auto& points : parts) {
+        if (points.size() < 2) continue;
+        Stroke side = like(line, std::move(points), first == n);
+        const auto shows = [&](const Spot& spot) {
+          return !spot.touches(hidden) && (!clip || spot.within(clip->index));
+        };
+        keep(side, pieces_of(side, indices, shows), sides);
+      }
+    }
+    return sides;
+  }
+
+  // True for the flat ends of a stroked line.
+  static bool is_end(const Vector2d& a, const Vector2d& b, const std::vector<Vector2d>& line,
+                     double width) {
+    const auto at = [&](const Vector2d& end, const Vector2d& before) {
+      const Vector2d along = (end - before).normalized();
+      const auto on = [&](const Vector2d& p) {
+        return std::abs((p - end).dot(along)) < 1e-3 * width && (p - end).norm() < 0.501 * width;
+      };
+      return on(a) && on(b);
+    };
+    return at(line.front(), line[1]) || at(line.back(), line[line.size() - 2]);
+  }
+
+  std::vector<Piece> pieces_of(const Stroke& stroke, const std::vector<const RegionIndex*>& indices,
+                               const std::function<bool(const Spot&)>& visible) const {
+    return visible_pieces(stroke.points, hair_, indices, visible);
+  }
+
+  // Puts the pieces as strokes; returns their length. Hairs are neither left out nor left.
+  double keep(const Stroke& stroke, std::vector<Piece> pieces, std::vector<Stroke>& kept) {
+    const double whole = length(stroke.points), dust = 30 * hair_;
+    if (stroke.points.size() == 1) {
+      if (!pieces.empty()) kept.push_back(stroke);
+      return 0;
+    }
+    std::vector<Piece> longer;
+    for (Piece& piece : pieces) {
+      const bool goes_on =
+          !longer.empty() && piece.start - (longer.back().start + longer.back().length) < dust;
+      if (!goes_on) {
+        longer.push_back(std::move(piece));
+        continue;
+      }
+      longer.back().length = piece.start + piece.length - longer.back().start;
+      longer.back().points.insert(longer.back().points.end(), piece.points.begin(),
+                                  piece.points.end());
+    }
+    std::erase_if(longer, [&](const Piece& piece) { return piece.length < dust; });
+    if (longer.size() == 1 && longer[0].length > whole - dust) {
+      kept.push_back(stroke);
+      return whole;
+    }
+    const bool over_the_start = stroke.closed && stroke.dash < 0 && longer.size() > 1 &&
+                                longer.front().start < dust &&
+                                longer.back().start + longer.back().length > whole - dust;
+    if (over_the_start) {
+      longer.back().points.insert(longer.back().points.end(), longer.front().points.begin(),
+                                  longer.front().points.end());
+      longer.back().length += longer.front().length;
+      longer.erase(longer.begin());
+    }
+    double sum = 0;
+    for (Piece& piece : longer) {
+      sum += piece.length;
+      piece.points.erase(std::unique(piece.points.begin(), piece.points.end()), piece.points.end());
+      kept.push_back(like(stroke, std::move(piece.points)));
+      if (stroke.dash >= 0 && piece.start > 0) {
+        kept.back().dash = static_cast<int>(dashes_.size());
+        dashes_.push_back(moved(dashes_[stroke.dash], stroke.points, piece.start));
+      }
+    }
+    return sum;
+  }
+
+  // The dash's pattern for the part of the line from `start` on.
+  static Dash moved(Dash dash, const std::vector<Vector2d>& line, double start) {
+    for (std::size_t i = 1; i < line.size() && start > 0; ++i) {
+      const Vector2d along = line[i] - line[i - 1];
+      const double part = std::min(start, along.norm());
+      dash.offset += part * (dash.to_pattern * along.normalized()).norm();
+      start -= part;
+    }
+    return dash;
+  }
+
+  std::vector<Paint>& paints_;
+  const std::vector<Clip>& clips_;
+  std::vector<Dash>& dashes_;
+  RegionMath math_;
+  double hair_;   // half the width of a border [mm]
+  double touch_;  // longest part of a tangent to an arc that lies in the border [mm]
+  Covers covers_;
+  std::map<int, Shown> regions_;  // of clips
+  mutable double hidden_ = 0;
+};
+
+}  // namespace
+
+double keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
+                    std::vector<Dash>& dashes) {
+  AlignedBox2d ink, all;
+  for (const Paint& paint : paints) {
+    all.extend(outlines_box(paint.area.outlines));
+    ink.extend(bounds_of(paint.strokes));
+  }
+  all.extend(ink);
+  for (const Clip& clip : clips) {
+    for (const ClipShape& shape : clip.shapes) all.extend(outlines_box(shape.area.outlines));
+  }
+  return ink.isEmpty() ? 0.0 : std::max(0.0, Eye(paints, clips, dashes, all, ink).look());
+}
+
+}  // namespace impedraw
