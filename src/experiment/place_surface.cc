@@ -200,7 +200,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     settings.rough = [&scene, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
       return scene.perception->roughness(X_WP * p_P).misfit / most;
     };
-  PlaceSearch search(scene.surface(X_WP), settings);
+  PlaceSearch search(scene.surface, settings);
   if (progress) progress(0.2);
 
   Placing placing{s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
@@ -261,9 +261,8 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");
 
   s.drawing.placement = best.placement;
-  const SurfaceHeight surface = scene.surface(X_WP);
   const Vector2d& middle = best.place.middle;
-  const auto under = surface(middle.x(), middle.y());
+  const auto under = scene.surface(middle.x(), middle.y());
   result.p_W = X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
   result.turn_deg = best.place.turn_deg;
   result.share = best.share;
