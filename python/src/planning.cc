@@ -33,7 +33,8 @@ std::vector<PlacedStroke> strokes_of(nb::handle strokes) {
 
 SurfaceHeight height_of(nb::handle surface, const Pose& X_WP) {
   std::shared_ptr<SurfaceEstimator> seen;
-  if (nb::try_cast(surface, seen) && seen) return perceived_height(seen, seen, X_WP);
+  if (nb::try_cast(surface, seen) && seen)
+    return perceived_height(std::shared_ptr<const SurfaceEstimator>(seen), X_WP);
   std::shared_ptr<Canvas> canvas;
   if (nb::try_cast(surface, canvas) && canvas) return canvas_height(canvas, X_WP);
   return level_surface(number_of(surface, "surface"));

@@ -48,11 +48,11 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
     for (const PlacedStroke& stroke : e.artwork.strokes) length += plane_length(stroke);
     const double looks =
         length / kPictureSpacing + 2.0 * static_cast<double>(e.artwork.strokes.size());
-    const SurfaceHeight told = [&line, looks, surface = e.surface(), n = 0L](double x,
-                                                                             double y) mutable {
+    const SurfaceHeight told = [&line, looks, surface = e.surface(), n = 0L](
+                                   double x, double y, SurfaceHeight::Sample& last) mutable {
       if (++n % 256 == 0)
         line.update("drawing the picture", std::min(1.0, static_cast<double>(n) / looks));
-      return surface(x, y);
+      return surface(x, y, last);
     };
     const PlanPicture picture = picture_of_plan(e, told);
     write_plan(picture, folder / "plan");

@@ -17,7 +17,7 @@ bool is_given(const Places& places, const std::string& setting) {
 // It has copies of what it reads, or keeps it: artwork and scene move on meanwhile.
 std::shared_future<Distortion> distortion_beside(const PlacedArtwork& artwork, const Scene& scene) {
   return std::async(std::launch::async,
-                    [strokes = artwork.strokes, surface = scene.surface(artwork.X_WP)] {
+                    [strokes = artwork.strokes, surface = scene.surface] {
                       return distortion_of_projection(strokes, surface);
                     })
       .share();

@@ -33,8 +33,7 @@ struct PlannedDrawing {
   // Of the drawing's lengths when it is projected, if it was asked for: see prepare_plan().
   std::shared_future<Distortion> projected{};
 
-  // The planner's surface, in P. Refers to the scene.
-  SurfaceHeight surface() const { return scene.surface(artwork.X_WP); }
+  const SurfaceHeight& surface() const { return scene.surface; }  // the planner's, in P
 };
 
 struct Experiment : PlannedDrawing {

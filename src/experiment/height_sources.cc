@@ -97,13 +97,13 @@ class TopSheet {
 
 // The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to
 // nothing: what they settle within is taken.
-std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Pose& X_WP,
-                                     Eigen::Vector3d p) {
+template <class Surface>
+SurfaceHeight::Sample descend(const Surface& surface, const Pose& X_WP, Eigen::Vector3d p) {
   constexpr double kConverged = 1e-7, kSettled = 5e-4;  // [m]
   double step = std::numeric_limits<double>::infinity();
   Eigen::Vector3d n;
   for (int i = 0; i < 12 && std::abs(step) > kConverged; ++i) {
-    const SurfaceEstimate estimate = estimator.estimate(X_WP * p);
+    const SurfaceEstimate estimate = surface.estimate(X_WP * p);
     n = X_WP.R.transpose() * estimate.n_W;
     if (estimate.status != SurfaceStatus::ok || n.z() < 0.05) return std::nullopt;
     step = estimate.distance / n.z();
@@ -111,6 +111,36 @@ std::optional<SurfaceSample> descend(const SurfaceEstimator& estimator, const Po
   }
   if (std::abs(step) > kSettled) return std::nullopt;
   return SurfaceSample{p, n};
+}
+
+// `followed`: what the pen will follow, for the steepest slope; `surface` keeps it.
+template <class Surface>
+SurfaceHeight height_of_cloud(std::shared_ptr<const Surface> surface,
+                              const SurfaceEstimator& followed, const Pose& X_WP) {
+  constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
+  const Pose X_PW = X_WP.inverse();
+  auto columns = std::make_shared<const Columns>(surface->cloud(), X_PW);
+  auto tops = std::make_shared<const TopSheet>(surface->cloud(), X_PW);
+  return [surface = std::move(surface), &followed, X_WP, columns = std::move(columns),
+          tops = std::move(tops)](double x, double y, SurfaceHeight::Sample& last) {
+    SurfaceHeight::Sample sample;
+    const double top = tops->top(x, y);
+    // Another sheet lies above: the pen cannot reach this one.
+    const auto covered = [&] {
+      return sample && top > sample->p_P.z() + kOverhang + tops->rise(sample->n_P);
+    };
+    if (last && is_near(last->p_P, x, y)) sample = descend(*surface, X_WP, {x, y, last->p_P.z()});
+    if ((!sample || covered()) && std::isfinite(top)) sample = descend(*surface, X_WP, {x, y, top});
+    // On a steep flank the cell's highest point is far above.
+    if (!sample) sample = descend(*surface, X_WP, {x, y, columns->height_at(x, y)});
+    if (covered()) sample.reset();
+    if (!sample) return sample;
+    if (sample->n_P.z() < kSteep) {
+      const SurfaceEstimate there = followed.estimate(X_WP * sample->p_P);
+      if (there.status == SurfaceStatus::ok) sample->steepest = X_WP.R.col(2).dot(there.n_W);
+    }
+    return last = sample;
+  };
 }
 
 }  // namespace
@@ -131,44 +161,21 @@ SurfaceHeight level_surface(double z) {
   return [z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
 }
 
-SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> estimator,
-                               std::shared_ptr<const SurfaceEstimator> followed, const Pose& X_WP) {
-  constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
-  const Pose X_PW = X_WP.inverse();
-  auto columns = std::make_shared<const Columns>(estimator->cloud(), X_PW);
-  auto tops = std::make_shared<const TopSheet>(estimator->cloud(), X_PW);
-  return [estimator = std::move(estimator), followed = std::move(followed), X_WP,
-          columns = std::move(columns), tops = std::move(tops),
-          last = Eigen::Vector3d(Eigen::Vector3d::Constant(1e9))](
-             double x, double y) mutable -> std::optional<SurfaceSample> {
-    std::optional<SurfaceSample> sample;
-    const double top = tops->top(x, y);
-    // Another sheet lies above: the pen cannot reach this one.
-    const auto covered = [&] {
-      return sample && top > sample->p_P.z() + kOverhang + tops->rise(sample->n_P);
-    };
-    if (is_near(last, x, y)) sample = descend(*estimator, X_WP, {x, y, last.z()});
-    if ((!sample || covered()) && std::isfinite(top))
-      sample = descend(*estimator, X_WP, {x, y, top});
-    // On a steep flank the cell's highest point is far above.
-    if (!sample) sample = descend(*estimator, X_WP, {x, y, columns->height_at(x, y)});
-    if (covered()) sample.reset();
-    if (!sample) return sample;
-    last = sample->p_P;
-    if (sample->n_P.z() < kSteep) {
-      const SurfaceEstimate there = followed->estimate(X_WP * sample->p_P);
-      if (there.status == SurfaceStatus::ok) sample->steepest = X_WP.R.col(2).dot(there.n_W);
-    }
-    return sample;
-  };
+SurfaceHeight perceived_height(std::shared_ptr<const PlanSurface> surface, const Pose& X_WP) {
+  const SurfaceEstimator& followed = surface->seen();
+  return height_of_cloud(std::move(surface), followed, X_WP);
+}
+
+SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> surface, const Pose& X_WP) {
+  const SurfaceEstimator& followed = *surface;
+  return height_of_cloud(std::move(surface), followed, X_WP);
 }
 
 SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_WP,
                             SurfaceHeight planned) {
   return [canvas, X_WP, X_PW = X_WP.inverse(), planned = std::move(planned),
-          upper = canvas_height(canvas, X_WP), last = std::optional<SurfaceSample>()](
-             double x, double y) mutable -> std::optional<SurfaceSample> {
-    std::optional<SurfaceSample> plan = planned(x, y);
+          upper = canvas_height(canvas, X_WP)](double x, double y, SurfaceHeight::Sample& last) {
+    SurfaceHeight::Sample plan = planned(x, y, last);
     if (!plan) {
       // Just beyond what is planned: the artwork before its corners were rounded.
       if (last && is_near(last->p_P, x, y)) plan = last;
@@ -177,7 +184,7 @@ SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_
       plan->p_P.head<2>() = Eigen::Vector2d(x, y);
     }
     last = plan;
-    std::optional<SurfaceSample> nearest;
+    SurfaceHeight::Sample nearest;
     double least = kJudged;
     constexpr int kMostSheets = 16;
     double z = plan->p_P.z() + kJudged;

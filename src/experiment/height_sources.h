@@ -7,7 +7,7 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/pose.h"
-#include "impedraw/perception/normals.h"
+#include "impedraw/perception/plan_surface.h"
 #include "impedraw/planning/surface_height.h"
 
 namespace impedraw {
@@ -17,9 +17,9 @@ SurfaceHeight canvas_height(std::shared_ptr<const Canvas> canvas, const Pose& X_
 
 // Descends to the surface along z by secant steps on the estimated distance. Starts from the last
 // result if that is near, else from the nearest column of the cloud. Returns nothing beyond the
-// cloud's edge. `followed`: what the pen will follow, for the steepest slope.
-SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> estimator,
-                               std::shared_ptr<const SurfaceEstimator> followed, const Pose& X_WP);
+// cloud's edge.
+SurfaceHeight perceived_height(std::shared_ptr<const PlanSurface> surface, const Pose& X_WP);
+SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> surface, const Pose& X_WP);
 
 // A level plane at the height z of P [m].
 SurfaceHeight level_surface(double z);

@@ -182,7 +182,7 @@ class PathRows {
 void add_findings(const PlannedDrawing& e, const PlanPicture& picture, PostureCheck& check,
                   PlanPage* page) {
   const Pose &X_WP = e.artwork.X_WP, X_PW = X_WP.inverse();
-  const SurfaceHeight surface = e.surface();
+  const SurfaceHeight& surface = e.surface();
   const bool vertical = !e.scene.perception;
   check.asked = {};
   std::size_t line = e.plan.strokes.size();  // the picture's lines of findings follow

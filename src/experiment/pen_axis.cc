@@ -10,7 +10,7 @@ bool is_rough(const Scene& scene, const Plan& plan) {
   constexpr double kOther = 0.02, kLeast = 0.1, kSpacing = 2e-3;  // [rad], [1], [m]
   if (!scene.perception) return false;
   const Pose& X_WP = plan.path_settings.X_WP;
-  const SurfaceHeight surface = scene.surface(X_WP);
+  SurfaceHeight::Sample last;
   long places = 0, other = 0;
   for (const PlacedStroke& stroke : plan.strokes)
     for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
@@ -18,7 +18,7 @@ bool is_rough(const Scene& scene, const Plan& plan) {
       const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kSpacing)));
       for (int k = 1; k <= pieces; ++k) {
         const Eigen::Vector2d at = from + (to - from) * k / pieces;
-        const auto sample = surface(at.x(), at.y());
+        const auto sample = scene.surface(at.x(), at.y(), last);
         if (!sample) continue;
         const SurfaceEstimate there = scene.perception->estimate(X_WP * sample->p_P);
         ++places;

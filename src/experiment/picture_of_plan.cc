@@ -25,8 +25,9 @@ std::string words_of(Problem problem) {
 PlanLine plan_line(const PlacedStroke& stroke, const SurfaceHeight& surface, double z,
                    const std::string& problem) {
   PlanLine line{{}, problem};
+  SurfaceHeight::Sample found;
   const auto add = [&](const Eigen::Vector2d& p) {
-    const auto sample = surface(p.x(), p.y());
+    const auto sample = surface(p.x(), p.y(), found);
     line.points.push_back(sample ? sample->p_P : Eigen::Vector3d(p.x(), p.y(), z));
   };
   const std::vector<Eigen::Vector2d>& corners = stroke.p_P;
@@ -59,11 +60,11 @@ void add_surface(const PlannedDrawing& e, PlanPicture* picture) {
   const double cell = std::max(kCell, box.sizes().head<2>().maxCoeff() / kMostCells);
   const int nx = static_cast<int>(box.sizes().x() / cell) + 1,
             ny = static_cast<int>(box.sizes().y() / cell) + 1;
-  const SurfaceHeight surface = e.surface();
+  SurfaceHeight::Sample last;
   std::vector<int> vertex;  // of each node; −1: no surface there
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
-      const auto sample = surface(box.min().x() + i * cell, box.min().y() + j * cell);
+      const auto sample = e.surface()(box.min().x() + i * cell, box.min().y() + j * cell, last);
       vertex.push_back(sample ? static_cast<int>(picture->canvas_vertices.size()) : -1);
       if (sample) picture->canvas_vertices.push_back(sample->p_P);
     }

@@ -36,7 +36,7 @@ struct Point {
 
 // Points spaced about evenly along the drawing, where there is a surface.
 std::vector<Point> points_of(const PlannedDrawing& e, int count) {
-  const SurfaceHeight surface = e.surface();
+  SurfaceHeight::Sample last;
   double length = 0.0;
   for (const PlacedStroke& stroke : e.plan.requested) length += plane_length(stroke);
   const double step = std::max(length / count, 1e-3);
@@ -47,7 +47,7 @@ std::vector<Point> points_of(const PlannedDrawing& e, int count) {
     const int pieces = std::max(1, static_cast<int>(std::lround(own / step)));
     for (int i = 0; i <= pieces; ++i) {
       const Vector2d p = ruler.at(own * i / pieces).p_P;
-      if (const auto sample = surface(p.x(), p.y()))
+      if (const auto sample = e.surface()(p.x(), p.y(), last))
         points.push_back(
             {sample->p_P, e.scene.perception ? sample->n_P : Vector3d(Vector3d::UnitZ())});
     }

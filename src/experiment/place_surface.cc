@@ -234,7 +234,7 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
     settings.rough = [&scene, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
       return scene.perception->roughness(X_WP * p_P).misfit / most;
     };
-  parts_->search.emplace(scene.surface(X_WP), settings);
+  parts_->search.emplace(scene.surface, settings);
 
   parts_->placing = {s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
   Eigen::AlignedBox2d box;
@@ -342,9 +342,8 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   SurfacePlace result;
   result.scenario = parts.s;
   result.scenario.drawing.placement = best.placement;
-  const SurfaceHeight surface = parts.scene->surface(parts.X_WP);
   const Vector2d& middle = best.place.middle;
-  const auto under = surface(middle.x(), middle.y());
+  const auto under = parts.scene->surface(middle.x(), middle.y());
   result.p_W = parts.X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
   result.turn_deg = best.place.turn_deg;
   result.share = best.share;

@@ -102,7 +102,7 @@ class Planning {
   void tell(const char* what, double share) const {
     if (progress_) progress_(what, share);
   }
-  SurfaceHeight surface() const { return scene_.surface(artwork_.X_WP); }
+  const SurfaceHeight& surface() const { return scene_.surface; }
   // Where the pre-flight puts the arm: an unknown surface in the middle of where it may be.
   SurfaceHeight checked_surface() const {
     return scene_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
@@ -116,10 +116,10 @@ class Planning {
   SurfaceHeight judged_surface() const {
     if (seen_) return nearest_sheet(scene_.canvas, artwork_.X_WP, surface());
     if (!scene_.height_unknown()) return true_surface_;
-    return [canvas = true_surface_, level = surface()](double x, double y) {
+    return SurfaceHeight([canvas = true_surface_, level = surface()](double x, double y) {
       const auto on_canvas = canvas(x, y);
       return on_canvas ? on_canvas : level(x, y);
-    };
+    });
   }
 
   // The surface, which tells the progress while a step looks at it: about `expected` times.
@@ -127,10 +127,10 @@ class Planning {
                      double expected) const {
     if (!progress_) return surface;
     return [this, surface = std::move(surface), what, from, to, expected,
-            looks = std::make_shared<long>(0)](double x, double y) {
+            looks = std::make_shared<long>(0)](double x, double y, SurfaceHeight::Sample& last) {
       if (++*looks % 256 == 0)
         tell(what, from + (to - from) * std::min(1.0, static_cast<double>(*looks) / expected));
-      return surface(x, y);
+      return surface(x, y, last);
     };
   }
   static double length_of(const std::vector<PlacedStroke>& strokes) {
@@ -243,8 +243,8 @@ double Planning::wrap_doubt() const {
         return seen->finer_share(X_WP * s.p_P) > 0.0;
       }))
     return 0.0;
-  const auto finest_height = [&, surface = surface()](double x, double y) {
-    std::optional<SurfaceSample> sample = surface(x, y);
+  const auto finest_height = [&](double x, double y, SurfaceHeight::Sample& last) {
+    SurfaceHeight::Sample sample = surface()(x, y, last);
     if (!sample) return sample;
     const SurfaceEstimate there = seen->estimate(X_WP * sample->p_P);
     const double lean = X_WP.R.col(2).dot(there.n_W);

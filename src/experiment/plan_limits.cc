@@ -88,14 +88,14 @@ PlanLimits plan_limits(PlannedDrawing& e) {
     found.costs.push_back(cost);
   }
   if (!e.scene.perception) return found;
-  const SurfaceHeight surface = e.surface();
+  SurfaceHeight::Sample last;
   long places = 0, rough = 0;
   for (const PlacedStroke& stroke : e.plan.strokes) {
     const StrokeRuler ruler(stroke);
     const int pieces = std::max(1, static_cast<int>(std::ceil(ruler.length() / kSpacing)));
     for (int i = 0; i <= pieces; ++i) {
       const StrokePlace at = ruler.at(stroke.start + ruler.length() * i / pieces);
-      const auto sample = surface(at.p_P.x(), at.p_P.y());
+      const auto sample = e.surface()(at.p_P.x(), at.p_P.y(), last);
       if (!sample) continue;
       const Eigen::Vector3d p_W = e.artwork.X_WP * sample->p_P;
       const Roughness roughness = e.scene.perception->roughness(p_W);

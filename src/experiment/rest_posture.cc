@@ -35,11 +35,10 @@ JointVector rest_posture(const ArmSettings& settings, const PlacedArtwork& artwo
                          const SettingErrors& setting_errors) {
   if (!settings.q_0.empty()) return given_rest_posture(settings.q_0, scene.arm, setting_errors);
   const Eigen::Vector2d centre = artwork.placement.centre_m;
-  const SurfaceHeight surface = scene.surface(artwork.X_WP);
-  auto middle = surface(centre.x(), centre.y());
+  auto middle = scene.surface(centre.x(), centre.y());
   for (std::size_t i = 0; i < strokes.size() && !middle; ++i) {
     const Eigen::Vector2d p = strokes[i].p_P[strokes[i].p_P.size() / 2];
-    middle = surface(p.x(), p.y());
+    middle = scene.surface(p.x(), p.y());
   }
   const Eigen::Vector3d p_WE = middle ? artwork.X_WP * middle->p_P : settings.start_p_WE;
   return find_posture(scene.arm, {p_WE, -artwork.X_WP.R.col(2)}, scene.start_q).q;

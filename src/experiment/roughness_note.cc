@@ -23,11 +23,12 @@ std::optional<std::string> roughness_note(const std::vector<PlacedStroke>& strok
   for (const PlacedStroke& stroke : strokes) length += StrokeRuler(stroke).length();
   const double spacing = std::max(kLeastSpacing, length / kMostPlaces);
   double squares = 0.0, places = 0.0;
+  SurfaceHeight::Sample last;
   for (const PlacedStroke& stroke : strokes) {
     const StrokeRuler ruler(stroke);
     for (double s = 0.0; s <= ruler.length(); s += spacing) {
       const Eigen::Vector2d p_P = ruler.at(stroke.start + s).p_P;
-      const auto sample = surface(p_P.x(), p_P.y());
+      const auto sample = surface(p_P.x(), p_P.y(), last);
       if (!sample) continue;
       const Roughness roughness = seen.roughness(X_WP * sample->p_P);
       squares += roughness.residual * roughness.residual;

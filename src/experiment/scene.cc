@@ -139,8 +139,8 @@ void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scen
     scene->perception = std::make_shared<const SurfaceEstimator>(
         take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q, &scene->notes));
   });
-  scene->planning = std::make_shared<const SurfaceEstimator>(
-      *scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
+  scene->planning = std::make_shared<const PlanSurface>(
+      scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
       s.preflight.roughest);
   // Beyond the region, which no camera is asked about, the canvas is where it was set up.
   TriangleMesh obstacle = seen_facets(*scene->perception, s.perception.voxel);
@@ -203,12 +203,6 @@ CanvasMotion canvas_motion(const Scenario& s) {
 
 }  // namespace
 
-SurfaceHeight Scene::surface(const Pose& X_WP) const {
-  if (planning) return perceived_height(planning, perception, X_WP);
-  if (blind.height == BlindHeight::canvas) return canvas_height(canvas, X_WP);
-  return level_surface(blind.top_z);
-}
-
 void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& setting_errors) {
   check_joint_settings(s, urdf_of(s.arm), scene.arm, setting_errors);
   check_pushes(s, *scene.world, setting_errors);
@@ -246,6 +240,7 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
               .world = std::move(world),
               .perception = {},
               .planning = {},
+              .surface = {},
               .obstacle = {},
               .blind = s.blind,
               .notes = std::move(notes)};
@@ -257,6 +252,11 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
                                 setting_errors, touching, &scene.notes);
   scene.obstacle = scene.canvas;
   if (s.perception.enabled) look_at_canvas(s, setting_errors, &scene);
+  if (scene.planning)
+    scene.surface = perceived_height(scene.planning, X_WP);
+  else
+    scene.surface = s.blind.height == BlindHeight::canvas ? canvas_height(scene.canvas, X_WP)
+                                                          : level_surface(s.blind.top_z);
   return scene;
 }
 

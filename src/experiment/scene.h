@@ -9,7 +9,7 @@
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/perception/normals.h"
+#include "impedraw/perception/plan_surface.h"
 #include "impedraw/planning/surface_height.h"
 #include "impedraw/settings/setting_error.h"
 #include "impedraw/simulation/world.h"
@@ -23,7 +23,11 @@ struct Scene {
   std::unique_ptr<World> world;    // at the start posture
   std::shared_ptr<const SurfaceEstimator> perception;  // null: blind
   // The same cloud for the planner, with a stricter edge test to keep the plan clear of its edges.
-  std::shared_ptr<const SurfaceEstimator> planning;
+  std::shared_ptr<const PlanSurface> planning;
+  // The planner's surface, in P: from the cloud, or without perception the assumed height: the
+  // canvas's or, where that is unknown, the upper level of where it may be. It keeps what it reads,
+  // so that a copy may outlive the scene.
+  SurfaceHeight surface;
   // The seen surface as small facets around the cloud's points, which the arm must not touch;
   // without perception the true canvas. Never null.
   std::shared_ptr<const Canvas> obstacle;
@@ -35,11 +39,6 @@ struct Scene {
   bool height_unknown() const { return !perception && blind.height != BlindHeight::canvas; }
   // The controller has an estimate of the surface under the tip.
   bool estimates_surface() const { return perception != nullptr || by_touch(); }
-
-  // The planner's surface, in P: from the cloud, or without perception the assumed height: the
-  // canvas's or, where that is unknown, the upper level of where it may be. It keeps what it reads,
-  // so that it may outlive the scene or the place where the scene stands.
-  SurfaceHeight surface(const Pose& X_WP) const;
 };
 
 // A mesh file that lies nowhere near the drawing, and that the scenario does not place, is put

@@ -14,6 +14,9 @@
 
 namespace impedraw {
 
+class CloudPatches;
+class DetailLevels;
+
 enum class NormalMode {
   fresh,  // as in the paper: new neighbours, covariance and eigenvector for each query
   // fitted once for each point of the cloud, then interpolated at the query: same result, cheaper
@@ -57,14 +60,8 @@ struct NormalSettings {
   };
 };
 
-// Finer clouds of the same view, for where the surface is rougher than the cloud's patches resolve.
-//
-// At each point of the cloud the k-patch is fitted at every level, the finer ones with smaller
-// patches. Their normals err by noise, s/(√k R) for points with noise s on a patch of radius R, and
-// by misfit: shape that a quadric over the patch cannot follow, b/R with b² = residual² − s². The
-// noise s is taken from the finest level, where misfit is least. The level with the least error is
-// used; a finer one only where it is clearly better. Between places with different levels the
-// estimates are blended. Finer levels never serve NormalMode::interpolated.
+// From coarse to fine, to be used where they are better: see detail_levels.h. Not used in
+// NormalMode::interpolated.
 using FinerClouds = std::vector<PointCloud>;
 
 // How rough the surface is at a point, as the cloud shows it.
@@ -84,7 +81,7 @@ struct Roughness {
   }
 };
 
-// The cloud, its kd-tree and the settings. estimate() is const, may run in any number of threads,
+// The surface that a cloud shows. estimate() is const, may run in any number of threads,
 // and allocates nothing.
 //
 // Normals point to the camera that saw the nearest neighbour. The distance is measured to the
@@ -96,16 +93,9 @@ struct Roughness {
 class SurfaceEstimator {
  public:
   // Fits a normal at every point of the cloud (into cloud().normals). Throws InputError naming a
-  // bad setting, an empty cloud or a point that is not finite.
-  // `finer`: from coarse to fine; may be empty.
+  // bad setting, an empty cloud or a point that is not finite. `finer` may be empty.
   explicit SurfaceEstimator(PointCloud cloud, const NormalSettings& settings = {},
                             FinerClouds finer = {});
-  // The same clouds for a plan, with another edge test: the surface as the widest patches see it,
-  // finer where that is 0.5 mm off or more; off_edge also beside holes, steps and creases, where
-  // the fitted surface runs on beyond the points (normals.cc), and where it is rougher than
-  // most_misfit [m].
-  SurfaceEstimator(const SurfaceEstimator& seen, double max_one_sidedness,
-                   double most_misfit = Roughness::kStepMisfit);
   ~SurfaceEstimator();
   SurfaceEstimator(SurfaceEstimator&&) noexcept;
   SurfaceEstimator& operator=(SurfaceEstimator&&) noexcept;
@@ -119,17 +109,23 @@ class SurfaceEstimator {
   // At the point of the cloud nearest to p_W.
   Roughness roughness(const Eigen::Vector3d& p_W) const noexcept;
 
-  // Of an estimator for a plan: the point of the cloud nearest to p_W lies in a crease, where two
-  // sides of the surface meet like an open book. The tip touches both, and stands before the one
-  // that it moves towards.
-  bool in_crease(const Eigen::Vector3d& p_W) const noexcept;
-
   // In the tree's order, so that neighbours are adjacent in memory.
   const PointCloud& cloud() const noexcept;
 
  private:
-  struct Index;
-  std::unique_ptr<Index> index_;
+  friend class PlanSurface;  // the same patches and levels with another edge test
+  // The surface fitted at a point of the cloud.
+  struct Known {
+    LocalSurface surface;
+    Eigen::Vector3d foot;  // projection of the point onto that surface [m]: removes its noise
+  };
+  void fit_every_point();
+  SurfaceEstimate interpolated(const Eigen::Vector3d& p, double max_one_sidedness) const noexcept;
+
+  std::unique_ptr<CloudPatches> patches_;
+  std::vector<double> reach2_;  // Patch::reach2() at each point of the cloud
+  std::vector<Known> known_;    // in NormalMode::interpolated: at each point of the cloud
+  std::unique_ptr<const DetailLevels> levels_;  // null: there are no finer clouds
 };
 
 }  // namespace impedraw

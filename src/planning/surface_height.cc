@@ -41,8 +41,8 @@ std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d&
 }
 
 SurfaceSample sample_or_throw(const SurfaceHeight& surface, const Vector2d& p,
-                              const Vector2d& page_mm, int stroke) {
-  if (const std::optional<SurfaceSample> sample = surface(p.x(), p.y())) return *sample;
+                              const Vector2d& page_mm, int stroke, SurfaceHeight::Sample& last) {
+  if (const SurfaceHeight::Sample sample = surface(p.x(), p.y(), last)) return *sample;
   const std::optional<double> off = distance_off(surface, p, kSearched);
   throw OffSurface(
       fmt::format(

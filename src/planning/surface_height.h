@@ -4,6 +4,8 @@
 
 #include <functional>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -19,8 +21,32 @@ struct SurfaceSample {
   double steepest = 1.0;
 };
 
-// Returns nullopt where there is no surface at (x, y) [m].
-using SurfaceHeight = std::function<std::optional<SurfaceSample>(double x, double y)>;
+class SurfaceHeight {
+ public:
+  using Sample = std::optional<SurfaceSample>;
+
+  SurfaceHeight() = default;
+  // From ask(x, y), for one sheet, or ask(x, y, last).
+  template <class Ask>
+  SurfaceHeight(Ask ask) {
+    if constexpr (std::is_invocable_v<Ask&, double, double>)
+      ask_ = [ask = std::move(ask)](double x, double y, Sample&) mutable { return ask(x, y); };
+    else
+      ask_ = std::move(ask);
+  }
+
+  // Returns nullopt where there is no surface at (x, y) [m]; of several sheets the upper one.
+  Sample operator()(double x, double y) const {
+    Sample last;
+    return ask_(x, y, last);
+  }
+  // For one who asks along a line, with the last answer: of several sheets the one that it lies
+  // on, if it is near.
+  Sample operator()(double x, double y, Sample& last) const { return ask_(x, y, last); }
+
+ private:
+  std::function<Sample(double x, double y, Sample& last)> ask_;
+};
 
 // Distance from p to the surface's edge, seen along z [m]. Searches on circles of radius up to
 // `searched` [m]; nullopt if none meets the surface.
@@ -42,6 +68,7 @@ class OffSurface : public InputError {
 // (counted from 0), the point on the page [mm] and in the world [m], and its distance from the
 // surface, searched up to 0.5 m.
 SurfaceSample sample_or_throw(const SurfaceHeight& surface, const Eigen::Vector2d& p,
-                              const Eigen::Vector2d& page_mm, int stroke);
+                              const Eigen::Vector2d& page_mm, int stroke,
+                              SurfaceHeight::Sample& last);
 
 }  // namespace impedraw

@@ -35,8 +35,8 @@ class Projection {
   }
 
  private:
-  Point projected(const Vector2d& p_P, const Vector2d& page) const {
-    return {p_P, page, sample_or_throw(canvas_, p_P, page, number_).p_P};
+  Point projected(const Vector2d& p_P, const Vector2d& page) {
+    return {p_P, page, sample_or_throw(canvas_, p_P, page, number_, last_).p_P};
   }
   void push(const Point& p) {
     line_.points.push_back(p.on_canvas);
@@ -66,6 +66,7 @@ class Projection {
   const SurfaceHeight& canvas_;
   const TargetSettings& settings_;
   TargetLine& line_;
+  SurfaceHeight::Sample last_;
   int number_ = 0;
   int left_ = 0;  // halvings, within one spacing
 };

@@ -79,9 +79,9 @@ TEST_F(PerceivedPlan, APointWithoutAPlanIsJudgedOnTheUpperSheet) {
 // 3 of 60 drawings on a cow ended there with a segmentation fault.
 TEST_F(PerceivedPlan, TheSurfaceKeepsWhatItReads) {
   Staged from = staged(scenario({}));
-  const std::weak_ptr<const SurfaceEstimator> followed = from.scene.perception,
-                                              planning = from.scene.planning;
-  SurfaceHeight surface = from.scene.surface(from.artwork.X_WP);
+  const std::weak_ptr<const SurfaceEstimator> followed = from.scene.perception;
+  const std::weak_ptr<const PlanSurface> planning = from.scene.planning;
+  SurfaceHeight surface = std::move(from.scene.surface);
   const auto at = from.artwork.strokes.front().p_P.front();
   const auto before = surface(at.x(), at.y());
   ASSERT_TRUE(before);
@@ -90,13 +90,13 @@ TEST_F(PerceivedPlan, TheSurfaceKeepsWhatItReads) {
   EXPECT_FALSE(followed.expired());
   EXPECT_FALSE(planning.expired());
   EXPECT_NEAR(surface(at.x(), at.y())->p_P.z(), before->p_P.z(), 1e-6);
-  surface = nullptr;
+  surface = {};
   EXPECT_TRUE(followed.expired());
   EXPECT_TRUE(planning.expired());
 
   Staged blind = staged(scenario({"perception.enabled=false"}));
   const std::weak_ptr<const Canvas> canvas = blind.scene.canvas;
-  surface = blind.scene.surface(blind.artwork.X_WP);
+  surface = std::move(blind.scene.surface);
   blind.scene.canvas.reset();
   blind.scene.obstacle.reset();
   EXPECT_FALSE(canvas.expired());

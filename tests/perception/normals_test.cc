@@ -1,4 +1,4 @@
-#include "impedraw/perception/normals.h"
+#include "impedraw/perception/plan_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -223,6 +223,12 @@ TEST(Normals, WeighPointsByThePixelsBehindThem) {
               5e-5);
 }
 
+PlanSurface plan_over(PointCloud cloud, FinerClouds finer, double max_one_sidedness = 0.5) {
+  return PlanSurface(std::make_shared<const SurfaceEstimator>(std::move(cloud), NormalSettings(),
+                                                              std::move(finer)),
+                     max_one_sidedness);
+}
+
 // A plan's patch, 15 mm wide, reaches over a step of the surface 6 mm away. Weights that fall with
 // the distance alone leave the normal 10 degrees off and more.
 TEST(Normals, APlansPatchKeepsToOneSideOfAStep) {
@@ -230,8 +236,7 @@ TEST(Normals, APlansPatchKeepsToOneSideOfAStep) {
     const auto stepped = [&](double x, double) { return x < 0.0 ? 0.1 * x + step : 0.1 * x; };
     FinerClouds finer;
     for (const double spacing : {0.002, 0.001}) finer.push_back(sheet(0.03, spacing, stepped));
-    const SurfaceEstimator seen(sheet(0.06, 0.004, stepped), {}, std::move(finer)),
-        plan(seen, 0.66);
+    const PlanSurface plan = plan_over(sheet(0.06, 0.004, stepped), std::move(finer), 0.66);
     const Vector3d n = Vector3d(-0.1, 0, 1).normalized();
     for (const double x : {-0.012, -0.008, -0.006, 0.006, 0.008, 0.012}) {
       const SurfaceEstimate e = plan.estimate({x, 0.002, stepped(x, 0)});
@@ -243,20 +248,19 @@ TEST(Normals, APlansPatchKeepsToOneSideOfAStep) {
 }
 
 // z = |x| tan(half of the angle): a valley whose sides meet at that angle; negative: a ridge.
-SurfaceEstimator plan_over_valley(double angle_deg) {
+PlanSurface plan_over_valley(double angle_deg) {
   const double rise = std::tan(angle_deg / 2.0 * std::numbers::pi / 180.0);
   const auto valley = [rise](double x, double) { return rise * std::abs(x); };
   FinerClouds finer;
   for (const double spacing : {2e-3, 1e-3}) finer.push_back(sheet(0.04, spacing, valley));
-  const SurfaceEstimator seen(sheet(0.04, 4e-3, valley), {}, std::move(finer));
-  return SurfaceEstimator(seen, 0.5);
+  return plan_over(sheet(0.04, 4e-3, valley), std::move(finer));
 }
 
 TEST(Normals, APlanKeepsOffCreasesAndOffNothingElse) {
   for (const double angle : {75.0, 100.0}) {
     SCOPED_TRACE(angle);
     const double rise = std::tan(angle / 2.0 * std::numbers::pi / 180.0);
-    const SurfaceEstimator plan = plan_over_valley(angle);
+    const PlanSurface plan = plan_over_valley(angle);
     for (const double y : {-0.01, 0.0, 0.012}) {
       EXPECT_TRUE(plan.in_crease({0, y, 0}));
       EXPECT_NE(plan.estimate({0, y, 0}).status, SurfaceStatus::ok);
@@ -266,7 +270,7 @@ TEST(Normals, APlanKeepsOffCreasesAndOffNothingElse) {
   }
   for (const double angle : {0.0, 25.0, 45.0, -75.0, -100.0}) {
     SCOPED_TRACE(angle);
-    const SurfaceEstimator plan = plan_over_valley(angle);
+    const PlanSurface plan = plan_over_valley(angle);
     for (const double y : {-0.01, 0.0, 0.012}) EXPECT_FALSE(plan.in_crease({0, y, 0}));
   }
 }
@@ -281,8 +285,7 @@ TEST(Normals, ResolvedWavesAreNoCreases) {
   };
   FinerClouds finer;
   for (const double spacing : {2e-3, 1e-3}) finer.push_back(sheet(0.04, spacing, waves));
-  const SurfaceEstimator seen(sheet(0.04, 4e-3, waves), {}, std::move(finer));
-  const SurfaceEstimator plan(seen, 0.5);
+  const PlanSurface plan = plan_over(sheet(0.04, 4e-3, waves), std::move(finer));
   int creases = 0, places = 0;
   for (double x = -0.025; x < 0.025; x += 1e-3)
     for (double y = -0.025; y < 0.025; y += 5e-3, ++places)
@@ -297,9 +300,8 @@ TEST(Normals, APlansSurfaceDoesNotRunOnBeyondItsPoints) {
   cloud.points.erase(std::remove_if(cloud.points.begin(), cloud.points.end(), in_hole),
                      cloud.points.end());
   cloud.camera.resize(cloud.points.size());
-  const SurfaceEstimator seen(std::move(cloud));
-  const SurfaceEstimator plan(seen, 0.5);
-  EXPECT_EQ(seen.estimate(Vector3d::Zero()).status, SurfaceStatus::ok);
+  const PlanSurface plan = plan_over(std::move(cloud), {});
+  EXPECT_EQ(plan.seen().estimate(Vector3d::Zero()).status, SurfaceStatus::ok);
   EXPECT_EQ(plan.estimate(Vector3d::Zero()).status, SurfaceStatus::off_edge);
   EXPECT_EQ(plan.estimate({0.03, 0, 0}).status, SurfaceStatus::ok);
 }
@@ -316,7 +318,7 @@ TEST(Normals, APlanKeepsOffAHoleOnAllSidesOfIt) {
     };
     FinerClouds finer;
     for (const double spacing : {2e-3, 1e-3}) finer.push_back(drilled(spacing));
-    const SurfaceEstimator seen(drilled(4e-3), {}, std::move(finer)), plan(seen, 0.5);
+    const PlanSurface plan = plan_over(drilled(4e-3), std::move(finer));
     for (int k = 0; k < 24; ++k) {
       const double angle = k * std::numbers::pi / 12.0;
       const Vector3d out(std::cos(angle), std::sin(angle), 0.0);
@@ -333,7 +335,7 @@ TEST(Normals, APlanFindsNoHoleUnderAnUpperSheet) {
   const auto stepped = [](double x, double) { return x < 0.0 ? 4e-3 : 0.0; };
   FinerClouds finer;
   for (const double spacing : {2e-3, 1e-3}) finer.push_back(sheet(0.04, spacing, stepped));
-  const SurfaceEstimator seen(sheet(0.04, 4e-3, stepped), {}, std::move(finer)), plan(seen, 0.66);
+  const PlanSurface plan = plan_over(sheet(0.04, 4e-3, stepped), std::move(finer), 0.66);
   for (const double x : {-6.5e-3, 6.5e-3})
     for (double y = -0.012; y < 0.012; y += 1.3e-3)
       EXPECT_EQ(plan.estimate({x, y, stepped(x, y)}).status, SurfaceStatus::ok) << x << " " << y;

@@ -34,8 +34,13 @@ struct Knot {
 
 class Fit {
  public:
-  Fit(Line line, int stroke, const SurfaceHeight& surface, const FitSettings& settings)
-      : line_(std::move(line)), stroke_(stroke), surface_(surface), settings_(settings) {
+  Fit(Line line, int stroke, const SurfaceHeight& surface, const FitSettings& settings,
+      SurfaceHeight::Sample& last)
+      : line_(std::move(line)),
+        stroke_(stroke),
+        surface_(surface),
+        settings_(settings),
+        last_(last) {
     line_.along.assign(1, 0.0);
     for (std::size_t i = 1; i < line_.p_P.size(); ++i) {
       line_.along.push_back(line_.along.back() + (line_.p_P[i] - line_.p_P[i - 1]).norm());
@@ -103,7 +108,7 @@ class Fit {
   }
 
   Knot sampled(Knot k) const {
-    k.sample = sample_or_throw(surface_, k.p, k.page, stroke_);
+    k.sample = sample_or_throw(surface_, k.p, k.page, stroke_, last_);
     return k;
   }
 
@@ -193,6 +198,7 @@ class Fit {
   int stroke_;
   const SurfaceHeight& surface_;
   const FitSettings& settings_;
+  SurfaceHeight::Sample& last_;  // found on the surface
   std::vector<Knot> knots_;
   int rounds_ = 0;
 };
@@ -223,7 +229,7 @@ std::pair<Vector3d, Vector3d> smooth_normals(const FitSettings& settings, std::v
 }  // namespace
 
 FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface,
-                        const FitSettings& settings) {
+                        const FitSettings& settings, SurfaceHeight::Sample& last) {
   const int number = stroke.number;
   Line whole;
   double place = stroke.start;
@@ -242,7 +248,7 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
   fitted.number = number;
   fitted.from = fitted.to = stroke.start;
   fitted.first = fitted.last =
-      sample_or_throw(surface, whole.p_P.front(), whole.page.front(), number);
+      sample_or_throw(surface, whole.p_P.front(), whole.page.front(), number, last);
   if (whole.p_P.size() == 1) return fitted;
 
   Line line;
@@ -262,12 +268,12 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
     part.p_P.assign(line.p_P.begin() + from, line.p_P.begin() + to + 1);
     part.page.assign(line.page.begin() + from, line.page.begin() + to + 1);
     part.place.assign(line.place.begin() + from, line.place.begin() + to + 1);
-    Fit& fit = fits.emplace_back(std::move(part), number, surface, settings);
+    Fit& fit = fits.emplace_back(std::move(part), number, surface, settings, last);
     fit.find_knots();
     from = to;
   }
   fitted.to = whole.place.back();
-  fitted.last = sample_or_throw(surface, whole.p_P.back(), whole.page.back(), number);
+  fitted.last = sample_or_throw(surface, whole.p_P.back(), whole.page.back(), number, last);
   std::tie(fitted.first.n_P, fitted.last.n_P) = smooth_normals(settings, &fits);
   for (const Fit& fit : fits) fitted.parts.push_back(fit.through_knots());
   return fitted;

@@ -275,7 +275,9 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
            (settings.draw_speed * settings.draw_speed)}};
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
-  for (const PlacedStroke& stroke : strokes) fitted.push_back(fit_stroke(stroke, surface, fit));
+  SurfaceHeight::Sample last;
+  for (const PlacedStroke& stroke : strokes)
+    fitted.push_back(fit_stroke(stroke, surface, fit, last));
   return Planner(settings, limits).plan(fitted);
 }
 

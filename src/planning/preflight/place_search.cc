@@ -38,11 +38,12 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
   ny_ = static_cast<int>(sides.y() / cell) + 1;
   cells_.resize(static_cast<std::size_t>(nx_) * ny_);
   heights_.assign(cells_.size(), std::numeric_limits<float>::quiet_NaN());
-  std::vector<std::optional<SurfaceSample>> seen;
+  std::vector<SurfaceHeight::Sample> seen;
+  SurfaceHeight::Sample last;
   for (int j = 0; j < ny_; ++j)
     for (int i = 0; i < nx_; ++i) {
       const Vector2d p = settings_.box.min() + cell * Vector2d(i + 0.5, j + 0.5);
-      seen.push_back(surface(p.x(), p.y()));
+      seen.push_back(surface(p.x(), p.y(), last));
     }
   const auto index = [&](int i, int j) { return static_cast<std::size_t>(j) * nx_ + i; };
   const double steepest = settings_.max_slope_deg * std::numbers::pi / 180.0;

@@ -65,8 +65,8 @@ class Walk {
   }
 
  private:
-  Look look(double along, const Vector2d& at) const {
-    Look look{along, at, surface_(at.x(), at.y()), {}, 0};
+  Look look(double along, const Vector2d& at) {
+    Look look{along, at, surface_(at.x(), at.y(), found_), {}, 0};
     if (!look.sample) {
       look.problem = Problem::off_canvas;
       return look;
@@ -80,10 +80,11 @@ class Walk {
   }
 
   // Slope of the heights on either side of a place, up and down [rad]; 0 where they are unknown.
-  double chord_slope(const SurfaceSample& at) const {
+  double chord_slope(const SurfaceSample& at) {
     const Vector2d uphill = -kChord * at.n_P.head<2>().normalized();
     const Vector2d up = at.p_P.head<2>() + uphill, down = at.p_P.head<2>() - uphill;
-    const auto above = surface_(up.x(), up.y()), below = surface_(down.x(), down.y());
+    const auto above = surface_(up.x(), up.y(), found_),
+               below = surface_(down.x(), down.y(), found_);
     if (!above || !below) return 0.0;
     return std::atan2(std::abs(above->p_P.z() - below->p_P.z()), 2.0 * kChord);
   }
@@ -253,6 +254,7 @@ class Walk {
 
   const SurfaceHeight& surface_;
   const PreflightSettings& settings_;
+  SurfaceHeight::Sample found_;  // last
   std::vector<SurfaceSpan> spans_;
 };
 

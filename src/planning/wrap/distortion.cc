@@ -117,16 +117,20 @@ LocalStretch stretch_of_wrap(const SurfaceSample& sample, const FlatChart& chart
 Distortion distortion_of_projection(const std::vector<PlacedStroke>& strokes,
                                     const SurfaceHeight& surface) {
   return over_strokes(
-      strokes, [&](const Vector2d& p) { return surface(p.x(), p.y()); }, stretch_of_projection);
+      strokes,
+      [&, last = SurfaceHeight::Sample()](const Vector2d& p) mutable {
+        return surface(p.x(), p.y(), last);
+      },
+      stretch_of_projection);
 }
 
 Distortion distortion_of_wrap(const std::vector<PlacedStroke>& strokes,
                               const SurfaceHeight& surface, const FlatChart& chart) {
   return over_strokes(
       strokes,
-      [&](const Vector2d& flat) -> std::optional<SurfaceSample> {
+      [&, last = SurfaceHeight::Sample()](const Vector2d& flat) mutable -> SurfaceHeight::Sample {
         const std::optional<Vector2d> plane = chart.to_plane(flat);
-        return plane ? surface(plane->x(), plane->y()) : std::nullopt;
+        return plane ? surface(plane->x(), plane->y(), last) : std::nullopt;
       },
       [&](const SurfaceSample& sample) { return stretch_of_wrap(sample, chart); });
 }

@@ -26,11 +26,12 @@ std::array<int, 4> corners(const SurfacePatch& patch, int cell) {
 Samples sample(const SurfacePatch& patch, const SurfaceHeight& surface,
                const std::function<bool(const Vector2d&)>& desired) {
   Samples samples(static_cast<std::size_t>(patch.columns) * patch.rows);
+  SurfaceHeight::Sample last;
   for (int j = 0; j < patch.rows; ++j) {
     for (int k = 0; k < patch.columns; ++k) {
       const int i = j % 2 == 0 ? k : patch.columns - 1 - k;
       const Vector2d p = patch.corner + patch.spacing * Vector2d(i, j);
-      if (desired(p)) samples[patch.node(i, j)] = surface(p.x(), p.y());
+      if (desired(p)) samples[patch.node(i, j)] = surface(p.x(), p.y(), last);
     }
   }
   return samples;

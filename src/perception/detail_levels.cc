@@ -1,0 +1,212 @@
+#include "impedraw/perception/detail_levels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "impedraw/common/in_halves.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kBlended = 12;  // points whose levels are averaged
+// A finer level must better the error of the normal to this share, where it is above kGood [rad].
+constexpr double kClearlyBetter = 0.7;
+constexpr double kGood = 3e-3;
+// The finest level has fewer neighbours: this share of k, but not below kFewest.
+constexpr double kFinestShare = 0.4;
+constexpr int kFewest = 16;
+// A step of the surface: half of it on either side leaves a plane fit a residual of 0.26 times the
+// step, however small the patch is. So the finest patch has a residual above kStep [m], which
+// noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
+// does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m].
+constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
+
+}  // namespace
+
+std::unique_ptr<const DetailLevels> DetailLevels::of(const CloudPatches& widest,
+                                                     FinerClouds finer) {
+  const NormalSettings& s = widest.settings();
+  std::unique_ptr<DetailLevels> levels(new DetailLevels(widest));
+  for (PointCloud& cloud : finer)
+    if (static_cast<int>(cloud.points.size()) > s.k)
+      levels->finer_.push_back(
+          {std::make_shared<const CloudPatches>(std::move(cloud), s), s.k, {}});
+  if (!levels->any()) return nullptr;
+  levels->finest_ = levels->finer_.back().patches;
+  const int fewest = std::max(kFewest, static_cast<int>(kFinestShare * s.k));
+  if (fewest < s.k) levels->finer_.push_back({levels->finest_, fewest, {}});
+  levels->choose_levels();
+  return levels;
+}
+
+DetailLevels::Trial DetailLevels::try_fit(const CloudPatches& patches, int k, const Vector3d& p) {
+  const Patch patch = patches.nearest(p, k);
+  if (patch.n < k) return {};
+  const LocalSurface surface = patches.fit(p, patch);
+  const NormalSettings& s = patches.settings();
+  if (status_of(surface, s.max_one_sidedness) != SurfaceStatus::ok) return {};
+  // The fit takes degrees of freedom out of the residual; the weights leave about half of k.
+  const double freedom = s.fit == SurfaceFit::quadric ? 6.0 : 3.0;
+  const double residual = surface.residual * std::sqrt(0.5 * k / std::max(1.0, 0.5 * k - freedom));
+  Trial trial{true, residual, std::sqrt(patch.squared[k - 1]), 0.0, k};
+  for (int i = 0; i < k; ++i) trial.weight += patches.cloud().weight[patch.index[i]] / k;
+  return trial;
+}
+
+void DetailLevels::choose_levels() {
+  const int n = widest_.size();
+  std::vector<float> best(n, 0.0f);
+  std::vector<Residuals> residuals(n);
+  rough_.assign(n, {});
+  in_halves(n, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) best[i] = choose_level(i, &residuals[i]);
+  });
+  find_steps(residuals);
+  spread(best);
+  if (*std::max_element(level_.begin(), level_.end()) == 0.0f) return finer_.clear();
+  for (Level& level : finer_) {
+    const std::vector<Vector3d>& points = level.patches->cloud().points;
+    level.reach2.resize(points.size());
+    in_halves(static_cast<int>(points.size()), [&](int begin, int end) {
+      for (int i = begin; i < end; ++i)
+        level.reach2[i] = level.patches->nearest(points[i], level.k).reach2(widest_.settings());
+    });
+  }
+}
+
+// Isolated points do not count; what remains is spread and smoothed.
+void DetailLevels::spread(const std::vector<float>& best) {
+  const int n = widest_.size();
+  level_.assign(n, 0.0f);
+  level_nearby_.assign(n, 0.0f);
+  if (*std::max_element(best.begin(), best.end()) == 0.0f) return;
+  std::vector<float> median(n, 0.0f);
+  for (int i = 0; i < n; ++i) {
+    const Patch near = widest_.nearest(widest_.cloud().points[i], kBlended);
+    float values[kBlended];
+    for (int j = 0; j < near.n; ++j) values[j] = best[near.index[j]];
+    std::nth_element(values, values + near.n / 2, values + near.n);
+    median[i] = near.n > 0 ? values[near.n / 2] : 0.0f;
+  }
+  for (int i = 0; i < n; ++i) {
+    const Patch near = widest_.nearest(widest_.cloud().points[i], kBlended);
+    for (int j = 0; j < near.n; ++j)
+      level_[i] += median[near.index[j]] / static_cast<float>(near.n);
+  }
+  for (int i = 0; i < n; ++i) {
+    const Patch near = widest_.nearest(widest_.cloud().points[i], 2 * kBlended);
+    for (int j = 0; j < near.n; ++j)
+      level_nearby_[i] = std::max(level_nearby_[i], level_[near.index[j]]);
+  }
+}
+
+void DetailLevels::find_steps(const std::vector<Residuals>& residuals) {
+  const int n = widest_.size();
+  std::vector<double> finest;
+  for (const Residuals& r : residuals) finest.push_back(r.finest);
+  std::nth_element(finest.begin(), finest.begin() + n / 2, finest.end());
+  noise_ = finest[n / 2];
+  const double least = std::max(kStep, kAboveNoise * noise_);
+  steps_.assign(n, 0);
+  for (int i = 0; i < n; ++i) {
+    const Residuals& r = residuals[i];
+    if (r.finest < least || r.finest < kSameAtAnyScale * r.widest) continue;
+    int index[kMostNeighbours];
+    double squared[kMostNeighbours];
+    const int found = widest_.tree().nearest(widest_.cloud().points[i], kMostNeighbours,
+                                             kStepMargin, index, squared);
+    for (int j = 0; j < found; ++j) steps_[index[j]] = 1;
+  }
+}
+
+// Also fills rough_[i] and *residuals.
+float DetailLevels::choose_level(int i, Residuals* residuals) {
+  const Vector3d& p = widest_.cloud().points[i];
+  std::vector<Trial> trials{try_fit(widest_, widest_.settings().k, p)};
+  if (!trials[0].ok) return 0.0f;
+  *residuals = {trials[0].residual, trials[0].residual};
+  rough_[i] = {trials[0].residual, trials[0].radius, 0.0,
+               2.0 * trials[0].residual / trials[0].radius};
+  if (trials[0].residual < kGood / 2.0 * trials[0].radius) return 0.0f;
+  for (const Level& level : finer_) trials.push_back(try_fit(*level.patches, level.k, p));
+  while (!trials.back().ok) trials.pop_back();
+  const Trial& finest = trials.back();
+  residuals->finest = finest.residual;
+  const auto noise_of = [&](const Trial& t) {
+    return finest.residual * std::sqrt(finest.weight / t.weight);
+  };
+  const auto misfit_of = [&](const Trial& t) {
+    const double s = 1.1 * noise_of(t);
+    return std::sqrt(std::max(0.0, t.residual * t.residual - s * s));
+  };
+  // of the normal [rad]
+  const auto error_of = [&](const Trial& t) {
+    return 4.0 * noise_of(t) / (std::sqrt(t.k) * t.radius) + 2.0 * misfit_of(t) / t.radius;
+  };
+  std::size_t chosen = 0;
+  for (std::size_t l = 1; l < trials.size(); ++l) {
+    const double now = error_of(trials[chosen]);
+    if (trials[l].ok && now > kGood && error_of(trials[l]) < kClearlyBetter * now) chosen = l;
+  }
+  const Trial& used = trials[chosen];
+  double misfit = misfit_of(used), slope = error_of(used);
+  if (chosen + 1 == trials.size() && chosen > 0 && trials[chosen - 1].ok) {
+    // At the finest level noise and misfit cannot be told apart by the residual alone; but misfit
+    // grows with the patch, its square with about the cube of the radius.
+    const Trial& wider = trials[chosen - 1];
+    const double growth = std::pow(wider.radius / used.radius, 3.0) - 1.0;
+    const double more = wider.residual * wider.residual - used.residual * used.residual;
+    if (growth > 0.0 && more > 0.0) misfit = std::min(used.residual, std::sqrt(more / growth));
+    slope += 2.0 * misfit / used.radius;
+  }
+  rough_[i] = {used.residual, used.radius, misfit, slope};
+  return static_cast<float>(chosen);
+}
+
+// The mean of the levels of p's neighbours; negative: it has too few.
+double DetailLevels::level_at(const Vector3d& p) const noexcept {
+  const Patch near = widest_.nearest(p, kBlended + 1);
+  if (near.n <= kBlended || !(near.squared[kBlended] > 0.0)) return -1.0;
+  double sum = 0.0, at = 0.0;
+  for (int i = 0; i < kBlended; ++i) {
+    const double fade = 1.0 - near.squared[i] / near.squared[kBlended], w = fade * fade;
+    sum += w;
+    at += w * level_[near.index[i]];
+  }
+  return at / sum;
+}
+
+double DetailLevels::finer_share(const Vector3d& p) const noexcept {
+  return any() ? std::clamp(level_at(p), 0.0, 1.0) : 0.0;
+}
+
+SurfaceEstimate DetailLevels::refined(const Vector3d& p, int closest, const SurfaceEstimate& coarse,
+                                      double max_one_sidedness) const noexcept {
+  if (closest < 0 || !used_near(closest)) return coarse;
+  const double at = level_at(p);
+  if (at < 0.0) return coarse;
+  const int below = std::min(static_cast<int>(at), static_cast<int>(finer_.size()));
+  const double share = at - below;
+  const SurfaceEstimate low = below == 0 ? coarse : at_level(below - 1, p, max_one_sidedness);
+  if (low.status != SurfaceStatus::ok) return coarse;
+  if (share < 1e-3 || below == static_cast<int>(finer_.size())) return low;
+  const SurfaceEstimate high = at_level(below, p, max_one_sidedness);
+  if (high.status != SurfaceStatus::ok) return low;
+  return {SurfaceStatus::ok, ((1.0 - share) * low.n_W + share * high.n_W).normalized(),
+          (1.0 - share) * low.distance + share * high.distance};
+}
+
+SurfaceEstimate DetailLevels::at_level(int l, const Vector3d& p,
+                                       double max_one_sidedness) const noexcept {
+  const Level& level = finer_[static_cast<std::size_t>(l)];
+  const LocalSurface surface =
+      level.patches->fit(p, level.patches->gathered(p, level.k, level.reach2));
+  const SurfaceStatus status = status_of(surface, max_one_sidedness);
+  if (status != SurfaceStatus::ok) return {.status = status};
+  return {status, surface.n, surface.distance};
+}
+
+}  // namespace impedraw
