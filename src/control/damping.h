@@ -16,6 +16,10 @@ namespace impedraw {
 
 inline constexpr double kDampingLimit = 0.5;  // of max eig(M_d⁻¹ B) (Δt + delay)
 
+// Rate of a damping that is well within what the sampled loop bears: a third of it [1/s].
+// damping_delay: TimingSettings::damping_delay() [s].
+inline double bearable_rate(double damping_delay) { return kDampingLimit / 3.0 / damping_delay; }
+
 // Damping for a desired inertia that depends on the posture (M_d = Λ): call design() once per step.
 // The previous modes are refined; where the posture has changed by more than a step, Jacobi
 // rotations find them. Remaining off-diagonal terms are below 1e-4 of the diagonal's scale. Damping

@@ -1,0 +1,37 @@
+// The push of the pen along the normal, with a slow integral of the force error.
+//
+// Law       F_push = −(F_n n·n_C + I) n,  in approach without F_n, away from the surface 0
+//           İ = rate (asked − n·F_ext),  |I| ≤ limit;  I = 0 out of contact
+// n·n_C     keeps the force along the normal where the ball touches at F_n (felt_normal.h).
+// asked     F_n n·n_C less what the handover holds back while the push builds up: the error is that
+//           of the present push, and the integral does not wind up.
+// Requires  a measured wrench for the integral
+#pragma once
+
+#include "impedraw/control/contact.h"
+
+namespace impedraw {
+
+class NormalPush {
+ public:
+  explicit NormalPush(const ImpedanceSettings& settings) noexcept;
+
+  void retune(double normal_force) noexcept { normal_force_ = normal_force; }  // F_n [N]
+
+  // Integrates the force error over one step, unless `frozen`, and returns F_push [N, Nm].
+  // carried: force that the handover adds in this step [N].
+  Vector6 update(const Contact& contact, const Wrench& F_ext, const Eigen::Vector3d& carried,
+                 bool frozen) noexcept;
+
+  double desired() const noexcept { return desired_; }    // F_n in contact, else 0 [N]
+  double built_up() const noexcept { return built_up_; }  // the part that acts already [N]
+  void reset() noexcept { integral_ = 0.0; }
+
+ private:
+  double normal_force_, dt_;
+  ForceIntegralSettings settings_;
+  bool integrates_;
+  double integral_ = 0.0, desired_ = 0.0, built_up_ = 0.0;  // [N]
+};
+
+}  // namespace impedraw

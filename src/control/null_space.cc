@@ -1,0 +1,54 @@
+#include "impedraw/control/null_space.h"
+
+#include <algorithm>
+
+#include "impedraw/control/damping.h"
+
+namespace impedraw {
+
+NullSpace::NullSpace(const ImpedanceSettings& s)
+    : stiffness_(s.null_space.stiffness),
+      q_0_(s.null_space.q_0),
+      damping_ratio_(s.null_space.damping_ratio),
+      range_torque_(s.joint_range.torque),
+      damping_rate_(bearable_rate(s.timing.damping_delay())) {}
+
+JointVector NullSpace::torque(const ArmTerms& arm, const OperationalSpace& space,
+                              const JointRange& range) noexcept {
+  const JointVector tau = unprojected(arm, space, range);
+  return tau - arm.J.transpose().lazyProduct(space.project_to_tip(tau));
+}
+
+JointVector NullSpace::unprojected(const ArmTerms& arm, const OperationalSpace& space,
+                                   const JointRange& range) noexcept {
+  const JointVector D_q =
+      2.0 * damping_ratio_ * stiffness_.cwiseProduct(arm.M.diagonal()).cwiseSqrt();
+  const JointVector pull = stiffness_.cwiseProduct(q_0_ - arm.q);
+  const double speed = arm.v.cwiseAbs().maxCoeff();
+  const double fast = speed / kSelfMotionSpeed - 1.0;
+  const double along = pull.dot(arm.v) / (kAlong * pull.norm() * arm.v.norm() + 1e-12);
+  const double share = 1.0 - std::clamp(fast, 0.0, 1.0) * std::clamp(along, 0.0, 1.0);
+  double damping = 1.0 + kMoreDamping * std::clamp(speed / kCalmSpeed - 1.0, 0.0, 1.0);
+  if (damping > 1.0) {
+    const JointVector self = arm.v - space.joint_speed(arm.V_WE);
+    const double rate = self.dot(D_q.cwiseProduct(self)) / self.dot(arm.M * self);
+    if (rate > 0.0) damping = std::clamp(damping_rate_ / rate, 1.0, damping);
+  }
+  return share * pull - damping * D_q.cwiseProduct(arm.v) + range_torque(arm.q, range);
+}
+
+// τ_limit
+JointVector NullSpace::range_torque(const JointVector& q, const JointRange& range) noexcept {
+  JointVector tau = JointVector::Zero(q.size());
+  near_range_end_ = false;
+  for (Eigen::Index j = 0; j < range.ranges(); ++j) {
+    const JointRange::Depth depth = range.depth(q, j);
+    const double into = std::max(depth.lower, depth.upper);
+    if (into == 0.0) continue;
+    near_range_end_ = true;
+    tau[j] = (depth.lower > depth.upper ? 1.0 : -1.0) * range_torque_ * into * into;
+  }
+  return tau;
+}
+
+}  // namespace impedraw

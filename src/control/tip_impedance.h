@@ -1,0 +1,45 @@
+// Desired dynamics at the tip: inertia M_d, damping B and stiffness K of the law (1), and the force
+// that gives the arm this inertia.
+//
+// M_d       shaped: diag(mass, inertia) in the surface frame; scaled, natural: c Λ     InertiaShaping
+// B         from M_d and K', so that every mode has the damping ratio ζ: damping.h. If M_d = c Λ,
+//           its C and A are 1/c of those for M_d = Λ.
+// Mapping   F_act = Λ M_d⁻¹ F: Λ/M_d per axis of S if shaped, F/c else                     (10)–(11)
+// Requires  settings that ImpedanceSettings::validate() accepts; `space` updated for this posture,
+//           and then update()
+#pragma once
+
+#include "impedraw/control/damping.h"
+#include "impedraw/control/impedance_settings.h"
+
+namespace impedraw {
+
+class TipImpedance {
+ public:
+  explicit TipImpedance(const ImpedanceSettings& settings) noexcept;
+
+  void retune(const TipGain& stiffness) noexcept;  // K
+  // Designs B for this posture and the normal n.
+  void update(const OperationalSpace& space, const Eigen::Vector3d& n_W) noexcept;
+
+  const TipGain& stiffness() const noexcept { return settings_.stiffness; }        // K
+  Vector6 damp(const OperationalSpace& space, const Vector6& V) const noexcept;    // B V
+  Vector6 follow(const OperationalSpace& space, const Vector6& F) const noexcept;  // B⁻¹ F
+  Vector6 to_arm(const OperationalSpace& space, const Vector6& F) const noexcept;  // Λ M_d⁻¹ F
+
+  // max eig(M_d⁻¹ B) (Δt + delay) ≥ kDampingLimit in this posture. False if shaped: the set-up has
+  // checked that.
+  bool at_limit() const noexcept { return at_limit_; }
+
+ private:
+  ImpedanceSettings settings_;
+  bool shaped_;
+  double scale_;                         // c of M_d = c Λ
+  TipGain K_damping_;                    // K'
+  TipGain mobility_, damping_, follow_;  // M_d⁻¹, B and B⁻¹ if shaped
+  ModalDamping modal_;                   // B if M_d = c Λ
+  Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();
+  bool at_limit_ = false;
+};
+
+}  // namespace impedraw

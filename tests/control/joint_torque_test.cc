@@ -1,0 +1,296 @@
+// Torques and limits of the joints, each against its closed form: ends of ranges and speeds, the
+// null space, the damper, the brake, and what of a disturbance is compensated.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "any_arm.h"
+#include "dense_algebra.h"
+#include "impedraw/control/disturbance.h"
+#include "impedraw/control/heading.h"
+#include "impedraw/control/joint_brake.h"
+#include "impedraw/control/joint_damper.h"
+#include "impedraw/control/null_space.h"
+#include "impedraw/control/speed_limit.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+using testing_arm::AnyArm;
+
+ImpedanceSettings with_ranges(double end, double speed) {
+  ImpedanceSettings s;
+  s.joint_range.lower = Eigen::VectorXd::Constant(7, -end);
+  s.joint_range.upper = Eigen::VectorXd::Constant(7, end);
+  s.limits.joint_speed = Eigen::VectorXd::Constant(7, speed);
+  return s.completed(7);
+}
+
+// An arm, and its operational space.
+struct Posture {
+  ArmTerms arm;
+  OperationalSpace space;
+  explicit Posture(const ArmTerms& terms) : arm(terms) { space.update(arm); }
+
+  Eigen::MatrixXd M_inverse() const { return testing_arm::inverse(arm.M); }
+  Eigen::MatrixXd J_bar() const {  // (16)
+    return M_inverse() * arm.J.transpose() * testing_arm::operational_inertia(arm.J, arm.M);
+  }
+};
+
+TEST(JointRange, AJointAtItsHighestSpeedComesToRestShortOfTheEnd) {
+  const JointRange range(with_ranges(1.0, 2.0));
+  for (const double way : {-1.0, 1.0}) {
+    JointVector q = JointVector::Zero(7);
+    EXPECT_EQ(range.most_speed(q, 3, way), 2.0);
+    double last = 2.0;
+    for (int i = 0; i < 3000; ++i) {
+      const double v = range.most_speed(q, 3, way);
+      ASSERT_LE(v, last + 1e-12);
+      last = v;
+      q[3] += 1e-3 * way * v;
+    }
+    EXPECT_LT(std::abs(q[3]), 1.0);
+    EXPECT_GT(std::abs(q[3]), 1.0 - JointRange::kShortOfEnd - 1e-3);
+    EXPECT_LE(last, JointRange::kCreep + 1e-9);
+    EXPECT_EQ(range.most_speed(q, 3, -way), 2.0) << "away from the end it is as fast as ever";
+    q[3] = 1.1 * way;
+    EXPECT_EQ(range.most_speed(q, 3, way), 0.0);
+  }
+  EXPECT_EQ(JointRange(ImpedanceSettings{}).room(JointVector::Zero(7)),
+            std::numeric_limits<double>::infinity());
+}
+
+TEST(Heading, TurnsThePenSoThatJointsLeaveTheirMargins) {
+  const ImpedanceSettings s = with_ranges(1.0, 2.0);
+  const JointRange range(s);
+  AnyArm any(1);
+  for (int i = 0; i < 50; ++i) {
+    ArmTerms arm = any.terms();
+    arm.q.setZero();
+    const Posture still(arm);
+    EXPECT_EQ(heading_rate(still.arm, still.space, range), 0.0);
+    const int j = i % 7;
+    const double side = i % 2 ? 1.0 : -1.0;
+    arm.q[j] = side * (1.0 - 0.5 * s.joint_range.margin);
+    const Posture at(arm);
+    Vector6 spin = Vector6::Zero();
+    spin.tail<3>() = arm.X_WE.R.col(2);
+    const double rate = heading_rate(at.arm, at.space, range);
+    const Eigen::VectorXd v = at.J_bar() * spin * rate;
+    EXPECT_LT(side * v[j], 0.0);
+    EXPECT_LE(std::abs(rate), kHeadingRate);
+  }
+}
+
+TEST(SpeedLimit, KeepsTheTipAndEveryJointWithinTheirLimits) {
+  ImpedanceSettings s = with_ranges(3.0, 0.8);
+  s.limits.tip_speed = 0.5;
+  s.limits.turn_speed = 1.0;
+  const SpeedLimit limit(s);
+  const JointRange range(s);
+  TipImpedance impedance(s);
+  AnyArm any(2);
+  int changed = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Posture at(any.terms(0.3));
+    const Vector3d n = any.direction();
+    impedance.update(at.space, n);
+    TipTarget d;
+    d.V = any.wrench(i % 3 ? 1.0 : 0.05);
+    d.Vdot = any.wrench(1.0);
+    d.Ke = any.wrench(i % 2 ? 60.0 : 0.05);
+    const TipTarget before = d;
+    const bool limited = limit.apply(at.arm, at.space, impedance, range, &d);
+    changed += limited;
+    const Vector6 V_end = d.V + impedance.follow(at.space, d.Ke);
+    EXPECT_LE(V_end.head<3>().norm(), 0.5 + 1e-12);
+    EXPECT_LE(V_end.tail<3>().norm(), 1.0 + 1e-12);
+    const Eigen::VectorXd v_end = at.arm.v + at.J_bar() * (V_end - at.arm.V_WE);
+    EXPECT_LE(v_end.cwiseAbs().maxCoeff(), 0.8 + 1e-9) << "the arm keeps its motion within itself";
+    if (!limited) {
+      EXPECT_EQ(d.V, before.V);
+      EXPECT_EQ(d.Vdot, before.Vdot);
+      EXPECT_EQ(d.Ke, before.Ke);
+      continue;
+    }
+    EXPECT_EQ(d.Ke.norm(), 0.0);
+    const Vector6 asked = before.V + impedance.follow(at.space, before.Ke);
+    EXPECT_NEAR(d.V.head<3>().normalized().dot(asked.head<3>().normalized()), 1.0, 1e-9);
+    if (d.V.head<3>().norm() < 0.9 * asked.head<3>().norm()) {
+      EXPECT_LE(d.Vdot.head<3>().dot(d.V.head<3>()), 1e-9) << "it is not accelerated further";
+    }
+  }
+  EXPECT_GT(changed, 50);
+  EXPECT_LT(changed, 280);
+}
+
+TEST(NullSpace, PullsCalmsAndKeepsOffTheEndsWithoutMovingTheTip) {
+  ImpedanceSettings s = with_ranges(1.0, 5.0);
+  s.null_space.q_0 = Eigen::VectorXd::Constant(7, 0.3);
+  NullSpace null_space(s);
+  const JointRange range(s);
+  AnyArm any(3);
+  for (int i = 0; i < 50; ++i) {
+    ArmTerms arm = any.terms(0.0);
+    arm.q *= 0.8;  // outside of the margins
+    const Eigen::VectorXd pull = s.null_space.stiffness.cwiseProduct(s.null_space.q_0 - arm.q);
+    {
+      const Posture at(arm);
+      EXPECT_LT((null_space.unprojected(at.arm, at.space, range) - pull).norm(), 1e-12);
+      EXPECT_FALSE(null_space.near_range_end());
+      const Eigen::VectorXd tau = null_space.torque(at.arm, at.space, range);
+      EXPECT_LT((arm.J * at.M_inverse() * tau).norm(), 1e-9);
+      EXPECT_LT((tau - pull + arm.J.transpose() * at.J_bar().transpose() * pull).norm(), 1e-9);
+    }
+    // Along the pull, fast enough that it has faded; the damping is bounded by what the loop bears.
+    arm.v = pull / pull.cwiseAbs().maxCoeff() * 2.0 * NullSpace::kSelfMotionSpeed;
+    arm.V_WE = arm.J * arm.v;
+    const Eigen::VectorXd D = 2.0 * s.null_space.damping_ratio *
+                              s.null_space.stiffness.cwiseProduct(arm.M.diagonal()).cwiseSqrt();
+    {
+      const Posture at(arm);
+      const Eigen::VectorXd self = arm.v - at.J_bar() * arm.V_WE;
+      const double rate = self.dot(D.cwiseProduct(self)) / self.dot(arm.M * self);
+      const double times = std::clamp(bearable_rate(s.timing.damping_delay()) / rate, 1.0,
+                                      1.0 + NullSpace::kMoreDamping);
+      EXPECT_LT((null_space.unprojected(at.arm, at.space, range) +
+                 times * D.cwiseProduct(Eigen::VectorXd(arm.v)))
+                    .norm(),
+                1e-6 * times * D.norm());
+    }
+    // At rest in the margin of one end.
+    arm.v.setZero();
+    arm.V_WE.setZero();
+    const double depth = any.number(0.1, 1.0), side = i % 2 ? 1.0 : -1.0;
+    arm.q[2] = side * (1.0 - (1.0 - depth) * s.joint_range.margin);
+    const Posture at(arm);
+    const double extra = null_space.unprojected(at.arm, at.space, range)[2] -
+                         s.null_space.stiffness[2] * (0.3 - arm.q[2]);
+    EXPECT_NEAR(extra, -side * s.joint_range.torque * depth * depth, 1e-9);
+    EXPECT_TRUE(null_space.near_range_end());
+  }
+}
+
+TEST(JointDamper, TakesEnergyFromFastJointsAndTouchesNoOther) {
+  const ImpedanceSettings s = with_ranges(3.0, 0.4);
+  JointDamper damper(s);
+  const JointRange range(s);
+  AnyArm any(4);
+  for (int i = 0; i < 50; ++i) {
+    const Posture at(any.terms(0.8));
+    const JointVector tau = damper.torque(at.arm, at.space, range);
+    bool fast = false;
+    for (int j = 0; j < 7; ++j) {
+      const double over = std::max(0.0, std::abs(at.arm.v[j]) - 0.4);
+      fast |= over > 0.0;
+      EXPECT_NEAR(tau[j] * at.M_inverse()(j, j),
+                  -std::copysign(bearable_rate(s.timing.damping_delay()) * over, at.arm.v[j]),
+                  1e-9);
+    }
+    EXPECT_EQ(damper.active(), fast);
+  }
+}
+
+// Of an arm whose joints do not couple each comes to rest as a critically damped oscillator does.
+TEST(JointBrake, StopsEachJointAndHoldsItAgainstAConstantTorque) {
+  const ImpedanceSettings s;
+  JointBrake brake(s, 7);
+  ArmTerms arm(7);
+  arm.M = Eigen::VectorXd::LinSpaced(7, 0.5, 2.0).asDiagonal();
+  arm.J.leftCols<6>().setIdentity();
+  arm.v = JointVector::Constant(7, 1.0);
+  OperationalSpace space;
+  space.update(arm);
+  const double c = bearable_rate(s.timing.damping_delay());
+  double energy = arm.v.dot(arm.M * arm.v);
+  for (int i = 0; i < 3000; ++i) {
+    const JointVector tau = brake.torque(arm, space, Vector3d::Zero());
+    if (i == 0) {
+      for (int j = 0; j < 7; ++j) {
+        const double D = arm.M(j, j) * c;
+        EXPECT_NEAR(tau[j], -D - 0.25 * D * D / arm.M(j, j) * 1e-3, 1e-9);
+      }
+    }
+    arm.v += 1e-3 * space.acceleration(tau + JointVector::Constant(7, 2.0));  // and a hand
+    if (i == 40) {
+      EXPECT_LT(arm.v.dot(arm.M * arm.v), 0.1 * energy);
+    }
+  }
+  EXPECT_LT(arm.v.norm(), 1e-6);
+  EXPECT_NEAR(brake.torque(arm, space, Vector3d::Zero())[3], -2.0, 1e-3);
+  brake.release();
+  EXPECT_LT(brake.torque(arm, space, Vector3d::Zero()).norm(), 1e-3);
+}
+
+TEST(JointBrake, MovesTheTipAsAskedWithinWhatTheTorquesRateAllows) {
+  ImpedanceSettings s;
+  s.limits.torque_rate = Eigen::VectorXd::Constant(7, 100.0);
+  JointBrake brake(s, 7);
+  AnyArm any(5);
+  const Posture at(any.terms(0.0));
+  const Vector3d v_WD = 0.1 * any.direction();
+  Vector6 V = Vector6::Zero();
+  V.head<3>() = v_WD;
+  const Eigen::VectorXd v_D = at.J_bar() * V;
+  const JointVector tau = brake.torque(at.arm, at.space, v_WD);
+  for (int j = 0; j < 7; ++j) {
+    const double M = at.arm.M(j, j);
+    const double D = std::min(bearable_rate(s.timing.damping_delay()) / at.M_inverse()(j, j),
+                              std::sqrt(JointBrake::kShare * 100.0 / JointBrake::kFast * M));
+    EXPECT_NEAR(tau[j], (D + 0.25 * D * D / M * s.timing.dt) * v_D[j], 1e-9);
+  }
+}
+
+// What exceeds the bound is compensated at the tip as a whole, and not where the arm moves within
+// itself.
+TEST(Disturbance, BeyondItsBoundTheTipFeelsNothingAndTheArmYields) {
+  AnyArm any(6);
+  for (int i = 0; i < 50; ++i) {
+    const Posture at(any.terms());
+    const JointVector r = any.joints(10.0), most = JointVector::Constant(7, 3.0);
+    const Eigen::VectorXd r_y = yielding(r, most, at.arm, at.space);
+    const Eigen::VectorXd r_c = r.cwiseMin(most).cwiseMax(-most);
+    const Eigen::MatrixXd J_bar_T = at.J_bar().transpose();
+    EXPECT_LT((J_bar_T * (r_y - Eigen::VectorXd(r))).norm(), 1e-9);
+    const Eigen::MatrixXd N = Eigen::MatrixXd::Identity(7, 7) - at.arm.J.transpose() * J_bar_T;
+    EXPECT_LT((N * (r_y - r_c)).norm(), 1e-9);
+    EXPECT_EQ(yielding(r, JointVector::Constant(7, 11.0), at.arm, at.space), r);
+  }
+}
+
+TEST(Disturbance, IsHeldWhileTheWrenchIsLostAndZeroWithoutOne) {
+  ImpedanceSettings s;
+  AnyArm any(7);
+  Posture at(any.terms());
+  at.arm.v.setZero();
+  const TipReference plan;
+  const SurfaceEstimate surface;
+  StepInput in{at.arm, plan, surface, Wrench::Zero(), false, nullptr};
+  const auto settled = [&](const ImpedanceSettings& settings) {
+    Disturbance disturbance(settings, 7);
+    JointVector tau;
+    for (int i = 0; i < 200; ++i) {  // the arm stands, under a torque of 2 Nm too much
+      tau = disturbance.compensation(in, at.space);
+      disturbance.commanded(in, at.arm.Cv + at.arm.g + JointVector::Constant(7, 2.0));
+    }
+    in.wrench_lost = true;
+    EXPECT_EQ(disturbance.compensation(in, at.space), tau);
+    in.wrench_lost = false;
+    return tau;
+  };
+  EXPECT_LT((settled(s) - JointVector::Constant(7, 2.0)).norm(), 1e-9);
+  s.observer.yield_limit.assign(7, 1.0);
+  const JointVector yields = settled(s);
+  const JointVector most = JointVector::Ones(7) + Disturbance::kWeightShare * at.arm.g.cwiseAbs();
+  EXPECT_LT((yields + yielding(JointVector::Constant(7, -2.0), most, at.arm, at.space)).norm(),
+            1e-9);
+  s.observer.enabled = false;
+  EXPECT_EQ(settled(s).norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace impedraw
