@@ -8,7 +8,7 @@
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/run/canvas_follower.h"
-#include "impedraw/run/run.h"
+#include "impedraw/run/remaining.h"
 #include "impedraw/run/stroke_schedule.h"
 
 namespace impedraw {
@@ -76,6 +76,26 @@ std::string CarriedPlan::fault_text(int stroke, const CarriedFault& fault) const
                      first_time_ + fault.time, fault.how);
 }
 
+// Why a stroke cannot be drawn. fault: of the plan, if it is this stroke's.
+std::string CarriedPlan::lost_text(const StrokePart& part, std::optional<CarriedFault> fault_of_it,
+                                   const StrokeJob& job, const CanvasForecast& forecast,
+                                   const CarriedPen& pen) const {
+  if (!fault_of_it) {
+    const Pose X_KE = pen.X_WK.inverse() * pen.X_WE;
+    const double join = pen.joined ? 0.0 : CanvasFollower::kJoin;
+    fault_of_it = fault(plan({part}, X_KE.p, -X_KE.R.col(2), join), forecast, pen, join);
+  }
+  std::string text = fault_of_it
+                         ? fault_text(part.stroke, *fault_of_it)
+                         : fmt::format("stroke {} is out of the arm's reach once others are drawn",
+                                       number_of(part.stroke));
+  if (!job.windows.empty())
+    text += fmt::format("; it is in reach from {:.1f} to {:.1f} s",
+                        first_time_ + job.windows.front().from,
+                        first_time_ + job.windows.front().until);
+  return text;
+}
+
 bool CarriedPlan::holds(const TipPath& path, double planned, const CanvasForecast& forecast,
                         const CarriedPen& pen) {
   std::size_t next = 0;
@@ -133,25 +153,11 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
   out.path = {};
   out.parts.clear();
   const bool sure = forecast.window() >= kSure;
-  for (const std::size_t job : order.lost) {
-    if (!sure) break;
-    const StrokePart& part = parts[job];
-    const std::vector<StrokePart> alone = {part};
-    std::optional<CarriedFault> why;
-    if (planned->stroke == job)
-      why = planned;
-    else
-      why = fault(plan(alone, X_KE.p, -X_KE.R.col(2), out.join), forecast, pen, out.join);
-    std::string text =
-        why ? fault_text(part.stroke, *why)
-            : fmt::format("stroke {} is out of the arm's reach once others are drawn",
-                          number_of(part.stroke));
-    if (!jobs[job].windows.empty())
-      text += fmt::format("; it is in reach from {:.1f} to {:.1f} s",
-                          first_time_ + jobs[job].windows.front().from,
-                          first_time_ + jobs[job].windows.front().until);
-    out.lost.push_back({part, text});
-  }
+  if (sure)
+    for (const std::size_t job : order.lost)
+      out.lost.push_back(
+          {parts[job], lost_text(parts[job], planned->stroke == job ? planned : std::nullopt,
+                                 jobs[job], forecast, pen)});
   if (order.slots.empty()) {
     if (sure) return out;
     out.kind = CarriedDecision::Kind::wait;

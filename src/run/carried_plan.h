@@ -16,6 +16,7 @@
 #include "impedraw/perception/canvas_forecast.h"
 #include "impedraw/planning/preflight/carried_path.h"
 #include "impedraw/planning/stroke_part.h"
+#include "impedraw/run/stroke_schedule.h"
 
 namespace impedraw {
 
@@ -73,6 +74,9 @@ class CarriedPlan {
                const Eigen::Vector3d& n_K, double hold) const;
   std::optional<CarriedFault> fault(const TipPath& path, const CanvasForecast& forecast,
                                     const CarriedPen& pen, double join) const;
+  std::string lost_text(const StrokePart& part, std::optional<CarriedFault> fault_of_it,
+                        const StrokeJob& job, const CanvasForecast& forecast,
+                        const CarriedPen& pen) const;
   std::string fault_text(int stroke, const CarriedFault& fault) const;
 
   Experiment& e_;

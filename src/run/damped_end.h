@@ -10,8 +10,6 @@ namespace impedraw {
 
 class DampedEnd {
  public:
-  void begin() noexcept { begun_ = true; }
-  bool begun() const noexcept { return begun_; }
   // v: confirmed [rad/s].
   bool over(const JointVector& v) const noexcept {
     return time_ >= kDampTime || v.cwiseAbs().maxCoeff() < kDampedSpeed;
@@ -33,7 +31,6 @@ class DampedEnd {
   }
 
  private:
-  bool begun_ = false;
   double time_ = 0.0;  // [s]
 };
 

@@ -58,8 +58,7 @@ void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome
   json["drawn_again"] = parts_json(e, outcome.drawn_again);
   json["lacking"] = parts_json(e, outcome.lacking);
   for (std::size_t i = 0; i < outcome.lacking.size(); ++i)
-    json["lacking"][i]["reason"] =
-        is_at_wall(outcome.lacking[i], outcome.walls) ? "wall" : "no_ink";
+    json["lacking"][i]["reason"] = overlaps(outcome.lacking[i], outcome.walls) ? "wall" : "no_ink";
   json["damped"] = outcome.damped;
   if (e.scenario.perception.frames.enabled) {
     std::vector<StrokePart> unreached;

@@ -69,18 +69,18 @@ LastSeconds::LastSeconds(double period, const ArmModel& arm)
     : limits_(arm.limits()),
       ring_(static_cast<std::size_t>(std::max(1.0, std::ceil(kIncidentTime / period)))) {}
 
-void LastSeconds::add(const LogRow& row, const ControlLoop& loop, double state_age) noexcept {
+void LastSeconds::add(const LogRow& row, const Cycle& cycle) noexcept {
   IncidentRow& out = ring_[count_++ % ring_.size()];
-  const double measured = loop.F_ext().head<3>().norm();
+  const double measured = cycle.F_ext.head<3>().norm();
   out.time = row.time;
   // A simulator's own contact first; the log's is NaN where nobody knows it.
   out.force = row.contact_force.allFinite() ? row.contact_force.norm()
               : measured > 0.0              ? measured
                                             : LogRow::kNone;
-  out.speed = loop.terms().V_WE.head<3>().norm();
-  out.joint_speed = (loop.terms().v.array().abs() / limits_.speed.array()).maxCoeff();
+  out.speed = cycle.arm.V_WE.head<3>().norm();
+  out.joint_speed = (cycle.arm.v.array().abs() / limits_.speed.array()).maxCoeff();
   out.torque = (row.joint_torque.array().abs() / limits_.torque.array()).maxCoeff();
-  out.state_age = state_age;
+  out.state_age = cycle.state_age;
   out.step_time = row.step_time;
 }
 

@@ -7,7 +7,7 @@
 
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/log/log.h"
-#include "impedraw/run/control_loop.h"
+#include "impedraw/run/cycle.h"
 #include "impedraw/run/run.h"
 
 namespace impedraw {
@@ -17,8 +17,8 @@ class LastSeconds {
  public:
   LastSeconds(double period, const ArmModel& arm);
 
-  // After each step: its row, and how old the joint state was [s].
-  void add(const LogRow& row, const ControlLoop& loop, double state_age) noexcept;
+  // After each cycle.
+  void add(const LogRow& row, const Cycle& cycle) noexcept;
   std::vector<IncidentRow> rows() const;  // oldest first
 
  private:

@@ -50,10 +50,12 @@ RunLogHeader make_header(const Experiment& e) {
   return h;
 }
 
-void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* truth,
-                const PathSample& desired, const ControlLoop& loop, const ImpedanceTorque& out,
-                LogRow* row) {
-  const Pose& X_WE = truth ? truth->X_WE : loop.terms().X_WE;
+void fill_state(const Experiment& e, const Cycle& cycle, LogRow* row) {
+  const ArmState& state = *cycle.state;
+  const GroundTruth* const truth = cycle.truth;
+  const ImpedanceTorque& out = cycle.out;
+  const Pose& X_WE = truth ? truth->X_WE : cycle.arm.X_WE;
+  row->time = cycle.run_time;
   row->joint_position = truth ? truth->q : state.q;
   row->joint_velocity = truth ? truth->v : state.v;
   row->joint_torque = out.tau;
@@ -62,34 +64,35 @@ void fill_state(const Experiment& e, const ArmState& state, const GroundTruth* t
   for (int k = 0; k < kTorqueTerms; ++k) row->torque_terms[k] = out.terms.col(k);
   row->tip_position = X_WE.p;
   row->tip_orientation = Eigen::Quaterniond(X_WE.R);
-  row->tip_velocity = truth ? truth->V_WE : loop.terms().V_WE;
+  row->tip_velocity = truth ? truth->V_WE : cycle.arm.V_WE;
   row->desired_position = out.p_WD;
   // The desired tip frame: −z along the desired normal, rotated about it like the current tip.
   row->desired_orientation =
       Eigen::Quaterniond::FromTwoVectors(X_WE.R.col(2), -out.axis_WD) * row->tip_orientation;
   const ImpedanceSettings& control = e.control.impedance;
   row->wrench_measured =
-      control.wrench == WrenchFeedback::measured ? loop.F_ext() : Wrench(Wrench::Zero());
-  const bool known = loop.surface().status == SurfaceStatus::ok;
-  row->surface_normal = known ? loop.surface().n_W : LogRow::no_vector();
-  row->surface_distance = known ? loop.surface().distance : LogRow::kNone;
+      control.wrench == WrenchFeedback::measured ? cycle.F_ext : Wrench(Wrench::Zero());
+  const bool known = cycle.surface.status == SurfaceStatus::ok;
+  row->surface_normal = known ? cycle.surface.n_W : LogRow::no_vector();
+  row->surface_distance = known ? cycle.surface.distance : LogRow::kNone;
   // Blind, the stiffness and the set-point's depth produce the push.
   row->push = e.scene.estimates_surface()
                   ? out.push
-                  : (desired.reference.pen_down ? control.normal_force : 0.0);
+                  : (cycle.desired.reference.pen_down ? control.normal_force : 0.0);
   row->mode = static_cast<int>(out.mode);
-  row->stroke = desired.stroke;
-  row->stroke_along = desired.along;
+  row->stroke = cycle.desired.stroke;
+  row->stroke_along = cycle.desired.along;
   if (truth) row->canvas_pose = truth->X_WK;
-  const FrameMotion& canvas = loop.canvas().estimate().motion;
+  const FrameMotion& canvas = cycle.canvas.estimate().motion;
   row->estimated_canvas_pose = canvas.X_WK;
   row->estimated_canvas_twist << canvas.v, canvas.w;
 }
 
-void fill_contact(const Experiment& e, const GroundTruth* truth, ContactMode mode, LogRow* row) {
+void fill_contact(const Experiment& e, const Cycle& cycle, LogRow* row) {
+  const GroundTruth* const truth = cycle.truth;
   if (!truth) {
     const bool measured = e.control.impedance.wrench == WrenchFeedback::measured;
-    const bool touches = mode == ContactMode::contact && row->surface_normal.allFinite();
+    const bool touches = cycle.out.mode == ContactMode::contact && row->surface_normal.allFinite();
     row->contact_force = !measured ? LogRow::no_vector()
                          : touches ? Eigen::Vector3d(row->wrench_measured.head<3>())
                                    : Eigen::Vector3d::Zero();

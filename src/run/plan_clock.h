@@ -14,6 +14,7 @@
 // The reference at plan time s(t) has velocity r v and acceleration r² a + ṙ v.
 #pragma once
 
+#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/control/tip_reference.h"
 
 namespace impedraw {
@@ -27,7 +28,8 @@ struct ClockSettings {
   YieldBounds tilt{0.10, 0.30};  // angle between pen and desired axis [rad]
   YieldBounds force{0.7, 1.4};   // deviation of the measured push, as a share of the desired one
   YieldBounds normal_speed{3.5e-3, 9e-3};  // RMS of the tip's speed along the normal [m/s]
-  YieldBounds joint{0.85, 1.15};           // fastest joint, as a share of its speed limit
+  // Fastest joint, as a share of its speed limit.
+  YieldBounds joint{JointSpeedShares::kClockYields, JointSpeedShares::kClockStands};
   // A joint counts with the speed that it will have so much later if it goes on like this: near a
   // singular posture it rises steeply [s].
   double foresight = 0.08;

@@ -19,9 +19,10 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/log/log.h"
 #include "impedraw/metrics/ending.h"
-#include "impedraw/run/carried_plan.h"
+#include "impedraw/run/drawing_task.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/run/ink_watch.h"
+#include "impedraw/run/remaining.h"
 #include "impedraw/simulation/world.h"
 
 namespace impedraw {
@@ -67,27 +68,7 @@ struct RunHooks {
   std::function<bool()> emergency;
 };
 
-inline constexpr double kBadStateTime = 0.2;  // [s]
 inline constexpr double kIncidentTime = 2.0;  // [s]
-inline constexpr double kShortestGap = 1e-3;  // shorter gaps are ignored [m]
-// Overlap of a redrawn part with the ink at each end [m].
-inline constexpr double kRedrawOverlap = 1e-3;
-
-// Ink further off its place counts as none, where the surface is perceived [m].
-inline constexpr double kInPlace = 2.5e-3;
-// Given up behind a wall that was felt [m]; and walls in a run, after which it ends.
-inline constexpr double kBeyondWall = 2e-3, kSameWall = 1e-2;
-inline constexpr double kBarredRoom = 5e-3;    // about what the arm cannot follow [m]
-inline constexpr int kMostLosses = 20;         // of a canvas, in one drawing
-inline constexpr double kLiftOffCanvas = 0.1;  // that leaves the reach [m]
-inline constexpr double kLiftAtWall = 0.01;    // before the rest is planned anew [m]
-inline constexpr std::size_t kMostWalls = 200;
-
-// Of a canvas that moves: the pen waits so long for a stroke to come into reach, or for the canvas
-// to rest or to be seen again [s]. A stroke during which the canvas left the reach is tried again
-// so often.
-inline constexpr double kMostWait = 45.0;
-inline constexpr int kMostLeft = 3;
 
 // Noise of a joint's positions that lowered the bandwidth of its velocity's estimate.
 struct SlowVelocity {
@@ -96,27 +77,23 @@ struct SlowVelocity {
   int joint = 0;           // with the most noise
 };
 
-// `end` is never nothing_drawn or far_off: those are judged from the log.
-struct RunOutcome : Ending {
-  std::vector<IncidentRow> last;  // of a stop: its last kIncidentTime, oldest first
+// What became of the control loop, for the run's outcome.
+struct LoopRecord {
   // Why the loop's thread has no real-time priority; empty: it has, or needs none.
   std::string not_real_time;
-  // How the canvas may move without being noticed (CanvasBelief::open_text()).
-  std::string canvas_open;
-  double simulated = 0.0;   // of the driver's clock [s]
-  double first_time = 0.0;  // where an earlier run left off [s]
   // Duration of each controller status: limits met, bad inputs [s].
   std::map<std::string, double> met;
   std::optional<SlowVelocity> slow_velocity;
-  SolverCutoffs cutoffs;                // of a simulator; zero without ground truth
-  std::vector<StrokePart> drawn_again;  // had no ink after the first pass
-  std::vector<StrokePart> walls;        // before which a stroke was given up; not drawn again
-  // Motions that the guard damped, and why; the drawing went on beyond each.
+};
+
+// `end` is never nothing_drawn or far_off: those are judged from the log.
+struct RunOutcome : Ending, DrawingRecord, LoopRecord {
+  std::vector<IncidentRow> last;  // of a stop: its last kIncidentTime, oldest first
+  double simulated = 0.0;         // of the driver's clock [s]
+  double first_time = 0.0;        // where an earlier run left off [s]
+  SolverCutoffs cutoffs;          // of a simulator; zero without ground truth
+  // Motions that were damped, and why; the drawing went on beyond each.
   std::vector<std::string> damped;
-  // Of a canvas that moves: what was out of reach, when and how far; and what was put in another
-  // order or waited for.
-  std::vector<UnreachedPart> unreached;
-  std::vector<std::string> remarks;
   // Have no ink at the end of a finished run.
   std::vector<StrokePart> lacking;
   WallTimes wall;
@@ -134,13 +111,6 @@ struct Resumption {
 // continued.
 std::optional<Resumption> read_resumption(const Experiment& experiment,
                                           const std::filesystem::path& log_file);
-
-// Part of what was given up before a wall, as far as the two overlap.
-bool is_at_wall(const StrokePart& part, const std::vector<StrokePart>& walls);
-
-// The parts, overlapping what they adjoin at both ends; a whole stroke as it is.
-std::vector<PlacedStroke> strokes_of(const Experiment& experiment,
-                                     const std::vector<StrokePart>& parts);
 
 // Returns true if the pen writes, by contact state and measured force along the estimated normal
 // [N] (ink_watch.h).

@@ -21,6 +21,7 @@
 #include "impedraw/log/run_data.h"
 #include "impedraw/log/run_rows.h"
 #include "impedraw/metrics/metrics.h"
+#include "impedraw/run/arm_monitors.h"
 #include "impedraw/run/calibrate_tool.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/log_row.h"
@@ -353,21 +354,40 @@ TEST(Driver, ACycleAllocatesNothing) {
       return e.scene.perception->estimate(p_W);
     });
     LogRow row(e.scene.arm.joints());
+    const RunHooks hooks;
+    ArmMonitors monitors(e, arm, hooks);
+    Ending ending;
+    const Reaction reaction(&ending);
+    int verdicts = 0;
     arm.start();
     const ArmState* state = &arm.read();
     const auto cycles = [&](int count) {
       for (int i = 0; i < count; ++i) {
         const PathSample desired = e.plan.path.at(state->time);
         const ImpedanceTorque& out = loop.step(*state, desired.reference);
-        fill_state(e, *state, arm.truth(), desired, loop, out, &row);
+        Cycle cycle{.time = state->time,
+                    .run_time = state->time,
+                    .dt = 1e-3,
+                    .desired = desired,
+                    .arm = loop.terms(),
+                    .F_ext = loop.F_ext(),
+                    .surface = loop.surface(),
+                    .canvas = loop.canvas(),
+                    .out = out,
+                    .state = state,
+                    .truth = arm.truth(),
+                    .tared = true};
+        fill_state(e, cycle, &row);
         arm.command(out.tau, out.terms.col(kGravity));
-        fill_contact(e, arm.truth(), out.mode, &row);
-        state = &arm.read();
+        fill_contact(e, cycle, &row);
+        cycle.state = state = &arm.read();
+        verdicts += static_cast<bool>(monitors.judge(cycle, reaction, false));
       }
     };
     cycles(10);
     const int most = static_cast<int>(e.plan.path.duration() / 1e-3) - 100;
     EXPECT_EQ(allocations_in([&] { cycles(most); }), 0);
+    EXPECT_EQ(verdicts, 0);
     EXPECT_TRUE(arm.fault().empty()) << arm.fault();
   }
 }

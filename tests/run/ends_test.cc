@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/run/damped_end.h"
-#include "impedraw/run/plan_wait.h"
+#include "impedraw/run/monitors/wait_monitor.h"
 
 namespace impedraw {
 namespace {
@@ -30,9 +30,6 @@ TEST(DampedEnd, DampsAgainstTheSpeedWithinTheLimitsAndKeepsTheWeight) {
   v << 0.1, -1.0;
   most << 30.0, 30.0;
   DampedEnd end;
-  EXPECT_FALSE(end.begun());
-  end.begin();
-  EXPECT_TRUE(end.begun());
   end.damp(M, v, most, kCycle, &out);
   EXPECT_NEAR(out.tau[0], 7.0 - 10.0 * 0.1, 1e-12);
   EXPECT_NEAR(out.tau[1], 30.0, 1e-12);  // −2 + 40, limited
@@ -58,8 +55,8 @@ TEST(DampedEnd, IsOverOnceAllJointsAreCalmOrAfterItsTime) {
   EXPECT_NEAR(cycles * kCycle, kDampTime, 1.5 * kCycle);
 }
 
-TEST(PlanWait, AddsUpUntilAStrokeIsDrawn) {
-  PlanWait wait(0.01);
+TEST(WaitMonitor, AddsUpUntilAStrokeIsDrawn) {
+  WaitMonitor wait(0.01);
   const auto cycles = [&wait](int n, bool waits, bool draws) {
     int too_long = 0;
     for (int i = 0; i < n; ++i) too_long += wait.update(waits, draws, kCycle);

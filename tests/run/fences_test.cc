@@ -1,5 +1,5 @@
 // Fences against values known by hand, and runs that a fence, an emergency stop or a fault ends.
-#include "impedraw/run/fences.h"
+#include "impedraw/run/monitors/fence_monitor.h"
 
 #include <cmath>
 #include <fstream>
@@ -36,12 +36,12 @@ FenceSettings all_fences() {
   return settings;
 }
 
-TEST(Fences, ATipBeyondTheBoxCrossesItAtOnceAndOnlyOnce) {
+TEST(FenceMonitor, ATipBeyondTheBoxCrossesItAtOnceAndOnlyOnce) {
   const Vector3d inside(0.05, -0.1, 0.2), none = Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool above : {false, true}) {
       const FenceSettings settings = all_fences();
-      Fences fences(settings, true);
+      FenceMonitor fences(settings, true);
       EXPECT_FALSE(fences.update(inside, none, none, kDt));
       EXPECT_EQ(fences.crossed(), "");
       Vector3d p = inside;
@@ -54,27 +54,27 @@ TEST(Fences, ATipBeyondTheBoxCrossesItAtOnceAndOnlyOnce) {
   }
 }
 
-TEST(Fences, ForceAndSpeedMustStayBeyondForThreeCycles) {
+TEST(FenceMonitor, ForceAndSpeedMustStayBeyondForThreeCycles) {
   const Vector3d p(0.0, 0.0, 0.2), none = Vector3d::Zero();
   const Vector3d hard(12.0, 0.0, 16.1), soft(12.0, 0.0, 15.9), fast(0.0, 0.301, 0.0);
-  Fences force(all_fences(), true);
+  FenceMonitor force(all_fences(), true);
   for (int i = 0; i < 100; ++i)  // two in a row, again and again
     EXPECT_FALSE(force.update(p, none, i % 3 == 0 ? soft : hard, kDt));
   EXPECT_FALSE(force.update(p, none, hard, kDt));
   EXPECT_FALSE(force.update(p, none, hard, kDt));
   EXPECT_TRUE(force.update(p, none, hard, kDt));
   EXPECT_EQ(force.crossed(), "fence.force: the force on the tip was 20.1 N, the fence is 20.0 N");
-  Fences speed(all_fences(), true);
+  FenceMonitor speed(all_fences(), true);
   EXPECT_FALSE(speed.update(p, fast, none, kDt));
   EXPECT_FALSE(speed.update(p, fast, none, kDt));
   EXPECT_TRUE(speed.update(p, fast, none, kDt));
   EXPECT_EQ(speed.crossed(), "fence.speed: the tip moved at 0.301 m/s, the fence is 0.300 m/s");
 }
 
-TEST(Fences, AMeasuredWrenchHasFencesByDefault) {
+TEST(FenceMonitor, AMeasuredWrenchHasFencesByDefault) {
   const Vector3d p(0.0, 0.0, 0.2), none = Vector3d::Zero();
   const auto crossed = [&](bool measured, const Vector3d& f, const Vector3d& m, double lag) {
-    Fences fences(FenceSettings(), measured);
+    FenceMonitor fences(FenceSettings(), measured);
     int cycles = 1;
     while (cycles < 200 && !fences.update(p, none, f, kDt, m, lag)) ++cycles;
     return std::pair(fences.crossed(), cycles);
@@ -95,26 +95,26 @@ TEST(Fences, AMeasuredWrenchHasFencesByDefault) {
                       100));
 }
 
-TEST(Fences, AMessageNeverSaysTheSameNumberTwice) {
+TEST(FenceMonitor, AMessageNeverSaysTheSameNumberTwice) {
   const Vector3d p(0.0, 0.0, 0.2), none = Vector3d::Zero(), just(0.0, 0.0, 20.004);
-  Fences force(all_fences(), true);
+  FenceMonitor force(all_fences(), true);
   while (!force.update(p, none, just, kDt)) continue;
   EXPECT_EQ(force.crossed(),
             "fence.force: the force on the tip was 20.004 N, the fence is 20.000 N");
 }
 
-TEST(Fences, WhatIsNotFiniteIsNoCrossing) {
+TEST(FenceMonitor, WhatIsNotFiniteIsNoCrossing) {
   const Vector3d bad = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  Fences fences(all_fences(), true);
+  FenceMonitor fences(all_fences(), true);
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(fences.update(bad, bad, bad, kDt));
 }
 
-TEST(Fences, BadSettingsAreRefusedByName) {
+TEST(FenceMonitor, BadSettingsAreRefusedByName) {
   FenceSettings empty = all_fences();
   empty.low.y() = 0.2;
-  EXPECT_THAT([&] { Fences fences(empty, true); },
+  EXPECT_THAT([&] { FenceMonitor fences(empty, true); },
               testing::ThrowsMessage<InputError>(HasSubstr("fence.low: 0.2 m along y")));
-  EXPECT_THAT([&] { Fences fences(all_fences(), false); },
+  EXPECT_THAT([&] { FenceMonitor fences(all_fences(), false); },
               testing::ThrowsMessage<InputError>(HasSubstr("fence.force: nothing measures")));
 }
 

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/run/reading_check.h"
+#include "impedraw/run/monitors/reading_monitor.h"
 #include "impedraw/run/run.h"
 #include "impedraw/run/simulated_arm.h"
 #include "run/prepared.h"
@@ -170,7 +170,7 @@ TEST(Lies, AClockAndStampsOutsideItAreNamed) {
   const DriverInfo driver{2, 1e-3, WrenchReading::tip};
   const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
   const auto told = [&](const auto& lie) {
-    ReadingCheck check(driver, one, one, 0.002);
+    ReadingMonitor check(driver, one, one, 0.002);
     ArmState state(2);
     for (int i = 1; i <= 100; ++i) {
       state.time = state.state_time = state.wrench_time = 1e-3 * i;

@@ -314,7 +314,7 @@ TEST(MovingCanvas, ACanvasThatNeverRestsEndsTheRun) {
   EXPECT_THAT(outcome.cause, AllOf(HasSubstr("did not come to rest within 45 s"),
                                    HasSubstr("perception.frames.wait_for_rest=false")));
   EXPECT_EQ(what, "the canvas to rest");
-  EXPECT_NEAR(longest, kMostWait, 0.1);
+  EXPECT_NEAR(longest, CanvasMonitor::kMostWait, 0.1);
   EXPECT_LT(outcome.simulated, 90.0);
 }
 

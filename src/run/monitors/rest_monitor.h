@@ -8,7 +8,7 @@
 
 namespace impedraw {
 
-class RestWatch {
+class RestMonitor {
  public:
   static constexpr double kMoves = 8e-3;   // [m/s]
   static constexpr double kTurns = 0.06;   // [rad/s]

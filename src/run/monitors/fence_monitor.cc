@@ -1,4 +1,4 @@
-#include "impedraw/run/fences.h"
+#include "impedraw/run/monitors/fence_monitor.h"
 
 #include <optional>
 #include <utility>
@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-Fences::Fences(const FenceSettings& settings, bool measured) : settings_(settings) {
+FenceMonitor::FenceMonitor(const FenceSettings& settings, bool measured) : settings_(settings) {
   for (int i = 0; i < 3; ++i)
     if (!(settings.low[i] < settings.high[i]))
       throw InputError(fmt::format(
@@ -27,9 +27,9 @@ Fences::Fences(const FenceSettings& settings, bool measured) : settings_(setting
   if (!settings_.moment) settings_.moment = kMoment;
 }
 
-bool Fences::update(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE,
-                    const Eigen::Vector3d& f, double dt, const Eigen::Vector3d& m,
-                    double lag) noexcept {
+bool FenceMonitor::update(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE,
+                          const Eigen::Vector3d& f, double dt, const Eigen::Vector3d& m,
+                          double lag) noexcept {
   if (kind_ != Kind::none) return false;
   for (int i = 0; i < 3; ++i) {
     if (!(p_WE[i] < settings_.low[i] || p_WE[i] > settings_.high[i])) continue;
@@ -53,8 +53,15 @@ bool Fences::update(const Eigen::Vector3d& p_WE, const Eigen::Vector3d& v_WE,
   return kind_ != Kind::none;
 }
 
+Verdict FenceMonitor::judge(const Cycle& cycle) {
+  if (!update(cycle.arm.X_WE.p, cycle.arm.V_WE.head<3>(), cycle.F_ext.head<3>(), cycle.dt,
+              cycle.F_ext.tail<3>(), cycle.lag().norm()))
+    return {};
+  return {Severity::halt, fmt::format("{} at t = {:.3f} s", crossed(), cycle.run_time)};
+}
+
 // With as many decimals as tell what was measured from the fence.
-std::string Fences::crossed() const {
+std::string FenceMonitor::crossed() const {
   const auto told = [](double value, double fence, int decimals, const char* unit) {
     while (decimals < 9 &&
            fmt::format("{:.{}f}", value, decimals) == fmt::format("{:.{}f}", fence, decimals))

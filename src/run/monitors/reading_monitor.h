@@ -1,5 +1,5 @@
 // Whether what a driver reads can be true: its clock, its stamps, and the motion (motion_check.h).
-// The loop asks after every read(), whatever the arm.
+// The loop asks after every read(), whatever the arm. A contradiction ends the run.
 //
 //   clock   does not go back, and does not stand still for 20 readings
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
@@ -13,17 +13,23 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/run/driver.h"
+#include "impedraw/run/cycle.h"
+#include "impedraw/run/monitors/verdict.h"
 #include "impedraw/run/motion_check.h"
 
 namespace impedraw {
 
-class ReadingCheck {
+class ReadingMonitor {
  public:
-  // Rated, of each joint: speed [rad/s], torque [Nm]. wrench_delay [s].
-  ReadingCheck(const DriverInfo& driver, const JointVector& speed_limit,
-               const JointVector& torque_limit, double wrench_delay)
-      : driver_(driver), wrench_delay_(wrench_delay), motion_(speed_limit, torque_limit) {}
+  // Rated, of each joint: speed [rad/s], torque [Nm]. wrench_delay [s]. felt: the wrench on the tip
+  // is measured.
+  ReadingMonitor(const DriverInfo& driver, const JointVector& speed_limit,
+                 const JointVector& torque_limit, double wrench_delay, bool felt = false)
+      : driver_(driver),
+        torque_limit_(torque_limit),
+        wrench_delay_(wrench_delay),
+        felt_(felt),
+        motion_(speed_limit, torque_limit) {}
 
   // The next reading. torque, external: as MotionCheck has them [Nm]. True in the cycle in which
   // the first contradiction is found. Allocates for its text alone.
@@ -42,6 +48,13 @@ class ReadingCheck {
     return !cause_.empty();
   }
 
+  // The same, after a cycle. external: by the wrench on the tip and the model's errors.
+  Verdict judge(const Cycle& cycle) {
+    const JointVector torque = cycle.out.tau - cycle.out.terms.col(kGravity);
+    if (!update(*cycle.state, torque, external(cycle))) return {};
+    return {Severity::damp, fmt::format("{} at t = {:.3f} s", cause(), cycle.next_run_time())};
+  }
+
   // What contradicts what; empty: nothing.
   const std::string& cause() const noexcept { return cause_; }
   // The measured speed as far as positions confirm it; zero where speeds are not measured [rad/s].
@@ -50,6 +63,17 @@ class ReadingCheck {
   }
 
  private:
+  // Joint torques that are known to hold or turn the arm beside the law's motion: of what acts on
+  // the tip, and of what the observer makes of the model's errors, up to a share of the limits.
+  JointVector external(const Cycle& cycle) const noexcept {
+    constexpr double kErrors = 0.2;
+    Wrench F = cycle.F_ext;
+    if (!felt_) F << cycle.out.push * cycle.out.n_WD, Eigen::Vector3d::Zero();
+    const JointVector tau = cycle.arm.J.transpose().lazyProduct(F);
+    return tau.cwiseAbs() +
+           cycle.out.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * torque_limit_);
+  }
+
   std::string contradiction(const ArmState& state) {
     constexpr int kMostStill = 20;
     constexpr double kAhead = 0.02, kOldest = 1.0;  // [s]
@@ -69,7 +93,9 @@ class ReadingCheck {
   }
 
   DriverInfo driver_;
+  JointVector torque_limit_;
   double wrench_delay_;  // [s]
+  bool felt_;
   MotionCheck motion_;
   double time_ = 0.0, state_time_ = 0.0;  // of the last reading; of the last that moved [s]
   int still_ = 0;

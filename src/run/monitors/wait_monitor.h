@@ -4,9 +4,9 @@
 
 namespace impedraw {
 
-class PlanWait {
+class WaitMonitor {
  public:
-  explicit PlanWait(double most) : most_(most) {}  // [s]
+  explicit WaitMonitor(double most) : most_(most) {}  // [s]
 
   // Once per cycle of dt [s]: whether the plan waits, and whether it draws. True in a cycle in
   // which it waits and has waited for too long.

@@ -1,5 +1,7 @@
 // A pen before a wall, and what must not be taken for one.
-#include "impedraw/run/wall_watch.h"
+#include "impedraw/run/monitors/wall_monitor.h"
+#include "impedraw/run/monitors/side_monitor.h"
+#include "impedraw/run/monitors/sink_monitor.h"
 
 #include <cmath>
 #include <numbers>
@@ -17,18 +19,18 @@ const Vector3d n = Vector3d::UnitZ(), v_D(0.05, 0.0, 0.0);
 // Cycles until the wall is noticed; −1: not within a second.
 int cycles(const Vector3d& v, const Vector3d& behind, const Vector3d& F,
            const Vector3d& desired = v_D) {
-  WallWatch watch;
+  WallMonitor watch;
   for (int i = 1; i <= 1000; ++i)
     if (watch.update(n, desired, v, behind, F, kCycle)) return i;
   return -1;
 }
 
-TEST(WallWatch, NoticesATipThatStandsAndIsPushedBack) {
+TEST(WallMonitor, NoticesATipThatStandsAndIsPushedBack) {
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 5}),
-            std::lround(WallWatch::kConfirm / kCycle));
+            std::lround(WallMonitor::kConfirm / kCycle));
 }
 
-TEST(WallWatch, NeedsForceLagAndStandstillTogether) {
+TEST(WallMonitor, NeedsForceLagAndStandstillTogether) {
   EXPECT_EQ(cycles({0.04, 0, 0}, {2e-3, 0, 0}, {-6, 0, 5}), -1);        // it moves
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-1.5, 0, 5}), -1);  // friction alone
   EXPECT_EQ(cycles(Vector3d::Zero(), {0.5e-3, 0, 0}, {-6, 0, 5}), -1);  // it is in place
@@ -36,21 +38,21 @@ TEST(WallWatch, NeedsForceLagAndStandstillTogether) {
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 5}, {1e-3, 0, 0}), -1);  // none wanted
 }
 
-TEST(WallWatch, IgnoresForceAndMotionAlongTheNormal) {
+TEST(WallMonitor, IgnoresForceAndMotionAlongTheNormal) {
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 5}, {0.05, 0, 0.05}),
             cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 7}));
 }
 
 // Pressed on with 20 N, a tip at rest is held by 6 N of friction.
-TEST(WallWatch, TakesNoFrictionForAWall) {
+TEST(WallMonitor, TakesNoFrictionForAWall) {
   EXPECT_EQ(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-6, 0, 20}), -1);
   EXPECT_GT(cycles(Vector3d::Zero(), {2e-3, 0, 0}, {-17, 0, 20}), 0);
 }
 
 // A hand's push of 10 N against the motion for less than kConfirm, again and again.
-TEST(WallWatch, ForgetsShortBlows) {
-  WallWatch watch;
-  const int blow = static_cast<int>(0.6 * WallWatch::kConfirm / kCycle);
+TEST(WallMonitor, ForgetsShortBlows) {
+  WallMonitor watch;
+  const int blow = static_cast<int>(0.6 * WallMonitor::kConfirm / kCycle);
   for (int i = 0; i < 5000; ++i) {
     const bool pushed = i % (2 * blow) < blow;
     EXPECT_FALSE(watch.update(n, v_D, pushed ? Vector3d::Zero() : v_D, {2e-3, 0, 0},
@@ -59,14 +61,14 @@ TEST(WallWatch, ForgetsShortBlows) {
 }
 
 int cycles_aside(const Vector3d& F) {
-  SideWatch watch;
+  SideMonitor watch;
   for (int i = 1; i <= 1000; ++i)
     if (watch.update(n, F, kCycle)) return i;
   return -1;
 }
 
-TEST(SinkWatch, NoticesATipThatFallsBelowWhereItTouched) {
-  SinkWatch watch;
+TEST(SinkMonitor, NoticesATipThatFallsBelowWhereItTouched) {
+  SinkMonitor watch;
   EXPECT_FALSE(watch.update(-0.2e-3, 0.0, true, kCycle));
   EXPECT_FALSE(watch.update(-1.6e-3, 0.0, false, kCycle));
   EXPECT_FALSE(watch.update(-1.6e-3, 0.0, true, kCycle));  // a hollow that was not seen
@@ -79,9 +81,9 @@ TEST(SinkWatch, NoticesATipThatFallsBelowWhereItTouched) {
 }
 
 // Touched all the time, and going down by so much per way along the surface.
-TEST(SinkWatch, NoticesATipThatSlidesDownTheSideOfAGap) {
+TEST(SinkMonitor, NoticesATipThatSlidesDownTheSideOfAGap) {
   const auto deepest = [](double steepness) {
-    SinkWatch watch;
+    SinkMonitor watch;
     for (int i = 0; i < 100; ++i) EXPECT_FALSE(watch.update(-0.3e-3, 0.02e-3, true, kCycle));
     double distance = -0.3e-3;
     while (distance > -8e-3 && !watch.update(distance, 0.02e-3, true, kCycle))
@@ -93,19 +95,19 @@ TEST(SinkWatch, NoticesATipThatSlidesDownTheSideOfAGap) {
 }
 
 // A noisy wrench tells of touches in the air.
-TEST(SinkWatch, TakesNoShortTouchForTheSurface) {
-  SinkWatch watch;
+TEST(SinkMonitor, TakesNoShortTouchForTheSurface) {
+  SinkMonitor watch;
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(watch.update(1.4e-3, 0.0, true, kCycle));
   EXPECT_FALSE(watch.update(1.0e-3, 0.0, false, kCycle));
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(watch.update(-0.3e-3, 0.0, true, kCycle));
 }
 
-TEST(SideWatch, NoticesATipThatIsPushedAside) {
-  EXPECT_EQ(cycles_aside({-6, 5, 2}), std::lround(SideWatch::kConfirm / kCycle));
+TEST(SideMonitor, NoticesATipThatIsPushedAside) {
+  EXPECT_EQ(cycles_aside({-6, 5, 2}), std::lround(SideMonitor::kConfirm / kCycle));
   EXPECT_GT(cycles_aside({-5, 0, -1}), 0);  // even into the surface
 }
 
-TEST(SideWatch, TakesNeitherFrictionNorASlopeForAWall) {
+TEST(SideMonitor, TakesNeitherFrictionNorASlopeForAWall) {
   EXPECT_EQ(cycles_aside({-1.5, 0, 5}), -1);  // friction of 0.3
   // a normal that is 40° off, and friction: 57°
   const double lean = (40.0 + 16.7) * std::numbers::pi / 180.0;
@@ -113,9 +115,9 @@ TEST(SideWatch, TakesNeitherFrictionNorASlopeForAWall) {
   EXPECT_EQ(cycles_aside({-3, 0, 0.5}), -1);  // gently
 }
 
-TEST(SideWatch, ForgetsShortBlows) {
-  SideWatch watch;
-  const int blow = static_cast<int>(0.6 * SideWatch::kConfirm / kCycle);
+TEST(SideMonitor, ForgetsShortBlows) {
+  SideMonitor watch;
+  const int blow = static_cast<int>(0.6 * SideMonitor::kConfirm / kCycle);
   for (int i = 0; i < 5000; ++i)
     EXPECT_FALSE(
         watch.update(n, i % (2 * blow) < blow ? Vector3d(-9, 0, 2) : Vector3d(-1, 0, 5), kCycle));

@@ -1,0 +1,148 @@
+#include "impedraw/run/driven_arm.h"
+
+#include <utility>
+
+#include "impedraw/run/log_row.h"
+#include "impedraw/run/loop_sources.h"
+#include "impedraw/terminal/clock.h"
+
+namespace impedraw {
+
+namespace {
+
+void count_status(const ControlStatus& status, double dt, std::map<std::string, double>* met) {
+  if (status.ok()) return;
+  const std::pair<const char*, bool> all[] = {
+      {"bad_input", status.bad_input},           {"stale_state", status.stale_state},
+      {"stale_wrench", status.stale_wrench},     {"near_singular", status.near_singular},
+      {"torque_limited", status.torque_limited}, {"speed_limited", status.speed_limited},
+      {"joint_limit", status.joint_limit},       {"surface_lost", status.surface_lost},
+      {"damping_limit", status.damping_limit}};
+  for (const auto& [name, set] : all)
+    if (set) (*met)[name] += dt;
+}
+
+void note_slow_velocity(const JointStateEstimator& estimator, double asked,
+                        std::optional<SlowVelocity>* slowest) noexcept {
+  const double bandwidth = estimator.bandwidth();
+  if (bandwidth >= (*slowest ? (*slowest)->bandwidth : asked)) return;
+  int joint = 0;
+  const double noise = estimator.noise().maxCoeff(&joint);
+  *slowest = SlowVelocity{bandwidth, noise, joint};
+}
+
+Eigen::Vector3d middle_of(const TargetLine& target) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : target.points) sum += p;
+  return target.points.empty() ? sum
+                               : Eigen::Vector3d(sum / static_cast<double>(target.points.size()));
+}
+
+// The ink lies where it should, as far as the arm knows.
+bool in_place(const Experiment& e, const Cycle& cycle) {
+  constexpr double kInPlace = 2.5e-3;  // [m]
+  return !e.scene.perception || cycle.behind().norm() < kInPlace;
+}
+
+bool knows(const CanvasFollower& canvas) {
+  const CanvasStatus status = canvas.estimate().status;
+  return status == CanvasStatus::ok || status == CanvasStatus::undetermined;
+}
+
+}  // namespace
+
+DrivenArm::DrivenArm(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
+                     const RunHooks& hooks, const Resumption* resumption)
+    : e_(e),
+      driver_(driver),
+      hooks_(hooks),
+      waits_(driver.info().waits),
+      first_time_(resumption ? resumption->time : 0.0),
+      watch_(canvas_watch(e, driver, resumption ? resumption->X_WK : Pose())),
+      loop_(e.control, e.scene.arm, driver.info(),
+            surface_source(e, disturbances_of(e, resumption != nullptr),
+                           watch_ ? watch_->surface() : nullptr),
+            canvas_source(e, watch_.get(), first_time_)),
+      last_(driver.info().period, e.scene.arm),
+      real_time_(!waits_ && e.scenario.arm.real_time),
+      started_(driver),
+      state_(&driver.read()),
+      row_(e.scene.arm.joints()),
+      history_(middle_of(e.plan.target)) {
+  out_.tau = JointVector::Zero(e.scene.arm.joints());
+  out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
+  record_.not_real_time = real_time_.lacks();
+  if (resumption) ink_ = resumption->ink;
+  if (!log_file.empty() && resumption)
+    log_.emplace(RunLog::append_to(log_file, make_header(e)));
+  else if (!log_file.empty())
+    log_.emplace(log_file, make_header(e));
+  if (watch_) watch_->begin();
+}
+
+DrivenArm::~DrivenArm() {
+  if (watch_) watch_->end();
+}
+
+Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_scale) {
+  while (waits_ && hooks_.held && hooks_.held(time())) {
+  }
+  if (watch_) watch_->update(time());
+  Cycle cycle{.time = time(),
+              .run_time = run_time(),
+              .dt = e_.control.impedance.timing.dt,
+              .step_time = state_->step_time,
+              .state_age = time() - state_->state_time,
+              .desired = desired,
+              .arm = loop_.terms(),
+              .F_ext = loop_.F_ext(),
+              .surface = loop_.surface(),
+              .canvas = loop_.canvas(),
+              .out = out_,
+              .state = state_,
+              .truth = driver_.truth()};
+  const auto step_start = Clock::now();
+  if (law.kind == Law::Kind::damp)
+    damped_end_.damp(loop_.terms().M, law.v, e_.scene.arm.limits().torque, cycle.dt, &out_);
+  else if (!state_->stalled)
+    out_ = law.kind == Law::Kind::brake ? loop_.brake(*state_, law.v_WD)
+                                        : loop_.step(*state_, desired.reference);
+  row_.step_time = seconds_since(step_start);
+  row_.time_scale = time_scale;
+  fill_state(e_, cycle, &row_);
+  driver_.command(out_.tau, out_.terms.col(kGravity));
+  keep(&cycle);
+  cycle.tared = loop_.tared();
+  cycle.state = state_ = &driver_.read();
+  return cycle;
+}
+
+// Logs the cycle, and learns from it where the canvas is and what has ink.
+void DrivenArm::keep(Cycle* cycle) {
+  constexpr double kSettled = 1.0;  // the first estimates are not yet of the canvas's motion [s]
+  fill_contact(e_, *cycle, &row_);
+  if (log_) log_->append(row_);
+  if (hooks_.row) hooks_.row(row_);
+  count_status(out_.status, cycle->dt, &record_.met);
+  if (const JointStateEstimator* const estimator = loop_.joint_estimator())
+    note_slow_velocity(*estimator, e_.control.joint_estimator->bandwidth, &record_.slow_velocity);
+  last_.add(row_, *cycle);
+  if (cycle->canvas.follows() && knows(cycle->canvas)) {
+    known_for_ += cycle->dt;
+    if (known_for_ > kSettled) history_.add(cycle->time, cycle->canvas.pose());
+  }
+  cycle->inked = writes(e_, out_.mode, cycle->normal_force()) && in_place(e_, *cycle);
+  ink_.add(cycle->desired.stroke, cycle->desired.along, cycle->inked);
+}
+
+void DrivenArm::end_at_zero() {
+  const JointVector gravity = out_.terms.col(kGravity);
+  driver_.command(gravity, gravity);
+  state_ = &driver_.read();
+}
+
+WallTimes DrivenArm::close_log(const WallTimes& wall, const Ending& ending) {
+  return log_ ? log_->close(wall, ending_text(ending)) : wall;
+}
+
+}  // namespace impedraw

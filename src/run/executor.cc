@@ -1,0 +1,292 @@
+#include "impedraw/run/executor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/common/minimum_jerk.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kLiftOffCanvas = 0.1;  // clear of a canvas that moves [m]
+constexpr double kLiftALittle = 0.01;   // at a blocked place [m]
+constexpr long kPollEvery = 10;         // cycles
+
+PathSample in_air(const TipReference& reference, Phase phase) {
+  return {reference, -1, std::nan(""), phase};
+}
+
+}  // namespace
+
+Executor::Executor(Experiment& e, DrivenArm& arm, const RunHooks& hooks)
+    : e_(e),
+      arm_(arm),
+      hooks_(hooks),
+      reaction_(&ending_),
+      monitors_(e, arm.driver(), hooks),
+      block_(e),
+      reach_(e.scenario.preflight.arm),
+      canvas_(e.scenario.perception.frames.wait_for_rest),
+      chance_(e.scene.perception && !e.scenario.drawing.dry_run) {
+  const Pose X_WE = arm.X_WE();
+  rest_.p_WD = X_WE.p;
+  rest_.n_WD = -X_WE.R.col(2);
+}
+
+Situation Executor::situation() const {
+  const CanvasFollower& canvas = arm_.loop().canvas();
+  return {.pen = {arm_.time(), arm_.X_WE(), canvas.pose(), arm_.state().q, canvas.joined()},
+          .canvas = canvas.estimate().status,
+          .belief = arm_.belief(),
+          .history = arm_.history(),
+          .ink = arm_.ink(),
+          .last = last_};
+}
+
+void Executor::carry_out(const Move& move) {
+  last_ = {};
+  reaction_.begin();
+  const CanvasFollower& canvas = arm_.loop().canvas();
+  switch (move.kind) {
+    case Move::Kind::draw:
+      if (canvas.follows() && !canvas.joined()) arm_.loop().join_canvas(rest_, move.join);
+      return draw(move);
+    case Move::Kind::lift:
+      return lift();
+    case Move::Kind::wait:
+      return move_in_world(move.until, move.waits_for, [this](double) { return rest_; });
+    case Move::Kind::go_to: {
+      const double begin = arm_.time(), duration = move.until - begin;
+      const Eigen::Vector3d from = rest_.p_WD, way = move.place_W - from;
+      move_in_world(move.until, nullptr, [&](double time) {
+        const MinimumJerk jerk = MinimumJerk::at((time - begin) / duration, duration);
+        TipReference on_way = rest_;
+        on_way.p_WD = from + jerk.share * way;
+        on_way.v_WD = jerk.rate * way;
+        on_way.a_WD = jerk.change * way;
+        return on_way;
+      });
+      rest_.p_WD = move.place_W;
+      return;
+    }
+    case Move::Kind::end:
+      if (move.cause.empty()) return;
+      if (canvas.joined()) lift();
+      return reaction_.take({Severity::lift, move.cause});
+  }
+}
+
+void Executor::draw(const Move& move) {
+  PathFollower path(e_, arm_, move);
+  block_.begin_path();
+  canvas_.begin_path();
+  const auto holds = [&] { return move.holds(situation(), move.path, path.planned()); };
+  for (long i = 0; path.goes_on(i) || reaction_.state() != Reaction::State::follow; ++i) {
+    if (lifted()) {
+      end_lift();
+      break;
+    }
+    rate_ = path.rate();
+    std::optional<PathSample> desired = path.sample(lift_.has_value(), holds);
+    if (!desired) break;
+    if (lift_) desired = in_air(lift_->at(arm_.time()), Phase::lift);
+    const std::optional<Cycle> cycle = step(*desired);
+    if (!cycle) break;
+    if (!reaction_.cause().empty() && !last_.blocked)
+      last_.blocked = place_on_path(*desired, move.path, path.planned(), true);
+    if (!lift_ && !follow_up(*cycle, move, &path)) break;
+    if (i % kPollEvery == 0) poll(*cycle, path);
+  }
+  rate_ = path.rate();
+  last_.strokes_followed = path.strokes_followed();
+  last_.lost_canvas = canvas_.let_go();
+}
+
+void Executor::move_in_world(double until, const char* waits_for,
+                             const std::function<TipReference(double)>& motion) {
+  const double begin = arm_.time();
+  while (reaction_.state() != Reaction::State::follow || arm_.time() < until) {
+    if (lifted()) return end_lift();
+    const double time = arm_.time();
+    const PathSample desired =
+        lift_ ? in_air(lift_->at(time), Phase::lift) : in_air(motion(time), Phase::travel);
+    if (!step(desired)) return;
+    if (waits_for) tell_wait(waits_for, arm_.time() - begin);
+    if (!lift_ && interrupted())
+      return reaction_.take({Severity::lift,
+                             fmt::format("interrupted at t = {:.3f} s", arm_.run_time()),
+                             RunEnd::interrupted});
+  }
+}
+
+void Executor::lift() {
+  const Pose X_WE = arm_.X_WE();
+  if (arm_.loop().canvas().follows())
+    lift_off_canvas();
+  else
+    lift_.emplace(arm_.time(), X_WE, -X_WE.R.col(2));
+  monitors_.tare().moves_first(lift_->duration());
+  reaction_.take({Severity::lift, {}, RunEnd::finished});
+  move_in_world(arm_.time(), nullptr, {});
+}
+
+std::optional<Cycle> Executor::step(const PathSample& desired) {
+  const Reaction::State before = reaction_.state();
+  const Cycle cycle = arm_.step(desired, law(desired), rate_);
+  chance_.update(cycle);
+  Verdict verdict = monitors_.judge(cycle, reaction_, last_.blocked.has_value());
+  if (verdict.severity == Severity::lift && verdict.end == RunEnd::finished) {
+    unseen_ = true;
+    verdict = {};
+  }
+  if (verdict.severity == Severity::brake && !(goes_on() && chance_.given()))
+    verdict.end = RunEnd::stopped;
+  react(verdict);
+  settle(cycle, before);
+  if (reaction_.state() == Reaction::State::over) return std::nullopt;
+  return cycle;
+}
+
+// What makes the next torque: a motion that the control law has lost control of is damped.
+Law Executor::law(const PathSample& desired) const {
+  if (reaction_.state() == Reaction::State::damp)
+    return {.kind = Law::Kind::damp, .v = monitors_.confirmed_speed(arm_.state())};
+  if (!reaction_.lost_control()) return {};
+  Law brake{.kind = Law::Kind::brake};
+  if (!reaction_.brakes()) brake.v_WD = arm_.loop().canvas().pose().R * desired.reference.v_WD;
+  return brake;
+}
+
+void Executor::react(const Verdict& verdict) {
+  reaction_.take(verdict);
+  if (reaction_.state() == Reaction::State::lift && !lift_) begin_lift(verdict.rise);
+}
+
+// The end of what is damped. The simulated arm only ends where it is: it is damped first. Another
+// driver damps in stop(), by its own session.
+void Executor::settle(const Cycle& cycle, Reaction::State before) {
+  using State = Reaction::State;
+  const State now = reaction_.state();
+  if ((now == State::halt || now == State::damp) && !cycle.truth) return reaction_.end();
+  if (now == State::damp) {
+    if (before != State::damp || !arm_.damped_end().over(monitors_.confirmed_speed(*cycle.state)))
+      return;
+    reaction_.end();
+    return arm_.end_at_zero();
+  }
+  if (now != State::halt && !(now == State::brake && before == State::brake)) return;
+  const double share =
+      (cycle.arm.v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
+  if (!reaction_.calms(share, cycle.dt)) return;
+  if (reaction_.state() == State::over)
+    arm_.end_at_zero();
+  else if (!lift_)
+    begin_lift(Verdict::Rise::clear);
+}
+
+bool Executor::follow_up(const Cycle& cycle, const Move& move, PathFollower* path) {
+  const bool is_paused = paused();
+  if (path->by_touch()) return path->advance_by_touch(cycle, arm_.loop(), is_paused);
+  const bool held = canvas_.hold(cycle).severity == Severity::hold;
+  path->advance(cycle, is_paused || held);
+
+  std::optional<StrokePart> place;
+  const Verdict canvas = canvas_.judge(cycle, is_paused);
+  if (held && !is_paused) tell_wait(canvas_.waits_for(cycle), canvas_.waited());
+  const Verdict blocked =
+      block_.judge(cycle, move.path, path->planned(), std::exchange(unseen_, false), &place);
+  const Verdict reach = reach_.judge(cycle);
+  const Verdict& worst = worse(canvas, worse(blocked, reach));
+  if (&worst == &blocked) last_.blocked = place;
+  last_.left_reach = &worst == &reach && reach.end == RunEnd::finished;
+  if (worst.severity < Severity::lift && path->passes_last_stroke(cycle) && move.complete &&
+      move.complete(arm_.ink())) {
+    lift_off_canvas();
+    reaction_.take({Severity::lift, {}, RunEnd::finished});
+    return true;
+  }
+  react(worst);
+  return worst.severity != Severity::leave;
+}
+
+void Executor::poll(const Cycle& cycle, const PathFollower& path) {
+  if (!lift_ && interrupted())
+    react({Severity::lift,
+           fmt::format("interrupted at t = {:.3f} s; the pen was lifted", cycle.run_time),
+           RunEnd::interrupted});
+  if (hooks_.progress && !canvas_.waits_for(cycle)) hooks_.progress(path.progress(cycle.run_time));
+}
+
+void Executor::begin_lift(Verdict::Rise rise) {
+  if (rise == Verdict::Rise::let_go) {
+    arm_.loop().leave_canvas();
+    lift_.emplace(arm_.time(), arm_.X_WE(), e_.control.impedance.surface.drawing_axis_W,
+                  kLiftOffCanvas);
+    return;
+  }
+  const Eigen::Matrix3d R_KW = arm_.loop().canvas().pose().R.transpose();
+  lift_.emplace(arm_.time(), arm_.X_KE(), R_KW * arm_.out().n_WD,
+                rise == Verdict::Rise::a_little ? kLiftALittle : EmergencyLift::kHeight);
+}
+
+// The pen goes up in W. A canvas that heaves does not catch up with it.
+void Executor::lift_off_canvas() {
+  lift_.emplace(arm_.time(), arm_.X_WE(), e_.control.impedance.surface.drawing_axis_W,
+                clear_height());
+  arm_.loop().leave_canvas(lift_->duration());
+}
+
+// Up to where the run began, as far as the arm reaches [m].
+double Executor::clear_height() const {
+  const Pose X_WE = arm_.X_WE();
+  const JointVector& q = arm_.state().q;
+  const Eigen::Vector3d& up = e_.control.impedance.surface.drawing_axis_W;
+  double height = std::max(kLiftOffCanvas, up.dot(e_.scenario.arm.start_p_WE - X_WE.p));
+  while (height > kLiftOffCanvas &&
+         !find_posture(e_.scene.arm, {X_WE.p + height * up, X_WE.R.col(2)}, q).reached)
+    height -= 0.02;
+  return height;
+}
+
+// The arm of a run that was stopped still moves: a hand may have let go of it just now. Waits for
+// rest, but not for ever.
+bool Executor::lifted() const {
+  constexpr double kAtRest = 0.5;   // of the fastest joint [rad/s]
+  constexpr double kLongest = 2.0;  // [s]
+  const double time = arm_.time();
+  if (!lift_ || !lift_->done(time)) return false;
+  if (reaction_.state() == Reaction::State::lift) return true;
+  return reaction_.state() == Reaction::State::rise &&
+         (arm_.loop().terms().v.cwiseAbs().maxCoeff() <= kAtRest || lift_->done(time - kLongest));
+}
+
+void Executor::end_lift() {
+  std::string& goes_on_after = reaction_.cause();
+  if (reaction_.state() == Reaction::State::rise) {
+    const double risen = lift_->risen(arm_.X_KE().p);
+    std::string& cause = goes_on_after.empty() ? ending_.cause : goes_on_after;
+    cause += "; the motion was damped and the pen ";
+    cause += risen < 1e-3 ? "did not rise" : fmt::format("lifted by {:.0f} mm", 1e3 * risen);
+  }
+  if (!goes_on_after.empty()) {
+    damped_.push_back(goes_on_after);
+    chance_.take();
+  }
+  rest_ = lift_->at(arm_.time());
+  lift_.reset();
+  reaction_.done();
+}
+
+// In the rhythm of the other progress.
+void Executor::tell_wait(const char* what, double waited) const {
+  const double dt = e_.control.impedance.timing.dt;
+  if (!hooks_.progress || std::fmod(waited, kPollEvery * dt) >= dt) return;
+  hooks_.progress({arm_.run_time(), 0, 0, 0.0, 0.0, 0.0, false, what, waited});
+}
+
+}  // namespace impedraw

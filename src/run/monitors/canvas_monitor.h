@@ -1,0 +1,77 @@
+// Holds the plan while the canvas is lost to the cameras or, where the pen waits for that, while it
+// moves. A wait of kMostWait without a stroke between ends the run. A canvas that is known again
+// after the pen has let go of it ends the path: the rest would be followed in the air.
+#pragma once
+
+#include <fmt/format.h>
+
+#include "impedraw/run/cycle.h"
+#include "impedraw/run/monitors/rest_monitor.h"
+#include "impedraw/run/monitors/verdict.h"
+#include "impedraw/run/monitors/wait_monitor.h"
+
+namespace impedraw {
+
+class CanvasMonitor {
+ public:
+  static constexpr double kMostWait = 45.0;  // [s]
+
+  // waits_for_rest: strokes begin while the canvas stands.
+  explicit CanvasMonitor(bool waits_for_rest) : waits_for_rest_(waits_for_rest) {}
+
+  void begin_path() noexcept { let_go_ = false; }
+
+  // What the plan waits for; null: nothing.
+  const char* waits_for(const Cycle& cycle) const noexcept {
+    if (cycle.canvas.lost()) return "the cameras to know the canvas again";
+    const bool up = cycle.desired.stroke < 0 && cycle.out.mode == ContactMode::free;
+    return rest_.moves() && up ? "the canvas to rest" : nullptr;
+  }
+
+  // After each cycle in which the pen follows a path: whether the plan is held.
+  Verdict hold(const Cycle& cycle) noexcept {
+    if (waits_for_rest_ && cycle.canvas.joined())
+      rest_.update(cycle.canvas.estimate().motion, cycle.arm.X_WE.p, cycle.dt);
+    const char* const what = waits_for(cycle);
+    if (!what) return {};
+    Verdict verdict;
+    verdict.severity = Severity::hold;
+    return verdict;
+  }
+
+  // After that. paused: by a person, which does not count as a wait.
+  Verdict judge(const Cycle& cycle, bool paused) {
+    const char* const what = paused ? nullptr : waits_for(cycle);
+    if (wait_.update(what, cycle.desired.stroke >= 0, cycle.dt))
+      return {.severity = Severity::lift,
+              .cause = cycle.canvas.lost() ? unknown_text(cycle) : moving_text(cycle),
+              .rise = Verdict::Rise::let_go};
+    if (cycle.canvas.lost() && cycle.out.mode == ContactMode::retreat) let_go_ = true;
+    return {let_go_ && !cycle.canvas.lost() ? Severity::leave : Severity::none};
+  }
+
+  bool let_go() const noexcept { return let_go_; }           // during this path
+  double waited() const noexcept { return wait_.waited(); }  // [s]
+
+ private:
+  static std::string unknown_text(const Cycle& cycle) {
+    return fmt::format(
+        "no camera has known the canvas for {:.0f} s, at t = {:.3f} s; the pen was lifted",
+        kMostWait, cycle.next_run_time());
+  }
+  static std::string moving_text(const Cycle& cycle) {
+    const double speed = cycle.canvas.estimate().motion.velocity_at(cycle.arm.X_WE.p).norm();
+    return fmt::format(
+        "the canvas did not come to rest within {:.0f} s, at t = {:.3f} s: it moves at {:.3g} mm/s "
+        "under the pen, and rests below {:.2g} mm/s; perception.frames.wait_for_rest=false draws "
+        "on a canvas that moves",
+        kMostWait, cycle.next_run_time(), 1e3 * speed, 0.5e3 * RestMonitor::kMoves);
+  }
+
+  bool waits_for_rest_;
+  RestMonitor rest_;
+  WaitMonitor wait_{kMostWait};
+  bool let_go_ = false;
+};
+
+}  // namespace impedraw

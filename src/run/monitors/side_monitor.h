@@ -1,0 +1,35 @@
+// Notices that the surface pushes the tip aside, far off the estimated normal, for longer than
+// roughness does: the tip touches the foot of a wall with its side. While it comes down, too.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Core>
+
+namespace impedraw {
+
+class SideMonitor {
+ public:
+  static constexpr double kForce = 4.0;     // across the estimated normal, at least [N]
+  static constexpr double kSteep = 2.1;     // of the force along it: 65°
+  static constexpr double kConfirm = 0.05;  // [s]
+
+  void reset() noexcept { aside_ = 0.0; }
+
+  // One cycle with the tip on the surface, or on its way down. n: estimated normal; F: force of the
+  // canvas on the tip [N]. True in the cycle in which the wall is certain.
+  bool update(const Eigen::Vector3d& n, const Eigen::Vector3d& F, double dt) noexcept {
+    const double along = n.dot(F), across = (F - along * n).norm();
+    const bool aside = across > kForce && across > kSteep * along;
+    aside_ = aside ? aside_ + dt : std::max(0.0, aside_ - dt);
+    if (aside_ < kConfirm) return false;
+    aside_ = 0.0;
+    return true;
+  }
+
+ private:
+  double aside_ = 0.0;  // [s]
+};
+
+}  // namespace impedraw

@@ -1,0 +1,227 @@
+#include "impedraw/run/moving_drawing.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "impedraw/run/canvas_follower.h"
+#include "impedraw/run/remaining.h"
+
+namespace impedraw {
+
+MovingDrawing::MovingDrawing(Experiment& e, double first_time)
+    : e_(e), plan_(e, first_time), first_time_(first_time) {}
+
+Move MovingDrawing::next(const Situation& now) {
+  std::optional<Move> move;
+  switch (stage_) {
+    case Stage::begin:
+      if (first_time_ > 0.0) {  // an earlier run may have left the pen on the canvas
+        stage_ = Stage::raised;
+        move.emplace().kind = Move::Kind::lift;
+        return *move;
+      }
+      [[fallthrough]];
+    case Stage::raised:
+      stage_ = Stage::watched;
+      move.emplace().kind = Move::Kind::wait;
+      move->until = now.pen.time + e_.scenario.perception.watch;
+      move->waits_for = "the cameras to watch the canvas";
+      return *move;
+    case Stage::risen:
+      return wait(now);
+    case Stage::watched:
+      move = end_of_watch(now);
+      break;
+    case Stage::waited:
+      move = end_of_wait(now);
+      break;
+    case Stage::drawn:
+      move = end_of_path(now);
+      break;
+    case Stage::decide:
+      break;
+  }
+  return move ? *move : decide(now);
+}
+
+std::optional<Move> MovingDrawing::end_of_watch(const Situation& now) {
+  if (now.canvas == CanvasStatus::lost) {
+    Move move;
+    move.cause = fmt::format(
+        "no camera saw three marks of the canvas within {:.3g} s; perception.fiducials.points and "
+        "perception.cameras tell where they should be",
+        e_.scenario.perception.watch);
+    return move;
+  }
+  if (now.belief) record_.canvas_open = now.belief->open_text();
+  begin_pass(left_by(now.ink));
+  return std::nullopt;
+}
+
+std::optional<Move> MovingDrawing::end_of_wait(const Situation& now) {
+  waited_ += now.pen.time - wait_began_;
+  if (waited_ < kMostWait) return std::nullopt;
+  std::vector<UnreachedPart> lost;
+  for (const StrokePart& part : pending_) lost.push_back({part, decision_.why});
+  return give_up(lost);
+}
+
+std::optional<Move> MovingDrawing::end_of_path(const Situation& now) {
+  const PathEnd& last = now.last;
+  const std::vector<StrokePart>& parts = decision_.parts;
+  std::optional<Move> end;
+  if (last.blocked) {
+    blocked_.add(*last.blocked);
+    if (blocked_.full()) {
+      pending_.clear();
+      return std::nullopt;
+    }
+  } else if (last.left_reach) {
+    // The forecast did not say so.
+    if (++left_reach_ == kMostLeft) {
+      const StrokePart& part = parts[std::min(last.strokes_followed, parts.size() - 1)];
+      end = give_up({{part, fmt::format("stroke {} left the arm's reach at t = {:.1f} s, {} times",
+                                        plan_.number_of(part.stroke), first_time_ + now.pen.time,
+                                        left_reach_)}});
+      left_reach_ = 0;
+    }
+  } else if (last.lost_canvas) {
+    ++losses_;
+  } else {
+    // A gap within what was followed is drawn later, with others.
+    for (std::size_t i = 0; i < last.strokes_followed; ++i)
+      std::erase_if(pending_, [&](const StrokePart& p) {
+        return p.stroke == parts[i].stroke && p.from == parts[i].from;
+      });
+    return std::nullopt;
+  }
+  pending_ = left_by(now.ink);
+  return end;
+}
+
+Move MovingDrawing::decide(const Situation& now) {
+  while (true) {
+    if (pending_.empty() || losses_ > kMostLosses) {
+      const bool once = e_.scenario.drawing.dry_run || !e_.scenario.drawing.redraw;
+      if (std::exchange(again_, true) || once) return {};
+      record_.drawn_again = left_by(now.ink);
+      if (record_.drawn_again.empty()) return {};
+      begin_pass(record_.drawn_again);
+    }
+    CarriedDecision decision = without_misses(
+        e_, &pending_,
+        [&](const std::vector<StrokePart>& left) { return decision_for(left, now); });
+    for (const std::string& remark : decision.remarks) remark_on(remark);
+    if (std::optional<Move> end = give_up(decision.lost)) return *end;
+    if (decision.kind == CarriedDecision::Kind::draw) return draw(std::move(decision));
+    if (decision.kind == CarriedDecision::Kind::nothing) continue;
+    decision_ = std::move(decision);
+    wait_began_ = now.pen.time;
+    if (!now.pen.joined) return wait(now);
+    stage_ = Stage::risen;
+    Move rise;
+    rise.kind = Move::Kind::lift;
+    return rise;
+  }
+}
+
+Move MovingDrawing::draw(CarriedDecision decision) {
+  stage_ = Stage::drawn;
+  waited_ = 0.0;
+  Move move;
+  move.kind = Move::Kind::draw;
+  move.path = std::move(decision.path);
+  move.again = again_;
+  move.join = decision.join;
+  move.holds = [this](const Situation& now, const TipPath& path, double planned) {
+    return !e_.scenario.preflight.arm || plan_.holds(path, planned, forecast(now), now.pen);
+  };
+  move.complete = [this](const InkWatch& ink) {
+    std::vector<StrokePart> given_up;
+    for (const UnreachedPart& u : record_.unreached) given_up.push_back(u.part);
+    return remaining(e_, ink, given_up).empty();
+  };
+  decision_ = std::move(decision);
+  return move;
+}
+
+Move MovingDrawing::wait(const Situation& now) {
+  // Forecasts are made anew: the motion may change.
+  constexpr double kShortest = 0.05, kLongest = 1.0;  // [s]
+  stage_ = Stage::waited;
+  Move move;
+  move.kind = decision_.place_W ? Move::Kind::go_to : Move::Kind::wait;
+  move.waits_for = "a stroke to come into reach";
+  if (decision_.place_W) {
+    move.place_W = *decision_.place_W;
+    move.until = decision_.until;
+  } else {
+    move.until = std::clamp(decision_.until, now.pen.time + kShortest, now.pen.time + kLongest);
+  }
+  return move;
+}
+
+CarriedDecision MovingDrawing::decision_for(const std::vector<StrokePart>& parts,
+                                            const Situation& now) {
+  if (parts.empty()) return {};
+  if (e_.scenario.preflight.arm) return plan_.decide(parts, forecast(now), now.pen);
+  CarriedDecision all;
+  all.kind = CarriedDecision::Kind::draw;
+  all.join = now.pen.joined ? 0.0 : CanvasFollower::kJoin;
+  const Pose here = now.X_KE();
+  all.path = path_for(e_, parts, here.p, -here.R.col(2), all.join);
+  all.parts = parts;
+  return all;
+}
+
+CanvasForecast MovingDrawing::forecast(const Situation& now) const {
+  return e_.scenario.perception.frames.wait_for_rest ? CanvasForecast::standing(now.pen.X_WK)
+                                                     : now.history.forecast();
+}
+
+void MovingDrawing::begin_pass(std::vector<StrokePart> parts) {
+  pending_ = std::move(parts);
+  waited_ = 0.0;
+  losses_ = 0;
+}
+
+std::vector<StrokePart> MovingDrawing::left_by(const InkWatch& ink) const {
+  std::vector<StrokePart> given_up = blocked_.parts();
+  for (const UnreachedPart& u : record_.unreached) given_up.push_back(u.part);
+  return remaining(e_, ink, given_up);
+}
+
+std::optional<Move> MovingDrawing::give_up(const std::vector<UnreachedPart>& lost) {
+  for (const UnreachedPart& u : lost) {
+    record_.unreached.push_back(u);
+    std::erase_if(pending_, [&](const StrokePart& p) {
+      return p.stroke == u.part.stroke && p.from == u.part.from;
+    });
+  }
+  if (lost.empty() || e_.scenario.drawing.skip_unreachable) return std::nullopt;
+  Move end;
+  end.cause = lost.front().text +
+              (lost.size() == 1 ? "" : fmt::format(", and {} more", lost.size() - 1)) +
+              "; --skip-unreachable draws the rest";
+  return end;
+}
+
+void MovingDrawing::remark_on(const std::string& remark) {
+  std::vector<std::string>& remarks = record_.remarks;
+  const auto about = [](const std::string& r) {  // without times that were forecast anew
+    return r.substr(0, std::min(r.find(" from "), r.find(':')));
+  };
+  if (std::none_of(remarks.begin(), remarks.end(),
+                   [&](const std::string& r) { return about(r) == about(remark); }))
+    remarks.push_back(remark);
+}
+
+DrawingRecord MovingDrawing::record() const {
+  DrawingRecord record = record_;
+  record.walls = blocked_.parts();
+  return record;
+}
+
+}  // namespace impedraw

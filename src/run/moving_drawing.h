@@ -1,0 +1,64 @@
+// A drawing on a canvas that moves: what is drawn, and when, is decided by a forecast of its motion
+// (carried_plan.h).
+//
+// The arm first rests while the cameras watch the canvas. The pen waits, up and at rest, for a
+// stroke to come into reach; after kMostWait the stroke is given up. A stroke during which the
+// canvas leaves the reach is given up after kMostLeft attempts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/run/blocked_places.h"
+#include "impedraw/run/drawing_task.h"
+
+namespace impedraw {
+
+class MovingDrawing : public DrawingTask {
+ public:
+  static constexpr double kMostWait = 45.0;  // [s]
+  static constexpr int kMostLeft = 3;
+  static constexpr int kMostLosses = 20;  // of the canvas, in one pass
+
+  // first_time: of the run, where an earlier one left off [s].
+  MovingDrawing(Experiment& experiment, double first_time);
+
+  Move next(const Situation& situation) override;
+  DrawingRecord record() const override;
+
+ private:
+  enum class Stage { begin, raised, watched, decide, risen, waited, drawn };
+
+  // Each takes in what the last move did. Nothing: decide what comes next.
+  std::optional<Move> end_of_watch(const Situation& now);
+  std::optional<Move> end_of_wait(const Situation& now);
+  std::optional<Move> end_of_path(const Situation& now);
+
+  Move decide(const Situation& now);
+  Move draw(CarriedDecision decision);
+  Move wait(const Situation& now);
+  CarriedDecision decision_for(const std::vector<StrokePart>& parts, const Situation& now);
+  CanvasForecast forecast(const Situation& now) const;
+  void begin_pass(std::vector<StrokePart> parts);
+  std::vector<StrokePart> left_by(const InkWatch& ink) const;
+  // Leaves them out; or the end of the drawing, where it must be drawn as a whole.
+  std::optional<Move> give_up(const std::vector<UnreachedPart>& lost);
+  void remark_on(const std::string& remark);
+
+  Experiment& e_;
+  CarriedPlan plan_;
+  double first_time_;
+  Stage stage_ = Stage::begin;  // what the last move was for
+  bool again_ = false;
+  std::vector<StrokePart> pending_;  // in this pass
+  CarriedDecision decision_;         // the last one
+  BlockedPlaces blocked_;
+  DrawingRecord record_;
+  double wait_began_ = 0.0;  // [s]
+  double waited_ = 0.0;      // since a path was begun [s]
+  int losses_ = 0;           // of the canvas, in this pass
+  int left_reach_ = 0;       // times that the canvas took the pen out of reach
+};
+
+}  // namespace impedraw

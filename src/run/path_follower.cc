@@ -1,0 +1,110 @@
+#include "impedraw/run/path_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace impedraw {
+
+namespace {
+
+ClockSettings clock_settings(const Experiment& e) {
+  ClockSettings settings;
+  if (e.scene.by_touch()) settings.patience = 2.0 * longest_search(e.control.impedance);
+  return settings;
+}
+
+}  // namespace
+
+PathFollower::PathFollower(Experiment& e, const DrivenArm& arm, const Move& move)
+    : e_(e),
+      arm_(arm),
+      move_(move),
+      begin_(arm.time()),
+      clock_(clock_settings(e), e.control.impedance.timing.dt),
+      odometer_(move.path) {
+  if (e.scene.perception && !arm.loop().canvas().follows())
+    forecast_ = JointForecast(e.scene.arm, move.path, arm.state().q, e.plan.rest_q,
+                              e.plan.path_settings.joint_speed_share);
+  if (move.touch) move.touch->search->begin_stroke();
+}
+
+bool PathFollower::goes_on(long cycles) const {
+  const double dt = e_.control.impedance.timing.dt;
+  return cycles < std::lround(std::ceil((path().duration() + clock_.lag()) / dt));
+}
+
+std::optional<PathSample> PathFollower::sample(bool up, const std::function<bool()>& holds) {
+  planned_ = arm_.time() - begin_ - clock_.lag();
+  PathSample desired = path().at(planned_);
+  while (!up && followed_ < path().strokes().size() && path().strokes()[followed_].end <= planned_)
+    ++followed_;
+  const bool between = last_phase_ == Phase::lift && desired.phase == Phase::travel;
+  if (move_.holds && !up && followed_ > 0 && between && !holds()) return std::nullopt;
+  last_phase_ = desired.phase;
+  const bool was_down = std::exchange(down_, desired.reference.pen_down);
+  if (move_.touch) {
+    if (was_down && !down_ && !up) return std::nullopt;
+    desired.reference = move_.touch->search->at_touched_height(desired.reference, arm_.out().mode,
+                                                               arm_.loop().terms().X_WE.p);
+  }
+  if (const std::optional<double>& height = e_.scenario.drawing.dry_run) {
+    desired.reference.p_WD += *height * e_.control.impedance.surface.drawing_axis_W;
+    desired.reference.pen_down = false;
+  }
+  desired.reference = clock_.scaled(desired.reference);
+  return desired;
+}
+
+void PathFollower::advance(const Cycle& cycle, bool held) {
+  PenDeviation pen = deviation(cycle);
+  pen.paused = held;
+  clock_.advance(pen);
+}
+
+bool PathFollower::advance_by_touch(const Cycle& cycle, const ControlLoop& loop, bool paused) {
+  PenDeviation pen;
+  pen.paused = paused;
+  if (!move_.touch->search->update(cycle.desired, cycle.out, loop, &pen)) return false;
+  clock_.advance(pen);
+  return true;
+}
+
+// How far the pen is from what the plan asks of it.
+PenDeviation PathFollower::deviation(const Cycle& cycle) const {
+  PenDeviation pen;
+  if (!e_.scene.perception) return pen;
+  const ImpedanceTorque& out = cycle.out;
+  pen.limit = forecast_.limit(planned_);
+  pen.joint = (cycle.arm.v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
+  if (cycle.desired.stroke < 0) return pen;
+  pen.waits = out.mode == ContactMode::approach;
+  pen.tilt = smallest_rotation(cycle.arm.X_WE.R.col(2), -out.axis_WD).norm();
+  if (out.mode != ContactMode::contact) return pen;
+  pen.tip = cycle.behind().norm();
+  pen.normal_speed = out.n_WD.dot(cycle.velocity_on_canvas()) - out.rise;
+  if (e_.control.impedance.wrench == WrenchFeedback::measured && out.push > 0.0)
+    pen.force = (cycle.normal_force() - out.push) / out.push;
+  return pen;
+}
+
+bool PathFollower::passes_last_stroke(const Cycle& cycle) {
+  if (past_ || !cycle.canvas.joined() || cycle.out.mode != ContactMode::free ||
+      planned_ <= path().strokes().back().end)
+    return false;
+  return past_ = true;
+}
+
+RunProgress PathFollower::progress(double run_time) const {
+  RunProgress progress{run_time,   0, 0, 0.0, 0.0, std::min(1.0, planned_ / path().duration()),
+                       move_.again};
+  odometer_.read(planned_, &progress);
+  if (const std::optional<TouchedStroke>& one = move_.touch) {
+    progress.stroke += one->before;
+    progress.strokes = one->all;
+    progress.share = (one->before + progress.share) / one->all;
+  }
+  return progress;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,82 @@
+#include "impedraw/run/remaining.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "impedraw/experiment/preflight_of_plan.h"
+
+namespace impedraw {
+
+bool overlaps(const StrokePart& part, const std::vector<StrokePart>& others) {
+  return std::any_of(others.begin(), others.end(), [&part](const StrokePart& other) {
+    return other.stroke == part.stroke && other.from < part.to && part.from < other.to;
+  });
+}
+
+std::vector<PlacedStroke> strokes_of(const Experiment& e, const std::vector<StrokePart>& parts) {
+  std::vector<PlacedStroke> strokes;
+  for (const StrokePart& part : parts) {
+    const PlacedStroke& whole = e.plan.strokes[static_cast<std::size_t>(part.stroke)];
+    strokes.push_back(part.from <= 0.0 && part.to >= plane_length(whole)
+                          ? whole
+                          : part_of(whole, part.from - kRedrawOverlap, part.to + kRedrawOverlap));
+  }
+  return strokes;
+}
+
+std::vector<StrokePart> remaining(const Experiment& e, const InkWatch& ink,
+                                  const std::vector<StrokePart>& given_up) {
+  std::vector<StrokePart> done = ink.parts();
+  done.insert(done.end(), given_up.begin(), given_up.end());
+  return rest_of(e.plan.strokes, done, kShortestGap);
+}
+
+TipPath path_for(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_KE,
+                 const Eigen::Vector3d& n_K, double hold) {
+  return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_KE, n_K, hold,
+                   stroke_limits(e.scene, e.plan));
+}
+
+void take_out(const Experiment& e, const OffSurface& off, std::vector<StrokePart>* parts) {
+  const double at = nearest_place(e.plan.strokes[static_cast<std::size_t>(off.stroke)], off.p);
+  std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
+  done.push_back({off.stroke, at - OffSurface::kAbout, at + OffSurface::kAbout});
+  std::vector<StrokePart> left = rest_of(e.plan.strokes, done, kShortestGap);
+  if (plane_length(strokes_of(e, left)) >= plane_length(strokes_of(e, *parts))) throw;
+  *parts = std::move(left);
+}
+
+TipPath path_without_misses(Experiment& e, std::vector<StrokePart>* parts,
+                            const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold) {
+  return without_misses(e, parts, [&](const std::vector<StrokePart>& left) {
+    return left.empty() ? TipPath{} : path_for(e, left, p_KE, n_K, hold);
+  });
+}
+
+std::optional<TipPath> path_around(Experiment& e, const JointVector& q, const Pose& X_KE,
+                                   const InkWatch& ink, BlockedPlaces* blocked) {
+  PreflightSettings checks =
+      preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception != nullptr, e.plan.rest_q);
+  checks.height_error = height_error(e.scene);
+  while (true) {
+    std::vector<StrokePart> parts = remaining(e, ink, blocked->parts());
+    TipPath path = path_without_misses(e, &parts, X_KE.p, -X_KE.R.col(2), 0.0);
+    if (parts.empty()) return std::nullopt;
+    if (!e.scenario.preflight.arm) return path;
+    std::vector<PlacedStroke> strokes = strokes_of(e, parts);
+    for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].number = static_cast<int>(i);
+    const std::vector<Finding> barred =
+        check_transitions(path, strokes, e.scene.arm, e.scene.obstacle.get(), q, checks);
+    if (barred.empty()) return path;
+    for (const Finding& f : barred) {
+      const StrokePart& stroke = parts[static_cast<std::size_t>(f.part.stroke)];
+      if (f.way == WayEnd::none)
+        blocked->add_unreached({stroke.stroke, f.part.from, f.part.to});
+      else
+        blocked->add_stroke(stroke);
+    }
+  }
+}
+
+}  // namespace impedraw

@@ -1,0 +1,149 @@
+// The moves that drawings answer with. No arm moves: a made-up pen follows, is blocked, or loses
+// the canvas.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/run/moving_drawing.h"
+#include "impedraw/run/remaining.h"
+#include "impedraw/run/standing_drawing.h"
+#include "impedraw/run/touched_drawing.h"
+#include "run/prepared.h"
+
+namespace impedraw {
+namespace {
+
+using testing::HasSubstr;
+
+// A pen at the end of the plan's way in, on a canvas in its place.
+struct MadeUpPen {
+  explicit MadeUpPen(Experiment& e) : experiment(e) {
+    pen.q = e.scene.start_q;
+    pen.X_WE = e.scene.arm.tip_pose(pen.q);
+  }
+  // Ink along a part of a stroke.
+  void inks(int stroke, double from, double to) {
+    ink.add(stroke, from, true);
+    ink.add(stroke, to, true);
+    ink.add(-1, 0.0, false);
+  }
+  void inks_all() {
+    for (std::size_t i = 0; i < experiment.plan.strokes.size(); ++i)
+      inks(static_cast<int>(i), 0.0, plane_length(experiment.plan.strokes[i]));
+  }
+  Situation now() const { return {pen, canvas, nullptr, history, ink, last}; }
+
+  Experiment& experiment;
+  CarriedPen pen;
+  CanvasStatus canvas = CanvasStatus::ok;
+  CanvasHistory history{Eigen::Vector3d::Zero()};
+  InkWatch ink;
+  PathEnd last;
+};
+
+TEST(StandingDrawing, DrawsItsPlanAndEnds) {
+  Experiment e = prepared("bowl-sine");
+  StandingDrawing drawing(e, e.plan.path);
+  MadeUpPen pen(e);
+  const Move move = drawing.next(pen.now());
+  EXPECT_EQ(move.kind, Move::Kind::draw);
+  EXPECT_EQ(move.path.duration(), e.plan.path.duration());
+  EXPECT_FALSE(move.again);
+  pen.inks_all();
+  const Move end = drawing.next(pen.now());
+  EXPECT_EQ(end.kind, Move::Kind::end);
+  EXPECT_EQ(end.cause, "");
+  EXPECT_TRUE(drawing.record().drawn_again.empty());
+}
+
+TEST(StandingDrawing, DrawsAGapOnceMore) {
+  Experiment e = prepared("bowl-sine");
+  StandingDrawing drawing(e, e.plan.path);
+  MadeUpPen pen(e);
+  drawing.next(pen.now());
+  const double length = plane_length(e.plan.strokes[0]);
+  pen.inks(0, 0.0, 0.3 * length);
+  pen.inks(0, 0.4 * length, length);
+  const Move move = drawing.next(pen.now());
+  ASSERT_EQ(move.kind, Move::Kind::draw);
+  EXPECT_TRUE(move.again);
+  ASSERT_EQ(drawing.record().drawn_again.size(), 1u);
+  EXPECT_NEAR(drawing.record().drawn_again[0].from, 0.3 * length, 1e-12);
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::end) << "once";
+}
+
+TEST(StandingDrawing, GoesOnBehindABlockedPlaceAndDoesNotDrawItAgain) {
+  Experiment e = prepared("bowl-sine");
+  StandingDrawing drawing(e, e.plan.path);
+  MadeUpPen pen(e);
+  drawing.next(pen.now());
+  const double length = plane_length(e.plan.strokes[0]), at = 0.5 * length;
+  pen.inks(0, 0.0, at - BlockedPlaces::kBefore);
+  pen.last.blocked = StrokePart{0, at, at};
+  const Move around = drawing.next(pen.now());
+  ASSERT_EQ(around.kind, Move::Kind::draw);
+  EXPECT_FALSE(around.again);
+  ASSERT_EQ(around.path.strokes().size(), 1u);
+  EXPECT_LT(around.path.strokes()[0].length, 1.5 * e.plan.path.strokes()[0].length / 2.0);
+  pen.inks(0, at + BlockedPlaces::kBeyond, length);
+  pen.last = {};
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::end);
+  ASSERT_EQ(drawing.record().walls.size(), 1u);
+}
+
+TEST(TouchedDrawing, GoesStrokeByStrokeThenUp) {
+  Experiment e =
+      prepared("bowl-sine-touch", {"drawing.text.text=il", "drawing.placement.width=20"});
+  TouchedDrawing drawing(e, e.plan.strokes);
+  MadeUpPen pen(e);
+  const int strokes = static_cast<int>(e.plan.strokes.size());
+  ASSERT_GE(strokes, 2);
+  for (int i = 0; i < strokes; ++i) {
+    const Move move = drawing.next(pen.now());
+    ASSERT_EQ(move.kind, Move::Kind::draw);
+    EXPECT_EQ(move.touch->before, i);
+    EXPECT_EQ(move.touch->all, strokes);
+    if (i == 0) pen.inks(0, 0.0, plane_length(e.plan.strokes[0]));
+  }
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::lift);
+  for (int i = 1; i < strokes; ++i) {
+    const Move move = drawing.next(pen.now());
+    ASSERT_EQ(move.kind, Move::Kind::draw);
+    EXPECT_TRUE(move.again);
+    EXPECT_EQ(move.touch->all, strokes - 1);
+  }
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::lift);
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::end);
+}
+
+TEST(MovingDrawing, WatchesFirstAndEndsIfNoCameraSeesTheCanvas) {
+  Experiment e = prepared("standing-noisy");
+  MovingDrawing drawing(e, 0.0);
+  MadeUpPen pen(e);
+  pen.pen.time = 0.25;
+  const Move watch = drawing.next(pen.now());
+  EXPECT_EQ(watch.kind, Move::Kind::wait);
+  EXPECT_EQ(watch.until, 0.25 + e.scenario.perception.watch);
+  pen.canvas = CanvasStatus::lost;
+  const Move end = drawing.next(pen.now());
+  EXPECT_EQ(end.kind, Move::Kind::end);
+  EXPECT_THAT(end.cause, HasSubstr("no camera saw three marks of the canvas"));
+}
+
+TEST(MovingDrawing, GivesAStrokeUpThatLeavesTheReachTimeAndAgain) {
+  Experiment e = prepared("standing-noisy", {"drawing.skip_unreachable=true"});
+  MovingDrawing drawing(e, 5.0);
+  MadeUpPen pen(e);
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::lift) << "of a resumed run";
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::wait);
+  pen.last.left_reach = true;
+  for (int i = 0; i < MovingDrawing::kMostLeft; ++i) {
+    ASSERT_EQ(drawing.next(pen.now()).kind, Move::Kind::draw);
+    EXPECT_TRUE(drawing.record().unreached.empty());
+  }
+  drawing.next(pen.now());
+  ASSERT_EQ(drawing.record().unreached.size(), 1u);
+  EXPECT_THAT(drawing.record().unreached[0].text, HasSubstr("left the arm's reach at t = 5.0"));
+}
+
+}  // namespace
+}  // namespace impedraw

@@ -1,0 +1,205 @@
+// Monitors that judge whole cycles, against the times and distances of their headers.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/run/monitors/canvas_monitor.h"
+#include "impedraw/run/monitors/rattle_monitor.h"
+#include "impedraw/run/monitors/reach_monitor.h"
+#include "impedraw/run/monitors/speed_monitor.h"
+#include "impedraw/run/monitors/state_monitor.h"
+#include "impedraw/run/monitors/step_time_monitor.h"
+#include "impedraw/run/monitors/tare_monitor.h"
+#include "impedraw/run/second_chance.h"
+#include "made_up_cycle.h"
+
+namespace impedraw {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// Cycles until judge() says something, and what it says.
+template <class Judge>
+int cycles_until(Judge&& judge, Verdict* said) {
+  for (int n = 1; n <= 100000; ++n) {
+    *said = judge();
+    if (*said) return n;
+  }
+  return -1;
+}
+
+TEST(StateMonitor, EndsARunWithoutAUsableStateForItsTime) {
+  MadeUpCycle made;
+  StateMonitor monitor;
+  Verdict said;
+  made.out.status.stale_state = true;
+  const auto judge = [&] { return monitor.judge(made.next(), ""); };
+  EXPECT_NEAR(cycles_until(judge, &said), kBadStateTime / MadeUpCycle::kDt, 1.5);
+  EXPECT_EQ(said.severity, Severity::lose);
+  EXPECT_THAT(said.cause, StartsWith("the controller was given joint states that are stale"));
+
+  StateMonitor other;
+  made.out.status = {};
+  EXPECT_FALSE(other.judge(made.next(), ""));
+  EXPECT_EQ(other.judge(made.next(), "no connection").cause, "no connection");
+  made.out.status.bad_input = true;
+  made.arm.v[0] = std::nan("");
+  EXPECT_GT(cycles_until([&] { return other.judge(made.next(), ""); }, &said), 100);
+  EXPECT_THAT(said.cause, HasSubstr("numbers that are not finite, as joint velocities, for 0.2 s"));
+}
+
+TEST(TareMonitor, AllowsForTheRestAndForAMotionBefore) {
+  for (const double moved : {0.0, 0.5}) {
+    MadeUpCycle made;
+    made.tared = false;
+    TareMonitor monitor(1.0, 0.2);
+    if (moved > 0.0) monitor.moves_first(moved);
+    Verdict said;
+    const int n = cycles_until([&] { return monitor.judge(made.next()); }, &said);
+    EXPECT_NEAR(n * MadeUpCycle::kDt, 1.0 + moved, 2.5 * MadeUpCycle::kDt);
+    EXPECT_EQ(said.severity, Severity::lose);
+    made.tared = true;
+    EXPECT_FALSE(monitor.judge(made.next()));
+  }
+}
+
+TEST(StepTimeMonitor, LiftsThePenAfterAStall) {
+  MadeUpCycle made;
+  StepTimeMonitor monitor;
+  EXPECT_FALSE(monitor.judge(made.next()));
+  made.step_time = 0.05;
+  const Verdict said = monitor.judge(made.next());
+  EXPECT_EQ(said.severity, Severity::lift);
+  EXPECT_EQ(said.end, RunEnd::stopped);
+  EXPECT_EQ(said.cause, "a control step took too long at t = 0.001 s; the pen was lifted");
+}
+
+TEST(SpeedMonitor, NamesTheJointAndLetsTheDrawingGoOn) {
+  MadeUpCycle made;
+  SpeedMonitor monitor(Eigen::VectorXd::Constant(1, 2.0), {"joint_4"});
+  made.arm.v[0] = 2.6;  // 1.3 of the limit
+  made.out.status.torque_limited = true;
+  Verdict said;
+  EXPECT_NEAR(cycles_until([&] { return monitor.judge(made.next()); }, &said), 3, 1);
+  EXPECT_EQ(said.severity, Severity::brake);
+  EXPECT_EQ(said.end, RunEnd::finished);
+  EXPECT_EQ(said.calm, JointSpeedShares::kCalm);
+  EXPECT_THAT(said.cause,
+              StartsWith("joint_4 was above its speed limit of 2.00 rad/s at t = 0.00"));
+  EXPECT_THAT(said.cause, HasSubstr(", with torques at their limits"));
+}
+
+// Wires, at heights that differ, are left if walls are felt; a canvas that is too stiff is not.
+TEST(RattleMonitor, LeavesAPlaceThatCamerasDoNotResolveAndEndsAtAStiffCanvas) {
+  const auto verdict = [](double height, bool feels) {
+    MadeUpCycle made;
+    made.out.mode = ContactMode::contact;
+    made.out.push = 5.0;
+    RattleMonitor monitor(4e4, feels);
+    Verdict said;
+    int i = 0;
+    cycles_until(
+        [&] {
+          const bool touches = ++i % 20 == 0;
+          made.F_ext.head<3>() = (touches ? 200.0 : 0.0) * made.out.n_WD;
+          made.surface.distance = touches && i % 40 == 0 ? -height : 0.0;
+          return monitor.judge(made.next());
+        },
+        &said);
+    return said;
+  };
+  EXPECT_EQ(verdict(0.0, true).severity, Severity::brake);
+  EXPECT_EQ(verdict(1e-3, false).severity, Severity::brake);
+  EXPECT_THAT(verdict(0.0, true).cause, HasSubstr("contact_stiffness_max, 4e+04 N/m"));
+  const Verdict wires = verdict(1e-3, true);
+  EXPECT_EQ(wires.severity, Severity::lift);
+  EXPECT_EQ(wires.end, RunEnd::finished);
+}
+
+// A canvas that all cameras see.
+CanvasEstimate seen() {
+  CanvasEstimate estimate;
+  estimate.status = CanvasStatus::ok;
+  return estimate;
+}
+
+TEST(ReachMonitor, LetsGoOfACanvasThatRunsAway) {
+  for (const bool goes_on : {true, false}) {
+    MadeUpCycle made;
+    made.canvas = CanvasFollower([](double) { return seen(); });
+    ReachMonitor monitor(goes_on);
+    made.out.p_WD = made.arm.X_WE.p + Eigen::Vector3d(1.1 * ReachMonitor::kFar, 0.0, 0.0);
+    for (int i = 0; i < 1000; ++i)
+      ASSERT_FALSE(monitor.judge(made.next())) << "the pen does not move with the canvas";
+    made.canvas.update(0.0);
+    made.canvas.join({});
+    Verdict said;
+    const int n = cycles_until([&] { return monitor.judge(made.next()); }, &said);
+    EXPECT_NEAR(n * MadeUpCycle::kDt, ReachMonitor::kConfirm, 1.5 * MadeUpCycle::kDt);
+    EXPECT_EQ(said.severity, Severity::lift);
+    EXPECT_EQ(said.rise, Verdict::Rise::let_go);
+    EXPECT_EQ(said.end, goes_on ? RunEnd::finished : RunEnd::stopped);
+  }
+}
+
+TEST(CanvasMonitor, HoldsThePlanWhileTheCanvasIsLostAndLeavesThePathOnceItIsFound) {
+  CanvasStatus status = CanvasStatus::ok;
+  MadeUpCycle made;
+  made.canvas = CanvasFollower([&status](double) {
+    CanvasEstimate estimate = seen();
+    estimate.status = status;
+    return estimate;
+  });
+  CanvasMonitor monitor(false);
+  monitor.begin_path();
+  made.canvas.update(0.0);
+  made.canvas.join({});
+  EXPECT_FALSE(monitor.hold(made.next()));
+  EXPECT_FALSE(monitor.judge(made.next(), false));
+  status = CanvasStatus::lost;
+  made.canvas.update(0.1);
+  made.out.mode = ContactMode::retreat;
+  EXPECT_EQ(monitor.hold(made.next()).severity, Severity::hold);
+  EXPECT_FALSE(monitor.judge(made.next(), false));
+  EXPECT_TRUE(monitor.let_go());
+  status = CanvasStatus::ok;
+  made.canvas.update(0.2);
+  EXPECT_FALSE(monitor.hold(made.next()));
+  EXPECT_EQ(monitor.judge(made.next(), false).severity, Severity::leave);
+
+  status = CanvasStatus::lost;
+  made.canvas.update(0.3);
+  for (int i = 0; i < 60000; ++i)
+    ASSERT_LT(monitor.judge(made.next(), true).severity, Severity::lift) << "paused";
+  Verdict said;
+  const double before = monitor.waited();
+  const int n = cycles_until([&] { return monitor.judge(made.next(), false); }, &said);
+  EXPECT_NEAR(before + n * MadeUpCycle::kDt, CanvasMonitor::kMostWait, 0.01);
+  EXPECT_THAT(said.cause, StartsWith("no camera has known the canvas for 45 s"));
+}
+
+TEST(SecondChance, IsGivenToAnArmThatDrewWellAndAlone) {
+  const auto after = [](double drawn, double force, bool possible) {
+    MadeUpCycle made;
+    made.desired.stroke = 0;
+    made.inked = true;
+    SecondChance chance(possible);
+    for (double t = 0.0; t < drawn; t += MadeUpCycle::kDt) chance.update(made.next());
+    made.F_ext[0] = force;
+    made.inked = false;
+    for (int i = 0; i < 100; ++i) chance.update(made.next());
+    return chance;
+  };
+  EXPECT_TRUE(after(2.5, 10.0, true).given());
+  EXPECT_FALSE(after(1.5, 10.0, true).given()) << "it has hardly drawn";
+  EXPECT_FALSE(after(2.5, 30.0, true).given()) << "a hand pushes";
+  EXPECT_FALSE(after(2.5, 10.0, false).given());
+  SecondChance chance = after(2.5, 10.0, true);
+  chance.take();
+  EXPECT_FALSE(chance.given()) << "it has to draw again first";
+}
+
+}  // namespace
+}  // namespace impedraw
