@@ -122,6 +122,20 @@ fn contents(group: &Group) -> (usize, usize) {
     })
 }
 
+/// True if something of the group lies beyond the page.
+fn reaches_out(group: &Group, page: &Rect) -> bool {
+    let hair = 1e-5 * (page.width() + page.height());
+    group.children().iter().any(|node| match node {
+        Node::Group(group) => reaches_out(group, page),
+        Node::Text(text) => reaches_out(text.flattened(), page),
+        Node::Path(path) => {
+            let b = path.abs_bounding_box();
+            b.left() < -hair || b.top() < -hair || b.right() > page.right() + hair || b.bottom() > page.bottom() + hair
+        }
+        Node::Image(_) => false,
+    })
+}
+
 /// The area that a stroke covers, in the path's own unit.
 fn stroked_area(path: &Path, stroke: &Stroke, ts: Transform) -> Option<usvg::tiny_skia_path::Path> {
     let mut pen = stroke.to_tiny_skia();
@@ -193,8 +207,8 @@ impl Outlines {
         outlines.size = (width as f64 * MM_PER_PX, height as f64 * MM_PER_PX);
         let root = xml.root_element();
         let has_page = root.has_attribute("viewBox") || (root.has_attribute("width") && root.has_attribute("height"));
-        let (box_, page) = (tree.root().abs_stroke_bounding_box(), Rect::from_xywh(0.0, 0.0, width, height));
-        if let Some(page) = page.filter(|p| has_page && p.join(&box_) != Some(*p)) {
+        let page = Rect::from_xywh(0.0, 0.0, width, height);
+        if let Some(page) = page.filter(|page| has_page && reaches_out(tree.root(), page)) {
             outlines.clips.push(SvgClip { parent: 0, mask: 0 });
             outlines.page_clip = 1;
             let shape = SvgPath { shapes: 1, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() };
