@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@
 #include "impedraw/common/input_file.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/dashes.h"
+#include "impedraw/drawing/layers.h"
+#include "impedraw/drawing/order.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
@@ -45,6 +48,9 @@ void print_artwork(const std::filesystem::path& file, const nlohmann::ordered_js
   for (const auto& layer : found["layers"])
     say(stdout, "  layer        {}: {} strokes\n", layer["name"].get<std::string>(),
         layer["strokes"].get<std::size_t>());
+  for (const auto& colour : found["colours"])
+    say(stdout, "  colour       {}: {} strokes, {:.1f} mm\n", colour["name"].get<std::string>(),
+        colour["strokes"].get<std::size_t>(), colour["length_mm"].get<double>());
   for (const auto& warning : found["warnings"])
     say(stdout, "  warning      {}\n", warning.get<std::string>());
 }
@@ -106,9 +112,11 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   const Artwork artwork = read_artwork(file, fine());
   const Eigen::AlignedBox2d box = bounds_of(artwork.strokes);
   std::vector<std::size_t> strokes(artwork.layers.size(), 0);
+  std::map<std::uint32_t, std::vector<Stroke>> colours;
   std::size_t dash_count = 0;
   for (const Stroke& stroke : artwork.strokes) {
     ++strokes.at(stroke.layer);
+    colours[stroke.colour].push_back(stroke);
     dash_count += stroke.dash >= 0;
   }
   const StrokeStatistics statistics = stroke_statistics(artwork.strokes);
@@ -122,6 +130,11 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
   for (std::size_t i = 0; i < artwork.layers.size(); ++i)
     found["layers"].push_back(
         nlohmann::ordered_json{{"name", artwork.layers[i]}, {"strokes", strokes[i]}});
+  found["colours"] = nlohmann::ordered_json::array();
+  for (const auto& [colour, of_colour] : colours)
+    found["colours"].push_back(nlohmann::ordered_json{{"name", colour_name(colour)},
+                                                      {"strokes", of_colour.size()},
+                                                      {"length_mm", pen_down_length(of_colour)}});
   found["warnings"] = artwork.warnings;
   if (dash_count > 0) {
     const StrokeStatistics broken = stroke_statistics(dashed(artwork.strokes, artwork.dashes));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 #include <utility>
 
@@ -11,25 +12,26 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kParallel = 0.035;      // [rad]
-constexpr double kLeastRun = 4;          // run that is removed, in distances
-constexpr double kMostPairs = 1e8;       // then what is left stays as it is
-constexpr double kCellsPerStroke = 1e4;  // a longer one's segments are looked for in larger cells
+constexpr double kParallel = 0.035;  // [rad]
+constexpr int kDirections = 90;      // of half a turn, each as wide as kParallel
+constexpr double kLeastRun = 4;      // run that is removed, in distances
+constexpr double kMostPairs = 1e8;   // then what is left stays as it is
+constexpr double kLongCells = 10;    // along the drawing's diagonal
 
 struct DrawnPart {
   Vector2d a, b;
   int layer;
 };
 
-// Segments that are drawn, by the cells that they pass.
+// Segments that are drawn, by direction and by cells that are long in that direction.
 class Drawn {
  public:
   double pairs = 0;  // that were compared
 
-  explicit Drawn(double cell) : cell_(cell) {}
+  Drawn(double wide, double longer) : size_(longer, wide) {}
 
   void add(const DrawnPart& segment) {
-    each_cell(segment.a, segment.b,
+    each_cell(segment, direction_of(segment), 0,
               [&](long key) { cells_[key].push_back(static_cast<int>(segments_.size())); });
     segments_.push_back(segment);
   }
@@ -40,14 +42,17 @@ class Drawn {
     const Vector2d along = s.b - s.a;
     const double length = along.norm();
     std::vector<int> near;
-    each_cell(s.a, s.b, [&](long key) {
-      const auto found = cells_.find(key);
-      if (found != cells_.end())
-        near.insert(near.end(), found->second.begin(), found->second.end());
-    });
+    for (int turn = -1; turn <= 1; ++turn) {
+      const int direction = (direction_of(s) + turn + kDirections) % kDirections;
+      each_cell(s, direction, distance, [&](long key) {
+        const auto found = cells_.find(key);
+        if (found != cells_.end())
+          near.insert(near.end(), found->second.begin(), found->second.end());
+      });
+    }
+    pairs += static_cast<double>(near.size());
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
-    pairs += static_cast<double>(near.size());
     for (const int i : near) {
       const DrawnPart& other = segments_[i];
       const Vector2d way = other.b - other.a;
@@ -65,27 +70,26 @@ class Drawn {
   }
 
  private:
+  static int direction_of(const DrawnPart& s) {
+    const Vector2d along = s.b - s.a;
+    const double share = std::atan2(along.y(), along.x()) / std::numbers::pi;  // -1 to 1
+    return (static_cast<int>(std::lround(share * kDirections)) + kDirections) % kDirections;
+  }
+
   template <class Do>
-  void each_cell(const Vector2d& a, const Vector2d& b, Do&& act) const {
-    const Vector2d low = a.cwiseMin(b) / cell_, high = a.cwiseMax(b) / cell_;
-    for (double y = std::floor(low.y() - 0.1); y <= high.y() + 0.1; ++y) {
-      // only the cells beside the line
-      const double slope = b.y() - a.y();
-      double left = low.x(), right = high.x();
-      if (std::abs(slope) > cell_) {
-        const double t0 = ((y - 0.2) * cell_ - a.y()) / slope,
-                     t1 = ((y + 1.2) * cell_ - a.y()) / slope;
-        const double x0 = (a.x() + t0 * (b.x() - a.x())) / cell_,
-                     x1 = (a.x() + t1 * (b.x() - a.x())) / cell_;
-        left = std::max(left, std::min(x0, x1));
-        right = std::min(right, std::max(x0, x1));
-      }
-      for (double x = std::floor(left - 0.1); x <= right + 0.1; ++x)
-        act(static_cast<long>(x) * 4'000'037L + static_cast<long>(y));
+  void each_cell(const DrawnPart& s, int direction, double spare, Do&& act) const {
+    const double angle = direction * std::numbers::pi / kDirections;
+    const Vector2d along(std::cos(angle), std::sin(angle));
+    const Vector2d a(along.dot(s.a), cross(along, s.a)), b(along.dot(s.b), cross(along, s.b));
+    const Vector2d low = (a.cwiseMin(b).array() - spare) / size_.array(),
+                   high = (a.cwiseMax(b).array() + spare) / size_.array();
+    for (double y = std::floor(low.y()); y <= high.y(); ++y) {
+      for (double x = std::floor(low.x()); x <= high.x(); ++x)
+        act((static_cast<long>(x) * 4'000'037L + static_cast<long>(y)) * kDirections + direction);
     }
   }
 
-  double cell_;
+  Vector2d size_;  // of a cell [mm], along and across
   std::vector<DrawnPart> segments_;
   std::unordered_map<long, std::vector<int>> cells_;
 };
@@ -93,12 +97,10 @@ class Drawn {
 }  // namespace
 
 double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
-  Eigen::AlignedBox2d box;
-  for (const Stroke& stroke : strokes) {
-    for (const Vector2d& p : stroke.points) box.extend(p);
-  }
+  const Eigen::AlignedBox2d box = bounds_of(strokes);
   if (box.isEmpty() || !(distance_mm > 0)) return 0;
-  Drawn drawn(std::max(10 * distance_mm, box.diagonal().norm() / kCellsPerStroke));
+  const double diagonal = box.diagonal().norm();
+  Drawn drawn(std::max(10 * distance_mm, diagonal / 1e4), diagonal / kLongCells);
   double removed = 0;
   std::vector<Stroke> kept;
   for (Stroke& stroke : strokes) {

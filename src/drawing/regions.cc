@@ -41,28 +41,34 @@ Outlines from_clipper(const cl::Paths& paths, const Vector2d& centre, double fin
   return outlines;
 }
 
-// Edges whose boxes overlap may cross.
+// Before an operation: what it takes grows with the edges that cross.
 void require_few_crossings(const std::vector<cl::Path>& paths) {
-  struct EdgeBox {
-    cl::cInt low, high, left, right;
+  struct Edge {
+    Vector2d a, b;
+    double low, high;
   };
-  std::vector<EdgeBox> edges;
+  std::vector<Edge> edges;
   for (const cl::Path& path : paths) {
     for (std::size_t i = 0; i < path.size(); ++i) {
       const cl::IntPoint &p = path[i], &q = path[(i + 1) % path.size()];
-      edges.push_back(
-          {std::min(p.Y, q.Y), std::max(p.Y, q.Y), std::min(p.X, q.X), std::max(p.X, q.X)});
+      const Vector2d a(static_cast<double>(p.X), static_cast<double>(p.Y)),
+          b(static_cast<double>(q.X), static_cast<double>(q.Y));
+      edges.push_back({a, b, std::min(a.y(), b.y()), std::max(a.y(), b.y())});
     }
   }
   const double count = static_cast<double>(edges.size());
   if (count * count / 2 < kMostCrossings) return;
   std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
   double crossings = 0;
-  std::vector<EdgeBox> alive;
-  for (const EdgeBox& edge : edges) {
-    std::erase_if(alive, [&](const EdgeBox& other) { return other.high < edge.low; });
-    for (const EdgeBox& other : alive)
-      crossings += other.left <= edge.right && edge.left <= other.right;
+  const auto apart = [](const Edge& edge, const Edge& other) {  // on the two sides of its line
+    const Vector2d along = edge.b - edge.a;
+    return (cross(along, Vector2d(other.a - edge.a)) > 0) !=
+           (cross(along, Vector2d(other.b - edge.a)) > 0);
+  };
+  std::vector<Edge> alive;
+  for (const Edge& edge : edges) {
+    std::erase_if(alive, [&](const Edge& other) { return other.high < edge.low; });
+    for (const Edge& other : alive) crossings += apart(edge, other) && apart(other, edge);
     alive.push_back(edge);
     if (crossings > kMostCrossings) throw InputError("outlines cross one another too often");
   }

@@ -306,9 +306,9 @@ void look_at(Painting painting, bool as_painted, Artwork& artwork) {
         fmt::format("{:.1f} mm of lines lie on others: drawn once", artwork.doubled_mm));
   }
   if (artwork.hidden_mm >= 0.05) {
-    artwork.warnings.push_back(fmt::format(
-        "{:.1f} mm of lines are hidden by fills, clip paths, masks or the page's edge: left out",
-        artwork.hidden_mm));
+    artwork.warnings.push_back(
+        fmt::format("{:.1f} mm of lines are hidden by fills, clip paths or masks: left out",
+                    artwork.hidden_mm));
   }
   if (!as_painted && !shared->clips.empty())
     artwork.warnings.push_back("clip paths and masks are passed over: what they hide is drawn");

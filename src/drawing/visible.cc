@@ -18,8 +18,9 @@ using Eigen::Vector2d;
 constexpr double kHair = 3e-6;       // width of a border, relative to the drawing's diagonal
 constexpr double kLevels = 255;      // of a mask's luminance
 constexpr std::size_t kMerged = 24;  // covers over one paint that are united for the next ones
-constexpr int kCells = 64;           // of the index of covers, along each side
-constexpr double kThinRim = 0.02;    // of a stroke's width: what is left of it is too thin to draw
+constexpr std::size_t kMostRegions = 500;  // of clips that are kept
+constexpr int kCells = 64;                 // of the index of covers, along each side
+constexpr double kThinRim = 0.02;  // of a stroke's width: what is left of it is too thin to draw
 
 // A part of a line, and the length before it.
 struct Piece {
@@ -187,8 +188,10 @@ class Eye {
     const Clip& c = clips_[clip];
     std::map<int, Outlines> levels;  // by luminance; where none is, it is 0
     Outlines all;
+    // A single shape is its own region: the rest of what follows is for more.
+    const bool single = !c.mask && c.shapes.size() == 1 && !c.shapes[0].area.even_odd;
     for (const ClipShape& shape : c.shapes) {
-      Outlines region = math_.region(shape.area);
+      Outlines region = single ? shape.area.outlines : math_.region(shape.area);
       if (shape.clip >= 0) region = math_.common(region, shown_by(shape.clip).region);
       if (!c.mask) {
         all.insert(all.end(), region.begin(), region.end());
@@ -212,7 +215,7 @@ class Eye {
     for (const auto& [level, part] : levels) {
       if (level > kLevels / 2) all.insert(all.end(), part.begin(), part.end());
     }
-    Outlines shown = math_.united(all);
+    Outlines shown = single ? std::move(all) : math_.united(all);
     if (c.parent >= 0) shown = math_.common(shown, shown_by(c.parent).region);
     RegionIndex index(shown);
     return regions_.emplace(clip, Shown{std::move(shown), std::move(index)}).first->second;
@@ -232,6 +235,7 @@ class Eye {
   }
 
   void look_at(std::size_t index) {
+    if (regions_.size() > kMostRegions) regions_.clear();
     Paint& paint = paints_[index];
     AlignedBox2d box = outlines_box(paint.area.outlines);
     box.extend(bounds_of(paint.strokes));

