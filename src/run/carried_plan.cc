@@ -46,7 +46,7 @@ TipPath CarriedPlan::plan(const std::vector<StrokePart>& parts, const Vector3d& 
                    stroke_limits(e_.scene, e_.plan));
 }
 
-// Of the path, begun now.
+// The first fault of the path, if it is begun now.
 std::optional<CarriedFault> CarriedPlan::fault(const TipPath& path, const CanvasForecast& forecast,
                                                const CarriedPen& pen, double join) const {
   CarriedPath carried{&path, pen.time, [&](double time) { return forecast.at(time); }, {}};
@@ -119,7 +119,7 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
   const std::optional<CarriedFault> planned = fault(out.path, forecast, pen, out.join);
   if (!planned) return out;
 
-  // When each of them is in reach.
+  // The windows in which each stroke is in reach.
   const std::vector<StrokeTimes> times = out.path.strokes();
   const double count = static_cast<double>(times.size());
   const int places =
@@ -137,7 +137,7 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
     if (i > 0) between += (times[i].approach - times[i - 1].end) / (count - 1.0);
   }
 
-  // How a pen at rest in W gets there: it goes over to a place above the first point.
+  // A pen at rest in W goes over to a place above the first point.
   const Vector3d up = e_.artwork.X_WP.R.col(2);
   const double height = e_.plan.path_settings.safe_height + kAbove;
   const auto start_of = [&](std::size_t job) { return Vector3d(hover[job].p_WD + height * up); };

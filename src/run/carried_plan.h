@@ -1,4 +1,4 @@
-// What to draw next on a canvas that moves: the pre-flight over the envelope of its motion.
+// Decides what to draw next on a canvas that moves: the pre-flight over the envelope of its motion.
 //
 // The strokes are known in the canvas's frame K; where K will be is forecast from what has been
 // estimated (canvas_forecast.h). Before the first stroke, and again before each one, the plan is
@@ -20,9 +20,9 @@
 
 namespace impedraw {
 
-// Cannot be drawn, as the canvas moves.
+// A part that cannot be drawn, as the canvas moves.
 struct UnreachedPart {
-  StrokePart part;   // of the promised strokes
+  StrokePart part;   // piece of a promised stroke
   std::string text;  // "stroke 5 leaves the arm's reach at t = 12.3 s: 0.14 m short"
 };
 
@@ -33,18 +33,18 @@ struct CarriedDecision {
     nothing,  // no stroke is left that can be drawn
   } kind = Kind::nothing;
   TipPath path;                   // in K
-  std::vector<StrokePart> parts;  // that it draws, in its order
+  std::vector<StrokePart> parts;  // parts that the path draws, in its order
   double join = 0.0;              // a pen at rest goes over to the path within this time [s]
   double until = 0.0;             // [s]
   std::optional<Eigen::Vector3d> place_W;  // where to wait; nothing: where the pen is [m]
-  std::string why;                         // it does not draw as planned
-  std::vector<UnreachedPart> lost;         // for good
+  std::string why;                         // reason for not drawing as planned
+  std::vector<UnreachedPart> lost;         // parts given up for good
   std::vector<std::string> remarks;        // "stroke 3 is in reach from 4.2 to 9.8 s"
 };
 
-// How the pen is at the time of the decision.
+// State of the pen at the time of the decision.
 struct CarriedPen {
-  double time = 0.0;  // of the driver's clock [s]
+  double time = 0.0;  // by the driver's clock [s]
   Pose X_WE, X_WK;    // X_WK: as estimated now
   JointVector q;
   bool joined = false;  // the pen moves with the canvas; else it rests in W
@@ -53,16 +53,16 @@ struct CarriedPen {
 class CarriedPlan {
  public:
   static constexpr double kHorizon = 40.0;  // [s]
-  static constexpr double kSure = 3.0;      // of motion explained, for a verdict to be final [s]
+  static constexpr double kSure = 3.0;      // explained motion after which a verdict is final [s]
 
-  // first_time: of the run, for messages [s].
+  // first_time: when the run began, for messages [s].
   CarriedPlan(Experiment& experiment, double first_time);
 
   // parts: what shall be drawn, in the planned order. Takes some milliseconds for each stroke.
   CarriedDecision decide(const std::vector<StrokePart>& parts, const CanvasForecast& forecast,
                          const CarriedPen& pen);
 
-  // Whether the path's next stroke can still be drawn; `planned`: of the path [s].
+  // Returns true if the path's next stroke can still be drawn; `planned`: the path's time [s].
   bool holds(const TipPath& path, double planned, const CanvasForecast& forecast,
              const CarriedPen& pen);
 

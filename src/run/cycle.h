@@ -10,10 +10,10 @@
 namespace impedraw {
 
 struct Cycle {
-  double time = 0.0;       // of the driver's clock, when the cycle began [s]
+  double time = 0.0;       // by the driver's clock, when the cycle began [s]
   double run_time = 0.0;   // the same, from the beginning of the first run [s]
   double dt = 0.0;         // [s]
-  double step_time = 0.0;  // of the control step before [s]
+  double step_time = 0.0;  // duration of the control step before [s]
   double state_age = 0.0;  // [s]
   const PathSample& desired;
   const ArmTerms& arm;
@@ -38,7 +38,7 @@ struct Cycle {
     const Eigen::Vector3d off = lag();
     return off - out.n_WD * out.n_WD.dot(off);
   }
-  // Of the tip, relative to a canvas that the pen moves with, in W [m/s].
+  // Tip velocity, relative to a canvas that the pen moves with, in W [m/s].
   Eigen::Vector3d velocity_on_canvas() const noexcept {
     const Eigen::Vector3d v = arm.V_WE.head<3>();
     const FrameMotion* const carrier = canvas.carrier();

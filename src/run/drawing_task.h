@@ -1,4 +1,4 @@
-// What a drawing decides: the next move of the pen, from the situation that the last one left.
+// A drawing task: decides the next move of the pen from the situation that the last one left.
 //
 // A drawing on a surface that stands (standing_drawing.h), one on a surface that is found by touch
 // (touched_drawing.h), and one on a canvas that moves (moving_drawing.h) differ in nothing else.
@@ -28,12 +28,12 @@ struct PathEnd {
   std::size_t strokes_followed = 0;   // the plan went along so many to their ends
 };
 
-// At the time of a decision.
+// The situation in which a task decides.
 struct Situation {
   CarriedPen pen;
-  CanvasStatus canvas;           // of the estimate
-  const CanvasBelief* belief;    // of the canvas's motion; null: no camera follows it
-  const CanvasHistory& history;  // of its poses
+  CanvasStatus canvas;           // status of its estimate
+  const CanvasBelief* belief;    // belief about the canvas's motion; null: no camera follows it
+  const CanvasHistory& history;  // recent poses of the canvas
   const InkWatch& ink;
   PathEnd last;
 
@@ -69,12 +69,12 @@ struct Move {
   std::string cause;                                  // empty: finished
 };
 
-// What became of a drawing, for the run's outcome.
+// Record of a drawing, for the run's outcome.
 struct DrawingRecord {
-  std::vector<StrokePart> drawn_again;  // had no ink after the first pass
-  std::vector<StrokePart> walls;        // before which a stroke was given up; not drawn again
-  // Of a canvas that moves: what was out of reach, when and how far; and what was put in another
-  // order or waited for.
+  std::vector<StrokePart> drawn_again;  // parts without ink after the first pass
+  std::vector<StrokePart> walls;        // blocked places, which are not drawn again
+  // On a canvas that moves: parts out of reach, with when and how far; and notes on strokes that
+  // were reordered or waited for.
   std::vector<UnreachedPart> unreached;
   std::vector<std::string> remarks;
   // How the canvas may move without being noticed (CanvasBelief::open_text()).

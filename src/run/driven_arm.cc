@@ -62,7 +62,7 @@ DrivenArm::DrivenArm(Experiment& e, Driver& driver, const std::filesystem::path&
       loop_(e.control, e.scene.arm, driver.info(),
             surface_source(e, disturbances_of(e, resumption != nullptr),
                            watch_ ? watch_->surface() : nullptr),
-            canvas_source(e, watch_.get(), first_time_)),
+            canvas_source(e, watch_.get(), driver)),
       last_(driver.info().period, e.scene.arm),
       real_time_(!waits_ && e.scenario.arm.real_time),
       started_(driver),

@@ -18,7 +18,7 @@
 
 namespace impedraw {
 
-// What makes the torque of a cycle.
+// The law that makes the torque of a cycle.
 struct Law {
   enum class Kind {
     follow,  // the plan
@@ -44,7 +44,7 @@ class DrivenArm {
   // Sends the arm's weight as the last torque.
   void end_at_zero();
 
-  double time() const { return state_->time; }  // of the driver's clock [s]
+  double time() const { return state_->time; }  // by the driver's clock [s]
   bool waits() const { return waits_; }         // in lock-step
   double run_time() const { return first_time_ + time(); }
   const ArmState& state() const { return *state_; }
@@ -71,7 +71,7 @@ class DrivenArm {
   Driver& driver_;
   const RunHooks& hooks_;
   bool waits_;                          // the driver, for the next command
-  double first_time_;                   // of the log, where an earlier run left off [s]
+  double first_time_;                   // where an earlier run left off [s]
   std::unique_ptr<CanvasWatch> watch_;  // null: one snapshot before the run
   ControlLoop loop_;
   LastSeconds last_;

@@ -130,6 +130,12 @@ class Driver {
   virtual bool next_frame(CanvasFrame*) noexcept { return false; }
 
   virtual const GroundTruth* truth() const noexcept { return nullptr; }
+
+  // The true motion of a canvas that moves, at a time of this clock [s], to judge the controller
+  // without a tracker (perception.canvas_pose). False: the canvas stands, or its motion is unknown.
+  virtual bool true_canvas(double /*time*/, FrameMotion* /*motion*/) const noexcept {
+    return false;
+  }
 };
 
 // Starts a driver and stops it on destruction.

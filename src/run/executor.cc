@@ -152,7 +152,7 @@ std::optional<Cycle> Executor::step(const PathSample& desired) {
   return cycle;
 }
 
-// What makes the next torque: a motion that the control law has lost control of is damped.
+// Chooses the law of the next torque: a motion that is out of control is damped.
 Law Executor::law(const PathSample& desired) const {
   if (reaction_.state() == Reaction::State::damp)
     return {.kind = Law::Kind::damp, .v = monitors_.confirmed_speed(arm_.state())};
@@ -256,7 +256,7 @@ double Executor::clear_height() const {
 // The arm of a run that was stopped still moves: a hand may have let go of it just now. Waits for
 // rest, but not for ever.
 bool Executor::lifted() const {
-  constexpr double kAtRest = 0.5;   // of the fastest joint [rad/s]
+  constexpr double kAtRest = 0.5;   // speed of the fastest joint [rad/s]
   constexpr double kLongest = 2.0;  // [s]
   const double time = arm_.time();
   if (!lift_ || !lift_->done(time)) return false;

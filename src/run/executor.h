@@ -67,9 +67,9 @@ class Executor {
   SecondChance chance_;
   std::optional<EmergencyLift> lift_;  // while the pen goes up
   TipReference rest_;                  // where the pen is, or goes, between paths: in W
-  PathEnd last_;                       // of the last path
+  PathEnd last_;                       // how the last path ended
   bool unseen_ = false;                // a place that the cameras do not resolve was felt
-  double rate_ = 1.0;                  // of the last path's clock
+  double rate_ = 1.0;                  // rate of the last path's clock
   std::vector<std::string> damped_;
 };
 

@@ -13,7 +13,8 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kWidth = 820.0, kHeight = 120.0, kLeft = 60.0, kRight = 10.0;  // of a plot [px]
+constexpr double kWidth = 820.0, kHeight = 120.0, kLeft = 60.0,
+                 kRight = 10.0;  // plot size and margins [px]
 
 std::string html_text(const std::string& text) {
   std::string out;

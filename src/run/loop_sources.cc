@@ -7,28 +7,11 @@ namespace impedraw {
 
 namespace {
 
-// The true motion, to judge the controller alone. Accelerations are central differences.
-CanvasEstimate true_canvas(const CanvasMotion& motion, double time) {
-  constexpr double kStep = 1e-4;  // [s]
-  const auto origin_of = [&](double t, Eigen::Vector3d* v) {
-    const CanvasMotion::State state = motion.at(t);
-    *v = state.velocity_at(state.X_WK.p);
-    return state;
-  };
-  Eigen::Vector3d v, before, after;
-  const CanvasMotion::State now = origin_of(time, &v), earlier = origin_of(time - kStep, &before),
-                            later = origin_of(time + kStep, &after);
-  CanvasEstimate estimate;
-  estimate.status = CanvasStatus::ok;
-  estimate.motion = {now.X_WK, v, (after - before) / (2.0 * kStep), now.w,
-                     (later.w - earlier.w) / (2.0 * kStep)};
-  return estimate;
-}
-
 // Finds the canvas in the cameras' frames; null where none keeps capturing.
 std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e, const Pose& X_WK) {
   const PerceptionSettings& p = e.scenario.perception;
-  if (!follows_canvas(e) || p.canvas_pose != CanvasPoseSource::tracked) return nullptr;
+  if (!e.scene.perception || p.canvas_pose != CanvasPoseSource::tracked || !p.frames.enabled)
+    return nullptr;
   std::unique_ptr<CanvasShape> shape;
   if (p.frames.depth) {
     CanvasShapeSettings settings;
@@ -44,11 +27,12 @@ std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e, const Pose& X
 
 }  // namespace
 
-bool follows_canvas(const Experiment& e) {
-  const PerceptionSettings& p = e.scenario.perception;
+bool follows_canvas(const Experiment& e, const Driver& driver) {
   if (!e.scene.perception) return false;
+  const PerceptionSettings& p = e.scenario.perception;
+  FrameMotion motion;
   return p.canvas_pose == CanvasPoseSource::tracked ? p.frames.enabled
-                                                    : e.scene.world->canvas_motion().moves();
+                                                    : driver.true_canvas(0.0, &motion);
 }
 
 Disturbances disturbances_of(const Experiment& e, bool resumed) {
@@ -78,17 +62,20 @@ SurfaceSource surface_source(const Experiment& e, Disturbances disturbances,
   };
 }
 
-CanvasSource canvas_source(const Experiment& e, CanvasWatch* watch, double first_time) {
+CanvasSource canvas_source(const Experiment& e, CanvasWatch* watch, const Driver& driver) {
   if (watch)
     return [watch, feeds = e.scenario.perception.frames.feedforward](double time) {
       CanvasEstimate estimate = watch->follow(time);
       if (!feeds) estimate.motion = {.X_WK = estimate.motion.X_WK};
       return estimate;
     };
-  const CanvasMotion& motion = e.scene.world->canvas_motion();
-  if (follows_canvas(e))
-    return [&motion, first_time](double time) { return true_canvas(motion, first_time + time); };
-  return {};
+  if (!follows_canvas(e, driver)) return {};
+  return [&driver](double time) {
+    CanvasEstimate estimate;
+    estimate.status = CanvasStatus::ok;
+    driver.true_canvas(time, &estimate.motion);
+    return estimate;
+  };
 }
 
 }  // namespace impedraw

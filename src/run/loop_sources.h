@@ -1,4 +1,4 @@
-// What the loop of an experiment sees: the surface, and the motion of the canvas.
+// Sources of the control loop: the perceived surface, and the motion of the canvas.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 namespace impedraw {
 
 // True if the plan follows a canvas that may move.
-bool follows_canvas(const Experiment& experiment);
+bool follows_canvas(const Experiment& experiment, const Driver& driver);
 
 // The scenario's disturbances: they occur in the first run only, not in a resumed one.
 Disturbances disturbances_of(const Experiment& experiment, bool resumed);
@@ -26,7 +26,6 @@ SurfaceSource surface_source(const Experiment& experiment, Disturbances disturba
                              const GrowingSurface* growing);
 
 // The canvas by the cameras or, where there is no watch, by its true motion; empty where it stands.
-// first_time: of the run [s].
-CanvasSource canvas_source(const Experiment& experiment, CanvasWatch* watch, double first_time);
+CanvasSource canvas_source(const Experiment& experiment, CanvasWatch* watch, const Driver& driver);
 
 }  // namespace impedraw

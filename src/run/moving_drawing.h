@@ -19,7 +19,7 @@ class MovingDrawing : public DrawingTask {
  public:
   static constexpr double kMostWait = 45.0;  // [s]
   static constexpr int kMostLeft = 3;
-  static constexpr int kMostLosses = 20;  // of the canvas, in one pass
+  static constexpr int kMostLosses = 20;  // losses of the canvas in one pass
 
   // first_time: of the run, where an earlier one left off [s].
   MovingDrawing(Experiment& experiment, double first_time);
@@ -57,7 +57,7 @@ class MovingDrawing : public DrawingTask {
   DrawingRecord record_;
   double wait_began_ = 0.0;  // [s]
   double waited_ = 0.0;      // since a path was begun [s]
-  int losses_ = 0;           // of the canvas, in this pass
+  int losses_ = 0;           // losses of the canvas in this pass
   int left_reach_ = 0;       // times that the canvas took the pen out of reach
 };
 

@@ -21,10 +21,10 @@ class PathFollower {
   // From now on, by the arm's clock. `move` must outlive this.
   PathFollower(Experiment& experiment, const DrivenArm& arm, const Move& move);
 
-  // Whether the pen still has a way to go along the plan.
+  // Returns true if the plan has not come to its end after so many cycles.
   bool goes_on(long cycles) const;
-  // What the plan asks for now; nothing: the path ends here. `up`: the pen is being lifted, and
-  // leaves the plan. holds: asks Move::holds.
+  // The plan's sample for now; nothing: the path ends here. `up`: the pen is being lifted, and has
+  // left the plan. holds: asks Move::holds.
   std::optional<PathSample> sample(bool up, const std::function<bool()>& holds);
   // After a cycle of a perceived surface that followed the plan: its clock. held: it stands.
   void advance(const Cycle& cycle, bool held);

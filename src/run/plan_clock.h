@@ -41,7 +41,7 @@ struct ClockSettings {
   double least = 0.2;                // rate after patience is lost
 };
 
-// What the pen does in one cycle. NaN: unknown, does not count.
+// Deviations of the pen from its plan in one cycle. NaN: unknown, does not count.
 struct PenDeviation {
   double tip = 0.0;           // [m]
   double tilt = 0.0;          // [rad]
@@ -49,7 +49,7 @@ struct PenDeviation {
   double joint = 0.0;         // share
   double limit = 1.0;         // greatest rate that the joints allow (joint_forecast.h)
   bool waits = false;         // for contact at a stroke's first point
-  double normal_speed = 0.0;  // of the tip [m/s]
+  double normal_speed = 0.0;  // tip speed along the normal [m/s]
   bool paused = false;        // by a user: the clock stands, and no patience is lost
 };
 
@@ -61,7 +61,7 @@ class PlanClock {
   // One cycle.
   void advance(const PenDeviation& pen) noexcept;
 
-  double lag() const { return lag_; }    // of the plan behind the run's time [s]
+  double lag() const { return lag_; }    // time by which the plan is late [s]
   double rate() const { return rate_; }  // r
   // The plan's reference as it is at the clock's rate.
   TipReference scaled(TipReference reference) const noexcept;

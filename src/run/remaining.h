@@ -1,4 +1,4 @@
-// What remains to be drawn, and paths for it.
+// The parts of a drawing that remain, and paths for them.
 #pragma once
 
 #include <optional>

@@ -20,8 +20,9 @@ namespace {
 
 // A resumed drawing begins with what the earlier run left, from its last posture. Plans before the
 // arm is driven.
-std::unique_ptr<DrawingTask> drawing_of(Experiment& e, const Resumption* resumption) {
-  if (follows_canvas(e))
+std::unique_ptr<DrawingTask> drawing_of(Experiment& e, const Driver& driver,
+                                        const Resumption* resumption) {
+  if (follows_canvas(e, driver))
     return std::make_unique<MovingDrawing>(e, resumption ? resumption->time : 0.0);
   std::vector<StrokePart> left;
   if (resumption) left = remaining(e, resumption->ink);
@@ -65,7 +66,7 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
         "drawing.dry_run: the surface is found by touch, so that nothing tells its height; valid "
         "is null, or perception.enabled true");
   const auto before_log = Clock::now();
-  const std::unique_ptr<DrawingTask> drawing = drawing_of(e, resumption);
+  const std::unique_ptr<DrawingTask> drawing = drawing_of(e, driver, resumption);
   DrivenArm arm(e, driver, log_file, hooks, resumption);
   Executor executor(e, arm, hooks);
   if (hooks.begun) hooks.begun();

@@ -29,13 +29,13 @@ namespace impedraw {
 
 // One control step of the record of a run's last seconds (run/incident.h).
 struct IncidentRow {
-  double time = 0.0;         // of the driver's clock, as the log's [s]
+  double time = 0.0;         // driver's clock, as in the log [s]
   double force = 0.0;        // on the tip [N]: measured, else the simulator's; NaN: unknown
-  double speed = 0.0;        // of the tip [m/s]
+  double speed = 0.0;        // tip speed [m/s]
   double joint_speed = 0.0;  // largest share of a joint's speed limit
   double torque = 0.0;       // largest share of a joint's torque limit
-  double state_age = 0.0;    // [s]
-  double step_time = 0.0;    // of the control step [s]
+  double state_age = 0.0;    // age of the joint state [s]
+  double step_time = 0.0;    // duration of the control step [s]
 };
 
 struct RunProgress {
@@ -46,7 +46,7 @@ struct RunProgress {
   double length;  // total pen-down length of the pass [m]
   double share;   // fraction of the pass's time
   bool again;     // the pass redraws what got no ink in the first pass
-  // What the pen waits for; null: it draws or travels. And for how long it has waited [s].
+  // The pen waits for this, and has waited so long [s]; null: it draws or travels.
   const char* waits_for = nullptr;
   double waited = 0.0;
 };
@@ -77,7 +77,7 @@ struct SlowVelocity {
   int joint = 0;           // with the most noise
 };
 
-// What became of the control loop, for the run's outcome.
+// Record of the control loop, for the run's outcome.
 struct LoopRecord {
   // Why the loop's thread has no real-time priority; empty: it has, or needs none.
   std::string not_real_time;
@@ -88,13 +88,13 @@ struct LoopRecord {
 
 // `end` is never nothing_drawn or far_off: those are judged from the log.
 struct RunOutcome : Ending, DrawingRecord, LoopRecord {
-  std::vector<IncidentRow> last;  // of a stop: its last kIncidentTime, oldest first
-  double simulated = 0.0;         // of the driver's clock [s]
+  std::vector<IncidentRow> last;  // the last kIncidentTime of a stopped run, oldest first
+  double simulated = 0.0;         // duration by the driver's clock [s]
   double first_time = 0.0;        // where an earlier run left off [s]
-  SolverCutoffs cutoffs;          // of a simulator; zero without ground truth
+  SolverCutoffs cutoffs;          // a simulator's; zero without ground truth
   // Motions that were damped, and why; the drawing went on beyond each.
   std::vector<std::string> damped;
-  // Have no ink at the end of a finished run.
+  // Parts without ink at the end of a finished run.
   std::vector<StrokePart> lacking;
   WallTimes wall;
 };
@@ -103,7 +103,7 @@ struct RunOutcome : Ending, DrawingRecord, LoopRecord {
 struct Resumption {
   InkWatch ink;       // from the log's rows
   JointVector q;      // last posture [rad]
-  Pose X_WK;          // of the canvas, as last estimated
+  Pose X_WK;          // canvas, as last estimated
   double time = 0.0;  // first free time in the log [s]
 };
 

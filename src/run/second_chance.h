@@ -1,6 +1,6 @@
-// Whether a drawing goes on after a motion that had to be damped: where the arm drew well before,
-// it is one place that it cannot pass, a singular posture for instance, and not the arm, its set-up
-// or a hand.
+// Decides if a drawing goes on after a motion that had to be damped. An arm that drew well before
+// cannot pass this one place, a singular posture for instance. Otherwise the arm, its set-up or a
+// hand is to blame, and the run ends.
 #pragma once
 
 #include "impedraw/run/cycle.h"

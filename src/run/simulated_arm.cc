@@ -166,4 +166,23 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   tip_wrench_ << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
 }
 
+// Accelerations are central differences.
+bool SimulatedArm::true_canvas(double time, FrameMotion* motion) const noexcept {
+  constexpr double kStep = 1e-4;  // [s]
+  const CanvasMotion& canvas = world_.canvas_motion();
+  if (!canvas.moves()) return false;
+  const auto state_at = [&](double t, Eigen::Vector3d* v) {
+    const CanvasMotion::State state = canvas.at(t);
+    *v = state.velocity_at(state.X_WK.p);
+    return state;
+  };
+  Eigen::Vector3d v, v_before, v_after;
+  const double t = first_time_ + time;
+  const CanvasMotion::State now = state_at(t, &v), before = state_at(t - kStep, &v_before),
+                            after = state_at(t + kStep, &v_after);
+  *motion = {now.X_WK, v, (v_after - v_before) / (2.0 * kStep), now.w,
+             (after.w - before.w) / (2.0 * kStep)};
+  return true;
+}
+
 }  // namespace impedraw

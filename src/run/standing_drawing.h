@@ -24,7 +24,7 @@ class StandingDrawing : public DrawingTask {
 
   Experiment& e_;
   TipPath first_;
-  TipReference end_;  // of the first path
+  TipReference end_;  // end of the first path
   bool begun_ = false, again_ = false;
   std::vector<StrokePart> drawn_again_;
   BlockedPlaces blocked_;

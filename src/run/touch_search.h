@@ -36,7 +36,7 @@ class TouchSearch {
   Pose X_PW_;
   double lowest_;  // no part of the surface is lower, in P [m]
   TouchedHeights heights_;
-  double height_ = 0.0;    // of the tip above the plan [m]
+  double height_ = 0.0;    // tip above the plan [m]
   double searched_ = 0.0;  // [s]
 };
 

@@ -18,7 +18,7 @@ class TouchedDrawing : public DrawingTask {
 
  private:
   Experiment& e_;
-  std::vector<PlacedStroke> strokes_;  // of this pass
+  std::vector<PlacedStroke> strokes_;  // strokes of this pass
   std::size_t next_ = 0;               // stroke; strokes_.size(): the pen goes up
   bool again_ = false;
   std::vector<StrokePart> drawn_again_;

@@ -103,7 +103,7 @@ TEST(RattleMonitor, LeavesAPlaceThatCamerasDoNotResolveAndEndsAtAStiffCanvas) {
     cycles_until(
         [&] {
           const bool touches = ++i % 20 == 0;
-          made.F_ext.head<3>() = (touches ? 200.0 : 0.0) * made.out.n_WD;
+          made.F_ext.head<3>() = (touches ? 60.0 : 0.0) * made.out.n_WD;
           made.surface.distance = touches && i % 40 == 0 ? -height : 0.0;
           return monitor.judge(made.next());
         },

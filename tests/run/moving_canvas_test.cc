@@ -9,6 +9,7 @@
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/place_auto.h"
+#include "impedraw/run/monitors/canvas_monitor.h"
 #include "impedraw/simulation/canvas_motion.h"
 #include "scratch_folder.h"
 

@@ -21,7 +21,7 @@ class CanvasMonitor {
 
   void begin_path() noexcept { let_go_ = false; }
 
-  // What the plan waits for; null: nothing.
+  // Names what the plan waits for; null: nothing.
   const char* waits_for(const Cycle& cycle) const noexcept {
     if (cycle.canvas.lost()) return "the cameras to know the canvas again";
     const bool up = cycle.desired.stroke < 0 && cycle.out.mode == ContactMode::free;

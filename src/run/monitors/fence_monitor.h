@@ -35,7 +35,7 @@ class FenceMonitor {
   // The same, after a cycle.
   Verdict judge(const Cycle& cycle);
 
-  // What was crossed, with the value and the fence. Empty: nothing.
+  // The fence that was crossed, with its value and the measured one; empty: none.
   std::string crossed() const;
 
  private:

@@ -62,9 +62,9 @@ class RattleMonitor {
     return verdict;
   }
 
-  // Between the distances from the estimated surface at which the canvas held the tip lately [m].
+  // Span of the distances from the estimated surface at which the canvas held the tip lately [m].
   double unevenness() const { return highest_ - lowest_; }
-  // What a surface that the cameras resolve stays below [m].
+  // Unevenness that no surface reaches if the cameras resolve it [m].
   static constexpr double kUnseen = 0.5e-3;
 
   // Standard deviation, as a share of the push.
@@ -78,7 +78,7 @@ class RattleMonitor {
 
   double stiffness_max_;
   bool feels_walls_;
-  double mean_ = 1.0, mean_square_ = 1.0;  // of the force, as a share of the push
+  double mean_ = 1.0, mean_square_ = 1.0;  // force as a share of the push
   double lowest_ = 0.0, highest_ = 0.0;    // distances when held, forgotten at the filter's rate
   bool touched_ = false;
 };

@@ -1,11 +1,12 @@
-// Whether what a driver reads can be true: its clock, its stamps, and the motion (motion_check.h).
+// Notices that a driver's readings cannot be true: its clock, its stamps, or the motion
+// (motion_check.h).
 // The loop asks after every read(), whatever the arm. A contradiction ends the run.
 //
 //   clock   does not go back, and does not stand still for 20 readings
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
 //           not older than start() by more than 1 s
 //
-// Age within these bounds, and what is not finite, the control law's status tells.
+// Ages within these bounds and numbers that are not finite are left to the control law's status.
 #pragma once
 
 #include <cmath>
@@ -55,7 +56,7 @@ class ReadingMonitor {
     return {Severity::damp, fmt::format("{} at t = {:.3f} s", cause(), cycle.next_run_time())};
   }
 
-  // What contradicts what; empty: nothing.
+  // The contradiction that was found; empty: none.
   const std::string& cause() const noexcept { return cause_; }
   // The measured speed as far as positions confirm it; zero where speeds are not measured [rad/s].
   JointVector confirmed(const ArmState& state) const noexcept {
@@ -97,7 +98,7 @@ class ReadingMonitor {
   double wrench_delay_;  // [s]
   bool felt_;
   MotionCheck motion_;
-  double time_ = 0.0, state_time_ = 0.0;  // of the last reading; of the last that moved [s]
+  double time_ = 0.0, state_time_ = 0.0;  // the last reading; the last that moved [s]
   int still_ = 0;
   std::string cause_;
 };

@@ -1,4 +1,4 @@
-// Whether a canvas that may be moved by hand stands still, from its estimated motion.
+// Tells whether a canvas that may be moved by hand stands still, from its estimated motion.
 //
 // It moves once its speed at the tip exceeds kMoves or its turning kTurns; it stands once both have
 // been below half of that for kConfirm.

@@ -12,7 +12,7 @@ namespace impedraw {
 class SideMonitor {
  public:
   static constexpr double kForce = 4.0;     // across the estimated normal, at least [N]
-  static constexpr double kSteep = 2.1;     // of the force along it: 65°
+  static constexpr double kSteep = 2.1;     // times the force along it: 65°
   static constexpr double kConfirm = 0.05;  // [s]
 
   void reset() noexcept { aside_ = 0.0; }

@@ -23,7 +23,7 @@ namespace impedraw {
 
 class SpeedMonitor {
  public:
-  // Of each joint: limit [rad/s], name.
+  // limit: speed of each joint [rad/s]; names: of the joints, for messages.
   explicit SpeedMonitor(const Eigen::VectorXd& limit, std::vector<std::string> names = {})
       : limit_(limit),
         names_(std::move(names)),
@@ -106,7 +106,7 @@ class SpeedMonitor {
 
   JointVector limit_;
   std::vector<std::string> names_;
-  // Of each joint: the side on which it was above its limit, the time since then, and its turns.
+  // For each joint: the side on which it was above its limit, the time since then, and its turns.
   JointVector side_, since_, turns_;
   bool swings_ = false;
   double above_ = 0.0, long_ = 0.0, limited_ = 0.0;  // [s]

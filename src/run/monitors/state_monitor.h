@@ -27,7 +27,7 @@ class StateMonitor {
   }
 
  private:
-  // Which of them; empty where the arm's state and the wrench are finite.
+  // Names the input that is not finite; empty: none.
   static std::string bad_input(const Cycle& cycle) {
     const ArmTerms& arm = cycle.arm;
     if (!arm.M.allFinite() || !arm.g.allFinite()) return ", as joint positions,";

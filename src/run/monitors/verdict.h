@@ -22,7 +22,7 @@ enum class Severity {
 struct Verdict {
   Severity severity = Severity::none;
   std::string cause{};  // one sentence without its full stop, with its time
-  // Of the run. finished: the drawing may go on elsewhere.
+  // How the run ends; finished: the drawing may go on elsewhere.
   RunEnd end = RunEnd::stopped;
   // How the pen goes up.
   enum class Rise {
@@ -30,7 +30,7 @@ struct Verdict {
     a_little,  // the same, before the rest of the drawing is planned anew
     let_go,    // in W, wherever the canvas goes
   } rise = Rise::clear;
-  double calm = 0.0;  // of `brake`: share of the joints' speed limits at which it ends
+  double calm = 0.0;  // for `brake`: ends below this share of the joints' speed limits
 
   explicit operator bool() const noexcept { return severity != Severity::none; }
 };

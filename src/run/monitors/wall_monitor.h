@@ -17,9 +17,9 @@ class WallMonitor {
   // Against the desired motion: no less than this [N], and than this share of the normal force,
   // which friction stays below.
   static constexpr double kForce = 4.0, kForceShare = 0.8;
-  static constexpr double kProgress = 0.3;     // of the desired speed
+  static constexpr double kProgress = 0.3;     // least share of the desired speed
   static constexpr double kLeastSpeed = 2e-3;  // desired [m/s]
-  static constexpr double kBehind = 1.0e-3;    // of the desired point [m]
+  static constexpr double kBehind = 1.0e-3;    // lag behind the desired point [m]
   static constexpr double kConfirm = 0.06;     // [s]
 
   void reset() noexcept { stuck_ = 0.0; }
