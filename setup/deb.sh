@@ -90,7 +90,9 @@ END
   find "$at" -type d -exec chmod 755 {} +
   dpkg-deb --root-owner-group -Zxz --build "$at" "$root/dist" >>"$log"
 }
-maintainer="The impedraw contributors <impedraw@localhost>"
+# Debian's own variables; else who made the last commit.
+maintainer=$(git -C "$root" log -1 --format='%an <%ae>')
+[[ -z ${DEBEMAIL-} ]] || maintainer="${DEBFULLNAME:-impedraw} <$DEBEMAIL>"
 mkdir -p "$root/dist"
 rm -f "$root"/dist/*impedraw*.deb
 printf 'libimpedraw %s %s (>= %s)\n' "${soname#libimpedraw}" "$soname" "$number" | install -Dm 644 /dev/stdin "$stage/$soname/DEBIAN/shlibs"
