@@ -35,10 +35,11 @@ step "building the packages"
 # The program: the Python package in a folder of its own, with those libraries of other wheels that it loads, as they stand in a venv.
 lib=$stage/impedraw/usr/lib/impedraw
 site=$(cd "$venv"/lib/python3*/site-packages && pwd)
-rm -rf "$lib/impedraw/data/hershey-fonts"  # of hershey-fonts-data
-ln -s /usr/share/hershey-fonts "$lib/impedraw/data/hershey-fonts"
+rm -rf "$lib"/impedraw/data/{hershey-fonts,fonts}  # of hershey-fonts-data, and of what fontconfig needs
+ln -s ../../../../share/hershey-fonts "$lib/impedraw/data/hershey-fonts"
 LD_LIBRARY_PATH=$site/mujoco:$site/cmeel.prefix/lib ldd "$lib"/impedraw/_impedraw.*.so | awk '{print $3}' | grep "^$site/" | while read -r from; do
   install -Dm 644 -s "$from" "$lib/${from#"$site/"}"
+  patchelf --set-rpath '$ORIGIN' "$lib/${from#"$site/"}"  # some name folders of the machine that built them
 done
 install -d "$lib/impedraw-$number.dist-info" "$stage/impedraw/usr/bin"
 printf 'Metadata-Version: 2.1\nName: impedraw\nVersion: %s\n' "$number" >"$lib/impedraw-$number.dist-info/METADATA"
@@ -55,6 +56,7 @@ END
 chmod 755 "$stage/impedraw/usr/bin/impedraw"
 install -d "$stage/$soname/usr/lib/$folder"
 mv "$stage/libimpedraw-dev/usr/lib/$folder"/libimpedraw.so.* "$stage/$soname/usr/lib/$folder"
+strip --strip-unneeded "$stage/$soname/usr/lib/$folder/libimpedraw.so.$number"
 
 # needs FILE…: the Debian packages of the libraries that files load.
 needs() {
@@ -67,7 +69,7 @@ needs() {
 pack() {
   local at=$stage/$1 doc=$stage/$1/usr/share/doc/$1
   rm -rf "$at/usr/share/doc" && install -d "$doc" "$at/DEBIAN"
-  { printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\n\nFiles: *\nCopyright: the impedraw authors\nLicense: Apache-2.0\n'
+  { printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\n\nFiles: *\nCopyright: 2026 the impedraw authors\nLicense: Apache-2.0\n'
     printf ' On Debian systems, the text is in /usr/share/common-licenses/Apache-2.0.\n'
     [[ $1 != impedraw ]] || { printf 'Comment: The libraries of others in this package have licences of their own:\n .\n'; sed 's/^/ /; s/^ $/ ./' "$root/THIRD_PARTY.md"; }
   } >"$doc/copyright"
@@ -90,10 +92,12 @@ END
   find "$at" -type d -exec chmod 755 {} +
   dpkg-deb --root-owner-group -Zxz --build "$at" "$root/dist" >>"$log"
 }
-maintainer="The impedraw contributors <impedraw@localhost>"
+# Debian's own variables; else who made the last commit.
+maintainer=$(git -C "$root" log -1 --format='%an <%ae>')
+[[ -z ${DEBEMAIL-} ]] || maintainer="${DEBFULLNAME:-impedraw} <$DEBEMAIL>"
 mkdir -p "$root/dist"
 rm -f "$root"/dist/*impedraw*.deb
-printf 'libimpedraw %s %s (>= %s)\n' "${soname#libimpedraw}" "$soname" "$number" | install -Dm 644 /dev/stdin "$stage/$soname/DEBIAN/shlibs"
+printf 'libimpedraw %s %s (>= %s~)\n' "${soname#libimpedraw}" "$soname" "$number" | install -Dm 644 /dev/stdin "$stage/$soname/DEBIAN/shlibs"
 printf 'activate-noawait ldconfig\n' >"$stage/$soname/DEBIAN/triggers"
 pack impedraw science "python3, python3-numpy, python3-h5py, hershey-fonts-data, $(needs "$lib"/impedraw/_impedraw.*.so "$lib"/*/*.so* "$lib"/*/lib/*.so*)" \
   "draws on unknown curved surfaces with a simulated robot arm" "A pen on a robot arm, held by operational-space impedance control, draws SVG files, text or strokes on surfaces that depth cameras have seen. It checks what can be drawn, draws, and reports line, force and tilt."

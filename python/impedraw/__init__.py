@@ -11,6 +11,7 @@ of the pen tip's frame E.
 from __future__ import annotations
 
 import importlib
+import os
 import pathlib
 import sys
 from typing import TYPE_CHECKING, Any
@@ -114,6 +115,8 @@ if _data.is_dir():  # of a wheel; in a source tree the library knows where it st
     _impedraw.set_data_folder(str(_data))
     _impedraw.set_python(sys.executable)
     _impedraw.set_command("impedraw")
+    if not os.path.exists("/etc/fonts/fonts.conf"):  # a system without fonts
+        os.environ.setdefault("FONTCONFIG_FILE", str(_data / "fonts/fonts.conf"))
 
 
 def __getattr__(name: str) -> Any:

@@ -1,6 +1,7 @@
 #include "impedraw/settings/settings_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -122,4 +122,4 @@ def main(program, *wheels):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    sys.exit(main(*(os.path.abspath(file) for file in sys.argv[1:])))
