@@ -1,5 +1,5 @@
-// Whether what a driver reads can be true: its clock, its stamps, and the motion (motion_check.h).
-// The loop asks after every read(), whatever the arm.
+// Whether what a driver reads can be true: its clock, its stamps, and, unless its session looks at
+// that, the motion (motion_check.h). The loop asks after every read(), whatever the arm.
 //
 //   clock   does not go back, and does not stand still for 20 readings
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -23,7 +24,9 @@ class ReadingCheck {
   // Rated, of each joint: speed [rad/s], torque [Nm]. wrench_delay [s].
   ReadingCheck(const DriverInfo& driver, const JointVector& speed_limit,
                const JointVector& torque_limit, double wrench_delay)
-      : driver_(driver), wrench_delay_(wrench_delay), motion_(speed_limit, torque_limit) {}
+      : driver_(driver), wrench_delay_(wrench_delay) {
+    if (!driver.checks_motion) motion_.emplace(speed_limit, torque_limit);
+  }
 
   // The next reading. torque, external: as MotionCheck has them [Nm]. True in the cycle in which
   // the first contradiction is found. Allocates for its text alone.
@@ -32,21 +35,23 @@ class ReadingCheck {
     const std::string found = contradiction(state);
     time_ = state.time;
     const bool speeds = driver_.velocity;
-    if (!state.stalled && state.q.allFinite() && (!speeds || state.v.allFinite())) {
-      motion_.update(state.q, speeds ? &state.v : nullptr, torque, external,
-                     state.state_time - state_time_);
+    if (motion_ && !state.stalled && state.q.allFinite() && (!speeds || state.v.allFinite())) {
+      motion_->update(state.q, speeds ? &state.v : nullptr, torque, external,
+                      state.state_time - state_time_);
       state_time_ = state.state_time;
     }
     if (!cause_.empty()) return false;
-    cause_ = found.empty() ? motion_.cause() : found;
+    cause_ = found.empty() && motion_ ? motion_->cause() : found;
     return !cause_.empty();
   }
 
   // What contradicts what; empty: nothing.
   const std::string& cause() const noexcept { return cause_; }
-  // The measured speed as far as positions confirm it; zero where speeds are not measured [rad/s].
+  // The measured speed as far as positions confirm it; zero where speeds are not measured, or the
+  // driver checks them [rad/s].
   JointVector confirmed(const ArmState& state) const noexcept {
-    return driver_.velocity ? motion_.confirmed(state.v) : JointVector::Zero(state.v.size());
+    return motion_ && driver_.velocity ? motion_->confirmed(state.v)
+                                       : JointVector::Zero(state.v.size());
   }
 
  private:
@@ -70,7 +75,7 @@ class ReadingCheck {
 
   DriverInfo driver_;
   double wrench_delay_;  // [s]
-  MotionCheck motion_;
+  std::optional<MotionCheck> motion_;
   double time_ = 0.0, state_time_ = 0.0;  // of the last reading; of the last that moved [s]
   int still_ = 0;
   std::string cause_;

@@ -587,16 +587,12 @@ class Runner {
     return loop_.F_ext().allFinite() ? "" : ", as the wrench,";
   }
 
-  // Joint torques that are known to hold or turn the arm beside the law's motion: of what acts on
-  // the tip, and of what the observer makes of the model's errors, up to a share of the limits.
+  // Joint torques of what is known to act on the tip.
   JointVector external() const {
-    constexpr double kErrors = 0.2;
     Wrench F = loop_.F_ext();
     if (e_.control.impedance.wrench != WrenchFeedback::measured)
       F << out_.push * out_.n_WD, Eigen::Vector3d::Zero();
-    const JointVector tau = loop_.terms().J.transpose().lazyProduct(F);
-    return tau.cwiseAbs() +
-           out_.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * e_.scene.arm.limits().torque);
+    return loop_.terms().J.transpose().lazyProduct(F);
   }
 
   // Zero beyond gravity is the last that the arm is sent.
