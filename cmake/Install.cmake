@@ -62,6 +62,7 @@ install(DIRECTORY ${header_folders} DESTINATION ${include_dir} COMPONENT library
   PATTERN preflight EXCLUDE PATTERN wrap EXCLUDE  # they need a canvas and an arm, or Python
   PATTERN urdf_model.h EXCLUDE                    # Pinocchio's types, for the folder's own sources
   PATTERN urdf_tree.h EXCLUDE                     # TinyXML-2's
+  PATTERN child_process.h EXCLUDE
   PATTERN input_file.h EXCLUDE)                   # POSIX: for sources that open what a user names
 
 configure_file(cmake/built_alike.cc.in ${generated}/built_alike.cc @ONLY)

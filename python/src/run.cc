@@ -198,7 +198,9 @@ nb::object plan(const DrawOptions& options) {
     const nb::gil_scoped_release no_gil;
     Places places;
     const Scenario scenario = resolve(options, &places);
-    text = plan_json(prepare_plan(scenario, places, Unreachable::tell)).dump();
+    PlannedDrawing drawing = prepare_plan(scenario, places, Unreachable::tell);
+    control_for(&drawing, places);
+    text = plan_json(drawing).dump();
   }
   return nb::module_::import_("json").attr("loads")(text);
 }

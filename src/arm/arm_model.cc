@@ -32,6 +32,7 @@ struct ArmModel::Workspace {
   pinocchio::FrameIndex tip;
   std::vector<std::string> joint_names;
   ArmLimits limits;
+  bool damped = false;
   Eigen::VectorXd q, v;  // PrebuiltVector refers to plain VectorXd without a copy
 };
 
@@ -67,6 +68,8 @@ void ArmModel::set_rotor_inertia(const std::vector<double>& values) {
       "arm.rotor_inertia", values.empty() ? urdf.notes.rotor_inertia : values, urdf.model.nv);
 }
 
+void ArmModel::expect_damping() { workspace_->damped = true; }
+
 void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept {
   Workspace& w = *workspace_;
   w.q = q;
@@ -89,6 +92,7 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   // nonLinearEffects also computes velocities, and accelerations for v̇ = 0 minus gravity. Adding
   // gravity to the tip's acceleration gives its drift J̇ v.
   t.Cv = pinocchio::nonLinearEffects(w.urdf.model, w.data, w_q, w_v) - t.g;
+  if (w.damped) t.Cv += w.urdf.model.damping.cwiseProduct(w.v);
   const pinocchio::Frame& tip = w.urdf.model.frames[w.tip];
   const pinocchio::JointIndex link = tip.parentJoint;
   const pinocchio::SE3 X_WE = w.data.oMi[link] * tip.placement;

@@ -55,6 +55,10 @@ class ArmModel {
   // zero. Throws InputError for another number of values, or one below 0 or not finite.
   void set_rotor_inertia(const std::vector<double>& values);
 
+  // From now on Cv includes b v, with the joints' damping b as the description has it (<dynamics>).
+  // Not for an arm that compensates its friction itself. Dry friction is in no term.
+  void expect_damping();
+
   // Computes all terms at (q, v). Allocates nothing. The relative difference from MuJoCo's terms is
   // < 1e-9 (tests/arm).
   void compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept;

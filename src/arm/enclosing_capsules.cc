@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <string>
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -10,6 +12,7 @@
 #include <Eigen/Eigenvalues>
 #include <assimp/Importer.hpp>
 
+#include "impedraw/common/child_process.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/input_file.h"
 
@@ -43,6 +46,30 @@ Capsule along(const Matrix3Xd& points, const Eigen::Matrix3d& R, int i) {
           std::sqrt(std::max(0.0, across2.maxCoeff())) + 1e-6};
 }
 
+// Of all triangles, as bytes after a space.
+std::string corners_of(const std::filesystem::path& file) {
+  Assimp::Importer importer;
+  // URDF takes a mesh's axes as they are.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene =
+      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  if (!scene) throw InputError(importer.GetErrorString());
+  std::string corners = " ";
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m)
+    for (unsigned f = 0; f < scene->mMeshes[m]->mNumFaces; ++f) {
+      const aiFace& face = scene->mMeshes[m]->mFaces[f];
+      Triangle t;
+      for (unsigned i = 0; i < 3 && face.mNumIndices == 3; ++i) {
+        const aiVector3D& p = scene->mMeshes[m]->mVertices[face.mIndices[i]];
+        t[i] = {p.x, p.y, p.z};
+      }
+      if (face.mNumIndices == 3 && (t[0] + t[1] + t[2]).allFinite())
+        corners.append(reinterpret_cast<const char*>(&t), sizeof(t));
+    }
+  if (corners.size() == 1) throw InputError("no triangle");
+  return corners;
+}
+
 }  // namespace
 
 std::vector<Capsule> enclosing_capsules(const std::vector<Triangle>& triangles, int cuts) {
@@ -70,24 +97,11 @@ std::vector<Capsule> enclosing_capsules(const std::vector<Triangle>& triangles, 
 
 std::vector<Triangle> read_triangles(const std::filesystem::path& file) {
   if (InputFile(file).size() > 100'000'000) throw InputError("more than 100 MB");
-  Assimp::Importer importer;
-  // URDF takes a mesh's axes as they are.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene =
-      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices);
-  if (!scene) throw InputError(importer.GetErrorString());
-  std::vector<Triangle> triangles;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m)
-    for (unsigned f = 0; f < scene->mMeshes[m]->mNumFaces; ++f) {
-      const aiFace& face = scene->mMeshes[m]->mFaces[f];
-      Triangle t;
-      for (unsigned i = 0; i < 3 && face.mNumIndices == 3; ++i) {
-        const aiVector3D& p = scene->mMeshes[m]->mVertices[face.mIndices[i]];
-        t[i] = {p.x, p.y, p.z};
-      }
-      if (face.mNumIndices == 3 && (t[0] + t[1] + t[2]).allFinite()) triangles.push_back(t);
-    }
-  if (triangles.empty()) throw InputError("no triangle");
+  const std::string corners =
+      read_in_child(file.string(), "Assimp", [&file] { return corners_of(file); });
+  std::vector<Triangle> triangles(corners.size() / sizeof(Triangle));
+  std::memcpy(static_cast<void*>(triangles.data()), corners.data() + 1,
+              triangles.size() * sizeof(Triangle));
   return triangles;
 }
 

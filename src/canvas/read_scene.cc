@@ -1,13 +1,5 @@
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <set>
 #include <utility>
@@ -27,6 +19,7 @@
 
 #include "impedraw/canvas/mesh_tokens.h"
 #include "impedraw/canvas/polygon_mesh.h"
+#include "impedraw/common/child_process.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/file_extension.h"
 #include "impedraw/common/input_file.h"
@@ -34,8 +27,6 @@
 namespace impedraw {
 namespace {
 
-constexpr rlim_t kMostSeconds = 60;                        // of CPU time
-constexpr std::size_t kMostMemory = std::size_t{4} << 30;  // [bytes] beyond what is in use
 constexpr std::size_t kMostBeside = std::size_t{1} << 30;  // [bytes] of each file that it names
 constexpr std::size_t kMostCorners = 60'000'000;           // of all instances of its meshes
 
@@ -237,78 +228,31 @@ PolygonMesh import_scene(std::string_view text, const std::string& name) {
   return mesh;
 }
 
-// The mesh as its unit and a binary PLY for parse_ply(), or an error that starts with "!".
-std::string ply_or_error(std::string_view text, const std::string& name) {
-  try {
-    const PolygonMesh mesh = import_scene(text, name);
-    std::string ply = fmt::format(
-        "{}\nply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty "
-        "double y\nproperty double z\nelement face {}\nproperty list uint int vertex_indices\n"
-        "end_header\n",
-        mesh.unit, mesh.vertices.size(), mesh.faces());
-    const auto put = [&ply](const auto* values, std::size_t count) {
-      ply.append(reinterpret_cast<const char*>(values), count * sizeof(*values));
-    };
-    put(mesh.vertices.data(), mesh.vertices.size());
-    for (std::size_t f = 0; f < mesh.faces(); ++f) {
-      const auto count = static_cast<std::uint32_t>(mesh.face(f).size());
-      put(&count, 1);
-      put(mesh.face(f).data(), count);
-    }
-    return ply;
-  } catch (const std::bad_alloc&) {
-    return "!" + name + ": takes more than 4 GiB of memory to read: decimate the mesh";
-  } catch (const std::exception& error) {
-    return std::string("!") + error.what();
+// The mesh as its unit and a binary PLY for parse_ply().
+std::string ply_of(const PolygonMesh& mesh) {
+  std::string ply = fmt::format(
+      "{}\nply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty "
+      "double y\nproperty double z\nelement face {}\nproperty list uint int vertex_indices\n"
+      "end_header\n",
+      mesh.unit, mesh.vertices.size(), mesh.faces());
+  const auto put = [&ply](const auto* values, std::size_t count) {
+    ply.append(reinterpret_cast<const char*>(values), count * sizeof(*values));
+  };
+  put(mesh.vertices.data(), mesh.vertices.size());
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    const auto count = static_cast<std::uint32_t>(mesh.face(f).size());
+    put(&count, 1);
+    put(mesh.face(f).data(), count);
   }
+  return ply;
 }
 
 }  // namespace
 
-// Some damaged files make Assimp crash or run for ever.
 PolygonMesh parse_scene(std::string_view text, const std::string& name) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0)
-    throw InputError(name + ": cannot be read: " + std::strerror(errno));
-  const pid_t reader = fork();
-  if (reader == 0) {
-    for (int number = 1; number < 32; ++number) signal(number, SIG_DFL);
-    const rlimit no_core{0, 0}, cpu{kMostSeconds, kMostSeconds + 1};
-    close(STDERR_FILENO);  // the C library's last words
-    setrlimit(RLIMIT_CORE, &no_core);
-    setrlimit(RLIMIT_CPU, &cpu);
-    std::size_t used = 0;  // [pages]
-    std::ifstream("/proc/self/statm") >> used;
-    used *= static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    const rlimit memory{used + kMostMemory, used + kMostMemory};
-    if (used < std::size_t{1} << 40)  // more is the shadow of the address sanitizer
-      setrlimit(RLIMIT_AS, &memory);
-    const std::string result = ply_or_error(text, name);
-    std::string_view rest = result;
-    for (ssize_t n = 0; n >= 0 && !rest.empty(); rest.remove_prefix(static_cast<std::size_t>(n)))
-      n = std::max<ssize_t>(write(ends[1], rest.data(), rest.size()), 0);
-    _exit(0);
-  }
-  close(ends[1]);
-  std::string result, block(1 << 20, ' ');
-  for (ssize_t n = 1; reader > 0 && (n > 0 || errno == EINTR);) {
-    n = read(ends[0], block.data(), block.size());
-    if (n == 0) break;
-    if (n > 0) result.append(block, 0, static_cast<std::size_t>(n));
-  }
-  close(ends[0]);
-  int status = 0;
-  while (reader > 0 && waitpid(reader, &status, 0) < 0 && errno == EINTR) {
-  }
+  const std::string result =
+      read_in_child(name, "Assimp", [&] { return ply_of(import_scene(text, name)); });
   std::string_view ply = result, unit;
-  if (reader < 0 || WIFSIGNALED(status) || ply.empty()) {
-    throw InputError(name + ": cannot be read: " +
-                     (reader < 0 ? "no process could be started"
-                      : WTERMSIG(status) == SIGXCPU
-                          ? fmt::format("it takes more than {} s", kMostSeconds)
-                          : "it is damaged; Assimp, which reads it, crashed"));
-  }
-  if (ply[0] == '!') throw InputError(result.substr(1));
   next_line(&ply, &unit);
   PolygonMesh mesh = parse_ply(ply, name);
   finite_number(unit, &mesh.unit);

@@ -153,7 +153,8 @@ FrankaFci::FrankaFci(const ArmSettings& settings, ArmModel& arm, double period,
 FrankaFci::~FrankaFci() { stop(); }
 
 DriverInfo FrankaFci::info() const {
-  return {kFciJoints, period_, WrenchReading::none, true, settings_.clock == ArmClock::lock_step};
+  return {kFciJoints, period_, WrenchReading::none, true, settings_.clock == ArmClock::lock_step,
+          true};
 }
 
 void FrankaFci::connect() {

@@ -84,8 +84,12 @@ IiwaLcm::IiwaLcm(const ArmSettings& settings, ArmModel& arm, double period,
 IiwaLcm::~IiwaLcm() { stop(); }
 
 DriverInfo IiwaLcm::info() const {
-  return {kIiwaJoints, period_, wants_wrench_ ? WrenchReading::tip : WrenchReading::none, true,
-          settings_.clock == ArmClock::lock_step};
+  return {kIiwaJoints,
+          period_,
+          wants_wrench_ ? WrenchReading::tip : WrenchReading::none,
+          true,
+          settings_.clock == ArmClock::lock_step,
+          true};
 }
 
 void IiwaLcm::connect() {

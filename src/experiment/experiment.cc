@@ -50,23 +50,29 @@ PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreach
   }
 }
 
-Experiment prepare(const Scenario& scenario, const Places& places, Unreachable unreachable,
-                   const PrepareProgress& progress, SceneCache* scenes, PlanSummary summary) {
-  std::vector<KeptInput> inputs = read_input_files(scenario);  // before their content is used
-  PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress, scenes, summary);
-  const bool rough = drawing.plan.rough;
-  ImpedanceSettings& s = drawing.scenario.control;
+ControlSetup control_for(PlannedDrawing* drawing, const Places& places) {
+  const bool rough = drawing->plan.rough;
+  ImpedanceSettings& s = drawing->scenario.control;
   if (!is_given(places, "control.pen_axis"))
     s.surface.pen_axis = rough ? PenAxis::plan : PenAxis::surface;
   if (!is_given(places, "control.normal_error"))
     s.friction.normal_error_deg = rough ? kRoughNormalError : 0.0;
   if (!is_given(places, "control.felt_normal.share"))
     s.felt_normal.share = rough ? kRoughFeltShare : 0.0;
+  const SettingErrors setting_errors(places);
+  ControlSetup control =
+      make_control_setup(drawing->scenario, drawing->scene, drawing->plan, setting_errors);
+  check_rotors(drawing->scenario, control, drawing->scene.arm, drawing->plan.rest_q,
+               &drawing->plan.notes, setting_errors);
+  return control;
+}
+
+Experiment prepare(const Scenario& scenario, const Places& places, Unreachable unreachable,
+                   const PrepareProgress& progress, SceneCache* scenes, PlanSummary summary) {
+  std::vector<KeptInput> inputs = read_input_files(scenario);  // before their content is used
+  PlannedDrawing drawing = prepare_plan(scenario, places, unreachable, progress, scenes, summary);
   try {
-    ControlSetup control =
-        make_control_setup(drawing.scenario, drawing.scene, drawing.plan, SettingErrors(places));
-    check_rotors(drawing.scenario, control, drawing.scene.arm, drawing.plan.rest_q,
-                 &drawing.plan.notes, SettingErrors(places));
+    ControlSetup control = control_for(&drawing, places);
     return {std::move(drawing), std::move(inputs), std::move(control)};
   } catch (...) {
     if (scenes) scenes->give_back(std::move(drawing.scene));

@@ -56,6 +56,10 @@ Experiment prepare(const Scenario& scenario, const Places& places = {},
                    const PrepareProgress& progress = {}, SceneCache* scenes = nullptr,
                    PlanSummary summary = PlanSummary::later);
 
+// The last stage: completes the controller's settings in the drawing's scenario, and adds notes to
+// its plan. Throws InputError, too, for rotors that the law would not bear (rotor_check.h).
+ControlSetup control_for(PlannedDrawing* drawing, const Places& places);
+
 // Repairs to the input, and what is not drawn, one line each.
 std::vector<std::string> notes_of(const PlannedDrawing& drawing);
 

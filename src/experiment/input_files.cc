@@ -32,6 +32,7 @@ fs::path urdf_of(const ArmSettings& s) {
 ArmModel model_of(const ArmSettings& s) {
   ArmModel model(urdf_of(s));
   model.set_rotor_inertia(s.rotor_inertia);
+  if (s.driver == ArmDriver::sim) model.expect_damping();
   return model;
 }
 

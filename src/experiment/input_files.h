@@ -28,8 +28,8 @@ void visit_input_files(
 // should be tells why.
 std::vector<KeptInput> read_input_files(Scenario scenario);
 
-// The URDF that the settings name or imply, and the model of it, with its rotors. Throws
-// InputError.
+// The URDF that the settings name or imply, and the model of it, with its rotors; of a
+// simulated arm also with the damping that the URDF gives it. Throws InputError.
 std::filesystem::path urdf_of(const ArmSettings& settings);
 ArmModel model_of(const ArmSettings& settings);
 

@@ -156,7 +156,7 @@ void note_dynamics(const World& world, const WorldSettings& s, std::vector<std::
   if (std::max(damping, friction) > 1e-9)
     notes->push_back(fmt::format(
         "the arm's description gives joints a damping of up to {:.3g} Nm s/rad and a friction of "
-        "up to {:.3g} Nm: the simulated arm has them, the controller's model does not",
+        "up to {:.3g} Nm: the simulated arm has both, the controller's model the damping",
         std::max(0.0, damping), std::max(0.0, friction)));
 }
 

@@ -25,6 +25,7 @@ constexpr int kSeeds = 200;                  // of the search
 constexpr double kBeneathScale = 0.2;        // [m]
 constexpr double kStep = 0.03, kJump = 0.5;  // of the tip [m], of a joint in it [rad]
 constexpr double kMargin = 0.03;
+constexpr double kAbove = 0.02;    // the drawing: there no link but the pen is near the canvas [m]
 constexpr double kNearest = 0.35;  // share of the usual start's distance from the base
 
 JointVector as_joints(const std::vector<double>& values) {
@@ -43,23 +44,27 @@ double depth_beneath(const std::vector<BodyCapsule>& bodies, const Eigen::Vector
 using Touching = std::function<std::string(const JointVector&)>;
 using Way = std::vector<Eigen::Vector3d>;
 
-// Whether the tip can be led from a posture to one place after the other without a jump of a joint
-// or a posture near a limit or a singularity.
-bool leads_to(ArmModel& arm, ArmTerms* terms, const PenPlacement& start, JointVector q,
-              const Way& way) {
+// Whether the tip can be led from a posture to just above one place after the other without a jump
+// of a joint or a posture near a limit or a singularity; and without a link that touches there.
+enum class Leads { no, touching, clear };
+
+Leads leads(ArmModel& arm, ArmTerms* terms, const PenPlacement& start, JointVector q,
+            const Touching& touching, const Way& way) {
   PenPlacement at = start;
+  bool clear = true;
   for (const Eigen::Vector3d& place : way) {
-    const Eigen::Vector3d from = at.p_WE;
-    const int steps = 1 + static_cast<int>((place - from).norm() / kStep);
+    const Eigen::Vector3d from = at.p_WE, to = place - kAbove * start.z_WE;
+    const int steps = 1 + static_cast<int>((to - from).norm() / kStep);
     for (int i = 1; i <= steps; ++i) {
-      at.p_WE = from + (place - from) * i / steps;
+      at.p_WE = from + (to - from) * i / steps;
       const IkResult next = find_posture(arm, at, q);
-      if (!next.reached || (next.q - q).cwiseAbs().maxCoeff() > kJump) return false;
+      if (!next.reached || (next.q - q).cwiseAbs().maxCoeff() > kJump) return Leads::no;
       q = next.q;
     }
-    if (posture_margin(arm, terms, q) < kMargin) return false;
+    if (posture_margin(arm, terms, q) < kMargin) return Leads::no;
+    clear = clear && touching(q).empty();
   }
-  return true;
+  return clear ? Leads::clear : Leads::touching;
 }
 
 // Seeds are drawn by hand: the standard's distributions differ between libraries. A posture in
@@ -72,7 +77,7 @@ IkResult searched(ArmModel& arm, const PenPlacement& start, const Touching& touc
   std::mt19937 random(1);
   ArmTerms terms(arm.joints());
   std::optional<IkResult> best;
-  std::tuple<bool, bool, double> best_score;  // clear of the canvas; leads to the drawing
+  std::tuple<bool, Leads, double> best_score;  // clear of the canvas; leads to the drawing
   for (int i = 0; i < kSeeds; ++i) {
     JointVector seed = 0.5 * (lower + upper);
     if (i > 0)
@@ -86,7 +91,7 @@ IkResult searched(ArmModel& arm, const PenPlacement& start, const Touching& touc
     const double beneath = depth_beneath(arm.body_capsules(found.q), start.p_WE, -start.z_WE);
     const double margin = posture_margin(arm, &terms, found.q) * std::exp(-beneath / kBeneathScale);
     const std::tuple score(touching(found.q).empty(),
-                           leads_to(arm, &terms, start, found.q, drawing), margin);
+                           leads(arm, &terms, start, found.q, touching, drawing), margin);
     if (best && best->reached && score <= best_score) continue;
     best = found;
     best_score = score;
@@ -140,7 +145,7 @@ JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP
   const bool chosen = !settings.posture_seed.empty() || !arm.rest_posture().empty();
   ArmTerms terms(arm.joints());
   if (!chosen && !seed.empty() &&
-      !(found.reached && leads_to(arm, &terms, start, found.q, drawing)))
+      !(found.reached && leads(arm, &terms, start, found.q, touching, drawing) == Leads::clear))
     found = searched(arm, start, touching, drawing);
   if (!found.reached && settings.start_p_WE == ArmSettings().start_p_WE) {
     const IkResult there = found;

@@ -26,16 +26,16 @@ double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q);
 
 // The tip is at arm.start and the pen normal to the drawing plane of X_WP. The inverse kinematics
 // starts from arm.posture_seed, else from the rest posture that the arm's description names
-// (arm_notes.h). Without one it starts from the iiwa's working posture, for an
-// arm of seven joints, and otherwise from postures spread over the joint ranges. Of what these
-// reach, the arm starts with the greatest distance from singularities and joint limits,
-// preferably with its links on the pen's side of the surface, and so that the tip can be led to
-// the places of `drawing` [m, W], one after the other. It is searched for so, too, where the
+// (arm_notes.h). Without one it starts from the iiwa's working posture, for an arm of seven joints,
+// and otherwise from postures spread over the joint ranges. Of what these reach, the arm starts
+// with the greatest distance from singularities and joint limits, preferably with its links on the
+// pen's side of the surface, and so that the tip can be led to just above the places of `drawing`
+// [m, W], one after the other, with no link in the canvas. It is searched for so, too, where the
 // iiwa's posture does not lead there; and where the default arm.start is out of reach, nearer to
-// the base: settings.start_p_WE is set, and a note says so. Where a link touches the canvas in
-// the posture from a seed, it is searched for so, too. `touching`: names the link that does;
-// empty: none. Throws InputError if arm.start is out of reach, or a link touches in every posture
-// that was found.
+// the base: settings.start_p_WE is set, and a note says so. Where a link touches the canvas in the
+// posture from a seed, it is searched for so, too. `touching`: names the link that does; empty:
+// none. Throws InputError if arm.start is out of reach, or a link touches in every posture that was
+// found.
 JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP,
                           const std::vector<Eigen::Vector3d>& drawing,
                           const SettingErrors& setting_errors,

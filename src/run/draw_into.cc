@@ -229,8 +229,10 @@ Experiment prepare_visibly(const Scenario& scenario, const Places& places) {
 
 PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places) {
   ProgressLine line;
-  return prepare_plan(scenario, places, Unreachable::tell, shown_on(line), nullptr,
-                      PlanSummary::beside);
+  PlannedDrawing drawing = prepare_plan(scenario, places, Unreachable::tell, shown_on(line),
+                                        nullptr, PlanSummary::beside);
+  control_for(&drawing, places);
+  return drawing;
 }
 
 void print_notes(const PlannedDrawing& drawing) {

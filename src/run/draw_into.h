@@ -34,7 +34,8 @@ Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, d
 // to `interrupt`.
 std::function<void()> give_up_on(const Interrupt& interrupt, const std::filesystem::path& folder);
 
-// Like prepare() and prepare_plan() with Unreachable::tell, with a progress line on a terminal.
+// Like prepare(), and prepare_plan() with Unreachable::tell whose control is set up, too, with a
+// progress line on a terminal.
 Experiment prepare_visibly(const Scenario& scenario, const Places& places);
 PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places);
 

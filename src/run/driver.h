@@ -52,8 +52,9 @@ struct DriverInfo {
   int joints = 0;
   double period = 1e-3;  // between two cycles [s]
   WrenchReading wrench = WrenchReading::none;
-  bool velocity = true;  // ArmState::v is given; otherwise the loop must estimate it
-  bool waits = true;     // in lock-step: time stands still between read() and command()
+  bool velocity = true;        // ArmState::v is given; otherwise the loop must estimate it
+  bool waits = true;           // in lock-step: time stands still between read() and command()
+  bool checks_motion = false;  // by motion_check.h; otherwise the loop does
 };
 
 struct ArmState {

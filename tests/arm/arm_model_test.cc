@@ -7,9 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "iiwa_variants.h"
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/simulation/world.h"
+#include "scratch_folder.h"
 
 namespace impedraw {
 namespace {
@@ -174,6 +176,32 @@ TEST(ArmModel, RefusesWhatItCannotRead) {
   EXPECT_THROW(ArmModel("models/none.urdf"), InputError);
   EXPECT_THROW(ArmModel("README.md"), InputError);
   EXPECT_THROW(ArmModel(kArm, "no_such_frame"), InputError);
+}
+
+// <dynamics> of a description: b v in Cv alone.
+class ArmDamping : public ScratchFolder {};
+
+TEST_F(ArmDamping, StandsInCvWhereItIsExpected) {
+  const auto file = write("friction.urdf", changed(iiwa_urdf(), "<joint name=\"joint_2\"", "<axis",
+                                                   "<dynamics damping=\"10\" friction=\"1.5\"/>"
+                                                   "<axis"));
+  ArmModel bare(kArm), unaware(file), arm(file);
+  arm.expect_damping();
+  ArmTerms without(7), still(7), with(7);
+  JointVector q = JointVector::Constant(7, 0.3), v = JointVector::Constant(7, 0.1);
+  for (const double speed : {-1.0, -0.3, 0.0, 0.3, 1.0}) {
+    v[1] = speed;
+    bare.compute(q, v, &without);
+    unaware.compute(q, v, &still);
+    arm.compute(q, v, &with);
+    EXPECT_LT((still.Cv - without.Cv).norm(), 1e-12);
+    JointVector added = with.Cv - without.Cv;
+    EXPECT_NEAR(added[1], 10.0 * speed, 1e-12);
+    added[1] = 0.0;
+    EXPECT_LT(added.norm(), 1e-12);
+    EXPECT_EQ(with.g, without.g);
+    EXPECT_EQ(with.M, without.M);
+  }
 }
 
 // MuJoCo's M with the same rotors, the kinetic energy of links and rotors, and C v and g without.

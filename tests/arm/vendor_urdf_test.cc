@@ -265,6 +265,17 @@ TEST_F(VendorBodies, AMeshThatCannotBeReadIsNamedOrReplaced) {
   EXPECT_THAT(refused(arm_with("<mesh filename='bad.stl'/>")), HasSubstr("cannot be read"));
 }
 
+// The reader recurses into nodes: it ended the program.
+TEST_F(VendorBodies, AMeshThatCrashesItsReaderIsNamed) {
+  std::string nodes;
+  for (int i = 1; i < 200'000; ++i) nodes += fmt::format("{{\"children\":[{}]}},", i);
+  write("deep.gltf",
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+        "\"nodes\":[" +
+            nodes + "{}]}");
+  EXPECT_THAT(refused(arm_with("<mesh filename='deep.gltf'/>")), HasSubstr("crashed"));
+}
+
 // Random clouds of triangles, by distance to the segment.
 TEST(EnclosingCapsules, HoldEveryTriangle) {
   for (unsigned seed = 1; seed <= 50; ++seed) {

@@ -6,9 +6,11 @@
 #include <numbers>
 #include <string>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
+#include "impedraw/run/draw_into.h"
 
 namespace impedraw {
 namespace {
@@ -22,6 +24,21 @@ PlannedDrawing partly_drawable() {
   options.svg = "artwork/leaf.svg";
   options.assignments = {"drawing.hatch.spacing=7", "drawing.hatch.angle=30"};
   return prepare_plan(resolve(options), {}, Unreachable::tell);
+}
+
+// A plan said that all could be drawn, and drawing was refused.
+TEST(Promise, APlanRefusesTheRotorsThatDrawingRefuses) {
+  DrawOptions options;
+  options.scenario = "scenarios/bowl-sine.yaml";
+  options.assignments = {"world.errors.rotor_inertia=0.3"};
+  Places places;
+  const Scenario scenario = resolve(options, &places);
+  try {
+    prepare_plan_visibly(scenario, places);
+    FAIL() << "is planned";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("the true rotors differ from arm.rotor_inertia"));
+  }
 }
 
 // Whatever is taken away from what is promised or named, its length is missed.

@@ -1,6 +1,6 @@
-// Notices that a driver's readings cannot be true: its clock, its stamps, or the motion
-// (motion_check.h).
-// The loop asks after every read(), whatever the arm. A contradiction ends the run.
+// Notices that a driver's readings cannot be true: its clock, its stamps, and, unless its session
+// looks at that, the motion (motion_check.h). The loop asks after every read(), whatever the arm. A
+// contradiction ends the run.
 //
 //   clock   does not go back, and does not stand still for 20 readings
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -26,11 +27,9 @@ class ReadingMonitor {
   // is measured.
   ReadingMonitor(const DriverInfo& driver, const JointVector& speed_limit,
                  const JointVector& torque_limit, double wrench_delay, bool felt = false)
-      : driver_(driver),
-        torque_limit_(torque_limit),
-        wrench_delay_(wrench_delay),
-        felt_(felt),
-        motion_(speed_limit, torque_limit) {}
+      : driver_(driver), wrench_delay_(wrench_delay), felt_(felt) {
+    if (!driver.checks_motion) motion_.emplace(speed_limit, torque_limit);
+  }
 
   // The next reading. torque, external: as MotionCheck has them [Nm]. True in the cycle in which
   // the first contradiction is found. Allocates for its text alone.
@@ -39,17 +38,17 @@ class ReadingMonitor {
     const std::string found = contradiction(state);
     time_ = state.time;
     const bool speeds = driver_.velocity;
-    if (!state.stalled && state.q.allFinite() && (!speeds || state.v.allFinite())) {
-      motion_.update(state.q, speeds ? &state.v : nullptr, torque, external,
-                     state.state_time - state_time_);
+    if (motion_ && !state.stalled && state.q.allFinite() && (!speeds || state.v.allFinite())) {
+      motion_->update(state.q, speeds ? &state.v : nullptr, torque, external,
+                      state.state_time - state_time_);
       state_time_ = state.state_time;
     }
     if (!cause_.empty()) return false;
-    cause_ = found.empty() ? motion_.cause() : found;
+    cause_ = found.empty() && motion_ ? motion_->cause() : found;
     return !cause_.empty();
   }
 
-  // The same, after a cycle. external: by the wrench on the tip and the model's errors.
+  // The same, after a cycle.
   Verdict judge(const Cycle& cycle) {
     const JointVector torque = cycle.out.tau - cycle.out.terms.col(kGravity);
     if (!update(*cycle.state, torque, external(cycle))) return {};
@@ -58,21 +57,19 @@ class ReadingMonitor {
 
   // The contradiction that was found; empty: none.
   const std::string& cause() const noexcept { return cause_; }
-  // The measured speed as far as positions confirm it; zero where speeds are not measured [rad/s].
+  // The measured speed as far as positions confirm it; zero where speeds are not measured, or the
+  // driver checks them [rad/s].
   JointVector confirmed(const ArmState& state) const noexcept {
-    return driver_.velocity ? motion_.confirmed(state.v) : JointVector::Zero(state.v.size());
+    return motion_ && driver_.velocity ? motion_->confirmed(state.v)
+                                       : JointVector::Zero(state.v.size());
   }
 
  private:
-  // Joint torques that are known to hold or turn the arm beside the law's motion: of what acts on
-  // the tip, and of what the observer makes of the model's errors, up to a share of the limits.
+  // Joint torques of what is known to act on the tip.
   JointVector external(const Cycle& cycle) const noexcept {
-    constexpr double kErrors = 0.2;
     Wrench F = cycle.F_ext;
     if (!felt_) F << cycle.out.push * cycle.out.n_WD, Eigen::Vector3d::Zero();
-    const JointVector tau = cycle.arm.J.transpose().lazyProduct(F);
-    return tau.cwiseAbs() +
-           cycle.out.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * torque_limit_);
+    return cycle.arm.J.transpose().lazyProduct(F);
   }
 
   std::string contradiction(const ArmState& state) {
@@ -94,10 +91,9 @@ class ReadingMonitor {
   }
 
   DriverInfo driver_;
-  JointVector torque_limit_;
   double wrench_delay_;  // [s]
   bool felt_;
-  MotionCheck motion_;
+  std::optional<MotionCheck> motion_;
   double time_ = 0.0, state_time_ = 0.0;  // the last reading; the last that moved [s]
   int still_ = 0;
   std::string cause_;
