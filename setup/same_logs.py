@@ -4,8 +4,9 @@
 
 BASE: a program (build/release/src/app/impedraw of another tree, or a copy), or a commit, which is built in FOLDER. Draws the scenarios
 whose file is named like a PATTERN (default: every one that is not SLOW) and VARIANTS of them, which use what no scenario does; two runs
-at a time. Prints the datasets of run.h5 that differ, with the first row that does; a case without a log differs. Measured times may differ, and nothing else. The
-base's logs are kept in FOLDER (default: build/same_logs): comparing again costs one set of runs. The exit code is 1 if any log differs.
+at a time. Prints the datasets of run.h5 that differ, with the first row that does; a case without a log differs. Measured times may
+differ, and nothing else. The base's logs are kept in FOLDER (default: build/same_logs): comparing again costs one set of runs. The exit
+code is 1 if any log differs.
 """
 import argparse
 import fnmatch
