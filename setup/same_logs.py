@@ -4,8 +4,9 @@
 
 BASE: a program (build/release/src/app/impedraw of another tree, or a copy), or a commit, which is built in FOLDER. Draws the scenarios
 whose file is named like a PATTERN (default: every one that is not SLOW) and VARIANTS of them, which use what no scenario does; two runs
-at a time. Prints the datasets of run.h5 that differ, with the first row that does. Measured times may differ, and nothing else. The
-base's logs are kept in FOLDER (default: build/same_logs): comparing again costs one set of runs. The exit code is 1 if any log differs.
+at a time. Prints the datasets of run.h5 that differ, with the first row that does; a case without a log differs. Measured times may
+differ, and nothing else. The base's logs are kept in FOLDER (default: build/same_logs): comparing again costs one set of runs. The exit
+code is 1 if any log differs.
 """
 import argparse
 import fnmatch
@@ -31,7 +32,7 @@ VARIANTS = {
     "feedforward": ("bowl-m-natural", ["control.friction_feedforward=0.3", "control.tip_stiffness=0"]),
     "moving-natural": ("moving-heave", ["control.wrench=realistic", "control.inertia=natural", "control.felt_normal.share=0.3"]),
     "moving-paper": ("moving-turntable", ["control.projection=paper", "control.pen_axis=surface", "control.force_integral.enabled=true"]),
-    "slow-joints": ("bowl-m", ["control.joint_speed_share=0.1", "control.turn_speed_limit=0.1", "control.torque_rate=300"]),
+    "slow-joints": ("bowl-m", ["control.joint_speed_share=0.3", "control.turn_speed_limit=1.5", "control.torque_rate=1000"]),
     "yields": ("bowl-push-elbow", ["control.observer.yield_limit=[1,1,1,1,1,1,1]", "world.joint_friction=2"]),
     "singular-weak": ("safety-singular", ["control.torque_share=0.15"]),
 }  # fmt: skip
@@ -115,7 +116,7 @@ def compare(name, case, base, here):
     (base_program, base_folder), (program, folder) = base, here
     said = draw(base_program, *case, base_folder / name), draw(program, *case, folder / name)
     if any(said):
-        return [] if said[0] == said[1] else [f"no log: {said[0] or 'only here'}", f"here: {said[1] or 'a log'}"]
+        return [f"no log of the base: {said[0] or 'it has one'}", f"nor here: {said[1] or 'there is one'}"]
     return list(differences(base_folder / name / "run.h5", folder / name / "run.h5"))
 
 
