@@ -65,6 +65,8 @@ double share_of(std::vector<double>* x, double share) {
 }  // namespace
 
 DriverMaker driver_maker(Experiment& e) {
+  if (is_rehearsal(e.scenario))
+    return "rehearsal: on the surface as it was seen; nothing was drawn on the real one\n";
   if (e.scenario.arm.driver == ArmDriver::sim) return {};
   if (has_sensor(e.control.source))
     throw InputError(

@@ -71,9 +71,11 @@ void write_step(const fs::path& folder, Json json, const char* step, Json result
   write_whole(file_in(folder), json.dump(2) + "\n");
 }
 
-// Rotors are what commissioning finds: that they are unknown does not keep it from beginning.
+// Rotors are what commissioning finds: that they are unknown does not keep it from beginning. Nor
+// does a canvas that nobody has seen yet, since nothing is drawn.
 DrawOptions unchecked(DrawOptions options) {
   options.assignments.push_back("control.check_rotors=false");
+  options.assignments.push_back("canvas.true_model=true");
   return options;
 }
 

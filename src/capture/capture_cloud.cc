@@ -236,6 +236,7 @@ CaptureCloud cloud_of(Capture capture, const CloudSettings& settings, const ArmS
     const CapturedView& view = capture.views[v];
     const ViewPoints found = points_of(view, settings.region, arms[v], settings.self_padding);
     cloud.eyes.push_back(view.X_WC.p);
+    result.views.push_back(view.name);
     cloud.points.insert(cloud.points.end(), found.points.begin(), found.points.end());
     cloud.camera.insert(cloud.camera.end(), found.points.size(), static_cast<int>(v));
     for (std::size_t k = 0; coloured && k < found.pixel.size(); ++k)

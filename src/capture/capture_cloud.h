@@ -20,6 +20,7 @@ struct CaptureCloud {
   PointCloud cloud;                // not thinned; `camera` counts the views
   std::vector<std::string> notes;  // what each view gave and what was removed, one line each
   ViewAlignment alignment;         // of several views
+  std::vector<std::string> views;  // names of those of a capture
 };
 
 // The points of a file `name` that lie in the region, as seen from `viewpoints`, or from where the

@@ -157,6 +157,42 @@ SurfaceHeight canvas_height(std::shared_ptr<const Canvas> canvas, const Pose& X_
   };
 }
 
+TriangleMesh surface_grid(const SurfaceHeight& surface, const PointCloud& cloud, const Pose& X_PW) {
+  constexpr double kCell = 4e-3, kSteepest = 4.0;  // [m]; rise of a cell over its side
+  constexpr int kMostCells = 500;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p_W : cloud.points) box.extend(X_PW * p_W);
+  TriangleMesh mesh;
+  if (box.isEmpty()) return mesh;
+  const double cell = std::max(kCell, box.sizes().head<2>().maxCoeff() / kMostCells);
+  const int nx = static_cast<int>(box.sizes().x() / cell) + 1,
+            ny = static_cast<int>(box.sizes().y() / cell) + 1;
+  std::vector<int> vertex;  // of each node; −1: no surface there
+  SurfaceHeight::Sample last;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      const auto sample = surface(box.min().x() + i * cell, box.min().y() + j * cell, last);
+      vertex.push_back(sample ? static_cast<int>(mesh.vertices.size()) : -1);
+      if (sample) mesh.vertices.push_back(sample->p_P);
+    }
+  for (int j = 0; j + 1 < ny; ++j)
+    for (int i = 0; i + 1 < nx; ++i) {
+      const int* low = &vertex[static_cast<std::size_t>(j) * nx + i];
+      const int a = low[0], b = low[1], c = low[nx], d = low[nx + 1];
+      if (std::min({a, b, c, d}) < 0) continue;
+      const auto [lowest, highest] = std::minmax({a, b, c, d}, [&](int k, int l) {
+        return mesh.vertices[static_cast<std::size_t>(k)].z() <
+               mesh.vertices[static_cast<std::size_t>(l)].z();
+      });
+      if (mesh.vertices[static_cast<std::size_t>(highest)].z() -
+              mesh.vertices[static_cast<std::size_t>(lowest)].z() >
+          kSteepest * cell)
+        continue;
+      mesh.triangles.insert(mesh.triangles.end(), {{a, b, d}, {a, d, c}});
+    }
+  return mesh;
+}
+
 SurfaceHeight level_surface(double z) {
   return [z](double x, double y) { return SurfaceSample{{x, y, z}, Eigen::Vector3d::UnitZ()}; };
 }

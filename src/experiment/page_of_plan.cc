@@ -214,7 +214,7 @@ void add_findings(const PlannedDrawing& e, const PlanPicture& picture, PostureCh
 PlanPage page_of_plan(PlannedDrawing& e, const PlanPicture& picture,
                       const std::function<void(double)>& progress) {
   PlanPage page;
-  page.title = e.scenario.name;
+  page.title = e.scenario.name + (is_rehearsal(e.scenario) ? " (rehearsal)" : "");
   const ArmLimits& limits = e.scene.arm.limits();
   page.joint_names = e.scene.arm.joint_names();
   page.lower = limits.lower;

@@ -1,4 +1,5 @@
 #include "impedraw/experiment/picture_of_plan.h"
+#include "impedraw/experiment/height_sources.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,28 +54,9 @@ void add_surface(const PlannedDrawing& e, PlanPicture* picture) {
     picture->canvas_triangles = e.scene.canvas->mesh().triangles;
     return;
   }
-  constexpr double kCell = 4e-3;  // [m]
-  constexpr int kMostCells = 500;
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p_W : e.scene.perception->cloud().points) box.extend(X_PW * p_W);
-  const double cell = std::max(kCell, box.sizes().head<2>().maxCoeff() / kMostCells);
-  const int nx = static_cast<int>(box.sizes().x() / cell) + 1,
-            ny = static_cast<int>(box.sizes().y() / cell) + 1;
-  SurfaceHeight::Sample last;
-  std::vector<int> vertex;  // of each node; −1: no surface there
-  for (int j = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i) {
-      const auto sample = e.surface()(box.min().x() + i * cell, box.min().y() + j * cell, last);
-      vertex.push_back(sample ? static_cast<int>(picture->canvas_vertices.size()) : -1);
-      if (sample) picture->canvas_vertices.push_back(sample->p_P);
-    }
-  for (int j = 0; j + 1 < ny; ++j)
-    for (int i = 0; i + 1 < nx; ++i) {
-      const int* low = &vertex[static_cast<std::size_t>(j) * nx + i];
-      const int a = low[0], b = low[1], c = low[nx], d = low[nx + 1];
-      if (std::min({a, b, c, d}) < 0) continue;
-      picture->canvas_triangles.insert(picture->canvas_triangles.end(), {{a, b, d}, {a, d, c}});
-    }
+  TriangleMesh grid = surface_grid(e.surface(), e.scene.perception->cloud(), X_PW);
+  picture->canvas_vertices = std::move(grid.vertices);
+  picture->canvas_triangles = std::move(grid.triangles);
 }
 
 }  // namespace

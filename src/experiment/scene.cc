@@ -123,31 +123,61 @@ std::vector<Eigen::Vector3d> about_drawing(const Scenario& s,
   return places;
 }
 
-void look_at_canvas(const Scenario& s, const SettingErrors& setting_errors, Scene* scene) {
-  const std::vector<std::string> how_seen = {"perception.region_lower",
-                                             "perception.region_upper",
-                                             "perception.cameras",
-                                             "perception.voxel",
-                                             "perception.noise",
-                                             "perception.source",
-                                             "perception.capture",
-                                             "perception.cloud",
-                                             "perception.viewpoint",
-                                             "perception",
-                                             "canvas"};
-  setting_errors.locate(how_seen, [&] {
-    scene->perception = std::make_shared<const SurfaceEstimator>(
-        take_snapshot(s, *scene->canvas, *scene->world, scene->arm, scene->start_q, &scene->notes));
-  });
+const std::vector<std::string> kHowSeen = {"perception.region_lower",
+                                           "perception.region_upper",
+                                           "perception.cameras",
+                                           "perception.voxel",
+                                           "perception.noise",
+                                           "perception.source",
+                                           "perception.capture",
+                                           "perception.cloud",
+                                           "perception.viewpoint",
+                                           "perception",
+                                           "canvas"};
+
+void know_canvas(const Scenario& s, Snapshot snapshot, Scene* scene) {
+  scene->perception = std::make_shared<const SurfaceEstimator>(std::move(snapshot.seen));
   scene->planning = std::make_shared<const PlanSurface>(
       scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
       s.preflight.roughest);
-  // Beyond the region, which no camera is asked about, the canvas is where it was set up.
   TriangleMesh obstacle = seen_facets(*scene->perception, s.perception.voxel);
+  if (snapshot.beside.points.size() >= static_cast<std::size_t>(s.perception.normals.k))
+    append(seen_facets(SurfaceEstimator(std::move(snapshot.beside), s.perception.normals),
+                       s.perception.voxel),
+           &obstacle);
+  // Beyond the region, which no camera is asked about, the canvas is where it was set up.
   append(outside_box(scene->canvas->mesh(),
                      Eigen::AlignedBox3d(s.perception.region_lower, s.perception.region_upper)),
          &obstacle);
   scene->obstacle = std::make_shared<const Canvas>(std::move(obstacle));
+}
+
+// The canvas of which nothing is known but what was seen.
+TriangleMesh seen_mesh(const Snapshot& snapshot, const Pose& X_WP) {
+  // Does not outlive the snapshot.
+  const std::shared_ptr<const SurfaceEstimator> seen(std::shared_ptr<void>(), &snapshot.seen);
+  TriangleMesh mesh =
+      surface_grid(perceived_height(seen, X_WP), snapshot.seen.cloud(), X_WP.inverse());
+  for (Eigen::Vector3d& p : mesh.vertices) p = X_WP * p;
+  return mesh;
+}
+
+void check_source(const Scenario& s, const SettingErrors& setting_errors) {
+  const bool rendered = s.perception.source == PerceptionSource::simulated;
+  if (s.canvas.kind == CanvasKind::seen && (rendered || !s.perception.enabled))
+    setting_errors.raise({"canvas.kind"},
+                         "canvas.kind is seen, and nothing shows it; valid with perception.source "
+                         "capture or cloud, and perception.enabled true");
+  if (s.canvas.kind == CanvasKind::seen && (!s.canvas.move.isZero() || s.canvas.turn_deg != 0.0))
+    setting_errors.raise({"canvas.move", "canvas.turn"},
+                         "canvas.move and canvas.turn: a canvas of kind seen stands where it was "
+                         "seen; valid is 0");
+  if (s.arm.driver != ArmDriver::sim && s.perception.enabled && rendered && !s.canvas.true_model)
+    setting_errors.raise(
+        {"perception.source", "arm.driver"},
+        "perception.source is simulated: it renders the canvas that is configured, and a driven "
+        "arm need not have that before it; valid are capture or cloud, or canvas.true_model=true "
+        "if the canvas stands there as configured");
 }
 
 void note_dynamics(const World& world, const WorldSettings& s, std::vector<std::string>* notes) {
@@ -203,6 +233,10 @@ CanvasMotion canvas_motion(const Scenario& s) {
 
 }  // namespace
 
+bool is_rehearsal(const Scenario& s) {
+  return s.canvas.kind == CanvasKind::seen && s.arm.driver == ArmDriver::sim;
+}
+
 void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& setting_errors) {
   check_joint_settings(s, urdf_of(s.arm), scene.arm, setting_errors);
   check_pushes(s, *scene.world, setting_errors);
@@ -211,17 +245,26 @@ void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& set
 
 Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
   std::vector<std::string> notes;
+  check_source(s, setting_errors);
+  // The arm model comes before the world: its reader names the joint or link that is at fault.
+  const std::filesystem::path urdf = urdf_of(s.arm);
+  ArmModel arm =
+      setting_errors.locate({"arm.rotor_inertia", "arm.urdf"}, [&] { return model_of(s.arm); });
+  std::optional<Snapshot> read;
+  if (s.perception.enabled && s.perception.source != PerceptionSource::simulated)
+    setting_errors.locate(kHowSeen, [&] { read.emplace(read_snapshot(s, X_WP, arm, &notes)); });
   const char* given = s.canvas.kind == CanvasKind::mesh ? "canvas.mesh.file" : "canvas";
   auto canvas = setting_errors.locate({given, "canvas"}, [&] {
+    if (s.canvas.kind == CanvasKind::seen) return std::make_shared<Canvas>(seen_mesh(*read, X_WP));
     TriangleMesh mesh = make_mesh(s.canvas, &notes);
     put_in_reach(&mesh, &s, &notes);
     turn_to_drawing(&mesh, s, X_WP.R.col(2), &notes);
     return std::make_shared<Canvas>(std::move(mesh));
   });
-  // The arm model comes before the world: its reader names the joint or link that is at fault.
-  const std::filesystem::path urdf = urdf_of(s.arm);
-  ArmModel arm =
-      setting_errors.locate({"arm.rotor_inertia", "arm.urdf"}, [&] { return model_of(s.arm); });
+  if (is_rehearsal(s))
+    notes.emplace_back(
+        "rehearsal: the simulated arm draws on a surface that is made of what was seen, holes "
+        "included; ink and force are judged against that, not against the real object");
   check_joint_settings(s, urdf, arm, setting_errors);
   WorldSettings settings = s.world;
   settings.flange_sensor = has_sensor(s.control.source);
@@ -251,7 +294,11 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   scene.start_q = start_posture(s.arm, scene.arm, X_WP, about_drawing(s, scene.canvas, X_WP),
                                 setting_errors, touching, &scene.notes);
   scene.obstacle = scene.canvas;
-  if (s.perception.enabled) look_at_canvas(s, setting_errors, &scene);
+  if (s.perception.enabled && !read)
+    setting_errors.locate(kHowSeen, [&] {
+      read.emplace(take_snapshot(s, *scene.canvas, *scene.world, scene.arm, scene.start_q));
+    });
+  if (read) know_canvas(s, std::move(*read), &scene);
   if (scene.planning)
     scene.surface = perceived_height(scene.planning, X_WP);
   else

@@ -41,6 +41,9 @@ struct Scene {
   bool estimates_surface() const { return perception != nullptr || by_touch(); }
 };
 
+// The simulated world is made of what was seen: there is no truth to judge against.
+bool is_rehearsal(const Scenario& scenario);
+
 // A mesh file that lies nowhere near the drawing, and that the scenario does not place, is put
 // under the drawing's centre; scenario.canvas.move is set to what that takes, and a note says so.
 // Only the mesh's bounding box is used for it.

@@ -31,6 +31,8 @@ std::string made_of(const Scenario& s) {
   read.drawing.tilt_deg = s.drawing.tilt_deg;
   std::string files = stamp_of(urdf_of(s.arm));
   // A mesh may be put under the drawing's centre, and an arm starts where it leads there.
+  const bool found = s.perception.source != PerceptionSource::simulated;
+  if (found) read.drawing.placement = s.drawing.placement;
   if (s.canvas.kind == CanvasKind::mesh || !s.arm.urdf.empty())
     read.drawing.placement.centre_m = s.drawing.placement.centre_m;
   if (s.canvas.kind == CanvasKind::mesh) files += stamp_of(s.canvas.mesh.file);

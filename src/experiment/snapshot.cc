@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/capture/capture_cloud.h"
+#include "impedraw/capture/found_canvas.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/perception/depth_camera.h"
@@ -52,8 +53,8 @@ JointVector exposure_joints(const ArmModel& arm, const std::vector<double>& join
   return Eigen::Map<const Eigen::VectorXd>(joints.data(), arm.joints());
 }
 
-PointCloud points_of_capture(const PerceptionSettings& p, const CloudSettings& settings,
-                             ArmModel& arm, std::vector<std::string>* notes) {
+CaptureCloud points_of_capture(const PerceptionSettings& p, const CloudSettings& settings,
+                               ArmModel& arm) {
   if (p.capture.empty())
     throw InputError(
         "perception.capture is empty; perception.source capture needs a folder with "
@@ -64,13 +65,10 @@ PointCloud points_of_capture(const PerceptionSettings& p, const CloudSettings& s
   const auto shapes = [&](const std::vector<double>& q) {
     return shapes_of(arm, exposure_joints(arm, q));
   };
-  CaptureCloud seen = cloud_of(read_capture(p.capture, tip), settings, shapes, p.align);
-  notes->insert(notes->end(), seen.notes.begin(), seen.notes.end());
-  return std::move(seen.cloud);
+  return cloud_of(read_capture(p.capture, tip), settings, shapes, p.align);
 }
 
-PointCloud points_of_file(const PerceptionSettings& p, const CloudSettings& settings,
-                          std::vector<std::string>* notes) {
+CaptureCloud points_of_file(const PerceptionSettings& p, const CloudSettings& settings) {
   if (p.cloud.empty())
     throw InputError(
         "perception.cloud is empty; perception.source cloud needs a .ply, .pcd or .xyz file");
@@ -82,9 +80,7 @@ PointCloud points_of_file(const PerceptionSettings& p, const CloudSettings& sett
   std::vector<Eigen::Vector3d> viewpoints;
   for (std::size_t i = 0; i < p.viewpoint.size(); i += 3)
     viewpoints.emplace_back(p.viewpoint[i], p.viewpoint[i + 1], p.viewpoint[i + 2]);
-  CaptureCloud seen = cloud_of(read_cloud_file(p.cloud), p.cloud.string(), viewpoints, settings);
-  notes->insert(notes->end(), seen.notes.begin(), seen.notes.end());
-  return std::move(seen.cloud);
+  return cloud_of(read_cloud_file(p.cloud), p.cloud.string(), viewpoints, settings);
 }
 
 PointCloud points_of_cameras(const Scenario& s, const CloudSettings& settings, const Canvas& canvas,
@@ -122,35 +118,62 @@ PointCloud points_of_cameras(const Scenario& s, const CloudSettings& settings, c
   return back_project(images, cameras, settings, shapes_of(arm, q));
 }
 
-}  // namespace
-
-SurfaceEstimator take_snapshot(const Scenario& s, const Canvas& canvas, const World& world,
-                               ArmModel& arm, const JointVector& q,
-                               std::vector<std::string>* notes) {
-  const PerceptionSettings& p = s.perception;
+CloudSettings cloud_settings(const PerceptionSettings& p) {
   CloudSettings settings;
   settings.voxel = p.voxel;
   settings.self_padding = p.self_padding;
   settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
-  const PointCloud seen =
-      p.source == PerceptionSource::capture ? points_of_capture(p, settings, arm, notes)
-      : p.source == PerceptionSource::cloud ? points_of_file(p, settings, notes)
-                                            : points_of_cameras(s, settings, canvas, world, arm, q);
-  const Eigen::AlignedBox3d box = canvas.bounds();
-  PointCloud cloud = thin(seen, settings.voxel);
+  return settings;
+}
+
+// `where`: what fills which box, for the error.
+SurfaceEstimator estimator_of(const PointCloud& seen, const PerceptionSettings& p,
+                              const std::string& where) {
+  PointCloud cloud = thin(seen, p.voxel);
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
     throw InputError(fmt::format(
         "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, "
-        "{:.2f} to {:.2f}, {:.2f} to {:.2f} m); "
-        "at least {} are needed; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to "
-        "{:.2f} m)",
+        "{:.2f} to {:.2f}, {:.2f} to {:.2f} m); at least {} are needed{}",
         cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(),
-        p.region_upper.y(), p.region_lower.z(), p.region_upper.z(), p.normals.k, box.min().x(),
-        box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z()));
+        p.region_upper.y(), p.region_lower.z(), p.region_upper.z(), p.normals.k, where));
   FinerClouds finer;
-  if (p.adapt && settings.voxel > 0.0)
-    for (const double share : {0.5, 0.25}) finer.push_back(thin(seen, share * settings.voxel));
+  if (p.adapt && p.voxel > 0.0)
+    for (const double share : {0.5, 0.25}) finer.push_back(thin(seen, share * p.voxel));
   return SurfaceEstimator(std::move(cloud), p.normals, std::move(finer));
+}
+
+}  // namespace
+
+Snapshot take_snapshot(const Scenario& s, const Canvas& canvas, const World& world, ArmModel& arm,
+                       const JointVector& q) {
+  const Eigen::AlignedBox3d box = canvas.bounds();
+  return {
+      estimator_of(points_of_cameras(s, cloud_settings(s.perception), canvas, world, arm, q),
+                   s.perception,
+                   fmt::format("; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to "
+                               "{:.2f} m)",
+                               box.min().x(), box.max().x(), box.min().y(), box.max().y(),
+                               box.min().z(), box.max().z())),
+      {}};
+}
+
+Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, ArmModel& arm,
+                       std::vector<std::string>* notes) {
+  const PerceptionSettings& p = s.perception;
+  CaptureCloud read = p.source == PerceptionSource::capture
+                          ? points_of_capture(p, cloud_settings(p), arm)
+                          : points_of_file(p, cloud_settings(p));
+  notes->insert(notes->end(), read.notes.begin(), read.notes.end());
+  FoundCanvas found{std::move(read.cloud), {}, {}};
+  if (p.find_canvas) {
+    const PlacementSettings& placed = s.drawing.placement;
+    const double width = 1e-3 * std::max(placed.width_mm.value_or(0), placed.height_mm.value_or(0));
+    found = find_canvas(found.canvas,
+                        {X_WP, placed.centre_m, width > 0.0 ? 0.5 * width : placed.fit_radius_m},
+                        read.views);
+    notes->insert(notes->end(), found.notes.begin(), found.notes.end());
+  }
+  return {estimator_of(found.canvas, p, ""), thin(found.beside, p.voxel)};
 }
 
 }  // namespace impedraw

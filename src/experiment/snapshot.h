@@ -18,11 +18,19 @@ DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
 // The seed of a camera's errors and noise.
 std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera);
 
-// What the cameras see of the canvas, or what perception.capture holds. The arm is at q; its points
-// are removed from the cloud. Appends to `notes` what a capture's views gave, one line each. Throws
-// InputError without cameras, for an invalid capture, or with too little of the canvas in view.
-SurfaceEstimator take_snapshot(const Scenario& scenario, const Canvas& canvas, const World& world,
-                               ArmModel& arm, const JointVector& q,
-                               std::vector<std::string>* notes);
+struct Snapshot {
+  SurfaceEstimator seen;
+  PointCloud beside;  // thinned: what find_canvas left out, which the arm must not touch either
+};
+
+// What the cameras see of the canvas. The arm is at q; its points are removed from the cloud.
+// Throws InputError without cameras, or with too little of the canvas in view.
+Snapshot take_snapshot(const Scenario& scenario, const Canvas& canvas, const World& world,
+                       ArmModel& arm, const JointVector& q);
+
+// What perception.capture or perception.cloud holds. Appends to `notes` what it gave and what was
+// removed, one line each. Throws InputError if it is invalid or shows too little.
+Snapshot read_snapshot(const Scenario& scenario, const Pose& X_WP, ArmModel& arm,
+                       std::vector<std::string>* notes);
 
 }  // namespace impedraw

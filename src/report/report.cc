@@ -12,9 +12,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string title_of(const RunData& run, const std::string& given) {
-  if (!given.empty()) return given;
   const auto scenario = run.attributes.find("scenario");
-  return scenario == run.attributes.end() ? "impedraw" : scenario->second;
+  const std::string title = !given.empty()                     ? given
+                            : scenario == run.attributes.end() ? "impedraw"
+                                                               : scenario->second;
+  return title + (run.attributes.contains("rehearsal") ? " (rehearsal)" : "");
 }
 
 Json limits_json(const std::map<std::string, MetricLimit>& limits) {

@@ -45,6 +45,8 @@ RunLogHeader make_header(const Experiment& e) {
     h.attributes["contact"] = e.control.impedance.wrench == WrenchFeedback::measured
                                   ? "estimated: the measured wrench at the model's tip"
                                   : "unknown: no simulator of ours, and no wrench";
+  if (is_rehearsal(e.scenario))
+    h.attributes["rehearsal"] = "the canvas is the surface that was seen, not the real one";
   h.attributes["seed"] = std::to_string(e.scenario.seed);
   h.attributes[kPromiseAttribute] = promise_text(promise_of(e));
   return h;

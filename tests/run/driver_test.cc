@@ -219,7 +219,8 @@ TEST_F(DriverTest, OnAWallClockFramesAreTakenBesideTheLoop) {
 }
 
 TEST_F(DriverTest, AnArmThatIsNotSimulatedHereIsNotSimulated) {
-  Experiment e = prepared("bowl-sine", {"arm.driver=iiwa-lcm", "control.inertia=natural"});
+  Experiment e = prepared(
+      "bowl-sine", {"arm.driver=iiwa-lcm", "control.inertia=natural", "canvas.true_model=true"});
   EXPECT_THROW(run(e, log_, 0.0), InputError);
   EXPECT_FALSE(fs::exists(log_));
 }
