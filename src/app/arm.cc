@@ -65,8 +65,6 @@ double share_of(std::vector<double>* x, double share) {
 }  // namespace
 
 DriverMaker driver_maker(Experiment& e) {
-  if (is_rehearsal(e.scenario))
-    return "rehearsal: on the surface as it was seen; nothing was drawn on the real one\n";
   if (e.scenario.arm.driver == ArmDriver::sim) return {};
   if (has_sensor(e.control.source))
     throw InputError(
@@ -97,6 +95,8 @@ void require_steady_loop(const Scenario& scenario, const LiveOptions& live) {
 }
 
 std::string contact_line(const Experiment& e) {
+  if (is_rehearsal(e.scenario))
+    return "rehearsal: on the surface as it was seen; nothing was drawn on the real one\n";
   if (e.scenario.arm.driver == ArmDriver::sim) return {};
   return e.control.source == WrenchSource::truth
              ? "contact as measured: the wrench that was received, at the tip of the arm's model\n"
