@@ -491,6 +491,7 @@ class Runner {
     else if (!state_->stalled)
       out_ = guard_.braking() || retreats_ ? loop_.brake(*state_, velocity_of_retreat(desired))
                                            : loop_.step(*state_, desired.reference);
+    if (watch_) watch_->feel(touch(), t);
     row_.step_time = seconds_since(step_start);
     row_.time = first_time_ + t;
     row_.time_scale = clock_.rate();
@@ -677,10 +678,20 @@ class Runner {
     pen.tilt = smallest_rotation(X_WE.R.col(2), -out_.axis_WD).norm();
     if (out_.mode != ContactMode::contact) return pen;
     pen.tip = behind().norm();
-    pen.normal_speed = out_.n_WD.dot(velocity_on_canvas()) - out_.rise;
+    // What frames confirm is the canvas's own motion, and no roughness.
+    const double unexplained = watch_ ? 1.0 - watch_->felt().share(FeltMotion::along_normal) : 1.0;
+    pen.normal_speed = unexplained * (out_.n_WD.dot(velocity_on_canvas()) - out_.rise);
     if (e_.control.impedance.wrench == WrenchFeedback::measured && out_.push > 0.0)
-      pen.force = (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
+      pen.force = unexplained * (loop_.F_ext().head<3>().dot(out_.n_WD) - out_.push) / out_.push;
     return pen;
+  }
+
+  // What the canvas's motion is felt by.
+  PenTouch touch() const {
+    const ArmTerms& arm = loop_.terms();
+    const bool touches = out_.mode == ContactMode::contact &&
+                         e_.control.impedance.wrench == WrenchFeedback::measured;
+    return {touches, arm.X_WE.p, arm.V_WE.head<3>(), out_.n_WD, loop_.F_ext().head<3>()};
   }
 
   // Of the tip, in W.
