@@ -15,11 +15,11 @@ namespace impedraw {
 
 class HitRetreat {
  public:
-  static constexpr double kFelt = 2.0;                    // [N]
-  static constexpr double kMass = 0.3, kDamping = 20.0;   // m [kg], b [N s/m]
-  static constexpr double kClear = 0.01;                  // [m]
-  static constexpr double kRest = 1.0, kReturn = 0.02;    // [s], [m/s]
-  static constexpr double kFurthest = 0.15;               // [m]
+  static constexpr double kFelt = 2.0;                   // [N]
+  static constexpr double kMass = 0.3, kDamping = 20.0;  // m [kg], b [N s/m]
+  static constexpr double kClear = 0.01;                 // [m]
+  static constexpr double kRest = 1.0, kReturn = 0.02;   // [s], [m/s]
+  static constexpr double kFurthest = 0.15;              // [m]
 
   // Once per step of dt [s]. lifted: the pen is in the air, by the plan and by its contact state;
   // force: on the tip, in W [N]. Allocates nothing.

@@ -19,14 +19,23 @@ namespace {
 constexpr double kLatenessTime = 1.0;  // over which it is averaged [s]
 // What is off by kFar is smoothed twice as fast, and at most kMostHaste times.
 constexpr double kFar = 0.5e-3, kMostHaste = 4.0;  // [m]
-constexpr double kLever = 0.15;                    // at which a turn counts [m]
+constexpr double kTurnLever = 0.15;                // at which a turn counts [m]
 
 }  // namespace
 
-const std::array<AxisModel, CanvasBelief::kFilters> CanvasBelief::kBank = {
-    {{1, 1e-10}, {2, 1e-9}, {2, 1e-5}, {3, 1e-3}, {3, 0.1},  //
-     {2, 1e-4, 3.0}, {2, 1e-3, 3.0}, {2, 1e-2, 3.0}, {2, 1e-1, 3.0},
-     {3, 1e-2, 8.0}, {3, 1e-1, 8.0}, {3, 1.0, 8.0}, {3, 10.0, 8.0}}};
+const std::array<AxisModel, CanvasBelief::kFilters> CanvasBelief::kBank = {{{1, 1e-10},
+                                                                            {2, 1e-9},
+                                                                            {2, 1e-5},
+                                                                            {3, 1e-3},
+                                                                            {3, 0.1},  //
+                                                                            {2, 1e-4, 3.0},
+                                                                            {2, 1e-3, 3.0},
+                                                                            {2, 1e-2, 3.0},
+                                                                            {2, 1e-1, 3.0},
+                                                                            {3, 1e-2, 8.0},
+                                                                            {3, 1e-1, 8.0},
+                                                                            {3, 1.0, 8.0},
+                                                                            {3, 10.0, 8.0}}};
 const std::array<double, CanvasBelief::kBands> CanvasBelief::kCutoffs = {0.4, 0.7, 1.1, 1.8, 3.0};
 
 AxisState CanvasBelief::model_state(const Entry& from, int model, int axis,
@@ -45,7 +54,7 @@ bool CanvasBelief::holds(const Entry& entry, int model, int axis) const noexcept
 std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const noexcept {
   // All errors hold the noise of what they are compared with: what one has beyond the best counts.
   // Of models that do as well, the simpler one is to be preferred.
-  constexpr double kAlike = 0.03;      // in shares of that noise
+  constexpr double kAlike = 0.03;       // in shares of that noise
   constexpr double kAlikeBeyond = 0.1;  // and of what the best has beyond it
   const Score& score = scores[axis];
   const auto known = [&](int m) {
@@ -167,7 +176,7 @@ CanvasEstimate SmoothedCanvas::follow(const CanvasBelief& belief, double time,
     // To the present first, so that like is compared with like; else it would run a step ahead.
     s.x += dt * (s.v + 0.5 * dt * target.a);
     s.v += dt * target.a;
-    const double off = std::abs(target.x - s.x) / (i < 3 ? kFar : kFar / kLever);
+    const double off = std::abs(target.x - s.x) / (i < 3 ? kFar : kFar / kTurnLever);
     const double rate = kSmoothing * std::min(kMostHaste, 1.0 + off);
     const double correction = rate * rate * (target.x - s.x) + 2.0 * rate * (target.v - s.v);
     s.x += 0.5 * dt * dt * correction;

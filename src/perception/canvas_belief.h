@@ -26,7 +26,7 @@ struct CanvasBelief {
   static constexpr int kPlain = 5, kFilters = kPlain + 8, kBands = 5;
   static constexpr int kSwinging = kFilters + kBands, kModels = kSwinging + 1;
   static const std::array<AxisModel, kFilters> kBank;  // kPlain: without a rate
-  static const std::array<double, kBands> kCutoffs;  // [Hz]
+  static const std::array<double, kBands> kCutoffs;    // [Hz]
 
   // As a frame left it.
   struct Entry {
@@ -62,8 +62,8 @@ struct CanvasBelief {
 
   // lateness: of the frames lately [s].
   CanvasEstimate predict(double time, double lateness) const noexcept;
-  CanvasEstimate estimate(const std::array<AxisState, kAxes>& state, double time,
-                          double lateness, double unfelt = 1.0) const noexcept;
+  CanvasEstimate estimate(const std::array<AxisState, kAxes>& state, double time, double lateness,
+                          double unfelt = 1.0) const noexcept;
 
   bool holds(const Entry& entry, int model, int axis) const noexcept;
   AxisState model_state(const Entry& from, int model, int axis, double time) const noexcept;

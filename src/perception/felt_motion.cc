@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFeltScoreTime = 1.0;      // [s]
+constexpr double kFeltScoreTime = 1.0;  // [s]
 constexpr double kLeastPress = 0.5;     // along n, below which nothing is felt [N]
 constexpr double kLeastFriction = 0.1;  // f_t against f_n, below which it tells no direction
 constexpr double kRateFilter = 60.0;    // of the velocities [1/s]
@@ -54,7 +54,8 @@ void FeltMotion::judge(const CanvasBelief& belief) noexcept {
     s.with += share * (std::pow(then.axes[k].dot(off - then.d[k]), 2) - s.with);
     const double best = std::min(s.with, s.without);
     const auto weight = [&](double square) {
-      return std::pow(1.0 + (square - best) / (kFeltAlike * noise + kAlikeShare * best + 1e-14), -3.0);
+      return std::pow(1.0 + (square - best) / (kFeltAlike * noise + kAlikeShare * best + 1e-14),
+                      -3.0);
     };
     share_[k] = weight(s.with) / (weight(s.with) + weight(s.without));
   }

@@ -27,11 +27,11 @@ namespace impedraw {
 
 // The pen's tip in one control step, in W.
 struct PenTouch {
-  bool touches = false;                                 // else nothing below is used
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();          // [m]
-  Eigen::Vector3d v = Eigen::Vector3d::Zero();          // [m/s]
-  Eigen::Vector3d n = Eigen::Vector3d::UnitZ();         // of the surface, outward
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();      // on the tip [N]
+  bool touches = false;                             // else nothing below is used
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();      // [m]
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();      // [m/s]
+  Eigen::Vector3d n = Eigen::Vector3d::UnitZ();     // of the surface, outward
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the tip [N]
 };
 
 class FeltMotion {
@@ -56,11 +56,13 @@ class FeltMotion {
     double time = 0.0, dt = 0.0;
     Pose X_WK;  // as forecast then
     Eigen::Vector3d p, v;
-    Shifts axes;    // n and c; zero where nothing is felt
-    Shifts d;       // as of then
+    Shifts axes;  // n and c; zero where nothing is felt
+    Shifts d;     // as of then
   };
 
-  const Step& step(std::size_t back) const noexcept { return steps_[(next_ + kMost - 1 - back) % kMost]; }
+  const Step& step(std::size_t back) const noexcept {
+    return steps_[(next_ + kMost - 1 - back) % kMost];
+  }
   void judge(const CanvasBelief& belief) noexcept;
   void add_up_anew(const CanvasBelief& belief) noexcept;
 

@@ -99,8 +99,8 @@ void ControlLoop::keep_away_from(const CanvasEstimate& canvas, double time) noex
   if (canvas_.joined()) return keep_away_.reset();
   SurfaceEstimate surface;
   if (canvas.status == CanvasStatus::ok || canvas.status == CanvasStatus::undetermined)
-    surface = carried(surface_source_(canvas.motion.X_WK.inverse() * terms_.X_WE.p, time),
-                      canvas.motion);
+    surface =
+        carried(surface_source_(canvas.motion.X_WK.inverse() * terms_.X_WE.p, time), canvas.motion);
   keep_away_.update(surface, canvas.motion.velocity_at(terms_.X_WE.p), period_);
 }
 

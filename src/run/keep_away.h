@@ -32,8 +32,8 @@ class KeepAway {
     if (surface.status == SurfaceStatus::ok) {
       if (far == 0.0) n_ = surface.n_W;
       const double room = surface.distance - kRoom, nearer = v_C.dot(n_);
-      const double bound = room > 0.0 ? nearer - std::sqrt(kMostAcceleration * room)
-                                      : nearer - kRate * room;
+      const double bound =
+          room > 0.0 ? nearer - std::sqrt(kMostAcceleration * room) : nearer - kRate * room;
       least = std::max(least, bound);
     }
     const double most = kMostAcceleration * dt;

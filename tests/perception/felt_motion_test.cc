@@ -12,7 +12,8 @@ namespace {
 using Eigen::Vector3d;
 
 struct Felt {
-  double with = 0.0, without = 0.0;  // RMS of the canvas's position across the slip, felt or not [m]
+  double with = 0.0,
+         without = 0.0;  // RMS of the canvas's position across the slip, felt or not [m]
   double along_normal = 0.0, across_slip = 0.0;  // shares
 };
 
@@ -23,7 +24,8 @@ Felt feel(double amplitude, double tilt) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   const auto at = [&](double t) {
-    return Vector3d(0.0, amplitude * std::sin(kRate * t), 0.5 * amplitude * std::cos(1.3 * kRate * t));
+    return Vector3d(0.0, amplitude * std::sin(kRate * t),
+                    0.5 * amplitude * std::cos(1.3 * kRate * t));
   };
   const auto velocity = [&](double t) { return Vector3d((at(t + 1e-5) - at(t - 1e-5)) / 2e-5); };
   CanvasBelief belief;

@@ -18,8 +18,8 @@ AxisState integrated(AxisState s, int order, double rate, double dt) {
     return {y.x + by * k.x, y.v + by * k.v, y.a + by * k.a};
   };
   for (int i = 0; i < kSteps; ++i) {
-    const AxisState k1 = slope(s), k2 = slope(plus(s, 0.5 * h, k1)), k3 = slope(plus(s, 0.5 * h, k2)),
-                    k4 = slope(plus(s, h, k3));
+    const AxisState k1 = slope(s), k2 = slope(plus(s, 0.5 * h, k1)),
+                    k3 = slope(plus(s, 0.5 * h, k2)), k4 = slope(plus(s, h, k3));
     s = plus(plus(plus(plus(s, h / 6.0, k1), h / 3.0, k2), h / 3.0, k3), h / 6.0, k4);
   }
   return s;
@@ -31,7 +31,8 @@ TEST(MaternStep, SolvesItsEquation) {
       for (const double dt : {1e-3, 0.03, 0.3}) {
         SCOPED_TRACE(testing::Message() << order << " " << rate << " " << dt);
         const AxisState from{0.3, -0.7, order == 3 ? 2.0 : 0.0};
-        const AxisState is = MaternStep(order, rate, dt).of(from), to = integrated(from, order, rate, dt);
+        const AxisState is = MaternStep(order, rate, dt).of(from),
+                        to = integrated(from, order, rate, dt);
         EXPECT_NEAR(is.x, to.x, 1e-8);
         EXPECT_NEAR(is.v, to.v, 1e-8);
         EXPECT_NEAR(is.a, to.a, 1e-7);

@@ -30,8 +30,8 @@ std::pair<double, double> rise(double speed, double late) {
     surface.distance = p.z() - seen;
     surface.status = std::abs(surface.distance) < 0.06 ? SurfaceStatus::ok : SurfaceStatus::too_few;
     const double rate = (height(t - late) - height(t - late - 1e-3)) / 1e-3;
-    away.update(surface, std::abs(rate) < 1.0 ? Vector3d(rate * Vector3d::UnitZ()) : Vector3d::Zero(),
-                1e-3);
+    away.update(surface,
+                std::abs(rate) < 1.0 ? Vector3d(rate * Vector3d::UnitZ()) : Vector3d::Zero(), 1e-3);
     const TipReference now = away.of(rest);
     EXPECT_LT((now.p_WD - p - 1e-3 * now.v_WD).norm(), 1e-4) << "the velocity is the position's";
     EXPECT_LT((now.v_WD - v).norm(), 0.0041) << t;
