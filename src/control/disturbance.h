@@ -1,9 +1,10 @@
-// Torque against what the arm's model does not explain: the observer's estimate, and the share of it
-// that the law compensates.
+// Torque against what the arm's model does not explain: the observer's estimate, and the share of
+// it that the law compensates.
 //
 // Law      r_y = r_c + Jᵀ J̄ᵀ (r − r_c),  r_c: r within ± (yield_limit + 0.12 |g|) of each joint
-//          r: momentum_observer.h. Dry friction and wrong masses are compensated whole. Beyond that
-//          only the part at the tip is: a push on the arm's body moves the arm through its null space.
+//          r: momentum_observer.h. Dry friction and wrong masses are compensated whole. Beyond
+//          that only the part at the tip is: a push on the arm's body moves the arm through its
+//          null space.
 // Requires a measured wrench; `space` updated for `arm`
 #pragma once
 
@@ -14,13 +15,13 @@ namespace impedraw {
 
 class Disturbance {
  public:
-  static constexpr double kWeightShare = 0.12;  // what wrong masses may add to r, per weight torque
+  static constexpr double kWeightShare = 0.12;  // what wrong masses add to r, per weight torque
 
   // Throws InputError if a delay exceeds the observer's history.
   Disturbance(const ImpedanceSettings& settings, int joints);
 
-  // Updates r and returns −r_y [Nm], 0 without a measured wrench or an observer. While the wrench is
-  // lost r is held: the wrench would have to be subtracted.
+  // Updates r and returns −r_y [Nm], 0 without a measured wrench or an observer. While the wrench
+  // is lost r is held: the wrench would have to be subtracted.
   JointVector compensation(const StepInput& in, const OperationalSpace& space) noexcept;
   // The torque that was commanded in this step [Nm].
   void commanded(const StepInput& in, const JointVector& tau) noexcept;

@@ -3,8 +3,8 @@
 //
 // Law      ω = 2 rad/s · clamp(Σ_j s_j J̄_j / max_j |J̄_j|, ±1),  s_j = depth_lower² − depth_upper²
 //          J̄_j: speed of joint j for 1 rad/s about the pen's axis z_E
-// Without it, on closed lines about a hill, the pen's heading and the last joint with it turn on and
-// on. Torque in the null space cannot turn them back: the turn moves the tip frame.
+// Without it, on closed lines about a hill, the pen's heading and the last joint with it turn on
+// and on. Torque in the null space cannot turn them back: the turn moves the tip frame.
 // Requires `space` updated for `arm`
 #pragma once
 

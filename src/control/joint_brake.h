@@ -2,10 +2,11 @@
 // that the law needs: no wrench, no observer, no shaped inertia. A second control law, for the loop
 // that calls to choose.
 //
-// Law      τ = g + D (v_D − v) + K ∫(v_D − v) dt,  D and K diagonal, so that no error of M adds energy
-//          D_j = min(c/(M⁻¹)_jj, √(0.3 τ̇_j M_jj / 2 rad/s)),  K_j = D_j²/(4 M_jj): critically damped
-//          c: bearable_rate of damping.h; τ̇: the torque's rate limit, which then builds up D's torque
-//          from 2 rad/s in 0.3 of the braking time
+// Law      τ = g + D (v_D − v) + K ∫(v_D − v) dt
+//          D and K are diagonal, so that no error of M adds energy.
+//          D_j = min(c/(M⁻¹)_jj, √(0.3 τ̇_j M_jj / 2 rad/s)),  K_j = D_j²/(4 M_jj)
+//          c: bearable_rate of damping.h; τ̇: the torque's rate limit, within which the torque of
+//          D at 2 rad/s builds up in 0.3 of the braking time
 //          v_D = J̄ V_D: zero, or the motion of least energy with the tip's velocity
 //          The integral, of at most 0.5 rad, holds against friction and a hand.
 // Requires `space` updated for `arm`

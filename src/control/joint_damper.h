@@ -2,8 +2,8 @@
 // energy. Near a singularity the joint speeds needed for a given tip speed change faster than the
 // joints can.
 //
-// Law      τ_j = −c (|v_j| − most_j)/(M⁻¹)_jj sign(v_j)  where |v_j| > most_j = JointRange::most_speed
-//          c = bearable_rate of damping.h
+// Law      τ_j = −c (|v_j| − most_j)/(M⁻¹)_jj sign(v_j)  where |v_j| > most_j
+//          most: JointRange::most_speed; c: bearable_rate of damping.h
 // Requires `space` updated for `arm`
 #pragma once
 

@@ -1,8 +1,8 @@
 // The ends of the joints' ranges, and the speeds with which joints may move towards them.
 //
-// Speed    |v_j| ≤ min(limit_j, kStopRate (d − kShortOfEnd) + kCreep), d: distance to the end of the
-//          range ahead: a joint comes to rest kShortOfEnd before it, with the time constant
-//          1/kStopRate, and creeps on
+// Speed    |v_j| ≤ min(limit_j, kStopRate (d − kShortOfEnd) + kCreep), d: distance to the end of
+//          the range ahead. A joint comes to rest kShortOfEnd before it, with the time constant
+//          1/kStopRate, and creeps on.
 // Margin   depth (margin − d)/margin in the margin of either end: 0 outside, 1 at the end
 #pragma once
 

@@ -1,14 +1,14 @@
 // Torque that moves the arm within itself, and does not move the tip: towards a rest posture and
 // away from the ends of the joints' ranges.
 //
-// Law      τ = (I − Jᵀ J̄ᵀ) τ_null                                                          (17)
-//          τ_null = s K_q (q_0 − q) − d D_q v + τ_limit,  D_q = 2 ζ √(K_q diag(M))         (14)–(15)
-//          τ_limit: joint_range.torque · depth² away from an end of a joint's range (joint_range.h)
-// Fading   s: from a speed of the fastest joint of kSelfMotionSpeed on the pull fades where it speeds
-//          the arm up, to 0 at twice that. Past a singular posture, which has held it, the arm would
-//          swing back to q_0 at several times its joints' speed limits.
-// Calming  d: from kCalmSpeed on the damping rises, to 1 + kMoreDamping times at twice that, as far as
-//          the sampled loop bears it (bearable_rate of damping.h).
+// Law      τ = (I − Jᵀ J̄ᵀ) τ_null                                                 (17)
+//          τ_null = s K_q (q_0 − q) − d D_q v + τ_limit,  D_q = 2 ζ √(K_q diag(M))  (14)–(15)
+//          τ_limit: joint_range.torque · depth², away from an end of a joint's range
+// Fading   s: from a speed of the fastest joint of kSelfMotionSpeed on the pull fades where it
+//          speeds the arm up, to 0 at twice that. Past a singular posture, which has held it, the
+//          arm would swing back to q_0 at several times its joints' speed limits.
+// Calming  d: from kCalmSpeed on the damping rises, to 1 + kMoreDamping times at twice that, as far
+//          as the sampled loop bears it (bearable_rate of damping.h).
 // Requires `space` updated for `arm`; settings completed for its joints
 #pragma once
 

@@ -4,8 +4,8 @@
 //          tip_speed and turn_speed; then its turn, and if that is not enough all of it, until no
 //          joint exceeds its speed limit, nor the one before the end of its range (joint_range.h).
 //          V_end then takes the place of V_d, and 0 that of K e: B (V_d − V) + K e = B (V_end − V).
-// Joints   The arm keeps the motion that does not move the tip: near a singularity that motion moves
-//          the wrist faster than the tip's does.
+// Joints   The arm keeps the motion that does not move the tip: near a singularity that motion
+//          moves the wrist faster than the tip's does.
 // Feed-    The part of V̇_d that accelerates the tip along V_end is removed by degrees, in full from
 // forward  1/kHoldBack of the speed on: torque would step at a limit that comes and goes.
 // Requires `space` and `impedance` updated for `arm`

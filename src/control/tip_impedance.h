@@ -1,10 +1,10 @@
 // Desired dynamics at the tip: inertia M_d, damping B and stiffness K of the law (1), and the force
 // that gives the arm this inertia.
 //
-// M_d       shaped: diag(mass, inertia) in the surface frame; scaled, natural: c Λ     InertiaShaping
+// M_d       shaped: diag(mass, inertia) in the surface frame; scaled, natural: c Λ
 // B         from M_d and K', so that every mode has the damping ratio ζ: damping.h. If M_d = c Λ,
 //           its C and A are 1/c of those for M_d = Λ.
-// Mapping   F_act = Λ M_d⁻¹ F: Λ/M_d per axis of S if shaped, F/c else                     (10)–(11)
+// Mapping   F_act = Λ M_d⁻¹ F, which is F/c if M_d = c Λ                            (10)–(11)
 // Requires  settings that ImpedanceSettings::validate() accepts; `space` updated for this posture,
 //           and then update()
 #pragma once
