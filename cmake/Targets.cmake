@@ -153,7 +153,7 @@ function(impedraw_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)  # false alarms inside Eigen
-    if(CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)  # and, since then, where sources are compiled together
+    if(CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)  # and, since then, where sources are compiled together
       target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
     endif()
   endif()
