@@ -166,7 +166,8 @@ void CanvasTracker::update_from(std::size_t first) noexcept {
           continue;
         }
         f = entries_[k - 1].filters[m][i];
-        f.predict(e.time - entries_[k - 1].time, CanvasBelief::kBank[m]);
+        f.predict(e.time - entries_[k - 1].time, CanvasBelief::kBank[m].noise,
+                  CanvasBelief::kBank[m].order);
         f.measure(e.x[i], e.variance[i]);
       }
   }
@@ -232,29 +233,22 @@ void CanvasTracker::fit_waves() noexcept {
   }
 }
 
-// Frames within a span so short that as many as may be fitted last for the window are one sample, at
-// their mean time: what they are off by is half the acceleration times the variance of their times.
+// Frames of several cameras at one time are one sample.
 void CanvasTracker::collect() noexcept {
-  constexpr double kOneSample = kWindow / WaveFit::kMostSamples;  // [s]
+  constexpr double kOneTime = 8e-3;  // [s]
   for (auto& samples : samples_) samples.clear();
-  double first = 0.0, sum = 0.0;  // time of a sample's first frame; sum of weights
   for (const Entry& e : entries_) {
     if (e.time < entries_.back().time - kWindow) continue;
-    const double weight = 1.0 / (e.variance[0] + e.variance[1] + e.variance[2]);
-    const bool same = !samples_[0].empty() && e.time - first < kOneSample;
-    if (!same) {
-      first = e.time;
-      sum = 0.0;
-    }
-    sum += weight;
-    const double share = weight / sum;
+    const bool same = !samples_[0].empty() && e.time - samples_[0].back().time < kOneTime;
     for (int i = 0; i < kAxes; ++i) {
-      if (!same) samples_[i].push_back({e.time, e.x[i], e.variance[i]});
+      if (!same) {
+        samples_[i].push_back({e.time, e.x[i], e.variance[i]});
+        continue;
+      }
       AxisSample& s = samples_[i].back();
-      s.time += share * (e.time - s.time);
+      const double w = 1.0 / e.variance[i], have = 1.0 / s.variance, share = w / (w + have);
       s.x += share * (e.x[i] - s.x);
-      if (same)
-        s.variance = (1.0 - share) * (1.0 - share) * s.variance + share * share * e.variance[i];
+      s.variance = 1.0 / (w + have);
     }
   }
 }
@@ -316,7 +310,6 @@ void CanvasTracker::add(const CanvasFrame& frame) noexcept {
   fit_waves();
   belief_.last = entries_.back();
   belief_.known = true;
-  ++belief_.frames;
 }
 
 double CanvasTracker::position_error() const noexcept {
@@ -331,7 +324,6 @@ const char* CanvasTracker::model(int axis) const noexcept {
   if (most == kSwinging) return "swinging";
   if (most >= kFilters) return "band";
   static constexpr const char* kNames[] = {"standing", "steady", "drifting"};
-  if (most >= CanvasBelief::kPlain) return "smooth";
   return kNames[CanvasBelief::kBank[static_cast<std::size_t>(most)].order - 1];
 }
 

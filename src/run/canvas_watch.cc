@@ -69,8 +69,7 @@ void CanvasWatch::update(double time) noexcept {
 }
 
 CanvasEstimate CanvasWatch::follow(double time) noexcept {
-  const CanvasShift felt = felt_.shift(time);
-  return lock_step_ ? tracker_->follow(time, felt) : smoothed_.follow(latest_.value(), time, felt);
+  return lock_step_ ? tracker_->follow(time) : smoothed_.follow(latest_.value(), time);
 }
 
 }  // namespace impedraw

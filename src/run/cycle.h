@@ -26,8 +26,6 @@ struct Cycle {
   const GroundTruth* truth;  // null: none
   bool tared = false;        // the wrench sensor's bias is known, or there is no sensor
   bool inked = false;        // the pen writes, and where it should
-  // Share of the tip's motion along the normal that frames confirm as the canvas's own.
-  double confirmed = 0.0;
 
   // When the state after it was read, from the beginning of the first run [s].
   double next_run_time() const noexcept { return run_time - time + state->time; }

@@ -49,14 +49,6 @@ bool knows(const CanvasFollower& canvas) {
   return status == CanvasStatus::ok || status == CanvasStatus::undetermined;
 }
 
-// What the canvas's motion is felt by.
-PenTouch touch_of(const Experiment& e, const Cycle& cycle) {
-  const bool touches = cycle.out.mode == ContactMode::contact &&
-                       e.control.impedance.wrench == WrenchFeedback::measured;
-  return {touches, cycle.arm.X_WE.p, cycle.arm.V_WE.head<3>(), cycle.out.n_WD,
-          cycle.F_ext.head<3>()};
-}
-
 }  // namespace
 
 DrivenArm::DrivenArm(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
@@ -115,10 +107,6 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
   else if (!state_->stalled)
     out_ = law.kind == Law::Kind::brake ? loop_.brake(*state_, law.v_WD)
                                         : loop_.step(*state_, desired.reference);
-  if (watch_) {
-    watch_->feel(touch_of(e_, cycle), time());
-    cycle.confirmed = watch_->felt().share(FeltMotion::along_normal);
-  }
   row_.step_time = seconds_since(step_start);
   row_.time_scale = time_scale;
   fill_state(e_, cycle, &row_);
