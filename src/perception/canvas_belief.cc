@@ -41,16 +41,16 @@ std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const 
   // Of models that do as well, the simpler one is to be preferred.
   constexpr double kAlike = 0.03;  // in shares of that noise
   const Score& score = scores[axis];
-  const auto known = [&](int m) {
+  const auto has = [&](int m) {
     return holds(last, m, axis) && (score.weight > 0.0 || m < kFilters);
   };
   double best = 1e300;
   for (int m = 0; m < kModels; ++m)
-    if (known(m)) best = std::min(best, score.square[m]);
+    if (has(m)) best = std::min(best, score.square[m]);
   std::array<double, kModels> w{};
   double sum = 0.0;
   for (int m = 0; m < kModels; ++m) {
-    if (!known(m)) continue;
+    if (!has(m)) continue;
     const double beyond = 1.0 + (score.square[m] - best) / (kAlike * score.noise + 1e-14);
     const double simple = m < kFilters ? std::pow(0.3, m) : m < kSwinging ? 1e-2 : 0.1;
     w[m] = simple / (beyond * beyond * beyond);

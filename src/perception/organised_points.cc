@@ -81,18 +81,18 @@ void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
         bool fitted = false;
         Vector6d before = Vector6d::Zero();
         for (int pass = 0; pass < 2; ++pass) {
-          Matrix6d left = Matrix6d::Zero();
+          Matrix6d gram = Matrix6d::Zero();
           right.setZero();
           count = 0;
           for (const Pixel& pixel : window_) {
             const double v = value(pixel);
             if (!(v > near && v < far)) continue;
             if (pass > 0 && std::abs(v - before.dot(pixel.basis)) > kOutlier * sigma) continue;
-            left.selfadjointView<Eigen::Lower>().rankUpdate(pixel.basis);
+            gram.selfadjointView<Eigen::Lower>().rankUpdate(pixel.basis);
             right += v * pixel.basis;
             ++count;
           }
-          const Eigen::LDLT<Matrix6d> factor(left.selfadjointView<Eigen::Lower>());
+          const Eigen::LDLT<Matrix6d> factor(gram.selfadjointView<Eigen::Lower>());
           fitted = count >= least && factor.rcond() > 1e-6;
           if (!fitted) break;
           fit = before = factor.solve(right);
