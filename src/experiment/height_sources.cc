@@ -9,6 +9,8 @@
 
 #include <nanoflann.hpp>
 
+#include "impedraw/perception/neighbours.h"
+
 namespace impedraw {
 
 namespace {
@@ -157,6 +159,24 @@ SurfaceHeight canvas_height(std::shared_ptr<const Canvas> canvas, const Pose& X_
   };
 }
 
+namespace {
+
+// Between most points of a cloud and their nearest neighbours [m].
+double spacing_of(const std::vector<Eigen::Vector3d>& points, const NeighbourTree& tree) {
+  std::vector<double> gaps;
+  for (std::size_t i = 0; i < points.size(); i += points.size() / 500 + 1) {
+    int index[2];
+    double squared[2];
+    if (tree.nearest(points[i], 2, 1.0, index, squared) == 2) gaps.push_back(std::sqrt(squared[1]));
+  }
+  if (gaps.empty()) return 0.0;
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  return *middle;
+}
+
+}  // namespace
+
 TriangleMesh surface_grid(const SurfaceHeight& surface, const PointCloud& cloud, const Pose& X_PW) {
   constexpr double kCell = 4e-3, kSteepest = 4.0;  // [m]; rise of a cell over its side
   constexpr int kMostCells = 500;
@@ -167,11 +187,19 @@ TriangleMesh surface_grid(const SurfaceHeight& surface, const PointCloud& cloud,
   const double cell = std::max(kCell, box.sizes().head<2>().maxCoeff() / kMostCells);
   const int nx = static_cast<int>(box.sizes().x() / cell) + 1,
             ny = static_cast<int>(box.sizes().y() / cell) + 1;
+  // A fitted surface goes on across a hole; the cloud does not.
+  const NeighbourTree tree(cloud.points);
+  const double near = std::max(1.5 * cell, 2.5 * spacing_of(cloud.points, tree));
+  const Pose X_WP = X_PW.inverse();
   std::vector<int> vertex;  // of each node; −1: no surface there
   SurfaceHeight::Sample last;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
-      const auto sample = surface(box.min().x() + i * cell, box.min().y() + j * cell, last);
+      auto sample = surface(box.min().x() + i * cell, box.min().y() + j * cell, last);
+      int nearest = 0;
+      double squared = 0.0;
+      if (sample && tree.nearest(X_WP * sample->p_P, 1, near, &nearest, &squared) == 0)
+        sample.reset();
       vertex.push_back(sample ? static_cast<int>(mesh.vertices.size()) : -1);
       if (sample) mesh.vertices.push_back(sample->p_P);
     }

@@ -110,7 +110,7 @@ struct ArmSettings {
   };
 };
 
-// What ends a run at once, with any arm (run/fences.h).
+// What ends a run at once, with any arm (run/monitors/fence_monitor.h).
 struct FenceSettings {
   // The box that the tip must stay in, W [m].
   Eigen::Vector3d low{-2.0, -2.0, -2.0}, high{2.0, 2.0, 2.0};
