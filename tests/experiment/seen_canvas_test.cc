@@ -21,7 +21,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using SeenFolder = ScratchFolder;
 
-Experiment prepared(std::vector<std::string> assignments) {
+Experiment bowl_with(std::vector<std::string> assignments) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-sine.yaml";
   options.assignments = std::move(assignments);
@@ -30,7 +30,7 @@ Experiment prepared(std::vector<std::string> assignments) {
 
 std::string error_of(std::vector<std::string> assignments) {
   try {
-    prepared(std::move(assignments));
+    bowl_with(std::move(assignments));
   } catch (const InputError& e) {
     return e.what();
   }
@@ -49,8 +49,8 @@ std::filesystem::path bowl_cloud(const std::filesystem::path& folder) {
 
 TEST_F(SeenFolder, TheSineOnACloudOfTheBowl) {
   const std::string cloud = "perception.cloud=" + bowl_cloud(folder_).string();
-  const Experiment e = prepared({"perception.source=cloud", cloud});
-  const Experiment simulated = prepared({});
+  const Experiment e = bowl_with({"perception.source=cloud", cloud});
+  const Experiment simulated = bowl_with({});
   EXPECT_TRUE(e.plan.preflight.findings.empty());
   EXPECT_NEAR(e.plan.path.pen_down_length(), simulated.plan.path.pen_down_length(), 1e-3);
   double worst = 0.0;
@@ -65,7 +65,7 @@ TEST_F(SeenFolder, TheSineOnACloudOfTheBowl) {
 
 TEST_F(SeenFolder, ACanvasThatNobodyModelledIsWhatWasSeen) {
   const std::string cloud = "perception.cloud=" + bowl_cloud(folder_).string();
-  const Experiment e = prepared({"perception.source=cloud", cloud, "canvas.kind=seen"});
+  const Experiment e = bowl_with({"perception.source=cloud", cloud, "canvas.kind=seen"});
   EXPECT_TRUE(is_rehearsal(e.scenario));
   EXPECT_THAT(e.scene.notes, Contains(HasSubstr("rehearsal: ")));
   const CapSettings bowl;
@@ -80,8 +80,8 @@ TEST_F(SeenFolder, HolesStayHoles) {
       if (std::hypot(x - 0.6, y) > 0.02) file << fmt::format("{} {} {}\n", x, y, 0.1);
   file.close();
   const Experiment e =
-      prepared({"perception.source=cloud", "perception.cloud=" + (folder_ / "sheet.xyz").string(),
-                "canvas.kind=seen", "drawing.shape=sine", "drawing.skip_unreachable=true"});
+      bowl_with({"perception.source=cloud", "perception.cloud=" + (folder_ / "sheet.xyz").string(),
+                 "canvas.kind=seen", "drawing.shape=sine", "drawing.skip_unreachable=true"});
   EXPECT_FALSE(e.scene.canvas->ray({0.6, 0.0, 1.0}, {0, 0, -1}));
   const auto beside = e.scene.canvas->ray({0.64, 0.0, 1.0}, {0, 0, -1});
   ASSERT_TRUE(beside);
