@@ -203,7 +203,7 @@ TEST(Lies, ADriverThatChecksTheMotionIsNotCheckedAgain) {
   for (const bool checks : {false, true}) {
     DriverInfo driver{2, 1e-3, WrenchReading::none};
     driver.checks_motion = checks;
-    ReadingCheck check(driver, one, one, 0.0);
+    ReadingMonitor check(driver, one, one, 0.0);
     ArmState state(2);
     for (int i = 1; i <= 100; ++i) {
       state.time = state.state_time = 1e-3 * i;
