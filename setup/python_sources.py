@@ -135,6 +135,8 @@ def canvases_source(schema):
     ]
     names = []
     for kind in kinds:
+        if group.get(kind, kind) not in canvas:  # seen: it has no shape to be made from
+            continue
         name = kind.capitalize()
         names.append(name)
         of = group.get(kind, kind)
