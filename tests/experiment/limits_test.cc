@@ -72,6 +72,7 @@ const std::map<std::string, Words> kCompanions = {
     {"arm.posture_seed", {"arm.posture_seed=[0]"}},
     {"control.null_stiffness", {"control.null_stiffness=[0]"}},
     {"control.observer.yield_limit", {"control.observer.yield_limit=[0]"}},
+    {"perception.viewpoint", {"perception.viewpoint=[0, 0, 0]"}},
     {"pushes", {"pushes=[{}]"}},
     {"faults", {"faults=[{}]"}},
     {"perception.fiducials", {"perception.fiducials.points=[{}]"}},
