@@ -173,13 +173,14 @@ TEST(Lies, FrozenPositionsAreNamedBeforeThePenHitsTheCanvas) {
   const unsigned seed = 36;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937 random(seed);
-  const char* names[] = {"bowl-sine", "bowl-m-natural", "bowl-sine-realistic"};
+  // With natural inertia torques grow too little to tell (docs/limits.md): joints race first.
+  const char* names[] = {"bowl-sine", "bowl-sine-realistic"};
   for (unsigned i = 0; i < seeds(6, 60); ++i) {
     const double share = std::uniform_real_distribution<double>(0.1, 0.9)(random);
-    // With natural inertia and the last speed, torques grow too little to tell: joints race first.
-    const bool moving = i % 2 == 1 && i % 3 != 1;
-    SCOPED_TRACE(testing::Message() << names[i % 3] << " " << share << " " << moving);
-    Experiment e = prepared(names[i % 3]);
+    const bool moving = i % 2 == 1;
+    const char* const name = names[i / 2 % 2];
+    SCOPED_TRACE(testing::Message() << name << " " << share << " " << moving);
+    Experiment e = prepared(name);
     const double from = time_at(e.plan.path, share);
     std::optional<ArmState> last;
     Liar arm(e, [&](ArmState* s) {
