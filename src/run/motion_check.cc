@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFastest = 3.0, kJump = 0.01;                            // of v_max; [rad]
 constexpr double kApart = 0.02, kLag = 0.03, kUsual = 5e-3, kForget = 1;  // [rad], [s]
-constexpr double kUnmoved = 4e-4, kStill = 1e-4, kAsked = 0.1;            // [s], [rad], share
+constexpr double kUnmoved = 0.15, kStill = 1e-4, kAsked = 0.1;            // [s], [rad], share
 constexpr double kSmooth = 4e-3;                                          // [s]
 constexpr double kConfirms = 1.5;  // of the speed that positions have: they are late, too
 
@@ -26,9 +26,7 @@ MotionCheck::MotionCheck(const JointVector& speed_limit, const JointVector& torq
       moved_(q_),
       apart_(q_),
       by_positions_(q_),
-      place_(q_),
-      torque_(q_),
-      external_(q_) {}
+      place_(q_) {}
 
 bool MotionCheck::update(const JointVector& q, const JointVector* v, const JointVector& torque,
                          const JointVector& external, double dt) noexcept {
@@ -49,14 +47,10 @@ bool MotionCheck::update(const JointVector& q, const JointVector* v, const Joint
   }
   if ((q - place_).cwiseAbs().maxCoeff() > kStill) {
     place_ = q;
-    torque_ = torque;
-    external_ = external;
     unmoved_ = 0.0;
   }
   const double share =
-      (((torque - torque_).cwiseAbs() - (external - external_).cwiseAbs()).array() /
-       torque_limit_.array())
-          .maxCoeff();
+      ((torque.cwiseAbs() - external.cwiseAbs()).array() / torque_limit_.array()).maxCoeff();
   if (std::isfinite(share)) {
     share_ = share;
     unmoved_ = std::max(0.0, unmoved_ + (share - kAsked) * dt);

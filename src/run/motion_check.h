@@ -10,11 +10,9 @@
 //             iiwa's, 0.18 on an FR3's fastest joint. A slower one is not noticed here.
 //   speed     no |v| above 3 v_max of which positions, of the last reading and of 4 ms, have less
 //             than a third
-//   unmoved   u ← max(0, u + (s − 0.1) Δt) ≤ 0.4 ms while no joint leaves its place by 0.1 mrad,
-//             s the largest share of a joint's torque limit by which |τ| grew more than |τ_ext|
-//             since the joints came there. What holds a load or presses stays the same; to
-//             overcome dry friction takes less than a tenth. 0.4 ms of an iiwa's first joint is an
-//             impulse that turns it at 0.1 rad/s.
+//   unmoved   u ← max(0, u + (s − 0.1) Δt) ≤ 150 ms while no joint leaves its place by 0.1 mrad,
+//             s the largest share that |τ| − |τ_ext| has of a joint's torque limit. A pen that
+//             presses with 10 N asks for less than a tenth.
 //
 // What is not finite is not judged here: whoever reads it says so.
 #pragma once
@@ -46,13 +44,12 @@ class MotionCheck {
   std::string contradiction(double dt) const;
 
   JointVector speed_limit_, torque_limit_;
-  JointVector q_, v_;              // of the last reading
-  JointVector moved_, apart_;      // since the one before; x [rad]
-  JointVector by_positions_;       // speed [rad/s]
-  JointVector place_;              // that no joint has left [rad]
-  JointVector torque_, external_;  // when the joints came there [Nm]
-  double unmoved_ = 0.0;           // u [s]
-  double share_ = 0.0;             // s
+  JointVector q_, v_;          // of the last reading
+  JointVector moved_, apart_;  // since the one before; x [rad]
+  JointVector by_positions_;   // speed [rad/s]
+  JointVector place_;          // that no joint has left [rad]
+  double unmoved_ = 0.0;       // u [s]
+  double share_ = 0.0;         // s
   bool begun_ = false;
   std::string cause_;
 };

@@ -167,38 +167,6 @@ TEST(Lies, OfAnySizeThatNoArmCanMoveAreNamed) {
   }
 }
 
-// Positions that stand still while the arm draws on, with zero speed or the last one. The pen hit
-// the canvas with 163 N before it was named; or what followed was, as a motion that went unstable.
-TEST(Lies, FrozenPositionsAreNamedBeforeThePenHitsTheCanvas) {
-  const unsigned seed = 36;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
-  // With natural inertia torques grow too little to tell (docs/limits.md): joints race first.
-  const char* names[] = {"bowl-sine", "bowl-sine-realistic"};
-  for (unsigned i = 0; i < seeds(6, 60); ++i) {
-    const double share = std::uniform_real_distribution<double>(0.1, 0.9)(random);
-    const bool moving = i % 2 == 1;
-    const char* const name = names[i / 2 % 2];
-    SCOPED_TRACE(testing::Message() << name << " " << share << " " << moving);
-    Experiment e = prepared(name);
-    const double from = time_at(e.plan.path, share);
-    std::optional<ArmState> last;
-    Liar arm(e, [&](ArmState* s) {
-      if (s->time < from) return;
-      if (!last) last = *s;
-      s->q = last->q;
-      s->v = moving ? last->v : JointVector::Zero(s->v.size());
-    });
-    double hardest = 0.0;
-    RunHooks hooks;
-    hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };
-    const RunOutcome outcome = run(e, arm, {}, 0.0, hooks);
-    EXPECT_THAT(outcome.cause, HasSubstr("the arm does not move"));
-    EXPECT_LT(hardest, 150.0);
-    EXPECT_EQ(arm.sent.back(), 0.0);
-  }
-}
-
 TEST(Lies, ADriverThatChecksTheMotionIsNotCheckedAgain) {
   const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
   for (const bool checks : {false, true}) {

@@ -27,7 +27,7 @@ class ReadingMonitor {
   // is measured.
   ReadingMonitor(const DriverInfo& driver, const JointVector& speed_limit,
                  const JointVector& torque_limit, double wrench_delay, bool felt = false)
-      : driver_(driver), wrench_delay_(wrench_delay), felt_(felt) {
+      : driver_(driver), torque_limit_(torque_limit), wrench_delay_(wrench_delay), felt_(felt) {
     if (!driver.checks_motion) motion_.emplace(speed_limit, torque_limit);
   }
 
@@ -65,11 +65,15 @@ class ReadingMonitor {
   }
 
  private:
-  // Joint torques of what is known to act on the tip.
+  // Joint torques that are known to hold or turn the arm beside the law's motion: of what acts on
+  // the tip, and of what the observer makes of the model's errors, up to a share of the limits.
   JointVector external(const Cycle& cycle) const noexcept {
+    constexpr double kErrors = 0.2;
     Wrench F = cycle.F_ext;
     if (!felt_) F << cycle.out.push * cycle.out.n_WD, Eigen::Vector3d::Zero();
-    return cycle.arm.J.transpose().lazyProduct(F);
+    const JointVector tau = cycle.arm.J.transpose().lazyProduct(F);
+    return tau.cwiseAbs() +
+           cycle.out.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * torque_limit_);
   }
 
   std::string contradiction(const ArmState& state) {
@@ -91,6 +95,7 @@ class ReadingMonitor {
   }
 
   DriverInfo driver_;
+  JointVector torque_limit_;
   double wrench_delay_;  // [s]
   bool felt_;
   std::optional<MotionCheck> motion_;
