@@ -127,21 +127,17 @@ def realsense(file: pathlib.Path, views: int, note: Callable[[str], None]) -> It
 
     camera = RealSense(recording=str(file))
     camera.open()
+    # In one pass, by time: a playback may drop frames, and never the same ones.
     try:
-        total = 0
-        while camera.frame() is not None:
-            total += 1
-    finally:
-        camera.close()
-    wanted = set(evenly(total, views))
-    camera.open()
-    try:
-        for k in range(total):
-            frame = camera.frame()
-            if frame is None:
-                break
-            if k in wanted:
+        taken, last, first_time = 0, None, None
+        while (frame := camera.frame()) is not None:
+            first_time = frame.time if first_time is None else first_time
+            last = frame
+            if taken < views - 1 and frame.time - first_time >= taken * camera.duration / (views - 1):
                 yield frame, camera.intrinsics, None
+                taken, last = taken + 1, None
+        if last is not None:
+            yield last, camera.intrinsics, None
     finally:
         camera.close()
 

@@ -41,8 +41,10 @@ class RealSense:
         device = profile.get_device()
         self.name = device.get_info(rs.camera_info.name) if device.supports(rs.camera_info.name) else "RealSense"
         sensor = device.first_depth_sensor()
+        self.duration = 0.0  # of a recording [s]
         if self._recording:
             device.as_playback().set_real_time(False)
+            self.duration = device.as_playback().get_duration().total_seconds()
         self._set(sensor)
         self._scale = sensor.get_option(rs.option.depth_units) if sensor.supports(rs.option.depth_units) else 1e-3
         streams = {s.stream_type() for s in profile.get_streams()}
