@@ -31,9 +31,11 @@ def version_of(root):
 def check(root):
     """A wheel is compiled with the wheels of requirements.txt and asks for those of pyproject.toml."""
     def pins(lines):
-        return dict(line.partition(" --hash=")[0].strip().lower().split("==") for line in lines if "==" in line and line[0] != "#")
+        return dict(line.partition(" ")[0].lower().split("==") for line in lines if "==" in line and line[0] != "#")
 
-    pinned = pins((root / "requirements.txt").read_text().splitlines()) | pins((root / "setup/sweep-requirements.txt").read_text().splitlines())
+    pinned = {}
+    for name in ("requirements.txt", "setup/camera-requirements.txt", "setup/sweep-requirements.txt"):
+        pinned |= pins((root / name).read_text().splitlines())
     tools = pins((root / "setup/wheel-requirements.txt").read_text().splitlines())
     of = tomllib.loads((root / "pyproject.toml").read_text())
     lists = {"build-system.requires": of["build-system"]["requires"], "tool.impedraw.build": of["tool"]["impedraw"]["build"], "project.dependencies": of["project"]["dependencies"],
