@@ -102,7 +102,7 @@ install_needs project "$root/build/wheel-test/bin/python"
 "$root/build/wheel-test/bin/python" -m pip check
 run_tests "$root/build/wheel-test"
 # The command, with each CPython that is here, as an ordinary user where root may become one.
-python3 "$root/tests/python/wheel_command.py" "$out/src/app/impedraw" "$root"/dist/impedraw-*.whl
+python3 "$root/tests/wheel/wheel_command.py" "$out/src/app/impedraw" "$root"/dist/impedraw-*.whl
 for wheel in "$root"/dist/impedraw-*.whl; do
   # Nothing of the network or of a screen is in it.
   if "$venv/bin/python" -m zipfile -l "$wheel" | grep -E 'libcurl|libssl|libcrypto|libX11|libxcb|libmujoco|libpinocchio'; then
