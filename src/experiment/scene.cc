@@ -158,6 +158,11 @@ TriangleMesh seen_mesh(const Snapshot& snapshot, const Pose& X_WP) {
   const std::shared_ptr<const SurfaceEstimator> seen(std::shared_ptr<void>(), &snapshot.seen);
   TriangleMesh mesh =
       surface_grid(perceived_height(seen, X_WP), snapshot.seen.cloud(), X_WP.inverse());
+  if (mesh.triangles.empty())
+    throw InputError(
+        "what was seen makes no surface towards the drawing plane; valid is a capture or cloud in "
+        "W, the arm's base, that shows the object within perception.region_lower and _upper, and a "
+        "drawing.tilt that faces it");
   for (Eigen::Vector3d& p : mesh.vertices) p = X_WP * p;
   return mesh;
 }

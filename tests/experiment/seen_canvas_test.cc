@@ -88,6 +88,17 @@ TEST_F(SeenFolder, HolesStayHoles) {
   EXPECT_NEAR(beside->p_W.z(), 0.1, 1e-6);
 }
 
+TEST_F(SeenFolder, AnUprightSheetIsNoSurfaceTowardsThePage) {
+  std::ofstream file(folder_ / "upright.xyz");
+  for (double y = -0.15; y < 0.15; y += 0.002)
+    for (double z = 0.05; z < 0.3; z += 0.002) file << fmt::format("{} {} {}\n", 0.6, y, z);
+  file.close();
+  EXPECT_THAT(
+      error_of({"perception.source=cloud", "perception.cloud=" + (folder_ / "upright.xyz").string(),
+                "perception.viewpoint=[1.5, 0, 0.2]", "canvas.kind=seen"}),
+      HasSubstr("what was seen makes no surface towards the drawing plane"));
+}
+
 TEST(SeenCanvas, WhatNothingShowsIsRefused) {
   EXPECT_THAT(error_of({"canvas.kind=seen"}), HasSubstr("nothing shows it"));
   EXPECT_THAT(error_of({"perception.source=cloud"}), HasSubstr("perception.cloud is empty"));
