@@ -6,12 +6,10 @@
 #include <optional>
 
 #include "impedraw/arm/arm_model.h"
-#include "impedraw/control/hit_retreat.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/control_setup.h"
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/driver.h"
-#include "impedraw/run/keep_away.h"
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_surface.h"
 #include "impedraw/sensing/wrench_estimator.h"
@@ -65,7 +63,6 @@ class ControlLoop {
  private:
   void update_arm(const ArmState& state) noexcept;
   void update_wrench(const ArmState& state) noexcept;
-  void keep_away_from(const CanvasEstimate& canvas, double time) noexcept;
 
   ArmModel& arm_;
   SurfaceSource surface_source_;
@@ -84,9 +81,6 @@ class ControlLoop {
   double wrench_time_ = std::numeric_limits<double>::quiet_NaN();  // of F_ext_ [s]
   Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();                   // of the last step
   bool on_surface_ = false;
-  ContactMode mode_ = ContactMode::free;
-  HitRetreat hit_;
-  KeepAway keep_away_;
 };
 
 }  // namespace impedraw
