@@ -232,8 +232,8 @@ void CanvasTracker::fit_waves() noexcept {
   }
 }
 
-// Frames within a span so short that as many as may be fitted last for the window are one sample, at
-// their mean time: what they are off by is half the acceleration times the variance of their times.
+// Frames within kOneSample are one sample, at their mean time: it is off by half the acceleration
+// times the variance of their times. As many as may be fitted last for the window.
 void CanvasTracker::collect() noexcept {
   constexpr double kOneSample = kWindow / WaveFit::kMostSamples;  // [s]
   for (auto& samples : samples_) samples.clear();

@@ -176,7 +176,7 @@ TEST(CanvasTracker, PredictsAcrossTheLateness) {
     }
 }
 
-// Cameras need not be in step: each frame counts at its own time. skew: from one camera to the next.
+// Cameras need not be in step: each frame counts at its own time.
 TEST(CanvasTracker, CamerasAreNotInStep) {
   const double in_step = follow(sway(), 1).position;
   for (const double skew : {4e-3, 7e-3, 11e-3}) {
