@@ -26,8 +26,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr const char* kTroubles[] = {"none",    "missing", "steep",       "edge",
-                                     "avoided", "rough",   "out of reach"};
+constexpr const char* kTroubles[] = {"none", "missing", "steep", "edge", "avoided", "out of reach"};
 constexpr std::size_t kMostPoints = 60000;  // of the cloud on the page
 
 // Rounded to 0.01 mm, so that the page's data stay small.

@@ -214,7 +214,7 @@ class Page {
     this.summary.textContent = `can be drawn · ${numberText(found.width_mm, 3)} × ${numberText(found.height_mm, 3)} mm · about ${minutes(found.time_s)}`;
     const rows = this.data.cells.words.map((word, trouble) => ({ word, trouble, lost: found.lost_mm[word] ?? 0 })).filter((r) => r.lost > 0);
     this.lost.replaceChildren(...rows.flatMap(({ word, trouble, lost }) => [
-      h("span", {}, h("i", { style: `--key: ${problemColour(trouble - 1)}` }), word === "missing" ? "off the surface" : word),
+      h("span", {}, h("i", { style: `--key: ${problemColour(trouble - 1)}` }), word === "missing" ? "off the surface, or too rough" : word),
       h("span", { class: "hint" }, `${numberText(lost, 2)} mm`)]));
   }
 

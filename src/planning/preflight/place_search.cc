@@ -66,11 +66,7 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
       Cell& c = cells_[index(i, j)];
       c.trouble = trouble;
       c.cost = settings_.calm * (square(slope / kSteepPlace) + square(bend / kBent));
-      if (settings_.rough) {
-        const double rough = settings_.rough(here->p_P);
-        c.cost += settings_.calm * square(rough);
-        if (rough >= 1.0 && !c.bad()) c.trouble = CellTrouble::rough;
-      }
+      if (settings_.rough) c.cost += settings_.calm * square(settings_.rough(here->p_P));
       if (settings_.near) c.cost += settings_.near(here->p_P);
     }
   }

@@ -5,7 +5,7 @@
 //
 //   c = 10 b + 5 u + calm ((θ / 60°)² + (κ / 40 m⁻¹)² + r² + e) + near
 //
-//   b     1 where a cell has a trouble other than rough or unreachable
+//   b     1 where a cell has a trouble other than unreachable
 //   u     what `unreachable` says of the cell's neighbourhood: 0, the arm is at ease there, to 1
 //   θ, κ  slope and bend; e: 1 beside a cell with b = 1, 1/2 one cell further away
 //   r     roughness, as a share of what is too rough to be drawn on
@@ -38,8 +38,8 @@ struct PlaceSearchSettings {
 };
 
 // Why a cell cannot be drawn on. Edge: broken, by a step that the slopes on both sides do not
-// explain. Rough: r ≥ 1. Unreachable: u = 1.
-enum class CellTrouble : std::uint8_t { none, missing, steep, edge, avoided, rough, unreachable };
+// explain. Unreachable: u = 1. The planner's surface is missing where it is too rough, too.
+enum class CellTrouble : std::uint8_t { none, missing, steep, edge, avoided, unreachable };
 
 // The drawing, about its middle, is turned by turn_deg, scaled by `size` and put at `middle`.
 struct PlaceFound {
@@ -83,10 +83,7 @@ class PlaceSearch {
   struct Cell {
     double cost = 0.0;
     CellTrouble trouble = CellTrouble::missing;
-    bool bad() const {
-      return trouble != CellTrouble::none && trouble != CellTrouble::rough &&
-             trouble != CellTrouble::unreachable;
-    }
+    bool bad() const { return trouble != CellTrouble::none && trouble != CellTrouble::unreachable; }
   };
   PlaceSearchSettings settings_;
   int nx_ = 0, ny_ = 0;
