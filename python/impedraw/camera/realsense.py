@@ -25,8 +25,9 @@ class RealSense:
     def open(self) -> None:
         try:
             import pyrealsense2
-        except ImportError:
-            raise ValueError("pyrealsense2 is not installed: pip install 'impedraw[camera]'") from None
+        except ImportError as error:
+            raise ValueError(f"RealSense's SDK cannot be loaded ({error}); it needs pip install 'impedraw[camera]', and of Debian"
+                             " libusb-1.0-0") from None  # fmt: skip
         self._rs = rs = pyrealsense2
         self._pipeline = rs.pipeline()
         config = rs.config()
