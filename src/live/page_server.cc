@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
@@ -14,6 +13,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/live/local_access.h"
+#include "impedraw/live/local_http.h"
 
 namespace impedraw {
 
@@ -84,17 +84,7 @@ class Visit : public std::enable_shared_from_this<Visit> {
   }
 
   void answer(http::status status, std::string body, const char* type = "text/plain") {
-    response_.result(status);
-    response_.version(11);
-    response_.set(http::field::content_type, type);
-    response_.set(http::field::cache_control, "no-store");
-    response_.set("Referrer-Policy", "no-referrer");
-    response_.set("X-Content-Type-Options", "nosniff");
-    response_.set("X-Frame-Options", "DENY");
-    response_.set("Cross-Origin-Resource-Policy", "same-origin");
-    response_.keep_alive(false);
-    response_.body() = std::move(body);
-    response_.prepare_payload();
+    response_ = local_answer(status, std::move(body), type);
     stream_.expires_after(kRequestTime);
     http::async_write(stream_, response_, [self = shared_from_this()](Error, std::size_t) {
       Error ignored;
@@ -115,16 +105,7 @@ class Visit : public std::enable_shared_from_this<Visit> {
 class PageServer::Impl {
  public:
   explicit Impl(int port) {
-    Error error;
-    const tcp::endpoint here(asio::ip::address_v4::loopback(), static_cast<unsigned short>(port));
-    acceptor_.open(here.protocol(), error);
-    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
-    if (!error) acceptor_.bind(here, error);
-    if (!error) acceptor_.listen(16, error);
-    if (error)
-      throw InputError(
-          fmt::format("--port {}: cannot be listened to on 127.0.0.1: {}", port, error.message()));
-    shared.access.listens_on(acceptor_.local_endpoint().port());
+    shared.access.listens_on(listen_locally(&acceptor_, port));
     accept();
   }
 
