@@ -436,18 +436,25 @@ int run_program(int argc, char** argv) {
   }
 
   CLI::App* settings = app.add_subcommand(
-      "settings", "list every setting of a scenario: default, limits, unit, meaning");
-  impedraw::SettingsForm form = impedraw::SettingsForm::text;
-  CLI::Option* markdown = settings->add_flag(
-      "--markdown", [&](auto) { form = impedraw::SettingsForm::markdown; },
-      "print Markdown, as in docs/settings.md");
+      "settings", "list the settings of a scenario: default, limits, unit, meaning");
+  impedraw::SettingsForm form = impedraw::SettingsForm::users;
+  CLI::Option* all = settings->add_flag(
+      "--all", [&](auto) { form = impedraw::SettingsForm::all; },
+      "print every setting, those of experts on the arm, too");
+  CLI::Option* markdown =
+      settings
+          ->add_flag(
+              "--markdown", [&](auto) { form = impedraw::SettingsForm::markdown; },
+              "print every setting as Markdown, as in docs/settings.md")
+          ->excludes(all);
   settings
       ->add_flag(
           "--json-schema", [&](auto) { form = impedraw::SettingsForm::json_schema; },
           "print a JSON Schema of scenario files, as in docs/scenario.schema.json")
-      ->excludes(markdown);
+      ->excludes(markdown)
+      ->excludes(all);
   settings->footer(
-      "Examples:\n  ./impedraw settings | less\n  ./impedraw settings | grep control\n"
+      "Examples:\n  ./impedraw settings\n  ./impedraw settings --all | grep control\n"
       "  ./impedraw settings --markdown > docs/settings.md\n"
       "  ./impedraw settings --json-schema > docs/scenario.schema.json");
   settings->callback([&] { code = impedraw::print_settings(form); });

@@ -79,11 +79,16 @@ void say_comparison(const fs::path& folder) {
       fs::absolute(folder / "compare.html").lexically_normal().string());
 }
 
+auto number_of_settings(const std::vector<SettingRow>& rows) {
+  return std::count_if(rows.begin(), rows.end(), [](const SettingRow& row) { return !row.group; });
+}
+
 // docs/settings.md, which is this program's own output.
-std::string settings_page() {
+std::string settings_page(const std::vector<SettingRow>& rows) {
   return "# Settings\n\n"
-         "This page lists every setting of a scenario. `./impedraw settings --markdown` prints "
-         "it.\n\n"
+         "This page lists every setting of a scenario: first those that an artist sets, then those "
+         "of an expert on the arm. `./impedraw settings` prints the first, `--all` both, and "
+         "`--markdown` this page.\n\n"
          "A YAML file names the settings that differ from their default "
          "(`control: {normal_force: 3}`). `extends: other.yaml` takes everything from another file "
          "first. The command line sets any one of them (`--set control.normal_force=3`, `--set "
@@ -91,8 +96,9 @@ std::string settings_page() {
          "element, counted from 0.\n\n"
          "Editors complete and check scenario files with the JSON Schema "
          "[scenario.schema.json](scenario.schema.json). Settings that have been renamed are listed "
-         "in [migration.md](migration.md).\n\n" +
-         settings_markdown<Scenario>();
+         "in [migration.md](migration.md).\n\n## For users\n\n" +
+         rows_markdown(of_tier(Tier::users, rows)) + "\n## For experts\n\n" +
+         rows_markdown(of_tier(Tier::experts, rows));
 }
 
 // Whether an arm of one's own would draw on a canvas that nobody placed, and cannot.
@@ -343,12 +349,19 @@ int report(const fs::path& folder, bool table) {
 }
 
 int print_settings(SettingsForm form) {
+  Scenario defaults;
+  const std::vector<SettingRow> rows = setting_rows(described(defaults));
+  const std::vector<SettingRow> for_users = of_tier(Tier::users, rows);
   switch (form) {
-    case SettingsForm::text:
-      say(stdout, "{}", settings_help<Scenario>());
+    case SettingsForm::users:
+      say(stdout, "{}\n{} more settings are for experts on the arm: ./impedraw settings --all\n",
+          rows_text(for_users), number_of_settings(rows) - number_of_settings(for_users));
+      break;
+    case SettingsForm::all:
+      say(stdout, "{}", rows_text(rows));
       break;
     case SettingsForm::markdown:
-      say(stdout, "{}", settings_page());
+      say(stdout, "{}", settings_page(rows));
       break;
     case SettingsForm::json_schema:
       say(stdout, "{}", settings_json_schema<Scenario>("impedraw scenario"));

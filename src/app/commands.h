@@ -29,7 +29,7 @@ int report(const std::filesystem::path& folder, bool table);
 int calibrate_tool(const DrawOptions& options,
                    int poses);  // mass and centre of mass of the tool, on the simulated arm
 // Every setting: for a terminal, as docs/settings.md, or as docs/scenario.schema.json.
-enum class SettingsForm { text, markdown, json_schema };
+enum class SettingsForm { users, all, markdown, json_schema };
 int print_settings(SettingsForm form);
 
 }  // namespace impedraw

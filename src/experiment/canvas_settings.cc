@@ -159,6 +159,7 @@ void describe(Fields& f, RoughSettings& s) {
 void describe(Fields& f, MeshSettings& s) {
   using Limits = MeshSettings::Limits;
   f.field("file", s.file, fmt::format("Mesh file: {}.", kMeshFiles));
+  f.for_users();
   f.choice(
       "unit", s.unit,
       {{"file", LengthUnit::file},
@@ -167,6 +168,7 @@ void describe(Fields& f, MeshSettings& s) {
        {"cm", LengthUnit::cm},
        {"in", LengthUnit::in}},
       "Unit of the numbers in the file; file: what it says (.glb, .gltf, .3mf, .dae), else m.");
+  f.for_users();
   f.choice("up", s.up, {{"z", MeshSettings::Up::z}, {"y", MeshSettings::Up::y}},
            "Axis that points up in the file; .glb, .gltf, .3mf and .dae say it themselves.");
   f.field("recentre", s.recentre,
@@ -220,6 +222,7 @@ void describe(Fields& f, CanvasSettings& s) {
             {"seen", CanvasKind::seen}},
            "Shape of the canvas. A bowl is a sphere from inside, a dome one from outside; a mesh "
            "comes from a file; seen: as perception's capture or cloud shows it.");
+  f.for_users();
   f.field("cap", s.cap, "Size of a bowl or dome.");
   f.field("plane", s.plane, "Size of a plane.");
   f.field("wave", s.wave, "Size of a wave.");
@@ -231,6 +234,7 @@ void describe(Fields& f, CanvasSettings& s) {
   f.field("rough", s.rough, "Shape of a rough canvas: what the pen can follow is measured on it.");
   f.field("mesh", s.mesh, "Mesh from a file.");
   f.field(Limits::move, s.move, "Translation of the whole canvas, after its rotation.");
+  f.for_users();
   f.field(Limits::turn, s.turn_deg, "Rotation of the whole canvas about the world's z axis.");
   f.field("true_model", s.true_model,
           "What stands before a driven arm is this canvas, so that simulated cameras may see it.");

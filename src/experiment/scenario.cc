@@ -17,12 +17,15 @@ void describe(Fields& f, PlacementSettings& s) {
   using Limits = PlacementSettings::Limits;
   f.field(Limits::centre, s.centre_m,
           "Where the middle of the drawing goes in the drawing plane (x, y).");
+  f.for_users();
   f.field(Limits::scale, s.scale,
           "Millimetres on the canvas per millimetre on the page; null: set by one of the sizes.");
   f.field(Limits::width, s.width_mm,
           "Size of the drawing across the page; null: set by another size.");
+  f.for_users();
   f.field(Limits::height, s.height_mm,
           "Size of the drawing down the page; null: set by another size.");
+  f.for_users();
   f.field(Limits::fit_width, s.fit_width_m,
           "Width, along world y, of a rectangle that the drawing is scaled to fill; null: no bound "
           "that way.");
@@ -40,6 +43,7 @@ void describe(Fields& f, PlacementSettings& s) {
           "Puts the page's (0, 0) at the centre instead of the middle of the strokes.");
   f.field(Limits::rotate, s.rotate_deg,
           "Rotation of the drawing, counter-clockwise as seen from above.");
+  f.for_users();
   f.field("mirror", s.mirror, "Mirrors the drawing left to right.");
 }
 
@@ -48,11 +52,14 @@ void describe(Fields& f, TextSettings& s) {
   f.field("text", s.text,
           "Text to write in single strokes; \\n starts a new line; empty: the file or the shape is "
           "drawn.");
+  f.for_users();
   f.field("font", s.font,
           "Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts).");
+  f.for_users();
   f.field(Limits::size, s.size_mm,
           "Height of the capitals, on the canvas if the placement gives no size; null: the text is "
           "fitted as a file is.");
+  f.for_users();
   f.choice("align", s.align,
            {{"left", TextAlign::left}, {"centre", TextAlign::centre}, {"right", TextAlign::right}},
            "Alignment of the lines.");
@@ -65,6 +72,7 @@ void describe(Fields& f, HatchSettings& s) {
   f.field(Limits::spacing, s.spacing_mm,
           "Distance, on the canvas, between the lines that stand for a fill; 0: fills are not "
           "hatched. White is never hatched.");
+  f.for_users();
   f.field(Limits::angle, s.angle_deg,
           "Angle of the lines to the page's X axis, counter-clockwise.");
   f.field("cross", s.cross, "Adds a second set of lines at right angles.");
@@ -85,8 +93,10 @@ void describe(Fields& f, DrawingSettings& s) {
   using Limits = DrawingSettings::Limits;
   f.field("shape", s.shape,
           "Built-in drawing: sine, M, sine10 or circle. It is used if svg and text are empty.");
+  f.for_users();
   f.field("svg", s.svg,
           "File to draw: .svg, or strokes as .txt, .strokes or .csv; empty: the shape is drawn.");
+  f.for_users();
   f.field("text", s.text, "Text that is written instead of a file or shape.");
   f.choice("unit", s.unit,
            {{"file", PageUnit::file},
@@ -109,6 +119,7 @@ void describe(Fields& f, DrawingSettings& s) {
            "one group at most, without a name, and two to eight colours.");
   f.field("layer", s.layer,
           "Layers that are drawn, by number or name, as in '2,black'; empty: all of them.");
+  f.for_users();
   f.field(Limits::join_gap, s.join_gap_mm,
           "Largest gap on the page between ends of strokes that are joined; 0: none are joined.");
   f.field("dashes", s.dashes, "Draws dashed lines of an SVG as dashes.");
@@ -126,9 +137,11 @@ void describe(Fields& f, DrawingSettings& s) {
   f.choice("mapping", s.mapping, {{"project", Mapping::project}, {"wrap", Mapping::wrap}},
            "How the page reaches the surface: projected along the drawing axis, or wrapped like a "
            "sheet, which preserves lengths.");
+  f.for_users();
   f.field("wrap", s.wrap, "How the surface is flattened for mapping: wrap.");
   f.field("skip_unreachable", s.skip_unreachable,
           "Leaves out and reports what fails the pre-flight; otherwise nothing is drawn.");
+  f.for_users();
   f.field("redraw", s.redraw,
           "Draws the parts that got no ink, judged by contact and force, once more at the end.");
   f.field(Limits::dry_run, s.dry_run,
@@ -145,8 +158,7 @@ void describe(Fields& f, PreflightSettings& s) {
           "Checks the arm's reach, joints, torques and collisions; off: only the surface is "
           "checked.");
   f.field(Limits::step, s.step, "Distance between the postures that are checked along a stroke.");
-  f.field(Limits::edge_tolerance, s.edge_tolerance,
-          "Accuracy of the ends of a part that cannot be drawn.");
+  f.constant(Limits::edge_tolerance, s.edge_tolerance);
   f.field(Limits::edge_margin, s.edge_margin,
           "Distance kept from edges and holes of the surface, along the stroke.");
   f.field(Limits::shortest, s.shortest,
@@ -159,11 +171,9 @@ void describe(Fields& f, PreflightSettings& s) {
           "would lie over 0.5 mm off the line. 8e-4: only steps are kept off.");
   f.field(Limits::max_slope, s.max_slope_deg,
           "Largest angle between the surface normal and the drawing axis.");
-  f.field(Limits::fold_height, s.fold_height,
-          "Height of a step in the surface above which a stroke is cut.");
+  f.constant(Limits::fold_height, s.fold_height);
   f.field(Limits::joint_margin, s.joint_margin, "Margin that each joint keeps from its limits.");
-  f.field(Limits::max_joint_step, s.max_joint_step,
-          "Largest motion of a joint from one checked posture to the next.");
+  f.constant(Limits::max_joint_step, s.max_joint_step);
   f.field(Limits::clearance, s.clearance,
           "Distance that arm and pen keep from canvas and table; the pen's grows from zero at the "
           "tip.");
@@ -177,9 +187,11 @@ void describe(Fields& f, ArmSettings& s) {
       {{"sim", ArmDriver::sim}, {"iiwa-lcm", ArmDriver::iiwa_lcm}, {"franka", ArmDriver::franka}},
       "Who moves the arm: the simulator here, KUKA's iiwa over LCM, or Franka's FR3 through its "
       "control interface (docs/arms.md).");
+  f.for_users();
   f.field("url", s.url,
           "iiwa-lcm: the LCM broker, as in tcpq://127.0.0.1:7701. franka: the arm, as in "
           "fci://172.16.0.2.");
+  f.for_users();
   f.choice("clock", s.clock, {{"wall", ArmClock::wall}, {"lock_step", ArmClock::lock_step}},
            "Not sim: wall: states come by the arm's own clock; lock_step: the arm is simulated "
            "and waits for the answer to each state.");
@@ -198,6 +210,7 @@ void describe(Fields& f, ArmSettings& s) {
           "Not sim, clock: wall: the loop's thread asks the system for real-time priority and "
           "locked memory; where it gets none, a note says so.");
   f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.");
+  f.for_users();
   f.field(kRotorInertia, s.rotor_inertia,
           "Inertia of the rotors about the joints' axes, reflected through their gears, as the "
           "controller's model has it: one for all joints or one for each; empty: what the URDF's "
@@ -326,8 +339,11 @@ void describe(Fields& f, PerceptionSettings& s) {
             {"cloud", PerceptionSource::cloud}},
            "What the cloud is made from. simulated: images rendered of the canvas; capture: the "
            "depth images in perception.capture; cloud: the points in perception.cloud.");
+  f.for_users();
   f.field("capture", s.capture, "Folder with capture.json and depth images, for source: capture.");
+  f.for_users();
   f.field("cloud", s.cloud, "File with points in W, in m, .ply, .pcd or .xyz, for source: cloud.");
+  f.for_users();
   f.field(Limits::viewpoint, s.viewpoint,
           "Whence the points of the cloud were seen, x, y, z of one place or of several; empty: as "
           "the file says, or from above.");
@@ -364,17 +380,15 @@ void describe(Fields& f, TouchSettings& s) {
           "Slope of the surface that is thought likely before the first touch, a standard "
           "deviation.");
   f.field(Limits::curvature, s.curvature, "Curvature of the surface, a standard deviation.");
-  f.field(Limits::curvature_length, s.curvature_length, "Length over which the curvature changes.");
+  f.constant(Limits::curvature_length, s.curvature_length);
   f.field(Limits::position_noise, s.position_noise, "Noise of a touched point's height.");
   f.field(Limits::force_noise, s.force_noise, "Noise of the slope that a measured force tells.");
   f.field(Limits::spacing, s.spacing, "Distance between the touched points that are used.");
-  f.field(Limits::slip_speed, s.slip_speed,
-          "Speed of the tip below which the direction of friction is not known.");
+  f.constant(Limits::slip_speed, s.slip_speed);
   f.field(Limits::turn_rate, s.turn_rate, "Largest angular speed of the learned normal.");
   f.field(Limits::search, s.search,
           "Depth beneath a surface that has been touched at which it has ended.");
-  f.field(Limits::settle_time, s.settle_time,
-          "Time from a touch to the use of the force at rest as a first guess of the normal.");
+  f.constant(Limits::settle_time, s.settle_time);
 }
 
 void describe(Fields& f, BlindSettings& s) {
@@ -401,6 +415,7 @@ void describe(Fields& f, PathSettings& s) {
   f.field(Limits::approach_speed, s.approach_speed, "Speed of the approach to the first point.");
   f.field(Limits::settle_time, s.settle_time, "Time at the first point before drawing.");
   f.field(Limits::draw_speed, s.draw_speed, "Speed along a stroke, on the surface.");
+  f.for_users();
   f.field(Limits::draw_acceleration, s.draw_acceleration,
           "Largest acceleration of the desired tip along a stroke.");
   f.field(Limits::end_hold, s.end_hold, "Time at the last point before the lift.");
@@ -461,18 +476,15 @@ void describe(Fields& f, ContactSettings& s) {
   f.field(Limits::enter_distance, s.enter_distance,
           "Distance to the estimated surface below which contact can begin without a measured "
           "wrench.");
-  f.field(
-      Limits::search_distance, s.search_distance,
-      "Distance to the estimated surface below which contact can begin with a measured wrench.");
+  f.constant(Limits::search_distance, s.search_distance);
   f.field(Limits::leave_distance, s.leave_distance,
           "Distance to the estimated surface above which contact is lost.");
   f.field(Limits::touch_force, s.touch_force, "Measured normal force above which the pen touches.");
   f.field(Limits::touch_gap, s.touch_gap,
           "Lag of the tip behind the approach above which the pen touches, without a measured "
           "wrench.");
-  f.field(Limits::loss_force, s.loss_force,
-          "Measured normal force below which contact may be lost.");
-  f.field(Limits::loss_time, s.loss_time, "Time below loss_force after which contact is lost.");
+  f.constant(Limits::loss_force, s.loss_force);
+  f.constant(Limits::loss_time, s.loss_time);
   f.field(Limits::lost_surface_time, s.lost_surface_time,
           "Time for which the last normal is trusted when perception has no surface.");
 }
@@ -588,13 +600,13 @@ void describe(Fields& f, ControlSettings& s) {
   f.field(Limits::damping_ratio, s.damping_ratio, "Damping ratio of every mode.");
   f.field(Limits::normal_force, s.normal_force,
           "Normal force that the pen presses with while drawing.");
+  f.for_users();
   f.formerly("push");
   f.field(Limits::switch_time, s.switch_time,
           "Time constant of the transition between contact modes.");
   f.field(Limits::approach_speed, s.approach.speed,
           "Speed along the normal until the pen touches.");
-  f.field(Limits::approach_overtravel, s.approach.overtravel,
-          "Depth below the estimated surface at which the approach stops.");
+  f.constant(Limits::approach_overtravel, s.approach.overtravel);
   f.field(Limits::approach_lag, s.approach.lag, "Lag of the tip above which the approach waits.");
   f.field(Limits::retreat_height, s.approach.retreat_height,
           "Height above the plan to which the pen retreats when the surface is lost.");
@@ -653,8 +665,7 @@ void describe(Fields& f, ControlSettings& s) {
           "bears.");
   f.field(Limits::limit_margin, s.joint_range.margin,
           "Distance from its limit at which a joint is pushed back, in the null space.");
-  f.field(Limits::limit_torque, s.joint_range.torque,
-          "Torque that pushes a joint back at its limit.");
+  f.constant(Limits::limit_torque, s.joint_range.torque);
   f.field(Limits::tip_speed_limit, s.limits.tip_speed,
           "Largest tip speed that the control law may ask for.");
   f.field(Limits::turn_speed_limit, s.limits.turn_speed,
@@ -737,6 +748,7 @@ void describe(Fields& f, WorldSettings& s) {
 void describe(Fields& f, PenSettings& s) {
   using Limits = PenSettings::Limits;
   f.field(Limits::width, s.width, "Line width at the nominal force.");
+  f.for_users();
   f.field(Limits::width_per_newton, s.width_per_newton,
           "Change of the line width with the force; 0: constant width.");
   f.field(Limits::nominal_force, s.nominal_force, "Force at which the line has its nominal width.");
@@ -791,7 +803,9 @@ void describe(Fields& f, LogSettings& s) {
 void describe(Fields& f, Scenario& s) {
   using Limits = Scenario::Limits;
   f.field("name", s.name, "Name of the run, and of its folder.");
+  f.for_users();
   f.field(Limits::seed, s.seed, "Seed of all random numbers.");
+  f.for_users();
   f.field("drawing", s.drawing, "What is drawn.");
   f.field("canvas", s.canvas, "The surface that is drawn on.");
   f.field("arm", s.arm, "The robot arm.");

@@ -40,6 +40,10 @@
 // A renamed setting or word of a choice keeps its old name as an alias:
 //   f.field("normal_force", s.force, ...);  f.formerly("push");
 //   f.choice("sensor", s.sensor, ...);      f.formerly("true", "ground_truth");
+// What a user of the program sets, rather than an expert on the arm: f.field(...);  f.for_users();
+// A former setting that is a constant keeps its name, so that files with that value load and others
+// are refused by name:
+//   f.constant(PreflightSettings::Limits::fold_height, s.fold_height);
 // A list that may be given as one value: f.field("speeds", s.speeds, ...);  f.or_one();
 // A path in a file is relative to the file's folder; in --set, to the working directory. An empty
 // path stays empty.
@@ -88,8 +92,14 @@ struct Numbers {  // a fixed count of doubles
   std::string unit;
 };
 
+// A former setting, and the value that it has as a constant.
+struct ConstantSetting {
+  std::string name, value, unit;
+};
+
 struct Group {  // a nested struct
   std::vector<Setting> fields;
+  std::vector<ConstantSetting> constants{};
 };
 
 struct Optional {
@@ -115,6 +125,7 @@ struct Setting {
   std::variant<Scalar, Numbers, Group, Optional, List> value;
   // still accepted, with a note that gives the current name
   std::vector<std::string> former_names{};
+  bool for_users = false;
 };
 
 template <class T>
@@ -195,10 +206,16 @@ class Fields {
         .former_words.emplace_back(std::move(word), std::move(now));
   }
 
+  // The last setting belongs to the users' tier.
+  void for_users() { settings_.back().for_users = true; }
+  void constant(const Limit& limit, double value) {
+    constants_.push_back({std::string(limit.name), number_text(value), std::string(limit.unit)});
+  }
+
   // The last setting is a list, and may be given as one value: 0.1 for [0.1].
   void or_one() { std::get<List>(settings_.back().value).or_one = true; }
 
-  std::vector<Setting> take() && { return std::move(settings_); }
+  Group take() && { return {std::move(settings_), std::move(constants_)}; }
 
  private:
   void add(std::string name, std::string help, std::string unit, Range range,
@@ -216,7 +233,7 @@ class Fields {
   static Group group(T& value) {
     Fields fields;
     describe(fields, value);
-    return {std::move(fields).take()};
+    return std::move(fields).take();
   }
   template <class T>
   static Optional optional(std::optional<T>& value, std::function<Setting()> inner) {
@@ -237,6 +254,7 @@ class Fields {
   }
 
   std::vector<Setting> settings_;
+  std::vector<ConstantSetting> constants_;
 };
 
 // The description of a whole struct, bound to it.
@@ -244,7 +262,7 @@ template <Described T>
 Group described(T& value) {
   Fields fields;
   describe(fields, value);
-  return {std::move(fields).take()};
+  return std::move(fields).take();
 }
 
 template <class E>

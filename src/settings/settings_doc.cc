@@ -12,8 +12,8 @@ void put(std::vector<SettingRow>& rows, const std::string& name, const Setting& 
          const Setting& described_by);
 
 SettingRow row(const std::string& name, std::string type, std::string initial, const Setting& by) {
-  return {name,    std::move(type), std::move(initial), range_text(by.range, by.unit),
-          by.unit, by.help};
+  return {name,    std::move(type), std::move(initial), range_text(by.range, by.unit), by.unit,
+          by.help, false,           by.for_users};
 }
 
 void put_fields(std::vector<SettingRow>& rows, const std::string& name, const Group& group) {
@@ -99,6 +99,18 @@ std::vector<SettingRow> setting_rows(const Group& settings) {
   std::vector<SettingRow> rows;
   put_fields(rows, "", settings);
   return rows;
+}
+
+std::vector<SettingRow> of_tier(Tier tier, const std::vector<SettingRow>& rows) {
+  std::vector<SettingRow> kept;
+  for (const SettingRow& row : rows) {
+    // A heading without a setting of this tier gives way to the next that is not below it.
+    while (!kept.empty() && kept.back().group && !row.name.starts_with(kept.back().name + "."))
+      kept.pop_back();
+    if (row.group || row.for_users == (tier == Tier::users)) kept.push_back(row);
+  }
+  while (!kept.empty() && kept.back().group) kept.pop_back();
+  return kept;
 }
 
 std::vector<RenamedSetting> renamed_settings(const Group& settings) {

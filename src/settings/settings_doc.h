@@ -17,10 +17,18 @@ struct SettingRow {
   std::string unit;
   std::string help;
   bool group = false;  // a heading: a struct or a list of them
+  bool for_users = false;
 };
+
+// A setting belongs to one tier: what a user of the program sets, or what an expert on the arm
+// does.
+enum class Tier { users, experts };
 
 // In the description's order. `settings` must be bound to defaults and is left unchanged.
 std::vector<SettingRow> setting_rows(const Group& settings);
+
+// The rows of one tier, with the headings that they stand under.
+std::vector<SettingRow> of_tier(Tier tier, const std::vector<SettingRow>& rows);
 
 // A renamed setting, or a renamed word of a choice ("control.wrench: true").
 struct RenamedSetting {
@@ -31,17 +39,5 @@ std::vector<RenamedSetting> renamed_settings(const Group& settings);
 
 std::string rows_markdown(const std::vector<SettingRow>& rows);
 std::string rows_text(const std::vector<SettingRow>& rows);  // for a terminal, one setting per line
-
-template <Described T>
-std::string settings_markdown() {
-  T defaults;
-  return rows_markdown(setting_rows(described(defaults)));
-}
-
-template <Described T>
-std::string settings_help() {
-  T defaults;
-  return rows_text(setting_rows(described(defaults)));
-}
 
 }  // namespace impedraw

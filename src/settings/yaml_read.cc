@@ -59,6 +59,23 @@ std::string unknown_key(std::string_view key, const std::string& name, const Gro
   return fmt::format("unknown key '{}'{}; {}", shown(key), name.empty() ? "" : " in " + name, hint);
 }
 
+// Whether `text` is the value of a setting that has become a constant, as files of earlier versions
+// and recorded scenarios may give it; false: there is no such constant. Throws if it is another.
+bool is_constant(const Group& group, const std::string& key, std::string_view text,
+                 const std::string& name, const std::string& place) {
+  const auto found = std::find_if(group.constants.begin(), group.constants.end(),
+                                  [&](const ConstantSetting& c) { return c.name == key; });
+  if (found == group.constants.end()) return false;
+  double given = 0.0, constant = 0.0;
+  const bool same = parse_number(found->value, Range::any(), "", constant)
+                        ? text == found->value
+                        : !parse_number(text, Range::any(), "", given) && given == constant;
+  if (!same)
+    wrong(place, fmt::format("{} is a constant: {}{}{}", below(name, key), found->value,
+                             found->unit.empty() ? "" : " ", found->unit));
+  return true;
+}
+
 // An index below size, or nullopt.
 std::optional<std::size_t> index(std::string_view text, std::size_t size) {
   std::size_t i = 0;
@@ -100,6 +117,9 @@ class Reader {
         wrong(place(key_line), fmt::format("{} is given twice{}", shown(below(name, now)),
                                            now == key ? "" : ", here by its former name " + key));
       if (name.empty() && key == "extends" && has_lines_) continue;
+      if (is_constant(group, key, pair.second.IsScalar() ? pair.second.Scalar() : "", name,
+                      place(key_line)))
+        continue;
       if (field == group.fields.end()) wrong(place(key_line), unknown_key(key, name, group));
       // Errors use the name that was given.
       read(pair.second, key_line, *field, below(name, key));
@@ -347,6 +367,7 @@ void read_assignment(const std::string& assignment, const Group& settings, Place
     }
     if (const auto* group = std::get_if<Group>(&setting.value)) {
       const auto field = find_field(*group, key);
+      if (is_constant(*group, key, text, name, source)) return;
       if (field == group->fields.end()) wrong(source, unknown_key(key, name, *group));
       current = field->name;
       setting = Setting(*field);

@@ -47,6 +47,34 @@ std::string set_error(const std::string& assignment) {
   return error_of([&] { with({assignment}); });
 }
 
+struct Fold {
+  double height = 0.002;
+  double width = 1.0;
+};
+
+void describe(Fields& f, Fold& s) {
+  f.constant({"height", "m", {0.0, 1.0}}, s.height);
+  f.field("width", s.width, {0.0, 1.0}, "m", "width of the fold");
+}
+
+// Files of earlier versions and recorded scenarios give the value that is a constant.
+TEST(YamlRead, AConstantIsTakenAtItsValueAlone) {
+  const auto read = [](const std::string& yaml) {
+    Fold fold;
+    Places places;
+    read_yaml_text(yaml, "s.yaml", "", described(fold), places);
+    return fold.width;
+  };
+  EXPECT_EQ(read("height: 2e-3\nwidth: 0.5"), 0.5);
+  EXPECT_EQ(error_of([&] { read("width: 0.5\nheight: 0.003"); }),
+            "s.yaml:2: height is a constant: 0.002 m");
+  EXPECT_EQ(error_of([&] { read("height: [0.002]"); }), "s.yaml:1: height is a constant: 0.002 m");
+  Fold fold;
+  EXPECT_EQ(error_of([&] { read_settings(fold, "", {"height=1"}); }),
+            "--set height=1: height is a constant: 0.002 m");
+  EXPECT_NO_THROW(read_settings(fold, "", {"height=0.002"}));
+}
+
 TEST(YamlRead, TakesEveryKindOfSetting) {
   const Scenario s = from_text(R"(
 seed: 18446744073709551615

@@ -17,6 +17,7 @@ namespace {
 using example::Camera;
 using example::Scenario;
 using example::Sensor;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 Scenario read_back(const std::string& yaml) {
@@ -125,11 +126,33 @@ TEST(SettingsDoc, ListsEverySettingWithUnitLimitsAndDefault) {
   EXPECT_EQ(rows.size(), 15u);
 
   EXPECT_THAT(
-      settings_markdown<Scenario>(),
+      rows_markdown(rows),
       HasSubstr("| `push.force` | `5` | N | number, 0 to 50 N | normal force asked for |\n"));
-  EXPECT_THAT(settings_markdown<Scenario>(), HasSubstr("none \\| true"));
-  EXPECT_THAT(settings_help<Scenario>(),
+  EXPECT_THAT(rows_markdown(rows), HasSubstr("none \\| true"));
+  EXPECT_THAT(rows_text(rows),
               HasSubstr("normal force asked for [number, 0 to 50 N; default 5]\n"));
+}
+
+// Rows of made-up names: (name, heading, for users).
+TEST(SettingsDoc, TiersKeepTheHeadingsOfTheirSettings) {
+  const auto row = [](const char* name, bool group, bool for_users) {
+    SettingRow r;
+    r.name = name;
+    r.group = group;
+    r.for_users = for_users;
+    return r;
+  };
+  const std::vector<SettingRow> rows = {row("name", false, true), row("a", true, false),
+                                        row("a.b", true, false),  row("a.b.c", false, false),
+                                        row("a.d", false, true),  row("e", true, false),
+                                        row("e.f", false, false)};
+  const auto names = [](const std::vector<SettingRow>& of) {
+    std::vector<std::string> found;
+    for (const SettingRow& r : of) found.push_back(r.name);
+    return found;
+  };
+  EXPECT_THAT(names(of_tier(Tier::users, rows)), ElementsAre("name", "a", "a.d"));
+  EXPECT_THAT(names(of_tier(Tier::experts, rows)), ElementsAre("a", "a.b", "a.b.c", "e", "e.f"));
 }
 
 // Every name that the documentation gives can be set, at its default.
