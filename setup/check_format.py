@@ -1,5 +1,7 @@
-"""Checks the C++ sources that git tracks: clang-format 14 changes nothing, and no line is
+"""Checks the C++ sources that git tracks: clang-format 14 of build/format-venv changes nothing, and no line is
 wider than 100 columns (clang-format leaves raw strings and comments alone).
+
+./check --format installs that tool and calls this.
 
 usage: check_format.py [--fix]
 """
@@ -9,6 +11,7 @@ import sys
 import unicodedata
 
 COLUMNS = 100
+TOOL = pathlib.Path(__file__).resolve().parents[1] / "build/format-venv/bin/clang-format"
 
 
 def width(line: str) -> int:
@@ -22,8 +25,8 @@ def main() -> int:
                            text=True).stdout.split("\0")[:-1]
     files = [f for f in files if pathlib.Path(f).exists()]
     if "--fix" in sys.argv:
-        subprocess.run(["clang-format-14", "-i", *files], check=True)
-    failed = subprocess.run(["clang-format-14", "--dry-run", "-Werror", *files]).returncode != 0
+        subprocess.run([TOOL, "-i", *files], check=True)
+    failed = subprocess.run([TOOL, "--dry-run", "-Werror", *files]).returncode != 0
     for file in files:
         for number, line in enumerate(pathlib.Path(file).read_text().splitlines(), 1):
             if width(line) > COLUMNS:

@@ -1,6 +1,6 @@
 # Sourced by ./impedraw after setup/prepare.sh. `prepare_extra NAME` installs the wheels of
-# setup/NAME-requirements.txt, sweep or camera, into build/NAME-venv, sets $extra to its Python and lets it
-# import impedraw.NAME from the tree. `bash setup/extra.sh NAME` does the same for the tests.
+# setup/NAME-requirements.txt, sweep, camera or format, into build/NAME-venv, sets $extra to its Python and lets
+# it import impedraw.NAME from the tree, where there is one. `bash setup/extra.sh NAME` does the same for the tests.
 
 if [[ "${BASH_SOURCE[0]}" == "$0" ]]; then
   set -euo pipefail
@@ -10,7 +10,7 @@ if [[ "${BASH_SOURCE[0]}" == "$0" ]]; then
   prepare_extra_at_end=$1
 fi
 
-declare -A extra_holds=([sweep]="sweeps (Ray, pyarrow, Optuna: 200 MB to fetch)" [camera]="cameras (OpenCV, SciPy, rosbags, RealSense's SDK: 120 MB to fetch)")
+declare -A extra_holds=([sweep]="sweeps (Ray, pyarrow, Optuna: 200 MB to fetch)" [camera]="cameras (OpenCV, SciPy, rosbags, RealSense's SDK: 120 MB to fetch)" [format]="the format (clang-format 14: 2 MB to fetch)")
 
 prepare_extra() {
   local name=$1 folder=$root/build/$1-venv list=$root/setup/$1-requirements.txt python=/usr/bin/python3 site stamp
@@ -31,9 +31,11 @@ prepare_extra() {
         --disable-pip-version-check -r "$list"
     } >>"$log" 2>&1 8>&- || fail "the Python wheels for ${extra_holds[$name]%% *} could not be installed" "the whole log: $log"
     # It imports impedraw.NAME from the tree, without the compiled package beside it.
-    site=$("$extra" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
-    mkdir -p "$site/impedraw"
-    ln -sfn "$root/python/impedraw/$name" "$site/impedraw/$name"
+    if [[ -d $root/python/impedraw/$name ]]; then
+      site=$("$extra" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+      mkdir -p "$site/impedraw"
+      ln -sfn "$root/python/impedraw/$name" "$site/impedraw/$name"
+    fi
     echo "$stamp" >"$folder/.requirements"
     say "installed $(grep -c '^[^#]' "$list") Python wheels for ${extra_holds[$name]%% *}"
   fi
