@@ -1,8 +1,10 @@
 # impedraw_library(NAME SOURCES … UNSHARED … LINKS … PRIVATE_LINKS …): a folder of src as impedraw::NAME.
 # Headers are included as #include "impedraw/control/impedance.h", in the tree as in an installed
-# copy: build/…/include/impedraw is a link to src.
-file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
-file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/impedraw SYMBOLIC)
+# copy: include/impedraw is a link to src, which a source distribution lacks.
+if(NOT EXISTS ${PROJECT_SOURCE_DIR}/include/impedraw)
+  file(MAKE_DIRECTORY ${PROJECT_SOURCE_DIR}/include)
+  file(CREATE_LINK ../src ${PROJECT_SOURCE_DIR}/include/impedraw SYMBOLIC)
+endif()
 
 function(impedraw_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;UNSHARED;LINKS;PRIVATE_LINKS" ${ARGN})
@@ -17,7 +19,7 @@ function(impedraw_library name)
   endif()
   add_library(impedraw::${name} ALIAS impedraw_${name})
   set_property(GLOBAL APPEND PROPERTY IMPEDRAW_LIBRARIES ${name})
-  target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:include>)
+  target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
   # Many small units share their headers and Eigen's templates: together they compile in less than half
   # the time. control and sensing stay apart: a change there is built at once. Names in unnamed

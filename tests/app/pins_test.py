@@ -35,10 +35,10 @@ class Pins(unittest.TestCase):
     def test_actions_and_images_are_pinned_by_digest(self):
         named = 0
         for file in tracked("Dockerfile", ".github/workflows/*"):
-            for what in re.findall(r"^\s*(?:FROM|- uses:|container:|image:) *(?!\${{ matrix.image }})(\S+)", file.read_text(), flags=re.MULTILINE):
+            for what in re.findall(r"^\s*(?:FROM|- uses:|container:|image:) *\[?(?!\${{ matrix.image }})([^\s\]]+)", file.read_text(), flags=re.MULTILINE):
                 named += 1
                 self.assertRegex(what, r"@(sha256:[0-9a-f]{64}|[0-9a-f]{40})$", file)
-        self.assertEqual(named, 13)
+        self.assertEqual(named, 14)
 
 
 if __name__ == "__main__":
