@@ -4,6 +4,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+// Only an installed library has this header. What is compiled with another -march than the library,
+// by a command of one's own, would lay out Eigen's types otherwise: it does not compile.
+#if __has_include("impedraw/built_alike.h")
+#include "impedraw/built_alike.h"
+#endif
+
 namespace impedraw {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;  // spatial vectors, linear part first

@@ -106,6 +106,19 @@ TEST_F(InstalledLibrary, ItsHeadersIncludeEachOtherEigenAndTheStandardLibrary) {
     EXPECT_FALSE(fs::exists(include / header)) << header;
 }
 
+// By hand, without CMake and pkg-config.
+TEST_F(InstalledLibrary, AnotherArchitectureThanTheLibrarysDoesNotCompile) {
+  std::ofstream(folder_ / "by_hand.cc") << "#include \"impedraw/control/impedance.h\"\n";
+  const std::string compile = "'" CXX "' -std=c++20 -fsyntax-only -I" +
+                              quoted(folder_ / "prefix/include") +
+                              " -I'" EIGEN_DIR "/../../../include/eigen3' " + quoted(folder_ / "by_hand.cc");
+  const Ended alike = run(compile);
+  EXPECT_EQ(alike.code, 0) << alike.out;
+  const Ended other = run(compile + " -mavx512f");
+  EXPECT_NE(other.code, 0);
+  EXPECT_THAT(other.out, HasSubstr("libimpedraw was built for Eigen's alignment of 16 bytes"));
+}
+
 // A copy can be given to another machine: neither CMake's files nor the archives name a folder of
 // the build, of the source or of the venv.
 TEST_F(InstalledLibrary, ItNamesNoFolderOfTheMachineThatBuiltIt) {
