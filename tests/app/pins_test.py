@@ -32,13 +32,22 @@ class Pins(unittest.TestCase):
                     self.assertTrue("--require-hashes" in line or "--no-index" in line, f"{file}: {line}")
         self.assertGreaterEqual(calls, 8)
 
+    def test_the_version_is_that_of_cmake_everywhere(self):
+        version = re.search(r"^project\(impedraw VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(), flags=re.MULTILINE)[1]
+        for file, pattern in {
+            "CITATION.cff": r"^version: (.*)$",
+            "packaging/conda/recipe.yaml": r"^  version: ([\d.]+)$",
+            "examples/04_ros2_control/package.xml": r"<version>(.*)</version>",
+        }.items():
+            self.assertEqual(re.search(pattern, (ROOT / file).read_text(), flags=re.MULTILINE)[1], version, file)
+
     def test_actions_and_images_are_pinned_by_digest(self):
         named = 0
-        for file in tracked("Dockerfile", ".github/workflows/*"):
-            for what in re.findall(r"^\s*(?:FROM|- uses:|container:|image:) *\[?(?!\${{ matrix.image }})([^\s\]]+)", file.read_text(), flags=re.MULTILINE):
+        for file in tracked("Dockerfile", ".github/workflows/*", ".devcontainer/*"):
+            for what in re.findall(r'^\s*(?:FROM|- uses:|container:|"?image"?:) *[\["]?(?!\${{ matrix.image }})([^\s\]",]+)', file.read_text(), flags=re.MULTILINE):
                 named += 1
                 self.assertRegex(what, r"@(sha256:[0-9a-f]{64}|[0-9a-f]{40})$", file)
-        self.assertEqual(named, 14)
+        self.assertEqual(named, 15)
 
 
 if __name__ == "__main__":
