@@ -1,4 +1,4 @@
-// Where the canvas is and how it moves, as perception estimates it for the controller.
+// Place and motion of the canvas, as perception estimates it for the controller.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,8 +20,8 @@ struct CanvasEstimate {
   CanvasStatus status = CanvasStatus::lost;
   FrameMotion motion;
   double age = 0.0;  // of the last frame that was understood [s]
-  // Of the predicted pose, in W: turning about K's centre of observation, then its displacement
-  // [rad², rad m, m²]
+  // Covariance of the predicted pose, in W: turning about K's centre of observation, then its
+  // displacement [rad², rad m, m²]
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();  // that centre [m]
 };

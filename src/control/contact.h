@@ -1,4 +1,4 @@
-// Where the pen is with respect to the surface: the mode of the contact, and the normal that the
+// The pen's place with respect to the surface: the mode of the contact, and the normal that the
 // law follows, which is decided here and nowhere else.
 //
 // Side      A thin body has two sides a few millimetres apart, and an estimate from points of both

@@ -4,7 +4,7 @@
 // Law   f = f_n (n_F − μ s), s: the direction of the slip, of length below 1 while it fades in
 //       x = n + |s| (f_t + min(max(−f_t·s, 0), μ̂ f_n) s) / f_n,  f_n = n·f,  f_t = f − f_n n
 //       n_F ← n_F + (Δt/T) (x − n_F), T = 5 ms
-// What friction up to μ̂ can explain is not taken for a slope, so the angle is exact across the
+// A force that friction up to μ̂ can explain is no slope, so the angle is exact across the
 // stroke and only what exceeds friction along it.
 // Away from another normal m, n_F counts only beyond deviation + force_error/f_n, a tangent, by 1
 // at most: a smooth surface is perceived better than felt. A force along m leaves m as it is.
@@ -19,7 +19,7 @@
 namespace impedraw {
 
 struct FeltNormalSettings {
-  // Of the felt normal, beyond the deviation, in the normal that the law follows. 0: it is not used
+  // Share of the felt normal, beyond the deviation, in the normal that the law follows. 0: unused
   // at all, neither for that nor for where the tip touches nor for the push. A hand that pushes the
   // tip aside feels like a slope: to be used where perception is known to smooth the surface.
   double share = 0.0;

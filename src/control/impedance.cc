@@ -51,12 +51,12 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   const Wrench F_ext = measured_ && !lost ? F_given : Wrench(Wrench::Zero());
   const StepInput in{arm, reference, surface, F_ext, lost, carrier};
 
-  // Where the pen is: Λ and J̄ (8), (16), mode and normal of the contact, M_d and B
+  // The pen's place: Λ and J̄ (8), (16), mode and normal of the contact, M_d and B
   out_.status.near_singular = !space_.update(arm);
   const Contact& contact = contact_.update(in);
   impedance_.update(space_, contact.n);
 
-  // What is wanted: F_push, V_d, V̇_d and K e (13)
+  // The wishes: F_push, V_d, V̇_d and K e (13)
   const Eigen::Vector3d carried = handover_.carried().head<3>();
   const Vector6 F_push = push_.update(contact, F_ext, carried, was_limited);
   TipTarget d = contact.on_surface() ? target_on_surface(in, contact, push_.built_up(), settings_)

@@ -84,7 +84,7 @@ struct TipSettings {
   double stiffness = 20.0e3;
 };
 
-// What contact at the tip may add to a measured wrench besides the force along n.
+// The share that contact at the tip may add to a measured wrench besides the force along n.
 struct FrictionSettings {
   double coefficient = 0.3;  // μ̂ for the part of a measured wrench that friction can explain
   // The estimated normal may err by this angle: the surface then pushes the tip aside by f_n times

@@ -27,9 +27,9 @@ struct ObserverSettings {
   bool enabled = true;       // needs a measured wrench
   double bandwidth = 200.0;  // K_o [rad/s]
   double limit = 40.0;       // of each |r_j| [Nm]
-  // Of each joint [Nm]. What r_j exceeds it by, and a share of the joint's weight torque on top of
-  // it (impedance.h), is compensated only where it would move the tip, so that a push on the arm's
-  // body moves the arm through its null space. Empty: no such bound.
+  // A bound for each joint [Nm]. The excess of r_j, and a share of the joint's weight torque on top
+  // of it (impedance.h), is compensated only where it would move the tip, so that a push on the
+  // arm's body moves the arm through its null space. Empty: no such bound.
   std::vector<double> yield_limit;
 
   struct Limits {

@@ -25,7 +25,7 @@ struct FrameMotion {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();      // angular velocity [rad/s]
   Eigen::Vector3d alpha = Eigen::Vector3d::Zero();  // angular acceleration [rad/s²]
 
-  // Of the point of K that is at p_W now [m/s].
+  // Velocity of the point of K that is at p_W [m/s].
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& p_W) const noexcept {
     return v + w.cross(p_W - X_WK.p);
   }

@@ -29,7 +29,7 @@ struct OperationalSpaceSettings {
 };
 
 using JointRows = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kMaxJoints, 6>;
-// Of two velocities of the tip.
+// Two velocities of the tip, and the joint speeds that they ask for.
 using TwoVelocities = Eigen::Matrix<double, 6, 2>;
 using TwoJointSpeeds = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor, kMaxJoints, 2>;
 

@@ -45,7 +45,7 @@ void break_dashes(Artwork& artwork, bool apply) {
   artwork.dashes.clear();
 }
 
-// What a drawing may have: more takes a day to draw.
+// Bounds of a drawing: more takes a day to draw.
 constexpr std::size_t kMostPoints = 5'000'000, kMostStrokes = 100'000;
 constexpr double kLongestDrawing = 1000.0;  // [m] in the drawing plane
 

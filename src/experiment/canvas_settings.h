@@ -67,7 +67,7 @@ struct CanvasSettings {
   // Translation of the canvas, after its rotation: p = move + Rz(turn) p_made [m].
   Eigen::Vector3d move = Eigen::Vector3d::Zero();
   double turn_deg = 0.0;
-  // Of a driven arm: what stands before it is the canvas as configured, and may be rendered for
+  // For a driven arm: what stands before it is the canvas as configured, and may be rendered for
   // perception.source simulated.
   bool true_model = false;
   CanvasMotionSettings motion;  // its seed comes from the scenario's

@@ -15,7 +15,7 @@ namespace impedraw {
 
 namespace {
 
-// What the controller's checks look at, the likeliest culprit first.
+// Settings that the controller's checks look at, the likeliest culprit first.
 std::vector<std::string> control_setting_names() {
   std::vector<std::string> names;
   for (const char* name :
@@ -35,10 +35,10 @@ constexpr double kLeastFriction = 1.5;    // [Nm]
 // A session with a real arm lets 900 Nm/s pass: the law stays below, so that it knows of the limit.
 constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 
-// Of a real arm's momentum observer: its bandwidth times the loop's delay. Where rotor inertia is
-// not in the model, what the observer adds is itself a part of what it sees, with a share of nearly
-// 1 on a light wrist: through the delay that loop rings. With 0.1 kg m² and 2 ms, 200 rad/s shook
-// the wrist until the session ended; 50 rad/s and 20 rad/s did not.
+// Bound for a real arm's momentum observer: its bandwidth times the loop's delay. Where rotor
+// inertia is not in the model, what the observer adds is itself a part of what it sees, with a
+// share of nearly 1 on a light wrist: through the delay that loop rings. With 0.1 kg m² and 2 ms,
+// 200 rad/s shook the wrist until the session ended; 50 rad/s and 20 rad/s did not.
 constexpr double kRealObserver = 0.1;
 
 double torque_rate(const Scenario& s, const ArmLimits& limits) {
@@ -123,7 +123,7 @@ double least_stable_bandwidth(ImpedanceSettings control, JointStateEstimatorSett
   return most;
 }
 
-// What the controller knows of the joints' sensors, and the estimator that reads them.
+// The controller's knowledge of the joints' sensors, and the estimator that reads them.
 void set_up_joint_sensing(const Scenario& s, int joints, const SettingErrors& setting_errors,
                           ControlSetup* setup) {
   const JointSensingSettings& sensing = s.control.joint_sensing;

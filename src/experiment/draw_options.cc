@@ -84,7 +84,7 @@ Scenario resolve(const DrawOptions& options, Places* given) {
   };
   Places places =
       read_settings(scenario, file, named_file ? options.assignments : std::vector<std::string>());
-  // What the built-in scenario gives was given by nobody: its places are dropped.
+  // Nobody gave the built-in scenario's settings: their places are dropped.
   if (!named_file) places = read_settings(scenario, {}, options.assignments);
   tell_renamed(places);
   named = places.of("name").starts_with("--set ");

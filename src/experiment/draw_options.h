@@ -13,8 +13,8 @@ namespace impedraw {
 
 struct DrawOptions {
   std::filesystem::path scenario;
-  // Of this program, where none is named; no message cites it. Empty: the standard bowl, with the
-  // sine (bowl-sine.yaml) or with svg or text (artwork.yaml).
+  // This program's own scenario, where none is named; no message cites it. Empty: the standard
+  // bowl, with the sine (bowl-sine.yaml) or with svg or text (artwork.yaml).
   std::filesystem::path built_in;
   std::string shape;
   std::filesystem::path svg;

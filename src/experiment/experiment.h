@@ -30,7 +30,8 @@ struct PlannedDrawing {
   PlacedArtwork artwork;
   Scene scene;
   Plan plan;
-  // Of the drawing's lengths when it is projected, if it was asked for: see prepare_plan().
+  // Distortion of the drawing's lengths when it is projected, if it was asked for: see
+  // prepare_plan().
   std::shared_future<Distortion> projected{};
 
   const SurfaceHeight& surface() const { return scene.surface; }  // the planner's, in P

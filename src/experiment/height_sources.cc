@@ -47,7 +47,7 @@ class Columns {
   Tree tree_;
 };
 
-// That a height found at p says something of the one at (x, y).
+// True if a height found at p says something of the one at (x, y).
 bool is_near(const Eigen::Vector3d& p, double x, double y) {
   return std::hypot(p.x() - x, p.y() - y) < 0.01;
 }
@@ -85,7 +85,7 @@ class TopSheet {
     return top_[static_cast<std::size_t>(j) * nx_ + static_cast<std::size_t>(i)];
   }
 
-  // Of a surface with normal n across a cell.
+  // Rise of a surface with normal n across a cell.
   static double rise(const Eigen::Vector3d& n) {
     return kCell * n.head<2>().lpNorm<1>() / std::max(n.z(), 0.1);
   }

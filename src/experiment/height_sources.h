@@ -22,8 +22,8 @@ SurfaceHeight perceived_height(std::shared_ptr<const PlanSurface> surface, const
 SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> surface, const Pose& X_WP);
 
 // The surface as triangles in P, on a grid of 4 mm over the cloud's extent, or of its 500th part.
-// Where there is no surface, no point of the cloud is near, or the surface rises by more than four
-// cells across one, there is a hole.
+// A place without surface or near points of the cloud, or where the surface rises by more than four
+// cells across one, is a hole.
 TriangleMesh surface_grid(const SurfaceHeight& surface, const PointCloud& cloud, const Pose& X_PW);
 
 // A level plane at the height z of P [m].

@@ -1,4 +1,4 @@
-// What the page of a run or of a plan shows beside its data: the arm, the cameras and the settings.
+// Context of the page of a run or of a plan beside its data: the arm, the cameras and the settings.
 #pragma once
 
 #include <string>

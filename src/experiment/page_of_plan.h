@@ -1,4 +1,4 @@
-// What the page of a plan shows: the strokes and what of them cannot be drawn, the surface as the
+// The page of a plan: the strokes and what of them cannot be drawn, the surface as the
 // plan knows it, and the arm's posture along the path and at the worst places.
 #pragma once
 

@@ -1,4 +1,4 @@
-// How rough a surface is drawn on, where the scenario leaves it open.
+// The choice of the pen's axis by the surface's roughness, where the scenario leaves it open.
 #pragma once
 
 #include "impedraw/experiment/plan.h"

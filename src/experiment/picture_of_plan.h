@@ -1,4 +1,4 @@
-// What the picture of a plan shows: the surface as the plan knows it, the strokes, and where the
+// The picture of a plan: the surface as the plan knows it, the strokes, and where the
 // surface is rougher than the cameras resolve.
 #pragma once
 
@@ -7,15 +7,15 @@
 
 namespace impedraw {
 
-// Of the points of a stroke, at most; corners that lie closer than the second are not told apart
-// [m].
+// Spacing of the points of a stroke, at most; corners that lie closer than the second are not told
+// apart [m].
 inline constexpr double kPictureSpacing = 2e-3, kPictureDetail = 1e-4;
 
 // With cameras nothing in it is taken from the true canvas. `surface`: the planner's, in P.
 PlanPicture picture_of_plan(const PlannedDrawing& drawing, const SurfaceHeight& surface);
 
-// What the pre-flight rejects, in the order of its findings, in P: on the surface, or as high as
-// the finding where there is none.
+// Lines that the pre-flight rejects, in the order of its findings, in P: on the surface, or as high
+// as the finding where there is none.
 std::vector<PlanLine> lines_of_findings(const PlannedDrawing& drawing,
                                         const SurfaceHeight& surface);
 

@@ -191,7 +191,7 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
     throw InputError(
         "--place auto cannot move a recorded motion: canvas.motion.file must be empty");
   PlannedDrawing e = prepare_plan(scenario, places, Unreachable::tell);
-  // Where a mesh was put that nobody has placed.
+  // The place of a mesh that nobody has placed.
   Scenario given = scenario;
   given.canvas.move = e.scenario.canvas.move;
   Search search(e);

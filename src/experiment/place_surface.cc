@@ -29,7 +29,7 @@ constexpr int kChecked = 20, kWhole = 3,
               kInVain = 8;  // places: checked; that suffice; since the best one
 constexpr double kAll = 0.999, kMost = 0.98, kPromising = 0.95;
 
-// How far from the wish a point of W is, in extents of the object `points`; from a point that is
+// Distance of a point of W from the wish, in extents of the object `points`; from a point that is
 // named, in half its diagonal.
 std::function<double(const Vector3d&)> distance_of(const std::string& near,
                                                    const std::vector<Vector3d>& points) {
@@ -79,7 +79,7 @@ std::vector<Vector2d> points_about_middle(const std::vector<PlacedStroke>& strok
   return points;
 }
 
-// What a candidate needs: how easily the arm reaches a place of the surface. At ease: 0; not: 1.
+// Effort of a candidate: how easily the arm reaches a place of the surface. At ease: 0; not: 1.
 std::function<double(const SurfaceSample&)> unreachable(Scene& scene, const Pose& X_WP,
                                                         const PreflightSettings& settings) {
   const auto check =
@@ -129,7 +129,7 @@ struct Checked {
   PlacementSettings placement;
   double share = -1.0, cost = std::numeric_limits<double>::infinity();
 
-  // Of those that can be drawn but for a trace, the cheaper one.
+  // The cheaper one wins of those that can be drawn but for a trace.
   bool better_than(const Checked& other) const {
     const double mine = std::min(share, kMost), its = std::min(other.share, kMost);
     return mine > its || (mine == its && cost < other.cost);
@@ -177,7 +177,7 @@ struct PlaceBench::Parts {
   std::vector<std::vector<Vector2d>> strokes;
   std::vector<Vector2d> drawing;  // points spaced evenly along the strokes, about their middle
 
-  // What a pre-flight of the drawing at a place says; `failed`: points of P where it cannot be
+  // Verdict of a pre-flight of the drawing at a place; `failed`: points of P where it cannot be
   // drawn.
   double share_of(const PlacementSettings& placement, std::vector<Vector2d>* failed) {
     Scenario there = s;
@@ -323,7 +323,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
       if (progress) progress(0.2 + 0.8 * i / kChecked);
       tried.push_back(place);
       Checked checked{place, parts.placing.at(place)};
-      // What fails in the pre-flight is avoided from now on.
+      // Points that fail in the pre-flight are avoided from here on.
       std::vector<Vector2d> failed;
       checked.share = parts.share_of(checked.placement, &failed);
       checked.cost = place.cost + 10.0 * (1.0 - checked.share);

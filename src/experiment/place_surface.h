@@ -43,10 +43,10 @@ class PlaceBench {
   const Scenario& scenario() const;  // as given
   const Pose& X_WP() const;
   const PlaceSearch& search() const;
-  // What is known of the object, in W: the mesh, if the cameras are simulated, else null; points.
+  // Knowledge of the object, in W: the mesh, if the cameras are simulated, else null; points.
   const TriangleMesh* known_mesh() const;
   std::vector<Eigen::Vector3d> cloud() const;
-  // Of the strokes as they are given, about the middle of their box [m].
+  // The strokes as they are given, about the middle of their box [m].
   const std::vector<std::vector<Eigen::Vector2d>>& strokes() const;
   PlaceFound given() const;
 

@@ -43,7 +43,7 @@ Finding off_patch(const std::vector<PlacedStroke>& flat, const StrokePart& part,
           middle.page, X_WP * Eigen::Vector3d(middle.p_P.x(), middle.p_P.y(), 0.0)};
 }
 
-// What the line alone permits: neither the surface nor the arm's joints slow it down.
+// The speed that the line alone permits: neither the surface nor the arm's joints slow it down.
 PathSettings unhindered(PathSettings s) {
   s.normal_acceleration = PathSettings::Limits::normal_acceleration.range.highest;
   s.tilt_speed = PathSettings::Limits::tilt_speed.range.highest;
@@ -103,7 +103,8 @@ class Planning {
     if (progress_) progress_(what, share);
   }
   const SurfaceHeight& surface() const { return scene_.surface; }
-  // Where the pre-flight puts the arm: an unknown surface in the middle of where it may be.
+  // The surface on which the pre-flight puts the arm: an unknown surface in the middle of where it
+  // may be.
   SurfaceHeight checked_surface() const {
     return scene_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
                                    : surface();
@@ -269,7 +270,7 @@ double Planning::wrap_doubt() const {
   return length > 0.0 ? std::sqrt(squares / length) : 0.0;
 }
 
-// Where the wrap is not certain.
+// A note on places where the wrap is not certain.
 void Planning::note_wrap() {
   constexpr double kDoubt = 3e-4;  // [m]
   if (wrap_doubt_ > kDoubt)
@@ -300,7 +301,7 @@ void Planning::name_step(Finding* f) const {
   }
 }
 
-// Whether it is so only where the canvas is before it has been watched.
+// True if it is so only where the canvas is before it has been watched.
 bool passes_with_canvas(Problem problem) {
   switch (problem) {
     case Problem::out_of_reach:
@@ -377,7 +378,7 @@ void Planning::promise() {
 
 void Planning::note_roughness() {
   if (!scene_.perception || may_move()) return;
-  // What noise of the cameras leaves cannot be told from a rough surface.
+  // Noise of the cameras cannot be told from a rough surface.
   if (s_.perception.noise.sigma_at_1m > 0.0 || s_.perception.source != PerceptionSource::simulated)
     return;
   if (auto note = roughness_note(plan_.strokes, surface(), artwork_.X_WP, *scene_.perception))

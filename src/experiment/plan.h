@@ -28,7 +28,7 @@ struct Plan {
   JointVector rest_q;        // rest posture of the null space [rad]
   // Drawable parts have the numbers of `requested`; findings have the artwork's.
   Preflight preflight;
-  // Of a canvas that may move: what fails where it is before it has been watched, with the
+  // For a canvas that may move: what fails where it is before it has been watched, with the
   // artwork's numbers. The run checks again where it will be.
   std::vector<Finding> where_it_is;
   // The promised strokes: the drawable parts in order, numbered from 0 as in target, path and log.
@@ -41,7 +41,7 @@ struct Plan {
   std::vector<std::string> notes;  // what is not drawn, one line each
 };
 
-// How to treat strokes that fail the pre-flight. refuse: throw. skip: omit and note them; throw if
+// Treatment of strokes that fail the pre-flight. refuse: throw. skip: omit and note them; throw if
 // nothing is left. tell: omit them, even if nothing is left; the caller reports the findings.
 enum class Unreachable { refuse, skip, tell };
 

@@ -1,4 +1,4 @@
-// What makes a plan slow, and where the surface is rougher than the cameras resolve.
+// Limits that make a plan slow, and places where the surface is rougher than the cameras resolve.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@ namespace impedraw {
 
 namespace {
 
-// How long the path is in each phase, and how far it goes through the air, by one walk along it.
+// Time of the path in each phase, and its length through the air, by one walk along it.
 struct PathTally {
   std::array<double, 5> time{};  // of each Phase [s]
   double pen_up = 0.0;           // [m]
@@ -50,7 +50,7 @@ Eigen::Vector2d page_size(const PlannedDrawing& e) {
   return box.isEmpty() ? Eigen::Vector2d(0.0, 0.0) : Eigen::Vector2d(box.sizes());
 }
 
-// How large the drawing becomes, and why.
+// The drawing's size, and the reason for it.
 std::string size_text(const PlannedDrawing& e) {
   const DrawingSettings& drawing = e.scenario.drawing;
   const Eigen::Vector2d page = page_size(e);

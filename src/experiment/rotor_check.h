@@ -1,4 +1,4 @@
-// How much rotor inertia that the arm's model lacks, or has too much of, the control law bears.
+// The rotor inertia that the arm's model may lack, or have too much of, by what the law bears.
 //
 // Rehearsal   the set-up's own controller and joint estimator hold the pen on a plane across it:
 //               M' v̇ + C v + g = τ(t − delay) + Jᵀ F,     M' = M + diag(unknown)
@@ -34,8 +34,9 @@ double kick_left(const RotorRehearsal& rehearsal, ArmModel& arm, const Eigen::Ve
 inline constexpr double kMostRotor = 2.0;
 double rotor_inertia_borne(const RotorRehearsal& rehearsal, ArmModel& arm);
 
-// Of a simulated arm, throws InputError if its true rotors differ from the model's by more than the
-// law bears. A note says what the law bears, for an arm whose rotors differ or are not simulated.
+// For a simulated arm, throws InputError if its true rotors differ from the model's by more than
+// the law bears. A note says what the law bears, for an arm whose rotors differ or are not
+// simulated.
 void check_rotors(const Scenario& s, const ControlSetup& setup, ArmModel& arm,
                   const Eigen::VectorXd& q, std::vector<std::string>* notes,
                   const SettingErrors& setting_errors);

@@ -110,7 +110,7 @@ struct ArmSettings {
   };
 };
 
-// What ends a run at once, with any arm (run/monitors/fence_monitor.h).
+// Limits whose violation ends a run at once, with any arm (run/monitors/fence_monitor.h).
 struct FenceSettings {
   // The box that the tip must stay in, W [m].
   Eigen::Vector3d low{-2.0, -2.0, -2.0}, high{2.0, 2.0, 2.0};
@@ -157,7 +157,7 @@ struct CameraErrors {
   };
 };
 
-// What perception's cloud is made from.
+// The source of perception's cloud.
 enum class PerceptionSource {
   simulated,  // depth images that are rendered of the true canvas
   capture,    // a folder of depth images of real cameras, or of another renderer
@@ -175,9 +175,9 @@ struct PerceptionSettings {
   CameraErrors errors;
   double voxel = 0.004;
   bool adapt = true;  // finer patches where the surface is rough
-  // Of a capture: puts its views onto each other (capture/view_alignment.h).
+  // For a capture: puts its views onto each other (capture/view_alignment.h).
   bool align = true;
-  // Of a capture or a cloud: leaves out the table, and what the drawing does not lie on
+  // For a capture or a cloud: leaves out the table, and what the drawing does not lie on
   // (capture/found_canvas.h).
   bool find_canvas = true;
   double self_padding = 0.01;
@@ -198,7 +198,7 @@ struct PerceptionSettings {
   PerceptionSettings();
 };
 
-// What is known of the surface's height without perception: all of it, or only that it lies between
+// Knowledge of the surface's height without perception: all of it, or only that it lies between
 // two levels. Then the law is the paper's, with a set-point on the lower level and a stiffness that
 // makes the push, or the surface is found and followed by touch (touch_surface.h).
 enum class BlindHeight { canvas, plane, touch };
@@ -243,9 +243,9 @@ struct ControlSettings : ImpedanceSettings {
   double torque_rate = 4000.0;     // of every joint [Nm/s]
   double joint_speed_share = 0.9;  // of the arm's joint speed limits
   bool check_rotors = true;        // refuses what the law would not bear (rotor_check.h)
-  // Of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
+  // Delay of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
-  // Of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.
+  // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.
   std::vector<double> null_stiffness;
 
   struct Limits : ImpedanceSettings::Limits {

@@ -24,11 +24,11 @@ namespace {
 // one-sidedness: 2 mm within the rim of the standard bowl; the controller's 0.66 is 1 mm beyond it
 constexpr double kEdgeOfPlanning = 0.5;
 
-// Where a mesh from a file stands that nobody has placed: under the drawing's centre, its lowest
+// Place of a mesh from a file that nobody has placed: under the drawing's centre, its lowest
 // point just above the table, or lower if it is tall.
 void put_in_reach(TriangleMesh* mesh, Scenario* s, std::vector<std::string>* notes) {
   constexpr double kFoot = 0.02, kTop = 0.35;  // [m]
-  // What a capture or a cloud shows stands where it stood.
+  // A surface that a capture or a cloud shows stands where it stood.
   const bool captured = s->perception.source != PerceptionSource::simulated;
   if (s->canvas.kind != CanvasKind::mesh || !s->canvas.move.isZero() ||
       !s->drawing.tilt_deg.isZero() || captured)

@@ -34,7 +34,7 @@ struct Scene {
   BlindSettings blind;             // the assumed height without perception
   std::vector<std::string> notes;  // repairs to the canvas's file, one line each
 
-  // What the controller and the planner know of the surface.
+  // Knowledge of the controller and the planner about the surface.
   bool by_touch() const { return !perception && blind.height == BlindHeight::touch; }
   bool height_unknown() const { return !perception && blind.height != BlindHeight::canvas; }
   // The controller has an estimate of the surface under the tip.
@@ -52,7 +52,7 @@ bool is_rehearsal(const Scenario& scenario);
 // canvas or arm, a start out of reach, or too little of the canvas in view.
 Scene build_scene(Scenario& scenario, const Pose& X_WP, const SettingErrors& setting_errors);
 
-// Of settings that do not make the scene but name its joints and links. Throws InputError.
+// Checks settings that do not make the scene but name its joints and links. Throws InputError.
 void check_scene(const Scenario& scenario, const Scene& scene, const SettingErrors& setting_errors);
 
 }  // namespace impedraw

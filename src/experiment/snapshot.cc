@@ -31,7 +31,7 @@ DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
   return camera;
 }
 
-// Of all cameras together: 24 bytes a pixel and more, until the cloud is thinned.
+// Pixels of all cameras together: 24 bytes a pixel and more, until the cloud is thinned.
 constexpr double most_pixels = 7e7;
 
 std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera) {

@@ -23,12 +23,12 @@ struct Snapshot {
   PointCloud beside;  // thinned: what find_canvas left out, which the arm must not touch either
 };
 
-// What the cameras see of the canvas. The arm is at q; its points are removed from the cloud.
+// The cameras' view of the canvas. The arm is at q; its points are removed from the cloud.
 // Throws InputError without cameras, or with too little of the canvas in view.
 Snapshot take_snapshot(const Scenario& scenario, const Canvas& canvas, const World& world,
                        ArmModel& arm, const JointVector& q);
 
-// What perception.capture or perception.cloud holds. Appends to `notes` what it gave and what was
+// The view in perception.capture or perception.cloud. Appends to `notes` what it gave and what was
 // removed, one line each. Throws InputError if it is invalid or shows too little.
 Snapshot read_snapshot(const Scenario& scenario, const Pose& X_WP, ArmModel& arm,
                        std::vector<std::string>* notes);

@@ -44,8 +44,9 @@ double depth_beneath(const std::vector<BodyCapsule>& bodies, const Eigen::Vector
 using Touching = std::function<std::string(const JointVector&)>;
 using Way = std::vector<Eigen::Vector3d>;
 
-// Whether the tip can be led from a posture to just above one place after the other without a jump
-// of a joint or a posture near a limit or a singularity; and without a link that touches there.
+// The answer to whether the tip can be led from a posture to just above one place after the other
+// without a jump of a joint or a posture near a limit or a singularity; and without a link that
+// touches there.
 enum class Leads { no, touching, clear };
 
 Leads leads(ArmModel& arm, ArmTerms* terms, const PenPlacement& start, JointVector q,

@@ -307,7 +307,7 @@ AxisWave WaveFit::fit(std::span<const AxisSample> given, const AxisWave& last,
     for (int k = 0; k < AxisWave::kSinusoids; ++k) {
       double with = 0.0;
       found[k] = best_rate(samples, origin, found, k, k == 0 ? rates[0] : rates[1], slowest, &with);
-      // What was known may have ended.
+      // A known swing may have ended.
       if (rates[k] != 0.0 && found[k] != 0.0) {
         double anew = 0.0;
         std::array<double, AxisWave::kSinusoids> others = found;

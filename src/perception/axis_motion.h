@@ -1,4 +1,4 @@
-// How one coordinate of a moving body goes on: models of its motion, fitted to what was measured.
+// Prediction of one coordinate of a moving body: models of its motion, fitted to what was measured.
 //
 //   steady, drifting   constant velocity, or constant acceleration: Kalman filters whose highest
 //                      derivative is driven by white noise of spectral density q

@@ -1,4 +1,4 @@
-// How late a camera's frames are, and how wrong their time stamps, from a motion that is known.
+// Lateness of a camera's frames and error of their time stamps, from a motion that is known.
 //
 // A point that moves as m(t) is seen at p_i with the time stamp s_i, which is late by δ, and the
 // frame arrives at a_i:

@@ -38,7 +38,7 @@ bool CanvasBelief::holds(const Entry& entry, int model, int axis) const noexcept
 
 std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const noexcept {
   // All errors hold the noise of what they are compared with: what one has beyond the best counts.
-  // Of models that do as well, the simpler one is to be preferred.
+  // The simpler of two models that do as well is to be preferred.
   constexpr double kAlike = 0.03;  // in shares of that noise
   const Score& score = scores[axis];
   const auto has = [&](int m) {
@@ -96,7 +96,7 @@ CanvasEstimate CanvasBelief::estimate(const std::array<AxisState, kAxes>& s, dou
   m.a = c_a + m.alpha.cross(r) + m.w.cross(m.w.cross(r));
   out.centre_W = c;
 
-  // What was off after one lateness grows with its square, as an unforeseen acceleration's effect.
+  // The error after one lateness grows with its square, as an unforeseen acceleration's effect.
   const double growth = std::max(1.0, out.age / lateness);
   double position = 0.0;
   for (int i = 0; i < kAxes; ++i) {

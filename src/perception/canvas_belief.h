@@ -1,4 +1,4 @@
-// What is believed of the canvas's motion as of the last frame, and predictions from it.
+// The belief about the canvas's motion as of the last frame, and predictions from it.
 //
 // All that a prediction needs, as plain data: the thread that takes frames (canvas_tracker.h) hands
 // it to the one that controls.
@@ -51,7 +51,7 @@ struct CanvasBelief {
   bool prediction = true;                          // off: the pose at the last frame is taken
   double longest_age = 1.0, largest_error = 4e-3;  // of CanvasTrackerSettings
 
-  // How the canvas might have moved without being noticed: the directions that its shape leaves
+  // Motions of the canvas that nobody would have noticed: the directions that its shape leaves
   // open, where no marks tell them; empty where there are none.
   std::string open_text() const;
 

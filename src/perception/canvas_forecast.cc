@@ -111,7 +111,7 @@ double fit_waves(Rows rows, Vector3d Row::*x, double sigma, double least_trend, 
              : std::numeric_limits<double>::infinity();
 }
 
-// Whether sinusoids, fitted before the last kFresh, would have foretold it: those that bend round a
+// True if sinusoids, fitted before the last kFresh, would have foretold it: those that bend round a
 // start or a stop would not.
 bool foretold(Rows rows, Vector3d Row::*x, double sigma, double least_trend) {
   constexpr double kFresh = 1.5;                   // [s]

@@ -1,4 +1,4 @@
-// Where the canvas will be in the next seconds, for planning.
+// Forecast of the canvas's motion in the next seconds, for planning.
 //
 // The tracker (canvas_tracker.h) predicts across the frames' lateness, some hundredths of a second.
 // A stroke lasts seconds, and what a stroke needs is not the motion's detail but its course. The

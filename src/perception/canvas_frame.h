@@ -1,4 +1,4 @@
-// What a camera that keeps capturing saw of the canvas.
+// A view of the canvas from a camera that keeps capturing.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct FoundMark {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // [m]
 };
 
-// What a camera saw of the canvas at one time.
+// A camera's view of the canvas at one time.
 struct CanvasFrame {
   static constexpr int kMostMarks = 16;
 

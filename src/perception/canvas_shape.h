@@ -29,7 +29,7 @@ class CanvasShape {
   // `seen`: with normals. Throws InputError naming a setting, or that there are too few points.
   CanvasShape(const PointCloud& seen, const CanvasShapeSettings& settings);
 
-  // Where the frame's depths put the canvas; not found without depths. Allocates only while the
+  // The canvas's pose by the frame's depths; not found without depths. Allocates only while the
   // samples' number grows.
   const ShapeRegistration& look(const CanvasFrame& frame, const Pose& X_WK_predicted) noexcept;
   // Adds the samples of the last look(), with the canvas at X_WK.

@@ -25,7 +25,7 @@ namespace {
 constexpr std::size_t kMostEntries = 1200, kFewestOld = 60;
 constexpr double kLeastSpread = 5e-3;  // of marks beside a line [m]
 constexpr double kLeastAngle = 0.02;   // of the rotation that two cameras' noise may leave [rad]
-// How sure the prediction is in directions that the shape leaves open [m], [rad]; and how sure the
+// Doubt of the prediction in directions that the shape leaves open [m], [rad]; and the doubt of the
 // shape can be at best, in both.
 constexpr double kOpenShift = 0.01, kOpenTurn = 0.1, kShapeFloor = 3e-5;
 constexpr double kReferAnew = 1.0;          // of φ [rad]
@@ -108,7 +108,7 @@ bool CanvasTracker::measure(const CanvasFrame& frame, Entry* entry) noexcept {
   return marked;
 }
 
-// Of the marks alone.
+// A pose by the marks alone.
 bool CanvasTracker::measure_marks(const CanvasFrame& frame, Entry* entry,
                                   Matrix6* information) const noexcept {
   std::array<Vector3d, CanvasFrame::kMostMarks> p_K, p_W;

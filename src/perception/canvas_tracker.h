@@ -1,4 +1,4 @@
-// Where the canvas is and how it moves, from frames that are late.
+// Place and motion of the canvas, from frames that are late.
 //
 // Each frame tells a pose of the canvas at the time of its exposure, by the marks that were found,
 // by the canvas's shape in its depths (canvas_shape.h), or by both, each as far as it is sure. The

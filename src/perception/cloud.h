@@ -39,7 +39,7 @@ struct Capsule {
   double radius = 0.0;                            // [m], ≥ 0
 };
 
-// Whether p is in it, or within `padding` of it [m].
+// True if p is in it, or within `padding` of it [m].
 bool inside(const Capsule& capsule, double padding, const Eigen::Vector3d& p) noexcept;
 
 struct CloudSettings {

@@ -26,7 +26,7 @@ class DetailLevels {
   // where those serve. `closest`: the point of the widest cloud nearest to p, or −1.
   SurfaceEstimate refined(const Eigen::Vector3d& p, int closest, const SurfaceEstimate& coarse,
                           double max_one_sidedness) const noexcept;
-  // How far a finer level is used at p, 0 to 1.
+  // Share of a finer level at p, 0 to 1.
   double finer_share(const Eigen::Vector3d& p) const noexcept;
 
   // Some place needs a finer cloud.
@@ -51,7 +51,7 @@ class DetailLevels {
     double residual = 0.0, radius = 0.0, weight = 1.0;
     int k = 1;
   };
-  // Of the widest and the finest patch at a point [m].
+  // Residuals of the widest and the finest patch at a point [m].
   struct Residuals {
     double widest = 0.0, finest = 0.0;
   };
@@ -69,7 +69,7 @@ class DetailLevels {
   const CloudPatches& widest_;
   std::vector<Level> finer_;  // empty where no place needs one
   std::shared_ptr<const CloudPatches> finest_;
-  // Of each point of the widest cloud: the level to use, 0 for that cloud itself, and the greatest
+  // For each point of the widest cloud: the level to use, 0 for that cloud itself, and the greatest
   // nearby.
   std::vector<float> level_, level_nearby_;
   std::vector<Roughness> rough_;

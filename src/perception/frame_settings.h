@@ -16,13 +16,13 @@ struct FrameSettings {
   double latency = 0.06;         // from exposure to the points being usable, mean [s]
   double latency_jitter = 0.01;  // its standard deviation [s]
   double drop = 0.05;            // share of the frames that never arrive
-  // What is subtracted from each frame's time stamp, so that it tells the exposure: found by
+  // Time to subtract from each frame's time stamp, so that it tells the exposure: found by
   // ./impedraw arm camera-latency [s].
   double stamp_error = 0.0;
   // From one camera's exposure to the next one's, of the same frame [s].
   double skew = 0.0;
-  // What each is worth: off, the pen goes where the canvas was at the last frame, or without the
-  // canvas's velocity and acceleration.
+  // Switches to measure the worth of each: off, the pen goes where the canvas was at the last
+  // frame, or without the canvas's velocity and acceleration.
   bool prediction = true, feedforward = true;
   // A canvas that is moved by hand between strokes: the pen waits above it until it stands.
   bool wait_for_rest = false;
@@ -66,13 +66,13 @@ struct FiducialSettings {
   };
 };
 
-// Where the controller has the pose of the canvas from.
+// The controller's source of the canvas's pose.
 enum class CanvasPoseSource {
   tracked,  // from the frames
   truth     // from the simulator: to judge the controller alone
 };
 
-// How long the arm watches the canvas before the first stroke [s].
+// Time for which the arm watches the canvas before the first stroke [s].
 inline constexpr double kWatchTime = 6.0;
 inline constexpr Limit kWatchLimit = {"watch", "s", {0.0, 600.0}};
 

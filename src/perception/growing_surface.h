@@ -69,10 +69,10 @@ class GrowingSurface {
   std::atomic<bool> ends_ = false;
   Latest<Surfaces> latest_;
 
-  // Of offer(): when the last was begun [s], and what was known then [1/m²].
+  // State of offer(): start of the last [s], and the information at that time [1/m²].
   double begun_ = -1e9, known_ = 0.0;
   std::size_t points_ = 0;
-  // Of update() [s].
+  // State of update() [s].
   double now_ = 0.0, taken_ = -1e9;
   int count_ = 0;
   std::thread second_;

@@ -32,7 +32,7 @@ struct LocalSurface {
   // a plane
   Eigen::Matrix3d bend;
   double distance = 0.0;  // from the surface to the query [m], > 0 on the side of the normal
-  // How one-sided the points lie around the query: |μ_t| / sqrt(Σ w |p_t|² / Σ w), _t within the
+  // One-sidedness of the points around the query: |μ_t| / sqrt(Σ w |p_t|² / Σ w), _t within the
   // plane. 0 in the middle of a patch, 0.58 to 0.60 on its straight edge, 0.8 at a square corner,
   // → 1 far outside.
   double one_sidedness = 1.0;

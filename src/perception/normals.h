@@ -64,7 +64,7 @@ struct NormalSettings {
 // NormalMode::interpolated.
 using FinerClouds = std::vector<PointCloud>;
 
-// How rough the surface is at a point, as the cloud shows it.
+// Roughness of the surface at a point, as the cloud shows it.
 struct Roughness {
   double residual = 0.0;  // RMS distance of points from the fit that is used there [m]
   double radius = 0.0;    // of that fit's patch [m]
@@ -102,8 +102,8 @@ class SurfaceEstimator {
 
   SurfaceEstimate estimate(const Eigen::Vector3d& p_W) const noexcept;
 
-  // How far the surface near p_W is too rough for the cloud itself: 0, where it serves, to 1, where
-  // a finer cloud does.
+  // Degree to which the surface near p_W is too rough for the cloud itself: 0, where it serves, to
+  // 1, where a finer cloud does.
   double finer_share(const Eigen::Vector3d& p_W) const noexcept;
 
   // At the point of the cloud nearest to p_W.

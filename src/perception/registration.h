@@ -1,4 +1,4 @@
-// Where a body is, from samples of its surface and a model of it: point to plane, with the
+// The pose of a body, from samples of its surface and a model of it: point to plane, with the
 // directions named that its shape leaves open.
 //
 // Minimises  Σ ρ( n_i·(p_i − X_WK q_i) / σ_i )  over X_WK; q_i, n_i: the model's point nearest to
@@ -61,7 +61,7 @@ struct OpenDirection {
   std::string text() const;
 };
 
-// Of e: a displacement of c and a turn in units of 1/radius.
+// The direction of e: a displacement of c and a turn in units of 1/radius.
 OpenDirection open_direction(const Vector6& e, const Eigen::Vector3d& c, double radius) noexcept;
 
 struct ShapeRegistration {

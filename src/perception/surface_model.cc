@@ -34,7 +34,7 @@ SurfaceModel::Cube SurfaceModel::cube_of(const Eigen::Vector3d& p_K) const noexc
   return (p_K / voxel_).array().floor().cast<std::int32_t>();
 }
 
-// Of the cube, or the empty one where it belongs.
+// Slot of the cube, or the empty one where it belongs.
 std::size_t SurfaceModel::slot_of(const Cube& cube) const noexcept {
   const std::size_t mask = slots_.size() - 1;
   std::size_t at = hash(cube) & mask;

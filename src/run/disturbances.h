@@ -28,7 +28,7 @@ class Disturbances {
   Disturbances(const Scenario& scenario, const TipPath& path);
 
   bool fault(FaultKind kind, double time) const noexcept { return since(kind, time) >= 0.0; }
-  // How long the fault has acted [s]; negative: it does not.
+  // Time for which the fault has acted [s]; negative: it does not.
   double since(FaultKind kind, double time) const noexcept;
   const std::vector<LinkPush>& link_pushes() const noexcept { return link_pushes_; }
   bool any_push() const noexcept { return !pushes_.empty(); }

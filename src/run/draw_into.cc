@@ -46,7 +46,7 @@ nlohmann::ordered_json parts_json(const Experiment& e, const std::vector<StrokeP
 // strokes.json: what was promised, what was not and why, what was drawn twice, and what has no ink.
 void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome& outcome) {
   nlohmann::ordered_json json = plan_json(e);
-  // Where what was left out would lie, for the page: x y z of point after point.
+  // Lines of the parts that were left out, for the page: x y z of point after point.
   const std::vector<PlanLine> lines = lines_of_findings(e, e.surface());
   for (std::size_t i = 0; i < lines.size(); ++i) {
     std::vector<double> line;
@@ -77,7 +77,8 @@ double total_mm(const std::vector<StrokePart>& parts) {
   return sum;
 }
 
-// Where the run in the folder left off; none if nothing has been drawn yet, which is said.
+// The place where the run in the folder left off; none if nothing has been drawn yet, which is
+// said.
 std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment& experiment) {
   const fs::path log = folder / "run.h5";
   if (fs::exists(log)) {

@@ -42,10 +42,10 @@ PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& plac
 void print_notes(const PlannedDrawing& drawing);  // on stderr
 // Limits met and bad inputs during the run; empty if there were none.
 std::string met_line(const RunOutcome& outcome);
-// That noise of the joints' positions lowered the bandwidth of their velocities' estimate, to what,
+// A line on a bandwidth that noise of the joints' positions lowered: from what, to what,
 // and which joint's; empty if it did not.
 std::string velocity_line(const Experiment& experiment, const RunOutcome& outcome);
-// What was redrawn, and what still has no ink.
+// Lines on the redrawn parts, and on those that still have no ink.
 std::string ink_lines(const Experiment& experiment, const RunOutcome& outcome);
 int exit_code(const Drawing& drawing);  // prints on stderr why the run did not finish
 

@@ -20,7 +20,7 @@
 
 namespace impedraw {
 
-// How the last path ended.
+// The end of the last path.
 struct PathEnd {
   std::optional<StrokePart> blocked;  // it was given up before this place
   bool left_reach = false;            // the canvas took the pen where the arm cannot follow
@@ -77,7 +77,7 @@ struct DrawingRecord {
   // were reordered or waited for.
   std::vector<UnreachedPart> unreached;
   std::vector<std::string> remarks;
-  // How the canvas may move without being noticed (CanvasBelief::open_text()).
+  // Motions of the canvas that nobody would notice (CanvasBelief::open_text()).
   std::string canvas_open;
 };
 

@@ -26,7 +26,7 @@ class EmergencyLift {
 
   double duration() const { return duration_; }
   bool done(double t) const { return t >= start_ + duration_; }
-  // How far the tip has come, along the normal [m].
+  // Way of the tip so far, along the normal [m].
   double risen(const Eigen::Vector3d& p_WE) const { return n_.dot(p_WE - p_); }
   // Minimum-jerk motion from rest to rest.
   TipReference at(double t) const {

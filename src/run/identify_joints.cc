@@ -40,7 +40,7 @@ struct JointFit {
   double moved = 0.0;          // time for which the joint moved [s]
 };
 
-// What was commanded and what moved, of joint j. Velocities and accelerations are differences of
+// Commands and motion of joint j. Velocities and accelerations are differences of
 // the positions before and after: those that an arm gives are filtered, and a filter's lag turns
 // friction into inertia.
 class Motion {

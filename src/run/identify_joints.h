@@ -1,5 +1,6 @@
-// What small motions of an arm in the air tell of its joints: the delay of its loop, and friction.
-// The arm moves by joint stiffness plus modelled gravity about the posture in which it stands.
+// Identification of an arm's joints by small motions in the air: the delay of its loop, and
+// friction. The arm moves by joint stiffness plus modelled gravity about the posture in which it
+// stands.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// How fast the arm's joints will move along a planned path, as a limit on the plan's clock.
+// Forecast of the joints' speeds along a planned path, as a limit on the plan's clock.
 //
 // The planner times strokes by the joints' limits (joint_rates.h), but the ways between strokes by
 // tip speed and turning alone: near a singular posture a slow turn of the pen is a fast one of two

@@ -1,6 +1,6 @@
-// Whether an arm's positions, speeds, clock and torques can be true together.
+// A check that an arm's positions, speeds, clock and torques can be true together.
 //
-// Of two readings Δt apart, with q [rad], v [rad/s] and the joints' rated speeds v_max:
+// Limits for two readings Δt apart, with q [rad], v [rad/s] and the joints' rated speeds v_max:
 //
 //   jump      |Δq| ≤ 3 v_max Δt + 10 mrad. The loop damps an arm at 2.5 v_max.
 //   apart     x ← (x + Δq − ½ (v + v₋) Δt) e^(−Δt/1 s), |x| ≤ 20 mrad + v_max (30 ms + late).
@@ -14,7 +14,7 @@
 //             s the largest share that |τ| − |τ_ext| has of a joint's torque limit. A pen that
 //             presses with 10 N asks for less than a tenth.
 //
-// What is not finite is not judged here: whoever reads it says so.
+// Values that are not finite are not judged here: whoever reads it says so.
 #pragma once
 
 #include <string>
@@ -34,7 +34,7 @@ class MotionCheck {
   bool update(const JointVector& q, const JointVector* v, const JointVector& torque,
               const JointVector& external, double dt) noexcept;
 
-  // What contradicts what, with the joint and the numbers; empty: nothing.
+  // The contradiction, with the joint and the numbers; empty: nothing.
   const std::string& cause() const noexcept { return cause_; }
 
   // The measured speed as far as the positions of the last 4 ms confirm it: to damp with [rad/s].

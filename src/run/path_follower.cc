@@ -70,7 +70,7 @@ bool PathFollower::advance_by_touch(const Cycle& cycle, const ControlLoop& loop,
   return true;
 }
 
-// How far the pen is from what the plan asks of it.
+// Distance of the pen from the plan's wish.
 PenDeviation PathFollower::deviation(const Cycle& cycle) const {
   PenDeviation pen;
   if (!e_.scene.perception) return pen;

@@ -1,4 +1,4 @@
-// What the pre-flight promises of a drawing, in numbers.
+// The pre-flight's promise for a drawing, in numbers.
 #pragma once
 
 #include "impedraw/experiment/experiment.h"

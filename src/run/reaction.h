@@ -1,4 +1,4 @@
-// How a run reacts to verdicts (monitors/verdict.h): one state, one table.
+// A run's reactions to verdicts (monitors/verdict.h): one state, one table.
 //
 //            hold    leave   lift    brake   halt   damp   lose
 //   follow   follow  done    lift    brake   halt   damp   over

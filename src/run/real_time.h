@@ -26,8 +26,8 @@ class RealTime {
   std::string lacks_;
 };
 
-// How late this thread wakes up from `count` sleeps to absolute times `period` [s] apart, by the
-// monotonic clock [s].
+// Lateness with which this thread wakes up from `count` sleeps to absolute times `period` [s]
+// apart, by the monotonic clock [s].
 std::vector<double> wake_up_delays(double period, int count);
 
 }  // namespace impedraw

@@ -1,4 +1,4 @@
-// Where an earlier run into the same log left off (run.h).
+// The place where an earlier run into the same log left off (run.h).
 #include <cmath>
 #include <limits>
 

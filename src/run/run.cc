@@ -34,7 +34,7 @@ std::unique_ptr<DrawingTask> drawing_of(Experiment& e, const Driver& driver,
       e, path_without_misses(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold));
 }
 
-// What lacks ink, by the reason for which it was given up [m].
+// Length that lacks ink, by the reason for which it was given up [m].
 std::map<std::string, double> given_up(const Experiment& e, const std::vector<StrokePart>& lacking,
                                        const RunOutcome& outcome) {
   std::vector<StrokePart> unreached;

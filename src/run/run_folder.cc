@@ -40,7 +40,7 @@ void require_folder(const fs::path& folder, std::initializer_list<const char*> m
   if (!made) return;
   fs::directory_iterator entries(folder, error);
   if (error) refuse(fmt::format("cannot be read: {}", error.message()));
-  // What a command leaves that is killed before its first result.
+  // Files that a command leaves when it is killed before its first result.
   const auto left_over = [](const fs::directory_entry& entry) {
     return entry.path().filename() == kLockFile || is_unfinished(entry.path());
   };

@@ -16,7 +16,7 @@ void require_no_finished_run(const std::filesystem::path& folder);
 // Throws InputError if folder/run.h5 exists, but is not ours to replace.
 void require_own_log(const std::filesystem::path& folder);
 void require_comparison_folder(const std::filesystem::path& folder);
-// Of finished runs.
+// Checks that the folder holds a finished run.
 void require_page_folder(const std::filesystem::path& folder);
 void require_plan_folder(const std::filesystem::path& folder);
 // `csv`: the name of the file that marks a table's folder.

@@ -1,4 +1,4 @@
-// What a run was made from: the log carries its settings and the hashes of its input files, the
+// The inputs of a run: the log carries its settings and the hashes of its input files, the
 // folder has copies of them (inputs/). A run can so be continued and reported wherever its folder
 // is, and what has been edited since is noticed.
 #pragma once

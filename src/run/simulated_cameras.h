@@ -50,7 +50,7 @@ class SimulatedCameras {
     std::uint64_t seed = 0;
     SeededNormals noise;
   };
-  // What its image needs stays as it was at the exposure.
+  // The data that its image needs stay as it was at the exposure.
   struct Coming {
     double arrives = 0.0;
     CanvasFrame frame;
@@ -60,7 +60,7 @@ class SimulatedCameras {
     PosedBody body;
     std::vector<Capsule> arm;
     DepthImage image;
-    // Of the image: whoever turns waiting into begun renders it.
+    // State of the image: whoever turns waiting into begun renders it.
     enum Stage { waiting, begun, done };
     std::atomic<int> stage = done;
   };

@@ -1,4 +1,4 @@
-// Where a drawing has touched its surface, to know where the pen may come down fast.
+// Places where a drawing has touched its surface, so that the pen may come down fast elsewhere.
 //
 //   level(x, y) = min( top, min_i ( z_i + kMargin + kSteepest |p_i − (x, y)| ) )
 //

@@ -1,4 +1,4 @@
-// What the frames tell of the canvas's marks while the arm stands still, to find the cameras'
+// The frames' record of the canvas's marks while the arm stands still, to find the cameras'
 // latency by a motion that is known (perception/camera_latency.h).
 #pragma once
 

@@ -108,10 +108,12 @@ TEST_F(InstalledLibrary, ItsHeadersIncludeEachOtherEigenAndTheStandardLibrary) {
 
 // By hand, without CMake and pkg-config.
 TEST_F(InstalledLibrary, AnotherArchitectureThanTheLibrarysDoesNotCompile) {
-  std::ofstream(folder_ / "by_hand.cc") << "#include \"impedraw/control/impedance.h\"\n";
+  const fs::path program = folder_ / "by_hand.cc";
+  std::ofstream(program) << "#include \"impedraw/control/impedance.h\"\n";
+  const fs::path eigen = fs::path(EIGEN_DIR) / "../../../include/eigen3";
   const std::string compile = "'" CXX "' -std=c++20 -fsyntax-only -I" +
-                              quoted(folder_ / "prefix/include") +
-                              " -I'" EIGEN_DIR "/../../../include/eigen3' " + quoted(folder_ / "by_hand.cc");
+                              quoted(folder_ / "prefix/include") + " -I" + quoted(eigen) + " " +
+                              quoted(program);
   const Ended alike = run(compile);
   EXPECT_EQ(alike.code, 0) << alike.out;
   const Ended other = run(compile + " -mavx512f");

@@ -22,9 +22,9 @@ enum class Severity {
 struct Verdict {
   Severity severity = Severity::none;
   std::string cause{};  // one sentence without its full stop, with its time
-  // How the run ends; finished: the drawing may go on elsewhere.
+  // The run's end; finished: the drawing may go on elsewhere.
   RunEnd end = RunEnd::stopped;
-  // How the pen goes up.
+  // The pen's way up.
   enum class Rise {
     clear,     // along the normal of the canvas
     a_little,  // the same, before the rest of the drawing is planned anew

@@ -1,5 +1,5 @@
-// How long a plan has waited since it last drew. Waits add up until a stroke is drawn: a canvas
-// that rests for a moment, again and again, ends the run, too.
+// The time for which a plan has waited since it last drew. Waits add up until a stroke is drawn: a
+// canvas that rests for a moment, again and again, ends the run, too.
 #pragma once
 
 namespace impedraw {
