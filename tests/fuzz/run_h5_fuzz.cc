@@ -52,11 +52,13 @@ Whole whole_log() {
   whole.bytes.assign(std::istreambuf_iterator<char>(in), {});
   {
     const h5::Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    const auto collect = [](hid_t, const char* name, const H5O_info_t*, void* out) {
+    // Links, since the information on an object has another type in each HDF5 from 1.10 to 2.
+    const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) {
       static_cast<std::vector<std::string>*>(out)->push_back(std::string("/") + name);
       return herr_t{0};
     };
-    H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, collect, &whole.objects);
+    whole.objects = {"/."};
+    H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, collect, &whole.objects);
   }
   std::filesystem::remove(path);
   return whole;
