@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
+#include "impedraw/perception/matern_motion.h"
+
 namespace impedraw {
 
 namespace {
@@ -25,19 +27,27 @@ AxisFilter AxisFilter::started(double x, double variance, int order) noexcept {
   return f;
 }
 
-void AxisFilter::predict(double dt, double q, int order) noexcept {
+AxisState AxisFilter::ahead(double dt, double rate, int order) const noexcept {
+  return MaternStep(order, rate, dt).of(state);
+}
+
+void AxisFilter::predict(double dt, const AxisModel& model) noexcept {
   if (!(dt > 0.0)) return;
-  state = ahead(dt);
+  const MaternStep F(model.order, model.rate, dt);
+  const double q = model.noise;
+  const int order = model.order;
+  state = F.of(state);
   auto& [xx, xv, xa, vv, va, aa] = P;
-  const double h = 0.5 * dt * dt;
-  // F P Fᵀ with F = [1 dt h; 0 1 dt; 0 0 1]
-  const double xx1 =
-      xx + 2.0 * dt * xv + 2.0 * h * xa + dt * dt * vv + 2.0 * dt * h * va + h * h * aa;
-  const double xv1 = xv + dt * (xa + vv) + (h + dt * dt) * va + dt * h * aa;
-  const double xa1 = xa + dt * va + h * aa;
-  const double vv1 = vv + 2.0 * dt * va + dt * dt * aa;
-  const double va1 = va + dt * aa;
-  xx = xx1, xv = xv1, xa = xa1, vv = vv1, va = va1;
+  // F P, then F P Fᵀ
+  const double x_v = xv + F.xv * vv + F.xa * va, x_a = xa + F.xv * va + F.xa * aa,
+               v_v = F.vv * vv + F.va * va, v_a = F.vv * va + F.va * aa,
+               a_v = F.av * vv + F.aa * va, a_a = F.av * va + F.aa * aa;
+  xx += F.xv * (xv + x_v) + F.xa * (xa + x_a);
+  xv = F.vv * x_v + F.va * x_a;
+  xa = F.av * x_v + F.aa * x_a;
+  vv = F.vv * v_v + F.va * v_a;
+  va = F.av * v_v + F.aa * v_a;
+  aa = F.av * a_v + F.aa * a_a;
   const double t2 = dt * dt, t3 = t2 * dt;
   if (order > 2) {
     xx += q * t3 * t2 / 20.0;

@@ -2,6 +2,7 @@
 //
 //   steady, drifting   constant velocity, or constant acceleration: Kalman filters whose highest
 //                      derivative is driven by white noise of spectral density q
+//   Matérn             the same where the motion is forgotten at a rate λ (matern_motion.h)
 //   band-limited       any motion whose spectrum ends at f_c, beside a constant velocity: the
 //                      linear predictor of least variance for a flat spectrum below f_c
 //   swinging           x(t) = x0 + v0 t + Σ a_k cos ω_k t + b_k sin ω_k t, up to two sinusoids, by
@@ -15,26 +16,26 @@
 #include <array>
 #include <span>
 
+#include "impedraw/perception/axis_state.h"
+
 namespace impedraw {
 
-// A coordinate and its derivatives.
-struct AxisState {
-  double x = 0.0, v = 0.0, a = 0.0;
+// Of a Kalman filter: state x, ẋ, ẍ up to `order`; q of its highest derivative's noise, λ.
+struct AxisModel {
+  int order = 1;
+  double noise = 0.0, rate = 0.0;  // rate: 0, or with order 2 or 3 [1/s]
 };
 
-// Kalman filter of one coordinate. State x, ẋ, ẍ; with `order` 2, ẍ stays 0.
 struct AxisFilter {
   AxisState state;
   // P: xx, xv, xa, vv, va, aa
   std::array<double, 6> P{};
 
   static AxisFilter started(double x, double variance, int order) noexcept;
-  // Over dt ≥ 0. q: of the highest derivative's noise.
-  void predict(double dt, double q, int order) noexcept;
+  // Over dt ≥ 0. The noise is that of λ = 0, to first order in λ dt.
+  void predict(double dt, const AxisModel& model) noexcept;
   void measure(double x, double variance) noexcept;
-  AxisState ahead(double dt) const noexcept {
-    return {state.x + dt * (state.v + 0.5 * dt * state.a), state.v + dt * state.a, state.a};
-  }
+  AxisState ahead(double dt, double rate, int order) const noexcept;
 };
 
 // Measured at `time` [s], with its variance.
@@ -67,7 +68,7 @@ struct AxisPolynomial {
 // r_i: the measurement's variance against the motion's, 1/kPower for the average one.
 class BandLimited {
  public:
-  static constexpr int kMostSamples = 64;
+  static constexpr int kMostSamples = 88;
   static constexpr double kWindow = 2.0;  // of the samples used [s]
   static constexpr double kSpan = 0.3;    // over which it predicts [s]
   static constexpr double kPower = 3e4;

@@ -17,16 +17,31 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kLatenessTime = 1.0;  // over which it is averaged [s]
+// What is off by kFar is smoothed twice as fast, and at most kMostHaste times.
+constexpr double kFar = 0.5e-3, kMostHaste = 4.0;  // [m]
+constexpr double kTurnLever = 0.15;                // at which a turn counts [m]
 
 }  // namespace
 
-const std::array<CanvasBelief::Model, CanvasBelief::kFilters> CanvasBelief::kBank = {
-    {{1, 1e-10}, {2, 1e-9}, {2, 1e-5}, {3, 1e-3}, {3, 0.1}}};
+const std::array<AxisModel, CanvasBelief::kFilters> CanvasBelief::kBank = {{{1, 1e-10},
+                                                                            {2, 1e-9},
+                                                                            {2, 1e-5},
+                                                                            {3, 1e-3},
+                                                                            {3, 0.1},  //
+                                                                            {2, 1e-4, 3.0},
+                                                                            {2, 1e-3, 3.0},
+                                                                            {2, 1e-2, 3.0},
+                                                                            {2, 1e-1, 3.0},
+                                                                            {3, 1e-2, 8.0},
+                                                                            {3, 1e-1, 8.0},
+                                                                            {3, 1.0, 8.0},
+                                                                            {3, 10.0, 8.0}}};
 const std::array<double, CanvasBelief::kBands> CanvasBelief::kCutoffs = {0.4, 0.7, 1.1, 1.8, 3.0};
 
 AxisState CanvasBelief::model_state(const Entry& from, int model, int axis,
                                     double time) const noexcept {
-  if (model < kFilters) return from.filters[model][axis].ahead(time - from.time);
+  if (model < kFilters)
+    return from.filters[model][axis].ahead(time - from.time, kBank[model].rate, kBank[model].order);
   if (model < kSwinging) return from.bands[model - kFilters][axis].at(time);
   return from.waves[axis].at(time);
 }
@@ -39,7 +54,8 @@ bool CanvasBelief::holds(const Entry& entry, int model, int axis) const noexcept
 std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const noexcept {
   // All errors hold the noise of what they are compared with: what one has beyond the best counts.
   // The simpler of two models that do as well is to be preferred.
-  constexpr double kAlike = 0.03;  // in shares of that noise
+  constexpr double kAlike = 0.03;       // in shares of that noise
+  constexpr double kAlikeBeyond = 0.1;  // and of what the best has beyond it
   const Score& score = scores[axis];
   const auto has = [&](int m) {
     return holds(last, m, axis) && (score.weight > 0.0 || m < kFilters);
@@ -47,12 +63,13 @@ std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const 
   double best = 1e300;
   for (int m = 0; m < kModels; ++m)
     if (has(m)) best = std::min(best, score.square[m]);
+  const double alike = kAlike * score.noise + kAlikeBeyond * std::max(0.0, best - score.noise);
   std::array<double, kModels> w{};
   double sum = 0.0;
   for (int m = 0; m < kModels; ++m) {
     if (!has(m)) continue;
-    const double beyond = 1.0 + (score.square[m] - best) / (kAlike * score.noise + 1e-14);
-    const double simple = m < kFilters ? std::pow(0.3, m) : m < kSwinging ? 1e-2 : 0.1;
+    const double beyond = 1.0 + (score.square[m] - best) / (alike + 1e-14);
+    const double simple = m < kPlain ? std::pow(0.3, m) : m < kSwinging ? 1e-2 : 0.1;
     w[m] = simple / (beyond * beyond * beyond);
     sum += w[m];
   }
@@ -74,7 +91,7 @@ AxisState CanvasBelief::blend(const Entry& from, int axis, double time) const no
 }
 
 CanvasEstimate CanvasBelief::estimate(const std::array<AxisState, kAxes>& s, double time,
-                                      double lateness) const noexcept {
+                                      double lateness, double unfelt) const noexcept {
   CanvasEstimate out;
   out.age = time - last.time;
   const auto of = [&s](int first, double AxisState::*member) {
@@ -101,7 +118,7 @@ CanvasEstimate CanvasBelief::estimate(const std::array<AxisState, kAxes>& s, dou
   double position = 0.0;
   for (int i = 0; i < kAxes; ++i) {
     const double variance = last.filters[2][i].P[0];
-    const double off = std::max(0.0, scores[i].blended - scores[i].noise);
+    const double off = (i < 3 ? unfelt : 1.0) * std::max(0.0, scores[i].blended - scores[i].noise);
     const double square = variance + off * std::pow(growth, 4);
     out.covariance(i < 3 ? 3 + i : i - 3, i < 3 ? 3 + i : i - 3) = square;
     if (i < 3) position += square;
@@ -138,15 +155,20 @@ void SmoothedCanvas::refer_to(const Matrix3d& R_0) noexcept {
   for (int i = 0; i < 3; ++i) smooth_[3 + i] = {phi[i], rate[i], 0.0};
 }
 
-CanvasEstimate SmoothedCanvas::follow(const CanvasBelief& belief, double time) noexcept {
+CanvasEstimate SmoothedCanvas::follow(const CanvasBelief& belief, double time,
+                                      const CanvasShift& felt) noexcept {
   if (!belief.known) return {};
   const double dt = time - time_, shown = belief.last.time;
   const bool anew = time_ < 0.0 || !(dt >= 0.0) || dt > 0.1;
   if (belief.R_0 != R_0_) refer_to(belief.R_0);
   if (!anew) lateness_ += dt / kLatenessTime * (std::clamp(time - shown, 0.01, 0.3) - lateness_);
   for (int i = 0; i < CanvasBelief::kAxes; ++i) {
-    const AxisState target = belief.blend(belief.last, i, belief.prediction ? time : shown);
+    AxisState target = belief.blend(belief.last, i, belief.prediction ? time : shown);
     AxisState& s = smooth_[i];
+    if (i < 3) {
+      target.x += felt.d[i];
+      s.x += dt * felt.v[i];
+    }
     if (anew) {
       s = target;
       continue;
@@ -154,15 +176,18 @@ CanvasEstimate SmoothedCanvas::follow(const CanvasBelief& belief, double time) n
     // To the present first, so that like is compared with like; else it would run a step ahead.
     s.x += dt * (s.v + 0.5 * dt * target.a);
     s.v += dt * target.a;
-    const double correction =
-        kSmoothing * kSmoothing * (target.x - s.x) + 2.0 * kSmoothing * (target.v - s.v);
+    const double off = std::abs(target.x - s.x) / (i < 3 ? kFar : kFar / kTurnLever);
+    const double rate = kSmoothing * std::min(kMostHaste, 1.0 + off);
+    const double correction = rate * rate * (target.x - s.x) + 2.0 * rate * (target.v - s.v);
     s.x += 0.5 * dt * dt * correction;
     s.v += dt * correction;
     // The corrections are the estimate's motion, not the canvas's: they are not fed forward.
     s.a += std::min(1.0, kSmoothing * dt) * (target.a - s.a);
   }
   time_ = time;
-  return belief.estimate(smooth_, time, lateness_);
+  std::array<AxisState, CanvasBelief::kAxes> now = smooth_;
+  for (int i = 0; i < 3; ++i) now[i].v += felt.across[i];
+  return belief.estimate(now, time, lateness_, felt.unfelt);
 }
 
 }  // namespace impedraw

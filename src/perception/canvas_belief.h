@@ -13,16 +13,20 @@
 
 namespace impedraw {
 
+// Of the canvas at the tip, beyond what is predicted (felt_motion.h), in W.
+struct CanvasShift {
+  Eigen::Vector3d d = Eigen::Vector3d::Zero();       // how far [m]
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();       // how fast [m/s]
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();  // of v, the part across the slip [m/s]
+  double unfelt = 1.0;  // share of the prediction's mean squared error that it leaves
+};
+
 struct CanvasBelief {
   static constexpr int kAxes = 6;
-  static constexpr int kFilters = 5, kBands = 5;
+  static constexpr int kPlain = 5, kFilters = kPlain + 8, kBands = 5;
   static constexpr int kSwinging = kFilters + kBands, kModels = kSwinging + 1;
-  struct Model {
-    int order;
-    double noise;  // q
-  };
-  static const std::array<Model, kFilters> kBank;
-  static const std::array<double, kBands> kCutoffs;  // [Hz]
+  static const std::array<AxisModel, kFilters> kBank;  // kPlain: without a rate
+  static const std::array<double, kBands> kCutoffs;    // [Hz]
 
   // As a frame left it.
   struct Entry {
@@ -42,6 +46,7 @@ struct CanvasBelief {
   };
 
   bool known = false;  // else nothing below holds
+  long frames = 0;     // that told a pose so far
   Entry last;
   std::array<Score, kAxes> scores{};
   Eigen::Matrix3d R_0 = Eigen::Matrix3d::Identity();
@@ -57,8 +62,8 @@ struct CanvasBelief {
 
   // lateness: of the frames lately [s].
   CanvasEstimate predict(double time, double lateness) const noexcept;
-  CanvasEstimate estimate(const std::array<AxisState, kAxes>& state, double time,
-                          double lateness) const noexcept;
+  CanvasEstimate estimate(const std::array<AxisState, kAxes>& state, double time, double lateness,
+                          double unfelt = 1.0) const noexcept;
 
   bool holds(const Entry& entry, int model, int axis) const noexcept;
   AxisState model_state(const Entry& from, int model, int axis, double time) const noexcept;
@@ -69,10 +74,11 @@ struct CanvasBelief {
 // The prediction for the present, smoothed, so that the arm sees no steps as frames arrive.
 class SmoothedCanvas {
  public:
-  static constexpr double kSmoothing = 30.0;  // [1/s]
+  static constexpr double kSmoothing = 30.0;  // of what is off by little [1/s]
 
   // At `time`, not before that of the last call. Once per control step.
-  CanvasEstimate follow(const CanvasBelief& belief, double time) noexcept;
+  CanvasEstimate follow(const CanvasBelief& belief, double time,
+                        const CanvasShift& felt = {}) noexcept;
   double lateness() const noexcept { return lateness_; }
 
  private:

@@ -166,8 +166,7 @@ void CanvasTracker::update_from(std::size_t first) noexcept {
           continue;
         }
         f = entries_[k - 1].filters[m][i];
-        f.predict(e.time - entries_[k - 1].time, CanvasBelief::kBank[m].noise,
-                  CanvasBelief::kBank[m].order);
+        f.predict(e.time - entries_[k - 1].time, CanvasBelief::kBank[m]);
         f.measure(e.x[i], e.variance[i]);
       }
   }
@@ -233,22 +232,29 @@ void CanvasTracker::fit_waves() noexcept {
   }
 }
 
-// Frames of several cameras at one time are one sample.
+// Frames within kOneSample are one sample, at their mean time: it is off by half the acceleration
+// times the variance of their times. As many as may be fitted last for the window.
 void CanvasTracker::collect() noexcept {
-  constexpr double kOneTime = 8e-3;  // [s]
+  constexpr double kOneSample = kWindow / WaveFit::kMostSamples;  // [s]
   for (auto& samples : samples_) samples.clear();
+  double first = 0.0, sum = 0.0;  // time of a sample's first frame; sum of weights
   for (const Entry& e : entries_) {
     if (e.time < entries_.back().time - kWindow) continue;
-    const bool same = !samples_[0].empty() && e.time - samples_[0].back().time < kOneTime;
+    const double weight = 1.0 / (e.variance[0] + e.variance[1] + e.variance[2]);
+    const bool same = !samples_[0].empty() && e.time - first < kOneSample;
+    if (!same) {
+      first = e.time;
+      sum = 0.0;
+    }
+    sum += weight;
+    const double share = weight / sum;
     for (int i = 0; i < kAxes; ++i) {
-      if (!same) {
-        samples_[i].push_back({e.time, e.x[i], e.variance[i]});
-        continue;
-      }
+      if (!same) samples_[i].push_back({e.time, e.x[i], e.variance[i]});
       AxisSample& s = samples_[i].back();
-      const double w = 1.0 / e.variance[i], have = 1.0 / s.variance, share = w / (w + have);
+      s.time += share * (e.time - s.time);
       s.x += share * (e.x[i] - s.x);
-      s.variance = 1.0 / (w + have);
+      if (same)
+        s.variance = (1.0 - share) * (1.0 - share) * s.variance + share * share * e.variance[i];
     }
   }
 }
@@ -310,6 +316,7 @@ void CanvasTracker::add(const CanvasFrame& frame) noexcept {
   fit_waves();
   belief_.last = entries_.back();
   belief_.known = true;
+  ++belief_.frames;
 }
 
 double CanvasTracker::position_error() const noexcept {
@@ -324,6 +331,7 @@ const char* CanvasTracker::model(int axis) const noexcept {
   if (most == kSwinging) return "swinging";
   if (most >= kFilters) return "band";
   static constexpr const char* kNames[] = {"standing", "steady", "drifting"};
+  if (most >= CanvasBelief::kPlain) return "smooth";
   return kNames[CanvasBelief::kBank[static_cast<std::size_t>(most)].order - 1];
 }
 

@@ -53,7 +53,9 @@ class CanvasTracker {
   }
   // The same, smoothed. Once per control step, or before each frame: it also tells how late frames
   // are.
-  CanvasEstimate follow(double time) noexcept { return smoothed_.follow(belief_, time); }
+  CanvasEstimate follow(double time, const CanvasShift& felt = {}) noexcept {
+    return smoothed_.follow(belief_, time, felt);
+  }
 
   // As of the last frame, for a SmoothedCanvas in another thread.
   const CanvasBelief& belief() const noexcept { return belief_; }
@@ -61,7 +63,8 @@ class CanvasTracker {
   // Standard deviation of the errors of the predictions lately, of the position, across the frames'
   // lateness [m]. Includes the measurements' own noise.
   double position_error() const noexcept;
-  // The model that counts most for a coordinate, 0 to 5: "steady", "drifting" or "swinging".
+  // The model that counts most for a coordinate, 0 to 5: "steady", "drifting", "smooth",
+  // "band" or "swinging".
   const char* model(int axis) const noexcept;
   // Null without one.
   const CanvasShape* shape() const noexcept { return shape_.get(); }

@@ -69,7 +69,8 @@ void CanvasWatch::update(double time) noexcept {
 }
 
 CanvasEstimate CanvasWatch::follow(double time) noexcept {
-  return lock_step_ ? tracker_->follow(time) : smoothed_.follow(latest_.value(), time);
+  const CanvasShift felt = felt_.shift(time);
+  return lock_step_ ? tracker_->follow(time, felt) : smoothed_.follow(latest_.value(), time, felt);
 }
 
 }  // namespace impedraw

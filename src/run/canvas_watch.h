@@ -12,6 +12,7 @@
 
 #include "impedraw/common/exchange.h"
 #include "impedraw/perception/canvas_tracker.h"
+#include "impedraw/perception/felt_motion.h"
 #include "impedraw/perception/growing_surface.h"
 #include "impedraw/run/driver.h"
 
@@ -33,6 +34,9 @@ class CanvasWatch {
   // Once per control step, before the following.
   void update(double time) noexcept;
   CanvasEstimate follow(double time) noexcept;
+  // The tip in this step, where a wrench is measured.
+  void feel(const PenTouch& pen, double time) noexcept { felt_.update(belief(), pen, time); }
+  const FeltMotion& felt() const noexcept { return felt_; }
   // Null: as the snapshot saw it.
   const GrowingSurface* surface() const noexcept { return surface_.get(); }
   const CanvasBelief& belief() const noexcept {
@@ -48,6 +52,7 @@ class CanvasWatch {
   Driver& driver_;
   double stamp_error_;
   bool lock_step_;
+  FeltMotion felt_;
   // On a wall clock.
   SmoothedCanvas smoothed_;
   Latest<CanvasBelief> latest_;

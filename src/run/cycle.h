@@ -26,6 +26,7 @@ struct Cycle {
   const GroundTruth* truth;  // null: none
   bool tared = false;        // the wrench sensor's bias is known, or there is no sensor
   bool inked = false;        // the pen writes, and where it should
+  double confirmed = 0.0;    // share of the felt motion along n that frames confirm (felt_motion.h)
 
   // When the state after it was read, from the beginning of the first run [s].
   double next_run_time() const noexcept { return run_time - time + state->time; }

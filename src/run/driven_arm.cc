@@ -107,6 +107,10 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
   else if (!state_->stalled)
     out_ = law.kind == Law::Kind::brake ? loop_.brake(*state_, law.v_WD)
                                         : loop_.step(*state_, desired.reference);
+  if (watch_) {
+    watch_->feel(touch(cycle), cycle.time);
+    cycle.confirmed = watch_->felt().share(FeltMotion::along_normal);
+  }
   row_.step_time = seconds_since(step_start);
   row_.time_scale = time_scale;
   fill_state(e_, cycle, &row_);
@@ -115,6 +119,13 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
   cycle.tared = loop_.tared();
   cycle.state = state_ = &driver_.read();
   return cycle;
+}
+
+// What the canvas's motion is felt by.
+PenTouch DrivenArm::touch(const Cycle& cycle) const {
+  const bool touches = out_.mode == ContactMode::contact &&
+                       e_.control.impedance.wrench == WrenchFeedback::measured;
+  return {touches, cycle.arm.X_WE.p, cycle.arm.V_WE.head<3>(), out_.n_WD, cycle.F_ext.head<3>()};
 }
 
 // Logs the cycle, and learns from it where the canvas is and what has ink.

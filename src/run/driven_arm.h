@@ -65,6 +65,7 @@ class DrivenArm {
   WallTimes close_log(const WallTimes& wall, const Ending& ending);
 
  private:
+  PenTouch touch(const Cycle& cycle) const;
   void keep(Cycle* cycle);
 
   Experiment& e_;

@@ -29,7 +29,7 @@ TEST(AxisFilter, WithoutNoiseIsLeastSquares) {
     if (i == 0)
       filter = AxisFilter::started(b[0], 1e-4, 3);
     else
-      filter.predict(t - last, 0.0, 3), filter.measure(b[i], 1e-4);
+      filter.predict(t - last, {3, 0.0}), filter.measure(b[i], 1e-4);
     last = t;
   }
   const Eigen::Vector3d fit = A.colPivHouseholderQr().solve(b);
@@ -43,13 +43,13 @@ TEST(AxisFilter, WithoutNoiseIsLeastSquares) {
 TEST(AxisFilter, GrowsUncertainAsIntegratedNoise) {
   for (int order = 1; order <= 3; ++order) {
     AxisFilter filter;
-    filter.predict(0.5, 2.0, order);
+    filter.predict(0.5, {order, 2.0});
     const double t = 0.5,
                  expected[] = {2.0 * t, 2.0 * t * t * t / 3.0, 2.0 * std::pow(t, 5) / 20.0};
     EXPECT_NEAR(filter.P[0], expected[order - 1], 1e-12) << order;
     AxisFilter twice;
-    twice.predict(0.2, 2.0, order);
-    twice.predict(0.3, 2.0, order);
+    twice.predict(0.2, {order, 2.0});
+    twice.predict(0.3, {order, 2.0});
     for (int k = 0; k < 6; ++k) EXPECT_NEAR(twice.P[k], filter.P[k], 1e-12) << order << " " << k;
   }
 }

@@ -35,7 +35,7 @@ struct Seen {
 
 // Three cameras at 30 Hz, 60 ms late with 10 ms of jitter, one frame in twenty dropped.
 std::deque<Seen> frames(const CanvasMotion& motion, const CanvasTrackerSettings& settings,
-                        double duration, unsigned seed) {
+                        double duration, unsigned seed, double skew = 0.0) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
@@ -43,7 +43,7 @@ std::deque<Seen> frames(const CanvasMotion& motion, const CanvasTrackerSettings&
   for (int k = 0; k < duration * 30.0; ++k)
     for (int camera = 0; camera < 3; ++camera) {
       Seen seen;
-      seen.frame.time = k / 30.0;
+      seen.frame.time = k / 30.0 + camera * skew;
       seen.frame.camera = camera;
       seen.arrives = seen.frame.time + std::max(0.0, 0.06 + 0.01 * normal(random));
       for (std::size_t m = 0; m < settings.fiducials.points.size(); ++m) {
@@ -68,11 +68,11 @@ struct Errors {
 };
 
 // From 8 s to 20 s, at the marks' centre.
-Errors follow(const CanvasMotionSettings& given, unsigned seed) {
+Errors follow(const CanvasMotionSettings& given, unsigned seed, double skew = 0.0) {
   const CanvasMotion motion(given);
   const CanvasTrackerSettings settings = four_on_a_rim();
   CanvasTracker tracker(settings);
-  std::deque<Seen> queue = frames(motion, settings, 20.0, seed);
+  std::deque<Seen> queue = frames(motion, settings, 20.0, seed, skew);
   const Vector3d c_K(0.6, 0.0, 0.2);
   Errors e;
   int n = 0, stale = 0;
@@ -174,6 +174,15 @@ TEST(CanvasTracker, PredictsAcrossTheLateness) {
       EXPECT_GT(e.judged, 0.7 * std::hypot(e.position, 0.26e-3));
       EXPECT_LT(e.judged, 1.5 * std::hypot(e.position, 0.26e-3));
     }
+}
+
+// Cameras need not be in step: each frame counts at its own time.
+TEST(CanvasTracker, CamerasAreNotInStep) {
+  const double in_step = follow(sway(), 1).position;
+  for (const double skew : {4e-3, 7e-3, 11e-3}) {
+    SCOPED_TRACE(skew);
+    EXPECT_LT(follow(sway(), 1, skew).position, 1.2 * in_step);
+  }
 }
 
 // Without noise a steady motion leaves nothing: the smoothed pose is that of the present step. One

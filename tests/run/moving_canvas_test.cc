@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -187,6 +190,37 @@ TEST_F(RecordedCanvas, IsDrawnOnAsTheMotionItself) {
       draw_scenario("moving-heave", {"canvas.motion.sway=[0, 0, 0]", "canvas.motion.file=" + file});
   EXPECT_NEAR(f["ink_error_rms"], heaving()["ink_error_rms"], 0.2 * heaving()["ink_error_rms"]);
   EXPECT_NEAR(f["force_sd"], heaving()["force_sd"], 0.2 * heaving()["force_sd"]);
+}
+
+// A hand: noise whose power falls as f⁻⁴ above 0.5 Hz, by the formula of setup/hand_motions.py.
+TEST_F(RecordedCanvas, IsDrawnOnInAHand) {
+  constexpr double kPeriod = 60.0, kFastest = 25.0, kCorner = 0.5, kRms = 10e-3;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> turn(0.0, 2.0 * std::numbers::pi);
+  struct Wave {
+    double rate, amplitude;
+    Eigen::Vector3d phase;
+  };
+  std::vector<Wave> waves;
+  double power = 0.0;
+  for (int k = 1; k <= kPeriod * kFastest; ++k) {
+    const double f = k / kPeriod, S = f <= kCorner ? 1.0 : std::pow(kCorner / f, 4);
+    waves.push_back({2.0 * std::numbers::pi * f, std::sqrt(S),
+                     Eigen::Vector3d(turn(random), turn(random), turn(random))});
+    power += S;
+  }
+  std::string rows = "t,x,y,z,qw,qx,qy,qz\n";
+  for (int i = 0; i < 60 * 40; ++i) {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    for (const Wave& w : waves)
+      p += w.amplitude * (w.phase.array() + w.rate * i / 60.0).cos().matrix();
+    p *= kRms * std::sqrt(2.0 / 3.0 / power);
+    rows += fmt::format("{},{},{},{},1,0,0,0\n", i / 60.0, p.x(), p.y(), p.z());
+  }
+  const Figures f = draw_scenario(
+      "moving", {"canvas.motion.ramp=2", "canvas.motion.file=" + write("hand.csv", rows).string()});
+  EXPECT_GT(f["contact_fraction"], 0.995);
+  EXPECT_LT(f["ink_error_rms"], 0.7);
 }
 
 // Two letters, and the bowl is moved by 60 mm after the first: the second waits until it stands.
