@@ -268,17 +268,18 @@ class Repetitions : public benchmark::ConsoleReporter {
               : 1e9 * run.cpu_accumulated_time / static_cast<double>(run.iterations));
     }
   }
-  double time(const std::string& name) const { return median(time_, name); }  // [ns]
+  double time(const std::string& name) const { return quantile(name, 0.5); }  // [ns]
+  double quantile(const std::string& name, double share) const {
+    const auto it = time_.find(name);
+    if (it == time_.end()) return std::nan("");
+    std::vector<double> sorted = it->second;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[std::min(sorted.size() - 1,
+                           static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
+  }
 
  private:
   using Values = std::map<std::string, std::vector<double>>;
-  static double median(const Values& values, const std::string& name) {
-    const auto it = values.find(name);
-    if (it == values.end()) return std::nan("");
-    std::vector<double> sorted = it->second;
-    std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-    return sorted[sorted.size() / 2];
-  }
   Values time_;
 };
 
@@ -326,6 +327,13 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"check and queries of four times as large a soup", growth("BM_soup/50000", "BM_soup/200000"),
        7.0},
       {"plan of four times as many points", growth("BM_plan/1500", "BM_plan/6000"), 7.0},
+      // scan_bench.cc
+      {"plan of 2 m on a scan of 50,000 triangles / sort of a million", sorts("BM_scan_plan"),
+       15.0},
+      {"--place auto there / the plan alone",
+       median.time("BM_scan_place") / median.time("BM_scan_plan"), 4.0},
+      {"quick check of a placement there [ms], median", 1e-6 * median.time("BM_scan_quick"), 100.0},
+      {"the same, 99th percentile", 1e-6 * median.quantile("BM_scan_quick", 0.99), 250.0},
       {"simulated step with log, true wrench / floor", floors("BM_draw"), 11.0},
       {"simulated step with log, no wrench / floor", floors("BM_draw_natural"), 11.0},
       {"simulated step with log, blind / floor", floors("BM_draw_blind"), 10.0},

@@ -1,9 +1,13 @@
 #include "impedraw/experiment/height_sources.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -52,6 +56,45 @@ bool is_near(const Eigen::Vector3d& p, double x, double y) {
   return std::hypot(p.x() - x, p.y() - y) < 0.01;
 }
 
+// Where the tangent plane at a sample is over (x, y).
+double height_beside(const SurfaceSample& at, double x, double y) {
+  const Eigen::Vector2d way = Eigen::Vector2d(x, y) - at.p_P.head<2>();
+  return at.p_P.z() - way.dot(at.n_P.head<2>()) / std::max(at.n_P.z(), 0.1);
+}
+
+// Answers that were given, by the place and the height from which it was looked for. Several stages
+// of a plan ask the same. Where two questions share a slot, the older answer is lost.
+class Answers {
+ public:
+  using Question = std::array<double, 3>;
+
+  template <class Ask>
+  SurfaceHeight::Sample operator()(const Question& question, const Ask& ask) {
+    std::size_t hash = 0;
+    for (const double x : question)
+      hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
+    const std::size_t at = hash >> (64 - kBits);
+    {
+      const std::lock_guard guard(locks_[at % kLocks]);
+      if (slots_[at].question == question) return slots_[at].answer;
+    }
+    const SurfaceHeight::Sample answer = ask();
+    const std::lock_guard guard(locks_[at % kLocks]);
+    slots_[at] = {question, answer};
+    return answer;
+  }
+
+ private:
+  static constexpr int kBits = 16, kLocks = 64;
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  struct Slot {
+    Question question{kNone, kNone, kNone};
+    SurfaceHeight::Sample answer;
+  };
+  std::vector<Slot> slots_ = std::vector<Slot>(std::size_t(1) << kBits);
+  std::array<std::mutex, kLocks> locks_;
+};
+
 // A sheet higher than this above another hides it from the pen [m].
 constexpr double kOverhang = 0.012;
 
@@ -97,11 +140,12 @@ class TopSheet {
   std::vector<double> top_;
 };
 
-// The paper's neighbourhoods jump as points enter and leave, so that the steps may not shrink to
-// nothing: what they settle within is taken.
+// Starts at p. The paper's neighbourhoods jump as points enter and leave, so that the steps may not
+// shrink to nothing: the last one is taken if it is within kSettled. A step that is shorter than
+// kConverged leaves less than a thousandth of itself.
 template <class Surface>
 SurfaceHeight::Sample descend(const Surface& surface, const Pose& X_WP, Eigen::Vector3d p) {
-  constexpr double kConverged = 1e-7, kSettled = 5e-4;  // [m]
+  constexpr double kConverged = 5e-6, kSettled = 5e-4;  // [m]
   double step = std::numeric_limits<double>::infinity();
   Eigen::Vector3d n;
   for (int i = 0; i < 12 && std::abs(step) > kConverged; ++i) {
@@ -115,34 +159,63 @@ SurfaceHeight::Sample descend(const Surface& surface, const Pose& X_WP, Eigen::V
   return SurfaceSample{p, n};
 }
 
-// `followed`: what the pen will follow, for the steepest slope; `surface` keeps it.
+// The cloud's surface over (x, y), and what is needed to find it.
+template <class Surface>
+class CloudHeight {
+ public:
+  // `followed`: what the pen will follow, for the steepest slope; `surface` keeps it.
+  CloudHeight(std::shared_ptr<const Surface> surface, const SurfaceEstimator& followed,
+              const Pose& X_WP)
+      : surface_(std::move(surface)),
+        followed_(followed),
+        X_WP_(X_WP),
+        columns_(surface_->cloud(), X_WP.inverse()),
+        tops_(surface_->cloud(), X_WP.inverse()) {}
+
+  SurfaceHeight::Sample operator()(double x, double y, SurfaceHeight::Sample& last) {
+    constexpr double kNowhere = std::numeric_limits<double>::infinity();
+    const double start = last && is_near(last->p_P, x, y) ? height_beside(*last, x, y) : kNowhere;
+    const auto sample = answers_({x, y, start}, [&] { return found(x, y, start); });
+    if (sample) last = sample;
+    return sample;
+  }
+
+ private:
+  SurfaceHeight::Sample found(double x, double y, double start) const {
+    constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
+    SurfaceHeight::Sample sample;
+    const double top = tops_.top(x, y);
+    // Another sheet lies above: the pen cannot reach this one.
+    const auto covered = [&] {
+      return sample && top > sample->p_P.z() + kOverhang + tops_.rise(sample->n_P);
+    };
+    if (std::isfinite(start)) sample = descend(*surface_, X_WP_, {x, y, start});
+    if ((!sample || covered()) && std::isfinite(top))
+      sample = descend(*surface_, X_WP_, {x, y, top});
+    // On a steep flank the cell's highest point is far above.
+    if (!sample) sample = descend(*surface_, X_WP_, {x, y, columns_.height_at(x, y)});
+    if (!sample || covered()) return std::nullopt;
+    if (sample->n_P.z() < kSteep) {
+      const SurfaceEstimate there = followed_.estimate(X_WP_ * sample->p_P);
+      if (there.status == SurfaceStatus::ok) sample->steepest = X_WP_.R.col(2).dot(there.n_W);
+    }
+    return sample;
+  }
+
+  std::shared_ptr<const Surface> surface_;
+  const SurfaceEstimator& followed_;
+  Pose X_WP_;
+  Columns columns_;
+  TopSheet tops_;
+  Answers answers_;
+};
+
 template <class Surface>
 SurfaceHeight height_of_cloud(std::shared_ptr<const Surface> surface,
                               const SurfaceEstimator& followed, const Pose& X_WP) {
-  constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
-  const Pose X_PW = X_WP.inverse();
-  auto columns = std::make_shared<const Columns>(surface->cloud(), X_PW);
-  auto tops = std::make_shared<const TopSheet>(surface->cloud(), X_PW);
-  return [surface = std::move(surface), &followed, X_WP, columns = std::move(columns),
-          tops = std::move(tops)](double x, double y, SurfaceHeight::Sample& last) {
-    SurfaceHeight::Sample sample;
-    const double top = tops->top(x, y);
-    // Another sheet lies above: the pen cannot reach this one.
-    const auto covered = [&] {
-      return sample && top > sample->p_P.z() + kOverhang + tops->rise(sample->n_P);
-    };
-    if (last && is_near(last->p_P, x, y)) sample = descend(*surface, X_WP, {x, y, last->p_P.z()});
-    if ((!sample || covered()) && std::isfinite(top)) sample = descend(*surface, X_WP, {x, y, top});
-    // On a steep flank the cell's highest point is far above.
-    if (!sample) sample = descend(*surface, X_WP, {x, y, columns->height_at(x, y)});
-    if (covered()) sample.reset();
-    if (!sample) return sample;
-    if (sample->n_P.z() < kSteep) {
-      const SurfaceEstimate there = followed.estimate(X_WP * sample->p_P);
-      if (there.status == SurfaceStatus::ok) sample->steepest = X_WP.R.col(2).dot(there.n_W);
-    }
-    return last = sample;
-  };
+  const auto height = std::make_shared<CloudHeight<Surface>>(std::move(surface), followed, X_WP);
+  return
+      [height](double x, double y, SurfaceHeight::Sample& last) { return (*height)(x, y, last); };
 }
 
 }  // namespace
@@ -237,8 +310,30 @@ SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> surface, 
 
 SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_WP,
                             SurfaceHeight planned) {
-  return [canvas, X_WP, X_PW = X_WP.inverse(), planned = std::move(planned),
-          upper = canvas_height(canvas, X_WP)](double x, double y, SurfaceHeight::Sample& last) {
+  // The true sheet that shows its front nearest to p, within kJudged.
+  const auto sheet_at = [canvas, X_WP,
+                         X_PW = X_WP.inverse()](const Eigen::Vector3d& p) -> SurfaceHeight::Sample {
+    SurfaceHeight::Sample nearest;
+    double least = kJudged;
+    constexpr int kMostSheets = 16;
+    double z = p.z() + kJudged;
+    for (int i = 0; i < kMostSheets; ++i) {
+      const auto hit = canvas->ray(X_WP * Eigen::Vector3d(p.x(), p.y(), z), -X_WP.R.col(2));
+      if (!hit) break;
+      const SurfaceSample sheet{X_PW * hit->p_W, X_PW.R * hit->n_W};
+      const double off = std::abs(sheet.p_P.z() - p.z());
+      if (sheet.n_P.z() > 0.0 && off <= least) least = off, nearest = sheet;
+      if (sheet.p_P.z() < p.z() - kJudged) break;
+      z = sheet.p_P.z() - 1e-6;
+    }
+    return nearest;
+  };
+  return [sheet_at, planned = std::move(planned), upper = canvas_height(canvas, X_WP)](
+             double x, double y, SurfaceHeight::Sample& last) -> SurfaceHeight::Sample {
+    // Which sheet it is, a height that was planned beside it tells as well [m].
+    constexpr double kBeside = 1e-3;
+    if (last && std::hypot(last->p_P.x() - x, last->p_P.y() - y) < kBeside)
+      if (const auto sheet = sheet_at({x, y, height_beside(*last, x, y)})) return sheet;
     SurfaceHeight::Sample plan = planned(x, y, last);
     if (!plan) {
       // Just beyond what is planned: the artwork before its corners were rounded.
@@ -248,21 +343,8 @@ SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_
       plan->p_P.head<2>() = Eigen::Vector2d(x, y);
     }
     last = plan;
-    SurfaceHeight::Sample nearest;
-    double least = kJudged;
-    constexpr int kMostSheets = 16;
-    double z = plan->p_P.z() + kJudged;
-    for (int i = 0; i < kMostSheets; ++i) {
-      const auto hit = canvas->ray(X_WP * Eigen::Vector3d(x, y, z), -X_WP.R.col(2));
-      if (!hit) break;
-      const Eigen::Vector3d p = X_PW * hit->p_W;
-      const Eigen::Vector3d n = X_PW.R * hit->n_W;
-      const double off = std::abs(p.z() - plan->p_P.z());
-      if (n.z() > 0.0 && off <= least) least = off, nearest = SurfaceSample{p, n};
-      if (p.z() < plan->p_P.z() - kJudged) break;
-      z = p.z() - 1e-6;
-    }
-    return nearest ? nearest : plan;
+    const auto sheet = sheet_at(plan->p_P);
+    return sheet ? sheet : plan;
   };
 }
 

@@ -1,7 +1,10 @@
 #include "impedraw/experiment/pen_axis.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+
+#include "impedraw/common/in_parallel.h"
 
 namespace impedraw {
 
@@ -10,9 +13,10 @@ bool is_rough(const Scene& scene, const Plan& plan) {
   constexpr double kOther = 0.02, kLeast = 0.1, kSpacing = 2e-3;  // [rad], [1], [m]
   if (!scene.perception) return false;
   const Pose& X_WP = plan.path_settings.X_WP;
-  SurfaceHeight::Sample last;
-  long places = 0, other = 0;
-  for (const PlacedStroke& stroke : plan.strokes)
+  std::atomic<long> places = 0, other = 0;
+  in_parallel(static_cast<int>(plan.strokes.size()), [&](int number) {
+    const PlacedStroke& stroke = plan.strokes[static_cast<std::size_t>(number)];
+    SurfaceHeight::Sample last;
     for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
       const Eigen::Vector2d to = stroke.p_P[i], from = i > 0 ? stroke.p_P[i - 1] : to;
       const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kSpacing)));
@@ -26,6 +30,7 @@ bool is_rough(const Scene& scene, const Plan& plan) {
                  there.n_W.cross(X_WP.R * sample->n_P).norm() > kOther;
       }
     }
+  });
   return static_cast<double>(other) > kLeast * static_cast<double>(places);
 }
 

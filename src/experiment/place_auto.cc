@@ -11,8 +11,9 @@
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/experiment.h"
-#include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/experiment/start_posture.h"
+#include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
@@ -24,11 +25,21 @@ using Eigen::Vector3d;
 
 constexpr int kCoarse = 24, kFine = 90;  // points of the drawing that are asked
 constexpr int kCandidates = 8;           // that go on from the grid
+constexpr int kPlanned = 2;              // of these, that are planned as a whole
 
 struct Candidate {
   Vector2d move = Vector2d::Zero();
   double turn_deg = 0.0, margin = -std::numeric_limits<double>::infinity();
+  double lost = std::numeric_limits<double>::infinity();  // that cannot be drawn [m]
 };
+
+// Turns about the vertical through `centre`, then moves.
+Pose turned_about(const Vector2d& centre, const Vector2d& move, double turn_deg) {
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(turn_deg * std::numbers::pi / 180.0, Vector3d::UnitZ()).toRotationMatrix();
+  const Vector3d pivot(centre.x(), centre.y(), 0.0);
+  return {pivot + Vector3d(move.x(), move.y(), 0.0) - R * pivot, R};
+}
 
 struct Point {
   Vector3d p_W, n_W;
@@ -59,6 +70,12 @@ std::vector<Point> points_of(const PlannedDrawing& e, int count) {
   return points;
 }
 
+double not_drawable(const std::vector<Finding>& findings) {
+  double sum = 0.0;
+  for (const Finding& f : findings) sum += f.part.length() + 1e-6;
+  return sum;
+}
+
 class Search {
  public:
   explicit Search(PlannedDrawing& e)
@@ -73,18 +90,15 @@ class Search {
   // The margin of a pose. Stops early once it is below `least`.
   double margin(const Candidate& c, bool fine,
                 double least = -std::numeric_limits<double>::infinity()) {
-    const Eigen::Matrix3d R =
-        Eigen::AngleAxisd(c.turn_deg * std::numbers::pi / 180.0, Vector3d::UnitZ())
-            .toRotationMatrix();
-    const Vector3d pivot(centre_.x(), centre_.y(), 0.0), shift(c.move.x(), c.move.y(), 0.0);
+    const Pose X = motion(c);
     IkSettings settings;
     settings.position_tolerance = settings.axis_tolerance = 1e-4;
     settings.max_steps = 60;
     JointVector q = e_.scene.start_q;
     double worst = 1.0;
     for (const Point& point : fine ? fine_ : coarse_) {
-      const Vector3d p_WE = R * (point.p_W - pivot) + pivot + shift;
-      const IkResult posture = find_posture(e_.scene.arm, {p_WE, -(R * point.n_W)}, q, settings);
+      const IkResult posture =
+          find_posture(e_.scene.arm, {X * point.p_W, -(X.R * point.n_W)}, q, settings);
       if (posture.reached) {
         q = posture.q;
         worst = std::min(worst, posture_margin(e_.scene.arm, &terms_, q));
@@ -94,6 +108,24 @@ class Search {
       if (worst < least) return worst;
     }
     return worst;
+  }
+
+  // What the pre-flight finds that cannot be drawn, with the canvas moved and nothing in the arm's
+  // way [m].
+  double lost(const Candidate& c) {
+    const Pose X = motion(c);
+    const Scenario& s = e_.scenario;
+    const Vector2d& centre = e_.artwork.placement.centre_m;
+    const auto middle = e_.surface()(centre.x(), centre.y());
+    JointVector rest_q = e_.plan.rest_q;
+    if (s.arm.q_0.empty() && middle)
+      rest_q =
+          find_posture(e_.scene.arm, {X * middle->p_P, -Vector3d::UnitZ()}, e_.scene.start_q).q;
+    return not_drawable(
+        check_strokes(
+            e_.plan.requested, e_.surface(), e_.scene.arm, nullptr, e_.scene.start_q,
+            preflight_settings(s, X * e_.artwork.X_WP, e_.scene.perception != nullptr, rest_q))
+            .findings);
   }
 
   std::vector<Candidate> grid(const std::function<void(double)>& progress) {
@@ -142,33 +174,27 @@ class Search {
   }
 
  private:
+  Pose motion(const Candidate& c) const { return turned_about(centre_, c.move, c.turn_deg); }
+
   PlannedDrawing& e_;
   ArmTerms terms_;
   Vector2d centre_;
   std::vector<Point> coarse_, fine_;
 };
 
-double not_drawable(const PlannedDrawing& e) {
-  double sum = 0.0;
-  for (const Finding& f : e.plan.preflight.findings) sum += f.part.length() + 1e-6;
-  return sum;
-}
-
 }  // namespace
 
 Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
   Scenario s = given;
   const Vector2d centre = s.drawing.placement.centre_m;
-  const Eigen::Matrix3d R =
-      Eigen::AngleAxisd(turn_deg * std::numbers::pi / 180.0, Vector3d::UnitZ()).toRotationMatrix();
-  const Vector3d pivot(centre.x(), centre.y(), 0.0), shift(move.x(), move.y(), 0.0);
-  const auto to = [&](const Vector3d& p) -> Vector3d { return R * (p - pivot) + pivot + shift; };
+  const Pose X = turned_about(centre, move, turn_deg);
+  const auto to = [&X](const Vector3d& p) -> Vector3d { return X * p; };
   s.canvas.move = to(s.canvas.move);
   s.canvas.turn_deg = std::remainder(s.canvas.turn_deg + turn_deg, 360.0);
   CanvasMotionSettings& motion = s.canvas.motion;
   motion.centre = to(motion.centre);
   for (Vector3d* direction : {&motion.velocity, &motion.turn_axis, &motion.sway, &motion.roll_axis})
-    *direction = R * *direction;
+    *direction = X.R * *direction;
   for (Fiducial& mark : s.perception.fiducials.points) mark.p_K = to(mark.p_K);
   s.drawing.placement.centre_m = centre + move;
   s.drawing.placement.rotate_deg = std::remainder(s.drawing.placement.rotate_deg + turn_deg, 360.0);
@@ -201,17 +227,23 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
   for (std::size_t i = 0; i < begun.size(); ++i) {
     if (progress) progress(0.6 + 0.3 * static_cast<double>(i) / static_cast<double>(begun.size()));
     found.push_back(search.refined(begun[i]));
+    found.back().lost = search.lost(found.back());
   }
-  std::sort(found.begin(), found.end(),
-            [](const Candidate& a, const Candidate& b) { return a.margin > b.margin; });
+  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+    return a.lost != b.lost ? a.lost < b.lost : a.margin > b.margin;
+  });
 
+  // The whole pre-flight, of the best ones: what is lost without obstacles is lost with them.
   PlacedCanvas best;
   double least = std::numeric_limits<double>::infinity();
+  int planned = 0;
   for (const Candidate& c : found) {
+    if (!(c.lost < least) || planned == kPlanned) break;
     const Scenario there = moved(given, c.move, c.turn_deg);
     double lost = std::numeric_limits<double>::infinity();
     try {
-      lost = not_drawable(prepare_plan(there, places, Unreachable::tell));
+      lost = not_drawable(prepare_plan(there, places, Unreachable::tell).plan.preflight.findings);
+      ++planned;
     } catch (const InputError&) {  // for example, out of the cameras' view
     }
     if (!(lost < least)) continue;

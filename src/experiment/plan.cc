@@ -1,10 +1,11 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -77,15 +78,12 @@ class Planning {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });
       try {
         plan_path();
-        // On the second core while the target is projected: it reads neither target nor notes.
-        std::future<bool> rough =
-            std::async(std::launch::async, [this] { return is_rough(scene_, plan_); });
         const std::vector<PlacedStroke> desired = desired_strokes();
         const double looks = 2.0 * length_of(desired) / TargetSettings().spacing +
                              static_cast<double>(desired.size());
         plan_.target = project_target(
             desired, told(judged_surface(), "projecting the target", 0.9, 0.98, looks));
-        plan_.rough = rough.get();
+        plan_.rough = is_rough(scene_, plan_);
         done = true;
       } catch (const OffSurface& off) {
         leave_out(off);  // an edge finer than the pre-flight's sampling
@@ -123,14 +121,17 @@ class Planning {
     });
   }
 
-  // The surface, which tells the progress while a step looks at it: about `expected` times.
+  // The surface, which tells the progress while a step looks at it: about `expected` times. Threads
+  // share the looks; this one alone tells.
   SurfaceHeight told(SurfaceHeight surface, const char* what, double from, double to,
                      double expected) const {
     if (!progress_) return surface;
     return [this, surface = std::move(surface), what, from, to, expected,
-            looks = std::make_shared<long>(0)](double x, double y, SurfaceHeight::Sample& last) {
-      if (++*looks % 256 == 0)
-        tell(what, from + (to - from) * std::min(1.0, static_cast<double>(*looks) / expected));
+            looks = std::make_shared<std::atomic<long>>(0),
+            teller = std::this_thread::get_id()](double x, double y, SurfaceHeight::Sample& last) {
+      const long n = ++*looks;
+      if (n % 128 == 0 && std::this_thread::get_id() == teller)
+        tell(what, from + (to - from) * std::min(1.0, static_cast<double>(n) / expected));
       return surface(x, y, last);
     };
   }

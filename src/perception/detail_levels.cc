@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "impedraw/common/in_halves.h"
+#include "impedraw/common/in_parallel.h"
 
 namespace impedraw {
 namespace {
@@ -36,6 +36,9 @@ std::unique_ptr<const DetailLevels> DetailLevels::of(const CloudPatches& widest,
           {std::make_shared<const CloudPatches>(std::move(cloud), s), s.k, {}});
   if (!levels->any()) return nullptr;
   levels->finest_ = levels->finer_.back().patches;
+  levels->finest_cubes_.reserve(levels->finest_->cloud().points.size());
+  for (const Vector3d& p : levels->finest_->cloud().points)
+    levels->finest_cubes_.insert(cube_of(p, kCube));
   const int fewest = std::max(kFewest, static_cast<int>(kFinestShare * s.k));
   if (fewest < s.k) levels->finer_.push_back({levels->finest_, fewest, {}});
   levels->choose_levels();

@@ -8,7 +8,10 @@
 // estimates are blended.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
+#include <unordered_set>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +19,14 @@
 #include "impedraw/perception/cloud_patches.h"
 
 namespace impedraw {
+
+// The number of the cube of `side` [m] that p lies in; they repeat after 2²¹ cubes.
+inline std::uint64_t cube_of(const Eigen::Vector3d& p, double side) noexcept {
+  std::uint64_t number = 0;
+  for (int k = 0; k < 3; ++k)
+    number = number << 21 | (static_cast<std::uint64_t>(std::llround(p[k] / side)) & 0x1fffff);
+  return number;
+}
 
 class DetailLevels {
  public:
@@ -37,6 +48,11 @@ class DetailLevels {
   // The surface steps within kStepMargin of a point of the widest cloud.
   bool steps_near(int point) const noexcept { return steps_[point]; }
   const NeighbourTree& finest() const noexcept { return finest_->tree(); }
+  // The finest cloud has a point in the cube of side kCube about p: one nearer than √3 kCube.
+  static constexpr double kCube = 1.15e-3;  // [m]
+  bool finest_in_cube(const Eigen::Vector3d& p) const noexcept {
+    return finest_cubes_.contains(cube_of(p, kCube));
+  }
   double noise() const noexcept { return noise_; }  // median residual of the finest patches [m]
 
  private:
@@ -69,6 +85,7 @@ class DetailLevels {
   const CloudPatches& widest_;
   std::vector<Level> finer_;  // empty where no place needs one
   std::shared_ptr<const CloudPatches> finest_;
+  std::unordered_set<std::uint64_t> finest_cubes_;
   // For each point of the widest cloud: the level to use, 0 for that cloud itself, and the greatest
   // nearby.
   std::vector<float> level_, level_nearby_;

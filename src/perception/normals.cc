@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "impedraw/common/in_halves.h"
+#include "impedraw/common/in_parallel.h"
 #include "impedraw/perception/detail_levels.h"
 
 namespace impedraw {

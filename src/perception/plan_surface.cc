@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <unordered_set>
 #include <utility>
 
-#include "impedraw/common/in_halves.h"
+#include "impedraw/common/in_parallel.h"
 #include "impedraw/perception/detail_levels.h"
 
 namespace impedraw {
@@ -41,14 +40,6 @@ constexpr double kBeyondPoints = 1.5, kOnSurface = 1e-3;  // [1], [m]
 // kSheetFits fits [m]. Noise asks for more, in multiples of the cloud's median residual.
 constexpr double kTwoSheets = 5e-4, kOtherSheet = 1e-3, kOfNoise = 5.0;
 constexpr int kSheetFits = 5;
-
-// Cubes of side kHoleStep, numbered within ± 700 m.
-std::uint64_t cube_of(const Vector3d& p) {
-  std::uint64_t number = 0;
-  for (int k = 0; k < 3; ++k)
-    number = number << 21 | (static_cast<std::uint64_t>(std::llround(p[k] / kHoleStep)) & 0x1fffff);
-  return number;
-}
 
 // The squared spacing of n points evenly within a squared radius.
 double spacing2(double radius2, int n) { return std::numbers::pi * radius2 / n; }
@@ -155,7 +146,8 @@ void PlanSurface::find_holes() {
       for (int v = -kSteps; v <= kSteps; ++v) {
         if (u * u + v * v > kSteps * kSteps) continue;
         const Vector3d place = foot + u * a + v * b;
-        if (looked->insert(cube_of(place)).second && is_hole(place)) found->push_back(place);
+        if (looked->insert(cube_of(place, kHoleStep)).second && is_hole(place))
+          found->push_back(place);
       }
   };
   std::vector<Vector3d> more;
@@ -172,6 +164,8 @@ void PlanSurface::find_holes() {
 // make the spacing that of the surroundings, also where grazing cameras see lines that are wide
 // apart.
 bool PlanSurface::is_hole(const Vector3d& place) const noexcept {
+  static_assert(1.7321 * DetailLevels::kCube < kHole);
+  if (levels_->finest_in_cube(place)) return false;
   int index[kAround];
   double squared[kAround];
   const NeighbourTree& finest = levels_->finest();

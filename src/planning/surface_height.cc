@@ -13,7 +13,8 @@ namespace {
 using Eigen::Vector2d;
 constexpr double kSearched = 0.5;  // [m]
 constexpr double kRing = 0.005;    // [m]
-constexpr int kDirections = 90;
+constexpr int kDirections = 36;    // the distance is at most 0.4 % too large
+constexpr double kNearer = 1e-4;   // a ray counts that meets the surface by so much earlier [m]
 
 bool has(const SurfaceHeight& surface, const Vector2d& p) {
   return surface(p.x(), p.y()).has_value();
@@ -21,7 +22,8 @@ bool has(const SurfaceHeight& surface, const Vector2d& p) {
 
 }  // namespace
 
-// Finds the first circle that meets the surface, then bisects along its rays.
+// Finds the first circle that meets the surface, then bisects along those of its rays that meet it
+// before the others.
 std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d& p,
                                    double searched) {
   for (double r = kRing; r <= searched; r += kRing) {
@@ -29,8 +31,8 @@ std::optional<double> distance_off(const SurfaceHeight& surface, const Vector2d&
     for (int i = 0; i < kDirections; ++i) {
       const Vector2d ray(std::cos(2 * std::numbers::pi * i / kDirections),
                          std::sin(2 * std::numbers::pi * i / kDirections));
-      if (!has(surface, p + r * ray)) continue;
-      double without = r - kRing, with = r;
+      double without = r - kRing, with = std::min(r, nearest - kNearer);
+      if (with <= without || !has(surface, p + with * ray)) continue;
       for (int k = 0; k < 12; ++k)
         (has(surface, p + (without + with) / 2 * ray) ? with : without) = (without + with) / 2;
       nearest = std::min(nearest, with);

@@ -1,5 +1,7 @@
 #include "impedraw/planning/target.h"
 
+#include "impedraw/common/in_parallel.h"
+
 namespace impedraw {
 namespace {
 
@@ -23,8 +25,8 @@ class Projection {
   Projection(const SurfaceHeight& canvas, const TargetSettings& settings, TargetLine& line)
       : canvas_(canvas), settings_(settings), line_(line) {}
 
-  void add(const PlacedStroke& stroke, int number) {
-    number_ = number;
+  void add(const PlacedStroke& stroke) {
+    number_ = stroke.number;
     Point last = projected(stroke.p_P.front(), stroke.page.front());
     push(last);
     for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
@@ -75,12 +77,17 @@ class Projection {
 
 TargetLine project_target(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& canvas,
                           const TargetSettings& settings) {
-  TargetLine line;
-  Projection projection(canvas, settings, line);
-  for (std::size_t i = 0; i < strokes.size(); ++i) {
-    if (!strokes[i].p_P.empty()) projection.add(strokes[i], strokes[i].number);
+  std::vector<TargetLine> lines(strokes.size());
+  in_parallel(static_cast<int>(strokes.size()), [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!strokes[k].p_P.empty()) Projection(canvas, settings, lines[k]).add(strokes[k]);
+  });
+  TargetLine whole;
+  for (const TargetLine& line : lines) {
+    whole.points.insert(whole.points.end(), line.points.begin(), line.points.end());
+    whole.stroke.insert(whole.stroke.end(), line.stroke.begin(), line.stroke.end());
   }
-  return line;
+  return whole;
 }
 
 }  // namespace impedraw

@@ -13,6 +13,7 @@
 
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/canvas/built_in_graphs.h"
+#include "impedraw/common/in_parallel.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/height_sources.h"
@@ -101,6 +102,65 @@ TEST_F(PerceivedPlan, TheSurfaceKeepsWhatItReads) {
   blind.scene.canvas.reset();
   blind.scene.obstacle.reset();
   EXPECT_FALSE(canvas.expired());
+}
+
+// A surface that has been asked before, in whatever order, answers as one that has not; and what it
+// answers lies on what the cameras saw, within 0.01 mm and 0.05°.
+TEST_F(PerceivedPlan, TheSurfaceDoesNotDependOnWhatWasAskedBefore) {
+  for (const char* canvas : {"canvas.kind=bowl", "canvas.kind=rough"}) {
+    SCOPED_TRACE(canvas);
+    const Staged from = staged(scenario({canvas}));
+    const SurfaceHeight &asked = from.scene.surface,
+                        fresh = perceived_height(from.scene.planning, from.artwork.X_WP);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> side(-0.06, 0.06);
+    std::vector<Eigen::Vector2d> places;
+    for (int i = 0; i < 300; ++i) places.emplace_back(0.6 + side(random), side(random));
+    for (const Eigen::Vector2d& p : places) asked(p.x(), p.y());
+    std::ranges::reverse(places);
+    int found = 0;
+    for (const Eigen::Vector2d& p : places) {
+      const auto one = asked(p.x(), p.y()), other = fresh(p.x(), p.y());
+      ASSERT_EQ(one.has_value(), other.has_value());
+      if (!one) continue;
+      ++found;
+      ASSERT_EQ(one->p_P, other->p_P);
+      ASSERT_EQ(one->n_P, other->n_P);
+      SurfaceHeight::Sample last = fresh(p.x() - 1e-3, p.y() + 5e-4);
+      const auto beside = asked(p.x(), p.y(), last);
+      ASSERT_TRUE(beside);
+      EXPECT_LT((beside->p_P - one->p_P).norm(), 1e-5);
+      EXPECT_LT((beside->n_P - one->n_P).norm(), 9e-4);
+      const SurfaceEstimate there = from.scene.planning->estimate(from.artwork.X_WP * one->p_P);
+      EXPECT_LT(std::abs(there.distance), 1e-5);
+      EXPECT_LT((from.artwork.X_WP.R.transpose() * there.n_W - one->n_P).norm(), 9e-4);
+    }
+    EXPECT_GT(found, 200);
+  }
+}
+
+TEST_F(PerceivedPlan, ThePlanDoesNotDependOnTheNumberOfThreads) {
+  const Scenario s = scenario({"drawing.text.text=Hi", "canvas.kind=rough"});
+  const auto with = [&](int threads) {
+    parallel_threads = threads;
+    PlannedDrawing drawing = planned(staged(s));
+    parallel_threads = 0;
+    return drawing;
+  };
+  const PlannedDrawing one = with(1);
+  ASSERT_GT(one.plan.strokes.size(), 1u);
+  for (const int threads : {2, 3}) {
+    const PlannedDrawing other = with(threads);
+    EXPECT_EQ(one.plan.target.points, other.plan.target.points);
+    EXPECT_EQ(one.plan.target.stroke, other.plan.target.stroke);
+    EXPECT_EQ(one.plan.rough, other.plan.rough);
+    ASSERT_EQ(one.plan.preflight.findings.size(), other.plan.preflight.findings.size());
+    for (std::size_t i = 0; i < one.plan.preflight.findings.size(); ++i)
+      EXPECT_EQ(one.plan.preflight.findings[i].text, other.plan.preflight.findings[i].text);
+    ASSERT_EQ(one.plan.path.duration(), other.plan.path.duration());
+    for (double t = 0.0; t < one.plan.path.duration(); t += 0.1)
+      ASSERT_EQ(one.plan.path.at(t).reference.p_WD, other.plan.path.at(t).reference.p_WD) << t;
+  }
 }
 
 // Another canvas takes the true one's place after the snapshot: the plan is the same.

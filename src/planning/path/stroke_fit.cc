@@ -229,8 +229,9 @@ std::pair<Vector3d, Vector3d> smooth_normals(const FitSettings& settings, std::v
 }  // namespace
 
 FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface,
-                        const FitSettings& settings, SurfaceHeight::Sample& last) {
+                        const FitSettings& settings) {
   const int number = stroke.number;
+  SurfaceHeight::Sample last;
   Line whole;
   double place = stroke.start;
   for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {

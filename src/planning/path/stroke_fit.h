@@ -36,8 +36,8 @@ struct FittedStroke {
 // A fifth of the tolerance is spent on dropping redundant points, so that finely sampled or jittery
 // lines become smooth. Knots on the artwork are then added until the spline through them, together
 // with the surface above them, keeps the remaining tolerance. Throws InputError for a point without
-// surface (surface_height.h). `last`: found on the surface before, and here.
+// surface (surface_height.h).
 FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface,
-                        const FitSettings& settings, SurfaceHeight::Sample& last);
+                        const FitSettings& settings);
 
 }  // namespace impedraw

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
 #include "impedraw/planning/path/stroke_fit.h"
 
@@ -273,11 +274,11 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
       {settings.tilt_allowance_deg * kDegree, kMargin * settings.tilt_speed / settings.draw_speed,
        kCentripetalShare * settings.tilt_acceleration /
            (settings.draw_speed * settings.draw_speed)}};
-  std::vector<FittedStroke> fitted;
-  fitted.reserve(strokes.size());
-  SurfaceHeight::Sample last;
-  for (const PlacedStroke& stroke : strokes)
-    fitted.push_back(fit_stroke(stroke, surface, fit, last));
+  std::vector<FittedStroke> fitted(strokes.size());
+  in_parallel(static_cast<int>(strokes.size()), [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    fitted[k] = fit_stroke(strokes[k], surface, fit);
+  });
   return Planner(settings, limits).plan(fitted);
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/preflight/surface_walk.h"
@@ -266,13 +267,19 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
   constexpr double kFirst = 5e-3;  // [m]
   double work = 0, done = 0;
   for (const PlacedStroke& stroke : strokes) work += plane_length(stroke) + kFirst;
-  for (const PlacedStroke& stroke : strokes) {
+  std::vector<std::vector<SurfaceSpan>> spans(strokes.size());
+  in_parallel(static_cast<int>(strokes.size()), [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    spans[k] = walk_surface(strokes[k], surface, settings);
+  });
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    const PlacedStroke& stroke = strokes[i];
     const auto tell = [&](double along) {
       if (progress) progress((done + along - stroke.start) / work);
     };
     tell(stroke.start);
     std::vector<Stretch> stretches;
-    for (const SurfaceSpan& span : walk_surface(stroke, surface, settings)) {
+    for (const SurfaceSpan& span : spans[i]) {
       if (span.problem) {
         stretches.push_back(
             {span.from, span.to, span.problem, 0, span.worst, settings.X_WP * span.p_P, span.text});
