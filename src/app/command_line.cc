@@ -22,6 +22,7 @@
 #include "impedraw/app/arm.h"
 #include "impedraw/app/commands.h"
 #include "impedraw/app/commission.h"
+#include "impedraw/app/cover.h"
 #include "impedraw/app/inspect.h"
 #include "impedraw/app/place.h"
 #include "impedraw/common/errors.h"
@@ -148,6 +149,27 @@ int run_program(int argc, char** argv) {
     code = impedraw::draw(impedraw::with_commissioning(options, commissioned), live, table);
   });
 
+  std::filesystem::path region;
+  CLI::App* cover = app.add_subcommand(
+      "cover", "treat an area with a pad: lines that cover it, drawn with an even force");
+  cover->add_option("scenario", options.scenario,
+                    "YAML file (default: a dome, with realistic sensing: cover-dome.yaml)");
+  cover->add_option("--region", region,
+                    "SVG whose filled areas are covered (default: all that is reached)");
+  cover->add_option("--out", options.out,
+                    "folder for the run, created if missing (default: runs/NAME)");
+  cover
+      ->add_option("--set", options.assignments,
+                   "override a setting, as in --set tool.radius=0.01; may be repeated")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_metrics(cover);
+  cover->footer(
+      "Examples:\n  ./impedraw cover\n  ./impedraw cover scenarios/reach-saddle.yaml\n"
+      "  ./impedraw cover --region window.svg --set drawing.placement.width=120\n"
+      "  ./impedraw cover --set cover.passes=2 --set control.normal_force=8");
+  cover->callback([&] { code = impedraw::cover(options, region, table); });
+
   bool plan_json = false, plan_suggest = false;
   CLI::App* plan = app.add_subcommand("plan",
                                       "check which strokes can be drawn, without moving: what "
@@ -211,7 +233,7 @@ int run_program(int argc, char** argv) {
       "draw the same with and without perception and compare side by side, or compare "
       "finished runs");
   add_scenario_options(compare, &options);
-  for (CLI::App* command : {draw, compare})
+  for (CLI::App* command : {draw, compare, cover})
     command->add_flag("--overwrite", options.overwrite,
                       "replace the results of a run in the folder of --out");
   std::vector<std::filesystem::path> compared;

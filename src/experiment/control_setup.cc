@@ -41,6 +41,9 @@ constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 // 200 rad/s shook the wrist until the session ended; 50 rad/s and 20 rad/s did not.
 constexpr double kRealObserver = 0.1;
 
+// The stiffest pad that the force loop must bear, over the modelled one.
+constexpr double kPadSpread = 2.0;
+
 double torque_rate(const Scenario& s, const ArmLimits& limits) {
   const double rate = std::min(s.control.torque_rate, limits.torque_rate);
   return s.arm.driver == ArmDriver::sim ? rate : std::min(rate, kRealTorqueRate);
@@ -60,6 +63,12 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
   if (s.arm.driver != ArmDriver::sim)
     settings.timing.loop_delay =
         std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
+  if (const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force)) {
+    // Its face lies on the surface at E, and it is softer than a pen.
+    settings.tip = {0.0, 0.0};
+    settings.stability_check.contact_stiffness_max = std::min(
+        settings.stability_check.contact_stiffness_max, kPadSpread * pad->stiffness * pad->area());
+  }
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
   settings.limits.joint_speed = s.control.joint_speed_share * limits.speed;

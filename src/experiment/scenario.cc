@@ -754,6 +754,36 @@ void describe(Fields& f, PenSettings& s) {
   f.field(Limits::nominal_force, s.nominal_force, "Force at which the line has its nominal width.");
 }
 
+void describe(Fields& f, ToolSettings& s) {
+  using Limits = ToolSettings::Limits;
+  f.choice("kind", s.kind,
+           {{"pen", ToolKind::pen},
+            {"pad", ToolKind::pad},
+            {"roller", ToolKind::roller},
+            {"blade", ToolKind::blade},
+            {"engraver", ToolKind::engraver}},
+           "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
+           "foam. The others are refused: the simulated world has none.");
+  f.field(Limits::radius, s.radius, "Radius of the pad.");
+  f.field(Limits::foam_thickness, s.foam_thickness, "Thickness of the pad's foam.");
+  f.field(Limits::foam_stiffness, s.foam_stiffness, "Pressure of the foam per compression.");
+  f.field(Limits::foam_damping, s.foam_damping, "Pressure of the foam per rate of compression.");
+}
+
+void describe(Fields& f, CoverSettings& s) {
+  using Limits = CoverSettings::Limits;
+  f.field("region", s.region,
+          "SVG whose filled areas are covered, placed as drawing.placement says; empty: all that "
+          "the cameras see and the arm reaches.");
+  f.field(Limits::overlap, s.overlap,
+          "Overlap of neighbouring lines, as a share of the footprint's width. 0.55 treats most "
+          "evenly: the first harmonic of a disc's dose vanishes.");
+  f.field(Limits::direction, s.direction_deg,
+          "Direction of the lines in the drawing plane, counter-clockwise from its x axis.");
+  f.field(Limits::margin, s.margin, "Distance that the footprint keeps from edges and holes.");
+  f.field(Limits::passes, s.passes, "How often the area is gone over.");
+}
+
 void describe(Fields& f, PushSettings& s) {
   using Limits = PushSettings::Limits;
   f.field(Limits::force, s.force, "Force: tangential on the pen tip, or as it is on a link.");
@@ -821,6 +851,8 @@ void describe(Fields& f, Scenario& s) {
   f.field("wrench_sensor", s.wrench_sensor,
           "Faults of the sensor between flange and pen, for control.wrench: sensor.");
   f.field("pen", s.pen, "The line that the pen leaves in the pictures.");
+  f.field("tool", s.tool, "What the arm holds.");
+  f.field("cover", s.cover, "What ./impedraw cover treats, and how.");
   f.field("log", s.log, "How much of the run the log keeps.");
   f.field("pushes", s.pushes, "Pushes on the pen or the arm, as by a hand.");
   f.field("faults", s.faults, "Faults that are injected on purpose.");

@@ -15,6 +15,7 @@
 #include "impedraw/drawing/stroke_file.h"
 #include "impedraw/drawing/text.h"
 #include "impedraw/experiment/canvas_settings.h"
+#include "impedraw/experiment/cover_settings.h"
 #include "impedraw/experiment/faults.h"
 #include "impedraw/experiment/wrench_input.h"
 #include "impedraw/log/log_settings.h"
@@ -292,6 +293,8 @@ struct Scenario {
   WorldSettings world;
   WrenchSensorSettings wrench_sensor;
   PenSettings pen;
+  ToolSettings tool;
+  CoverSettings cover;
   LogSettings log;
   std::vector<PushSettings> pushes;
   std::vector<FaultSettings> faults;

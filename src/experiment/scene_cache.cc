@@ -28,6 +28,8 @@ std::string made_of(const Scenario& s) {
   read.perception = s.perception;
   read.world = s.world;
   read.blind = s.blind;
+  read.tool = s.tool;
+  if (s.tool.kind == ToolKind::pad) read.control.normal_force = s.control.normal_force;
   read.drawing.tilt_deg = s.drawing.tilt_deg;
   std::string files = stamp_of(urdf_of(s.arm));
   // A mesh may be put under the drawing's centre, and an arm starts where it leads there.

@@ -79,6 +79,13 @@ const WorldSettings& checked(const WorldSettings& s) {
   require_in_range("world.tip", Tip::stiffness, s.tip.stiffness);
   require_in_range("world.tip", Tip::damping, s.tip.damping);
   require_in_range("world.tip", Tip::friction, s.tip.friction);
+  if (s.pad) {
+    using Pad = PadSettings::Limits;
+    require_in_range("tool", Pad::radius, s.pad->radius);
+    require_in_range("tool", Pad::thickness, s.pad->thickness);
+    require_in_range("tool", Pad::stiffness, s.pad->stiffness);
+    require_in_range("tool", Pad::damping, s.pad->damping);
+  }
   return s;
 }
 
@@ -112,6 +119,7 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   mujoco_->joint_impulse = mujoco_->friction = mujoco_->link_torque = JointVector::Zero(n);
   mujoco_->flange.emplace(mujoco_->model);
   mujoco_->link_contact.emplace(mujoco_->shape, canvas);
+  if (canvas && settings.pad) pad_.emplace(*settings.pad);
   state_.q = state_.v = JointVector::Zero(n);
   set_state(state_.q, state_.v);
 }
@@ -138,6 +146,7 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   mujoco_->link_contact->reset();
   drive_.reset();
   side_.reset();
+  if (pad_) pad_->reset();
   applied_torque_ = JointVector::Zero(joints());
   observe();
   if (settings_.flange_sensor && has_flange())
@@ -194,8 +203,10 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
     if (contact_.touching && !whole.touching) {
       whole = contact_;
       whole.f_W *= share;
+      whole.m_W *= share;
     } else if (contact_.touching) {
       whole.f_W += share * contact_.f_W;
+      whole.m_W += share * contact_.m_W;
     } else if (!whole.touching) {
       whole.p_WC = contact_.p_WC;
       whole.n_W = contact_.n_W;
@@ -203,6 +214,7 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
     F_env.head<3>() += contact_.f_W + F_push_W.head<3>();
     F_env.tail<3>() += (contact_.p_WC - start.c_W).cross(contact_.f_W) +
                        (p_WE - start.c_W).cross(F_push_W.head<3>()) + F_push_W.tail<3>();
+    if (pad_) F_env.tail<3>() += contact_.m_W;
   }
   contact_ = whole;
   mujoco_->link_torque.setZero();
@@ -218,16 +230,42 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   return contact_;
 }
 
+// The pad's wrench [force; moment] at E, in W, and the contact that it makes.
+Vector6 World::press_pad() noexcept {
+  contact_ = {};
+  const bool moves = motion_.moves();
+  const CanvasMotion::State canvas = moves ? canvas_state() : CanvasMotion::State();
+  const Pose X_KW = canvas.X_WK.inverse();
+  Vector6 V_KE = state_.V_WE;
+  if (moves) {
+    V_KE.head<3>() -= canvas.velocity_at(state_.X_WE.p);
+    V_KE.tail<3>() -= canvas.w;
+    V_KE.head<3>() = X_KW.R * V_KE.head<3>().eval();
+    V_KE.tail<3>() = X_KW.R * V_KE.tail<3>().eval();
+  }
+  const PadLoad& load = pad_->press(*canvas_, X_KW * state_.X_WE, V_KE, h_);
+  Vector6 F = Vector6::Zero();
+  if (!load.touching) return F;
+  contact_.touching = true;
+  contact_.f_W = canvas.X_WK.R * load.f;
+  contact_.p_WC = canvas.X_WK * load.centre;
+  contact_.n_W = canvas.X_WK.R * load.n;
+  F << contact_.f_W, canvas.X_WK.R * load.m;
+  contact_.m_W = F.tail<3>() - (contact_.p_WC - state_.X_WE.p).cross(contact_.f_W);
+  return F;
+}
+
 // One integration step under the applied torque.
 void World::integrate(const Vector6& F_push_W) noexcept {
   const mjModel* m = mujoco_->model;
   mjData* d = mujoco_->data;
   const int n = m->nv;
   JointVector generalised = applied_torque_;
-  if (!F_push_W.isZero(0.0)) {
+  const Vector6 F_W = pad_ ? Vector6(F_push_W + press_pad()) : F_push_W;
+  if (!F_W.isZero(0.0)) {
     mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
            mujoco_->tip_body);
-    generalised += mujoco_->J_push.transpose().lazyProduct(F_push_W);
+    generalised += mujoco_->J_push.transpose().lazyProduct(F_W);
   }
   generalised += mujoco_->link_torque;
   generalised -= mujoco_->damping.cwiseProduct(state_.v);  // implicit: see compiled_arm.h
@@ -235,11 +273,15 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
   mj_solveM(m, d, acceleration.data(), force.data(), 1);
+  const TipContact pad = contact_;
   solve_impulses(state_.v + h_ * acceleration);
 
   Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
   applied = generalised + mujoco_->joint_impulse / h_;
-  if (contact_.touching) applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
+  if (pad_)
+    contact_ = pad;
+  else if (contact_.touching)
+    applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
   mj_step2(m, d);
   observe();
 }
@@ -271,7 +313,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
   bool tip_converged = true;
   Eigen::Vector3d canvas_velocity = Eigen::Vector3d::Zero();  // at the contact point, in C
-  if (canvas_) {
+  if (canvas_ && !pad_) {
     const double radius = settings_.tip.radius;
     Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
     const Pose X_WK = motion_.moves() ? canvas_state().X_WK : Pose();

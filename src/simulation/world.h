@@ -5,6 +5,8 @@
 //   v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p + p_joint)
 //   q⁺ = q + h v⁺
 //
+// With a pad, its wrench at the start of the step (pad_contact.h) is part of F_push, and p is zero.
+//
 // The simulated arm can differ from the URDF, and τ_a from the commanded torque: model_errors.h.
 // The drives clip τ_a to the URDF's effort limits and hold it for all integration steps of dt.
 // Viscous friction b v⁺ is implicit; b and τ_f are those of the settings plus damping and friction
@@ -26,6 +28,7 @@
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/model_errors.h"
+#include "impedraw/simulation/pad_contact.h"
 #include "impedraw/simulation/posed_body.h"
 #include "impedraw/simulation/solver_cutoffs.h"
 #include "impedraw/simulation/tip_contact.h"
@@ -37,6 +40,7 @@ struct WorldSettings {
   double dt = 1e-3;  // of a control step, over which the torque is held [s]
   int substeps = 1;  // integration steps in each
   TipMaterial tip;
+  std::optional<PadSettings> pad;    // instead of the tip's ball
   double joint_friction = 0.0;       // dry friction, equal on every joint: ± [Nm]
   double gravity = 9.81;             // along −z [m/s²]
   ModelErrors errors;                // differences from the URDF
@@ -55,7 +59,9 @@ struct WorldSettings {
 struct TipContact {
   bool touching = false;
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // of the canvas on the tip [N]
-  // on the canvas, closest to the centre of the tip sphere [m]
+  // moment about p_WC: of a pad's friction; zero for a ball [Nm]
+  Eigen::Vector3d m_W = Eigen::Vector3d::Zero();
+  // on the canvas, closest to the centre of the tip sphere; a pad's centre of pressure [m]
   Eigen::Vector3d p_WC = Eigen::Vector3d::Zero();
   // outward normal there; where the tip came from behind an open sheet, towards the tip
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
@@ -154,6 +160,7 @@ class World {
   void observe() noexcept;
   void look_for_touching_links() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
+  Vector6 press_pad() noexcept;
 
   WorldSettings settings_;
   const Canvas* canvas_;
@@ -164,6 +171,7 @@ class World {
   WorldState state_;
   TipContact contact_;
   TipSide side_;
+  std::optional<PadContact> pad_;
   JointDrive drive_;
   JointVector applied_torque_;
   Vector6 flange_wrench_ = Vector6::Zero();

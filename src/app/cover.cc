@@ -1,0 +1,254 @@
+#include "impedraw/app/cover.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/common/exit_code.h"
+#include "impedraw/experiment/artwork.h"
+#include "impedraw/experiment/cover.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/files/data_folder.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/report/cover_picture.h"
+#include "impedraw/run/draw_into.h"
+#include "impedraw/run/run_folder.h"
+#include "impedraw/run/treatment.h"
+#include "impedraw/terminal/clock.h"
+#include "impedraw/terminal/progress.h"
+#include "impedraw/terminal/say.h"
+
+namespace impedraw {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Both maps of a run, fed row by row.
+class Judge {
+ public:
+  Judge(const Experiment& e, const CoverPlan& plan, const TrueCover& truth)
+      : dt_(e.scenario.world.dt),
+        X_PW_(e.artwork.X_WP.inverse()),
+        model_(model_of(e.scenario.arm)),
+        truth_(truth.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed),
+        arm_(plan.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed) {}
+
+  void add(const LogRow& row) {
+    const Pose X_WE{row.tip_position, row.tip_orientation.toRotationMatrix()};
+    if (row.contact_force.allFinite() && row.contact_normal.allFinite()) {
+      const Eigen::Vector3d n = row.contact_normal_W();
+      const Eigen::Vector3d v = row.tip_velocity.head<3>();
+      truth_.press(X_PW_ * X_WE, n.dot(row.contact_force), (v - n * n.dot(v)).norm(), row.time,
+                   dt_);
+    }
+    // What the arm knows: its own joints, its own wrench.
+    if (!row.surface_normal.allFinite()) return;
+    const double force = row.surface_normal.dot(row.wrench_measured.head<3>());
+    const Pose own = X_PW_ * model_.tip_pose(row.measured_position);
+    const double way = (own.p - before_).norm();
+    before_ = own.p;
+    if (force > 0.0 && way < 1e-2) arm_.press(own, force, way / dt_, row.time, dt_);
+  }
+
+  const TreatmentMap& truth() const { return truth_; }
+  const TreatmentMap& arm() const { return arm_; }
+
+ private:
+  static PadSettings pad(const Experiment& e) {
+    return *pad_of(e.scenario.tool, e.scenario.world.tip.friction, e.scenario.control.normal_force);
+  }
+
+  double dt_;
+  Pose X_PW_;
+  ArmModel model_;
+  TreatmentMap truth_, arm_;
+  Eigen::Vector3d before_ = Eigen::Vector3d::Constant(1e9);
+};
+
+std::vector<std::vector<Eigen::Vector2d>> promised_lines(const Experiment& e) {
+  std::vector<std::vector<Eigen::Vector2d>> lines;
+  for (const PlacedStroke& stroke : e.plan.strokes) lines.push_back(stroke.p_P);
+  return lines;
+}
+
+// Places at least this far inside of the marked ones.
+std::vector<char> inside_by(const SurfaceGrid& grid, const std::vector<char>& places,
+                            double distance) {
+  const std::vector<double> edge = distance_to_edge(grid, places);
+  std::vector<char> inside(places.size());
+  for (std::size_t v = 0; v < places.size(); ++v) inside[v] = edge[v] >= distance;
+  return inside;
+}
+
+struct Results {
+  TreatmentShares promised, inner;
+  nlohmann::ordered_json metrics, whole;
+  std::vector<MissedPatch> arm_missed;
+  double unsaid = 0.0;  // [m²]
+};
+
+Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& truth,
+                   const Judge& judge) {
+  const SurfaceGrid& g = truth.grid;
+  const double r = plan.wish.footprint.radius;
+  const std::vector<char> promised = swept(g, promised_lines(e), r - plan.wish.margin);
+  const std::vector<char> inner = inside_by(g, promised, r);
+  const double reachable = area_of(g, truth.reachable);
+  Results out;
+  out.promised = shares_of(judge.truth(), promised);
+  out.inner = shares_of(judge.truth(), inner);
+  const TreatmentShares known = shares_of(judge.arm(), promised);
+  out.arm_missed = missed(judge.arm(), promised);
+  // The maps agree on what is evenly done where their doses, over their means, do.
+  double off = 0.0, of = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    if (promised[v] && !judge.truth().treated(v) && judge.arm().treated(v)) out.unsaid += g.area(v);
+    if (!inner[v] || !(out.inner.dose_mean > 0.0)) continue;
+    const double d = (judge.arm().dose(v) - judge.truth().dose(v)) / out.inner.dose_mean;
+    off += g.area(v) * d * d;
+    of += g.area(v);
+  }
+  const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
+  out.metrics["treated_share"] = share(out.promised.treated, out.promised.area);
+  out.metrics["promised_share"] = share(out.promised.area, reachable);
+  out.metrics["pressure_mean"] = judge.truth().pressure_mean();
+  out.metrics["pressure_sd"] = judge.truth().pressure_sd();
+  out.metrics["removal_cv"] = out.inner.dose_cv;
+  out.metrics["removal_cv_to_edge"] = out.promised.dose_cv;
+  out.metrics["removal_map_error"] = of > 0.0 ? std::sqrt(off / of) : 0.0;
+  out.metrics["treated_share_known"] = share(known.treated, known.area);
+  out.metrics["unsaid_share"] = share(out.unsaid, out.promised.area);
+  out.whole = {{"metrics", out.metrics},
+               {"areas_cm2",
+                {{"reachable", 1e4 * reachable},
+                 {"promised", 1e4 * out.promised.area},
+                 {"treated", 1e4 * out.promised.treated},
+                 {"twice", 1e4 * out.promised.twice}}},
+               {"spacing_mm", 1e3 * plan.wish.spacing},
+               {"passes", e.plan.strokes.size()},
+               {"rows", plan.lines.rows},
+               {"not_covered", plan.notes}};
+  out.whole["lacking"] = nlohmann::ordered_json::array();
+  for (const MissedPatch& patch : out.arm_missed) {
+    const Eigen::Vector3d p_W = e.artwork.X_WP * patch.middle_P;
+    out.whole["lacking"].push_back(
+        {{"area_cm2", 1e4 * patch.area}, {"middle_m", {p_W.x(), p_W.y(), p_W.z()}}});
+  }
+  return out;
+}
+
+CoverPicture picture_of(const Experiment& e, const CoverPlan& plan, const TrueCover& truth,
+                        const Judge& judge, const Results& results) {
+  const SurfaceGrid& g = truth.grid;
+  const std::vector<char> promised =
+      swept(g, promised_lines(e), plan.wish.footprint.radius - plan.wish.margin);
+  CoverPicture picture{
+      .title = e.scenario.name,
+      .subtitle = fmt::format("{:.2f} % of {:.0f} cm² treated, removal even to {:.1f} % (CV)",
+                              100.0 * results.promised.treated / results.promised.area,
+                              1e4 * results.promised.area, 100.0 * results.inner.dose_cv),
+      .nx = g.nx,
+      .ny = g.ny,
+      .step = g.step,
+      .treated = std::vector<Treated>(g.size(), Treated::outside),
+      .dose = std::vector<double>(g.size(), std::numeric_limits<double>::quiet_NaN())};
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    if (promised[v])
+      picture.treated[v] = !judge.truth().treated(v)     ? Treated::missed
+                           : judge.truth().visits(v) > 1 ? Treated::twice
+                                                         : Treated::once;
+    else if (truth.reachable[v])
+      picture.treated[v] = Treated::not_promised;
+    if (promised[v] && results.inner.dose_mean > 0.0)
+      picture.dose[v] = judge.truth().dose(v) / results.inner.dose_mean;
+  }
+  return picture;
+}
+
+// metrics.json of the drawing, with those of the area first.
+void add_metrics(const fs::path& folder, const Metrics& metrics,
+                 const nlohmann::ordered_json& of_area) {
+  nlohmann::ordered_json all = of_area;
+  all.update(metrics_json(metrics));
+  write_whole(folder / "metrics.json", all.dump(2) + "\n");
+}
+
+void say_results(const Results& r, const Metrics& metrics) {
+  const auto percent = [&](const char* name) { return 100.0 * r.metrics[name].get<double>(); };
+  say(stdout,
+      "  treated     {:.2f} % of {:.1f} cm² promised, {:.1f} % of what a perfect planner reaches\n"
+      "  pressure    {:.2f} ± {:.2f} kPa\n"
+      "  removal     even to {:.1f} % (CV), {:.1f} % with the rim of one radius\n",
+      percent("treated_share"), 1e4 * r.promised.area, percent("promised_share"),
+      1e-3 * r.metrics["pressure_mean"].get<double>(),
+      1e-3 * r.metrics["pressure_sd"].get<double>(), percent("removal_cv"),
+      percent("removal_cv_to_edge"));
+  say(stdout, "{}", metrics_summary(metrics));
+  double lacking = 0.0;
+  for (const MissedPatch& patch : r.arm_missed) lacking += patch.area;
+  if (lacking > 0.0)
+    say(stdout, "  lacking     {:.2f} cm² in {} places, by what the arm knows; in cover.json\n",
+        1e4 * lacking, r.arm_missed.size());
+}
+
+}  // namespace
+
+int cover(const DrawOptions& given, const fs::path& region, bool table) {
+  const auto start = Clock::now();
+  DrawOptions options = given;
+  if (options.scenario.empty()) options.built_in = data_folder() / "scenarios/cover-dome.yaml";
+  Places places;
+  Scenario scenario = resolve(options, &places);
+  if (!region.empty()) {
+    scenario.cover.region = fs::absolute(region);
+    places.put("cover.region", "--region " + region.string());
+  }
+  scenario = with_cover_defaults(scenario, places);
+  const fs::path folder = options.out.empty() ? fs::path("runs") / scenario.name : options.out;
+  require_run_folder(folder);
+  if (!options.out.empty() && !options.overwrite) require_no_finished_run(folder);
+
+  const SettingErrors errors(places);
+  const Pose X_WP = drawing_frame(scenario.drawing);
+  SceneCache scenes(1);
+  std::optional<ProgressLine> line(std::in_place);
+  line->update("looking at the canvas", 0.0);
+  Scene scene = scenes.take(scenario, X_WP, errors);
+  const CoverPlan plan = plan_cover(scenario, scene, X_WP, errors, [&](double share) {
+    line->update("covering the surface", 0.1 + 0.2 * share);
+  });
+  const TrueCover truth = true_cover(scenario, scene, X_WP, plan);
+  scenes.give_back(std::move(scene));
+  for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
+  make_folder(folder);
+  const fs::path strokes = fs::absolute(folder / "cover.csv");
+  write_whole(strokes, cover_strokes(plan, scenario));
+  Experiment experiment = prepare(
+      drawing_of_cover(scenario, strokes), places, Unreachable::refuse,
+      [&](const char* what, double share) { line->update(what, 0.3 + 0.7 * share); }, &scenes);
+  line.reset();
+  print_notes(experiment);
+
+  Judge judge(experiment, plan, truth);
+  RunHooks hooks;
+  hooks.row = [&judge](const LogRow& row) { judge.add(row); };
+  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), false, hooks);
+  const Results results = results_of(experiment, plan, truth, judge);
+  add_metrics(folder, drawing.metrics, results.metrics);
+  write_whole(folder / "cover.json", results.whole.dump(2) + "\n");
+  write_cover(picture_of(experiment, plan, truth, judge, results), folder / "cover");
+  say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n", scenario.name, drawing.outcome.simulated,
+      drawing.outcome.wall.loop);
+  say_results(results, drawing.metrics);
+  if (table) say(stdout, "{}", metrics_table(drawing.metrics));
+  say(stdout, "picture  {}\nreport   {}\n",
+      fs::absolute(folder / "cover.png").lexically_normal().string(),
+      fs::absolute(folder / "report.html").lexically_normal().string());
+  return exit_code(drawing);
+}
+
+}  // namespace impedraw

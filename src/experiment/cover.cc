@@ -1,0 +1,193 @@
+#include "impedraw/experiment/cover.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/artwork_file.h"
+#include "impedraw/drawing/regions.h"
+#include "impedraw/experiment/artwork.h"
+#include "impedraw/experiment/height_sources.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kMostVertices = 90e3;
+
+Footprint footprint_of(const PadSettings& pad) { return {pad.radius, pad.rest, pad.thickness}; }
+
+// The vertices that lie in the region's areas.
+std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g) {
+  const Artwork artwork = read_artwork(s.cover.region, {.visible = s.drawing.visible});
+  if (artwork.areas.empty())
+    throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",
+                                 s.cover.region.string()));
+  const Placement placement = place(artwork, placement_settings(s.drawing));
+  Eigen::AlignedBox2d box = artwork.page;
+  for (const Area& area : artwork.areas)
+    for (const auto& outline : area.outlines)
+      for (const Eigen::Vector2d& p : outline) box.extend(p);
+  const RegionMath math(box);
+  Outlines region;
+  for (const Area& area : artwork.areas) region = math.united(region, math.region(area));
+  const RegionIndex index(region);
+  std::vector<char> inside(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    inside[v] = index.inside(placement.to_page(g.plane(v)));
+  return inside;
+}
+
+Eigen::AlignedBox2d extent_of(const Scenario& s, const Scene& scene, const Pose& X_WP) {
+  const auto& points =
+      scene.perception ? scene.perception->cloud().points : scene.canvas->mesh().vertices;
+  const Pose X_PW = X_WP.inverse();
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3d& p_W : points) box.extend((X_PW * p_W).head<2>());
+  const double air = 2.0 * s.tool.radius / 5.0;
+  return {box.min().array() - air, box.max().array() + air};
+}
+
+// Why the footprint fits nowhere.
+void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErrors& errors) {
+  const bool drawn = !s.cover.region.empty();
+  if (plan.centres.wanted == 0.0)
+    errors.raise({"cover.region"},
+                 drawn ? fmt::format("cover.region: {} lies off the canvas, or where it is steeper "
+                                     "than preflight.max_slope; drawing.placement moves it",
+                                     s.cover.region.string())
+                       : "cover: nothing of the canvas is seen, or all is steeper than "
+                         "preflight.max_slope");
+  if (std::ranges::count(plan.centres.allowed, 1) > 0) return;
+  const double width = 2e3 * plan.wish.footprint.radius;
+  if (plan.centres.uneven > 0)
+    errors.raise(
+        {"tool.radius", "cover.region"},
+        fmt::format("tool.radius: a pad of {:.1f} mm touches with a part of its face only, "
+                    "wherever it is put: the surface bends by more than its foam gives "
+                    "({:.2f} mm under {:.3g} N); valid is a smaller pad, softer foam or "
+                    "more force",
+                    width, 1e3 * plan.wish.footprint.compression, s.control.normal_force));
+  errors.raise(
+      {"tool.radius", "cover.region"},
+      fmt::format("tool.radius: a pad of {:.1f} mm, kept {:.1f} mm off the edges, fits "
+                  "nowhere {}; valid is a smaller pad",
+                  width, 1e3 * plan.wish.margin, drawn ? "in cover.region" : "on the canvas"));
+}
+
+void note_rest(const SurfaceGrid& g, const CoverPlan& plan, const std::vector<char>& region,
+               std::vector<std::string>* notes) {
+  const double cm2 = 1e4;
+  if (!region.empty()) {
+    double off = 0.0;
+    for (std::size_t v = 0; v < g.size(); ++v)
+      if (region[v] && !g.known[v]) off += g.step * g.step;
+    if (off > 1e-4)
+      notes->push_back(fmt::format(
+          "{:.1f} cm² of cover.region, seen along the drawing axis, lie where no surface is seen, "
+          "or a steeper one than preflight.max_slope: not covered",
+          cm2 * off));
+  }
+  const double rest = plan.centres.wanted - plan.promised_area;
+  if (rest > 1e-5)
+    notes->push_back(fmt::format(
+        "{:.1f} of {:.1f} cm² are not covered: within the pad's margin of an edge or a hole, or "
+        "where the pad's face does not touch as a whole",
+        cm2 * rest, cm2 * plan.centres.wanted));
+}
+
+}  // namespace
+
+Scenario with_cover_defaults(Scenario s, const Places& places) {
+  const auto given = [&](const char* name) { return !places.of(name).starts_with("default of "); };
+  const SettingErrors errors(places);
+  if (s.tool.kind == ToolKind::pen && given("tool.kind"))
+    errors.raise({"tool.kind"},
+                 "tool.kind is pen: its ball touches at a point and covers no area; valid is pad");
+  if (s.tool.kind == ToolKind::pen) s.tool.kind = ToolKind::pad;
+  if (!given("path.draw_speed")) s.path.draw_speed = 0.1;
+  if (!given("path.draw_acceleration")) s.path.draw_acceleration = 1.0;
+  if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
+  const double r = s.tool.radius, voxel = s.perception.voxel;
+  NormalSettings& normals = s.perception.normals;
+  const int over = static_cast<int>(std::numbers::pi * r * r / (voxel * voxel));
+  normals.k = std::max(normals.k, std::min(over, kMostNeighbours));
+  normals.max_radius = std::max(normals.max_radius, 2.0 * r);
+  s.drawing.skip_unreachable = true;
+  return s;
+}
+
+CoverPlan plan_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
+                     const SettingErrors& errors, const std::function<void(double)>& progress) {
+  const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
+  if (!pad) errors.raise({"tool.kind"}, "tool.kind: only a pad covers an area; valid is pad");
+  const Eigen::AlignedBox2d box = extent_of(s, scene, X_WP);
+  const double step =
+      std::max({1e-3, s.tool.radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});
+  CoverPlan plan;
+  plan.grid = sample_surface(scene.surface, box, step, s.preflight.max_slope_deg, progress);
+  plan.wish.footprint = footprint_of(*pad);
+  plan.wish.spacing = 2.0 * pad->radius * (1.0 - s.cover.overlap);
+  plan.wish.direction_deg = s.cover.direction_deg;
+  plan.wish.margin = s.cover.margin;
+  if (!s.cover.region.empty())
+    plan.wish.region = errors.locate({"cover.region", "drawing.placement"},
+                                     [&] { return region_of(s, plan.grid); });
+  plan.centres = footprint_centres(plan.grid, plan.wish);
+  require_centres(plan, s, errors);
+  plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
+  const std::vector<char> promised =
+      swept(plan.grid, plan.lines.passes, plan.wish.footprint.radius - plan.wish.margin);
+  plan.promised_area = area_of(plan.grid, promised);
+  note_rest(plan.grid, plan, plan.wish.region, &plan.notes);
+  return plan;
+}
+
+TrueCover true_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
+                     const CoverPlan& plan) {
+  const SurfaceGrid& g = plan.grid;
+  const Eigen::Vector2d high = g.low + g.step * Eigen::Vector2d(g.nx - 1, g.ny - 1);
+  TrueCover truth;
+  truth.grid = sample_surface(canvas_height(scene.canvas, X_WP), {g.low, high}, g.step,
+                              s.preflight.max_slope_deg);
+  CoverWish wish = plan.wish;
+  wish.margin = 0.0;
+  if (truth.grid.nx != g.nx || truth.grid.ny != g.ny) wish.region.clear();
+  truth.reachable = swept(truth.grid, footprint_centres(truth.grid, wish), wish.footprint.radius);
+  return truth;
+}
+
+std::string cover_strokes(const CoverPlan& plan, const Scenario& s) {
+  const Placement page = place(Artwork{.strokes = {Stroke{.points = {{0, 0}, {1, 1}}}}},
+                               drawing_of_cover(s, {}).drawing.placement);
+  std::string text = "x,y,stroke\n";
+  int stroke = 0;
+  for (int pass = 0; pass < s.cover.passes; ++pass)
+    for (const auto& line : plan.lines.passes) {
+      for (const Eigen::Vector2d& p : line) {
+        const Eigen::Vector2d mm = page.to_page(p);
+        text += fmt::format("{:.4f},{:.4f},{}\n", mm.x(), mm.y(), stroke);
+      }
+      ++stroke;
+    }
+  return text;
+}
+
+Scenario drawing_of_cover(Scenario s, const std::filesystem::path& strokes) {
+  DrawingSettings drawing;
+  drawing.svg = strokes;
+  drawing.unit = PageUnit::mm;
+  drawing.keep_order = true;
+  drawing.tilt_deg = s.drawing.tilt_deg;
+  drawing.skip_unreachable = s.drawing.skip_unreachable;
+  drawing.redraw = s.drawing.redraw;
+  drawing.dry_run = s.drawing.dry_run;
+  drawing.placement = shape_placement(s.drawing.placement.centre_m);
+  s.drawing = drawing;
+  return s;
+}
+
+}  // namespace impedraw

@@ -1,0 +1,48 @@
+// Scenario + Scene → the lines that cover an area: the strokes of an ordinary drawing, which is then
+// planned, checked, drawn and judged as one.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/experiment/scene.h"
+#include "impedraw/planning/cover/cover_lines.h"
+#include "impedraw/settings/setting_error.h"
+
+namespace impedraw {
+
+struct CoverPlan {
+  SurfaceGrid grid;  // of the planner's surface, in P
+  CoverWish wish;
+  Centres centres;
+  CoverLines lines;
+  double promised_area = 0.0;      // [m²]
+  std::vector<std::string> notes;  // what of the area is not covered, one line each
+};
+
+// Of the scenario, as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,
+// 1 m/s², and normals fitted over at least the footprint. Throws InputError for another tool.
+Scenario with_cover_defaults(Scenario scenario, const Places& places);
+
+// Throws InputError where the region is no SVG with areas, lies off the canvas, or the footprint
+// fits nowhere in it. Places of P that the planner's surface does not show are not covered.
+CoverPlan plan_cover(const Scenario& scenario, const Scene& scene, const Pose& X_WP,
+                     const SettingErrors& setting_errors,
+                     const std::function<void(double)>& progress = {});
+
+// A grid over the same places with the heights of the true canvas, and what a perfect planner
+// reaches there: the footprint anywhere in the region where it touches and the slope allows it.
+struct TrueCover {
+  SurfaceGrid grid;
+  std::vector<char> reachable;
+};
+TrueCover true_cover(const Scenario& scenario, const Scene& scene, const Pose& X_WP,
+                     const CoverPlan& plan);
+
+// The passes as strokes (stroke_file.h, CSV), and the scenario that draws them from that file.
+std::string cover_strokes(const CoverPlan& plan, const Scenario& scenario);
+Scenario drawing_of_cover(Scenario scenario, const std::filesystem::path& strokes);
+
+}  // namespace impedraw

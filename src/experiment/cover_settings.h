@@ -1,0 +1,48 @@
+// The tool at the arm's end, and how an area is covered with it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "impedraw/common/range.h"
+#include "impedraw/simulation/pad_contact.h"
+
+namespace impedraw {
+
+enum class ToolKind { pen, pad, roller, blade, engraver };
+
+struct ToolSettings {
+  ToolKind kind = ToolKind::pen;
+  double radius = PadSettings().radius;             // of a pad [m]
+  double foam_thickness = PadSettings().thickness;  // [m]
+  double foam_stiffness = PadSettings().stiffness;  // [N/m³]
+  double foam_damping = PadSettings().damping;      // [N s/m³]
+
+  struct Limits {
+    static constexpr Limit radius = PadSettings::Limits::radius;
+    static constexpr Limit foam_thickness = {"foam_thickness", "m", {1e-3, 0.1}};
+    static constexpr Limit foam_stiffness = {"foam_stiffness", "N/m³", {1e4, 1e9}};
+    static constexpr Limit foam_damping = {"foam_damping", "N s/m³", {0.0, 1e6}};
+  };
+};
+
+// The pad of these settings, which lies level with E under `force` [N]; nothing for a pen.
+std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force);
+
+struct CoverSettings {
+  std::filesystem::path
+      region;                   // an SVG whose filled areas are covered; empty: all that is reached
+  double overlap = 0.55;        // of neighbouring lines, as a share of the footprint's width
+  double direction_deg = 90.0;  // of the lines, from the drawing plane's x axis
+  double margin = 1e-3;         // that the footprint keeps from edges [m]
+  int passes = 1;
+
+  struct Limits {
+    static constexpr Limit overlap = {"overlap", "", {0.0, 0.9}};
+    static constexpr Limit direction = {"direction", "deg", {-360.0, 360.0}};
+    static constexpr Limit margin = {"margin", "m", {0.0, 0.05}};
+    static constexpr Limit passes = {"passes", "", {1, 100}};
+  };
+};
+
+}  // namespace impedraw

@@ -1,0 +1,262 @@
+#include "impedraw/planning/cover/cover_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Dense>
+
+namespace impedraw {
+
+namespace {
+
+using Line = std::vector<Eigen::Vector2d>;
+
+constexpr double kKnots = 3e-3;  // between the points of a line [m]
+
+double length_of(const SurfaceGrid& g, const Line& line) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i)
+    sum += (g.lifted(line[i]) - g.lifted(line[i - 1])).norm();
+  return sum;
+}
+
+// Points evenly spread along the line.
+Line resampled(const Line& line, double spacing) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) length += (line[i] - line[i - 1]).norm();
+  const int n = std::max(1, static_cast<int>(std::lround(length / spacing)));
+  Line out = {line.front()};
+  double done = 0.0;
+  int next = 1;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const double piece = (line[i] - line[i - 1]).norm();
+    while (next < n && done + piece >= next * length / n) {
+      const double t = (next * length / n - done) / piece;
+      out.push_back(line[i - 1] + t * (line[i] - line[i - 1]));
+      ++next;
+    }
+    done += piece;
+  }
+  out.push_back(line.back());
+  return out;
+}
+
+// Takes the grid's steps out of a level line.
+Line smoothed(Line line) {
+  constexpr int kSmoothings = 3;
+  if (line.size() < 3) return line;
+  const bool closed = (line.front() - line.back()).norm() < 1e-9;
+  line = resampled(line, kKnots);
+  for (int k = 0; k < kSmoothings; ++k) {
+    Line next = line;
+    const std::size_t n = line.size();
+    for (std::size_t i = 1; i + 1 < n; ++i)
+      next[i] = 0.25 * line[i - 1] + 0.5 * line[i] + 0.25 * line[i + 1];
+    if (closed && n > 3)
+      next.front() = next.back() = 0.25 * line[n - 2] + 0.5 * line[0] + 0.25 * line[1];
+    line = std::move(next);
+  }
+  return line;
+}
+
+// Share of the footprint's places that touch, when its plane is that of the surface under it.
+double touching(const SurfaceGrid& g, std::size_t centre, const Footprint& foot) {
+  const Eigen::Vector3d c = g.point(centre);
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  around(g, c, foot.radius, [&](std::size_t v) {
+    const Eigen::Vector3d d = g.point(v) - c, x(1.0, d.x(), d.y());
+    A += x * x.transpose();
+    b += d.z() * x;
+  });
+  const Eigen::Vector3d plane = A.ldlt().solve(b);
+  const double along_normal = 1.0 / std::sqrt(1.0 + plane.tail<2>().squaredNorm());
+  int all = 0, touch = 0;
+  around(g, c, foot.radius, [&](std::size_t v) {
+    const Eigen::Vector3d d = g.point(v) - c;
+    const double h = (d.z() - plane.dot(Eigen::Vector3d(1.0, d.x(), d.y()))) * along_normal;
+    ++all;
+    touch += foot.compression + h > 0.0 && foot.compression + h < foot.thickness;
+  });
+  return all > 0 ? static_cast<double>(touch) / all : 0.0;
+}
+
+// The parts of a line on which the field is at least `least`.
+std::vector<Line> parts_above(const SurfaceGrid& g, const std::vector<double>& field, double least,
+                              const Line& line) {
+  std::vector<Line> parts;
+  Line part;
+  const auto close = [&] {
+    if (part.size() > 1) parts.push_back(part);
+    part.clear();
+  };
+  for (const Eigen::Vector2d& p : resampled(line, 1e-3)) {
+    if (g.sample(field, p) >= least)
+      part.push_back(p);
+    else
+      close();
+  }
+  close();
+  return parts;
+}
+
+// Without `cut` at both ends, if enough remains.
+Line shortened(const Line& line, double cut) {
+  Line fine = resampled(line, 1e-3);
+  const auto n = static_cast<std::size_t>(std::lround(cut / 1e-3));
+  if (fine.size() <= 2 * n + 4) return line;
+  return Line(fine.begin() + static_cast<std::ptrdiff_t>(n),
+              fine.end() - static_cast<std::ptrdiff_t>(n));
+}
+
+// A bend that leaves a along u and meets b against w, unit.
+Line bend(const Eigen::Vector2d& a, const Eigen::Vector2d& u, const Eigen::Vector2d& b,
+          const Eigen::Vector2d& w) {
+  const double reach = 2.0 / 3.0 * (b - a).norm();
+  Line line;
+  for (int i = 1; i < 12; ++i) {
+    const double t = i / 12.0, s = 1.0 - t;
+    line.push_back(s * s * s * a + 3 * s * s * t * (a + reach * u) +
+                   3 * s * t * t * (b + reach * w) + t * t * t * b);
+  }
+  return line;
+}
+
+struct Row {
+  int level;
+  Line line;
+};
+
+// Rows one after the other, each reversed where that is nearer.
+std::vector<Line> joined_rows(const SurfaceGrid& g, const std::vector<double>& clearance,
+                              std::vector<Row> rows, double spacing) {
+  constexpr double kJoin = 3.0;  // times the spacing, at most
+  std::vector<Line> passes;
+  std::optional<int> level;
+  while (!rows.empty()) {
+    const Eigen::Vector2d from = passes.empty() ? rows.front().line.front() : passes.back().back();
+    std::size_t best = 0;
+    bool turn = false, joins = false;
+    double nearest = kFar;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (const bool reversed : {false, true}) {
+        const Line& line = rows[i].line;
+        const Eigen::Vector2d to = reversed ? line.back() : line.front();
+        const double way = (g.lifted(to) - g.lifted(from)).norm();
+        bool can = level && std::abs(rows[i].level - *level) <= 1 && way <= kJoin * spacing;
+        for (double t = 0.1; can && t < 1.0; t += 0.1)
+          can = g.sample(clearance, from + t * (to - from)) >= 0.0;
+        // A row that can be joined comes first; else the first of those that are left.
+        if (can != joins ? !can : way >= nearest) continue;
+        best = i;
+        turn = reversed;
+        joins = can;
+        nearest = way;
+      }
+    Row row = std::move(rows[best]);
+    rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(best));
+    if (turn) std::reverse(row.line.begin(), row.line.end());
+    if (joins) {
+      Line& pass = passes.back();
+      const Eigen::Vector2d u = (pass.back() - pass[pass.size() - 2]).normalized();
+      const Eigen::Vector2d w = (row.line[0] - row.line[1]).normalized();
+      for (const Eigen::Vector2d& p : bend(pass.back(), u, row.line.front(), w)) pass.push_back(p);
+      pass.insert(pass.end(), row.line.begin(), row.line.end());
+    } else {
+      passes.push_back(std::move(row.line));
+    }
+    level = row.level;
+  }
+  return passes;
+}
+
+}  // namespace
+
+Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
+  Centres c;
+  std::vector<char> inside(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    inside[v] = g.known[v] && (wish.region.empty() || wish.region[v]);
+    if (inside[v]) c.wanted += g.area(v);
+  }
+  const double keep = wish.footprint.radius + wish.margin;
+  c.clearance = distance_to_edge(g, inside);
+  std::vector<char> even(g.size(), 1);
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    c.clearance[v] -= keep;
+    c.on_edge += inside[v] && c.clearance[v] < 0.0;
+    if (c.clearance[v] < -g.step || touching(g, v, wish.footprint) >= kTouching) continue;
+    even[v] = 0;
+    c.uneven += c.clearance[v] >= 0.0;
+  }
+  if (c.uneven > 0) {
+    const std::vector<double> off = distance_to_edge(g, even);
+    for (std::size_t v = 0; v < g.size(); ++v)
+      c.clearance[v] = std::min(c.clearance[v], even[v] ? off[v] : -g.step);
+  }
+  c.allowed.resize(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v) c.allowed[v] = c.clearance[v] >= 0.0;
+  return c;
+}
+
+CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const CoverWish& wish) {
+  CoverLines found;
+  const double radius = wish.footprint.radius;
+  for (Line& line : level_lines(g, centres.clearance, 0.0))
+    if (length_of(g, line) > radius) found.passes.push_back(smoothed(std::move(line)));
+
+  // The edge's line covers a strip as wide as the footprint; the rows cover the rest.
+  const double inner = std::min(wish.spacing, 0.95 * radius);
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  double n = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if (centres.clearance[v] >= inner) middle += g.plane(v), n += 1.0;
+  if (n == 0.0) return found;
+  middle /= n;
+  const double angle = wish.direction_deg * std::numbers::pi / 180.0;
+  const std::vector<double> across = distance_across(g, middle, {std::cos(angle), std::sin(angle)});
+  double low = kFar, high = -kFar;
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    if (centres.clearance[v] < inner) continue;
+    low = std::min(low, across[v]);
+    high = std::max(high, across[v]);
+  }
+  const int count = std::max(1, static_cast<int>(std::ceil((high - low) / wish.spacing)));
+  const double first = low + 0.5 * (high - low - (count - 1) * wish.spacing);
+  std::vector<Row> rows;
+  for (int k = 0; k < count; ++k)
+    for (const Line& whole : level_lines(g, across, first + k * wish.spacing))
+      for (Line& part : parts_above(g, centres.clearance, inner, smoothed(whole)))
+        if (length_of(g, part) > 0.2 * radius)
+          rows.push_back({k, resampled(shortened(part, 0.5 * wish.spacing), kKnots)});
+  found.rows = rows.size();
+  for (Line& pass : joined_rows(g, centres.clearance, std::move(rows), wish.spacing))
+    found.passes.push_back(std::move(pass));
+  return found;
+}
+
+std::vector<char> swept(const SurfaceGrid& g, const std::vector<Line>& lines, double radius) {
+  std::vector<char> places(g.size(), 0);
+  for (const Line& line : lines)
+    for (const Eigen::Vector2d& p : line.size() > 1 ? resampled(line, 1e-3) : line)
+      around(g, g.lifted(p), radius, [&](std::size_t v) { places[v] = 1; });
+  return places;
+}
+
+std::vector<char> swept(const SurfaceGrid& g, const Centres& centres, double radius) {
+  std::vector<char> places(g.size(), 0);
+  for (std::size_t c = 0; c < g.size(); ++c)
+    if (centres.allowed[c]) around(g, g.point(c), radius, [&](std::size_t v) { places[v] = 1; });
+  return places;
+}
+
+double area_of(const SurfaceGrid& g, const std::vector<char>& places) {
+  double sum = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if (places[v]) sum += g.area(v);
+  return sum;
+}
+
+}  // namespace impedraw

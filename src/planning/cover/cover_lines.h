@@ -1,0 +1,60 @@
+// Lines on which a round footprint covers an area of the surface.
+//
+// Centres   where the footprint keeps `margin` from every edge, and all of it would touch:
+//           δ + h_i > 0 for at least kTouching of its places, δ the mean compression of its foam,
+//           h_i the height of place i over the footprint's plane
+// Edge      one closed line along the border of the centres
+// Rows      level sets of the distance from a line across the middle (surface_grid.h), `spacing`
+//           apart on the surface, as far as the row beside the edge's line
+// Passes    the edge's lines, then the rows there and back, joined by bends as wide as their
+//           distance, lifted only where a join would leave the centres
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "impedraw/planning/cover/surface_grid.h"
+
+namespace impedraw {
+
+struct Footprint {
+  double radius = 0.015;      // [m]
+  double compression = 1e-3;  // δ, of the foam under the force asked for [m]
+  double thickness = 0.01;    // of the foam [m]
+};
+
+struct CoverWish {
+  Footprint footprint;
+  double spacing = 0.0134;      // of the rows [m]
+  double direction_deg = 90.0;  // of the rows, from the plane's x axis
+  double margin = 1e-3;         // [m]
+  std::vector<char> region;     // of the grid's vertices that are wanted; empty: all
+};
+
+inline constexpr double kTouching = 0.98;
+
+// The vertices on which the footprint may be centred.
+struct Centres {
+  std::vector<double> clearance;  // to the border of the centres, < 0 beyond it [m]
+  std::vector<char> allowed;
+  double wanted = 0.0;                  // area of the surface that is known and wanted [m²]
+  std::size_t on_edge = 0, uneven = 0;  // vertices that an edge, or an uneven footprint, rules out
+};
+Centres footprint_centres(const SurfaceGrid& grid, const CoverWish& wish);
+
+struct CoverLines {
+  std::vector<std::vector<Eigen::Vector2d>> passes;  // in the plane [m]
+  std::size_t rows = 0;                              // lines that are level sets
+};
+CoverLines cover_lines(const SurfaceGrid& grid, const Centres& centres, const CoverWish& wish);
+
+// The vertices that a disc of this radius covers, centred on each place of the lines.
+std::vector<char> swept(const SurfaceGrid& grid,
+                        const std::vector<std::vector<Eigen::Vector2d>>& lines, double radius);
+// And centred on each allowed vertex: what a perfect planner would reach.
+std::vector<char> swept(const SurfaceGrid& grid, const Centres& centres, double radius);
+
+double area_of(const SurfaceGrid& grid, const std::vector<char>& places);  // [m²]
+
+}  // namespace impedraw

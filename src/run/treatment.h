@@ -1,0 +1,69 @@
+// What a pad has treated, place by place, from its poses and forces: the world's for the truth, the
+// arm's own for what it knows.
+//
+//   δ   = rest − z_E of the place, within r of the pad's axis; p ∝ δ, Σ p dA = f      pressure [Pa]
+//   dose = ∫ p v dt      Preston: what is removed is k times this, k of the material    [Pa m]
+//
+// A place is treated once it was pressed for kShare of the time in which a footprint passes over
+// it, while the pad's mean pressure, over kMean, was within kBand of the one asked for.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "impedraw/common/pose.h"
+#include "impedraw/planning/cover/surface_grid.h"
+#include "impedraw/simulation/pad_contact.h"
+
+namespace impedraw {
+
+class TreatmentMap {
+ public:
+  static constexpr double kShare = 0.1, kMean = 0.02, kBand = 0.1;
+
+  // force: asked for [N]; speed: of the passes [m/s].
+  TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed);
+
+  // The pad is at X_PE, presses with this force along its normal and slides at `speed`, for dt.
+  void press(const Pose& X_PE, double force, double speed, double time, double dt);
+
+  const SurfaceGrid& grid() const { return grid_; }
+  double area(std::size_t v) const { return area_[v]; }              // of a place [m²]
+  double dose(std::size_t v) const { return dose_[v]; }              // [Pa m]
+  double pressure_time(std::size_t v) const { return impulse_[v]; }  // ∫ p dt [Pa s]
+  bool treated(std::size_t v) const { return good_[v] >= kShare * crossing_; }
+  int visits(std::size_t v) const { return visits_[v]; }  // apart by kApart
+  // Of the pad's mean pressure, while it slides at over a tenth of its speed [Pa].
+  double pressure_mean() const;
+  double pressure_sd() const;
+
+ private:
+  static constexpr double kApart = 0.1;  // [s]
+
+  SurfaceGrid grid_;
+  PadSettings pad_;
+  double asked_, speed_, crossing_;  // [Pa], [m/s], [s]
+  double mean_ = 0.0;                // of the pad's pressure over kMean [Pa]
+  double last_time_ = -1.0;
+  double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
+  std::vector<double> area_, dose_, impulse_, good_, last_;
+  std::vector<int> visits_;
+  std::vector<std::pair<std::size_t, double>> under_;  // vertices under the pad, δ [m]
+};
+
+// Of the places that are marked: share of their area that is treated; the mean and the coefficient
+// of variation of their dose.
+struct TreatmentShares {
+  double area = 0.0, treated = 0.0, twice = 0.0;  // [m²]; visited more than once
+  double dose_mean = 0.0, dose_cv = 0.0;
+};
+TreatmentShares shares_of(const TreatmentMap& map, const std::vector<char>& places);
+
+// Patches of places that are marked and not treated.
+struct MissedPatch {
+  Eigen::Vector3d middle_P;
+  double area;  // [m²]
+};
+std::vector<MissedPatch> missed(const TreatmentMap& map, const std::vector<char>& places);
+
+}  // namespace impedraw

@@ -1,0 +1,81 @@
+#include "impedraw/simulation/pad_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+namespace impedraw {
+
+double PadSettings::area() const { return std::numbers::pi * radius * radius; }
+
+// Ring j has 6 j cells between the radii r √((3 j² ∓ 3 j + 1)/N), at the radius of gyration between
+// them, so that the moments of inertia are those of the disc.
+PadContact::PadContact(const PadSettings& settings) : settings_(settings) {
+  std::size_t cell = 0;
+  cells_[cell++] = Eigen::Vector2d::Zero();
+  for (int j = 1; j <= kRings; ++j) {
+    const double inner2 = 3.0 * j * j - 3.0 * j + 1.0, outer2 = 3.0 * j * j + 3.0 * j + 1.0;
+    const double radius = settings.radius * std::sqrt(0.5 * (inner2 + outer2) / kCells);
+    for (int i = 0; i < 6 * j; ++i) {
+      const double angle = 2.0 * std::numbers::pi * (i + 0.5 * (j % 2)) / (6 * j);
+      cells_[cell++] = radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    }
+  }
+  reset();
+}
+
+void PadContact::reset() noexcept {
+  pressure_.fill(0.0);
+  shear_.fill(Eigen::Vector3d::Zero());
+  load_ = {};
+}
+
+const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const Vector6& V_KE,
+                                 double dt) noexcept {
+  load_ = {};
+  const double reach = settings_.rest + settings_.radius;
+  if (!canvas.closest(X_KE.p, reach + settings_.thickness)) {
+    reset();
+    return load_;
+  }
+  const Eigen::Vector3d z = X_KE.R.col(2), v = V_KE.head<3>(), w = V_KE.tail<3>();
+  const double area = settings_.area() / kCells, shear_stiffness = 0.5 * settings_.stiffness;
+  Eigen::Vector3d normals = Eigen::Vector3d::Zero(), centres = Eigen::Vector3d::Zero();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kCells; ++i) {
+    const Eigen::Vector3d disc(cells_[i].x(), cells_[i].y(), settings_.rest - settings_.thickness);
+    const auto hit = canvas.ray(X_KE * disc, z);
+    const double compression = hit ? settings_.thickness - hit->t : -1.0;
+    if (compression <= 0.0) {
+      pressure_[i] = 0.0;
+      shear_[i].setZero();
+      continue;
+    }
+    // Of an open sheet either side bears the pad.
+    const Eigen::Vector3d n = hit->n_W.dot(z) < 0.0 ? hit->n_W : Eigen::Vector3d(-hit->n_W);
+    const Eigen::Vector3d arm = hit->p_W - X_KE.p, v_i = v + w.cross(arm);
+    const double p = settings_.pressure(compression, -n.dot(v_i));
+    pressure_[i] = p;
+    Eigen::Vector3d& s = shear_[i];
+    s += dt * v_i;
+    s -= n * n.dot(s);
+    const double most = settings_.friction * p / shear_stiffness, size = s.norm();
+    if (size > most) s *= most / size;
+    const Eigen::Vector3d f = area * (p * n - shear_stiffness * s);
+    load_.f += f;
+    load_.m += arm.cross(f);
+    normals += p * n;
+    centres += p * hit->p_W;
+    sum += p;
+  }
+  load_.touching = sum > 0.0;
+  if (load_.touching) {
+    load_.n = normals.normalized();
+    load_.centre = centres / sum;
+  }
+  return load_;
+}
+
+}  // namespace impedraw

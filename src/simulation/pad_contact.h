@@ -1,0 +1,82 @@
+// Contact of a pad with the canvas: a rigid disc that carries a layer of foam. The foam is a bed of
+// independent springs (Winkler), and each of its cells slides by Coulomb's law.
+//
+//   δ_i  = ray from the disc at cell i along z_E, which meets the canvas within the foam [m]
+//   p_i  = max(0, k δ_i − b n_i·v_i)                             pressure [Pa], along n_i
+//   s_i ← s_i + (1 − n_i n_iᵀ) v_i dt,  |k_s s_i| ≤ μ p_i         shear, k_s = k/2: no Poisson ratio
+//   F    = Σ A_i (p_i n_i − k_s s_i)                              and its moment about E
+//
+// v_i: velocity of the foam's face at the cell relative to the canvas. The free face lies `rest`
+// before E, so that E lies on a flat canvas that the pad presses with k π r² `rest`.
+//
+// On a plane, pressed by d and tilted by θ: F = k π r² d, M = k π r⁴/4 θ; sliding |F_t| = μ F;
+// turning on the spot M = 2/3 μ F r.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include <Eigen/Core>
+
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/common/pose.h"
+#include "impedraw/common/range.h"
+#include "impedraw/control/arm_terms.h"
+
+namespace impedraw {
+
+struct PadSettings {
+  double radius = 0.015;     // r [m]
+  double thickness = 0.010;  // of the foam [m]
+  double stiffness = 5e6;    // k, pressure per compression [N/m³]
+  double damping = 2e4;      // b [N s/m³]
+  double friction = 0.3;     // μ
+  double rest = 0.0;         // of the free face before E [m]
+
+  struct Limits {
+    static constexpr Limit radius = {"radius", "m", {2e-3, 0.1}};
+    static constexpr Limit thickness = {"thickness", "m", {1e-3, 0.1}};
+    static constexpr Limit stiffness = {"stiffness", "N/m³", {1e4, 1e9}};
+    static constexpr Limit damping = {"damping", "N s/m³", {0.0, 1e6}};
+  };
+
+  double area() const;  // π r² [m²]
+  // Pressure of the foam, compressed by δ at the rate v [Pa].
+  double pressure(double compression, double rate) const {
+    return compression > 0.0 ? std::max(0.0, stiffness * compression + damping * rate) : 0.0;
+  }
+};
+
+struct PadLoad {
+  bool touching = false;
+  Eigen::Vector3d f = Eigen::Vector3d::Zero();   // of the canvas on the pad [N]
+  Eigen::Vector3d m = Eigen::Vector3d::Zero();   // its moment about E [Nm]
+  Eigen::Vector3d n = Eigen::Vector3d::UnitZ();  // of the cells, weighted by their pressure; unit
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of pressure [m]
+};
+
+class PadContact {
+ public:
+  static constexpr int kRings = 3, kCells = 1 + 3 * kRings * (kRings + 1);  // of equal area
+
+  explicit PadContact(const PadSettings& settings);
+
+  void reset() noexcept;
+  // X_KE, V_KE: of E in the canvas's frame and relative to it, V_KE = [v; ω]. The result is in K.
+  // Advances the shear by dt. Allocates nothing.
+  const PadLoad& press(const Canvas& canvas, const Pose& X_KE, const Vector6& V_KE,
+                       double dt) noexcept;
+
+  const PadSettings& settings() const { return settings_; }
+  const std::array<Eigen::Vector2d, kCells>& cells() const { return cells_; }  // in E [m]
+  const std::array<double, kCells>& pressures() const { return pressure_; }    // [Pa]
+
+ private:
+  PadSettings settings_;
+  std::array<Eigen::Vector2d, kCells> cells_;
+  std::array<double, kCells> pressure_;
+  std::array<Eigen::Vector3d, kCells> shear_;  // in K [m]
+  PadLoad load_;
+};
+
+}  // namespace impedraw
