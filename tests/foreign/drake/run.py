@@ -1,6 +1,6 @@
 """impedraw's drawings on Drake's iiwa, judged from Drake's own log, and what happens when something is missing or dies.
 
-Usage: .venv/bin/python tests/foreign/drake/run.py [--all] [CASE …]    (default: absent, sine, slider-sine, broker-killed, sigterm)
+Usage: .venv/bin/python tests/foreign/drake/run.py [--all] [CASE …]    (default: absent, sine, slider-sine, eyes-sine, broker-killed, sigterm)
 Exit code 0 if every bound of bounds.json and every check holds. Leaves build/foreign/drake/figures.json.
 """
 import contextlib
@@ -22,10 +22,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 import cases  # noqa: E402
 from cases import PROGRAM, ROOT, make_urdf, one_line, require, unused_port, wait_until_drawing  # noqa: E402
-from judge import judge  # noqa: E402
+from judge import bowl, judge, wave  # noqa: E402
 
 DRAKE = ROOT / "build/drake-venv/bin/python"
 OUT = ROOT / "build/foreign/drake"
+CANVASES = {"bowl": bowl, "wave": wave}
 BOUNDS = json.loads((HERE / "bounds.json").read_text())
 
 # scenario, arguments of simulate.py
@@ -36,6 +37,15 @@ DRAWINGS = {
     "m-no-wrench": ("iiwa-m-no-wrench.yaml", []),
     "sine-heavy": ("iiwa-sine-no-wrench.yaml", ["--rotor", "0.1", "--pen-mass", "1.2"]),
     "sine-heavy-wrench": ("iiwa-sine.yaml", ["--wrench", "--rotor", "0.1", "--pen-mass", "1.2"]),
+}
+# Drake's eyes, too: what it stands before, the drawing, and a seed for the faults of its cameras.
+SEEN = {
+    "eyes-sine": ("bowl", ["--shape", "sine"], None),
+    "eyes-m": ("bowl", ["--shape", "M"], None),
+    "eyes-text": ("wave", ["--text", "Hello"], None),
+    "eyes-sine-faulty": ("bowl", ["--shape", "sine"], 1),
+    "eyes-m-faulty": ("bowl", ["--shape", "M"], 2),
+    "eyes-text-faulty": ("wave", ["--text", "Hello"], 3),
 }
 
 
@@ -73,6 +83,28 @@ def draw(name):
     # The last status is one that comes after the driver has left.
     found["unanswered"] = found["statuses_sent"] - found["statuses_answered"]
     return found
+
+
+def look(name, start, canvas, seed):
+    """The capture of Drake's cameras, the arm at its start in the picture."""
+    folder = OUT / f"{name}-capture"
+    shutil.rmtree(folder, ignore_errors=True)
+    faults = [] if seed is None else ["--faults", str(seed)]
+    subprocess.run([DRAKE, HERE / "look.py", folder, "--start=" + ",".join(map(repr, start)), "--canvas", canvas, *faults], check=True, capture_output=True)
+    return folder
+
+
+def draw_seen(name):
+    """Arm, contact, clock and eyes are Drake's; no model of the canvas is given."""
+    canvas, drawing, seed = SEEN[name]
+    scenario, file, start = HERE / "iiwa-eyes.yaml", OUT / f"{name}.npz", start_posture(HERE / "iiwa-sine.yaml")
+    capture = look(name, start, canvas, seed)
+    with broker() as (url, _), simulation(url, file, start, ["--wrench", "--canvas", canvas]):
+        run = subprocess.run([*draw_arguments(scenario, url, OUT / name), *drawing, "--set", f"perception.capture={capture}"], capture_output=True, text=True)
+        if run.returncode:
+            raise RuntimeError(f"impedraw ended with {run.returncode}: {run.stderr.strip()}")
+    (OUT / f"{name}.notes").write_text(run.stderr)
+    return judge(file, OUT / name, CANVASES[canvas], seen=True)
 
 
 def slider(name):
@@ -220,6 +252,7 @@ def stock_rate():
 
 CASES = {
     **{name: functools.partial(draw, name) for name in DRAWINGS},
+    **{name: functools.partial(draw_seen, name) for name in SEEN},
     **{name: functools.partial(slider, name) for name in ("slider-sine", "slider-m")},
     "absent": absent,
     "other-arm": other_arm,
@@ -233,7 +266,7 @@ CASES = {
     "hold": hold,
     "speed": speed,
 }
-USUAL = ["absent", "sine", "slider-sine", "broker-killed", "sigterm"]
+USUAL = ["absent", "sine", "slider-sine", "eyes-sine", "broker-killed", "sigterm"]
 EVERY = [name for name in CASES if name in BOUNDS or name not in DRAWINGS]
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The arm and the bowl for Drake: files made from impedraw's own URDF and from the bowl's parameters."""
+"""The arm and what it draws on for Drake: files made from impedraw's own URDF and from the bowl's and the wave's parameters."""
 import math
 import pathlib
 import xml.etree.ElementTree as ElementTree
@@ -14,12 +14,17 @@ CONTACT = yaml.safe_load((HERE / "contact.yaml").read_text())
 BOWL_RADIUS, BOWL_CENTRE, BOWL_OPENING = 0.30, numpy.array([0.60, 0.0, 0.40]), 0.18
 
 
-def arm_urdf(out, mass_of_pen=1.0, rotor_inertia=0.0):
-    """models/iiwa14_pen.urdf as Drake needs it: a motor on each joint, no bodies that collide but a compliant ball at the tip."""
+# Its standard wave (canvas.wave).
+WAVE_CENTRE, WAVE_SIDE, WAVE_AMPLITUDE, WAVE_LENGTH = numpy.array([0.60, 0.0, 0.10]), 0.36, 0.015, 0.20
+
+
+def arm_urdf(out, mass_of_pen=1.0, rotor_inertia=0.0, seen=False):
+    """models/iiwa14_pen.urdf as Drake needs it: a motor on each joint, no bodies that collide but a compliant ball at the tip.
+    `seen`: with the shapes that a camera sees."""
     tree = ElementTree.parse(ROOT / "models/iiwa14_pen.urdf")
     robot = tree.getroot()
     for link in robot.findall("link"):
-        for kind in ("collision", "visual"):
+        for kind in ("collision",) if seen else ("collision", "visual"):
             for element in link.findall(kind):
                 link.remove(element)
     if mass_of_pen != 1.0:
@@ -89,7 +94,32 @@ def bowl_obj(out):
     assert (inward > 0).all() or (inward < 0).all(), "triangles of both orientations"
     if inward[0] < 0:
         faces = [(f[0], f[2], f[1]) for f in faces]
+    return write_obj(out, vertices, faces)
+
+
+def wave_obj(out):
+    """The wave on a grid whose vertices lie on it."""
+    n = math.ceil(WAVE_SIDE / CONTACT["wave_edge"])
+    x, y = (a.ravel() for a in numpy.meshgrid(*2 * [WAVE_SIDE * (numpy.arange(n + 1) / n - 0.5)]))
+    z = WAVE_AMPLITUDE * numpy.sin(2 * math.pi * x / WAVE_LENGTH)
+    first = [row * (n + 1) + column for row in range(n) for column in range(n)]
+    faces = [f for i in first for f in ((i, i + 1, i + n + 2), (i, i + n + 2, i + n + 1))]
+    return write_obj(out, numpy.stack([x, y, z], 1) + WAVE_CENTRE, faces)
+
+
+def write_obj(out, vertices, faces):
+    """With normals of the vertices, which Drake's renderer asks for."""
+    f = numpy.array(faces)
+    a, b, c = (vertices[f[:, k]] for k in range(3))
+    normals = numpy.zeros_like(vertices)
+    for k in range(3):
+        numpy.add.at(normals, f[:, k], numpy.cross(b - a, c - a))
+    normals /= numpy.linalg.norm(normals, axis=1)[:, None]
     with open(out, "w") as file:
         file.writelines(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in vertices)
-        file.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
+        file.writelines(f"vn {x:.6g} {y:.6g} {z:.6g}\n" for x, y, z in normals)
+        file.writelines(f"f {i}//{i} {j}//{j} {k}//{k}\n" for i, j, k in f + 1)
     return out
+
+
+CANVASES = {"bowl": bowl_obj, "wave": wave_obj}

@@ -4,7 +4,7 @@ The loop of the driver's side is Drake's own: SimIiwaDriver, IiwaCommandReceiver
 the wall's; from then on in lock-step (each status waits for the command that echoes its utime) or free (--free). With --wrench, the
 force of Drake's contact on the pen is sent beside, WRENCH_DELAY late. Everything is logged here: what is judged is Drake's own.
 
-Usage: simulate.py URL OUT.npz --start q1,…,q7 [--wrench] [--free] [--seconds S] [--pen-mass 1.2] [--rotor 0.1]
+Usage: simulate.py URL OUT.npz --start q1,…,q7 [--wrench] [--free] [--seconds S] [--pen-mass 1.2] [--rotor 0.1] [--canvas wave]
 """
 import argparse
 import collections
@@ -51,8 +51,8 @@ def build(folder, lcm, arguments):
     friction = CoulombFriction(scene.CONTACT["friction"], scene.CONTACT["friction"])
     AddContactMaterial(dissipation=scene.CONTACT["dissipation"], friction=friction, properties=properties)
     AddRigidHydroelasticProperties(scene.CONTACT["bowl_edge"], properties)
-    bowl = scene.bowl_obj(f"{folder}/bowl.obj")
-    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), Mesh(str(bowl), 1.0), "bowl", properties)
+    canvas = scene.CANVASES[arguments.canvas](f"{folder}/canvas.obj")
+    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), Mesh(str(canvas), 1.0), "canvas", properties)
     plant.Finalize()
 
     # The arm that Drake's driver compensates: the true one, as the iiwa's own controller would with its tool told to it.
@@ -117,6 +117,7 @@ def main():
     parser.add_argument("--pen-mass", type=float, default=1.0)
     parser.add_argument("--rotor", type=float, default=0.0)
     parser.add_argument("--rate", type=float, default=1000.0, help="of the statuses [Hz]")
+    parser.add_argument("--canvas", choices=scene.CANVASES, default="bowl")
     parser.add_argument("--shove", type=float, default=0.0, help="torque on joint 4, 3 s after the first command [Nm]")
     arguments = parser.parse_args()
 
