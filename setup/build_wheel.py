@@ -34,7 +34,7 @@ def check(root):
         return dict(line.partition(" ")[0].lower().split("==") for line in lines if "==" in line and line[0] != "#")
 
     pinned = {}
-    for name in ("requirements.txt", "setup/camera-requirements.txt", "setup/sweep-requirements.txt"):
+    for name in ("requirements.txt", "setup/camera-requirements.txt", "setup/image-requirements.txt", "setup/sweep-requirements.txt"):
         pinned |= pins((root / name).read_text().splitlines())
     tools = pins((root / "setup/wheel-requirements.txt").read_text().splitlines())
     of = tomllib.loads((root / "pyproject.toml").read_text())

@@ -53,7 +53,7 @@ doctor() {
   echo
   echo "Disk"
   for name in "$venv" "$root/build" "$root/runs" "$root/dist"; do printf '  %-6s %s\n' "$(disk "$name")" "$name"; done
-  for name in sweep-venv camera-venv python-tests wheel-tools wheel-test; do
+  for name in sweep-venv camera-venv image-venv python-tests wheel-tools wheel-test; do
     [[ ! -d $root/build/$name ]] || printf '  %-6s of it %s\n' "$(disk "$root/build/$name")" "$root/build/$name"
   done
 

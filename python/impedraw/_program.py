@@ -38,6 +38,7 @@ def found(argument: str) -> str:
 _EXTRAS = {
     "calibrate-camera": ("camera", ("cv2", "scipy")),
     "capture": ("camera", ("cv2", "scipy")),
+    "image": ("image", ("PIL", "scipy", "skimage")),
     "sweep": ("sweep", ("pyarrow", "ray", "optuna", "yaml")),
 }
 

@@ -1,0 +1,136 @@
+"""The command ``impedraw image``, which the program also calls for ``--image`` and ``--trace``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import pathlib
+import resource
+import sys
+import time
+
+import numpy as np
+
+from . import ink, tones, trace
+from .picture import Refused, read_tone
+
+MOST_MEMORY = 2_000_000_000  # [bytes] of data
+LONGEST = 2400  # the sides of a scan that is traced [pixels]
+FINEST = 2000  # the longer side of an area of an SVG that is traced [pixels]
+
+
+class Progress:
+    """A line on a terminal once two seconds have passed."""
+
+    def __init__(self, what: str) -> None:
+        self.what, self.start, self.shown = what, time.monotonic(), False
+
+    def __call__(self, share: float) -> None:
+        if sys.stderr.isatty() and time.monotonic() - self.start > 2:
+            print(f"\r{self.what} {100 * min(share, 1):3.0f} %\033[K", end="", file=sys.stderr, flush=True)
+            self.shown = True
+
+    def close(self) -> None:
+        if self.shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def traced_areas(text: str, progress: Progress) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Of areas in JSON: [{"even_odd": …, "outlines": [[[x, y], …], …]}, …]."""
+    strokes, areas = [], json.loads(text)
+    for index, area in enumerate(areas):
+        outlines = [np.array(o, float) for o in area["outlines"] if len(o) > 2]
+        span = max((np.ptp(np.vstack(outlines), axis=0)), default=0.0) if outlines else 0.0
+        if span <= 0:
+            continue
+        scale = FINEST / span
+        inside, low = trace.filled(outlines, area["even_odd"], scale)
+        strokes += [(points / scale + low, widths / scale) for points, widths in trace.centre_lines(inside)]
+        progress((index + 1) / len(areas))
+    return strokes
+
+
+def rows_of(strokes: list[tuple[np.ndarray, np.ndarray | None]]) -> str:
+    widths = any(w is not None for _, w in strokes)
+    rows = ["x,y,stroke,width" if widths else "x,y,stroke"]
+    for index, (points, width) in enumerate(strokes):
+        if widths:
+            rows += [f"{x:.4f},{y:.4f},{index},{w:.4f}" for (x, y), w in zip(points.tolist(), width.tolist())]
+        else:
+            rows += [f"{x:.4f},{y:.4f},{index}" for x, y in points.tolist()]
+    return "\n".join(rows) + "\n"
+
+
+def drawn(options: argparse.Namespace, progress: Progress) -> tuple[list, str]:
+    """Strokes [mm], and a sentence about them."""
+    if options.areas:
+        strokes = traced_areas(options.picture.read_text(), progress)
+        return strokes, f"{len(strokes)} centre lines"
+    # Four pixels to the pen's width would be more than it can show; fewer than 256 would be too coarse.
+    per_mm = 1.6 / options.pen
+    longest = LONGEST if options.style == "trace" else int(np.clip(per_mm * options.size, 256, 1400))
+    tone = read_tone(options.picture, longest)
+    mm = options.size / max(tone.shape)
+    if options.style == "trace":
+        times = 3 if max(tone.shape) <= 1600 else 2
+        progress(0.1)
+        strokes = [(points * mm / times, widths * mm / times) for points, widths in trace.centre_lines(trace.ink_of(tone, times))]
+        if not strokes:
+            raise Refused("has nothing to trace: its tone is even")
+        return strokes, f"{len(strokes)} centre lines"
+    if tone.max() <= tones.FAINTEST:
+        raise Refused("has nothing to draw: it is white")
+    if max(tone.shape) < longest:  # a small picture: lines are finer than its pixels
+        from scipy.ndimage import zoom
+
+        tone = np.clip(zoom(tone, longest / max(tone.shape), order=1, grid_mode=True, mode="nearest"), 0, 1)
+        mm = options.size / max(tone.shape)
+    lines = tones.strokes_of(tone, options.style, options.pen / mm, options.points, options.angle, options.seed, progress)
+    if not lines:
+        raise Refused(f"has nothing to draw as {options.style} at {options.size:g} mm with a pen of {options.pen:g} mm")
+    likeness = ink.correlation(tone, ink.coverage(lines, tone.shape, options.pen / mm))
+    return [(line * mm, None) for line in lines], f"{options.style}, {len(lines)} lines, tone correlates {likeness:.3f} with the picture's"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(prog="impedraw image", description="Makes strokes of a picture: a file that draw, plan, place and inspect take as --svg.")
+    parser.add_argument("picture", type=pathlib.Path, help="a PNG or JPEG")
+    parser.add_argument("--style", choices=[*tones.STYLES, "trace"], default="stipple", help="how lines show tone; trace: the centre lines of a drawing")
+    parser.add_argument("--size", type=float, default=180.0, help="the longer side of the page [mm]")
+    parser.add_argument("--pen", type=float, default=0.5, help="width of the line [mm]")
+    parser.add_argument("--points", type=int, default=5000, help="of stipple")
+    parser.add_argument("--angle", type=float, default=45.0, help="of hatch and cross-hatch [degrees]")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="the file of strokes, .csv")
+    parser.add_argument("--name", help=argparse.SUPPRESS)  # of the picture, in messages
+    parser.add_argument("--areas", action="store_true", help=argparse.SUPPRESS)  # the file holds areas to trace
+    options = parser.parse_args(words[1:] if words[:1] == ["image"] else words)
+    name, progress = options.name or str(options.picture), Progress("lines of the picture")
+    resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))
+    try:
+        for what, value, least, most in (("size", options.size, 1, 10000), ("pen", options.pen, 0.01, 100), ("points", options.points, 3, 100000)):
+            if not least <= value <= most:
+                raise Refused(f"--{what} is {value:g}; valid are {least:g} to {most:g}")
+        if not options.picture.exists():
+            raise Refused("does not exist")
+        strokes, said = drawn(options, progress)
+        options.out.write_text(rows_of(strokes))
+    except Refused as error:
+        progress.close()
+        print(f"{name}: {error}", file=sys.stderr if options.name is None else sys.stdout)
+        return 2
+    except MemoryError:
+        progress.close()
+        print(f"{name}: needs more than 2 GB of memory", file=sys.stderr if options.name is None else sys.stdout)
+        return 2
+    except OSError as error:
+        print(f"{error.filename or name}: {error.strerror}", file=sys.stderr if options.name is None else sys.stdout)
+        return 2
+    progress.close()
+    print(said if options.name is not None else f"{name}: {said}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
