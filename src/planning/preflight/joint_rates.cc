@@ -63,8 +63,11 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   // The arm comes from elsewhere, and settles.
   const SplinePoint first = spline.at(0.0);
   const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : first.n;
-  const IkResult begun = find_posture(*arm_, {X_WP_ * first.p, -(X_WP_.R * n)}, q_);
-  if (begun.reached) q_ = begun.q;
+  const PenPlacement at_first{X_WP_ * first.p, -(X_WP_.R * n)};
+  IkResult begun = find_posture(*arm_, at_first, q_);
+  // The part before may have wound the joints up beyond their limits.
+  if (!begun.reached) begun = find_posture(*arm_, at_first, rest_);
+  q_ = begun.q;
   bool known = follow(first, kRelax);
   for (int i = 0; known && i < 5; ++i) known = follow(spline.at(0.0), kRelax);
   const int steps = std::max(1, static_cast<int>(std::ceil(spline.length() / kStep)));

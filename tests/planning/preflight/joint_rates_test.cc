@@ -231,5 +231,31 @@ TEST(JointRates, AnEasyStrokeKeepsItsTime) {
             plan_tip_path(sine, surfaces::bowl, settings).duration());
 }
 
+// The defect: lines that pass by the base wound the joints up by whole turns, and each stroke after
+// such a one crawled.
+TEST(JointRates, AStrokeThatWindsTheArmUpSlowsNoneAfterIt) {
+  ArmModel arm(surfaces::kArm);
+  const JointVector start = surfaces::start_posture(arm);
+  const PathSettings settings;
+  const PlacedStroke sine = surfaces::shape("sine")[0];
+  // Of the sine, the last stroke [s].
+  const auto time = [&](const std::vector<PlacedStroke>& strokes) {
+    const StrokeTimes last =
+        plan_tip_path(strokes, surfaces::waves, settings, JointRates(arm, settings, start, start))
+            .strokes()
+            .back();
+    return last.end - last.start;
+  };
+  const double alone = time({sine});
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> side(-0.9, 0.9);
+    std::vector<Eigen::Vector2d> wild;
+    for (int i = 0; i < 6; ++i) wild.emplace_back(side(random), side(random));
+    EXPECT_LT(time({surfaces::line(wild), sine}), 1.3 * alone);
+  }
+}
+
 }  // namespace
 }  // namespace impedraw
