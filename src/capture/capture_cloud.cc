@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/capture/clean_view.h"
+#include "impedraw/capture/unquantised.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/perception/normals.h"
 
@@ -229,6 +230,7 @@ CaptureCloud cloud_of(Capture capture, const CloudSettings& settings, const ArmS
   std::vector<std::vector<Capsule>> arms;
   for (CapturedView& view : capture.views) {
     counts.push_back(clean(&view));
+    smooth_quanta(view.quantum, &view.depth);
     arms.push_back(view.joints.empty() ? std::vector<Capsule>{} : arm(view.joints));
   }
   if (aligned && capture.views.size() > 1) align(&capture, settings, arms, &result);

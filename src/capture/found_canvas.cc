@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <random>
+#include <set>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
@@ -120,6 +122,24 @@ std::vector<Vector3d> upper_points(const std::vector<Vector3d>& points, const Dr
   return upper;
 }
 
+// A part that stands on the table is as wide, seen along the drawing axis, as a quarter of the
+// drawing's circle.
+bool bears_drawing(const std::vector<Vector3d>& standing, const DrawnAbout& drawing) {
+  constexpr double kShare = 0.25;
+  int parts = 0;
+  const std::map<CubeKey, int> part = parts_of(standing, &parts);
+  std::vector<std::set<std::array<long, 2>>> squares(static_cast<std::size_t>(parts));
+  const Pose X_PW = drawing.X_WP.inverse();
+  double most = 0.0;
+  for (const Vector3d& p : standing) {
+    const CubeKey at = cube_at(X_PW * p, kGap);
+    auto& of_part = squares[static_cast<std::size_t>(part.at(cube_at(p, kGap)))];
+    of_part.insert({at[0], at[1]});
+    most = std::max(most, kGap * kGap * static_cast<double>(of_part.size()));
+  }
+  return most > kShare * std::numbers::pi * drawing.radius * drawing.radius;
+}
+
 void append_point(const PointCloud& from, std::size_t i, PointCloud* to) {
   to->points.push_back(from.points[i]);
   to->camera.push_back(from.camera[i]);
@@ -136,18 +156,25 @@ FoundCanvas find_canvas(const PointCloud& cloud, const DrawnAbout& drawing,
   std::optional<TablePlane> table;
   if (sparse.size() > 100) table = table_in(sparse, drawing.X_WP.R.col(2));
   const auto on_table = [&](const Vector3d& p) { return table->height(p) < kOnTable; };
-  if (table) {
+  const auto above_table = [&] {
+    std::vector<Vector3d> standing;
+    for (const Vector3d& p : sparse)
+      if (!table || !on_table(p)) standing.push_back(p);
+    return standing;
+  };
+  if (table && !drawing.placed) {
+    if (!bears_drawing(above_table(), drawing)) table.reset();
+  } else if (table) {
     const std::vector<Vector3d> middle = upper_points(sparse, drawing, kAboutMiddle);
     if (2 * std::count_if(middle.begin(), middle.end(), on_table) >
         static_cast<std::ptrdiff_t>(middle.size()))
       table.reset();  // the drawing lies on it
   }
-  std::vector<Vector3d> standing;
-  for (const Vector3d& p : sparse)
-    if (!table || !on_table(p)) standing.push_back(p);
+  const std::vector<Vector3d> standing = above_table();
   int parts = 0;
   const std::map<CubeKey, int> part = parts_of(standing, &parts);
-  const std::vector<Vector3d> upper = upper_points(standing, drawing, drawing.radius);
+  std::vector<Vector3d> upper;
+  if (drawing.placed) upper = upper_points(standing, drawing, drawing.radius);
   std::vector<std::size_t> drawn_on(static_cast<std::size_t>(parts)), size(drawn_on);
   for (const Vector3d& p : upper) ++drawn_on[static_cast<std::size_t>(part.at(cube_at(p, kGap)))];
   for (const Vector3d& p : standing) ++size[static_cast<std::size_t>(part.at(cube_at(p, kGap)))];

@@ -5,7 +5,8 @@
 // (RANSAC) and refined by least squares. It stays where the drawing's middle lies on it. What is
 // left falls into connected parts, with gaps of 1 cm or more between them. A part stays if it holds
 // at least a tenth of the upper surface within `radius` of the drawing's middle; if none does, the
-// largest one.
+// largest one. Of a drawing that looks for its place on the object, the middle says nothing: the
+// table goes if a part that stands on it could bear the drawing, and the largest part stays.
 //
 // Source: M. Fischler, R. Bolles, "Random sample consensus", CACM 1981.
 #pragma once
@@ -30,6 +31,7 @@ struct DrawnAbout {
   Pose X_WP;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double radius = 0.15;
+  bool placed = true;  // false: its place on the object is yet to be found
 };
 
 // views: names of the cloud's cameras; may be empty. The same for the same input.

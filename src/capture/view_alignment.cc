@@ -211,8 +211,8 @@ class Aligning {
   }
 
   // Moves each group so that its cameras moved the least, Σ |A (ξ − γ)| over γ, by iteratively
-  // reweighted least squares: views that agree stay. Directions open to most views stay, too. Of
-  // two views the first one stays: nobody tells which one is wrong.
+  // reweighted least squares: views that agree stay. Directions open to most views stay, too, and
+  // motions along them count for nothing: a turn would pay for what a view slid alone. Of two views the first one stays: nobody tells which one is wrong.
   void centre() {
     for (std::size_t g = 0; g < views_.size(); ++g) {
       std::vector<std::size_t> group;
@@ -227,13 +227,17 @@ class Aligning {
       Eigen::Index open = 0;
       while (open < 6 && eigen.eigenvalues()[open] < 0.5 * static_cast<double>(group.size()))
         ++open;
-      const MatrixXd Q = eigen.eigenvectors().rightCols(6 - open);
+      const MatrixXd Q = eigen.eigenvectors().rightCols(6 - open),
+                     N = eigen.eigenvectors().leftCols(open);
       Vector6 gamma = Vector6::Zero();
       for (int i = 0; i < 100; ++i) {
         Matrix6 H = Matrix6::Zero();
         Vector6 right = Vector6::Zero();
         for (const std::size_t v : group) {
-          const Matrix6 A = camera_motion(v, settings_.most_shift, settings_.most_turn_deg);
+          const Matrix6 motion = camera_motion(v, settings_.most_shift, settings_.most_turn_deg);
+          const MatrixXd AN = motion * N;
+          const Matrix6 A =
+              motion - AN * (AN.transpose() * AN).ldlt().solve(AN.transpose() * motion);
           const Vector6 xi = xi_of(T_[v]);
           const Matrix6 M = A.transpose() * A / std::max(1e-3, (A * (xi - gamma)).norm());
           H += M;

@@ -210,7 +210,7 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
   s.drawing.placement = placement_settings(s.drawing);
   const PlacedArtwork artwork = load_artwork(s.drawing, parts_->errors);
   const Pose X_WP = parts_->X_WP = artwork.X_WP;
-  Scene& scene = parts_->scene.emplace(build_scene(s, X_WP, parts_->errors));
+  Scene& scene = parts_->scene.emplace(build_scene(s, X_WP, parts_->errors, false));
   if (scene.height_unknown())
     throw InputError(
         "--place surface: nothing is known of the surface; valid is perception.enabled: true, or "

@@ -267,7 +267,7 @@ void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& set
   check_frames(s, setting_errors);
 }
 
-Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors) {
+Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors, bool placed) {
   std::vector<std::string> notes;
   check_source(s, setting_errors);
   check_tool(s, setting_errors);
@@ -277,7 +277,8 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
       setting_errors.locate({"arm.rotor_inertia", "arm.urdf"}, [&] { return model_of(s.arm); });
   std::optional<Snapshot> read;
   if (s.perception.enabled && s.perception.source != PerceptionSource::simulated)
-    setting_errors.locate(kHowSeen, [&] { read.emplace(read_snapshot(s, X_WP, arm, &notes)); });
+    setting_errors.locate(kHowSeen,
+                          [&] { read.emplace(read_snapshot(s, X_WP, placed, arm, &notes)); });
   const char* given = s.canvas.kind == CanvasKind::mesh ? "canvas.mesh.file" : "canvas";
   auto canvas = setting_errors.locate({given, "canvas"}, [&] {
     if (s.canvas.kind == CanvasKind::seen) return std::make_shared<Canvas>(seen_mesh(*read, X_WP));

@@ -157,7 +157,7 @@ Snapshot take_snapshot(const Scenario& s, const Canvas& canvas, const World& wor
       {}};
 }
 
-Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, ArmModel& arm,
+Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmModel& arm,
                        std::vector<std::string>* notes) {
   const PerceptionSettings& p = s.perception;
   CaptureCloud read = p.source == PerceptionSource::capture
@@ -166,10 +166,10 @@ Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, ArmModel& arm,
   notes->insert(notes->end(), read.notes.begin(), read.notes.end());
   FoundCanvas found{std::move(read.cloud), {}, {}};
   if (p.find_canvas) {
-    const PlacementSettings& placed = s.drawing.placement;
-    const double width = 1e-3 * std::max(placed.width_mm.value_or(0), placed.height_mm.value_or(0));
+    const PlacementSettings& at = s.drawing.placement;
+    const double width = 1e-3 * std::max(at.width_mm.value_or(0), at.height_mm.value_or(0));
     found = find_canvas(found.canvas,
-                        {X_WP, placed.centre_m, width > 0.0 ? 0.5 * width : placed.fit_radius_m},
+                        {X_WP, at.centre_m, width > 0.0 ? 0.5 * width : at.fit_radius_m, placed},
                         read.views);
     notes->insert(notes->end(), found.notes.begin(), found.notes.end());
   }

@@ -29,8 +29,9 @@ Snapshot take_snapshot(const Scenario& scenario, const Canvas& canvas, const Wor
                        ArmModel& arm, const JointVector& q);
 
 // The view in perception.capture or perception.cloud. Appends to `notes` what it gave and what was
-// removed, one line each. Throws InputError if it is invalid or shows too little.
-Snapshot read_snapshot(const Scenario& scenario, const Pose& X_WP, ArmModel& arm,
+// removed, one line each. `placed`: DrawnAbout's. Throws InputError if it is invalid or shows too
+// little.
+Snapshot read_snapshot(const Scenario& scenario, const Pose& X_WP, bool placed, ArmModel& arm,
                        std::vector<std::string>* notes);
 
 }  // namespace impedraw

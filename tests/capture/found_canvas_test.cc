@@ -86,6 +86,18 @@ TEST(FoundCanvas, AFlatCanvasAloneIsNoTable) {
   EXPECT_TRUE(found.notes.empty());
 }
 
+// Nothing is said by where the drawing happens to be: over the table here.
+TEST(FoundCanvas, AnUnplacedDrawingLooksForTheObjectAndNotForTheTable) {
+  const Shown shown = scene();
+  const FoundCanvas found = find_canvas(shown.cloud, {{}, {0.45, -0.2}, 0.05, false});
+  ASSERT_GT(found.canvas.points.size(), 3000u);
+  for (std::size_t i = 0; i < found.canvas.points.size(); ++i)
+    ASSERT_EQ(found.canvas.rgb[3 * i], 0);
+  // Nothing that stands there bears a drawing of a metre: it may lie on the table.
+  const FoundCanvas large = find_canvas(shown.cloud, {{}, {0.45, -0.2}, 0.5, false});
+  EXPECT_GT(large.canvas.points.size(), found.canvas.points.size() + 10000);
+}
+
 // The drawing is not placed yet: the largest part that stands on the table.
 TEST(FoundCanvas, WithNothingUnderTheDrawingTheLargestPartStays) {
   Shown shown = scene();
