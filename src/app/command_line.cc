@@ -24,6 +24,7 @@
 #include "impedraw/app/commission.h"
 #include "impedraw/app/cover.h"
 #include "impedraw/app/inspect.h"
+#include "impedraw/app/judge_force.h"
 #include "impedraw/app/place.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/report/film.h"
@@ -332,6 +333,43 @@ int run_program(int argc, char** argv) {
     code = impedraw::inspect(inspected, as_json, reading);
   });
 
+  impedraw::JudgeForceOptions judged;
+  CLI::App* judge = app.add_subcommand(
+      "judge-force",
+      "judge how well an arm controls force: the same cases for this program's controller and two "
+      "peers' laws; writes force.json and a page");
+  judge->add_option("scenario", options.scenario,
+                    "YAML file: the arm, its sensors and the controller's settings (default: "
+                    "force-benchmark)");
+  judge
+      ->add_option("--arm", judged.arm,
+                   "who moves the arm: sim, iiwa-lcm or franka; or the simulated arm: iiwa, fr3, "
+                   "gen3, iiwa7, panda, ur5e or a URDF file")
+      ->capture_default_str();
+  judge
+      ->add_option("--controllers", judged.controllers,
+                   "of ours, crisp, impedance, with commas between (default: all)")
+      ->delimiter(',');
+  judge
+      ->add_option("--cases", judged.cases,
+                   "cases by name, with commas between, as in contact-30,steps (default: all)")
+      ->delimiter(',');
+  judge->add_option("--runs", judged.runs, "seeded runs of each case")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  judge->add_option("--out", options.out, "folder (default: runs/judge-force)");
+  judge
+      ->add_option("--set", options.assignments,
+                   "override a setting, as in --set control.wrench=ground_truth; may be repeated")
+      ->take_all()
+      ->allow_extra_args(false);
+  judge->footer(
+      "Examples:\n  ./impedraw judge-force\n  ./impedraw judge-force --cases steps,sweep "
+      "--controllers ours --runs 1 --out /tmp/force\n"
+      "  ./impedraw judge-force --arm ur5e --out /tmp/ur5e\n"
+      "  ./impedraw judge-force my-arm.yaml --arm iiwa-lcm      # a driver of one's own");
+  judge->callback([&] { code = impedraw::judge_force(options, judged); });
+
   int poses = 8;
   CLI::App* calibrate = app.add_subcommand(
       "calibrate-tool",
@@ -498,7 +536,7 @@ int run_program(int argc, char** argv) {
         "impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, plan, compare, report, film, inspect, calibrate})
+  for (CLI::App* command : {draw, plan, compare, report, film, inspect, judge, calibrate})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check(

@@ -26,6 +26,8 @@ class Disturbances {
  public:
   Disturbances() = default;  // none
   Disturbances(const Scenario& scenario, const TipPath& path);
+  // One push on the pen about the time `middle` [s].
+  Disturbances(const PushSettings& push, double middle) : pushes_{{push, middle}} {}
 
   bool fault(FaultKind kind, double time) const noexcept { return since(kind, time) >= 0.0; }
   // Time for which the fault has acted [s]; negative: it does not.

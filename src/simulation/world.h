@@ -88,6 +88,8 @@ class World {
   // The canvas moves from now on as `motion` says at the world's time. Friction acts on the
   // velocity of the tip relative to the canvas, and so does the contact's damper.
   void move_canvas(const CanvasMotion& motion) { motion_ = motion; }
+  // Of tip and canvas together, from the next step on: a canvas whose stiffness changes.
+  void set_tip(const TipMaterial& tip) noexcept { settings_.tip = tip; }
   // How long it has moved at the world's time 0: where a run goes on [s].
   void canvas_moved_for(double time) { moved_for_ = time; }
   const CanvasMotion& canvas_motion() const { return motion_; }

@@ -1,0 +1,109 @@
+// The cases of the force benchmark, after the scenarios of S. Gadringer, H. Gattringer, A. Mueller,
+// "Assessment of force control for surface finishing", Mech. Sci. 13, 361–370, 2022: contact from
+// free air, changes of the command, holding, paths over a workpiece, and a hand that pushes.
+//
+// A run in time, from where the tip is:
+//
+//   travel   to kHover above the workpiece as believed
+//   rest     kRest: a sensor is tared
+//   descend  along the believed normal at approach_speed, to the believed surface
+//   settle   kSettle under the programme's first command
+//   programme, for `duration`: command, path, motion of the workpiece, hand
+//   leave    up to kHover
+//
+// Every controller gets the same references and the same command. One that does not itself find the
+// touch presses from the end of the descent on, over 40 ms.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "impedraw/control/tip_reference.h"
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/judge/force_metrics.h"
+#include "impedraw/judge/workpiece.h"
+#include "impedraw/simulation/canvas_motion.h"
+
+namespace impedraw {
+
+struct ForceCase {
+  std::string name, text;  // text: what is done, for the page
+  Workpiece::Shape shape = Workpiece::Shape::bowl;
+  double approach_speed = 0.03;  // [m/s]
+  double duration = 4.0;         // of the programme [s]
+  // Straight lines between knots, in the programme's time; two knots at one time: a step.
+  struct Knot {
+    double time, force;  // [s], [N]
+  };
+  std::vector<Knot> command{{0.0, 5.0}};
+  std::optional<ForceSweep> sweep;  // in place of them; its start is the programme's
+  bool judge_contact = false;       // the descent and the touch, instead of the programme
+  double path_length = 0.0;         // along x, about the middle [m]
+  double path_speed = 0.0;          // [m/s]
+  std::optional<CanvasMotionSettings> motion;  // of the workpiece, its start is the programme's
+  // Of workpiece and tip together, from the programme's start to its end, evenly in the logarithm.
+  // The damping keeps its ratio, ∝ √k [N/m].
+  std::optional<Eigen::Vector2d> stiffness;
+  std::optional<PushSettings> hand;  // on the pen, kHand after the programme's start
+
+  // A workpiece other than the bowl that stands, or a hand: in this program's own world alone.
+  bool needs_own_world() const {
+    return shape != Workpiece::Shape::bowl || motion || stiffness || hand;
+  }
+};
+
+std::vector<ForceCase> force_cases();
+// Those named, in the benchmark's order; all for an empty list. Throws InputError for a name that
+// is none.
+std::vector<ForceCase> force_cases(const std::vector<std::string>& names);
+
+// What a controller is told in a cycle, and what the world does.
+struct ForceCommand {
+  TipReference reference;  // with force and its rate while the pen should be down
+  double asked = 0.0;      // the command [N]
+  double press = 0.0;      // of it, for a controller that does not find the touch itself [N]
+};
+
+class ForceProgramme {
+ public:
+  static constexpr double kHover = 0.02;   // [m]
+  static constexpr double kRest = 1.5;     // [s]
+  static constexpr double kSettle = 1.0;   // [s]
+  static constexpr double kLeave = 0.5;    // [s]
+  static constexpr double kHand = 1.5;     // middle of a push, in the programme [s]
+  static constexpr double kContact = 1.5;  // judged after a touch [s]
+
+  // believed: the workpiece where the controllers take it to be. p_WE, n_W: tip and axis at the
+  // start.
+  ForceProgramme(const ForceCase& c, const Workpiece& believed, const Eigen::Vector3d& p_WE,
+                 const Eigen::Vector3d& n_W);
+
+  ForceCommand at(double t) const noexcept;
+  double start() const { return start_; }              // of the programme [s]
+  double end() const { return start_ + c_.duration; }  // [s]
+  double leave() const { return end() + kLeave; }      // of the run [s]
+  double descent() const { return descend_; }          // its start [s]
+  // Of the programme that is over, 0 to 1.
+  double share(double t) const noexcept;
+
+  // touch: the first [s].
+  ForceQuestion question(double touch) const;
+
+ private:
+  struct Point {
+    Eigen::Vector3d p, n;
+  };
+  Point point(double t) const noexcept;
+  double asked(double t, double* rate) const noexcept;
+  double along(double t) const noexcept;
+
+  ForceCase c_;
+  Workpiece believed_;
+  Eigen::Vector3d p_0_, n_0_;
+  double travel_, descend_, touch_, start_;  // ends of the travel, the rest, the descent; start [s]
+};
+
+}  // namespace impedraw

@@ -1,0 +1,208 @@
+#include "impedraw/judge/force_trial.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/seeded_normals.h"
+#include "impedraw/experiment/input_files.h"
+#include "impedraw/judge/crisp_law.h"
+#include "impedraw/judge/feedforward_law.h"
+#include "impedraw/run/control_loop.h"
+#include "impedraw/run/simulated_arm.h"
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kHeightError = 5e-4;                          // [m]
+constexpr double kTiltError = 0.5 * std::numbers::pi / 180.0;  // [rad]
+constexpr double kTouch = 0.05;                                // [N]
+constexpr double kMostForce = 100.0;                           // ends a run [N]
+
+Pose belief_error(int seed) {
+  SeededNormals normals(static_cast<std::uint64_t>(seed));
+  Pose X;
+  X.p.z() = kHeightError * normals.next();
+  const double about_x = kTiltError * normals.next();
+  X.R = rotation({about_x, kTiltError * normals.next(), 0.0});
+  return X;
+}
+
+// What the next cycle sends.
+struct Torque {
+  JointVector tau, gravity;
+};
+
+}  // namespace
+
+// The three controllers, behind one step.
+struct ForceBench::Law {
+  Law(Experiment& e, const DriverInfo& info, ForceController controller, const Workpiece& believed,
+      double approach_speed)
+      : arm(e.scene.arm), terms(arm.joints()) {
+    if (controller == ForceController::ours) {
+      ControlSetup setup = e.control;
+      setup.impedance.approach.speed = approach_speed;
+      law.emplace<std::unique_ptr<ControlLoop>>(std::make_unique<ControlLoop>(
+          setup, arm, info,
+          [believed](const Eigen::Vector3d& p_K, double) { return believed.estimate(p_K); }));
+      return;
+    }
+    if (!info.velocity)
+      throw InputError(
+          "controllers: crisp and impedance need measured joint velocities, and the arm gives "
+          "none; valid is --controllers ours");
+    const JointVector q_0 = e.plan.rest_q;
+    if (controller == ForceController::crisp)
+      law.emplace<CrispLaw>(q_0);
+    else
+      law.emplace<FeedforwardLaw>(q_0);
+  }
+
+  Torque step(const ArmState& state, const ForceCommand& command) {
+    if (auto* const loop = std::get_if<std::unique_ptr<ControlLoop>>(&law)) {
+      const ImpedanceTorque& out = (*loop)->step(state, command.reference);
+      terms = (*loop)->terms();
+      return {out.tau, out.terms.col(kGravity)};
+    }
+    arm.compute(state.q, state.v, &terms);
+    if (auto* const crisp = std::get_if<CrispLaw>(&law))
+      return {crisp->step(terms, command.reference, command.press), terms.g};
+    return {std::get<FeedforwardLaw>(law).step(terms, command.reference, command.press), terms.g};
+  }
+
+  // A wrench that the controller needs is known.
+  bool tared() const {
+    const auto* const loop = std::get_if<std::unique_ptr<ControlLoop>>(&law);
+    return !loop || (*loop)->tared();
+  }
+
+  ArmModel& arm;
+  ArmTerms terms;  // of the last step
+  std::variant<std::monostate, std::unique_ptr<ControlLoop>, CrispLaw, FeedforwardLaw> law;
+};
+
+ForceBench::ForceBench(Experiment& e, const DriverMaker& make_driver)
+    : e_(e), as_given_(e.scenario) {
+  piece_.p_W += e.scenario.canvas.move;
+  if (!make_driver) return;
+  driver_ = make_driver(e.scene.start_q);
+  if (driver_->info().wrench != WrenchReading::tip)
+    throw InputError(
+        "judge-force: nothing measures the force: this arm gives no wrench at its tip; valid is "
+        "arm.driver sim, or iiwa-lcm with control.wrench: ground_truth");
+  if (!driver_->info().waits)
+    throw InputError(
+        "judge-force: arm.clock is wall, and controllers are made between two runs, while that arm "
+        "does not wait; valid is arm.clock=lock_step");
+  driver_->start();
+}
+
+ForceBench::~ForceBench() {
+  if (driver_) driver_->stop();
+}
+
+std::string ForceBench::fault() const { return driver_ ? driver_->fault() : std::string(); }
+
+// Makes the simulated world anew, if its workpiece has another shape.
+void ForceBench::set_shape(Workpiece::Shape shape) {
+  if (shape_ == shape) return;
+  WorldSettings settings = as_given_.world;
+  settings.flange_sensor = has_sensor(as_given_.control.source);
+  if (settings.errors.rotor_inertia.empty()) {
+    const Eigen::VectorXd& rotors = e_.scene.arm.rotor_inertia();
+    settings.errors.rotor_inertia.assign(rotors.begin(), rotors.end());
+  }
+  Workpiece piece = piece_;
+  piece.shape = shape;
+  e_.scene.world.reset();
+  e_.scene.canvas = std::make_shared<Canvas>(piece.mesh());
+  e_.scene.world = std::make_unique<World>(urdf_of(as_given_.arm), e_.scene.canvas.get(), settings);
+  shape_ = shape;
+}
+
+CanvasMotion ForceBench::motion(const ForceCase& c, double start) const {
+  if (!c.motion) return {};
+  CanvasMotionSettings settings = *c.motion;
+  settings.centre += piece_.p_W;
+  settings.start = start;
+  return CanvasMotion(settings);
+}
+
+ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int seed,
+                         const std::function<bool()>& go_on) {
+  Workpiece believed = piece_;
+  believed.shape = c.shape;
+  believed.X_WB = belief_error(seed);
+  const TipMaterial tip = as_given_.world.tip;
+
+  const auto programme_from = [&](const JointVector& q) {
+    const Pose X_WE = e_.scene.arm.tip_pose(q);
+    return ForceProgramme(c, believed, X_WE.p, -X_WE.R.col(2));
+  };
+  std::optional<SimulatedArm> simulated;
+  Driver* driver = driver_.get();
+  World* world = nullptr;
+  if (!driver) {
+    const double start = programme_from(e_.scene.start_q).start();
+    set_shape(c.shape);
+    world = e_.scene.world.get();
+    world->move_canvas(motion(c, start));
+    world->set_tip(tip);
+    e_.scenario.seed = as_given_.seed + seed;
+    simulated.emplace(
+        e_, e_.scene.start_q,
+        c.hand ? Disturbances(*c.hand, start + ForceProgramme::kHand) : Disturbances());
+    driver = &*simulated;
+    driver->start();
+  }
+  const ArmState* state = &driver->read();
+  const ForceProgramme programme = programme_from(world ? e_.scene.start_q : state->q);
+
+  ForceRun run;
+  run.record.reserve(static_cast<std::size_t>(programme.leave() / driver->info().period) + 1);
+  Law law(e_, driver->info(), controller, believed, c.approach_speed);
+  const double begin = state->time, end = driver_ ? programme.leave() : programme.end();
+  std::optional<double> touch;
+  for (double t = 0.0; t < end; t = state->time - begin) {
+    const ForceCommand command = programme.at(t);
+    if (world && c.stiffness) {
+      TipMaterial now = tip;
+      now.stiffness =
+          (*c.stiffness)[0] * std::pow((*c.stiffness)[1] / (*c.stiffness)[0], programme.share(t));
+      now.damping = tip.damping * std::sqrt(now.stiffness / tip.stiffness);
+      world->set_tip(now);
+    }
+    const Torque torque = law.step(*state, command);
+    const Eigen::Vector3d n_W = command.reference.n_WD;
+    double force = state->wrench.head<3>().dot(n_W);
+    driver->command(torque.tau, torque.gravity);
+    if (const GroundTruth* const truth = driver->truth()) {
+      const Eigen::Vector3d normal = truth->X_WK.R * truth->contact_normal;
+      force = normal.allFinite() ? normal.dot(truth->contact_force) : 0.0;
+    }
+    const Eigen::Vector3d v = law.terms.V_WE.head<3>();
+    run.record.push_back({t, command.asked, force, (v - n_W * n_W.dot(v)).norm()});
+    if (!touch && t > programme.descent() && force > kTouch) touch = t;
+    // A workpiece on springs gives way as a whole: the pen's shaft stays clear of it.
+    if (world && c.stiffness) world->forget_touching_link();
+    state = &driver->read();
+    if (!driver->fault().empty()) run.ended = driver->fault();
+    if (!(std::abs(force) < kMostForce)) run.ended = fmt::format("force of {:.0f} N", force);
+    if (t > programme.descent() && !touch && !law.tared())
+      run.ended = "the arm was not at rest long enough to tare its sensor";
+    if (!go_on()) run.ended = "interrupted";
+    if (!run.ended.empty()) break;
+  }
+  if (run.ended.empty() && !touch) run.ended = "never touched the workpiece";
+  if (touch) run.question = programme.question(*touch);
+  return run;
+}
+
+}  // namespace impedraw

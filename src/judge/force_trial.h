@@ -1,0 +1,71 @@
+// One run of a case of the force benchmark: a controller, an arm, a workpiece.
+//
+// The simulated arm gets the case's workpiece and starts anew for each run. An arm that is not
+// simulated here keeps its session and its workpiece, which must be the standard bowl, and the pen
+// goes from run to run. The force is the simulator's contact force along the true normal or, from
+// another arm, the measured wrench along the believed one.
+//
+// Differences between runs: noise and bias of the sensors, and where the controllers believe the
+// workpiece to be, off by 0.5 mm along z and 0.5° about x and y (standard deviations). All
+// controllers get the same ones.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/judge/force_case.h"
+#include "impedraw/judge/force_metrics.h"
+#include "impedraw/run/draw_into.h"
+#include "impedraw/run/driver.h"
+
+namespace impedraw {
+
+enum class ForceController {
+  ours,       // this program's (control/impedance.h)
+  crisp,      // crisp_law.h
+  impedance,  // feedforward_law.h
+};
+inline constexpr std::string_view kForceControllerNames[] = {"ours", "crisp", "impedance"};
+// As the page calls them.
+inline constexpr std::string_view kForceControllerTitles[] = {
+    "impedraw", "CRISP's law (written here)", "impedance with feed-forward (written here)"};
+
+struct ForceRun {
+  std::string ended;                // why it ended early; empty: it did not
+  std::vector<ForceSample> record;  // the whole of it
+  ForceQuestion question;           // for judge_force()
+};
+
+class ForceBench {
+ public:
+  // experiment: with an arm and its control set-up; its canvas is replaced. make_driver: as
+  // draw_into()'s. Throws InputError where nothing measures the force, and what starting throws.
+  ForceBench(Experiment& experiment, const DriverMaker& make_driver);
+  ~ForceBench();
+
+  // The arm is simulated here.
+  bool own_world() const { return driver_ == nullptr; }
+  // seed: 1 for the first run. `go_on` is asked each cycle; false: the pen goes up, and the run
+  // has ended early.
+  ForceRun run(const ForceCase& c, ForceController controller, int seed,
+               const std::function<bool()>& go_on);
+  // Of a driven arm: why it can no longer be used; empty while it can.
+  std::string fault() const;
+
+ private:
+  struct Law;
+  void set_shape(Workpiece::Shape shape);
+  CanvasMotion motion(const ForceCase& c, double start) const;
+
+  Experiment& e_;
+  Workpiece piece_;
+  Scenario as_given_;
+  std::unique_ptr<Driver> driver_;  // null: a simulated arm for each run
+  std::optional<Workpiece::Shape> shape_;
+};
+
+}  // namespace impedraw

@@ -1,0 +1,88 @@
+// The benchmark's references and workpieces against finite differences and the true mesh.
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/common/rotation_vector.h"
+#include "impedraw/judge/force_case.h"
+
+namespace impedraw {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(ForceProgramme, ReferencesAreDerivativesOfEachOther) {
+  constexpr double kDelta = 1e-4;
+  for (const ForceCase& c : force_cases()) {
+    Workpiece piece;
+    piece.shape = c.shape;
+    piece.X_WB = {{0.0, 0.0, 1e-3}, rotation({0.01, -0.02, 0.0})};
+    const ForceProgramme programme(c, piece, {0.5, 0.05, 0.2}, Vector3d::UnitZ());
+    // The path with its rests, not the descent, whose speed jumps.
+    for (double t = programme.start() + 0.01; t < programme.end() - 0.01; t += 0.0173) {
+      const TipReference before = programme.at(t - kDelta).reference,
+                         now = programme.at(t).reference,
+                         after = programme.at(t + kDelta).reference;
+      ASSERT_LT((now.v_WD - (after.p_WD - before.p_WD) / (2.0 * kDelta)).norm(), 2e-3) << c.name;
+      ASSERT_LT((now.a_WD - (after.v_WD - before.v_WD) / (2.0 * kDelta)).norm(), 0.5) << c.name;
+      const Vector3d n_dot = (after.n_WD - before.n_WD) / (2.0 * kDelta);
+      ASSERT_LT((now.w_WD.cross(now.n_WD) - n_dot).norm(), 2e-2) << c.name;
+      ASSERT_NEAR(now.n_WD.norm(), 1.0, 1e-12);
+      EXPECT_TRUE(now.pen_down);
+    }
+    EXPECT_FALSE(programme.at(programme.end() + 0.1).reference.pen_down);
+    EXPECT_FALSE(programme.at(0.0).reference.pen_down);
+    EXPECT_LT((programme.at(0.0).reference.p_WD - Vector3d(0.5, 0.05, 0.2)).norm(), 1e-9);
+  }
+}
+
+TEST(ForceProgramme, CommandIsWhatIsJudged) {
+  const ForceCase steps = force_cases({"steps"}).front();
+  const ForceProgramme programme(steps, {}, {0.6, 0.0, 0.13}, Vector3d::UnitZ());
+  const ForceQuestion question = programme.question(programme.start());
+  ASSERT_EQ(question.changes.size(), 3u);
+  for (const ForceChange& change : question.changes) {
+    EXPECT_DOUBLE_EQ(programme.at(change.at - 1e-6).asked, change.before);
+    EXPECT_DOUBLE_EQ(programme.at(change.at + 1e-6).asked, change.after);
+    EXPECT_DOUBLE_EQ(programme.at(change.until - 1e-6).asked, change.after);
+  }
+  const ForceCase ramps = force_cases({"ramps"}).front();
+  const ForceProgramme ramp(ramps, {}, {0.6, 0.0, 0.13}, Vector3d::UnitZ());
+  EXPECT_NEAR(ramp.at(ramp.start() + 1.5).asked, 10.0, 1e-9);
+  EXPECT_NEAR(ramp.at(ramp.start() + 1.5).reference.force_rate, 10.0, 1e-9);
+  EXPECT_NEAR(ramp.at(ramp.start() + 3.1).reference.force_rate, -50.0, 1e-9);
+}
+
+TEST(ForceProgramme, NamesDifferAndWrongOnesAreTold) {
+  std::set<std::string> names;
+  for (const ForceCase& c : force_cases()) EXPECT_TRUE(names.insert(c.name).second) << c.name;
+  EXPECT_EQ(force_cases({"sweep", "steps"}).front().name, "steps");
+  EXPECT_THROW(force_cases({"stepps"}), InputError);
+}
+
+// Away from the roof's edge, which is believed to be round.
+TEST(Workpiece, IsBelievedToBeWhereItIs) {
+  for (const auto shape :
+       {Workpiece::Shape::bowl, Workpiece::Shape::flat, Workpiece::Shape::roof}) {
+    Workpiece piece;
+    piece.shape = shape;
+    const Canvas canvas(piece.mesh());
+    for (const double x : {-0.1, -0.03, 0.03, 0.08})
+      for (const double y : {-0.05, 0.0, 0.09})
+        for (const double height : {-1e-3, 2e-3}) {
+          const Workpiece::Place on = piece.at(x, y);
+          const Vector3d q = on.p_W + height * on.n_W;
+          const SurfacePoint truth = canvas.closest(q);
+          const SurfaceEstimate believed = piece.estimate(q);
+          const double tolerance = shape == Workpiece::Shape::roof ? 4e-4 : 5e-6;
+          EXPECT_NEAR(believed.distance, truth.distance, tolerance);
+          EXPECT_NEAR(believed.distance, height, 1e-6);
+          EXPECT_LT((believed.n_W - truth.n_W).norm(), 2e-3);
+        }
+  }
+}
+
+}  // namespace
+}  // namespace impedraw
