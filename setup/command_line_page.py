@@ -1,16 +1,19 @@
-"""Writes docs/command-line.md from the --help of the program and of the sweeps. Needs PyYAML.
+"""Writes docs/command-line.md from the --help of the program, of the sweeps and of the cameras' commands. Needs PyYAML.
 
 usage: command_line_page.py [--check] PROGRAM PAGE
 
 Writes PAGE; with --check compares instead, and fails where it differs.
 """
 
+import contextlib
+import io
 import os
 import pathlib
 import re
 import subprocess
 import sys
 import types
+import unittest.mock
 
 INTRODUCTION = """\
 # Command line
@@ -33,7 +36,7 @@ def page(program):
     parts = [INTRODUCTION, f"```text\n{whole}\n```\n"]
     for command in commands:
         parts.append(f"## {command}\n\n```text\n{help_of(program, command)}\n```\n")
-    for command, text in sweeps():
+    for command, text in (*sweeps(), *cameras()):
         parts.append(f"## {command}\n\n```text\n{text}\n```\n")
     return "\n".join(parts)
 
@@ -47,6 +50,19 @@ def sweeps():
     from impedraw.sweep.__main__ import help_texts
 
     return help_texts().items()
+
+
+def cameras():
+    """The same of the commands of impedraw.camera, without OpenCV and what else they work with."""
+    for name in ("cv2", "numpy", "scipy", "scipy.optimize", "scipy.spatial", "scipy.spatial.transform"):
+        sys.modules.setdefault(name, unittest.mock.MagicMock())
+    from impedraw.camera.__main__ import main as run
+
+    for command in ("calibrate-camera", "capture", "capture import"):
+        text = io.StringIO()
+        with contextlib.redirect_stdout(text), contextlib.suppress(SystemExit):
+            run([*command.split(), "--help"])
+        yield command, "\n".join(line.rstrip() for line in text.getvalue().strip().splitlines())
 
 
 def main():

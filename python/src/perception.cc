@@ -22,6 +22,10 @@ PointCloud cloud_of(nb::handle points, nb::handle viewpoint, nb::handle weight) 
   assign(viewpoint, eye, "viewpoint");
   if (!eye.allFinite()) refuse("viewpoint", viewpoint, "finite");
   cloud.eyes = {eye};
+  std::vector<std::size_t> whole;  // the points that are somewhere
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (cloud.points[i].allFinite()) whole.push_back(i);
+  const std::size_t left_out = cloud.points.size() - whole.size();
   if (!weight.is_none()) {
     const DoubleArray w = doubles_of(weight, "weight");
     require_shape(w, "weight", {static_cast<long>(p.shape(0))});
@@ -29,6 +33,17 @@ PointCloud cloud_of(nb::handle points, nb::handle viewpoint, nb::handle weight) 
     for (const double x : cloud.weight)
       if (!(x > 0.0) || !std::isfinite(x)) refuse("weight", weight, "positive and finite");
   }
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    cloud.points[i] = cloud.points[whole[i]];
+    if (!cloud.weight.empty()) cloud.weight[i] = cloud.weight[whole[i]];
+  }
+  cloud.points.resize(whole.size());
+  cloud.camera.resize(whole.size());
+  if (!cloud.weight.empty()) cloud.weight.resize(whole.size());
+  if (left_out > 0 &&
+      PyErr_WarnFormat(PyExc_RuntimeWarning, 1, "%zu of %zu points are not finite and are left out",
+                       left_out, left_out + whole.size()) < 0)
+    throw nb::python_error();
   return cloud;
 }
 
@@ -76,8 +91,9 @@ void bind_perception(nb::module_& m) {
                   "numpy.typing.ArrayLike, settings: NormalSettings = ..., weight: "
                   "numpy.typing.ArrayLike | None = None) -> None"),
           "points: shape (N, 3), W [m]; viewpoint: (3,), where they were seen from: normals point\n"
-          "there; weight: (N,), the pixels that each stands for. Raises ValueError for a point\n"
-          "that is not finite, an empty cloud or a bad setting.")
+          "there; weight: (N,), the pixels that each stands for. Points that are not finite, as\n"
+          "organised clouds have them, are left out, with a RuntimeWarning that counts them.\n"
+          "Raises ValueError for an empty cloud or a bad setting.")
       .def(
           "estimate",
           [](const SurfaceEstimator& e, nb::handle p_W) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 
 #include "impedraw/app/commands.h"
 #include "impedraw/app/inspect_mesh.h"
+#include "impedraw/capture/capture.h"
+#include "impedraw/capture/clean_view.h"
 #include "impedraw/capture/cloud_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/file_extension.h"
@@ -89,6 +92,56 @@ void print_cloud(const std::filesystem::path& file, const nlohmann::ordered_json
       found["viewpoints_m"].empty() ? "none" : found["viewpoints_m"].dump() + " m");
 }
 
+// A camera on the tool is told as it sits there: which arm it was is not known here.
+nlohmann::ordered_json describe_capture(const std::filesystem::path& folder) {
+  const Capture capture = read_capture(folder, [](const std::vector<double>&) { return Pose(); });
+  nlohmann::ordered_json found;
+  found["views"] = nlohmann::ordered_json::array();
+  for (const CapturedView& view : capture.views) {
+    double near = std::numeric_limits<double>::infinity(), far = 0.0;
+    std::size_t measured = 0;
+    for (const double z : view.depth.depth) {
+      if (!std::isfinite(z)) continue;
+      near = std::min(near, z), far = std::max(far, z);
+      ++measured;
+    }
+    nlohmann::ordered_json one;
+    one["depth"] = view.name;
+    one["size_px"] = {view.lens.width, view.lens.height};
+    one["measured_px"] = measured;
+    one["depth_m"] = nullptr;
+    if (measured > 0) one["depth_m"] = {near, far};
+    one["noise_at_1m_m"] = noise_at_1m(view);
+    one["quantum_m"] = view.quantum;
+    one["camera_m"] = {view.X_WC.p.x(), view.X_WC.p.y(), view.X_WC.p.z()};
+    one["joints"] = view.joints.size();
+    one["colours"] = !view.rgb.empty();
+    found["views"].push_back(one);
+  }
+  found["notes"] = capture.notes;
+  return found;
+}
+
+void print_capture(const std::filesystem::path& folder, const nlohmann::ordered_json& found) {
+  say(stdout, "{}: a capture of {} views\n", folder.string(), found["views"].size());
+  for (const auto& view : found["views"]) {
+    const auto size = view["size_px"].get<std::vector<int>>();
+    const auto at = view["camera_m"].get<std::vector<double>>();
+    std::string depths = "no depth";
+    if (!view["depth_m"].is_null())
+      depths = fmt::format("{:.3f} to {:.3f} m", view["depth_m"][0].get<double>(),
+                           view["depth_m"][1].get<double>());
+    say(stdout,
+        "  {}  {} × {} px, {} of them measured, {}; noise {:.2f} mm at 1 m, steps of {:.3g} mm; "
+        "camera at ({:.3f}, {:.3f}, {:.3f}) m{}{}\n",
+        view["depth"].get<std::string>(), size[0], size[1], view["measured_px"].get<std::size_t>(),
+        depths, 1e3 * view["noise_at_1m_m"].get<double>(), 1e3 * view["quantum_m"].get<double>(),
+        at[0], at[1], at[2], view["joints"].get<int>() > 0 ? ", with joints" : "",
+        view["colours"].get<bool>() ? ", in colours" : "");
+  }
+  for (const auto& text : found["notes"]) say(stdout, "  note  {}\n", text.get<std::string>());
+}
+
 nlohmann::ordered_json describe_cloud(const std::filesystem::path& file) {
   const CloudFile cloud = read_cloud_file(file);
   Eigen::AlignedBox3d box;
@@ -151,19 +204,21 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
 }
 
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading) {
-  if (InputFile(file).size() == 0)
+  const bool capture = std::filesystem::is_directory(file);
+  if (!capture && InputFile(file).size() == 0)
     throw InputError(fmt::format("{}: the file is empty", file.string()));
   if (lower_extension(file) == ".yaml")
     throw InputError(fmt::format(
         "{0}: is no artwork and no mesh; ./impedraw plan {0} checks a scenario", file.string()));
-  const bool cloud = is_cloud_file(file);
+  const bool cloud = !capture && is_cloud_file(file);
   // Or of an unknown kind, which read_mesh() refuses.
-  const bool mesh = !cloud && !is_artwork_file(file);
+  const bool mesh = !capture && !cloud && !is_artwork_file(file);
   nlohmann::ordered_json found;
   try {
-    found = cloud  ? describe_cloud(file)
-            : mesh ? describe_mesh(file, reading)
-                   : describe_artwork(file);
+    found = capture ? describe_capture(file)
+            : cloud ? describe_cloud(file)
+            : mesh  ? describe_mesh(file, reading)
+                    : describe_artwork(file);
   } catch (const InputError& error) {
     if (!mesh || is_mesh_file(file)) throw;
     throw InputError(
@@ -174,6 +229,8 @@ int inspect(const std::filesystem::path& file, bool json, const MeshReading& rea
   if (json)
     say(stdout, "{}\n",
         found.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  else if (capture)
+    print_capture(file, found);
   else if (cloud)
     print_cloud(file, found);
   else if (mesh)

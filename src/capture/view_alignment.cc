@@ -212,7 +212,8 @@ class Aligning {
 
   // Moves each group so that its cameras moved the least, Σ |A (ξ − γ)| over γ, by iteratively
   // reweighted least squares: views that agree stay. Directions open to most views stay, too, and
-  // motions along them count for nothing: a turn would pay for what a view slid alone. Of two views the first one stays: nobody tells which one is wrong.
+  // motions along them count for nothing: a turn would pay for what a view slid alone. Of two views
+  // the first one stays: nobody tells which one is wrong.
   void centre() {
     for (std::size_t g = 0; g < views_.size(); ++g) {
       std::vector<std::size_t> group;

@@ -307,6 +307,7 @@ double PlaceBench::share_of_plan(const PlaceFound& place) const {
 SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
                               const SurfaceWish& wish,
                               const std::function<void(double)>& progress) {
+  if (progress) progress(0.0);  // a capture's views take seconds to be put onto each other
   PlaceBench bench(scenario, places, wish);
   PlaceBench::Parts& parts = *bench.parts_;
   if (progress) progress(0.2);

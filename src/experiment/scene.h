@@ -49,8 +49,8 @@ bool is_rehearsal(const Scenario& scenario);
 // Only the mesh's bounding box is used for it.
 //
 // The arm starts with the pen normal to the drawing plane of X_WP. `placed`: false where the
-// drawing's place on the object is yet to be found (capture/found_canvas.h). Throws InputError for an invalid
-// canvas or arm, a start out of reach, or too little of the canvas in view.
+// drawing's place on the object is yet to be found (capture/found_canvas.h). Throws InputError for
+// an invalid canvas or arm, a start out of reach, or too little of the canvas in view.
 Scene build_scene(Scenario& scenario, const Pose& X_WP, const SettingErrors& setting_errors,
                   bool placed = true);
 

@@ -1,4 +1,4 @@
-// Depth images of a ball and of a plane in closed form, rounded to millimetres as 16-bit images are.
+// Depth images of a ball and of a plane in closed form, rounded to millimetres.
 #include "impedraw/capture/unquantised.h"
 
 #include <cmath>

@@ -111,6 +111,31 @@ TEST(ViewAlignment, ViewsAreFoundAgainToTenthsOfAMillimetre) {
     }
 }
 
+// A long, thin body on a table: one view is held along it, and others are not. A turn of all of
+// them must not pay for what the one slid.
+TEST(ViewAlignment, ATableStaysLevelThoughOneViewSlidAlone) {
+  TriangleMesh mesh;
+  const auto quad = [&](const Vector3d& p, const Vector3d& a, const Vector3d& b) {
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {p, p + a, p + a + b, p + b});
+    mesh.triangles.insert(mesh.triangles.end(), {Eigen::Vector3i(first, first + 1, first + 2),
+                                                 Eigen::Vector3i(first, first + 2, first + 3)});
+  };
+  const Vector3d x = 0.45 * Vector3d::UnitX(), y = 0.08 * Vector3d::UnitY(),
+                 z = 0.2 * Vector3d::UnitZ(), p(0.375, -0.04, 0.0);
+  quad({0.1, -0.5, 0.0}, Vector3d::UnitX(), Vector3d::UnitY());
+  quad(p + z, x, y), quad(p, x, z), quad(p + y, z, x), quad(p, z, y), quad(p + x, y, z);
+  const Canvas canvas(mesh);
+  const Wrong wrong(canvas, 1e-3, 0.3, 1.5e-3, 4);
+  const ViewAlignment found = wrong.align();
+  for (std::size_t v = 0; v < 3; ++v) {
+    EXPECT_LT(found.views[v].shift, 2.5e-3);
+    const Eigen::Matrix3d off =
+        found.views[v].T.R * wrong.capture.views[v].X_WC.R * wrong.truth[v].R.transpose();
+    EXPECT_LT(std::acos(off(2, 2)) * 180.0 / std::numbers::pi, 0.35);
+  }
+}
+
 // What most views agree about stays where it is.
 TEST(ViewAlignment, OneWrongViewGoesToTheOthers) {
   const Canvas canvas = terrain();

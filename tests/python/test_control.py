@@ -323,3 +323,13 @@ def test_rotors_stand_on_the_diagonal_of_M() -> None:
     with pytest.raises(ValueError, match="valid are one entry for all joints"):
         idr.ArmModel.from_urdf(bare.urdf, rotor_inertia=[0.1, 0.2])
     assert idr.ModelErrors(rotor_inertia=0.1).rotor_inertia == [0.1]
+
+
+def test_points_that_are_nowhere_are_left_out_and_counted():
+    grid = np.stack([*np.meshgrid(np.linspace(-0.1, 0.1, 21), np.linspace(-0.1, 0.1, 21)), np.zeros((21, 21))], -1).reshape(-1, 3)
+    organised = np.concatenate([grid, np.full((40, 3), np.nan)])
+    weight = np.ones(len(organised))
+    with pytest.warns(RuntimeWarning, match="40 of 481 points"):
+        seen = idr.SurfaceEstimator(organised, [0, 0, 1], weight=weight)
+    whole = idr.SurfaceEstimator(grid, [0, 0, 1], weight=weight[:441])
+    assert seen.estimate([0.01, 0.02, 0.003]).distance == whole.estimate([0.01, 0.02, 0.003]).distance

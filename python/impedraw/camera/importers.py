@@ -43,9 +43,11 @@ class Trajectory:
 
 
 def nearest(times: list[float], time: float) -> int | None:
+    """Index in ascending times; None if none is near."""
+    i = bisect.bisect_left(times, time)
     if not times:
         return None
-    i = min(range(len(times)), key=lambda k: abs(times[k] - time))
+    i = min((k for k in (i - 1, i) if 0 <= k < len(times)), key=lambda k: abs(times[k] - time))
     return i if abs(times[i] - time) <= NEAR else None
 
 
@@ -84,7 +86,7 @@ def read_depth(file: pathlib.Path) -> np.ndarray:
 
 def tum(folder: pathlib.Path, views: int, intrinsics: Intrinsics | None, note: Callable[[str], None]) -> Iterator[Seen]:
     depths = _tum_list(folder / "depth.txt", 2)
-    colors = _tum_list(folder / "rgb.txt", 2) if (folder / "rgb.txt").exists() else []
+    colors = sorted(_tum_list(folder / "rgb.txt", 2), key=lambda row: float(row[0])) if (folder / "rgb.txt").exists() else []
     trajectory = None
     if (folder / "groundtruth.txt").exists():
         rows = [[float(x) for x in row[:8]] for row in _tum_list(folder / "groundtruth.txt", 8)]

@@ -97,14 +97,17 @@ def look(name, start, canvas, seed):
 def draw_seen(name):
     """Arm, contact, clock and eyes are Drake's; no model of the canvas is given."""
     canvas, drawing, seed = SEEN[name]
-    scenario, file, start = HERE / "iiwa-eyes.yaml", OUT / f"{name}.npz", start_posture(HERE / "iiwa-sine.yaml")
+    scenario = HERE / ("iiwa-eyes.yaml" if seed is None else "iiwa-eyes-faulty.yaml")
+    file, start = OUT / f"{name}.npz", start_posture(HERE / "iiwa-sine.yaml")
     capture = look(name, start, canvas, seed)
     with broker() as (url, _), simulation(url, file, start, ["--wrench", "--canvas", canvas]):
         run = subprocess.run([*draw_arguments(scenario, url, OUT / name), *drawing, "--set", f"perception.capture={capture}"], capture_output=True, text=True)
         if run.returncode:
             raise RuntimeError(f"impedraw ended with {run.returncode}: {run.stderr.strip()}")
     (OUT / f"{name}.notes").write_text(run.stderr)
-    return judge(file, OUT / name, CANVASES[canvas], seen=True)
+    found = judge(file, OUT / name, CANVASES[canvas], seen=True)
+    found["unanswered"] = found["statuses_sent"] - found["statuses_answered"]
+    return found
 
 
 def slider(name):
