@@ -90,7 +90,7 @@ std::string plot(const JudgedCase& c) {
   Frame frame{0.0, 0.0, 0.0};
   const ForceRun* any = nullptr;
   for (const JudgedController& judged : c.controllers) {
-    const ForceRun& run = judged.first;
+    const ForceRun& run = judged.runs.front().run;
     if (!(run.question.to > run.question.from)) continue;
     if (!any) any = &run;
     const double before = c.what.judge_contact ? 0.05 : 0.2;
@@ -111,9 +111,10 @@ std::string plot(const JudgedCase& c) {
   svg += curve(any->record, frame, "asked", any->question.from,
                [](const ForceSample& s) { return s.asked; });
   for (auto judged = c.controllers.rbegin(); judged != c.controllers.rend(); ++judged)
-    svg += curve(judged->first.record, frame,
-                 fmt::format("p{}", static_cast<int>(judged->controller)).c_str(),
-                 judged->first.question.from, [](const ForceSample& s) { return s.force; });
+    svg +=
+        curve(judged->runs.front().run.record, frame,
+              fmt::format("p{}", static_cast<int>(judged->controller)).c_str(),
+              judged->runs.front().run.question.from, [](const ForceSample& s) { return s.force; });
   return svg + "</svg>";
 }
 
@@ -170,10 +171,10 @@ std::string rows(const JudgedCase& c) {
     }
     html += "</tr>";
     const auto failed = std::find_if(judged.runs.begin(), judged.runs.end(),
-                                     [](const JudgedRun& run) { return !run.ended.empty(); });
+                                     [](const JudgedRun& run) { return !run.run.ended.empty(); });
     if (failed != judged.runs.end())
       html += fmt::format("<!-- {} seed {}: {} -->", kForceControllerNames[who], failed->seed,
-                          escaped(failed->ended));
+                          escaped(failed->run.ended));
   }
   return html + "</tbody>\n";
 }
@@ -200,10 +201,10 @@ std::string ended_list(const ForceResults& results) {
   for (const JudgedCase& c : results.cases)
     for (const JudgedController& judged : c.controllers)
       for (const JudgedRun& run : judged.runs)
-        if (!run.ended.empty())
+        if (!run.run.ended.empty())
           html += fmt::format("<li>{}, {}, seed {}: {}</li>", c.what.name,
                               kForceControllerNames[static_cast<int>(judged.controller)], run.seed,
-                              escaped(run.ended));
+                              escaped(run.run.ended));
   return html.empty() ? html : "<h2>Runs that ended early</h2><ul>" + html + "</ul>\n";
 }
 
