@@ -158,9 +158,10 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
         for (int seed = 1; seed <= judged.runs && go_on() && bench.fault().empty(); ++seed) {
           line.update(fmt::format("{}, {}, run {}", c.name,
                                   kForceControllerNames[static_cast<int>(controller)], seed),
-                      done++ / all);
+                      done / all);
           ForceRun run = bench.run(c, controller, seed, go_on);
           if (!go_on()) break;
+          done += 1.0;
           one.runs.push_back({seed, {}, std::move(run)});
           if (judged.sensor.empty()) judge(&one.runs.back());
         }
@@ -187,7 +188,7 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
         say_summary(c.what, one);
       }
   }
-  if (interrupt.requested() || interrupt.emergency()) results.ended = "interrupted";
+  if (done < all && results.ended.empty()) results.ended = "interrupted";
   results.seconds = seconds_since(start);
   write(results, options.out);
   say(stdout, "{} cases, {} controllers, {} runs each, in {:.0f} s{}\nreport  {}\n",

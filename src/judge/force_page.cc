@@ -11,7 +11,7 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kWidth = 300.0, kHeight = 90.0;  // of a plot [px]
+constexpr double kWidth = 250.0, kHeight = 90.0;  // of a plot [px]
 constexpr int kBuckets = 150;                     // of a curve, each with its least and greatest
 
 constexpr const char* kHead = R"(<!doctype html>
@@ -22,13 +22,13 @@ constexpr const char* kHead = R"(<!doctype html>
 @media(prefers-color-scheme:dark){:root{--text:#e8e8ea;--back:#161618;--line:#3a3a3e;
 --soft:#a0a0a6;--c0:#64a8f0;--c1:#f09a5c;--c2:#7cc47f;--asked:#77777d}}
 body{font:15px/1.45 system-ui,sans-serif;color:var(--text);background:var(--back);margin:0 auto;
-padding:1.2rem;max-width:1180px}
+padding:1.2rem;max-width:1240px}
 h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.1rem;margin:1.6rem 0 .4rem}p,li{max-width:75ch}
 code{font-size:.9em;overflow-wrap:anywhere}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums;width:100%}
-th,td{padding:.15rem .5rem;text-align:right;white-space:nowrap}th{font-weight:600;
+th,td{padding:.15rem .35rem;text-align:right;white-space:nowrap}th{font-weight:600;
 color:var(--soft)}
-th.case,td.case{text-align:left;vertical-align:top;white-space:normal;min-width:300px}
+th.case,td.case{text-align:left;vertical-align:top;white-space:normal;min-width:250px}
 td.who{text-align:left}
 tbody{border-top:1px solid var(--line)}td small,.soft{color:var(--soft)}td.best{font-weight:650}
 .k0{color:var(--c0)}.k1{color:var(--c1)}.k2{color:var(--c2)}svg{display:block;margin:.2rem 0;
