@@ -357,6 +357,9 @@ int run_program(int argc, char** argv) {
   judge->add_option("--runs", judged.runs, "seeded runs of each case")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
+  judge->add_option("--sensor", judged.sensor,
+                    "CSV file that a sensor under the workpiece leaves after the runs, for an arm "
+                    "that measures no wrench: time,force (docs/force.md)");
   judge->add_option("--out", options.out, "folder (default: runs/judge-force)");
   judge
       ->add_option("--set", options.assignments,

@@ -25,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kSensorPatience = 60.0;  // for the sensor's file, after the last run [s]
+
 std::vector<ForceController> controllers_of(const std::vector<std::string>& names) {
   const std::vector<std::string> known(std::begin(kForceControllerNames),
                                        std::end(kForceControllerNames));
@@ -84,20 +86,29 @@ std::string command_of(const DrawOptions& options, const JudgeForceOptions& judg
   if (!judged.cases.empty()) text += fmt::format(" --cases {}", fmt::join(judged.cases, ","));
   if (!judged.controllers.empty())
     text += fmt::format(" --controllers {}", fmt::join(judged.controllers, ","));
+  if (!judged.sensor.empty()) text += " --sensor " + judged.sensor.string();
   if (judged.runs != 5) text += fmt::format(" --runs {}", judged.runs);
   for (const std::string& set : options.assignments) text += fmt::format(" --set '{}'", set);
   return text;
 }
 
-std::string summary_line(const JudgedController& judged) {
+void say_summary(const ForceCase& c, const JudgedController& judged) {
   std::string line;
   for (int m = 0; m < kForceMetrics; ++m)
     if (const ForceSummary found = judged.summary(m); found.mean)
       line += fmt::format("  {} {}", kForceMetricNames[m], shown_metric(m, found.mean));
   const auto failed = std::count_if(judged.runs.begin(), judged.runs.end(),
-                                    [](const JudgedRun& run) { return !run.ended.empty(); });
+                                    [](const JudgedRun& run) { return !run.run.ended.empty(); });
   if (failed > 0) line += fmt::format("  {} of {} runs ended early", failed, judged.runs.size());
-  return line;
+  say(stdout, "{:16} {:10}{}\n", c.name, kForceControllerNames[static_cast<int>(judged.controller)],
+      line);
+}
+
+// Of later runs the record goes: the page shows the first.
+void judge(JudgedRun* judged) {
+  if (judged->run.ended.empty())
+    judged->metrics = judge_force(judged->run.record, judged->run.question);
+  if (judged->seed > 1) judged->run.record.clear();
 }
 
 }  // namespace
@@ -105,6 +116,10 @@ std::string summary_line(const JudgedController& judged) {
 int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
   const std::vector<ForceController> controllers = controllers_of(judged.controllers);
   std::vector<ForceCase> cases = force_cases(judged.cases);
+  if (!judged.sensor.empty() && fs::exists(judged.sensor))
+    throw InputError(fmt::format(
+        "--sensor {}: it exists already; valid is a file that the sensor leaves after the runs",
+        judged.sensor.string()));
   ForceResults results;
   results.again = command_of(options, judged);
   if (options.out.empty()) options.out = "runs/judge-force";
@@ -132,36 +147,48 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
   const Interrupt interrupt;
   const double all = static_cast<double>(cases.size() * controllers.size()) * judged.runs;
   double done = 0.0;
+  ProgressLine line;
   {
-    ProgressLine line;
-    ForceBench bench(experiment, make_driver);
+    ForceBench bench(experiment, make_driver, !judged.sensor.empty());
     const auto go_on = [&] { return !interrupt.requested() && !interrupt.emergency(); };
     for (const ForceCase& c : cases) {
       results.cases.push_back({c, {}});
       for (const ForceController controller : controllers) {
-        JudgedController one{controller, {}, {}};
+        JudgedController one{controller, {}};
         for (int seed = 1; seed <= judged.runs && go_on() && bench.fault().empty(); ++seed) {
           line.update(fmt::format("{}, {}, run {}", c.name,
                                   kForceControllerNames[static_cast<int>(controller)], seed),
-                      done++ / all);
+                      done / all);
           ForceRun run = bench.run(c, controller, seed, go_on);
           if (!go_on()) break;
-          JudgedRun found{seed, {}, run.ended};
-          if (run.ended.empty()) found.metrics = judge_force(run.record, run.question);
-          one.runs.push_back(std::move(found));
-          if (seed == 1) one.first = std::move(run);
+          done += 1.0;
+          one.runs.push_back({seed, {}, std::move(run)});
+          if (judged.sensor.empty()) judge(&one.runs.back());
         }
         if (one.runs.empty()) continue;
         line.wipe();
-        say(stdout, "{:16} {:10}{}\n", c.name, kForceControllerNames[static_cast<int>(controller)],
-            summary_line(one));
+        if (judged.sensor.empty()) say_summary(c, one);
         results.cases.back().controllers.push_back(std::move(one));
       }
       if (results.cases.back().controllers.empty()) results.cases.pop_back();
     }
     if (!bench.fault().empty()) results.ended = bench.fault();
   }
-  if (interrupt.requested() || interrupt.emergency()) results.ended = "interrupted";
+  if (!judged.sensor.empty() && !results.cases.empty()) {
+    line.update("waiting for " + judged.sensor.string(), 0.0);
+    const SensorFile sensor(judged.sensor, kSensorPatience);
+    line.wipe();
+    for (JudgedCase& c : results.cases)
+      for (JudgedController& one : c.controllers) {
+        for (JudgedRun& run : one.runs) {
+          sensor.fill(&run.run);
+          run.run.ask();
+          judge(&run);
+        }
+        say_summary(c.what, one);
+      }
+  }
+  if (done < all && results.ended.empty()) results.ended = "interrupted";
   results.seconds = seconds_since(start);
   write(results, options.out);
   say(stdout, "{} cases, {} controllers, {} runs each, in {:.0f} s{}\nreport  {}\n",

@@ -1,6 +1,7 @@
 // ./impedraw judge-force: the force benchmark (docs/force.md).
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct JudgeForceOptions {
   std::vector<std::string> controllers;  // empty: all
   std::vector<std::string> cases;        // empty: all
   int runs = 5;
+  std::filesystem::path sensor;  // readings under the workpiece (SensorFile); empty: the arm's own
 };
 
 // Leaves force.json and force.html in options.out, by default runs/judge-force. Ctrl-C keeps what

@@ -11,7 +11,7 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kWidth = 300.0, kHeight = 90.0;  // of a plot [px]
+constexpr double kWidth = 250.0, kHeight = 90.0;  // of a plot [px]
 constexpr int kBuckets = 150;                     // of a curve, each with its least and greatest
 
 constexpr const char* kHead = R"(<!doctype html>
@@ -22,13 +22,13 @@ constexpr const char* kHead = R"(<!doctype html>
 @media(prefers-color-scheme:dark){:root{--text:#e8e8ea;--back:#161618;--line:#3a3a3e;
 --soft:#a0a0a6;--c0:#64a8f0;--c1:#f09a5c;--c2:#7cc47f;--asked:#77777d}}
 body{font:15px/1.45 system-ui,sans-serif;color:var(--text);background:var(--back);margin:0 auto;
-padding:1.2rem;max-width:1180px}
+padding:1.2rem;max-width:1240px}
 h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.1rem;margin:1.6rem 0 .4rem}p,li{max-width:75ch}
 code{font-size:.9em;overflow-wrap:anywhere}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums;width:100%}
-th,td{padding:.15rem .5rem;text-align:right;white-space:nowrap}th{font-weight:600;
+th,td{padding:.15rem .35rem;text-align:right;white-space:nowrap}th{font-weight:600;
 color:var(--soft)}
-th.case,td.case{text-align:left;vertical-align:top;white-space:normal;min-width:300px}
+th.case,td.case{text-align:left;vertical-align:top;white-space:normal;min-width:250px}
 td.who{text-align:left}
 tbody{border-top:1px solid var(--line)}td small,.soft{color:var(--soft)}td.best{font-weight:650}
 .k0{color:var(--c0)}.k1{color:var(--c1)}.k2{color:var(--c2)}svg{display:block;margin:.2rem 0;
@@ -90,7 +90,7 @@ std::string plot(const JudgedCase& c) {
   Frame frame{0.0, 0.0, 0.0};
   const ForceRun* any = nullptr;
   for (const JudgedController& judged : c.controllers) {
-    const ForceRun& run = judged.first;
+    const ForceRun& run = judged.runs.front().run;
     if (!(run.question.to > run.question.from)) continue;
     if (!any) any = &run;
     const double before = c.what.judge_contact ? 0.05 : 0.2;
@@ -111,9 +111,10 @@ std::string plot(const JudgedCase& c) {
   svg += curve(any->record, frame, "asked", any->question.from,
                [](const ForceSample& s) { return s.asked; });
   for (auto judged = c.controllers.rbegin(); judged != c.controllers.rend(); ++judged)
-    svg += curve(judged->first.record, frame,
-                 fmt::format("p{}", static_cast<int>(judged->controller)).c_str(),
-                 judged->first.question.from, [](const ForceSample& s) { return s.force; });
+    svg +=
+        curve(judged->runs.front().run.record, frame,
+              fmt::format("p{}", static_cast<int>(judged->controller)).c_str(),
+              judged->runs.front().run.question.from, [](const ForceSample& s) { return s.force; });
   return svg + "</svg>";
 }
 
@@ -170,10 +171,10 @@ std::string rows(const JudgedCase& c) {
     }
     html += "</tr>";
     const auto failed = std::find_if(judged.runs.begin(), judged.runs.end(),
-                                     [](const JudgedRun& run) { return !run.ended.empty(); });
+                                     [](const JudgedRun& run) { return !run.run.ended.empty(); });
     if (failed != judged.runs.end())
       html += fmt::format("<!-- {} seed {}: {} -->", kForceControllerNames[who], failed->seed,
-                          escaped(failed->ended));
+                          escaped(failed->run.ended));
   }
   return html + "</tbody>\n";
 }
@@ -200,10 +201,10 @@ std::string ended_list(const ForceResults& results) {
   for (const JudgedCase& c : results.cases)
     for (const JudgedController& judged : c.controllers)
       for (const JudgedRun& run : judged.runs)
-        if (!run.ended.empty())
+        if (!run.run.ended.empty())
           html += fmt::format("<li>{}, {}, seed {}: {}</li>", c.what.name,
                               kForceControllerNames[static_cast<int>(judged.controller)], run.seed,
-                              escaped(run.ended));
+                              escaped(run.run.ended));
   return html.empty() ? html : "<h2>Runs that ended early</h2><ul>" + html + "</ul>\n";
 }
 

@@ -20,7 +20,7 @@ Json json_of(const JudgedController& judged) {
     Json one = {{"seed", run.seed}};
     for (int m = 0; m < kForceMetrics; ++m)
       one[std::string(kForceMetricNames[m])] = number(run.metrics.value[m]);
-    if (!run.ended.empty()) one["ended"] = run.ended;
+    if (!run.run.ended.empty()) one["ended"] = run.run.ended;
     runs.push_back(std::move(one));
   }
   for (int m = 0; m < kForceMetrics; ++m) {

@@ -11,8 +11,8 @@ namespace impedraw {
 
 struct JudgedRun {
   int seed = 1;
-  ForceMetrics metrics;
-  std::string ended;  // why it ended early: it has no metrics then
+  ForceMetrics metrics;  // absent where it ended early
+  ForceRun run;
 };
 
 // One metric over the runs of a case. Absent where one of them lacks it.
@@ -24,7 +24,6 @@ struct ForceSummary {
 struct JudgedController {
   ForceController controller;
   std::vector<JudgedRun> runs;
-  ForceRun first;  // of the first run, for the plot
 
   ForceSummary summary(int metric) const;
 };

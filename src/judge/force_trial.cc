@@ -1,7 +1,12 @@
 #include "impedraw/judge/force_trial.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <numbers>
+#include <thread>
 #include <utility>
 #include <variant>
 
@@ -88,15 +93,16 @@ struct ForceBench::Law {
   std::variant<std::monostate, std::unique_ptr<ControlLoop>, CrispLaw, FeedforwardLaw> law;
 };
 
-ForceBench::ForceBench(Experiment& e, const DriverMaker& make_driver)
+ForceBench::ForceBench(Experiment& e, const DriverMaker& make_driver, bool has_sensor)
     : e_(e), as_given_(e.scenario) {
   piece_.p_W += e.scenario.canvas.move;
   if (!make_driver) return;
   driver_ = make_driver(e.scene.start_q);
-  if (driver_->info().wrench != WrenchReading::tip)
+  if (driver_->info().wrench != WrenchReading::tip && !has_sensor)
     throw InputError(
         "judge-force: nothing measures the force: this arm gives no wrench at its tip; valid is "
-        "arm.driver sim, or iiwa-lcm with control.wrench: ground_truth");
+        "--sensor FILE with the readings of a sensor under the workpiece, arm.driver sim, or "
+        "iiwa-lcm with control.wrench: ground_truth");
   if (!driver_->info().waits)
     throw InputError(
         "judge-force: arm.clock is wall, and controllers are made between two runs, while that arm "
@@ -162,14 +168,15 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     driver = &*simulated;
     driver->start();
   }
-  const ArmState* state = &driver->read();
+  // A driven arm's last state of the run before waits for its answer.
+  const ArmState* state = driver_ && state_ ? state_ : &driver->read();
   const ForceProgramme programme = programme_from(world ? e_.scene.start_q : state->q);
 
   ForceRun run;
   run.record.reserve(static_cast<std::size_t>(programme.leave() / driver->info().period) + 1);
   Law law(e_, driver->info(), controller, believed, c.approach_speed);
+  const bool measured = world || driver->info().wrench == WrenchReading::tip;
   const double begin = state->time, end = driver_ ? programme.leave() : programme.end();
-  std::optional<double> touch;
   for (double t = 0.0; t < end; t = state->time - begin) {
     const ForceCommand command = programme.at(t);
     if (world && c.stiffness) {
@@ -181,7 +188,7 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     }
     const Torque torque = law.step(*state, command);
     const Eigen::Vector3d n_W = command.reference.n_WD;
-    double force = state->wrench.head<3>().dot(n_W);
+    double force = measured ? state->wrench.head<3>().dot(n_W) : std::nan("");
     driver->command(torque.tau, torque.gravity);
     if (const GroundTruth* const truth = driver->truth()) {
       const Eigen::Vector3d normal = truth->X_WK.R * truth->contact_normal;
@@ -189,20 +196,66 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     }
     const Eigen::Vector3d v = law.terms.V_WE.head<3>();
     run.record.push_back({t, command.asked, force, (v - n_W * n_W.dot(v)).norm()});
-    if (!touch && t > programme.descent() && force > kTouch) touch = t;
     // A workpiece on springs gives way as a whole: the pen's shaft stays clear of it.
     if (world && c.stiffness) world->forget_touching_link();
     state = &driver->read();
     if (!driver->fault().empty()) run.ended = driver->fault();
-    if (!(std::abs(force) < kMostForce)) run.ended = fmt::format("force of {:.0f} N", force);
-    if (t > programme.descent() && !touch && !law.tared())
+    if (std::abs(force) > kMostForce) run.ended = fmt::format("force of {:.0f} N", force);
+    if (t > programme.descent() && !law.tared())
       run.ended = "the arm was not at rest long enough to tare its sensor";
     if (!go_on()) run.ended = "interrupted";
     if (!run.ended.empty()) break;
   }
-  if (run.ended.empty() && !touch) run.ended = "never touched the workpiece";
-  if (touch) run.question = programme.question(*touch);
+  state_ = driver_ ? state : nullptr;
+  run.begin = begin;
+  run.programme = programme;
+  if (measured) run.ask();
   return run;
+}
+
+void ForceRun::ask() {
+  const double from = programme->descent();
+  const auto touch = std::find_if(record.begin(), record.end(), [&](const ForceSample& s) {
+    return s.time > from && s.force > kTouch;
+  });
+  if (touch != record.end())
+    question = programme->question(touch->time);
+  else if (ended.empty())
+    ended = "never touched the workpiece";
+}
+
+SensorFile::SensorFile(const std::filesystem::path& file, double patience) {
+  for (double waited = 0.0; !std::filesystem::exists(file); waited += 0.1) {
+    if (waited > patience)
+      throw InputError(fmt::format("--sensor {}: no such file {:.0f} s after the last run",
+                                   file.string(), patience));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);  // the columns' names
+  for (int number = 2; std::getline(in, line); ++number) {
+    double time = 0.0, force = 0.0;
+    if (std::sscanf(line.c_str(), "%lf,%lf", &time, &force) != 2 ||
+        (!readings_.empty() && !(time > readings_.back().first)))
+      throw InputError(fmt::format(
+          "--sensor {}:{}: valid is a time [s], later than the line before, a comma and a force "
+          "[N]",
+          file.string(), number));
+    readings_.emplace_back(time, force);
+  }
+  if (readings_.size() < 2)
+    throw InputError(fmt::format("--sensor {}: fewer than two readings", file.string()));
+}
+
+void SensorFile::fill(ForceRun* run) const {
+  for (ForceSample& s : run->record) {
+    const double t = run->begin + s.time;
+    auto after = std::lower_bound(readings_.begin() + 1, readings_.end() - 1, std::pair(t, -1e300));
+    const auto before = after - 1;
+    const double share = std::clamp((t - before->first) / (after->first - before->first), 0.0, 1.0);
+    s.force = before->second + share * (after->second - before->second);
+  }
 }
 
 }  // namespace impedraw

@@ -3,17 +3,19 @@
 // The simulated arm gets the case's workpiece and starts anew for each run. An arm that is not
 // simulated here keeps its session and its workpiece, which must be the standard bowl, and the pen
 // goes from run to run. The force is the simulator's contact force along the true normal or, from
-// another arm, the measured wrench along the believed one.
+// another arm, the measured wrench along the believed one, or the readings of a sensor in a file.
 //
 // Differences between runs: noise and bias of the sensors, and where the controllers believe the
 // workpiece to be, off by 0.5 mm along z and 0.5° about x and y (standard deviations). All
 // controllers get the same ones.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "impedraw/experiment/experiment.h"
@@ -36,15 +38,33 @@ inline constexpr std::string_view kForceControllerTitles[] = {
 
 struct ForceRun {
   std::string ended;                // why it ended early; empty: it did not
-  std::vector<ForceSample> record;  // the whole of it
+  double begin = 0.0;               // by the driver's clock [s]
+  std::vector<ForceSample> record;  // the whole of it; a force that nothing measures is NaN
   ForceQuestion question;           // for judge_force()
+  std::optional<ForceProgramme> programme;
+
+  // Finds the touch in the record, and with it the question.
+  void ask();
+};
+
+// Readings of a sensor under the workpiece that is not the arm's own: a CSV file with the columns
+// time, by the arm's clock since its session began [s], and force along the normal [N].
+class SensorFile {
+ public:
+  // Waits for the file for `patience` [s]. Throws InputError that names the line at fault.
+  SensorFile(const std::filesystem::path& file, double patience);
+  void fill(ForceRun* run) const;  // the record's forces, between readings evenly
+
+ private:
+  std::vector<std::pair<double, double>> readings_;
 };
 
 class ForceBench {
  public:
   // experiment: with an arm and its control set-up; its canvas is replaced. make_driver: as
-  // draw_into()'s. Throws InputError where nothing measures the force, and what starting throws.
-  ForceBench(Experiment& experiment, const DriverMaker& make_driver);
+  // draw_into()'s. has_sensor: the force is in a file (SensorFile). Throws InputError where nothing
+  // measures the force, and what starting throws.
+  ForceBench(Experiment& experiment, const DriverMaker& make_driver, bool has_sensor);
   ~ForceBench();
 
   // The arm is simulated here.
@@ -64,8 +84,9 @@ class ForceBench {
   Experiment& e_;
   Workpiece piece_;
   Scenario as_given_;
-  std::unique_ptr<Driver> driver_;  // null: a simulated arm for each run
-  std::optional<Workpiece::Shape> shape_;
+  std::unique_ptr<Driver> driver_;         // null: a simulated arm for each run
+  const ArmState* state_ = nullptr;        // of the driven arm, not yet answered
+  std::optional<Workpiece::Shape> shape_;  // of the simulated workpiece
 };
 
 }  // namespace impedraw

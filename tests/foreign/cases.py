@@ -60,6 +60,31 @@ def wait_until_drawing(folder):
         time.sleep(0.05)
 
 
+FORCE_CASES = "contact-10,steps,hold-still"
+FORCE_ARGUMENTS = ("--set", "arm.start=[0.6,0,0.13]", "--set", "arm.rotor_inertia=0.1")
+
+
+def judge_force(command, out, sensor=None):
+    """The force benchmark's figures: of each case and controller, the mean of steady_error, sd and overshoot. `sensor`: makes --sensor's file, when the
+    arm has been left."""
+    log = open(out.with_suffix(".judge.log"), "w")
+    run = subprocess.Popen([*command, "--cases", FORCE_CASES, "--runs", "1", "--out", out], stdout=log, stderr=log)
+    if sensor:
+        sensor(run)
+    if run.wait(1500):
+        raise RuntimeError(f"judge-force ended with {run.returncode}: {out.with_suffix('.judge.log').read_text().strip()[-500:]}")
+    results = json.loads((out / "force.json").read_text())
+    require("every case", len(results["cases"]) == len(FORCE_CASES.split(",")), results["cases"])
+    found = {}
+    for case in results["cases"]:
+        for judged in case["controllers"]:
+            require("each run is whole", all("ended" not in run for run in judged["runs"]), judged["runs"])
+            for metric in ("steady_error", "sd", "overshoot"):
+                if judged["mean"][metric] is not None:
+                    found[f"{case['case']}.{judged['controller']}.{metric}"] = judged["mean"][metric]
+    return found
+
+
 def require(what, holds, found=""):
     if not holds:
         raise AssertionError(f"{what}: {found}")

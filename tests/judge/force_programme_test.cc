@@ -1,12 +1,16 @@
 // The benchmark's references and workpieces against finite differences and the true mesh.
+#include <fstream>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/rotation_vector.h"
 #include "impedraw/judge/force_case.h"
+#include "impedraw/judge/force_trial.h"
 
 namespace impedraw {
 namespace {
@@ -60,6 +64,27 @@ TEST(ForceProgramme, NamesDifferAndWrongOnesAreTold) {
   for (const ForceCase& c : force_cases()) EXPECT_TRUE(names.insert(c.name).second) << c.name;
   EXPECT_EQ(force_cases({"sweep", "steps"}).front().name, "steps");
   EXPECT_THROW(force_cases({"stepps"}), InputError);
+}
+
+// Readings of a ramp, and a run that began 2 s into the session.
+TEST(ForceSensor, FillsARecordFromItsFile) {
+  const auto file = std::filesystem::temp_directory_path() / fmt::format("sensor-{}.csv", getpid());
+  std::ofstream(file) << "time,force\n0,0\n10,20\n";
+  ForceRun run;
+  run.begin = 2.0;
+  run.programme.emplace(force_cases({"hold-still"}).front(), Workpiece(), Vector3d(0.6, 0.0, 0.13),
+                        Vector3d::UnitZ());
+  for (double t = 0.0; t < 9.0; t += 0.5) run.record.push_back({t, 5.0, std::nan(""), 0.0});
+  SensorFile(file, 0.0).fill(&run);
+  for (const ForceSample& s : run.record)
+    EXPECT_NEAR(s.force, std::min(20.0, 2.0 * (s.time + 2.0)), 1e-12);
+  run.ask();
+  EXPECT_EQ(run.ended, "");
+  EXPECT_DOUBLE_EQ(run.question.from, run.programme->start());
+  std::ofstream(file) << "time,force\n0,0\n1;20\n";
+  EXPECT_THROW(SensorFile(file, 0.0), InputError);
+  std::filesystem::remove(file);
+  EXPECT_THROW(SensorFile(file, 0.0), InputError);
 }
 
 // Away from the roof's edge, which is believed to be round.

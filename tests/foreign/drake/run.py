@@ -127,6 +127,16 @@ def speed():
     return {"drawn": drawn, "replayed": replayed, "share": drawn / replayed, "cores": os.cpu_count(), "load": os.getloadavg()[0]}
 
 
+def force():
+    """The force benchmark, by the wrench of Drake's contact."""
+    scenario = HERE / "iiwa-sine.yaml"
+    start = cases.start_posture(scenario, OUT, *cases.FORCE_ARGUMENTS)
+    with broker() as (url, _), simulation(url, OUT / "force.npz", start, ["--wrench", "--rotor", "0.1"]):
+        return cases.judge_force(
+            [PROGRAM, "judge-force", scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}", *cases.FORCE_ARGUMENTS], OUT / "force"
+        )
+
+
 def absent():
     """No broker: one line, a code that is not 0, and no log."""
     url = f"tcpq://127.0.0.1:{unused_port()}"
@@ -267,6 +277,7 @@ CASES = {
     "shoved": shoved,
     "stock-rate": stock_rate,
     "hold": hold,
+    "force": force,
     "speed": speed,
 }
 USUAL = ["absent", "sine", "slider-sine", "eyes-sine", "broker-killed", "sigterm"]
