@@ -162,6 +162,31 @@ TEST(StrokeFile, UnitsOfItsNumbers) {
   EXPECT_THROW(read(PageUnit::m, "2 2\n1 1001\nEnd\n"), InputError);  // beyond 1e6 mm
 }
 
+TEST(StrokeFile, WidthsAndForcesOfItsPoints) {
+  const auto read = [](const std::string& text, bool csv, PageUnit unit = PageUnit::file) {
+    return parse_strokes(text, "a", csv, {.unit = unit}).strokes.at(0);
+  };
+  using Press = std::vector<double>;
+  const Stroke csv = read("x,y,stroke,width\n1,2,0,.5\n3,4,0,2\n3,4,0,9\n", true, PageUnit::cm);
+  EXPECT_EQ(csv.press, (Press{5, 20}));
+  EXPECT_FALSE(csv.by_force);
+  const Stroke page = read("100 50 Force\n10 20 1.5\n30 40 8\nEnd\n", false, PageUnit::cm);
+  EXPECT_EQ(page.press, (Press{1.5, 8}));
+  EXPECT_TRUE(page.by_force);
+  // Shares of the page: the width stays.
+  const Stroke share = read("100 50 width\n.1 .2 1.5\n.3 .4 8\nEnd\n", false);
+  EXPECT_EQ(share.press, (Press{1.5, 8}));
+  EXPECT_EQ(share.points.at(0), Eigen::Vector2d(10, 10));
+  EXPECT_TRUE(read("100 50\n10 20\n30 40\nEnd\n", false).press.empty());
+  for (const auto& [text, csv] : {std::pair("x,y,width,force\n1,2,3,4\n", true),
+                                  {"x,y,force\n1,2,-1\n", true},
+                                  {"x,y,width\n1,2,nan\n", true},
+                                  {"x,y,width\n1,2\n", true},
+                                  {"10 20 widths\n1 2 3\nEnd\n", false},
+                                  {"10 20 width\n1 2\nEnd\n", false}})
+    EXPECT_THROW(read(text, csv), InputError) << text;
+}
+
 TEST(StrokeFile, TooManyPointsAreNamed) {
   std::string text;
   for (int i = 0; i < 5'000'001; ++i) text += i % 2 ? "1,1\n" : "1,2\n";
