@@ -31,6 +31,8 @@ const Contact& SurfaceContact::update(const StepInput& in) noexcept {
   }
   now_.v_K.setZero();
   if (in.carrier) now_.v_K = in.carrier->velocity_at(in.arm.X_WE.p);
+  now_.force = in.reference.force > 0.0 ? in.reference.force : normal_force_;
+  now_.force_rate = in.reference.force_rate;
   now_.v = in.arm.V_WE.head<3>() - now_.v_K;
   update_mode(in, surface);
   update_approach(surface);
@@ -98,7 +100,7 @@ void SurfaceContact::update_felt_normal(const Wrench& F_ext) noexcept {
   }
   const Eigen::Vector3d n = felt_.corrected(tracker_.n());  // as felt in the steps before
   felt_.update(n, F_ext.head<3>(), slip_along(n, now_.v, friction_.fade_speed),
-               friction_.coefficient, kLeastForce * normal_force_);
+               friction_.coefficient, kLeastForce * now_.force);
   now_.n = felt_.corrected(tracker_.n());
   now_.n_C = felt_.seen_from(now_.n);
 }

@@ -13,6 +13,7 @@
 // Rise      u ← u + 80/s Δt (n·(v − v_K) − u), |u| ≤ 0.2 m/s, in contact on a carrier, else 0: the
 //           velocity along n that the tip shows the carrier's v_K to lack. The tip is the fastest
 //           sensor along n.
+// Force     F_n as the reference gives it, or that of the settings
 // Requires  unit normals; one call every dt
 #pragma once
 
@@ -32,6 +33,8 @@ struct Contact {
   Eigen::Vector3d n_C = Eigen::Vector3d::UnitZ();  // normal where the tip touches
   Eigen::Vector3d v_K = Eigen::Vector3d::Zero();   // velocity of the carrier at the tip [m/s]
   Eigen::Vector3d v = Eigen::Vector3d::Zero();     // velocity of the tip, less v_K [m/s]
+  double force = 0.0;                              // F_n, asked for in contact [N]
+  double force_rate = 0.0;                         // its derivative [N/s]
   double rise = 0.0;          // velocity of the surface along n, beyond v_K [m/s]
   double sinking = 0.0;       // desired speed towards the surface, in approach [m/s]
   double off_target = 0.0;    // desired less estimated distance, in approach [m]
@@ -53,7 +56,8 @@ class SurfaceContact {
   // Throws InputError as ContactSettings::validate() does.
   explicit SurfaceContact(const ImpedanceSettings& settings);
 
-  void retune(double normal_force) noexcept { normal_force_ = normal_force; }  // F_n [N]
+  // F_n where the reference gives none [N].
+  void retune(double normal_force) noexcept { normal_force_ = normal_force; }
   // One step. The result is overwritten by the next one.
   const Contact& update(const StepInput& in) noexcept;
   void reset() noexcept;  // back to mode free

@@ -35,8 +35,6 @@ void ImpedanceController::retune(const TipGain& stiffness, double normal_force) 
   settings_.normal_force = normal_force;
   impedance_.retune(stiffness);
   contact_.retune(normal_force);
-  push_.retune(normal_force);
-  friction_.retune(normal_force);
 }
 
 const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipReference& reference,

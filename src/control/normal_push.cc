@@ -5,8 +5,7 @@
 namespace impedraw {
 
 NormalPush::NormalPush(const ImpedanceSettings& s) noexcept
-    : normal_force_(s.normal_force),
-      dt_(s.timing.dt),
+    : dt_(s.timing.dt),
       settings_(s.force_integral),
       integrates_(s.force_integral.enabled && s.wrench == WrenchFeedback::measured) {}
 
@@ -14,7 +13,7 @@ Vector6 NormalPush::update(const Contact& contact, const Wrench& F_ext,
                            const Eigen::Vector3d& carried, bool frozen) noexcept {
   const Eigen::Vector3d& n = contact.n;
   const bool touches = contact.mode == ContactMode::contact;
-  desired_ = touches ? normal_force_ : 0.0;
+  desired_ = touches ? contact.force : 0.0;
   built_up_ = touches ? std::max(0.0, desired_ - n.dot(carried)) : 0.0;
   if (integrates_ && !frozen) {
     const double asked = desired_ * n.dot(contact.n_C) - n.dot(carried);

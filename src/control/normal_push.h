@@ -1,4 +1,4 @@
-// The push of the pen along the normal, with a slow integral of the force error.
+// The push F_n of the pen along the normal (Contact::force), with a slow integral of the force error.
 //
 // Law       F_push = −(F_n n·n_C + I) n,  in approach without F_n, away from the surface 0
 //           İ = rate (asked − n·F_ext),  |I| ≤ limit;  I = 0 out of contact
@@ -16,8 +16,6 @@ class NormalPush {
  public:
   explicit NormalPush(const ImpedanceSettings& settings) noexcept;
 
-  void retune(double normal_force) noexcept { normal_force_ = normal_force; }  // F_n [N]
-
   // Integrates the force error over one step, unless `frozen`, and returns F_push [N, Nm].
   // carried: force that the handover adds in this step [N].
   Vector6 update(const Contact& contact, const Wrench& F_ext, const Eigen::Vector3d& carried,
@@ -28,7 +26,7 @@ class NormalPush {
   void reset() noexcept { integral_ = 0.0; }
 
  private:
-  double normal_force_, dt_;
+  double dt_;
   ForceIntegralSettings settings_;
   bool integrates_;
   double integral_ = 0.0, desired_ = 0.0, built_up_ = 0.0;  // [N]

@@ -21,7 +21,8 @@ ControlStatus input_status(const ArmTerms& arm, const TipReference& reference,
   double sum = arm.q.sum() + arm.v.sum() + arm.M.sum() + arm.Cv.sum() + arm.g.sum() + arm.J.sum() +
                arm.Jdot_v.sum() + arm.X_WE.p.sum() + arm.X_WE.R.sum() + arm.V_WE.sum() +
                reference.p_WD.sum() + reference.v_WD.sum() + reference.a_WD.sum() +
-               reference.n_WD.sum() + reference.w_WD.sum() + reference.alpha_WD.sum();
+               reference.n_WD.sum() + reference.w_WD.sum() + reference.alpha_WD.sum() +
+               reference.force_rate + (reference.force >= 0.0 ? reference.force : NAN);
   if (surface.status == SurfaceStatus::ok) {
     if (!unit(surface.n_W)) return status;
     sum += surface.n_W.sum() + surface.distance;

@@ -15,7 +15,6 @@ Eigen::Vector3d slip_along(const Eigen::Vector3d& n, const Eigen::Vector3d& v,
 TipFriction::TipFriction(const ImpedanceSettings& s) noexcept
     : settings_(s.friction),
       measured_(s.wrench == WrenchFeedback::measured),
-      normal_force_(s.normal_force),
       side_force_(std::tan(s.friction.normal_error_deg * std::numbers::pi / 180.0)) {}
 
 Wrench TipFriction::explained(const Contact& contact, const Wrench& F_ext) const noexcept {
@@ -38,7 +37,7 @@ Eigen::Vector3d TipFriction::feedforward(const Contact& contact,
     return Eigen::Vector3d::Zero();
   const Eigen::Vector3d v_d = v_WD - contact.v_K;
   const double speed = std::sqrt(v_d.squaredNorm() + settings_.fade_speed * settings_.fade_speed);
-  return settings_.feedforward * normal_force_ / speed * v_d;
+  return settings_.feedforward * contact.force / speed * v_d;
 }
 
 }  // namespace impedraw

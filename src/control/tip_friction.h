@@ -24,15 +24,13 @@ class TipFriction {
 
   // The part of a measured wrench that contact at the tip explains [N, Nm].
   Wrench explained(const Contact& contact, const Wrench& F_ext) const noexcept;
-  // Force against the friction of the desired motion v_WD [m/s] under the push F_n [N].
+  // Force against the friction of the desired motion v_WD [m/s] under the push F_n of the contact.
   Eigen::Vector3d feedforward(const Contact& contact, const Eigen::Vector3d& v_WD) const noexcept;
-  void retune(double normal_force) noexcept { normal_force_ = normal_force; }  // F_n [N]
 
  private:
   FrictionSettings settings_;
   bool measured_;
-  double normal_force_;  // F_n [N]
-  double side_force_;    // tan(normal_error)
+  double side_force_;  // tan(normal_error)
 };
 
 }  // namespace impedraw

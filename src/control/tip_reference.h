@@ -18,6 +18,8 @@ struct TipReference {
   Eigen::Vector3d alpha_WD = Eigen::Vector3d::Zero();  // its derivative [rad/s²]
   // contact is desired: from the start of the approach to the start of the lift
   bool pen_down = false;
+  double force = 0.0;       // F_n along the normal [N]; 0: ImpedanceSettings::normal_force
+  double force_rate = 0.0;  // its derivative [N/s]
 };
 
 }  // namespace impedraw

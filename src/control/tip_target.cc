@@ -109,6 +109,9 @@ TipTarget target_on_surface(const StepInput& in, const Contact& contact, double 
   TipGain K = settings.stiffness;
   if (contact.mode == ContactMode::contact) {
     K.linear.normal = 0.0;
+    // A swelling force goes deeper; the damping must not hold it back.
+    if (contact.force_rate != 0.0 && settings.tip.stiffness > 0.0)
+      tangent.v -= n * (contact.force_rate / settings.tip.stiffness);
   } else {
     const double cosine = n.dot(z);
     tangent.v -= lift && std::abs(cosine) > least ? Vector3d(z * (contact.sinking / cosine))

@@ -9,6 +9,7 @@
 // The ink         lies at C, under the centre of the tip's ball of radius r:
 //                   p_C = p_E + p_EC,   p_EC = give n_C − r (z_E + n_C),   give = push / stiffness
 //                 and D is where E must be for C to be on the plan: p_WD = p_plan − p_EC.
+// A swelling     force sinks the tip in contact: V_d −= n Ḟ_n / stiffness
 // On a carrier    the plan's motion relative to the carrier K is projected, in axes that turn with
 //                 it, and K's motion is added again:
 //                   V̇ += a_K + 2 ω × v_rel,   V += v_K + rise n

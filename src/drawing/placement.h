@@ -90,6 +90,7 @@ struct PlacedStroke {
   int number = 0;                     // index of the artwork's stroke, from 0
   // arc length in the world's xy from the stroke's first point to this span's first point [m]
   double start = 0;
+  std::vector<double> force = {};  // of the pen at each point [N]; empty: control.normal_force
 };
 std::vector<PlacedStroke> placed_strokes(const Artwork& artwork, const Placement& placement);
 

@@ -23,7 +23,7 @@ void require_length(const char* name, double value) {
     throw InputError(fmt::format("{}: {} mm; must be a number ≥ 0", name, value));
 }
 
-// The vertices that simplified() keeps, and those that the press needs: between kept ones it changes
+// The vertices that simplified() keeps, and those that the press needs: between them it changes
 // evenly with the length, to within kSamePress of its range.
 std::vector<std::size_t> kept_points(const std::vector<Vector2d>& line,
                                      const std::vector<double>& press, double tolerance_mm) {
@@ -51,8 +51,8 @@ std::vector<double> press_of(const Stroke& stroke) {
 
 // True if the line is as heavy at those ends, or tells it in the same way.
 bool same_measure(const Stroke& a, const Stroke& b) {
-  return a.by_force == b.by_force && (a.width > 0 || !a.press.empty()) ==
-                                         (b.width > 0 || !b.press.empty());
+  return a.by_force == b.by_force &&
+         (a.width > 0 || !a.press.empty()) == (b.width > 0 || !b.press.empty());
 }
 
 }  // namespace

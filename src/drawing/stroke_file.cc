@@ -196,7 +196,7 @@ class Reading {
   int columns_ = 2, x_column_ = 0, y_column_ = 1, stroke_column_ = -1, press_column_ = -1;
   bool by_force_ = false;      // the column of widths has forces
   std::vector<double> press_;  // [mm] or [N]
-  std::string stroke_;  // last value of its column
+  std::string stroke_;         // last value of its column
   Eigen::AlignedBox2d page_;
   std::vector<Vector2d> points_;
   Artwork artwork_;

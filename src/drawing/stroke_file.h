@@ -20,7 +20,7 @@
 // and blank lines end its strokes.
 //
 // A third number at each point says how heavy the line is there: a column `width` of a CSV file, or
-// that word behind the page's size, gives the line's width, in the unit of the coordinates (mm where
+// that word behind the page's size, gives the line's width, in the unit of the coordinates (mm if
 // those are fractions of the page); `force` gives the pen's force [N]. Neither is negative, and a
 // file has one of them at most. Both change evenly from point to point.
 #pragma once

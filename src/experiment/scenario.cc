@@ -422,6 +422,10 @@ void describe(Fields& f, PathSettings& s) {
           "Largest acceleration across the surface, which its curvature makes: a rough surface is "
           "drawn on slower.");
   f.field(
+      Limits::force_rate, s.force_rate,
+      "Fastest change of the force where lines swell, at draw_speed. Where a width jumps, the line "
+      "is lighter beside the jump.");
+  f.field(
       Limits::normal_speed, s.normal_speed,
       "Largest speed across the surface that roughness finer than the cameras resolve may cause.");
   f.field(Limits::joint_speed_share, s.joint_speed_share,
@@ -740,6 +744,10 @@ void describe(Fields& f, PenSettings& s) {
   f.field(Limits::width_per_newton, s.width_per_newton,
           "Change of the line width with the force; 0: constant width.");
   f.field(Limits::nominal_force, s.nominal_force, "Force at which the line has its nominal width.");
+  f.field(Limits::least_force, s.least_force,
+          "Least force of lines whose width or force is given: by an SVG's stroke-width, where the "
+          "width changes with the force, or by a stroke file's column.");
+  f.field(Limits::most_force, s.most_force, "Their greatest force.");
 }
 
 void describe(Fields& f, PushSettings& s) {

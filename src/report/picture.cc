@@ -51,8 +51,7 @@ struct InkDrawing {
 double drawn_width(const PenSettings& pen, double f, double before) {
   if (pen.width_per_newton == 0.0) return pen.width;
   const double step = 0.05 * pen.width;
-  const double width = std::clamp(pen.width + pen.width_per_newton * (f - pen.nominal_force),
-                                  0.25 * pen.width, 3.0 * pen.width);
+  const double width = pen.width_at(f);
   return std::abs(width - before) <= step ? before : step * std::round(width / step);
 }
 

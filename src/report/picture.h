@@ -19,25 +19,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "impedraw/common/range.h"
+#include "impedraw/ink/pen.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
 
 namespace impedraw {
-
-// Width of the ink line: width + width_per_newton (f − nominal_force), limited to 0.25 … 3 times
-// `width`.
-struct PenSettings {
-  double width = 1.0;             // at the nominal force [mm]
-  double width_per_newton = 0.0;  // [mm/N]; 0: constant width
-  double nominal_force = 5.0;     // [N]
-
-  struct Limits {
-    static constexpr Limit width = {"width", "mm", {0.01, 20.0}};
-    static constexpr Limit width_per_newton = {"width_per_newton", "mm/N", {-10.0, 10.0}};
-    static constexpr Limit nominal_force = {"nominal_force", "N", {0.0, 100.0}};
-  };
-};
 
 struct PictureSettings {
   std::string title{};  // upper left; empty: the log's attribute `scenario`

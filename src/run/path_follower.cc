@@ -84,7 +84,8 @@ PenDeviation PathFollower::deviation(const Cycle& cycle) const {
   pen.tip = cycle.behind().norm();
   pen.normal_speed = out.n_WD.dot(cycle.velocity_on_canvas()) - out.rise;
   if (e_.control.impedance.wrench == WrenchFeedback::measured && out.push > 0.0)
-    pen.force = (cycle.normal_force() - out.push) / out.push;
+    pen.force =
+        (cycle.normal_force() - out.push) / std::max(out.push, e_.control.impedance.normal_force);
   return pen;
 }
 

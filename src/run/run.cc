@@ -51,10 +51,12 @@ std::map<std::string, double> given_up(const Experiment& e, const std::vector<St
 
 }  // namespace
 
-bool writes(const Experiment& e, ContactMode mode, double normal_force) {
+bool writes(const Experiment& e, ContactMode mode, double normal_force, double push) {
   const ImpedanceSettings& control = e.control.impedance;
   const bool measured = control.wrench == WrenchFeedback::measured;
-  if (measured && !(normal_force >= InkWatch::least_force(control.normal_force))) return false;
+  if (measured &&
+      !(normal_force >= InkWatch::least_force(push > 0.0 ? push : control.normal_force)))
+    return false;
   // Blind, the law has no contact state. Without a wrench too, contact is unknown.
   return !e.scene.estimates_surface() || mode == ContactMode::contact;
 }

@@ -113,8 +113,8 @@ std::optional<Resumption> read_resumption(const Experiment& experiment,
                                           const std::filesystem::path& log_file);
 
 // Returns true if the pen writes, by contact state and measured force along the estimated normal
-// [N] (ink_watch.h).
-bool writes(const Experiment& experiment, ContactMode mode, double normal_force);
+// [N] (ink_watch.h). push: force asked for; 0 where the law has none [N].
+bool writes(const Experiment& experiment, ContactMode mode, double normal_force, double push);
 
 // Runs the experiment. The arm must be at the beginning of the plan's path, or at the last posture
 // of a resumption. Streams to `log_file`; empty: keeps no log. start_up: wall time already spent

@@ -113,6 +113,7 @@ TEST(NormalPush, IntegratesTheErrorOfThePresentPushWithinItsBound) {
   AnyArm any(4);
   NormalPush push(s);
   Contact contact = touching(any);
+  contact.force = s.normal_force;
   const Vector3d n = contact.n, carried = 1.5 * n;
   Wrench F_ext = Wrench::Zero();
   F_ext.head<3>() = 3.0 * n + n.unitOrthogonal();
@@ -169,10 +170,10 @@ TEST(TipFriction, FeedforwardActsAlongTheMotionOnTheCarrier) {
   s.wrench = WrenchFeedback::none;
   s.inertia = InertiaShaping::natural;
   s.friction.feedforward = 0.4;
-  TipFriction friction(s);
-  friction.retune(3.0);
+  const TipFriction friction(s);
   AnyArm any(6);
   Contact contact = touching(any);
+  contact.force = 3.0;
   contact.v_K = any.vector(0.2);
   const Vector3d along = contact.n.unitOrthogonal(), v = contact.v_K + 0.1 * along;
   const double smooth = 0.1 / std::hypot(0.1, s.friction.fade_speed);

@@ -90,7 +90,9 @@ TEST(StrokeFile, SharesOfThePage) {
 
 TEST(StrokeFile, FaultsNameTheirLine) {
   EXPECT_EQ(message(""), "a: line 0: the file ends before the page's width and height");
-  EXPECT_EQ(message("hello\n"), "a: line 1: must hold the page's width and height, two numbers");
+  EXPECT_EQ(message("hello\n"),
+            "a: line 1: must hold the page's width and height, two numbers, and perhaps 'width' or "
+            "'force'");
   EXPECT_EQ(message("0 10\n"),
             "a: line 1: the page is 0 × 10 mm; both must be > 0 and at most 1e+06");
   EXPECT_EQ(message("End\n"), "a: line 1: End before the page's width and height");

@@ -6,6 +6,7 @@
 
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/path/axis_smoothing.h"
+#include "impedraw/planning/path/force_profile.h"
 #include "impedraw/planning/path/path_spline.h"
 #include "impedraw/planning/surface_height.h"
 
@@ -31,6 +32,7 @@ struct FittedStroke {
   SurfaceSample first, last;
   double from = 0, to = 0;  // interval on the stroke (stroke_part.h) [m]
   int number = 0;           // PlacedStroke::number
+  ForceProfile force;       // none: control.normal_force
 };
 
 // A fifth of the tolerance is spent on dropping redundant points, so that finely sampled or jittery

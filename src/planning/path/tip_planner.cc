@@ -46,15 +46,22 @@ class Planner {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
       travel_to(above(hover, n), hover, n);
+      pressed_ = strokes[i].force.empty() ? -1 : static_cast<int>(i);
+      along_ = strokes[i].from;
       approach(first - sunk());
       draw(strokes[i], static_cast<int>(i));
       n_ = normal(strokes[i].last);
+      along_ = strokes[i].to;
       hold(s_.end_hold, Phase::draw, -1, true);
       lift();
     }
     std::vector<int> numbers;
-    for (const FittedStroke& stroke : strokes) numbers.push_back(stroke.number);
-    return TipPath(std::move(legs_), std::move(splines_), numbers, s_.X_WP);
+    std::vector<ForceProfile> forces;
+    for (const FittedStroke& stroke : strokes) {
+      numbers.push_back(stroke.number);
+      forces.push_back(stroke.force);
+    }
+    return TipPath(std::move(legs_), std::move(splines_), numbers, s_.X_WP, std::move(forces));
   }
 
  private:
@@ -103,6 +110,8 @@ class Planner {
     PathLeg& leg = legs_.emplace_back();
     leg.phase = phase;
     leg.pen_down = pen_down;
+    leg.pressed = pen_down ? pressed_ : -1;
+    leg.along = along_;
     leg.p = p_;
     leg.n = n_;
     return leg;
@@ -150,10 +159,7 @@ class Planner {
   }
 
   void draw(const FittedStroke& stroke, int index) {
-    if (stroke.parts.empty()) {
-      hold(s_.dot_time, Phase::draw, index, true);
-      if (s_.dot_time > 0) legs_.back().along = stroke.from;
-    }
+    if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, index, true);
     for (const PathSpline& part : stroke.parts) {
       PathLeg& leg = add(Phase::draw, true);
       leg.stroke = index;
@@ -217,6 +223,8 @@ class Planner {
   const PathSettings& s_;
   const SpanLimits& limits_;
   double safe_z_ = 0;
+  int pressed_ = -1;    // stroke whose force the pen has
+  double along_ = 0.0;  // where the pen is on its stroke [m]
   Vector3d p_, n_;
   std::vector<PathLeg> legs_;
   std::vector<PathSpline> splines_;
@@ -253,6 +261,7 @@ void validate(const PathSettings& s) {
   require_in_range("path", Limits::tilt_allowance, s.tilt_allowance_deg);
   require_in_range("path", Limits::tilt_speed, s.tilt_speed);
   require_in_range("path", Limits::tilt_acceleration, s.tilt_acceleration);
+  require_in_range("path", Limits::force_rate, s.force_rate);
   require_in_range("path", Limits::sink, s.sink);
   if (s.highest_z) require_in_range("path.highest_z", *s.highest_z, Range::any(), "m");
   for (const double x : s.start_p_WE) require_in_range("path.start_p_WE", x, Range::any(), "m");
@@ -276,8 +285,10 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
   std::vector<FittedStroke> fitted;
   fitted.reserve(strokes.size());
   SurfaceHeight::Sample last;
-  for (const PlacedStroke& stroke : strokes)
+  for (const PlacedStroke& stroke : strokes) {
     fitted.push_back(fit_stroke(stroke, surface, fit, last));
+    fitted.back().force = ForceProfile(stroke, settings.force_rate / settings.draw_speed);
+  }
   return Planner(settings, limits).plan(fitted);
 }
 
