@@ -1,4 +1,4 @@
-// The push F_n of the pen along the normal (Contact::force), with a slow integral of the force error.
+// The push F_n (Contact::force) of the pen along the normal, with a slow integral of its error.
 //
 // Law       F_push = −(F_n n·n_C + I) n,  in approach without F_n, away from the surface 0
 //           İ = rate (asked − n·F_ext),  |I| ≤ limit;  I = 0 out of contact

@@ -7,12 +7,19 @@
 
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/metrics/pens.h"
 
 namespace impedraw {
 
-// Sets PlacedStroke::force of the strokes as drawn, and notes what the pen cannot do. Without
-// perception or touch the force is that of a spring, and stays as it is: noted. Throws InputError
-// if pen.least_force is above pen.most_force.
+// The pens of the artwork's layers, one each: `pens` over `pen`, in the colour of the layer's first
+// line if none is given. Throws InputError for a pen of no layer, or a colour that is none.
+std::vector<DrawnPen> layer_pens(const Scenario& scenario, const Artwork& artwork,
+                                 const SettingErrors& setting_errors);
+
+// Sets PlacedStroke::force of the strokes as drawn, and notes what the pen cannot do; sets speed,
+// waits and pauses as `pens` and the layers' names have them. Without perception or touch the force
+// is that of a spring, and stays as it is: noted. Throws InputError if pen.least_force is above
+// pen.most_force, and as layer_pens() does.
 void give_forces(const Scenario& scenario, const SettingErrors& setting_errors,
                  PlacedArtwork* artwork);
 

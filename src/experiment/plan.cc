@@ -96,7 +96,7 @@ class Planning {
     }
     note_roughness();
     note_spread_forces();
-    if (s_.pen.presses()) plan_.pens = {{{s_.pen}}, {}};
+    plan_.pens = drawn_pens();
     for (Eigen::Vector3d& p : plan_.target.points) p = artwork_.X_WP * p;
     return std::move(plan_);
   }
@@ -154,6 +154,7 @@ class Planning {
   void note_wrap();
   void note_roughness();
   void note_spread_forces();
+  std::optional<DrawnPens> drawn_pens() const;
   bool may_move() const { return seen_ && s_.perception.frames.enabled; }
   void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
@@ -174,7 +175,8 @@ class Planning {
   const PrepareProgress& progress_;
   bool seen_;
   SurfaceHeight true_surface_;
-  double wrap_doubt_ = 0.0;  // [m]
+  double wrap_doubt_ = 0.0;      // [m]
+  std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
   Plan plan_;
 };
 
@@ -298,6 +300,17 @@ void Planning::note_spread_forces() {
                     s_.path.force_rate, 1e3 * length));
 }
 
+std::optional<DrawnPens> Planning::drawn_pens() const {
+  const Artwork& drawn = artwork_.shape.drawn;
+  const bool one = drawn.layers.size() < 2 && s_.pens.empty();
+  if (one && !s_.pen.presses()) return {};
+  DrawnPens pens{layer_pens(s_, drawn, setting_errors_)};
+  if (one) pens.pens[0].colour.reset();
+  for (const int number : of_artwork_)
+    pens.of_stroke.push_back(drawn.strokes[static_cast<std::size_t>(number)].layer);
+  return pens;
+}
+
 // The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
 void Planning::name_step(Finding* f) const {
   if (!scene_.perception || f->problem != Problem::off_canvas) return;
@@ -382,6 +395,7 @@ void Planning::promise() {
     for (const Finding& f : findings) plan_.notes.push_back("not drawn: " + finding_text(f));
   }
   plan_.strokes.clear();
+  of_artwork_.clear();
   std::optional<StrokeRuler> ruler;
   for (const StrokePart& part : plan_.preflight.drawable) {
     const PlacedStroke& whole = requested(part.stroke);
@@ -389,6 +403,7 @@ void Planning::promise() {
     PlacedStroke stroke = ruler->part(part.from, part.to);
     stroke.number = static_cast<int>(plan_.strokes.size());
     stroke.start = 0.0;
+    of_artwork_.push_back(source(part.stroke));
     plan_.strokes.push_back(std::move(stroke));
   }
 }

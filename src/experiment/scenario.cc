@@ -750,6 +750,22 @@ void describe(Fields& f, PenSettings& s) {
   f.field(Limits::most_force, s.most_force, "Their greatest force.");
 }
 
+void describe(Fields& f, LayerPenSettings& s) {
+  using Limits = LayerPenSettings::Limits;
+  f.field("layer", s.layer, "Number or name of the layer, as for drawing.layer.");
+  f.field("colour", s.colour,
+          "Colour of its ink, a name or #rrggbb; empty: that of the layer's first line.");
+  f.field("force", s.force, ImpedanceSettings::Limits::normal_force.range, "N",
+          "Force of lines without a width of their own; null: control.normal_force.");
+  f.field("speed", s.speed, PathSettings::Limits::draw_speed.range, "m/s",
+          "Speed of this pen; null: path.draw_speed.");
+  f.field(Limits::width, s.width, "Line width at the nominal force; null: that of pen.");
+  f.field(Limits::width_per_newton, s.width_per_newton,
+          "Change of the line width with the force; null: that of pen.");
+  f.field(Limits::nominal_force, s.nominal_force,
+          "Force at which the line has its nominal width; null: that of pen.");
+}
+
 void describe(Fields& f, PushSettings& s) {
   using Limits = PushSettings::Limits;
   f.field(Limits::force, s.force, "Force: tangential on the pen tip, or as it is on a link.");
@@ -816,6 +832,7 @@ void describe(Fields& f, Scenario& s) {
           "Faults of the sensor between flange and pen, for control.wrench: sensor.");
   f.field("pen", s.pen, "The line that the pen leaves in the pictures.");
   f.field("log", s.log, "How much of the run the log keeps.");
+  f.field("pens", s.pens, "Pens of layers of their own.");
   f.field("pushes", s.pushes, "Pushes on the pen or the arm, as by a hand.");
   f.field("faults", s.faults, "Faults that are injected on purpose.");
 }

@@ -14,18 +14,19 @@ namespace impedraw {
 
 struct DrawnPen {
   PenSettings line;
-  std::string name = {};                      // of the layer; may be empty
+  std::string name = {};                     // of the layer; may be empty
   std::optional<std::uint32_t> colour = {};  // 0xRRGGBB; none: the pictures' own ink
 };
 
 struct DrawnPens {
-  std::vector<DrawnPen> pens = {};     // at least one
-  std::vector<int> of_stroke = {};     // the pen of each stroke of the log; the first beyond its end
+  std::vector<DrawnPen> pens = {};  // at least one
+  std::vector<int> of_stroke = {};  // of each stroke of the log; beyond its end the first pen
 
-  const DrawnPen& of(int stroke) const {
+  int number_of(int stroke) const {
     const bool known = stroke >= 0 && stroke < static_cast<int>(of_stroke.size());
-    return pens[static_cast<std::size_t>(known ? of_stroke[static_cast<std::size_t>(stroke)] : 0)];
+    return known ? of_stroke[static_cast<std::size_t>(stroke)] : 0;
   }
+  const DrawnPen& of(int stroke) const { return pens[static_cast<std::size_t>(number_of(stroke))]; }
 };
 
 inline constexpr const char* kPensAttribute = "pens";

@@ -70,6 +70,11 @@ PlacedStroke StrokeRuler::part(double from, double to) const {
   PlacedStroke part;
   part.number = stroke.number;
   part.start = from;
+  part.speed = stroke.speed;
+  if (from == 0.0) {
+    part.wait = stroke.wait;
+    part.pause = stroke.pause;
+  }
   const auto add = [&](const StrokePlace& place) {
     part.p_P.push_back(place.p_P);
     part.page.push_back(place.page);

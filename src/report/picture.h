@@ -4,15 +4,16 @@
 //             lies beneath, with shading, height contours and outline.
 //   ink_page  on the artwork's page: X to the right, Y down
 //
-// The target is a pale band, the ink a narrow line over it; what was left out is dashed. Edges of
-// the mesh that are seen are outlined: holes, too. Through a hole the inside of a body is darker.
-// Ink farther than `highlight` from its target, and ink where the pen must be up, have their own
-// colours and legend entries. Lines are thinned with a tolerance of 0.02 mm, or more if more than
-// 150,000 points would remain.
+// The target is a pale band, the ink a narrow line over it, of each pen's colour and width; what
+// was left out is dashed. Edges of the mesh that are seen are outlined: holes, too. Through a hole
+// the inside of a body is darker. Ink farther than `highlight` from its target, and ink where the
+// pen must be up, have their own colours and legend entries. Lines are thinned with a tolerance of
+// 0.02 mm, or more if more than 150,000 points would remain.
 #pragma once
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,14 @@
 #include "impedraw/ink/pen.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
+#include "impedraw/metrics/pens.h"
 
 namespace impedraw {
 
 struct PictureSettings {
   std::string title{};  // upper left; empty: the log's attribute `scenario`
   PenSettings pen{};
+  std::optional<DrawnPens> pens{};  // of layers, in place of `pen`
   Eigen::Matrix3d R_WP = Eigen::Matrix3d::
       Identity();  // drawing frame: write_ink_top looks along −z_P; up is +x_P, right is −y_P
   // What was not to be drawn, as lines on the canvas [m, W].

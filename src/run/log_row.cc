@@ -1,5 +1,6 @@
 #include "impedraw/run/log_row.h"
 
+#include <algorithm>
 #include <string>
 
 #include "impedraw/ink/ink_lines.h"
@@ -51,7 +52,9 @@ RunLogHeader make_header(const Experiment& e) {
     h.attributes["rehearsal"] = "the canvas is the surface that was seen, not the real one";
   h.attributes["seed"] = std::to_string(e.scenario.seed);
   h.attributes[kPromiseAttribute] = promise_text(promise_of(e));
-  h.line_width = e.plan.pens.has_value();
+  h.line_width = e.plan.pens && std::ranges::any_of(e.plan.pens->pens, [](const DrawnPen& pen) {
+                   return pen.line.presses();
+                 });
   if (e.plan.pens) h.attributes[kPensAttribute] = pens_text(*e.plan.pens);
   return h;
 }

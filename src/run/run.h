@@ -63,6 +63,9 @@ struct RunHooks {
   // The same for a driver on a wall clock, which cannot wait: while it is true, the plan's clock
   // stands, and the pen keeps its place and its push. Asked in each control step; must not wait.
   std::function<bool()> paused;
+  // Called where the drawing asks for a person, with the pen up: from here on `held` or `paused` is
+  // true until the person lets it go on. Empty: the run does not wait there.
+  std::function<void()> pause;
   // Asked in each control step; must not wait. True: the motion is damped and the run ends where
   // the pen is, without lifting it.
   std::function<bool()> emergency;

@@ -30,9 +30,11 @@ struct FitSettings {
 struct FittedStroke {
   std::vector<PathSpline> parts;  // corner to corner; none for a dot
   SurfaceSample first, last;
-  double from = 0, to = 0;  // interval on the stroke (stroke_part.h) [m]
-  int number = 0;           // PlacedStroke::number
-  ForceProfile force;       // none: control.normal_force
+  double from = 0, to = 0;     // interval on the stroke (stroke_part.h) [m]
+  int number = 0;              // PlacedStroke::number
+  ForceProfile force;          // none: control.normal_force
+  double speed = 0, wait = 0;  // as in PlacedStroke
+  bool pause = false;
 };
 
 // A fifth of the tolerance is spent on dropping redundant points, so that finely sampled or jittery

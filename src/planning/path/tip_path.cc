@@ -28,6 +28,7 @@ TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
   for (std::size_t i = 0; i < legs_.size(); ++i) {
     const PathLeg& leg = legs_[i];
     starts_.push_back(t);
+    if (leg.pause) pauses_.push_back(t);
     if (leg.phase == Phase::approach && (i == 0 || legs_[i - 1].phase != Phase::approach))
       approach = t;
     if (leg.stroke >= 0) {

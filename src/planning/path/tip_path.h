@@ -10,8 +10,8 @@
 // and `done` after the last lift. The normal n_WD is the surface normal along the stroke. During
 // travel it turns about one axis.
 //
-// While the pen is down, its force is that of the stroke where the pen is (force_profile.h), or none
-// of its own; force_rate is the exact derivative.
+// While the pen is down, its force is that of the stroke where it is (force_profile.h), or none of
+// its own; force_rate is the exact derivative.
 //
 // v and a are the exact derivatives of p, as w and alpha are of n. v, w and a are continuous,
 // corners and stops included. Speeds and accelerations always stay within their limits. Along a
@@ -56,6 +56,7 @@ struct PathLeg {
   int stroke = -1;   // in the order of the path
   double along = 0;  // without a spline: position on its stroke [m]
   bool pen_down = false;
+  bool pause = false;  // begins with a pause
   int pressed =
       -1;  // ≥ 0: the pen, down, has the force of that stroke: of `along`, or the spline's
   int spline = -1;  // ≥ 0: along that spline, moved by `p`; else along the line p + x · direction
@@ -83,13 +84,15 @@ class TipPath {
   // Allocates nothing. t is clamped to [0, duration].
   PathSample at(double t) const noexcept;
 
+  // When the run waits until it is told to go on: the pen is up and at rest then [s].
+  const std::vector<double>& pauses() const noexcept { return pauses_; }
   const std::vector<StrokeTimes>& strokes() const noexcept { return strokes_; }
   double mean_speed() const noexcept;  // along the strokes; infinite if they take no time [m/s]
   double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
 
  private:
   std::vector<PathLeg> legs_;
-  std::vector<double> starts_;  // of the legs [s]
+  std::vector<double> starts_, pauses_;  // of the legs [s]
   std::vector<PathSpline> splines_;
   std::vector<StrokeTimes> strokes_;
   std::vector<ForceProfile> forces_;

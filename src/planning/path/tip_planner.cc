@@ -26,6 +26,7 @@ constexpr double kMargin = 0.999;
 // and the pen rights itself on the way [rad].
 constexpr double kLeaning = 35.0 * std::numbers::pi / 180.0;
 constexpr double kClearance = 0.01;  // length of that clearing move along n [m]
+constexpr double kPause = 0.1;       // rest where the run waits for a person [s]
 constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are skipped
 
 // Appends legs. Each starts at rest where the previous one ended.
@@ -45,6 +46,7 @@ class Planner {
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
+      wait(strokes[i]);
       travel_to(above(hover, n), hover, n);
       pressed_ = strokes[i].force.empty() ? -1 : static_cast<int>(i);
       along_ = strokes[i].from;
@@ -145,6 +147,13 @@ class Planner {
     leg.duration = duration;
   }
 
+  void wait(const FittedStroke& stroke) {
+    const double least = stroke.pause ? kPause : 0.0;
+    if (!(std::max(stroke.wait, least) > 0.0)) return;
+    hold(std::max(stroke.wait, least), Phase::travel, -1, false);
+    legs_.back().pause = stroke.pause;
+  }
+
   void travel_to(const Vector3d& above_hover, const Vector3d& hover, const Vector3d& n) {
     const double v = s_.travel_speed, a = s_.travel_acceleration;
     if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, righted(n_), Phase::travel, v, a);
@@ -166,7 +175,7 @@ class Planner {
       leg.p = -sunk();
       leg.spline = static_cast<int>(splines_.size());
       leg.fixed_normal = s_.vertical_pen;
-      leg.progress = drawing_profile(part);
+      leg.progress = drawing_profile(part, stroke.speed > 0.0 ? stroke.speed : s_.draw_speed);
       leg.duration = leg.progress.duration();
       p_ = part.at(part.length()).p - sunk();
       splines_.push_back(part);
@@ -184,7 +193,7 @@ class Planner {
     return {bend, stretch};
   }
 
-  SpeedProfile drawing_profile(const PathSpline& part) const {
+  SpeedProfile drawing_profile(const PathSpline& part, double speed) const {
     const double A = kMargin * s_.draw_acceleration;
     std::vector<SpeedSpan> spans;
     spans.reserve(part.spans());
@@ -192,7 +201,7 @@ class Planner {
       auto [slope, bend, stretch, rise, turn, turn_bend] = part.bounds(i);
       // Across the surface, normal_acceleration is the limit.
       if (!s_.vertical_pen) std::tie(bend, stretch) = sway(part, i);
-      double v = std::min(kMargin * s_.draw_speed / slope,
+      double v = std::min(kMargin * speed / slope,
                           bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
       if (!s_.vertical_pen) {
         if (rise > 0) v = std::min(v, std::sqrt(s_.normal_acceleration / rise));
@@ -288,6 +297,9 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
   for (const PlacedStroke& stroke : strokes) {
     fitted.push_back(fit_stroke(stroke, surface, fit, last));
     fitted.back().force = ForceProfile(stroke, settings.force_rate / settings.draw_speed);
+    fitted.back().speed = stroke.speed;
+    fitted.back().wait = stroke.wait;
+    fitted.back().pause = stroke.pause;
   }
   return Planner(settings, limits).plan(fitted);
 }

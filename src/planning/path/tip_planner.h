@@ -59,7 +59,7 @@ struct PathSettings {
   // Across the surface, where it is rougher than it is known: the normal's error times the speed
   // [m/s]. The tip's damping times this changes the contact force by about a newton.
   double normal_speed = 0.008;
-  // At draw_speed, where the force of a stroke changes [N/s]. A steeper change is spread (force_profile.h).
+  // At draw_speed, where a stroke's force changes [N/s]; steeper ones are spread (force_profile.h).
   double force_rate = 100;
   double joint_speed_share = 0.7;  // of the arm's joint speeds, along a stroke (joint_rates.h)
   double joint_acceleration = 25;  // of each joint, along a stroke [rad/s²]

@@ -68,6 +68,7 @@ class Follower {
     page_length_ = wrapped_length_ = stroke.start;
     lost_from_ = -1;
     part_ = {};
+    stroke_ = &stroke;
     pressed_ = !stroke.force.empty();
     Point last = point(stroke, 0);
     begin(last);
@@ -149,6 +150,11 @@ class Follower {
     if (!p.plane) return;
     part_.number = number_;
     part_.start = wrapped_length_;
+    part_.speed = stroke_->speed;
+    if (page_length_ == 0.0) {
+      part_.wait = stroke_->wait;
+      part_.pause = stroke_->pause;
+    }
     add(p);
   }
   void add(const Point& p) {
@@ -170,6 +176,7 @@ class Follower {
   double tolerance_, step_;
   WrappedStrokes& result_;
   PlacedStroke part_;
+  const PlacedStroke* stroke_ = nullptr;
   int number_ = 0;
   bool dot_ = false, pressed_ = false;
   double page_length_ = 0, wrapped_length_ = 0, lost_from_ = -1;

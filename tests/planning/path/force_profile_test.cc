@@ -50,8 +50,8 @@ TEST(ForceProfile, SpreadsAJumpToTheHeavierSide) {
   EXPECT_NEAR(force.spread_length(0.2), 4.0 / steepest, 2.0 * ForceProfile::kStep);
 }
 
-// The path's force is the profile's where the pen is, and its rate the derivative by time; a part of
-// a stroke has the forces of that part.
+// The path's force is the profile's where the pen is, and its rate the derivative by time; a part
+// of a stroke has the forces of that part.
 TEST(ForceProfile, AlongThePath) {
   const PlacedStroke whole = pressed({0.56, 0.6, 0.64}, {1.0, 8.0, 2.0});
   const PlacedStroke part = part_of(whole, 0.01, 0.07);
@@ -70,11 +70,30 @@ TEST(ForceProfile, AlongThePath) {
     EXPECT_NEAR(at.reference.force, force.at(along).force, 1e-9) << t;
     const double h = 1e-5;
     if (std::abs(t - times.start) < h || std::abs(t - times.end) < h) continue;
-    EXPECT_NEAR(
-        at.reference.force_rate,
-        (path.at(t + h).reference.force - path.at(t - h).reference.force) / (2.0 * h), 0.3)
+    EXPECT_NEAR(at.reference.force_rate,
+                (path.at(t + h).reference.force - path.at(t - h).reference.force) / (2.0 * h), 0.3)
         << t;
   }
+}
+
+// Half the speed, and 0.5 s of rest before the second stroke, where a person is asked.
+TEST(ForceProfile, StrokesHaveTheirOwnSpeedAndWaits) {
+  PlacedStroke first = pressed({0.56, 0.6}, {}), second = pressed({0.6, 0.64}, {});
+  const TipPath plain = plan_tip_path({first, second}, surfaces::bowl);
+  second.speed = PathSettings().draw_speed / 2.0;
+  second.wait = 0.5;
+  second.pause = true;
+  const TipPath path = plan_tip_path({first, second}, surfaces::bowl);
+  EXPECT_TRUE(plain.pauses().empty());
+  ASSERT_EQ(path.pauses().size(), 1u);
+  EXPECT_NEAR(path.strokes()[1].approach - plain.strokes()[1].approach, 0.5, 1e-9);
+  for (double t = path.pauses()[0]; t < path.pauses()[0] + 0.5; t += 0.1) {
+    EXPECT_EQ(path.at(t).reference.v_WD.norm(), 0.0);
+    EXPECT_FALSE(path.at(t).reference.pen_down);
+  }
+  const StrokeTimes slow = path.strokes()[1];
+  const double middle = (slow.start + slow.end) / 2.0;
+  EXPECT_NEAR(path.at(middle).reference.v_WD.norm(), second.speed, 2e-3 * second.speed);
 }
 
 }  // namespace
