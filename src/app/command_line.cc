@@ -305,6 +305,21 @@ int run_program(int argc, char** argv) {
       "  ./impedraw film runs/koi --out koi.png --view top --colour error");
   film->callback([&] { code = impedraw::film(filmed); });
 
+  CLI::App* preview = app.add_subcommand(
+      "preview",
+      "a flat picture of a drawing, at once: pens, widths, order, what is hidden, size, time");
+  add_scenario_options(preview, &options);
+  for (const char* const other : {"scenario", "--svg", "--out"})
+    preview->remove_option(preview->get_option(other));
+  preview->add_option("artwork", options.svg,
+                      "artwork: .svg, or strokes as .txt, .strokes or .csv");
+  preview->add_option("--scenario", options.scenario, "YAML file, whose pens and placement count");
+  preview->add_option("--out", options.out, "picture to write, .png (default: NAME-preview.png)");
+  preview->footer(
+      "Examples:\n  ./impedraw preview artwork/koi.svg\n  ./impedraw preview map.svg --layer "
+      "2,black\n  ./impedraw preview signature.csv --set pen.width_per_newton=0.2");
+  preview->callback([&] { code = impedraw::preview(options); });
+
   std::filesystem::path inspected;
   bool as_json = false;
   CLI::App* inspect = app.add_subcommand("inspect",
@@ -539,7 +554,7 @@ int run_program(int argc, char** argv) {
         "impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, plan, compare, report, film, inspect, judge, calibrate})
+  for (CLI::App* command : {draw, plan, preview, compare, report, film, inspect, judge, calibrate})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check(

@@ -20,6 +20,7 @@ int draw(const DrawOptions& options, const LiveOptions& live = {}, bool table = 
 // The pre-flight alone, with a picture; kMissed where something cannot be drawn. `suggest`: also
 // settings to try.
 int plan(const DrawOptions& options, bool as_json, bool suggest);
+int preview(const DrawOptions& options);  // a flat picture of the artwork; nothing is checked
 int compare(const DrawOptions& options, bool table);  // with and without perception, side by side
 // Finished runs, by their folders: leaves compare.html and its picture in `out`.
 int compare_finished(const std::vector<std::filesystem::path>& runs,

@@ -188,6 +188,17 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
     found["colours"].push_back(nlohmann::ordered_json{{"name", colour_name(colour)},
                                                       {"strokes", of_colour.size()},
                                                       {"length_mm", pen_down_length(of_colour)}});
+  found["widths_mm"] = nullptr;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const Stroke& stroke : artwork.strokes) {
+    std::vector<double> widths{stroke.width};
+    if (!stroke.press.empty()) widths = stroke.by_force ? std::vector<double>{} : stroke.press;
+    for (const double width : widths) {
+      if (width > 0.0) least = std::min(least, width);
+      most = std::max(most, width);
+    }
+  }
+  if (most > 0.0) found["widths_mm"] = {least, most};
   found["warnings"] = artwork.warnings;
   if (dash_count > 0) {
     const StrokeStatistics broken = stroke_statistics(dashed(artwork.strokes, artwork.dashes));

@@ -106,6 +106,23 @@ std::string colour_name(std::uint32_t colour) {
   return fmt::format("#{:06x}", colour);
 }
 
+std::optional<std::uint32_t> named_colour(const std::string& text) {
+  for (const auto& [value, name] : kNames)
+    if (text == name) return value;
+  std::uint32_t value = 0;
+  const char* const end = text.data() + text.size();
+  if (text.size() != 7 || text[0] != '#') return {};
+  const auto [stop, error] = std::from_chars(text.data() + 1, end, value, 16);
+  return error == std::errc() && stop == end ? std::optional(value) : std::nullopt;
+}
+
+bool is_layer(const std::string& word, const std::string& layer, std::size_t place) {
+  const LayerMarks marks = layer_marks(layer);
+  const std::string wanted = lower(word);
+  return wanted == std::to_string(marks.number.value_or(static_cast<int>(place) + 1)) ||
+         wanted == lower(marks.name) || wanted == lower(layer);
+}
+
 void order_layers(Artwork& artwork) {
   std::vector<int> order(artwork.layers.size()), numbered;
   std::iota(order.begin(), order.end(), 0);
@@ -115,12 +132,11 @@ void order_layers(Artwork& artwork) {
     marks.push_back(layer_marks(layer));
     if (marks.back().number) numbered.push_back(static_cast<int>(marks.size()) - 1);
     const LayerMarks& m = marks.back();
-    if (m.pause || m.wait > 0 || m.speed != 1 || m.height)
-      unheeded += (unheeded.empty() ? "'" : ", '") + layer + "'";
+    if (m.height) unheeded += (unheeded.empty() ? "'" : ", '") + layer + "'";
   }
   if (!unheeded.empty())
     artwork.warnings.push_back(
-        "pauses, waits, speeds and heights in layer names are passed over: " + unheeded);
+        "heights in layer names are passed over, since force holds the pen: " + unheeded);
   std::vector<int> sorted = numbered;
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](int a, int b) { return *marks[a].number < *marks[b].number; });
@@ -138,12 +154,7 @@ void choose_layers(Artwork& artwork, const std::string& choice) {
     rest.remove_prefix(std::min(comma + 1, rest.size()));
     bool found = false;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      const LayerMarks marks = layer_marks(artwork.layers[i]);
-      const int number = marks.number.value_or(static_cast<int>(i) + 1);
-      if (word != std::to_string(number) && word != lower(marks.name) &&
-          word != lower(artwork.layers[i]))
-        continue;
-      chosen[i] = found = true;
+      if (is_layer(word, artwork.layers[i], i)) chosen[i] = found = true;
     }
     if (!found)
       throw InputError(fmt::format("{}: no layer '{}'; there are {}", artwork.name, word,

@@ -3,7 +3,7 @@
 // A layer's name may say how it is drawn, as AxiDraw's software has it:
 //
 //   %     the layer is not drawn, and hides nothing
-//   !     the pen waits before it
+//   !     the pen waits before it, until it is told to go on
 //   3     it stands where its number puts it among the numbered layers
 //   +S50  speed, in percent of path.draw_speed
 //   +D500 a wait before it [ms]
@@ -35,9 +35,15 @@ LayerMarks layer_marks(const std::string& layer);
 
 // "red", or "#1c2a3a".
 std::string colour_name(std::uint32_t colour);
+// The same read; none if the text is neither.
+std::optional<std::uint32_t> named_colour(const std::string& text);
 
-// Puts numbered layers in order, and the strokes with them. Warnings name the marks that are not
-// obeyed: pauses, waits, speeds and heights.
+// True if `word` is the layer's number or name, or all of it; case does not count. A layer without
+// a number has that of its place, from 0 here.
+bool is_layer(const std::string& word, const std::string& layer, std::size_t place);
+
+// Puts numbered layers in order, and the strokes with them. A warning names the layers whose
+// heights are passed over.
 void order_layers(Artwork& artwork);
 
 // Keeps the layers that are chosen: "2,black" are the layer of that number and the one of that

@@ -389,7 +389,9 @@ std::vector<Stroke> in_order(const std::vector<Stroke>& strokes, const std::vect
   ordered.reserve(order.size());
   for (const Visit& visit : order) {
     ordered.push_back(strokes.at(visit.stroke));
-    if (visit.backwards) std::reverse(ordered.back().points.begin(), ordered.back().points.end());
+    if (!visit.backwards) continue;
+    std::reverse(ordered.back().points.begin(), ordered.back().points.end());
+    std::reverse(ordered.back().press.begin(), ordered.back().press.end());
   }
   return ordered;
 }

@@ -90,6 +90,10 @@ struct PlacedStroke {
   int number = 0;                     // index of the artwork's stroke, from 0
   // arc length in the world's xy from the stroke's first point to this span's first point [m]
   double start = 0;
+  double speed = 0;                // of the pen [m/s]; 0: path.draw_speed
+  double wait = 0;                 // before it, with the pen up [s]
+  bool pause = false;              // before it, until the run is told to go on
+  std::vector<double> force = {};  // of the pen at each point [N]; empty: control.normal_force
 };
 std::vector<PlacedStroke> placed_strokes(const Artwork& artwork, const Placement& placement);
 

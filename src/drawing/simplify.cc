@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -15,10 +16,43 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
+constexpr double kSamePress = 0.01;
 
 void require_length(const char* name, double value) {
   if (!(value >= 0) || !std::isfinite(value))
     throw InputError(fmt::format("{}: {} mm; must be a number ≥ 0", name, value));
+}
+
+// The vertices that simplified() keeps, and those that the press needs: between them it changes
+// evenly with the length, to within kSamePress of its range.
+std::vector<std::size_t> kept_points(const std::vector<Vector2d>& line,
+                                     const std::vector<double>& press, double tolerance_mm) {
+  std::vector<std::size_t> kept = simplified(line, tolerance_mm);
+  if (press.empty()) return kept;
+  const auto [low, high] = std::minmax_element(press.begin(), press.end());
+  if (*low == *high) return kept;
+  std::vector<Vector2d> graph{{0, press[0]}};  // press over length
+  for (std::size_t i = 1; i < line.size(); ++i)
+    graph.emplace_back(graph.back().x() + (line[i] - line[i - 1]).norm(), press[i]);
+  // Scaled so that the tolerance is far below any length: what counts is the way across.
+  const double scale = 1 / (kSamePress * (*high - *low));
+  for (Vector2d& p : graph) p = {1e6 * scale * p.x() / graph.back().x(), scale * p.y()};
+  const std::vector<std::size_t> bends = simplified(graph, 1.0);
+  std::vector<std::size_t> both;
+  std::set_union(kept.begin(), kept.end(), bends.begin(), bends.end(), std::back_inserter(both));
+  return both;
+}
+
+// The press at each point, also of a stroke that has one width.
+std::vector<double> press_of(const Stroke& stroke) {
+  return stroke.press.empty() ? std::vector<double>(stroke.points.size(), stroke.width)
+                              : stroke.press;
+}
+
+// True if the line is as heavy at those ends, or tells it in the same way.
+bool same_measure(const Stroke& a, const Stroke& b) {
+  return a.by_force == b.by_force &&
+         (a.width > 0 || !a.press.empty()) == (b.width > 0 || !b.press.empty());
 }
 
 }  // namespace
@@ -40,8 +74,14 @@ Stroke simplified(const Stroke& stroke, double tolerance_mm) {
   for (const auto& [from, to] : {std::pair(std::size_t{0}, cut), std::pair(cut, p.size() - 1)}) {
     if (from == to) continue;
     const std::vector<Vector2d> part(p.begin() + from, p.begin() + to + 1);
-    for (const std::size_t i : simplified(part, tolerance_mm))
-      if (i > 0 || from == 0) result.points.push_back(part[i]);
+    const std::vector<double> press(
+        stroke.press.empty() ? stroke.press.end() : stroke.press.begin() + from,
+        stroke.press.empty() ? stroke.press.end() : stroke.press.begin() + to + 1);
+    for (const std::size_t i : kept_points(part, press, tolerance_mm)) {
+      if (i == 0 && from > 0) continue;
+      result.points.push_back(part[i]);
+      if (!press.empty()) result.press.push_back(press[i]);
+    }
   }
   return result;
 }
@@ -75,7 +115,8 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
         if (found == cells.end()) continue;
         for (const int b : found->second) {
           const double length = (end(a) - end(b)).norm();
-          if (a < b && length <= gap_mm && strokes[a / 2].layer == strokes[b / 2].layer)
+          if (a < b && length <= gap_mm && strokes[a / 2].layer == strokes[b / 2].layer &&
+              same_measure(strokes[a / 2], strokes[b / 2]))
             links.emplace_back(length, a, b);
         }
       }
@@ -103,13 +144,21 @@ std::vector<Stroke> joined(const std::vector<Stroke>& strokes, double gap_mm) {
     int e = 2 * s;
     while (partner[e] >= 0) e = partner[e] ^ 1;
     Stroke stroke = like(strokes[s], {}, strokes[s].closed);
+    bool even = true;  // one width all along
     for (; e >= 0; e = partner[e ^ 1]) {
       used[e / 2] = true;
       std::vector<Vector2d> part = strokes[e / 2].points;
-      if (e % 2) std::reverse(part.begin(), part.end());
+      std::vector<double> press = press_of(strokes[e / 2]);
+      even = even && strokes[e / 2].press.empty() && strokes[e / 2].width == strokes[s].width;
+      if (e % 2) {
+        std::reverse(part.begin(), part.end());
+        std::reverse(press.begin(), press.end());
+      }
       const bool touches = !stroke.points.empty() && stroke.points.back() == part.front();
       stroke.points.insert(stroke.points.end(), part.begin() + touches, part.end());
+      stroke.press.insert(stroke.press.end(), press.begin() + touches, press.end());
     }
+    if (even) stroke.press.clear();
     stroke.closed = stroke.points.size() > 2 && stroke.points.front() == stroke.points.back();
     result.push_back(std::move(stroke));
   }

@@ -7,8 +7,10 @@
 namespace impedraw {
 
 Stroke like(const Stroke& stroke, std::vector<Eigen::Vector2d> points, bool closed) {
-  return {std::move(points), closed,        stroke.layer, stroke.dash,
-          stroke.edge,       stroke.colour, stroke.width};
+  Stroke other{std::move(points), closed,        stroke.layer, stroke.dash,
+               stroke.edge,       stroke.colour, stroke.width};
+  other.by_force = stroke.by_force;
+  return other;
 }
 
 void drop_empty_layers(Artwork& artwork, bool keep_areas) {

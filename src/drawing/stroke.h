@@ -28,9 +28,12 @@ struct Stroke {
   bool edge = false;         // the outline of an area that is filled, not stroked
   std::uint32_t colour = 0;  // 0xRRGGBB
   double width = 0;          // as painted [mm]; 0: not known
+  // How heavy the line is at each point; empty: `width` all along. Widths [mm], or forces [N].
+  std::vector<double> press = {};
+  bool by_force = false;  // press holds forces
 };
 
-// A stroke with other points and the same layer, dash, colour and width.
+// A stroke with other points and the same layer, dash, colour and width; press is left empty.
 Stroke like(const Stroke& stroke, std::vector<Eigen::Vector2d> points = {}, bool closed = false);
 
 // A dash pattern: lengths drawn and left out alternate, and the pattern repeats.

@@ -76,7 +76,25 @@ class Reading {
     }
     const Vector2d point(coordinate(fields[x_column_], line), coordinate(fields[y_column_], line));
     if (++count_ > kMostPoints) fail(fmt::format("more than {} points", kMostPoints));
-    if (points_.empty() || points_.back() != point) points_.push_back(point);
+    if (!points_.empty() && points_.back() == point) return;
+    points_.push_back(point);
+    if (press_column_ >= 0) press_.push_back(press(fields[press_column_]));
+  }
+
+  double press(std::string_view field) const {
+    const char* const what = by_force_ ? "force" : "width";
+    const double mm = by_force_ ? 1.0 : millimetres(unit_), most = by_force_ ? 1e3 : kFarthest;
+    const auto value = number_in(field);
+    if (!value || !(*value >= 0 && *value * mm <= most))
+      fail(fmt::format("the {} is '{}'; it must be a number from 0 to {:.0e} {}", what, field, most,
+                       by_force_ ? "N" : "mm"));
+    return *value * mm;
+  }
+
+  void take_press_column(int width, int force) {
+    if (width >= 0 && force >= 0) fail("both a width and a force: give one of them");
+    by_force_ = force >= 0;
+    press_column_ = std::max(width, force);
   }
 
   void take_header(const std::vector<std::string_view>& fields) {
@@ -90,6 +108,7 @@ class Reading {
     x_column_ = column("x");
     y_column_ = column("y");
     stroke_column_ = column("stroke");
+    take_press_column(column("width"), column("force"));
     if (x_column_ < 0 || y_column_ < 0)
       fail("the header names no columns x and y (and perhaps stroke)");
     if (stroke_column_ < 0 && column("z") >= 0)
@@ -98,9 +117,15 @@ class Reading {
   }
 
   void take_page(const std::vector<std::string_view>& fields) {
-    const auto width = fields.size() == 2 ? number_in(fields[0]) : std::nullopt;
-    const auto height = fields.size() == 2 ? number_in(fields[1]) : std::nullopt;
-    if (!width || !height) fail("must hold the page's width and height, two numbers");
+    const bool is_width = fields.size() == 3 && same_word(fields[2], "width"),
+               is_force = fields.size() == 3 && same_word(fields[2], "force");
+    const bool fits = fields.size() == 2 || is_width || is_force;
+    const auto width = fits ? number_in(fields[0]) : std::nullopt;
+    const auto height = fits ? number_in(fields[1]) : std::nullopt;
+    if (!width || !height)
+      fail("must hold the page's width and height, two numbers, and perhaps 'width' or 'force'");
+    take_press_column(is_width ? 2 : -1, is_force ? 2 : -1);
+    columns_ += is_width || is_force;
     const double mm = millimetres(unit_);
     if (!(*width > 0 && *width * mm <= kFarthest && *height > 0 && *height * mm <= kFarthest)) {
       fail(fmt::format("the page is {} × {} mm; both must be > 0 and at most {:.0e}", *width * mm,
@@ -133,7 +158,10 @@ class Reading {
     Stroke stroke;
     stroke.closed = points_.size() > 2 && points_.front() == points_.back();
     stroke.points = std::move(points_);
+    stroke.press = std::move(press_);
+    stroke.by_force = by_force_;
     points_.clear();
+    press_.clear();
     artwork_.strokes.push_back(std::move(stroke));
   }
 
@@ -165,8 +193,10 @@ class Reading {
   bool page_wanted_ = true;
   int line_ = 0, rows_ = 0;
   std::size_t count_ = 0;  // of points
-  int columns_ = 2, x_column_ = 0, y_column_ = 1, stroke_column_ = -1;
-  std::string stroke_;  // last value of its column
+  int columns_ = 2, x_column_ = 0, y_column_ = 1, stroke_column_ = -1, press_column_ = -1;
+  bool by_force_ = false;      // the column of widths has forces
+  std::vector<double> press_;  // [mm] or [N]
+  std::string stroke_;         // last value of its column
   Eigen::AlignedBox2d page_;
   std::vector<Vector2d> points_;
   Artwork artwork_;

@@ -1,6 +1,6 @@
 // Reads strokes from text: the stroke files of robot-drawing research, and CSV.
 //
-//   200 150        width and height of the page
+//   200 150        width and height of the page; `200 150 width` or `200 150 force`: see below
 //   10 20          x y of a point, y down
 //   30.5 20
 //   End            ends a stroke; a stroke of one point is a dot
@@ -18,6 +18,11 @@
 // It then has no page size. Without that column a blank line or `End`
 // ends a stroke. A file with neither a header nor `End` has only points: its first row is a point,
 // and blank lines end its strokes.
+//
+// A third number at each point says how heavy the line is there: a column `width` of a CSV file, or
+// that word behind the page's size, gives the line's width, in the unit of the coordinates (mm if
+// those are fractions of the page); `force` gives the pen's force [N]. Neither is negative, and a
+// file has one of them at most. Both change evenly from point to point.
 #pragma once
 
 #include <filesystem>

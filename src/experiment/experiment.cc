@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "impedraw/experiment/artwork.h"
+#include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/pen_axis.h"
 #include "impedraw/experiment/rotor_check.h"
 
@@ -35,6 +36,7 @@ PlannedDrawing prepare_plan(const Scenario& given, const Places& places, Unreach
   PlacedArtwork artwork = load_artwork(scenario.drawing, setting_errors, [&](double share) {
     if (progress) progress("ordering the strokes", 0.05 + 0.15 * share);
   });
+  give_forces(scenario, setting_errors, &artwork);
   if (progress) progress("looking at the canvas", 0.2);
   Scene scene = scenes ? scenes->take(scenario, artwork.X_WP, setting_errors)
                        : build_scene(scenario, artwork.X_WP, setting_errors);

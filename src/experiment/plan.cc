@@ -13,6 +13,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/pen_axis.h"
 #include "impedraw/experiment/preflight_of_plan.h"
 #include "impedraw/experiment/rest_posture.h"
@@ -70,7 +71,7 @@ class Planning {
   Plan make() {
     plan_.path_settings = path_settings();
     const std::vector<StrokePart> lost = lay_on_surface();
-    plan_.load = {s_.control.normal_force, s_.control.friction.coefficient,
+    plan_.load = {hardest(s_, artwork_.strokes), s_.control.friction.coefficient,
                   s_.control.torque_share};
     plan_.rest_q = rest_posture(s_.arm, artwork_, plan_.requested, scene_, setting_errors_);
     check(lost);
@@ -92,6 +93,8 @@ class Planning {
       }
     }
     note_roughness();
+    note_spread_forces();
+    plan_.pens = drawn_pens();
     for (Eigen::Vector3d& p : plan_.target.points) p = artwork_.X_WP * p;
     return std::move(plan_);
   }
@@ -152,6 +155,8 @@ class Planning {
   double wrap_doubt() const;
   void note_wrap();
   void note_roughness();
+  void note_spread_forces();
+  std::optional<DrawnPens> drawn_pens() const;
   bool may_move() const { return seen_ && s_.perception.frames.enabled; }
   void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
@@ -172,7 +177,8 @@ class Planning {
   const PrepareProgress& progress_;
   bool seen_;
   SurfaceHeight true_surface_;
-  double wrap_doubt_ = 0.0;  // [m]
+  double wrap_doubt_ = 0.0;      // [m]
+  std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
   Plan plan_;
 };
 
@@ -216,6 +222,7 @@ PathSettings Planning::path_settings() const {
 
 PreflightSettings Planning::preflight_settings() const {
   PreflightSettings s = impedraw::preflight_settings(s_, artwork_.X_WP, seen_, plan_.rest_q);
+  s.normal_force = plan_.load.normal_force;
   s.height_error = height_error(scene_);
   return s;
 }
@@ -280,6 +287,30 @@ void Planning::note_wrap() {
         std::isinf(wrap_doubt_) ? "with the finest heights seen it cannot be laid flat at all"
                                 : fmt::format("the drawing may lie {:.1f} mm RMS beside its place",
                                               1e3 * wrap_doubt_)));
+}
+
+// Where widths change faster than the force may.
+void Planning::note_spread_forces() {
+  constexpr double kLess = 0.2;  // [N]
+  double length = 0.0;
+  for (const PlacedStroke& stroke : plan_.strokes)
+    length += ForceProfile(stroke, s_.path.force_rate / s_.path.draw_speed).spread_length(kLess);
+  if (length > 0.0)
+    plan_.notes.push_back(
+        fmt::format("the force changes by at most {:.3g} N/s (path.force_rate): {:.1f} mm are "
+                    "drawn lighter than asked, where widths jump",
+                    s_.path.force_rate, 1e3 * length));
+}
+
+std::optional<DrawnPens> Planning::drawn_pens() const {
+  const Artwork& drawn = artwork_.shape.drawn;
+  const bool one = drawn.layers.size() < 2 && s_.pens.empty();
+  if (one && !s_.pen.presses()) return {};
+  DrawnPens pens{layer_pens(s_, drawn, setting_errors_)};
+  if (one) pens.pens[0].colour.reset();
+  for (const int number : of_artwork_)
+    pens.of_stroke.push_back(drawn.strokes[static_cast<std::size_t>(number)].layer);
+  return pens;
 }
 
 // The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
@@ -366,6 +397,7 @@ void Planning::promise() {
     for (const Finding& f : findings) plan_.notes.push_back("not drawn: " + finding_text(f));
   }
   plan_.strokes.clear();
+  of_artwork_.clear();
   std::optional<StrokeRuler> ruler;
   for (const StrokePart& part : plan_.preflight.drawable) {
     const PlacedStroke& whole = requested(part.stroke);
@@ -373,6 +405,7 @@ void Planning::promise() {
     PlacedStroke stroke = ruler->part(part.from, part.to);
     stroke.number = static_cast<int>(plan_.strokes.size());
     stroke.start = 0.0;
+    of_artwork_.push_back(source(part.stroke));
     plan_.strokes.push_back(std::move(stroke));
   }
 }

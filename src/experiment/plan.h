@@ -10,6 +10,7 @@
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
+#include "impedraw/metrics/pens.h"
 #include "impedraw/planning/path/tip_planner.h"
 #include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/preflight/preflight.h"
@@ -33,11 +34,13 @@ struct Plan {
   std::vector<Finding> where_it_is;
   // The promised strokes: the drawable parts in order, numbered from 0 as in target, path and log.
   std::vector<PlacedStroke> strokes;
-  DrawingLoad load;                // on the arm, while the pen is down
-  PathSettings path_settings;      // the planner's; a sensor must be tared within start_hold
-  TipPath path;                    // empty if nothing can be drawn
-  TargetLine target;               // on the true canvas, in W
-  bool rough = false;              // as is_rough() (pen_axis.h)
+  DrawingLoad load;            // on the arm, while the pen is down
+  PathSettings path_settings;  // the planner's; a sensor must be tared within start_hold
+  TipPath path;                // empty if nothing can be drawn
+  TargetLine target;           // on the true canvas, in W
+  bool rough = false;          // as is_rough() (pen_axis.h)
+  // Of `strokes`; none if all are drawn by one pen whose width does not change with its force.
+  std::optional<DrawnPens> pens;
   std::vector<std::string> notes;  // what is not drawn, one line each
 };
 

@@ -437,6 +437,10 @@ void describe(Fields& f, PathSettings& s) {
           "Largest acceleration across the surface, which its curvature makes: a rough surface is "
           "drawn on slower.");
   f.field(
+      Limits::force_rate, s.force_rate,
+      "Fastest change of the force where lines swell, at draw_speed. Where a width jumps, the line "
+      "is lighter beside the jump.");
+  f.field(
       Limits::normal_speed, s.normal_speed,
       "Largest speed across the surface that roughness finer than the cameras resolve may cause.");
   f.field(Limits::joint_speed_share, s.joint_speed_share,
@@ -752,6 +756,26 @@ void describe(Fields& f, PenSettings& s) {
   f.field(Limits::width_per_newton, s.width_per_newton,
           "Change of the line width with the force; 0: constant width.");
   f.field(Limits::nominal_force, s.nominal_force, "Force at which the line has its nominal width.");
+  f.field(Limits::least_force, s.least_force,
+          "Least force of lines whose width or force is given: by an SVG's stroke-width, where the "
+          "width changes with the force, or by a stroke file's column.");
+  f.field(Limits::most_force, s.most_force, "Their greatest force.");
+}
+
+void describe(Fields& f, LayerPenSettings& s) {
+  using Limits = LayerPenSettings::Limits;
+  f.field("layer", s.layer, "Number or name of the layer, as for drawing.layer.");
+  f.field("colour", s.colour,
+          "Colour of its ink, a name or #rrggbb; empty: that of the layer's first line.");
+  f.field("force", s.force, ImpedanceSettings::Limits::normal_force.range, "N",
+          "Force of lines without a width of their own; null: control.normal_force.");
+  f.field("speed", s.speed, PathSettings::Limits::draw_speed.range, "m/s",
+          "Speed of this pen; null: path.draw_speed.");
+  f.field(Limits::width, s.width, "Line width at the nominal force; null: that of pen.");
+  f.field(Limits::width_per_newton, s.width_per_newton,
+          "Change of the line width with the force; null: that of pen.");
+  f.field(Limits::nominal_force, s.nominal_force,
+          "Force at which the line has its nominal width; null: that of pen.");
 }
 
 void describe(Fields& f, ToolSettings& s) {
@@ -854,6 +878,7 @@ void describe(Fields& f, Scenario& s) {
   f.field("tool", s.tool, "What the arm holds.");
   f.field("cover", s.cover, "What ./impedraw cover treats, and how.");
   f.field("log", s.log, "How much of the run the log keeps.");
+  f.field("pens", s.pens, "Pens of layers of their own.");
   f.field("pushes", s.pushes, "Pushes on the pen or the arm, as by a hand.");
   f.field("faults", s.faults, "Faults that are injected on purpose.");
 }

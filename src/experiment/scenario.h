@@ -278,6 +278,17 @@ struct PushSettings {
   };
 };
 
+// The pen of a layer. What is absent is that of `pen`, `control` and `path`, or of the artwork.
+struct LayerPenSettings {
+  std::string layer;            // its number or name, as for --layer
+  std::string colour;           // of its ink: a name or #rrggbb; empty: the artwork's
+  std::optional<double> force;  // of lines without a width of their own [N]
+  std::optional<double> speed;  // [m/s]
+  std::optional<double> width, width_per_newton, nominal_force;  // as in PenSettings
+
+  using Limits = PenSettings::Limits;
+};
+
 struct Scenario {
   std::string name = "run";
   int seed = 1;
@@ -293,6 +304,7 @@ struct Scenario {
   WorldSettings world;
   WrenchSensorSettings wrench_sensor;
   PenSettings pen;
+  std::vector<LayerPenSettings> pens;
   ToolSettings tool;
   CoverSettings cover;
   LogSettings log;

@@ -409,6 +409,7 @@ int LiveServer::port() const { return impl_->shared().access.port(); }
 std::string LiveServer::address() const { return impl_->shared().access.address(); }
 void LiveServer::serve(std::string page) { impl_->serve(std::move(page)); }
 RowRing& LiveServer::rows() noexcept { return impl_->shared().ring; }
+void LiveServer::pause() noexcept { impl_->shared().paused = true; }
 bool LiveServer::paused() const noexcept { return impl_->shared().paused; }
 bool LiveServer::stopped() const noexcept { return impl_->shared().stopped; }
 bool LiveServer::emergency() const noexcept { return impl_->shared().emergency; }

@@ -148,6 +148,7 @@ RunHooks LiveView::hooks() {
     hooks.progress = [this](const RunProgress& progress) { feed_->share(progress.share); };
     hooks.interrupted = [this] { return server_->stopped(); };
     hooks.paused = [this] { return server_->paused(); };
+    hooks.pause = [this] { server_->pause(); };
     hooks.emergency = [this] { return server_->emergency(); };
   }
   if (!server_ && options_.pace <= 0.0) return hooks;

@@ -99,7 +99,7 @@ struct RunLog::Writer {
   std::filesystem::path path, part;  // of the log and of the file that will replace it
   RunLogHeader header;
   int joints, terms;
-  bool joint_sensor, moving_canvas;
+  bool joint_sensor, line_width, moving_canvas;
   std::unique_ptr<LogFile> file;
   std::unique_ptr<JournalWriter> journal;  // none while an earlier journal is read
   // In the order of LogTable: the rows and, in a reduced log, the steps.
@@ -120,6 +120,7 @@ struct RunLog::Writer {
         joints(static_cast<int>(header.joint_names.size())),
         terms(static_cast<int>(header.torque_terms.size())),
         joint_sensor(header.joint_sensor),
+        line_width(header.line_width),
         moving_canvas(header.moving_canvas),
         measured(header) {
     streams.push_back(std::make_unique<Stream>(LogTable::rows, header.rate, log_columns(header)));
@@ -213,8 +214,9 @@ struct RunLog::Writer {
   }
 
   void add_row(const LogRow& row) {
-    add(*streams[0],
-        [&](const auto& put) { put_row(row, terms, joint_sensor, moving_canvas, put); });
+    add(*streams[0], [&](const auto& put) {
+      put_row(row, terms, joint_sensor, line_width, moving_canvas, put);
+    });
   }
 
   void append(const LogRow& row) {

@@ -79,6 +79,8 @@ struct LogRow {
   // arc length in the drawing plane from the stroke's first point to the desired one [m]; NaN if
   // stroke < 0
   double stroke_along = kNone;
+  // that the pen draws with this force [mm]; NaN without ink. Only with RunLogHeader::line_width
+  double line_width = kNone;
   // speed of the plan's clock, 0 … 1; 1: as planned
   double time_scale = 1.0;
   double step_time = 0.0;  // wall time of the controller step [s]
@@ -108,6 +110,7 @@ struct RunLogHeader {
       torque_limit;                   // n; [rad], [rad], [Nm]; ± inf if unlimited
   Eigen::VectorXd joint_speed_limit;  // n; [rad/s]; inf if unlimited; empty: not known
   bool joint_sensor = false;          // the rows have measured joint positions and velocities
+  bool line_width = false;            // the rows have the width of the drawn line
   bool moving_canvas = false;         // the rows have the pose of the canvas's frame K
   std::vector<std::string>
       torque_terms;  // at most kMaxTorqueTerms, each the name of a dataset /torque/<term>

@@ -59,6 +59,10 @@ std::vector<LogColumn> log_columns(const RunLogHeader& header) {
       {"/controller/step_time", 1, false, "s", "none", "wall time of the controller step"},
   };
   columns.insert(columns.end(), rest.begin(), rest.end());
+  if (header.line_width)
+    columns.push_back({kLineWidthColumn, 1, false, "mm", "none",
+                       "width of the line that the pen draws with the contact's force; NaN without "
+                       "ink"});
   if (header.moving_canvas) {
     columns.push_back({kCanvasPoseColumn, 7, false, "m, 1", "world",
                        "true pose of the canvas's frame, position and quaternion w x y z; the "

@@ -15,6 +15,8 @@ namespace impedraw {
 inline constexpr const char* kSpeedShareColumn = "/every_step/joint_speed_share";
 // Only where the canvas moves.
 inline constexpr const char* kCanvasPoseColumn = "/canvas/pose";
+// Only where a pen's width changes with its force.
+inline constexpr const char* kLineWidthColumn = "/ink/width";
 inline constexpr const char* kEstimatedCanvasPoseColumn = "/canvas/estimated_pose";
 
 struct LogColumn {
@@ -38,7 +40,8 @@ const std::vector<LogColumn>& step_columns(bool moving_canvas = false);
 
 // Calls put(pointer to first value, count, size of one value) for each column of log_columns().
 template <typename Put>
-void put_row(const LogRow& row, int terms, bool joint_sensor, bool moving_canvas, Put&& put) {
+void put_row(const LogRow& row, int terms, bool joint_sensor, bool line_width, bool moving_canvas,
+             Put&& put) {
   const auto vector = [&](const auto& v) {
     put(v.data(), static_cast<int>(v.size()), sizeof(double));
   };
@@ -74,6 +77,7 @@ void put_row(const LogRow& row, int terms, bool joint_sensor, bool moving_canvas
   number(row.stroke_along);
   number(row.time_scale);
   number(row.step_time);
+  if (line_width) number(row.line_width);
   if (moving_canvas) {
     for (const Pose* pose : {&row.canvas_pose, &row.estimated_canvas_pose}) {
       const Eigen::Quaterniond q(pose->R);

@@ -115,6 +115,7 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
     if (H5Aexists(position, "speed_limit") > 0)
       header_.joint_speed_limit = to_vector(h5::read_numbers(position, "speed_limit"));
     header_.joint_sensor = has("/joint/measured_position");
+    header_.line_width = has(kLineWidthColumn);
     header_.moving_canvas = has(kCanvasPoseColumn);
     header_.joint_names.resize(joints());
     if (H5Aexists(position, "names") > 0) header_.joint_names = h5::read_texts(position, "names");
@@ -370,6 +371,9 @@ void LogReader::require(const RunLogHeader& given) const {
   if (header_.joint_sensor != given.joint_sensor)
     differ("a joint sensor", header_.joint_sensor ? "one" : "none",
            given.joint_sensor ? "one" : "none");
+  if (header_.line_width != given.line_width)
+    differ("pens", header_.line_width ? "whose width is logged" : "without widths",
+           given.line_width ? "whose width is logged" : "without widths");
   if (header_.moving_canvas != given.moving_canvas)
     differ("a canvas", header_.moving_canvas ? "that moves" : "that stands",
            given.moving_canvas ? "that moves" : "that stands");

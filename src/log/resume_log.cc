@@ -21,7 +21,7 @@ ResumeLog read_resume_log(const std::filesystem::path& path) {
   const std::string steps = reduced ? "/every_step" : "";
   ResumeLog drawn;
   drawn.rows.reserve(log.steps());
-  std::vector<double> time, along, felt;
+  std::vector<double> time, along, felt, push;
   std::vector<int> stroke, mode;
   std::vector<Eigen::Matrix<double, 6, 1>> wrench;
   std::vector<Eigen::Vector3d> normal;
@@ -39,6 +39,7 @@ ResumeLog read_resume_log(const std::filesystem::path& path) {
     take(steps + "/time", 1, false, (time.resize(n), time.data()));
     take(steps + "/stroke", 1, true, (stroke.resize(n), stroke.data()));
     take(steps + "/stroke_along", 1, false, (along.resize(n), along.data()));
+    take(steps + "/push", 1, false, (push.resize(n), push.data()));
     take(steps + "/mode", 1, true, (mode.resize(n), mode.data()));
     felt.resize(n);
     if (reduced) {
@@ -54,7 +55,7 @@ ResumeLog read_resume_log(const std::filesystem::path& path) {
     checks.alongs(along, stroke);
     checks.next(n);
     for (std::size_t i = 0; i < n; ++i)
-      drawn.rows.push_back({time[i], along[i], felt[i], stroke[i], mode[i]});
+      drawn.rows.push_back({time[i], along[i], felt[i], push[i], stroke[i], mode[i]});
   }
   if (log.rows() > 0) {
     drawn.joint_position.resize(log.joints());

@@ -16,12 +16,13 @@ struct ResumeRow {
   double stroke_along = 0.0;  // in the drawing plane [m]; NaN if stroke < 0
   // measured force · the controller's estimated normal [N]; NaN without an estimate
   double f = 0.0;
+  double push = 0.0;  // force asked for [N]
   int stroke = -1;
   int mode = 0;  // index into RunLogHeader::mode_names
 };
 
 struct ResumeLog {
-  std::vector<ResumeRow> rows;     // one per step, 32 bytes each
+  std::vector<ResumeRow> rows;     // one per step, 40 bytes each
   Eigen::VectorXd joint_position;  // of the last row [rad]; empty if there is none
   Pose canvas_pose;                // as last estimated; the identity for one that stands
 };

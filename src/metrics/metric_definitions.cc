@@ -59,6 +59,11 @@ const std::vector<MetricDefinition>& metric_definitions() {
       {"force_peak", "N", "the same, largest", &Metrics::force_peak},
       {"touchdown_peak", "N", "largest normal force in the 0.2 s from a first touch",
        &Metrics::touchdown_peak},
+      {"width_error_rms", "1",
+       "drawn width of the line against that of the force asked for, as a share of the latter, "
+       "root "
+       "mean square; from 0.2 s after the first touch on",
+       &Metrics::width_error_rms},
       {"contact_force_max", "N", "largest normal force of all rows, also while the pen is up",
        &Metrics::contact_force_max},
       {"tilt_mean", "deg", "pen against the canvas's normal, mean", &Metrics::tilt_mean},

@@ -12,6 +12,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/ink/coverage.h"
 #include "impedraw/metrics/drawn_lengths.h"
+#include "impedraw/metrics/pens.h"
 #include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 
@@ -170,7 +171,8 @@ void force(const RunData& run, const InkMatch& d, Metrics& m) {
     lack(m, {&Metrics::contact_force_max}, "no rows");
   else
     m.contact_force_max = maximum(all);
-  std::vector<double> settled, error;
+  const std::optional<DrawnPens> pens = read_pens(run.attributes);
+  std::vector<double> settled, error, width_error;
   double touchdown = -1.0;
   for (const StrokeSpan& span : d.spans) {  // each pass over a stroke has its own touchdown
     if (!span.first_touch) continue;
@@ -183,8 +185,14 @@ void force(const RunData& run, const InkMatch& d, Metrics& m) {
       if (!counts(run, i) || !is_ink(run.f[i]) || run.time[i] - touched <= kSettling) continue;
       settled.push_back(run.f[i]);
       if (std::isfinite(run.push[i])) error.push_back(run.f[i] - run.push[i]);
+      if (!pens || !pens->of(run.stroke[i]).line.presses() || !(run.push[i] > 0.0)) continue;
+      const PenSettings& pen = pens->of(run.stroke[i]).line;
+      width_error.push_back(pen.width_at(run.f[i]) / pen.width_at(run.push[i]) - 1.0);
     }
   }
+  m.width_error_rms = width_error.empty()
+                          ? Metric::missing("no pen whose width changes with its force has ink")
+                          : Metric(root_mean_square(width_error));
   if (touchdown < 0.0) {
     lack(m, {&Metrics::touchdown_peak}, "no stroke was touched");
   } else {
@@ -438,7 +446,7 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
              &Metrics::force_peak,         &Metrics::touchdown_peak, &Metrics::tilt_mean,
              &Metrics::tilt_p95,           &Metrics::tilt_max,       &Metrics::normal_error_mean,
              &Metrics::normal_error_p95,   &Metrics::speed_mean,     &Metrics::speed_p95,
-             &Metrics::contact_force_max,  &Metrics::drawn},
+             &Metrics::contact_force_max,  &Metrics::drawn,          &Metrics::width_error_rms},
          "contact is unknown: the arm was not simulated here, and no wrench was measured");
     m.not_drawn_mm.erase("no_ink");
   } else if (!drawn.strokes.empty()) {

@@ -64,6 +64,7 @@ struct Metrics {
   Metric coverage, gaps, longest_gap, ink_outside, ink_up;
   Metric force_mean, force_sd, force_rms_error, force_peak, touchdown_peak;
   Metric contact_force_max, drawn;
+  Metric width_error_rms;
   Metric tilt_mean, tilt_p95, tilt_max, normal_error_mean, normal_error_p95;
   Metric cloud_bias_mean, cloud_bias_sd;
   Metric speed_mean, speed_p95, draw_time, time_scale_mean;

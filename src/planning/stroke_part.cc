@@ -33,9 +33,12 @@ StrokePlace StrokeRuler::at(double along) const {
     if (!(step > 0)) continue;
     const double share = std::max(0.0, (along - along_[i - 1]) / step);
     return {stroke.p_P[i - 1] + share * (stroke.p_P[i] - stroke.p_P[i - 1]),
-            stroke.page[i - 1] + share * (stroke.page[i] - stroke.page[i - 1])};
+            stroke.page[i - 1] + share * (stroke.page[i] - stroke.page[i - 1]),
+            stroke.force.empty()
+                ? 0.0
+                : stroke.force[i - 1] + share * (stroke.force[i] - stroke.force[i - 1])};
   }
-  return {stroke.p_P.back(), stroke.page.back()};
+  return {stroke.p_P.back(), stroke.page.back(), stroke.force.empty() ? 0.0 : stroke.force.back()};
 }
 
 StrokePlace place_on(const PlacedStroke& stroke, double along) {
@@ -67,14 +70,20 @@ PlacedStroke StrokeRuler::part(double from, double to) const {
   PlacedStroke part;
   part.number = stroke.number;
   part.start = from;
-  const auto add = [&part](const StrokePlace& place) {
+  part.speed = stroke.speed;
+  if (from == 0.0) {
+    part.wait = stroke.wait;
+    part.pause = stroke.pause;
+  }
+  const auto add = [&](const StrokePlace& place) {
     part.p_P.push_back(place.p_P);
     part.page.push_back(place.page);
+    if (!stroke.force.empty()) part.force.push_back(place.force);
   };
   add(at(from));
   const auto inside = std::upper_bound(along_.begin() + 1, along_.end(), from) - along_.begin();
   for (auto i = static_cast<std::size_t>(inside); i < along_.size() && along_[i] < to; ++i)
-    add({stroke.p_P[i], stroke.page[i]});
+    add({stroke.p_P[i], stroke.page[i], stroke.force.empty() ? 0.0 : stroke.force[i]});
   if (to > from) add(at(to));
   return part;
 }

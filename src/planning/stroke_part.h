@@ -24,10 +24,11 @@ double plane_length(const std::vector<PlacedStroke>& strokes);  // of all of the
 // only a point remains, the result is a dot.
 PlacedStroke part_of(const PlacedStroke& stroke, double from, double to);
 
-// The stroke's point at `along`, and its page point. `along` is clamped to the stroke.
+// The stroke's point at `along`, its page point and the force there. `along` is clamped to it.
 struct StrokePlace {
   Eigen::Vector2d p_P;   // in the drawing plane [m]
   Eigen::Vector2d page;  // [mm]
+  double force = 0.0;    // [N]; 0 where the stroke has none
 };
 StrokePlace place_on(const PlacedStroke& stroke, double along);
 

@@ -30,6 +30,7 @@ enum class Kind { on, far, stray };
 struct Style {
   Kind kind = Kind::on;
   double width = 0.0;  // [mm]
+  int pen = 0;
   bool operator==(const Style&) const = default;
 };
 
@@ -51,8 +52,7 @@ struct InkDrawing {
 double drawn_width(const PenSettings& pen, double f, double before) {
   if (pen.width_per_newton == 0.0) return pen.width;
   const double step = 0.05 * pen.width;
-  const double width = std::clamp(pen.width + pen.width_per_newton * (f - pen.nominal_force),
-                                  0.25 * pen.width, 3.0 * pen.width);
+  const double width = pen.width_at(f);
   return std::abs(width - before) <= step ? before : step * std::round(width / step);
 }
 
@@ -77,8 +77,11 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
     const Kind kind = up[i]                                        ? Kind::stray
                       : drawn.error[i] > 1e-3 * settings.highlight ? Kind::far
                                                                    : Kind::on;
-    return Style{kind,
-                 length < 1.0 ? before.width : drawn_width(settings.pen, run.f[i], before.width)};
+    const int number = settings.pens ? settings.pens->number_of(run.stroke[i]) : 0;
+    const PenSettings& pen =
+        settings.pens ? settings.pens->pens[static_cast<std::size_t>(number)].line : settings.pen;
+    const bool same = length < 1.0 && number == before.pen;
+    return Style{kind, same ? before.width : drawn_width(pen, run.f[i], before.width), number};
   };
   const auto keep = [&out](const Style& style, Line line) {
     out.style.push_back(style);
@@ -109,6 +112,14 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
   return out;
 }
 
+Colour colour_of(const PictureSettings& settings, int pen) {
+  if (!settings.pens) return kInk;
+  const auto colour = settings.pens->pens[static_cast<std::size_t>(pen)].colour;
+  if (!colour) return kInk;
+  const auto part = [&](int shift) { return static_cast<double>(*colour >> shift & 0xff) / 255.0; };
+  return {part(16), part(8), part(0)};
+}
+
 void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings) {
   cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
   cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
@@ -127,13 +138,14 @@ void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings)
   }
   for (const auto& [kind, colour] :
        {std::pair{Kind::on, kInk}, {Kind::far, kFar}, {Kind::stray, kStray}}) {
-    set_colour(cr, colour);
-    std::map<double, std::vector<const Line*>> of_width;
+    std::map<std::pair<int, double>, std::vector<const Line*>> of_style;
     for (std::size_t i = 0; i < d.ink.size(); ++i) {
-      if (d.style[i].kind == kind) of_width[d.style[i].width].push_back(&d.ink[i]);
+      if (d.style[i].kind == kind)
+        of_style[{d.style[i].pen, d.style[i].width}].push_back(&d.ink[i]);
     }
-    for (const auto& [width, lines] : of_width) {
-      cairo_set_line_width(cr, width);
+    for (const auto& [style, lines] : of_style) {
+      set_colour(cr, kind == Kind::on ? colour_of(settings, style.first) : colour);
+      cairo_set_line_width(cr, style.second);
       for (const Line* line : lines) trace(cr, *line);
       cairo_stroke(cr);
     }
@@ -160,6 +172,12 @@ Sheet common_sheet(const RunData& run, const InkMatch& drawn, const InkDrawing& 
     ink_text += fmt::format(", {:g} mm wide at {:g} N, {:+g} mm/N", pen.width, pen.nominal_force,
                             pen.width_per_newton);
   sheet.legend = {{kTarget, settings.target_width, "target"}, {kInk, pen.width, ink_text}};
+  if (settings.pens && settings.pens->pens.size() > 1) {
+    sheet.legend.pop_back();
+    for (std::size_t i = 0; i < settings.pens->pens.size(); ++i)
+      sheet.legend.push_back({colour_of(settings, static_cast<int>(i)),
+                              settings.pens->pens[i].line.width, settings.pens->pens[i].name});
+  }
   if (!ink.left_out.empty())
     sheet.legend.push_back({kLeftOut, pen.width, "left out: cannot be drawn"});
   if (ink.any(Kind::far))

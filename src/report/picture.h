@@ -4,44 +4,33 @@
 //             lies beneath, with shading, height contours and outline.
 //   ink_page  on the artwork's page: X to the right, Y down
 //
-// The target is a pale band, the ink a narrow line over it; what was left out is dashed. Edges of
-// the mesh that are seen are outlined: holes, too. Through a hole the inside of a body is darker.
-// Ink farther than `highlight` from its target, and ink where the pen must be up, have their own
-// colours and legend entries. Lines are thinned with a tolerance of 0.02 mm, or more if more than
-// 150,000 points would remain.
+// The target is a pale band, the ink a narrow line over it, of each pen's colour and width; what
+// was left out is dashed. Edges of the mesh that are seen are outlined: holes, too. Through a hole
+// the inside of a body is darker. Ink farther than `highlight` from its target, and ink where the
+// pen must be up, have their own colours and legend entries. Lines are thinned with a tolerance of
+// 0.02 mm, or more if more than 150,000 points would remain.
 #pragma once
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "impedraw/common/range.h"
+#include "impedraw/ink/pen.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
+#include "impedraw/metrics/pens.h"
 
 namespace impedraw {
-
-// Width of the ink line: width + width_per_newton (f − nominal_force), limited to 0.25 … 3 times
-// `width`.
-struct PenSettings {
-  double width = 1.0;             // at the nominal force [mm]
-  double width_per_newton = 0.0;  // [mm/N]; 0: constant width
-  double nominal_force = 5.0;     // [N]
-
-  struct Limits {
-    static constexpr Limit width = {"width", "mm", {0.01, 20.0}};
-    static constexpr Limit width_per_newton = {"width_per_newton", "mm/N", {-10.0, 10.0}};
-    static constexpr Limit nominal_force = {"nominal_force", "N", {0.0, 100.0}};
-  };
-};
 
 struct PictureSettings {
   std::string title{};  // upper left; empty: the log's attribute `scenario`
   PenSettings pen{};
+  std::optional<DrawnPens> pens{};  // of layers, in place of `pen`
   Eigen::Matrix3d R_WP = Eigen::Matrix3d::
       Identity();  // drawing frame: write_ink_top looks along −z_P; up is +x_P, right is −y_P
   // What was not to be drawn, as lines on the canvas [m, W].

@@ -166,6 +166,7 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
         return !interrupt.requested() && !interrupt.emergency() && watch.held(time);
       };
     if (watch.paused) hooks.paused = [&] { return !interrupt.requested() && watch.paused(); };
+    hooks.pause = watch.pause;
     // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
       for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",

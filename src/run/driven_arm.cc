@@ -142,7 +142,7 @@ void DrivenArm::keep(Cycle* cycle) {
     known_for_ += cycle->dt;
     if (known_for_ > kSettled) history_.add(cycle->time, cycle->canvas.pose());
   }
-  cycle->inked = writes(e_, out_.mode, cycle->normal_force()) && in_place(e_, *cycle);
+  cycle->inked = writes(e_, out_.mode, cycle->normal_force(), out_.push) && in_place(e_, *cycle);
   ink_.add(cycle->desired.stroke, cycle->desired.along, cycle->inked);
 }
 

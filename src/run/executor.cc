@@ -95,6 +95,7 @@ void Executor::draw(const Move& move) {
     std::optional<PathSample> desired = path.sample(lift_.has_value(), holds);
     if (!desired) break;
     if (lift_) desired = in_air(lift_->at(arm_.time()), Phase::lift);
+    if (!lift_ && path.comes_to_pause() && hooks_.pause) hooks_.pause();
     const std::optional<Cycle> cycle = step(*desired);
     if (!cycle) break;
     if (!reaction_.cause().empty() && !last_.blocked)

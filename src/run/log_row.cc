@@ -1,7 +1,10 @@
 #include "impedraw/run/log_row.h"
 
+#include <algorithm>
 #include <string>
 
+#include "impedraw/ink/ink_lines.h"
+#include "impedraw/log/log_step.h"
 #include "impedraw/run/promise_of.h"
 #include "impedraw/run/run_inputs.h"
 
@@ -49,6 +52,10 @@ RunLogHeader make_header(const Experiment& e) {
     h.attributes["rehearsal"] = "the canvas is the surface that was seen, not the real one";
   h.attributes["seed"] = std::to_string(e.scenario.seed);
   h.attributes[kPromiseAttribute] = promise_text(promise_of(e));
+  h.line_width = e.plan.pens && std::ranges::any_of(e.plan.pens->pens, [](const DrawnPen& pen) {
+                   return pen.line.presses();
+                 });
+  if (e.plan.pens) h.attributes[kPensAttribute] = pens_text(*e.plan.pens);
   return h;
 }
 
@@ -111,6 +118,9 @@ void fill_contact(const Experiment& e, const Cycle& cycle, LogRow* row) {
   row->contact_force = truth->contact_force;
   row->contact_point = truth->contact_point;
   row->contact_normal = truth->contact_normal;
+  if (!e.plan.pens) return;
+  const double f = normal_force(row->contact_force, row->contact_normal_W());
+  row->line_width = is_ink(f) ? e.plan.pens->of(row->stroke).line.width_at(f) : LogRow::kNone;
 }
 
 }  // namespace impedraw

@@ -86,7 +86,8 @@ PenDeviation PathFollower::deviation(const Cycle& cycle) const {
   const double unexplained = 1.0 - cycle.confirmed;
   pen.normal_speed = unexplained * (out.n_WD.dot(cycle.velocity_on_canvas()) - out.rise);
   if (e_.control.impedance.wrench == WrenchFeedback::measured && out.push > 0.0)
-    pen.force = unexplained * (cycle.normal_force() - out.push) / out.push;
+    pen.force = unexplained * (cycle.normal_force() - out.push) /
+                std::max(out.push, e_.control.impedance.normal_force);
   return pen;
 }
 

@@ -34,6 +34,12 @@ class PathFollower {
   // it moves with.
   bool passes_last_stroke(const Cycle& cycle);
 
+  // True once at each of the path's pauses.
+  bool comes_to_pause() {
+    const std::vector<double>& pauses = path().pauses();
+    return pauses_ < pauses.size() && planned_ >= pauses[pauses_] && ++pauses_ > 0;
+  }
+
   RunProgress progress(double run_time) const;
   double planned() const noexcept { return planned_; }  // the plan's time at the last sample [s]
   double rate() const noexcept { return clock_.rate(); }
@@ -51,8 +57,8 @@ class PathFollower {
   PlanClock clock_;
   JointForecast forecast_;
   Odometer odometer_;
-  double planned_ = 0.0;  // [s]
-  std::size_t followed_ = 0;
+  double planned_ = 0.0;                   // [s]
+  std::size_t followed_ = 0, pauses_ = 0;  // strokes; pauses that were come to
   Phase last_phase_ = Phase::travel;
   bool down_ = false, past_ = false;
 };

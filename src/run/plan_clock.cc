@@ -50,6 +50,7 @@ TipReference PlanClock::scaled(TipReference reference) const noexcept {
   reference.a_WD = rate_ * rate_ * reference.a_WD + slope_ * reference.v_WD;
   reference.alpha_WD = rate_ * rate_ * reference.alpha_WD + slope_ * reference.w_WD;
   reference.v_WD *= rate_;
+  reference.force_rate *= rate_;
   reference.w_WD *= rate_;
   return reference;
 }

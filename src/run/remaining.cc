@@ -58,6 +58,7 @@ std::optional<TipPath> path_around(Experiment& e, const JointVector& q, const Po
                                    const InkWatch& ink, BlockedPlaces* blocked) {
   PreflightSettings checks =
       preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception != nullptr, e.plan.rest_q);
+  checks.normal_force = e.plan.load.normal_force;
   checks.height_error = height_error(e.scene);
   while (true) {
     std::vector<StrokePart> parts = remaining(e, ink, blocked->parts());

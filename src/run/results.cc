@@ -57,6 +57,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   std::future<void> pictures = std::async(std::launch::async, [&] {
     PictureSettings picture;
     picture.pen = scenario.pen;
+    picture.pens = read_pens(run.attributes);
     picture.target_width = 2.6 * scenario.pen.width;
     picture.R_WP = artwork.X_WP.R;
     picture.left_out = left_out_in(folder / "strokes.json");

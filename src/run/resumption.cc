@@ -28,7 +28,7 @@ std::optional<Resumption> read_resumption(const Experiment& e,
                              ? std::numeric_limits<double>::infinity()
                              : row.f;
     resumption.ink.add(row.stroke, row.stroke_along,
-                       writes(e, static_cast<ContactMode>(row.mode), force));
+                       writes(e, static_cast<ContactMode>(row.mode), force, row.push));
   }
   resumption.q = before.joint_position;
   resumption.X_WK = before.canvas_pose;

@@ -51,13 +51,13 @@ std::map<std::string, double> given_up(const Experiment& e, const std::vector<St
 
 }  // namespace
 
-bool writes(const Experiment& e, ContactMode mode, double normal_force) {
+bool writes(const Experiment& e, ContactMode mode, double normal_force, double push) {
   const ImpedanceSettings& control = e.control.impedance;
   const bool measured = control.wrench == WrenchFeedback::measured;
   // A pad treats what it presses with the force asked for, within a tenth.
-  const double least = e.scenario.tool.kind == ToolKind::pen
-                           ? InkWatch::least_force(control.normal_force)
-                           : 0.9 * control.normal_force;
+  const double asked = push > 0.0 ? push : control.normal_force;
+  const double least = e.scenario.tool.kind == ToolKind::pen ? InkWatch::least_force(asked)
+                                                             : 0.9 * control.normal_force;
   if (measured && !(normal_force >= least)) return false;
   // Blind, the law has no contact state. Without a wrench too, contact is unknown.
   return !e.scene.estimates_surface() || mode == ContactMode::contact;

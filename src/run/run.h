@@ -63,6 +63,9 @@ struct RunHooks {
   // The same for a driver on a wall clock, which cannot wait: while it is true, the plan's clock
   // stands, and the pen keeps its place and its push. Asked in each control step; must not wait.
   std::function<bool()> paused;
+  // Called where the drawing asks for a person, with the pen up: from here on `held` or `paused` is
+  // true until the person lets it go on. Empty: the run does not wait there.
+  std::function<void()> pause;
   // Asked in each control step; must not wait. True: the motion is damped and the run ends where
   // the pen is, without lifting it.
   std::function<bool()> emergency;
@@ -113,8 +116,8 @@ std::optional<Resumption> read_resumption(const Experiment& experiment,
                                           const std::filesystem::path& log_file);
 
 // Returns true if the pen writes, by contact state and measured force along the estimated normal
-// [N] (ink_watch.h).
-bool writes(const Experiment& experiment, ContactMode mode, double normal_force);
+// [N] (ink_watch.h). push: force asked for; 0 where the law has none [N].
+bool writes(const Experiment& experiment, ContactMode mode, double normal_force, double push);
 
 // Runs the experiment. The arm must be at the beginning of the plan's path, or at the last posture
 // of a resumption. Streams to `log_file`; empty: keeps no log. start_up: wall time already spent

@@ -43,16 +43,24 @@ TEST(Layers, NamesHoldMarks) {
   }
 }
 
+TEST(Layers, ColoursAreReadAsTheyAreNamed) {
+  for (const std::uint32_t colour : {0xff0000u, 0x123456u, 0x00000au})
+    EXPECT_EQ(named_colour(colour_name(colour)), colour);
+  for (const std::string no : {"", "reddish", "#12345", "#12345g", "123456"})
+    EXPECT_FALSE(named_colour(no).has_value()) << no;
+}
+
 TEST(Layers, NumbersOrderAndPercentSwitchesOff) {
   const Artwork a = page(layer("%guides", 5) + layer("3 c", 10) + layer("any", 20) +
-                         layer("!1 a", 30) + layer("2", 40));
-  EXPECT_EQ(a.layers, (Names{"!1 a", "any", "2", "3 c"}));
+                         layer("!1+H50 a", 30) + layer("2", 40));
+  EXPECT_EQ(a.layers, (Names{"!1+H50 a", "any", "2", "3 c"}));
   ASSERT_EQ(a.strokes.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(a.strokes[i].layer, static_cast<int>(i));
   EXPECT_NEAR(a.strokes[0].points[0].y(), 30, 1e-4);
-  EXPECT_EQ(a.warnings,
-            (Names{"the layer '%guides' is off (%): 1 stroke left out",
-                   "pauses, waits, speeds and heights in layer names are passed over: '!1 a'"}));
+  EXPECT_EQ(
+      a.warnings,
+      (Names{"the layer '%guides' is off (%): 1 stroke left out",
+             "heights in layer names are passed over, since force holds the pen: '!1+H50 a'"}));
   // What is off hides nothing.
   EXPECT_NEAR(pen_down_length(page("<path d='M0 50H100' stroke='red'/><g id='%a'><rect width='100' "
                                    "height='100' fill='#fff'/></g>")

@@ -106,5 +106,34 @@ TEST(Join, OnlyWithinTheGapAndTheLayer) {
   EXPECT_THROW(joined(sides, std::nan("")), InputError);
 }
 
+// Press is even along these: 2 mm up to 3 mm, then rising by 1 mm a mm.
+TEST(Simplified, KeepsTheBendsOfTheWidth) {
+  Stroke stroke;
+  for (int i = 0; i <= 60; ++i) {
+    stroke.points.emplace_back(0.1 * i, 0.0);
+    stroke.press.push_back(2 + std::max(0.0, 0.1 * i - 3));
+  }
+  const Stroke less = simplified(stroke, 0.01);
+  ASSERT_EQ(less.points.size(), 3u);
+  EXPECT_EQ(less.points[1], stroke.points[30]);
+  EXPECT_EQ(less.press, (std::vector<double>{2, 2, stroke.press.back()}));
+}
+
+TEST(Joined, KeepsEachPartsWidths) {
+  Stroke thin{{{0, 0}, {1, 0}}}, thick{{{3, 0}, {1, 0}}};
+  thin.width = 1;
+  thick.width = 2;
+  const std::vector<Stroke> one = joined({thin, thick}, 0.1);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].points.size(), 3u);
+  EXPECT_EQ(one[0].press, (std::vector<double>{1, 1, 2}));
+  thick.width = 1;
+  EXPECT_TRUE(joined({thin, thick}, 0.1).at(0).press.empty());
+  thick.press = {3, 4};
+  EXPECT_EQ(joined({thin, thick}, 0.1).at(0).press, (std::vector<double>{1, 1, 3}));
+  thick.by_force = true;
+  EXPECT_EQ(joined({thin, thick}, 0.1).size(), 2u);
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -90,7 +90,9 @@ TEST(StrokeFile, SharesOfThePage) {
 
 TEST(StrokeFile, FaultsNameTheirLine) {
   EXPECT_EQ(message(""), "a: line 0: the file ends before the page's width and height");
-  EXPECT_EQ(message("hello\n"), "a: line 1: must hold the page's width and height, two numbers");
+  EXPECT_EQ(message("hello\n"),
+            "a: line 1: must hold the page's width and height, two numbers, and perhaps 'width' or "
+            "'force'");
   EXPECT_EQ(message("0 10\n"),
             "a: line 1: the page is 0 × 10 mm; both must be > 0 and at most 1e+06");
   EXPECT_EQ(message("End\n"), "a: line 1: End before the page's width and height");
@@ -160,6 +162,31 @@ TEST(StrokeFile, UnitsOfItsNumbers) {
   EXPECT_EQ(read(PageUnit::file, "2 2\n.1 .2\n.3 .4\nEnd\n").strokes.at(0).points.at(0),
             Eigen::Vector2d(.2, .4));
   EXPECT_THROW(read(PageUnit::m, "2 2\n1 1001\nEnd\n"), InputError);  // beyond 1e6 mm
+}
+
+TEST(StrokeFile, WidthsAndForcesOfItsPoints) {
+  const auto read = [](const std::string& text, bool csv, PageUnit unit = PageUnit::file) {
+    return parse_strokes(text, "a", csv, {.unit = unit}).strokes.at(0);
+  };
+  using Press = std::vector<double>;
+  const Stroke csv = read("x,y,stroke,width\n1,2,0,.5\n3,4,0,2\n3,4,0,9\n", true, PageUnit::cm);
+  EXPECT_EQ(csv.press, (Press{5, 20}));
+  EXPECT_FALSE(csv.by_force);
+  const Stroke page = read("100 50 Force\n10 20 1.5\n30 40 8\nEnd\n", false, PageUnit::cm);
+  EXPECT_EQ(page.press, (Press{1.5, 8}));
+  EXPECT_TRUE(page.by_force);
+  // Shares of the page: the width stays.
+  const Stroke share = read("100 50 width\n.1 .2 1.5\n.3 .4 8\nEnd\n", false);
+  EXPECT_EQ(share.press, (Press{1.5, 8}));
+  EXPECT_EQ(share.points.at(0), Eigen::Vector2d(10, 10));
+  EXPECT_TRUE(read("100 50\n10 20\n30 40\nEnd\n", false).press.empty());
+  for (const auto& [text, csv] : {std::pair("x,y,width,force\n1,2,3,4\n", true),
+                                  {"x,y,force\n1,2,-1\n", true},
+                                  {"x,y,width\n1,2,nan\n", true},
+                                  {"x,y,width\n1,2\n", true},
+                                  {"10 20 widths\n1 2 3\nEnd\n", false},
+                                  {"10 20 width\n1 2\nEnd\n", false}})
+    EXPECT_THROW(read(text, csv), InputError) << text;
 }
 
 TEST(StrokeFile, TooManyPointsAreNamed) {

@@ -8,6 +8,7 @@
 #include "iiwa_variants.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
 #include "scratch_folder.h"
 
 namespace impedraw {

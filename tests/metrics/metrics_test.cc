@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "impedraw/metrics/pens.h"
 #include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 #include "made_up_rows.h"
@@ -37,7 +38,7 @@ TEST(Metrics, PlainRun) {
   expect("joint_speed_share_max", 0.0);
   expect("step_time_p50", 10.0);
   // Every name of docs/metrics.md is there, and each null has its reason.
-  EXPECT_EQ(metric_definitions().size(), 45u);
+  EXPECT_EQ(metric_definitions().size(), 46u);
   for (const MetricDefinition& d : metric_definitions()) {
     ASSERT_TRUE(m.contains(d.name));
     EXPECT_EQ(m.at(d.name).is_null(), m.at("reasons").contains(d.name)) << d.name;
@@ -199,6 +200,23 @@ TEST(Metrics, ForceAfterSettling) {
   touch(run, 1101, 0.0, 0.0, 30.0);
   EXPECT_EQ(value(run, "force_peak"), 30.0);
   EXPECT_EQ(value(run, "touchdown_peak"), 20.0);
+}
+
+// A pen of 1 mm at 5 N and 0.2 mm/N: 7 N draw 1.4 mm, 4 N 0.8 mm, where 5 N ask for 1 mm.
+TEST(Metrics, WidthErrorIsThatOfThePensModel) {
+  MadeUp run = plain_run();
+  for (std::size_t i = 900; i < 2000; ++i) touch(run, i, 0.0, 0.0, i < 1101 + 100 ? 7.0 : 4.0);
+  expect_null(run, {"width_error_rms"}, "no pen whose width changes");
+  DrawnPens pens{{{{.width_per_newton = 0.2}, "red", 0xff0000u}}, {0}};
+  run.attributes[kPensAttribute] = pens_text(pens);
+  EXPECT_NEAR(value(run, "width_error_rms"), std::sqrt((100 * 0.16 + 799 * 0.04) / 899), 1e-12);
+  const std::optional<DrawnPens> again = read_pens(run.attributes);
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->of(0).name, "red");
+  EXPECT_EQ(again->of(7).colour, 0xff0000u);
+  pens.of_stroke = {1};
+  run.attributes[kPensAttribute] = pens_text(pens);
+  EXPECT_FALSE(read_pens(run.attributes).has_value()) << "there is no second pen";
 }
 
 TEST(Metrics, ForcesArePooledOverStrokes) {

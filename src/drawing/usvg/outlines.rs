@@ -68,7 +68,6 @@ pub struct Outlines {
     patterned: usize,               // painted with a pattern
     unread_masks: usize,            // shapes of masks that are painted with what is not evaluated
     faint: usize,                   // shapes and groups that are partly transparent
-    widths: Option<(f64, f64)>,     // of the narrowest and the widest stroke [mm]
     lost_texts: usize,
     too_many: bool,
 }
@@ -233,9 +232,6 @@ impl Outlines {
         }
         if self.faint > 0 {
             self.warnings.push(format!("{} shapes or groups are partly transparent: drawn as if they were not", self.faint));
-        }
-        if let Some((narrow, wide)) = self.widths.filter(|(narrow, wide)| *wide > 1.25 * narrow) {
-            self.warnings.push(format!("stroke widths of {narrow:.2} to {wide:.2} mm are passed over: a pen has one width"));
         }
     }
 
@@ -409,10 +405,6 @@ impl Outlines {
         let ts = path.abs_transform();
         let scale = (ts.sx as f64 * ts.sy as f64 - ts.kx as f64 * ts.ky as f64).abs().sqrt();
         let width = stroke.map_or(0.0, |s| MM_PER_PX * scale * s.width().get() as f64);
-        if stroke.is_some() {
-            let (narrow, wide) = self.widths.unwrap_or((width, width));
-            self.widths = Some((narrow.min(width), wide.max(width)));
-        }
         let opacities = [stroke.map(|s| s.opacity()), path.fill().map(|f| f.opacity())];
         self.faint += opacities.iter().flatten().any(|o| (0.01..1.0).contains(&o.get())) as usize;
         let hiding = |paint: &Paint, opacity: Opacity| self.hides_from(opacity.get() * paints::least_opacity(paint));

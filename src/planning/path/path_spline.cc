@@ -79,6 +79,7 @@ SplinePoint PathSpline::raw(std::size_t span, double u) const noexcept {
           a * k.m + b * l.m + pa * k.m2 + pb * l.m2,
           (l.m - k.m) / h + da * k.m2 + db * l.m2,
           a * k.m2 + b * l.m2,
+          (l.along - k.along) / h,
           a * k.along + b * l.along};
 }
 

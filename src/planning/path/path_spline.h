@@ -16,6 +16,7 @@ namespace impedraw {
 struct SplinePoint {
   Eigen::Vector3d p, dp, ddp;  // point [m], its derivatives by u [1], [1/m]
   Eigen::Vector3d n, dn, ddn;  // unit normal, its derivatives by u [1/m], [1/m²]
+  double dalong = 0;           // derivative of `along` by u [1]
   double along = 0;            // position on the stroke (PathSpline's second argument) [m]
 };
 

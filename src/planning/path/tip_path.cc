@@ -15,14 +15,20 @@ const char* name_of(Phase phase) noexcept {
 }
 
 TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
-                 const std::vector<int>& numbers, const Pose& X_WP)
-    : legs_(std::move(legs)), splines_(std::move(splines)), strokes_(numbers.size()), X_WP_(X_WP) {
+                 const std::vector<int>& numbers, const Pose& X_WP,
+                 std::vector<ForceProfile> forces)
+    : legs_(std::move(legs)),
+      splines_(std::move(splines)),
+      strokes_(numbers.size()),
+      forces_(std::move(forces)),
+      X_WP_(X_WP) {
   for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
   std::vector<char> started(numbers.size(), 0);
   double t = 0, approach = 0;
   for (std::size_t i = 0; i < legs_.size(); ++i) {
     const PathLeg& leg = legs_[i];
     starts_.push_back(t);
+    if (leg.pause) pauses_.push_back(t);
     if (leg.phase == Phase::approach && (i == 0 || legs_[i - 1].phase != Phase::approach))
       approach = t;
     if (leg.stroke >= 0) {
@@ -70,8 +76,15 @@ PathSample TipPath::at(double t) const noexcept {
   reference.v_WD = along.speed * leg.direction;
   reference.a_WD = along.acceleration * leg.direction;
   reference.n_WD = leg.n;
+  ForceSample force;
+  const bool presses = leg.pressed >= 0 && reference.pen_down;
+  if (presses && leg.spline < 0) force = forces_[leg.pressed].at(leg.along);
   if (leg.spline >= 0) {
     const SplinePoint s = splines_[leg.spline].at(along.x);
+    if (presses) {
+      force = forces_[leg.pressed].at(s.along);
+      reference.force_rate = force.slope * s.dalong * along.speed;
+    }
     if (sample.stroke >= 0) sample.along = s.along;
     const double squared = along.speed * along.speed;
     reference.p_WD = leg.p + s.p;
@@ -83,6 +96,7 @@ PathSample TipPath::at(double t) const noexcept {
       reference.alpha_WD = s.n.cross(along.acceleration * s.dn + squared * s.ddn);
     }
   }
+  reference.force = force.force;
   if (leg.turn.duration() > 0) {
     const SpeedState turn = leg.turn.at(since);
     reference.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * leg.turn_axis.cross(leg.n);

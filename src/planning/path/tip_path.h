@@ -10,6 +10,9 @@
 // and `done` after the last lift. The normal n_WD is the surface normal along the stroke. During
 // travel it turns about one axis.
 //
+// While the pen is down, its force is that of the stroke where it is (force_profile.h), or none of
+// its own; force_rate is the exact derivative.
+//
 // v and a are the exact derivatives of p, as w and alpha are of n. v, w and a are continuous,
 // corners and stops included. Speeds and accelerations always stay within their limits. Along a
 // stroke, both are measured on the surface, in 3D.
@@ -20,6 +23,7 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/control/tip_reference.h"
+#include "impedraw/planning/path/force_profile.h"
 #include "impedraw/planning/path/path_spline.h"
 #include "impedraw/planning/path/speed_profile.h"
 
@@ -50,8 +54,11 @@ struct PathLeg {
   double duration = 0;  // [s]
   Phase phase = Phase::travel;
   int stroke = -1;   // in the order of the path
-  double along = 0;  // for a dot: position on its stroke [m]
+  double along = 0;  // without a spline: position on its stroke [m]
   bool pen_down = false;
+  bool pause = false;  // begins with a pause
+  int pressed =
+      -1;  // ≥ 0: the pen, down, has the force of that stroke: of `along`, or the spline's
   int spline = -1;  // ≥ 0: along that spline, moved by `p`; else along the line p + x · direction
   Eigen::Vector3d p = Eigen::Vector3d::Zero();          // [m]
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit, or zero
@@ -66,9 +73,10 @@ class TipPath {
  public:
   TipPath() = default;
   // `numbers`: the strokes' numbers, in path order. Legs and splines are in the drawing frame P;
-  // samples are in W.
+  // samples are in W. `forces`: of each stroke; may be empty.
   TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
-          const std::vector<int>& numbers, const Pose& X_WP = {});
+          const std::vector<int>& numbers, const Pose& X_WP = {},
+          std::vector<ForceProfile> forces = {});
 
   double duration() const noexcept {
     return starts_.empty() ? 0 : starts_.back() + legs_.back().duration;
@@ -76,15 +84,18 @@ class TipPath {
   // Allocates nothing. t is clamped to [0, duration].
   PathSample at(double t) const noexcept;
 
+  // When the run waits until it is told to go on: the pen is up and at rest then [s].
+  const std::vector<double>& pauses() const noexcept { return pauses_; }
   const std::vector<StrokeTimes>& strokes() const noexcept { return strokes_; }
   double mean_speed() const noexcept;  // along the strokes; infinite if they take no time [m/s]
   double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
 
  private:
   std::vector<PathLeg> legs_;
-  std::vector<double> starts_;  // of the legs [s]
+  std::vector<double> starts_, pauses_;  // of the legs [s]
   std::vector<PathSpline> splines_;
   std::vector<StrokeTimes> strokes_;
+  std::vector<ForceProfile> forces_;
   Pose X_WP_;
 };
 

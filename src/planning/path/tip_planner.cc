@@ -27,6 +27,7 @@ constexpr double kMargin = 0.999;
 // and the pen rights itself on the way [rad].
 constexpr double kLeaning = 35.0 * std::numbers::pi / 180.0;
 constexpr double kClearance = 0.01;  // length of that clearing move along n [m]
+constexpr double kPause = 0.1;       // rest where the run waits for a person [s]
 constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are skipped
 
 // Appends legs. Each starts at rest where the previous one ended.
@@ -46,16 +47,24 @@ class Planner {
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
+      wait(strokes[i]);
       travel_to(above(hover, n), hover, n);
+      pressed_ = strokes[i].force.empty() ? -1 : static_cast<int>(i);
+      along_ = strokes[i].from;
       approach(first - sunk());
       draw(strokes[i], static_cast<int>(i));
       n_ = normal(strokes[i].last);
+      along_ = strokes[i].to;
       hold(s_.end_hold, Phase::draw, -1, true);
       lift();
     }
     std::vector<int> numbers;
-    for (const FittedStroke& stroke : strokes) numbers.push_back(stroke.number);
-    return TipPath(std::move(legs_), std::move(splines_), numbers, s_.X_WP);
+    std::vector<ForceProfile> forces;
+    for (const FittedStroke& stroke : strokes) {
+      numbers.push_back(stroke.number);
+      forces.push_back(stroke.force);
+    }
+    return TipPath(std::move(legs_), std::move(splines_), numbers, s_.X_WP, std::move(forces));
   }
 
  private:
@@ -104,6 +113,8 @@ class Planner {
     PathLeg& leg = legs_.emplace_back();
     leg.phase = phase;
     leg.pen_down = pen_down;
+    leg.pressed = pen_down ? pressed_ : -1;
+    leg.along = along_;
     leg.p = p_;
     leg.n = n_;
     return leg;
@@ -137,6 +148,13 @@ class Planner {
     leg.duration = duration;
   }
 
+  void wait(const FittedStroke& stroke) {
+    const double least = stroke.pause ? kPause : 0.0;
+    if (!(std::max(stroke.wait, least) > 0.0)) return;
+    hold(std::max(stroke.wait, least), Phase::travel, -1, false);
+    legs_.back().pause = stroke.pause;
+  }
+
   void travel_to(const Vector3d& above_hover, const Vector3d& hover, const Vector3d& n) {
     const double v = s_.travel_speed, a = s_.travel_acceleration;
     if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, righted(n_), Phase::travel, v, a);
@@ -151,17 +169,14 @@ class Planner {
   }
 
   void draw(const FittedStroke& stroke, int index) {
-    if (stroke.parts.empty()) {
-      hold(s_.dot_time, Phase::draw, index, true);
-      if (s_.dot_time > 0) legs_.back().along = stroke.from;
-    }
+    if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, index, true);
     for (const PathSpline& part : stroke.parts) {
       PathLeg& leg = add(Phase::draw, true);
       leg.stroke = index;
       leg.p = -sunk();
       leg.spline = static_cast<int>(splines_.size());
       leg.fixed_normal = s_.vertical_pen;
-      leg.progress = drawing_profile(part);
+      leg.progress = drawing_profile(part, stroke.speed > 0.0 ? stroke.speed : s_.draw_speed);
       leg.duration = leg.progress.duration();
       p_ = part.at(part.length()).p - sunk();
       splines_.push_back(part);
@@ -179,7 +194,7 @@ class Planner {
     return {bend, stretch};
   }
 
-  SpeedProfile drawing_profile(const PathSpline& part) const {
+  SpeedProfile drawing_profile(const PathSpline& part, double speed) const {
     const double A = kMargin * s_.draw_acceleration;
     std::vector<SpeedSpan> spans;
     spans.reserve(part.spans());
@@ -187,7 +202,7 @@ class Planner {
       auto [slope, bend, stretch, rise, turn, turn_bend] = part.bounds(i);
       // Across the surface, normal_acceleration is the limit.
       if (!s_.vertical_pen) std::tie(bend, stretch) = sway(part, i);
-      double v = std::min(kMargin * s_.draw_speed / slope,
+      double v = std::min(kMargin * speed / slope,
                           bend > 0 ? std::sqrt(kCentripetalShare * A / bend) : 1e9);
       if (!s_.vertical_pen) {
         if (rise > 0) v = std::min(v, std::sqrt(s_.normal_acceleration / rise));
@@ -218,6 +233,8 @@ class Planner {
   const PathSettings& s_;
   const SpanLimits& limits_;
   double safe_z_ = 0;
+  int pressed_ = -1;    // stroke whose force the pen has
+  double along_ = 0.0;  // where the pen is on its stroke [m]
   Vector3d p_, n_;
   std::vector<PathLeg> legs_;
   std::vector<PathSpline> splines_;
@@ -254,6 +271,7 @@ void validate(const PathSettings& s) {
   require_in_range("path", Limits::tilt_allowance, s.tilt_allowance_deg);
   require_in_range("path", Limits::tilt_speed, s.tilt_speed);
   require_in_range("path", Limits::tilt_acceleration, s.tilt_acceleration);
+  require_in_range("path", Limits::force_rate, s.force_rate);
   require_in_range("path", Limits::sink, s.sink);
   if (s.highest_z) require_in_range("path.highest_z", *s.highest_z, Range::any(), "m");
   for (const double x : s.start_p_WE) require_in_range("path.start_p_WE", x, Range::any(), "m");
@@ -277,7 +295,12 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
   std::vector<FittedStroke> fitted(strokes.size());
   in_parallel(static_cast<int>(strokes.size()), [&](int i) {
     const auto k = static_cast<std::size_t>(i);
-    fitted[k] = fit_stroke(strokes[k], surface, fit);
+    const PlacedStroke& stroke = strokes[k];
+    fitted[k] = fit_stroke(stroke, surface, fit);
+    fitted[k].force = ForceProfile(stroke, settings.force_rate / settings.draw_speed);
+    fitted[k].speed = stroke.speed;
+    fitted[k].wait = stroke.wait;
+    fitted[k].pause = stroke.pause;
   });
   return Planner(settings, limits).plan(fitted);
 }

@@ -59,6 +59,8 @@ struct PathSettings {
   // Across the surface, where it is rougher than it is known: the normal's error times the speed
   // [m/s]. The tip's damping times this changes the contact force by about a newton.
   double normal_speed = 0.008;
+  // At draw_speed, where a stroke's force changes [N/s]; steeper ones are spread (force_profile.h).
+  double force_rate = 100;
   double joint_speed_share = 0.7;  // of the arm's joint speeds, along a stroke (joint_rates.h)
   double joint_acceleration = 25;  // of each joint, along a stroke [rad/s²]
   // of the torque that the controller may use, for holding, pressing and motion along a stroke
@@ -93,6 +95,7 @@ struct PathSettings {
     static constexpr Limit joint_torque_share = {"joint_torque_share", "", {0.01, 1.0}};
     static constexpr Limit normal_acceleration = {"normal_acceleration", "m/s²", {0.01, 100.0}};
     static constexpr Limit normal_speed = {"normal_speed", "m/s", {1e-4, 1.0}};
+    static constexpr Limit force_rate = {"force_rate", "N/s", {1.0, 1e4}};
     static constexpr Limit tilt_allowance = {"tilt_allowance", "deg", {0.0, 45.0}};
     static constexpr Limit tilt_speed = {"tilt_speed", "rad/s", {0.01, 20.0}};
     static constexpr Limit tilt_acceleration = {"tilt_acceleration", "rad/s²", {0.1, 1000.0}};

@@ -68,10 +68,12 @@ class Follower {
     page_length_ = wrapped_length_ = stroke.start;
     lost_from_ = -1;
     part_ = {};
-    Point last = point(stroke.p_P.front(), stroke.page.front());
+    stroke_ = &stroke;
+    pressed_ = !stroke.force.empty();
+    Point last = point(stroke, 0);
     begin(last);
     for (std::size_t k = 1; k < stroke.p_P.size(); ++k) {
-      const Point next = point(stroke.p_P[k], stroke.page[k]);
+      const Point next = point(stroke, k);
       const int pieces =
           std::max(1, static_cast<int>(std::ceil((next.flat - last.flat).norm() / (4 * step_))));
       Point from = last;
@@ -89,13 +91,18 @@ class Follower {
   struct Point {
     Vector2d flat, page;
     std::optional<Vector2d> plane;
+    double force;
   };
 
-  Point point(const Vector2d& flat, const Vector2d& page) const {
-    return {flat, page, chart_.to_plane(flat)};
+  Point point(const Vector2d& flat, const Vector2d& page, double force) const {
+    return {flat, page, chart_.to_plane(flat), force};
+  }
+  Point point(const PlacedStroke& stroke, std::size_t k) const {
+    return point(stroke.p_P[k], stroke.page[k], stroke.force.empty() ? 0.0 : stroke.force[k]);
   }
   Point between(const Point& a, const Point& b, double share) const {
-    return point(a.flat + share * (b.flat - a.flat), a.page + share * (b.page - a.page));
+    return point(a.flat + share * (b.flat - a.flat), a.page + share * (b.page - a.page),
+                 a.force + share * (b.force - a.force));
   }
 
   // Appends the points after a, up to and including b.
@@ -143,11 +150,17 @@ class Follower {
     if (!p.plane) return;
     part_.number = number_;
     part_.start = wrapped_length_;
+    part_.speed = stroke_->speed;
+    if (page_length_ == 0.0) {
+      part_.wait = stroke_->wait;
+      part_.pause = stroke_->pause;
+    }
     add(p);
   }
   void add(const Point& p) {
     part_.p_P.push_back(*p.plane);
     part_.page.push_back(p.page);
+    if (pressed_) part_.force.push_back(p.force);
   }
   void finish_part() {
     if (part_.p_P.size() > 1 || (dot_ && !part_.p_P.empty()))
@@ -163,8 +176,9 @@ class Follower {
   double tolerance_, step_;
   WrappedStrokes& result_;
   PlacedStroke part_;
+  const PlacedStroke* stroke_ = nullptr;
   int number_ = 0;
-  bool dot_ = false;
+  bool dot_ = false, pressed_ = false;
   double page_length_ = 0, wrapped_length_ = 0, lost_from_ = -1;
 };
 

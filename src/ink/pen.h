@@ -1,0 +1,40 @@
+// How wide a line a pen draws, by its force.
+//
+//   w(f) = width + width_per_newton (f − nominal_force), limited to 0.25 … 3 times `width`
+#pragma once
+
+#include <algorithm>
+
+#include "impedraw/common/range.h"
+
+namespace impedraw {
+
+struct PenSettings {
+  double width = 1.0;             // at the nominal force [mm]
+  double width_per_newton = 0.0;  // [mm/N]; 0: constant width
+  double nominal_force = 5.0;     // [N]
+  // With which lines are drawn whose width or force is given.
+  double least_force = 1.0, most_force = 8.0;  // [N]
+
+  bool presses() const { return width_per_newton != 0.0; }
+  double width_at(double force) const {  // [mm]
+    return std::clamp(width + width_per_newton * (force - nominal_force), 0.25 * width,
+                      3.0 * width);
+  }
+  // The force for a line of that width [mm], within the pen's limits. Only if it presses().
+  double force_for(double wanted) const {
+    const double w = std::clamp(wanted, 0.25 * width, 3.0 * width);
+    return within(nominal_force + (w - width) / width_per_newton);
+  }
+  double within(double force) const { return std::clamp(force, least_force, most_force); }
+
+  struct Limits {
+    static constexpr Limit width = {"width", "mm", {0.01, 20.0}};
+    static constexpr Limit width_per_newton = {"width_per_newton", "mm/N", {-10.0, 10.0}};
+    static constexpr Limit nominal_force = {"nominal_force", "N", {0.0, 100.0}};
+    static constexpr Limit least_force = {"least_force", "N", {0.3, 50.0}};
+    static constexpr Limit most_force = {"most_force", "N", {0.3, 50.0}};
+  };
+};
+
+}  // namespace impedraw
