@@ -383,7 +383,11 @@ HANDS = {  # worst allowed: contact, ink RMS [mm], touchdown [N]
 def hands(rows):
     """The worst of each kind of motion, marked where it misses its limit."""
     lines = ["", "## Hands and machines", "",
-             "Motions that none of the tracker's models is made of: `setup/hand_motions.py` makes them from seeds, by the formula at its head. RMS is of all three axes together, of jolts of each. "
+             "Motions that none of the tracker's models is made of: `.venv/bin/python setup/hand_motions.py FOLDER` makes them from seeds, each axis by", "",
+             "    x(t) = Σ_k a_k cos(2π f_k t + θ_k),    f_k = k / 60 s up to 25 Hz,    θ_k uniform in 0 … 2π by the seed",
+             "    a_k² ∝ S(f_k),    Σ_k a_k² / 2 = RMS² / 3,    S = 1 up to the corner f_c, and (f_c / f)^4 or 0 above it", "",
+             "RMS is of all three axes together, of jolts of each. A conveyor's and bumps' moves have the least jerk. A run takes such a file by "
+             "`--set canvas.motion.ramp=2 --set canvas.motion.file=FOLDER/hand-1.csv` on `scenarios/moving.yaml`. "
              "The worst of sine and M on two seeds of the motion and two of the noise.", "",
              "| motion | | contact | ink RMS [mm] | ink max [mm] | force SD [N] | largest force [N] | touchdown [N] | coverage |", "|---" * 9 + "|"]  # fmt: skip
     metrics = ("contact_fraction", "ink_error_rms", "ink_error_max", "force_sd", "contact_force_max", "touchdown_peak", "coverage")
@@ -397,7 +401,11 @@ def hands(rows):
             limit = limits.get(metric, -math.inf if least else math.inf)
             texts.append(("**✗** " if (worst < limit if least else worst > limit) else "") + f"{worst:.{places}f}")
         lines.append(f"| {kind} | {what} | " + " | ".join(texts) + " |")
-    return lines
+    return [*lines, "",
+            "While frames are 77 ms late, a hand of 10 mm RMS goes elsewhere by 0.9 mm RMS per axis even for the best linear filter, by calculation: its acceleration is white noise. "
+            "What is better than that, the pen feels: its own motion along the normal and across the slip is the canvas's (`felt_motion.h`). It counts where forecasts "
+            "were off lately by more than the frames' noise; a canvas that stands, or moves as foreseen, is drawn on as without. A pen on a canvas that is followed weighs "
+            "0.8 kg along the normal instead of 1.5 kg. A bump that meets the pen as it touches down is neither foreseen nor felt."]  # fmt: skip
 
 
 def moving(rows, folder):

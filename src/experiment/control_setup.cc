@@ -91,15 +91,17 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
 
 // The lighter the pen along the normal, the steadier the force on a rough surface; how light it may
 // be, the delay of the wrench decides. Where no mass is given, the default is raised as far as that
-// asks for.
-void choose_mass(const ControlSettings& given, ImpedanceSettings* control) {
-  constexpr double kMargin = 1.3;  // over the lightest that is stable
+// asks for. A canvas that moves may jerk: a lighter pen hits it, and leaves it, less.
+void choose_mass(const ControlSettings& given, bool follows_canvas, ImpedanceSettings* control) {
+  constexpr double kMargin = 1.3;        // over the lightest that is stable
+  constexpr double kOnAMovingOne = 0.8;  // [kg]
   if (control->inertia != InertiaShaping::shaped || control->wrench == WrenchFeedback::none) return;
   double& mass = control->shaped_inertia.linear.normal;
   if (given.mass_normal) {
     mass = *given.mass_normal;
     return;
   }
+  if (follows_canvas) mass = std::min(mass, kOnAMovingOne);
   ImpedanceSettings lighter = *control;
   lighter.shaped_inertia.linear.normal /= kMargin;
   const TipGain damping =
@@ -176,9 +178,10 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
     });
   }
   setup.impedance = impedance_settings(s, scene, plan, wrench_delay);
-  choose_mass(s.control, &setup.impedance);
+  choose_mass(s.control, s.perception.frames.enabled, &setup.impedance);
   set_up_joint_sensing(s, scene.arm.joints(), setting_errors, &setup);
-  choose_mass(s.control, &setup.impedance);  // an estimated velocity follows late
+  choose_mass(s.control, s.perception.frames.enabled,
+              &setup.impedance);  // an estimated velocity follows late
   if (scene.by_touch()) {
     ImpedanceSettings& control = setup.impedance;
     // An approach begins at the upper level, or lower, and may have to go down to the lower one.

@@ -16,20 +16,51 @@ constexpr double kRateFilter = 60.0;    // of the velocities [1/s]
 constexpr double kFurthest = 0.03;      // of a shift [m]
 constexpr std::size_t kStride = 8;      // steps from one evaluation of the forecast to the next
 
-// Tells apart errors that differ by more than this share of a frame's noise, or of the error
-// itself.
-constexpr double kFeltAlike = 0.03, kAlikeShare = 0.1;
+constexpr double kFirstError = 0.2e-3;  // of what is felt, before frames tell [m]
+constexpr double kSurely = 1.5;  // mean square off against a frame's noise, of a right forecast
 
 FrameMotion forecast(const CanvasBelief& belief, double time) noexcept {
   return belief.predict(time, 0.06).motion;
 }
 
+// Variance of where a frame shows the point p_W to be, along `axis`.
+double noise_at(const CanvasBelief& belief, const Vector3d& p_W, const Vector3d& axis) noexcept {
+  const auto& v = belief.last.variance;
+  const Vector3d turn = (p_W - belief.last.X_WK * belief.centre_K).cross(axis);
+  return axis.cwiseAbs2().dot(Vector3d(v[0], v[1], v[2])) +
+         turn.cwiseAbs2().dot(Vector3d(v[3], v[4], v[5]));
+}
+
 }  // namespace
 
 FeltMotion::FeltMotion() : steps_(kMost) {
-  share_.fill(0.5);
+  share_.fill(0.0);
   d_.fill(Vector3d::Zero());
   rate_.fill(Vector3d::Zero());
+}
+
+// Until frames tell, the forecast is off as it was lately, and what is felt by kFirstError.
+void FeltMotion::expect(const CanvasBelief& belief) noexcept {
+  for (int k = 0; k < kDirections; ++k) {
+    Score& s = scores_[k];
+    const Vector3d& axis = step(0).axes[k];
+    if (s.begun || axis.isZero(0.0)) continue;
+    s.begun = true;
+    double noise = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      s.without += axis[i] * axis[i] * belief.scores[i].blended;
+      noise += axis[i] * axis[i] * belief.scores[i].noise;
+    }
+    s.with = noise + kFirstError * kFirstError;
+    weigh(k, noise);
+  }
+}
+
+void FeltMotion::weigh(int k, double noise) noexcept {
+  const Score& s = scores_[k];
+  const double E_F = std::max(0.0, s.without - kSurely * noise),
+               E_d = std::max(noise, s.with - noise);
+  share_[k] = E_F * E_F / (E_F * E_F + E_d * E_d + 1e-20);
 }
 
 // The frame shows where the point of the canvas under the tip was then, and where it was forecast.
@@ -40,24 +71,15 @@ void FeltMotion::judge(const CanvasBelief& belief) noexcept {
   while (back < count_ && step(back).time > at + 0.5 * step(back).dt) ++back;
   if (back >= count_) return;
   const Step& then = step(back);
-  const double gain = std::min(1.0, std::min(at - judged_at_, 0.1) / kFeltScoreTime);
+  const double gain = std::min(at - judged_at_, 0.1) / kFeltScoreTime;
   judged_at_ = at;
   const Vector3d off = belief.last.X_WK * (then.X_WK.inverse() * then.p) - then.p;
-  const double noise =
-      (belief.last.variance[0] + belief.last.variance[1] + belief.last.variance[2]) / 3.0;
   for (int k = 0; k < kDirections; ++k) {
     if (then.axes[k].isZero(0.0)) continue;
     Score& s = scores_[k];
-    s.weight += gain * (1.0 - s.weight);
-    const double share = gain / s.weight;  // the first count in full
-    s.without += share * (std::pow(then.axes[k].dot(off), 2) - s.without);
-    s.with += share * (std::pow(then.axes[k].dot(off - then.d[k]), 2) - s.with);
-    const double best = std::min(s.with, s.without);
-    const auto weight = [&](double square) {
-      return std::pow(1.0 + (square - best) / (kFeltAlike * noise + kAlikeShare * best + 1e-14),
-                      -3.0);
-    };
-    share_[k] = weight(s.with) / (weight(s.with) + weight(s.without));
+    s.without += gain * (std::pow(then.axes[k].dot(off), 2) - s.without);
+    s.with += gain * (std::pow(then.axes[k].dot(off - then.d[k]), 2) - s.with);
+    weigh(k, noise_at(belief, then.p, then.axes[k]));
   }
 }
 
@@ -103,6 +125,7 @@ void FeltMotion::update(const CanvasBelief& belief, const PenTouch& pen, double 
   steps_[next_] = s;
   next_ = (next_ + 1) % kMost;
   count_ = std::min(count_ + 1, kMost);
+  expect(belief);
   if (seen) add_up_anew(belief);
   steps_[(next_ + kMost - 1) % kMost].d = d_;
 }

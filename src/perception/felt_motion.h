@@ -12,8 +12,13 @@
 //
 //   d_n = ∫ n nᵀ (v_E − v_F) dt,    d_c = ∫ c cᵀ (v_E − v_F) dt    from t_0 to now
 //
-// Each counts by how well it foretold, lately, what frames showed later: where the forecast is as
-// good without, the share of a shift is small. A wrong normal, for instance, turns f_t.
+// Each counts by how far the canvas was lately off its forecast as frames came in, without and with
+// d, beyond the frames' own noise σ²:
+//
+//   share = E_F² / (E_F² + E_d²),    E_F = ⟨off²⟩ − 1.5 σ² ≥ 0,    E_d = ⟨(off − d)²⟩ − σ² ≥ σ²
+//
+// A canvas that stands, or moves as forecast, has E_F = 0: nothing that is felt shifts it. A wrong
+// normal, for instance, turns f_t.
 #pragma once
 
 #include <array>
@@ -63,7 +68,9 @@ class FeltMotion {
   const Step& step(std::size_t back) const noexcept {
     return steps_[(next_ + kMost - 1 - back) % kMost];
   }
+  void expect(const CanvasBelief& belief) noexcept;
   void judge(const CanvasBelief& belief) noexcept;
+  void weigh(int k, double noise) noexcept;
   void add_up_anew(const CanvasBelief& belief) noexcept;
 
   std::vector<Step> steps_;  // a ring
@@ -71,8 +78,8 @@ class FeltMotion {
   long frames_ = -1;  // of the belief
   double judged_at_ = -1e9;
   struct Score {
-    double without = 0.0, with = 0.0;  // mean squared errors lately [m²]
-    double weight = 0.0;               // of evidence
+    double without = 0.0, with = 0.0;  // ⟨off²⟩, ⟨(off − d)²⟩ [m²]
+    bool begun = false;
   };
   std::array<Score, kDirections> scores_{};
   std::array<double, kDirections> share_{};

@@ -62,8 +62,9 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
                                          const TipReference& given) noexcept {
   update_arm(state);
   canvas_.update(state.time);
-  const TipReference reference = canvas_.in_world(given);
   update_wrench(state);
+  avoid_canvas(given, state.time);
+  const TipReference reference = hit_.of(keep_away_.of(canvas_.in_world(given)));
   const Eigen::Vector3d& p_WE = terms_.X_WE.p;
   const bool ahead = coupled_ && on_surface_;
   const Eigen::Vector3d query = ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE;
@@ -85,9 +86,23 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   const ImpedanceTorque& out =
       controller_.step(terms_, reference, surface_, F_ext_, ages, canvas_.carrier());
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
+  mode_ = out.mode;
   on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
   n_ = out.n_WD;
   return out;
+}
+
+// A lifted pen retreats from a canvas that is followed: as it is seen to come, and as it hits.
+void ControlLoop::avoid_canvas(const TipReference& given, double time) noexcept {
+  if (!canvas_.follows() || !surface_source_) return;
+  hit_.update(F_ext_.head<3>(), !given.pen_down && mode_ == ContactMode::free, period_);
+  if (canvas_.joined()) return keep_away_.reset();
+  const CanvasEstimate& canvas = canvas_.estimate();
+  SurfaceEstimate surface;
+  if (canvas.status == CanvasStatus::ok || canvas.status == CanvasStatus::undetermined)
+    surface =
+        carried(surface_source_(canvas.motion.X_WK.inverse() * terms_.X_WE.p, time), canvas.motion);
+  keep_away_.update(surface, canvas.motion.velocity_at(terms_.X_WE.p), period_);
 }
 
 // The arm's terms, at the measured or the estimated state.
@@ -115,6 +130,7 @@ const ImpedanceTorque& ControlLoop::brake(const ArmState& state,
   update_wrench(state);
   canvas_.update(state.time);
   on_surface_ = false;
+  mode_ = ContactMode::free;
   const ImpedanceTorque& out = controller_.brake(terms_, v_WD);
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
   return out;

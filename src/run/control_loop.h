@@ -6,10 +6,12 @@
 #include <optional>
 
 #include "impedraw/arm/arm_model.h"
+#include "impedraw/control/hit_retreat.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/control_setup.h"
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/run/keep_away.h"
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_surface.h"
 #include "impedraw/sensing/wrench_estimator.h"
@@ -45,7 +47,9 @@ class ControlLoop {
   // `reference`: of the last step.
   void join_canvas(const TipReference& reference,
                    double duration = CanvasFollower::kJoin) noexcept {
-    canvas_.join(reference, duration);
+    TipReference from = reference;
+    from.p_WD += keep_away_.shift();
+    canvas_.join(from, duration);
   }
   // References are in W again, and the pen goes over to them within `duration` [s].
   void leave_canvas(double duration = 0.0) noexcept { canvas_.leave(duration); }
@@ -63,6 +67,7 @@ class ControlLoop {
  private:
   void update_arm(const ArmState& state) noexcept;
   void update_wrench(const ArmState& state) noexcept;
+  void avoid_canvas(const TipReference& given, double time) noexcept;
 
   ArmModel& arm_;
   SurfaceSource surface_source_;
@@ -81,6 +86,9 @@ class ControlLoop {
   double wrench_time_ = std::numeric_limits<double>::quiet_NaN();  // of F_ext_ [s]
   Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();                   // of the last step
   bool on_surface_ = false;
+  ContactMode mode_ = ContactMode::free;  // of the last step
+  HitRetreat hit_;
+  KeepAway keep_away_;
 };
 
 }  // namespace impedraw

@@ -123,8 +123,8 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
 
 // What the canvas's motion is felt by.
 PenTouch DrivenArm::touch(const Cycle& cycle) const {
-  const bool touches = out_.mode == ContactMode::contact &&
-                       e_.control.impedance.wrench == WrenchFeedback::measured;
+  const bool touches =
+      out_.mode == ContactMode::contact && e_.control.impedance.wrench == WrenchFeedback::measured;
   return {touches, cycle.arm.X_WE.p, cycle.arm.V_WE.head<3>(), out_.n_WD, cycle.F_ext.head<3>()};
 }
 

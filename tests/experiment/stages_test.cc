@@ -51,6 +51,8 @@ TEST(Stages, ThePenIsAsLightAsTheWrenchPermits) {
   };
   EXPECT_DOUBLE_EQ(mass({}), ImpedanceSettings().shaped_inertia.linear.normal);
   EXPECT_DOUBLE_EQ(mass({"control.mass_normal=2.5"}), 2.5);
+  EXPECT_DOUBLE_EQ(mass({"perception.frames.enabled=true", "perception.frames.depth=true"}), 0.8)
+      << "a canvas that moves";
   double last = 0.0;
   for (const double delay : {0.0, 0.001, 0.002, 0.004}) {
     const std::vector<std::string> late = {"control.wrench=sensor",

@@ -30,7 +30,6 @@ Felt feel(double amplitude, double tilt) {
   const auto velocity = [&](double t) { return Vector3d((at(t + 1e-5) - at(t - 1e-5)) / 2e-5); };
   CanvasBelief belief;
   belief.centre_K = Vector3d(0.6, 0.0, 0.1);
-  belief.known = true;
   FeltMotion felt;
   Felt out;
   int n = 0;
@@ -48,6 +47,7 @@ Felt feel(double amplitude, double tilt) {
         }
       }
       ++belief.frames;
+      belief.known = true;
     }
     PenTouch pen;
     pen.touches = true;
