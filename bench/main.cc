@@ -23,6 +23,7 @@
 #include "impedraw/control/moving_frame.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/run/draw_into.h"
 #include "impedraw/run/run.h"
 #include "impedraw/settings/yaml_read.h"
 #include "live_bench.h"
@@ -203,6 +204,21 @@ void draw(benchmark::State& state, const std::string& name,
 void BM_draw(benchmark::State& state) { draw(state, "bowl-sine"); }
 void BM_draw_natural(benchmark::State& state) { draw(state, "bowl-sine-natural"); }
 void BM_draw_blind(benchmark::State& state) { draw(state, "bowl-sine-blind"); }
+// The whole command, from the scenario to its page: processor time per control step, too.
+void BM_command(benchmark::State& state) {
+  DrawOptions options;
+  options.scenario = kRoot + "/scenarios/bowl-sine.yaml";
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() /
+                                       ("impedraw_bench_command_" + std::to_string(getpid()));
+  for (auto _ : state) {
+    const double before = processor_seconds();
+    Experiment e = prepare(resolve(options));
+    const RunOutcome outcome = draw_into(folder, e, 0.0).outcome;
+    state.SetIterationTime((processor_seconds() - before) * e.control.impedance.timing.dt /
+                           outcome.simulated);
+    std::filesystem::remove_all(folder);
+  }
+}
 // Three cameras with images of 320 × 240 px.
 void BM_draw_images(benchmark::State& state) {
   draw(state, "moving-heave",
@@ -228,6 +244,11 @@ BENCHMARK(BM_step_natural);
 BENCHMARK(BM_step_estimated);
 BENCHMARK(BM_step_carried);
 BENCHMARK(BM_draw)->UseManualTime()->Unit(benchmark::kMicrosecond)->Iterations(1)->Repetitions(5);
+BENCHMARK(BM_command)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond)
+    ->Iterations(1)
+    ->Repetitions(3);
 BENCHMARK(BM_draw_natural)
     ->UseManualTime()
     ->Unit(benchmark::kMicrosecond)
@@ -335,6 +356,8 @@ int judge(const Repetitions& median, const Spread& steps) {
       {"quick check of a placement there [ms], median", 1e-6 * median.time("BM_scan_quick"), 100.0},
       {"the same, 99th percentile", 1e-6 * median.quantile("BM_scan_quick", 0.99), 250.0},
       {"simulated step with log, true wrench / floor", floors("BM_draw"), 11.0},
+      {"draw of the sine: whole command / its loop, processor time",
+       median.time("BM_command") / median.time("BM_draw"), 3.5},
       {"simulated step with log, no wrench / floor", floors("BM_draw_natural"), 11.0},
       {"simulated step with log, blind / floor", floors("BM_draw_blind"), 10.0},
       // Processor time of a simulated second, on one core: 1 / real_time_factor.
