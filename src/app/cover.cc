@@ -43,8 +43,8 @@ class Judge {
     if (row.contact_force.allFinite() && row.contact_normal.allFinite()) {
       const Eigen::Vector3d n = row.contact_normal_W();
       const Eigen::Vector3d v = row.tip_velocity.head<3>();
-      truth_.press(X_PW_ * X_WE, n.dot(row.contact_force), (v - n * n.dot(v)).norm(), row.time,
-                   dt_);
+      truth_.press(X_PW_ * X_WE, n.dot(row.contact_force), (v - n * n.dot(v)).norm(), row.time, dt_,
+                   row.stroke >= 0);
     }
     // What the arm knows: its own joints, its own wrench.
     if (!row.surface_normal.allFinite()) return;

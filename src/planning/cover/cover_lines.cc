@@ -133,8 +133,8 @@ struct Row {
   Line line;
 };
 
-// The bend from a line's end to another's start, as wide as the centres allow; nothing where not even
-// a straight way stays on them, or it is longer than `most`.
+// The bend from a line's end to another's start, as wide as the centres allow; nothing where not
+// even a straight way stays on them, or it is longer than `most`.
 std::optional<Line> join(const SurfaceGrid& g, const std::vector<double>& clearance,
                          const Line& from, const Line& to, double most) {
   const Eigen::Vector2d a = from.back(), b = to.front();
@@ -223,8 +223,8 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
   for (Line& line : level_lines(g, centres.clearance, 0.0))
     if (length_of(g, line) > radius) found.passes.push_back(smoothed(std::move(line)));
 
-  // The edge's line covers a strip as wide as the footprint; the rows cover the rest. Their ends lie
-  // where the mean dose is most even up to the border, less the way of the bends.
+  // The edge's line covers a strip as wide as the footprint; the rows cover the rest. Their ends
+  // lie where the mean dose is most even up to the border, less the way of the bends.
   const double inner = std::min(kRowEnd * wish.spacing, 0.95 * radius);
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double n = 0.0;
