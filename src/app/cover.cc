@@ -13,6 +13,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
+#include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/report/cover_picture.h"
 #include "impedraw/run/draw_into.h"
 #include "impedraw/run/run_folder.h"
@@ -42,8 +43,8 @@ class Judge {
     if (row.contact_force.allFinite() && row.contact_normal.allFinite()) {
       const Eigen::Vector3d n = row.contact_normal_W();
       const Eigen::Vector3d v = row.tip_velocity.head<3>();
-      truth_.press(X_PW_ * X_WE, n.dot(row.contact_force), (v - n * n.dot(v)).norm(), row.time,
-                   dt_);
+      truth_.press(X_PW_ * X_WE, n.dot(row.contact_force), (v - n * n.dot(v)).norm(), row.time, dt_,
+                   row.stroke >= 0);
     }
     // What the arm knows: its own joints, its own wrench.
     if (!row.surface_normal.allFinite()) return;
@@ -75,6 +76,24 @@ std::vector<std::vector<Eigen::Vector2d>> promised_lines(const Experiment& e) {
   return lines;
 }
 
+// What a perfect planner reaches with this arm: less what the arm cannot reach on any of the lines.
+std::vector<char> reachable_by_arm(const Experiment& e, const TrueCover& truth, double radius,
+                                   const std::vector<char>& promised) {
+  std::vector<std::vector<Eigen::Vector2d>> lines;
+  for (const Finding& f : e.plan.preflight.findings) {
+    const bool of_arm = f.problem >= Problem::out_of_reach && f.problem <= Problem::arm_collision;
+    if (!of_arm || f.way != WayEnd::none) continue;  // a way there may be planned otherwise
+    for (const PlacedStroke& stroke : e.artwork.strokes)
+      if (stroke.number == f.part.stroke)
+        lines.push_back(StrokeRuler(stroke).part(f.part.from, f.part.to).p_P);
+  }
+  std::vector<char> places = truth.reachable;
+  const std::vector<char> beyond = swept(truth.grid, lines, radius);
+  for (std::size_t v = 0; v < places.size(); ++v)
+    places[v] = places[v] && (promised[v] || !beyond[v]);
+  return places;
+}
+
 // Places at least this far inside of the marked ones.
 std::vector<char> inside_by(const SurfaceGrid& grid, const std::vector<char>& places,
                             double distance) {
@@ -97,7 +116,7 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   const double r = plan.wish.footprint.radius;
   const std::vector<char> promised = swept(g, promised_lines(e), r - plan.wish.margin);
   const std::vector<char> inner = inside_by(g, promised, r);
-  const double reachable = area_of(g, truth.reachable);
+  const double reachable = area_of(g, reachable_by_arm(e, truth, r, promised));
   Results out;
   out.promised = shares_of(judge.truth(), promised);
   out.inner = shares_of(judge.truth(), inner);

@@ -51,6 +51,17 @@ Eigen::AlignedBox2d extent_of(const Scenario& s, const Scene& scene, const Pose&
   return {box.min().array() - air, box.max().array() + air};
 }
 
+// The surface under the footprint's rim: the planner's own surface ends where its centres must.
+// Heights are those of the estimate; a place is known between points of the cloud, no further from
+// each other than two voxels.
+void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW, SurfaceGrid* g) {
+  std::vector<char> near(g->size(), 0);
+  for (const Eigen::Vector3d& p_W : cloud.points)
+    around(*g, X_PW * p_W, voxel, [&](std::size_t v) { near[v] = 1; });
+  const std::vector<double> off = distance_to_edge(*g, near);
+  for (std::size_t v = 0; v < g->size(); ++v) g->known[v] = g->known[v] && off[v] >= voxel;
+}
+
 // Why the footprint fits nowhere.
 void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErrors& errors) {
   const bool drawn = !s.cover.region.empty();
@@ -128,7 +139,11 @@ CoverPlan plan_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
   const double step =
       std::max({1e-3, s.tool.radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});
   CoverPlan plan;
-  plan.grid = sample_surface(scene.surface, box, step, s.preflight.max_slope_deg, progress);
+  const SurfaceHeight height =
+      scene.perception ? perceived_height(scene.perception, X_WP) : scene.surface;
+  plan.grid = sample_surface(height, box, step, s.preflight.max_slope_deg, progress);
+  if (scene.perception)
+    know_between_points(scene.perception->cloud(), s.perception.voxel, X_WP.inverse(), &plan.grid);
   plan.wish.footprint = footprint_of(*pad);
   plan.wish.spacing = 2.0 * pad->radius * (1.0 - s.cover.overlap);
   plan.wish.direction_deg = s.cover.direction_deg;

@@ -1,5 +1,5 @@
-// Scenario + Scene → the lines that cover an area: the strokes of an ordinary drawing, which is then
-// planned, checked, drawn and judged as one.
+// Scenario + Scene → the lines that cover an area: the strokes of an ordinary drawing, which is
+// then planned, checked, drawn and judged as one.
 #pragma once
 
 #include <functional>

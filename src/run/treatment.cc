@@ -20,12 +20,13 @@ TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double forc
   for (std::size_t v = 0; v < grid_.size(); ++v) area_.push_back(grid_.area(v));
 }
 
-void TreatmentMap::press(const Pose& X_PE, double force, double speed, double time, double dt) {
+void TreatmentMap::press(const Pose& X_PE, double force, double speed, double time, double dt,
+                         bool on_line) {
   const double pressure = force / pad_.area();
   if (time - last_time_ > kApart) mean_ = pressure;
   mean_ += std::min(1.0, dt / kMean) * (pressure - mean_);
   last_time_ = time;
-  if (speed > 0.1 * speed_) {
+  if (on_line && speed > 0.1 * speed_) {
     slid_ += dt;
     sum_ += dt * pressure;
     sum2_ += dt * pressure * pressure;

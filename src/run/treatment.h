@@ -25,7 +25,9 @@ class TreatmentMap {
   TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed);
 
   // The pad is at X_PE, presses with this force along its normal and slides at `speed`, for dt.
-  void press(const Pose& X_PE, double force, double speed, double time, double dt);
+  // `on_line`: counts towards the mean pressure and its SD.
+  void press(const Pose& X_PE, double force, double speed, double time, double dt,
+             bool on_line = true);
 
   const SurfaceGrid& grid() const { return grid_; }
   double area(std::size_t v) const { return area_[v]; }              // of a place [m²]

@@ -3,7 +3,7 @@
 //
 //   δ_i  = ray from the disc at cell i along z_E, which meets the canvas within the foam [m]
 //   p_i  = max(0, k δ_i − b n_i·v_i)                             pressure [Pa], along n_i
-//   s_i ← s_i + (1 − n_i n_iᵀ) v_i dt,  |k_s s_i| ≤ μ p_i         shear, k_s = k/2: no Poisson ratio
+//   s_i ← s_i + (1 − n_i n_iᵀ) v_i dt,  |k_s s_i| ≤ μ p_i         shear, k_s = k/2
 //   F    = Σ A_i (p_i n_i − k_s s_i)                              and its moment about E
 //
 // v_i: velocity of the foam's face at the cell relative to the canvas. The free face lies `rest`

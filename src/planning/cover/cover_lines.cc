@@ -14,6 +14,9 @@ namespace {
 using Line = std::vector<Eigen::Vector2d>;
 
 constexpr double kKnots = 3e-3;  // between the points of a line [m]
+// Of a row's end from the border of the centres, and what a bend there takes off it, in spacings:
+// scanned on a dome, a saddle and a plane (docs/decisions/0045).
+constexpr double kRowEnd = 0.35, kBendWay = 0.65;
 
 double length_of(const SurfaceGrid& g, const Line& line) {
   double sum = 0.0;
@@ -111,10 +114,11 @@ Line shortened(const Line& line, double cut) {
               fine.end() - static_cast<std::ptrdiff_t>(n));
 }
 
-// A bend that leaves a along u and meets b against w, unit.
+// A bend that leaves a along u and meets b against w, unit; `width`: 1 for half a circle where both
+// are parallel, 0 for a straight line.
 Line bend(const Eigen::Vector2d& a, const Eigen::Vector2d& u, const Eigen::Vector2d& b,
-          const Eigen::Vector2d& w) {
-  const double reach = 2.0 / 3.0 * (b - a).norm();
+          const Eigen::Vector2d& w, double width) {
+  const double reach = width * 2.0 / 3.0 * (b - a).norm();
   Line line;
   for (int i = 1; i < 12; ++i) {
     const double t = i / 12.0, s = 1.0 - t;
@@ -129,41 +133,53 @@ struct Row {
   Line line;
 };
 
+// The bend from a line's end to another's start, as wide as the centres allow; nothing where not
+// even a straight way stays on them, or it is longer than `most`.
+std::optional<Line> join(const SurfaceGrid& g, const std::vector<double>& clearance,
+                         const Line& from, const Line& to, double most) {
+  const Eigen::Vector2d a = from.back(), b = to.front();
+  if ((g.lifted(b) - g.lifted(a)).norm() > most) return std::nullopt;
+  const Eigen::Vector2d u = (a - from[from.size() - 2]).normalized(), w = (b - to[1]).normalized();
+  for (const double width : {1.0, 0.5, 0.2}) {
+    Line way = bend(a, u, b, w, width);
+    if (std::ranges::all_of(way, [&](const auto& p) { return g.sample(clearance, p) >= 0.0; }))
+      return way;
+  }
+  return std::nullopt;
+}
+
 // Rows one after the other, each reversed where that is nearer.
 std::vector<Line> joined_rows(const SurfaceGrid& g, const std::vector<double>& clearance,
                               std::vector<Row> rows, double spacing) {
   constexpr double kJoin = 3.0;  // times the spacing, at most
   std::vector<Line> passes;
-  std::optional<int> level;
+  int level = 0;
   while (!rows.empty()) {
-    const Eigen::Vector2d from = passes.empty() ? rows.front().line.front() : passes.back().back();
     std::size_t best = 0;
-    bool turn = false, joins = false;
+    bool turn = false;
+    std::optional<Line> way;
     double nearest = kFar;
-    for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t i = 0; i < rows.size() && !passes.empty(); ++i)
       for (const bool reversed : {false, true}) {
-        const Line& line = rows[i].line;
-        const Eigen::Vector2d to = reversed ? line.back() : line.front();
-        const double way = (g.lifted(to) - g.lifted(from)).norm();
-        bool can = level && std::abs(rows[i].level - *level) <= 1 && way <= kJoin * spacing;
-        for (double t = 0.1; can && t < 1.0; t += 0.1)
-          can = g.sample(clearance, from + t * (to - from)) >= 0.0;
-        // A row that can be joined comes first; else the first of those that are left.
-        if (can != joins ? !can : way >= nearest) continue;
+        Line line = rows[i].line;
+        if (reversed) std::reverse(line.begin(), line.end());
+        const double far = (g.lifted(line.front()) - g.lifted(passes.back().back())).norm();
+        std::optional<Line> found;
+        if (std::abs(rows[i].level - level) <= 1)
+          found = join(g, clearance, passes.back(), line, kJoin * spacing);
+        // A row that can be joined comes first; else the nearest of those that are left.
+        if (found.has_value() != way.has_value() ? !found : far >= nearest) continue;
         best = i;
         turn = reversed;
-        joins = can;
-        nearest = way;
+        way = std::move(found);
+        nearest = far;
       }
     Row row = std::move(rows[best]);
     rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(best));
     if (turn) std::reverse(row.line.begin(), row.line.end());
-    if (joins) {
-      Line& pass = passes.back();
-      const Eigen::Vector2d u = (pass.back() - pass[pass.size() - 2]).normalized();
-      const Eigen::Vector2d w = (row.line[0] - row.line[1]).normalized();
-      for (const Eigen::Vector2d& p : bend(pass.back(), u, row.line.front(), w)) pass.push_back(p);
-      pass.insert(pass.end(), row.line.begin(), row.line.end());
+    if (way) {
+      passes.back().insert(passes.back().end(), way->begin(), way->end());
+      passes.back().insert(passes.back().end(), row.line.begin(), row.line.end());
     } else {
       passes.push_back(std::move(row.line));
     }
@@ -207,8 +223,9 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
   for (Line& line : level_lines(g, centres.clearance, 0.0))
     if (length_of(g, line) > radius) found.passes.push_back(smoothed(std::move(line)));
 
-  // The edge's line covers a strip as wide as the footprint; the rows cover the rest.
-  const double inner = std::min(wish.spacing, 0.95 * radius);
+  // The edge's line covers a strip as wide as the footprint; the rows cover the rest. Their ends
+  // lie where the mean dose is most even up to the border, less the way of the bends.
+  const double inner = std::min(kRowEnd * wish.spacing, 0.95 * radius);
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double n = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v)
@@ -230,7 +247,7 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
     for (const Line& whole : level_lines(g, across, first + k * wish.spacing))
       for (Line& part : parts_above(g, centres.clearance, inner, smoothed(whole)))
         if (length_of(g, part) > 0.2 * radius)
-          rows.push_back({k, resampled(shortened(part, 0.5 * wish.spacing), kKnots)});
+          rows.push_back({k, resampled(shortened(part, kBendWay * wish.spacing), kKnots)});
   found.rows = rows.size();
   for (Line& pass : joined_rows(g, centres.clearance, std::move(rows), wish.spacing))
     found.passes.push_back(std::move(pass));

@@ -1,0 +1,74 @@
+// ./impedraw cover: a short run on the dome, and bad input, which is named before anything moves.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace impedraw {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Cover : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("cover_test_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "window.svg")
+        << R"(<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm">)"
+        << R"(<rect width="90mm" height="60mm"/></svg>)";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  int run(const std::string& arguments) {
+    const std::string command = std::string(IMPEDRAW) + " cover --out " + folder_.string() +
+                                "/run " + arguments + " > " + folder_.string() + "/out 2>&1";
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+  std::string said() const {
+    std::stringstream text;
+    text << std::ifstream(folder_ / "out").rdbuf();
+    return text.str();
+  }
+  std::string window(const std::string& scale) const {
+    return "--region " + (folder_ / "window.svg").string() +
+           " --set drawing.placement.scale=" + scale;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Cover, TreatsAWindowOfTheDome) {
+  ASSERT_EQ(run(window("1")), 0) << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+  EXPECT_GT(metrics["promised_share"], 0.9);
+  EXPECT_NEAR(metrics["force_mean"], 5.0, 0.1);
+  EXPECT_LT(metrics["force_sd"], 0.3);
+  EXPECT_LT(metrics["removal_map_error"], 0.05);
+  EXPECT_EQ(metrics["unsaid_share"], 0.0);
+  EXPECT_TRUE(fs::exists(folder_ / "run/cover.png"));
+}
+
+TEST_F(Cover, NamesBadInput) {
+  const auto refuses = [&](const std::string& arguments, const std::string& words) {
+    EXPECT_EQ(run(arguments), 2);
+    EXPECT_NE(said().find(words), std::string::npos) << said();
+    EXPECT_FALSE(fs::exists(folder_ / "run/run.h5"));
+  };
+  refuses("--set tool.kind=roller", "tool.kind is roller");
+  refuses("--set tool.kind=pen", "tool.kind is pen");
+  refuses(window("1") + " --set drawing.placement.centre=[1.5,0]", "lies off the canvas");
+  refuses(window("0.3"), "fits nowhere in cover.region");
+  refuses("--set tool.foam_stiffness=1e8", "touches with a part of its face only");
+}
+
+}  // namespace
+}  // namespace impedraw

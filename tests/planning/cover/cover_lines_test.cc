@@ -1,0 +1,129 @@
+// Lines that cover a surface against closed forms: distances on a slope and on a sphere, and what a
+// footprint sweeps.
+#include "impedraw/planning/cover/cover_lines.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace impedraw {
+namespace {
+
+constexpr double kStep = 1.5e-3, kHalf = 0.1, kRadius = 0.3;  // [m]
+
+SurfaceHeight slope(double angle_deg) {
+  const double t = std::tan(angle_deg * std::numbers::pi / 180.0);
+  return [t](double x, double y) -> SurfaceHeight::Sample {
+    if (std::abs(x) > kHalf || std::abs(y) > kHalf) return std::nullopt;
+    return SurfaceSample{{x, y, t * y}, Eigen::Vector3d(0.0, -t, 1.0).normalized()};
+  };
+}
+
+Eigen::Vector3d on_sphere(const Eigen::Vector2d& p) {
+  return {p.x(), p.y(), std::sqrt(kRadius * kRadius - p.squaredNorm())};
+}
+
+SurfaceHeight dome() {
+  return [](double x, double y) -> SurfaceHeight::Sample {
+    if (std::hypot(x, y) > kHalf) return std::nullopt;
+    const Eigen::Vector3d p = on_sphere({x, y});
+    return SurfaceSample{p, p / kRadius};
+  };
+}
+
+SurfaceGrid grid_of(const SurfaceHeight& height) {
+  const Eigen::Vector2d corner = Eigen::Vector2d::Constant(kHalf + 0.01);
+  return sample_surface(height, {-corner, corner}, kStep, 70.0);
+}
+
+CoverWish wish() {
+  CoverWish w;
+  w.footprint = {0.015, 1.4e-3, 0.01};
+  w.spacing = 0.0093;
+  w.direction_deg = 0.0;
+  return w;
+}
+
+TEST(SurfaceDistance, OnASlopeOf45Degrees) {
+  const SurfaceGrid g = grid_of(slope(45.0));
+  const std::vector<double> T = distance_across(g, {0.0, 0.0}, {1.0, 0.0});
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if (g.known[v] && g.plane(v).cwiseAbs().maxCoeff() < 0.08) {
+      ASSERT_NEAR(T[v], std::sqrt(2.0) * g.plane(v).y(), 1e-3 * kHalf);
+    }
+}
+
+TEST(SurfaceDistance, OnASphere) {
+  const SurfaceGrid g = grid_of(dome());
+  const std::vector<double> T = distance_across(g, {0.0, 0.0}, {1.0, 0.0});
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if (g.known[v] && g.plane(v).norm() < 0.09) {
+      ASSERT_NEAR(T[v], kRadius * std::asin(g.plane(v).y() / kRadius), 0.3e-3);
+    }
+}
+
+// Of the rows' level sets from each other, on the surface.
+TEST(CoverLines, AreEquallySpacedOnTheSphere) {
+  const SurfaceGrid g = grid_of(dome());
+  const std::vector<double> T = distance_across(g, {0.0, 0.0}, {1.0, 0.0});
+  const double spacing = 0.0093;
+  for (int k = -7; k < 7; ++k)
+    for (const auto& line : level_lines(g, T, k * spacing))
+      for (const Eigen::Vector2d& p : line) {
+        if (p.norm() > 0.085) continue;
+        const auto at = [](const Eigen::Vector2d& q) {
+          return kRadius * std::asin(q.y() / kRadius);
+        };
+        for (const auto& next : level_lines(g, T, (k + 1) * spacing)) {
+          double nearest = 1.0;
+          for (const Eigen::Vector2d& q : next)
+            nearest = std::min(nearest, std::abs(q.x() - p.x()));
+          for (const Eigen::Vector2d& q : next)
+            if (std::abs(q.x() - p.x()) <= nearest) {
+              ASSERT_NEAR(at(q) - at(p), spacing, 0.05 * spacing);
+            }
+        }
+      }
+}
+
+TEST(CoverLines, LeaveNothingOfWhatTheFootprintReaches) {
+  for (const SurfaceHeight& height : {slope(45.0), dome()}) {
+    const SurfaceGrid g = grid_of(height);
+    const CoverWish w = wish();
+    const Centres c = footprint_centres(g, w);
+    const CoverLines lines = cover_lines(g, c, w);
+    ASSERT_GT(lines.rows, 10U);
+    EXPECT_LE(lines.passes.size(), 3U);
+    const double reached = area_of(g, swept(g, c, w.footprint.radius));
+    EXPECT_GT(area_of(g, swept(g, lines.passes, w.footprint.radius)), 0.99 * reached);
+    for (const auto& pass : lines.passes)
+      for (const Eigen::Vector2d& p : pass) ASSERT_GT(g.sample(c.clearance, p), -kStep);
+  }
+}
+
+TEST(CoverLines, KeepOffAHole) {
+  const SurfaceGrid g = grid_of([](double x, double y) -> SurfaceHeight::Sample {
+    if (std::max(std::abs(x), std::abs(y)) > kHalf || std::hypot(x - 0.01, y) < 0.012)
+      return std::nullopt;
+    return SurfaceSample{{x, y, 0.0}};
+  });
+  const CoverLines lines = cover_lines(g, footprint_centres(g, wish()), wish());
+  for (const auto& pass : lines.passes)
+    for (const Eigen::Vector2d& p : pass)
+      ASSERT_GT((p - Eigen::Vector2d(0.01, 0.0)).norm(), 0.012 + 0.015);
+}
+
+TEST(CoverLines, WantAWholeFace) {
+  // A ridge as sharp as the pad's radius bears a part of its face only.
+  const SurfaceGrid g = grid_of([](double x, double y) -> SurfaceHeight::Sample {
+    if (std::max(std::abs(x), std::abs(y)) > kHalf) return std::nullopt;
+    return SurfaceSample{{x, y, -0.5 * std::abs(y)}};
+  });
+  const Centres c = footprint_centres(g, wish());
+  EXPECT_FALSE(c.allowed[g.index(g.nx / 2, g.ny / 2)]);
+  EXPECT_GT(c.uneven, 0U);
+}
+
+}  // namespace
+}  // namespace impedraw
