@@ -165,7 +165,8 @@ Law Executor::law(const PathSample& desired) const {
 
 void Executor::react(const Verdict& verdict) {
   reaction_.take(verdict);
-  if (reaction_.state() == Reaction::State::lift && !lift_) begin_lift(verdict.rise);
+  if (reaction_.state() == Reaction::State::lift && !lift_)
+    begin_lift(verdict.rise, verdict.aside_W);
 }
 
 // The end of what is damped. The simulated arm only ends where it is: it is damped first. Another
@@ -223,7 +224,7 @@ void Executor::poll(const Cycle& cycle, const PathFollower& path) {
   if (hooks_.progress && !canvas_.waits_for(cycle)) hooks_.progress(path.progress(cycle.run_time));
 }
 
-void Executor::begin_lift(Verdict::Rise rise) {
+void Executor::begin_lift(Verdict::Rise rise, const Eigen::Vector3d& aside_W) {
   if (rise == Verdict::Rise::let_go) {
     arm_.loop().leave_canvas();
     lift_.emplace(arm_.time(), arm_.X_WE(), e_.control.impedance.surface.drawing_axis_W,
@@ -232,7 +233,8 @@ void Executor::begin_lift(Verdict::Rise rise) {
   }
   const Eigen::Matrix3d R_KW = arm_.loop().canvas().pose().R.transpose();
   lift_.emplace(arm_.time(), arm_.X_KE(), R_KW * arm_.out().n_WD,
-                rise == Verdict::Rise::a_little ? kLiftALittle : EmergencyLift::kHeight);
+                rise == Verdict::Rise::a_little ? kLiftALittle : EmergencyLift::kHeight,
+                R_KW * aside_W);
 }
 
 // The pen goes up in W. A canvas that heaves does not catch up with it.

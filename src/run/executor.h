@@ -46,7 +46,7 @@ class Executor {
   bool follow_up(const Cycle& cycle, const Move& move, PathFollower* path);
   void poll(const Cycle& cycle, const PathFollower& path);
 
-  void begin_lift(Verdict::Rise rise);
+  void begin_lift(Verdict::Rise rise, const Eigen::Vector3d& aside_W = Eigen::Vector3d::Zero());
   void lift_off_canvas();
   bool lifted() const;
   void end_lift();

@@ -123,5 +123,21 @@ TEST(SideMonitor, ForgetsShortBlows) {
         watch.update(n, i % (2 * blow) < blow ? Vector3d(-9, 0, 2) : Vector3d(-1, 0, 5), kCycle));
 }
 
+// A ball that is caught between a wire and the ground meets both in turns. A canvas never pulls.
+TEST(SideMonitor, NoticesACanvasThatPulls) {
+  const auto pulls = [](double wire, int of) {
+    SideMonitor watch;
+    for (int i = 1; i <= 1000; ++i)
+      if (watch.update(n, i % of == 0 ? Vector3d{-3, 0, -wire} : Vector3d{0, 0, 12}, kCycle))
+        return watch.caught() ? i : 0;
+    return -1;
+  };
+  EXPECT_EQ(pulls(3.0, 1), 2);
+  EXPECT_GT(pulls(3.0, 2), 0);
+  EXPECT_LE(pulls(3.0, 2), 6);
+  EXPECT_EQ(pulls(1.5, 2), -1);   // noise of a pen that hardly touches
+  EXPECT_EQ(pulls(3.0, 50), -1);  // a reading now and then
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -5,6 +5,10 @@
 
 namespace impedraw {
 
+namespace {
+constexpr double kAside = 1.0e-3;  // [m]
+}  // namespace
+
 std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath& path,
                                         double planned, bool ahead) {
   if (desired.stroke >= 0) return StrokePart{desired.stroke, desired.along, desired.along};
@@ -47,6 +51,8 @@ Verdict BlockMonitor::judge(const Cycle& cycle, const TipPath& path, double plan
     *place = place_on_path(desired, path, planned, shaft);
     if (*place && sunk && (*place)->stroke == touched_.stroke)
       (*place)->from = std::min((*place)->from, touched_.from);
+    if (aside && side_.caught())  // out from beneath what holds it
+      blocked.aside_W = kAside * (f - out.n_WD * out.n_WD.dot(f)).normalized();
     if (*place) return blocked;
   }
   if (desired.stroke < 0 || out.mode != ContactMode::contact) {

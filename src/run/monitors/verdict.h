@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <Eigen/Core>
+
 #include "impedraw/metrics/ending.h"
 
 namespace impedraw {
@@ -30,6 +32,7 @@ struct Verdict {
     a_little,  // the same, before the rest of the drawing is planned anew
     let_go,    // in W, wherever the canvas goes
   } rise = Rise::clear;
+  Eigen::Vector3d aside_W = Eigen::Vector3d::Zero();  // while it goes up `a_little` [m]
   double calm = 0.0;  // for `brake`: ends below this share of the joints' speed limits
 
   explicit operator bool() const noexcept { return severity != Severity::none; }
