@@ -74,8 +74,7 @@ int preview(const DrawOptions& options) {
   for (std::size_t i = 0; i < drawn.strokes.size(); ++i) {
     const Stroke& stroke = drawn.strokes[i];
     PreviewLine& line = picture.lines.emplace_back(line_of(stroke, artwork.placement, 1.0));
-    line.width = drawn_widths(artwork.strokes[i],
-                              pens[static_cast<std::size_t>(stroke.layer)].line,
+    line.width = drawn_widths(artwork.strokes[i], pens[static_cast<std::size_t>(stroke.layer)].line,
                               scenario.control.normal_force);
     for (const Eigen::Vector2d& p : line.points) box.extend(p);
   }
@@ -88,8 +87,8 @@ int preview(const DrawOptions& options) {
   }
   const double time = std::accumulate(sums.begin(), sums.end(), 0.0,
                                       [](double t, const PenSum& sum) { return t + sum.time; });
-  const std::string size = fmt::format("{:.1f} × {:.1f} mm as drawn", box.sizes().x(),
-                                       box.sizes().y());
+  const std::string size =
+      fmt::format("{:.1f} × {:.1f} mm as drawn", box.sizes().x(), box.sizes().y());
   std::string text = fmt::format("{}: {} strokes, {}, about {:.0f} s on a plane\n", drawn.name,
                                  drawn.strokes.size(), size, time);
   for (std::size_t k = 0; k < pens.size(); ++k) {
@@ -98,12 +97,10 @@ int preview(const DrawOptions& options) {
         fmt::format("{}: {} strokes, {:.0f} mm, {:.0f} s", pen.name.empty() ? "pen" : pen.name,
                     sums[k].strokes, sums[k].length, sums[k].time);
     picture.pens.push_back({what, pen.colour.value_or(0), pen.line.width});
-    text += fmt::format("  pen          {}; {}, {:.3g} mm wide at {:.3g} N{}\n", what,
-                        colour_name(pen.colour.value_or(0)), pen.line.width,
-                        pen.line.nominal_force,
-                        pen.line.presses()
-                            ? fmt::format(", {:+.3g} mm/N", pen.line.width_per_newton)
-                            : "");
+    text += fmt::format(
+        "  pen          {}; {}, {:.3g} mm wide at {:.3g} N{}\n", what,
+        colour_name(pen.colour.value_or(0)), pen.line.width, pen.line.nominal_force,
+        pen.line.presses() ? fmt::format(", {:+.3g} mm/N", pen.line.width_per_newton) : "");
   }
   if (drawn.hidden_mm > 0.0)
     text += fmt::format("  hidden       {:.1f} mm on the page\n", drawn.hidden_mm);

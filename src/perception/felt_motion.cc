@@ -17,6 +17,7 @@ constexpr double kFurthest = 0.03;      // of a shift [m]
 constexpr std::size_t kStride = 8;      // steps from one evaluation of the forecast to the next
 
 constexpr double kFirstError = 0.2e-3;  // of what is felt, before frames tell [m]
+constexpr double kResolved = 0.1e-3;    // least σ: feeling is no better than that [m]
 constexpr double kSurely = 1.5;  // mean square off against a frame's noise, of a right forecast
 
 FrameMotion forecast(const CanvasBelief& belief, double time) noexcept {
@@ -58,6 +59,7 @@ void FeltMotion::expect(const CanvasBelief& belief) noexcept {
 
 void FeltMotion::weigh(int k, double noise) noexcept {
   const Score& s = scores_[k];
+  noise = std::max(noise, kResolved * kResolved);
   const double E_F = std::max(0.0, s.without - kSurely * noise),
                E_d = std::max(noise, s.with - noise);
   share_[k] = E_F * E_F / (E_F * E_F + E_d * E_d + 1e-20);

@@ -13,7 +13,7 @@
 //   d_n = ∫ n nᵀ (v_E − v_F) dt,    d_c = ∫ c cᵀ (v_E − v_F) dt    from t_0 to now
 //
 // Each counts by how far the canvas was lately off its forecast as frames came in, without and with
-// d, beyond the frames' own noise σ²:
+// d, beyond the frames' own noise σ², at least (0.1 mm)²:
 //
 //   share = E_F² / (E_F² + E_d²),    E_F = ⟨off²⟩ − 1.5 σ² ≥ 0,    E_d = ⟨(off − d)²⟩ − σ² ≥ σ²
 //

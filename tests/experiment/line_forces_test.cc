@@ -55,8 +55,9 @@ TEST_F(LineForces, AWidthIsAForceOfThePensModelWithinItsLimits) {
   EXPECT_THAT(strokes[3].force, ElementsAre(N(4), N(7)));
   EXPECT_THAT(strokes[4].force, IsEmpty());
   ASSERT_EQ(notes_.size(), 1u);
-  EXPECT_THAT(notes_[0], HasSubstr("lines of 0.1 to 8 mm are asked for, the pen can 0.25 to 1.6: of "
-                                   "80 mm, 20 mm are drawn lighter and 20 mm heavier"));
+  EXPECT_THAT(notes_[0],
+              HasSubstr("lines of 0.1 to 8 mm are asked for, the pen can 0.25 to 1.6: of "
+                        "80 mm, 20 mm are drawn lighter and 20 mm heavier"));
   EXPECT_EQ(hardest(scenario_, strokes), 8.0);
   scenario_.pen.least_force = 9.0;
   EXPECT_THROW(given({thin}), InputError);
