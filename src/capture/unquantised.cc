@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "impedraw/common/in_halves.h"
+#include "impedraw/common/in_parallel.h"
 
 namespace impedraw {
 

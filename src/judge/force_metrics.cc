@@ -16,10 +16,10 @@ constexpr double kBand = 0.05, kLeastBand = 0.1;  // of a change; [N]
 constexpr double kLeastCycles = 2.5;              // of a sweep, in one fit
 constexpr int kFits = 121;                        // over a sweep
 
-using Samples = std::span<const ForceSample>;
+using Samples = std::span<const JudgedSample>;
 
-Samples within(const std::vector<ForceSample>& record, double from, double to) {
-  const auto before = [](const ForceSample& s, double t) { return s.time < t; };
+Samples within(const std::vector<JudgedSample>& record, double from, double to) {
+  const auto before = [](const JudgedSample& s, double t) { return s.time < t; };
   const auto begin = std::lower_bound(record.begin(), record.end(), from, before);
   const auto end = std::lower_bound(begin, record.end(), to, before);
   return {begin, end};
@@ -29,7 +29,7 @@ Samples within(const std::vector<ForceSample>& record, double from, double to) {
 std::optional<double> settling_time(Samples samples, const ForceChange& change) {
   const double band = std::max(kBand * std::abs(change.after - change.before), kLeastBand);
   double out_at = change.at;
-  for (const ForceSample& s : samples)
+  for (const JudgedSample& s : samples)
     if (std::abs(s.force - s.asked) > band) out_at = s.time;
   if (samples.empty() || out_at > change.until - 0.1 * (change.until - change.at))
     return std::nullopt;
@@ -39,7 +39,7 @@ std::optional<double> settling_time(Samples samples, const ForceChange& change) 
 double overshoot(Samples samples, const ForceChange& change) {
   const double size = change.after - change.before;
   double most = 0.0;
-  for (const ForceSample& s : samples) most = std::max(most, (s.force - s.asked) / size);
+  for (const JudgedSample& s : samples) most = std::max(most, (s.force - s.asked) / size);
   return most;
 }
 
@@ -49,7 +49,7 @@ struct Moments {
 
 Moments error_moments(Samples samples) {
   double sum = 0.0, squares = 0.0;
-  for (const ForceSample& s : samples) {
+  for (const JudgedSample& s : samples) {
     sum += s.force - s.asked;
     squares += (s.force - s.asked) * (s.force - s.asked);
   }
@@ -58,13 +58,13 @@ Moments error_moments(Samples samples) {
 }
 
 // |force/command| at the time t of a sweep: least squares of a + b t + c sin φ + d cos φ.
-std::optional<double> gain_at(const std::vector<ForceSample>& record, const ForceSweep& sweep,
+std::optional<double> gain_at(const std::vector<JudgedSample>& record, const ForceSweep& sweep,
                               double t) {
   const double half = 0.5 * kLeastCycles / sweep.frequency(t);
   if (t - half < sweep.start || t + half > sweep.start + sweep.duration) return std::nullopt;
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   Eigen::Vector4d y = Eigen::Vector4d::Zero();
-  for (const ForceSample& s : within(record, t - half, t + half)) {
+  for (const JudgedSample& s : within(record, t - half, t + half)) {
     const double phase = sweep.phase(s.time);
     const Eigen::Vector4d x(1.0, (s.time - t) / half, std::sin(phase), std::cos(phase));
     A += x * x.transpose();
@@ -73,7 +73,7 @@ std::optional<double> gain_at(const std::vector<ForceSample>& record, const Forc
   return A.ldlt().solve(y).tail<2>().norm() / sweep.amplitude;
 }
 
-std::optional<double> bandwidth(const std::vector<ForceSample>& record, const ForceSweep& sweep) {
+std::optional<double> bandwidth(const std::vector<JudgedSample>& record, const ForceSweep& sweep) {
   std::optional<double> last_gain;
   double last_frequency = 0.0;
   for (int i = 0; i < kFits; ++i) {
@@ -120,7 +120,7 @@ double ForceSweep::rate(double t) const noexcept {
   return amplitude * 2.0 * std::numbers::pi * frequency(t) * std::cos(phase(t));
 }
 
-ForceMetrics judge_force(const std::vector<ForceSample>& record, const ForceQuestion& question) {
+ForceMetrics judge_force(const std::vector<JudgedSample>& record, const ForceQuestion& question) {
   ForceMetrics found;
   const Samples judged = within(record, question.from, question.to);
   if (judged.empty()) return found;

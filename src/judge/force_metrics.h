@@ -25,7 +25,7 @@
 
 namespace impedraw {
 
-struct ForceSample {
+struct JudgedSample {
   double time;   // [s]
   double asked;  // command [N]
   double force;  // under the workpiece [N]
@@ -83,6 +83,6 @@ struct ForceMetrics {
 };
 
 // Samples in the order of time. Without one in the window judged, every metric is absent.
-ForceMetrics judge_force(const std::vector<ForceSample>& record, const ForceQuestion& question);
+ForceMetrics judge_force(const std::vector<JudgedSample>& record, const ForceQuestion& question);
 
 }  // namespace impedraw

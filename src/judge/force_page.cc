@@ -58,7 +58,7 @@ struct Frame {
 
 // Least and greatest value of each bucket, so that a peak stays visible.
 template <typename Value>
-std::string curve(const std::vector<ForceSample>& record, const Frame& frame, const char* kind,
+std::string curve(const std::vector<JudgedSample>& record, const Frame& frame, const char* kind,
                   double shift, Value value) {
   std::string points;
   int bucket = -1;
@@ -68,7 +68,7 @@ std::string curve(const std::vector<ForceSample>& record, const Frame& frame, co
     points += fmt::format("{:.1f},{:.1f} ", frame.x(at), frame.y(least));
     if (greatest > least) points += fmt::format("{:.1f},{:.1f} ", frame.x(at), frame.y(greatest));
   };
-  for (const ForceSample& s : record) {
+  for (const JudgedSample& s : record) {
     const double t = s.time - shift;
     if (t < frame.from || t > frame.to) continue;
     const int now = static_cast<int>(kBuckets * (t - frame.from) / (frame.to - frame.from));
@@ -96,7 +96,7 @@ std::string plot(const JudgedCase& c) {
     const double before = c.what.judge_contact ? 0.05 : 0.2;
     frame.from = -before;
     frame.to = std::max(frame.to, run.question.to - run.question.from);
-    for (const ForceSample& s : run.record)
+    for (const JudgedSample& s : run.record)
       if (s.time >= run.question.from && s.time <= run.question.to)
         frame.most = std::max({frame.most, s.asked, std::min(s.force, 4.0 * s.asked)});
   }
@@ -109,12 +109,12 @@ std::string plot(const JudgedCase& c) {
       "text-anchor=\"end\">{6:.1f} s</text>",
       kWidth, kHeight, kWidth - 2.0, kHeight - 14.0, frame.most, kHeight - 2.0, frame.to);
   svg += curve(any->record, frame, "asked", any->question.from,
-               [](const ForceSample& s) { return s.asked; });
+               [](const JudgedSample& s) { return s.asked; });
   for (auto judged = c.controllers.rbegin(); judged != c.controllers.rend(); ++judged)
-    svg +=
-        curve(judged->runs.front().run.record, frame,
-              fmt::format("p{}", static_cast<int>(judged->controller)).c_str(),
-              judged->runs.front().run.question.from, [](const ForceSample& s) { return s.force; });
+    svg += curve(judged->runs.front().run.record, frame,
+                 fmt::format("p{}", static_cast<int>(judged->controller)).c_str(),
+                 judged->runs.front().run.question.from,
+                 [](const JudgedSample& s) { return s.force; });
   return svg + "</svg>";
 }
 

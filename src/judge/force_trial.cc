@@ -215,7 +215,7 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
 
 void ForceRun::ask() {
   const double from = programme->descent();
-  const auto touch = std::find_if(record.begin(), record.end(), [&](const ForceSample& s) {
+  const auto touch = std::find_if(record.begin(), record.end(), [&](const JudgedSample& s) {
     return s.time > from && s.force > kTouch;
   });
   if (touch != record.end())
@@ -249,7 +249,7 @@ SensorFile::SensorFile(const std::filesystem::path& file, double patience) {
 }
 
 void SensorFile::fill(ForceRun* run) const {
-  for (ForceSample& s : run->record) {
+  for (JudgedSample& s : run->record) {
     const double t = run->begin + s.time;
     auto after = std::lower_bound(readings_.begin() + 1, readings_.end() - 1, std::pair(t, -1e300));
     const auto before = after - 1;

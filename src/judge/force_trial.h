@@ -37,10 +37,10 @@ inline constexpr std::string_view kForceControllerTitles[] = {
     "impedraw", "CRISP's law (written here)", "impedance with feed-forward (written here)"};
 
 struct ForceRun {
-  std::string ended;                // why it ended early; empty: it did not
-  double begin = 0.0;               // by the driver's clock [s]
-  std::vector<ForceSample> record;  // the whole of it; a force that nothing measures is NaN
-  ForceQuestion question;           // for judge_force()
+  std::string ended;                 // why it ended early; empty: it did not
+  double begin = 0.0;                // by the driver's clock [s]
+  std::vector<JudgedSample> record;  // the whole of it; a force that nothing measures is NaN
+  ForceQuestion question;            // for judge_force()
   std::optional<ForceProgramme> programme;
 
   // Finds the touch in the record, and with it the question.

@@ -14,8 +14,8 @@ using std::numbers::pi;
 constexpr double kStep = 1e-4;  // of the records [s]
 
 template <typename Asked, typename Force>
-std::vector<ForceSample> recorded(double seconds, Asked asked, Force force, double speed = 0.0) {
-  std::vector<ForceSample> record;
+std::vector<JudgedSample> recorded(double seconds, Asked asked, Force force, double speed = 0.0) {
+  std::vector<JudgedSample> record;
   for (int i = 0; i * kStep < seconds; ++i)
     record.push_back({i * kStep, asked(i * kStep), force(i * kStep), speed});
   return record;

@@ -76,7 +76,7 @@ TEST(ForceSensor, FillsARecordFromItsFile) {
                         Vector3d::UnitZ());
   for (double t = 0.0; t < 9.0; t += 0.5) run.record.push_back({t, 5.0, std::nan(""), 0.0});
   SensorFile(file, 0.0).fill(&run);
-  for (const ForceSample& s : run.record)
+  for (const JudgedSample& s : run.record)
     EXPECT_NEAR(s.force, std::min(20.0, 2.0 * (s.time + 2.0)), 1e-12);
   run.ask();
   EXPECT_EQ(run.ended, "");
