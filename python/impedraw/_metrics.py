@@ -117,6 +117,11 @@ class Metrics(Mapping[str, float | None]):
         return self._values["touchdown_peak"]
 
     @property
+    def width_error_rms(self) -> float | None:
+        """Drawn width of the line against that of the force asked for, as a share of the latter, root mean square; from 0.2 s after the first touch on."""
+        return self._values["width_error_rms"]
+
+    @property
     def contact_force_max(self) -> float | None:
         """Largest normal force of all rows, also while the pen is up [N]."""
         return self._values["contact_force_max"]
