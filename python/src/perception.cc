@@ -33,6 +33,7 @@ PointCloud cloud_of(nb::handle points, nb::handle viewpoint, nb::handle weight) 
     for (const double x : cloud.weight)
       if (!(x > 0.0) || !std::isfinite(x)) refuse("weight", weight, "positive and finite");
   }
+  if (whole.empty() && left_out > 0) refuse("points", points, "with a finite point at least");
   for (std::size_t i = 0; i < whole.size(); ++i) {
     cloud.points[i] = cloud.points[whole[i]];
     if (!cloud.weight.empty()) cloud.weight[i] = cloud.weight[whole[i]];

@@ -215,7 +215,7 @@ nlohmann::ordered_json describe_artwork(const std::filesystem::path& file) {
 }
 
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading) {
-  const bool capture = std::filesystem::is_directory(file);
+  const bool capture = std::filesystem::exists(file / "capture.json");
   if (!capture && InputFile(file).size() == 0)
     throw InputError(fmt::format("{}: the file is empty", file.string()));
   if (lower_extension(file) == ".yaml")

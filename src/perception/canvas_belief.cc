@@ -54,8 +54,7 @@ bool CanvasBelief::holds(const Entry& entry, int model, int axis) const noexcept
 std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const noexcept {
   // All errors hold the noise of what they are compared with: what one has beyond the best counts.
   // The simpler of two models that do as well is to be preferred.
-  constexpr double kAlike = 0.03;       // in shares of that noise
-  constexpr double kAlikeBeyond = 0.1;  // and of what the best has beyond it
+  constexpr double kAlike = 0.03;  // in shares of that noise
   const Score& score = scores[axis];
   const auto has = [&](int m) {
     return holds(last, m, axis) && (score.weight > 0.0 || m < kFilters);
@@ -63,7 +62,7 @@ std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const 
   double best = 1e300;
   for (int m = 0; m < kModels; ++m)
     if (has(m)) best = std::min(best, score.square[m]);
-  const double alike = kAlike * score.noise + kAlikeBeyond * std::max(0.0, best - score.noise);
+  const double alike = kAlike * score.noise;
   std::array<double, kModels> w{};
   double sum = 0.0;
   for (int m = 0; m < kModels; ++m) {

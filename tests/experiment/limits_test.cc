@@ -74,6 +74,7 @@ const std::map<std::string, Words> kCompanions = {
     {"control.observer.yield_limit", {"control.observer.yield_limit=[0]"}},
     {"perception.viewpoint", {"perception.viewpoint=[0, 0, 0]"}},
     {"pushes", {"pushes=[{}]"}},
+    {"pens", {"pens=[{}]"}},
     {"faults", {"faults=[{}]"}},
     {"perception.fiducials", {"perception.fiducials.points=[{}]"}},
     {"drawing.placement.margin", {"drawing.placement.fit_width=2"}},
