@@ -325,7 +325,7 @@ def test_rotors_stand_on_the_diagonal_of_M() -> None:
     assert idr.ModelErrors(rotor_inertia=0.1).rotor_inertia == [0.1]
 
 
-def test_points_that_are_nowhere_are_left_out_and_counted():
+def test_points_that_are_nowhere_are_left_out_and_counted() -> None:
     grid = np.stack([*np.meshgrid(np.linspace(-0.1, 0.1, 21), np.linspace(-0.1, 0.1, 21)), np.zeros((21, 21))], -1).reshape(-1, 3)
     organised = np.concatenate([grid, np.full((40, 3), np.nan)])
     weight = np.ones(len(organised))
