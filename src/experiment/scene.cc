@@ -72,17 +72,27 @@ void turn_to_drawing(TriangleMesh* mesh, const Scenario& s, const Eigen::Vector3
 // A square around each point of the seen surface, across its normal: squares of neighbours meet. Of
 // a thing that is thinner than the cameras resolve, a wire for instance, they see a point here and
 // there, apart from the surface that is fitted to its neighbours: its square faces the camera and
-// is so large that a pen does not pass between two of them.
+// is so large that a pen does not pass between two of them. Such a point has another one nearby;
+// one that is alone is the depth's noise.
 TriangleMesh seen_facets(const SurfaceEstimator& seen, double voxel) {
-  constexpr double kApart = 5e-3, kApartHalf = 1e-2;  // [m]
-  const double spacing = std::max(voxel, 0.004);      // [m]
+  constexpr double kApart = 5e-3, kApartHalf = 1e-2, kNearby = 0.025;  // [m]
+  const double spacing = std::max(voxel, 0.004);                       // [m]
   const PointCloud sparse = thin(seen.cloud(), spacing);
+  std::vector<SurfaceEstimate> estimates;
+  std::vector<Eigen::Vector3d> far;
+  for (const Eigen::Vector3d& p : sparse.points) {
+    estimates.push_back(seen.estimate(p));
+    if (std::abs(estimates.back().distance) > kApart) far.push_back(p);
+  }
   TriangleMesh mesh;
   for (std::size_t i = 0; i < sparse.points.size(); ++i) {
     Eigen::Vector3d p = sparse.points[i];
-    const SurfaceEstimate estimate = seen.estimate(p);
+    const SurfaceEstimate& estimate = estimates[i];
     Eigen::Vector3d n = (sparse.eyes[static_cast<std::size_t>(sparse.camera[i])] - p).normalized();
-    const bool apart = std::abs(estimate.distance) > kApart;
+    const bool apart = std::abs(estimate.distance) > kApart &&
+                       std::count_if(far.begin(), far.end(), [&p](const Eigen::Vector3d& other) {
+                         return (other - p).norm() < kNearby;
+                       }) > 1;
     if (estimate.status == SurfaceStatus::ok && !apart) {
       n = estimate.n_W;
       p -= estimate.distance * n;  // takes the noise out

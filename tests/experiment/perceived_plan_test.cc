@@ -417,6 +417,15 @@ TEST_F(PerceivedPlan, LeavesOutWhatWouldCrawl) {
   EXPECT_NEAR(promised + named, plane_length(rest.artwork.strokes), 2e-4);
 }
 
+// Noise of 1 mm puts a point of seed 3 5.05 mm off the bowl, alone: it had counted as a wire, and
+// the pen's shaft as too near to it.
+TEST_F(PerceivedPlan, ALonePointOffTheSurfaceIsNoise) {
+  DrawOptions options;
+  options.scenario = "scenarios/bowl-m-real.yaml";
+  options.assignments = {"seed=3"};
+  EXPECT_TRUE(planned(staged(resolve(options))).plan.preflight.findings.empty());
+}
+
 // Noise of 0.5 mm on a grid of 2 mm: the force scattered by 0.9 N, and nothing said so.
 TEST_F(PerceivedPlan, NotesGroundThatIsTooRoughForACalmForce) {
   const auto notes = [&](double noise) {
