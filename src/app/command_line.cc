@@ -41,9 +41,17 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
       ->add_option("--svg", options->svg,
                    "your own drawing: .svg, or strokes as .txt, .strokes or .csv")
       ->excludes("--shape");
-  command->add_option("--text", options->text, "text to write in single strokes; \\n ends a line")
+  command
+      ->add_option("--image", options->image,
+                   "a picture, PNG or JPEG, as lines of the style drawing.image.style")
       ->excludes("--shape")
       ->excludes("--svg");
+  command->add_flag("--trace", options->trace,
+                    "draw centre lines: of a scanned drawing, or of an SVG's filled areas");
+  command->add_option("--text", options->text, "text to write in single strokes; \\n ends a line")
+      ->excludes("--shape")
+      ->excludes("--svg")
+      ->excludes("--image");
   command->add_option("--layer", options->layer,
                       "draw these layers alone, by number or name, as in 2,black");
   command->add_flag(
@@ -289,7 +297,8 @@ int run_program(int argc, char** argv) {
                                          "length, layers; triangles, faults; points");
   inspect
       ->add_option("file", inspected,
-                   std::string("artwork: .svg, or strokes as .txt, .strokes or .csv; a mesh: ") +
+                   std::string("artwork: .svg, strokes as .txt, .strokes or .csv, or a picture as "
+                               ".png or .jpg; a mesh: ") +
                        impedraw::kMeshFiles + "; a cloud: .ply, .pcd or .xyz")
       ->required();
   inspect->add_flag("--json", as_json, "print JSON");

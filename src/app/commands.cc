@@ -170,7 +170,8 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
   if (!options.out.empty() && !options.resume && !options.overwrite)
     require_no_finished_run(folder);
   const bool given = !options.scenario.empty() || !options.shape.empty() || !options.svg.empty() ||
-                     !options.text.empty() || !options.assignments.empty();
+                     !options.image.empty() || !options.text.empty() ||
+                     !options.assignments.empty();
   const bool begun = options.resume && is_own_file(folder / "run.h5");
   if (options.resume && !begun && !given)
     throw InputError(fmt::format(

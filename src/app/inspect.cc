@@ -167,8 +167,8 @@ int inspect(const std::filesystem::path& file, bool json, const MeshReading& rea
   } catch (const InputError& error) {
     if (!mesh || is_mesh_file(file)) throw;
     throw InputError(
-        fmt::format("{}; artwork is .svg, .txt, .strokes or .csv, a "
-                    "cloud .ply, .pcd or .xyz",
+        fmt::format("{}; artwork is .svg, .txt, .strokes, .csv, "
+                    ".png or .jpg, a cloud .ply, .pcd or .xyz",
                     error.what()));
   }
   if (json)

@@ -19,6 +19,10 @@ inline constexpr double kFarthest = 1e6;
 // What of an SVG is drawn: what the eye sees, or every line as if nothing were hidden.
 enum class Visible { as_painted, all };
 
+// How text in an SVG is drawn: the outlines of its glyphs, letters of a font of single strokes, or
+// the outlines' centre lines.
+enum class TextAs { outline, single, centre };
+
 // One pen-down line on the page: x to the right, y down (as in SVG), millimetres.
 struct Stroke {
   std::vector<Eigen::Vector2d> points = {};  // [mm], at least one; consecutive points differ
@@ -50,6 +54,7 @@ struct Area {
   bool even_odd = false;  // fill rule; else nonzero winding
   int layer = 0;
   std::uint32_t colour = 0;  // 0xRRGGBB
+  bool text = false;         // of an SVG: outlines of text
 };
 
 struct Artwork {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -14,6 +15,8 @@
 #include "impedraw/drawing/bounded.h"
 #include "impedraw/drawing/doubles.h"
 #include "impedraw/drawing/flatten.h"
+#include "impedraw/drawing/hershey.h"
+#include "impedraw/drawing/letters.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
 #include "impedraw/drawing/visible.h"
 
@@ -224,6 +227,14 @@ Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line, bool stroke
   return stroke;
 }
 
+// A glyph's point on the page. `frame`: the letter's origin on the baseline, one em to the right
+// and one down. Capitals are 0.7 em high, as most fonts' are.
+Vector2d on_page(const Glyph& glyph, const Vector2d& p, const std::vector<Vector2d>& frame) {
+  constexpr double kEm = 0.7 / kCapHeight;
+  const double right = kEm * (p.x() - glyph.left), down = kEm * (p.y() - kBaseline);
+  return frame[0] + right * (frame[1] - frame[0]) + down * (frame[2] - frame[0]);
+}
+
 // The area that the path fills, with these lines as its subpaths.
 Area area_of(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path) {
   Area area{{}, path.even_odd != 0, static_cast<int>(path.layer), path.fill};
@@ -324,7 +335,9 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   }
   const auto free_svg = [](const ImpedrawSvg* svg) { impedraw_svg_free(svg); };
   const std::unique_ptr<const ImpedrawSvg, decltype(free_svg)> svg(
-      impedraw_svg_read(reinterpret_cast<const std::uint8_t*>(document.data()), document.size()),
+      impedraw_svg_read(
+          reinterpret_cast<const std::uint8_t*>(document.data()), document.size(),
+          settings.text_as == TextAs::single ? IMPEDRAW_SVG_LETTERS : IMPEDRAW_SVG_OUTLINES),
       free_svg);
   if (svg->error) throw InputError(fmt::format("{}: cannot be read as SVG: {}", name, svg->error));
 
@@ -360,6 +373,8 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   std::map<std::string, std::size_t> off;  // strokes, by layer
   std::size_t points = 0, grounds = 0, flat = 0, white = 0;
   Vector2d first_flat = Vector2d::Zero();
+  std::optional<HersheyFont> font;  // of letters
+  std::map<char32_t, std::size_t> lacking;
   const double* dash_lengths = svg->dashes;
   auto subpath = subpaths.begin();
   for (const ImpedrawSvgPath* path = svg->paths; path != svg->paths + svg->path_count; ++path) {
@@ -373,6 +388,30 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     dash_lengths += path->dash_count;
     const int clip = static_cast<int>(path->clip) - 1;
     Paint& paint = painting.paints[static_cast<std::size_t>(path - svg->paths)];
+    if (path->letter != 0) {
+      if (!font) font = read_hershey_font(settings.font);
+      paint.clip = clip;
+      if (layer_marks(svg->layers[path->layer]).off) {
+        ++off[svg->layers[path->layer]];
+        continue;
+      }
+      const std::optional<Glyph> glyph = glyph_of(*font, path->letter);
+      if (!glyph) {
+        ++lacking[path->letter];
+        continue;
+      }
+      for (std::vector<Vector2d> line : glyph->strokes) {
+        for (Vector2d& p : line) p = on_page(*glyph, p, lines[0]);
+        Stroke stroke{.points = std::move(line), .layer = static_cast<int>(path->layer)};
+        stroke.closed = stroke.points.size() > 2 && stroke.points.front() == stroke.points.back();
+        stroke.colour = path->stroke;
+        stroke.layer = layer_of(stroke.colour, stroke.layer);
+        points += stroke.points.size();
+        require_few(points, flatten_settings, name);
+        paint.strokes.push_back(std::move(stroke));
+      }
+      continue;
+    }
     if (path->shapes > 0) {
       painting.clips[path->shapes - 1].shapes.push_back(
           {area_of(lines, *path), clip, path->value, path->alpha});
@@ -386,6 +425,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
       continue;
     }
     paint = {{}, area_of(lines, *path), fills, path->hides != 0, path->hides_from, clip};
+    paint.area.text = path->text != 0;
     paint.area.layer = layer_of(path->fill, paint.area.layer);
     const bool ground = !eraser && is_ground(lines, *path, artwork.page);
     grounds += ground;
@@ -394,6 +434,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
       ++white;
       continue;
     }
+    if (path->text && settings.text_as == TextAs::centre) continue;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const Subpath& outline = first_subpath[static_cast<std::ptrdiff_t>(i)];
       Stroke stroke = stroke_of(outline, lines[i], strokes);
@@ -412,6 +453,10 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     artwork.warnings.push_back(fmt::format("{} white shape{} left out, as white is the paper",
                                            white, white == 1 ? "" : "s"));
   }
+  for (const auto& [letter, count] : lacking)
+    artwork.warnings.push_back(fmt::format("the font {} lacks {} (U+{:04X}): {} left out",
+                                           settings.font, encoded_utf8(letter),
+                                           static_cast<unsigned>(letter), count));
   for (const auto& [layer, strokes] : off)
     artwork.warnings.push_back(fmt::format("the layer '{}' is off (%): {} stroke{} left out", layer,
                                            strokes, strokes == 1 ? "" : "s"));

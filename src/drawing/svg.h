@@ -15,7 +15,8 @@
 // the document's top-level groups, named by Inkscape label, id or position, or its colours
 // (layers.h).
 //
-// Text is drawn as the outlines of its glyphs, in the system's fonts. A warning names a font that
+// Text is drawn as the outlines of its glyphs, in the system's fonts, or as letters of a font of
+// single strokes that stand where the glyphs would. A warning names a font that
 // is not installed and the one that replaces it. What the internal DTD declares (namespaces,
 // default attributes) counts. A pathLength stretches the dashes.
 //
@@ -48,6 +49,9 @@ struct SvgSettings {
   bool may_be_empty = false;  // nothing to draw is a warning, not an error
   Visible visible = Visible::as_painted;
   LayerSource layers = LayerSource::automatic;
+  // centre: text becomes areas without outlines, which trace_areas() turns into lines
+  TextAs text_as = TextAs::outline;
+  std::string font = "futural";  // of single strokes, as TextSettings::font
 };
 
 // InputError: the file is missing or not an SVG, has no valid size, nests more than 1,000 elements

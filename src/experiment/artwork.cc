@@ -29,7 +29,10 @@ Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_err
                          "drawing.svg and drawing.text.text are both given; give one of them");
   }
   return setting_errors.locate({"drawing.svg", "drawing.unit"}, [&] {
-    return read_artwork(s.svg, {.visible = s.visible, .layers = s.layers}, s.unit);
+    return read_artwork(
+        s.svg,
+        {.visible = s.visible, .layers = s.layers, .text_as = s.text.as, .font = s.text.font},
+        s.unit, s.image);
   });
 }
 

@@ -63,7 +63,12 @@ void check_turning(const Scenario& s, const SettingErrors& setting_errors) {
 
 Scenario resolve(const DrawOptions& options, Places* given) {
   Scenario scenario;
-  const bool artwork_given = !options.svg.empty() || !options.text.empty();
+  if (!options.image.empty() && !is_picture_file(options.image))
+    throw InputError(
+        fmt::format("--image {}: is no picture by its name; valid are .png, .jpg, .jpeg",
+                    options.image.string()));
+  const fs::path& artwork_file = options.image.empty() ? options.svg : options.image;
+  const bool artwork_given = !artwork_file.empty() || !options.text.empty();
   const bool named_file = !options.scenario.empty();
   const fs::path file =
       named_file ? options.scenario
@@ -95,18 +100,23 @@ Scenario resolve(const DrawOptions& options, Places* given) {
     name_after(options.shape);
     places.put("drawing.shape", fmt::format("--shape {}", options.shape));
   }
-  if (!options.svg.empty()) {
-    scenario.drawing.svg = fs::absolute(options.svg);
+  if (!artwork_file.empty()) {
+    const std::string given_as = options.image.empty() ? "--svg" : "--image";
+    scenario.drawing.svg = fs::absolute(artwork_file);
     scenario.drawing.text.text.clear();
-    name_after(options.svg.stem().string());
-    if (!named) places.put("name", "--svg " + shown(options.svg.string()));
-    places.put("drawing.svg", fmt::format("--svg {}", options.svg.string()));
+    name_after(artwork_file.stem().string());
+    if (!named) places.put("name", given_as + " " + shown(artwork_file.string()));
+    places.put("drawing.svg", fmt::format("{} {}", given_as, artwork_file.string()));
   }
   if (!options.text.empty()) {
     scenario.drawing.text.text = options.text;
     scenario.drawing.svg.clear();
     name_after("text");
     places.put("drawing.text.text", fmt::format("--text {}", shown(options.text)));
+  }
+  if (options.trace) {
+    scenario.drawing.image.style = PictureStyle::trace;
+    places.put("drawing.image.style", "--trace");
   }
   if (!options.arm.empty()) {
     scenario.arm.driver = options.arm == "sim"      ? ArmDriver::sim

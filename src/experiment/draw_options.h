@@ -18,7 +18,9 @@ struct DrawOptions {
   std::filesystem::path built_in;
   std::string shape;
   std::filesystem::path svg;
-  std::string text;  // to draw
+  std::filesystem::path image;  // a picture to draw, in place of svg
+  bool trace = false;           // centre lines
+  std::string text;             // to draw
   bool no_perception = false;
   std::string layer;              // that are drawn, by number or name; empty: all
   bool keep_order = false;        // of a file's strokes

@@ -48,8 +48,14 @@ void describe(Fields& f, TextSettings& s) {
   f.field("text", s.text,
           "Text to write in single strokes; \\n starts a new line; empty: the file or the shape is "
           "drawn.");
-  f.field("font", s.font,
-          "Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts).");
+  f.field(
+      "font", s.font,
+      "Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts); or the "
+      "path of an SVG 1.1 font (.svg).");
+  f.choice("as", s.as,
+           {{"outline", TextAs::outline}, {"single", TextAs::single}, {"centre", TextAs::centre}},
+           "How text in an SVG is drawn: the outlines of its glyphs, letters of font, or the "
+           "outlines' centre lines.");
   f.field(Limits::size, s.size_mm,
           "Height of the capitals, on the canvas if the placement gives no size; null: the text is "
           "fitted as a file is.");
@@ -81,12 +87,34 @@ void describe(Fields& f, WrapSettings& s) {
           "Largest distance of a wrapped line from its polyline, in the drawing plane.");
 }
 
+void describe(Fields& f, ImageSettings& s) {
+  using Limits = ImageSettings::Limits;
+  f.choice(
+      "style", s.style,
+      {{"stipple", PictureStyle::stipple},
+       {"hatch", PictureStyle::hatch},
+       {"cross-hatch", PictureStyle::cross_hatch},
+       {"flow", PictureStyle::flow},
+       {"contour", PictureStyle::contour},
+       {"trace", PictureStyle::trace}},
+      "How lines show tone: one line through stipples, hatches, a flow along edges, or contours "
+      "that lie closer where it is dark. trace: the centre lines of a scanned drawing, or of "
+      "the filled areas of an SVG.");
+  f.field(Limits::size, s.size_mm, "Longer side of a picture's page, before placement.");
+  f.field(Limits::pen, s.pen_mm, "Width of the pen's line on that page, which the tone counts on.");
+  f.field(Limits::points, s.points, "Stipples that the line goes through.");
+  f.field(Limits::angle, s.angle_deg, "Direction of hatch and cross-hatch.");
+}
+
 void describe(Fields& f, DrawingSettings& s) {
   using Limits = DrawingSettings::Limits;
   f.field("shape", s.shape,
           "Built-in drawing: sine, M, sine10 or circle. It is used if svg and text are empty.");
-  f.field("svg", s.svg,
-          "File to draw: .svg, or strokes as .txt, .strokes or .csv; empty: the shape is drawn.");
+  f.field(
+      "svg", s.svg,
+      "File to draw: .svg, strokes as .txt, .strokes or .csv, or a picture as .png or .jpg; empty: "
+      "the shape is drawn.");
+  f.field("image", s.image, "Lines of a picture that svg names.");
   f.field("text", s.text, "Text that is written instead of a file or shape.");
   f.choice("unit", s.unit,
            {{"file", PageUnit::file},

@@ -11,6 +11,7 @@
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/drawing/hatch.h"
 #include "impedraw/drawing/layers.h"
+#include "impedraw/drawing/picture.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/drawing/stroke_file.h"
 #include "impedraw/drawing/text.h"
@@ -40,6 +41,7 @@ struct DrawingSettings {
   std::string shape = "sine";  // built in; used where svg and text are empty
   std::filesystem::path svg;
   TextSettings text;
+  ImageSettings image;                  // of a picture that `svg` names
   PageUnit unit = PageUnit::file;         // of a stroke file's numbers
   Visible visible = Visible::as_painted;  // of an SVG
   LayerSource layers = LayerSource::automatic;

@@ -19,6 +19,10 @@ enum ImpedrawSvgVerb : std::uint8_t {  // points taken: 1, 1, 2, 3, 0
 // points follow those of the previous path.
 struct ImpedrawSvgPath {
   std::size_t verbs;  // how many
+  // A character that a font of single strokes shows: its points are the origin on the baseline, and
+  // one em to the right and down from there. 0: a path.
+  std::uint32_t letter;
+  std::uint8_t text;  // an outline of text
   std::uint32_t layer;
   std::uint8_t stroked;
   std::uint8_t filled;
@@ -62,8 +66,17 @@ struct ImpedrawSvg {
   std::size_t warning_count;
 };
 
+enum ImpedrawSvgReading : std::uint8_t {
+  IMPEDRAW_SVG_OUTLINES,
+  IMPEDRAW_SVG_LETTERS,  // texts as letters
+  // An SVG 1.1 font. The warnings are a document with a layer glyph-N for each character N that has
+  // lines, the capitals' height (0: not given), and of each character its number and its advance.
+  IMPEDRAW_SVG_FONT
+};
+
 // Never returns null, never throws. Free the result with impedraw_svg_free().
-const ImpedrawSvg* impedraw_svg_read(const std::uint8_t* data, std::size_t size) noexcept;
+const ImpedrawSvg* impedraw_svg_read(const std::uint8_t* data, std::size_t size,
+                                     ImpedrawSvgReading reading) noexcept;
 void impedraw_svg_free(const ImpedrawSvg* svg) noexcept;
 
 }  // extern "C"

@@ -22,6 +22,8 @@ const ALL_SHOWN: &str = "* { display: inline !important }";
 pub struct SvgPath {
     verbs: usize,
     layer: u32,
+    letter: u32,
+    text: u8,
     stroked: u8,
     filled: u8,
     caps: u8,
@@ -71,6 +73,8 @@ pub struct Outlines {
     widths: Option<(f64, f64)>,     // of the narrowest and the widest stroke [mm]
     lost_texts: usize,
     too_many: bool,
+    letters: bool, // texts are letters of a font of single strokes
+    in_text: bool,
 }
 
 /// The system's fonts. Each generic family name maps to an installed font.
@@ -136,8 +140,16 @@ fn stroked_area(path: &Path, stroke: &Stroke, ts: Transform) -> Option<usvg::tin
 
 impl Outlines {
     pub fn read(data: &[u8]) -> Result<Outlines, String> {
+        Outlines::default().with(data)
+    }
+
+    pub fn read_letters(data: &[u8]) -> Result<Outlines, String> {
+        Outlines { letters: true, ..Outlines::default() }.with(data)
+    }
+
+    fn with(self, data: &[u8]) -> Result<Outlines, String> {
         complaints::listen();
-        let mut outlines = Outlines::default();
+        let mut outlines = self;
         let given = dtd::completed(document::text_of(data)?, &mut outlines.warnings);
         let mut xml = document::parse(&given)?;
         let changed = document::without_q(&given, &xml);
@@ -263,12 +275,39 @@ impl Outlines {
 
     fn add_text<'a>(&mut self, text: &'a Text, layer: Option<&'a str>, clip: u32) {
         let before = self.paths.len();
-        self.add_group(text.flattened(), layer, clip);
+        if self.letters {
+            self.add_letters(text, layer, clip);
+        } else {
+            self.in_text = true;
+            self.add_group(text.flattened(), layer, clip);
+            self.in_text = false;
+        }
         let shown = text.chunks().iter().any(|chunk| {
             let draws = |span: &usvg::TextSpan| span.is_visible() && (span.fill().is_some() || span.stroke().is_some());
             chunk.text().chars().any(|c| !c.is_whitespace()) && chunk.spans().iter().any(draws)
         });
         self.lost_texts += (shown && self.paths.len() == before) as usize;
+    }
+
+    /// The letters of a text, each where its outline would stand.
+    fn add_letters(&mut self, text: &Text, layer: Option<&str>, clip: u32) {
+        for span in text.layouted().iter().filter(|span| span.visible) {
+            let paint = span.fill.as_ref().map(|f| f.paint()).or(span.stroke.as_ref().map(|s| s.paint()));
+            let Some(colour) = paint.filter(|p| paints::shows(p)).map(paints::colour) else { continue };
+            for glyph in &span.positioned_glyphs {
+                let em = text.abs_transform().pre_concat(glyph.cbdt_transform(0.0, 0.0, 1.0));
+                for letter in glyph.text.chars().filter(|c| !c.is_whitespace()) {
+                    let layer = self.layer_index(layer);
+                    let mut frame = usvg::tiny_skia_path::PathBuilder::new();
+                    frame.move_to(0.0, 0.0);
+                    frame.line_to(1.0, 0.0);
+                    frame.line_to(0.0, 1.0);
+                    let Some(frame) = frame.finish() else { continue };
+                    let path = SvgPath { layer, clip, letter: letter as u32, stroked: 1, stroke: colour, path_length: f64::NAN, ..SvgPath::default() };
+                    self.put(&frame, em, path);
+                }
+            }
+        }
     }
 
     fn clip_of_group(&mut self, group: &Group, ts: Transform, clip: u32) -> u32 {
@@ -435,6 +474,7 @@ impl Outlines {
             dash_count: dashes.len(),
             dash_offset: stroke.map_or(0.0, |s| s.dashoffset() as f64),
             path_length: length.unwrap_or(f64::NAN),
+            text: self.in_text as u8,
             ..SvgPath::default()
         };
         // A white stroke hides what lies under its whole width: it is an area.
