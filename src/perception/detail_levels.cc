@@ -73,9 +73,16 @@ void DetailLevels::choose_levels() {
   for (Level& level : finer_) {
     const std::vector<Vector3d>& points = level.patches->cloud().points;
     level.reach2.resize(points.size());
+    // Elsewhere the level is not asked.
+    const double most = widest_.settings().max_radius;
     in_halves(static_cast<int>(points.size()), [&](int begin, int end) {
-      for (int i = begin; i < end; ++i)
-        level.reach2[i] = level.patches->nearest(points[i], level.k).reach2(widest_.settings());
+      for (int i = begin; i < end; ++i) {
+        const Patch near = widest_.nearest(points[i], kBlended);
+        level.reach2[i] =
+            std::any_of(near.index, near.index + near.n, [this](int j) { return used_near(j); })
+                ? level.patches->nearest(points[i], level.k).reach2(widest_.settings())
+                : most * most;
+      }
     });
   }
 }

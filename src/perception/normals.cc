@@ -33,7 +33,7 @@ void SurfaceEstimator::fit_every_point() {
   const int n = patches_->size();
   std::vector<Vector3d> normals(n, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   reach2_.resize(n);
-  if (s.mode == NormalMode::interpolated) known_.resize(n);
+  known_.resize(n);
   in_halves(n, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const Vector3d& p = patches_->cloud().points[i];
@@ -41,7 +41,7 @@ void SurfaceEstimator::fit_every_point() {
       patch.closest = i;
       reach2_[i] = patch.reach2(s);
       const LocalSurface surface = patches_->fit(p, patch);
-      if (!known_.empty()) known_[i] = {surface, p - surface.distance * surface.n};
+      known_[i] = {surface, p - surface.distance * surface.n};
       if (status_of(surface, s.max_one_sidedness) == SurfaceStatus::ok) normals[i] = surface.n;
     }
   });

@@ -123,8 +123,8 @@ class SurfaceEstimator {
   SurfaceEstimate interpolated(const Eigen::Vector3d& p, double max_one_sidedness) const noexcept;
 
   std::unique_ptr<CloudPatches> patches_;
-  std::vector<double> reach2_;  // Patch::reach2() at each point of the cloud
-  std::vector<Known> known_;    // in NormalMode::interpolated: at each point of the cloud
+  std::vector<double> reach2_;                  // Patch::reach2() at each point of the cloud
+  std::vector<Known> known_;                    // at each point of the cloud
   std::unique_ptr<const DetailLevels> levels_;  // null: there are no finer clouds
 };
 

@@ -101,10 +101,13 @@ LocalSurface PlanSurface::fit(const Vector3d& p, const Patch& patch) const noexc
   if (!patches_.about(p, patch, &around)) return {};
   const Vector3d towards = patches_.towards_eye(patch);
   LocalSurface surface = fit_surface(around, patches_.settings().fit, towards);
-  if (levels_ && surface.is_surface &&
-      surface.residual > std::max(kTwoSheets, kOfNoise * levels_->noise()))
-    fit_one_sheet(towards, &around, &surface);
+  if (over_two_sheets(surface)) fit_one_sheet(towards, &around, &surface);
   return surface;
+}
+
+bool PlanSurface::over_two_sheets(const LocalSurface& surface) const noexcept {
+  return levels_ && surface.is_surface &&
+         surface.residual > std::max(kTwoSheets, kOfNoise * levels_->noise());
 }
 
 // Least squares with redescending weights w / (1 + (r/c)²)² for points off by r, c falling to
@@ -135,9 +138,12 @@ void PlanSurface::find_holes() {
   const auto look_about = [&](int i, std::unordered_set<std::uint64_t>* looked,
                               std::vector<Vector3d>* found) {
     const Vector3d& p = cloud().points[i];
-    Patch patch = patches_.nearest(p, patches_.settings().k);
-    patch.closest = i;
-    const LocalSurface surface = fit(p, patch);
+    LocalSurface surface = seen_->known_[i].surface;
+    if (over_two_sheets(surface)) {
+      Patch patch = patches_.nearest(p, patches_.settings().k);
+      patch.closest = i;
+      surface = fit(p, patch);
+    }
     if (!surface.is_surface) return;
     const Vector3d foot = p - surface.distance * surface.n;
     constexpr int kSteps = static_cast<int>(kHoleReach / kHoleStep);

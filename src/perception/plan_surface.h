@@ -33,6 +33,7 @@ class PlanSurface {
 
  private:
   LocalSurface fit(const Eigen::Vector3d& p, const Patch& patch) const noexcept;
+  bool over_two_sheets(const LocalSurface& surface) const noexcept;
   void fit_one_sheet(const Eigen::Vector3d& towards, Neighbourhood* around,
                      LocalSurface* surface) const noexcept;
   void find_creases();
