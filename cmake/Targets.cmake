@@ -106,6 +106,17 @@ macro(impedraw_owner file result)
   endif()
 endmacro()
 
+# impedraw_extra_test(NAME): tests/NAME/*.py by pytest, in the environment that setup/extra.sh NAME makes.
+function(impedraw_extra_test name)
+  add_test(NAME ${name}_venv COMMAND bash ${PROJECT_SOURCE_DIR}/setup/extra.sh ${name})
+  set_tests_properties(${name}_venv PROPERTIES FIXTURES_SETUP ${name}_venv LABELS unit)
+  add_test(NAME ${name}_test
+    COMMAND ${PROJECT_SOURCE_DIR}/build/${name}-venv/bin/python -P -m pytest -q -p no:cacheprovider .
+    WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+  set_tests_properties(${name}_test PROPERTIES FIXTURES_REQUIRED ${name}_venv LABELS unit TIMEOUT 600
+    ENVIRONMENT "OMP_NUM_THREADS=1;PYTHONDONTWRITEBYTECODE=1")
+endfunction()
+
 # impedraw_test(NAME SOURCES … UNSHARED … LINKS … [LABEL unit|simulation|cli]): one GoogleTest program, run by
 # ctest from the root of the tree. Labels: unit (the default) simulates no arm; simulation does; cli
 # starts the program. A test is left out where IMPEDRAW_PARTS leaves out a library that it links.

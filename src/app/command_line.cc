@@ -35,6 +35,10 @@
 
 namespace {
 
+void add_set(CLI::App* command, impedraw::DrawOptions* options, const char* help) {
+  command->add_option("--set", options->assignments, help)->take_all()->allow_extra_args(false);
+}
+
 void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
   command->add_option("scenario", options->scenario,
                       "YAML file (default: the sine in the standard bowl)");
@@ -53,11 +57,7 @@ void add_scenario_options(CLI::App* command, impedraw::DrawOptions* options) {
       "keep the order of the file's strokes (default: ordered for short ways in the air)");
   command->add_option("--out", options->out,
                       "folder for the run, created if missing (default: runs/NAME)");
-  command
-      ->add_option("--set", options->assignments,
-                   "override a setting, as in --set path.draw_speed=0.1; may be repeated")
-      ->take_all()
-      ->allow_extra_args(false);
+  add_set(command, options, "override a setting, as in --set path.draw_speed=0.1; may be repeated");
 }
 
 // Some libraries' messages are longer.
@@ -159,11 +159,7 @@ int run_program(int argc, char** argv) {
                     "SVG whose filled areas are covered (default: all that is reached)");
   cover->add_option("--out", options.out,
                     "folder for the run, created if missing (default: runs/NAME)");
-  cover
-      ->add_option("--set", options.assignments,
-                   "override a setting, as in --set tool.radius=0.01; may be repeated")
-      ->take_all()
-      ->allow_extra_args(false);
+  add_set(cover, &options, "override a setting, as in --set tool.radius=0.01; may be repeated");
   add_metrics(cover);
   cover->footer(
       "Examples:\n  ./impedraw cover\n  ./impedraw cover scenarios/reach-saddle.yaml\n"
@@ -376,11 +372,8 @@ int run_program(int argc, char** argv) {
                     "CSV file that a sensor under the workpiece leaves after the runs, for an arm "
                     "that measures no wrench: time,force (docs/force.md)");
   judge->add_option("--out", options.out, "folder (default: runs/judge-force)");
-  judge
-      ->add_option("--set", options.assignments,
-                   "override a setting, as in --set control.wrench=ground_truth; may be repeated")
-      ->take_all()
-      ->allow_extra_args(false);
+  add_set(judge, &options,
+          "override a setting, as in --set control.wrench=ground_truth; may be repeated");
   judge->footer(
       "Examples:\n  ./impedraw judge-force\n  ./impedraw judge-force --cases steps,sweep "
       "--controllers ours --runs 1 --out /tmp/force\n"
@@ -397,11 +390,8 @@ int run_program(int argc, char** argv) {
       "YAML file whose control.wrench is sensor or realistic (default: bowl-sine-realistic)");
   calibrate->add_option("--poses", poses, "number of orientations in which the tool is held")
       ->check(CLI::Range(3, 100));
-  calibrate
-      ->add_option("--set", options.assignments,
-                   "override a setting, as in --set wrench_sensor.noise_force=0.2; may be repeated")
-      ->take_all()
-      ->allow_extra_args(false);
+  add_set(calibrate, &options,
+          "override a setting, as in --set wrench_sensor.noise_force=0.2; may be repeated");
   calibrate->footer(
       "Examples:\n  ./impedraw calibrate-tool\n  ./impedraw calibrate-tool "
       "scenarios/bowl-m-sensor.yaml --poses 12\n"
@@ -429,11 +419,7 @@ int run_program(int argc, char** argv) {
     command->add_option("--seconds", arm_seconds, "how long")
         ->check(CLI::Range(0.1, 86400.0))
         ->capture_default_str();
-    command
-        ->add_option("--set", options.assignments,
-                     "override a setting, as in --set arm.url=tcpq://127.0.0.1:7702")
-        ->take_all()
-        ->allow_extra_args(false);
+    add_set(command, &options, "override a setting, as in --set arm.url=tcpq://127.0.0.1:7702");
   }
 
   std::string bare_arm, flange;
@@ -508,9 +494,7 @@ int run_program(int argc, char** argv) {
         ->check(CLI::IsMember(command == touch
                                   ? std::vector<std::string>{"iiwa-lcm", "franka"}
                                   : std::vector<std::string>{"sim", "iiwa-lcm", "franka"}));
-    command->add_option("--set", options.assignments, "override a setting")
-        ->take_all()
-        ->allow_extra_args(false);
+    add_set(command, &options, "override a setting");
   }
 
   CLI::App* settings = app.add_subcommand(

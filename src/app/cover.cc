@@ -104,7 +104,8 @@ std::vector<char> inside_by(const SurfaceGrid& grid, const std::vector<char>& pl
 }
 
 struct Results {
-  TreatmentShares promised, inner;
+  std::vector<char> places;         // that are promised
+  TreatmentShares promised, inner;  // of these, and of those a radius inside
   nlohmann::ordered_json metrics, whole;
   std::vector<MissedPatch> arm_missed;
   double unsaid = 0.0;  // [m²]
@@ -118,6 +119,7 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   const std::vector<char> inner = inside_by(g, promised, r);
   const double reachable = area_of(g, reachable_by_arm(e, truth, r, promised));
   Results out;
+  out.places = promised;
   out.promised = shares_of(judge.truth(), promised);
   out.inner = shares_of(judge.truth(), inner);
   const TreatmentShares known = shares_of(judge.arm(), promised);
@@ -160,13 +162,11 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   return out;
 }
 
-CoverPicture picture_of(const Experiment& e, const CoverPlan& plan, const TrueCover& truth,
-                        const Judge& judge, const Results& results) {
+CoverPicture picture_of(const std::string& title, const TrueCover& truth, const Judge& judge,
+                        const Results& results) {
   const SurfaceGrid& g = truth.grid;
-  const std::vector<char> promised =
-      swept(g, promised_lines(e), plan.wish.footprint.radius - plan.wish.margin);
   CoverPicture picture{
-      .title = e.scenario.name,
+      .title = title,
       .subtitle = fmt::format("{:.2f} % of {:.0f} cm² treated, removal even to {:.1f} % (CV)",
                               100.0 * results.promised.treated / results.promised.area,
                               1e4 * results.promised.area, 100.0 * results.inner.dose_cv),
@@ -176,13 +176,13 @@ CoverPicture picture_of(const Experiment& e, const CoverPlan& plan, const TrueCo
       .treated = std::vector<Treated>(g.size(), Treated::outside),
       .dose = std::vector<double>(g.size(), std::numeric_limits<double>::quiet_NaN())};
   for (std::size_t v = 0; v < g.size(); ++v) {
-    if (promised[v])
+    if (results.places[v])
       picture.treated[v] = !judge.truth().treated(v)     ? Treated::missed
                            : judge.truth().visits(v) > 1 ? Treated::twice
                                                          : Treated::once;
     else if (truth.reachable[v])
       picture.treated[v] = Treated::not_promised;
-    if (promised[v] && results.inner.dose_mean > 0.0)
+    if (results.places[v] && results.inner.dose_mean > 0.0)
       picture.dose[v] = judge.truth().dose(v) / results.inner.dose_mean;
   }
   return picture;
@@ -259,7 +259,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   const Results results = results_of(experiment, plan, truth, judge);
   add_metrics(folder, drawing.metrics, results.metrics);
   write_whole(folder / "cover.json", results.whole.dump(2) + "\n");
-  write_cover(picture_of(experiment, plan, truth, judge, results), folder / "cover");
+  write_cover(picture_of(scenario.name, truth, judge, results), folder / "cover");
   say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n", scenario.name, drawing.outcome.simulated,
       drawing.outcome.wall.loop);
   say_results(results, drawing.metrics);

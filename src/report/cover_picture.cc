@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <functional>
 
 #include <cairo.h>
@@ -45,43 +44,17 @@ Colour of_class(Treated treated) {
   }
 }
 
+// Up is +x, left +y.
 void draw_map(cairo_t* cr, const CoverPicture& p, double left,
               const std::function<Colour(std::size_t)>& colour) {
-  cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_RGB24, p.ny, p.nx);
-  cairo_surface_flush(image);
-  for (int i = 0; i < p.nx; ++i) {
-    auto* pixels =
-        reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
-                                         (p.nx - 1 - i) * cairo_image_surface_get_stride(image));
-    for (int j = 0; j < p.ny; ++j) {
-      const Colour c = colour(static_cast<std::size_t>(j) * static_cast<std::size_t>(p.nx) +
-                              static_cast<std::size_t>(i));
-      const auto channel = [](double x) {
-        return static_cast<std::uint32_t>(std::lround(255 * x));
-      };
-      pixels[p.ny - 1 - j] = channel(c.r) << 16 | channel(c.g) << 8 | channel(c.b);
-    }
-  }
-  cairo_surface_mark_dirty(image);
   cairo_save(cr);
   cairo_translate(cr, left, kTop);
   cairo_scale(cr, 1e3 * p.step, 1e3 * p.step);
-  cairo_set_source_surface(cr, image, 0, 0);
-  cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_NEAREST);
-  cairo_paint(cr);
+  paint_raster(cr, p.nx, p.ny, CAIRO_FILTER_NEAREST, [&](int row, int column) {
+    return colour(static_cast<std::size_t>(p.ny - 1 - column) * static_cast<std::size_t>(p.nx) +
+                  static_cast<std::size_t>(p.nx - 1 - row));
+  });
   cairo_restore(cr);
-  cairo_surface_destroy(image);
-}
-
-double write(cairo_t* cr, double x, double y, const std::string& text, double size, bool bold) {
-  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cr, size);
-  cairo_move_to(cr, x, y);
-  cairo_show_text(cr, text.c_str());
-  cairo_text_extents_t extents;
-  cairo_text_extents(cr, text.c_str(), &extents);
-  return x + extents.x_advance;
 }
 
 double entry(cairo_t* cr, double x, double y, const Colour& colour, const std::string& text) {
@@ -89,7 +62,8 @@ double entry(cairo_t* cr, double x, double y, const Colour& colour, const std::s
   cairo_rectangle(cr, x, y - 0.75 * kFont, kFont, kFont);
   cairo_fill(cr);
   set_colour(cr, kFaint);
-  return write(cr, x + 1.4 * kFont, y, text, 0.85 * kFont, false) + kFont;
+  const double at = x + 1.4 * kFont;
+  return at + write_words(cr, at, y, text, 0.85 * kFont) + kFont;
 }
 
 }  // namespace
@@ -102,9 +76,9 @@ void write_cover(const CoverPicture& p, const std::filesystem::path& stem) {
     set_colour(cr, kOutside);
     cairo_paint(cr);
     set_colour(cr, kText);
-    write(cr, kGap, 1.6 * kFont, p.title, 1.2 * kFont, true);
+    write_words(cr, kGap, 1.6 * kFont, p.title, 1.2 * kFont, true);
     set_colour(cr, kFaint);
-    write(cr, kGap, 3.0 * kFont, p.subtitle, 0.85 * kFont, false);
+    write_words(cr, kGap, 3.0 * kFont, p.subtitle, 0.85 * kFont);
     const double right = 2.0 * kGap + panel, below = kTop + height + 1.6 * kFont;
     draw_map(cr, p, kGap, [&](std::size_t v) { return of_class(p.treated[v]); });
     draw_map(cr, p, right, [&](std::size_t v) { return of_dose(p.dose[v]); });

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include <cairo-svg.h>
@@ -71,38 +71,21 @@ Vector2d view(const Vector2d& plane) { return {-1e3 * plane.y(), -1e3 * plane.x(
 void draw_map(cairo_t* cr, const SurfacePatch& patch, const std::vector<double>& error,
               double end) {
   const int width = patch.rows - 1, height = patch.columns - 1;
-  cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
-  cairo_surface_flush(image);
-  for (int i = 0; i < height; ++i) {
-    const int row = height - 1 - i;
-    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
-                                                    row * cairo_image_surface_get_stride(image));
-    for (int j = 0; j < width; ++j) {
-      const int n = patch.node(i, j);
-      std::uint32_t& pixel = pixels[width - 1 - j];
-      pixel = 0;
-      if (!patch.cell[n]) continue;
-      double sum = 0;
-      for (const int corner : {n, n + 1, n + patch.columns, n + patch.columns + 1})
-        sum += error[patch.vertex[corner]];
-      const Colour c = colour_of(sum / 4 / end);
-      const auto channel = [](double value) {
-        return static_cast<std::uint32_t>(std::lround(255 * value));
-      };
-      pixel = 0xff000000u | channel(c.r) << 16 | channel(c.g) << 8 | channel(c.b);
-    }
-  }
-  cairo_surface_mark_dirty(image);
   // upper left in the view
   const Vector2d far = view(patch.corner + patch.spacing * Vector2d(height, width));
   cairo_save(cr);
   cairo_translate(cr, far.x(), far.y());
   cairo_scale(cr, 1e3 * patch.spacing, 1e3 * patch.spacing);
-  cairo_set_source_surface(cr, image, 0, 0);
-  cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_BILINEAR);
-  cairo_paint(cr);
+  paint_raster(cr, height, width, CAIRO_FILTER_BILINEAR,
+               [&](int row, int column) -> std::optional<Colour> {
+                 const int n = patch.node(height - 1 - row, width - 1 - column);
+                 if (!patch.cell[n]) return std::nullopt;
+                 double sum = 0;
+                 for (const int corner : {n, n + 1, n + patch.columns, n + patch.columns + 1})
+                   sum += error[patch.vertex[corner]];
+                 return colour_of(sum / 4 / end);
+               });
   cairo_restore(cr);
-  cairo_surface_destroy(image);
 }
 
 void draw_strokes(cairo_t* cr, const std::vector<PlacedStroke>& strokes, double width) {
@@ -126,17 +109,6 @@ Eigen::AlignedBox2d extent(const DistortionPicture& picture) {
     box.extend(view(sample.p_P.head<2>()));
   const double air = 0.02 * box.sizes().maxCoeff();
   return {box.min() - Vector2d::Constant(air), box.max() + Vector2d::Constant(air)};
-}
-
-void say(cairo_t* cr, double x, double y, const std::string& text, double size, bool bold = false,
-         double align = 0) {
-  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cr, size);
-  cairo_text_extents_t extents;
-  cairo_text_extents(cr, text.c_str(), &extents);
-  cairo_move_to(cr, x - align * extents.x_advance, y);
-  cairo_show_text(cr, text.c_str());
 }
 
 // "−2.4", never "−0.0"
@@ -181,8 +153,8 @@ void draw_colour_bar(cairo_t* cr, const Layout& l, double end) {
   cairo_stroke(cr);
   set_colour(cr, kFaint);
   for (int k = 0; k <= 5; ++k) {
-    say(cr, x + width + 0.4 * l.font, y + high * (1 - k / 5.0) + 0.3 * l.font,
-        fmt::format("{:g} %", 100 * end * k / 5), 0.85 * l.font);
+    write_words(cr, x + width + 0.4 * l.font, y + high * (1 - k / 5.0) + 0.3 * l.font,
+                fmt::format("{:g} %", 100 * end * k / 5), 0.85 * l.font);
   }
 }
 
@@ -192,17 +164,18 @@ void draw_panel(cairo_t* cr, const Layout& l, double left, const std::string& na
                 double end) {
   const Vector2d size = l.area.sizes();
   set_colour(cr, kText);
-  say(cr, left, l.top - 0.7 * l.font, name, l.font, true);
+  write_words(cr, left, l.top - 0.7 * l.font, name, l.font, true);
   set_colour(cr, kFaint);
   const double below = l.top + size.y();
-  say(cr, left, below + 1.6 * l.font,
+  write_words(
+      cr, left, below + 1.6 * l.font,
       fmt::format("along the strokes {} to {} %, RMS {:.2f} %", signed_percent(d.stretch_min),
                   signed_percent(d.stretch_max), 100 * d.stretch_rms),
       0.85 * l.font);
-  say(cr, left, below + 3.0 * l.font,
-      fmt::format("areas {} to {} %, angles up to {:.1f}°", signed_percent(d.area_min),
-                  signed_percent(d.area_max), d.angle_max * 180 / std::numbers::pi),
-      0.85 * l.font);
+  write_words(cr, left, below + 3.0 * l.font,
+              fmt::format("areas {} to {} %, angles up to {:.1f}°", signed_percent(d.area_min),
+                          signed_percent(d.area_max), d.angle_max * 180 / std::numbers::pi),
+              0.85 * l.font);
   cairo_save(cr);
   cairo_rectangle(cr, left, l.top, size.x(), size.y());
   cairo_clip(cr);
@@ -228,8 +201,8 @@ void draw_ruler(cairo_t* cr, const Layout& l) {
   cairo_move_to(cr, x, y);
   cairo_line_to(cr, x + length, y);
   cairo_stroke(cr);
-  say(cr, x + length + 0.5 * l.font, y + 0.3 * l.font,
-      fmt::format("{:g} mm, seen from above", length), 0.85 * l.font);
+  write_words(cr, x + length + 0.5 * l.font, y + 0.3 * l.font,
+              fmt::format("{:g} mm, seen from above", length), 0.85 * l.font);
 }
 
 void draw(cairo_t* cr, const DistortionPicture& picture, const Layout& l, const Errors& errors,
@@ -237,9 +210,10 @@ void draw(cairo_t* cr, const DistortionPicture& picture, const Layout& l, const 
   set_colour(cr, {1, 1, 1});
   cairo_paint(cr);
   set_colour(cr, kText);
-  say(cr, l.gap, 1.9 * l.font, picture.title, 1.25 * l.font, true);
+  write_words(cr, l.gap, 1.9 * l.font, picture.title, 1.25 * l.font, true);
   set_colour(cr, kFaint);
-  say(cr, l.gap, 3.3 * l.font,
+  write_words(
+      cr, l.gap, 3.3 * l.font,
       "colour: by how much a page length comes out too long or too short, in the worst direction",
       0.85 * l.font);
   draw_panel(cr, l, l.gap, "projected along the drawing axis", picture.of_projected, picture,

@@ -1,6 +1,7 @@
 #include "impedraw/report/sheet.h"
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <stdexcept>
 
@@ -27,12 +28,6 @@ double text_width(cairo_t* cr, const std::string& text) {
   cairo_text_extents_t extents;
   cairo_text_extents(cr, text.c_str(), &extents);
   return extents.x_advance;
-}
-
-void set_font(cairo_t* cr, double size, bool bold = false) {
-  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cr, size);
 }
 
 Layout lay_out(const Sheet& sheet, cairo_t* cr) {
@@ -146,6 +141,43 @@ cairo_status_t append_to_string(void* to, const unsigned char* data, unsigned in
 }
 
 }  // namespace
+
+void set_font(cairo_t* cr, double size, bool bold) {
+  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cr, size);
+}
+
+double write_words(cairo_t* cr, double x, double y, const std::string& text, double size, bool bold,
+                   double align) {
+  set_font(cr, size, bold);
+  const double width = text_width(cr, text);
+  cairo_move_to(cr, x - align * width, y);
+  cairo_show_text(cr, text.c_str());
+  return width;
+}
+
+void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
+                  const std::function<std::optional<Colour>(int row, int column)>& colour) {
+  cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, columns, rows);
+  cairo_surface_flush(image);
+  for (int i = 0; i < rows; ++i) {
+    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
+                                                    i * cairo_image_surface_get_stride(image));
+    for (int j = 0; j < columns; ++j) {
+      const std::optional<Colour> c = colour(i, j);
+      const auto channel = [](double x) {
+        return static_cast<std::uint32_t>(std::lround(255 * x));
+      };
+      pixels[j] = c ? 0xff000000u | channel(c->r) << 16 | channel(c->g) << 8 | channel(c->b) : 0u;
+    }
+  }
+  cairo_surface_mark_dirty(image);
+  cairo_set_source_surface(cr, image, 0, 0);
+  cairo_pattern_set_filter(cairo_get_source(cr), filter);
+  cairo_paint(cr);
+  cairo_surface_destroy(image);
+}
 
 void set_colour(cairo_t* cr, const Colour& colour, double alpha) {
   cairo_set_source_rgba(cr, colour.r, colour.g, colour.b, alpha);

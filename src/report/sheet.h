@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,5 +48,16 @@ void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d&
 std::vector<double> ticks(double low, double high, double range);
 
 void set_colour(cairo_t* cr, const Colour& colour, double alpha = 1.0);
+
+void set_font(cairo_t* cr, double size, bool bold = false);
+
+// One line of text that begins at x, or with align 1 ends there. Returns its width.
+double write_words(cairo_t* cr, double x, double y, const std::string& text, double size,
+                   bool bold = false, double align = 0.0);
+
+// Paints rows × columns pixels, one user unit each, from the origin to the right and down.
+// `colour(row, column)` gives nothing where the pixel is transparent.
+void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
+                  const std::function<std::optional<Colour>(int row, int column)>& colour);
 
 }  // namespace impedraw

@@ -66,7 +66,7 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   avoid_canvas(given, state.time);
   const TipReference reference = hit_.of(keep_away_.of(canvas_.in_world(given)));
   const Eigen::Vector3d& p_WE = terms_.X_WE.p;
-  const bool ahead = coupled_ && on_surface_;
+  const bool ahead = coupled_ && on_surface();
   const Eigen::Vector3d query = ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE;
   if (surface_source_) {
     const FrameMotion* const carrier = canvas_.carrier();
@@ -87,7 +87,6 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
       controller_.step(terms_, reference, surface_, F_ext_, ages, canvas_.carrier());
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
   mode_ = out.mode;
-  on_surface_ = out.mode == ContactMode::approach || out.mode == ContactMode::contact;
   n_ = out.n_WD;
   return out;
 }
@@ -129,7 +128,6 @@ const ImpedanceTorque& ControlLoop::brake(const ArmState& state,
   update_arm(state);
   update_wrench(state);
   canvas_.update(state.time);
-  on_surface_ = false;
   mode_ = ContactMode::free;
   const ImpedanceTorque& out = controller_.brake(terms_, v_WD);
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);

@@ -67,6 +67,10 @@ class ControlLoop {
  private:
   void update_arm(const ArmState& state) noexcept;
   void update_wrench(const ArmState& state) noexcept;
+  // In the last step.
+  bool on_surface() const noexcept {
+    return mode_ == ContactMode::approach || mode_ == ContactMode::contact;
+  }
   void avoid_canvas(const TipReference& given, double time) noexcept;
 
   ArmModel& arm_;
@@ -85,8 +89,7 @@ class ControlLoop {
   Wrench F_ext_ = Wrench::Zero();
   double wrench_time_ = std::numeric_limits<double>::quiet_NaN();  // of F_ext_ [s]
   Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();                   // of the last step
-  bool on_surface_ = false;
-  ContactMode mode_ = ContactMode::free;  // of the last step
+  ContactMode mode_ = ContactMode::free;                           // of the last step
   HitRetreat hit_;
   KeepAway keep_away_;
 };

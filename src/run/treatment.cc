@@ -13,7 +13,6 @@ TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double forc
       speed_(speed),
       crossing_(2.0 * pad.radius / speed),
       dose_(grid_.size(), 0.0),
-      impulse_(grid_.size(), 0.0),
       good_(grid_.size(), 0.0),
       last_(grid_.size(), -1e9),
       visits_(grid_.size(), 0) {
@@ -43,9 +42,7 @@ void TreatmentMap::press(const Pose& X_PE, double force, double speed, double ti
     sum += compression * area_[v];
   });
   for (const auto& [v, compression] : under_) {
-    const double p = force * compression / sum;
-    impulse_[v] += p * dt;
-    dose_[v] += p * speed * dt;
+    dose_[v] += force * compression / sum * speed * dt;
     if (good) good_[v] += dt;
     if (time - last_[v] > kApart) ++visits_[v];
     last_[v] = time;
