@@ -12,7 +12,7 @@
 
 #include "impedraw/live/live_server.h"
 #include "impedraw/live/live_view.h"
-#include "impedraw/run/run.h"
+#include "impedraw/run/simulated_run.h"
 #include "live/socket_client.h"
 
 namespace impedraw {
@@ -32,7 +32,7 @@ double factor_of(const RunOutcome& outcome) {
 }
 
 // A run that one client watches.
-double watched(Experiment& e, const std::filesystem::path& log, std::vector<double>* delays) {
+double watched(Prepared& e, const std::filesystem::path& log, std::vector<double>* delays) {
   LiveOptions options;
   options.show = true;
   LiveView view(options);
@@ -64,7 +64,7 @@ double watched(Experiment& e, const std::filesystem::path& log, std::vector<doub
 
 }  // namespace
 
-LiveCosts live_costs(Experiment& e) {
+LiveCosts live_costs(Prepared& e) {
   constexpr int kPairs = 9;
   const std::filesystem::path log = std::filesystem::temp_directory_path() /
                                     ("impedraw_live_bench_" + std::to_string(getpid()) + ".h5");

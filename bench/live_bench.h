@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
 
@@ -15,6 +15,6 @@ struct LiveCosts {
   double factor = kUnknown;  // real_time_factor with a viewer
 };
 
-LiveCosts live_costs(Experiment& experiment);
+LiveCosts live_costs(Prepared& experiment);
 
 }  // namespace impedraw

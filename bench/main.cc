@@ -22,9 +22,8 @@
 #include "impedraw/control/impedance.h"
 #include "impedraw/control/moving_frame.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
-#include "impedraw/run/draw_into.h"
-#include "impedraw/run/run.h"
+#include "impedraw/experiment/prepare.h"
+#include "impedraw/run/simulated_run.h"
 #include "impedraw/settings/yaml_read.h"
 #include "live_bench.h"
 #include "processor_time.h"
@@ -34,8 +33,8 @@ namespace {
 
 const std::string kRoot = IMPEDRAW_ROOT;
 
-Experiment& experiment(const std::string& name, const std::vector<std::string>& assignments = {}) {
-  static std::map<std::string, Experiment> all;
+Prepared& experiment(const std::string& name, const std::vector<std::string>& assignments = {}) {
+  static std::map<std::string, Prepared> all;
   std::string key = name;
   for (const std::string& assignment : assignments) key += " " + assignment;
   if (const auto it = all.find(key); it != all.end()) return it->second;
@@ -78,12 +77,12 @@ void BM_floor(benchmark::State& state) {
 }
 
 void BM_arm_terms(benchmark::State& state) {
-  Experiment& e = experiment("bowl-sine");
+  Prepared& e = experiment("bowl-sine");
   const auto all = postures(e);
-  ArmTerms terms(e.scene.arm.joints());
+  ArmTerms terms(e.belief.arm.joints());
   std::size_t i = 0;
   for (auto _ : state) {
-    e.scene.arm.compute(all[i].q, all[i].v, &terms);
+    e.belief.arm.compute(all[i].q, all[i].v, &terms);
     benchmark::DoNotOptimize(terms);
     i = (i + 1) % all.size();
   }
@@ -96,8 +95,8 @@ class Step {
   explicit Step(const std::string& name)
       : e_(experiment(name)),
         all_(postures(e_)),
-        terms_(e_.scene.arm.joints()),
-        controller_(e_.control.impedance, e_.scene.arm.joints()),
+        terms_(e_.belief.arm.joints()),
+        controller_(e_.control.impedance, e_.belief.arm.joints()),
         estimator_(e_.control.estimator),
         goal_(
             e_.plan.path.at(0.5 * (e_.plan.path.strokes()[0].start + e_.plan.path.strokes()[0].end))
@@ -105,10 +104,10 @@ class Step {
     surface_.status = SurfaceStatus::ok;
     surface_.n_W = goal_.n_WD;
     surface_.distance = 0.0;
-    e_.scene.arm.compute(e_.control.impedance.null_space.q_0,
-                         JointVector::Zero(e_.scene.arm.joints()), &terms_);
+    e_.belief.arm.compute(e_.control.impedance.null_space.q_0,
+                          JointVector::Zero(e_.belief.arm.joints()), &terms_);
     if (e_.control.joint_estimator)
-      joints_.emplace(*e_.control.joint_estimator, e_.scene.arm.joints());
+      joints_.emplace(*e_.control.joint_estimator, e_.belief.arm.joints());
     while (!estimator_.tared()) estimator_.update(Vector6::Zero(), terms_.X_WE, Vector6::Zero());
   }
   // carrier: the canvas's motion, as it was predicted; null: it stands.
@@ -116,7 +115,7 @@ class Step {
     const Posture& p = all_[i_];
     i_ = (i_ + 1) % all_.size();
     if (joints_) joints_->update(p.q);
-    e_.scene.arm.compute(p.q, p.v, &terms_);
+    e_.belief.arm.compute(p.q, p.v, &terms_);
     Vector6 reading = Vector6::Zero();
     reading.head<3>() = terms_.X_WE.R.transpose() * (5.0 * surface_.n_W);
     const Vector6& F_ext = estimator_.update(reading, terms_.X_WE, terms_.V_WE);
@@ -129,7 +128,7 @@ class Step {
   }
 
  private:
-  Experiment& e_;
+  Prepared& e_;
   std::vector<Posture> all_;
   ArmTerms terms_;
   ImpedanceController controller_;
@@ -186,7 +185,7 @@ Spread spread(const std::string& name) {
 // and depends on the machine and its load.
 void draw(benchmark::State& state, const std::string& name,
           const std::vector<std::string>& assignments = {}) {
-  Experiment& e = experiment(name, assignments);
+  Prepared& e = experiment(name, assignments);
   const std::filesystem::path log = std::filesystem::temp_directory_path() /
                                     ("impedraw_bench_" + std::to_string(getpid()) + ".h5");
   double simulated = 0.0, wall = 0.0;
@@ -212,7 +211,7 @@ void BM_command(benchmark::State& state) {
                                        ("impedraw_bench_command_" + std::to_string(getpid()));
   for (auto _ : state) {
     const double before = processor_seconds();
-    Experiment e = prepare(resolve(options));
+    Prepared e = prepare(resolve(options));
     const RunOutcome outcome = draw_into(folder, e, 0.0).outcome;
     state.SetIterationTime((processor_seconds() - before) * e.control.impedance.timing.dt /
                            outcome.simulated);

@@ -14,9 +14,9 @@
 #include <benchmark/benchmark.h>
 
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/place_auto.h"
 #include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/settings/yaml_read.h"
 #include "processor_time.h"
 
@@ -59,7 +59,7 @@ const Scenario& scenario() {
 void BM_scan_plan(benchmark::State& state) {
   for (auto _ : state) {
     const double before = processor_seconds();
-    const PlannedDrawing e = prepare_plan(scenario(), {}, Unreachable::tell);
+    const PreparedPlan e = prepare_plan(scenario(), {}, Unreachable::tell);
     state.SetIterationTime(processor_seconds() - before);
     state.counters["line_m"] = plane_length(e.plan.requested);
   }
@@ -76,7 +76,7 @@ void BM_scan_place(benchmark::State& state) {
 // Reach, slope, edge and size of the drawing, moved by up to 20 mm over a surface that has been
 // planned on. The repetitions are placements.
 void BM_scan_quick(benchmark::State& state) {
-  static PlannedDrawing e = prepare_plan(scenario(), {}, Unreachable::tell);
+  static PreparedPlan e = prepare_plan(scenario(), {}, Unreachable::tell);
   static int placement = 0;
   for (auto _ : state) {
     const double turn = 2.4 * ++placement;
@@ -87,7 +87,7 @@ void BM_scan_quick(benchmark::State& state) {
       for (Eigen::Vector2d& p : stroke.p_P) p += by;
     const double before = processor_seconds();
     benchmark::DoNotOptimize(
-        check_strokes(strokes, e.surface(), e.scene.arm, e.scene.obstacle.get(), e.scene.start_q,
+        check_strokes(strokes, e.surface(), e.belief.arm, e.belief.obstacle.get(), e.belief.start_q,
                       preflight_settings(e.scenario, e.artwork.X_WP, true, e.plan.rest_q))
             .drawable.size());
     state.SetIterationTime(processor_seconds() - before);

@@ -1,4 +1,5 @@
-# impedraw_library(NAME SOURCES … UNSHARED … LINKS … PRIVATE_LINKS …): a folder of src as impedraw::NAME.
+# impedraw_library(NAME SOURCES … UNSHARED … LINKS … PRIVATE_LINKS … BLIND_TO …): a folder of src as impedraw::NAME.
+# BLIND_TO: libraries whose headers none of its files may include, though others that it links do.
 # Headers are included as #include "impedraw/control/impedance.h", in the tree as in an installed
 # copy: include/impedraw is a link to src, which a source distribution lacks.
 if(NOT EXISTS ${PROJECT_SOURCE_DIR}/include/impedraw)
@@ -7,7 +8,7 @@ if(NOT EXISTS ${PROJECT_SOURCE_DIR}/include/impedraw)
 endif()
 
 function(impedraw_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;UNSHARED;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;UNSHARED;LINKS;PRIVATE_LINKS;BLIND_TO" ${ARGN})
   if(ARG_SOURCES)
     add_library(impedraw_${name} STATIC ${ARG_SOURCES})
     set(scope PUBLIC)
@@ -19,6 +20,7 @@ function(impedraw_library name)
   endif()
   add_library(impedraw::${name} ALIAS impedraw_${name})
   set_property(GLOBAL APPEND PROPERTY IMPEDRAW_LIBRARIES ${name})
+  set_property(GLOBAL PROPERTY IMPEDRAW_BLIND_${name} ${ARG_BLIND_TO})
   target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
   # Many small units share their headers and Eigen's templates: together they compile in less than half
@@ -84,6 +86,10 @@ function(impedraw_check_layers)
       endif()
       string(REGEX REPLACE "^#include \"impedraw/(.*)\".*" "\\1" header "${include}")
       impedraw_owner(${header} seen)
+      get_property(blind GLOBAL PROPERTY IMPEDRAW_BLIND_${owner})
+      if(seen IN_LIST blind)
+        message(FATAL_ERROR "src/${file} includes ${header}: impedraw::${owner} is blind to impedraw::${seen}")
+      endif()
       if(seen AND NOT seen IN_LIST sees_${owner} AND NOT seen STREQUAL "usvg")  # built_alike.h is nobody's
         message(FATAL_ERROR "src/${file} includes ${header}, which belongs to impedraw::${seen}; "
           "impedraw::${owner} does not link it")

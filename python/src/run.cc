@@ -12,14 +12,13 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/plan_summary.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
-#include "impedraw/run/draw_into.h"
 #include "impedraw/run/log_row.h"
-#include "impedraw/run/run.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/run/simulated_run.h"
 #include "impedraw/settings/json_schema.h"
 #include "impedraw/terminal/clock.h"
 #include "module.h"
@@ -156,7 +155,7 @@ class Runner {
     const PrepareProgress prepared = [&](const char* what, double share) {
       if (watch->poll(share, what)) throw GiveUp();
     };
-    std::optional<Experiment> experiment;
+    std::optional<Prepared> experiment;
     try {
       experiment.emplace(prepare(scenario, places, Unreachable::refuse, prepared, &scenes_));
     } catch (const GiveUp&) {
@@ -182,10 +181,10 @@ class Runner {
         result->drawing.metrics = compute_metrics(drawn);
       }
     } catch (...) {
-      scenes_.give_back(std::move(experiment->scene));
+      scenes_.give_back(scene_of(std::move(*experiment)));
       throw;
     }
-    scenes_.give_back(std::move(experiment->scene));
+    scenes_.give_back(scene_of(std::move(*experiment)));
   }
 
   SceneCache scenes_;
@@ -198,7 +197,7 @@ nb::object plan(const DrawOptions& options) {
     const nb::gil_scoped_release no_gil;
     Places places;
     const Scenario scenario = resolve(options, &places);
-    PlannedDrawing drawing = prepare_plan(scenario, places, Unreachable::tell);
+    PreparedPlan drawing = prepare_plan(scenario, places, Unreachable::tell);
     control_for(&drawing, places);
     text = plan_json(drawing).dump();
   }

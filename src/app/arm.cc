@@ -42,8 +42,9 @@ NamedArm named_arm(DrawOptions options) {
   return arm;
 }
 
-std::unique_ptr<ForeignArm> make_arm(const ArmSettings& settings, ArmModel& model, double period,
-                                     std::optional<JointVector> start_q, bool wrench) {
+std::unique_ptr<ForeignArm> make_arm(const ArmSettings& settings, const ArmModel& model,
+                                     double period, std::optional<JointVector> start_q,
+                                     bool wrench) {
   if (settings.driver == ArmDriver::franka)
     return std::make_unique<FrankaFci>(settings, model, period, std::move(start_q));
   return std::make_unique<IiwaLcm>(settings, model, period, std::move(start_q), wrench);
@@ -64,7 +65,7 @@ double share_of(std::vector<double>* x, double share) {
 
 }  // namespace
 
-DriverMaker driver_maker(Experiment& e) {
+DriverMaker driver_maker(const Experiment& e) {
   if (e.scenario.arm.driver == ArmDriver::sim) return {};
   if (has_sensor(e.control.source))
     throw InputError(
@@ -75,8 +76,8 @@ DriverMaker driver_maker(Experiment& e) {
     throw InputError(
         "control.wrench: ground_truth needs a measured wrench, and Franka's arm gives none; valid "
         "with arm.driver franka is none");
-  return [&e](const JointVector& start_q) {
-    return make_arm(e.scenario.arm, e.scene.arm, e.scenario.world.dt, start_q,
+  return [&e](const JointVector& start_q, const Resumption*) {
+    return make_arm(e.scenario.arm, e.belief.arm, e.scenario.world.dt, start_q,
                     e.control.source == WrenchSource::truth);
   };
 }

@@ -14,7 +14,7 @@
 namespace impedraw {
 
 // Makes the scenario's driver; empty for the simulated arm. Refers to the experiment.
-DriverMaker driver_maker(Experiment& experiment);
+DriverMaker driver_maker(const Experiment& experiment);
 
 // Throws InputError where the loop would be paused (redrawing, live view, pace) and the arm does
 // not wait.

@@ -18,11 +18,12 @@
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/report.h"
 #include "impedraw/run/calibrate_tool.h"
-#include "impedraw/run/draw_into.h"
 #include "impedraw/run/folder_lock.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/run/run_inputs.h"
+#include "impedraw/run/simulated_arm.h"
+#include "impedraw/run/simulated_run.h"
 #include "impedraw/settings/json_schema.h"
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
@@ -189,13 +190,16 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
   const bool goes_on = begun && has_steps(folder / "run.h5");
   Scenario as_given = scenario;
   if (goes_on) find_inputs(&scenario, folder, InputsFrom::originals);
-  Experiment experiment = prepare_visibly(scenario, places);
+  Prepared experiment = prepare_visibly(scenario, places);
   if (goes_on) {
     // What the preparation completes.
     as_given.drawing.placement = experiment.scenario.drawing.placement;
     as_given.canvas.move = experiment.scenario.canvas.move;
     as_given.arm.start_p_WE = experiment.scenario.arm.start_p_WE;
-    as_given.control.surface.pen_axis = experiment.scenario.control.surface.pen_axis;
+    const ControlSettings& completed = experiment.scenario.control;
+    as_given.control.pen_axis = completed.pen_axis;
+    as_given.control.normal_error_deg = completed.normal_error_deg;
+    as_given.control.felt_normal.share = completed.felt_normal.share;
     require_same(as_given, folder);
   }
   require_steady_loop(experiment.scenario, live);
@@ -240,14 +244,14 @@ int compare(const DrawOptions& options, bool table) {
   // Both are prepared before either is drawn, so that an error in the second leaves no half result.
   struct Side {
     std::string name;
-    Experiment experiment;
+    Prepared experiment;
     double start_up;
   };
   std::vector<Side> sides;
   for (const auto& [name, scenario] :
        {std::pair{"perception", &seen}, std::pair{"blind", &blind}}) {
     const auto start = Clock::now();
-    Experiment experiment = prepare(*scenario, places);
+    Prepared experiment = prepare(*scenario, places);
     sides.push_back({name, std::move(experiment), seconds_since(start)});
   }
   int worst = kFinished;
@@ -311,8 +315,9 @@ int calibrate_tool(const DrawOptions& options, int poses) {
     throw InputError(
         fmt::format("{}: control.wrench has no sensor to read; valid are sensor, realistic",
                     places.of("control.wrench")));
-  Experiment experiment = prepare(scenario, places);
-  const ToolIdentification found = calibrate_tool(experiment, poses).found;
+  Prepared experiment = prepare(scenario, places);
+  SimulatedArm arm(experiment, experiment.belief.start_q, Disturbances());
+  const ToolIdentification found = calibrate_tool(experiment, arm, poses).found;
   say(stdout,
       "{} poses\n"
       "  mass      {:.4f} ± {:.4f} kg\n"

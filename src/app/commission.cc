@@ -81,16 +81,17 @@ DrawOptions unchecked(DrawOptions options) {
 
 // The arm of the options: the simulated one over its canvas, or another.
 struct CommissionedArm {
-  Experiment experiment;
+  Prepared experiment;
   std::unique_ptr<Driver> driver;
 
   explicit CommissionedArm(DrawOptions options)
       : experiment(prepare(resolve(unchecked(std::move(options))))) {
     const DriverMaker make = driver_maker(experiment);
     if (make)
-      driver = make(experiment.scene.start_q);
+      driver = make(experiment.belief.start_q, nullptr);
     else
-      driver = std::make_unique<SimulatedArm>(experiment, experiment.scene.start_q, Disturbances());
+      driver =
+          std::make_unique<SimulatedArm>(experiment, experiment.belief.start_q, Disturbances());
   }
 };
 
@@ -104,7 +105,7 @@ double rotor_with(double modelled, const JointFriction& found) {
 std::vector<double> numbers(const JointVector& x) { return {x.begin(), x.end()}; }
 
 // Tells arms, and pens, from each other: names of the joints, and the tip with all of them at 0.
-Json identity_of(ArmModel& model) {
+Json identity_of(ArmModel model) {
   const Pose X_WE = model.tip_pose(JointVector::Zero(model.joints()));
   const Eigen::Vector3d z = X_WE.R.col(2);
   return {{"joints", model.joint_names()},
@@ -118,8 +119,8 @@ int commission_latency(const DrawOptions& options, const fs::path& folder) {
   Json json = read_file(folder);
   CommissionedArm arm(options);
   const RealTime real_time(!arm.driver->info().waits && arm.experiment.scenario.arm.real_time);
-  const LoopDelay found = identify_delay(arm.experiment.scene.arm, *arm.driver);
-  json["arm"] = identity_of(arm.experiment.scene.arm);
+  const LoopDelay found = identify_delay(arm.experiment.belief.arm, *arm.driver);
+  json["arm"] = identity_of(arm.experiment.belief.arm);
   write_step(folder, std::move(json), "latency",
              {{"delay_s", found.delay}, {"explained", found.explained}});
   say(stdout,
@@ -144,14 +145,14 @@ int commission_camera_latency(const DrawOptions& options, const fs::path& folder
     throw InputError(fmt::format(
         "perception.fiducials.points has {} points; the cameras' latency is found by 3 and more",
         perception.fiducials.points.size()));
-  const CanvasMotion& motion = arm.experiment.scene.world->canvas_motion();
+  const CanvasMotion& motion = arm.experiment.truth.world->canvas_motion();
   if (!motion.moves())
     throw InputError(
         "canvas.motion: the canvas stands; a known motion tells the cameras' latency, as "
         "canvas.motion.sway or canvas.motion.file");
   const Eigen::Vector3d centre = centre_of(perception.fiducials);
   const CameraLatency found = find_camera_latency(
-      watch_marks(arm.experiment.scene.arm, *arm.driver, perception.fiducials, seconds),
+      watch_marks(arm.experiment.belief.arm, *arm.driver, perception.fiducials, seconds),
       [&](double time) { return motion.at(time).X_WK * centre; });
   write_step(folder, std::move(json), "camera-latency",
              {{"stamp_error_s", found.stamp_error},
@@ -175,8 +176,8 @@ int commission_friction(const DrawOptions& options, const fs::path& folder) {
   CommissionedArm arm(options);
   const RealTime real_time(!arm.driver->info().waits && arm.experiment.scenario.arm.real_time);
   const std::vector<JointFriction> found = identify_friction(
-      arm.experiment.scene.arm, *arm.driver, json["latency"].at("delay_s").get<double>());
-  const ArmModel& model = arm.experiment.scene.arm;
+      arm.experiment.belief.arm, *arm.driver, json["latency"].at("delay_s").get<double>());
+  const ArmModel& model = arm.experiment.belief.arm;
   Json joints = Json::array();
   say(stdout,
       "joint      friction [Nm]  viscous [Nm s/rad]  residual [Nm]  inertia lacking [kg m²]\n");

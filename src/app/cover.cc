@@ -15,8 +15,8 @@
 #include "impedraw/files/durable_file.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/report/cover_picture.h"
-#include "impedraw/run/draw_into.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/run/simulated_run.h"
 #include "impedraw/run/treatment.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/progress.h"
@@ -237,16 +237,16 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   std::optional<ProgressLine> line(std::in_place);
   line->update("looking at the canvas", 0.0);
   Scene scene = scenes.take(scenario, X_WP, errors);
-  const CoverPlan plan = plan_cover(scenario, scene, X_WP, errors, [&](double share) {
+  const CoverPlan plan = plan_cover(scenario, scene.belief, X_WP, errors, [&](double share) {
     line->update("covering the surface", 0.1 + 0.2 * share);
   });
-  const TrueCover truth = true_cover(scenario, scene, X_WP, plan);
+  const TrueCover truth = true_cover(scenario, scene.truth, X_WP, plan);
   scenes.give_back(std::move(scene));
   for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   make_folder(folder);
   const fs::path strokes = fs::absolute(folder / "cover.csv");
   write_whole(strokes, cover_strokes(plan, scenario));
-  Experiment experiment = prepare(
+  Prepared experiment = prepare(
       drawing_of_cover(scenario, strokes), places, Unreachable::refuse,
       [&](const char* what, double share) { line->update(what, 0.3 + 0.7 * share); }, &scenes);
   line.reset();

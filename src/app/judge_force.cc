@@ -126,7 +126,7 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
   make_folder(options.out);
   Places places;
   const Scenario scenario = scenario_of(options, judged, &places);
-  Experiment experiment = prepare(scenario, places);
+  Prepared experiment = prepare(scenario, places);
   const DriverMaker make_driver = driver_maker(experiment);
   const auto start = Clock::now();
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
+#include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/picture_of_plan.h"
@@ -17,8 +18,8 @@
 #include "impedraw/report/distortion_picture.h"
 #include "impedraw/report/plan_picture.h"
 #include "impedraw/report/report.h"
-#include "impedraw/run/draw_into.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/run/simulated_run.h"
 #include "impedraw/settings/yaml_write.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
@@ -34,7 +35,7 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
       options.out.empty() ? fs::path("runs") / (scenario.name + "-plan") : options.out;
   require_plan_folder(folder);
   scenario = placed(options, scenario, places);
-  PlannedDrawing e = prepare_plan_visibly(scenario, places);
+  const PreparedPlan e = prepare_plan_visibly(scenario, places);
   make_folder(folder);
   const PlanLimits limits = plan_limits(e);
   nlohmann::ordered_json whole = plan_json(e);
@@ -48,12 +49,8 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
     for (const PlacedStroke& stroke : e.artwork.strokes) length += plane_length(stroke);
     const double looks =
         length / kPictureSpacing + 2.0 * static_cast<double>(e.artwork.strokes.size());
-    const SurfaceHeight told = [&line, looks, surface = e.surface(), n = 0L](
-                                   double x, double y, SurfaceHeight::Sample& last) mutable {
-      if (++n % 256 == 0)
-        line.update("drawing the picture", std::min(1.0, static_cast<double>(n) / looks));
-      return surface(x, y, last);
-    };
+    const SurfaceHeight told = counted(
+        e.surface(), looks, [&line](double share) { line.update("drawing the picture", share); });
     const PlanPicture picture = picture_of_plan(e, told);
     write_plan(picture, folder / "plan");
     page = page_of_plan(e, picture,

@@ -23,54 +23,66 @@ using PrebuiltVector = Eigen::Ref<const Eigen::VectorXd>;
 
 }  // namespace
 
-struct ArmModel::Workspace {
-  Workspace(const std::filesystem::path& file, const std::string& tip_frame)
-      : urdf(read_urdf(file, tip_frame)), data(urdf.model) {}
-
+struct ArmModel::Description {
   UrdfModel urdf;
-  pinocchio::Data data;
   pinocchio::FrameIndex tip;
   std::vector<std::string> joint_names;
   ArmLimits limits;
   bool damped = false;
+};
+
+struct ArmModel::Workspace {
+  explicit Workspace(const pinocchio::Model& model)
+      : data(model), q(Eigen::VectorXd::Zero(model.nv)), v(q) {}
+
+  pinocchio::Data data;
   Eigen::VectorXd q, v;  // PrebuiltVector refers to plain VectorXd without a copy
 };
 
-ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame)
-    : workspace_(std::make_unique<Workspace>(urdf, tip_frame)) {
-  Workspace& w = *workspace_;
-  const pinocchio::Model& model = w.urdf.model;
-  w.tip = model.getFrameId(tip_frame);
-  w.joint_names.assign(model.names.begin() + 1, model.names.end());
-  w.limits = {model.lowerPositionLimit, model.upperPositionLimit, model.upperEffortLimit,
+ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame) {
+  Description d{read_urdf(urdf, tip_frame), {}, {}, {}};
+  const pinocchio::Model& model = d.urdf.model;
+  d.tip = model.getFrameId(tip_frame);
+  d.joint_names.assign(model.names.begin() + 1, model.names.end());
+  d.limits = {model.lowerPositionLimit, model.upperPositionLimit, model.upperEffortLimit,
               model.upperVelocityLimit};
-  w.limits.torque_rate = w.urdf.notes.torque_rate;
-  w.q = w.v = Eigen::VectorXd::Zero(model.nv);
+  d.limits.torque_rate = d.urdf.notes.torque_rate;
+  workspace_ = std::make_unique<Workspace>(model);
+  description_ = std::make_shared<const Description>(std::move(d));
   set_rotor_inertia({});
 }
 
 ArmModel::~ArmModel() = default;
 ArmModel::ArmModel(ArmModel&&) noexcept = default;
+ArmModel::ArmModel(const ArmModel& other)
+    : description_(other.description_),
+      workspace_(std::make_unique<Workspace>(description_->urdf.model)) {}
 
-int ArmModel::joints() const { return workspace_->urdf.model.nv; }
-const std::vector<std::string>& ArmModel::joint_names() const { return workspace_->joint_names; }
-const ArmLimits& ArmModel::limits() const { return workspace_->limits; }
+int ArmModel::joints() const { return description_->urdf.model.nv; }
+const std::vector<std::string>& ArmModel::joint_names() const { return description_->joint_names; }
+const ArmLimits& ArmModel::limits() const { return description_->limits; }
 const std::vector<double>& ArmModel::rest_posture() const {
-  return workspace_->urdf.notes.rest_posture;
+  return description_->urdf.notes.rest_posture;
 }
 
-const Eigen::VectorXd& ArmModel::rotor_inertia() const { return workspace_->urdf.model.armature; }
+const Eigen::VectorXd& ArmModel::rotor_inertia() const { return description_->urdf.model.armature; }
 
 void ArmModel::set_rotor_inertia(const std::vector<double>& values) {
   require_in_range("arm", kRotorInertia, values);
-  UrdfModel& urdf = workspace_->urdf;
-  urdf.model.armature = per_joint(
-      "arm.rotor_inertia", values.empty() ? urdf.notes.rotor_inertia : values, urdf.model.nv);
+  Description d = *description_;
+  d.urdf.model.armature = per_joint(
+      "arm.rotor_inertia", values.empty() ? d.urdf.notes.rotor_inertia : values, d.urdf.model.nv);
+  description_ = std::make_shared<const Description>(std::move(d));
 }
 
-void ArmModel::expect_damping() { workspace_->damped = true; }
+void ArmModel::expect_damping() {
+  Description d = *description_;
+  d.damped = true;
+  description_ = std::make_shared<const Description>(std::move(d));
+}
 
 void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept {
+  const Description& d = *description_;
   Workspace& w = *workspace_;
   w.q = q;
   w.v = v;
@@ -81,19 +93,19 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
 
   // Two passes over the arm compute everything; separate algorithms would need five.
   // crba in the world frame also computes placements, joint Jacobians and composite inertias Y_i.
-  pinocchio::crba(w.urdf.model, w.data, w_q, pinocchio::Convention::WORLD);
+  pinocchio::crba(d.urdf.model, w.data, w_q, pinocchio::Convention::WORLD);
   t.M = w.data.M.selfadjointView<Eigen::Upper>();  // crba fills the upper triangle only
   // Gravity torque: g_i = −J_iᵀ Y_i a_g
   for (int i = 0; i < t.g.size(); ++i) {
-    const pinocchio::Force weight = w.data.oYcrb[i + 1] * w.urdf.model.gravity;
+    const pinocchio::Force weight = w.data.oYcrb[i + 1] * d.urdf.model.gravity;
     t.g[i] = -w.data.J.col(i).dot(weight.toVector());
   }
 
   // nonLinearEffects also computes velocities, and accelerations for v̇ = 0 minus gravity. Adding
   // gravity to the tip's acceleration gives its drift J̇ v.
-  t.Cv = pinocchio::nonLinearEffects(w.urdf.model, w.data, w_q, w_v) - t.g;
-  if (w.damped) t.Cv += w.urdf.model.damping.cwiseProduct(w.v);
-  const pinocchio::Frame& tip = w.urdf.model.frames[w.tip];
+  t.Cv = pinocchio::nonLinearEffects(d.urdf.model, w.data, w_q, w_v) - t.g;
+  if (d.damped) t.Cv += d.urdf.model.damping.cwiseProduct(w.v);
+  const pinocchio::Frame& tip = d.urdf.model.frames[d.tip];
   const pinocchio::JointIndex link = tip.parentJoint;
   const pinocchio::SE3 X_WE = w.data.oMi[link] * tip.placement;
   const Eigen::Matrix3d& R_WE = X_WE.rotation();
@@ -103,7 +115,7 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   t.V_WE << R_WE * V_E.linear(), R_WE * V_E.angular();
   // classical acceleration of E's origin
   const Eigen::Vector3d falling = A_E.linear() + V_E.angular().cross(V_E.linear());
-  t.Jdot_v << R_WE * falling + w.urdf.model.gravity.linear(), R_WE * A_E.angular();
+  t.Jdot_v << R_WE * falling + d.urdf.model.gravity.linear(), R_WE * A_E.angular();
 
   // Columns of the world-frame Jacobian, moved to E's origin.
   const auto J_linear = w.data.J.topRows<3>(), J_angular = w.data.J.bottomRows<3>();
@@ -113,19 +125,21 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
 }
 
 Pose ArmModel::tip_pose(const JointVector& q) {
+  const Description& d = *description_;
   Workspace& w = *workspace_;
   w.q = q;
-  pinocchio::forwardKinematics(w.urdf.model, w.data, PrebuiltVector(w.q));
-  const pinocchio::SE3& X_WE = pinocchio::updateFramePlacement(w.urdf.model, w.data, w.tip);
+  pinocchio::forwardKinematics(d.urdf.model, w.data, PrebuiltVector(w.q));
+  const pinocchio::SE3& X_WE = pinocchio::updateFramePlacement(d.urdf.model, w.data, d.tip);
   return {X_WE.translation(), X_WE.rotation()};
 }
 
 std::vector<BodyCapsule> ArmModel::body_capsules(const JointVector& q) {
+  const Description& d = *description_;
   Workspace& w = *workspace_;
   w.q = q;
-  pinocchio::forwardKinematics(w.urdf.model, w.data, PrebuiltVector(w.q));
+  pinocchio::forwardKinematics(d.urdf.model, w.data, PrebuiltVector(w.q));
   std::vector<BodyCapsule> bodies;
-  for (const LinkCapsule& c : w.urdf.capsules) {
+  for (const LinkCapsule& c : d.urdf.capsules) {
     const pinocchio::SE3& X_WJ = w.data.oMi[c.joint];
     bodies.push_back({c.link, X_WJ.act(c.a_J), X_WJ.act(c.b_J), c.radius});
   }

@@ -31,7 +31,9 @@ struct BodyCapsule {
   double radius;             // [m]
 };
 
-// Not thread-safe: queries share a workspace. Joints are in the order of the URDF.
+// A description, which copies share, and a workspace, which each copy has for itself. Queries write
+// into the workspace: who asks owns a copy, and what others are given is const. Not thread-safe.
+// Joints are in the order of the URDF.
 class ArmModel {
  public:
   // `tip_frame` is the frame E of the pen tip: origin at the tip's apex, z out of the tip.
@@ -40,6 +42,7 @@ class ArmModel {
   // than 6 or more than kMaxJoints joints on the way to it.
   explicit ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame = "tip");
   ~ArmModel();
+  ArmModel(const ArmModel& other);
   ArmModel(ArmModel&&) noexcept;
 
   int joints() const;
@@ -68,7 +71,9 @@ class ArmModel {
   std::vector<BodyCapsule> body_capsules(const JointVector& q);
 
  private:
+  struct Description;
   struct Workspace;
+  std::shared_ptr<const Description> description_;
   std::unique_ptr<Workspace> workspace_;
 };
 

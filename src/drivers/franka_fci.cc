@@ -25,7 +25,7 @@ constexpr std::array<double, 7> kContactTorque = {20, 20, 18, 18, 16, 14, 12};
 constexpr std::array<double, 6> kContactForce = {30, 30, 30, 25, 25, 25};
 constexpr double kContactShare = 0.9, kFastest = 1.2;
 
-SessionSettings fci_session_settings(const ArmSettings& settings, ArmModel& arm,
+SessionSettings fci_session_settings(const ArmSettings& settings, ArmModel arm,
                                      const JointVector& posture, double period) {
   SessionSettings s;
   s.torque_limit = arm.limits().torque;
@@ -87,7 +87,7 @@ std::string last_link(const std::string& urdf) {
 
 }  // namespace
 
-void require_same_arm(const std::string& urdf_of_arm, ArmModel& model) {
+void require_same_arm(const std::string& urdf_of_arm, ArmModel model) {
   require_urdf(urdf_of_arm, "of the arm");
   const std::string link = last_link(urdf_of_arm);
   const UrdfFile file(without_shapes(urdf_of_arm));
@@ -132,7 +132,7 @@ void require_same_arm(const std::string& urdf_of_arm, ArmModel& model) {
   }
 }
 
-FrankaFci::FrankaFci(const ArmSettings& settings, ArmModel& arm, double period,
+FrankaFci::FrankaFci(const ArmSettings& settings, const ArmModel& arm, double period,
                      std::optional<JointVector> start_q)
     : settings_(settings),
       arm_(arm),

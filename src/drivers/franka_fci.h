@@ -29,7 +29,7 @@ class FrankaFci : public ForeignArm {
 
   // start_q: where the arm must stand at start(), within kStartTolerance; nothing: anywhere. `arm`
   // must outlive the driver. Throws InputError if it has not seven joints, or the url is invalid.
-  FrankaFci(const ArmSettings& settings, ArmModel& arm, double period,
+  FrankaFci(const ArmSettings& settings, const ArmModel& arm, double period,
             std::optional<JointVector> start_q);
   ~FrankaFci() override;
 
@@ -56,7 +56,7 @@ class FrankaFci : public ForeignArm {
   void note_fault(const std::string& cause) noexcept;
 
   ArmSettings settings_;
-  ArmModel& arm_;
+  ArmModel arm_;
   double period_;
   std::optional<JointVector> start_q_;
   std::unique_ptr<FciLink> link_;
@@ -76,6 +76,6 @@ class FrankaFci : public ForeignArm {
 // Throws InputError, which names what differs, unless the arm's own URDF and the model are of the
 // same arm: at random postures the tip stands still on the arm's last link, and the model allows no
 // range, torque or speed that the arm does not.
-void require_same_arm(const std::string& urdf_of_arm, ArmModel& model);
+void require_same_arm(const std::string& urdf_of_arm, ArmModel model);
 
 }  // namespace impedraw

@@ -45,7 +45,7 @@ void require_iiwa(const ArmModel& arm) {
   }
 }
 
-SessionSettings session_settings(const ArmSettings& settings, ArmModel& arm,
+SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
                                  const JointVector& posture) {
   SessionSettings s;
   s.torque_limit = arm.limits().torque;
@@ -62,7 +62,7 @@ SessionSettings session_settings(const ArmSettings& settings, ArmModel& arm,
 
 }  // namespace
 
-IiwaLcm::IiwaLcm(const ArmSettings& settings, ArmModel& arm, double period,
+IiwaLcm::IiwaLcm(const ArmSettings& settings, const ArmModel& arm, double period,
                  std::optional<JointVector> start_q, bool wrench)
     : settings_(settings),
       period_(period),

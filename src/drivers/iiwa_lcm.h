@@ -30,7 +30,7 @@ class IiwaLcm : public ForeignArm {
   // start_q: where the arm must stand at start(), within kStartTolerance; nothing: anywhere.
   // `arm` is asked for limits and inertia here only. Throws InputError if it cannot be an iiwa's
   // model.
-  IiwaLcm(const ArmSettings& settings, ArmModel& arm, double period,
+  IiwaLcm(const ArmSettings& settings, const ArmModel& arm, double period,
           std::optional<JointVector> start_q, bool wrench);
   ~IiwaLcm() override;
 

@@ -12,7 +12,7 @@
 #include "impedraw/canvas/built_in_rough.h"
 #include "impedraw/canvas/built_in_ruled.h"
 #include "impedraw/settings/schema.h"
-#include "impedraw/simulation/canvas_motion.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

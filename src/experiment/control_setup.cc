@@ -49,9 +49,9 @@ double torque_rate(const Scenario& s, const ArmLimits& limits) {
   return s.arm.driver == ArmDriver::sim ? rate : std::min(rate, kRealTorqueRate);
 }
 
-ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, const Plan& plan,
+ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, const Plan& plan,
                                      double wrench_delay) {
-  const ArmLimits& limits = scene.arm.limits();
+  const ArmLimits& limits = belief.arm.limits();
   ImpedanceSettings settings = s.control;
   settings.timing.dt = s.world.dt;
   settings.wrench =
@@ -69,6 +69,10 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Scene& scene, cons
     settings.stability_check.contact_stiffness_max = std::min(
         settings.stability_check.contact_stiffness_max, kPadSpread * pad->stiffness * pad->area());
   }
+  settings.surface.pen_axis = s.control.pen_axis.value_or(PenAxis::plan);
+  settings.friction.normal_error_deg = s.control.normal_error_deg.value_or(0.0);
+  const GivenFeltNormal& felt = s.control.felt_normal;
+  settings.felt_normal = {felt.share.value_or(0.0), felt.deviation, felt.force_error};
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
   settings.limits.joint_speed = s.control.joint_speed_share * limits.speed;
@@ -161,7 +165,7 @@ void set_up_joint_sensing(const Scenario& s, int joints, const SettingErrors& se
 
 }  // namespace
 
-ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Plan& plan,
+ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const Plan& plan,
                                 const SettingErrors& setting_errors) {
   ControlSetup setup;
   setup.source = s.control.source;
@@ -173,16 +177,16 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
   if (s.arm.driver != ArmDriver::sim) wrench_delay += s.arm.wrench_delay;
   if (has_sensor(setup.source)) {
     setting_errors.locate({"control.sensing", "wrench_sensor", "control.wrench"}, [&] {
-      const WrenchSensor valid(setup.sensor, s.world.dt, 0);  // throws
+      require_valid(setup.sensor, s.world.dt);
       wrench_delay += WrenchEstimator(setup.estimator).group_delay();
     });
   }
-  setup.impedance = impedance_settings(s, scene, plan, wrench_delay);
+  setup.impedance = impedance_settings(s, belief, plan, wrench_delay);
   choose_mass(s.control, s.perception.frames.enabled, &setup.impedance);
-  set_up_joint_sensing(s, scene.arm.joints(), setting_errors, &setup);
+  set_up_joint_sensing(s, belief.arm.joints(), setting_errors, &setup);
   choose_mass(s.control, s.perception.frames.enabled,
               &setup.impedance);  // an estimated velocity follows late
-  if (scene.by_touch()) {
+  if (belief.by_touch()) {
     ImpedanceSettings& control = setup.impedance;
     // An approach begins at the upper level, or lower, and may have to go down to the lower one.
     control.approach.overtravel =
@@ -198,7 +202,7 @@ ControlSetup make_control_setup(const Scenario& s, const Scene& scene, const Pla
     setting_errors.locate({"blind.touch"}, [&] { TouchSurface(s.blind.touch, model); });
   }
   setting_errors.locate(control_setting_names(), [&] {
-    ImpedanceController(setup.impedance, scene.arm.joints());
+    ImpedanceController(setup.impedance, belief.arm.joints());
   });  // its checks, before anything is written
   return setup;
 }

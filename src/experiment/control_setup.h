@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "impedraw/control/impedance_settings.h"
+#include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/experiment/scene.h"
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_settings.h"
 #include "impedraw/sensing/wrench_estimator.h"
 #include "impedraw/settings/setting_error.h"
-#include "impedraw/simulation/wrench_sensor.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 
@@ -34,7 +34,7 @@ struct ControlSetup {
 };
 
 // Throws InputError if the controller or the sensor rejects its settings.
-ControlSetup make_control_setup(const Scenario& scenario, const Scene& scene, const Plan& plan,
+ControlSetup make_control_setup(const Scenario& scenario, const Belief& belief, const Plan& plan,
                                 const SettingErrors& setting_errors);
 
 }  // namespace impedraw

@@ -41,9 +41,9 @@ std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g) {
   return inside;
 }
 
-Eigen::AlignedBox2d extent_of(const Scenario& s, const Scene& scene, const Pose& X_WP) {
+Eigen::AlignedBox2d extent_of(const Scenario& s, const Belief& belief, const Pose& X_WP) {
   const auto& points =
-      scene.perception ? scene.perception->cloud().points : scene.canvas->mesh().vertices;
+      belief.perception ? belief.perception->cloud().points : belief.obstacle->mesh().vertices;
   const Pose X_PW = X_WP.inverse();
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector3d& p_W : points) box.extend((X_PW * p_W).head<2>());
@@ -131,19 +131,19 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   return s;
 }
 
-CoverPlan plan_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
+CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
                      const SettingErrors& errors, const std::function<void(double)>& progress) {
   const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
   if (!pad) errors.raise({"tool.kind"}, "tool.kind: only a pad covers an area; valid is pad");
-  const Eigen::AlignedBox2d box = extent_of(s, scene, X_WP);
+  const Eigen::AlignedBox2d box = extent_of(s, belief, X_WP);
   const double step =
       std::max({1e-3, s.tool.radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});
   CoverPlan plan;
   const SurfaceHeight height =
-      scene.perception ? perceived_height(scene.perception, X_WP) : scene.surface;
+      belief.perception ? perceived_height(belief.perception, X_WP) : belief.surface;
   plan.grid = sample_surface(height, box, step, s.preflight.max_slope_deg, progress);
-  if (scene.perception)
-    know_between_points(scene.perception->cloud(), s.perception.voxel, X_WP.inverse(), &plan.grid);
+  if (belief.perception)
+    know_between_points(belief.perception->cloud(), s.perception.voxel, X_WP.inverse(), &plan.grid);
   plan.wish.footprint = footprint_of(*pad);
   plan.wish.spacing = 2.0 * pad->radius * (1.0 - s.cover.overlap);
   plan.wish.direction_deg = s.cover.direction_deg;
@@ -161,18 +161,18 @@ CoverPlan plan_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
   return plan;
 }
 
-TrueCover true_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
+TrueCover true_cover(const Scenario& s, const Truth& truth, const Pose& X_WP,
                      const CoverPlan& plan) {
   const SurfaceGrid& g = plan.grid;
   const Eigen::Vector2d high = g.low + g.step * Eigen::Vector2d(g.nx - 1, g.ny - 1);
-  TrueCover truth;
-  truth.grid = sample_surface(canvas_height(scene.canvas, X_WP), {g.low, high}, g.step,
+  TrueCover cover;
+  cover.grid = sample_surface(canvas_height(truth.canvas, X_WP), {g.low, high}, g.step,
                               s.preflight.max_slope_deg);
   CoverWish wish = plan.wish;
   wish.margin = 0.0;
-  if (truth.grid.nx != g.nx || truth.grid.ny != g.ny) wish.region.clear();
-  truth.reachable = swept(truth.grid, footprint_centres(truth.grid, wish), wish.footprint.radius);
-  return truth;
+  if (cover.grid.nx != g.nx || cover.grid.ny != g.ny) wish.region.clear();
+  cover.reachable = swept(cover.grid, footprint_centres(cover.grid, wish), wish.footprint.radius);
+  return cover;
 }
 
 std::string cover_strokes(const CoverPlan& plan, const Scenario& s) {

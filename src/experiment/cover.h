@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/experiment/scene.h"
+#include "impedraw/experiment/truth.h"
 #include "impedraw/planning/cover/cover_lines.h"
 #include "impedraw/settings/setting_error.h"
 
@@ -28,7 +28,7 @@ Scenario with_cover_defaults(Scenario scenario, const Places& places);
 
 // Throws InputError where the region is no SVG with areas, lies off the canvas, or the footprint
 // fits nowhere in it. Places of P that the planner's surface does not show are not covered.
-CoverPlan plan_cover(const Scenario& scenario, const Scene& scene, const Pose& X_WP,
+CoverPlan plan_cover(const Scenario& scenario, const Belief& belief, const Pose& X_WP,
                      const SettingErrors& setting_errors,
                      const std::function<void(double)>& progress = {});
 
@@ -38,7 +38,7 @@ struct TrueCover {
   SurfaceGrid grid;
   std::vector<char> reachable;
 };
-TrueCover true_cover(const Scenario& scenario, const Scene& scene, const Pose& X_WP,
+TrueCover true_cover(const Scenario& scenario, const Truth& truth, const Pose& X_WP,
                      const CoverPlan& plan);
 
 // The passes as strokes (stroke_file.h, CSV), and the scenario that draws them from that file.

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "impedraw/common/range.h"
-#include "impedraw/simulation/pad_contact.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

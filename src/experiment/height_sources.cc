@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -306,6 +308,18 @@ SurfaceHeight perceived_height(std::shared_ptr<const PlanSurface> surface, const
 SurfaceHeight perceived_height(std::shared_ptr<const SurfaceEstimator> surface, const Pose& X_WP) {
   const SurfaceEstimator& followed = *surface;
   return height_of_cloud(std::move(surface), followed, X_WP);
+}
+
+SurfaceHeight counted(SurfaceHeight surface, double expected,
+                      std::function<void(double share)> tell) {
+  return [surface = std::move(surface), expected, tell = std::move(tell),
+          looks = std::make_shared<std::atomic<long>>(0),
+          teller = std::this_thread::get_id()](double x, double y, SurfaceHeight::Sample& last) {
+    const long n = ++*looks;
+    if (n % 128 == 0 && std::this_thread::get_id() == teller)
+      tell(std::min(1.0, static_cast<double>(n) / expected));
+    return surface(x, y, last);
+  };
 }
 
 SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_WP,

@@ -3,6 +3,7 @@
 // reads.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "impedraw/canvas/canvas.h"
@@ -28,6 +29,11 @@ TriangleMesh surface_grid(const SurfaceHeight& surface, const PointCloud& cloud,
 
 // A level plane at the height z of P [m].
 SurfaceHeight level_surface(double z);
+
+// The surface, which tells while a step looks at it what share of about `expected` looks is done.
+// Threads may share the looks; the one that made it alone tells.
+SurfaceHeight counted(SurfaceHeight surface, double expected,
+                      std::function<void(double share)> tell);
 
 // For judging a drawing: of the true canvas's sheets that show their front, the one nearest to a
 // planned height. Where none lies within kJudged of it, the planned point itself; where nothing is

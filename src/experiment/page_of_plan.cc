@@ -36,9 +36,9 @@ void add_maps(const PlannedDrawing& e, PlanPage* page) {
                                               angle_between(sample->n_P, Eigen::Vector3d::UnitZ())
                                         : kNoValue;
                         }});
-  if (e.scene.perception)
+  if (e.belief.perception)
     page->maps.push_back({"normal_error", "expected error of the seen normal", "deg", 0.01,
-                          [seen = e.scene.perception](const Eigen::Vector3d& p_W) {
+                          [seen = e.belief.perception](const Eigen::Vector3d& p_W) {
                             return kPerRadian * finite_or_none(seen->roughness(p_W).slope);
                           }});
   page->maps.push_back({"projected", "distortion of lengths, projected", "%", 0.05,
@@ -60,9 +60,9 @@ void add_maps(const PlannedDrawing& e, PlanPage* page) {
 // The rows of the path, and its strokes.
 class PathRows {
  public:
-  PathRows(PlannedDrawing& e, PostureCheck& check, PlanPage* page)
+  PathRows(const PlannedDrawing& e, PostureCheck& check, PlanPage* page)
       : e_(e), check_(check), page_(*page) {
-    page_.phases = {"travel", "approach", "draw", "lift", "done"};
+    page_.mode_names = {"travel", "approach", "draw", "lift", "done"};
     const auto add = [this](const char* name, const char* label, const char* unit, double quantum) {
       page_.series.push_back({name, label, unit, quantum, {}});
       return page_.series.size() - 1;
@@ -79,15 +79,15 @@ class PathRows {
           "rad/s", 2e-4);
     for (const std::size_t of : {speed_, joint_, torque_, mass_, gap_, rough_}) {
       PageSeries colour = page_.series[of];
-      if (of == rough_ && !e_.scene.perception) continue;
+      if (of == rough_ && !e_.belief.perception) continue;
       colours_.push_back(of);
       page_.colours.push_back(std::move(colour));
     }
   }
 
   void still() {
-    const Pose X_WE = e_.scene.arm.tip_pose(e_.scene.start_q);
-    add_row(0.0, e_.scene.start_q, X_WE.p, X_WE.R.col(2), -X_WE.R.col(2), Phase::done, -1, 0.0,
+    const Pose X_WE = ArmModel(e_.belief.arm).tip_pose(e_.belief.start_q);
+    add_row(0.0, e_.belief.start_q, X_WE.p, X_WE.R.col(2), -X_WE.R.col(2), Phase::done, -1, 0.0,
             nullptr);
   }
 
@@ -104,9 +104,9 @@ class PathRows {
       const PenPlacement pen{at.p_WD, -at.n_WD};
       check_.asked.torque = sample.phase == Phase::draw;
       Posture posture = last ? check_.follow(pen, *last, (at.p_WD - before).norm())
-                             : check_.enter(pen, e_.scene.start_q);
+                             : check_.enter(pen, e_.belief.start_q);
       if (last && last->reached && !posture.reached) {
-        Posture anew = check_.enter(pen, e_.scene.start_q);
+        Posture anew = check_.enter(pen, e_.belief.start_q);
         if (anew.reached) posture = std::move(anew);
       }
       add_row(t, posture.q, at.p_WD, pen.z_WE, at.n_WD, sample.phase, sample.stroke, at.v_WD.norm(),
@@ -147,8 +147,9 @@ class PathRows {
     put(torque_, margins && down ? 100.0 * margins->torque_share : kNoValue);
     put(mass_, margins ? margins->effective_mass : kNoValue);
     put(gap_, margins ? 1e3 * margins->clearance : kNoValue);
-    put(rough_, e_.scene.perception && down ? kPerRadian * e_.scene.perception->roughness(tip).slope
-                                            : kNoValue);
+    put(rough_, e_.belief.perception && down
+                    ? kPerRadian * e_.belief.perception->roughness(tip).slope
+                    : kNoValue);
   }
 
   void add_ink(double t) {
@@ -171,7 +172,7 @@ class PathRows {
       page_.colours[c].values.push_back(page_.series[colours_[c]].values.back());
   }
 
-  PlannedDrawing& e_;
+  const PlannedDrawing& e_;
   PostureCheck& check_;
   PlanPage& page_;
   std::size_t speed_ = 0, joint_ = 0, torque_ = 0, mass_ = 0, gap_ = 0, rough_ = 0, turn_ = 0;
@@ -183,7 +184,7 @@ void add_findings(const PlannedDrawing& e, const PlanPicture& picture, PostureCh
                   PlanPage* page) {
   const Pose &X_WP = e.artwork.X_WP, X_PW = X_WP.inverse();
   const SurfaceHeight& surface = e.surface();
-  const bool vertical = !e.scene.perception;
+  const bool vertical = !e.belief.perception;
   check.asked = {};
   std::size_t line = e.plan.strokes.size();  // the picture's lines of findings follow
   for (const Finding& f : e.plan.preflight.findings) {
@@ -203,7 +204,7 @@ void add_findings(const PlannedDrawing& e, const PlanPicture& picture, PostureCh
       const auto sample = surface(p_P.x(), p_P.y());
       const Eigen::Vector3d n_W =
           X_WP.R * (sample && !vertical ? sample->n_P : Eigen::Vector3d::UnitZ());
-      found.q = check.enter({f.p_W, -n_W}, e.scene.start_q).q;
+      found.q = check.enter({f.p_W, -n_W}, e.belief.start_q).q;
     }
     page->findings.push_back(std::move(found));
   }
@@ -211,28 +212,28 @@ void add_findings(const PlannedDrawing& e, const PlanPicture& picture, PostureCh
 
 }  // namespace
 
-PlanPage page_of_plan(PlannedDrawing& e, const PlanPicture& picture,
+PlanPage page_of_plan(const PlannedDrawing& e, const PlanPicture& picture,
                       const std::function<void(double)>& progress) {
   PlanPage page;
   page.title = e.scenario.name + (is_rehearsal(e.scenario) ? " (rehearsal)" : "");
-  const ArmLimits& limits = e.scene.arm.limits();
-  page.joint_names = e.scene.arm.joint_names();
-  page.lower = limits.lower;
-  page.upper = limits.upper;
-  page.speed = limits.speed;
-  page.torque = limits.torque;
+  const ArmLimits& limits = e.belief.arm.limits();
+  page.joint_names = e.belief.arm.joint_names();
+  page.joint_lower = limits.lower;
+  page.joint_upper = limits.upper;
+  page.joint_speed_limit = limits.speed;
+  page.torque_limit = limits.torque;
   for (const Eigen::Vector3d& p_P : picture.canvas_vertices)
     page.canvas_vertices.push_back(e.artwork.X_WP * p_P);
   page.canvas_triangles = picture.canvas_triangles;
-  if (e.scene.perception) {
-    page.cloud = e.scene.perception->cloud().points;
-    page.cloud_colour = packed_colours(e.scene.perception->cloud());
+  if (e.belief.perception) {
+    page.cloud_points = e.belief.perception->cloud().points;
+    page.cloud_colour = packed_colours(e.belief.perception->cloud());
   }
   add_maps(e, &page);
-  const Canvas* obstacle = e.scene.height_unknown() ? nullptr : e.scene.obstacle.get();
-  PostureCheck check(
-      e.scene.arm, obstacle, e.scene.start_q,
-      preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception != nullptr, e.plan.rest_q));
+  const Canvas* obstacle = e.belief.height_unknown() ? nullptr : e.belief.obstacle.get();
+  PostureCheck check(e.belief.arm, obstacle, e.belief.start_q,
+                     preflight_settings(e.scenario, e.artwork.X_WP, e.belief.perception != nullptr,
+                                        e.plan.rest_q));
   check.asked.pen = false;  // the tip touches the surface
   PathRows rows(e, check, &page);
   if (e.plan.path.duration() > 0.0)

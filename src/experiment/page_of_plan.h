@@ -13,7 +13,7 @@ namespace impedraw {
 // Postures follow each other as in the pre-flight, every 20 ms of the path's time, or in 6,000
 // steps where it takes longer. `picture`: of the same plan; its lines and surface are taken over.
 // `progress`: called now and then with the share done.
-PlanPage page_of_plan(PlannedDrawing& drawing, const PlanPicture& picture,
+PlanPage page_of_plan(const PlannedDrawing& drawing, const PlanPicture& picture,
                       const std::function<void(double)>& progress = {});
 
 }  // namespace impedraw

@@ -9,9 +9,9 @@
 namespace impedraw {
 
 // In flat noise finer patches are in use, at most, in places.
-bool is_rough(const Scene& scene, const Plan& plan) {
+bool is_rough(const Belief& belief, const Plan& plan) {
   constexpr double kOther = 0.02, kLeast = 0.1, kSpacing = 2e-3;  // [rad], [1], [m]
-  if (!scene.perception) return false;
+  if (!belief.perception) return false;
   const Pose& X_WP = plan.path_settings.X_WP;
   std::atomic<long> places = 0, other = 0;
   in_parallel(static_cast<int>(plan.strokes.size()), [&](int number) {
@@ -22,9 +22,9 @@ bool is_rough(const Scene& scene, const Plan& plan) {
       const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kSpacing)));
       for (int k = 1; k <= pieces; ++k) {
         const Eigen::Vector2d at = from + (to - from) * k / pieces;
-        const auto sample = scene.surface(at.x(), at.y(), last);
+        const auto sample = belief.surface(at.x(), at.y(), last);
         if (!sample) continue;
-        const SurfaceEstimate there = scene.perception->estimate(X_WP * sample->p_P);
+        const SurfaceEstimate there = belief.perception->estimate(X_WP * sample->p_P);
         ++places;
         other += there.status == SurfaceStatus::ok &&
                  there.n_W.cross(X_WP.R * sample->n_P).norm() > kOther;

@@ -1,8 +1,8 @@
 // The choice of the pen's axis by the surface's roughness, where the scenario leaves it open.
 #pragma once
 
+#include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/plan.h"
-#include "impedraw/experiment/scene.h"
 
 namespace impedraw {
 
@@ -12,7 +12,7 @@ namespace impedraw {
 // On a smooth surface the estimated normal is the better axis of the pen, also where a hand pushes
 // it off its line, and whatever pushes it aside is a hand. On a rough one the plan's smoothed
 // normals are the better axis, and the surface itself pushes the tip aside.
-bool is_rough(const Scene& scene, const Plan& plan);
+bool is_rough(const Belief& belief, const Plan& plan);
 
 inline constexpr double kRoughNormalError = 30.0;  // [deg]
 inline constexpr double kRoughFeltShare = 0.5;     // FeltNormalSettings

@@ -47,14 +47,14 @@ PlanLine plan_line(const PlacedStroke& stroke, const SurfaceHeight& surface, dou
 // The surface as the plan knows it: with cameras, that of the cloud, on a grid.
 void add_surface(const PlannedDrawing& e, PlanPicture* picture) {
   const Pose X_PW = e.artwork.X_WP.inverse();
-  if (!e.scene.perception) {
-    if (e.scene.height_unknown()) return;
-    for (const Eigen::Vector3d& v_W : e.scene.canvas->mesh().vertices)
+  if (!e.belief.perception) {
+    if (e.belief.height_unknown()) return;
+    for (const Eigen::Vector3d& v_W : e.belief.obstacle->mesh().vertices)
       picture->canvas_vertices.push_back(X_PW * v_W);
-    picture->canvas_triangles = e.scene.canvas->mesh().triangles;
+    picture->canvas_triangles = e.belief.obstacle->mesh().triangles;
     return;
   }
-  TriangleMesh grid = surface_grid(e.surface(), e.scene.perception->cloud(), X_PW);
+  TriangleMesh grid = surface_grid(e.surface(), e.belief.perception->cloud(), X_PW);
   picture->canvas_vertices = std::move(grid.vertices);
   picture->canvas_triangles = std::move(grid.triangles);
 }
@@ -87,11 +87,11 @@ PlanPicture picture_of_plan(const PlannedDrawing& e, const SurfaceHeight& surfac
     picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
   for (PlanLine& line : lines_of_findings(e, surface)) picture.lines.push_back(std::move(line));
   // The map of roughness: a dot for each point of the cloud.
-  if (e.scene.perception) {
+  if (e.belief.perception) {
     const Pose X_PW = e.artwork.X_WP.inverse();
     PlanLine dot{{Eigen::Vector3d::Zero()}, "rougher than the cameras resolve"};
-    for (const Eigen::Vector3d& p_W : e.scene.perception->cloud().points) {
-      if (!is_unresolved(e.scene.perception->roughness(p_W))) continue;
+    for (const Eigen::Vector3d& p_W : e.belief.perception->cloud().points) {
+      if (!is_unresolved(e.belief.perception->roughness(p_W))) continue;
       dot.points.front() = X_PW * p_W;
       picture.lines.push_back(dot);
     }

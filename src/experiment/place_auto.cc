@@ -10,8 +10,8 @@
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/experiment/start_posture.h"
 #include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/stroke_ruler.h"
@@ -60,7 +60,7 @@ std::vector<Point> points_of(const PlannedDrawing& e, int count) {
       const Vector2d p = ruler.at(own * i / pieces).p_P;
       if (const auto sample = e.surface()(p.x(), p.y(), last))
         points.push_back(
-            {sample->p_P, e.scene.perception ? sample->n_P : Vector3d(Vector3d::UnitZ())});
+            {sample->p_P, e.belief.perception ? sample->n_P : Vector3d(Vector3d::UnitZ())});
     }
   }
   while (static_cast<int>(points.size()) > 2 * count) {  // many short strokes: every second one
@@ -78,9 +78,10 @@ double not_drawable(const std::vector<Finding>& findings) {
 
 class Search {
  public:
-  explicit Search(PlannedDrawing& e)
+  explicit Search(const PlannedDrawing& e)
       : e_(e),
-        terms_(e.scene.arm.joints()),
+        arm_(e.belief.arm),
+        terms_(e.belief.arm.joints()),
         centre_(e.scenario.drawing.placement.centre_m),
         coarse_(points_of(e, kCoarse)),
         fine_(points_of(e, kFine)) {
@@ -94,14 +95,13 @@ class Search {
     IkSettings settings;
     settings.position_tolerance = settings.axis_tolerance = 1e-4;
     settings.max_steps = 60;
-    JointVector q = e_.scene.start_q;
+    JointVector q = e_.belief.start_q;
     double worst = 1.0;
     for (const Point& point : fine ? fine_ : coarse_) {
-      const IkResult posture =
-          find_posture(e_.scene.arm, {X * point.p_W, -(X.R * point.n_W)}, q, settings);
+      const IkResult posture = find_posture(arm_, {X * point.p_W, -(X.R * point.n_W)}, q, settings);
       if (posture.reached) {
         q = posture.q;
-        worst = std::min(worst, posture_margin(e_.scene.arm, &terms_, q));
+        worst = std::min(worst, posture_margin(arm_, &terms_, q));
       } else {
         worst = std::min(worst, -posture.position_error - kMarginLength * posture.axis_error);
       }
@@ -119,12 +119,11 @@ class Search {
     const auto middle = e_.surface()(centre.x(), centre.y());
     JointVector rest_q = e_.plan.rest_q;
     if (s.arm.q_0.empty() && middle)
-      rest_q =
-          find_posture(e_.scene.arm, {X * middle->p_P, -Vector3d::UnitZ()}, e_.scene.start_q).q;
+      rest_q = find_posture(arm_, {X * middle->p_P, -Vector3d::UnitZ()}, e_.belief.start_q).q;
     return not_drawable(
         check_strokes(
-            e_.plan.requested, e_.surface(), e_.scene.arm, nullptr, e_.scene.start_q,
-            preflight_settings(s, X * e_.artwork.X_WP, e_.scene.perception != nullptr, rest_q))
+            e_.plan.requested, e_.surface(), e_.belief.arm, nullptr, e_.belief.start_q,
+            preflight_settings(s, X * e_.artwork.X_WP, e_.belief.perception != nullptr, rest_q))
             .findings);
   }
 
@@ -176,7 +175,8 @@ class Search {
  private:
   Pose motion(const Candidate& c) const { return turned_about(centre_, c.move, c.turn_deg); }
 
-  PlannedDrawing& e_;
+  const PlannedDrawing& e_;
+  ArmModel arm_;
   ArmTerms terms_;
   Vector2d centre_;
   std::vector<Point> coarse_, fine_;
@@ -216,7 +216,7 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
   if (!scenario.canvas.motion.file.empty())
     throw InputError(
         "--place auto cannot move a recorded motion: canvas.motion.file must be empty");
-  PlannedDrawing e = prepare_plan(scenario, places, Unreachable::tell);
+  PreparedPlan e = prepare_plan(scenario, places, Unreachable::tell);
   // The place of a mesh that nobody has placed.
   Scenario given = scenario;
   given.canvas.move = e.scenario.canvas.move;

@@ -10,8 +10,8 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/text_fields.h"
-#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/scene.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/stroke_ruler.h"
 
@@ -80,11 +80,11 @@ std::vector<Vector2d> points_about_middle(const std::vector<PlacedStroke>& strok
 }
 
 // Effort of a candidate: how easily the arm reaches a place of the surface. At ease: 0; not: 1.
-std::function<double(const SurfaceSample&)> unreachable(Scene& scene, const Pose& X_WP,
+std::function<double(const SurfaceSample&)> unreachable(const Belief& belief, const Pose& X_WP,
                                                         const PreflightSettings& settings) {
   const auto check =
-      std::make_shared<PostureCheck>(scene.arm, scene.obstacle.get(), scene.start_q, settings);
-  return [check, X_WP, start_q = scene.start_q,
+      std::make_shared<PostureCheck>(belief.arm, belief.obstacle.get(), belief.start_q, settings);
+  return [check, X_WP, start_q = belief.start_q,
           upright = settings.vertical_pen](const SurfaceSample& at) {
     constexpr double kEasy = 0.4, kStrained = 0.05;  // joint margin [rad]; cost of none
     const Vector3d n = upright ? Vector3d(Vector3d::UnitZ()) : at.n_P;
@@ -95,9 +95,9 @@ std::function<double(const SurfaceSample&)> unreachable(Scene& scene, const Pose
 }
 
 // The surface that the planner knows, in P.
-std::vector<Vector3d> known_points(const Scene& scene, const Pose& X_WP) {
+std::vector<Vector3d> known_points(const Belief& belief, const Pose& X_WP) {
   std::vector<Vector3d> points =
-      scene.planning ? scene.planning->cloud().points : scene.canvas->mesh().vertices;
+      belief.planning ? belief.planning->cloud().points : belief.obstacle->mesh().vertices;
   for (Vector3d& p : points) p = X_WP.inverse() * p;
   return points;
 }
@@ -184,7 +184,7 @@ struct PlaceBench::Parts {
     there.drawing.placement = placement;
     const PlacedArtwork put = load_artwork(there.drawing, errors);
     try {
-      const Plan plan = make_plan(there, put, *scene, Unreachable::tell, errors);
+      const Plan plan = make_plan(there, put, scene->belief, Unreachable::tell, errors);
       double lost = 0.0;
       for (const Finding& f : plan.preflight.findings) {
         lost += f.part.length();
@@ -210,13 +210,13 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
   s.drawing.placement = placement_settings(s.drawing);
   const PlacedArtwork artwork = load_artwork(s.drawing, parts_->errors);
   const Pose X_WP = parts_->X_WP = artwork.X_WP;
-  Scene& scene = parts_->scene.emplace(build_scene(s, X_WP, parts_->errors, false));
-  if (scene.height_unknown())
+  const Belief& belief = parts_->scene.emplace(build_scene(s, X_WP, parts_->errors, false)).belief;
+  if (belief.height_unknown())
     throw InputError(
         "--place surface: nothing is known of the surface; valid is perception.enabled: true, or "
         "blind.height: canvas");
 
-  const std::vector<Vector3d> points = known_points(scene, X_WP);
+  const std::vector<Vector3d> points = known_points(belief, X_WP);
   PlaceSearchSettings settings;
   std::vector<Vector3d> points_W;
   for (const Vector3d& p : points) {
@@ -225,16 +225,16 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
   }
   settings.max_slope_deg = s.preflight.max_slope_deg;
   settings.unreachable = unreachable(
-      scene, X_WP, preflight_settings(s, X_WP, scene.perception != nullptr, scene.start_q));
+      belief, X_WP, preflight_settings(s, X_WP, belief.perception != nullptr, belief.start_q));
   if (const auto distance = distance_of(wish.near, points_W)) {
     settings.calm = kCalmIfNear;
     settings.near = [distance, X_WP](const Vector3d& p_P) { return kNear * distance(X_WP * p_P); };
   }
-  if (scene.perception)
-    settings.rough = [&scene, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
-      return scene.perception->roughness(X_WP * p_P).misfit / most;
+  if (belief.perception)
+    settings.rough = [&belief, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
+      return belief.perception->roughness(X_WP * p_P).misfit / most;
     };
-  parts_->search.emplace(scene.surface, settings);
+  parts_->search.emplace(belief.surface, settings);
 
   parts_->placing = {s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
   Eigen::AlignedBox2d box;
@@ -256,14 +256,13 @@ const std::vector<std::vector<Vector2d>>& PlaceBench::strokes() const { return p
 
 const TriangleMesh* PlaceBench::known_mesh() const {
   const Parts& p = *parts_;
-  return p.s.perception.source == PerceptionSource::simulated && p.scene->canvas
-             ? &p.scene->canvas->mesh()
-             : nullptr;
+  return p.s.perception.source == PerceptionSource::simulated ? &p.scene->truth.canvas->mesh()
+                                                              : nullptr;
 }
 
 std::vector<Vector3d> PlaceBench::cloud() const {
-  return parts_->scene->planning ? parts_->scene->planning->cloud().points
-                                 : std::vector<Vector3d>();
+  const auto& seen = parts_->scene->belief.planning;
+  return seen ? seen->cloud().points : std::vector<Vector3d>();
 }
 
 PlaceFound PlaceBench::given() const {
@@ -344,7 +343,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   result.scenario = parts.s;
   result.scenario.drawing.placement = best.placement;
   const Vector2d& middle = best.place.middle;
-  const auto under = parts.scene->surface(middle.x(), middle.y());
+  const auto under = parts.scene->belief.surface(middle.x(), middle.y());
   result.p_W = parts.X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
   result.turn_deg = best.place.turn_deg;
   result.share = best.share;

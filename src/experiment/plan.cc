@@ -1,11 +1,8 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -55,36 +52,31 @@ PathSettings unhindered(PathSettings s) {
 
 class Planning {
  public:
-  Planning(const Scenario& s, const PlacedArtwork& artwork, Scene& scene, Unreachable unreachable,
-           const SettingErrors& setting_errors, const PrepareProgress& progress)
+  Planning(const Scenario& s, const PlacedArtwork& artwork, const Belief& belief,
+           Unreachable unreachable, const SettingErrors& setting_errors,
+           const PrepareProgress& progress)
       : s_(s),
         artwork_(artwork),
-        scene_(scene),
+        belief_(belief),
         unreachable_(unreachable == Unreachable::refuse && s.drawing.skip_unreachable
                          ? Unreachable::skip
                          : unreachable),
         setting_errors_(setting_errors),
         progress_(progress),
-        seen_(scene.perception != nullptr),
-        true_surface_(canvas_height(scene.canvas, artwork.X_WP)) {}
+        seen_(belief.perception != nullptr) {}
 
   Plan make() {
     plan_.path_settings = path_settings();
     const std::vector<StrokePart> lost = lay_on_surface();
     plan_.load = {hardest(s_, artwork_.strokes), s_.control.friction.coefficient,
                   s_.control.torque_share};
-    plan_.rest_q = rest_posture(s_.arm, artwork_, plan_.requested, scene_, setting_errors_);
+    plan_.rest_q = rest_posture(s_.arm, artwork_, plan_.requested, belief_, setting_errors_);
     check(lost);
     for (bool done = false; !done;) {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });
       try {
         plan_path();
-        const std::vector<PlacedStroke> desired = desired_strokes();
-        const double looks = 2.0 * length_of(desired) / TargetSettings().spacing +
-                             static_cast<double>(desired.size());
-        plan_.target = project_target(
-            desired, told(judged_surface(), "projecting the target", 0.9, 0.98, looks));
-        plan_.rough = is_rough(scene_, plan_);
+        plan_.rough = is_rough(belief_, plan_);
         done = true;
       } catch (const OffSurface& off) {
         leave_out(off);  // an edge finer than the pre-flight's sampling
@@ -95,7 +87,6 @@ class Planning {
     note_roughness();
     note_spread_forces();
     plan_.pens = drawn_pens();
-    for (Eigen::Vector3d& p : plan_.target.points) p = artwork_.X_WP * p;
     return std::move(plan_);
   }
 
@@ -103,45 +94,15 @@ class Planning {
   void tell(const char* what, double share) const {
     if (progress_) progress_(what, share);
   }
-  const SurfaceHeight& surface() const { return scene_.surface; }
+  const SurfaceHeight& surface() const { return belief_.surface; }
   // The surface on which the pre-flight puts the arm: an unknown surface in the middle of where it
   // may be.
   SurfaceHeight checked_surface() const {
-    return scene_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
-                                   : surface();
+    return belief_.height_unknown() ? level_surface(0.5 * (s_.blind.plane_z + s_.blind.top_z))
+                                    : surface();
   }
   const Canvas* obstacle() const {
-    return scene_.height_unknown() ? nullptr : scene_.obstacle.get();
-  }
-  // The target's surface, which judges only: the true sheet nearest to what was planned. A request
-  // beside an unknown canvas stays where it is.
-  SurfaceHeight judged_surface() const {
-    if (seen_) return nearest_sheet(scene_.canvas, artwork_.X_WP, surface());
-    if (!scene_.height_unknown()) return true_surface_;
-    return SurfaceHeight([canvas = true_surface_, level = surface()](double x, double y) {
-      const auto on_canvas = canvas(x, y);
-      return on_canvas ? on_canvas : level(x, y);
-    });
-  }
-
-  // The surface, which tells the progress while a step looks at it: about `expected` times. Threads
-  // share the looks; this one alone tells.
-  SurfaceHeight told(SurfaceHeight surface, const char* what, double from, double to,
-                     double expected) const {
-    if (!progress_) return surface;
-    return [this, surface = std::move(surface), what, from, to, expected,
-            looks = std::make_shared<std::atomic<long>>(0),
-            teller = std::this_thread::get_id()](double x, double y, SurfaceHeight::Sample& last) {
-      const long n = ++*looks;
-      if (n % 128 == 0 && std::this_thread::get_id() == teller)
-        tell(what, from + (to - from) * std::min(1.0, static_cast<double>(n) / expected));
-      return surface(x, y, last);
-    };
-  }
-  static double length_of(const std::vector<PlacedStroke>& strokes) {
-    double length = 0.0;
-    for (const PlacedStroke& stroke : strokes) length += plane_length(stroke);
-    return length;
+    return belief_.height_unknown() ? nullptr : belief_.obstacle.get();
   }
   Eigen::Vector3d z_WP() const { return artwork_.X_WP.R.col(2); }
   const PlacedStroke& requested(int number) const {
@@ -167,16 +128,14 @@ class Planning {
   void leave_out(const OffSurface& off);
   bool leave_out_crawling();
   void take_away(std::size_t drawable, double from, double to, Finding finding);
-  std::vector<PlacedStroke> desired_strokes() const;
 
   const Scenario& s_;
   const PlacedArtwork& artwork_;
-  Scene& scene_;
+  const Belief& belief_;
   Unreachable unreachable_;
   const SettingErrors& setting_errors_;
   const PrepareProgress& progress_;
   bool seen_;
-  SurfaceHeight true_surface_;
   double wrap_doubt_ = 0.0;      // [m]
   std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
   Plan plan_;
@@ -189,14 +148,14 @@ PathSettings Planning::path_settings() const {
   if (has_sensor(s_.control.source))
     path.start_hold = std::max(path.start_hold, s_.control.sensing.tare_time + 1.0);
   if (seen_) return path;
-  if (scene_.height_unknown()) {
+  if (belief_.height_unknown()) {
     const BlindSettings& blind = s_.blind;
     if (!(blind.plane_z < blind.top_z))
       setting_errors_.raise({"blind.top_z", "blind.plane_z"},
                             fmt::format("blind.top_z = {} m must lie above blind.plane_z = {} m",
                                         blind.top_z, blind.plane_z));
     path.highest_z = blind.top_z;
-    if (scene_.by_touch()) {
+    if (belief_.by_touch()) {
       if (s_.control.source == WrenchSource::none)
         setting_errors_.raise({"control.wrench", "blind.height"},
                               "blind.height is touch, which needs a wrench: control.wrench is "
@@ -211,10 +170,10 @@ PathSettings Planning::path_settings() const {
     setting_errors_.raise({"control.stiffness_normal"},
                           "control.stiffness_normal is 0 N/m, but without perception it produces "
                           "the normal force; must be more than 0 N/m");
-  if (scene_.height_unknown()) return path;
+  if (belief_.height_unknown()) return path;
   path.sink = s_.control.normal_force / s_.control.stiffness.linear.normal;
   double highest = -1e9;
-  for (const Eigen::Vector3d& v_W : scene_.canvas->mesh().vertices)
+  for (const Eigen::Vector3d& v_W : belief_.obstacle->mesh().vertices)
     highest = std::max(highest, z_WP().dot(v_W - artwork_.X_WP.p));
   path.highest_z = highest;
   return path;
@@ -223,7 +182,7 @@ PathSettings Planning::path_settings() const {
 PreflightSettings Planning::preflight_settings() const {
   PreflightSettings s = impedraw::preflight_settings(s_, artwork_.X_WP, seen_, plan_.rest_q);
   s.normal_force = plan_.load.normal_force;
-  s.height_error = height_error(scene_);
+  s.height_error = height_error(belief_);
   return s;
 }
 
@@ -247,7 +206,7 @@ std::vector<StrokePart> Planning::lay_on_surface() {
 // the cells cannot be laid flat with them.
 double Planning::wrap_doubt() const {
   const Pose& X_WP = artwork_.X_WP;
-  const auto& seen = scene_.perception;
+  const auto& seen = belief_.perception;
   if (!seen || std::ranges::none_of(plan_.wrap->chart().patch().samples, [&](const auto& s) {
         return seen->finer_share(X_WP * s.p_P) > 0.0;
       }))
@@ -315,13 +274,13 @@ std::optional<DrawnPens> Planning::drawn_pens() const {
 
 // The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
 void Planning::name_step(Finding* f) const {
-  if (!scene_.perception || f->problem != Problem::off_canvas) return;
-  if (scene_.planning->in_crease(f->p_W)) {
+  if (!belief_.perception || f->problem != Problem::off_canvas) return;
+  if (belief_.planning->in_crease(f->p_W)) {
     f->problem = Problem::crease;
     f->text = "two sides of the surface meet at over 60° here, and the tip would touch both";
     return;
   }
-  const Roughness there = scene_.perception->roughness(f->p_W);
+  const Roughness there = belief_.perception->roughness(f->p_W);
   const double height = 2e3 * there.misfit, width = 2e3 * there.radius;  // [mm]
   if (there.misfit > Roughness::kStepMisfit) {
     f->problem = Problem::fold;
@@ -363,8 +322,8 @@ void Planning::leave_to_run(std::vector<Finding>* findings) {
 
 void Planning::check(const std::vector<StrokePart>& lost) {
   plan_.preflight = setting_errors_.locate({"preflight"}, [&] {
-    return check_strokes(plan_.requested, checked_surface(), scene_.arm, obstacle(), scene_.start_q,
-                         preflight_settings(),
+    return check_strokes(plan_.requested, checked_surface(), belief_.arm, obstacle(),
+                         belief_.start_q, preflight_settings(),
                          [&](double share) { tell("checking the strokes", 0.3 + 0.35 * share); });
   });
   if (may_move()) leave_to_run(&plan_.preflight.findings);
@@ -411,11 +370,11 @@ void Planning::promise() {
 }
 
 void Planning::note_roughness() {
-  if (!scene_.perception || may_move()) return;
+  if (!belief_.perception || may_move()) return;
   // Noise of the cameras cannot be told from a rough surface.
   if (s_.perception.noise.sigma_at_1m > 0.0 || s_.perception.source != PerceptionSource::simulated)
     return;
-  if (auto note = roughness_note(plan_.strokes, surface(), artwork_.X_WP, *scene_.perception))
+  if (auto note = roughness_note(plan_.strokes, surface(), artwork_.X_WP, *belief_.perception))
     plan_.notes.push_back(*std::move(note));
 }
 
@@ -423,18 +382,20 @@ void Planning::note_roughness() {
 void Planning::plan_path() {
   // Each round shortens or leaves out at least one, where ways are barred by more than the last.
   for (double share = 0.1; !plan_.strokes.empty();) {
-    const double looks = 3.0 * length_of(plan_.strokes) / plan_.path_settings.knot_spacing +
+    const double looks = 3.0 * plane_length(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
-    plan_.path = plan_from(
-        plan_.path_settings, told(surface(), "planning the path", 0.65, 0.8, looks), plan_.strokes,
-        s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold, stroke_limits(scene_, plan_));
+    const auto tell_path = [&](double done) { tell("planning the path", 0.65 + 0.15 * done); };
+    plan_.path =
+        plan_from(plan_.path_settings, progress_ ? counted(surface(), looks, tell_path) : surface(),
+                  plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold,
+                  stroke_limits(belief_, plan_, plan_.path_settings));
     if (leave_out_crawling()) {
       promise();
       continue;
     }
     if (!s_.preflight.arm) return;
     std::vector<Finding> transitions = check_transitions(
-        plan_.path, plan_.strokes, scene_.arm, obstacle(), scene_.start_q, preflight_settings(),
+        plan_.path, plan_.strokes, belief_.arm, obstacle(), belief_.start_q, preflight_settings(),
         [&](double done) { tell("checking the ways between strokes", 0.8 + 0.1 * done); });
     if (may_move())
       std::erase_if(transitions, [](const Finding& f) { return passes_with_canvas(f.problem); });
@@ -548,18 +509,6 @@ bool Planning::leave_out_crawling() {
   return !slow.empty();
 }
 
-// The desired strokes lie on the true canvas, not on the perceived one. A wrap is judged by the
-// cells that the plan laid flat: those about what is promised alone make another map.
-std::vector<PlacedStroke> Planning::desired_strokes() const {
-  if (!plan_.wrap) return plan_.preflight.findings.empty() ? artwork_.desired : plan_.strokes;
-  std::vector<PlacedStroke> desired = plan_.strokes;
-  if (!seen_) return desired;
-  for (PlacedStroke& stroke : desired)
-    for (std::size_t i = 0; i < stroke.page.size(); ++i)
-      stroke.p_P[i] = artwork_.placement.to_plane(stroke.page[i]);
-  return plan_.wrap->laid_on(judged_surface()).wrap(desired).strokes;
-}
-
 }  // namespace
 
 PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP, bool seen,
@@ -576,18 +525,18 @@ PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP,
   return s;
 }
 
-std::function<double(const Eigen::Vector3d&)> height_error(const Scene& scene) {
-  if (!scene.perception) return {};
+std::function<double(const Eigen::Vector3d&)> height_error(const Belief& belief) {
+  if (!belief.perception) return {};
   // The misfit is an RMS.
-  return [seen = scene.perception](const Eigen::Vector3d& p_W) {
+  return [seen = belief.perception](const Eigen::Vector3d& p_W) {
     return 2.0 * seen->roughness(p_W).misfit;
   };
 }
 
-Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& scene,
+Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, const Belief& belief,
                Unreachable unreachable, const SettingErrors& setting_errors,
                const PrepareProgress& progress) {
-  return Planning(scenario, artwork, scene, unreachable, setting_errors, progress).make();
+  return Planning(scenario, artwork, belief, unreachable, setting_errors, progress).make();
 }
 
 namespace {
@@ -613,14 +562,13 @@ std::vector<double> finer_bend(const SurfaceEstimator& seen, const Pose& X_WP,
 
 }  // namespace
 
-SpanLimits stroke_limits(Scene& scene, const Plan& plan) {
+SpanLimits stroke_limits(const Belief& belief, const Plan& plan, const PathSettings& settings) {
   const SpanLimits joints =
-      JointRates(scene.arm, plan.path_settings, scene.start_q, plan.rest_q, plan.load);
-  if (!scene.perception) return joints;
-  return [joints, seen = scene.perception, X_WP = plan.path_settings.X_WP,
-          fastest = plan.path_settings.normal_speed,
-          acceleration = plan.path_settings.normal_acceleration](const PathSpline& spline,
-                                                                 std::vector<SpeedSpan>* spans) {
+      JointRates(belief.arm, settings, belief.start_q, plan.rest_q, plan.load);
+  if (!belief.perception) return joints;
+  return [joints, seen = belief.perception, X_WP = settings.X_WP, fastest = settings.normal_speed,
+          acceleration = settings.normal_acceleration](const PathSpline& spline,
+                                                       std::vector<SpeedSpan>* spans) {
     const std::vector<double> bend = finer_bend(*seen, X_WP, spline);
     for (std::size_t i = 0; i < spans->size(); ++i) {
       const double at = (spline.start(i) + spline.end(i)) / 2.0;

@@ -1,5 +1,5 @@
-// Stage 3 of an experiment, PlacedArtwork + Scene → Plan: the strokes to draw, the tip path and the
-// target line. Needs no controller and moves nothing.
+// Stage 3 of an experiment, PlacedArtwork + Belief → Plan: the strokes to draw and the tip path.
+// Needs no controller and moves nothing.
 #pragma once
 
 #include <functional>
@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "impedraw/experiment/artwork.h"
+#include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/experiment/scene.h"
 #include "impedraw/metrics/pens.h"
 #include "impedraw/planning/path/tip_planner.h"
 #include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/preflight/preflight.h"
-#include "impedraw/planning/target.h"
 #include "impedraw/planning/wrap/wrap.h"
 #include "impedraw/settings/setting_error.h"
 
@@ -32,12 +31,11 @@ struct Plan {
   // For a canvas that may move: what fails where it is before it has been watched, with the
   // artwork's numbers. The run checks again where it will be.
   std::vector<Finding> where_it_is;
-  // The promised strokes: the drawable parts in order, numbered from 0 as in target, path and log.
+  // The promised strokes: the drawable parts in order, numbered from 0 as in path and log.
   std::vector<PlacedStroke> strokes;
   DrawingLoad load;            // on the arm, while the pen is down
   PathSettings path_settings;  // the planner's; a sensor must be tared within start_hold
   TipPath path;                // empty if nothing can be drawn
-  TargetLine target;           // on the true canvas, in W
   bool rough = false;          // as is_rough() (pen_axis.h)
   // Of `strokes`; none if all are drawn by one pen whose width does not change with its force.
   std::optional<DrawnPens> pens;
@@ -53,13 +51,13 @@ using PrepareProgress = std::function<void(const char* what, double share)>;
 
 // Throws InputError: one line that names the error, its location and what is valid. Deterministic.
 // The scenario's drawing.skip_unreachable turns `refuse` into `skip`.
-Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, Scene& scene,
+Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, const Belief& belief,
                Unreachable unreachable, const SettingErrors& setting_errors,
                const PrepareProgress& progress = {});
 
 // Limits along strokes that the path alone does not show: of the arm's joints (joint_rates.h), and
-// where the surface is rougher than it is known, path.normal_speed. Refers to scene and plan.
-SpanLimits stroke_limits(Scene& scene, const Plan& plan);
+// where the surface is rougher than it is known, path.normal_speed.
+SpanLimits stroke_limits(const Belief& belief, const Plan& plan, const PathSettings& settings);
 
 // A separate path for some strokes or parts of strokes. It starts at p_WE, at rest, after `hold`
 // seconds.

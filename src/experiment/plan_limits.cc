@@ -36,14 +36,10 @@ constexpr Lifted kLimits[] = {
     {"path.draw_acceleration", [](PathSettings& s) { s.draw_acceleration = 20.0; }},
 };
 
-TipPath path_with(PlannedDrawing& e, const PathSettings& settings) {
-  PathSettings own = e.plan.path_settings;
-  std::swap(own, e.plan.path_settings);
-  e.plan.path_settings = settings;
-  const SpanLimits limits = stroke_limits(e.scene, e.plan);
-  std::swap(own, e.plan.path_settings);
+TipPath path_with(const PlannedDrawing& e, const PathSettings& settings) {
   return plan_from(settings, e.surface(), e.plan.strokes, e.scenario.arm.start_p_WE,
-                   e.artwork.X_WP.R.col(2), settings.start_hold, limits);
+                   e.artwork.X_WP.R.col(2), settings.start_hold,
+                   stroke_limits(e.belief, e.plan, settings));
 }
 
 std::string stroke_list(const std::vector<int>& strokes) {
@@ -60,7 +56,7 @@ bool is_unresolved(const Roughness& r) noexcept {
   return r.slope > kUnresolved && r.misfit > kLeastMisfit;
 }
 
-PlanLimits plan_limits(PlannedDrawing& e) {
+PlanLimits plan_limits(const PlannedDrawing& e) {
   PlanLimits found;
   if (e.plan.strokes.empty()) return found;
   const TipPath& path = e.plan.path;
@@ -87,7 +83,7 @@ PlanLimits plan_limits(PlannedDrawing& e) {
     }
     found.costs.push_back(cost);
   }
-  if (!e.scene.perception) return found;
+  if (!e.belief.perception) return found;
   SurfaceHeight::Sample last;
   long places = 0, rough = 0;
   for (const PlacedStroke& stroke : e.plan.strokes) {
@@ -98,7 +94,7 @@ PlanLimits plan_limits(PlannedDrawing& e) {
       const auto sample = e.surface()(at.p_P.x(), at.p_P.y(), last);
       if (!sample) continue;
       const Eigen::Vector3d p_W = e.artwork.X_WP * sample->p_P;
-      const Roughness roughness = e.scene.perception->roughness(p_W);
+      const Roughness roughness = e.belief.perception->roughness(p_W);
       ++places;
       if (!is_unresolved(roughness)) continue;
       ++rough;

@@ -40,7 +40,7 @@ struct PlanLimits {
 bool is_unresolved(const Roughness& roughness) noexcept;
 
 // Plans the path again with each limit lifted in turn; the drawing does not change.
-PlanLimits plan_limits(PlannedDrawing& drawing);
+PlanLimits plan_limits(const PlannedDrawing& drawing);
 
 // Lines for the terminal; with `suggest`, also settings to try, each with its reason.
 std::string plan_limits_text(const PlannedDrawing& drawing, const PlanLimits& limits, bool suggest);

@@ -96,7 +96,7 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
   json["size_mm"] = {size.x(), size.y()};
   json["notes"] = notes_of(e);
   json["time_s"] = e.plan.path.duration();
-  json["start_q"] = std::vector<double>(e.scene.start_q.begin(), e.scene.start_q.end());
+  json["start_q"] = std::vector<double>(e.belief.start_q.begin(), e.belief.start_q.end());
   json["distortion"] = {{"projected", distortion_json(projected_distortion(e))}};
   if (e.plan.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped_distortion(e));
   const PreflightMargins& m = e.plan.preflight.margins;

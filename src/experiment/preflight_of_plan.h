@@ -3,8 +3,8 @@
 
 #include <functional>
 
+#include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/experiment/scene.h"
 #include "impedraw/planning/preflight/preflight.h"
 
 namespace impedraw {
@@ -14,7 +14,7 @@ PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP,
                                      const JointVector& rest_q);
 
 // By how much the surface, as perceived, may be off [m]; for PreflightSettings::height_error.
-// Refers to the scene.
-std::function<double(const Eigen::Vector3d&)> height_error(const Scene& scene);
+// Refers to the belief.
+std::function<double(const Eigen::Vector3d&)> height_error(const Belief& belief);
 
 }  // namespace impedraw

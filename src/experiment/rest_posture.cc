@@ -31,17 +31,18 @@ JointVector given_rest_posture(const std::vector<double>& given, const ArmModel&
 }  // namespace
 
 JointVector rest_posture(const ArmSettings& settings, const PlacedArtwork& artwork,
-                         const std::vector<PlacedStroke>& strokes, Scene& scene,
+                         const std::vector<PlacedStroke>& strokes, const Belief& belief,
                          const SettingErrors& setting_errors) {
-  if (!settings.q_0.empty()) return given_rest_posture(settings.q_0, scene.arm, setting_errors);
+  if (!settings.q_0.empty()) return given_rest_posture(settings.q_0, belief.arm, setting_errors);
   const Eigen::Vector2d centre = artwork.placement.centre_m;
-  auto middle = scene.surface(centre.x(), centre.y());
+  auto middle = belief.surface(centre.x(), centre.y());
   for (std::size_t i = 0; i < strokes.size() && !middle; ++i) {
     const Eigen::Vector2d p = strokes[i].p_P[strokes[i].p_P.size() / 2];
-    middle = scene.surface(p.x(), p.y());
+    middle = belief.surface(p.x(), p.y());
   }
   const Eigen::Vector3d p_WE = middle ? artwork.X_WP * middle->p_P : settings.start_p_WE;
-  return find_posture(scene.arm, {p_WE, -artwork.X_WP.R.col(2)}, scene.start_q).q;
+  ArmModel arm = belief.arm;
+  return find_posture(arm, {p_WE, -artwork.X_WP.R.col(2)}, belief.start_q).q;
 }
 
 }  // namespace impedraw

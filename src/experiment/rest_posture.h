@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "impedraw/experiment/artwork.h"
-#include "impedraw/experiment/scene.h"
+#include "impedraw/experiment/belief.h"
 
 namespace impedraw {
 
@@ -12,7 +12,7 @@ namespace impedraw {
 // there is none, at the middle of the first of `strokes` that has one. Throws InputError if q_0 is
 // not a posture of the arm.
 JointVector rest_posture(const ArmSettings& settings, const PlacedArtwork& artwork,
-                         const std::vector<PlacedStroke>& strokes, Scene& scene,
+                         const std::vector<PlacedStroke>& strokes, const Belief& belief,
                          const SettingErrors& setting_errors);
 
 }  // namespace impedraw

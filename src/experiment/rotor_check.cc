@@ -34,7 +34,7 @@ T late(std::deque<T>* line, const T& now, double time, double dt) {
 
 }  // namespace
 
-double kick_left(const RotorRehearsal& rehearsal, ArmModel& arm, const Eigen::VectorXd& unknown) {
+double kick_left(const RotorRehearsal& rehearsal, ArmModel arm, const Eigen::VectorXd& unknown) {
   const ControlSetup& setup = rehearsal.setup;
   const ImpedanceSettings& s = setup.impedance;
   const double dt = s.timing.dt;
@@ -92,7 +92,7 @@ double kick_left(const RotorRehearsal& rehearsal, ArmModel& arm, const Eigen::Ve
   return std::sqrt(last / first);
 }
 
-double rotor_inertia_borne(const RotorRehearsal& rehearsal, ArmModel& arm) {
+double rotor_inertia_borne(const RotorRehearsal& rehearsal, const ArmModel& arm) {
   const auto holds = [&](double x) {
     return kick_left(rehearsal, arm, Eigen::VectorXd::Constant(arm.joints(), x)) <= kMostLeft;
   };
@@ -101,7 +101,7 @@ double rotor_inertia_borne(const RotorRehearsal& rehearsal, ArmModel& arm) {
   return borne;
 }
 
-void check_rotors(const Scenario& s, const ControlSetup& setup, ArmModel& arm,
+void check_rotors(const Scenario& s, const ControlSetup& setup, const ArmModel& arm,
                   const Eigen::VectorXd& q, std::vector<std::string>* notes,
                   const SettingErrors& setting_errors) {
   const bool simulated = s.arm.driver == ArmDriver::sim;

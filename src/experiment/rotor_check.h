@@ -27,17 +27,17 @@ inline constexpr double kMostLeft = 0.7;
 
 // The share of a kick that is left; more than 1 for a motion that grows. unknown: true rotor
 // inertia less the model's, per joint [kg m²].
-double kick_left(const RotorRehearsal& rehearsal, ArmModel& arm, const Eigen::VectorXd& unknown);
+double kick_left(const RotorRehearsal& rehearsal, ArmModel arm, const Eigen::VectorXd& unknown);
 
 // The greatest unknown rotor inertia, the same on every joint, up to which every kick dies away
 // [kg m²]; 0 if the least that is asked about is not borne; at most kMostRotor.
 inline constexpr double kMostRotor = 2.0;
-double rotor_inertia_borne(const RotorRehearsal& rehearsal, ArmModel& arm);
+double rotor_inertia_borne(const RotorRehearsal& rehearsal, const ArmModel& arm);
 
 // For a simulated arm, throws InputError if its true rotors differ from the model's by more than
 // the law bears. A note says what the law bears, for an arm whose rotors differ or are not
 // simulated.
-void check_rotors(const Scenario& s, const ControlSetup& setup, ArmModel& arm,
+void check_rotors(const Scenario& s, const ControlSetup& setup, const ArmModel& arm,
                   const Eigen::VectorXd& q, std::vector<std::string>* notes,
                   const SettingErrors& setting_errors);
 

@@ -505,12 +505,13 @@ void describe(Fields& f, ObserverSettings& s) {
       "empty: 0.5 % of the joint's torque limit, at least 1.5 Nm.");
 }
 
-void describe(Fields& f, FeltNormalSettings& s) {
-  using Limits = FeltNormalSettings::Limits;
-  f.field(Limits::share, s.share,
-          "Of the felt normal, beyond the deviation, in the normal that the law follows. 0: the "
-          "force tells nothing of the surface. Where it is not given: 0, but 0.5 where the surface "
-          "under the drawing is rough.");
+void describe(Fields& f, GivenFeltNormal& s) {
+  using Limits = GivenFeltNormal::Limits;
+  f.field(
+      Limits::share, s.share,
+      "Of the felt normal, beyond the deviation, in the normal that the law follows. 0: the "
+      "force tells nothing of the surface. null: 0, but 0.5 where the surface under the drawing "
+      "is rough.");
   f.field(Limits::deviation, s.deviation,
           "Tangent of the angle between felt and perceived normal below which the perceived one is "
           "believed.");
@@ -617,11 +618,10 @@ void describe(Fields& f, ControlSettings& s) {
   f.field(Limits::normal_bandwidth, s.surface.normal_bandwidth,
           "Bandwidth of the filter of the surface normal.");
   f.choice(
-      "pen_axis", s.surface.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
+      "pen_axis", s.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
       "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated normal "
-      "at "
-      "the tip. Where it is not given: surface, but plan where the surface under the drawing is "
-      "rough. The pen pushes along the estimated normal either way.");
+      "at the tip. null: surface, but plan where the surface under the drawing is rough. The pen "
+      "pushes along the estimated normal either way.");
   f.field(Limits::tip_radius, s.tip.radius, "Modelled radius of the tip.");
   f.field(Limits::tip_stiffness, s.tip.stiffness,
           "Modelled stiffness of the tip along the normal; 0: rigid.");
@@ -629,10 +629,10 @@ void describe(Fields& f, ControlSettings& s) {
           "Modelled coefficient of friction: the part of a measured wrench that tip friction can "
           "explain.");
   f.field(
-      Limits::normal_error, s.friction.normal_error_deg,
+      Limits::normal_error, s.normal_error_deg,
       "The estimated normal may err by this angle. The part of a measured wrench that the error "
-      "explains, up to its tangent times the normal force, does not push the pen aside. Where it "
-      "is not given: 0, but 30 where the surface under the drawing is rough.");
+      "explains, up to its tangent times the normal force, does not push the pen aside. null: 0, "
+      "but 30 where the surface under the drawing is rough.");
   f.field(Limits::friction_feedforward, s.friction.feedforward,
           "Modelled coefficient of friction that is compensated along a stroke without a measured "
           "wrench.");
@@ -881,6 +881,18 @@ void describe(Fields& f, Scenario& s) {
   f.field("pens", s.pens, "Pens of layers of their own.");
   f.field("pushes", s.pushes, "Pushes on the pen or the arm, as by a hand.");
   f.field("faults", s.faults, "Faults that are injected on purpose.");
+}
+
+bool is_rehearsal(const Scenario& s) {
+  return s.canvas.kind == CanvasKind::seen && s.arm.driver == ArmDriver::sim;
+}
+
+std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
+  if (tool.kind != ToolKind::pad) return std::nullopt;
+  PadSettings pad{
+      tool.radius, tool.foam_thickness, tool.foam_stiffness, tool.foam_damping, friction, 0.0};
+  pad.rest = force / (pad.stiffness * pad.area());
+  return pad;
 }
 
 }  // namespace impedraw

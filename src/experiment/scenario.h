@@ -29,7 +29,7 @@
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_settings.h"
 #include "impedraw/settings/schema.h"
-#include "impedraw/simulation/world.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 
@@ -231,12 +231,25 @@ struct JointSensingSettings {
   using Limits = JointStateEstimatorSettings::Limits;
 };
 
+// FeltNormalSettings of a scenario.
+struct GivenFeltNormal {
+  std::optional<double> share;  // none: by the surface's roughness (pen_axis.h)
+  double deviation = FeltNormalSettings().deviation;
+  double force_error = FeltNormalSettings().force_error;
+
+  using Limits = FeltNormalSettings::Limits;
+};
+
 // The control law and the source of its wrench. control.wrench, dt, torque limits, joint ranges and
 // null_space.stiffness follow from the other settings and the arm.
 struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
   JointSensingSettings joint_sensing;
+  // By the surface's roughness (pen_axis.h) where they are absent.
+  std::optional<PenAxis> pen_axis;
+  std::optional<double> normal_error_deg;
+  GivenFeltNormal felt_normal;
   // Along the normal, for inertia: shaped; absent: the least of shaped_inertia, or more where the
   // wrench comes late (control_setup.cc) [kg].
   std::optional<double> mass_normal;
@@ -254,8 +267,6 @@ struct ControlSettings : ImpedanceSettings {
     static constexpr Limit torque_share = {"torque_share", "", {0.01, 1.0}};
     static constexpr Limit joint_speed_share = {"joint_speed_share", "", {0.01, 1.0}};
   };
-
-  ControlSettings() { surface.pen_axis = PenAxis::plan; }
 };
 
 // A push on the pen or on a link of the arm, like that of a hand.
@@ -315,6 +326,9 @@ struct Scenario {
     static constexpr Limit seed = {"seed", "", {0, 1e9}};
   };
 };
+
+// The simulated world is made of what was seen: there is no truth to judge against.
+bool is_rehearsal(const Scenario& scenario);
 
 void describe(Fields& f, Scenario& s);
 

@@ -145,21 +145,21 @@ const std::vector<std::string> kHowSeen = {"perception.region_lower",
                                            "perception",
                                            "canvas"};
 
-void know_canvas(const Scenario& s, Snapshot snapshot, Scene* scene) {
-  scene->perception = std::make_shared<const SurfaceEstimator>(std::move(snapshot.seen));
-  scene->planning = std::make_shared<const PlanSurface>(
-      scene->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
+void know_canvas(const Scenario& s, const Canvas& as_set_up, Snapshot snapshot, Belief* belief) {
+  belief->perception = std::make_shared<const SurfaceEstimator>(std::move(snapshot.seen));
+  belief->planning = std::make_shared<const PlanSurface>(
+      belief->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
       s.preflight.roughest);
-  TriangleMesh obstacle = seen_facets(*scene->perception, s.perception.voxel);
+  TriangleMesh obstacle = seen_facets(*belief->perception, s.perception.voxel);
   if (snapshot.beside.points.size() >= static_cast<std::size_t>(s.perception.normals.k))
     append(seen_facets(SurfaceEstimator(std::move(snapshot.beside), s.perception.normals),
                        s.perception.voxel),
            &obstacle);
   // Beyond the region, which no camera is asked about, the canvas is where it was set up.
-  append(outside_box(scene->canvas->mesh(),
+  append(outside_box(as_set_up.mesh(),
                      Eigen::AlignedBox3d(s.perception.region_lower, s.perception.region_upper)),
          &obstacle);
-  scene->obstacle = std::make_shared<const Canvas>(std::move(obstacle));
+  belief->obstacle = std::make_shared<const Canvas>(std::move(obstacle));
 }
 
 // The canvas of which nothing is known but what was seen.
@@ -259,21 +259,9 @@ CanvasMotion canvas_motion(const Scenario& s) {
 
 }  // namespace
 
-std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
-  if (tool.kind != ToolKind::pad) return std::nullopt;
-  PadSettings pad{
-      tool.radius, tool.foam_thickness, tool.foam_stiffness, tool.foam_damping, friction, 0.0};
-  pad.rest = force / (pad.stiffness * pad.area());
-  return pad;
-}
-
-bool is_rehearsal(const Scenario& s) {
-  return s.canvas.kind == CanvasKind::seen && s.arm.driver == ArmDriver::sim;
-}
-
 void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& setting_errors) {
-  check_joint_settings(s, urdf_of(s.arm), scene.arm, setting_errors);
-  check_pushes(s, *scene.world, setting_errors);
+  check_joint_settings(s, urdf_of(s.arm), scene.belief.arm, setting_errors);
+  check_pushes(s, *scene.truth.world, setting_errors);
   check_frames(s, setting_errors);
 }
 
@@ -314,33 +302,33 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   setting_errors.locate({"canvas.motion"}, [&] { world->move_canvas(canvas_motion(s)); });
   check_pushes(s, *world, setting_errors);
   check_frames(s, setting_errors);
-  Scene scene{.canvas = std::move(canvas),
-              .arm = std::move(arm),
-              .start_q = {},
-              .world = std::move(world),
-              .perception = {},
-              .planning = {},
-              .surface = {},
-              .obstacle = {},
-              .blind = s.blind,
-              .notes = std::move(notes)};
-  const auto touching = [&scene](const JointVector& q) {
-    scene.world->set_state(q, JointVector::Zero(q.size()));
-    return scene.world->touching_link();
+  Scene scene{.belief = {.arm = std::move(arm),
+                         .start_q = {},
+                         .perception = {},
+                         .planning = {},
+                         .surface = {},
+                         .obstacle = canvas,
+                         .blind = s.blind,
+                         .notes = std::move(notes)},
+              .truth = {std::move(canvas), std::move(world)}};
+  Belief& belief = scene.belief;
+  const Truth& truth = scene.truth;
+  const auto touching = [&truth](const JointVector& q) {
+    truth.world->set_state(q, JointVector::Zero(q.size()));
+    return truth.world->touching_link();
   };
-  scene.start_q = start_posture(s.arm, scene.arm, X_WP, about_drawing(s, scene.canvas, X_WP),
-                                setting_errors, touching, &scene.notes);
-  scene.obstacle = scene.canvas;
+  belief.start_q = start_posture(s.arm, belief.arm, X_WP, about_drawing(s, truth.canvas, X_WP),
+                                 setting_errors, touching, &belief.notes);
   if (s.perception.enabled && !read)
     setting_errors.locate(kHowSeen, [&] {
-      read.emplace(take_snapshot(s, *scene.canvas, *scene.world, scene.arm, scene.start_q));
+      read.emplace(take_snapshot(s, *truth.canvas, *truth.world, belief.arm, belief.start_q));
     });
-  if (read) know_canvas(s, std::move(*read), &scene);
-  if (scene.planning)
-    scene.surface = perceived_height(scene.planning, X_WP);
+  if (read) know_canvas(s, *truth.canvas, std::move(*read), &belief);
+  if (belief.planning)
+    belief.surface = perceived_height(belief.planning, X_WP);
   else
-    scene.surface = s.blind.height == BlindHeight::canvas ? canvas_height(scene.canvas, X_WP)
-                                                          : level_surface(s.blind.top_z);
+    belief.surface = s.blind.height == BlindHeight::canvas ? canvas_height(belief.obstacle, X_WP)
+                                                           : level_surface(s.blind.top_z);
   return scene;
 }
 

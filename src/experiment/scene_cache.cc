@@ -69,7 +69,8 @@ Scene SceneCache::take(Scenario& s, const Pose& X_WP, const SettingErrors& setti
   move_ = s.canvas.move = found->move;
   start_ = s.arm.start_p_WE = found->start;
   kept_.erase(found);
-  scene.world->set_state(scene.start_q, JointVector::Zero(scene.arm.joints()));
+  const Belief& belief = scene.belief;
+  scene.truth.world->set_state(belief.start_q, JointVector::Zero(belief.arm.joints()));
   ++reused_;
   return scene;
 }

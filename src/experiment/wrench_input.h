@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "impedraw/sensing/wrench_estimator.h"
-#include "impedraw/simulation/wrench_sensor.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

@@ -25,7 +25,7 @@
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/judge/force_metrics.h"
 #include "impedraw/judge/workpiece.h"
-#include "impedraw/simulation/canvas_motion.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

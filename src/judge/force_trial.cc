@@ -48,9 +48,9 @@ struct Torque {
 
 // The three controllers, behind one step.
 struct ForceBench::Law {
-  Law(Experiment& e, const DriverInfo& info, ForceController controller, const Workpiece& believed,
-      double approach_speed)
-      : arm(e.scene.arm), terms(arm.joints()) {
+  Law(const Experiment& e, const DriverInfo& info, ForceController controller,
+      const Workpiece& believed, double approach_speed)
+      : arm(e.belief.arm), terms(arm.joints()) {
     if (controller == ForceController::ours) {
       ControlSetup setup = e.control;
       setup.impedance.approach.speed = approach_speed;
@@ -88,16 +88,16 @@ struct ForceBench::Law {
     return !loop || (*loop)->tared();
   }
 
-  ArmModel& arm;
+  ArmModel arm;
   ArmTerms terms;  // of the last step
   std::variant<std::monostate, std::unique_ptr<ControlLoop>, CrispLaw, FeedforwardLaw> law;
 };
 
-ForceBench::ForceBench(Experiment& e, const DriverMaker& make_driver, bool has_sensor)
+ForceBench::ForceBench(Prepared& e, const DriverMaker& make_driver, bool has_sensor)
     : e_(e), as_given_(e.scenario) {
   piece_.p_W += e.scenario.canvas.move;
   if (!make_driver) return;
-  driver_ = make_driver(e.scene.start_q);
+  driver_ = make_driver(e.belief.start_q, nullptr);
   if (driver_->info().wrench != WrenchReading::tip && !has_sensor)
     throw InputError(
         "judge-force: nothing measures the force: this arm gives no wrench at its tip; valid is "
@@ -122,14 +122,14 @@ void ForceBench::set_shape(Workpiece::Shape shape) {
   WorldSettings settings = as_given_.world;
   settings.flange_sensor = has_sensor(as_given_.control.source);
   if (settings.errors.rotor_inertia.empty()) {
-    const Eigen::VectorXd& rotors = e_.scene.arm.rotor_inertia();
+    const Eigen::VectorXd& rotors = e_.belief.arm.rotor_inertia();
     settings.errors.rotor_inertia.assign(rotors.begin(), rotors.end());
   }
   Workpiece piece = piece_;
   piece.shape = shape;
-  e_.scene.world.reset();
-  e_.scene.canvas = std::make_shared<Canvas>(piece.mesh());
-  e_.scene.world = std::make_unique<World>(urdf_of(as_given_.arm), e_.scene.canvas.get(), settings);
+  e_.truth.world.reset();
+  e_.truth.canvas = std::make_shared<Canvas>(piece.mesh());
+  e_.truth.world = std::make_unique<World>(urdf_of(as_given_.arm), e_.truth.canvas.get(), settings);
   shape_ = shape;
 }
 
@@ -149,28 +149,28 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
   const TipMaterial tip = as_given_.world.tip;
 
   const auto programme_from = [&](const JointVector& q) {
-    const Pose X_WE = e_.scene.arm.tip_pose(q);
+    const Pose X_WE = ArmModel(e_.belief.arm).tip_pose(q);
     return ForceProgramme(c, believed, X_WE.p, -X_WE.R.col(2));
   };
   std::optional<SimulatedArm> simulated;
   Driver* driver = driver_.get();
   World* world = nullptr;
   if (!driver) {
-    const double start = programme_from(e_.scene.start_q).start();
+    const double start = programme_from(e_.belief.start_q).start();
     set_shape(c.shape);
-    world = e_.scene.world.get();
+    world = e_.truth.world.get();
     world->move_canvas(motion(c, start));
     world->set_tip(tip);
     e_.scenario.seed = as_given_.seed + seed;
     simulated.emplace(
-        e_, e_.scene.start_q,
+        e_, e_.belief.start_q,
         c.hand ? Disturbances(*c.hand, start + ForceProgramme::kHand) : Disturbances());
     driver = &*simulated;
     driver->start();
   }
   // A driven arm's last state of the run before waits for its answer.
   const ArmState* state = driver_ && state_ ? state_ : &driver->read();
-  const ForceProgramme programme = programme_from(world ? e_.scene.start_q : state->q);
+  const ForceProgramme programme = programme_from(world ? e_.belief.start_q : state->q);
 
   ForceRun run;
   run.record.reserve(static_cast<std::size_t>(programme.leave() / driver->info().period) + 1);

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/judge/force_case.h"
 #include "impedraw/judge/force_metrics.h"
 #include "impedraw/run/draw_into.h"
@@ -64,7 +64,7 @@ class ForceBench {
   // experiment: with an arm and its control set-up; its canvas is replaced. make_driver: as
   // draw_into()'s. has_sensor: the force is in a file (SensorFile). Throws InputError where nothing
   // measures the force, and what starting throws.
-  ForceBench(Experiment& experiment, const DriverMaker& make_driver, bool has_sensor);
+  ForceBench(Prepared& experiment, const DriverMaker& make_driver, bool has_sensor);
   ~ForceBench();
 
   // The arm is simulated here.
@@ -81,7 +81,7 @@ class ForceBench {
   void set_shape(Workpiece::Shape shape);
   CanvasMotion motion(const ForceCase& c, double start) const;
 
-  Experiment& e_;
+  Prepared& e_;
   Workpiece piece_;
   Scenario as_given_;
   std::unique_ptr<Driver> driver_;         // null: a simulated arm for each run

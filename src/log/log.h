@@ -103,27 +103,30 @@ struct LogRow {
   }
 };
 
-// Data that is constant during a run.
-struct RunLogHeader {
+// Data that is constant during a run, as a log keeps it and gives it back.
+struct RunDescription {
   std::vector<std::string> joint_names;  // n, 1 … kMaxJoints
-  Eigen::VectorXd joint_lower, joint_upper,
-      torque_limit;                   // n; [rad], [rad], [Nm]; ± inf if unlimited
-  Eigen::VectorXd joint_speed_limit;  // n; [rad/s]; inf if unlimited; empty: not known
-  bool joint_sensor = false;          // the rows have measured joint positions and velocities
-  bool line_width = false;            // the rows have the width of the drawn line
-  bool moving_canvas = false;         // the rows have the pose of the canvas's frame K
-  std::vector<std::string>
-      torque_terms;  // at most kMaxTorqueTerms, each the name of a dataset /torque/<term>
-  std::vector<std::string> mode_names;           // of LogRow::mode
+  std::vector<std::string> mode_names;   // of LogRow::mode
+  // n; [rad], [rad], [Nm]; ± inf if unlimited
+  Eigen::VectorXd joint_lower, joint_upper, torque_limit;
+  Eigen::VectorXd joint_speed_limit;             // n; [rad/s]; inf if unlimited; empty: not known
   std::vector<Eigen::Vector3d> canvas_vertices;  // the true canvas [m]
   std::vector<Eigen::Vector3i> canvas_triangles;
-  std::vector<Eigen::Vector3d> cloud_points,
-      cloud_normals;              // the controller's cloud [m]; empty without perception
-  std::vector<int> cloud_camera;  // index of the camera that saw the point
-  std::vector<int> cloud_colour;  // 0xRRGGBB; may be empty
+  std::vector<Eigen::Vector3d> cloud_points;      // the controller's [m]; empty without perception
+  std::vector<int> cloud_colour;                  // 0xRRGGBB; empty, or one each
   std::vector<Eigen::Vector3d> target_points;     // the artwork projected on the true canvas [m]
   std::vector<int> target_stroke;                 // stroke of each point; non-decreasing
   std::map<std::string, std::string> attributes;  // of the file's root: scenario, seed, version …
+};
+
+struct RunLogHeader : RunDescription {
+  bool joint_sensor = false;   // the rows have measured joint positions and velocities
+  bool line_width = false;     // the rows have the width of the drawn line
+  bool moving_canvas = false;  // the rows have the pose of the canvas's frame K
+  // At most kMaxTorqueTerms, each the name of a dataset /torque/<term>.
+  std::vector<std::string> torque_terms;
+  std::vector<Eigen::Vector3d> cloud_normals;
+  std::vector<int> cloud_camera;  // index of the camera that saw the point
   LogRate rate = LogRate::full;
   double dt = 1e-3;  // of a control step [s]
 };

@@ -18,14 +18,7 @@ namespace impedraw {
 namespace {
 
 RunConstants constants(const LogReader& log) {
-  RunConstants c;
-  const RunLogHeader& header = log.header();
-  c.joint_names = header.joint_names;
-  c.mode_names = header.mode_names;
-  c.joint_lower = header.joint_lower;
-  c.joint_upper = header.joint_upper;
-  c.torque_limit = header.torque_limit;
-  c.joint_speed_limit = header.joint_speed_limit;
+  RunConstants c{log.header(), log.wall(), log.cut_short()};
   c.canvas_vertices = log.points("/canvas/vertices");
   c.canvas_triangles = log.triples("/canvas/triangles");
   c.cloud_points = log.points("/cloud/points");
@@ -37,8 +30,6 @@ RunConstants constants(const LogReader& log) {
   if (c.target_stroke.size() != c.target_points.size())
     log.fail("/target/points and /target/stroke differ in length");
   require_valid(log, c);
-  c.wall = log.wall();
-  c.attributes = header.attributes;
   return c;
 }
 
@@ -152,19 +143,7 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepCheck
 
 RunRecorder::RunRecorder(const RunLogHeader& header)
     : steps_(header), terms_(!header.torque_terms.empty()) {
-  run_.joint_names = header.joint_names;
-  run_.mode_names = header.mode_names;
-  run_.joint_lower = header.joint_lower;
-  run_.joint_upper = header.joint_upper;
-  run_.torque_limit = header.torque_limit;
-  run_.joint_speed_limit = header.joint_speed_limit;
-  run_.canvas_vertices = header.canvas_vertices;
-  run_.canvas_triangles = header.canvas_triangles;
-  run_.cloud_points = header.cloud_points;
-  run_.cloud_colour = header.cloud_colour;
-  run_.target_points = header.target_points;
-  run_.target_stroke = header.target_stroke;
-  run_.attributes = header.attributes;
+  static_cast<RunDescription&>(run_) = header;
 }
 
 void RunRecorder::add(const LogRow& row) { add_step(steps_.measure(row), terms_, &run_); }
@@ -179,7 +158,6 @@ RunData read_run(const std::filesystem::path& path) {
   try {
     RunData run;
     static_cast<RunConstants&>(run) = constants(log);
-    run.cut_short = log.cut_short();
     reserve(&run, log.steps());
     RunRows chunk;
     StepChecks checks(log);

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,26 +21,15 @@
 
 namespace impedraw {
 
-// Data that is constant during a run. Units and frames as in log.h.
-struct RunConstants {
-  using Points = std::vector<Eigen::Vector3d>;
-
-  std::vector<std::string> joint_names, mode_names;
-  Eigen::VectorXd joint_lower, joint_upper, torque_limit;
-  Eigen::VectorXd joint_speed_limit;  // empty: not known
-  Points canvas_vertices;
-  std::vector<Eigen::Vector3i> canvas_triangles;
-  Points cloud_points;
-  std::vector<int> cloud_colour;  // 0xRRGGBB; empty, or one each
-  Points target_points;
-  std::vector<int> target_stroke;
+struct RunConstants : RunDescription {
   WallTimes wall;          // NaN if the run was killed before it closed its log
   bool cut_short = false;  // the file lost its end: the steps are what is left
-  std::map<std::string, std::string> attributes;  // the root's text attributes
 };
 
 // n control steps.
 struct RunData : RunConstants {
+  using Points = std::vector<Eigen::Vector3d>;
+
   std::vector<double> time;  // [s]
   std::vector<double> f;     // contact force · outward normal [N], 0 out of contact, NaN unknown
   Points contact_point;      // [m]; NaN out of contact

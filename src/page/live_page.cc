@@ -8,13 +8,6 @@ namespace impedraw {
 
 namespace {
 
-nlohmann::json no_series(PackedColumns& columns) {
-  return {{"time", columns.add(std::vector<double>{}, 1.0)},
-          {"rows_per_point", 1.0},
-          {"terms", nlohmann::json::array()},
-          {"series", nlohmann::json::array()}};
-}
-
 nlohmann::json target_of(PackedColumns& columns, const RunLogHeader& header) {
   std::vector<double> begins;
   std::vector<int> strokes;
@@ -54,30 +47,15 @@ PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
                          const PageContext& context) {
   using Json = nlohmann::json;
   PackedColumns columns;
-  Json out;
-  out["format"] = 1;
-  out["kind"] = "live";
-  out["name"] = out["title"] = page.title;
+  Json out = begun_page(columns, "live", page.title, header, context);
   out["live"] = {
       {"columns", live_columns(header)}, {"duration", page.duration}, {"strokes", page.strokes}};
-  out["attributes"] = Json::object();
-  for (const auto& [key, value] : header.attributes)
-    if (key != "settings" && key != "promise" && value.size() < 200) out["attributes"][key] = value;
   out["definitions"] = Json::array();
   out["metrics"] = out["limits"] = out["strokes"] = Json::object();
   out["scenario"] = page.scenario;
   out["closed"] = out["complete"] = true;
   out["duration"] = 0.0;
-  out["joints"] = {{"names", header.joint_names},
-                   {"lower", numbers_json(header.joint_lower)},
-                   {"upper", numbers_json(header.joint_upper)},
-                   {"speed", numbers_json(header.joint_speed_limit)},
-                   {"torque", numbers_json(header.torque_limit)}};
-  out["modes"] = header.mode_names;
-  add_context(columns, context, header.joint_names, &out);
   out["spans"] = Json::array();
-  out["canvas"] = mesh_json(columns, header.canvas_vertices, header.canvas_triangles);
-  out["cloud"] = cloud_json(columns, header.cloud_points, header.cloud_colour);
   out["target"] = target_of(columns, header);
   const Json none = columns.add(std::vector<double>{}, 1.0), nowhere = {none, none, none};
   out["ink"] = {{"points", nowhere}, {"time", none},   {"force", none},
@@ -88,8 +66,8 @@ PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
       {"tip", nowhere},   {"pen_axis", nowhere},
       {"force", nowhere}, {"normal", nowhere},
       {"mode", none},     {"stroke", none}};
-  out["step_plots"] = out["joint_plots"] = no_series(columns);
-  out["torque_plots"] = no_series(columns);
+  out["step_plots"] = out["joint_plots"] = no_plots(columns);
+  out["torque_plots"] = no_plots(columns);
   out["torque_plots"]["terms"] = header.torque_terms;
   out["step_times"] = nullptr;
   out["pictures"] = Json::array();

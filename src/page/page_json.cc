@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "impedraw/metrics/promise.h"
+
 namespace impedraw {
 namespace {
 
@@ -131,16 +133,37 @@ Json pictures_json(PackedColumns& columns, const std::vector<PagePicture>& pictu
   return out;
 }
 
-void add_context(PackedColumns& columns, const PageContext& context,
-                 const std::vector<std::string>& joints, Json* out) {
-  Json& page = *out;
+Json no_plots(PackedColumns& columns) {
+  return {{"time", columns.add(std::vector<double>{}, 1.0)},
+          {"rows_per_point", 1.0},
+          {"terms", Json::array()},
+          {"series", Json::array()}};
+}
+
+Json begun_page(PackedColumns& columns, const char* kind, const std::string& title,
+                const RunDescription& run, const PageContext& context, PageMesh* canvas) {
+  Json page;
+  page["format"] = 1;
+  page["kind"] = kind;
+  page["name"] = page["title"] = title;
+  page["attributes"] = Json::object();
+  for (const auto& [key, value] : run.attributes)
+    if (key != "settings" && key != kPromiseAttribute && key != kEndingAttribute &&
+        value.size() < 200)
+      page["attributes"][key] = value;
+  page["joints"] = {{"names", run.joint_names},
+                    {"lower", numbers_json(run.joint_lower)},
+                    {"upper", numbers_json(run.joint_upper)},
+                    {"speed", numbers_json(run.joint_speed_limit)},
+                    {"torque", numbers_json(run.torque_limit)}};
+  page["modes"] = run.mode_names;
   page["version"] = IMPEDRAW_VERSION;
   page["commit"] = commit();
   page["command"] = context.command;
   page["settings"] = Json::array();
   for (const PageSetting& s : context.settings)
     page["settings"].push_back({s.name, s.value, s.initial, s.unit, s.help});
-  page["arm"] = arm_json(columns, context, joints);
+  page["arm"] = arm_json(columns, context, run.joint_names);
   page["arm_notice"] = context.meshes.empty() ? "" : context.meshes_notice;
   page["cameras"] = Json::array();
   for (const PageCamera& c : context.cameras)
@@ -150,6 +173,10 @@ void add_context(PackedColumns& columns, const PageContext& context,
   page["drawing_axis"] = vector_json(context.R_WP.col(2));
   page["drawing_up"] = vector_json(context.R_WP.col(0));
   page["ink_width_mm"] = context.ink_width;
+  page["canvas"] =
+      mesh_json(columns, run.canvas_vertices, run.canvas_triangles, 16000, kCanvasOff, canvas);
+  page["cloud"] = cloud_json(columns, run.cloud_points, run.cloud_colour);
+  return page;
 }
 
 std::string text_of_file(const std::filesystem::path& path) {

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "impedraw/log/log.h"
 #include "impedraw/page/packed_columns.h"
 #include "impedraw/page/page.h"
 #include "impedraw/page/page_mesh.h"
@@ -38,10 +39,15 @@ nlohmann::json cloud_json(PackedColumns& columns, const std::vector<Eigen::Vecto
 // Pictures that exist, with their content.
 nlohmann::json pictures_json(PackedColumns& columns, const std::vector<PagePicture>& pictures);
 
-// version, commit, command, settings, arm, arm_notice, cameras, drawing_axis, drawing_up,
-// ink_width_mm
-void add_context(PackedColumns& columns, const PageContext& context,
-                 const std::vector<std::string>& joints, nlohmann::json* out);
+// Plots without a point.
+nlohmann::json no_plots(PackedColumns& columns);
+
+// What every page begins with: format, kind, name, title; of the run, attributes, joints, modes,
+// canvas, cloud; of the context, version, commit, command, settings, arm, arm_notice, cameras,
+// drawing_axis, drawing_up, ink_width_mm. `canvas`: what became of its mesh.
+nlohmann::json begun_page(PackedColumns& columns, const char* kind, const std::string& title,
+                          const RunDescription& run, const PageContext& context,
+                          PageMesh* canvas = nullptr);
 
 // The content of a file; empty if there is none.
 std::string text_of_file(const std::filesystem::path& path);

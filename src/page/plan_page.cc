@@ -8,13 +8,6 @@ namespace impedraw {
 
 namespace {
 
-nlohmann::json empty_plots(PackedColumns& columns) {
-  return {{"time", columns.add(std::vector<double>{}, 1.0)},
-          {"rows_per_point", 1.0},
-          {"terms", nlohmann::json::array()},
-          {"series", nlohmann::json::array()}};
-}
-
 nlohmann::json findings_json(PackedColumns& columns, const std::vector<PageFinding>& findings) {
   nlohmann::json out = nlohmann::json::array();
   for (const PageFinding& f : findings)
@@ -34,30 +27,17 @@ nlohmann::json findings_json(PackedColumns& columns, const std::vector<PageFindi
 PagePayload make_payload(const PlanPage& plan, const PageContext& context) {
   using Json = nlohmann::json;
   PackedColumns columns;
-  Json out;
-  out["format"] = 1;
-  out["kind"] = "plan";
-  out["name"] = out["title"] = plan.title;
-  out["attributes"] = Json::object();
+  PageMesh mesh;
+  Json out = begun_page(columns, "plan", plan.title, plan, context, &mesh);
   out["definitions"] = Json::array();
   out["metrics"] = out["limits"] = out["strokes"] = Json::object();
   out["plan"] = Json::parse(plan.numbers);
   out["scenario"] = plan.scenario;
   out["closed"] = out["complete"] = true;
   out["duration"] = plan.time.empty() ? 0.0 : plan.time.back();
-  out["joints"] = {{"names", plan.joint_names},
-                   {"lower", numbers_json(plan.lower)},
-                   {"upper", numbers_json(plan.upper)},
-                   {"speed", numbers_json(plan.speed)},
-                   {"torque", numbers_json(plan.torque)}};
-  out["modes"] = plan.phases;
-  add_context(columns, context, plan.joint_names, &out);
   out["spans"] = Json::array();
   for (const Eigen::Vector3d& span : plan.spans)
     out["spans"].push_back({static_cast<int>(span[0]), span[1], span[2]});
-  PageMesh mesh;
-  out["canvas"] =
-      mesh_json(columns, plan.canvas_vertices, plan.canvas_triangles, 16000, kCanvasOff, &mesh);
   out["maps"] = Json::array();
   for (const PageMap& map : plan.maps)
     out["maps"].push_back(series_json(
@@ -66,7 +46,6 @@ PagePayload make_payload(const PlanPage& plan, const PageContext& context) {
           columns.add(
               mesh.vertices.size(), [&](std::size_t i) { return map.value(mesh.vertices[i]); },
               map.quantum)}}));
-  out["cloud"] = cloud_json(columns, plan.cloud, plan.cloud_colour);
   out["findings"] = findings_json(columns, plan.findings);
   out["target"] = {{"points", points_json(columns, {}, 1.0)},
                    {"covered", columns.add(std::vector<double>{}, 1.0)},
@@ -111,7 +90,7 @@ PagePayload make_payload(const PlanPage& plan, const PageContext& context) {
   for (std::size_t j = 0; j < plan.joint_names.size(); ++j)
     plots["series"].push_back(series_json("position_" + std::to_string(j), "position", "rad",
                                           {{"low", scene["joints"][j]}}));
-  out["joint_plots"] = out["torque_plots"] = empty_plots(columns);
+  out["joint_plots"] = out["torque_plots"] = no_plots(columns);
   out["step_times"] = nullptr;
   out["pictures"] = pictures_json(columns, plan.pictures);
   return {out.dump(-1, ' ', false, Json::error_handler_t::replace), columns.bytes()};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/log/log.h"
 #include "impedraw/page/page.h"
 
 namespace impedraw {
@@ -34,16 +35,13 @@ struct PageFinding {
   Eigen::VectorXd q{};  // posture at the worst point, or the nearest found; empty: none
 };
 
-struct PlanPage {
+// Of the run that is planned: joints, limits and cloud; the canvas as the plan knows it; the names
+// of the path's phases as its modes.
+struct PlanPage : RunDescription {
   std::string title;
   std::string scenario;        // as YAML
   std::string numbers = "{}";  // JSON: what plan.json holds
   std::vector<PagePicture> pictures{};
-  std::vector<std::string> joint_names{};
-  Eigen::VectorXd lower{}, upper{}, speed{}, torque{};  // the joints' limits; ± [rad, rad/s, Nm]
-  std::vector<Eigen::Vector3d> canvas_vertices{}, cloud{};  // W
-  std::vector<int> cloud_colour{};                          // 0xRRGGBB; may be empty
-  std::vector<Eigen::Vector3i> canvas_triangles{};
   std::vector<PageMap> maps{};
   std::vector<PageFinding> findings{};
 
@@ -51,8 +49,7 @@ struct PlanPage {
   std::vector<double> time{};  // [s]
   std::vector<Eigen::VectorXd> q{};
   std::vector<Eigen::Vector3d> tip_W{}, pen_axis_W{}, normal_W{};
-  std::vector<std::string> phases{};
-  std::vector<double> phase{};   // index in `phases`
+  std::vector<double> phase{};   // index in mode_names
   std::vector<double> stroke{};  // −1: none
   std::vector<PageSeries> series{};
 

@@ -374,14 +374,6 @@ Json step_times(const RunData& run) {
   return {{"edges", edges}, {"counts", counts}};
 }
 
-Json about_json(const RunData& run) {
-  Json attributes = Json::object();
-  for (const auto& [key, value] : run.attributes)
-    if (key != "settings" && key != "promise" && key != kEndingAttribute && value.size() < 200)
-      attributes[key] = value;
-  return attributes;
-}
-
 }  // namespace
 
 PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch& drawn,
@@ -390,12 +382,9 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
     if (context.check) context.check();
   };
   PackedColumns columns;
-  Json out;
-  out["format"] = 1;
-  out["kind"] = "run";
-  out["name"] = page.name.empty() ? page.title : page.name;
-  out["title"] = page.title;
-  out["attributes"] = about_json(run);
+  Json out = begun_page(columns, "run", page.title, run, context);
+  if (!page.name.empty()) out["name"] = page.name;
+  step();
   out["definitions"] = Json::array();
   for (const MetricDefinition& d : metric_definitions())
     out["definitions"].push_back({{"name", d.name}, {"unit", d.unit}, {"meaning", d.meaning}});
@@ -408,20 +397,10 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
   out["closed"] = std::isfinite(run.wall.loop) || !strokes.empty();
   out["strokes"] = Json::parse(strokes.empty() ? "{}" : strokes, nullptr, false);
   if (out["strokes"].is_discarded()) out["strokes"] = Json::object();
-  out["joints"] = {{"names", run.joint_names},
-                   {"lower", numbers_json(run.joint_lower)},
-                   {"upper", numbers_json(run.joint_upper)},
-                   {"speed", numbers_json(run.joint_speed_limit)},
-                   {"torque", numbers_json(run.torque_limit)}};
-  out["modes"] = run.mode_names;
-  add_context(columns, context, run.joint_names, &out);
   out["spans"] = Json::array();
   for (const StrokeSpan& span : drawn.spans)
     out["spans"].push_back({span.stroke, run.time[span.begin], run.time[span.end - 1]});
 
-  out["canvas"] = mesh_json(columns, run.canvas_vertices, run.canvas_triangles);
-  step();
-  out["cloud"] = cloud_json(columns, run.cloud_points, run.cloud_colour);
   out["target"] = target_json(columns, run, drawn);
   step();
   const double duration = run.time.empty() ? 0.0 : run.time.back() - run.time.front();

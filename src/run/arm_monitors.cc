@@ -14,12 +14,12 @@ ArmMonitors::ArmMonitors(const Experiment& e, const Driver& driver, const RunHoo
     : driver_(driver),
       hooks_(hooks),
       tare_(e.plan.path_settings.start_hold, e.control.estimator.tare_time),
-      reading_(driver.info(), e.scene.arm.limits().speed, e.scene.arm.limits().torque,
+      reading_(driver.info(), e.belief.arm.limits().speed, e.belief.arm.limits().torque,
                e.scenario.arm.wrench_delay, feels(e)),
       fences_(e.scenario.fence, feels(e)),
-      speed_(e.scene.arm.limits().speed, e.scene.arm.joint_names()),
+      speed_(e.belief.arm.limits().speed, e.belief.arm.joint_names()),
       rattle_(e.control.impedance.stability_check.contact_stiffness_max,
-              e.scene.perception && feels(e)) {}
+              e.belief.perception && feels(e)) {}
 
 Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool blocked) {
   const Reaction::State state = reaction.state();

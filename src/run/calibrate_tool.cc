@@ -7,7 +7,6 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/minimum_jerk.h"
-#include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
 
@@ -30,7 +29,7 @@ Eigen::Vector3d wrist_turn(int i) {
 // Holds the arm by joint stiffness, and averages what the sensor reads.
 class Mover {
  public:
-  Mover(ArmModel& arm, Driver& driver)
+  Mover(const ArmModel& arm, Driver& driver)
       : arm_(arm),
         driver_(driver),
         dt_(driver.info().period),
@@ -65,7 +64,7 @@ class Mover {
   const ArmState& state() const { return *state_; }
 
  private:
-  ArmModel& arm_;
+  ArmModel arm_;
   Driver& driver_;
   double dt_;
   ArmTerms terms_;
@@ -80,10 +79,10 @@ JointVector within_range(const JointVector& q, const ArmLimits& limits) {
 
 }  // namespace
 
-ToolCalibration calibrate_tool(Experiment& e, Driver& driver, int poses, double rest) {
+ToolCalibration calibrate_tool(const Experiment& e, Driver& driver, int poses, double rest) {
   if (driver.info().wrench != WrenchReading::sensor)
     throw InputError("control.wrench: there is no sensor to read; valid are sensor, realistic");
-  ArmModel& arm = e.scene.arm;
+  ArmModel arm = e.belief.arm;
   if (arm.joints() < 3)
     throw InputError(fmt::format("arm.urdf: {} joints cannot turn the tool; at least 3 are needed",
                                  arm.joints()));
@@ -91,9 +90,9 @@ ToolCalibration calibrate_tool(Experiment& e, Driver& driver, int poses, double 
   Mover mover(arm, driver);
 
   ToolCalibration calibration;
-  JointVector from = e.scene.start_q;
+  JointVector from = e.belief.start_q;
   for (int i = 0; i < poses; ++i) {
-    JointVector to = e.scene.start_q;
+    JointVector to = e.belief.start_q;
     to.tail<3>() += wrist_turn(i);
     to = within_range(to, arm.limits());
     const Vector6 reading = mover.move(from, to, rest);
@@ -105,11 +104,6 @@ ToolCalibration calibrate_tool(Experiment& e, Driver& driver, int poses, double 
   }
   calibration.found = identify_tool(calibration.poses, {0.0, 0.0, -e.scenario.world.gravity});
   return calibration;
-}
-
-ToolCalibration calibrate_tool(Experiment& e, int poses, double rest) {
-  SimulatedArm arm(e, e.scene.start_q, Disturbances());
-  return calibrate_tool(e, arm, poses, rest);
 }
 
 }  // namespace impedraw

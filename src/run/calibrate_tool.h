@@ -18,9 +18,7 @@ struct ToolCalibration {
 // averages the reading over the last half. Joint stiffness plus modelled gravity hold the arm: it
 // must come to rest, but where matters little. Throws InputError if the experiment has no sensor or
 // the joint ranges leave no room.
-ToolCalibration calibrate_tool(Experiment& experiment, Driver& driver, int poses = 8,
+ToolCalibration calibrate_tool(const Experiment& experiment, Driver& driver, int poses = 8,
                                double rest = 1.0);
-// The same with the simulated arm.
-ToolCalibration calibrate_tool(Experiment& experiment, int poses = 8, double rest = 1.0);
 
 }  // namespace impedraw

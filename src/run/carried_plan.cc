@@ -28,11 +28,12 @@ constexpr double kAgain = 0.25;       // the next decision, where a window's edg
 
 }  // namespace
 
-CarriedPlan::CarriedPlan(Experiment& experiment, double first_time)
+CarriedPlan::CarriedPlan(const Experiment& experiment, double first_time)
     : e_(experiment),
       first_time_(first_time),
       checks_(preflight_settings(experiment.scenario, experiment.artwork.X_WP,
-                                 experiment.scene.perception != nullptr, experiment.plan.rest_q)) {}
+                                 experiment.belief.perception != nullptr, experiment.plan.rest_q)) {
+}
 
 int CarriedPlan::number_of(int stroke) const {
   const Plan& plan = e_.plan;
@@ -43,7 +44,7 @@ int CarriedPlan::number_of(int stroke) const {
 TipPath CarriedPlan::plan(const std::vector<StrokePart>& parts, const Vector3d& p_K,
                           const Vector3d& n_K, double hold) const {
   return plan_from(e_.plan.path_settings, e_.surface(), strokes_of(e_, parts), p_K, n_K, hold,
-                   stroke_limits(e_.scene, e_.plan));
+                   stroke_limits(e_.belief, e_.plan, e_.plan.path_settings));
 }
 
 // The first fault of the path, if it is begun now.
@@ -67,7 +68,7 @@ std::optional<CarriedFault> CarriedPlan::fault(const TipPath& path, const Canvas
       return follower.in_world(in_K);
     };
   }
-  return check_carried(carried, e_.scene.arm, e_.scene.obstacle.get(), pen.q, checks_, 0.0,
+  return check_carried(carried, e_.belief.arm, e_.belief.obstacle.get(), pen.q, checks_, 0.0,
                        kHorizon);
 }
 
@@ -103,7 +104,7 @@ bool CarriedPlan::holds(const TipPath& path, double planned, const CanvasForecas
   if (next == path.strokes().size()) return true;
   const CarriedPath carried{
       &path, pen.time - planned, [&](double time) { return forecast.at(time); }, {}};
-  return !check_carried(carried, e_.scene.arm, e_.scene.obstacle.get(), pen.q, checks_, planned,
+  return !check_carried(carried, e_.belief.arm, e_.belief.obstacle.get(), pen.q, checks_, planned,
                         path.strokes()[next].approach);
 }
 
@@ -131,7 +132,7 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
   double between = 0.0;
   for (std::size_t i = 0; i < times.size(); ++i) {
     const StrokePlaces of = places_of(out.path, i, places);
-    jobs.push_back({of.duration, reach_windows(of, course, e_.scene.arm, pen.q, checks_, pen.time,
+    jobs.push_back({of.duration, reach_windows(of, course, e_.belief.arm, pen.q, checks_, pen.time,
                                                pen.time + kHorizon, step)});
     hover.push_back(out.path.at(times[i].approach).reference);
     if (i > 0) between += (times[i].approach - times[i - 1].end) / (count - 1.0);
@@ -172,10 +173,11 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
     out.until = first.start - (join_to(first.job) + down);
     // Nearer, if there is time.
     const Vector3d place = forecast.at(first.start) * hover[first.job].p_WD + kWaitAbove * up;
+    ArmModel arm = e_.belief.arm;
     const double move = 1.875 * (place - pen.X_WE.p).norm() / e_.plan.path_settings.travel_speed;
     if (!pen.joined && move > 1.0 &&
         first.start > pen.time + move + CanvasFollower::kJoin + down + kSoon &&
-        find_posture(e_.scene.arm, {place, pen.X_WE.R.col(2)}, pen.q).reached) {
+        find_posture(arm, {place, pen.X_WE.R.col(2)}, pen.q).reached) {
       out.place_W = place;
       out.until = pen.time + move;
     }

@@ -56,7 +56,7 @@ class CarriedPlan {
   static constexpr double kSure = 3.0;      // explained motion after which a verdict is final [s]
 
   // first_time: when the run began, for messages [s].
-  CarriedPlan(Experiment& experiment, double first_time);
+  CarriedPlan(const Experiment& experiment, double first_time);
 
   // parts: what shall be drawn, in the planned order. Takes some milliseconds for each stroke.
   CarriedDecision decide(const std::vector<StrokePart>& parts, const CanvasForecast& forecast,
@@ -79,7 +79,7 @@ class CarriedPlan {
                         const CarriedPen& pen) const;
   std::string fault_text(int stroke, const CarriedFault& fault) const;
 
-  Experiment& e_;
+  const Experiment& e_;
   double first_time_;
   PreflightSettings checks_;
 };

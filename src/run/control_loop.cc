@@ -43,7 +43,7 @@ void require_fit(const ControlSetup& setup, int joints, const DriverInfo& driver
 
 }  // namespace
 
-ControlLoop::ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
+ControlLoop::ControlLoop(const ControlSetup& setup, const ArmModel& arm, const DriverInfo& driver,
                          SurfaceSource surface, CanvasSource canvas)
     : arm_(arm),
       surface_source_(std::move(surface)),

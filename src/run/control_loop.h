@@ -26,8 +26,8 @@ class ControlLoop {
  public:
   // `surface` empty: the surface is learned from touch if the set-up says so, else unknown.
   // `canvas` empty: it stands. Throws InputError if the driver's joints, period or wrench do not
-  // match the set-up. `arm` must outlive the loop.
-  ControlLoop(const ControlSetup& setup, ArmModel& arm, const DriverInfo& driver,
+  // match the set-up.
+  ControlLoop(const ControlSetup& setup, const ArmModel& arm, const DriverInfo& driver,
               SurfaceSource surface, CanvasSource canvas = {});
 
   // One control step. `reference`: in K once canvas().joined(), else in W. The result refers to the
@@ -73,7 +73,7 @@ class ControlLoop {
   }
   void avoid_canvas(const TipReference& given, double time) noexcept;
 
-  ArmModel& arm_;
+  ArmModel arm_;
   SurfaceSource surface_source_;
   CanvasFollower canvas_;
   ImpedanceController controller_;

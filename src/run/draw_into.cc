@@ -104,7 +104,7 @@ void require_room(const fs::path& folder, const Experiment& experiment,
 
 // An arm that stopped by itself, and can recover, goes on where it stopped: as --resume does, but
 // from where the arm now rests.
-void draw_on_after_reflexes(const fs::path& folder, Experiment& experiment, Driver& driver,
+void draw_on_after_reflexes(const fs::path& folder, const Experiment& experiment, Driver& driver,
                             RunHooks hooks, RunOutcome* outcome) {
   hooks.begun = {};  // the folder's files are those of this run
   for (int i = 0; i < experiment.scenario.arm.recoveries; ++i) {
@@ -144,8 +144,9 @@ std::function<void()> give_up_on(const Interrupt& interrupt, const fs::path& fol
   };
 }
 
-Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_up, bool resume,
-                  const RunHooks& watch, const DriverMaker& make_driver) {
+Drawing draw_into(const fs::path& folder, const Experiment& experiment,
+                  const DriverMaker& make_driver, double start_up, bool resume,
+                  const RunHooks& watch) {
   make_folder(folder);
   const FolderLock lock(folder);
   require_own_log(folder);
@@ -184,13 +185,9 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
                    p.waits_for, p.waited});
     };
     const Resumption* const resumed = resumption ? &*resumption : nullptr;
-    if (make_driver) {
-      const auto driver = make_driver(resumed ? resumed->q : experiment.scene.start_q);
-      drawing.outcome = run(experiment, *driver, folder / "run.h5", start_up, hooks, resumed);
-      draw_on_after_reflexes(folder, experiment, *driver, hooks, &drawing.outcome);
-    } else {
-      drawing.outcome = run(experiment, folder / "run.h5", start_up, hooks, resumed);
-    }
+    const auto driver = make_driver(resumed ? resumed->q : experiment.belief.start_q, resumed);
+    drawing.outcome = run(experiment, *driver, folder / "run.h5", start_up, hooks, resumed);
+    draw_on_after_reflexes(folder, experiment, *driver, hooks, &drawing.outcome);
     drawing.signal_code = interrupt.requested() ? interrupt.exit_code() : 128 + SIGINT;
   }
   const Interrupt interrupt;
@@ -212,28 +209,6 @@ Drawing draw_into(const fs::path& folder, Experiment& experiment, double start_u
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);
   drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check);
-  return drawing;
-}
-
-namespace {
-
-PrepareProgress shown_on(ProgressLine& line) {
-  return [&line](const char* what, double share) { line.update(what, share); };
-}
-
-}  // namespace
-
-Experiment prepare_visibly(const Scenario& scenario, const Places& places) {
-  ProgressLine line;
-  return prepare(scenario, places, Unreachable::refuse, shown_on(line), nullptr,
-                 PlanSummary::beside);
-}
-
-PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places) {
-  ProgressLine line;
-  PlannedDrawing drawing = prepare_plan(scenario, places, Unreachable::tell, shown_on(line),
-                                        nullptr, PlanSummary::beside);
-  control_for(&drawing, places);
   return drawing;
 }
 
@@ -270,7 +245,7 @@ std::string velocity_line(const Experiment& e, const RunOutcome& outcome) {
   return fmt::format(
       "joints  velocity was estimated with a bandwidth of {:.0f} rad/s, not {:.0f}: the readings "
       "of {} have noise of {:.2g} rad{}\n",
-      slow.bandwidth, estimator.bandwidth, e.scene.arm.joint_names()[slow.joint], slow.noise,
+      slow.bandwidth, estimator.bandwidth, e.belief.arm.joint_names()[slow.joint], slow.noise,
       slow.bandwidth > estimator.least_bandwidth ? ""
       : estimator.least_bandwidth > e.scenario.control.joint_sensing.least_bandwidth
           ? "; the stability checks allow no less"

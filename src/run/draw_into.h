@@ -23,21 +23,17 @@ struct Drawing {
 // Throws InputError if another process writes there, Interrupted if a signal comes while the
 // results are made.
 //
-// make_driver: the arm that draws, given the posture at which it must stand [rad]; empty: the
-// simulated one.
-using DriverMaker = std::function<std::unique_ptr<Driver>(const JointVector& start_q)>;
-Drawing draw_into(const std::filesystem::path& folder, Experiment& experiment, double start_up,
-                  bool resume = false, const RunHooks& watch = {},
-                  const DriverMaker& make_driver = {});
+// make_driver: the arm that draws, given the posture at which it must stand [rad], and what it
+// resumes, if it does. simulated_run.h has the simulated one.
+using DriverMaker =
+    std::function<std::unique_ptr<Driver>(const JointVector& start_q, const Resumption* resumed)>;
+Drawing draw_into(const std::filesystem::path& folder, const Experiment& experiment,
+                  const DriverMaker& make_driver, double start_up, bool resume = false,
+                  const RunHooks& watch = {});
 
 // Throws Interrupted once a signal has come: the results in the folder are left unfinished. Refers
 // to `interrupt`.
 std::function<void()> give_up_on(const Interrupt& interrupt, const std::filesystem::path& folder);
-
-// Like prepare(), and prepare_plan() with Unreachable::tell whose control is set up, too, with a
-// progress line on a terminal.
-Experiment prepare_visibly(const Scenario& scenario, const Places& places);
-PlannedDrawing prepare_plan_visibly(const Scenario& scenario, const Places& places);
 
 void print_notes(const PlannedDrawing& drawing);  // on stderr
 // Limits met and bad inputs during the run; empty if there were none.

@@ -41,7 +41,7 @@ Eigen::Vector3d middle_of(const TargetLine& target) {
 // The ink lies where it should, as far as the arm knows.
 bool in_place(const Experiment& e, const Cycle& cycle) {
   constexpr double kInPlace = 2.5e-3;  // [m]
-  return !e.scene.perception || cycle.behind().norm() < kInPlace;
+  return !e.belief.perception || cycle.behind().norm() < kInPlace;
 }
 
 bool knows(const CanvasFollower& canvas) {
@@ -51,26 +51,27 @@ bool knows(const CanvasFollower& canvas) {
 
 }  // namespace
 
-DrivenArm::DrivenArm(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
+DrivenArm::DrivenArm(const Experiment& e, Driver& driver, const std::filesystem::path& log_file,
                      const RunHooks& hooks, const Resumption* resumption)
     : e_(e),
       driver_(driver),
+      arm_(e.belief.arm),
       hooks_(hooks),
       waits_(driver.info().waits),
       first_time_(resumption ? resumption->time : 0.0),
       watch_(canvas_watch(e, driver, resumption ? resumption->X_WK : Pose())),
-      loop_(e.control, e.scene.arm, driver.info(),
+      loop_(e.control, e.belief.arm, driver.info(),
             surface_source(e, disturbances_of(e, resumption != nullptr),
                            watch_ ? watch_->surface() : nullptr),
             canvas_source(e, watch_.get(), driver)),
-      last_(driver.info().period, e.scene.arm),
+      last_(driver.info().period, e.belief.arm),
       real_time_(!waits_ && e.scenario.arm.real_time),
       started_(driver),
       state_(&driver.read()),
-      row_(e.scene.arm.joints()),
-      history_(middle_of(e.plan.target)) {
-  out_.tau = JointVector::Zero(e.scene.arm.joints());
-  out_.terms.setZero(e.scene.arm.joints(), kTorqueTerms);
+      row_(e.belief.arm.joints()),
+      history_(middle_of(e.yardstick.target)) {
+  out_.tau = JointVector::Zero(e.belief.arm.joints());
+  out_.terms.setZero(e.belief.arm.joints(), kTorqueTerms);
   record_.not_real_time = real_time_.lacks();
   if (resumption) ink_ = resumption->ink;
   if (!log_file.empty() && resumption)
@@ -103,7 +104,7 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
               .truth = driver_.truth()};
   const auto step_start = Clock::now();
   if (law.kind == Law::Kind::damp)
-    damped_end_.damp(loop_.terms().M, law.v, e_.scene.arm.limits().torque, cycle.dt, &out_);
+    damped_end_.damp(loop_.terms().M, law.v, e_.belief.arm.limits().torque, cycle.dt, &out_);
   else if (!state_->stalled)
     out_ = law.kind == Law::Kind::brake ? loop_.brake(*state_, law.v_WD)
                                         : loop_.step(*state_, desired.reference);

@@ -32,7 +32,7 @@ struct Law {
 class DrivenArm {
  public:
   // Starts the driver, and the log. Throws as run() does.
-  DrivenArm(Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
+  DrivenArm(const Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
             const RunHooks& hooks, const Resumption* resumption);
   ~DrivenArm();
   DrivenArm(const DrivenArm&) = delete;
@@ -56,7 +56,7 @@ class DrivenArm {
   const InkWatch& ink() const { return ink_; }
   const CanvasHistory& history() const { return history_; }
   const CanvasBelief* belief() const { return watch_ ? &watch_->belief() : nullptr; }
-  Pose X_WE() const { return e_.scene.arm.tip_pose(state_->q); }
+  Pose X_WE() const { return arm_.tip_pose(state_->q); }
   // The tip in the canvas's frame.
   Pose X_KE() const { return loop_.canvas().pose().inverse() * X_WE(); }
 
@@ -68,8 +68,9 @@ class DrivenArm {
   PenTouch touch(const Cycle& cycle) const;
   void keep(Cycle* cycle);
 
-  Experiment& e_;
+  const Experiment& e_;
   Driver& driver_;
+  mutable ArmModel arm_;  // its workspace
   const RunHooks& hooks_;
   bool waits_;                          // the driver, for the next command
   double first_time_;                   // where an earlier run left off [s]

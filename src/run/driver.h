@@ -38,7 +38,7 @@
 #include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/perception/canvas_tracker.h"
-#include "impedraw/simulation/solver_cutoffs.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

@@ -23,7 +23,7 @@ PathSample in_air(const TipReference& reference, Phase phase) {
 
 }  // namespace
 
-Executor::Executor(Experiment& e, DrivenArm& arm, const RunHooks& hooks)
+Executor::Executor(const Experiment& e, DrivenArm& arm, const RunHooks& hooks)
     : e_(e),
       arm_(arm),
       hooks_(hooks),
@@ -32,7 +32,7 @@ Executor::Executor(Experiment& e, DrivenArm& arm, const RunHooks& hooks)
       block_(e),
       reach_(e.scenario.preflight.arm),
       canvas_(e.scenario.perception.frames.wait_for_rest),
-      chance_(e.scene.perception && !e.scenario.drawing.dry_run) {
+      chance_(e.belief.perception && !e.scenario.drawing.dry_run) {
   const Pose X_WE = arm.X_WE();
   rest_.p_WD = X_WE.p;
   rest_.n_WD = -X_WE.R.col(2);
@@ -183,7 +183,7 @@ void Executor::settle(const Cycle& cycle, Reaction::State before) {
   }
   if (now != State::halt && !(now == State::brake && before == State::brake)) return;
   const double share =
-      (cycle.arm.v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
+      (cycle.arm.v.cwiseAbs().array() / e_.belief.arm.limits().speed.array()).maxCoeff();
   if (!reaction_.calms(share, cycle.dt)) return;
   if (reaction_.state() == State::over)
     arm_.end_at_zero();
@@ -246,12 +246,13 @@ void Executor::lift_off_canvas() {
 
 // Up to where the run began, as far as the arm reaches [m].
 double Executor::clear_height() const {
+  ArmModel arm = e_.belief.arm;
   const Pose X_WE = arm_.X_WE();
   const JointVector& q = arm_.state().q;
   const Eigen::Vector3d& up = e_.control.impedance.surface.drawing_axis_W;
   double height = std::max(kLiftOffCanvas, up.dot(e_.scenario.arm.start_p_WE - X_WE.p));
   while (height > kLiftOffCanvas &&
-         !find_posture(e_.scene.arm, {X_WE.p + height * up, X_WE.R.col(2)}, q).reached)
+         !find_posture(arm, {X_WE.p + height * up, X_WE.R.col(2)}, q).reached)
     height -= 0.02;
   return height;
 }

@@ -19,7 +19,7 @@ namespace impedraw {
 
 class Executor {
  public:
-  Executor(Experiment& experiment, DrivenArm& arm, const RunHooks& hooks);
+  Executor(const Experiment& experiment, DrivenArm& arm, const RunHooks& hooks);
 
   Situation situation() const;
   // Until the move is done, or a verdict ends it.
@@ -55,7 +55,7 @@ class Executor {
   bool interrupted() const { return hooks_.interrupted && hooks_.interrupted(); }
   bool paused() const { return !arm_.waits() && hooks_.paused && hooks_.paused(); }
 
-  Experiment& e_;
+  const Experiment& e_;
   DrivenArm& arm_;
   const RunHooks& hooks_;
   Ending ending_;

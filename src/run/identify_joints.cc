@@ -123,7 +123,7 @@ class Motion {
 
 }  // namespace
 
-LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds) {
+LoopDelay identify_delay(const ArmModel& arm, Driver& driver, double seconds) {
   const StartedDriver started(driver);
   PostureHolder holder(arm, driver, kMostSteps * driver.info().period);
   const double dt = driver.info().period;
@@ -195,7 +195,7 @@ LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds) {
   return best;
 }
 
-std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, double delay) {
+std::vector<JointFriction> identify_friction(const ArmModel& arm, Driver& driver, double delay) {
   const StartedDriver started(driver);
   PostureHolder holder(arm, driver, delay + 2.0 * driver.info().period);
   const double dt = driver.info().period;

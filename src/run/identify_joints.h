@@ -19,7 +19,7 @@ struct LoopDelay {
 // limit, and finds the delay with which its velocity answers. Throws std::runtime_error if the arm
 // does not answer (the share is below 0.5), or the delay would be kMostSteps.
 inline constexpr int kMostSteps = 20;
-LoopDelay identify_delay(ArmModel& arm, Driver& driver, double seconds = 2.0);
+LoopDelay identify_delay(const ArmModel& arm, Driver& driver, double seconds = 2.0);
 
 struct JointFriction {
   double coulomb = 0.0;   // [Nm]
@@ -38,6 +38,6 @@ struct JointFriction {
 // [s]. Throws std::runtime_error that names the joint if it hardly moves, if a sweep finds no
 // room, or if its friction would be negative beyond the residual or above a third of its torque
 // limit.
-std::vector<JointFriction> identify_friction(ArmModel& arm, Driver& driver, double delay);
+std::vector<JointFriction> identify_friction(const ArmModel& arm, Driver& driver, double delay);
 
 }  // namespace impedraw

@@ -7,7 +7,7 @@
 
 namespace impedraw {
 
-JointForecast::JointForecast(ArmModel& arm, const TipPath& path, const JointVector& start,
+JointForecast::JointForecast(ArmModel arm, const TipPath& path, const JointVector& start,
                              const JointVector& rest_q, double share) {
   constexpr int kSubsteps = 2;
   constexpr double kRelax = 0.5;         // time in which the redundant joints settle [s]

@@ -18,7 +18,7 @@ class JointForecast {
  public:
   JointForecast() = default;
   // From posture q at the beginning of the path. rest_q: the null space's.
-  JointForecast(ArmModel& arm, const TipPath& path, const JointVector& q, const JointVector& rest_q,
+  JointForecast(ArmModel arm, const TipPath& path, const JointVector& q, const JointVector& rest_q,
                 double share);
 
   // Greatest rate of the clock at the plan's time t, 0 … 1: the least from t to kAhead later.

@@ -5,41 +5,31 @@
 
 #include "impedraw/ink/ink_lines.h"
 #include "impedraw/log/log_step.h"
-#include "impedraw/run/promise_of.h"
 #include "impedraw/run/run_inputs.h"
 
 namespace impedraw {
 
-namespace {
-
-// True or as far as the controller knows.
-bool moves(const Experiment& e) {
-  return e.scene.world->canvas_motion().moves() || e.scenario.perception.frames.enabled;
-}
-
-}  // namespace
-
 RunLogHeader make_header(const Experiment& e) {
   RunLogHeader h;
-  h.joint_names = e.scene.arm.joint_names();
-  h.joint_lower = e.scene.arm.limits().lower;
-  h.joint_upper = e.scene.arm.limits().upper;
-  h.torque_limit = e.scene.arm.limits().torque;
-  h.joint_speed_limit = e.scene.arm.limits().speed;
-  h.moving_canvas = moves(e);
+  h.joint_names = e.belief.arm.joint_names();
+  h.joint_lower = e.belief.arm.limits().lower;
+  h.joint_upper = e.belief.arm.limits().upper;
+  h.torque_limit = e.belief.arm.limits().torque;
+  h.joint_speed_limit = e.belief.arm.limits().speed;
+  h.moving_canvas = e.yardstick.canvas_moves || e.scenario.perception.frames.enabled;
   h.joint_sensor = !e.scenario.world.joint_sensor.exact();
   for (const std::string_view name : kTorqueTermNames) h.torque_terms.emplace_back(name);
   for (const std::string_view name : kContactModeNames) h.mode_names.emplace_back(name);
-  h.canvas_vertices = e.scene.canvas->mesh().vertices;
-  h.canvas_triangles = e.scene.canvas->mesh().triangles;
-  if (e.scene.perception) {
-    h.cloud_points = e.scene.perception->cloud().points;
-    h.cloud_normals = e.scene.perception->cloud().normals;
-    h.cloud_camera = e.scene.perception->cloud().camera;
-    h.cloud_colour = packed_colours(e.scene.perception->cloud());
+  h.canvas_vertices = e.yardstick.canvas.vertices;
+  h.canvas_triangles = e.yardstick.canvas.triangles;
+  if (e.belief.perception) {
+    h.cloud_points = e.belief.perception->cloud().points;
+    h.cloud_normals = e.belief.perception->cloud().normals;
+    h.cloud_camera = e.belief.perception->cloud().camera;
+    h.cloud_colour = packed_colours(e.belief.perception->cloud());
   }
-  h.target_points = e.plan.target.points;
-  h.target_stroke = e.plan.target.stroke;
+  h.target_points = e.yardstick.target.points;
+  h.target_stroke = e.yardstick.target.stroke;
   h.rate = e.scenario.log.rate;
   h.dt = e.scenario.world.dt;
   h.attributes = record_of(e.scenario, e.inputs);
@@ -51,7 +41,7 @@ RunLogHeader make_header(const Experiment& e) {
   if (is_rehearsal(e.scenario))
     h.attributes["rehearsal"] = "the canvas is the surface that was seen, not the real one";
   h.attributes["seed"] = std::to_string(e.scenario.seed);
-  h.attributes[kPromiseAttribute] = promise_text(promise_of(e));
+  h.attributes[kPromiseAttribute] = promise_text(e.yardstick.promise);
   h.line_width = e.plan.pens && std::ranges::any_of(e.plan.pens->pens, [](const DrawnPen& pen) {
                    return pen.line.presses();
                  });
@@ -85,7 +75,7 @@ void fill_state(const Experiment& e, const Cycle& cycle, LogRow* row) {
   row->surface_normal = known ? cycle.surface.n_W : LogRow::no_vector();
   row->surface_distance = known ? cycle.surface.distance : LogRow::kNone;
   // Blind, the stiffness and the set-point's depth produce the push.
-  row->push = e.scene.estimates_surface()
+  row->push = e.belief.estimates_surface()
                   ? out.push
                   : (cycle.desired.reference.pen_down ? control.normal_force : 0.0);
   row->mode = static_cast<int>(out.mode);

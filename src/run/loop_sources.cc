@@ -10,14 +10,14 @@ namespace {
 // Finds the canvas in the cameras' frames; null where none keeps capturing.
 std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e, const Pose& X_WK) {
   const PerceptionSettings& p = e.scenario.perception;
-  if (!e.scene.perception || p.canvas_pose != CanvasPoseSource::tracked || !p.frames.enabled)
+  if (!e.belief.perception || p.canvas_pose != CanvasPoseSource::tracked || !p.frames.enabled)
     return nullptr;
   std::unique_ptr<CanvasShape> shape;
   if (p.frames.depth) {
     CanvasShapeSettings settings;
     settings.points.sigma_at_1m = std::max(p.noise.sigma_at_1m, 1e-4);
     settings.self_padding = p.self_padding;
-    shape = std::make_unique<CanvasShape>(e.scene.perception->cloud(), settings);
+    shape = std::make_unique<CanvasShape>(e.belief.perception->cloud(), settings);
   }
   return std::make_unique<CanvasTracker>(
       CanvasTrackerSettings{
@@ -28,7 +28,7 @@ std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e, const Pose& X
 }  // namespace
 
 bool follows_canvas(const Experiment& e, const Driver& driver) {
-  if (!e.scene.perception) return false;
+  if (!e.belief.perception) return false;
   const PerceptionSettings& p = e.scenario.perception;
   FrameMotion motion;
   return p.canvas_pose == CanvasPoseSource::tracked ? p.frames.enabled
@@ -46,15 +46,15 @@ std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver, c
   const bool lock_step = driver.info().waits;
   std::unique_ptr<GrowingSurface> surface;
   if (tracker->shape() && p.frames.grow_surface)
-    surface = std::make_unique<GrowingSurface>(*e.scene.perception, p.normals, lock_step);
+    surface = std::make_unique<GrowingSurface>(*e.belief.perception, p.normals, lock_step);
   return std::make_unique<CanvasWatch>(std::move(tracker), std::move(surface), driver,
                                        p.frames.stamp_error, lock_step);
 }
 
 SurfaceSource surface_source(const Experiment& e, Disturbances disturbances,
                              const GrowingSurface* growing) {
-  if (!e.scene.perception) return {};
-  return [&cloud = *e.scene.perception, growing, disturbances = std::move(disturbances)](
+  if (!e.belief.perception) return {};
+  return [&cloud = *e.belief.perception, growing, disturbances = std::move(disturbances)](
              const Eigen::Vector3d& p_W, double time) {
     SurfaceEstimate surface = growing ? growing->estimate(p_W) : cloud.estimate(p_W);
     if (disturbances.fault(FaultKind::no_cloud, time)) surface.status = SurfaceStatus::too_few;

@@ -10,7 +10,7 @@
 
 namespace impedraw {
 
-MovingDrawing::MovingDrawing(Experiment& e, double first_time)
+MovingDrawing::MovingDrawing(const Experiment& e, double first_time)
     : e_(e), plan_(e, first_time), first_time_(first_time) {}
 
 Move MovingDrawing::next(const Situation& now) {

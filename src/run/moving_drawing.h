@@ -22,7 +22,7 @@ class MovingDrawing : public DrawingTask {
   static constexpr int kMostLosses = 20;  // losses of the canvas in one pass
 
   // first_time: of the run, where an earlier one left off [s].
-  MovingDrawing(Experiment& experiment, double first_time);
+  MovingDrawing(const Experiment& experiment, double first_time);
 
   Move next(const Situation& situation) override;
   DrawingRecord record() const override;
@@ -46,7 +46,7 @@ class MovingDrawing : public DrawingTask {
   std::optional<Move> give_up(const std::vector<UnreachedPart>& lost);
   void remark_on(const std::string& remark);
 
-  Experiment& e_;
+  const Experiment& e_;
   CarriedPlan plan_;
   double first_time_;
   Stage stage_ = Stage::begin;  // what the last move was for

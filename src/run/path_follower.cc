@@ -10,21 +10,21 @@ namespace {
 
 ClockSettings clock_settings(const Experiment& e) {
   ClockSettings settings;
-  if (e.scene.by_touch()) settings.patience = 2.0 * longest_search(e.control.impedance);
+  if (e.belief.by_touch()) settings.patience = 2.0 * longest_search(e.control.impedance);
   return settings;
 }
 
 }  // namespace
 
-PathFollower::PathFollower(Experiment& e, const DrivenArm& arm, const Move& move)
+PathFollower::PathFollower(const Experiment& e, const DrivenArm& arm, const Move& move)
     : e_(e),
       arm_(arm),
       move_(move),
       begin_(arm.time()),
       clock_(clock_settings(e), e.control.impedance.timing.dt),
       odometer_(move.path) {
-  if (e.scene.perception && !arm.loop().canvas().follows())
-    forecast_ = JointForecast(e.scene.arm, move.path, arm.state().q, e.plan.rest_q,
+  if (e.belief.perception && !arm.loop().canvas().follows())
+    forecast_ = JointForecast(e.belief.arm, move.path, arm.state().q, e.plan.rest_q,
                               e.plan.path_settings.joint_speed_share);
   if (move.touch) move.touch->search->begin_stroke();
 }
@@ -73,10 +73,10 @@ bool PathFollower::advance_by_touch(const Cycle& cycle, const ControlLoop& loop,
 // Distance of the pen from the plan's wish.
 PenDeviation PathFollower::deviation(const Cycle& cycle) const {
   PenDeviation pen;
-  if (!e_.scene.perception) return pen;
+  if (!e_.belief.perception) return pen;
   const ImpedanceTorque& out = cycle.out;
   pen.limit = forecast_.limit(planned_);
-  pen.joint = (cycle.arm.v.cwiseAbs().array() / e_.scene.arm.limits().speed.array()).maxCoeff();
+  pen.joint = (cycle.arm.v.cwiseAbs().array() / e_.belief.arm.limits().speed.array()).maxCoeff();
   if (cycle.desired.stroke < 0) return pen;
   pen.waits = out.mode == ContactMode::approach;
   pen.tilt = smallest_rotation(cycle.arm.X_WE.R.col(2), -out.axis_WD).norm();

@@ -19,7 +19,7 @@ namespace impedraw {
 class PathFollower {
  public:
   // From now on, by the arm's clock. `move` must outlive this.
-  PathFollower(Experiment& experiment, const DrivenArm& arm, const Move& move);
+  PathFollower(const Experiment& experiment, const DrivenArm& arm, const Move& move);
 
   // Returns true if the plan has not come to its end after so many cycles.
   bool goes_on(long cycles) const;
@@ -50,7 +50,7 @@ class PathFollower {
  private:
   PenDeviation deviation(const Cycle& cycle) const;
 
-  Experiment& e_;
+  const Experiment& e_;
   const DrivenArm& arm_;
   const Move& move_;
   double begin_;  // by the arm's clock [s]

@@ -15,7 +15,7 @@ class PostureHolder {
  public:
   // delay: the longest that the loop may have [s]. A light joint gets less stiffness: through the
   // delay it would oscillate.
-  PostureHolder(ArmModel& arm, Driver& driver, double delay)
+  PostureHolder(const ArmModel& arm, Driver& driver, double delay)
       : arm_(arm), driver_(driver), terms_(arm.joints()), state_(&driver.read()), q0_(state_->q) {
     arm_.compute(q0_, state_->v, &terms_);
     const JointMatrix inverse =
@@ -45,7 +45,7 @@ class PostureHolder {
   static constexpr double kMostStiffness = 300.0;  // of each joint [Nm/rad]
   static constexpr double kPhase = 0.35;  // bandwidth of a joint's stiffness times the loop's delay
 
-  ArmModel& arm_;
+  ArmModel arm_;
   Driver& driver_;
   ArmTerms terms_;
   const ArmState* state_;

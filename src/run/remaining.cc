@@ -32,10 +32,10 @@ std::vector<StrokePart> remaining(const Experiment& e, const InkWatch& ink,
   return rest_of(e.plan.strokes, done, kShortestGap);
 }
 
-TipPath path_for(Experiment& e, const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_KE,
-                 const Eigen::Vector3d& n_K, double hold) {
+TipPath path_for(const Experiment& e, const std::vector<StrokePart>& parts,
+                 const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold) {
   return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_KE, n_K, hold,
-                   stroke_limits(e.scene, e.plan));
+                   stroke_limits(e.belief, e.plan, e.plan.path_settings));
 }
 
 void take_out(const Experiment& e, const OffSurface& off, std::vector<StrokePart>* parts) {
@@ -47,19 +47,19 @@ void take_out(const Experiment& e, const OffSurface& off, std::vector<StrokePart
   *parts = std::move(left);
 }
 
-TipPath path_without_misses(Experiment& e, std::vector<StrokePart>* parts,
+TipPath path_without_misses(const Experiment& e, std::vector<StrokePart>* parts,
                             const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold) {
   return without_misses(e, parts, [&](const std::vector<StrokePart>& left) {
     return left.empty() ? TipPath{} : path_for(e, left, p_KE, n_K, hold);
   });
 }
 
-std::optional<TipPath> path_around(Experiment& e, const JointVector& q, const Pose& X_KE,
+std::optional<TipPath> path_around(const Experiment& e, const JointVector& q, const Pose& X_KE,
                                    const InkWatch& ink, BlockedPlaces* blocked) {
   PreflightSettings checks =
-      preflight_settings(e.scenario, e.artwork.X_WP, e.scene.perception != nullptr, e.plan.rest_q);
+      preflight_settings(e.scenario, e.artwork.X_WP, e.belief.perception != nullptr, e.plan.rest_q);
   checks.normal_force = e.plan.load.normal_force;
-  checks.height_error = height_error(e.scene);
+  checks.height_error = height_error(e.belief);
   while (true) {
     std::vector<StrokePart> parts = remaining(e, ink, blocked->parts());
     TipPath path = path_without_misses(e, &parts, X_KE.p, -X_KE.R.col(2), 0.0);
@@ -68,7 +68,7 @@ std::optional<TipPath> path_around(Experiment& e, const JointVector& q, const Po
     std::vector<PlacedStroke> strokes = strokes_of(e, parts);
     for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].number = static_cast<int>(i);
     const std::vector<Finding> barred =
-        check_transitions(path, strokes, e.scene.arm, e.scene.obstacle.get(), q, checks);
+        check_transitions(path, strokes, e.belief.arm, e.belief.obstacle.get(), q, checks);
     if (barred.empty()) return path;
     for (const Finding& f : barred) {
       const StrokePart& stroke = parts[static_cast<std::size_t>(f.part.stroke)];

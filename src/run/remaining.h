@@ -27,7 +27,7 @@ std::vector<StrokePart> remaining(const Experiment& experiment, const InkWatch& 
 
 // A path for the parts, from the tip's pose in K: at p_KE, with the normal n_K. `hold`: time before
 // the first motion [s]. Throws OffSurface where the surface has ended.
-TipPath path_for(Experiment& experiment, const std::vector<StrokePart>& parts,
+TipPath path_for(const Experiment& experiment, const std::vector<StrokePart>& parts,
                  const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold);
 
 // Takes the place that was off the surface out of the parts. Called while `off` is handled; throws
@@ -48,13 +48,13 @@ auto without_misses(const Experiment& e, std::vector<StrokePart>* parts, PlanPar
 }
 
 // path_for() without what it would miss. Empty if nothing is left.
-TipPath path_without_misses(Experiment& experiment, std::vector<StrokePart>* parts,
+TipPath path_without_misses(const Experiment& experiment, std::vector<StrokePart>* parts,
                             const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold);
 
 // A path for what remains, from the posture q with the tip at X_KE. Its ways are others than those
 // that were checked before the run: a stroke that they cannot reach is blocked, too. Nothing: no
 // part remains.
-std::optional<TipPath> path_around(Experiment& experiment, const JointVector& q, const Pose& X_KE,
-                                   const InkWatch& ink, BlockedPlaces* blocked);
+std::optional<TipPath> path_around(const Experiment& experiment, const JointVector& q,
+                                   const Pose& X_KE, const InkWatch& ink, BlockedPlaces* blocked);
 
 }  // namespace impedraw

@@ -14,17 +14,17 @@ std::optional<Resumption> read_resumption(const Experiment& e,
                                           const std::filesystem::path& log_file) {
   const ResumeLog before = read_resume_log(log_file);
   if (before.rows.empty()) return std::nullopt;
-  if (before.joint_position.size() != e.scene.arm.joints())
+  if (before.joint_position.size() != e.belief.arm.joints())
     throw InputError(fmt::format("{}: is of an arm with {} joints, this one has {}",
                                  log_file.string(), before.joint_position.size(),
-                                 e.scene.arm.joints()));
+                                 e.belief.arm.joints()));
   Resumption resumption;
   for (const ResumeRow& row : before.rows) {
     if (row.stroke >= static_cast<int>(e.plan.strokes.size()))
       throw InputError(fmt::format("{}: has a stroke {}, the drawing only {}", log_file.string(),
                                    row.stroke, e.plan.strokes.size()));
     // Blind, the log has no normal to project the force on. Assume that the pen wrote.
-    const double force = !e.scene.estimates_surface() && std::isnan(row.f)
+    const double force = !e.belief.estimates_surface() && std::isnan(row.f)
                              ? std::numeric_limits<double>::infinity()
                              : row.f;
     resumption.ink.add(row.stroke, row.stroke_along,

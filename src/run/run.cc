@@ -9,7 +9,6 @@
 #include "impedraw/run/loop_sources.h"
 #include "impedraw/run/moving_drawing.h"
 #include "impedraw/run/remaining.h"
-#include "impedraw/run/simulated_arm.h"
 #include "impedraw/run/standing_drawing.h"
 #include "impedraw/run/touched_drawing.h"
 #include "impedraw/terminal/clock.h"
@@ -20,16 +19,16 @@ namespace {
 
 // A resumed drawing begins with what the earlier run left, from its last posture. Plans before the
 // arm is driven.
-std::unique_ptr<DrawingTask> drawing_of(Experiment& e, const Driver& driver,
+std::unique_ptr<DrawingTask> drawing_of(const Experiment& e, const Driver& driver,
                                         const Resumption* resumption) {
   if (follows_canvas(e, driver))
     return std::make_unique<MovingDrawing>(e, resumption ? resumption->time : 0.0);
   std::vector<StrokePart> left;
   if (resumption) left = remaining(e, resumption->ink);
-  if (e.scene.by_touch())
+  if (e.belief.by_touch())
     return std::make_unique<TouchedDrawing>(e, resumption ? strokes_of(e, left) : e.plan.strokes);
   if (!resumption) return std::make_unique<StandingDrawing>(e, e.plan.path);
-  const Pose X_WE = e.scene.arm.tip_pose(resumption->q);
+  const Pose X_WE = ArmModel(e.belief.arm).tip_pose(resumption->q);
   return std::make_unique<StandingDrawing>(
       e, path_without_misses(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold));
 }
@@ -60,12 +59,12 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force, double p
                                                              : 0.9 * control.normal_force;
   if (measured && !(normal_force >= least)) return false;
   // Blind, the law has no contact state. Without a wrench too, contact is unknown.
-  return !e.scene.estimates_surface() || mode == ContactMode::contact;
+  return !e.belief.estimates_surface() || mode == ContactMode::contact;
 }
 
-RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_file,
+RunOutcome run(const Experiment& e, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks, const Resumption* resumption) {
-  if (e.scenario.drawing.dry_run && e.scene.by_touch())
+  if (e.scenario.drawing.dry_run && e.belief.by_touch())
     throw InputError(
         "drawing.dry_run: the surface is found by touch, so that nothing tells its height; valid "
         "is null, or perception.enabled true");
@@ -98,16 +97,6 @@ RunOutcome run(Experiment& e, Driver& driver, const std::filesystem::path& log_f
   outcome.wall.loop = seconds_since(loop_start);
   outcome.wall = arm.close_log(outcome.wall, outcome);
   return outcome;
-}
-
-RunOutcome run(Experiment& e, const std::filesystem::path& log_file, double start_up,
-               const RunHooks& hooks, const Resumption* resumption) {
-  if (e.scenario.arm.driver != ArmDriver::sim)
-    throw InputError(
-        "arm.driver is not sim, and only ./impedraw draw drives such an arm; valid here is sim");
-  SimulatedArm arm(e, resumption ? resumption->q : e.scene.start_q,
-                   disturbances_of(e, resumption != nullptr), resumption ? resumption->time : 0.0);
-  return run(e, arm, log_file, start_up, hooks, resumption);
 }
 
 }  // namespace impedraw

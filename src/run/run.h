@@ -23,7 +23,7 @@
 #include "impedraw/run/driver.h"
 #include "impedraw/run/ink_watch.h"
 #include "impedraw/run/remaining.h"
-#include "impedraw/simulation/world.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 
@@ -123,13 +123,7 @@ bool writes(const Experiment& experiment, ContactMode mode, double normal_force,
 // of a resumption. Streams to `log_file`; empty: keeps no log. start_up: wall time already spent
 // [s]. Throws LogError if the log cannot be written, InputError if the driver does not match the
 // arm, and what Driver::start() throws.
-RunOutcome run(Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
+RunOutcome run(const Experiment& experiment, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
-
-// The same with the simulated arm, which starts at the required posture. The scenario's pushes and
-// faults occur in the first run only, not in a resumed one. Throws InputError if the scenario names
-// another arm.
-RunOutcome run(Experiment& experiment, const std::filesystem::path& log_file, double start_up,
-               const RunHooks& hooks = {}, const Resumption* resumption = nullptr);
 
 }  // namespace impedraw

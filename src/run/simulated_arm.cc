@@ -16,14 +16,14 @@ constexpr double kRunaway = 20.0;   // joint speed [rad/s], near ten times what 
 
 }  // namespace
 
-SimulatedArm::SimulatedArm(Experiment& e, const JointVector& start_q, Disturbances disturbances,
+SimulatedArm::SimulatedArm(Prepared& e, const JointVector& start_q, Disturbances disturbances,
                            double first_time)
     : scenario_(e.scenario),
-      world_(*e.scene.world),
-      canvas_(*e.scene.canvas),
-      arm_(e.scene.arm),
+      world_(*e.truth.world),
+      canvas_(*e.truth.canvas),
+      arm_(e.belief.arm),
       start_q_(start_q),
-      joint_names_(e.scene.arm.joint_names()),
+      joint_names_(e.belief.arm.joint_names()),
       dt_(e.scenario.world.dt),
       first_time_(first_time),
       disturbances_(std::move(disturbances)),

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/run/disturbances.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/run/simulated_cameras.h"
@@ -18,10 +18,10 @@ namespace impedraw {
 
 class SimulatedArm : public Driver {
  public:
-  // Refers to the experiment's world and canvas. start() puts the arm at rest at start_q.
+  // Refers to the drawing, its truth included. start() puts the arm at rest at start_q.
   // first_time: of the run, where an earlier one left off: the canvas's motion goes on from there,
   // and messages count from the first run's beginning [s].
-  SimulatedArm(Experiment& experiment, const JointVector& start_q, Disturbances disturbances,
+  SimulatedArm(Prepared& drawing, const JointVector& start_q, Disturbances disturbances,
                double first_time = 0.0);
 
   DriverInfo info() const override;
@@ -47,7 +47,7 @@ class SimulatedArm : public Driver {
   const Scenario& scenario_;
   World& world_;
   const Canvas& canvas_;
-  ArmModel& arm_;
+  const ArmModel& arm_;
   JointVector start_q_;
   std::vector<std::string> joint_names_;
   double dt_, first_time_;

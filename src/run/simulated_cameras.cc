@@ -18,7 +18,7 @@ constexpr double kSkin = 5e-3;  // what is hit this close before a mark is the m
 }  // namespace
 
 SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
-                                   ArmModel& arm, int threads)
+                                   const ArmModel& arm, int threads)
     : world_(world),
       canvas_(canvas),
       arm_(arm),

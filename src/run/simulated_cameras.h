@@ -30,9 +30,9 @@ namespace impedraw {
 
 class SimulatedCameras {
  public:
-  // Refers to world, canvas and arm. threads: 1 or 2; 0: 2, where the machine has as many.
-  SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas, ArmModel& arm,
-                   int threads = 0);
+  // Refers to world and canvas. threads: 1 or 2; 0: 2, where the machine has as many.
+  SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
+                   const ArmModel& arm, int threads = 0);
   ~SimulatedCameras();
   SimulatedCameras(const SimulatedCameras&) = delete;
   SimulatedCameras& operator=(const SimulatedCameras&) = delete;
@@ -73,7 +73,7 @@ class SimulatedCameras {
 
   World& world_;
   const Canvas& canvas_;
-  ArmModel& arm_;
+  ArmModel arm_;
   DepthNoise noise_;
   double depth_scale_, time_stamp_;
   FrameSettings frames_;

@@ -6,7 +6,7 @@
 
 namespace impedraw {
 
-StandingDrawing::StandingDrawing(Experiment& e, TipPath first)
+StandingDrawing::StandingDrawing(const Experiment& e, TipPath first)
     : e_(e), first_(std::move(first)), end_(first_.at(first_.duration()).reference) {}
 
 Move StandingDrawing::next(const Situation& now) {

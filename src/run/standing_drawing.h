@@ -13,7 +13,7 @@ namespace impedraw {
 class StandingDrawing : public DrawingTask {
  public:
   // `first`: the path of the first pass.
-  StandingDrawing(Experiment& experiment, TipPath first);
+  StandingDrawing(const Experiment& experiment, TipPath first);
 
   Move next(const Situation& situation) override;
   DrawingRecord record() const override;
@@ -22,7 +22,7 @@ class StandingDrawing : public DrawingTask {
   Move draw(TipPath path) const;
   Move draw_again(const Situation& situation);
 
-  Experiment& e_;
+  const Experiment& e_;
   TipPath first_;
   TipReference end_;  // end of the first path
   bool begun_ = false, again_ = false;

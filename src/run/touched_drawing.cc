@@ -7,7 +7,7 @@
 
 namespace impedraw {
 
-TouchedDrawing::TouchedDrawing(Experiment& e, std::vector<PlacedStroke> strokes)
+TouchedDrawing::TouchedDrawing(const Experiment& e, std::vector<PlacedStroke> strokes)
     : e_(e), strokes_(std::move(strokes)), search_(e) {}
 
 Move TouchedDrawing::next(const Situation& now) {

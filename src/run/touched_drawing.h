@@ -11,13 +11,13 @@ namespace impedraw {
 
 class TouchedDrawing : public DrawingTask {
  public:
-  TouchedDrawing(Experiment& experiment, std::vector<PlacedStroke> strokes);
+  TouchedDrawing(const Experiment& experiment, std::vector<PlacedStroke> strokes);
 
   Move next(const Situation& situation) override;
   DrawingRecord record() const override;
 
  private:
-  Experiment& e_;
+  const Experiment& e_;
   std::vector<PlacedStroke> strokes_;  // strokes of this pass
   std::size_t next_ = 0;               // stroke; strokes_.size(): the pen goes up
   bool again_ = false;

@@ -13,7 +13,7 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/planning/cover/surface_grid.h"
-#include "impedraw/simulation/pad_contact.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

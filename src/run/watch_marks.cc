@@ -15,7 +15,7 @@ Vector3d centre_of(const FiducialSettings& fiducials) {
   return centre;
 }
 
-std::vector<StampedPoint> watch_marks(ArmModel& arm, Driver& driver,
+std::vector<StampedPoint> watch_marks(const ArmModel& arm, Driver& driver,
                                       const FiducialSettings& fiducials, double seconds) {
   constexpr double kLeastSpread = 5e-3;  // of marks beside a line [m]
   const Vector3d centre = centre_of(fiducials);

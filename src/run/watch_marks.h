@@ -12,7 +12,7 @@ namespace impedraw {
 
 // The marks' centre in each frame in which three and more of them were found. Throws
 // std::runtime_error on a fault of the driver.
-std::vector<StampedPoint> watch_marks(ArmModel& arm, Driver& driver,
+std::vector<StampedPoint> watch_marks(const ArmModel& arm, Driver& driver,
                                       const FiducialSettings& fiducials, double seconds);
 // The centre that they tell, in K [m].
 Eigen::Vector3d centre_of(const FiducialSettings& fiducials);

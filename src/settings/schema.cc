@@ -5,7 +5,7 @@ namespace impedraw {
 namespace {
 
 // A string accepts every text.
-Scalar word(std::string& value) {
+Scalar plain_word(std::string& value) {
   auto take = [&value](std::string_view text) {
     return value = text, std::optional<std::string>();
   };
@@ -30,7 +30,7 @@ void Fields::field(std::string name, bool& value, std::string help) {
 }
 
 void Fields::field(std::string name, std::string& value, std::string help) {
-  add(std::move(name), std::move(help), "", Range::any(), word(value));
+  add(std::move(name), std::move(help), "", Range::any(), plain_word(value));
 }
 
 void Fields::field(std::string name, std::filesystem::path& value, std::string help) {

@@ -35,7 +35,7 @@
 //     Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of its default's length), or std::optional or
 //     std::vector of a number. Limits apply to every component; NaN and inf are never valid;
 //   bool, std::string, std::filesystem::path;
-//   choice(): an enum, written by name;
+//   choice(): an enum, written by name, or std::optional of one;
 //   a struct with its own describe(), or std::optional or std::vector of one.
 // A renamed setting or word of a choice keeps its old name as an alias:
 //   f.field("normal_force", s.force, ...);  f.formerly("push");
@@ -182,7 +182,18 @@ class Fields {
 
   template <class E>
   requires std::is_enum_v<E>
-  void choice(std::string name, E& value, Names<E> names, std::string help);
+  void choice(std::string name, E& value, Names<E> names, std::string help) {
+    add(std::move(name), std::move(help), "", Range::any(),
+        word(value, {names.begin(), names.end()}));
+  }
+  template <class E>
+  requires std::is_enum_v<E>
+  void choice(std::string name, std::optional<E>& value, Names<E> names, std::string help) {
+    auto inner = [&value, table = Words<E>(names.begin(), names.end())] {
+      return Setting{"", "", "", Range::any(), word(*value, table)};
+    };
+    add(std::move(name), std::move(help), "", Range::any(), optional(value, inner));
+  }
 
   template <Described T>
   void field(std::string name, T& value, std::string help) {
@@ -229,6 +240,10 @@ class Fields {
     return {take, [&value] { return number_text(value); },
             std::is_same_v<T, double> ? "number" : "whole number"};
   }
+  template <class E>
+  using Words = std::vector<std::pair<std::string, E>>;
+  template <class E>
+  static Scalar word(E& value, const Words<E>& table);
   template <Described T>
   static Group group(T& value) {
     Fields fields;
@@ -266,9 +281,7 @@ Group described(T& value) {
 }
 
 template <class E>
-requires std::is_enum_v<E>
-void Fields::choice(std::string name, E& value, Names<E> names, std::string help) {
-  std::vector<std::pair<std::string, E>> table(names.begin(), names.end());
+Scalar Fields::word(E& value, const Words<E>& table) {
   std::string type;
   std::vector<std::string> words;
   for (const auto& [word, e] : table) {
@@ -285,8 +298,7 @@ void Fields::choice(std::string name, E& value, Names<E> names, std::string help
       if (e == value) return word;
     return std::string("?");
   };
-  add(std::move(name), std::move(help), "", Range::any(),
-      Scalar{take, text, type, Scalar::Kind::word, words});
+  return {take, text, type, Scalar::Kind::word, words};
 }
 
 }  // namespace impedraw

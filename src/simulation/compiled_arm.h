@@ -7,7 +7,7 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Core>
 
-#include "impedraw/simulation/model_errors.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

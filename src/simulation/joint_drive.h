@@ -4,7 +4,7 @@
 #include <array>
 
 #include "impedraw/control/arm_terms.h"
-#include "impedraw/simulation/model_errors.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 

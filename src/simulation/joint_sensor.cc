@@ -22,11 +22,6 @@ void check(const JointSensorSettings& s) {
 
 }  // namespace
 
-double JointSensorSettings::velocity_age(double dt) const {
-  if (velocity != VelocityReading::difference) return delay;
-  return delay + 0.5 * dt + (velocity_bandwidth > 0.0 ? 1.0 / velocity_bandwidth : 0.0);
-}
-
 JointSensor::JointSensor(const JointSensorSettings& settings, int joints, double dt,
                          std::uint64_t seed)
     : settings_((check(settings), settings)),

@@ -13,37 +13,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "impedraw/common/range.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
-
-enum class VelocityReading { exact, difference, none };
-
-struct JointSensorSettings {
-  double quantum = 0.0;         // resolution of the position; 0: continuous [rad]
-  double position_noise = 0.0;  // standard deviation [rad]
-  double velocity_noise = 0.0;  // standard deviation [rad/s]
-  double delay = 0.0;  // rounded to samples, at most 30 ms; the first is read without delay [s]
-  VelocityReading velocity = VelocityReading::exact;
-  double velocity_bandwidth = 250.0;  // of the difference's low-pass; 0: no filter [rad/s]
-
-  struct Limits {
-    static constexpr Limit quantum = {"quantum", "rad", {0.0, 0.1}};
-    static constexpr Limit position_noise = {"position_noise", "rad", {0.0, 0.1}};
-    static constexpr Limit velocity_noise = {"velocity_noise", "rad/s", {0.0, 10.0}};
-    static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
-    static constexpr Limit velocity_bandwidth = {"velocity_bandwidth", "rad/s", {0.0, 1e4}};
-  };
-
-  bool exact() const {  // reads the state itself
-    return quantum == 0.0 && position_noise == 0.0 && velocity_noise == 0.0 && delay == 0.0 &&
-           velocity == VelocityReading::exact;
-  }
-  // Age of the velocity reading at low frequency, for samples dt apart [s].
-  double velocity_age(double dt) const;
-};
 
 struct JointReading {
   JointVector q, v;  // [rad], [rad/s]

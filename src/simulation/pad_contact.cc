@@ -8,8 +8,6 @@
 
 namespace impedraw {
 
-double PadSettings::area() const { return std::numbers::pi * radius * radius; }
-
 // Ring j has 6 j cells between the radii r √((3 j² ∓ 3 j + 1)/N), at the radius of gyration between
 // them, so that the moments of inertia are those of the disc.
 PadContact::PadContact(const PadSettings& settings) : settings_(settings) {

@@ -13,39 +13,16 @@
 // turning on the spot M = 2/3 μ F r.
 #pragma once
 
-#include <algorithm>
 #include <array>
 
 #include <Eigen/Core>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/pose.h"
-#include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
-
-struct PadSettings {
-  double radius = 0.015;     // r [m]
-  double thickness = 0.010;  // of the foam [m]
-  double stiffness = 5e6;    // k, pressure per compression [N/m³]
-  double damping = 2e4;      // b [N s/m³]
-  double friction = 0.3;     // μ
-  double rest = 0.0;         // of the free face before E [m]
-
-  struct Limits {
-    static constexpr Limit radius = {"radius", "m", {2e-3, 0.1}};
-    static constexpr Limit thickness = {"thickness", "m", {1e-3, 0.1}};
-    static constexpr Limit stiffness = {"stiffness", "N/m³", {1e4, 1e9}};
-    static constexpr Limit damping = {"damping", "N s/m³", {0.0, 1e6}};
-  };
-
-  double area() const;  // π r² [m²]
-  // Pressure of the foam, compressed by δ at the rate v [Pa].
-  double pressure(double compression, double rate) const {
-    return compression > 0.0 ? std::max(0.0, stiffness * compression + damping * rate) : 0.0;
-  }
-};
 
 struct PadLoad {
   bool touching = false;

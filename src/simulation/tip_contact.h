@@ -15,23 +15,9 @@
 
 #include <Eigen/Core>
 
-#include "impedraw/common/range.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
-
-struct TipMaterial {
-  double radius = 1.0e-3;     // of the tip sphere [m]
-  double stiffness = 20.0e3;  // k [N/m]
-  double damping = 60.0;      // b [N s/m]
-  double friction = 0.3;      // μ
-
-  struct Limits {
-    static constexpr Limit radius = {"radius", "m", {1e-5, 0.05}};
-    static constexpr Limit stiffness = {"stiffness", "N/m", {10.0, 1e7}};
-    static constexpr Limit damping = {"damping", "N s/m", {0.0, 1e5}};
-    static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
-  };
-};
 
 // In the contact's frame: two tangents, then the outward normal.
 struct TipContactStep {

@@ -17,6 +17,8 @@ namespace impedraw {
 
 namespace {
 
+constexpr int kJointSweeps = 200;  // most, of joint friction, joint limits and tip together
+
 using RowMatrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, kMaxJoints>;
 using RowMatrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor, 6, kMaxJoints>;
 using ImpulseColumns =

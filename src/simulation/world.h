@@ -7,7 +7,7 @@
 //
 // With a pad, its wrench at the start of the step (pad_contact.h) is part of F_push, and p is zero.
 //
-// The simulated arm can differ from the URDF, and τ_a from the commanded torque: model_errors.h.
+// The simulated arm can differ from the URDF, and τ_a from the commanded torque: ModelErrors.
 // The drives clip τ_a to the URDF's effort limits and hold it for all integration steps of dt.
 // Viscous friction b v⁺ is implicit; b and τ_f are those of the settings plus damping and friction
 // of the URDF's <dynamics>. The tip's impulse p and the joints' impulses, dry friction
@@ -22,37 +22,16 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/pose.h"
-#include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/canvas_motion.h"
 #include "impedraw/simulation/joint_drive.h"
-#include "impedraw/simulation/joint_sensor.h"
-#include "impedraw/simulation/model_errors.h"
 #include "impedraw/simulation/pad_contact.h"
 #include "impedraw/simulation/posed_body.h"
-#include "impedraw/simulation/solver_cutoffs.h"
 #include "impedraw/simulation/tip_contact.h"
 #include "impedraw/simulation/tip_side.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
-
-struct WorldSettings {
-  double dt = 1e-3;  // of a control step, over which the torque is held [s]
-  int substeps = 1;  // integration steps in each
-  TipMaterial tip;
-  std::optional<PadSettings> pad;    // instead of the tip's ball
-  double joint_friction = 0.0;       // dry friction, equal on every joint: ± [Nm]
-  double gravity = 9.81;             // along −z [m/s²]
-  ModelErrors errors;                // differences from the URDF
-  JointSensorSettings joint_sensor;  // read by the simulated arm
-  bool flange_sensor = false;        // enables flange_wrench()
-
-  struct Limits {
-    static constexpr Limit joint_friction = {"joint_friction", "Nm", {0.0, 50.0}};
-    static constexpr Limit gravity = {"gravity", "m/s²", {0.0, 100.0}};
-    static constexpr Limit substeps = {"substeps", "", {1, 100}};
-  };
-};
 
 // Contact over the last step: mean force; geometry at the start of the first integration step that
 // touched.

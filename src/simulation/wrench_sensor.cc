@@ -4,11 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "impedraw/common/errors.h"
-#include "impedraw/common/range_check.h"
-
 namespace impedraw {
 
 namespace {
@@ -19,44 +14,11 @@ Vector6 both(double force, double torque) {
   return v;
 }
 
-void check(const WrenchSensorSettings& s, double dt) {
-  using Limits = WrenchSensorSettings::Limits;
-  require_in_range("wrench_sensor", Limits::noise_force, s.noise_force);
-  require_in_range("wrench_sensor", Limits::noise_torque, s.noise_torque);
-  require_in_range("wrench_sensor", Limits::bias_force, s.bias_force);
-  require_in_range("wrench_sensor", Limits::bias_torque, s.bias_torque);
-  require_in_range("wrench_sensor", Limits::drift_force, s.drift_force);
-  require_in_range("wrench_sensor", Limits::drift_torque, s.drift_torque);
-  require_in_range("wrench_sensor", Limits::quantum_force, s.quantum_force);
-  require_in_range("wrench_sensor", Limits::quantum_torque, s.quantum_torque);
-  require_in_range("wrench_sensor", Limits::range_force, s.range_force);
-  require_in_range("wrench_sensor", Limits::range_torque, s.range_torque);
-  require_in_range("wrench_sensor", Limits::delay, s.delay);
-  if (!(dt >= 1e-6 && std::isfinite(dt)))
-    throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));
-}
-
 }  // namespace
-
-WrenchSensorSettings WrenchSensorSettings::realistic() {
-  WrenchSensorSettings s;
-  s.noise_force = 0.1;
-  s.noise_torque = 0.005;
-  s.bias_force = 1.5;
-  s.bias_torque = 0.05;
-  s.drift_force = 0.02;
-  s.drift_torque = 0.001;
-  s.quantum_force = 0.02;
-  s.quantum_torque = 0.001;
-  s.range_force = 100.0;
-  s.range_torque = 10.0;
-  s.delay = 2e-3;
-  return s;
-}
 
 WrenchSensor::WrenchSensor(const WrenchSensorSettings& s, double dt, std::uint64_t seed)
     : normals_(seed) {
-  check(s, dt);
+  require_valid(s, dt);
   noise_ = both(s.noise_force, s.noise_torque) * std::sqrt(1e-3 / dt);
   noisy_ = !noise_.isZero(0.0);
   quantum_ = both(s.quantum_force, s.quantum_torque);

@@ -12,37 +12,10 @@
 #include <vector>
 
 #include "impedraw/common/pose.h"
-#include "impedraw/common/range.h"
 #include "impedraw/common/seeded_normals.h"
+#include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
-
-struct WrenchSensorSettings {
-  // white noise on each axis: standard deviation at 1 kHz; same density at other rates [N, Nm]
-  double noise_force = 0.0, noise_torque = 0.0;
-  double bias_force = 0.0, bias_torque = 0.0;        // length of the vector [N, Nm]
-  double drift_force = 0.0, drift_torque = 0.0;      // length of the vector [N/min, Nm/min]
-  double quantum_force = 0.0, quantum_torque = 0.0;  // 0: continuous [N, Nm]
-  double range_force = 0.0, range_torque = 0.0;      // ±; 0: no limit [N, Nm]
-  // rounded to samples; the first sample is read without delay [s]
-  double delay = 0.0;
-
-  struct Limits {
-    static constexpr Limit noise_force = {"noise_force", "N", {0.0, 100.0}};
-    static constexpr Limit noise_torque = {"noise_torque", "Nm", {0.0, 10.0}};
-    static constexpr Limit bias_force = {"bias_force", "N", {0.0, 1000.0}};
-    static constexpr Limit bias_torque = {"bias_torque", "Nm", {0.0, 100.0}};
-    static constexpr Limit drift_force = {"drift_force", "N/min", {0.0, 100.0}};
-    static constexpr Limit drift_torque = {"drift_torque", "Nm/min", {0.0, 10.0}};
-    static constexpr Limit quantum_force = {"quantum_force", "N", {0.0, 10.0}};
-    static constexpr Limit quantum_torque = {"quantum_torque", "Nm", {0.0, 1.0}};
-    static constexpr Limit range_force = {"range_force", "N", {0.0, 1e5}};
-    static constexpr Limit range_torque = {"range_torque", "Nm", {0.0, 1e4}};
-    static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
-  };
-
-  static WrenchSensorSettings realistic();
-};
 
 class WrenchSensor {
  public:

@@ -15,9 +15,9 @@
 #include "impedraw/canvas/built_in_graphs.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/picture_of_plan.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "scratch_folder.h"
 
@@ -39,7 +39,8 @@ class PerceivedPlan : public ScratchFolder {
 struct Staged {
   Scenario scenario;
   PlacedArtwork artwork;
-  Scene scene;
+  Belief belief;
+  Truth truth;
 };
 
 Staged staged(const Scenario& given) {
@@ -49,15 +50,16 @@ Staged staged(const Scenario& given) {
   s.drawing.placement = placement_settings(s.drawing);
   PlacedArtwork artwork = load_artwork(s.drawing, setting_errors);
   Scene scene = build_scene(s, artwork.X_WP, setting_errors);
-  return {std::move(s), std::move(artwork), std::move(scene)};
+  return {std::move(s), std::move(artwork), std::move(scene.belief), std::move(scene.truth)};
 }
 
-PlannedDrawing planned(Staged from) {
+PreparedPlan planned(Staged from) {
   const Places places;
   Plan plan =
-      make_plan(from.scenario, from.artwork, from.scene, Unreachable::skip, SettingErrors(places));
-  return {std::move(from.scenario), std::move(from.artwork), std::move(from.scene),
-          std::move(plan)};
+      make_plan(from.scenario, from.artwork, from.belief, Unreachable::skip, SettingErrors(places));
+  return {
+      {std::move(from.scenario), std::move(from.artwork), std::move(from.belief), std::move(plan)},
+      std::move(from.truth)};
 }
 
 // A point that the plan has no height for was put at the height of the last one, 80 mm away: on a
@@ -77,18 +79,18 @@ TEST_F(PerceivedPlan, APointWithoutAPlanIsJudgedOnTheUpperSheet) {
   EXPECT_NEAR(judged(-0.05, 0.01)->p_P.z(), -0.05, 1e-9);
 }
 
-// Another thread measures the distortion on it while the scene moves to where the run needs it:
+// Another thread measures the distortion on it while the belief moves to where the run needs it:
 // 3 of 60 drawings on a cow ended there with a segmentation fault.
 TEST_F(PerceivedPlan, TheSurfaceKeepsWhatItReads) {
   Staged from = staged(scenario({}));
-  const std::weak_ptr<const SurfaceEstimator> followed = from.scene.perception;
-  const std::weak_ptr<const PlanSurface> planning = from.scene.planning;
-  SurfaceHeight surface = std::move(from.scene.surface);
+  const std::weak_ptr<const SurfaceEstimator> followed = from.belief.perception;
+  const std::weak_ptr<const PlanSurface> planning = from.belief.planning;
+  SurfaceHeight surface = std::move(from.belief.surface);
   const auto at = from.artwork.strokes.front().p_P.front();
   const auto before = surface(at.x(), at.y());
   ASSERT_TRUE(before);
-  from.scene.perception.reset();
-  from.scene.planning.reset();
+  from.belief.perception.reset();
+  from.belief.planning.reset();
   EXPECT_FALSE(followed.expired());
   EXPECT_FALSE(planning.expired());
   EXPECT_NEAR(surface(at.x(), at.y())->p_P.z(), before->p_P.z(), 1e-6);
@@ -97,10 +99,10 @@ TEST_F(PerceivedPlan, TheSurfaceKeepsWhatItReads) {
   EXPECT_TRUE(planning.expired());
 
   Staged blind = staged(scenario({"perception.enabled=false"}));
-  const std::weak_ptr<const Canvas> canvas = blind.scene.canvas;
-  surface = std::move(blind.scene.surface);
-  blind.scene.canvas.reset();
-  blind.scene.obstacle.reset();
+  const std::weak_ptr<const Canvas> canvas = blind.truth.canvas;
+  surface = std::move(blind.belief.surface);
+  blind.truth.canvas.reset();
+  blind.belief.obstacle.reset();
   EXPECT_FALSE(canvas.expired());
 }
 
@@ -110,8 +112,8 @@ TEST_F(PerceivedPlan, TheSurfaceDoesNotDependOnWhatWasAskedBefore) {
   for (const char* canvas : {"canvas.kind=bowl", "canvas.kind=rough"}) {
     SCOPED_TRACE(canvas);
     const Staged from = staged(scenario({canvas}));
-    const SurfaceHeight &asked = from.scene.surface,
-                        fresh = perceived_height(from.scene.planning, from.artwork.X_WP);
+    const SurfaceHeight &asked = from.belief.surface,
+                        fresh = perceived_height(from.belief.planning, from.artwork.X_WP);
     std::mt19937 random(5);
     std::uniform_real_distribution<double> side(-0.06, 0.06);
     std::vector<Eigen::Vector2d> places;
@@ -131,7 +133,7 @@ TEST_F(PerceivedPlan, TheSurfaceDoesNotDependOnWhatWasAskedBefore) {
       ASSERT_TRUE(beside);
       EXPECT_LT((beside->p_P - one->p_P).norm(), 1e-5);
       EXPECT_LT((beside->n_P - one->n_P).norm(), 9e-4);
-      const SurfaceEstimate there = from.scene.planning->estimate(from.artwork.X_WP * one->p_P);
+      const SurfaceEstimate there = from.belief.planning->estimate(from.artwork.X_WP * one->p_P);
       EXPECT_LT(std::abs(there.distance), 1e-5);
       EXPECT_LT((from.artwork.X_WP.R.transpose() * there.n_W - one->n_P).norm(), 9e-4);
     }
@@ -143,16 +145,17 @@ TEST_F(PerceivedPlan, ThePlanDoesNotDependOnTheNumberOfThreads) {
   const Scenario s = scenario({"drawing.text.text=Hi", "canvas.kind=rough"});
   const auto with = [&](int threads) {
     parallel_threads = threads;
-    PlannedDrawing drawing = planned(staged(s));
+    PreparedPlan drawing = planned(staged(s));
     parallel_threads = 0;
     return drawing;
   };
-  const PlannedDrawing one = with(1);
+  const PreparedPlan one = with(1);
   ASSERT_GT(one.plan.strokes.size(), 1u);
   for (const int threads : {2, 3}) {
-    const PlannedDrawing other = with(threads);
-    EXPECT_EQ(one.plan.target.points, other.plan.target.points);
-    EXPECT_EQ(one.plan.target.stroke, other.plan.target.stroke);
+    const PreparedPlan other = with(threads);
+    const TargetLine a = target_of(one, one.truth), b = target_of(other, other.truth);
+    EXPECT_EQ(a.points, b.points);
+    EXPECT_EQ(a.stroke, b.stroke);
     EXPECT_EQ(one.plan.rough, other.plan.rough);
     ASSERT_EQ(one.plan.preflight.findings.size(), other.plan.preflight.findings.size());
     for (std::size_t i = 0; i < one.plan.preflight.findings.size(); ++i)
@@ -169,11 +172,11 @@ TEST_F(PerceivedPlan, KnowsNothingOfTheTrueCanvas) {
     SCOPED_TRACE(canvas);
     const Scenario s = scenario({canvas, "canvas.rough.form=step", "drawing.shape=M"});
     Staged truth = staged(s), swapped = staged(s);
-    const std::shared_ptr<Canvas> seen = swapped.scene.canvas;  // the world refers to it
+    const std::shared_ptr<Canvas> seen = swapped.truth.canvas;  // the world refers to it
     PlaneSettings plane;
     plane.normal = {0.2, -0.3, 1.0};
-    swapped.scene.canvas = std::make_shared<Canvas>(make_plane(plane));
-    const PlannedDrawing one = planned(std::move(truth)), other = planned(std::move(swapped));
+    swapped.truth.canvas = std::make_shared<Canvas>(make_plane(plane));
+    const PreparedPlan one = planned(std::move(truth)), other = planned(std::move(swapped));
 
     ASSERT_EQ(one.plan.strokes.size(), other.plan.strokes.size());
     for (std::size_t i = 0; i < one.plan.strokes.size(); ++i)
@@ -190,11 +193,11 @@ TEST_F(PerceivedPlan, KnowsNothingOfTheTrueCanvas) {
       ASSERT_EQ(a.pen_down, b.pen_down) << t;
     }
     // The target is the artwork's line, whatever it is projected on.
-    const auto end = [](const PlannedDrawing& e) {
-      return (e.artwork.X_WP.inverse() * e.plan.target.points.back()).head<2>().eval();
-    };
-    EXPECT_EQ(one.plan.target.stroke.back(), other.plan.target.stroke.back());
-    EXPECT_LT((end(one) - end(other)).norm(), 1e-12);
+    const TargetLine line = target_of(one, one.truth), same = target_of(other, other.truth);
+    const Vector3d apart =
+        one.artwork.X_WP.R.transpose() * (line.points.back() - same.points.back());
+    EXPECT_EQ(line.stroke.back(), same.stroke.back());
+    EXPECT_LT(apart.head<2>().norm(), 1e-12);
 
     const PlanPicture a = picture_of_plan(one, one.surface()),
                       b = picture_of_plan(other, other.surface());
@@ -209,11 +212,11 @@ TEST_F(PerceivedPlan, KnowsNothingOfTheTrueCanvas) {
 
 // The picture shows the surface: the bowl's, to the cloud's accuracy.
 TEST_F(PerceivedPlan, ThePictureShowsTheSurfaceAsSeen) {
-  const PlannedDrawing e = planned(staged(scenario({})));
+  const PreparedPlan e = planned(staged(scenario({})));
   const PlanPicture picture = picture_of_plan(e, e.surface());
   ASSERT_GT(picture.canvas_vertices.size(), 2000u);
   for (const Vector3d& p_P : picture.canvas_vertices)
-    ASSERT_LT(std::abs(e.scene.canvas->closest(e.artwork.X_WP * p_P).distance), 1e-3);
+    ASSERT_LT(std::abs(e.truth.canvas->closest(e.artwork.X_WP * p_P).distance), 1e-3);
 }
 
 // Lines along world x and y through the middle of the canvas, 120 mm each; and the first alone.
@@ -238,7 +241,7 @@ TEST_F(PerceivedPlan, StrokesEndOnBothSidesOfAStep) {
   const auto file = write("line.strokes", kLine);
   for (const double height : {0.003, 0.005, 0.010}) {
     SCOPED_TRACE(height);
-    const PlannedDrawing e = planned(staged(scenario(
+    const PreparedPlan e = planned(staged(scenario(
         {"canvas.kind=rough", "canvas.rough.form=step", fmt::format("canvas.rough.rise={}", height),
          "drawing.svg=" + file.string(), "drawing.placement.height=120"})));
     double below = 1.0, above = 1.0;
@@ -255,7 +258,7 @@ TEST_F(PerceivedPlan, StrokesEndOnBothSidesOfAStep) {
 
 TEST_F(PerceivedPlan, StrokesEndOnBothSidesOfAHole) {
   const auto file = write("cross.strokes", kCross);
-  const PlannedDrawing e = planned(staged(
+  const PreparedPlan e = planned(staged(
       scenario({"canvas.kind=rough", "canvas.rough.form=hole", "canvas.rough.wavelength=0.020",
                 "drawing.svg=" + file.string(), "drawing.placement.width=120"})));
   double nearest[4] = {1.0, 1.0, 1.0, 1.0};  // −x, +x, −y, +y
@@ -291,9 +294,9 @@ std::vector<std::string> mesh_canvas(const std::filesystem::path& file) {
 }
 
 TEST_F(PerceivedPlan, AMeshOutOfReachIsPutInFrontOfTheArm) {
-  const PlannedDrawing e =
+  const PreparedPlan e =
       planned(staged(scenario(mesh_canvas(write("far.obj", square_obj({5.0, -3.0, 2.0}))))));
-  const Eigen::AlignedBox3d box = e.scene.canvas->bounds();
+  const Eigen::AlignedBox3d box = e.truth.canvas->bounds();
   EXPECT_LT((box.center().head<2>() - e.scenario.drawing.placement.centre_m).norm(), 1e-9);
   EXPECT_NEAR(box.min().z(), 0.02, 1e-9);
   EXPECT_LT((e.scenario.canvas.move - Vector3d(0.6 - 5.0, 3.0, 0.02 - 2.0)).norm(), 1e-9);
@@ -301,14 +304,14 @@ TEST_F(PerceivedPlan, AMeshOutOfReachIsPutInFrontOfTheArm) {
   EXPECT_FALSE(e.plan.strokes.empty());
   // A run of the completed scenario puts it in the same place, and says nothing.
   const Staged again = staged(e.scenario);
-  EXPECT_LT((again.scene.canvas->bounds().min() - box.min()).norm(), 1e-12);
-  EXPECT_THAT(again.scene.notes, testing::IsEmpty());
+  EXPECT_LT((again.truth.canvas->bounds().min() - box.min()).norm(), 1e-12);
+  EXPECT_THAT(again.belief.notes, testing::IsEmpty());
 }
 
 TEST_F(PerceivedPlan, AMeshThatIsWhereTheDrawingIsStaysThere) {
   const Staged e = staged(scenario(mesh_canvas(write("near.obj", square_obj({0.58, 0.03, 0.1})))));
   EXPECT_TRUE(e.scenario.canvas.move.isZero());
-  EXPECT_NEAR(e.scene.canvas->bounds().center().x(), 0.58, 1e-9);
+  EXPECT_NEAR(e.truth.canvas->bounds().center().x(), 0.58, 1e-9);
 }
 
 // The pen would fall through the back of a sheet: its front alone bears it.
@@ -324,29 +327,29 @@ TEST_F(PerceivedPlan, AnOpenSheetThatFacesAwayFromTheDrawingIsTurned) {
   }
   const auto file = write("back.obj", text);
   const auto up = [](const Staged& e) {
-    return e.scene.canvas->closest(Vector3d(0.6, 0.0, 0.11)).n_W.z();
+    return e.truth.canvas->closest(Vector3d(0.6, 0.0, 0.11)).n_W.z();
   };
   const Staged turned = staged(scenario(mesh_canvas(file)));
   EXPECT_NEAR(up(turned), 1.0, 1e-9);
-  EXPECT_THAT(turned.scene.notes, testing::Contains(testing::HasSubstr("faces away")));
+  EXPECT_THAT(turned.belief.notes, testing::Contains(testing::HasSubstr("faces away")));
 
   auto said = mesh_canvas(file);
   said.push_back("canvas.mesh.side=inward");
   const Staged inward = staged(scenario(said));
   EXPECT_NEAR(up(inward), 1.0, 1e-9);
-  EXPECT_THAT(inward.scene.notes, testing::IsEmpty());
+  EXPECT_THAT(inward.belief.notes, testing::IsEmpty());
 
   const Staged front =
       staged(scenario(mesh_canvas(write("front.obj", square_obj({0.6, 0.0, 0.1})))));
   EXPECT_NEAR(up(front), 1.0, 1e-9);
-  EXPECT_THAT(front.scene.notes, testing::IsEmpty());
+  EXPECT_THAT(front.belief.notes, testing::IsEmpty());
 }
 
 TEST_F(PerceivedPlan, AMeshThatTheUserPlacesIsNotMoved) {
   auto given = mesh_canvas(write("far.obj", square_obj({0.0, 0.0, 0.0})));
   given.push_back("canvas.move=[0.61, 0.01, 0.07]");
   const Staged e = staged(scenario(given));
-  EXPECT_LT((e.scene.canvas->bounds().center() - Vector3d(0.61, 0.01, 0.07)).norm(), 1e-9);
+  EXPECT_LT((e.truth.canvas->bounds().center() - Vector3d(0.61, 0.01, 0.07)).norm(), 1e-9);
 }
 
 // The axis that the user gives holds; else the surface decides.
@@ -374,7 +377,7 @@ TEST_F(PerceivedPlan, LeavesOutWhatIsTooRough) {
                                           "preflight.least_speed=0"};
   const auto too_rough = [&](std::vector<std::string> set) {
     set.insert(set.end(), rough.begin(), rough.end());
-    const PlannedDrawing drawing = planned(staged(scenario(set)));
+    const PreparedPlan drawing = planned(staged(scenario(set)));
     double length = 0.0;
     for (const Finding& f : drawing.plan.preflight.findings) {
       if (f.problem != Problem::too_rough) continue;
@@ -404,7 +407,7 @@ TEST_F(PerceivedPlan, LeavesOutWhatWouldCrawl) {
       if (f.problem == Problem::crawls) length += f.part.length();
     return length;
   };
-  const PlannedDrawing all = plan("0"), rest = plan("0.015");
+  const PreparedPlan all = plan("0"), rest = plan("0.015");
   EXPECT_EQ(crawling(all), 0.0);
   EXPECT_LT(all.plan.path.mean_speed(), 0.016);
   EXPECT_GT(crawling(rest), 0.01);
@@ -439,7 +442,7 @@ TEST_F(PerceivedPlan, NotesGroundThatIsTooRoughForACalmForce) {
     for (int i = 1; i <= kNodes * (kNodes - 1); ++i)
       if (i % kNodes != 0)
         out << fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", i, i + kNodes, i + kNodes + 1, i + 1);
-    const PlannedDrawing drawing = planned(staged(
+    const PreparedPlan drawing = planned(staged(
         scenario({"canvas.kind=mesh", "canvas.mesh.file=" + write("plate.obj", out.str()).string(),
                   "canvas.move=[0.6,0,0.04]", "drawing.placement.fit_radius=0.05"})));
     return fmt::format("{}", fmt::join(drawing.plan.notes, "\n"));

@@ -4,12 +4,12 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
 namespace {
 
-Experiment prepared(SceneCache* scenes, const std::vector<std::string>& assignments) {
+Prepared prepared(SceneCache* scenes, const std::vector<std::string>& assignments) {
   DrawOptions options;
   options.assignments = assignments;
   Places places;
@@ -21,8 +21,8 @@ TEST(SceneCache, FindsWhatIsAlikeAndTellsApartWhatIsNot) {
   SceneCache scenes;
   const auto reused = [&](const std::vector<std::string>& assignments) {
     const long before = scenes.reused();
-    Experiment e = prepared(&scenes, assignments);
-    scenes.give_back(std::move(e.scene));
+    Prepared e = prepared(&scenes, assignments);
+    scenes.give_back(scene_of(std::move(e)));
     return scenes.reused() > before;
   };
   EXPECT_FALSE(reused({}));
@@ -38,13 +38,13 @@ TEST(SceneCache, FindsWhatIsAlikeAndTellsApartWhatIsNot) {
 
 TEST(SceneCache, GivesTheSamePlan) {
   SceneCache scenes;
-  Experiment first = prepared(&scenes, {});
-  scenes.give_back(std::move(first.scene));
-  const Experiment again = prepared(&scenes, {"path.draw_speed=0.03"}),
-                   fresh = prepared(nullptr, {"path.draw_speed=0.03"});
+  Prepared first = prepared(&scenes, {});
+  scenes.give_back(scene_of(std::move(first)));
+  const Prepared again = prepared(&scenes, {"path.draw_speed=0.03"}),
+                 fresh = prepared(nullptr, {"path.draw_speed=0.03"});
   EXPECT_EQ(scenes.reused(), 1);
-  EXPECT_EQ(again.scene.start_q, fresh.scene.start_q);
-  EXPECT_EQ(again.scene.perception->cloud().points, fresh.scene.perception->cloud().points);
+  EXPECT_EQ(again.belief.start_q, fresh.belief.start_q);
+  EXPECT_EQ(again.belief.perception->cloud().points, fresh.belief.perception->cloud().points);
   ASSERT_EQ(again.plan.path.duration(), fresh.plan.path.duration());
   for (double t = 0.0; t < fresh.plan.path.duration(); t += 0.1)
     EXPECT_EQ(again.plan.path.at(t).reference.p_WD, fresh.plan.path.at(t).reference.p_WD);
@@ -52,11 +52,11 @@ TEST(SceneCache, GivesTheSamePlan) {
 
 TEST(SceneCache, KeepsTheSceneOfAPlanThatIsRefused) {
   SceneCache scenes;
-  Experiment first = prepared(&scenes, {});
-  scenes.give_back(std::move(first.scene));
+  Prepared first = prepared(&scenes, {});
+  scenes.give_back(scene_of(std::move(first)));
   EXPECT_THROW(prepared(&scenes, {"drawing.placement.centre=[0.9, 0]"}), InputError);
   EXPECT_THROW(prepared(&scenes, {"control.null_stiffness=[1, 2]"}), InputError);
-  Experiment last = prepared(&scenes, {});
+  Prepared last = prepared(&scenes, {});
   EXPECT_EQ(scenes.built(), 1);
 }
 

@@ -11,7 +11,7 @@
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
 namespace {
@@ -21,7 +21,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using SeenFolder = ScratchFolder;
 
-Experiment bowl_with(std::vector<std::string> assignments) {
+Prepared bowl_with(std::vector<std::string> assignments) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-sine.yaml";
   options.assignments = std::move(assignments);
@@ -49,27 +49,27 @@ std::filesystem::path bowl_cloud(const std::filesystem::path& folder) {
 
 TEST_F(SeenFolder, TheSineOnACloudOfTheBowl) {
   const std::string cloud = "perception.cloud=" + bowl_cloud(folder_).string();
-  const Experiment e = bowl_with({"perception.source=cloud", cloud});
-  const Experiment simulated = bowl_with({});
+  const Prepared e = bowl_with({"perception.source=cloud", cloud});
+  const Prepared simulated = bowl_with({});
   EXPECT_TRUE(e.plan.preflight.findings.empty());
   EXPECT_NEAR(e.plan.path.pen_down_length(), simulated.plan.path.pen_down_length(), 1e-3);
   double worst = 0.0;
-  for (const Vector3d& p : e.plan.target.points) {
-    const SurfaceEstimate at = e.scene.perception->estimate(p);
+  for (const Vector3d& p : e.yardstick.target.points) {
+    const SurfaceEstimate at = e.belief.perception->estimate(p);
     ASSERT_EQ(at.status, SurfaceStatus::ok);
     worst = std::max(worst, std::abs(at.distance));
   }
   EXPECT_LT(worst, 1e-4);
-  EXPECT_THAT(e.scene.notes, Contains(HasSubstr("1 have no place")));
+  EXPECT_THAT(e.belief.notes, Contains(HasSubstr("1 have no place")));
 }
 
 TEST_F(SeenFolder, ACanvasThatNobodyModelledIsWhatWasSeen) {
   const std::string cloud = "perception.cloud=" + bowl_cloud(folder_).string();
-  const Experiment e = bowl_with({"perception.source=cloud", cloud, "canvas.kind=seen"});
+  const Prepared e = bowl_with({"perception.source=cloud", cloud, "canvas.kind=seen"});
   EXPECT_TRUE(is_rehearsal(e.scenario));
-  EXPECT_THAT(e.scene.notes, Contains(HasSubstr("rehearsal: ")));
+  EXPECT_THAT(e.belief.notes, Contains(HasSubstr("rehearsal: ")));
   const CapSettings bowl;
-  for (const Vector3d& p : e.plan.target.points)
+  for (const Vector3d& p : e.yardstick.target.points)
     EXPECT_NEAR((p - bowl.centre).norm(), bowl.radius, 1e-4);
 }
 
@@ -79,11 +79,11 @@ TEST_F(SeenFolder, HolesStayHoles) {
     for (double y = -0.15; y < 0.15; y += 0.002)
       if (std::hypot(x - 0.6, y) > 0.02) file << fmt::format("{} {} {}\n", x, y, 0.1);
   file.close();
-  const Experiment e =
+  const Prepared e =
       bowl_with({"perception.source=cloud", "perception.cloud=" + (folder_ / "sheet.xyz").string(),
                  "canvas.kind=seen", "drawing.shape=sine", "drawing.skip_unreachable=true"});
-  EXPECT_FALSE(e.scene.canvas->ray({0.6, 0.0, 1.0}, {0, 0, -1}));
-  const auto beside = e.scene.canvas->ray({0.64, 0.0, 1.0}, {0, 0, -1});
+  EXPECT_FALSE(e.truth.canvas->ray({0.6, 0.0, 1.0}, {0, 0, -1}));
+  const auto beside = e.truth.canvas->ray({0.64, 0.0, 1.0}, {0, 0, -1});
   ASSERT_TRUE(beside);
   EXPECT_NEAR(beside->p_W.z(), 0.1, 1e-6);
 }

@@ -6,12 +6,12 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
 namespace {
 
-Experiment prepared(std::vector<std::string> assignments) {
+Prepared prepared(std::vector<std::string> assignments) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-sine.yaml";
   options.assignments = std::move(assignments);
@@ -20,10 +20,10 @@ Experiment prepared(std::vector<std::string> assignments) {
 
 // Points of the cloud further off the true canvas than depth noise or the voxel grid could put
 // them.
-int strangers(const Experiment& e) {
+int strangers(const Prepared& e) {
   int count = 0;
-  for (const Eigen::Vector3d& p : e.scene.perception->cloud().points)
-    count += std::abs(e.scene.canvas->closest(p).distance) > 2e-3;
+  for (const Eigen::Vector3d& p : e.belief.perception->cloud().points)
+    count += std::abs(e.truth.canvas->closest(p).distance) > 2e-3;
   return count;
 }
 
@@ -31,26 +31,26 @@ TEST(Snapshot, SeesTheArmAndCutsItOut) {
   // The box reaches over the whole arm, so that nothing but the self filter keeps it out.
   const std::vector<std::string> wide = {"perception.region_lower=[-1, -1, 0.03]",
                                          "perception.region_upper=[1.5, 1, 2]"};
-  const Experiment filtered = prepared(wide);
+  const Prepared filtered = prepared(wide);
   const DepthCamera camera{640, 480, 60.0, look_at({1.1, 0.0, 0.9}, {0.6, 0.0, 0.1})};
   int pixels_of_arm = 0;
   for (int j = 0; j < camera.height; j += 4) {
     for (int i = 0; i < camera.width; i += 4) {
       const Eigen::Vector3d ray = (camera.X_WC.R * camera.direction_C(i, j)).normalized();
-      pixels_of_arm += std::isfinite(filtered.scene.world->ray_to_arm(camera.X_WC.p, ray));
+      pixels_of_arm += std::isfinite(filtered.truth.world->ray_to_arm(camera.X_WC.p, ray));
     }
   }
   EXPECT_GT(pixels_of_arm, 300) << "the arm stands in the picture";
-  EXPECT_GT(filtered.scene.perception->cloud().points.size(), 5000u);
+  EXPECT_GT(filtered.belief.perception->cloud().points.size(), 5000u);
   EXPECT_EQ(strangers(filtered), 0);
 }
 
 TEST(Snapshot, TheCloudLiesOnTheCanvas) {
-  const Experiment e = prepared({});
+  const Prepared e = prepared({});
   double sum = 0.0;
-  for (const Eigen::Vector3d& p : e.scene.perception->cloud().points)
-    sum += e.scene.canvas->closest(p).distance;
-  EXPECT_NEAR(sum / e.scene.perception->cloud().points.size(), 0.0, 5e-5)
+  for (const Eigen::Vector3d& p : e.belief.perception->cloud().points)
+    sum += e.truth.canvas->closest(p).distance;
+  EXPECT_NEAR(sum / e.belief.perception->cloud().points.size(), 0.0, 5e-5)
       << "half a pixel off, it would float 0.4 mm";
 }
 
@@ -70,12 +70,12 @@ TEST(Snapshot, CamerasOfMorePixelsThanMemoryHoldsAreRefused) {
 }
 
 TEST(Snapshot, RealisticNoiseIsSeenAndStillDrawn) {
-  const Experiment e = prepared(
+  const Prepared e = prepared(
       {"perception.noise.sigma_at_1m=0.001", "perception.voxel=0.006", "perception.normals.k=120"});
   double sum = 0.0, squares = 0.0;
-  const auto& points = e.scene.perception->cloud().points;
+  const auto& points = e.belief.perception->cloud().points;
   for (const Eigen::Vector3d& p : points) {
-    const double d = e.scene.canvas->closest(p).distance;
+    const double d = e.truth.canvas->closest(p).distance;
     sum += d;
     squares += d * d;
   }
@@ -90,11 +90,11 @@ TEST(Snapshot, RealisticNoiseIsSeenAndStillDrawn) {
 // Where cameras see the same place, a point is their mean.
 TEST(Snapshot, ADepthScaleMovesThePointsAlongTheirRays) {
   const double scale = 0.004;
-  const Experiment e = prepared({"perception.errors.depth_scale=0.004", "preflight.arm=false"});
-  const PointCloud& cloud = e.scene.perception->cloud();
+  const Prepared e = prepared({"perception.errors.depth_scale=0.004", "preflight.arm=false"});
+  const PointCloud& cloud = e.belief.perception->cloud();
   double moved = 0.0, predicted = 0.0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const SurfacePoint on = e.scene.canvas->closest(cloud.points[i]);
+    const SurfacePoint on = e.truth.canvas->closest(cloud.points[i]);
     const Eigen::Vector3d& c = e.scenario.perception.cameras[cloud.camera[i]].p_WC;
     moved += on.distance;
     predicted += scale * (on.p_W - c).dot(on.n_W);
@@ -106,7 +106,7 @@ TEST(Snapshot, ADepthScaleMovesThePointsAlongTheirRays) {
 // What one camera sees of the bowl, a part of a sphere, is a sphere with its centre moved: by the
 // camera's shift, or across the way to the camera by its turn.
 Eigen::Vector3d moved_centre(const Experiment& e, int camera) {
-  const PointCloud& cloud = e.scene.perception->cloud();
+  const PointCloud& cloud = e.belief.perception->cloud();
   const CapSettings& bowl = e.scenario.canvas.cap;
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -121,8 +121,8 @@ Eigen::Vector3d moved_centre(const Experiment& e, int camera) {
 
 TEST(Snapshot, EachCameraStandsOffByItsErrorInADirectionOfItsOwn) {
   const double shift = 2e-3, turn_deg = 0.2;
-  const Experiment shifted = prepared({"perception.errors.shift=0.002"}),
-                   turned = prepared({"perception.errors.turn=0.2"}), right = prepared({});
+  const Prepared shifted = prepared({"perception.errors.shift=0.002"}),
+                 turned = prepared({"perception.errors.turn=0.2"}), right = prepared({});
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
   for (int camera = 0; camera < 3; ++camera) {
     EXPECT_LT(moved_centre(right, camera).norm(), 1e-4);

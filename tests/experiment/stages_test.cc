@@ -9,7 +9,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
 namespace {
@@ -25,13 +25,13 @@ Scenario scenario(const std::vector<std::string>& assignments) {
 TEST(Stages, APlanNeedsNoController) {
   const Scenario s = scenario({"control.wrench=none", "control.inertia=shaped"});
   EXPECT_THROW(prepare(s), InputError);
-  const PlannedDrawing planned = prepare_plan(s);
+  const PreparedPlan planned = prepare_plan(s);
   EXPECT_GT(planned.plan.path.duration(), 1.0);
   EXPECT_TRUE(planned.plan.preflight.findings.empty());
 }
 
 TEST(Stages, TheStrokesArePlacedOnceForAll) {
-  const PlannedDrawing e = prepare_plan(scenario({"drawing.svg=artwork/koi.svg"}));
+  const PreparedPlan e = prepare_plan(scenario({"drawing.svg=artwork/koi.svg"}));
   const std::vector<PlacedStroke> placed =
       placed_strokes(e.artwork.shape.drawn, e.artwork.placement);
   ASSERT_EQ(e.artwork.strokes.size(), placed.size());
@@ -71,17 +71,16 @@ TEST(Stages, ThePenIsAsLightAsTheWrenchPermits) {
 // Stage by stage comes to the same as all at once.
 TEST(Stages, TheStagesAreThePreparation) {
   Scenario s = scenario({"drawing.shape=M"});
-  const Experiment whole = prepare(s);
+  const Prepared whole = prepare(s);
   const Places places;
   const SettingErrors setting_errors(places);
   const PlacedArtwork artwork = load_artwork(s.drawing, setting_errors);
   Scene scene = build_scene(s, artwork.X_WP, setting_errors);
-  const Plan plan = make_plan(s, artwork, scene, Unreachable::refuse, setting_errors);
-  const ControlSetup control = make_control_setup(s, scene, plan, setting_errors);
+  const Plan plan = make_plan(s, artwork, scene.belief, Unreachable::refuse, setting_errors);
+  const ControlSetup control = make_control_setup(s, scene.belief, plan, setting_errors);
   EXPECT_EQ(plan.path.duration(), whole.plan.path.duration());
-  EXPECT_EQ(plan.target.points, whole.plan.target.points);
   EXPECT_EQ(control.impedance.null_space.q_0, whole.control.impedance.null_space.q_0);
-  EXPECT_EQ(control.impedance.limits.torque, scene.arm.limits().torque);
+  EXPECT_EQ(control.impedance.limits.torque, scene.belief.arm.limits().torque);
 }
 
 // Against the product written out.

@@ -8,7 +8,7 @@
 #include "iiwa_variants.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -52,11 +52,11 @@ TEST_F(SmallArm, StartsNearerToItsBaseAndSaysSo) {
   DrawOptions options;
   const std::string urdf = "arm.urdf=" + write("small.urdf", scaled_iiwa(0.55)).string();
   options.assignments = {urdf};
-  const PlannedDrawing e = prepare_plan(resolve(options), {}, Unreachable::tell);
-  EXPECT_THAT(e.scene.notes, ::testing::Contains(::testing::HasSubstr("the tip starts at")));
+  const PreparedPlan e = prepare_plan(resolve(options), {}, Unreachable::tell);
+  EXPECT_THAT(e.belief.notes, ::testing::Contains(::testing::HasSubstr("the tip starts at")));
   EXPECT_LT(e.scenario.arm.start_p_WE.x(), 0.44);
   ArmModel arm(folder_ / "small.urdf");
-  EXPECT_LT((arm.tip_pose(e.scene.start_q).p - e.scenario.arm.start_p_WE).norm(), 1e-6);
+  EXPECT_LT((arm.tip_pose(e.belief.start_q).p - e.scenario.arm.start_p_WE).norm(), 1e-6);
   // A start that somebody asks for is not moved.
   options.assignments = {urdf, "arm.start=[0.45, 0, 0.51]"};
   EXPECT_THROW(prepare_plan(resolve(options), {}, Unreachable::tell), InputError);

@@ -39,7 +39,7 @@ class DescribedArms : public ScratchFolder, public ::testing::WithParamInterface
     const Scenario given = resolve(options, &places);
     const PlacedCanvas placed = place_automatically(given, places);
     ASSERT_TRUE(placed.passes);
-    Experiment experiment = prepare(placed.scenario, places);
+    Prepared experiment = prepare(placed.scenario, places);
     const auto log = folder_ / "run.h5";
     const RunOutcome outcome = run(experiment, log, 0.0);
     EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;

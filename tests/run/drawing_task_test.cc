@@ -17,8 +17,8 @@ using testing::HasSubstr;
 // A pen at the end of the plan's way in, on a canvas in its place.
 struct MadeUpPen {
   explicit MadeUpPen(Experiment& e) : experiment(e) {
-    pen.q = e.scene.start_q;
-    pen.X_WE = e.scene.arm.tip_pose(pen.q);
+    pen.q = e.belief.start_q;
+    pen.X_WE = e.belief.arm.tip_pose(pen.q);
   }
   // Ink along a part of a stroke.
   void inks(int stroke, double from, double to) {

@@ -12,10 +12,10 @@
 #include <unistd.h>
 
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
-#include "impedraw/run/run.h"
+#include "impedraw/run/simulated_run.h"
 #include "run/bounds.h"
 #include "seeds.h"
 
@@ -34,7 +34,7 @@ struct Figures {
 
 // `end`: the expected end of the run.
 inline Figures draw_scenario(const Scenario& scenario, RunEnd end = RunEnd::finished) {
-  Experiment experiment = prepare(scenario);
+  Prepared experiment = prepare(scenario);
   const std::filesystem::path log = std::filesystem::temp_directory_path() /
                                     ("impedraw_figures_" + std::to_string(getpid()) + ".h5");
   const RunOutcome outcome = run(experiment, log, 0.0);

@@ -25,8 +25,8 @@
 #include "impedraw/run/calibrate_tool.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/log_row.h"
-#include "impedraw/run/run.h"
 #include "impedraw/run/simulated_arm.h"
+#include "impedraw/run/simulated_run.h"
 #include "run/prepared.h"
 
 namespace impedraw {
@@ -39,8 +39,8 @@ namespace fs = std::filesystem;
 // The simulated arm with a test's modifications. Records the order of the calls.
 class TestDriver : public Driver {
  public:
-  explicit TestDriver(Experiment& e)
-      : inner_(e, e.scene.start_q, Disturbances(e.scenario, e.plan.path)), info_(inner_.info()) {}
+  explicit TestDriver(Prepared& e)
+      : inner_(e, e.belief.start_q, Disturbances(e.scenario, e.plan.path)), info_(inner_.info()) {}
 
   DriverInfo info() const override { return info_; }
   void start() override {
@@ -103,7 +103,7 @@ class DriverTest : public ::testing::Test {
 TEST_F(DriverTest, TheLoopDrawsTheSameWithoutTheTruth) {
   for (const char* name : {"bowl-m", "bowl-sine-realistic", "bowl-m-blind"}) {
     SCOPED_TRACE(name);
-    Experiment e = prepared(name);
+    Prepared e = prepared(name);
     const auto drawn = [&](bool truthful) {
       TestDriver driver(e);
       driver.truthful = truthful;
@@ -124,7 +124,7 @@ TEST_F(DriverTest, TheLoopDrawsTheSameWithoutTheTruth) {
 
 // The log then holds the wrench as it was measured, and nothing where it was not.
 TEST_F(DriverTest, WithoutTheTruthContactIsWhatWasMeasured) {
-  Experiment e = prepared("bowl-sine");
+  Prepared e = prepared("bowl-sine");
   TestDriver driver(e);
   ASSERT_EQ(run(e, driver, log_, 0.0).end, RunEnd::finished);
   const RunRows with = read_rows(log_);
@@ -142,7 +142,7 @@ TEST_F(DriverTest, WithoutTheTruthContactIsWhatWasMeasured) {
   }
   EXPECT_GT(compared, 900);
 
-  Experiment unfelt = prepared("bowl-sine-natural");
+  Prepared unfelt = prepared("bowl-sine-natural");
   TestDriver blind(unfelt);
   blind.truthful = false;
   ASSERT_EQ(run(unfelt, blind, log_, 0.0).end, RunEnd::finished);
@@ -158,7 +158,7 @@ TEST_F(DriverTest, WithoutTheTruthContactIsWhatWasMeasured) {
 // what they refer to their own.
 class CapturingDriver : public TestDriver {
  public:
-  explicit CapturingDriver(Experiment& e) : TestDriver(e), loop_(std::this_thread::get_id()) {
+  explicit CapturingDriver(Prepared& e) : TestDriver(e), loop_(std::this_thread::get_id()) {
     changed_info().waits = false;
   }
   const ArmState& read() noexcept override {
@@ -204,9 +204,8 @@ class CapturingDriver : public TestDriver {
 };
 
 TEST_F(DriverTest, OnAWallClockFramesAreTakenBesideTheLoop) {
-  Experiment e = prepared(
-      "moving-turntable",
-      {"perception.frames.depth=true", "perception.frames.rate=10", "drawing.redraw=false"});
+  Prepared e = prepared("moving-turntable", {"perception.frames.depth=true",
+                                             "perception.frames.rate=10", "drawing.redraw=false"});
   CapturingDriver driver(e);
   const RunOutcome outcome = run(e, driver, log_, 0.0);
   EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
@@ -219,7 +218,7 @@ TEST_F(DriverTest, OnAWallClockFramesAreTakenBesideTheLoop) {
 }
 
 TEST_F(DriverTest, AnArmThatIsNotSimulatedHereIsNotSimulated) {
-  Experiment e = prepared(
+  Prepared e = prepared(
       "bowl-sine", {"arm.driver=iiwa-lcm", "control.inertia=natural", "canvas.true_model=true"});
   EXPECT_THROW(run(e, log_, 0.0), InputError);
   EXPECT_FALSE(fs::exists(log_));
@@ -228,7 +227,7 @@ TEST_F(DriverTest, AnArmThatIsNotSimulatedHereIsNotSimulated) {
 // A driver on a wall clock: time goes on whatever the loop does. A pause holds the plan's clock:
 // the pen stays where it is with its push, and the drawing comes out whole.
 TEST_F(DriverTest, AnArmThatDoesNotWaitIsPausedByThePlansClock) {
-  Experiment e = prepared("bowl-sine", {"log.rate=full"});
+  Prepared e = prepared("bowl-sine", {"log.rate=full"});
   TestDriver driver(e);
   driver.changed_info().waits = false;
   constexpr double kFrom = 6.0, kTo = 8.5;  // [s]; longer than the clock's patience
@@ -268,7 +267,7 @@ TEST_F(DriverTest, AnArmThatDoesNotWaitIsPausedByThePlansClock) {
 }
 
 TEST_F(DriverTest, AnArmThatDoesNotWaitIsStoppedInAPause) {
-  Experiment e = prepared("bowl-sine");
+  Prepared e = prepared("bowl-sine");
   TestDriver driver(e);
   driver.changed_info().waits = false;
   double time = 0.0;
@@ -284,7 +283,7 @@ TEST_F(DriverTest, AnArmThatDoesNotWaitIsStoppedInAPause) {
 }
 
 TEST_F(DriverTest, GravityIsThePartThatHoldsTheArm) {
-  Experiment e = prepared("bowl-sine");
+  Prepared e = prepared("bowl-sine");
   TestDriver driver(e);
   ASSERT_EQ(run(e, driver, log_, 0.0).end, RunEnd::finished);
   // At rest over its last point the arm needs little more than gravity compensation.
@@ -293,7 +292,7 @@ TEST_F(DriverTest, GravityIsThePartThatHoldsTheArm) {
 }
 
 TEST_F(DriverTest, AFaultEndsTheRunByItsName) {
-  Experiment e = prepared("bowl-sine");
+  Prepared e = prepared("bowl-sine");
   TestDriver driver(e);
   driver.fault_time = 2.0;
   const RunOutcome outcome = run(e, driver, log_, 0.0);
@@ -304,7 +303,7 @@ TEST_F(DriverTest, AFaultEndsTheRunByItsName) {
 }
 
 TEST_F(DriverTest, IsStoppedWhateverHappens) {
-  Experiment e = prepared("bowl-sine");
+  Prepared e = prepared("bowl-sine");
   TestDriver unwritable(e);
   EXPECT_THROW(run(e, unwritable, "/no/such/folder/run.h5", 0.0), LogError);
   EXPECT_THAT(unwritable.order, ::testing::EndsWith("stop "));
@@ -315,7 +314,7 @@ TEST_F(DriverTest, IsStoppedWhateverHappens) {
 }
 
 TEST_F(DriverTest, OfAnotherArmIsRefused) {
-  Experiment e = prepared("bowl-sine");
+  Prepared e = prepared("bowl-sine");
   const auto refusal = [&](auto change) -> std::string {
     TestDriver driver(e);
     change(driver.changed_info());
@@ -336,10 +335,10 @@ TEST_F(DriverTest, OfAnotherArmIsRefused) {
 }
 
 TEST_F(DriverTest, TheToolIsFoundThroughIt) {
-  Experiment e = prepared("bowl-sine-sensor");
+  Prepared e = prepared("bowl-sine-sensor");
   TestDriver driver(e);
   const ToolIdentification through = calibrate_tool(e, driver, 4, 0.5).found,
-                           simulated = calibrate_tool(e, 4, 0.5).found;
+                           simulated = calibrate_tool(e, driver.inner(), 4, 0.5).found;
   EXPECT_EQ(through.mass, simulated.mass);
   EXPECT_NEAR(through.mass, 0.05, 1e-3);
   EXPECT_EQ(driver.order, "start stop ");
@@ -349,12 +348,12 @@ TEST_F(DriverTest, TheToolIsFoundThroughIt) {
 TEST(Driver, ACycleAllocatesNothing) {
   for (const char* name : {"bowl-m", "bowl-sine-realistic", "bowl-push"}) {
     SCOPED_TRACE(name);
-    Experiment e = prepared(name);
-    SimulatedArm arm(e, e.scene.start_q, Disturbances(e.scenario, e.plan.path));
-    ControlLoop loop(e.control, e.scene.arm, arm.info(), [&](const Eigen::Vector3d& p_W, double) {
-      return e.scene.perception->estimate(p_W);
+    Prepared e = prepared(name);
+    SimulatedArm arm(e, e.belief.start_q, Disturbances(e.scenario, e.plan.path));
+    ControlLoop loop(e.control, e.belief.arm, arm.info(), [&](const Eigen::Vector3d& p_W, double) {
+      return e.belief.perception->estimate(p_W);
     });
-    LogRow row(e.scene.arm.joints());
+    LogRow row(e.belief.arm.joints());
     const RunHooks hooks;
     ArmMonitors monitors(e, arm, hooks);
     Ending ending;

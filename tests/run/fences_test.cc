@@ -15,7 +15,7 @@
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/log/run_rows.h"
 #include "impedraw/run/incident.h"
-#include "impedraw/run/run.h"
+#include "impedraw/run/simulated_run.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -120,7 +120,7 @@ TEST(FenceMonitor, BadSettingsAreRefusedByName) {
 
 class IncidentTest : public ScratchFolder {
  protected:
-  static Experiment prepared(const std::vector<std::string>& assignments) {
+  static Prepared prepared(const std::vector<std::string>& assignments) {
     DrawOptions options;
     options.scenario = "scenarios/bowl-sine.yaml";
     options.assignments = assignments;
@@ -158,7 +158,7 @@ void expect_damped(const RunRows& rows, double from) {
 }
 
 TEST_F(IncidentTest, AnEmergencyStopDampsAndEndsWhereThePenIs) {
-  Experiment e = prepared({});
+  Prepared e = prepared({});
   RunHooks hooks;
   double now = 0.0;
   hooks.row = [&](const LogRow& row) { now = row.time; };
@@ -190,11 +190,11 @@ TEST_F(IncidentTest, AnEmergencyStopDampsAndEndsWhereThePenIs) {
 
 TEST_F(IncidentTest, AFenceThatIsCrossedEndsTheRunByName) {
   const auto log = folder_ / "run.h5";
-  Experiment force = prepared({"fence.force=4.0"});
+  Prepared force = prepared({"fence.force=4.0"});
   EXPECT_THAT(run(force, log, 0.0).cause, StartsWith("fence.force: the force on the tip was 4."));
-  Experiment speed = prepared({"fence.speed=0.02"});
+  Prepared speed = prepared({"fence.speed=0.02"});
   EXPECT_THAT(run(speed, log, 0.0).cause, StartsWith("fence.speed: the tip moved at 0.02"));
-  Experiment box = prepared({"fence.low=[-2,-2,0.3]"});
+  Prepared box = prepared({"fence.low=[-2,-2,0.3]"});
   const RunOutcome stopped = run(box, log, 0.0);
   EXPECT_EQ(stopped.end, RunEnd::stopped);
   EXPECT_THAT(stopped.cause, StartsWith("fence.low: the tip's z was 0.299"));
@@ -204,9 +204,9 @@ TEST_F(IncidentTest, AFenceThatIsCrossedEndsTheRunByName) {
 
 TEST_F(IncidentTest, FencesThatAreNotCrossedChangeNothing) {
   const auto log = folder_ / "run.h5";
-  Experiment plain = prepared({}),
-             fenced = prepared({"fence.force=30", "fence.speed=1.5", "fence.low=[0.2,-0.5,0]",
-                                "fence.high=[1,0.5,1]"});
+  Prepared plain = prepared({}),
+           fenced = prepared({"fence.force=30", "fence.speed=1.5", "fence.low=[0.2,-0.5,0]",
+                              "fence.high=[1,0.5,1]"});
   const RunOutcome free_run = run(plain, log, 0.0);
   EXPECT_EQ(free_run.end, RunEnd::finished);
   EXPECT_TRUE(free_run.last.empty());

@@ -7,13 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
 namespace {
 
-Experiment prepared(const std::vector<std::string>& assignments) {
+Prepared prepared(const std::vector<std::string>& assignments) {
   DrawOptions options;
   options.scenario = "scenarios/bowl-sine.yaml";
   options.assignments = assignments;
@@ -23,20 +23,20 @@ Experiment prepared(const std::vector<std::string>& assignments) {
 TEST(IdentifyDelay, TheDelayThatWasPutInIsFound) {
   for (const int steps : {0, 1, 3, 8}) {
     SCOPED_TRACE(steps);
-    Experiment e = prepared(
+    Prepared e = prepared(
         {"world.errors.loop_delay=" + std::to_string(1e-3 * steps), "world.joint_friction=0.3"});
-    SimulatedArm arm(e, e.scene.start_q, Disturbances());
-    const LoopDelay found = identify_delay(e.scene.arm, arm);
+    SimulatedArm arm(e, e.belief.start_q, Disturbances());
+    const LoopDelay found = identify_delay(e.belief.arm, arm);
     EXPECT_NEAR(found.delay, 1e-3 * steps, 1e-9);
     EXPECT_GT(found.explained, 0.5);
   }
 }
 
 TEST(IdentifyFriction, TheFrictionThatWasPutInIsFound) {
-  Experiment e = prepared({"world.joint_friction=0.8", "world.errors.viscous_friction=1.5",
-                           "world.errors.loop_delay=0.001"});
-  SimulatedArm arm(e, e.scene.start_q, Disturbances());
-  const std::vector<JointFriction> found = identify_friction(e.scene.arm, arm, 1e-3);
+  Prepared e = prepared({"world.joint_friction=0.8", "world.errors.viscous_friction=1.5",
+                         "world.errors.loop_delay=0.001"});
+  SimulatedArm arm(e, e.belief.start_q, Disturbances());
+  const std::vector<JointFriction> found = identify_friction(e.belief.arm, arm, 1e-3);
   ASSERT_EQ(found.size(), 7u);
   for (std::size_t j = 0; j < 7; ++j) {
     SCOPED_TRACE(j);
@@ -49,12 +49,12 @@ TEST(IdentifyFriction, TheFrictionThatWasPutInIsFound) {
 // filter's lag.
 TEST(IdentifyFriction, TheRotorsThatTheModelLacksAreFound) {
   const std::vector<double> rotors = {0.3, 0.3, 0.2, 0.2, 0.1, 0.1, 0.05};
-  Experiment e = prepared(
+  Prepared e = prepared(
       {"world.errors.rotor_inertia=[0.3,0.3,0.2,0.2,0.1,0.1,0.05]", "world.joint_friction=1",
        "control.check_rotors=false", "world.joint_sensor.velocity=difference",
        "world.joint_sensor.velocity_bandwidth=250", "world.joint_sensor.quantum=1e-5"});
-  SimulatedArm arm(e, e.scene.start_q, Disturbances());
-  const std::vector<JointFriction> found = identify_friction(e.scene.arm, arm, 0.0);
+  SimulatedArm arm(e, e.belief.start_q, Disturbances());
+  const std::vector<JointFriction> found = identify_friction(e.belief.arm, arm, 0.0);
   for (std::size_t j = 0; j < 7; ++j) {
     SCOPED_TRACE(j);
     EXPECT_NEAR(found[j].inertia, rotors[j], 0.01 + 0.1 * rotors[j]);

@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/run/monitors/reading_monitor.h"
-#include "impedraw/run/run.h"
 #include "impedraw/run/simulated_arm.h"
+#include "impedraw/run/simulated_run.h"
 #include "run/prepared.h"
 #include "seeds.h"
 
@@ -27,11 +27,11 @@ using ::testing::HasSubstr;
 class Liar : public Driver {
  public:
   using Lie = std::function<void(ArmState*)>;
-  Liar(Experiment& e, Lie lie = {}, bool moves = true)
-      : inner_(e, e.scene.start_q, Disturbances(e.scenario, e.plan.path)),
+  Liar(Prepared& e, Lie lie = {}, bool moves = true)
+      : inner_(e, e.belief.start_q, Disturbances(e.scenario, e.plan.path)),
         lie_(std::move(lie)),
         moves_(moves),
-        state_(e.scene.arm.joints()) {}
+        state_(e.belief.arm.joints()) {}
 
   DriverInfo info() const override { return inner_.info(); }
   void start() override { inner_.start(); }
@@ -97,7 +97,7 @@ TEST(Lies, OfTheScenarioAreNamed) {
       {"stale_state", "joint states that are stale", 0.31, 1e9}};
   for (const auto& c : cases) {
     SCOPED_TRACE(c.kind);
-    Experiment e = prepared(
+    Prepared e = prepared(
         "bowl-sine", {std::string("faults=[{kind: ") + c.kind + ", start: 0.4, duration: 1000}]"});
     const double begun = time_at(e.plan.path, 0.4);
     Liar arm(e);
@@ -119,7 +119,7 @@ TEST(Lies, AnArmThatStandsStillIsNotPlayedThePlan) {
                            "bowl-sine-touch", "wall"}) {
     for (const double force : {0.0, 5.0}) {
       SCOPED_TRACE(testing::Message() << name << " " << force << " N");
-      Experiment e = prepared(name);
+      Prepared e = prepared(name);
       Liar arm(
           e,
           [&](ArmState* s) {
@@ -151,7 +151,7 @@ TEST(Lies, OfAnySizeThatNoArmCanMoveAreNamed) {
     SCOPED_TRACE(testing::Message()
                  << "kind " << kind << ", joint " << j + 1 << ", from " << from << " s: " << jump
                  << " rad, " << rate << " rad/s, " << speed << " rad/s, " << force << " N");
-    Experiment e = prepared("bowl-sine");
+    Prepared e = prepared("bowl-sine");
     Liar arm(e, [&](ArmState* s) {
       if (s->time < from) return;
       if (kind == 0) s->q[j] += jump;

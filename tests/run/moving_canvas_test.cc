@@ -334,7 +334,7 @@ TEST(MovingCanvas, LeavesTheReachAndIsLetGo) {
 
 // It never rests: the wait has an end, is told while it lasts, and the run says why it ended.
 TEST(MovingCanvas, ACanvasThatNeverRestsEndsTheRun) {
-  Experiment e = prepare(resolve_scenario(
+  Prepared e = prepare(resolve_scenario(
       "moving-heave", {"perception.frames.wait_for_rest=true", "drawing.text.text=o"}));
   std::string what;
   double longest = 0.0;
@@ -417,11 +417,11 @@ TEST(MovingCanvas, AnInterruptedRunGoesOn) {
     RunHooks hooks;
     hooks.progress = [&](const RunProgress& p) { now = p.time; };
     hooks.interrupted = [&] { return now > c.when; };
-    Experiment first = experiment(c.set);
+    Prepared first = experiment(c.set);
     ASSERT_EQ(run(first, log, 0.0, hooks).end, RunEnd::interrupted);
     const double until = read_run(log).time.back();
 
-    Experiment second = experiment(c.set);
+    Prepared second = experiment(c.set);
     const Resumption resumption = read_resumption(second, log).value();
     const Pose true_pose = CanvasMotion(second.scenario.canvas.motion).at(resumption.time).X_WK;
     EXPECT_LT((resumption.X_WK.p - true_pose.p).norm(), 5e-3);

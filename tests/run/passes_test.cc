@@ -8,7 +8,7 @@
 
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/run/run.h"
+#include "impedraw/run/simulated_run.h"
 
 namespace impedraw {
 namespace {
@@ -67,11 +67,11 @@ TEST(Passes, AnInterruptedRunGoesOn) {
     RunHooks hooks;
     hooks.progress = [&](const RunProgress& p) { now = p.time; };
     hooks.interrupted = [&] { return now > when; };
-    Experiment first = prepare(resolve(options));
+    Prepared first = prepare(resolve(options));
     ASSERT_EQ(run(first, log, 0.0, hooks).end, RunEnd::interrupted);
     const std::size_t kept = read_run(log).rows();
 
-    Experiment second = prepare(resolve(options));
+    Prepared second = prepare(resolve(options));
     const Resumption resumption = read_resumption(second, log).value();
     EXPECT_NEAR(resumption.time, when + 1.0, 0.05) << "the pen was lifted for a second";
     const RunOutcome outcome = run(second, log, 0.0, {}, &resumption);
@@ -88,7 +88,7 @@ TEST(Passes, AnInterruptedRunGoesOn) {
     EXPECT_LE(metrics.ink_error_max.or_nan(), 0.2);
     EXPECT_LE(metrics.touchdown_peak.or_nan(), 8.0);
 
-    Experiment third = prepare(resolve(options));  // nothing is left
+    Prepared third = prepare(resolve(options));  // nothing is left
     const Resumption all = read_resumption(third, log).value();
     EXPECT_TRUE(rest_of(third.plan.strokes, all.ink.parts(), kShortestGap).empty());
   }
@@ -117,7 +117,7 @@ TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
 
   // Drawn and omitted parts make up the circle and meet at the rim.
   options.assignments = skip;
-  const Experiment e = prepare(resolve(options));
+  const Prepared e = prepare(resolve(options));
   double covered = 0.0;
   for (const StrokePart& part : e.plan.preflight.drawable) covered += part.length();
   for (const Finding& finding : e.plan.preflight.findings) covered += finding.part.length();

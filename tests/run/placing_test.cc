@@ -21,16 +21,16 @@ Scenario out_of_reach() {
 TEST(Placing, AMovedSceneIsTheSameScene) {
   DrawOptions options;
   const Scenario scenario = resolve(options);
-  const Experiment here = prepare(scenario), there = prepare(moved(scenario, {0.02, -0.05}, 30.0));
-  ASSERT_EQ(here.plan.target.points.size(), there.plan.target.points.size());
+  const Prepared here = prepare(scenario), there = prepare(moved(scenario, {0.02, -0.05}, 30.0));
+  ASSERT_EQ(here.yardstick.target.points.size(), there.yardstick.target.points.size());
   const Eigen::Vector3d pivot(0.6, 0.0, 0.0), shift(0.02, -0.05, 0.0);
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(std::numbers::pi / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  for (std::size_t i = 0; i < here.plan.target.points.size(); i += 10)
-    ASSERT_LT(
-        (R * (here.plan.target.points[i] - pivot) + pivot + shift - there.plan.target.points[i])
-            .norm(),
-        1e-4)
+  for (std::size_t i = 0; i < here.yardstick.target.points.size(); i += 10)
+    ASSERT_LT((R * (here.yardstick.target.points[i] - pivot) + pivot + shift -
+               there.yardstick.target.points[i])
+                  .norm(),
+              1e-4)
         << i;
   EXPECT_NEAR(here.plan.path.pen_down_length(), there.plan.path.pen_down_length(), 1e-4);
 }
@@ -51,13 +51,13 @@ TEST(Placing, ARecordedMotionIsRefused) {
 // independent grid is much better.
 TEST(Placing, FindsWhereTheArmReachesBest) {
   const Scenario far = out_of_reach();
-  const Experiment refused = prepare(far, {}, Unreachable::tell);
+  const Prepared refused = prepare(far, {}, Unreachable::tell);
   ASSERT_FALSE(refused.plan.preflight.findings.empty());
   const PlacedCanvas found = place_automatically(far, {});
   EXPECT_TRUE(found.passes);
   EXPECT_LT(found.margin_before, 0.0);
   EXPECT_GT(found.margin, 0.25);
-  const Experiment there = prepare(found.scenario);
+  const Prepared there = prepare(found.scenario);
   EXPECT_TRUE(there.plan.preflight.findings.empty());
   DrawOptions standard;
   EXPECT_GE(there.plan.preflight.margins.joint,
@@ -82,7 +82,7 @@ TEST(Placing, WrappedLengthsAreThePages) {
   options.assignments = across;
   EXPECT_GT(prepare(resolve(options)).plan.path.pen_down_length(), 1.02 * page);
   options.assignments = wrapped;
-  const Experiment e = prepare(resolve(options));
+  const Prepared e = prepare(resolve(options));
   EXPECT_NEAR(e.plan.path.pen_down_length(), page, 1e-3 * page);
   const Figures f = draw_scenario("bowl", wrapped);
   EXPECT_EQ(f["coverage"], 1.0);

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
 
-inline Experiment prepared(const std::string& name,
-                           const std::vector<std::string>& assignments = {}) {
+inline Prepared prepared(const std::string& name,
+                         const std::vector<std::string>& assignments = {}) {
   DrawOptions options;
   options.scenario = "scenarios/" + name + ".yaml";
   options.assignments = assignments;

@@ -1,5 +1,5 @@
 // What the pre-flight promises, and what the log keeps of it.
-#include "impedraw/run/promise_of.h"
+#include "impedraw/experiment/promise_of.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +10,17 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/run/draw_into.h"
+#include "impedraw/run/simulated_run.h"
 
 namespace impedraw {
 namespace {
 
+Promise promise(const PreparedPlan& e) { return yardstick_of(e, e.truth).promise; }
+
 constexpr double kRounding = 1e-4;  // [m]
 
 // Leaves on a plane that leans: part of them is out of reach.
-PlannedDrawing partly_drawable() {
+PreparedPlan partly_drawable() {
   DrawOptions options;
   options.scenario = "scenarios/reach-leaning.yaml";
   options.svg = "artwork/leaf.svg";
@@ -43,7 +45,7 @@ TEST(Promise, APlanRefusesTheRotorsThatDrawingRefuses) {
 
 // Whatever is taken away from what is promised or named, its length is missed.
 TEST(Promise, LengthThatIsNeitherPromisedNorNamedIsFound) {
-  PlannedDrawing drawing = partly_drawable();
+  PreparedPlan drawing = partly_drawable();
   Preflight& preflight = drawing.plan.preflight;
   ASSERT_FALSE(preflight.findings.empty());
   ASSERT_FALSE(preflight.drawable.empty());
@@ -63,20 +65,20 @@ TEST(Promise, LengthThatIsNeitherPromisedNorNamedIsFound) {
 }
 
 TEST(Promise, LengthsAddUpAndComeBackFromTheLog) {
-  const PlannedDrawing drawing = partly_drawable();
-  const Promise promise = promise_of(drawing);
-  EXPECT_NEAR(promise.promised + promise.undrawable + promise.unnamed, promise.asked, 2e-4);
-  EXPECT_GT(promise.undrawable, 5e-3);
-  EXPECT_FALSE(promise.problems.empty());
-  EXPECT_EQ(promise.time, drawing.plan.path.duration());
-  const auto back = read_promise({{kPromiseAttribute, promise_text(promise)}});
+  const PreparedPlan drawing = partly_drawable();
+  const Promise given = promise(drawing);
+  EXPECT_NEAR(given.promised + given.undrawable + given.unnamed, given.asked, 2e-4);
+  EXPECT_GT(given.undrawable, 5e-3);
+  EXPECT_FALSE(given.problems.empty());
+  EXPECT_EQ(given.time, drawing.plan.path.duration());
+  const auto back = read_promise({{kPromiseAttribute, promise_text(given)}});
   ASSERT_TRUE(back);
-  EXPECT_EQ(back->asked, promise.asked);
-  EXPECT_EQ(back->promised, promise.promised);
-  EXPECT_EQ(back->reachable, promise.reachable);
-  EXPECT_EQ(back->problems, promise.problems);
-  EXPECT_EQ(back->slope, promise.slope);
-  EXPECT_EQ(back->axis_W, promise.axis_W);
+  EXPECT_EQ(back->asked, given.asked);
+  EXPECT_EQ(back->promised, given.promised);
+  EXPECT_EQ(back->reachable, given.reachable);
+  EXPECT_EQ(back->problems, given.problems);
+  EXPECT_EQ(back->slope, given.slope);
+  EXPECT_EQ(back->axis_W, given.axis_W);
   EXPECT_FALSE(read_promise({}));
   EXPECT_FALSE(read_promise({{kPromiseAttribute, "no JSON"}}));
 }
@@ -92,7 +94,7 @@ TEST(Promise, WhatAPerfectPlannerCouldReachIsWhatTheTrueCanvasHasBelow) {
                          "canvas.cap.opening_radius=0.0999",
                          "drawing.placement.width=180",
                          "preflight.arm=false"};
-  const PlannedDrawing dome = prepare_plan(resolve(options), {}, Unreachable::tell);
+  const PreparedPlan dome = prepare_plan(resolve(options), {}, Unreachable::tell);
   const double within = 0.1 * std::sin(75.0 / 180.0 * std::numbers::pi);
   double expected = 0.0;
   for (const PlacedStroke& stroke : dome.artwork.strokes)
@@ -102,8 +104,8 @@ TEST(Promise, WhatAPerfectPlannerCouldReachIsWhatTheTrueCanvasHasBelow) {
         const Eigen::Vector2d p = stroke.p_P[i] + s * piece - Eigen::Vector2d(0.6, 0.0);
         expected += p.norm() < within ? 1e-4 * piece.norm() : 0.0;
       }
-  ASSERT_LT(expected, 0.99 * promise_of(dome).asked);
-  EXPECT_NEAR(reachable_length(dome), expected, 5e-3 * expected);
+  ASSERT_LT(expected, 0.99 * promise(dome).asked);
+  EXPECT_NEAR(reachable_length(dome, dome.truth), expected, 5e-3 * expected);
 
   options.scenario = "scenarios/robustness-nominal.yaml";
   options.svg.clear();
@@ -112,8 +114,8 @@ TEST(Promise, WhatAPerfectPlannerCouldReachIsWhatTheTrueCanvasHasBelow) {
     options.assignments = {
         "preflight.arm=false",
         "canvas.plane.normal=[0, " + std::to_string(sine) + ", " + std::to_string(cosine) + "]"};
-    const PlannedDrawing plane = prepare_plan(resolve(options), {}, Unreachable::tell);
-    EXPECT_NEAR(reachable_length(plane), share * promise_of(plane).asked, 1e-9);
+    const PreparedPlan plane = prepare_plan(resolve(options), {}, Unreachable::tell);
+    EXPECT_NEAR(reachable_length(plane, plane.truth), share * promise(plane).asked, 1e-9);
   }
 }
 
@@ -122,8 +124,7 @@ TEST(Promise, SlopeIsThatOfThePlane) {
   DrawOptions options;
   options.scenario = "scenarios/robustness-nominal.yaml";
   options.assignments = {"canvas.plane.normal=[0, 0.5, 0.866025404]"};
-  const Promise promise = promise_of(prepare_plan(resolve(options)));
-  EXPECT_NEAR(promise.slope * 180.0 / std::numbers::pi, 30.0, 1e-6);
+  EXPECT_NEAR(promise(prepare_plan(resolve(options))).slope * 180.0 / std::numbers::pi, 30.0, 1e-6);
 }
 
 }  // namespace

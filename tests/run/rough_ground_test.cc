@@ -83,12 +83,12 @@ TEST(FeltNormal, KeepsForceAndInkWhereTheCamerasSmoothTheGround) {
 
 // What is planned anew during a run starts elsewhere, and may miss the surface at an edge. The run
 // ended there with an error, the pen in the air and no numbers written.
-void expect_drawn_to_the_bowls_edge(Experiment e) {
+void expect_drawn_to_the_bowls_edge(Prepared e) {
   PlacedStroke& stroke = e.plan.strokes.front();
   stroke.p_P = {{0.60, 0.0}, {0.70, 0.0}, {0.80, 0.0}};  // the bowl ends at 0.78
   stroke.page = {{0.0, 0.0}, {100.0, 0.0}, {200.0, 0.0}};
   Resumption left;
-  left.q = e.scene.start_q;
+  left.q = e.belief.start_q;
   const RunOutcome outcome = run(e, {}, 0.0, {}, &left);
   EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
   ASSERT_EQ(outcome.lacking.size(), 1u);

@@ -8,13 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/experiment/draw_options.h"
-#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/experiment/snapshot.h"
 
 namespace impedraw {
 namespace {
 
-Experiment prepared(const std::vector<std::string>& assignments) {
+Prepared prepared(const std::vector<std::string>& assignments) {
   DrawOptions options;
   options.scenario = "scenarios/moving-sway.yaml";
   options.assignments = {"perception.frames.depth=true", "preflight.arm=false",
@@ -32,11 +32,11 @@ struct Taken {
 };
 
 // 0.4 s, in which the arm moves through the picture.
-std::vector<Taken> frames(Experiment& e, int threads) {
-  World& world = *e.scene.world;
-  JointVector q = e.scene.start_q;
+std::vector<Taken> frames(Prepared& e, int threads) {
+  World& world = *e.truth.world;
+  JointVector q = e.belief.start_q;
   world.set_state(q, JointVector::Zero(q.size()));
-  SimulatedCameras cameras(e.scenario, world, *e.scene.canvas, e.scene.arm, threads);
+  SimulatedCameras cameras(e.scenario, world, *e.truth.canvas, e.belief.arm, threads);
   std::vector<Taken> all;
   std::vector<std::pair<Pose, JointVector>> passed;
   for (int k = 0; k < 400; ++k) {
@@ -60,7 +60,7 @@ bool same(const DepthImage& a, const DepthImage& b) {
 }
 
 TEST(SimulatedCameras, OneThreadOrTwoAndARegionOrAllGiveTheSameImages) {
-  Experiment e = prepared({}), every = prepared({"perception.frames.region_of_interest=false"});
+  Prepared e = prepared({}), every = prepared({"perception.frames.region_of_interest=false"});
   const std::vector<Taken> one = frames(e, 1), two = frames(e, 2), all = frames(every, 2);
   ASSERT_GT(one.size(), 20U);
   ASSERT_EQ(two.size(), one.size());
@@ -73,10 +73,10 @@ TEST(SimulatedCameras, OneThreadOrTwoAndARegionOrAllGiveTheSameImages) {
 }
 
 TEST(SimulatedCameras, PacketsAreRaysOneByOne) {
-  Experiment e = prepared({});
+  Prepared e = prepared({});
   const std::vector<Taken> taken = frames(e, 2);
   const PerceptionSettings& p = e.scenario.perception;
-  World& world = *e.scene.world;
+  World& world = *e.truth.world;
   long seen = 0, of_arm = 0;
   for (std::size_t i = 0; i < taken.size(); i += 3) {
     const Taken& t = taken[i];
@@ -87,7 +87,7 @@ TEST(SimulatedCameras, PacketsAreRaysOneByOne) {
     world.set_state(t.q, JointVector::Zero(t.q.size()));
     const CastRay cast = [&](const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
       const Pose X_KW = t.X_WK.inverse();
-      const auto hit = e.scene.canvas->ray(X_KW * o, X_KW.R * d);
+      const auto hit = e.truth.canvas->ray(X_KW * o, X_KW.R * d);
       if (!hit) return std::numeric_limits<double>::infinity();
       const double arm = world.ray_to_arm(o, d);
       ++seen;

@@ -10,7 +10,7 @@
 namespace impedraw {
 namespace {
 
-Experiment koi(bool keep_order) {
+Prepared koi(bool keep_order) {
   DrawOptions options;
   options.svg = "artwork/koi.svg";
   options.keep_order = keep_order;
@@ -31,7 +31,7 @@ std::vector<std::array<double, 4>> ends(const std::vector<Stroke>& strokes) {
 
 TEST(StrokeOrder, ShortensTheWayInTheAirAndKeepsTheStrokes) {
   const Artwork file = read_artwork("artwork/koi.svg");
-  const Experiment kept = koi(true), ordered = koi(false);
+  const Prepared kept = koi(true), ordered = koi(false);
   EXPECT_NEAR(pen_up_length(kept.artwork.shape.drawn.strokes), pen_up_length(file.strokes), 1e-9);
   EXPECT_LT(pen_up_length(ordered.artwork.shape.drawn.strokes), 0.9 * pen_up_length(file.strokes));
   EXPECT_EQ(ends(ordered.artwork.shape.drawn.strokes), ends(file.strokes));

@@ -60,7 +60,7 @@ TEST(UnknownSurface, TouchTurnsWithinTheDefaultLimit) {
   for (const char* name : {"bowl-sine-touch", "bowl-m-touch"}) {
     DrawOptions options;
     options.scenario = std::string("scenarios/") + name + ".yaml";
-    const Experiment e = prepare(resolve(options));
+    const Prepared e = prepare(resolve(options));
     EXPECT_EQ(e.control.impedance.limits.turn_speed, LimitSettings().turn_speed);
     EXPECT_LT(e.control.touch->settings.turn_rate, e.control.impedance.limits.turn_speed);
   }
@@ -98,9 +98,9 @@ TEST(UnknownSurface, ThePlanKnowsNothingOfTheCanvas) {
       options.assignments = assignments;
       return prepare(resolve(options));
     };
-    const Experiment one = prepared({}),
-                     other = prepared({"canvas.kind=plane", "canvas.plane.centre=[0.3, 0.1, 0.05]",
-                                       "canvas.plane.normal=[0.3, 0.2, 1]"});
+    const Prepared one = prepared({}),
+                   other = prepared({"canvas.kind=plane", "canvas.plane.centre=[0.3, 0.1, 0.05]",
+                                     "canvas.plane.normal=[0.3, 0.2, 1]"});
     ASSERT_EQ(one.plan.path.duration(), other.plan.path.duration());
     for (double t = 0.0; t < one.plan.path.duration(); t += 0.05) {
       const TipReference a = one.plan.path.at(t).reference, b = other.plan.path.at(t).reference;
@@ -109,7 +109,7 @@ TEST(UnknownSurface, ThePlanKnowsNothingOfTheCanvas) {
       ASSERT_EQ(a.pen_down, b.pen_down) << t;
     }
     EXPECT_EQ(one.plan.rest_q, other.plan.rest_q);
-    EXPECT_EQ(one.scene.start_q, other.scene.start_q);
+    EXPECT_EQ(one.belief.start_q, other.belief.start_q);
     EXPECT_EQ(one.control.impedance.approach.overtravel,
               other.control.impedance.approach.overtravel);
     EXPECT_TRUE(other.plan.preflight.findings.empty());

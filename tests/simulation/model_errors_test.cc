@@ -1,6 +1,6 @@
 // The simulated arm with model errors: each error against a closed form, the momentum balance of a
 // step, or a table typed in by hand.
-#include "impedraw/simulation/model_errors.h"
+#include "impedraw/simulation/world_settings.h"
 
 #include <algorithm>
 #include <cmath>

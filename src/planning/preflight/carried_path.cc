@@ -44,7 +44,7 @@ void say(Problem problem, double short_by, const std::string& text, bool on_way,
 
 }  // namespace
 
-std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel& arm,
+std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel arm,
                                           const Canvas* obstacle, const JointVector& q,
                                           const PreflightSettings& settings, double from,
                                           double until) {
@@ -155,7 +155,7 @@ StrokePlaces places_of(const TipPath& path, std::size_t stroke, int count) {
 }
 
 std::vector<ReachWindow> reach_windows(const StrokePlaces& stroke, const CanvasCourse& canvas,
-                                       ArmModel& arm, const JointVector& q,
+                                       ArmModel arm, const JointVector& q,
                                        const PreflightSettings& settings, double begin, double end,
                                        double step) {
   PostureCheck check(arm, nullptr, q, settings);

@@ -45,7 +45,7 @@ struct CarriedFault {
 
 // The first stroke that cannot be drawn; nothing: all that begin before `until` can [s of the
 // path]. `from`: of the path [s]; q: the arm's posture there. obstacle: in K; null: none.
-std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel& arm,
+std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel arm,
                                           const Canvas* obstacle, const JointVector& q,
                                           const PreflightSettings& settings, double from = 0.0,
                                           double until = std::numeric_limits<double>::infinity());
@@ -68,7 +68,7 @@ StrokePlaces places_of(const TipPath& path, std::size_t stroke, int count);
 // The windows between begin and end, looked for every `step` [s]. settings: reach, joint range,
 // singular postures and torque are checked.
 std::vector<ReachWindow> reach_windows(const StrokePlaces& stroke, const CanvasCourse& canvas,
-                                       ArmModel& arm, const JointVector& q,
+                                       ArmModel arm, const JointVector& q,
                                        const PreflightSettings& settings, double begin, double end,
                                        double step);
 

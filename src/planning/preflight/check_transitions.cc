@@ -25,8 +25,9 @@ constexpr double kEased = 0.6;
 }  // namespace
 
 std::vector<Finding> check_transitions(const TipPath& path,
-                                       const std::vector<PlacedStroke>& strokes, ArmModel& arm,
-                                       const Canvas* obstacle, const JointVector& start_q,
+                                       const std::vector<PlacedStroke>& strokes,
+                                       const ArmModel& arm, const Canvas* obstacle,
+                                       const JointVector& start_q,
                                        const PreflightSettings& settings,
                                        const std::function<void(double)>& progress) {
   std::vector<Finding> findings;

@@ -36,12 +36,12 @@ double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d&
 
 }  // namespace
 
-Clearance::Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
+Clearance::Clearance(const ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
                      double desired, const JointVector& q)
     : arm_(arm), canvas_(canvas), table_z_(table_z), desired_(desired) {
-  const Vector3d tip = arm.tip_pose(q).p;
-  const std::vector<BodyCapsule> here = arm.body_capsules(q),
-                                 moved = arm.body_capsules((q.array() + 0.1).matrix());
+  const Vector3d tip = arm_.tip_pose(q).p;
+  const std::vector<BodyCapsule> here = arm_.body_capsules(q),
+                                 moved = arm_.body_capsules((q.array() + 0.1).matrix());
   double nearest = 0.05;
   for (std::size_t i = 0; i < here.size(); ++i) {
     Body body;

@@ -39,10 +39,10 @@ struct Gap {
 
 class Clearance {
  public:
-  // The canvas (in W; null: none) and the arm must outlive this object. `q`: any posture of the
+  // The canvas (in W; null: none) must outlive this object. `q`: any posture of the
   // arm. `desired`: c [m], less than kFarEnough.
-  Clearance(ArmModel& arm, const Canvas* canvas, std::optional<double> table_z, double desired,
-            const JointVector& q);
+  Clearance(const ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
+            double desired, const JointVector& q);
 
   // Where the canvas is from now on; at first its frame K is W.
   void move_canvas(const Pose& X_WK) {
@@ -64,7 +64,7 @@ class Clearance {
   };
   double canvas_distance(Body& body, const BodyCapsule& at, double near_enough);
 
-  ArmModel& arm_;
+  ArmModel arm_;
   const Canvas* canvas_;
   Pose X_KW_;  // of the canvas
   bool canvas_moves_ = false;

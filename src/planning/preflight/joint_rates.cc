@@ -19,9 +19,10 @@ constexpr double kBendShare = 0.8;  // of acceleration and torque, for the path'
 
 }  // namespace
 
-JointRates::JointRates(ArmModel& arm, const PathSettings& settings, const JointVector& start_q,
-                       const JointVector& rest_q, const DrawingLoad& load)
-    : arm_(&arm),
+JointRates::JointRates(const ArmModel& arm, const PathSettings& settings,
+                       const JointVector& start_q, const JointVector& rest_q,
+                       const DrawingLoad& load)
+    : arm_(arm),
       X_WP_(settings.X_WP),
       vertical_pen_(settings.vertical_pen),
       limit_(settings.joint_speed_share * arm.limits().speed),
@@ -43,7 +44,7 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
   JointVector q = q_;
   double relax = 1.0 - std::exp(-moved / kRelax);
   for (int i = 0; i < kMostSteps; ++i) {
-    arm_->compute(q, JointVector::Zero(q.size()), &terms_);
+    arm_.compute(q, JointVector::Zero(q.size()), &terms_);
     const Vector6 off = tip_displacement(terms_.X_WE, p_W, z_W);
     if (i > 0 && off.cwiseAbs().maxCoeff() < kReached) {
       q_ = q;
@@ -64,9 +65,9 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   const SplinePoint first = spline.at(0.0);
   const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : first.n;
   const PenPlacement at_first{X_WP_ * first.p, -(X_WP_.R * n)};
-  IkResult begun = find_posture(*arm_, at_first, q_);
+  IkResult begun = find_posture(arm_, at_first, q_);
   // The part before may have wound the joints up beyond their limits.
-  if (!begun.reached) begun = find_posture(*arm_, at_first, rest_);
+  if (!begun.reached) begun = find_posture(arm_, at_first, rest_);
   q_ = begun.q;
   bool known = follow(first, kRelax);
   for (int i = 0; known && i < 5; ++i) known = follow(spline.at(0.0), kRelax);
@@ -111,7 +112,7 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
       const JointVector bend = slopes_known > 1 ? JointVector((slope - slope_earlier) / (2.0 * du))
                                                 : JointVector::Zero(slope.size());
       bend_most = std::max(bend_most, bend.cwiseAbs().maxCoeff());
-      arm_->compute(q_, slope, &terms_);
+      arm_.compute(q_, slope, &terms_);
       const JointVector left = torque_ - holding_torque(terms_, -(X_WP_.R * spline.at(u).n),
                                                         load_.normal_force, load_.friction);
       if (left.minCoeff() > 0.0) {

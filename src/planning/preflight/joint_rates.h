@@ -30,8 +30,8 @@ class JointRates {
  public:
   static constexpr double kStep = 1e-3;  // between postures [m]
 
-  // `arm` must outlive this object. rest_q: the null space's.
-  JointRates(ArmModel& arm, const PathSettings& settings, const JointVector& start_q,
+  // rest_q: the null space's.
+  JointRates(const ArmModel& arm, const PathSettings& settings, const JointVector& start_q,
              const JointVector& rest_q, const DrawingLoad& load = {});
 
   void operator()(const PathSpline& spline, std::vector<SpeedSpan>* spans);
@@ -39,7 +39,7 @@ class JointRates {
  private:
   bool follow(const SplinePoint& at, double moved);
 
-  ArmModel* arm_;
+  ArmModel arm_;
   Pose X_WP_;
   bool vertical_pen_;
   JointVector limit_;    // share · v_max [rad/s]

@@ -53,7 +53,7 @@ JointVector holding_torque(const ArmTerms& terms, const Vector3d& axis, double n
   return torque;
 }
 
-PostureCheck::PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+PostureCheck::PostureCheck(const ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                            const PreflightSettings& settings)
     : arm_(arm),
       settings_(settings),

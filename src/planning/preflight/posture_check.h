@@ -36,9 +36,9 @@ JointVector holding_torque(const ArmTerms& terms, const Eigen::Vector3d& axis, d
 // Checks postures for pen placements. n is the pen's axis, outward. World frame W.
 class PostureCheck {
  public:
-  // Canvas and arm must outlive this object. Throws InputError if start_q or rest_q does not have
+  // The canvas must outlive this object. Throws InputError if start_q or rest_q does not have
   // one entry per joint.
-  PostureCheck(ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+  PostureCheck(const ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                const PreflightSettings& settings);
 
   // Of an arm with the posture q: as it stands, if its pen is there, else as enter() finds it.
@@ -75,7 +75,7 @@ class PostureCheck {
   JointVector drift(const JointVector& q) const;
   double effective_mass() const;
 
-  ArmModel& arm_;
+  ArmModel arm_;
   PreflightSettings settings_;
   JointVector start_, rest_;
   Clearance clearance_;

@@ -255,7 +255,7 @@ void validate(const PreflightSettings& s) {
 }
 
 Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
-                        ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+                        const ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                         const PreflightSettings& settings,
                         const std::function<void(double)>& progress) {
   validate(settings);

@@ -159,7 +159,7 @@ struct Preflight {
 // `start_q`: the arm's posture before it moves. `progress`: called with the share of strokes
 // checked so far. Throws InputError for a setting out of range (name, value, limit).
 Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& surface,
-                        ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
+                        const ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                         const PreflightSettings& settings = {},
                         const std::function<void(double)>& progress = {});
 
@@ -174,8 +174,9 @@ Preflight check_strokes(const std::vector<PlacedStroke>& strokes, const SurfaceH
 // arm carries only its own weight. `progress`: called now and then with the share of the path's
 // time checked so far.
 std::vector<Finding> check_transitions(const TipPath& path,
-                                       const std::vector<PlacedStroke>& strokes, ArmModel& arm,
-                                       const Canvas* obstacle, const JointVector& start_q,
+                                       const std::vector<PlacedStroke>& strokes,
+                                       const ArmModel& arm, const Canvas* obstacle,
+                                       const JointVector& start_q,
                                        const PreflightSettings& settings = {},
                                        const std::function<void(double)>& progress = {});
 

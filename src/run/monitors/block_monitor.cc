@@ -21,7 +21,7 @@ std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath
 }
 
 BlockMonitor::BlockMonitor(const Experiment& e)
-    : surface_(e.scene.perception ? &*e.scene.perception : nullptr),
+    : surface_(e.belief.perception ? &*e.belief.perception : nullptr),
       feels_(surface_ && e.control.impedance.wrench == WrenchFeedback::measured),
       touch_force_(e.control.impedance.contact.touch_force) {}
 

@@ -1,4 +1,4 @@
-#include "impedraw/run/promise_of.h"
+#include "impedraw/experiment/promise_of.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,30 +7,30 @@
 
 namespace impedraw {
 
-Promise promise_of(const PlannedDrawing& e) {
+Promise promise_of(const PlannedDrawing& e, const Truth& truth, const TargetLine& target) {
   Promise p;
   p.asked = plane_length(e.artwork.strokes);
   p.promised = plane_length(e.plan.strokes);
   p.undrawable = length_not_drawable(e);
   p.unnamed = unnamed_length(e);
-  if (!e.plan.wrap) p.reachable = reachable_length(e);
+  if (!e.plan.wrap) p.reachable = reachable_length(e, truth);
   for (const Finding& f : e.plan.preflight.findings) {
     ++p.problems[name_of(f.problem)];
     p.lengths[name_of(f.problem)] += f.part.length();
   }
   p.asks_ink = !e.scenario.drawing.dry_run;
   double least = 1.0;
-  for (const Eigen::Vector3d& p_W : e.plan.target.points)
-    least = std::min(least, e.scene.canvas->closest(p_W).n_W.z());
+  for (const Eigen::Vector3d& p_W : target.points)
+    least = std::min(least, truth.canvas->closest(p_W).n_W.z());
   p.slope = std::acos(std::clamp(least, -1.0, 1.0));
   p.time = e.plan.path.duration();
   p.axis_W = e.artwork.X_WP.R.col(2);
   return p;
 }
 
-double reachable_length(const PlannedDrawing& e) {
+double reachable_length(const PlannedDrawing& e, const Truth& truth) {
   constexpr double step = 1e-3, least_cosine = 0.2588;  // of 75°
-  const Canvas& canvas = *e.scene.canvas;
+  const Canvas& canvas = *truth.canvas;
   const Eigen::AlignedBox3d& box = canvas.bounds();
   const Eigen::Vector3d axis_W = e.artwork.X_WP.R.col(2);
   double sum = 0.0;

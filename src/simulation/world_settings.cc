@@ -1,0 +1,53 @@
+#include "impedraw/simulation/world_settings.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
+
+namespace impedraw {
+
+double PadSettings::area() const { return std::numbers::pi * radius * radius; }
+
+double JointSensorSettings::velocity_age(double dt) const {
+  if (velocity != VelocityReading::difference) return delay;
+  return delay + 0.5 * dt + (velocity_bandwidth > 0.0 ? 1.0 / velocity_bandwidth : 0.0);
+}
+
+WrenchSensorSettings WrenchSensorSettings::realistic() {
+  WrenchSensorSettings s;
+  s.noise_force = 0.1;
+  s.noise_torque = 0.005;
+  s.bias_force = 1.5;
+  s.bias_torque = 0.05;
+  s.drift_force = 0.02;
+  s.drift_torque = 0.001;
+  s.quantum_force = 0.02;
+  s.quantum_torque = 0.001;
+  s.range_force = 100.0;
+  s.range_torque = 10.0;
+  s.delay = 2e-3;
+  return s;
+}
+
+void require_valid(const WrenchSensorSettings& s, double dt) {
+  using Limits = WrenchSensorSettings::Limits;
+  require_in_range("wrench_sensor", Limits::noise_force, s.noise_force);
+  require_in_range("wrench_sensor", Limits::noise_torque, s.noise_torque);
+  require_in_range("wrench_sensor", Limits::bias_force, s.bias_force);
+  require_in_range("wrench_sensor", Limits::bias_torque, s.bias_torque);
+  require_in_range("wrench_sensor", Limits::drift_force, s.drift_force);
+  require_in_range("wrench_sensor", Limits::drift_torque, s.drift_torque);
+  require_in_range("wrench_sensor", Limits::quantum_force, s.quantum_force);
+  require_in_range("wrench_sensor", Limits::quantum_torque, s.quantum_torque);
+  require_in_range("wrench_sensor", Limits::range_force, s.range_force);
+  require_in_range("wrench_sensor", Limits::range_torque, s.range_torque);
+  require_in_range("wrench_sensor", Limits::delay, s.delay);
+  if (!(dt >= 1e-6 && std::isfinite(dt)))
+    throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));
+}
+
+}  // namespace impedraw

@@ -1,0 +1,218 @@
+// Settings of the simulated world, apart from what simulates: a scenario has them, and its reader
+// need not link the simulator. Each is explained where it is used: tip_contact.h, pad_contact.h,
+// joint_sensor.h, wrench_sensor.h, canvas_motion.h, world.h.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "impedraw/common/range.h"
+
+namespace impedraw {
+
+struct TipMaterial {
+  double radius = 1.0e-3;     // of the tip sphere [m]
+  double stiffness = 20.0e3;  // k [N/m]
+  double damping = 60.0;      // b [N s/m]
+  double friction = 0.3;      // μ
+
+  struct Limits {
+    static constexpr Limit radius = {"radius", "m", {1e-5, 0.05}};
+    static constexpr Limit stiffness = {"stiffness", "N/m", {10.0, 1e7}};
+    static constexpr Limit damping = {"damping", "N s/m", {0.0, 1e5}};
+    static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
+  };
+};
+
+struct PadSettings {
+  double radius = 0.015;     // r [m]
+  double thickness = 0.010;  // of the foam [m]
+  double stiffness = 5e6;    // k, pressure per compression [N/m³]
+  double damping = 2e4;      // b [N s/m³]
+  double friction = 0.3;     // μ
+  double rest = 0.0;         // of the free face before E [m]
+
+  struct Limits {
+    static constexpr Limit radius = {"radius", "m", {2e-3, 0.1}};
+    static constexpr Limit thickness = {"thickness", "m", {1e-3, 0.1}};
+    static constexpr Limit stiffness = {"stiffness", "N/m³", {1e4, 1e9}};
+    static constexpr Limit damping = {"damping", "N s/m³", {0.0, 1e6}};
+  };
+
+  double area() const;  // π r² [m²]
+  // Pressure of the foam, compressed by δ at the rate v [Pa].
+  double pressure(double compression, double rate) const {
+    return compression > 0.0 ? std::max(0.0, stiffness * compression + damping * rate) : 0.0;
+  }
+};
+
+enum class VelocityReading { exact, difference, none };
+
+struct JointSensorSettings {
+  double quantum = 0.0;         // resolution of the position; 0: continuous [rad]
+  double position_noise = 0.0;  // standard deviation [rad]
+  double velocity_noise = 0.0;  // standard deviation [rad/s]
+  double delay = 0.0;  // rounded to samples, at most 30 ms; the first is read without delay [s]
+  VelocityReading velocity = VelocityReading::exact;
+  double velocity_bandwidth = 250.0;  // of the difference's low-pass; 0: no filter [rad/s]
+
+  struct Limits {
+    static constexpr Limit quantum = {"quantum", "rad", {0.0, 0.1}};
+    static constexpr Limit position_noise = {"position_noise", "rad", {0.0, 0.1}};
+    static constexpr Limit velocity_noise = {"velocity_noise", "rad/s", {0.0, 10.0}};
+    static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
+    static constexpr Limit velocity_bandwidth = {"velocity_bandwidth", "rad/s", {0.0, 1e4}};
+  };
+
+  bool exact() const {  // reads the state itself
+    return quantum == 0.0 && position_noise == 0.0 && velocity_noise == 0.0 && delay == 0.0 &&
+           velocity == VelocityReading::exact;
+  }
+  // Age of the velocity reading at low frequency, for samples dt apart [s].
+  double velocity_age(double dt) const;
+};
+
+struct WrenchSensorSettings {
+  // white noise on each axis: standard deviation at 1 kHz; same density at other rates [N, Nm]
+  double noise_force = 0.0, noise_torque = 0.0;
+  double bias_force = 0.0, bias_torque = 0.0;        // length of the vector [N, Nm]
+  double drift_force = 0.0, drift_torque = 0.0;      // length of the vector [N/min, Nm/min]
+  double quantum_force = 0.0, quantum_torque = 0.0;  // 0: continuous [N, Nm]
+  double range_force = 0.0, range_torque = 0.0;      // ±; 0: no limit [N, Nm]
+  // rounded to samples; the first sample is read without delay [s]
+  double delay = 0.0;
+
+  struct Limits {
+    static constexpr Limit noise_force = {"noise_force", "N", {0.0, 100.0}};
+    static constexpr Limit noise_torque = {"noise_torque", "Nm", {0.0, 10.0}};
+    static constexpr Limit bias_force = {"bias_force", "N", {0.0, 1000.0}};
+    static constexpr Limit bias_torque = {"bias_torque", "Nm", {0.0, 100.0}};
+    static constexpr Limit drift_force = {"drift_force", "N/min", {0.0, 100.0}};
+    static constexpr Limit drift_torque = {"drift_torque", "Nm/min", {0.0, 10.0}};
+    static constexpr Limit quantum_force = {"quantum_force", "N", {0.0, 10.0}};
+    static constexpr Limit quantum_torque = {"quantum_torque", "Nm", {0.0, 1.0}};
+    static constexpr Limit range_force = {"range_force", "N", {0.0, 1e5}};
+    static constexpr Limit range_torque = {"range_torque", "Nm", {0.0, 1e4}};
+    static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
+  };
+
+  static WrenchSensorSettings realistic();
+};
+
+// Throws InputError for a setting out of range. dt: time between samples [s].
+void require_valid(const WrenchSensorSettings& settings, double dt);
+
+struct CanvasMotionSettings {
+  // c: what the canvas turns and rolls about, W [m]
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+
+  // Conveyor and turntable. From `start` to `stop` [s]; each takes `ramp` [s] to reach or to leave
+  // full speed, the acceleration is bounded and continuous.
+  double start = 0.0, ramp = 0.5;
+  std::optional<double> stop;                          // absent: never
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // W [m/s]
+  Eigen::Vector3d turn_axis = Eigen::Vector3d::UnitZ();
+  double turn_speed = 0.0;  // about turn_axis through the centre [rad/s]
+
+  // Heave and sway: amplitude · sin(2π frequency (t − start)), its amplitude grows over `ramp`.
+  Eigen::Vector3d sway = Eigen::Vector3d::Zero();  // amplitude, W [m]
+  double sway_frequency = 0.5;                     // [Hz]
+  Eigen::Vector3d roll_axis = Eigen::Vector3d::UnitX();
+  double roll = 0.0;            // amplitude about roll_axis through the centre [rad]
+  double roll_frequency = 0.3;  // [Hz]
+
+  // A hand that jolts it: noise along each axis of W, its spectrum flat up to `jolt_bandwidth`.
+  double jolts = 0.0;           // RMS [m]
+  double jolt_bandwidth = 1.0;  // [Hz]
+  std::uint64_t seed = 1;
+
+  // A recorded motion (recorded_motion.h), in place of all of these. Empty: none.
+  std::filesystem::path file;
+
+  struct Limits {
+    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
+    static constexpr Limit start = {"start", "s", {-1e4, 1e4}};
+    static constexpr Limit stop = {"stop", "s", {-1e4, 1e6}};
+    static constexpr Limit turn_axis = {"turn_axis", "", {-1.0, 1.0}};
+    static constexpr Limit roll_axis = {"roll_axis", "", {-1.0, 1.0}};
+    static constexpr Limit ramp = {"ramp", "s", {0.01, 60.0}};
+    static constexpr Limit speed = {"velocity", "m/s", {-2.0, 2.0}};
+    static constexpr Limit turn_speed = {"turn_speed", "rad/s", {-10.0, 10.0}};
+    static constexpr Limit sway = {"sway", "m", {-1.0, 1.0}};
+    static constexpr Limit sway_frequency = {"sway_frequency", "Hz", {0.0, 20.0}};
+    static constexpr Limit roll = {"roll", "rad", {-1.0, 1.0}};
+    static constexpr Limit roll_frequency = {"roll_frequency", "Hz", {0.0, 20.0}};
+    static constexpr Limit jolts = {"jolts", "m", {0.0, 0.1}};
+    static constexpr Limit jolt_bandwidth = {"jolt_bandwidth", "Hz", {0.01, 20.0}};
+  };
+};
+
+// Differences between the simulated arm and the URDF that the controller uses. All are off by
+// default. Dry friction is in WorldSettings.
+//
+// Plant, true        M' v̇ + C' v + g' = τ_a − b v + …
+//                    M', C', g' with mass_scale and centre_shift; M' with the true rotor_inertia
+//                    on the diagonal
+// Torque that acts   τ_a = round(τ(t − loop_delay) / quantum) quantum + A sin(30 q_j + φ_j)
+//                    φ_j = 2π · 0.381966 j: a different phase for each joint
+struct ModelErrors {
+  static constexpr double kRipplePeriods = 30.0;  // per turn of the joint
+  static constexpr int kMostDelaySteps = 16;
+
+  double mass_scale = 1.0;  // of mass and inertia of every link, including the pen; > 0
+  // shift of the c.o.m. along (1,1,1)/√3 of the link's axes, for every link with its own joint;
+  // excludes the pen [m]
+  double centre_shift = 0.0;
+  double viscous_friction = 0.0;  // b, every joint, ≥ 0 [Nm s/rad]
+  // True, about every joint's axis or about each, ≥ 0; empty: what the URDF says (arm_notes.h),
+  // else zero [kg m²]
+  std::vector<double> rotor_inertia;
+  double torque_ripple = 0.0;   // A, every joint [Nm]
+  double torque_quantum = 0.0;  // torque resolution, ≥ 0; 0: continuous [Nm]
+  // rounded to steps, at most kMostDelaySteps; the first torque acts without delay [s]
+  double loop_delay = 0.0;
+  // offset of the true tip E along its z from its place in the URDF [m]
+  double pen_longer = 0.0;
+
+  struct Limits {
+    static constexpr Limit mass_scale = {"mass_scale", "", {0.1, 10.0}};
+    static constexpr Limit centre_shift = {"centre_shift", "m", {-0.2, 0.2}};
+    static constexpr Limit viscous_friction = {"viscous_friction", "Nm s/rad", {0.0, 100.0}};
+    static constexpr Limit rotor_inertia = {"rotor_inertia", "kg m²", {0.0, 10.0}};
+    static constexpr Limit torque_ripple = {"torque_ripple", "Nm", {0.0, 20.0}};
+    static constexpr Limit torque_quantum = {"torque_quantum", "Nm", {0.0, 10.0}};
+    static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.015}};
+    static constexpr Limit pen_longer = {"pen_longer", "m", {-0.02, 0.02}};
+  };
+};
+
+struct WorldSettings {
+  double dt = 1e-3;  // of a control step, over which the torque is held [s]
+  int substeps = 1;  // integration steps in each
+  TipMaterial tip;
+  std::optional<PadSettings> pad;    // instead of the tip's ball
+  double joint_friction = 0.0;       // dry friction, equal on every joint: ± [Nm]
+  double gravity = 9.81;             // along −z [m/s²]
+  ModelErrors errors;                // differences from the URDF
+  JointSensorSettings joint_sensor;  // read by the simulated arm
+  bool flange_sensor = false;        // enables flange_wrench()
+
+  struct Limits {
+    static constexpr Limit joint_friction = {"joint_friction", "Nm", {0.0, 50.0}};
+    static constexpr Limit gravity = {"gravity", "m/s²", {0.0, 100.0}};
+    static constexpr Limit substeps = {"substeps", "", {1, 100}};
+  };
+};
+
+// Numbers of steps since the simulation began.
+struct SolverCutoffs {
+  long tip = 0;     // sliding tip: kTipContactSweeps (tip_contact.h)
+  long joints = 0;  // joint friction, joint limits and tip together: kJointSweeps
+};
+
+}  // namespace impedraw
