@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
@@ -31,6 +32,19 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 void lack(Metrics& metrics, std::initializer_list<Metric Metrics::*> members,
           const std::string& reason) {
   for (const auto member : members) metrics.*member = Metric::missing(reason);
+}
+
+// Statistics of x, or the reason for which there is no x.
+using Statistic = double (*)(const std::vector<double>&);
+void fill(Metrics& m, const std::vector<double>& x, const std::string& reason,
+          std::initializer_list<std::pair<Metric Metrics::*, Statistic>> of) {
+  for (const auto& [member, statistic] : of)
+    m.*member = x.empty() ? Metric::missing(reason) : Metric(statistic(x));
+}
+
+template <int kPerMille>
+double percentile_of(const std::vector<double>& x) {
+  return percentile(x, kPerMille / 1000.0);
 }
 
 std::vector<double> finite(const std::vector<double>& x, double scale) {
@@ -82,18 +96,11 @@ void contact(const RunData& run, const InkMatch& d, Metrics& m) {
 }
 
 void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
-  std::vector<double> error;
-  for (const double e : d.error)
-    if (std::isfinite(e)) error.push_back(1e3 * e);
-  const bool any_ink = has_ink(d);
-  if (error.empty()) {
-    lack(m, {&Metrics::ink_error_rms, &Metrics::ink_error_p95, &Metrics::ink_error_max},
-         any_ink ? "no target for the strokes with ink" : "no pen-down ink");
-  } else {
-    m.ink_error_rms = root_mean_square(error);
-    m.ink_error_p95 = percentile(error, 0.95);
-    m.ink_error_max = maximum(error);
-  }
+  fill(m, finite(d.error, 1e3),
+       has_ink(d) ? "no target for the strokes with ink" : "no pen-down ink",
+       {{&Metrics::ink_error_rms, root_mean_square},
+        {&Metrics::ink_error_p95, percentile_of<950>},
+        {&Metrics::ink_error_max, maximum}});
   double length = 0.0, outside = 0.0;
   for (const InkLine& line : d.lines) {
     if (line.stroke < 0) continue;
@@ -119,11 +126,8 @@ void tracking(const RunData& run, Metrics& m) {
   for (std::size_t i = 0; i < run.rows(); ++i)
     if (counts(run, i) && std::isfinite(run.tracking_error[i]))
       error.push_back(1e3 * run.tracking_error[i]);
-  if (error.empty())
-    return lack(m, {&Metrics::tracking_error_rms, &Metrics::tracking_error_max},
-                "no pen-down ink, or a log of an older version");
-  m.tracking_error_rms = root_mean_square(error);
-  m.tracking_error_max = maximum(error);
+  fill(m, error, "no pen-down ink, or a log of an older version",
+       {{&Metrics::tracking_error_rms, root_mean_square}, {&Metrics::tracking_error_max, maximum}});
 }
 
 void coverage(const RunData& run, const InkMatch& d, Metrics& m) {
@@ -166,11 +170,7 @@ void stray_ink(const RunData& run, const InkMatch& d, Metrics& m) {
 }
 
 void force(const RunData& run, const InkMatch& d, Metrics& m) {
-  const std::vector<double> all = finite(run.f, 1.0);
-  if (all.empty())
-    lack(m, {&Metrics::contact_force_max}, "no rows");
-  else
-    m.contact_force_max = maximum(all);
+  fill(m, finite(run.f, 1.0), "no rows", {{&Metrics::contact_force_max, maximum}});
   const std::optional<DrawnPens> pens = read_pens(run.attributes);
   std::vector<double> settled, error, width_error;
   double touchdown = -1.0;
@@ -190,49 +190,31 @@ void force(const RunData& run, const InkMatch& d, Metrics& m) {
       width_error.push_back(pen.width_at(run.f[i]) / pen.width_at(run.push[i]) - 1.0);
     }
   }
-  m.width_error_rms = width_error.empty()
-                          ? Metric::missing("no pen whose width changes with its force has ink")
-                          : Metric(root_mean_square(width_error));
+  fill(m, width_error, "no pen whose width changes with its force has ink",
+       {{&Metrics::width_error_rms, root_mean_square}});
   if (touchdown < 0.0) {
     lack(m, {&Metrics::touchdown_peak}, "no stroke was touched");
   } else {
     m.touchdown_peak = touchdown;
   }
-  if (settled.empty()) {
-    lack(
-        m,
-        {&Metrics::force_mean, &Metrics::force_sd, &Metrics::force_rms_error, &Metrics::force_peak},
-        "no pen-down ink later than 0.2 s after a first touch");
-    return;
-  }
-  m.force_mean = mean(settled);
-  m.force_sd = standard_deviation(settled);
-  m.force_peak = maximum(settled);
-  if (error.empty()) {
-    lack(m, {&Metrics::force_rms_error}, "no normal force was asked for");
-  } else {
-    m.force_rms_error = root_mean_square(error);
-  }
+  const char* const no_ink = "no pen-down ink later than 0.2 s after a first touch";
+  fill(m, settled, no_ink,
+       {{&Metrics::force_mean, mean},
+        {&Metrics::force_sd, standard_deviation},
+        {&Metrics::force_peak, maximum}});
+  fill(m, error, settled.empty() ? no_ink : "no normal force was asked for",
+       {{&Metrics::force_rms_error, root_mean_square}});
 }
 
 void angles(const RunData& run, Metrics& m) {
   const std::vector<double> tilt = finite(run.tilt, kDegrees);
-  if (tilt.empty()) {
-    lack(m, {&Metrics::tilt_mean, &Metrics::tilt_p95, &Metrics::tilt_max}, "no pen-down ink");
-  } else {
-    m.tilt_mean = mean(tilt);
-    m.tilt_p95 = percentile(tilt, 0.95);
-    m.tilt_max = maximum(tilt);
-  }
-  const std::vector<double> normal = finite(run.normal_error, kDegrees);
-  if (normal.empty()) {
-    const char* reason =
-        tilt.empty() ? "no pen-down ink" : "the controller had no estimate of the surface";
-    lack(m, {&Metrics::normal_error_mean, &Metrics::normal_error_p95}, reason);
-  } else {
-    m.normal_error_mean = mean(normal);
-    m.normal_error_p95 = percentile(normal, 0.95);
-  }
+  fill(m, tilt, "no pen-down ink",
+       {{&Metrics::tilt_mean, mean},
+        {&Metrics::tilt_p95, percentile_of<950>},
+        {&Metrics::tilt_max, maximum}});
+  fill(m, finite(run.normal_error, kDegrees),
+       tilt.empty() ? "no pen-down ink" : "the controller had no estimate of the surface",
+       {{&Metrics::normal_error_mean, mean}, {&Metrics::normal_error_p95, percentile_of<950>}});
 }
 
 // The canvas of the log, made where a metric needs it.
@@ -293,9 +275,8 @@ void gentle_ink(const RunData& run, const InkMatch& d, const std::optional<Promi
       }
       error.push_back(1e3 * d.error[i]);
     }
-    if (error.empty())
-      return lack(m, {&Metrics::ink_error_rms_to_45}, "no ink with a target on slopes below 45°");
-    m.ink_error_rms_to_45 = root_mean_square(error);
+    fill(m, error, "no ink with a target on slopes below 45°",
+         {{&Metrics::ink_error_rms_to_45, root_mean_square}});
   } catch (const InputError& e) {
     lack(m, {&Metrics::ink_error_rms_to_45}, e.what());
   }
@@ -333,15 +314,10 @@ void promised(const RunData& run, const std::optional<Promise>& promise, Metrics
 }
 
 void clock(const RunData& run, Metrics& m) {
-  double sum = 0.0;
-  std::size_t down = 0;
-  for (std::size_t i = 0; i < run.rows(); ++i) {
-    if (run.stroke[i] < 0) continue;
-    sum += time_scale(run, i);
-    ++down;
-  }
-  if (down == 0) return lack(m, {&Metrics::time_scale_mean}, "no pen-down sample");
-  m.time_scale_mean = sum / static_cast<double>(down);
+  std::vector<double> scale;
+  for (std::size_t i = 0; i < run.rows(); ++i)
+    if (run.stroke[i] >= 0) scale.push_back(time_scale(run, i));
+  fill(m, scale, "no pen-down sample", {{&Metrics::time_scale_mean, mean}});
 }
 
 void motion(const RunData& run, const InkMatch& d, Metrics& m) {
@@ -353,12 +329,8 @@ void motion(const RunData& run, const InkMatch& d, Metrics& m) {
       if (dt > 0.0) speed.push_back(1e3 * length_of(run, i) / dt);
     }
   }
-  if (speed.empty()) {
-    lack(m, {&Metrics::speed_mean, &Metrics::speed_p95}, "no pen-down ink of two rows");
-  } else {
-    m.speed_mean = mean(speed);
-    m.speed_p95 = percentile(speed, 0.95);
-  }
+  fill(m, speed, "no pen-down ink of two rows",
+       {{&Metrics::speed_mean, mean}, {&Metrics::speed_p95, percentile_of<950>}});
   const std::size_t n = run.rows();
   if (n < 2) {
     lack(m, {&Metrics::draw_time, &Metrics::real_time_factor}, "fewer than two rows");
@@ -403,13 +375,10 @@ void arm(const RunData& run, Metrics& m) {
 }
 
 void step_time(const RunData& run, Metrics& m) {
-  const std::vector<double> micros = finite(run.step_time, 1e6);
-  if (micros.empty())
-    return lack(m, {&Metrics::step_time_p50, &Metrics::step_time_p99, &Metrics::step_time_p999},
-                "no step was timed");
-  m.step_time_p50 = percentile(micros, 0.5);
-  m.step_time_p99 = percentile(micros, 0.99);
-  m.step_time_p999 = percentile(micros, 0.999);
+  fill(m, finite(run.step_time, 1e6), "no step was timed",
+       {{&Metrics::step_time_p50, percentile_of<500>},
+        {&Metrics::step_time_p99, percentile_of<990>},
+        {&Metrics::step_time_p999, percentile_of<999>}});
 }
 
 }  // namespace
