@@ -7,6 +7,12 @@ if(NOT EXISTS ${PROJECT_SOURCE_DIR}/include/impedraw)
   file(CREATE_LINK ../src ${PROJECT_SOURCE_DIR}/include/impedraw SYMBOLIC)
 endif()
 
+set(IMPEDRAW_LESS_OPTIMISED $<$<CONFIG:Release>:-O1>)
+# A precompiled header must be compiled with the same -m options as what includes it: from g++ 13 on, x86's -O2 sets these two.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13 AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  list(APPEND IMPEDRAW_LESS_OPTIMISED $<$<CONFIG:Release>:-munroll-only-small-loops> $<$<CONFIG:Release>:-mvzeroupper>)
+endif()
+
 function(impedraw_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;UNSHARED;LINKS;PRIVATE_LINKS;BLIND_TO" ${ARGN})
   if(ARG_SOURCES)
@@ -31,7 +37,7 @@ function(impedraw_library name)
   endif()
   # What runs once in a call, and waits for files and processes, is not worth the optimiser's time.
   if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|study|app)$")
-    target_compile_options(impedraw_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+    target_compile_options(impedraw_${name} PRIVATE ${IMPEDRAW_LESS_OPTIMISED})
   endif()
   # A folder without fmt is one that people use without the rest: it compiles with Eigen alone.
   if(TARGET impedraw_library_headers AND "fmt::fmt" IN_LIST ARG_PRIVATE_LINKS)

@@ -1,12 +1,14 @@
 """Sphinx reads this. Build with ./impedraw docs (setup/docs.sh)."""
 
 import os
+import re
 from pathlib import Path
 
 here = Path(__file__).parent
 build = Path(os.environ.get("IMPEDRAW_DOCS_BUILD", here.parent / "build" / "docs"))
 
 project = "impedraw"
+release = version = re.search(r"project\(impedraw VERSION ([\d.]+)", (here.parent / "CMakeLists.txt").read_text())[1]
 author = "the impedraw authors"
 copyright = "the impedraw authors"  # noqa: A001, Sphinx's own name
 
@@ -22,6 +24,7 @@ myst_dmath_double_inline = True
 # The library reference, from what Doxygen found in the public headers.
 breathe_projects = {"impedraw": str(build / "doxygen" / "xml")}
 breathe_default_project = "impedraw"
+release = version = re.search(r"project\(impedraw VERSION ([\d.]+)", (here.parent / "CMakeLists.txt").read_text())[1]
 breathe_domain_by_extension = {"h": "cpp"}
 breathe_default_members = ("members",)
 primary_domain = "cpp"
@@ -36,9 +39,10 @@ nitpick_ignore_regex = [
 ]
 
 html_theme = "furo"
-html_title = "impedraw"
+html_title = f"impedraw {release}"
 html_static_path = ["static", str(build / "static")]
 html_css_files = ["site.css"]
+html_js_files = ["versions.js"]
 html_copy_source = False
 html_show_copyright = False
 html_theme_options = {"navigation_with_keys": True}

@@ -84,7 +84,8 @@ in_release() {
 
 # Prints the packages of the lists that are missing or too old, one per line; of alternatives, the first that the release has.
 missing_packages() {
-  local name least why have cargo node one
+  local name least why have cargo node one release
+  release=$(. /etc/os-release 2>/dev/null && echo "${VERSION_ID-}")
   declare -A version=()
   while read -r name have; do version[$name]=$have; done < <(
     dpkg-query -W -f='${db:Status-Abbrev}\t${Package}\t${Version}\n' 2>/dev/null | awk -F'\t' '$1 ~ /^.i/ {print $2, $3}')
@@ -98,8 +99,10 @@ missing_packages() {
       [[ ${version[$one]-} ]] && dpkg --compare-versions "${version[$one]}" ge "$least" && continue 2
     done
     for one in ${name//|/ }; do
-      [[ $one != "$name" ]] && in_release "$one" "$least" && break
+      [[ $one != "$name" ]] && in_release "$one" "$least" && { echo "$one"; continue 2; }
     done
+    # Without lists of apt: the first, but for Debian 12's Rust.
+    [[ $one == *-web && ${release-} == 12 ]] || one=${name%%|*}
     echo "$one"
   done < <(cat "${package_lists[@]}")
 }

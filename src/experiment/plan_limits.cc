@@ -43,11 +43,11 @@ TipPath path_with(const PlannedDrawing& e, const PathSettings& settings) {
 }
 
 std::string stroke_list(const std::vector<int>& strokes) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMany = 8;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMost, strokes.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMany, strokes.size()); ++i)
     text += fmt::format("{}{}", i ? ", " : "", strokes[i]);
-  return strokes.size() > kMost ? text + fmt::format(" and {} more", strokes.size() - kMost) : text;
+  return strokes.size() > kMany ? text + fmt::format(" and {} more", strokes.size() - kMany) : text;
 }
 
 }  // namespace

@@ -114,16 +114,16 @@ std::vector<Relief::Line> contours_at(const Relief& r, double level) {
   return chains.lines();
 }
 
-// Something lies more than kHidden above p on all sides.
+// Something lies more than kAbove above p on all sides.
 bool is_hidden(const Relief& r, const Eigen::Vector3d& p) {
-  constexpr double kHidden = 1.0;  // [mm]
+  constexpr double kAbove = 1.0;  // [mm]
   const Eigen::Vector2d at = (p.head<2>() - r.area.min())
                                  .cwiseQuotient(r.area.sizes())
                                  .cwiseProduct(Eigen::Vector2d(r.columns, r.rows));
   const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
   for (int i = row - 1; i <= row + 1; ++i)
     for (int j = column - 1; j <= column + 1; ++j)
-      if (i < 0 || j < 0 || i >= r.rows || j >= r.columns || !(r.height(i, j) > p.z() + kHidden))
+      if (i < 0 || j < 0 || i >= r.rows || j >= r.columns || !(r.height(i, j) > p.z() + kAbove))
         return false;
   return true;
 }

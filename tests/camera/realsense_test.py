@@ -10,7 +10,7 @@ import pytest
 
 from impedraw.camera.__main__ import main
 from impedraw.camera.folder import Frame
-from impedraw.camera.realsense import median
+from impedraw.camera.realsense import RealSense, median
 
 WIDTH, HEIGHT, FRAMES = 64, 48, 40
 
@@ -69,6 +69,15 @@ def test_a_capture_is_the_median_of_frames(recording, tmp_path, capsys):
     assert main([*call, "--overwrite"]) == 0
     assert main([*call, "--overwrite", "--laser", "150"]) == 2 and "has no laser" in capsys.readouterr().err
     assert main([*call, "--overwrite", "--preset", "High Accuracy"]) == 2 and "no presets" in capsys.readouterr().err
+
+
+def test_a_recording_may_be_closed_at_any_time(recording):
+    """Without the pause in close(), the SDK aborts in one of about fifty."""
+    for k in range(60):
+        camera = RealSense(str(recording))
+        camera.open()
+        assert all(camera.frame() for _ in range(1 + k % 5))
+        camera.close()
 
 
 def test_the_median_leaves_out_what_is_seldom_measured():

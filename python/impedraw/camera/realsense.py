@@ -43,9 +43,10 @@ class RealSense:
         self.name = device.get_info(rs.camera_info.name) if device.supports(rs.camera_info.name) else "RealSense"
         sensor = device.first_depth_sensor()
         self.duration = 0.0  # of a recording [s]
-        if self._recording:
-            device.as_playback().set_real_time(False)
-            self.duration = device.as_playback().get_duration().total_seconds()
+        self._playback = device.as_playback() if self._recording else None
+        if self._playback:
+            self._playback.set_real_time(False)
+            self.duration = self._playback.get_duration().total_seconds()
         self._set(sensor)
         self._scale = sensor.get_option(rs.option.depth_units) if sensor.supports(rs.option.depth_units) else 1e-3
         streams = {s.stream_type() for s in profile.get_streams()}
@@ -102,6 +103,9 @@ class RealSense:
         return Frame(self._scale * np.asanyarray(depth.get_data()).astype(np.float64), image, 1e-3 * depth.get_timestamp())
 
     def close(self) -> None:
+        # A recording that is stopped while the SDK's thread reads from it ends the process about once in a hundred times.
+        if self._playback:
+            self._playback.pause()
         self._pipeline.stop()
 
 
