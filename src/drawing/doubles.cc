@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -102,8 +104,16 @@ double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
   const double diagonal = box.diagonal().norm();
   Drawn drawn(std::max(10 * distance_mm, diagonal / 1e4), diagonal / kLongCells);
   double removed = 0;
-  std::vector<Stroke> kept;
-  for (Stroke& stroke : strokes) {
+  // The widest line stays, in its place.
+  std::vector<std::size_t> by_width(strokes.size());
+  std::iota(by_width.begin(), by_width.end(), 0);
+  std::stable_sort(by_width.begin(), by_width.end(), [&](std::size_t a, std::size_t b) {
+    return strokes[a].width > strokes[b].width;
+  });
+  std::vector<std::vector<Stroke>> parts(strokes.size());
+  for (const std::size_t index : by_width) {
+    Stroke& stroke = strokes[index];
+    std::vector<Stroke>& kept = parts[index];
     if (stroke.dash >= 0 || stroke.points.size() < 2 || drawn.pairs > kMostPairs) {
       kept.push_back(std::move(stroke));
       continue;
@@ -173,7 +183,9 @@ double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
       }
     }
   }
-  strokes = std::move(kept);
+  strokes.clear();
+  for (std::vector<Stroke>& kept : parts)
+    std::move(kept.begin(), kept.end(), std::back_inserter(strokes));
   return removed;
 }
 

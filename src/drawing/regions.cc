@@ -17,6 +17,7 @@ constexpr double kRegionFineness = 5e8;  // of half the box; from 2^30 Clipper n
 constexpr double kLeastFineness = 1e5;   // steps per millimetre, then with wider integers
 constexpr double kMostCrossings = 4e6;   // of one operation, which take 200 bytes each
 constexpr double kMitre = 4;             // SVG's limit
+constexpr double kRound = 2e-3;          // of a round cap's chords, of the stroke's width
 
 cl::Paths to_clipper(const Outlines& outlines, const Vector2d& centre, double fineness) {
   cl::Paths paths;
@@ -112,10 +113,13 @@ Outlines RegionMath::run(int operation, const Outlines& a, const Outlines& b, bo
   return from_clipper(result, centre_, fineness_);
 }
 
-Outlines RegionMath::stroked(const std::vector<Vector2d>& line, double width, bool closed) const {
-  cl::ClipperOffset offset(kMitre);
-  offset.AddPaths(to_clipper({line}, centre_, fineness_), cl::jtMiter,
-                  closed ? cl::etClosedLine : cl::etOpenButt);
+Outlines RegionMath::stroked(const std::vector<Vector2d>& line, double width, bool closed,
+                             bool round) const {
+  cl::ClipperOffset offset(kMitre, kRound * width * fineness_);
+  offset.AddPaths(to_clipper({line}, centre_, fineness_), round ? cl::jtRound : cl::jtMiter,
+                  closed  ? cl::etClosedLine
+                  : round ? cl::etOpenRound
+                          : cl::etOpenButt);
   cl::Paths result;
   offset.Execute(result, width / 2 * fineness_);
   return from_clipper(result, centre_, fineness_);

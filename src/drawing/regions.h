@@ -29,8 +29,9 @@ class RegionMath {
   Outlines united(const Outlines& a, const Outlines& b = {}) const;
   Outlines common(const Outlines& a, const Outlines& b) const;
   Outlines without(const Outlines& a, const Outlines& b) const;
-  // What a stroke of that width with mitred corners and flat ends covers.
-  Outlines stroked(const std::vector<Eigen::Vector2d>& line, double width, bool closed) const;
+  // What a stroke of that width covers: its corners are mitred and its ends flat, or both round.
+  Outlines stroked(const std::vector<Eigen::Vector2d>& line, double width, bool closed,
+                   bool round = false) const;
 
  private:
   Outlines run(int operation, const Outlines& a, const Outlines& b, bool even_odd) const;

@@ -168,6 +168,12 @@ bool is_white(std::uint32_t colour) {
          (colour & 0xff) >= kWhite;
 }
 
+// By what rounding may move a page's edge.
+Eigen::AlignedBox2d grown(const Eigen::AlignedBox2d& page) {
+  const Vector2d spare = Vector2d::Constant(kSamePage * page.diagonal().norm());
+  return {page.min() - spare, page.max() + spare};
+}
+
 // True if the path is the page's background: a white rectangle that covers the whole page.
 bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgPath& path,
                const Eigen::AlignedBox2d& page) {
@@ -177,18 +183,22 @@ bool is_ground(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSv
   Eigen::AlignedBox2d box;
   for (const Vector2d& p : lines[0]) box.extend(p);
   const double hair = kSamePage * page.diagonal().norm();
-  const Vector2d spare = Vector2d::Constant(hair);
-  if (!Eigen::AlignedBox2d(box.min() - spare, box.max() + spare).contains(page)) return false;
+  if (!grown(box).contains(page)) return false;
   return std::all_of(lines[0].begin(), lines[0].end(), [&](const Vector2d& p) {
     return ((p - box.min()).cwiseAbs().cwiseMin((p - box.max()).cwiseAbs()).array() <= hair).all();
   });
+}
+
+std::vector<Vector2d> page_outline(const Eigen::AlignedBox2d& page) {
+  return {
+      page.min(), {page.max().x(), page.min().y()}, page.max(), {page.min().x(), page.max().y()}};
 }
 
 // Indices of the layers by colour, in order of appearance; empty: groups are layers.
 std::map<std::uint32_t, int> colour_layers(const ImpedrawSvg& svg, LayerSource source) {
   std::map<std::uint32_t, int> layers;
   for (const ImpedrawSvgPath* path = svg.paths; path != svg.paths + svg.path_count; ++path) {
-    if (path->shapes > 0 || path->hides == 2) continue;
+    if (path->shapes > 0 || path->hides >= 2) continue;
     for (const auto& [shows, colour] :
          {std::pair{path->stroked, path->stroke}, {path->filled, path->fill}}) {
       if (shows && !is_white(colour)) layers.emplace(colour, static_cast<int>(layers.size()));
@@ -310,7 +320,7 @@ void look_at(Painting painting, bool as_painted, Artwork& artwork) {
         fmt::format("{:.1f} mm of lines are hidden by fills, clip paths or masks: left out",
                     artwork.hidden_mm));
   }
-  if (!as_painted && !shared->clips.empty())
+  if (!as_painted && shared->clips.size() > 1)
     artwork.warnings.push_back("clip paths and masks are passed over: what they hide is drawn");
 }
 
@@ -345,9 +355,14 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   const bool as_painted = settings.visible == Visible::as_painted;
   Painting painting;
   painting.paints.resize(svg->path_count);
+  // Where something reaches beyond the page, the page clips what no other clip does.
+  const bool fits = grown(artwork.page).contains(box_of(subpaths));
+  const auto clip_of = [&](std::uint32_t clip) {
+    return clip > 0 || !fits ? static_cast<int>(clip) : -1;
+  };
+  painting.clips.push_back({-1, false, {{{{page_outline(artwork.page)}}}}});
   for (std::size_t i = 0; i < svg->clip_count; ++i)
-    painting.clips.push_back(
-        {static_cast<int>(svg->clips[i].parent) - 1, svg->clips[i].mask != 0, {}});
+    painting.clips.push_back({clip_of(svg->clips[i].parent), svg->clips[i].mask != 0, {}});
   const std::map<std::uint32_t, int> by_colour = colour_layers(*svg, settings.layers);
   if (!by_colour.empty()) {
     artwork.layers.resize(by_colour.size());
@@ -371,21 +386,27 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
         add_dash(*path, dash_lengths, lines, subpaths.data() + (first_subpath - subpaths.begin()),
                  painting.dashes);
     dash_lengths += path->dash_count;
-    const int clip = static_cast<int>(path->clip) - 1;
+    const int clip = clip_of(path->clip);
     Paint& paint = painting.paints[static_cast<std::size_t>(path - svg->paths)];
     if (path->shapes > 0) {
-      painting.clips[path->shapes - 1].shapes.push_back(
-          {area_of(lines, *path), clip, path->value, path->alpha});
+      painting.clips[path->shapes].shapes.push_back(
+          {area_of(lines, *path), clip > 0 ? clip : -1, path->value, path->alpha});
       continue;
     }
     const bool strokes = path->stroked && !(as_painted && is_white(path->stroke)),
-               fills = path->filled && !is_white(path->fill), eraser = path->hides == 2;
+               fills = path->filled && !is_white(path->fill), eraser = path->hides >= 2;
     const std::string group = svg->layers[path->layer];
     if (layer_marks(group).off) {
       off[group] += lines.size();
       continue;
     }
-    paint = {{}, area_of(lines, *path), fills, path->hides != 0, path->hides_from, clip};
+    paint = {{}, area_of(lines, *path), fills, path->hides != 0, path->hides_from};
+    paint.clip = clip;
+    paint.clears = path->hides == 3;
+    paint.round = path->caps;
+    paint.plain = path->plain & 1;
+    paint.plain_strokes = path->plain & 2;
+    if (strokes && path->covers) paint.covers_from = path->covers_from;
     paint.area.layer = layer_of(path->fill, paint.area.layer);
     const bool ground = !eraser && is_ground(lines, *path, artwork.page);
     grounds += ground;
@@ -404,7 +425,21 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
       points += stroke.points.size();
       require_few(points, flatten_settings, name);
       stroke.points.shrink_to_fit();
+      // A stroke leaves the side of a fill open that closes it.
+      const bool is_open = as_painted && strokes && fills && !outline.closed &&
+                           lines[i].size() > 2 && lines[i].front() != lines[i].back() &&
+                           stroke.points.size() > 2;
       if (!stroke.points.empty()) paint.strokes.push_back(std::move(stroke));
+      if (!is_open) continue;
+      if (path->fill == path->stroke && dash < 0) {
+        paint.strokes.back().points.push_back(paint.strokes.back().points.front());
+        paint.strokes.back().closed = true;
+        continue;
+      }
+      Stroke side = stroke_of(outline, {lines[i].back(), lines[i].front()}, true);
+      side.edge = true, side.width = 0, side.colour = path->fill, side.closed = false;
+      side.layer = layer_of(side.colour, side.layer);
+      if (side.points.size() == 2) paint.strokes.push_back(std::move(side));
     }
   }
   look_at(std::move(painting), as_painted, artwork);

@@ -7,13 +7,14 @@
 // A painted path is drawn, whether filled, stroked or both, in any colour but white. Each subpath
 // becomes one stroke along its geometry, whatever the stroke width. A subpath that is only filled
 // is drawn closed (Stroke::edge). Clip paths, masks, opaque fills and white strokes hide lines
-// (visible.h); a stroke that is inked hides nothing, as the pen's line is thin. What is less opaque
-// than one half, a pattern, and a picture hide nothing. With Visible::all, nothing is hidden, and
-// white lines are drawn. Fills and dashes are returned in Artwork::areas and dashes, for hatch.h
-// and dashes.h to apply; white fills are not. Markers are drawn. Elements with opacity 0,
-// display none or visibility hidden, and elements that are not rendered, draw nothing. Layers are
-// the document's top-level groups, named by Inkscape label, id or position, or its colours
-// (layers.h).
+// (visible.h); so do strokes beneath their width, and the page's edge. What is less opaque than
+// one half, a pattern, and a picture hide nothing. With Visible::all, nothing is hidden, and white
+// lines are drawn. A pattern is drawn tile by tile, and its shape's edge is not; a gradient's edge
+// is left out where it is white or clear. The fill of an open path has an edge that closes it.
+// Fills and dashes are returned in Artwork::areas and dashes, for hatch.h and dashes.h to apply;
+// white fills are not. Markers are drawn. Elements with opacity 0, display none or visibility
+// hidden, and elements that are not rendered, draw nothing. Layers are the document's top-level
+// groups, named by Inkscape label, id or position, or its colours (layers.h).
 //
 // Text is drawn as the outlines of its glyphs, in the system's fonts. A warning names a font that
 // is not installed and the one that replaces it. What the internal DTD declares (namespaces,
@@ -22,10 +23,10 @@
 // Artwork::warnings tells what is lost, in the same words wherever it is printed: lengths that are
 // hidden or doubled, white shapes, pictures, animations, text that no font can show, filled shapes
 // without area, a white rectangle over the whole page, painted shapes that are hidden (display,
-// visibility, opacity 0, an empty clip path), the contents of patterns, the effect of filters,
-// partial opacity and different stroke widths, what the file refers to and does not hold, and
-// anything that usvg could not interpret. A filter never hides a shape, not even one that is
-// missing or empty. Of a pattern fill only the filled area counts. Apart from fonts, only the file
+// visibility, opacity 0, an empty clip path), patterns of over 10,000 tiles, the effect of
+// filters, partial opacity and different stroke widths, what the file refers to and does not hold,
+// and anything that usvg could not interpret. A filter never hides a shape, not even one that is
+// missing or empty. Of a pattern on a stroke only the line counts. Apart from fonts, only the file
 // itself is read.
 #pragma once
 

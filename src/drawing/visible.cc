@@ -20,6 +20,10 @@ constexpr double kLevels = 255;      // of a mask's luminance
 constexpr std::size_t kMerged = 24;  // covers over one paint that are united for the next ones
 constexpr std::size_t kMostRegions = 500;  // of clips that are kept
 constexpr int kCells = 64;                 // of the index of covers, along each side
+constexpr double kCrossing = 1.0 / 300;    // of the diagonal: hidden by a stroke that it crosses
+constexpr double kSeam = 10;               // hairs beside a border that one colour has to fill
+constexpr std::size_t kMostCovering = 100'000;     // points of strokes that hide others
+constexpr std::size_t kMostCompared = 20'000'000;  // points of strokes over the paints
 constexpr double kThinRim = 0.02;  // of a stroke's width: what is left of it is too thin to draw
 
 // A part of a line, and the length before it.
@@ -73,6 +77,23 @@ std::vector<Piece> visible_pieces(const std::vector<Vector2d>& line, double hair
   return pieces;
 }
 
+// The line between two lengths along it.
+std::vector<Vector2d> part_of(const std::vector<Vector2d>& line, double from, double to) {
+  std::vector<Vector2d> part;
+  double before = 0;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vector2d &a = line[i - 1], &b = line[i];
+    const double after = before + (b - a).norm();
+    const auto at = [&](double s) {
+      return Vector2d(a + (s - before) / (after - before) * (b - a));
+    };
+    if (after > from && part.empty()) part.push_back(from > before ? at(from) : a);
+    if (after > from && before < to) part.push_back(after > to ? at(to) : b);
+    before = after;
+  }
+  return part;
+}
+
 struct Shown {  // where a clip shows
   Outlines region;
   RegionIndex index;
@@ -99,6 +120,7 @@ struct Cover {
   AlignedBox2d box;
   bool inked = false;
   std::size_t hides_from = 0;
+  std::uint32_t colour = 0;  // of a stroke
 };
 
 // The covers over the paints that are looked at, from the last to the first.
@@ -174,10 +196,23 @@ class Eye {
         math_(all),
         hair_(std::max(kHair * ink.diagonal().norm(), all.diagonal().norm() > 1e4 ? 2e-4 : 1e-7)),
         touch_(3 * std::sqrt(hair_ * ink.diagonal().norm())),
-        covers_(ink) {}
+        crossing_(kCrossing * ink.diagonal().norm()),
+        covers_(ink),
+        covering_(ink),
+        shown_(paints.size()) {
+    bool any = false;
+    for (std::size_t i = paints.size(); i-- > 0;) {
+      if (paints[i].inked && !paints[i].area.outlines.empty()) first_area_ = i;
+      if (paints[i].strokes.empty()) continue;
+      const std::uint32_t colour = paints[i].strokes.front().colour;
+      if (any && colour != first_colour_) first_other_ = i + 1;
+      first_colour_ = colour, any = true;
+    }
+  }
 
   double look() {
     for (std::size_t i = paints_.size(); i-- > 0;) look_at(i);
+    drop_seams();
     return hidden_;
   }
 
@@ -252,15 +287,21 @@ class Eye {
       return;
     }
     merge(over);
-    const bool cut = clip || !over.empty();
+    cover_by(paint, index, clip);
+    const std::vector<int> strokes = compared_ < kMostCompared && !box.isEmpty()
+                                         ? covering_.over(box, index)
+                                         : std::vector<int>{};
+    const bool cut = clip || !over.empty() || !strokes.empty();
     Outlines filled;  // what the clip leaves of the area
     if (!paint.area.outlines.empty() && (cut || paint.hides)) filled = math_.region(paint.area);
     const Outlines whole = filled, cover = united(over, {}, box);
     if (clip && !filled.empty()) filled = math_.common(filled, clip->region);
-    if (cut) cut_lines(paint, whole, filled, clip, over, cover, box);
+    if (cut) cut_lines(paint, whole, filled, clip, over, strokes, cover, box);
     if (!paint.hides || filled.empty()) return;
+    if (paint.plain && paint.inked)
+      shown_[index] = cover.empty() ? filled : math_.without(filled, cover);
     if (cover.empty() || !math_.without(filled, cover).empty())
-      covers_.add({std::move(filled), {}, paint.inked, paint.hides_from});
+      covers_.add({std::move(filled), {}, paint.inked || paint.clears, paint.hides_from});
   }
 
   // Unites many covers of one place, unless they only lie beside each other.
@@ -290,13 +331,22 @@ class Eye {
   // `whole`: the paint's area; `filled`: what the clip leaves of it; `cover`: all that lies over
   // it.
   void cut_lines(Paint& paint, const Outlines& whole, const Outlines& filled, const Shown* clip,
-                 const std::vector<int>& over, const Outlines& cover, const AlignedBox2d& box) {
+                 const std::vector<int>& over, const std::vector<int>& strokes,
+                 const Outlines& cover, const AlignedBox2d& box) {
     const RegionIndex hidden(cover);
     std::vector<const RegionIndex*> indices{&hidden};
     if (clip) indices.push_back(&clip->index);
     std::vector<Stroke> lines, edges;
-    for (Stroke& stroke : paint.strokes) (stroke.edge ? edges : lines).push_back(std::move(stroke));
+    for (Stroke& stroke : paint.strokes)
+      (stroke.edge && stroke.closed ? edges : lines).push_back(std::move(stroke));
     paint.strokes.clear();
+    const auto own =
+        std::find_if(lines.begin(), lines.end(), [](const auto& s) { return !s.edge; });
+    Outlines others;
+    if (own != lines.end()) others = beneath(strokes, own->colour, box);
+    const RegionIndex under_all(beneath(strokes, {}, box)), under_others(others);
+    others.insert(others.end(), cover.begin(), cover.end());
+    const RegionIndex hidden_middle(others);
     for (const Stroke& line : lines) {
       std::vector<Piece> pieces = pieces_of(line, indices, [&](const Spot& spot) {
         return (!clip || spot.touches(clip->index)) && !spot.within(hidden);
@@ -307,8 +357,9 @@ class Eye {
         return clip && piece.length > 0 && piece.length < touch_ &&
                visible_pieces(piece.points, hair_, {&clip->index}, within).empty();
       });
+      pieces = uncovered(std::move(pieces), line.edge ? under_all : under_others);
       hidden_ += length(line.points) - keep(line, std::move(pieces), paint.strokes);
-      draw_rim(line, clip, hidden, cover, paint.strokes);
+      draw_rim(line, clip, hidden_middle, others, paint.strokes);
     }
     if (!paint.inked || whole.empty()) return;
 
@@ -331,7 +382,7 @@ class Eye {
     for (const Stroke& edge : edges) hidden_ += length(edge.points);
     for (const Stroke& edge : !is_cut ? edges : lines.empty() ? outlines : std::vector<Stroke>{}) {
       std::vector<Stroke> kept;
-      keep(edge, pieces_of(edge, {&edged}, is_seen), kept);
+      keep(edge, uncovered(pieces_of(edge, {&edged}, is_seen), under_all), kept);
       for (Stroke& stroke : kept) {
         hidden_ -= length(stroke.points);
         for (const Piece& piece : pieces_of(stroke, {&core}, is_new)) hidden_ += piece.length;
@@ -342,12 +393,94 @@ class Eye {
     if (is_cut && !lines.empty()) {
       for (const Stroke& edge : outlines) {
         const auto both = [&](const Spot& spot) { return is_seen(spot) && is_new(spot); };
-        keep(edge, pieces_of(edge, {&edged, &core}, both), paint.strokes);
+        keep(edge, uncovered(pieces_of(edge, {&edged, &core}, both), under_all), paint.strokes);
       }
     }
     if (is_cut || !inked.empty()) {
       paint.area.outlines = inked.empty() ? std::move(seen) : math_.without(seen, inked);
       paint.area.even_odd = false;
+    }
+  }
+
+  // The strokes over a paint that are not of the colour, as far as they reach into the box.
+  Outlines beneath(const std::vector<int>& strokes, std::optional<std::uint32_t> colour,
+                   const AlignedBox2d& box) {
+    Outlines all;
+    for (const int i : strokes) {
+      if (colour && covering_[i].colour == *colour) continue;
+      for (const auto& outline : covering_[i].region) {
+        if (!outlines_box({outline}).intersects(box)) continue;
+        all.push_back(outline);
+        compared_ += outline.size();
+      }
+    }
+    return all;
+  }
+
+  // What strokes leave of the pieces. What merely crosses a stroke stays.
+  std::vector<Piece> uncovered(std::vector<Piece> pieces, const RegionIndex& strokes) const {
+    if (strokes.empty()) return pieces;
+    std::vector<Piece> left;
+    for (Piece& piece : pieces) {
+      const auto is_hidden = [&](const Spot& spot) { return spot.within(strokes); };
+      std::vector<Piece> hidden = pieces_of({piece.points}, {&strokes}, is_hidden);
+      std::erase_if(hidden, [&](const Piece& part) { return part.length < crossing_; });
+      if (hidden.empty()) {
+        left.push_back(std::move(piece));
+        continue;
+      }
+      double from = 0;
+      hidden.push_back({{}, piece.length, 0});
+      for (const Piece& part : hidden) {
+        if (part.start > from)
+          left.push_back(
+              {part_of(piece.points, from, part.start), piece.start + from, part.start - from});
+        from = part.start + part.length;
+      }
+    }
+    return left;
+  }
+
+  // What the paint's strokes cover hides what lies before, if it is of other colours.
+  void cover_by(const Paint& paint, std::size_t index, const Shown* clip) {
+    if (paint.covers_from > index) return;
+    for (const Stroke& stroke : paint.strokes) {
+      if (stroke.edge || stroke.dash >= 0 || !(stroke.width > 30 * hair_)) continue;
+      if (first_area_ > index && first_other_ >= index && stroke.colour == first_colour_) continue;
+      offset_ += stroke.points.size();
+      if (offset_ > kMostCovering) return;
+      Outlines region = math_.stroked(stroke.points, stroke.width, stroke.closed, paint.round);
+      if (clip) region = math_.common(region, clip->region);
+      if (!region.empty())
+        covering_.add({std::move(region), {}, true, paint.covers_from, stroke.colour});
+    }
+  }
+
+  // Leaves out edges and strokes that lie within an area of their own colour.
+  void drop_seams() {
+    std::map<std::uint32_t, Outlines> by_colour;
+    for (std::size_t i = 0; i < paints_.size(); ++i) {
+      Outlines& all = by_colour[paints_[i].area.colour];
+      std::move(shown_[i].begin(), shown_[i].end(), std::back_inserter(all));
+    }
+    std::map<std::uint32_t, RegionIndex> indices;
+    for (const auto& [colour, region] : by_colour) indices.emplace(colour, region);
+    for (Paint& paint : paints_) {
+      std::vector<Stroke> kept;
+      for (const Stroke& stroke : paint.strokes) {
+        const auto found = indices.find(stroke.colour);
+        if (found == indices.end() || found->second.empty() ||
+            !(stroke.edge ? paint.plain : paint.plain_strokes)) {
+          kept.push_back(stroke);
+          continue;
+        }
+        const double side = stroke.edge ? kSeam * hair_ : stroke.width / 2 + kSeam * hair_;
+        const auto is_seen = [&](const Spot& spot) { return !spot.within(found->second); };
+        hidden_ +=
+            length(stroke.points) -
+            keep(stroke, visible_pieces(stroke.points, side, {&found->second}, is_seen), kept);
+      }
+      paint.strokes = std::move(kept);
     }
   }
 
@@ -485,9 +618,15 @@ class Eye {
   const std::vector<Clip>& clips_;
   std::vector<Dash>& dashes_;
   RegionMath math_;
-  double hair_;   // half the width of a border [mm]
-  double touch_;  // longest part of a tangent to an arc that lies in the border [mm]
+  double hair_;      // half the width of a border [mm]
+  double touch_;     // longest part of a tangent to an arc that lies in the border [mm]
+  double crossing_;  // longest part beneath a stroke that merely crosses it [mm]
   Covers covers_;
+  Covers covering_;                                 // by strokes
+  std::vector<Outlines> shown_;                     // of each paint's area, where it is plain
+  std::size_t offset_ = 0, compared_ = 0;           // points of strokes
+  std::size_t first_area_ = -1, first_other_ = -1;  // paints with ink, and with a second colour
+  std::uint32_t first_colour_ = 0;
   std::map<int, Shown> regions_;  // of clips
   mutable double hidden_ = 0;
 };

@@ -5,7 +5,9 @@
 // clip or something white cuts it. Where a later area that is inked hides it, that one's own edge
 // is drawn instead. A line along the border of an area that hides is visible, as half of it is; one
 // along the border of its clip too. Lines on the border are told apart from lines in it by 3e-6 of
-// the drawing's diagonal. Uncut lines and areas are returned as they came. Where a stroke's centre
+// the drawing's diagonal. An edge or stroke within one colour is not seen. A stroke hides what lies
+// beneath its width, but for strokes of its own colour and for what merely crosses it, up to 1/300
+// of the diagonal. Uncut lines and areas are returned as they came. Where a stroke's centre
 // line is hidden and its rim is not (a road's casing), the middle of the rim is drawn.
 #pragma once
 
@@ -23,7 +25,11 @@ struct Paint {
   bool inked = false;                // the area is; else it is white
   bool hides = false;  // the area hides the paints from hides_from on, before this one
   std::size_t hides_from = 0;
-  int clip = -1;  // that cuts it; −1: none
+  bool plain = false, plain_strokes = false;  // the area, the strokes are of one opaque colour
+  bool clears = false;                        // the area hides edges and has none of its own
+  bool round = false;                         // the strokes' caps are
+  std::size_t covers_from = -1;  // the strokes hide the paints from there on, before this one
+  int clip = -1;                 // that cuts it; −1: none
 };
 
 // A clip shows the union of its shapes. A mask is painted with its shapes in order, over black, and

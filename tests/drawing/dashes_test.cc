@@ -78,7 +78,7 @@ TEST(Dashes, PathLengthStretchesThem) {
                {{0, 10}, {20, 30}, {0, 10}, {20, 30}});
   for (const char* outline :
        {"<circle cx='50' cy='50' r='20'", "<rect x='9' y='9' width='30' height='20' rx='4'",
-        "<path d='M9 9 C 60 9 90 20 90 80 z' transform='scale(.5 -1.5)'"}) {
+        "<path d='M9 9 C 60 9 90 20 90 80 z' transform='translate(0 100) scale(.5 -.9)'"}) {
     const auto dashes = drawn(std::string(outline) + " pathLength='8' stroke-dasharray='1'/>");
     EXPECT_EQ(dashes.size(), 4u) << outline;
   }

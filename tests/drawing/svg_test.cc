@@ -15,13 +15,13 @@ using Eigen::Vector2d;
 constexpr double kPx = 25.4 / 96;
 
 // A page whose unit is 1 mm: 200 mm wide and high.
-Artwork on_mm_page(const std::string& body) {
+Artwork on_mm_page(const std::string& body, const SvgSettings& settings = {}) {
   return parse_svg(
       R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
     xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
     width="200mm" height="200mm" viewBox="0 0 200 200">)" +
           body + "</svg>",
-      "test");
+      "test", settings);
 }
 Artwork stroked(const std::string& body) {
   return on_mm_page("<g fill='none' stroke='black'>" + body + "</g>");
@@ -138,8 +138,10 @@ TEST(Svg, NestedTransformsCompose) {
       expected = expected * Eigen::Translation2d(tx, ty) *
                  Eigen::Rotation2Dd(a * std::numbers::pi / 180) * Eigen::Scaling(s);
     }
-    const auto& line = only(stroked(open + "<line x1='3' y1='-4' x2='50' y2='7'/>" + close));
-    expect_points(line, {expected * Vector2d(3, -4), expected * Vector2d(50, 7)}, 2e-4);
+    const Artwork a = on_mm_page(
+        "<g stroke='black'>" + open + "<line x1='3' y1='-4' x2='50' y2='7'/>" + close + "</g>",
+        {.visible = Visible::all});  // some of it is off the page
+    expect_points(only(a), {expected * Vector2d(3, -4), expected * Vector2d(50, 7)}, 2e-4);
   }
 }
 
@@ -168,8 +170,8 @@ TEST(Svg, QuarterMillimetres) {
       parse_svg(xmlns + "width='80Q' height=' 40q ' viewBox='0 0 20 10'>" + body, "a");
   EXPECT_LT((a.page.max() - Vector2d(20, 10)).norm(), 1e-4);
   expect_points(only(a), {{0, 0}, {20, 10}}, 1e-3);
-  expect_points(only(stroked("<line x1='4Q' y1='-.8Q' x2='1e1Q' y2='2'/>")),
-                {{96 / 25.4, -0.2 * 96 / 25.4}, {2.5 * 96 / 25.4, 2}}, 1e-3);
+  expect_points(only(stroked("<line x1='4Q' y1='.8Q' x2='1e1Q' y2='2'/>")),
+                {{96 / 25.4, 0.2 * 96 / 25.4}, {2.5 * 96 / 25.4, 2}}, 1e-3);
   // A path's Q is a curve.
   EXPECT_NEAR(lines::length(only(stroked("<path d='M0 0 Q 5 0 10 0'/>"))), 10, 1e-3);
 }
@@ -222,9 +224,13 @@ TEST(Svg, FillAndStrokeDrawOneOutline) {
     EXPECT_NEAR(lines::length(only(on_mm_page("<path " + d + " " + style + "/>"))),
                 80 + 40 * std::sqrt(2.0), 1e-3);
   }
-  // Filled alone, an open path looks closed; stroked, it stays open.
+  // Filled, an open path looks closed, whether its stroke has the fill's colour or not.
   EXPECT_EQ(only(on_mm_page("<path d='M10 10 H50 V50'/>")).size(), 4u);
-  EXPECT_EQ(only(on_mm_page("<path d='M10 10 H50 V50' stroke='black'/>")).size(), 3u);
+  EXPECT_EQ(only(on_mm_page("<path d='M10 10 H50 V50' stroke='black'/>")).size(), 4u);
+  const Artwork two = on_mm_page("<path d='M10 10 H50 V50' fill='red' stroke='black'/>");
+  ASSERT_EQ(two.strokes.size(), 2u);
+  expect_points(two.strokes[1].points, {{50, 50}, {10, 10}}, 1.3);  // beneath the stroke it ends
+  EXPECT_EQ(two.strokes[1].colour, 0xff0000u);
 }
 
 TEST(Svg, WhatIsNotPaintedIsNotDrawn) {
@@ -370,10 +376,11 @@ TEST(Svg, NothingIsLostInSilence) {
       {"<text><textPath href='#a'>a</textPath></text>",
        40,
        {"1 × <textPath> refers to '#a'" + lacks + "left out"}},
-      {"<pattern id='p' width='3' height='3' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
+      {"<pattern id='p' width='.01' height='.01' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
        "stroke='red'/></pattern><rect width='10' height='10' fill='url(#p)'/>",
        80,
-       {"1 shapes are painted with a pattern: what it holds is left out"}},
+       {"1 shapes are painted with a pattern that is too fine, or on a stroke: what it holds is "
+        "left out"}},
       {box + "><animate attributeName='x' to='5'/><animateTransform/></path>",
        80,
        {"2 × <animate>: animations are left out: drawn as it is without them"}},
@@ -435,7 +442,7 @@ TEST(Svg, AReplacedFontIsNamed) {
   EXPECT_TRUE(a.warnings[0].starts_with("the font 'No Such Font' is not installed: replaced by '"));
 }
 
-TEST(Svg, MarkersAreDrawnAndPatternsAreNot) {
+TEST(Svg, MarkersAndPatternsAreDrawn) {
   const std::string marker =
       "<marker id='m' markerWidth='5' markerHeight='5' overflow='visible'><path d='M0 0 L5 5 "
       "V9'/></marker>";
@@ -448,11 +455,17 @@ TEST(Svg, MarkersAreDrawnAndPatternsAreNot) {
                                  "<path d='M10 10 H50 V50' fill='none' stroke='red' " + use + "/>");
     EXPECT_GE(a.strokes.size(), 2u);
   }
-  EXPECT_NEAR(
-      lines::length(only(on_mm_page(
-          "<pattern id='p' width='3' height='3' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
-          "stroke='red'/></pattern><rect width='30' height='20' fill='url(#p)'/>"))),
-      100, 1e-3);
+  // Tiles of 3 mm, cut by the square: 3 × 2 diagonals whole, two thirds of two more cut off.
+  const Artwork tiles = on_mm_page(
+      "<pattern id='p' width='3' height='3' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
+      "stroke='red'/></pattern><rect width='10' height='6' fill='url(#p)'/>");
+  double length = 0;
+  for (const Stroke& stroke : tiles.strokes) length += lines::length(stroke.points);
+  EXPECT_NEAR(length, (6 * 3 + 2 * 1) * std::sqrt(2.0), 1e-3);
+  // On a rectangle browsers draw no markers.
+  EXPECT_EQ(on_mm_page(marker + "<rect x='9' y='9' width='5' height='5' marker-start='url(#m)'/>")
+                .strokes.size(),
+            1u);
 }
 
 TEST(Svg, TextIsDrawnAsOutlines) {

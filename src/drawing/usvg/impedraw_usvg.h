@@ -24,17 +24,22 @@ struct ImpedrawSvgPath {
   std::uint8_t filled;
   std::uint8_t caps;      // round or square line caps: a subpath without length is a dot
   std::uint8_t even_odd;  // fill rule; else nonzero
-  std::uint8_t hides;     // the fill hides what lies beneath: 1; 2: it is a white stroke's area
+  // The fill hides what lies beneath: 1; 2: it is a white stroke's area; 3: it hides only the edge
+  // of the fill before it, whose gradient is white or clear there.
+  std::uint8_t hides;
   std::uint32_t fill, stroke;  // colours, 0xRRGGBB; a gradient's is the mean of its stops
   double width;                // of the stroke [mm]
-  std::size_t hides_from;  // the first path that it hides: a faint group hides nothing around it
-  std::uint32_t clip;      // ImpedrawSvg::clips, counted from 1, that cuts it; 0: none
-  std::uint32_t shapes;    // the clip that it is a part of, counted from 1; 0: it is painted
-  float value, alpha;      // of a mask's shape: luminance and opacity
-  std::size_t dash_count;  // of ImpedrawSvg::dashes, even; 0: unbroken
-  double dash_offset;      // like the dashes, in the unit before the transform
-  double path_length;      // what the dashes take the path's whole length for; NaN: that length
-  double transform[4];     // rows of the 2 × 2 matrix from that unit to millimetres on the page
+  std::size_t hides_from;   // the first path that it hides: a faint group hides nothing around it
+  std::uint8_t covers;      // the stroke hides what lies beneath its width
+  std::size_t covers_from;  // the first path that it hides
+  std::uint8_t plain;       // in one opaque colour: the fill, 1; the stroke, 2
+  std::uint32_t clip;       // ImpedrawSvg::clips, counted from 1, that cuts it; 0: none
+  std::uint32_t shapes;     // the clip that it is a part of, counted from 1; 0: it is painted
+  float value, alpha;       // of a mask's shape: luminance and opacity
+  std::size_t dash_count;   // of ImpedrawSvg::dashes, even; 0: unbroken
+  double dash_offset;       // like the dashes, in the unit before the transform
+  double path_length;       // what the dashes take the path's whole length for; NaN: that length
+  double transform[4];      // rows of the 2 × 2 matrix from that unit to millimetres on the page
 };
 
 // A clip path shows the union of its shapes. A mask shows where its shapes, painted in order, are

@@ -4,18 +4,22 @@ use crate::{complaints, document, dtd, paints, references};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point};
-use usvg::{fontdb, BlendMode, ClipPath, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
+use usvg::{fontdb, BlendMode, ClipPath, Fill, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
 use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Text, Transform, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
 const OPAQUE: f32 = 0.5; // what is less opaque hides nothing
+const PLAIN: f32 = 0.99; // what is more opaque shows its own colour alone
 
 // Style sheets that no rule of the document overrides. A pen draws no filter, and usvg would drop
 // what has one that is missing or empty.
 const NO_FILTERS: &str = "* { filter: none !important }";
 const NO_CLIPS: &str = "* { clip-path: none !important; mask: none !important }";
 const ALL_SHOWN: &str = "* { display: inline !important }";
+// Browsers put markers on lines alone.
+const NO_MARKERS: &str = "rect, circle, ellipse { marker-start: none !important; marker-mid: none !important; marker-end: none !important }";
+const MOST_TILES: usize = 10_000; // of patterns, in all
 
 #[repr(C)]
 #[derive(Default)]
@@ -31,6 +35,9 @@ pub struct SvgPath {
     stroke: u32,
     width: f64,
     hides_from: usize,
+    covers: u8,
+    covers_from: usize,
+    plain: u8,
     clip: u32,
     shapes: u32,
     value: f32,
@@ -65,7 +72,8 @@ pub struct Outlines {
     filters: usize,
     spared: usize,                  // shapes that a filter would hide, as it is missing or empty
     hidden: usize,                  // shapes that are painted and do not show
-    patterned: usize,               // painted with a pattern
+    patterned: usize,               // painted with a pattern that is left out
+    tiles: usize,                   // of patterns
     unread_masks: usize,            // shapes of masks that are painted with what is not evaluated
     faint: usize,                   // shapes and groups that are partly transparent
     lost_texts: usize,
@@ -186,9 +194,9 @@ impl Outlines {
                 other => other.to_string(),
             })
         };
-        let tree = tree_with(&[NO_FILTERS])?;
+        let tree = tree_with(&[NO_FILTERS, NO_MARKERS])?;
         outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
-        outlines.add_group(tree.root(), None, 0);
+        outlines.add_group(tree.root(), Transform::identity(), None, 0);
         if outlines.too_many {
             return Err(format!("more than {MOST_POINTS} points, all uses counted"));
         }
@@ -198,10 +206,10 @@ impl Outlines {
         // What a part of the document hides shows in the document without that part.
         let has = |words: &[&str]| words.iter().any(|word| given.contains(word));
         if has(&["display", "clip-path", "mask"]) {
-            let shown = tree_with(&[NO_FILTERS, NO_CLIPS, ALL_SHOWN]).map_or(0, |tree| contents(tree.root()).0);
+            let shown = tree_with(&[NO_FILTERS, NO_MARKERS, NO_CLIPS, ALL_SHOWN]).map_or(0, |tree| contents(tree.root()).0);
             outlines.hidden += shown.saturating_sub(drawn);
         }
-        if let (true, Ok(whole)) = (has(&["filter"]), tree_with(&[])) {
+        if let (true, Ok(whole)) = (has(&["filter"]), tree_with(&[NO_MARKERS])) {
             let (shapes, filters) = contents(whole.root());
             outlines.filters = filters;
             outlines.spared = drawn.saturating_sub(shapes);
@@ -219,7 +227,7 @@ impl Outlines {
             self.warnings.push(format!("{} shapes are left out: hidden, or wholly transparent", self.hidden));
         }
         if self.patterned > 0 {
-            self.warnings.push(format!("{} shapes are painted with a pattern: what it holds is left out", self.patterned));
+            self.warnings.push(format!("{} shapes are painted with a pattern that is too fine, or on a stroke: what it holds is left out", self.patterned));
         }
         if self.unread_masks > 0 {
             self.warnings.push(format!("{} shapes of masks hold a pattern or a cone: taken as one even light", self.unread_masks));
@@ -235,31 +243,33 @@ impl Outlines {
         }
     }
 
-    /// layer: the id of the enclosing top-level group; clip: what clips the group, 0 if nothing does.
-    fn add_group<'a>(&mut self, group: &'a Group, layer: Option<&'a str>, clip: u32) {
+    /// around: the transform of the parent; layer: the id of the enclosing top-level group; clip: what
+    /// clips the group, 0 if nothing does.
+    fn add_group<'a>(&mut self, group: &'a Group, around: Transform, layer: Option<&'a str>, clip: u32) {
         if group.opacity().get() == 0.0 {
             self.hidden += contents(group).0;
             return;
         }
         self.faint += (group.opacity().get() < 1.0) as usize;
-        let clip = self.clip_of_group(group, group.abs_transform(), clip);
+        let ts = around.pre_concat(group.transform());
+        let clip = self.clip_of_group(group, ts, clip);
         let opacity = if group.blend_mode() == BlendMode::Normal { group.opacity().get() } else { 0.0 };
         self.groups.push((opacity, self.paths.len()));
         let layer = layer.or(self.marked.layers.contains_key(group.id()).then_some(group.id()));
         for node in group.children() {
             match node {
-                Node::Group(group) => self.add_group(group, layer, clip),
-                Node::Path(path) => self.add_path(path, layer, clip),
-                Node::Text(text) => self.add_text(text, layer, clip),
+                Node::Group(group) => self.add_group(group, ts, layer, clip),
+                Node::Path(path) => self.add_path(path, ts, layer, clip),
+                Node::Text(text) => self.add_text(text, ts, layer, clip),
                 Node::Image(_) => {}
             }
         }
         self.groups.pop();
     }
 
-    fn add_text<'a>(&mut self, text: &'a Text, layer: Option<&'a str>, clip: u32) {
+    fn add_text<'a>(&mut self, text: &'a Text, ts: Transform, layer: Option<&'a str>, clip: u32) {
         let before = self.paths.len();
-        self.add_group(text.flattened(), layer, clip);
+        self.add_group(text.flattened(), ts, layer, clip);
         let shown = text.chunks().iter().any(|chunk| {
             let draws = |span: &usvg::TextSpan| span.is_visible() && (span.fill().is_some() || span.stroke().is_some());
             chunk.text().chars().any(|c| !c.is_whitespace()) && chunk.spans().iter().any(draws)
@@ -392,7 +402,60 @@ impl Outlines {
         index
     }
 
-    fn add_path(&mut self, path: &Path, layer: Option<&str>, clip: u32) {
+    /// Puts the tiles of a pattern into the path's area. False: the area has too many.
+    fn add_tiles(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: Option<&str>, clip: u32) -> bool {
+        let Paint::Pattern(pattern) = fill.paint() else { return false };
+        let (rect, to_shape) = (pattern.rect(), pattern.transform());
+        let Some(area) = to_shape.invert().and_then(|back| path.data().bounds().transform(back)) else { return false };
+        let first = |low: f32, from: f32, size: f32| ((low - from) / size).floor();
+        let (columns, rows) = (
+            first(area.left(), rect.x(), rect.width())..=first(area.right(), rect.x(), rect.width()),
+            first(area.top(), rect.y(), rect.height())..=first(area.bottom(), rect.y(), rect.height()),
+        );
+        let count = (columns.end() - columns.start() + 1.0) * (rows.end() - rows.start() + 1.0);
+        if count.is_nan() || count > (MOST_TILES - self.tiles) as f32 {
+            return false;
+        }
+        self.tiles += count as usize;
+        self.clips.push(SvgClip { parent: clip, mask: 0 });
+        let shape = self.clips.len() as u32;
+        let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
+        self.put(path.data(), ts, SvgPath { shapes: shape, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+        let Some(tile) = usvg::tiny_skia_path::Rect::from_xywh(0.0, 0.0, rect.width(), rect.height()).map(PathBuilder::from_rect) else { return false };
+        self.groups.push((fill.opacity().get(), self.paths.len()));
+        for row in *rows.start() as i32..=*rows.end() as i32 {
+            for column in *columns.start() as i32..=*columns.end() as i32 {
+                let (x, y) = (rect.x() + column as f32 * rect.width(), rect.y() + row as f32 * rect.height());
+                let ts = ts.pre_concat(to_shape).pre_translate(x, y);
+                self.clips.push(SvgClip { parent: shape, mask: 0 });
+                let number = self.clips.len() as u32;
+                self.put(&tile, ts, SvgPath { shapes: number, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+                self.add_group(pattern.root(), ts, layer, number);
+            }
+        }
+        self.groups.pop();
+        true
+    }
+
+    /// A gradient hides its shape's edge where it is as good as white or clear.
+    fn add_clear_bands(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: u32, clip: u32, hides_from: usize) {
+        let unseen = |light: f32, opacity: f32| light > paints::LIGHT || opacity * fill.opacity().get() < 1.0 - paints::LIGHT;
+        let Some((bands, to_shape)) = paints::bands(fill.paint(), path.data().bounds()) else { return };
+        let clear: Vec<_> = bands.into_iter().filter(|band| unseen(band.luminance, band.opacity)).collect();
+        if clear.is_empty() {
+            return;
+        }
+        self.clips.push(SvgClip { parent: clip, mask: 0 });
+        let shape = self.clips.len() as u32;
+        let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
+        self.put(path.data(), ts, SvgPath { shapes: shape, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+        for band in clear {
+            let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: 3, hides_from, ..SvgPath::default() };
+            self.put(&band.area, ts.pre_concat(to_shape), area);
+        }
+    }
+
+    fn add_path(&mut self, path: &Path, ts: Transform, given_layer: Option<&str>, clip: u32) {
         let stroke = path.stroke().filter(|s| s.opacity().get() > 0.0 && paints::shows(s.paint()));
         let fill = path.fill().filter(|f| f.opacity().get() > 0.0 && paints::shows(f.paint()));
         if !path.is_visible() || (stroke.is_none() && fill.is_none()) {
@@ -400,9 +463,13 @@ impl Outlines {
             return;
         }
         let has_pattern = |paint: &Paint| matches!(paint, Paint::Pattern(_));
+        let tiled = fill.is_some_and(|f| has_pattern(f.paint()) && self.add_tiles(path, f, ts, given_layer, clip));
+        let fill = fill.filter(|_| !tiled);
         self.patterned += (fill.is_some_and(|f| has_pattern(f.paint())) || stroke.is_some_and(|s| has_pattern(s.paint()))) as usize;
-        let layer = self.layer_index(layer);
-        let ts = path.abs_transform();
+        if fill.is_none() && stroke.is_none() {
+            return;
+        }
+        let layer = self.layer_index(given_layer);
         let scale = (ts.sx as f64 * ts.sy as f64 - ts.kx as f64 * ts.ky as f64).abs().sqrt();
         let width = stroke.map_or(0.0, |s| MM_PER_PX * scale * s.width().get() as f64);
         let opacities = [stroke.map(|s| s.opacity()), path.fill().map(|f| f.opacity())];
@@ -412,8 +479,15 @@ impl Outlines {
         let limit = stroke.map_or(0, |s| s.miterlimit().get() as usize);
         let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index)).copied();
         let hides_from = fill.and_then(|f| hiding(f.paint(), f.opacity()));
+        let covers_from = stroke.and_then(|s| hiding(s.paint(), s.opacity()));
+        let opaque: f32 = self.groups.iter().map(|(opacity, _)| opacity).product();
+        let is_plain = |paint: &Paint, opacity: Opacity| (matches!(paint, Paint::Color(_)) && opacity.get() * opaque > PLAIN) as u8;
+        let plain = fill.map_or(0, |f| is_plain(f.paint(), f.opacity())) + 2 * stroke.map_or(0, |s| is_plain(s.paint(), s.opacity()));
         let drawn = SvgPath {
             layer,
+            covers: covers_from.is_some() as u8,
+            covers_from: covers_from.unwrap_or(0),
+            plain,
             stroked: stroke.is_some() as u8,
             filled: fill.is_some() as u8,
             caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
@@ -442,8 +516,12 @@ impl Outlines {
         if path.paint_order() == PaintOrder::StrokeAndFill {
             both.reverse();
         }
+        let index = self.paths.len();
         for (data, path) in both {
             self.put(&data, ts, path);
+        }
+        if let Some(fill) = fill.filter(|_| stroke.is_none()) {
+            self.add_clear_bands(path, fill, ts, layer, clip, index);
         }
     }
 

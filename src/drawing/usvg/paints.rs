@@ -4,6 +4,7 @@ use usvg::tiny_skia_path::{Path, PathBuilder, Point, Rect};
 use usvg::{BaseGradient, Color, Paint, SpreadMethod, Stop, Transform};
 
 const WHITE: u32 = 250; // least red, green and blue of white
+pub const LIGHT: f32 = 0.965; // what is lighter is as good as white
 const MOST_PERIODS: f32 = 64.0; // of a gradient that repeats
 const FINEST: f32 = 1.0 / 16.0; // change of light or opacity within a band
 const BEND: usize = 64; // parts of a ramp in which a threshold is looked for

@@ -1,0 +1,43 @@
+// drawn_strokes FILE…: what read_svg() and dashed() draw of each, a line of JSON a file.
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+#include "impedraw/drawing/dashes.h"
+#include "impedraw/drawing/svg.h"
+
+namespace {
+
+void print(const char* file) {
+  const impedraw::Artwork artwork = impedraw::read_svg(file, {.may_be_empty = true});
+  const Eigen::Vector2d page = artwork.page.sizes();
+  fmt::print("{{\"page\":[{:.9g},{:.9g}],\"strokes\":[", page.x(), page.y());
+  const char* between = "";
+  for (const impedraw::Stroke& stroke : impedraw::dashed(artwork.strokes, artwork.dashes)) {
+    fmt::print("{}{{\"edge\":{},\"colour\":{},\"width\":{:.6g},\"points\":[", between, stroke.edge,
+               stroke.colour, stroke.edge ? 0.0 : stroke.width);
+    between = "";
+    for (const Eigen::Vector2d& p : stroke.points) {
+      fmt::print("{}[{:.9g},{:.9g}]", between, p.x(), p.y());
+      between = ",";
+    }
+    fmt::print("]}}");
+    between = ",";
+  }
+  fmt::print("]}}\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    try {
+      print(argv[i]);
+    } catch (const impedraw::InputError& error) {
+      std::fprintf(stderr, "%s\n", error.what());
+      std::puts("null");
+    }
+    std::fflush(stdout);
+  }
+}
