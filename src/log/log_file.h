@@ -62,6 +62,11 @@ class LogFile {
   void create_datasets(Table& table, const RunLogHeader& header);
   Table& at(LogTable table) { return tables_[static_cast<std::size_t>(table)]; }
   double write_static(const RunLogHeader& header);  // returns the log_id
+  void write_fixed(const char* name, hid_t type, const void* data, std::size_t n, int width,
+                   const char* unit, const char* frame, const char* description);
+  void write_chunk(hid_t dataset, const char* name, std::size_t chunk, std::size_t chunk_rows,
+                   std::size_t row_bytes, std::size_t size, const std::byte* data,
+                   std::size_t rows);
   std::size_t deflate_planes(std::size_t values, std::size_t size);
 
   struct Deflater;

@@ -42,11 +42,12 @@ std::string commit();  // page_json.h, which brings nlohmann's names
 namespace {
 
 std::string deflated(const std::string& bytes) {
+  constexpr int kLevel = 4;  // 6 takes twice as long, and makes the data 3 % smaller
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string out(size, '\0');
   if (compress2(reinterpret_cast<Bytef*>(out.data()), &size,
                 reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
-                6) != Z_OK)
+                kLevel) != Z_OK)
     throw std::runtime_error("the page's data cannot be compressed: no memory");
   out.resize(size);
   return out;

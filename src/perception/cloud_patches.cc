@@ -81,6 +81,15 @@ Patch CloudPatches::gathered(const Vector3d& p, int k,
   return patch;
 }
 
+Patch CloudPatches::nearest(const Vector3d& p, int k, RecentNeighbours* recent) const noexcept {
+  Patch patch;
+  patch.k = k;
+  patch.n =
+      recent->nearest(tree_, cloud_.points, p, k, settings_.max_radius, patch.index, patch.squared);
+  if (patch.n > 0) patch.closest = patch.index[0];
+  return patch;
+}
+
 bool CloudPatches::about(const Vector3d& p, const Patch& patch,
                          Neighbourhood* around) const noexcept {
   if (patch.n < patch.k || !(patch.squared[patch.k - 1] > 0.0)) return false;

@@ -11,6 +11,7 @@
 #include "impedraw/perception/local_surface.h"
 #include "impedraw/perception/neighbours.h"
 #include "impedraw/perception/normals.h"
+#include "impedraw/perception/recent_neighbours.h"
 
 namespace impedraw {
 
@@ -46,6 +47,8 @@ class CloudPatches {
   // The same points in any order but for the last, and faster. `reach2`: Patch::reach2() at each
   // point of the cloud.
   Patch gathered(const Eigen::Vector3d& p, int k, const std::vector<double>& reach2) const noexcept;
+  // The same points, the nearest first, found among those of the caller's last queries.
+  Patch nearest(const Eigen::Vector3d& p, int k, RecentNeighbours* recent) const noexcept;
 
   // The patch's points relative to p, with their weights. False: they are too few.
   bool about(const Eigen::Vector3d& p, const Patch& patch, Neighbourhood* around) const noexcept;

@@ -36,7 +36,7 @@ std::unique_ptr<const DetailLevels> DetailLevels::of(const CloudPatches& widest,
           {std::make_shared<const CloudPatches>(std::move(cloud), s), s.k, {}});
   if (!levels->any()) return nullptr;
   levels->finest_ = levels->finer_.back().patches;
-  levels->finest_cubes_.reserve(levels->finest_->cloud().points.size());
+  levels->finest_cubes_ = CubeSet(levels->finest_->cloud().points.size());
   for (const Vector3d& p : levels->finest_->cloud().points)
     levels->finest_cubes_.insert(cube_of(p, kCube));
   const int fewest = std::max(kFewest, static_cast<int>(kFinestShare * s.k));
@@ -73,9 +73,16 @@ void DetailLevels::choose_levels() {
   for (Level& level : finer_) {
     const std::vector<Vector3d>& points = level.patches->cloud().points;
     level.reach2.resize(points.size());
+    // Elsewhere the level is not asked.
+    const double most = widest_.settings().max_radius;
     in_halves(static_cast<int>(points.size()), [&](int begin, int end) {
-      for (int i = begin; i < end; ++i)
-        level.reach2[i] = level.patches->nearest(points[i], level.k).reach2(widest_.settings());
+      for (int i = begin; i < end; ++i) {
+        const Patch near = widest_.nearest(points[i], kBlended);
+        level.reach2[i] =
+            std::any_of(near.index, near.index + near.n, [this](int j) { return used_near(j); })
+                ? level.patches->nearest(points[i], level.k).reach2(widest_.settings())
+                : most * most;
+      }
     });
   }
 }
@@ -170,8 +177,9 @@ float DetailLevels::choose_level(int i, Residuals* residuals) {
 }
 
 // The mean of the levels of p's neighbours; negative: it has too few.
-double DetailLevels::level_at(const Vector3d& p) const noexcept {
-  const Patch near = widest_.nearest(p, kBlended + 1);
+double DetailLevels::level_at(const Vector3d& p, RecentSurface* recent) const noexcept {
+  const Patch near =
+      recent ? widest_.nearest(p, kBlended + 1, &recent->widest) : widest_.nearest(p, kBlended + 1);
   if (near.n <= kBlended || !(near.squared[kBlended] > 0.0)) return -1.0;
   double sum = 0.0, at = 0.0;
   for (int i = 0; i < kBlended; ++i) {
@@ -187,26 +195,32 @@ double DetailLevels::finer_share(const Vector3d& p) const noexcept {
 }
 
 SurfaceEstimate DetailLevels::refined(const Vector3d& p, int closest, const SurfaceEstimate& coarse,
-                                      double max_one_sidedness) const noexcept {
+                                      double max_one_sidedness,
+                                      RecentSurface* recent) const noexcept {
   if (closest < 0 || !used_near(closest)) return coarse;
-  const double at = level_at(p);
+  const double at = level_at(p, recent);
   if (at < 0.0) return coarse;
   const int below = std::min(static_cast<int>(at), static_cast<int>(finer_.size()));
   const double share = at - below;
-  const SurfaceEstimate low = below == 0 ? coarse : at_level(below - 1, p, max_one_sidedness);
+  const SurfaceEstimate low =
+      below == 0 ? coarse : at_level(below - 1, p, max_one_sidedness, recent);
   if (low.status != SurfaceStatus::ok) return coarse;
   if (share < 1e-3 || below == static_cast<int>(finer_.size())) return low;
-  const SurfaceEstimate high = at_level(below, p, max_one_sidedness);
+  const SurfaceEstimate high = at_level(below, p, max_one_sidedness, recent);
   if (high.status != SurfaceStatus::ok) return low;
   return {SurfaceStatus::ok, ((1.0 - share) * low.n_W + share * high.n_W).normalized(),
           (1.0 - share) * low.distance + share * high.distance};
 }
 
-SurfaceEstimate DetailLevels::at_level(int l, const Vector3d& p,
-                                       double max_one_sidedness) const noexcept {
-  const Level& level = finer_[static_cast<std::size_t>(l)];
+SurfaceEstimate DetailLevels::at_level(int l, const Vector3d& p, double max_one_sidedness,
+                                       RecentSurface* recent) const noexcept {
+  const auto number = static_cast<std::size_t>(l);
+  const Level& level = finer_[number];
+  const CloudPatches& patches = *level.patches;
   const LocalSurface surface =
-      level.patches->fit(p, level.patches->gathered(p, level.k, level.reach2));
+      patches.fit(p, recent && number < recent->finer.size()
+                         ? patches.nearest(p, level.k, &recent->finer[number])
+                         : patches.gathered(p, level.k, level.reach2));
   const SurfaceStatus status = status_of(surface, max_one_sidedness);
   if (status != SurfaceStatus::ok) return {.status = status};
   return {status, surface.n, surface.distance};

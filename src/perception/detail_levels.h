@@ -8,25 +8,15 @@
 // estimates are blended.
 #pragma once
 
-#include <cmath>
-#include <cstdint>
 #include <memory>
-#include <unordered_set>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "impedraw/perception/cloud_patches.h"
+#include "impedraw/perception/cube_set.h"
 
 namespace impedraw {
-
-// The number of the cube of `side` [m] that p lies in; they repeat after 2²¹ cubes.
-inline std::uint64_t cube_of(const Eigen::Vector3d& p, double side) noexcept {
-  std::uint64_t number = 0;
-  for (int k = 0; k < 3; ++k)
-    number = number << 21 | (static_cast<std::uint64_t>(std::llround(p[k] / side)) & 0x1fffff);
-  return number;
-}
 
 class DetailLevels {
  public:
@@ -36,7 +26,7 @@ class DetailLevels {
   // Blends the two levels' estimates next to that of p. `coarse`, the widest patches' estimate,
   // where those serve. `closest`: the point of the widest cloud nearest to p, or −1.
   SurfaceEstimate refined(const Eigen::Vector3d& p, int closest, const SurfaceEstimate& coarse,
-                          double max_one_sidedness) const noexcept;
+                          double max_one_sidedness, RecentSurface* recent = nullptr) const noexcept;
   // Share of a finer level at p, 0 to 1.
   double finer_share(const Eigen::Vector3d& p) const noexcept;
 
@@ -78,14 +68,14 @@ class DetailLevels {
   float choose_level(int i, Residuals* residuals);
   void spread(const std::vector<float>& best);
   void find_steps(const std::vector<Residuals>& residuals);
-  double level_at(const Eigen::Vector3d& p) const noexcept;
-  SurfaceEstimate at_level(int l, const Eigen::Vector3d& p,
-                           double max_one_sidedness) const noexcept;
+  double level_at(const Eigen::Vector3d& p, RecentSurface* recent = nullptr) const noexcept;
+  SurfaceEstimate at_level(int l, const Eigen::Vector3d& p, double max_one_sidedness,
+                           RecentSurface* recent) const noexcept;
 
   const CloudPatches& widest_;
   std::vector<Level> finer_;  // empty where no place needs one
   std::shared_ptr<const CloudPatches> finest_;
-  std::unordered_set<std::uint64_t> finest_cubes_;
+  CubeSet finest_cubes_;
   // For each point of the widest cloud: the level to use, 0 for that cloud itself, and the greatest
   // nearby.
   std::vector<float> level_, level_nearby_;

@@ -33,7 +33,7 @@ void SurfaceEstimator::fit_every_point() {
   const int n = patches_->size();
   std::vector<Vector3d> normals(n, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   reach2_.resize(n);
-  if (s.mode == NormalMode::interpolated) known_.resize(n);
+  known_.resize(n);
   in_halves(n, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const Vector3d& p = patches_->cloud().points[i];
@@ -41,7 +41,7 @@ void SurfaceEstimator::fit_every_point() {
       patch.closest = i;
       reach2_[i] = patch.reach2(s);
       const LocalSurface surface = patches_->fit(p, patch);
-      if (!known_.empty()) known_[i] = {surface, p - surface.distance * surface.n};
+      known_[i] = {surface, p - surface.distance * surface.n};
       if (status_of(surface, s.max_one_sidedness) == SurfaceStatus::ok) normals[i] = surface.n;
     }
   });
@@ -49,15 +49,21 @@ void SurfaceEstimator::fit_every_point() {
 }
 
 SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p) const noexcept {
+  return estimate(p, nullptr);
+}
+
+SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p,
+                                           RecentSurface* recent) const noexcept {
   if (!p.allFinite()) return {.status = SurfaceStatus::too_few};
   const NormalSettings& s = patches_->settings();
   if (s.mode == NormalMode::interpolated) return interpolated(p, s.max_one_sidedness);
-  const Patch patch = patches_->gathered(p, s.k, reach2_);
+  const Patch patch =
+      recent ? patches_->nearest(p, s.k, &recent->widest) : patches_->gathered(p, s.k, reach2_);
   const LocalSurface surface = patches_->fit(p, patch);
   const SurfaceStatus status = status_of(surface, s.max_one_sidedness);
   if (status != SurfaceStatus::ok) return {.status = status};
   const SurfaceEstimate coarse{status, surface.n, surface.distance};
-  return levels_ ? levels_->refined(p, patch.closest, coarse, s.max_one_sidedness) : coarse;
+  return levels_ ? levels_->refined(p, patch.closest, coarse, s.max_one_sidedness, recent) : coarse;
 }
 
 // Each neighbour i has a surface point f_i, its normal n_i and the derivative bend_i. It predicts

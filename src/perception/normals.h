@@ -16,6 +16,7 @@ namespace impedraw {
 
 class CloudPatches;
 class DetailLevels;
+struct RecentSurface;
 
 enum class NormalMode {
   fresh,  // as in the paper: new neighbours, covariance and eigenvector for each query
@@ -101,6 +102,9 @@ class SurfaceEstimator {
   SurfaceEstimator& operator=(SurfaceEstimator&&) noexcept;
 
   SurfaceEstimate estimate(const Eigen::Vector3d& p_W) const noexcept;
+  // recent: what the caller keeps of this estimator's last queries; where those were near, as
+  // under a moving tip, the query is cheaper. Null: nothing.
+  SurfaceEstimate estimate(const Eigen::Vector3d& p_W, RecentSurface* recent) const noexcept;
 
   // Degree to which the surface near p_W is too rough for the cloud itself: 0, where it serves, to
   // 1, where a finer cloud does.
@@ -123,8 +127,8 @@ class SurfaceEstimator {
   SurfaceEstimate interpolated(const Eigen::Vector3d& p, double max_one_sidedness) const noexcept;
 
   std::unique_ptr<CloudPatches> patches_;
-  std::vector<double> reach2_;  // Patch::reach2() at each point of the cloud
-  std::vector<Known> known_;    // in NormalMode::interpolated: at each point of the cloud
+  std::vector<double> reach2_;                  // Patch::reach2() at each point of the cloud
+  std::vector<Known> known_;                    // at each point of the cloud
   std::unique_ptr<const DetailLevels> levels_;  // null: there are no finer clouds
 };
 

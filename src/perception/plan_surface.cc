@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unordered_set>
 #include <utility>
 
 #include "impedraw/common/in_parallel.h"
@@ -43,6 +42,11 @@ constexpr int kSheetFits = 5;
 
 // The squared spacing of n points evenly within a squared radius.
 double spacing2(double radius2, int n) { return std::numbers::pi * radius2 / n; }
+
+bool over_two_sheets(const LocalSurface& surface, const DetailLevels* levels) noexcept {
+  return levels && surface.is_surface &&
+         surface.residual > std::max(kTwoSheets, kOfNoise * levels->noise());
+}
 
 }  // namespace
 
@@ -101,9 +105,7 @@ LocalSurface PlanSurface::fit(const Vector3d& p, const Patch& patch) const noexc
   if (!patches_.about(p, patch, &around)) return {};
   const Vector3d towards = patches_.towards_eye(patch);
   LocalSurface surface = fit_surface(around, patches_.settings().fit, towards);
-  if (levels_ && surface.is_surface &&
-      surface.residual > std::max(kTwoSheets, kOfNoise * levels_->noise()))
-    fit_one_sheet(towards, &around, &surface);
+  if (over_two_sheets(surface, levels_)) fit_one_sheet(towards, &around, &surface);
   return surface;
 }
 
@@ -132,12 +134,14 @@ void PlanSurface::fit_one_sheet(const Vector3d& towards, Neighbourhood* around,
 
 void PlanSurface::find_holes() {
   // In the tangent plane at point i, but for cubes that were looked into.
-  const auto look_about = [&](int i, std::unordered_set<std::uint64_t>* looked,
-                              std::vector<Vector3d>* found) {
+  const auto look_about = [&](int i, CubeSet* looked, std::vector<Vector3d>* found) {
     const Vector3d& p = cloud().points[i];
-    Patch patch = patches_.nearest(p, patches_.settings().k);
-    patch.closest = i;
-    const LocalSurface surface = fit(p, patch);
+    LocalSurface surface = seen_->known_[i].surface;
+    if (over_two_sheets(surface, levels_)) {
+      Patch patch = patches_.nearest(p, patches_.settings().k);
+      patch.closest = i;
+      surface = fit(p, patch);
+    }
     if (!surface.is_surface) return;
     const Vector3d foot = p - surface.distance * surface.n;
     constexpr int kSteps = static_cast<int>(kHoleReach / kHoleStep);
@@ -146,14 +150,12 @@ void PlanSurface::find_holes() {
       for (int v = -kSteps; v <= kSteps; ++v) {
         if (u * u + v * v > kSteps * kSteps) continue;
         const Vector3d place = foot + u * a + v * b;
-        if (looked->insert(cube_of(place, kHoleStep)).second && is_hole(place))
-          found->push_back(place);
+        if (looked->insert(cube_of(place, kHoleStep)) && is_hole(place)) found->push_back(place);
       }
   };
   std::vector<Vector3d> more;
   in_halves(patches_.size(), [&](int begin, int end) {
-    std::unordered_set<std::uint64_t> looked;
-    looked.reserve(64 * static_cast<std::size_t>(end - begin));
+    CubeSet looked(16 * static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) look_about(i, &looked, begin == 0 ? &holes_ : &more);
   });
   holes_.insert(holes_.end(), more.begin(), more.end());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "impedraw/perception/recent_neighbours.h"
+
 namespace impedraw {
 
 namespace {
@@ -54,9 +56,9 @@ std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver, c
 SurfaceSource surface_source(const Experiment& e, Disturbances disturbances,
                              const GrowingSurface* growing) {
   if (!e.belief.perception) return {};
-  return [&cloud = *e.belief.perception, growing, disturbances = std::move(disturbances)](
-             const Eigen::Vector3d& p_W, double time) {
-    SurfaceEstimate surface = growing ? growing->estimate(p_W) : cloud.estimate(p_W);
+  return [&cloud = *e.belief.perception, growing, disturbances = std::move(disturbances),
+          recent = RecentSurface()](const Eigen::Vector3d& p_W, double time) mutable {
+    SurfaceEstimate surface = growing ? growing->estimate(p_W) : cloud.estimate(p_W, &recent);
     if (disturbances.fault(FaultKind::no_cloud, time)) surface.status = SurfaceStatus::too_few;
     return surface;
   };

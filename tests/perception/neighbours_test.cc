@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <unordered_set>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "impedraw/perception/cube_set.h"
+#include "impedraw/perception/recent_neighbours.h"
 
 namespace impedraw {
 namespace {
@@ -94,6 +98,52 @@ TEST(Neighbours, GuessOfAnySizeGivesTheSamePoints) {
       EXPECT_TRUE(std::equal(squared, squared + 40, right));
     }
   }
+}
+
+// Along a path that now and then jumps, over a grid, too, where many points are equally far.
+TEST(RecentNeighbours, AreThoseOfTheTree) {
+  std::vector<Vector3d> grid;
+  for (int i = 0; i < 1600; ++i) grid.emplace_back(0.005 * (i % 40), 0.005 * (i / 40), 0.0);
+  for (const std::vector<Vector3d>& points : {grid, sheet(1, 3000), sheet(2, 300)}) {
+    const NeighbourTree tree(points);
+    RecentNeighbours recent;
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    Vector3d p(0.1, 0.05, 0.0);
+    int index[kMostNeighbours], expected_index[kMostNeighbours];
+    double squared[kMostNeighbours], expected[kMostNeighbours];
+    for (int q = 0; q < 3000; ++q) {
+      const double step = q % 50 == 0 ? 0.05 : q % 7 == 0 ? 0.004 : 2e-4;
+      p += step *
+           Vector3d(uniform(random) - 0.4, uniform(random) - 0.5, 0.2 * uniform(random) - 0.1);
+      if (p.head<2>().norm() > 0.4) p = Vector3d(0.1, 0.05, 0.0);
+      const int k = std::vector<int>{60, 13, 60, kMostNeighbours, 1}[q / 20 % 5];
+      const double max_radius = q / 100 % 3 == 0 ? 0.01 : 0.06;
+      const int n = tree.nearest(p, k, max_radius, expected_index, expected);
+      ASSERT_EQ(recent.nearest(tree, points, p, k, max_radius, index, squared), n) << q;
+      for (int i = 0; i < n; ++i) {
+        ASSERT_EQ(squared[i], expected[i]) << q;
+        ASSERT_EQ((points[index[i]] - p).squaredNorm(), squared[i]) << q;
+      }
+    }
+  }
+}
+
+TEST(CubeSet, HasWhatWasPutIn) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  CubeSet set;
+  std::unordered_set<std::uint64_t> expected;
+  for (int i = 0; i < 20000; ++i) {
+    const Vector3d p(0.05 * uniform(random), 0.05 * uniform(random), 0.002 * uniform(random));
+    const std::uint64_t cube = cube_of(p, 1e-3);
+    EXPECT_EQ(set.insert(cube), expected.insert(cube).second);
+    const std::uint64_t other = cube_of(2.0 * p, 1e-3);
+    EXPECT_EQ(set.contains(other), expected.contains(other));
+  }
+  // Middles of cubes are multiples of the side, below zero, too.
+  EXPECT_EQ(cube_of({-4.9e-4, 4.9e-4, -1e-3}, 1e-3), cube_of({4.9e-4, -4.9e-4, -1.4e-3}, 1e-3));
+  EXPECT_NE(cube_of({-5.1e-4, 0, 0}, 1e-3), cube_of({0, 0, 0}, 1e-3));
 }
 
 TEST(Neighbours, TreeOrderIsAPermutation) {

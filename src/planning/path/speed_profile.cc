@@ -89,6 +89,7 @@ SpeedProfile::SpeedProfile(std::vector<SpeedSpan> spans, double smoothing_time)
     add(pass.cruise, pass.peak, 0);
     add(pass.down, pass.peak, -spans[i].acceleration);
   }
+  pieces_.shrink_to_fit();  // a drawing has many profiles
 }
 
 void SpeedProfile::add(double duration, double speed, double acceleration) {

@@ -43,6 +43,8 @@ class Planner {
 
   TipPath plan(const std::vector<FittedStroke>& strokes) {
     safe_z_ = s_.highest_z.value_or(highest(strokes)) + s_.safe_height;
+    constexpr std::size_t kLegs = 9;  // of a stroke, mostly
+    legs_.reserve(kLegs * strokes.size() + 1);
     hold(s_.start_hold, Phase::travel, -1, false);
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
