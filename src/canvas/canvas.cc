@@ -103,30 +103,82 @@ bool on_crease(const MeshTopology& topology, const MeshTopology::Face& face, Fea
 
 constexpr double kOnEdge = 1e-7;  // nearer points are on the edge itself [m]
 
-struct Nearest {
-  const MeshTopology* topology;
-  Vector3d p;
-  double slack;  // largest error of a distance in single precision [m]
-  double squared;
+struct Place {
+  double squared;  // of the distance [m²]
   int triangle = -1;
   OnTriangle at;
 };
 
+constexpr double kAlike = 1e-9;  // between the points of one place on two triangles [m]
+
+bool alike(const Vector3d& a, const Vector3d& b) { return (a - b).squaredNorm() < kAlike * kAlike; }
+
+// No triangle that shares the place with this one has a nearer point.
+bool is_local_minimum(const MeshTopology& topology, const Vector3d& p, const Place& place) {
+  const Feature feature = place.at.feature;
+  if (feature == kInside) return true;
+  const bool corner = feature <= kCorner2;
+  const MeshTopology::Face& own = topology.faces[place.triangle];
+  // Across the side, or round the corner either way: to the boundary, or once about.
+  for (const int side : {corner ? int(feature) : feature - kSide0, (feature + 2) % 3}) {
+    int from = place.triangle, next = own.neighbour[side];
+    for (int i = 0; i < 100 && next >= 0 && next != place.triangle; ++i) {
+      const MeshTopology::Face& face = topology.faces[next];
+      const Vector3d q = closest_on_triangle(face.corner, p).p;
+      const bool nearer = (q - p).squaredNorm() < place.squared && !alike(q, place.at.p);
+      if (nearer && !face.normal.isZero(0.0)) return false;
+      if (!corner) return true;
+      int onwards = -1;
+      for (int k = 0; k < 3; ++k)
+        if (face.neighbour[k] != from && (face.vertex[k] == own.vertex[feature] ||
+                                          face.vertex[(k + 1) % 3] == own.vertex[feature]))
+          onwards = face.neighbour[k];
+      from = next;
+      next = onwards;
+    }
+    if (!corner) return true;
+  }
+  return true;
+}
+
+struct Nearest {
+  const MeshTopology* topology;
+  Vector3d p;
+  double slack;  // largest error of a distance in single precision [m]
+  Place best;
+  double reach = 0.0;       // within which every local minimum is kept [m]
+  std::span<Place> minima;  // nearest first
+  int kept = 0;
+
+  void keep(const Place& place) {
+    const bool full = kept == static_cast<int>(minima.size());
+    if (full && minima.back().squared <= place.squared) return;
+    for (const Place& known : minima.first(kept))
+      if (alike(known.at.p, place.at.p)) return;
+    if (!is_local_minimum(*topology, p, place)) return;
+    int i = full ? kept - 1 : kept++;
+    for (; i > 0 && place.squared < minima[i - 1].squared; --i) minima[i] = minima[i - 1];
+    minima[i] = place;
+  }
+};
+
 bool visit_triangle(RTCPointQueryFunctionArguments* args) {
   Nearest& nearest = *static_cast<Nearest*>(args->userPtr);
+  Place& best = nearest.best;
   const int triangle = static_cast<int>(args->primID);
   const auto& face = nearest.topology->faces[triangle];
   if (face.normal.isZero(0.0)) return false;
   const OnTriangle at = closest_on_triangle(face.corner, nearest.p);
   const double squared = (at.p - nearest.p).squaredNorm();
-  if (squared > nearest.squared ||
-      (squared == nearest.squared && nearest.triangle >= 0 && triangle > nearest.triangle))
+  if (squared < nearest.reach * nearest.reach) nearest.keep({squared, triangle, at});
+  if (squared > best.squared ||
+      (squared == best.squared && best.triangle >= 0 && triangle > best.triangle))
     return false;
-  const bool nearer = squared < nearest.squared;
-  nearest.squared = squared;
-  nearest.triangle = triangle;
-  nearest.at = at;
-  if (nearer) args->query->radius = static_cast<float>(std::sqrt(squared) + nearest.slack);
+  const bool nearer = squared < best.squared;
+  best = {squared, triangle, at};
+  if (nearer)
+    args->query->radius =
+        static_cast<float>(std::max(std::sqrt(squared), nearest.reach) + nearest.slack);
   return nearer;
 }
 
@@ -177,34 +229,60 @@ struct Canvas::Search {
     if (device) rtcReleaseDevice(device);
   }
 
-  SurfacePoint closest(const Vector3d& p, double max_distance) const {
-    SurfacePoint result{p, Vector3d::UnitZ(), std::numeric_limits<double>::quiet_NaN(), -1, false};
-    if (!p.allFinite() || !(max_distance >= 0.0)) return result;
+  bool search(const Vector3d& p, double max_distance, Nearest* nearest) const {
+    if (!p.allFinite() || !(max_distance >= 0.0)) return false;
     const Vector3d p_O = p - origin;
-    Nearest nearest{&topology, p, 1e-6 * (extent + p_O.norm()), max_distance * max_distance,
-                    -1,        {}};
+    nearest->topology = &topology;
+    nearest->p = p;
+    nearest->slack = 1e-6 * (extent + p_O.norm());
+    nearest->best.squared = max_distance * max_distance;
     const Eigen::Vector3f q = p_O.cast<float>();
     RTCPointQuery query{};
     query.x = q.x();
     query.y = q.y();
     query.z = q.z();
-    query.radius = static_cast<float>(max_distance + nearest.slack);
+    query.radius = static_cast<float>(std::max(max_distance, nearest->reach) + nearest->slack);
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene, &query, &context, visit_triangle, &nearest);
-    if (nearest.triangle < 0) return result;
-    const auto& face = topology.faces[nearest.triangle];
-    result.p_W = nearest.at.p;
-    result.n_W = smooth_normal(topology, face, nearest.at.weight);
-    result.distance =
-        std::copysign(std::sqrt(nearest.squared),
-                      (p - nearest.at.p).dot(side_normal(topology, face, nearest.at.feature)));
-    result.triangle = nearest.triangle;
-    result.on_edge = on_boundary(topology, face, nearest.at.feature);
+    rtcPointQuery(scene, &query, &context, visit_triangle, nearest);
+    return nearest->best.triangle >= 0;
+  }
+
+  SurfacePoint surface_point(const Vector3d& p, const Place& place) const {
+    const auto& face = topology.faces[place.triangle];
+    const OnTriangle& at = place.at;
+    SurfacePoint result;
+    result.p_W = at.p;
+    result.n_W = smooth_normal(topology, face, at.weight);
+    result.distance = std::copysign(std::sqrt(place.squared),
+                                    (p - at.p).dot(side_normal(topology, face, at.feature)));
+    result.triangle = place.triangle;
+    result.on_edge = on_boundary(topology, face, at.feature);
     // Over a sharp edge the surface's normal is any between those of its faces: that towards p.
-    if (on_crease(topology, face, nearest.at.feature) && nearest.squared > kOnEdge * kOnEdge)
-      result.n_W = (p - nearest.at.p) / result.distance;
+    if (on_crease(topology, face, at.feature) && place.squared > kOnEdge * kOnEdge)
+      result.n_W = (p - at.p) / result.distance;
     return result;
+  }
+
+  SurfacePoint closest(const Vector3d& p, double max_distance) const {
+    Nearest nearest;
+    if (search(p, max_distance, &nearest)) return surface_point(p, nearest.best);
+    return {p, Vector3d::UnitZ(), std::numeric_limits<double>::quiet_NaN(), -1, false};
+  }
+
+  int closest_places(const Vector3d& p, double reach, double max_distance,
+                     std::span<SurfacePoint> found) const {
+    std::array<Place, 16> minima;
+    Nearest nearest;
+    nearest.reach = reach;
+    nearest.minima = minima;
+    if (found.empty() || !search(p, max_distance, &nearest)) return 0;
+    found[0] = surface_point(p, nearest.best);
+    std::size_t n = 1;
+    for (const Place& place : std::span(minima).first(nearest.kept))
+      if (n < found.size() && !alike(place.at.p, nearest.best.at.p))
+        found[n++] = surface_point(p, place);
+    return static_cast<int>(n);
   }
 
   // Intersects the plane of the hit triangle in double precision. A ray within that plane keeps
@@ -291,6 +369,11 @@ std::optional<SurfacePoint> Canvas::closest(const Vector3d& p_W,
   const SurfacePoint point = search_->closest(p_W, max_distance);
   if (point.triangle < 0) return std::nullopt;
   return point;
+}
+
+int Canvas::closest_places(const Vector3d& p_W, double reach, double max_distance,
+                           std::span<SurfacePoint> found) const noexcept {
+  return search_->closest_places(p_W, reach, max_distance, found);
 }
 
 std::optional<RayHit> Canvas::ray(const Vector3d& origin_W,

@@ -53,6 +53,13 @@ class Canvas {
   std::optional<SurfacePoint> closest(const Eigen::Vector3d& p_W,
                                       double max_distance) const noexcept;
 
+  // The same point, and after it every other place within `reach` of p at which the distance from p
+  // has a local minimum, nearest first. Two faces that meet at a concave edge have one each.
+  // Returns how many `found` holds: the nearest ones, if there are more than it has room for; 0 if
+  // the canvas is further away than max_distance [m].
+  int closest_places(const Eigen::Vector3d& p_W, double reach, double max_distance,
+                     std::span<SurfacePoint> found) const noexcept;
+
   // The direction need not have unit length.
   std::optional<RayHit> ray(const Eigen::Vector3d& origin_W,
                             const Eigen::Vector3d& direction_W) const noexcept;

@@ -164,7 +164,7 @@ void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept 
   truth_.disturbance_force = push;
   truth_.cutoffs = world_.cutoffs();
   tip_wrench_ << contact.f_W + push, (contact.p_WC - p_WE).cross(contact.f_W);
-  if (scenario_.tool.kind == ToolKind::pad) tip_wrench_.tail<3>() += contact.m_W;
+  if (!contact.m_W.isZero(0.0)) tip_wrench_.tail<3>() += contact.m_W;
 }
 
 // Accelerations are central differences.

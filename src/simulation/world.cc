@@ -1,8 +1,10 @@
 #include "impedraw/simulation/world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -51,10 +53,23 @@ struct World::Mujoco {
   std::optional<FlangeBalance> flange;
   CarriedMomentum carried;  // at the present state, if flange_sensor is set
 
+  // A place that the tip touches; C: frame at it, normal along z.
+  struct Touch {
+    Eigen::Vector3d p_WC;
+    Eigen::Matrix3d R_WC;
+    RowMatrix3X J_W, J_C;
+    Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
+    TipMaterial tip;  // its share of it
+    TipContactStep step;
+    Eigen::Vector3d canvas_velocity;  // in C [m/s]
+    Eigen::Vector3d impulse;          // in C [N s]
+    bool converged;
+  };
+
   // Workspace of the solver, so that a step allocates nothing.
-  RowMatrix3X J_tip;
+  std::array<Touch, TipTouches::kMost> touches;
+  int touched = 0;
   RowMatrix6X J_push;
-  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
   ImpulseColumns M_inverse;
   JointVector damping, dry_friction;  // of each joint [Nm s/rad], [Nm]
   JointVector v, joint_impulse,
@@ -114,9 +129,12 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
                                  kMaxJoints));
   mujoco_->damping = arm.damping;
   mujoco_->dry_friction = arm.friction.array() + settings.joint_friction;
-  mujoco_->J_tip.setZero(3, n);
+  for (Mujoco::Touch& touch : mujoco_->touches) {
+    touch.J_W.setZero(3, n);
+    touch.J_C.setZero(3, n);
+    touch.M_inverse_Jt.setZero(n, 3);
+  }
   mujoco_->J_push.setZero(6, n);
-  mujoco_->M_inverse_Jt.setZero(n, 3);
   mujoco_->M_inverse.setZero(n, n);
   mujoco_->joint_impulse = mujoco_->friction = mujoco_->link_torque = JointVector::Zero(n);
   mujoco_->flange.emplace(mujoco_->model);
@@ -147,7 +165,7 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   mujoco_->link_torque.setZero();
   mujoco_->link_contact->reset();
   drive_.reset();
-  side_.reset();
+  tip_touches_.reset();
   if (pad_) pad_->reset();
   applied_torque_ = JointVector::Zero(joints());
   observe();
@@ -216,7 +234,7 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
     F_env.head<3>() += contact_.f_W + F_push_W.head<3>();
     F_env.tail<3>() += (contact_.p_WC - start.c_W).cross(contact_.f_W) +
                        (p_WE - start.c_W).cross(F_push_W.head<3>()) + F_push_W.tail<3>();
-    if (pad_) F_env.tail<3>() += contact_.m_W;
+    if (!contact_.m_W.isZero(0.0)) F_env.tail<3>() += contact_.m_W;
   }
   contact_ = whole;
   mujoco_->link_torque.setZero();
@@ -280,12 +298,55 @@ void World::integrate(const Vector6& F_push_W) noexcept {
 
   Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
   applied = generalised + mujoco_->joint_impulse / h_;
-  if (pad_)
-    contact_ = pad;
-  else if (contact_.touching)
-    applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
+  if (pad_) contact_ = pad;
+  for (const Mujoco::Touch& touch : std::span(mujoco_->touches).first(mujoco_->touched))
+    applied += touch.J_W.transpose().lazyProduct(Eigen::Vector3d(touch.R_WC * touch.impulse / h_));
   mj_step2(m, d);
   observe();
+}
+
+// Places that the tip's ball touches, and their Jacobians; contact_: where the nearest one is.
+void World::find_touches() noexcept {
+  Mujoco& w = *mujoco_;
+  const double radius = settings_.tip.radius;
+  const bool moves = motion_.moves();
+  Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
+  const Pose X_WK = moves ? canvas_state().X_WK : Pose();
+  if (moves) centre = X_WK.inverse() * centre;
+  for (const TipTouch& place : tip_touches_.update(*canvas_, centre, radius)) {
+    Mujoco::Touch& touch = w.touches[w.touched];
+    Eigen::Vector3d n_W = place.n;
+    touch.p_WC = place.p;
+    if (moves) {  // the mesh is in K
+      touch.p_WC = X_WK * place.p;
+      n_W = X_WK.R * place.n;
+    }
+    touch.step.penetration = radius - place.clear;
+    if (w.touched == 0) {
+      contact_.touching = touch.step.penetration > 0.0;
+      contact_.p_WC = touch.p_WC;
+      contact_.n_W = n_W;
+      if (!contact_.touching) return;
+    }
+    ++w.touched;
+    touch.R_WC = contact_frame(n_W);
+    mj_jac(w.model, w.data, touch.J_W.data(), nullptr, touch.p_WC.data(), w.tip_body);
+    touch.J_C = touch.R_WC.transpose().lazyProduct(touch.J_W);
+    for (int i = 0; i < 3; ++i) {
+      const JointVector row = touch.J_C.row(i).transpose();
+      mj_solveM(w.model, w.data, touch.M_inverse_Jt.col(i).data(), row.data(), 1);
+    }
+    touch.step.G.noalias() = touch.J_C.lazyProduct(touch.M_inverse_Jt);
+    touch.step.dt = h_;
+    touch.tip = settings_.tip;
+    touch.tip.stiffness *= place.share;
+    touch.tip.damping *= place.share;
+    touch.impulse.setZero();
+    touch.canvas_velocity.setZero();
+    // at the end of the step, as the tip's velocity
+    if (moves)
+      touch.canvas_velocity = touch.R_WC.transpose() * canvas_state(h_).velocity_at(touch.p_WC);
+  }
 }
 
 // Solves for consistent impulses of the tip and the joints. v_free: velocity after the step without
@@ -309,53 +370,19 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
     w.v += w.M_inverse.lazyProduct(w.friction);
   }
 
-  TipContactStep tip{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), 0.0, h};
-  Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
-  RowMatrix3X J_C(3, n);                                  // of the contact point, in C
-  Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
-  bool tip_converged = true;
-  Eigen::Vector3d canvas_velocity = Eigen::Vector3d::Zero();  // at the contact point, in C
-  if (canvas_ && !pad_) {
-    const double radius = settings_.tip.radius;
-    Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
-    const Pose X_WK = motion_.moves() ? canvas_state().X_WK : Pose();
-    if (motion_.moves()) centre = X_WK.inverse() * centre;
-    // A tip pressed through by more than this is no longer in contact.
-    const auto closest = canvas_->closest(centre, 10.0 * radius);
-    if (!closest) {
-      side_.leave();
-    } else {
-      const TipFacing facing = side_.update(centre, *closest, radius);
-      tip.penetration = radius - facing.clear;
-      contact_.touching = tip.penetration > 0.0;
-      contact_.p_WC = closest->p_W;
-      contact_.n_W = facing.n;
-      if (motion_.moves()) {  // the mesh is in K
-        contact_.p_WC = X_WK * contact_.p_WC;
-        contact_.n_W = X_WK.R * contact_.n_W;
-      }
-    }
-  }
-  if (contact_.touching) {
-    R_WC = contact_frame(contact_.n_W);
-    mj_jac(w.model, w.data, w.J_tip.data(), nullptr, contact_.p_WC.data(), w.tip_body);
-    J_C = R_WC.transpose().lazyProduct(w.J_tip);
-    for (int i = 0; i < 3; ++i) {
-      const JointVector row = J_C.row(i).transpose();
-      mj_solveM(w.model, w.data, w.M_inverse_Jt.col(i).data(), row.data(), 1);
-    }
-    tip.G.noalias() = J_C.lazyProduct(w.M_inverse_Jt);
-    if (motion_.moves()) {
-      // at the end of the step, as the tip's velocity
-      const CanvasMotion::State next = canvas_state(h);
-      canvas_velocity = R_WC.transpose() * next.velocity_at(contact_.p_WC);
-    }
-    tip.v_free = J_C.lazyProduct(w.v) - canvas_velocity;
-    const TipImpulse found = solve_tip_contact(tip, settings_.tip);
-    tip_impulse = found.p;
-    tip_converged = found.converged;
-    w.v += w.M_inverse_Jt.lazyProduct(tip_impulse);
-  }
+  w.touched = 0;
+  if (canvas_ && !pad_) find_touches();
+  const std::span touches = std::span(w.touches).first(w.touched);
+  const auto solve = [&w](Mujoco::Touch& touch) {  // returns the largest change
+    const Eigen::Vector3d last = touch.impulse;
+    touch.step.v_free = touch.J_C.lazyProduct(w.v) - touch.canvas_velocity - touch.step.G * last;
+    const TipImpulse found = solve_tip_contact(touch.step, touch.tip, last);
+    touch.impulse = found.p;
+    touch.converged = found.converged;
+    w.v += touch.M_inverse_Jt.lazyProduct(found.p - last);
+    return (found.p - last).cwiseAbs().maxCoeff();
+  };
+  for (Mujoco::Touch& touch : touches) solve(touch);
 
   // Joints with an impulse: dry friction, or a limit that this step would cross.
   const auto limit_gap = [&](int j, double* sign) {
@@ -371,8 +398,8 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
     const double gap = limit_gap(j, &sign);
     joints_act = gap + h * sign * w.v[j] < 0.0;
   }
-  if (joints_act) {
-    if (!dry) invert_inertia();
+  if (joints_act || touches.size() > 1) {
+    if (joints_act && !dry) invert_inertia();
     JointVector limit = JointVector::Zero(n);
     bool converged = false;
     for (int sweep = 0; sweep < kJointSweeps && !converged; ++sweep) {
@@ -383,7 +410,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
         w.v += w.M_inverse.col(j) * delta;
         change = std::max(change, std::abs(delta));
       };
-      for (int j = 0; j < n; ++j) {
+      for (int j = 0; j < n && joints_act; ++j) {
         const double bound = h * w.dry_friction[j], mobility = w.M_inverse(j, j);
         if (dry)
           add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -bound, bound));
@@ -393,23 +420,23 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
           add(j, &limit[j],
               sign * std::max(0.0, sign * limit[j] - (sign * w.v[j] + gap / h) / mobility));
       }
-      if (contact_.touching) {
-        tip.v_free = J_C.lazyProduct(w.v) - canvas_velocity - tip.G * tip_impulse;
-        const TipImpulse found = solve_tip_contact(tip, settings_.tip, tip_impulse);
-        const Eigen::Vector3d& next = found.p;
-        tip_converged = found.converged;
-        w.v += w.M_inverse_Jt.lazyProduct(next - tip_impulse);
-        change = std::max(change, (next - tip_impulse).cwiseAbs().maxCoeff());
-        tip_impulse = next;
-      }
+      for (Mujoco::Touch& touch : touches) change = std::max(change, solve(touch));
       converged = change < 1e-12;
     }
     cutoffs_.joints += !converged;
     w.joint_impulse = w.friction + limit;
   }
-  cutoffs_.tip += !tip_converged;
-  if (!contact_.touching) return;
-  contact_.f_W = R_WC * tip_impulse / h;
+  for (const Mujoco::Touch& touch : touches) {
+    const Eigen::Vector3d f_W = touch.R_WC * touch.impulse / h;
+    if (&touch == touches.data()) {
+      contact_.f_W = f_W;
+      continue;
+    }
+    contact_.f_W += f_W;
+    contact_.m_W += (touch.p_WC - contact_.p_WC).cross(f_W);
+  }
+  cutoffs_.tip += std::any_of(touches.begin(), touches.end(),
+                              [](const Mujoco::Touch& touch) { return !touch.converged; });
 }
 
 void World::forget_touching_link() noexcept { mujoco_->link_contact->reset(); }

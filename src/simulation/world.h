@@ -2,7 +2,7 @@
 // tip_contact.h simulates the contact.
 //
 // One integration step of h = dt / substeps from t_i
-//   v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (J_cᵀ p + p_joint)
+//   v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (Σ J_cᵀ p + p_joint)
 //   q⁺ = q + h v⁺
 //
 // With a pad, its wrench at the start of the step (pad_contact.h) is part of F_push, and p is zero.
@@ -10,9 +10,10 @@
 // The simulated arm can differ from the URDF, and τ_a from the commanded torque: ModelErrors.
 // The drives clip τ_a to the URDF's effort limits and hold it for all integration steps of dt.
 // Viscous friction b v⁺ is implicit; b and τ_f are those of the settings plus damping and friction
-// of the URDF's <dynamics>. The tip's impulse p and the joints' impulses, dry friction
-// |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel). Solved in sequence,
-// the second would change the velocity on which the first is based.
+// of the URDF's <dynamics>. The tip's impulses p, one at each place that its ball touches
+// (tip_touches.h), and the joints' impulses, dry friction |p_j| ≤ h τ_f and limits p_j ≥ 0, are
+// solved together (block Gauss-Seidel). Solved in sequence, the second would change the velocity
+// on which the first is based.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +29,7 @@
 #include "impedraw/simulation/pad_contact.h"
 #include "impedraw/simulation/posed_body.h"
 #include "impedraw/simulation/tip_contact.h"
-#include "impedraw/simulation/tip_side.h"
+#include "impedraw/simulation/tip_touches.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
@@ -38,9 +39,9 @@ namespace impedraw {
 struct TipContact {
   bool touching = false;
   Eigen::Vector3d f_W = Eigen::Vector3d::Zero();  // of the canvas on the tip [N]
-  // moment about p_WC: of a pad's friction; zero for a ball [Nm]
+  // moment about p_WC: of a pad's friction, or of what else a ball touches; zero for one place [Nm]
   Eigen::Vector3d m_W = Eigen::Vector3d::Zero();
-  // on the canvas, closest to the centre of the tip sphere; a pad's centre of pressure [m]
+  // on the canvas, closest to the centre of the tip's ball; a pad's centre of pressure [m]
   Eigen::Vector3d p_WC = Eigen::Vector3d::Zero();
   // outward normal there; where the tip came from behind an open sheet, towards the tip
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
@@ -140,6 +141,7 @@ class World {
   void integrate(const Vector6& F_push_W) noexcept;
   void observe() noexcept;
   void look_for_touching_links() noexcept;
+  void find_touches() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
   Vector6 press_pad() noexcept;
 
@@ -151,7 +153,7 @@ class World {
   std::unique_ptr<Mujoco> mujoco_;
   WorldState state_;
   TipContact contact_;
-  TipSide side_;
+  TipTouches tip_touches_;
   std::optional<PadContact> pad_;
   JointDrive drive_;
   JointVector applied_torque_;
