@@ -47,11 +47,12 @@ TipPath path_with(PlannedDrawing& e, const PathSettings& settings) {
 }
 
 std::string stroke_list(const std::vector<int>& strokes) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kListed = 8;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMost, strokes.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kListed, strokes.size()); ++i)
     text += fmt::format("{}{}", i ? ", " : "", strokes[i]);
-  return strokes.size() > kMost ? text + fmt::format(" and {} more", strokes.size() - kMost) : text;
+  return strokes.size() > kListed ? text + fmt::format(" and {} more", strokes.size() - kListed)
+                                  : text;
 }
 
 }  // namespace

@@ -26,8 +26,13 @@ struct ModelErrors {
   // True, about every joint's axis or about each, ≥ 0; empty: what the URDF says (arm_notes.h),
   // else zero [kg m²]
   std::vector<double> rotor_inertia;
-  double torque_ripple = 0.0;   // A, every joint [Nm]
-  double torque_quantum = 0.0;  // torque resolution, ≥ 0; 0: continuous [Nm]
+  // Dry friction's course (gear_friction.h)
+  double stiction = 1.0;         // at rest, a multiple of that in motion
+  double stribeck_speed = 0.02;  // to which that reaches [rad/s]
+  double load_friction = 0.0;    // more of it for each Nm that the gear carries
+  double friction_ripple = 0.0;  // a share of it
+  double torque_ripple = 0.0;    // A, every joint [Nm]
+  double torque_quantum = 0.0;   // torque resolution, ≥ 0; 0: continuous [Nm]
   // rounded to steps, at most kMostDelaySteps; the first torque acts without delay [s]
   double loop_delay = 0.0;
   // offset of the true tip E along its z from its place in the URDF [m]
@@ -38,6 +43,10 @@ struct ModelErrors {
     static constexpr Limit centre_shift = {"centre_shift", "m", {-0.2, 0.2}};
     static constexpr Limit viscous_friction = {"viscous_friction", "Nm s/rad", {0.0, 100.0}};
     static constexpr Limit rotor_inertia = {"rotor_inertia", "kg m²", {0.0, 10.0}};
+    static constexpr Limit stiction = {"stiction", "", {1.0, 10.0}};
+    static constexpr Limit stribeck_speed = {"stribeck_speed", "rad/s", {1e-4, 10.0}};
+    static constexpr Limit load_friction = {"load_friction", "", {0.0, 1.0}};
+    static constexpr Limit friction_ripple = {"friction_ripple", "", {0.0, 1.0}};
     static constexpr Limit torque_ripple = {"torque_ripple", "Nm", {0.0, 20.0}};
     static constexpr Limit torque_quantum = {"torque_quantum", "Nm", {0.0, 10.0}};
     static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.015}};

@@ -24,12 +24,19 @@ struct TipMaterial {
   double stiffness = 20.0e3;  // k [N/m]
   double damping = 60.0;      // b [N s/m]
   double friction = 0.3;      // μ
+  // Along the line (tip_line.h)
+  double friction_change = 0.0;   // a, a share of μ
+  double friction_length = 0.02;  // L [m]
+  double wear = 0.0;              // k, length per work of a tangential force f_n [m/(N m)]
 
   struct Limits {
     static constexpr Limit radius = {"radius", "m", {1e-5, 0.05}};
     static constexpr Limit stiffness = {"stiffness", "N/m", {10.0, 1e7}};
     static constexpr Limit damping = {"damping", "N s/m", {0.0, 1e5}};
     static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
+    static constexpr Limit friction_change = {"friction_change", "", {0.0, 1.0}};
+    static constexpr Limit friction_length = {"friction_length", "m", {1e-3, 10.0}};
+    static constexpr Limit wear = {"wear", "m/(N m)", {0.0, 0.01}};
   };
 };
 

@@ -55,6 +55,8 @@ struct World::Mujoco {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMaxJoints, 3> M_inverse_Jt;
   ImpulseColumns M_inverse;
   JointVector damping, dry_friction;  // of each joint [Nm s/rad], [Nm]
+  JointVector link_damping;           // of each link: of the joint, or of a spring before it
+  std::optional<GearFriction> dry;    // of the links; absent: of the rotors, or none
   JointVector v, joint_impulse,
       friction;             // friction: its impulses, the next step's initial guess
   JointVector link_torque;  // of the pushes on links, for the next step [Nm]
@@ -79,6 +81,9 @@ const WorldSettings& checked(const WorldSettings& s) {
   require_in_range("world.tip", Tip::stiffness, s.tip.stiffness);
   require_in_range("world.tip", Tip::damping, s.tip.damping);
   require_in_range("world.tip", Tip::friction, s.tip.friction);
+  require_in_range("world.tip", Tip::friction_change, s.tip.friction_change);
+  require_in_range("world.tip", Tip::friction_length, s.tip.friction_length);
+  require_in_range("world.tip", Tip::wear, s.tip.wear);
   if (s.pad) {
     using Pad = PadSettings::Limits;
     require_in_range("tool", Pad::radius, s.pad->radius);
@@ -98,7 +103,14 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
       mujoco_(std::make_unique<Mujoco>()),
       drive_(settings.errors, settings.dt) {
   mju_user_warning = keep_warning;
-  const CompiledArm arm = compile_arm(urdf, h_, settings.gravity, settings.errors);
+  const bool elastic = settings.joint_spring.on();
+  if (elastic && !settings.errors.rotor_inertia.empty())
+    throw InputError(
+        "world.errors.rotor_inertia: joints with springs have the rotors of "
+        "world.joint_spring.rotor_inertia; valid is []");
+  ModelErrors of_links = settings.errors;
+  if (elastic) of_links.rotor_inertia = {0.0};
+  const CompiledArm arm = compile_arm(urdf, h_, settings.gravity, of_links);
   mujoco_->model = arm.dynamics;
   mujoco_->shape = arm.shape;
   mujoco_->data = mj_makeData(mujoco_->model);
@@ -112,6 +124,15 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
                                  kMaxJoints));
   mujoco_->damping = arm.damping;
   mujoco_->dry_friction = arm.friction.array() + settings.joint_friction;
+  mujoco_->link_damping = mujoco_->damping;
+  const GearFriction friction(settings.errors, mujoco_->dry_friction);
+  if (elastic) {
+    springs_.emplace(settings.joint_spring, mujoco_->damping, friction, h_);
+    mujoco_->link_damping = springs_->link_damping();
+    Eigen::Map<Eigen::VectorXd>(mujoco_->model->dof_armature, n) = h_ * mujoco_->link_damping;
+  } else if (friction.acts()) {
+    mujoco_->dry = friction;
+  }
   mujoco_->J_tip.setZero(3, n);
   mujoco_->J_push.setZero(6, n);
   mujoco_->M_inverse_Jt.setZero(n, 3);
@@ -146,9 +167,12 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   mujoco_->link_contact->reset();
   drive_.reset();
   side_.reset();
+  line_.reset();
   if (pad_) pad_->reset();
   applied_torque_ = JointVector::Zero(joints());
   observe();
+  if (springs_)
+    springs_->reset(q, v, Eigen::Map<const Eigen::VectorXd>(mujoco_->data->qfrc_bias, q.size()));
   if (settings_.flange_sensor && has_flange())
     flange_wrench_ =
         mujoco_->flange->wrench(mujoco_->carried, mujoco_->carried, Vector6::Zero(), settings_.dt);
@@ -260,7 +284,8 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   const mjModel* m = mujoco_->model;
   mjData* d = mujoco_->data;
   const int n = m->nv;
-  JointVector generalised = applied_torque_;
+  JointVector generalised =
+      springs_ ? springs_->begin(applied_torque_, state_.q, state_.v) : applied_torque_;
   const Vector6 F_W = pad_ ? Vector6(F_push_W + press_pad()) : F_push_W;
   if (!F_W.isZero(0.0)) {
     mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
@@ -268,7 +293,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
     generalised += mujoco_->J_push.transpose().lazyProduct(F_W);
   }
   generalised += mujoco_->link_torque;
-  generalised -= mujoco_->damping.cwiseProduct(state_.v);  // implicit: see compiled_arm.h
+  generalised -= mujoco_->link_damping.cwiseProduct(state_.v);  // implicit: see compiled_arm.h
   const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
@@ -284,6 +309,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
     applied += mujoco_->J_tip.transpose().lazyProduct(contact_.f_W);
   mj_step2(m, d);
   observe();
+  if (springs_) springs_->finish(state_.v);
 }
 
 // Solves for consistent impulses of the tip and the joints. v_free: velocity after the step without
@@ -301,8 +327,10 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       mj_solveM(w.model, w.data, w.M_inverse.col(j).data(), unit.data(), 1);
     }
   };
-  const bool dry = w.dry_friction.maxCoeff() > 0.0;
+  const bool dry = w.dry.has_value();
+  JointVector most;  // impulses of dry friction
   if (dry) {
+    most = h * w.dry->most(state_.v, state_.q, applied_torque_);
     invert_inertia();
     w.v += w.M_inverse.lazyProduct(w.friction);
   }
@@ -312,10 +340,11 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   RowMatrix3X J_C(3, n);                                  // of the contact point, in C
   Eigen::Vector3d tip_impulse = Eigen::Vector3d::Zero();  // in C
   bool tip_converged = true;
+  const TipMaterial material = line_.here(settings_.tip);
   Eigen::Vector3d canvas_velocity = Eigen::Vector3d::Zero();  // at the contact point, in C
   if (canvas_ && !pad_) {
     const double radius = settings_.tip.radius;
-    Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
+    Eigen::Vector3d centre = state_.X_WE.p - (radius + line_.worn()) * state_.X_WE.R.col(2);
     const Pose X_WK = motion_.moves() ? canvas_state().X_WK : Pose();
     if (motion_.moves()) centre = X_WK.inverse() * centre;
     // A tip pressed through by more than this is no longer in contact.
@@ -349,7 +378,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       canvas_velocity = R_WC.transpose() * next.velocity_at(contact_.p_WC);
     }
     tip.v_free = J_C.lazyProduct(w.v) - canvas_velocity;
-    const TipImpulse found = solve_tip_contact(tip, settings_.tip);
+    const TipImpulse found = solve_tip_contact(tip, material);
     tip_impulse = found.p;
     tip_converged = found.converged;
     w.v += w.M_inverse_Jt.lazyProduct(tip_impulse);
@@ -382,9 +411,9 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
         change = std::max(change, std::abs(delta));
       };
       for (int j = 0; j < n; ++j) {
-        const double bound = h * w.dry_friction[j], mobility = w.M_inverse(j, j);
+        const double mobility = w.M_inverse(j, j);
         if (dry)
-          add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -bound, bound));
+          add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -most[j], most[j]));
         double sign = 1.0;
         const double gap = limit_gap(j, &sign);
         if (std::isfinite(gap))
@@ -393,7 +422,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       }
       if (contact_.touching) {
         tip.v_free = J_C.lazyProduct(w.v) - canvas_velocity - tip.G * tip_impulse;
-        const TipImpulse found = solve_tip_contact(tip, settings_.tip, tip_impulse);
+        const TipImpulse found = solve_tip_contact(tip, material, tip_impulse);
         const Eigen::Vector3d& next = found.p;
         tip_converged = found.converged;
         w.v += w.M_inverse_Jt.lazyProduct(next - tip_impulse);
@@ -408,6 +437,8 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   cutoffs_.tip += !tip_converged;
   if (!contact_.touching) return;
   contact_.f_W = R_WC * tip_impulse / h;
+  line_.advance(settings_.tip, tip_impulse[2] / h,
+                (J_C.lazyProduct(w.v) - canvas_velocity).head<2>().norm(), h);
 }
 
 void World::forget_touching_link() noexcept { mujoco_->link_contact->reset(); }
@@ -490,7 +521,7 @@ World::Terms World::terms() const {
   const int n = m->nv;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(n, n), J(6, n);
   mj_fullM(m, d, M.data());
-  M.diagonal() -= h_ * mujoco_->damping;  // the integrator's implicit part (compiled_arm.h)
+  M.diagonal() -= h_ * mujoco_->link_damping;  // the integrator's implicit part (compiled_arm.h)
   mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
   return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
 }

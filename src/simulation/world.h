@@ -13,6 +13,9 @@
 // of the URDF's <dynamics>. The tip's impulse p and the joints' impulses, dry friction
 // |p_j| ≤ h τ_f and limits p_j ≥ 0, are solved together (block Gauss-Seidel). Solved in sequence,
 // the second would change the velocity on which the first is based.
+//
+// With springs in the joints (joint_springs.h), τ_a is what the arm's torque loop is told, and the
+// rotors take friction, dry and viscous, and their own inertia from the links.
 #pragma once
 
 #include <filesystem>
@@ -27,11 +30,13 @@
 #include "impedraw/simulation/canvas_motion.h"
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/joint_sensor.h"
+#include "impedraw/simulation/joint_springs.h"
 #include "impedraw/simulation/model_errors.h"
 #include "impedraw/simulation/pad_contact.h"
 #include "impedraw/simulation/posed_body.h"
 #include "impedraw/simulation/solver_cutoffs.h"
 #include "impedraw/simulation/tip_contact.h"
+#include "impedraw/simulation/tip_line.h"
 #include "impedraw/simulation/tip_side.h"
 
 namespace impedraw {
@@ -44,6 +49,7 @@ struct WorldSettings {
   double joint_friction = 0.0;       // dry friction, equal on every joint: ± [Nm]
   double gravity = 9.81;             // along −z [m/s²]
   ModelErrors errors;                // differences from the URDF
+  JointSpringSettings joint_spring;  // replace errors.rotor_inertia
   JointSensorSettings joint_sensor;  // read by the simulated arm
   bool flange_sensor = false;        // enables flange_wrench()
 
@@ -110,6 +116,13 @@ class World {
     return advance(tau, F_push_W);
   }
 
+  // What the joints' sensors see: the links, or with springs maybe the rotors [rad], [rad/s].
+  const JointVector& sensed_q() const { return read_rotors() ? springs_->theta() : state_.q; }
+  const JointVector& sensed_v() const { return read_rotors() ? springs_->theta_rate() : state_.v; }
+  // Null for rigid joints.
+  const JointSprings* springs() const { return springs_ ? &*springs_ : nullptr; }
+  const TipLine& line() const { return line_; }  // since set_state(); of a ball
+
   // Number of a link of the URDF, for push_link(); nothing for a name that it does not have.
   std::optional<int> link(const std::string& name) const;
   // True if the link is below the flange, where flange_wrench() would feel a push on it.
@@ -160,6 +173,7 @@ class World {
   const TipContact& advance(const JointVector& tau, const Vector6& F_push_W) noexcept;
   void integrate(const Vector6& F_push_W) noexcept;
   void observe() noexcept;
+  bool read_rotors() const { return springs_ && springs_->motor_side(); }
   void look_for_touching_links() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
   Vector6 press_pad() noexcept;
@@ -175,6 +189,8 @@ class World {
   TipSide side_;
   std::optional<PadContact> pad_;
   JointDrive drive_;
+  std::optional<JointSprings> springs_;
+  TipLine line_;
   JointVector applied_torque_;
   Vector6 flange_wrench_ = Vector6::Zero();
   SolverCutoffs cutoffs_;

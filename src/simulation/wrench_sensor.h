@@ -1,14 +1,16 @@
 // Model of a six-axis force-torque sensor: readings from the exact wrench F = [f; m] in the
 // sensor's axes [N, Nm].
 //
-//   y = quantise(saturate(F + bias + drift t + noise)), delayed by `delay`
+//   y = quantise(saturate(G F + bias + drift t + noise)), delayed by `delay`
 //
 // t = 0 at the first sample. The directions of bias and drift are drawn from the seed, separately
-// for force and torque. Range and quantum apply to each axis. The same seed, settings and wrenches
+// for force and torque. G = I + E: the diagonal of E is ±gain_error, the rest of each row a vector
+// of length cross_talk in a direction from the seed, in shares of range: 10 N weigh as 1 Nm. Range and quantum apply to each axis. The same seed, settings and wrenches
 // give the same readings: the sensor does not use the standard library's distributions.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "impedraw/common/pose.h"
@@ -24,6 +26,8 @@ struct WrenchSensorSettings {
   double drift_force = 0.0, drift_torque = 0.0;      // length of the vector [N/min, Nm/min]
   double quantum_force = 0.0, quantum_torque = 0.0;  // 0: continuous [N, Nm]
   double range_force = 0.0, range_torque = 0.0;      // ±; 0: no limit [N, Nm]
+  double gain_error = 0.0;                           // of each axis, up or down as the seed says
+  double cross_talk = 0.0;                           // of the other axes in each
   // rounded to samples; the first sample is read without delay [s]
   double delay = 0.0;
 
@@ -38,6 +42,8 @@ struct WrenchSensorSettings {
     static constexpr Limit quantum_torque = {"quantum_torque", "Nm", {0.0, 1.0}};
     static constexpr Limit range_force = {"range_force", "N", {0.0, 1e5}};
     static constexpr Limit range_torque = {"range_torque", "Nm", {0.0, 1e4}};
+    static constexpr Limit gain_error = {"gain_error", "", {0.0, 0.5}};
+    static constexpr Limit cross_talk = {"cross_talk", "", {0.0, 0.5}};
     static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
   };
 
@@ -65,6 +71,7 @@ class WrenchSensor {
   SeededNormals normals_;
   Vector6 noise_, bias_, drift_, quantum_, range_;  // per axis; drift per sample
   bool noisy_;
+  std::optional<Eigen::Matrix<double, 6, 6>> gain_;  // G
   double samples_ = 0.0;
   std::vector<Reading> under_way_;  // ring buffer
   std::size_t oldest_ = 0;
