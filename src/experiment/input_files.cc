@@ -31,7 +31,11 @@ fs::path urdf_of(const ArmSettings& s) {
 
 ArmModel model_of(const ArmSettings& s) {
   ArmModel model(urdf_of(s));
-  model.set_rotor_inertia(s.rotor_inertia);
+  std::vector<double> rotors = s.rotor_inertia;
+  if (rotors.empty() && s.torque_bandwidth > 0.0)  // what the torque loop leaves of them
+    for (const double K : s.joint_stiffness)
+      rotors.push_back(K / (s.torque_bandwidth * s.torque_bandwidth));
+  model.set_rotor_inertia(rotors);
   if (s.driver == ArmDriver::sim) model.expect_damping();
   return model;
 }

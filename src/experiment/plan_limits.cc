@@ -43,11 +43,12 @@ TipPath path_with(const PlannedDrawing& e, const PathSettings& settings) {
 }
 
 std::string stroke_list(const std::vector<int>& strokes) {
-  constexpr std::size_t kMany = 8;
+  constexpr std::size_t kListed = 8;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMany, strokes.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kListed, strokes.size()); ++i)
     text += fmt::format("{}{}", i ? ", " : "", strokes[i]);
-  return strokes.size() > kMany ? text + fmt::format(" and {} more", strokes.size() - kMany) : text;
+  return strokes.size() > kListed ? text + fmt::format(" and {} more", strokes.size() - kListed)
+                                  : text;
 }
 
 }  // namespace

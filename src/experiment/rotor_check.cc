@@ -9,6 +9,7 @@
 
 #include "impedraw/common/per_joint.h"
 #include "impedraw/control/impedance.h"
+#include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {
 
@@ -60,6 +61,12 @@ double kick_left(const RotorRehearsal& rehearsal, ArmModel arm, const Eigen::Vec
   Wrench F = Wrench::Zero();
   const auto steps = [dt](double time) { return std::lround(time / dt); };
   const long kick = steps(kSettled), end = kick + steps(kTime), window = steps(kWindow);
+  std::optional<JointSprings> springs;
+  if (rehearsal.springs.on()) {
+    const JointVector none = JointVector::Zero(n);
+    springs.emplace(rehearsal.springs, none, GearFriction({}, none), dt);
+    springs->reset(q, v, truth.g);
+  }
   double first = 0.0, last = 0.0;
   for (long i = 0; i < end; ++i) {
     if (i == kick)
@@ -81,9 +88,16 @@ double kick_left(const RotorRehearsal& rehearsal, ArmModel arm, const Eigen::Vec
     const double depth = -n_W.dot(truth.X_WE.p - p_WS), rate = -n_W.dot(truth.V_WE.head<3>());
     const double f = depth > 0.0 ? std::max(0.0, k * depth + b * rate) : 0.0;
     F << f * n_W, Eigen::Vector3d::Zero();
-    const JointVector excess = acts + truth.J.transpose() * F - truth.Cv - truth.g;
+    JointVector excess = truth.J.transpose() * F - truth.Cv - truth.g;
+    if (springs) {
+      M.diagonal() += dt * springs->link_damping();
+      excess += springs->begin(acts, q, v) - springs->link_damping().cwiseProduct(v);
+    } else {
+      excess += acts;
+    }
     v += dt * M.ldlt().solve(excess);
     q += dt * v;
+    if (springs) springs->finish(v);
     if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kTooFast) return kLost;
     const double motion = v.squaredNorm();
     if (i >= kick && i < kick + window) first += motion;

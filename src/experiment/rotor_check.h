@@ -2,6 +2,7 @@
 //
 // Rehearsal   the set-up's own controller and joint estimator hold the pen on a plane across it:
 //               M' v̇ + C v + g = τ(t − delay) + Jᵀ F,     M' = M + diag(unknown)
+//             With joint springs, τ(t − delay) is what the arm's torque loop is told.
 //             F: of a tip spring, as late as the set-up says. No friction and no noise: what is
 //             left of a kick is the loop's own.
 // Borne       at most kMostLeft of the joints' motion is left 0.8 s after it
@@ -21,6 +22,7 @@ struct RotorRehearsal {
   ControlSetup setup;  // complete
   JointVector q;       // where the pen is on the drawing [rad]
   double delay = 0.0;  // of the torque [s]
+  JointSpringSettings springs{};
 };
 
 inline constexpr double kMostLeft = 0.7;

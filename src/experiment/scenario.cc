@@ -214,8 +214,16 @@ void describe(Fields& f, ArmSettings& s) {
   f.field(kRotorInertia, s.rotor_inertia,
           "Inertia of the rotors about the joints' axes, reflected through their gears, as the "
           "controller's model has it: one for all joints or one for each; empty: what the URDF's "
-          "impedraw element says, else none.");
+          "impedraw element says, else none. With torque_bandwidth: what the torque loop leaves of "
+          "it, and by default joint_stiffness/torque_bandwidth².");
   f.or_one();
+  f.field("joint_stiffness", s.joint_stiffness, JointSpringSettings::Limits::stiffness.range,
+          "Nm/rad",
+          "Stiffness of the joints' gears and torque sensors: one for all joints or one for each; "
+          "empty: rigid. The set-up rehearses with it what observer the arm bears.");
+  f.or_one();
+  f.field("torque_bandwidth", s.torque_bandwidth, JointSpringSettings::Limits::loop_bandwidth.range,
+          "rad/s", "Bandwidth of the arm's own torque loop; 0: none.");
   f.field(Limits::posture_seed, s.posture_seed,
           "Joint angles from which the inverse kinematics starts, one per joint; empty: those of "
           "the iiwa for seven joints, else found by a search.");
@@ -685,6 +693,11 @@ void describe(Fields& f, TipMaterial& s) {
   f.field(Limits::stiffness, s.stiffness, "Stiffness along the normal.");
   f.field(Limits::damping, s.damping, "Damping along the normal.");
   f.field(Limits::friction, s.friction, "Coulomb friction coefficient of tip and canvas.");
+  f.field(Limits::friction_change, s.friction_change,
+          "Share of the friction coefficient that varies along the line.");
+  f.field(Limits::friction_length, s.friction_length, "Wavelength of that along the line.");
+  f.field(Limits::wear, s.wear,
+          "Length that wears off the tip for each N along the normal and metre slid.");
 }
 
 void describe(Fields& f, ModelErrors& s) {
@@ -696,6 +709,13 @@ void describe(Fields& f, ModelErrors& s) {
   f.field(Limits::rotor_inertia, s.rotor_inertia,
           "True rotor inertia: one for all joints or one for each; empty: as arm.rotor_inertia.");
   f.or_one();
+  f.field(Limits::stiction, s.stiction,
+          "Dry friction of a joint at rest, as a multiple of that in motion.");
+  f.field(Limits::stribeck_speed, s.stribeck_speed, "Joint speed up to which stiction reaches.");
+  f.field(Limits::load_friction, s.load_friction,
+          "Dry friction of a joint for each Nm that its gear carries.");
+  f.field(Limits::friction_ripple, s.friction_ripple,
+          "Share of a joint's dry friction that varies with its position.");
   f.field(Limits::torque_ripple, s.torque_ripple, "Amplitude of the torque ripple of every joint.");
   f.field(Limits::torque_quantum, s.torque_quantum,
           "Resolution of the joint torques; 0: continuous.");
@@ -717,7 +737,40 @@ void describe(Fields& f, WrenchSensorSettings& s) {
   f.field(Limits::quantum_torque, s.quantum_torque, "Resolution of the torque; 0: continuous.");
   f.field(Limits::range_force, s.range_force, "Force at which an axis saturates; 0: never.");
   f.field(Limits::range_torque, s.range_torque, "Torque at which an axis saturates; 0: never.");
+  f.field(Limits::gain_error, s.gain_error,
+          "Error of each axis's gain, up or down as the seed says.");
+  f.field(Limits::cross_talk, s.cross_talk,
+          "Share of the other axes in each reading; 10 N count as 1 Nm.");
   f.field(Limits::delay, s.delay, "Delay of the readings.");
+}
+
+void describe(Fields& f, JointSpringSettings& s) {
+  using Limits = JointSpringSettings::Limits;
+  f.choice("arm", s.arm,
+           {{"none", SpringsOf::none},
+            {"iiwa", SpringsOf::iiwa},
+            {"fr3", SpringsOf::fr3},
+            {"harmonic_drive", SpringsOf::harmonic_drive}},
+           "Published values of an arm; none: rigid joints, unless stiffness is given.");
+  f.field(Limits::stiffness, s.stiffness,
+          "Between each rotor and its link: one for all joints or one for each; empty: as "
+          "published.");
+  f.or_one();
+  f.field(Limits::damping, s.damping, "Beside the spring; empty: 1 ms times the stiffness.");
+  f.or_one();
+  f.field(Limits::rotor_inertia, s.rotor_inertia,
+          "Inertia of the rotors over their gears; empty: as published.");
+  f.or_one();
+  f.field(Limits::loop_bandwidth, s.loop_bandwidth,
+          "Bandwidth of the arm's own torque loop; 0: none; null: as published.");
+  f.field(Limits::sensor_ripple, s.sensor_ripple, "Ripple of the joints' torque sensors.");
+  f.field(Limits::sensor_offset, s.sensor_offset,
+          "Offset of the joints' torque sensors, up and down in turn.");
+  f.choice("reading", s.reading,
+           {{"as_published", SpringSide::as_published},
+            {"motor", SpringSide::motor},
+            {"link", SpringSide::link}},
+           "Side of the spring whose position the joints' sensors read.");
 }
 
 void describe(Fields& f, JointSensorSettings& s) {
@@ -744,6 +797,7 @@ void describe(Fields& f, WorldSettings& s) {
   f.field("tip", s.tip, "True properties of the pen's tip.");
   f.field(Limits::joint_friction, s.joint_friction, "Coulomb friction of every joint.");
   f.field(Limits::gravity, s.gravity, "Gravity along -z.");
+  f.field("joint_spring", s.joint_spring, "Springs between the joints' rotors and links.");
   f.field("joint_sensor", s.joint_sensor, "Faults of the joints' sensors.");
   f.field(Limits::substeps, s.substeps,
           "Integration steps in each control step; the torque is held.");

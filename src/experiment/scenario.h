@@ -92,6 +92,10 @@ struct ArmSettings {
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
   // As the controller's model has it, of all joints or of each; empty: what the URDF says [kg m²].
   std::vector<double> rotor_inertia;
+  // Springs in the joints and the arm's own torque loop, as the set-up knows them (spring_check.h):
+  // of all joints or of each, empty: rigid [Nm/rad]; 0: no loop [rad/s].
+  std::vector<double> joint_stiffness;
+  double torque_bandwidth = 0.0;
   // The inverse kinematics of the start starts here and stays near, one entry per joint [rad];
   // empty: see start_posture.h.
   std::vector<double> posture_seed;

@@ -293,11 +293,11 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   WorldSettings settings = s.world;
   settings.pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
   settings.flange_sensor = has_sensor(s.control.source);
-  if (settings.errors.rotor_inertia.empty())
+  if (settings.errors.rotor_inertia.empty() && !settings.joint_spring.on())
     settings.errors.rotor_inertia.assign(arm.rotor_inertia().begin(), arm.rotor_inertia().end());
-  auto world = setting_errors.locate({"world.errors.rotor_inertia", "arm.urdf"}, [&] {
-    return std::make_unique<World>(urdf, canvas.get(), settings);
-  });
+  auto world =
+      setting_errors.locate({"world.joint_spring", "world.errors.rotor_inertia", "arm.urdf"},
+                            [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
   note_dynamics(*world, s.world, &notes);
   setting_errors.locate({"canvas.motion"}, [&] { world->move_canvas(canvas_motion(s)); });
   check_pushes(s, *world, setting_errors);

@@ -121,7 +121,7 @@ void ForceBench::set_shape(Workpiece::Shape shape) {
   if (shape_ == shape) return;
   WorldSettings settings = as_given_.world;
   settings.flange_sensor = has_sensor(as_given_.control.source);
-  if (settings.errors.rotor_inertia.empty()) {
+  if (settings.errors.rotor_inertia.empty() && !settings.joint_spring.on()) {
     const Eigen::VectorXd& rotors = e_.belief.arm.rotor_inertia();
     settings.errors.rotor_inertia.assign(rotors.begin(), rotors.end());
   }

@@ -82,13 +82,13 @@ const ArmState& SimulatedArm::read() noexcept {
 }
 
 void SimulatedArm::read_joints(const WorldState& now) noexcept {
-  const JointReading* read = joint_sensor_ ? &joint_sensor_->sample(now.q, now.v) : nullptr;
+  const JointReading* read = joint_sensor_ ? &joint_sensor_->sample(world_.sensed_q(), world_.sensed_v()) : nullptr;
   const auto acts = [&](FaultKind kind) { return disturbances_.fault(kind, now.time); };
   if (!acts(FaultKind::stale_state)) {
     state_.state_time = now.time;
     if (!acts(FaultKind::standing_state)) {
-      state_.q = read ? read->q : now.q;
-      state_.v = read ? read->v : now.v;
+      state_.q = read ? read->q : world_.sensed_q();
+      state_.v = read ? read->v : world_.sensed_v();
       if (acts(FaultKind::jumped_state)) state_.q[0] += 0.5;
       state_.q[0] += 0.3 * std::max(0.0, disturbances_.since(FaultKind::drifting_state, now.time));
     } else {

@@ -21,6 +21,10 @@ void check(const ModelErrors& e) {
   require_in_range("world.errors", Limits::centre_shift, e.centre_shift);
   require_in_range("world.errors", Limits::viscous_friction, e.viscous_friction);
   require_in_range("world.errors", Limits::rotor_inertia, e.rotor_inertia);
+  require_in_range("world.errors", Limits::stiction, e.stiction);
+  require_in_range("world.errors", Limits::stribeck_speed, e.stribeck_speed);
+  require_in_range("world.errors", Limits::load_friction, e.load_friction);
+  require_in_range("world.errors", Limits::friction_ripple, e.friction_ripple);
   require_in_range("world.errors", Limits::pen_longer, e.pen_longer);
 }
 

@@ -1,4 +1,4 @@
-// Joint drives: delay, quantisation and ripple of the commanded torque. Formula: model_errors.h.
+// Joint drives: delay, quantisation and ripple of the commanded torque. Formula: ModelErrors.
 #pragma once
 
 #include <array>

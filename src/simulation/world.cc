@@ -72,6 +72,8 @@ struct World::Mujoco {
   RowMatrix6X J_push;
   ImpulseColumns M_inverse;
   JointVector damping, dry_friction;  // of each joint [Nm s/rad], [Nm]
+  JointVector link_damping;           // of each link: of the joint, or of a spring before it
+  std::optional<GearFriction> dry;    // of the links; absent: of the rotors, or none
   JointVector v, joint_impulse,
       friction;             // friction: its impulses, the next step's initial guess
   JointVector link_torque;  // of the pushes on links, for the next step [Nm]
@@ -96,6 +98,9 @@ const WorldSettings& checked(const WorldSettings& s) {
   require_in_range("world.tip", Tip::stiffness, s.tip.stiffness);
   require_in_range("world.tip", Tip::damping, s.tip.damping);
   require_in_range("world.tip", Tip::friction, s.tip.friction);
+  require_in_range("world.tip", Tip::friction_change, s.tip.friction_change);
+  require_in_range("world.tip", Tip::friction_length, s.tip.friction_length);
+  require_in_range("world.tip", Tip::wear, s.tip.wear);
   if (s.pad) {
     using Pad = PadSettings::Limits;
     require_in_range("tool", Pad::radius, s.pad->radius);
@@ -115,7 +120,14 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
       mujoco_(std::make_unique<Mujoco>()),
       drive_(settings.errors, settings.dt) {
   mju_user_warning = keep_warning;
-  const CompiledArm arm = compile_arm(urdf, h_, settings.gravity, settings.errors);
+  const bool elastic = settings.joint_spring.on();
+  if (elastic && !settings.errors.rotor_inertia.empty())
+    throw InputError(
+        "world.errors.rotor_inertia: joints with springs have the rotors of "
+        "world.joint_spring.rotor_inertia; valid is []");
+  ModelErrors of_links = settings.errors;
+  if (elastic) of_links.rotor_inertia = {0.0};
+  const CompiledArm arm = compile_arm(urdf, h_, settings.gravity, of_links);
   mujoco_->model = arm.dynamics;
   mujoco_->shape = arm.shape;
   mujoco_->data = mj_makeData(mujoco_->model);
@@ -133,6 +145,15 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
     touch.J_W.setZero(3, n);
     touch.J_C.setZero(3, n);
     touch.M_inverse_Jt.setZero(n, 3);
+  }
+  mujoco_->link_damping = mujoco_->damping;
+  const GearFriction friction(settings.errors, mujoco_->dry_friction);
+  if (elastic) {
+    springs_.emplace(settings.joint_spring, mujoco_->damping, friction, h_);
+    mujoco_->link_damping = springs_->link_damping();
+    Eigen::Map<Eigen::VectorXd>(mujoco_->model->dof_armature, n) = h_ * mujoco_->link_damping;
+  } else if (friction.acts()) {
+    mujoco_->dry = friction;
   }
   mujoco_->J_push.setZero(6, n);
   mujoco_->M_inverse.setZero(n, n);
@@ -166,9 +187,12 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   mujoco_->link_contact->reset();
   drive_.reset();
   tip_touches_.reset();
+  line_.reset();
   if (pad_) pad_->reset();
   applied_torque_ = JointVector::Zero(joints());
   observe();
+  if (springs_)
+    springs_->reset(q, v, Eigen::Map<const Eigen::VectorXd>(mujoco_->data->qfrc_bias, q.size()));
   if (settings_.flange_sensor && has_flange())
     flange_wrench_ =
         mujoco_->flange->wrench(mujoco_->carried, mujoco_->carried, Vector6::Zero(), settings_.dt);
@@ -280,7 +304,8 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   const mjModel* m = mujoco_->model;
   mjData* d = mujoco_->data;
   const int n = m->nv;
-  JointVector generalised = applied_torque_;
+  JointVector generalised =
+      springs_ ? springs_->begin(applied_torque_, state_.q, state_.v) : applied_torque_;
   const Vector6 F_W = pad_ ? Vector6(F_push_W + press_pad()) : F_push_W;
   if (!F_W.isZero(0.0)) {
     mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
@@ -288,7 +313,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
     generalised += mujoco_->J_push.transpose().lazyProduct(F_W);
   }
   generalised += mujoco_->link_torque;
-  generalised -= mujoco_->damping.cwiseProduct(state_.v);  // implicit: see compiled_arm.h
+  generalised -= mujoco_->link_damping.cwiseProduct(state_.v);  // implicit: see compiled_arm.h
   const Eigen::Map<const Eigen::VectorXd> bias(d->qfrc_bias, n);
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
@@ -303,6 +328,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
     applied += touch.J_W.transpose().lazyProduct(Eigen::Vector3d(touch.R_WC * touch.impulse / h_));
   mj_step2(m, d);
   observe();
+  if (springs_) springs_->finish(state_.v);
 }
 
 // Places that the tip's ball touches, and their Jacobians; contact_: where the nearest one is.
@@ -310,7 +336,7 @@ void World::find_touches() noexcept {
   Mujoco& w = *mujoco_;
   const double radius = settings_.tip.radius;
   const bool moves = motion_.moves();
-  Eigen::Vector3d centre = state_.X_WE.p - radius * state_.X_WE.R.col(2);
+  Eigen::Vector3d centre = state_.X_WE.p - (radius + line_.worn()) * state_.X_WE.R.col(2);
   const Pose X_WK = moves ? canvas_state().X_WK : Pose();
   if (moves) centre = X_WK.inverse() * centre;
   for (const TipTouch& place : tip_touches_.update(*canvas_, centre, radius)) {
@@ -338,7 +364,7 @@ void World::find_touches() noexcept {
     }
     touch.step.G.noalias() = touch.J_C.lazyProduct(touch.M_inverse_Jt);
     touch.step.dt = h_;
-    touch.tip = settings_.tip;
+    touch.tip = line_.here(settings_.tip);
     touch.tip.stiffness *= place.share;
     touch.tip.damping *= place.share;
     touch.impulse.setZero();
@@ -364,8 +390,10 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
       mj_solveM(w.model, w.data, w.M_inverse.col(j).data(), unit.data(), 1);
     }
   };
-  const bool dry = w.dry_friction.maxCoeff() > 0.0;
+  const bool dry = w.dry.has_value();
+  JointVector most;  // impulses of dry friction
   if (dry) {
+    most = h * w.dry->most(state_.v, state_.q, applied_torque_);
     invert_inertia();
     w.v += w.M_inverse.lazyProduct(w.friction);
   }
@@ -411,9 +439,9 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
         change = std::max(change, std::abs(delta));
       };
       for (int j = 0; j < n && joints_act; ++j) {
-        const double bound = h * w.dry_friction[j], mobility = w.M_inverse(j, j);
+        const double mobility = w.M_inverse(j, j);
         if (dry)
-          add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -bound, bound));
+          add(j, &w.friction[j], std::clamp(w.friction[j] - w.v[j] / mobility, -most[j], most[j]));
         double sign = 1.0;
         const double gap = limit_gap(j, &sign);
         if (std::isfinite(gap))
@@ -437,6 +465,10 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   }
   cutoffs_.tip += std::any_of(touches.begin(), touches.end(),
                               [](const Mujoco::Touch& touch) { return !touch.converged; });
+  if (touches.empty()) return;
+  const Mujoco::Touch& nearest = touches.front();
+  line_.advance(settings_.tip, nearest.impulse[2] / h,
+                (nearest.J_C.lazyProduct(w.v) - nearest.canvas_velocity).head<2>().norm(), h);
 }
 
 void World::forget_touching_link() noexcept { mujoco_->link_contact->reset(); }
@@ -519,7 +551,7 @@ World::Terms World::terms() const {
   const int n = m->nv;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> M(n, n), J(6, n);
   mj_fullM(m, d, M.data());
-  M.diagonal() -= h_ * mujoco_->damping;  // the integrator's implicit part (compiled_arm.h)
+  M.diagonal() -= h_ * mujoco_->link_damping;  // the integrator's implicit part (compiled_arm.h)
   mj_jac(m, d, J.data(), J.data() + 3 * n, state_.X_WE.p.data(), mujoco_->tip_body);
   return {M, J, Eigen::Map<const Eigen::VectorXd>(d->qfrc_bias, n)};
 }

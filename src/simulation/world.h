@@ -14,6 +14,9 @@
 // (tip_touches.h), and the joints' impulses, dry friction |p_j| ≤ h τ_f and limits p_j ≥ 0, are
 // solved together (block Gauss-Seidel). Solved in sequence, the second would change the velocity
 // on which the first is based.
+//
+// With springs in the joints (joint_springs.h), τ_a is what the arm's torque loop is told, and the
+// rotors take friction, dry and viscous, and their own inertia from the links.
 #pragma once
 
 #include <filesystem>
@@ -26,9 +29,11 @@
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/canvas_motion.h"
 #include "impedraw/simulation/joint_drive.h"
+#include "impedraw/simulation/joint_springs.h"
 #include "impedraw/simulation/pad_contact.h"
 #include "impedraw/simulation/posed_body.h"
 #include "impedraw/simulation/tip_contact.h"
+#include "impedraw/simulation/tip_line.h"
 #include "impedraw/simulation/tip_touches.h"
 #include "impedraw/simulation/world_settings.h"
 
@@ -90,6 +95,13 @@ class World {
     return advance(tau, F_push_W);
   }
 
+  // What the joints' sensors see: the links, or with springs maybe the rotors [rad], [rad/s].
+  const JointVector& sensed_q() const { return read_rotors() ? springs_->theta() : state_.q; }
+  const JointVector& sensed_v() const { return read_rotors() ? springs_->theta_rate() : state_.v; }
+  // Null for rigid joints.
+  const JointSprings* springs() const { return springs_ ? &*springs_ : nullptr; }
+  const TipLine& line() const { return line_; }  // since set_state(); of a ball
+
   // Number of a link of the URDF, for push_link(); nothing for a name that it does not have.
   std::optional<int> link(const std::string& name) const;
   // True if the link is below the flange, where flange_wrench() would feel a push on it.
@@ -140,6 +152,7 @@ class World {
   const TipContact& advance(const JointVector& tau, const Vector6& F_push_W) noexcept;
   void integrate(const Vector6& F_push_W) noexcept;
   void observe() noexcept;
+  bool read_rotors() const { return springs_ && springs_->motor_side(); }
   void look_for_touching_links() noexcept;
   void find_touches() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
@@ -156,6 +169,8 @@ class World {
   TipTouches tip_touches_;
   std::optional<PadContact> pad_;
   JointDrive drive_;
+  std::optional<JointSprings> springs_;
+  TipLine line_;
   JointVector applied_torque_;
   Vector6 flange_wrench_ = Vector6::Zero();
   SolverCutoffs cutoffs_;

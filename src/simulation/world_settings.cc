@@ -45,6 +45,8 @@ void require_valid(const WrenchSensorSettings& s, double dt) {
   require_in_range("wrench_sensor", Limits::quantum_torque, s.quantum_torque);
   require_in_range("wrench_sensor", Limits::range_force, s.range_force);
   require_in_range("wrench_sensor", Limits::range_torque, s.range_torque);
+  require_in_range("wrench_sensor", Limits::gain_error, s.gain_error);
+  require_in_range("wrench_sensor", Limits::cross_talk, s.cross_talk);
   require_in_range("wrench_sensor", Limits::delay, s.delay);
   if (!(dt >= 1e-6 && std::isfinite(dt)))
     throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));

@@ -1,6 +1,6 @@
 // Settings of the simulated world, apart from what simulates: a scenario has them, and its reader
 // need not link the simulator. Each is explained where it is used: tip_contact.h, pad_contact.h,
-// joint_sensor.h, wrench_sensor.h, canvas_motion.h, world.h.
+// joint_sensor.h, joint_springs.h, wrench_sensor.h, canvas_motion.h, world.h.
 #pragma once
 
 #include <algorithm>
@@ -20,12 +20,19 @@ struct TipMaterial {
   double stiffness = 20.0e3;  // k [N/m]
   double damping = 60.0;      // b [N s/m]
   double friction = 0.3;      // μ
+  // Along the line (tip_line.h)
+  double friction_change = 0.0;   // a, a share of μ
+  double friction_length = 0.02;  // L [m]
+  double wear = 0.0;              // k, length per work of a tangential force f_n [m/(N m)]
 
   struct Limits {
     static constexpr Limit radius = {"radius", "m", {1e-5, 0.05}};
     static constexpr Limit stiffness = {"stiffness", "N/m", {10.0, 1e7}};
     static constexpr Limit damping = {"damping", "N s/m", {0.0, 1e5}};
     static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
+    static constexpr Limit friction_change = {"friction_change", "", {0.0, 1.0}};
+    static constexpr Limit friction_length = {"friction_length", "m", {1e-3, 10.0}};
+    static constexpr Limit wear = {"wear", "m/(N m)", {0.0, 0.01}};
   };
 };
 
@@ -84,6 +91,8 @@ struct WrenchSensorSettings {
   double drift_force = 0.0, drift_torque = 0.0;      // length of the vector [N/min, Nm/min]
   double quantum_force = 0.0, quantum_torque = 0.0;  // 0: continuous [N, Nm]
   double range_force = 0.0, range_torque = 0.0;      // ±; 0: no limit [N, Nm]
+  double gain_error = 0.0;                           // of each axis, up or down as the seed says
+  double cross_talk = 0.0;                           // of the other axes in each
   // rounded to samples; the first sample is read without delay [s]
   double delay = 0.0;
 
@@ -98,6 +107,8 @@ struct WrenchSensorSettings {
     static constexpr Limit quantum_torque = {"quantum_torque", "Nm", {0.0, 1.0}};
     static constexpr Limit range_force = {"range_force", "N", {0.0, 1e5}};
     static constexpr Limit range_torque = {"range_torque", "Nm", {0.0, 1e4}};
+    static constexpr Limit gain_error = {"gain_error", "", {0.0, 0.5}};
+    static constexpr Limit cross_talk = {"cross_talk", "", {0.0, 0.5}};
     static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
   };
 
@@ -172,8 +183,13 @@ struct ModelErrors {
   // True, about every joint's axis or about each, ≥ 0; empty: what the URDF says (arm_notes.h),
   // else zero [kg m²]
   std::vector<double> rotor_inertia;
-  double torque_ripple = 0.0;   // A, every joint [Nm]
-  double torque_quantum = 0.0;  // torque resolution, ≥ 0; 0: continuous [Nm]
+  // Dry friction's course (gear_friction.h)
+  double stiction = 1.0;         // at rest, a multiple of that in motion
+  double stribeck_speed = 0.02;  // to which that reaches [rad/s]
+  double load_friction = 0.0;    // more of it for each Nm that the gear carries
+  double friction_ripple = 0.0;  // a share of it
+  double torque_ripple = 0.0;    // A, every joint [Nm]
+  double torque_quantum = 0.0;   // torque resolution, ≥ 0; 0: continuous [Nm]
   // rounded to steps, at most kMostDelaySteps; the first torque acts without delay [s]
   double loop_delay = 0.0;
   // offset of the true tip E along its z from its place in the URDF [m]
@@ -184,11 +200,44 @@ struct ModelErrors {
     static constexpr Limit centre_shift = {"centre_shift", "m", {-0.2, 0.2}};
     static constexpr Limit viscous_friction = {"viscous_friction", "Nm s/rad", {0.0, 100.0}};
     static constexpr Limit rotor_inertia = {"rotor_inertia", "kg m²", {0.0, 10.0}};
+    static constexpr Limit stiction = {"stiction", "", {1.0, 10.0}};
+    static constexpr Limit stribeck_speed = {"stribeck_speed", "rad/s", {1e-4, 10.0}};
+    static constexpr Limit load_friction = {"load_friction", "", {0.0, 1.0}};
+    static constexpr Limit friction_ripple = {"friction_ripple", "", {0.0, 1.0}};
     static constexpr Limit torque_ripple = {"torque_ripple", "Nm", {0.0, 20.0}};
     static constexpr Limit torque_quantum = {"torque_quantum", "Nm", {0.0, 10.0}};
     static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.015}};
     static constexpr Limit pen_longer = {"pen_longer", "m", {-0.02, 0.02}};
   };
+};
+
+// Whose values stand where none are given: joint_springs.cc has them with their sources.
+enum class SpringsOf { none, iiwa, fr3, harmonic_drive };
+
+// Which side of the spring the joints' sensors read.
+enum class SpringSide { as_published, motor, link };
+
+struct JointSpringSettings {
+  SpringsOf arm = SpringsOf::none;
+  // Of all joints or of each; empty: as published.
+  std::vector<double> stiffness;      // K; with neither this nor `arm`, joints are rigid [Nm/rad]
+  std::vector<double> damping;        // D; empty: K · 1 ms [Nm s/rad]
+  std::vector<double> rotor_inertia;  // B [kg m²]
+  std::optional<double> loop_bandwidth;  // ω; 0: u is the motor's torque [rad/s]
+  double sensor_ripple = 0.0;            // of s: amplitude [Nm]
+  double sensor_offset = 0.0;            // of s, up and down in turn along the arm [Nm]
+  SpringSide reading = SpringSide::as_published;
+
+  struct Limits {
+    static constexpr Limit stiffness = {"stiffness", "Nm/rad", {100.0, 1e6}};
+    static constexpr Limit damping = {"damping", "Nm s/rad", {0.0, 1000.0}};
+    static constexpr Limit rotor_inertia = {"rotor_inertia", "kg m²", {1e-4, 10.0}};
+    static constexpr Limit loop_bandwidth = {"loop_bandwidth", "rad/s", {0.0, 1e4}};
+    static constexpr Limit sensor_ripple = {"sensor_ripple", "Nm", {0.0, 20.0}};
+    static constexpr Limit sensor_offset = {"sensor_offset", "Nm", {0.0, 20.0}};
+  };
+
+  bool on() const { return arm != SpringsOf::none || !stiffness.empty(); }
 };
 
 struct WorldSettings {
@@ -199,6 +248,7 @@ struct WorldSettings {
   double joint_friction = 0.0;       // dry friction, equal on every joint: ± [Nm]
   double gravity = 9.81;             // along −z [m/s²]
   ModelErrors errors;                // differences from the URDF
+  JointSpringSettings joint_spring;  // replace errors.rotor_inertia
   JointSensorSettings joint_sensor;  // read by the simulated arm
   bool flange_sensor = false;        // enables flange_wrench()
 

@@ -14,6 +14,22 @@ Vector6 both(double force, double torque) {
   return v;
 }
 
+// G, from numbers of its own: the other faults stay as they are without it.
+Eigen::Matrix<double, 6, 6> gain_of(const WrenchSensorSettings& s, std::uint64_t seed) {
+  constexpr double kRanges = 10.0;  // of force over torque [1/m]
+  SeededNormals normals(seed ^ 0x6a09e667f3bcc908u);
+  Eigen::Matrix<double, 6, 6> G = Eigen::Matrix<double, 6, 6>::Identity();
+  for (int i = 0; i < 6; ++i) {
+    G(i, i) += std::copysign(s.gain_error, normals.next());
+    Vector6 others;
+    for (int j = 0; j < 6; ++j) others[j] = j == i ? 0.0 : normals.next();
+    others *= s.cross_talk / others.norm();
+    for (int j = 0; j < 6; ++j)
+      G(i, j) += others[j] * (i / 3 == j / 3 ? 1.0 : i < 3 ? kRanges : 1.0 / kRanges);
+  }
+  return G;
+}
+
 }  // namespace
 
 WrenchSensor::WrenchSensor(const WrenchSensorSettings& s, double dt, std::uint64_t seed)
@@ -31,11 +47,12 @@ WrenchSensor::WrenchSensor(const WrenchSensorSettings& s, double dt, std::uint64
   };
   bias_ = both(s.bias_force, s.bias_torque).cwiseProduct(directions());
   drift_ = both(s.drift_force, s.drift_torque).cwiseProduct(directions()) * (dt / 60.0);
+  if (s.gain_error > 0.0 || s.cross_talk > 0.0) gain_ = gain_of(s, seed);
   under_way_.resize(static_cast<std::size_t>(std::lround(s.delay / dt)));
 }
 
 Vector6 WrenchSensor::sample(const Vector6& F) noexcept {
-  Reading now{F + bias_ + samples_ * drift_, false};
+  Reading now{(gain_ ? Vector6(*gain_ * F) : F) + bias_ + samples_ * drift_, false};
   if (noisy_) now.F += noise_.cwiseProduct(normals());
   for (int i = 0; i < 6; ++i) {
     if (range_[i] > 0.0 && std::abs(now.F[i]) >= range_[i]) {

@@ -1,14 +1,16 @@
 // Model of a six-axis force-torque sensor: readings from the exact wrench F = [f; m] in the
 // sensor's axes [N, Nm].
 //
-//   y = quantise(saturate(F + bias + drift t + noise)), delayed by `delay`
+//   y = quantise(saturate(G F + bias + drift t + noise)), delayed by `delay`
 //
 // t = 0 at the first sample. The directions of bias and drift are drawn from the seed, separately
-// for force and torque. Range and quantum apply to each axis. The same seed, settings and wrenches
+// for force and torque. G = I + E: the diagonal of E is ±gain_error, the rest of each row a vector
+// of length cross_talk in a direction from the seed, in shares of range: 10 N weigh as 1 Nm. Range and quantum apply to each axis. The same seed, settings and wrenches
 // give the same readings: the sensor does not use the standard library's distributions.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "impedraw/common/pose.h"
@@ -38,6 +40,7 @@ class WrenchSensor {
   SeededNormals normals_;
   Vector6 noise_, bias_, drift_, quantum_, range_;  // per axis; drift per sample
   bool noisy_;
+  std::optional<Eigen::Matrix<double, 6, 6>> gain_;  // G
   double samples_ = 0.0;
   std::vector<Reading> under_way_;  // ring buffer
   std::size_t oldest_ = 0;

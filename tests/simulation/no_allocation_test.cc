@@ -27,12 +27,17 @@ TEST(NoAllocation, AStepWithEveryErrorAndTheSensorsMakesNone) {
   WorldSettings settings = with({.mass_scale = 1.05,
                                  .centre_shift = 0.003,
                                  .viscous_friction = 0.5,
-                                 .rotor_inertia = {0.1},
+                                 .stiction = 1.5,
+                                 .load_friction = 0.01,
+                                 .friction_ripple = 0.1,
                                  .torque_ripple = 0.1,
                                  .torque_quantum = 0.01,
                                  .loop_delay = 2e-3,
                                  .pen_longer = 1e-3});
   settings.joint_friction = 0.5;
+  settings.joint_spring.arm = SpringsOf::iiwa;
+  settings.tip.friction_change = 0.1;
+  settings.tip.wear = 1e-4;
   settings.flange_sensor = true;
   settings.substeps = 3;
   World probe(kArm, nullptr, settings);

@@ -25,6 +25,35 @@ TEST(WrenchSensor, WithoutFaultsReadsTheWrench) {
   EXPECT_FALSE(sensor.saturated());
 }
 
+// G, read off by unit wrenches.
+TEST(WrenchSensor, GainAndCrossTalkHaveTheirSizesAndSignsFromTheSeed) {
+  WrenchSensorSettings settings;
+  settings.gain_error = 0.01;
+  settings.cross_talk = 0.02;
+  const auto gain = [&](std::uint64_t seed) {
+    WrenchSensor sensor(settings, 1e-3, seed);
+    Matrix6 G;
+    for (int i = 0; i < 6; ++i) G.col(i) = sensor.sample(Vector6::Unit(i));
+    return G;
+  };
+  const Matrix6 G = gain(1);
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(std::abs(G(i, i) - 1.0), 0.01, 1e-12);
+    Vector6 others = G.row(i);
+    others[i] = 0.0;
+    others.tail<3>() *= i < 3 ? 0.1 : 1.0;  // 10 N as 1 Nm
+    others.head<3>() *= i < 3 ? 1.0 : 10.0;
+    EXPECT_NEAR(others.norm(), 0.02, 1e-12);
+  }
+  EXPECT_EQ(G, gain(1));
+  EXPECT_GT((G - gain(2)).norm(), 1e-3);
+  // The other faults are as they were.
+  WrenchSensorSettings noisy = WrenchSensorSettings::realistic(), both = noisy;
+  both.cross_talk = 0.02;
+  WrenchSensor one(noisy, 1e-3, 5), other(both, 1e-3, 5);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(one.sample(Vector6::Zero()), other.sample(Vector6::Zero()));
+}
+
 TEST(WrenchSensor, NoiseIsWhiteNormalAndOfTheSdAskedFor) {
   WrenchSensorSettings settings;
   settings.noise_force = 0.1;

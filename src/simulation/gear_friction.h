@@ -1,0 +1,34 @@
+// Dry friction of the joints' gears, the greatest torque that each can take [Nm]:
+//
+//   τ_f = (τ_c + λ |τ|) (1 + (s − 1) exp(−(v/v_s)²)) (1 + r sin(30 q + φ_j))
+//
+// τ_c: Coulomb friction; λ: load_friction; s: stiction, v_s: stribeck_speed (Stribeck's curve);
+// r: friction_ripple, with the periods of the torque's ripple; τ: the load of the gear. Viscous
+// friction stands beside it (ModelErrors).
+#pragma once
+
+#include "impedraw/control/arm_terms.h"
+#include "impedraw/simulation/world_settings.h"
+
+namespace impedraw {
+
+class GearFriction {
+ public:
+  // coulomb: τ_c of each joint [Nm].
+  GearFriction(const ModelErrors& errors, const JointVector& coulomb)
+      : errors_(errors), coulomb_(coulomb) {}
+
+  bool acts() const { return coulomb_.maxCoeff() > 0.0 || errors_.load_friction > 0.0; }
+
+  JointVector most(const JointVector& v, const JointVector& q,
+                   const JointVector& load) const noexcept;
+
+  // φ_j: unlike that of the torque's ripple (joint_drive.cc).
+  static double phase(Eigen::Index j);
+
+ private:
+  ModelErrors errors_;
+  JointVector coulomb_;
+};
+
+}  // namespace impedraw
