@@ -1,7 +1,8 @@
 """What ./impedraw reach draws and draws on that no package ships: made here, by these few lines.
 
-Writes, into this folder, hilbert.strokes, spiral.csv and flower_tile.obj, and into artwork/ leaf.svg, compass.svg and island.svg. Run it
-again after a change: `python3 tests/data/make_reach_data.py`. The standard library is all it needs.
+Writes, into this folder, hilbert.strokes, spiral.csv and flower_tile.obj, and into artwork/ leaf.svg, compass.svg, island.svg and
+calligraphy.csv. Run it again after a change: `python3 tests/data/make_reach_data.py`. It needs the standard library, and Debian's
+hershey-fonts-data.
 """
 
 import math
@@ -122,8 +123,49 @@ def write_island():
     svg("island.svg", "A map of an island that there is not, in five layers.", body + "</g>\n")
 
 
+def hershey(font, letter):
+    """Left end, right end and strokes of a letter, y down, in the units of the font."""
+    records = Path(f"/usr/share/hershey-fonts/{font}.jhf").read_text().splitlines()
+    record = records[ord(letter) - 32]
+    left, right = (ord(c) - ord("R") for c in record[8:10])
+    points = record[10:]
+    strokes = [[(ord(s[i]) - ord("R"), ord(s[i + 1]) - ord("R")) for i in range(0, len(s) - 1, 2)] for s in points.split(" R")]
+    return left, right, [s for s in strokes if len(s) > 1]
+
+
+def rounded(points, pieces=6):
+    """Catmull and Rom's curve through the points."""
+    ends = [points[0], *points, points[-1]]
+    yield points[0]
+    for p0, p1, p2, p3 in zip(ends, ends[1:], ends[2:], ends[3:]):
+        for i in range(1, pieces + 1):
+            t = i / pieces
+            yield tuple(
+                0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t * t + (3 * b - a - 3 * c + d) * t**3)
+                for a, b, c, d in zip(p0, p1, p2, p3))
+
+
+def write_calligraphy():
+    """Two lines of handwriting as a broad nib writes them: held at 40°, it draws wide down to the right and thin up to the right."""
+    rows, stroke = [], 0
+    for line, text in enumerate(("drawn by", "an arm")):
+        letters = [hershey("scripts", c) for c in text]
+        x = -sum(right - left for left, right, _ in letters) / 2
+        for left, right, strokes in letters:
+            for points in strokes:
+                curve = list(rounded(points))
+                for i, (px, py) in enumerate(curve):
+                    a, b = curve[max(i - 1, 0)], curve[min(i + 1, len(curve) - 1)]
+                    nib = abs(math.sin(math.atan2(a[1] - b[1], b[0] - a[0]) - math.radians(40)))
+                    rows.append(f"{stroke},{px + x - left:.2f},{py + 30 * line:.2f},{0.2 + 0.6 * nib:.2f}")
+                stroke += 1
+            x += right - left
+    (ARTWORK / "calligraphy.csv").write_text(f"# Handwriting with the widths of a broad nib. {LICENCE}\nstroke,x,y,width\n" + "\n".join(rows) + "\n")
+
+
 write_hilbert()
 write_spiral()
+write_calligraphy()
 write_tile()
 write_leaf()
 write_compass()

@@ -153,6 +153,20 @@ TEST(MetricsSummary, SaysHowMuchWasDrawn) {
                     HasSubstr("finished"), HasSubstr("5 ± 0 N")));
 }
 
+// A force that is asked to vary is told by its error, not by its spread.
+TEST(MetricsSummary, TellsTheErrorOfAForceThatVaries) {
+  MadeUp made = run_with({});
+  for (std::size_t i = 900; i < 2100; ++i) {
+    made.push[i] = i < 1500 ? 3.0 : 6.0;
+    made.contact_force[i].z() = made.push[i] + 0.1;
+  }
+  RunData run;
+  static_cast<RunConstants&>(run) = made;
+  add_rows(made, &run);
+  EXPECT_THAT(metrics_summary(compute_metrics(run)),
+              HasSubstr("N on average, 0.1 N RMS from the force asked for"));
+}
+
 // A pen that is up and is hit.
 TEST(Metrics, LargestContactForceCountsAllRows) {
   MadeUp run = plain_run();
