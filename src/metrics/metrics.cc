@@ -220,10 +220,9 @@ void angles(const RunData& run, Metrics& m) {
 // The canvas of the log, made where a metric needs it.
 class LoggedCanvas {
  public:
-  LoggedCanvas(const RunData& run, const Canvas* made) : run_(run), made_(made) {}
+  explicit LoggedCanvas(const RunData& run) : run_(run) {}
   // Throws InputError where the log holds none, or a faulty one.
   const Canvas& get() {
-    if (made_) return *made_;
     if (!canvas_) {
       if (run_.canvas_triangles.empty()) throw InputError("the log holds no canvas");
       canvas_.emplace(TriangleMesh{run_.canvas_vertices, run_.canvas_triangles});
@@ -233,7 +232,6 @@ class LoggedCanvas {
 
  private:
   const RunData& run_;
-  const Canvas* made_;
   std::optional<Canvas> canvas_;
 };
 
@@ -388,10 +386,6 @@ void step_time(const RunData& run, Metrics& m) {
 Metrics compute_metrics(const RunData& run) { return compute_metrics(run, match_ink(run)); }
 
 Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
-  return compute_metrics(run, drawn, nullptr);
-}
-
-Metrics compute_metrics(const RunData& run, const InkMatch& drawn, const Canvas* made) {
   Metrics m;
   m.ending = read_ending(run.attributes);
   contact(run, drawn, m);
@@ -402,7 +396,7 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn, const Canvas*
   force(run, drawn, m);
   angles(run, m);
   const std::optional<Promise> promise = read_promise(run.attributes);
-  LoggedCanvas canvas(run, made);
+  LoggedCanvas canvas(run);
   cloud(run, canvas, m);
   gentle_ink(run, drawn, promise, canvas, m);
   promised(run, promise, m);

@@ -78,8 +78,6 @@ struct Metrics {
   WallTimes wall;
 };
 
-class Canvas;
-
 struct MetricDefinition {
   const char* name;
   const char* unit;  // "1": dimensionless
@@ -92,8 +90,6 @@ const std::vector<MetricDefinition>& metric_definitions();
 
 Metrics compute_metrics(const RunData& run);
 Metrics compute_metrics(const RunData& run, const InkMatch& drawn);  // `drawn` = match_ink(run)
-// canvas: of the log's mesh, where it is at hand; null: it is made.
-Metrics compute_metrics(const RunData& run, const InkMatch& drawn, const Canvas* canvas);
 
 nlohmann::ordered_json metrics_json(const Metrics& metrics);  // content of metrics.json
 std::string metrics_table(const Metrics& metrics);            // for the terminal

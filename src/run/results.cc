@@ -37,8 +37,7 @@ std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::pat
 }  // namespace
 
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork, const std::function<void()>& check,
-                      const Canvas* canvas) {
+                      const PlacedArtwork& artwork, const std::function<void()>& check) {
   const auto step = [&check] {
     if (check) check();
   };
@@ -65,7 +64,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     write_ink_top(run, drawn, folder / "ink_top", picture);
     write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
   });
-  Metrics metrics = compute_metrics(run, drawn, canvas);
+  Metrics metrics = compute_metrics(run, drawn);
   if (std::filesystem::exists(folder / kIncidentFile)) metrics.ending.incident = kIncidentFile;
   write_whole(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
   step();

@@ -13,10 +13,9 @@ namespace impedraw {
 
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5.
 // The pictures are views along the artwork's drawing axis. `check` is called now and then; what it
-// throws ends the work. canvas: that of the log, if it is at hand. Returns the metrics.
+// throws ends the work. Returns the metrics.
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork, const std::function<void()>& check = {},
-                      const Canvas* canvas = nullptr);
+                      const PlacedArtwork& artwork, const std::function<void()>& check = {});
 
 // The command that draws the run in a folder again.
 std::string draw_again(const std::filesystem::path& folder);

@@ -21,6 +21,9 @@
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
+#include "impedraw/simulation/joint_sensor.h"
+#include "impedraw/simulation/world.h"
+#include "impedraw/simulation/wrench_sensor.h"
 
 namespace impedraw {
 namespace {
