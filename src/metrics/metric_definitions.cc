@@ -164,10 +164,12 @@ std::string metrics_summary(const Metrics& m) {
     return fmt::format("{:.2g} mm RMS, {:.2g} mm at most", rms, m.ink_error_max.or_nan());
   });
   row("force", m.force_mean, [&](double mean) {
-    // About a constant force the error is no smaller than the standard deviation: here the force that was asked for varied.
+    // About a constant force the error is no smaller than the standard deviation: where it is, the
+    // force that was asked for varied.
     const double sd = m.force_sd.or_nan(), error = m.force_rms_error.or_nan();
     return error < 0.99 * sd
-               ? fmt::format("{:.3g} N on average, {:.2g} N RMS from the force asked for", mean, error)
+               ? fmt::format("{:.3g} N on average, {:.2g} N RMS from the force asked for", mean,
+                             error)
                : fmt::format("{:.3g} ± {:.2g} N", mean, sd);
   });
   row("coverage", m.coverage,
