@@ -13,6 +13,7 @@
 #include "impedraw/experiment/canvas_settings.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/settings/yaml_read.h"
+#include "impedraw/simulation/joint_sensor.h"
 #include "impedraw/simulation/world.h"
 #include "module.h"
 #include "record.h"

@@ -21,6 +21,9 @@
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
+#include "impedraw/simulation/joint_sensor.h"
+#include "impedraw/simulation/world.h"
+#include "impedraw/simulation/wrench_sensor.h"
 
 namespace impedraw {
 namespace {
@@ -195,6 +198,9 @@ void check_perception(const PerceptionSettings& s) {
 void check_control(const Scenario& s) {
   const ControlSettings& c = s.control;
   ImpedanceSettings settings = c;
+  settings.friction.normal_error_deg = c.normal_error_deg.value_or(0.0);
+  settings.felt_normal = {c.felt_normal.share.value_or(0.0), c.felt_normal.deviation,
+                          c.felt_normal.force_error};
   settings.limits.torque = Eigen::VectorXd::Constant(7, 100.0 * c.torque_share);
   settings.limits.torque_rate = Eigen::VectorXd::Constant(7, c.torque_rate);
   if (!c.null_stiffness.empty())
