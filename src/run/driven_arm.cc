@@ -1,5 +1,6 @@
 #include "impedraw/run/driven_arm.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "impedraw/run/log_row.h"
@@ -31,11 +32,19 @@ void note_slow_velocity(const JointStateEstimator& estimator, double asked,
   *slowest = SlowVelocity{bandwidth, noise, joint};
 }
 
-Eigen::Vector3d middle_of(const TargetLine& target) {
+// Of what is drawn, as planned [m].
+Eigen::Vector3d middle_of(const TipPath& path) {
+  constexpr double kStep = 0.02;  // [s]
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : target.points) sum += p;
-  return target.points.empty() ? sum
-                               : Eigen::Vector3d(sum / static_cast<double>(target.points.size()));
+  double length = 0.0;
+  for (const StrokeTimes& stroke : path.strokes())
+    for (double t = stroke.start; t < stroke.end; t += kStep) {
+      const Eigen::Vector3d from = path.at(t).reference.p_WD,
+                            to = path.at(std::min(t + kStep, stroke.end)).reference.p_WD;
+      sum += (to - from).norm() * (from + to) / 2.0;
+      length += (to - from).norm();
+    }
+  return length > 0.0 ? Eigen::Vector3d(sum / length) : sum;
 }
 
 // The ink lies where it should, as far as the arm knows.
@@ -69,7 +78,7 @@ DrivenArm::DrivenArm(const Experiment& e, Driver& driver, const std::filesystem:
       started_(driver),
       state_(&driver.read()),
       row_(e.belief.arm.joints()),
-      history_(middle_of(e.yardstick.target)) {
+      history_(middle_of(e.plan.path)) {
   out_.tau = JointVector::Zero(e.belief.arm.joints());
   out_.terms.setZero(e.belief.arm.joints(), kTorqueTerms);
   record_.not_real_time = real_time_.lacks();

@@ -203,6 +203,9 @@ void check_perception(const PerceptionSettings& s) {
 void check_control(const Scenario& s) {
   const ControlSettings& c = s.control;
   ImpedanceSettings settings = c;
+  settings.friction.normal_error_deg = c.normal_error_deg.value_or(0.0);
+  settings.felt_normal = {c.felt_normal.share.value_or(0.0), c.felt_normal.deviation,
+                          c.felt_normal.force_error};
   settings.limits.torque = Eigen::VectorXd::Constant(7, 100.0 * c.torque_share);
   settings.limits.torque_rate = Eigen::VectorXd::Constant(7, c.torque_rate);
   if (!c.null_stiffness.empty())

@@ -1,0 +1,139 @@
+// The settings of a scenario under `perception`.
+#include "impedraw/experiment/scenario.h"
+
+namespace impedraw {
+
+void describe(Fields& f, CameraSettings& s) {
+  using Limits = CameraSettings::Limits;
+  f.field(Limits::position, s.p_WC, "Position of the pinhole.");
+  f.field(Limits::target, s.target_W, "Point in the middle of the image.");
+  f.field(Limits::width, s.width, "Width of the image.");
+  f.field(Limits::height, s.height, "Height of the image.");
+  f.field(Limits::fov_y, s.fov_y_deg, "Vertical field of view.");
+}
+
+void describe(Fields& f, DepthNoise& s) {
+  f.field(DepthNoise::Limits::sigma_at_1m, s.sigma_at_1m,
+          "Standard deviation of the depth at 1 m; it grows with depth². A real camera has 0.001.");
+  f.field(DepthNoise::Limits::quantum_at_1m, s.quantum_at_1m,
+          "Resolution of the depth at 1 m; it grows with depth². 0: continuous.");
+}
+
+void describe(Fields& f, CameraErrors& s) {
+  f.field(CameraErrors::Limits::shift, s.shift,
+          "Distance of each true camera from where it is believed to be. Its direction comes from "
+          "the seed.");
+  f.field(
+      CameraErrors::Limits::turn, s.turn_deg,
+      "Angle of each true camera to how it is believed to stand. Its axis comes from the seed.");
+  f.field(CameraErrors::Limits::depth_scale, s.depth_scale,
+          "Relative error of every depth: 0.01 reads 1 % too far.");
+  f.field(CameraErrors::Limits::time_stamp, s.time_stamp,
+          "How much later than its exposure a frame's time stamp is.");
+}
+
+void describe(Fields& f, NormalSettings& s) {
+  using Limits = NormalSettings::Limits;
+  f.choice("mode", s.mode,
+           {{"fresh", NormalMode::fresh}, {"interpolated", NormalMode::interpolated}},
+           "Whether the normal is fitted anew at each step or interpolated between normals fitted "
+           "once.");
+  f.field(Limits::k, s.k, "Number of nearest neighbours, equation (18).");
+  f.field(Limits::max_radius, s.max_radius, "Largest distance of a neighbour from the query.");
+  f.choice("weighting", s.weighting,
+           {{"uniform", NeighbourWeighting::uniform}, {"smooth", NeighbourWeighting::smooth}},
+           "Weights of the neighbours: all equal, as in the paper, or fading out with distance.");
+  f.choice("fit", s.fit, {{"plane", SurfaceFit::plane}, {"quadric", SurfaceFit::quadric}},
+           "Surface fitted through the neighbours: a plane, as in the paper, or a quadric.");
+  f.field(Limits::max_one_sidedness, s.max_one_sidedness,
+          "One-sidedness of the neighbours above which the tip is taken to be off the cloud's "
+          "edge.");
+}
+
+void describe(Fields& f, FrameSettings& s) {
+  using Limits = FrameSettings::Limits;
+  f.field("enabled", s.enabled, "Cameras keep capturing; off: one snapshot before drawing.");
+  f.field(Limits::rate, s.rate, "Frames of each camera in a second.");
+  f.field(Limits::latency, s.latency, "Mean time from a frame's exposure to its use.");
+  f.field(Limits::latency_jitter, s.latency_jitter, "Standard deviation of that time.");
+  f.field(Limits::drop, s.drop, "Share of the frames that never arrive.");
+  f.field(
+      Limits::stamp_error, s.stamp_error,
+      "Subtracted from a frame's time stamp to have its exposure; ./impedraw arm camera-latency "
+      "finds it.");
+  f.field("prediction", s.prediction,
+          "Predicts the canvas's pose from the last frame to the present; off: to see its worth.");
+  f.field("feedforward", s.feedforward,
+          "Feeds the canvas's velocity and acceleration forward; off: to see their worth.");
+  f.field("wait_for_rest", s.wait_for_rest,
+          "For a canvas that is moved by hand between strokes: while it moves, the pen waits above "
+          "it and the plan's clock stands.");
+  f.field(Limits::skew, s.skew, "Time from one camera's exposure to the next one's.");
+  f.field("depth", s.depth,
+          "Frames carry depths, by which the canvas's own shape tells where it is; off: marks "
+          "alone do.");
+  f.field(Limits::depth_every, s.depth_every, "Every how many-th frame carries depths.");
+  f.field("grow_surface", s.grow_surface,
+          "Depths improve the surface under the pen; off: it stays as the snapshot saw it.");
+  f.field("region_of_interest", s.region_of_interest,
+          "A simulator casts only the rays of a frame that may meet the canvas; off: every pixel. "
+          "The images are the same.");
+  f.field(Limits::width, s.width, "Width of a frame.");
+  f.field(Limits::height, s.height, "Height of a frame.");
+}
+
+void describe(Fields& f, Fiducial& s) {
+  f.field(Fiducial::Limits::position, s.p_K, "Position, while the canvas has not moved.");
+}
+
+void describe(Fields& f, FiducialSettings& s) {
+  f.field("points", s.points, "Marks on the canvas's frame.");
+  f.field(FiducialSettings::Limits::noise, s.noise,
+          "Standard deviation of each axis of a mark's position in one frame of one camera.");
+}
+
+void describe(Fields& f, PerceptionSettings& s) {
+  using Limits = PerceptionSettings::Limits;
+  f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
+  f.choice("source", s.source,
+           {{"simulated", PerceptionSource::simulated},
+            {"capture", PerceptionSource::capture},
+            {"cloud", PerceptionSource::cloud}},
+           "What the cloud is made from. simulated: images rendered of the canvas; capture: the "
+           "depth images in perception.capture; cloud: the points in perception.cloud.");
+  f.for_users();
+  f.field("capture", s.capture, "Folder with capture.json and depth images, for source: capture.");
+  f.for_users();
+  f.field("cloud", s.cloud, "File with points in W, in m, .ply, .pcd or .xyz, for source: cloud.");
+  f.for_users();
+  f.field(Limits::viewpoint, s.viewpoint,
+          "Whence the points of the cloud were seen, x, y, z of one place or of several; empty: as "
+          "the file says, or from above.");
+  f.field("align", s.align, "Puts the views of a capture onto each other.");
+  f.field("find_canvas", s.find_canvas,
+          "Leaves out of a capture or a cloud the table, and objects that the drawing does not lie "
+          "on.");
+  f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
+  f.field("noise", s.noise, "Noise of the depth.");
+  f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");
+  f.field(Limits::voxel, s.voxel,
+          "Side of the cubes in which points are averaged; 0: every point is kept.");
+  f.field("adapt", s.adapt,
+          "Uses smaller patches, down to a quarter, where the surface is rougher than noise "
+          "explains.");
+  f.field(Limits::self_padding, s.self_padding,
+          "Distance from the arm below which points are removed.");
+  f.field(Limits::region_lower, s.region_lower, "Lower corner of the region of interest.");
+  f.field(Limits::region_upper, s.region_upper, "Upper corner of the region of interest.");
+  f.field("normals", s.normals, "Surface normals from the cloud, equations (18) and (19).");
+  f.field("frames", s.frames, "Frames of cameras that keep capturing.");
+  f.field("fiducials", s.fiducials, "Marks that tell where the canvas is.");
+  f.field(Limits::watch, s.watch,
+          "Time for which the arm watches the canvas before the first stroke.");
+  f.choice("canvas_pose", s.canvas_pose,
+           {{"tracked", CanvasPoseSource::tracked}, {"true", CanvasPoseSource::truth}},
+           "Where the pose of a moving canvas comes from. tracked: the frames; true: the "
+           "simulator, to judge the controller alone.");
+}
+
+}  // namespace impedraw
