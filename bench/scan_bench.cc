@@ -19,6 +19,7 @@
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/settings/yaml_read.h"
 #include "processor_time.h"
+#include "scan_bench.h"
 
 namespace impedraw {
 namespace {
@@ -45,7 +46,9 @@ std::filesystem::path scan() {
   return file;
 }
 
-const Scenario& scenario() {
+}  // namespace
+
+const Scenario& scan_scenario() {
   static const Scenario made = [] {
     DrawOptions options;
     options.svg = std::string(IMPEDRAW_ROOT) + "/artwork/koi.svg";
@@ -56,10 +59,12 @@ const Scenario& scenario() {
   return made;
 }
 
+namespace {
+
 void BM_scan_plan(benchmark::State& state) {
   for (auto _ : state) {
     const double before = processor_seconds();
-    const PreparedPlan e = prepare_plan(scenario(), {}, Unreachable::tell);
+    const PreparedPlan e = prepare_plan(scan_scenario(), {}, Unreachable::tell);
     state.SetIterationTime(processor_seconds() - before);
     state.counters["line_m"] = plane_length(e.plan.requested);
   }
@@ -68,7 +73,7 @@ void BM_scan_plan(benchmark::State& state) {
 void BM_scan_place(benchmark::State& state) {
   for (auto _ : state) {
     const double before = processor_seconds();
-    benchmark::DoNotOptimize(place_automatically(scenario(), {}).margin);
+    benchmark::DoNotOptimize(place_automatically(scan_scenario(), {}).margin);
     state.SetIterationTime(processor_seconds() - before);
   }
 }
@@ -76,7 +81,7 @@ void BM_scan_place(benchmark::State& state) {
 // Reach, slope, edge and size of the drawing, moved by up to 20 mm over a surface that has been
 // planned on. The repetitions are placements.
 void BM_scan_quick(benchmark::State& state) {
-  static PreparedPlan e = prepare_plan(scenario(), {}, Unreachable::tell);
+  static PreparedPlan e = prepare_plan(scan_scenario(), {}, Unreachable::tell);
   static int placement = 0;
   for (auto _ : state) {
     const double turn = 2.4 * ++placement;

@@ -105,7 +105,7 @@ struct LogFile::Deflater {
 
 // About the last five bytes of a double are noise, on which deflate would spend nearly all its time
 // with little gain. Such planes go into deflate's stored blocks, which any reader understands; the
-// others are compressed. This is seven times as fast, and the file is an eighth larger.
+// others are compressed. This takes a third of the time, and 5 % more room.
 std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
   constexpr double kNoise = 6.5;  // [bits per byte]
   z_stream& stream = deflater_->stream;

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <random>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "impedraw/perception/cube_set.h"
+#include "impedraw/perception/normals.h"
 #include "impedraw/perception/recent_neighbours.h"
 
 namespace impedraw {
@@ -127,6 +129,38 @@ TEST(RecentNeighbours, AreThoseOfTheTree) {
       }
     }
   }
+}
+
+// Over ground that asks for finer clouds in part.
+TEST(RecentNeighbours, GiveTheSameSurface) {
+  const auto cloud_of = [](double spacing) {
+    PointCloud cloud;
+    cloud.eyes.emplace_back(0.1, 0.05, 0.8);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> uniform(-0.2, 0.2);
+    for (double x = 0.0; x < 0.2; x += spacing)
+      for (double y = 0.0; y < 0.1; y += spacing) {
+        const double u = x + spacing * uniform(random), v = y + spacing * uniform(random);
+        cloud.points.emplace_back(u, v, u < 0.1 ? 0.0 : 2e-3 * std::sin(300.0 * u));
+        cloud.camera.push_back(0);
+      }
+    return cloud;
+  };
+  FinerClouds finer{cloud_of(2e-3), cloud_of(1e-3)};
+  const SurfaceEstimator surface(cloud_of(4e-3), {}, std::move(finer));
+  RecentSurface recent;
+  int fine = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Vector3d p(0.02 + 1e-4 * i, 0.05 + 0.02 * std::sin(0.01 * i), 1e-3 * std::sin(0.1 * i));
+    const SurfaceEstimate expected = surface.estimate(p), found = surface.estimate(p, &recent);
+    fine += surface.finer_share(p) > 0.5;
+    ASSERT_EQ(found.status, expected.status) << i;
+    if (found.status != SurfaceStatus::ok) continue;
+    EXPECT_LT((found.n_W - expected.n_W).norm(), 1e-9) << i;
+    EXPECT_NEAR(found.distance, expected.distance, 1e-12) << i;
+  }
+  EXPECT_GT(fine, 100);
+  EXPECT_LT(fine, 1400);
 }
 
 TEST(CubeSet, HasWhatWasPutIn) {
