@@ -31,13 +31,17 @@ TEST(ThinThings, ASheetBesideThePenDoesNotPushIt) {
   EXPECT_EQ(f["coverage"], 1.0);
 }
 
-// Six wires of 0.2 mm, 1 mm above a plate. The run ended and blamed the contact's stiffness.
-TEST(ThinThings, ThePartOnWiresIsGivenUpAndTheRestDrawn) {
-  const Figures f = hello_on("wires.obj");
-  EXPECT_GT(f["coverage"], 0.93);
-  EXPECT_LT(f["force_sd"], 0.4);
-  EXPECT_LT(highest(f), 20.0);
-  EXPECT_FALSE(f.outcome.lacking.empty());
+// Wires of 0.2 mm, 1 mm above a plate: the ball meets them and the plate at a time. The run ended
+// and blamed the contact's stiffness; solved as one contact, six pressed the ball with 18 N.
+TEST(ThinThings, WiresAndTheGroundBeneathThemBearTheTipTogether) {
+  const Figures two = hello_on("wires2.obj");
+  EXPECT_GT(two["coverage"], 0.98);
+  EXPECT_LT(highest(two), 9.0);
+  EXPECT_LT(two["touchdown_peak"], 8.0);
+  const Figures six = hello_on("wires.obj");
+  EXPECT_GT(six["coverage"], 0.93);
+  EXPECT_LT(six["force_sd"], 0.7);
+  EXPECT_LT(highest(six), 14.0);
 }
 
 // One wire 12 mm above the plate, which the pen's shaft met: the run ended there.
