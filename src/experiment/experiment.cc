@@ -65,8 +65,8 @@ ControlSetup control_for(PlannedDrawing* drawing, const Places& places) {
   const SettingErrors setting_errors(places);
   ControlSetup control =
       make_control_setup(drawing->scenario, drawing->scene, drawing->plan, setting_errors);
-  bear_joint_springs(drawing->scenario, drawing->scene.arm, drawing->plan.rest_q, &control,
-                     &drawing->plan.notes, setting_errors);
+  bear_joint_springs(drawing->scenario, drawing->scene.arm, drawing->scene.start_q,
+                     drawing->plan.rest_q, &control, &drawing->plan.notes, setting_errors);
   check_rotors(drawing->scenario, control, drawing->scene.arm, drawing->plan.rest_q,
                &drawing->plan.notes, setting_errors);
   return control;

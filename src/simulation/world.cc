@@ -437,6 +437,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   cutoffs_.tip += !tip_converged;
   if (!contact_.touching) return;
   contact_.f_W = R_WC * tip_impulse / h;
+  if (settings_.tip.friction_change == 0.0 && settings_.tip.wear == 0.0) return;
   line_.advance(settings_.tip, tip_impulse[2] / h,
                 (J_C.lazyProduct(w.v) - canvas_velocity).head<2>().norm(), h);
 }
