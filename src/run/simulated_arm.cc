@@ -82,7 +82,8 @@ const ArmState& SimulatedArm::read() noexcept {
 }
 
 void SimulatedArm::read_joints(const WorldState& now) noexcept {
-  const JointReading* read = joint_sensor_ ? &joint_sensor_->sample(world_.sensed_q(), world_.sensed_v()) : nullptr;
+  const JointReading* read =
+      joint_sensor_ ? &joint_sensor_->sample(world_.sensed_q(), world_.sensed_v()) : nullptr;
   const auto acts = [&](FaultKind kind) { return disturbances_.fault(kind, now.time); };
   if (!acts(FaultKind::stale_state)) {
     state_.state_time = now.time;
