@@ -64,8 +64,6 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   if (s.arm.driver != ArmDriver::sim)
     settings.timing.loop_delay =
         std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
-  if (s.arm.torque_bandwidth > 0.0)  // what the law commands, the joints have later
-    settings.timing.loop_delay += 2.0 * JointSprings::kLoopDamping / s.arm.torque_bandwidth;
   if (const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force)) {
     // Its face lies on the surface at E, and it is softer than a pen.
     settings.tip = {0.0, 0.0};

@@ -17,8 +17,8 @@ ControlSetup control_for(PlannedDrawing* drawing, const Places& places) {
   const SettingErrors setting_errors(places);
   ControlSetup control =
       make_control_setup(drawing->scenario, drawing->belief, drawing->plan, setting_errors);
-  bear_joint_springs(drawing->scenario, drawing->belief.arm, drawing->plan.rest_q, &control,
-                     &drawing->plan.notes, setting_errors);
+  bear_joint_springs(drawing->scenario, drawing->belief.arm, drawing->belief.start_q,
+                     drawing->plan.rest_q, &control, &drawing->plan.notes, setting_errors);
   check_rotors(drawing->scenario, control, drawing->belief.arm, drawing->plan.rest_q,
                &drawing->plan.notes, setting_errors);
   return control;

@@ -16,6 +16,7 @@ namespace impedraw {
 namespace {
 
 constexpr double kHeight = 5e-4;       // of the tip above the plane at first [m]
+constexpr double kLifted = 0.1;        // and of a pen that is to hang there [m]
 constexpr double kSettled = 0.6;       // then the kick [s]
 constexpr double kTime = 0.8;          // after it [s]
 constexpr double kWindow = 0.1;        // at both ends of it [s]
@@ -49,9 +50,9 @@ double kick_left(const RotorRehearsal& rehearsal, ArmModel arm, const Eigen::Vec
   TipReference reference;
   reference.n_WD = -truth.X_WE.R.col(2);
   const Eigen::Vector3d n_W = reference.n_WD;
-  const Eigen::Vector3d p_WS = truth.X_WE.p - kHeight * n_W;
-  reference.p_WD = p_WS;
-  reference.pen_down = true;
+  const Eigen::Vector3d p_WS = truth.X_WE.p - (rehearsal.lifted ? kLifted : kHeight) * n_W;
+  reference.p_WD = rehearsal.lifted ? truth.X_WE.p : p_WS;
+  reference.pen_down = !rehearsal.lifted;
   SurfaceEstimate surface{SurfaceStatus::ok, n_W, 0.0};
   const double k =
       s.tip.stiffness > 0.0 ? s.tip.stiffness : s.stability_check.contact_stiffness_max;

@@ -23,6 +23,7 @@ struct RotorRehearsal {
   JointVector q;       // where the pen is on the drawing [rad]
   double delay = 0.0;  // of the torque [s]
   JointSpringSettings springs{};
+  bool lifted = false;  // the pen hangs in the air
 };
 
 inline constexpr double kMostLeft = 0.7;

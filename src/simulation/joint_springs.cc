@@ -22,15 +22,17 @@ struct Published {
   bool motor_side;
 };
 
+// Papers and catalogues are quoted from memory; docs/arm-springs.md says what was read again.
+//
 // iiwa. Rotors: motor inertias of the KUKA LWR over its gears, Jubien, Gautier and Janot, Dynamic
 //   Identification of the Kuka LWR Robot Using Motor Torques and Joint Torque Sensors Data, IFAC
 //   World Congress (2014). Stiffness: the order of 10 kNm/rad of the DLR-KUKA LWR, Albu-Schäffer,
 //   Ott and Hirzinger, A Unified Passivity-based Control Framework, IJRR 26 (2007); one figure for
 //   all joints is assumed. Loop: assumed. Sensors on both sides (KUKA, LBR iiwa's specification);
 //   the link's are read.
-// FR3. Rotors: armature of mujoco_menagerie's franka_fr3, 0.195 and 0.074. Stiffness: K_1 of
-//   Harmonic Drive's sizes 20 and 14, which are assumed. Loop: assumed. libfranka's q is the link's
-//   position beside theta, the motor's.
+// FR3. Rotors: armature of mujoco_menagerie's franka_fr3_v2. Stiffness: K_1 of Harmonic Drive's
+//   sizes 20 and 14, which are assumed. Loop: assumed. libfranka's q is the link's position beside
+//   theta, the motor's.
 // harmonic_drive. A cobot with gears of 100 : 1, sizes 25 and 14, and no torque sensor. Stiffness:
 //   K_1, for small torques, in Harmonic Drive's catalogue of CSG gears. Rotors: twice the wave
 //   generator's inertia there, 0.413 and 0.033 kg cm², the motor being assumed as large.
@@ -41,11 +43,7 @@ Published published(SpringsOf arm, int joints) {
     case SpringsOf::iiwa:
       return {"iiwa", {1e4}, {3.19, 3.05, 1.98, 2.05, 0.787, 0.391, 0.394}, 200.0, false};
     case SpringsOf::fr3:
-      return {"fr3",
-              {1.6e4, 1.6e4, 1.6e4, 1.6e4, 4.7e3, 4.7e3, 4.7e3},
-              {0.195, 0.195, 0.195, 0.195, 0.074, 0.074, 0.074},
-              400.0,
-              false};
+      return {"fr3", {1.6e4, 1.6e4, 1.6e4, 1.6e4, 4.7e3, 4.7e3, 4.7e3}, {0.195}, 400.0, false};
     case SpringsOf::harmonic_drive: {
       Published cobot{"harmonic_drive", {}, {}, 0.0, true};
       for (int j = 0; j < joints; ++j) {

@@ -8,8 +8,9 @@
 //   loop    τ_m = s + (B/B_θ) (u − s − (2ζ/ω) ṡ),  B_θ = K/ω² ≤ B,  u: the commanded torque
 //
 // With the link held and D = 0, the loop is τ_J/u = ω²/(s² + 2ζω s + ω²). What it leaves of the
-// rotor is the inertia B_θ, and of the gear's friction the share B_θ/B: Ott, Albu-Schäffer, Kugi and
-// Hirzinger, On the Passivity-Based Impedance Control of Flexible Joint Robots, IEEE T-RO 24 (2008).
+// rotor is the inertia B_θ, and of the gear's friction the share B_θ/B: Ott, Albu-Schäffer, Kugi
+// and Hirzinger, On the Passivity-Based Impedance Control of Flexible Joint Robots, IEEE T-RO 24
+// (2008).
 // A loop that is slower than √(K/B) leaves B as it is.
 //
 // One step of h

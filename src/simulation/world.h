@@ -100,7 +100,7 @@ class World {
   const JointVector& sensed_v() const { return read_rotors() ? springs_->theta_rate() : state_.v; }
   // Null for rigid joints.
   const JointSprings* springs() const { return springs_ ? &*springs_ : nullptr; }
-  const TipLine& line() const { return line_; }  // since set_state(); of a ball
+  const TipLine& line() const { return line_; }  // since set_state(), where it matters
 
   // Number of a link of the URDF, for push_link(); nothing for a name that it does not have.
   std::optional<int> link(const std::string& name) const;

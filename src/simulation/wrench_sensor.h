@@ -5,8 +5,9 @@
 //
 // t = 0 at the first sample. The directions of bias and drift are drawn from the seed, separately
 // for force and torque. G = I + E: the diagonal of E is ±gain_error, the rest of each row a vector
-// of length cross_talk in a direction from the seed, in shares of range: 10 N weigh as 1 Nm. Range and quantum apply to each axis. The same seed, settings and wrenches
-// give the same readings: the sensor does not use the standard library's distributions.
+// of length cross_talk in a direction from the seed, in shares of range: 10 N weigh as 1 Nm.
+// Range and quantum apply to each axis. The same seed, settings and wrenches give the same
+// readings: the sensor does not use the standard library's distributions.
 #pragma once
 
 #include <cstdint>

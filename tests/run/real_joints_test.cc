@@ -200,5 +200,40 @@ TEST(Rotors, WhatTheLawDoesNotBearIsRefusedByName) {
   EXPECT_LE(f["force_sd"], 0.25);
 }
 
+// The iiwa's springs, rotors and torque loop; gears, sensors and a tip that are not told.
+TEST(Springs, TheLimitsHold) {
+  for (const char* name : {"bowl-sine-elastic", "bowl-m-elastic"}) {
+    SCOPED_TRACE(name);
+    const Figures f = draw_scenario(name);
+    EXPECT_GE(f["contact_fraction"], 0.999);
+    EXPECT_LE(f["ink_error_rms"], 0.3);
+    EXPECT_LE(f["force_sd"], 0.5);
+  }
+}
+
+// The defect: the law takes the joints for rigid ones without rotors.
+TEST(Springs, UntoldTheyShakeTheArm) {
+  const Figures f =
+      draw_scenario("bowl-sine-elastic", {"arm.joint_stiffness=[]", "arm.torque_bandwidth=0"});
+  EXPECT_GT(f["force_sd"], 1.0);
+}
+
+TEST(Springs, TheSlowerTheTorqueLoopTheSlowerTheObserverUntilItIsRefusedByName) {
+  double last = 300.0;
+  for (const char* loop : {"180", "100"}) {
+    const Experiment e = prepare(
+        resolve_scenario("bowl-sine-elastic", {std::string("arm.torque_bandwidth=") + loop}));
+    EXPECT_LT(e.control.impedance.observer.bandwidth, last);
+    last = e.control.impedance.observer.bandwidth;
+  }
+  try {
+    prepare(resolve_scenario("bowl-sine-elastic",
+                             {"arm.torque_bandwidth=20", "arm.joint_stiffness=2000"}));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("arm.joint_stiffness: with joints of 2e+03"));
+  }
+}
+
 }  // namespace
 }  // namespace impedraw
