@@ -24,6 +24,7 @@ constexpr double kCrossing = 1.0 / 300;    // of the diagonal: hidden by a strok
 constexpr double kSeam = 10;               // hairs beside a border that one colour has to fill
 constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
 constexpr std::size_t kMostCompared = 2'000'000;  // points of strokes over the paints
+constexpr std::size_t kMostRims = 64;             // strokes over one paint that leave it a rim
 constexpr double kThinRim = 0.02;  // of a stroke's width: what is left of it is too thin to draw
 
 // A part of a line, and the length before it.
@@ -362,7 +363,8 @@ class Eye {
       });
       pieces = uncovered(std::move(pieces), line.edge ? under_all : under_others);
       hidden_ += length(line.points) - keep(line, std::move(pieces), paint.strokes);
-      draw_rim(line, clip, hidden_middle, others, paint.strokes);
+      const bool many = others.size() > cover.size() + kMostRims;
+      draw_rim(line, clip, many ? hidden : hidden_middle, many ? cover : others, paint.strokes);
     }
     if (!paint.inked || whole.empty()) return;
 
