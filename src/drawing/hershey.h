@@ -9,6 +9,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,7 +31,8 @@ struct Glyph {
 
 struct HersheyFont {
   std::string name;
-  std::vector<Glyph> glyphs;  // of the characters from 32 on
+  std::vector<Glyph> glyphs;            // of the characters from 32 on
+  std::map<char32_t, Glyph> more = {};  // of others; all of an SVG font
 
   const Glyph* find(char32_t c) const;  // null if the font has no such glyph
 };
@@ -41,7 +43,9 @@ HersheyFont parse_jhf(std::string_view text, const std::string& name);
 std::filesystem::path hershey_folder();
 // Sorted. InputError if the fonts are not installed.
 std::vector<std::string> hershey_font_names();
-// `name`: "futural". InputError lists the available fonts.
+// `name`: "futural", with Greek and Cyrillic from greeks and cyrillic; or the path of an SVG 1.1
+// font (.svg), scaled to the same grid by the height of its capitals. InputError lists the
+// available fonts, or names the file.
 HersheyFont read_hershey_font(const std::string& name);
 
 }  // namespace impedraw

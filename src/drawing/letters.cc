@@ -46,18 +46,19 @@ struct Composed {
   const char32_t* pairs;  // letter, base, letter, base, …
 };
 constexpr Composed kComposed[] = {
-    {Mark::acute, U"ÁAÉEÍIÓOÚUÝYáaéeíióoúuýyĆCćcĹLĺlŃNńnŔRŕrŚSśsŹZźz´ "},
+    {Mark::acute,
+     U"ÁAÉEÍIÓOÚUÝYáaéeíióoúuýyĆCćcĹLĺlŃNńnŔRŕrŚSśsŹZźz´ άαέεήηίιόούυώωΆΑΈΕΉΗΊΙΌΟΎΥΏΩЃГѓгЌКќк"},
     {Mark::grave, U"ÀAÈEÌIÒOÙUàaèeìiòoùu"},
     {Mark::circumflex, U"ÂAÊEÎIÔOÛUâaêeîiôoûuĈCĉcĜGĝgĤHĥhĴJĵjŜSŝsŴWŵwŶYŷy"},
-    {Mark::diaeresis, U"ÄAËEÏIÖOÜUäaëeïiöoüuÿyŸY¨ "},
+    {Mark::diaeresis, U"ÄAËEÏIÖOÜUäaëeïiöoüuÿyŸY¨ ϊιϋυΪΙΫΥЁЕёеЇІїі"},
     {Mark::tilde, U"ÃAÑNÕOãañnõoĨIĩiŨUũu"},
     {Mark::ring, U"ÅAåaŮUůu"},
     {Mark::caron, U"ČCčcĎDĚEěeŇNňnŘRřrŠSšsŤTŽZžz"},
     {Mark::macron, U"ĀAāaĒEēeĪIīiŌOōoŪUūu¯ "},
-    {Mark::breve, U"ĂAăaĔEĕeĞGğgĬIĭiŎOŏoŬUŭu"},
+    {Mark::breve, U"ĂAăaĔEĕeĞGğgĬIĭiŎOŏoŬUŭuЎУўу"},
     {Mark::dot, U"ĊCċcĖEėeĠGġgİIŻZżz"},
     {Mark::double_acute, U"ŐOőoŰUűu"},
-    {Mark::cedilla, U"ÇCçcŞSşsŢTţt¸ "},
+    {Mark::cedilla, U"ÇCçcŞSşsŢTţt¸ ςc"},
     {Mark::ogonek, U"ĄAąaĘEęeĮIįiŲUųu"},
     {Mark::comma, U"ĢGĶKķkĻLļlŅNņnŖRŗrȘSșsȚTțt"},
     {Mark::apostrophe, U"ďdĽLľlťtģg"},  // above the g in ģ, where there is room

@@ -88,14 +88,18 @@ class Typesetter {
   }
 
   std::string what_there_is() const {
+    if (font_.glyphs.empty())
+      return fmt::format("font {} has {} characters, and those that accents make of them",
+                         font_.name, font_.more.size());
     std::string empty;
     for (char32_t c = 33; c < 127; ++c) {
       if (!font_.find(c)) empty += static_cast<char>(c);
     }
     const std::string ascii = empty.empty() ? "ASCII" : fmt::format("ASCII without {}", empty);
     return fmt::format(
-        "font {} has {}, the letters of Latin-1 and Latin Extended-A (U+00C0 to U+017F), and ° · × "
-        "÷ ± « » ‹ › ¡ ¿ µ €",
+        "font {} has {}, the letters of Latin-1 and Latin Extended-A (U+00C0 to U+017F), Greek, "
+        "Cyrillic, "
+        "and ° · × ÷ ± « » ‹ › ¡ ¿ µ €",
         font_.name, ascii);
   }
 

@@ -1,4 +1,4 @@
-// Sets text in single pen strokes, in a Hershey font (hershey.h) extended by letters.h.
+// Sets text in single pen strokes, in a font (hershey.h) extended by letters.h.
 //
 // The page is that of any artwork: x right, y down [mm]. The first line's capitals reach from y = 0
 // to y = size; each further line lies line_spacing · size lower. A line ends at a line feed, or at
@@ -18,7 +18,7 @@ enum class TextAlign { left, centre, right };
 
 struct TextSettings {
   std::string text;              // UTF-8
-  std::string font = "futural";  // a file of hershey_folder()
+  std::string font = "futural";  // a name in hershey_folder(), or an SVG 1.1 font's path
   // height of the capitals on the page; absent: 10, for text that is fitted later
   std::optional<double> size_mm;
   TextAlign align = TextAlign::left;

@@ -22,8 +22,9 @@ constexpr std::size_t kMostRegions = 500;  // of clips that are kept
 constexpr int kCells = 64;                 // of the index of covers, along each side
 constexpr double kCrossing = 1.0 / 300;    // of the diagonal: hidden by a stroke that it crosses
 constexpr double kSeam = 10;               // hairs beside a border that one colour has to fill
-constexpr std::size_t kMostCovering = 100'000;     // points of strokes that hide others
-constexpr std::size_t kMostCompared = 20'000'000;  // points of strokes over the paints
+constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
+constexpr std::size_t kMostCompared = 2'000'000;  // points of strokes over the paints
+constexpr std::size_t kMostRims = 64;             // strokes over one paint that leave it a rim
 constexpr double kThinRim = 0.02;  // of a stroke's width: what is left of it is too thin to draw
 
 // A part of a line, and the length before it.
@@ -344,7 +345,10 @@ class Eye {
         std::find_if(lines.begin(), lines.end(), [](const auto& s) { return !s.edge; });
     Outlines others;
     if (own != lines.end()) others = beneath(strokes, own->colour, box);
-    const RegionIndex under_all(beneath(strokes, {}, box)), under_others(others);
+    const bool has_edges = !edges.empty() || std::any_of(lines.begin(), lines.end(),
+                                                         [](const auto& s) { return s.edge; });
+    const RegionIndex under_all(has_edges || paint.inked ? beneath(strokes, {}, box) : Outlines{}),
+        under_others(others);
     others.insert(others.end(), cover.begin(), cover.end());
     const RegionIndex hidden_middle(others);
     for (const Stroke& line : lines) {
@@ -359,7 +363,8 @@ class Eye {
       });
       pieces = uncovered(std::move(pieces), line.edge ? under_all : under_others);
       hidden_ += length(line.points) - keep(line, std::move(pieces), paint.strokes);
-      draw_rim(line, clip, hidden_middle, others, paint.strokes);
+      const bool many = others.size() > cover.size() + kMostRims;
+      draw_rim(line, clip, many ? hidden : hidden_middle, many ? cover : others, paint.strokes);
     }
     if (!paint.inked || whole.empty()) return;
 
@@ -443,7 +448,7 @@ class Eye {
 
   // What the paint's strokes cover hides what lies before, if it is of other colours.
   void cover_by(const Paint& paint, std::size_t index, const Shown* clip) {
-    if (paint.covers_from > index) return;
+    if (paint.covers_from > index || compared_ >= kMostCompared) return;
     for (const Stroke& stroke : paint.strokes) {
       if (stroke.edge || stroke.dash >= 0 || !(stroke.width > 30 * hair_)) continue;
       if (first_area_ > index && first_other_ >= index && stroke.colour == first_colour_) continue;
@@ -490,7 +495,7 @@ class Eye {
     if (line.dash >= 0 || !(line.width > 30 * hair_)) return;
     const auto is_hidden = [&](const Spot& spot) { return spot.within(hidden); };
     for (const Piece& piece : pieces_of(line, {&hidden}, is_hidden)) {
-      if (piece.length < line.width / 10) continue;
+      if (piece.length < std::max(line.width / 10, crossing_)) continue;
       const bool whole = line.closed && piece.length > (1 - 1e-9) * length(line.points);
       Outlines rest = math_.without(math_.stroked(piece.points, line.width, whole), cover);
       if (clip) rest = math_.common(rest, clip->region);

@@ -54,7 +54,8 @@ void describe(Fields& f, TextSettings& s) {
           "drawn.");
   f.for_users();
   f.field("font", s.font,
-          "Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts).");
+          "Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts); or "
+          "the path of an SVG 1.1 font (.svg).");
   f.for_users();
   f.field(Limits::size, s.size_mm,
           "Height of the capitals, on the canvas if the placement gives no size; null: the text is "

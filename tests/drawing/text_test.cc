@@ -2,6 +2,7 @@
 // read here in another way.
 #include "impedraw/drawing/text.h"
 
+#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <random>
@@ -160,8 +161,8 @@ TEST(Text, CombiningMarksAndTypographicSignsAreTheirPlainForms) {
 }
 
 TEST(Text, WhatTheFontLacksIsNamedWithItsPlace) {
-  const std::string error = error_of("Aж\nb €漢");
-  EXPECT_THAT(error, HasSubstr("'ж' (U+0436) at line 1, character 2"));
+  const std::string error = error_of("Aあ\nb €漢");
+  EXPECT_THAT(error, HasSubstr("'あ' (U+3042) at line 1, character 2"));
   EXPECT_THAT(error, HasSubstr("'漢' (U+6F22) at line 2, character 4"));
   EXPECT_THAT(error, HasSubstr("font futural has ASCII, the letters of Latin-1"));
   EXPECT_EQ(error.find("€"), error.rfind("€"));  // only in what there is
@@ -202,6 +203,66 @@ TEST(Text, FilesThatAreNoFonts) {
   EXPECT_GE(hershey_font_names().size(), 30u);
   for (const std::string& name : hershey_font_names())
     EXPECT_NO_THROW(read_hershey_font(name)) << name;
+}
+
+// The file of a font whose H is 700 units high, read here by eye.
+std::string font_file(const std::string& glyphs, const std::string& face = "cap-height='700'") {
+  const std::string file = (std::filesystem::path(testing::TempDir()) / "own-font.svg").string();
+  std::ofstream(file) << "<svg xmlns='http://www.w3.org/2000/svg'><defs><font horiz-adv-x='600'>"
+                         "<font-face units-per-em='1000' " +
+                             face + "/><missing-glyph/>" + glyphs + "</font></defs></svg>";
+  return file;
+}
+
+TEST(Text, AnSvgFontIsDrawnByItsOwnLines) {
+  const std::string glyphs =
+      "<glyph unicode=' ' horiz-adv-x='300'/><glyph unicode='fi' d='M0 0H1'/>"
+      "<glyph unicode='H' d='M100 0V700M500 0V700M100 350H500'/>"
+      "<glyph unicode='&#x416;' horiz-adv-x='800'><path d='M0 -200L700 700'/></glyph>";
+  for (const char* face : {"cap-height='700'", ""}) {  // without it, the H tells
+    SCOPED_TRACE(face);
+    const Artwork a = set("H ЖH", 70, font_file(glyphs, face));
+    ASSERT_EQ(a.strokes.size(), 7u);
+    const std::vector<std::vector<Vector2d>> expected = {
+        {{0, 70}, {0, 0}},     {{40, 70}, {40, 0}},   {{0, 35}, {40, 35}},   {{80, 90}, {150, 0}},
+        {{170, 70}, {170, 0}}, {{210, 70}, {210, 0}}, {{170, 35}, {210, 35}}};
+    const Vector2d middle = a.strokes[0].points[0] - expected[0][0];
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      for (std::size_t k = 0; k < 2; ++k)
+        EXPECT_LT((a.strokes[i].points[k] - expected[i][k] - middle).norm(), 1e-3) << i;
+    }
+  }
+  const std::string file = font_file(glyphs);
+  const auto error = [](const std::string& text, const std::string& font) {
+    try {
+      set(text, 20, font);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error("Hx", file), HasSubstr("'x' (U+0078) at line 1, character 2: font " + file));
+  EXPECT_THAT(error("H", "/no/such.svg"), HasSubstr("/no/such.svg"));
+  EXPECT_THAT(error("H", font_file("")), HasSubstr("holds no <glyph>"));
+  EXPECT_THAT(error("H", font_file(glyphs, "units-per-em='0'")), HasSubstr("font "));
+  EXPECT_THAT(error("H", "futurella"), HasSubstr("'futurella' is not known"));
+}
+
+TEST(Text, GreekAndCyrillicAreLettersOfTheirOwn) {
+  std::vector<std::vector<Vector2d>> known;
+  for (const char* letter :
+       {"Γ", "Δ", "Θ", "Λ", "Ξ", "Π", "Σ", "Φ", "Ψ", "Ω", "α", "β", "γ", "δ", "λ", "π", "σ",
+        "ω", "Б", "Г", "Д", "Ж", "И", "Л", "Ф", "Ц", "Ш", "Ю", "Я", "б", "ж", "ю", "я", "э"}) {
+    SCOPED_TRACE(letter);
+    std::vector<Vector2d> points;
+    for (const Stroke& stroke : set(letter).strokes)
+      points.insert(points.end(), stroke.points.begin(), stroke.points.end());
+    for (const auto& other : known) EXPECT_NE(points, other);
+    known.push_back(points);
+  }
+  for (const auto& [accented, plain] : {std::pair{"ά", "α"}, {"Ё", "Е"}, {"й", "и"}, {"ї", "і"}})
+    EXPECT_LT(box_of(set(accented).strokes).sizes().y(), 40) << plain;
+  EXPECT_NO_THROW(set("Ελληνικά, ϋς; Съешь ещё этих мягких булок, їжак"));
 }
 
 }  // namespace

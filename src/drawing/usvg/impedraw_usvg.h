@@ -69,6 +69,10 @@ struct ImpedrawSvg {
 
 // Never returns null, never throws. Free the result with impedraw_svg_free().
 const ImpedrawSvg* impedraw_svg_read(const std::uint8_t* data, std::size_t size) noexcept;
+// An SVG 1.1 font: no paths; the warnings are a document with a layer glyph-N for each character N
+// that has lines, y up as in fonts; the capitals' height (0: not given); and for each character its
+// number and its advance. In the font's units, px of the document.
+const ImpedrawSvg* impedraw_svg_font(const std::uint8_t* data, std::size_t size) noexcept;
 void impedraw_svg_free(const ImpedrawSvg* svg) noexcept;
 
 }  // extern "C"

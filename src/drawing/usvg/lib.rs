@@ -6,11 +6,13 @@
 //! outlines.rs    usvg's tree as paths
 //! paints.rs      colours and gradients
 //! references.rs  what the document refers to and does not hold
+//! font.rs        SVG 1.1 fonts
 //! complaints.rs  usvg's messages
 
 mod complaints;
 mod document;
 mod dtd;
+mod font;
 mod limits;
 mod outlines;
 mod paints;
@@ -47,18 +49,29 @@ fn c_string(text: &str) -> CString {
 }
 
 /// Errors are one line each; nothing is printed.
-fn read(bytes: &[u8]) -> Result<Outlines, String> {
+fn read(bytes: &[u8], reader: fn(&[u8]) -> Result<Outlines, String>) -> Result<Outlines, String> {
     static SILENCE: std::sync::Once = std::sync::Once::new();
     SILENCE.call_once(|| std::panic::set_hook(Box::new(|_| {}))); // permanently: an abandoned thread may panic later
-    limits::within(bytes.to_vec(), Outlines::read)
+    limits::within(bytes.to_vec(), reader)
 }
 
 /// # Safety
 /// `data` must point to `size` readable bytes.
 #[no_mangle]
 pub unsafe extern "C" fn impedraw_svg_read(data: *const u8, size: usize) -> *const Svg {
+    read_with(data, size, Outlines::read)
+}
+
+/// # Safety
+/// `data` must point to `size` readable bytes.
+#[no_mangle]
+pub unsafe extern "C" fn impedraw_svg_font(data: *const u8, size: usize) -> *const Svg {
+    read_with(data, size, font::read)
+}
+
+unsafe fn read_with(data: *const u8, size: usize, reader: fn(&[u8]) -> Result<Outlines, String>) -> *const Svg {
     let bytes: &[u8] = if size == 0 { &[] } else { std::slice::from_raw_parts(data, size) };
-    let (outlines, error) = match read(bytes) {
+    let (outlines, error) = match read(bytes, reader) {
         Ok(outlines) => (outlines, None),
         Err(error) => (Outlines::default(), Some(c_string(&error))),
     };
