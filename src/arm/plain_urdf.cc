@@ -112,6 +112,22 @@ class Plain {
     }
   }
 
+  // A link as long as the way from the base to the tip has another unit.
+  void judge_size(const UrdfElement* link, const std::string& name,
+                  const std::vector<Triangle>& triangles) {
+    double way = 0.0;
+    for (const UrdfElement* joint : way_) way += placement_of(joint).translation().norm();
+    Eigen::AlignedBox3d box;
+    for (const Triangle& t : triangles)
+      for (const Vector3d& p : t) box.extend(p);
+    const double size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+    if (size > way)
+      notes.push_back(
+          fmt::format("link '{}': its collision mesh '{}' measures {:.2f} m, the way from the base "
+                      "to the tip {:.2f} m: is its scale right?",
+                      name_of(link), name, size, way));
+  }
+
   // Of a mesh, in the link's frame.
   std::vector<Capsule> mesh_capsules(const UrdfElement* link, const UrdfElement* mesh,
                                      const Isometry3d& X) {
@@ -122,7 +138,10 @@ class Plain {
       if (!found.empty()) triangles = read_triangles(found);
       for (Triangle& t : triangles)
         for (Vector3d& p : t) p = X * Vector3d(p.cwiseProduct(vector(mesh, "scale", 1.0)));
-      if (!found.empty()) return enclosing_capsules(triangles);
+      if (!found.empty()) {
+        judge_size(link, value(mesh, "filename"), triangles);
+        return enclosing_capsules(triangles);
+      }
     } catch (const InputError& error) {
       why = error.what();
     }
@@ -301,7 +320,9 @@ std::string listed(const std::vector<std::string>& names) {
 
 Mount find_mount(const UrdfTree& tree, const std::string& flange, std::vector<std::string>* notes) {
   const std::vector<ArmEnd> ends = arm_ends(tree);
-  const std::vector<std::string> candidates = flange_candidates(ends);
+  std::vector<std::string> candidates = flange_candidates(ends);
+  if (ends.size() == 1 && ends[0].chain && candidates.size() > 1)  // nameless: its last link
+    candidates = {candidates.back()};
   if (flange.empty() && candidates.size() != 1)
     throw InputError(candidates.empty() ? "it holds no arm of 6 joints or more"
                                         : "which link carries the pen is not clear; --flange takes "

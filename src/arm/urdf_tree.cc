@@ -127,21 +127,27 @@ std::vector<ArmEnd> arm_ends(const UrdfTree& tree) {
         if (!is_type(joint, "fixed")) {
           moving.push_back(joint);
         } else {
+          here.chain = here.chain && i + 1 == here.links.size();
           here.X_RL.push_back(here.X_RL[i] * placement_of(joint));
           here.links.push_back(child);
         }
       }
-    const auto of_gripper = [](const UrdfElement* joint) {
+    const auto named = [](const UrdfElement* joint, const std::vector<const char*>& parts) {
       std::string names = value(joint, "name") + child_of(joint);
       for (char& c : names) c = static_cast<char>(std::tolower(c));
+      return std::any_of(parts.begin(), parts.end(),
+                         [&](const char* part) { return names.find(part) != names.npos; });
+    };
+    const auto of_gripper = [&](const UrdfElement* joint) {
       return is_type(joint, "prismatic") || joint->FirstChildElement("mimic") ||
-             names.find("finger") != names.npos || names.find("gripper") != names.npos;
+             named(joint, {"finger", "jaw", "gripper"});
     };
     if (joints >= 6 && (moving.size() != 1 || of_gripper(moving[0])))
       ends.push_back(std::move(here));
     else if (depth < tree.joints.size())
       for (UrdfElement* joint : moving)
-        visit(tree.link(child_of(joint)), joints + !joint->FirstChildElement("mimic"), depth + 1);
+        if (!named(joint, {"finger", "jaw"}))
+          visit(tree.link(child_of(joint)), joints + !joint->FirstChildElement("mimic"), depth + 1);
   };
   for (UrdfElement* link : tree.links)
     if (tree.way_to(value(link, "name")).empty()) visit(link, 0, 0);

@@ -44,10 +44,12 @@ urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
 
 // Where a pen can go: the links fixed to the arm's last joint, each with its pose in the link R
 // that this joint moves. The last joint is the sixth or a later one, beyond which nothing moves but
-// a gripper: several joints side by side, mimic or prismatic ones, or one that is named so.
+// a gripper: several joints side by side, mimic or prismatic ones, or one that is named
+// finger, jaw or gripper. A finger or a jaw is no joint of an arm.
 struct ArmEnd {
   UrdfElements links;
   std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen::Isometry3d>> X_RL;
+  bool chain = true;  // each link on the one before it
 };
 std::vector<ArmEnd> arm_ends(const UrdfTree& tree);
 // The link of each end with the first of these in its name: tool0, tcp, flange, eef, ee_link,

@@ -9,7 +9,7 @@ namespace impedraw {
 
 bool is_artwork_file(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
-  return extension == ".svg" || extension == ".txt" || extension == ".strokes" ||
+  return extension.starts_with(".svg") || extension == ".txt" || extension == ".strokes" ||
          extension == ".csv";
 }
 
@@ -19,7 +19,7 @@ Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& setti
     throw InputError(fmt::format("{}: not a kind of artwork; valid are .svg, .txt, .strokes, .csv",
                                  file.string()));
   }
-  if (lower_extension(file) != ".svg")
+  if (!lower_extension(file).starts_with(".svg"))  // .svgz is named by its reader
     return read_strokes(file, {.unit = unit, .may_be_empty = settings.may_be_empty});
   if (unit != PageUnit::file)
     throw InputError(

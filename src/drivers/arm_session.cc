@@ -117,7 +117,9 @@ double ArmSession::mean_step() const noexcept {
 void ArmSession::check(const ArmStatus& status, double step) noexcept {
   if (!status.q.allFinite() || !status.v.allFinite() || !status.external.allFinite())
     return fail("the arm's status has numbers that are not finite");
-  if (motion_.update(status.q, &status.v, sent_, status.external, step)) fail(motion_.cause());
+  if (motion_.update(status.q, &status.v, sent_, status.external, step,
+                     settings_.inertia.size() > 0 ? &settings_.inertia : nullptr))
+    fail(motion_.cause());
   Eigen::Index j = 0;
   (status.v.array().abs() / settings_.speed_limit.array()).maxCoeff(&j);
   if (std::abs(status.v[j]) > settings_.speed_limit[j])

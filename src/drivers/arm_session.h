@@ -48,6 +48,7 @@ struct SessionSettings {
   JointVector speed_limit;       // a faster joint is a fault [rad/s]
   JointVector external_limit;    // a larger external torque is a fault [Nm]
   JointVector damping;           // D [Nm s/rad]
+  JointMatrix inertia{};         // of MotionCheck, where the drawing starts; empty: none [kg m²]
   double torque_rate = 900.0;    // [Nm/s]
   double longest_step = 2e-3;    // of the torque rate's Δt [s]
   double quiet_time = 0.25;      // [s]

@@ -37,6 +37,7 @@ SessionSettings fci_session_settings(const ArmSettings& settings, ArmModel arm,
   ArmTerms terms(arm.joints());
   arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
   s.damping = joint_damping(terms.M);
+  s.inertia = terms.M;
   s.max_silence = settings.max_silence;
   s.quiet_time = 0.0;
   s.longest_step = period;  // the arm differences what it got, whatever it missed in between

@@ -56,6 +56,7 @@ SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
   ArmTerms terms(arm.joints());
   arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
   s.damping = joint_damping(terms.M);
+  s.inertia = terms.M;
   s.max_silence = settings.max_silence;
   return s;
 }

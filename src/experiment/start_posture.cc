@@ -150,10 +150,12 @@ JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP
     found = searched(arm, start, touching, drawing);
   if (!found.reached && settings.start_p_WE == ArmSettings().start_p_WE) {
     const IkResult there = found;
-    for (double share = 0.9; !found.reached && share > kNearest; share -= 0.1) {
-      start.p_WE = share * settings.start_p_WE;
-      found = searched(arm, start, touching, drawing);
-    }
+    for (const bool lower : {false, true})  // for a small arm with a long gripper
+      for (double share = 0.9; !found.reached && share > kNearest; share -= 0.1) {
+        start.p_WE = share * settings.start_p_WE;
+        if (lower) start.p_WE.z() *= share;
+        found = searched(arm, start, touching, drawing);
+      }
     if (found.reached) {
       settings.start_p_WE = start.p_WE;
       notes->push_back(

@@ -3,20 +3,30 @@
 // Limits for two readings Δt apart, with q [rad], v [rad/s] and the joints' rated speeds v_max:
 //
 //   jump      |Δq| ≤ 3 v_max Δt + 10 mrad. The loop damps an arm at 2.5 v_max.
-//   apart     x ← (x + Δq − ½ (v + v₋) Δt) e^(−Δt/1 s), |x| ≤ 20 mrad + v_max (30 ms + late).
-//             A velocity that is filtered over 30 ms and then goes from 0 to v_max is late by as
-//             much; late = max(0, Δt − 5 ms) is the error of ½ (v + v₋) over lost readings. A
-//             drift with v = 0 is found if its rate [rad/s] is above that bound [rad]: 0.09 on an
-//             iiwa's, 0.18 on an FR3's fastest joint. A slower one is not noticed here.
+//   apart     x ← (x + Δq − ½ (v + v₋) Δt) e^(−Δt/1 s), |x| ≤ 8 mrad + v̂ (30 ms + late), with
+//             v̂ ← max(|v|, v̂ e^(−Δt/1 s)) up to v_max. A velocity that is filtered over 30 ms is
+//             late by as much; late = max(0, Δt − 5 ms) is the error of ½ (v + v₋) over lost
+//             readings. A drift with v = 0 is found if its rate is above 8 mrad/s.
+//             While v_j stays the same, bit by bit, for 8 ms and 3 readings, no filter explains
+//             what positions do beside it: y ← (y + Δq − v Δt) e^(−Δt/50 ms), |y| ≤ 1 mrad.
 //   speed     no |v| above 3 v_max of which positions, of the last reading and of 4 ms, have less
 //             than a third
 //   unmoved   u ← max(0, u + (s − 0.1) Δt) ≤ 150 ms while no joint leaves its place by 0.1 mrad,
 //             s the largest share that |τ| − |τ_ext| has of a joint's torque limit. A pen that
-//             presses with 10 N asks for less than a tenth.
+//             presses with 10 N asks for less than a tenth. 20 ms of a joint alone that has moved,
+//             while its position stays the same, bit by bit.
+//   frozen    not: q_j and v_j stay the same, bit by bit, for 8 ms and 3 readings, and |v_j| times
+//             that time is above 0.1 mrad
+//   stopped   not: q_j stays the same, bit by bit, for 8 ms and 3 readings after a motion that
+//             nothing can have ended within one reading: of the joints that stop, v̄ is the least
+//             speed of the last 5 readings, all in one direction, and for one joint k
+//             |M v̄|_k/Δt > |Δτ_k| + |Δτ_ext,k| + max(1.5 Nm, 0.02 τ_max,k). The last is what dry
+//             friction gains as a joint comes to rest.
 //
 // Values that are not finite are not judged here: whoever reads it says so.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "impedraw/control/arm_terms.h"
@@ -29,10 +39,11 @@ class MotionCheck {
   MotionCheck(const JointVector& speed_limit, const JointVector& torque_limit);
 
   // The next reading, dt > 0 after the last [s]; v null: speeds are not measured. torque: beyond
-  // gravity, as it acted until now, and external: as far as it is known [Nm]. Does not throw, and
-  // allocates for the text alone. True in the cycle in which the first contradiction is found.
+  // gravity, as it acted until now, and external: as far as it is known [Nm]. M: the arm's inertia
+  // thereabouts [kg m²]; null: `stopped` is not judged. Does not throw, and allocates for the text
+  // alone. True in the cycle in which the first contradiction is found.
   bool update(const JointVector& q, const JointVector* v, const JointVector& torque,
-              const JointVector& external, double dt) noexcept;
+              const JointVector& external, double dt, const JointMatrix* M = nullptr) noexcept;
 
   // The contradiction, with the joint and the numbers; empty: nothing.
   const std::string& cause() const noexcept { return cause_; }
@@ -41,15 +52,27 @@ class MotionCheck {
   JointVector confirmed(const JointVector& v) const noexcept;
 
  private:
+  // What has not changed by a bit, and for how long.
+  void update_still(const JointVector* v, const JointVector& torque, const JointVector& external,
+                    double dt, const JointMatrix* M) noexcept;
   std::string contradiction(double dt) const;
 
   JointVector speed_limit_, torque_limit_;
-  JointVector q_, v_;          // of the last reading
-  JointVector moved_, apart_;  // since the one before; x [rad]
-  JointVector by_positions_;   // speed [rad/s]
-  JointVector place_;          // that no joint has left [rad]
-  double unmoved_ = 0.0;       // u [s]
-  double share_ = 0.0;         // s
+  JointVector q_, v_;                  // of the last reading
+  JointVector moved_, apart_;          // since the one before; x [rad]
+  JointVector by_positions_;           // speed [rad/s]
+  JointVector fastest_;                // v̂ [rad/s]
+  std::array<JointVector, 5> speeds_;  // by positions, of the last readings, in a ring [rad/s]
+  std::size_t oldest_ = 0;
+  JointVector torque_, external_;  // of the last reading [Nm]
+  JointVector still_, steady_;     // how long q_j, and v_j, have not changed [s]
+  JointVector still_readings_, steady_readings_;
+  JointVector beside_;    // y [rad]
+  JointVector held_;      // u of each joint; below 0: it has not moved yet [s]
+  JointVector stopped_;   // v̄_j of a stop that nothing explains; 0: none [rad/s]
+  JointVector place_;     // that no joint has left [rad]
+  double unmoved_ = 0.0;  // u [s]
+  double share_ = 0.0;    // s
   bool begun_ = false;
   std::string cause_;
 };

@@ -356,6 +356,21 @@ TEST_F(VendorUrdf, ThePenLeavesAlongTheLastAxisAndBeyondTheGripper) {
   EXPECT_NEAR(turned.tip_pose(JointVector::Zero(7)).p.z(), 1.5 + 0.12, 1e-6);
 }
 
+// As robosuite's Panda: link7 and link8, which it carries, say nothing.
+TEST_F(VendorUrdf, OfNamelessLinksOneOnTheOtherTheLastCarriesThePen) {
+  const std::string on = fixed("l6", "plate_a", "xyz='0 0 0.1'") + fixed("plate_a", "plate_b", "");
+  EXPECT_THAT(made(Vendor{.end = on}.text()).notes, Contains(HasSubstr("stands on 'plate_b'")));
+}
+
+// As the SO-100: five joints and a jaw.
+TEST_F(VendorUrdf, AJawIsNoJointOfAnArm) {
+  std::string urdf = Vendor{}.text();
+  for (std::size_t at; (at = urdf.find("'l6'")) != std::string::npos;) urdf.replace(at, 4, "'jaw'");
+  const auto file = write("jaw.urdf", urdf);
+  EXPECT_THAT(refusal([&] { vendor_urdf_with_pen(file, "", {}); }),
+              HasSubstr("it holds no arm of 6 joints or more"));
+}
+
 TEST_F(VendorUrdf, CandidatesAreListedWhereTheFlangeIsNotClear) {
   const std::string parts = fixed("l6", "plate_a", "xyz='0 0 0.1'") + fixed("l6", "plate_b", "");
   const std::string urdf = Vendor{.end = parts}.text();

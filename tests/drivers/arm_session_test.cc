@@ -96,6 +96,25 @@ TEST(ArmSession, AStopDampsAndEndsWithZero) {
   EXPECT_TRUE(session.cause().empty());
 }
 
+// Statuses go on, but what they tell stands still from 0.1 s on: positions, and speeds or none.
+TEST(ArmSession, PositionsThatStandStillAreAFaultWithin10Milliseconds) {
+  for (const double told : {0.0, 0.05}) {
+    SCOPED_TRACE(told);
+    SessionSettings s = settings();
+    s.inertia = JointMatrix::Identity(kJoints, kJoints);
+    ArmSession session(s);
+    int fault = 0;
+    for (int ms = 0; ms <= 200 && fault == 0; ++ms) {
+      ArmStatus status = at(1'000'000 + 1000 * ms, ms <= 100 ? 0.05 : told);
+      status.q = all(5e-5 * std::min(ms, 100));
+      session.receive(status, 1e-3 * ms + 1e-9);
+      if (!session.cause().empty()) fault = ms;
+    }
+    EXPECT_NEAR(fault, 108, 1);
+    EXPECT_THAT(session.cause(), HasSubstr("0.050 rad/s"));
+  }
+}
+
 TEST(ArmSession, SilenceIsAFaultAndLowersTheTorqueByItself) {
   ArmSession session = begun();
   for (int ms = 1; ms <= 300; ++ms) {
@@ -179,7 +198,7 @@ TEST(ArmSession, AnArmThatLiesIsNamedAndNotDampedByItsLie) {
   EXPECT_THAT(told([](double t, ArmStatus* s) { s->q[1] = t > 0.5 ? 0.5 : 0.0; }, 1e-9),
               HasSubstr("the position of joint 2 jumped by 0.500 rad"));
   EXPECT_THAT(told([](double t, ArmStatus* s) { s->q[2] = 0.2 * t; }, 1e-9),
-              HasSubstr("the positions of joint 3 contradict its speed"));
+              HasSubstr("the speed of joint 3 has been 0.000 rad/s"));
   EXPECT_THAT(told([](double t, ArmStatus* s) { s->v[0] = t > 0.5 ? 9.0 : 0.0; }, 1e-9),
               HasSubstr("which its positions contradict"));
   const auto lying = [&](double q, double v) {

@@ -64,7 +64,7 @@ class Liar : public Driver {
 
 // When the fault was found, as its text tells [s].
 double found_at(const RunOutcome& outcome) {
-  const std::size_t at = outcome.cause.rfind("t = ");
+  const std::size_t at = outcome.cause.find("t = ");
   return at == std::string::npos ? -1.0 : std::stod(outcome.cause.substr(at + 4));
 }
 
@@ -128,7 +128,7 @@ TEST(Lies, AnArmThatStandsStillIsNotPlayedThePlan) {
           false);
       const RunOutcome outcome = run(e, arm, {}, 0.0);
       EXPECT_EQ(outcome.end, RunEnd::stopped);
-      EXPECT_THAT(outcome.cause, AnyOf(HasSubstr("the arm does not move"), HasSubstr("fence.lag")));
+      EXPECT_THAT(outcome.cause, AnyOf(HasSubstr("does not move"), HasSubstr("fence.lag")));
       EXPECT_LT(outcome.simulated, e.plan.path.duration());
       EXPECT_EQ(arm.sent.back(), 0.0);
     }
@@ -162,9 +162,130 @@ TEST(Lies, OfAnySizeThatNoArmCanMoveAreNamed) {
     const RunOutcome outcome = run(e, arm, {}, 0.0);
     EXPECT_THAT(outcome.cause, HasSubstr(kind == 3 ? "fence.force: the force on the tip was"
                                                    : "joint " + std::to_string(j + 1)));
-    EXPECT_LE(found_at(outcome), from + (kind == 1 ? 0.8 : 0.005));
+    EXPECT_LE(found_at(outcome), from + (kind == 1 ? 0.8 : 0.005)) << outcome.cause;
     expect_damped(arm, outcome, kind == 3 ? 250.0 : 60.0);
   }
+}
+
+// Readings that stand still while the arm moves on, of one joint or of all. Unnoticed, frozen
+// positions make the pen hit the canvas with 180 N, and frozen speeds with 245 N.
+TEST(Lies, ReadingsThatStandStillAreNamedBeforeThePenHitsTheCanvas) {
+  const unsigned seed = 36;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  const char* names[] = {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic"};
+  for (unsigned i = 0; i < seeds(8, 120); ++i) {
+    const double share = std::uniform_real_distribution<double>(0.1, 0.9)(random);
+    const int only = std::uniform_int_distribution<int>(-7, 6)(random);  // < 0: all
+    const bool q_stands = i % 4 < 3, v_stands = i % 4 != 1, v_zero = i % 4 == 2;
+    const char* const name = names[i % 3];
+    SCOPED_TRACE(testing::Message()
+                 << name << " " << share << ", joint " << only + 1 << " " << i % 4);
+    Experiment e = prepared(name);
+    const double from = time_at(e.plan.path, share);
+    std::optional<ArmState> last;
+    Liar arm(e, [&](ArmState* s) {
+      if (s->time < from) return;
+      if (!last) last = *s;
+      for (Eigen::Index j = 0; j < s->q.size(); ++j) {
+        if (only >= 0 && j != only) continue;
+        if (q_stands) s->q[j] = last->q[j];
+        if (v_stands) s->v[j] = v_zero ? 0.0 : last->v[j];
+      }
+    });
+    double hardest = 0.0;
+    RunHooks hooks;
+    hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };
+    const RunOutcome outcome = run(e, arm, {}, 0.0, hooks);
+    EXPECT_THAT(outcome.cause, HasSubstr("joint"));
+    EXPECT_LT(hardest, q_stands ? 12.0 : 40.0);
+    // A light wrist joint that froze slowly may run away first, to the simulator's own end.
+    if (outcome.cause.find("went unstable") == std::string::npos) {
+      EXPECT_EQ(arm.sent.back(), 0.0) << outcome.cause;
+    }
+  }
+}
+
+// Two joints of 2 kg m². A motion at 0.1 rad/s that ends within a reading takes 200 Nm.
+TEST(Lies, OnlyAStopThatNothingExplainsIsOne) {
+  const JointVector speed = JointVector::Ones(2), limit = JointVector::Constant(2, 300.0);
+  const JointVector none = JointVector::Zero(2);
+  const JointMatrix M = 2.0 * JointMatrix::Identity(2, 2);
+  // Readings from the stop until it is named; −1: not within 0.1 s. slows: how long the stop takes
+  // [s]; grain: what positions are rounded to [rad]; blow: torque that comes with the stop [Nm].
+  const auto named = [&](double v, double slows, double grain, double blow) {
+    MotionCheck check(speed, limit);
+    JointVector q = none;
+    double x = 0.0;
+    for (int i = 0; i < 300; ++i) {
+      const double since = 1e-3 * (i - 200);
+      x += 1e-3 * v * (since < 0.0 ? 1.0 : std::max(0.0, 1.0 - since / std::max(slows, 1e-9)));
+      q[0] = grain > 0.0 ? grain * std::floor(x / grain) : x;
+      const JointVector external = JointVector::Constant(2, since <= 0.0 ? 0.0 : blow);
+      if (check.update(q, nullptr, none, external, 1e-3, &M)) return i - 200;
+    }
+    return -1;
+  };
+  EXPECT_EQ(named(0.1, 0.0, 0.0, 0.0), 8);
+  EXPECT_EQ(named(0.1, 0.0, 1e-5, 0.0), 8);
+  EXPECT_EQ(named(0.01, 0.0, 0.0, 0.0), 8);     // at 5 mm/s
+  EXPECT_EQ(named(0.1, 0.1, 0.0, 0.0), -1);     // it slows down
+  EXPECT_EQ(named(0.1, 0.0, 0.0, 250.0), -1);   // a blow can stop it
+  EXPECT_EQ(named(0.002, 0.0, 0.0, 0.0), -1);   // dry friction can
+  EXPECT_EQ(named(0.008, 0.0, 1e-4, 0.0), -1);  // coarse positions
+  EXPECT_EQ(named(0.0, 0.0, 0.0, 20.0), -1);    // it stood
+}
+
+TEST(Lies, AConstantSpeedThatPositionsContradictIsNamed) {
+  const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
+  // Positions go on at `truly`, rounded to 1e-5 rad, beside a speed that is said.
+  const auto cause = [&](double truly, double said) {
+    MotionCheck check(one, one);
+    JointVector q = none, v = none;
+    for (int i = 0; i < 1000; ++i) {
+      q[1] = 1e-5 * std::round(1e2 * truly * i);
+      v[1] = said;
+      if (check.update(q, &v, none, none, 1e-3)) return check.cause();
+    }
+    return std::string();
+  };
+  EXPECT_THAT(cause(0.0, 0.05), HasSubstr("joint 2 turns at 0.050 rad/s, but its position"));
+  EXPECT_THAT(cause(0.05, 0.0), HasSubstr("speed of joint 2 has been 0.000 rad/s"));
+  EXPECT_THAT(cause(0.05, -0.05), HasSubstr("speed of joint 2 has been -0.050 rad/s"));
+  EXPECT_EQ(cause(0.05, 0.05), "");
+  EXPECT_EQ(cause(0.006, 0.0), "");  // a speed that is rounded to 0.01 rad/s
+  EXPECT_EQ(cause(0.0, 0.0), "");
+}
+
+TEST(Lies, AJointThatItsTorqueDoesNotMoveIsNamedWhileOthersMove) {
+  const JointVector one = JointVector::Ones(2), limit = JointVector::Constant(2, 100.0);
+  MotionCheck check(one, limit);
+  JointVector q = JointVector::Zero(2), torque = q;
+  const JointVector none = q;
+  int named = 0;
+  for (int i = 1; i < 1000 && named == 0; ++i) {
+    q = JointVector::Constant(2, 1e-4 * i);
+    q[1] = std::min(q[1], 0.01);       // it has moved
+    torque[1] = i < 500 ? 9.0 : 60.0;  // a tenth of the limit may be stiction
+    if (check.update(q, nullptr, torque, none, 1e-3)) named = i;
+  }
+  EXPECT_NEAR(named, 541, 2);  // 20 ms / (0.6 − 0.1)
+  EXPECT_THAT(check.cause(), HasSubstr("joint 2 does not move by a bit"));
+}
+
+TEST(Lies, AWrenchThatStandsStillIsNamedAsThePenIsLifted) {
+  Experiment e = prepared("bowl-sine");
+  const double from = time_at(e.plan.path, 0.5);
+  std::optional<ArmState> last;
+  Liar arm(e, [&](ArmState* s) {
+    if (s->time < from) return;
+    if (!last) last = *s;
+    s->wrench = last->wrench;
+  });
+  const RunOutcome outcome = run(e, arm, {}, 0.0);
+  EXPECT_THAT(outcome.cause, HasSubstr("the wrench stands still"));
+  EXPECT_LT(outcome.simulated, e.plan.path.duration() + 5.0);
+  EXPECT_EQ(arm.sent.back(), 0.0);
 }
 
 TEST(Lies, ADriverThatChecksTheMotionIsNotCheckedAgain) {

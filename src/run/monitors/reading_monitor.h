@@ -6,6 +6,9 @@
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
 //           not older than start() by more than 1 s
 //
+//   wrench  that says the canvas pushes with 1 N: not the same, bit by bit, while the tip moves by
+//           5 mm along the normal
+//
 // Ages within these bounds and numbers that are not finite are left to the control law's status.
 #pragma once
 
@@ -31,16 +34,16 @@ class ReadingMonitor {
     if (!driver.checks_motion) motion_.emplace(speed_limit, torque_limit);
   }
 
-  // The next reading. torque, external: as MotionCheck has them [Nm]. True in the cycle in which
-  // the first contradiction is found. Allocates for its text alone.
-  bool update(const ArmState& state, const JointVector& torque,
-              const JointVector& external) noexcept {
+  // The next reading. torque, external, M: as MotionCheck has them [Nm], [kg m²]. True in the
+  // cycle in which the first contradiction is found. Allocates for its text alone.
+  bool update(const ArmState& state, const JointVector& torque, const JointVector& external,
+              const JointMatrix* M = nullptr) noexcept {
     const std::string found = contradiction(state);
     time_ = state.time;
     const bool speeds = driver_.velocity;
     if (motion_ && !state.stalled && state.q.allFinite() && (!speeds || state.v.allFinite())) {
       motion_->update(state.q, speeds ? &state.v : nullptr, torque, external,
-                      state.state_time - state_time_);
+                      state.state_time - state_time_, M);
       state_time_ = state.state_time;
     }
     if (!cause_.empty()) return false;
@@ -51,7 +54,13 @@ class ReadingMonitor {
   // The same, after a cycle.
   Verdict judge(const Cycle& cycle) {
     const JointVector torque = cycle.out.tau - cycle.out.terms.col(kGravity);
-    if (!update(*cycle.state, torque, external(cycle))) return {};
+    if (felt_ && stands_still(cycle) && cause_.empty()) {
+      cause_ = fmt::format(
+          "the wrench stands still: the force on the tip is still {:.1f} N, 5 mm along the normal",
+          cycle.normal_force());
+    } else if (!update(*cycle.state, torque, external(cycle), &cycle.arm.M)) {
+      return {};
+    }
     return {Severity::damp, fmt::format("{} at t = {:.3f} s", cause(), cycle.next_run_time())};
   }
 
@@ -74,6 +83,16 @@ class ReadingMonitor {
     const JointVector tau = cycle.arm.J.transpose().lazyProduct(F);
     return tau.cwiseAbs() +
            cycle.out.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * torque_limit_);
+  }
+
+  bool stands_still(const Cycle& cycle) noexcept {
+    constexpr double kPushes = 1.0, kMoved = 5e-3;  // [N], [m]
+    const Eigen::Vector3d& p_WE = cycle.arm.X_WE.p;
+    if (cycle.state->wrench != wrench_ || !(cycle.normal_force() > kPushes)) {
+      wrench_ = cycle.state->wrench;
+      p_WE_ = p_WE;
+    }
+    return std::abs((p_WE - p_WE_).dot(cycle.out.n_WD)) > kMoved;
   }
 
   std::string contradiction(const ArmState& state) {
@@ -99,7 +118,9 @@ class ReadingMonitor {
   double wrench_delay_;  // [s]
   bool felt_;
   std::optional<MotionCheck> motion_;
-  double time_ = 0.0, state_time_ = 0.0;  // the last reading; the last that moved [s]
+  double time_ = 0.0, state_time_ = 0.0;            // the last reading; the last that moved [s]
+  Vector6 wrench_ = Vector6::Zero();                // the last that was another
+  Eigen::Vector3d p_WE_ = Eigen::Vector3d::Zero();  // where it was measured [m]
   int still_ = 0;
   std::string cause_;
 };
