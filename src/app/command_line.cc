@@ -160,6 +160,8 @@ int run_program(int argc, char** argv) {
   cover->add_option("--out", options.out,
                     "folder for the run, created if missing (default: runs/NAME)");
   add_set(cover, &options, "override a setting, as in --set tool.radius=0.01; may be repeated");
+  cover->add_flag("--resume", options.resume,
+                  "continue an interrupted run, named again with its settings and --out");
   add_metrics(cover);
   cover->footer(
       "Examples:\n  ./impedraw cover\n  ./impedraw cover scenarios/reach-saddle.yaml\n"
@@ -538,7 +540,7 @@ int run_program(int argc, char** argv) {
         "impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, plan, preview, compare, report, film, inspect, judge, calibrate})
+  for (CLI::App* command : {draw, cover, plan, preview, compare, report, film, inspect, judge, calibrate})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check(

@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-enum class ToolKind { pen, pad, roller, blade, engraver };
+enum class ToolKind { pen, pad };
 
 struct ToolSettings {
   ToolKind kind = ToolKind::pen;
@@ -27,7 +27,13 @@ struct ToolSettings {
 };
 
 // The pad of these settings, which lies level with E under `force` [N]; nothing for a pen.
-std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force);
+inline std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
+  if (tool.kind == ToolKind::pen) return std::nullopt;
+  PadSettings pad{
+      tool.radius, tool.foam_thickness, tool.foam_stiffness, tool.foam_damping, friction, 0.0};
+  pad.rest = force / (pad.stiffness * pad.area());
+  return pad;
+}
 
 struct CoverSettings {
   std::filesystem::path

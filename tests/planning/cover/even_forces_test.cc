@@ -1,0 +1,90 @@
+// Forces that remove evenly, against closed forms of the dose.
+#include "impedraw/planning/cover/even_forces.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "impedraw/planning/cover/cover_lines.h"
+
+namespace impedraw {
+namespace {
+
+constexpr double kRadius = 0.015, kHalf = 0.08;  // [m]
+
+SurfaceGrid plane() {
+  return sample_surface(
+      [](double x, double y) -> SurfaceHeight::Sample {
+        if (std::max(std::abs(x), std::abs(y)) > kHalf) return std::nullopt;
+        return SurfaceSample{{x, y, 0.0}};
+      },
+      {Eigen::Vector2d::Constant(-0.09), Eigen::Vector2d::Constant(0.09)}, 1.5e-3, 70.0);
+}
+
+double cv(const SurfaceGrid& g, const std::vector<double>& dose, const std::vector<char>& places) {
+  double n = 0.0, sum = 0.0, sum2 = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if (places[v]) n += 1.0, sum += dose[v], sum2 += dose[v] * dose[v];
+  return std::sqrt(sum2 / n - sum * sum / n / n) / (sum / n);
+}
+
+PlaneLines rows(double spacing) {
+  PlaneLines lines;
+  for (double y = -0.06; y < 0.0601; y += spacing) {
+    auto& line = lines.emplace_back();
+    for (double x = -0.06; x < 0.0601; x += 2e-3) line.emplace_back(x, y);
+  }
+  return lines;
+}
+
+TEST(DoseOf, IsTheChordOfTheDisc) {
+  const SurfaceGrid g = plane();
+  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, kRadius);
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    const Eigen::Vector2d p = g.plane(v);
+    const double off = std::abs(p.y() + 0.06);
+    if (std::abs(p.x()) > 0.04 || off > 0.95 * kRadius) continue;
+    ASSERT_NEAR(dose[v], 2.0 * std::sqrt(kRadius * kRadius - off * off), 2.1e-3);
+  }
+}
+
+// The first harmonic of rows at the distance s vanishes where J_1(2 π r/s) does: at r/s = 1.62.
+TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
+  const SurfaceGrid g = plane();
+  std::vector<char> middle(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kRadius;
+  EXPECT_LT(cv(g, dose_of(g, rows(kRadius / 1.62), kRadius), middle), 0.025);
+  EXPECT_GT(cv(g, dose_of(g, rows(kRadius / 0.8), kRadius), middle), 0.1);
+}
+
+TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
+  const SurfaceGrid g = plane();
+  CoverWish wish;
+  wish.footprint = {kRadius, 3.5e-3, 0.01};
+  wish.spacing = 0.0093;
+  const Centres centres = footprint_centres(g, wish);
+  const CoverLines lines = cover_lines(g, centres, wish);
+  const std::vector<char> places =
+      inside_by(g, swept(g, lines.passes, kRadius - 5e-4), kRadius);
+  const auto forces = even_forces(g, lines.passes, kRadius, places, 0.1);
+  const double even = cv(g, dose_of(g, lines.passes, kRadius), places);
+  EXPECT_LT(cv(g, dose_of(g, lines.passes, kRadius, forces), places), 0.95 * even);
+  double n = 0.0, sum = 0.0;
+  ASSERT_EQ(forces.size(), lines.passes.size());
+  for (std::size_t l = 0; l < forces.size(); ++l) {
+    ASSERT_EQ(forces[l].size(), lines.passes[l].size());
+    for (std::size_t i = 0; i < forces[l].size(); ++i) {
+      ASSERT_NEAR(forces[l][i], 1.0, 0.1 + 1e-9);
+      if (i > 0) {
+        ASSERT_NEAR(forces[l][i], forces[l][i - 1], 0.1);
+      }
+      sum += forces[l][i], n += 1.0;
+    }
+  }
+  EXPECT_NEAR(sum / n, 1.0, 0.03);
+}
+
+}  // namespace
+}  // namespace impedraw
