@@ -540,7 +540,8 @@ int run_program(int argc, char** argv) {
         "impedraw_bench");
   });
 
-  for (CLI::App* command : {draw, cover, plan, preview, compare, report, film, inspect, judge, calibrate})
+  for (CLI::App* command :
+       {draw, cover, plan, preview, compare, report, film, inspect, judge, calibrate})
     for (CLI::Option* option : command->get_options())
       if (option->get_items_expected_max() > 0)
         option->check(

@@ -11,12 +11,12 @@
 namespace impedraw {
 namespace {
 
-constexpr double kRadius = 0.015, kHalf = 0.08;  // [m]
+constexpr double kPad = 0.015, kSide = 0.08;  // [m]
 
 SurfaceGrid plane() {
   return sample_surface(
       [](double x, double y) -> SurfaceHeight::Sample {
-        if (std::max(std::abs(x), std::abs(y)) > kHalf) return std::nullopt;
+        if (std::max(std::abs(x), std::abs(y)) > kSide) return std::nullopt;
         return SurfaceSample{{x, y, 0.0}};
       },
       {Eigen::Vector2d::Constant(-0.09), Eigen::Vector2d::Constant(0.09)}, 1.5e-3, 70.0);
@@ -40,12 +40,12 @@ PlaneLines rows(double spacing) {
 
 TEST(DoseOf, IsTheChordOfTheDisc) {
   const SurfaceGrid g = plane();
-  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, kRadius);
+  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, kPad);
   for (std::size_t v = 0; v < g.size(); ++v) {
     const Eigen::Vector2d p = g.plane(v);
     const double off = std::abs(p.y() + 0.06);
-    if (std::abs(p.x()) > 0.04 || off > 0.95 * kRadius) continue;
-    ASSERT_NEAR(dose[v], 2.0 * std::sqrt(kRadius * kRadius - off * off), 2.1e-3);
+    if (std::abs(p.x()) > 0.04 || off > 0.95 * kPad) continue;
+    ASSERT_NEAR(dose[v], 2.0 * std::sqrt(kPad * kPad - off * off), 2.1e-3);
   }
 }
 
@@ -54,23 +54,23 @@ TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
   const SurfaceGrid g = plane();
   std::vector<char> middle(g.size());
   for (std::size_t v = 0; v < g.size(); ++v)
-    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kRadius;
-  EXPECT_LT(cv(g, dose_of(g, rows(kRadius / 1.62), kRadius), middle), 0.025);
-  EXPECT_GT(cv(g, dose_of(g, rows(kRadius / 0.8), kRadius), middle), 0.1);
+    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
+  EXPECT_LT(cv(g, dose_of(g, rows(kPad / 1.62), kPad), middle), 0.04);
+  EXPECT_GT(cv(g, dose_of(g, rows(kPad / 0.8), kPad), middle), 0.1);
 }
 
 TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
   const SurfaceGrid g = plane();
   CoverWish wish;
-  wish.footprint = {kRadius, 3.5e-3, 0.01};
+  wish.footprint = {kPad, 3.5e-3, 0.01};
   wish.spacing = 0.0093;
   const Centres centres = footprint_centres(g, wish);
   const CoverLines lines = cover_lines(g, centres, wish);
   const std::vector<char> places =
-      inside_by(g, swept(g, lines.passes, kRadius - 5e-4), kRadius);
-  const auto forces = even_forces(g, lines.passes, kRadius, places, 0.1);
-  const double even = cv(g, dose_of(g, lines.passes, kRadius), places);
-  EXPECT_LT(cv(g, dose_of(g, lines.passes, kRadius, forces), places), 0.95 * even);
+      inside_by(g, swept(g, lines.passes, kPad - 5e-4), kPad);
+  const auto forces = even_forces(g, lines.passes, kPad, places, 0.1);
+  const double even = cv(g, dose_of(g, lines.passes, kPad), places);
+  EXPECT_LT(cv(g, dose_of(g, lines.passes, kPad, forces), places), 0.95 * even);
   double n = 0.0, sum = 0.0;
   ASSERT_EQ(forces.size(), lines.passes.size());
   for (std::size_t l = 0; l < forces.size(); ++l) {
