@@ -253,9 +253,9 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   const fs::path strokes = fs::absolute(folder / "cover.csv");
   const std::string lines = cover_strokes(plan, scenario);
   if (begun && lines != text_of(strokes))
-    throw InputError(fmt::format(
-        "--resume: the area in {} was begun along other lines; use the same settings",
-        folder.string()));
+    throw InputError(
+        fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
+                    folder.string()));
   write_whole(strokes, lines);
   Experiment experiment = prepare(
       drawing_of_cover(scenario, strokes), places, Unreachable::refuse,

@@ -63,7 +63,8 @@ void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW
   for (const Eigen::Vector3d& p_W : cloud.points)
     around(*g, X_PW * p_W, voxel, [&](std::size_t v) { near[v] = 1; });
   const std::vector<double> off = distance_to_edge(*g, near);
-  for (std::size_t v = 0; v < g->size(); ++v) g->known[v] = g->known[v] && off[v] >= kInside * voxel;
+  for (std::size_t v = 0; v < g->size(); ++v)
+    g->known[v] = g->known[v] && off[v] >= kInside * voxel;
 }
 
 // Why the footprint fits nowhere.
@@ -172,8 +173,7 @@ CoverPlan plan_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
 TrueCover true_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
                      const CoverPlan& plan) {
   TrueCover truth;
-  truth.grid =
-      same_places(plan.grid, canvas_height(scene.canvas, X_WP), s.preflight.max_slope_deg);
+  truth.grid = same_places(plan.grid, canvas_height(scene.canvas, X_WP), s.preflight.max_slope_deg);
   CoverWish wish = plan.wish;
   wish.margin = 0.0;
   truth.reachable = swept(truth.grid, footprint_centres(truth.grid, wish), wish.footprint.radius);

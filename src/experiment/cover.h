@@ -22,8 +22,8 @@ struct CoverPlan {
   Centres centres;
   CoverLines lines;
   std::vector<std::vector<double>> forces;  // at each point of the lines [N]
-  double promised_area = 0.0;      // [m²]
-  std::vector<std::string> notes;  // what of the area is not covered, one line each
+  double promised_area = 0.0;               // [m²]
+  std::vector<std::string> notes;           // what of the area is not covered, one line each
 };
 
 // Of the scenario, as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,

@@ -110,8 +110,9 @@ void visit_rows(const std::filesystem::path& path,
     take(i, "/contact/normal", 3, false, row.contact_normal.data());
     take(i, "/wrench/measured", 6, false, row.wrench_measured.data());
     take(i, "/surface/normal", 3, false, row.surface_normal.data());
-    for (const auto& [name, X] : {std::pair(kCanvasPoseColumn, &row.canvas_pose),
-                                  std::pair(kEstimatedCanvasPoseColumn, &row.estimated_canvas_pose)}) {
+    for (const auto& [name, X] :
+         {std::pair(kCanvasPoseColumn, &row.canvas_pose),
+          std::pair(kEstimatedCanvasPoseColumn, &row.estimated_canvas_pose)}) {
       if (!log.has(name)) continue;
       take(i, name, 7, false, pose);
       *X = {{pose[0], pose[1], pose[2]},

@@ -66,8 +66,7 @@ TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
   wish.spacing = 0.0093;
   const Centres centres = footprint_centres(g, wish);
   const CoverLines lines = cover_lines(g, centres, wish);
-  const std::vector<char> places =
-      inside_by(g, swept(g, lines.passes, kPad - 5e-4), kPad);
+  const std::vector<char> places = inside_by(g, swept(g, lines.passes, kPad - 5e-4), kPad);
   const auto forces = even_forces(g, lines.passes, kPad, places, 0.1);
   const double even = cv(g, dose_of(g, lines.passes, kPad), places);
   EXPECT_LT(cv(g, dose_of(g, lines.passes, kPad, forces), places), 0.95 * even);
