@@ -80,10 +80,12 @@ std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLi
       first += line.size();
     }
   }
-  double way = 0.0, pressed = 0.0;
-  for (std::size_t k = 0; k < knots.size(); ++k)
-    way += knots[k].way, pressed += knots[k].way * force[k];
-  for (double& f : force) f = std::clamp(f * way / pressed, 1.0 - most, 1.0 + most);
+  for (int round = 0; round < kRounds; ++round) {
+    double way = 0.0, pressed = 0.0;
+    for (std::size_t k = 0; k < knots.size(); ++k)
+      way += knots[k].way, pressed += knots[k].way * force[k];
+    for (double& f : force) f = std::clamp(f * way / pressed, 1.0 - most, 1.0 + most);
+  }
   std::vector<std::vector<double>> forces;
   auto at = force.begin();
   for (const auto& line : lines) {
